@@ -1,0 +1,26 @@
+# Warnings, determinism and sanitizers: one interface target that every target of the project links.
+
+add_library(stator_compile_options INTERFACE)
+
+target_compile_options(stator_compile_options INTERFACE
+  -Wall -Wextra -Wconversion -Wshadow -Wpedantic -Wnon-virtual-dtor -Woverloaded-virtual
+  # Same inputs, same bits: a fused multiply-add rounds once where two operations round twice.
+  -ffp-contract=off)
+if(STATOR_WARNINGS_AS_ERRORS)
+  target_compile_options(stator_compile_options INTERFACE -Werror)
+endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # GCC 12's straight-line vectoriser emits fused operations even with contraction off.
+  target_compile_options(stator_compile_options INTERFACE -fno-tree-slp-vectorize)
+endif()
+
+if(STATOR_SANITIZE)
+  target_compile_options(stator_compile_options INTERFACE
+    -fsanitize=${STATOR_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(stator_compile_options INTERFACE -fsanitize=${STATOR_SANITIZE})
+endif()
+
+find_program(STATOR_CCACHE ccache)
+if(STATOR_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${STATOR_CCACHE})
+endif()

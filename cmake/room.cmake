@@ -1,0 +1,29 @@
+# A room is one folder below src/, one namespace stator::<room> and one static library stator_<room>
+# (alias stator::<room>). USES names the rooms it may include directly; scripts/check_layering.py
+# verifies every #include against the same lists.
+function(stator_room name)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;USES;LIBRARIES" ${ARGN})
+  add_library(stator_${name} STATIC ${ROOM_SOURCES})
+  add_library(stator::${name} ALIAS stator_${name})
+  target_include_directories(stator_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
+  target_link_libraries(stator_${name} PRIVATE stator_compile_options)
+  foreach(used IN LISTS ROOM_USES)
+    target_link_libraries(stator_${name} PUBLIC stator_${used})
+  endforeach()
+  target_link_libraries(stator_${name} PRIVATE ${ROOM_LIBRARIES})
+endfunction()
+
+# One GoogleTest program per room: tests/<room>/*.cpp, registered case by case with CTest.
+function(stator_test_suite name)
+  cmake_parse_arguments(SUITE "" "" "SOURCES;USES;LIBRARIES" ${ARGN})
+  add_executable(test_${name} ${SUITE_SOURCES})
+  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_compile_definitions(test_${name} PRIVATE
+    STATOR_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data" STATOR_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  foreach(used IN LISTS SUITE_USES)
+    target_link_libraries(test_${name} PRIVATE stator_${used})
+  endforeach()
+  target_link_libraries(test_${name} PRIVATE
+    stator_compile_options ${SUITE_LIBRARIES} GTest::gtest GTest::gmock GTest::gtest_main)
+  gtest_discover_tests(test_${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 120)
+endfunction()

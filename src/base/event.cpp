@@ -1,0 +1,66 @@
+#include "base/event.hpp"
+
+#include <charconv>
+
+namespace stator::base {
+
+namespace {
+
+std::string to_hexadecimal(std::int64_t number, int digits) {
+  std::string text;
+  auto rest = static_cast<std::uint64_t>(number);
+  while (rest != 0 || static_cast<int>(text.size()) < digits) {
+    text.insert(text.begin(), "0123456789ABCDEF"[rest & 0xF]);
+    rest >>= 4;
+  }
+  return text + "h";
+}
+
+/// Appends the argument that `placeholder` (the text between the braces) names; false if none.
+bool append_argument(std::string& sentence, std::string_view placeholder, const Event& event) {
+  std::size_t position = 0;
+  const char* const end = placeholder.data() + placeholder.size();
+  const auto number = std::from_chars(placeholder.data(), end, position);
+  if (number.ec != std::errc() || position >= event.arguments.size()) {
+    return false;
+  }
+  const EventArgument& argument = event.arguments[position];
+  if (number.ptr == end) {
+    sentence += argument.is_text() ? std::string(argument.text()) : std::to_string(argument.number());
+    return true;
+  }
+  int digits = 0;
+  const std::string_view format(number.ptr, static_cast<std::size_t>(end - number.ptr));
+  if (argument.is_text() || !format.starts_with(":x") ||
+      std::from_chars(format.data() + 2, end, digits).ptr != end) {
+    return false;
+  }
+  sentence += to_hexadecimal(argument.number(), digits);
+  return true;
+}
+
+}  // namespace
+
+std::string to_sentence(const Event& event) {
+  if (event.rule == nullptr) {
+    return "event without a rule";
+  }
+  std::string sentence;
+  std::string_view rest = event.rule->text;
+  while (!rest.empty()) {
+    const std::size_t open = rest.find('{');
+    const std::size_t close = rest.find('}', open == std::string_view::npos ? rest.size() : open);
+    if (close == std::string_view::npos) {
+      break;
+    }
+    sentence += rest.substr(0, open);
+    if (!append_argument(sentence, rest.substr(open + 1, close - open - 1), event)) {
+      sentence += rest.substr(open, close - open + 1);
+    }
+    rest.remove_prefix(close + 1);
+  }
+  sentence += rest;
+  return sentence;
+}
+
+}  // namespace stator::base

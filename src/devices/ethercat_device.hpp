@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include "base/sim_time.hpp"
+#include "devices/signal.hpp"
+#include "dictionary/dictionary.hpp"
+#include "ethercat/device_description.hpp"
+#include "ethercat/slave_controller.hpp"
+
+namespace stator::devices {
+
+/// A complete EtherCAT product: slave controller, firmware, drives and plants. Passive: frames go
+/// through its controller (ethercat::Segment does that), time comes in by advance().
+class EtherCatDevice {
+ public:
+  EtherCatDevice() = default;
+  EtherCatDevice(const EtherCatDevice&) = delete;
+  EtherCatDevice& operator=(const EtherCatDevice&) = delete;
+  virtual ~EtherCatDevice() = default;
+
+  [[nodiscard]] virtual ethercat::SlaveController& controller() = 0;
+  [[nodiscard]] virtual const dictionary::Dictionary& dictionary() const = 0;
+  [[nodiscard]] virtual const ethercat::DeviceDescription& description() const = 0;
+
+  /// Brings firmware and plant to `now` in the device's own control periods. Time never goes back;
+  /// a `now` before the last one is ignored.
+  virtual void advance(base::SimTime now) = 0;
+
+  /// Lets the firmware take what the last frame brought: AL control, mailboxes, process data.
+  /// Called after each frame; cheap when nothing came.
+  virtual void handle_bus_events(base::SimTime now) = 0;
+
+  /// Everything that can be recorded, with names unique within the device.
+  [[nodiscard]] virtual std::vector<Signal> signals() = 0;
+};
+
+}  // namespace stator::devices
