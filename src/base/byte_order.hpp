@@ -27,7 +27,7 @@ constexpr T reverse_bytes(T value) {
 
 /// Reads a little-endian T at `from`; `from` must have sizeof(T) readable bytes, any alignment.
 template <typename T>
-  requires std::is_trivially_copyable_v<T>
+requires std::is_trivially_copyable_v<T>
 [[nodiscard]] T load_le(const std::byte* from) {
   T value;
   std::memcpy(&value, from, sizeof value);
@@ -39,7 +39,7 @@ template <typename T>
 
 /// Writes `value` little-endian at `to`; `to` must have sizeof(T) writable bytes, any alignment.
 template <typename T>
-  requires std::is_trivially_copyable_v<T>
+requires std::is_trivially_copyable_v<T>
 void store_le(std::byte* to, T value) {
   if constexpr (std::endian::native == std::endian::big && sizeof(T) > 1) {
     value = detail::reverse_bytes(value);

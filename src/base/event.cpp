@@ -26,10 +26,11 @@ bool append_argument(std::string& sentence, std::string_view placeholder, const 
   }
   const EventArgument& argument = event.arguments[position];
   if (number.ptr == end) {
-    sentence += argument.is_text() ? std::string(argument.text()) : std::to_string(argument.number());
+    sentence +=
+        argument.is_text() ? std::string(argument.text()) : std::to_string(argument.number());
     return true;
   }
-  int digits = 0;
+  int digits = 1;
   const std::string_view format(number.ptr, static_cast<std::size_t>(end - number.ptr));
   if (argument.is_text() || !format.starts_with(":x") ||
       std::from_chars(format.data() + 2, end, digits).ptr != end) {

@@ -28,16 +28,17 @@ struct EventRule {
   std::string_view text;
 };
 
-/// A number or a text of static lifetime (a state's name, an object's name).
+/// A number, or a text that lives as long as the device that raises the event (a state's name, an
+/// object's name); a reader that keeps events longer keeps their sentences instead.
 class EventArgument {
  public:
   constexpr EventArgument() = default;
-  constexpr EventArgument(std::int64_t number) : number_(number) {}          // NOLINT: implicit
-  constexpr EventArgument(std::string_view text) : text_(text) {}            // NOLINT: implicit
-  constexpr EventArgument(const char* text) : text_(text) {}                 // NOLINT: implicit
-  constexpr EventArgument(int number) : number_(number) {}                   // NOLINT: implicit
-  constexpr EventArgument(unsigned number) : number_(number) {}              // NOLINT: implicit
-  constexpr EventArgument(std::size_t number)                                // NOLINT: implicit
+  constexpr EventArgument(std::int64_t number) : number_(number) {}  // NOLINT: implicit
+  constexpr EventArgument(std::string_view text) : text_(text) {}    // NOLINT: implicit
+  constexpr EventArgument(const char* text) : text_(text) {}         // NOLINT: implicit
+  constexpr EventArgument(int number) : number_(number) {}           // NOLINT: implicit
+  constexpr EventArgument(unsigned number) : number_(number) {}      // NOLINT: implicit
+  constexpr EventArgument(std::size_t number)                        // NOLINT: implicit
       : number_(static_cast<std::int64_t>(number)) {}
 
   [[nodiscard]] constexpr bool is_text() const { return text_.data() != nullptr; }
@@ -49,7 +50,8 @@ class EventArgument {
   std::string_view text_{};
 };
 
-/// What happened, as data: raising one costs a copy and no allocation; words are made by the reader.
+/// What happened, as data: raising one costs a copy and no allocation; words are made by the
+/// reader.
 struct Event {
   SimTime time;
   const EventRule* rule = nullptr;

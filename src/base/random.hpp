@@ -4,8 +4,9 @@
 
 namespace stator::base {
 
-/// Seeded random numbers (SplitMix64): integer arithmetic only, so a seed gives the same sequence on
-/// every compiler and processor. One generator per noise channel; the seed comes from the rack file.
+/// Seeded random numbers (SplitMix64): integer arithmetic only, so a seed gives the same sequence
+/// on every compiler and processor. One generator per noise channel; the seed comes from the rack
+/// file.
 class Random {
  public:
   constexpr explicit Random(std::uint64_t seed) : state_(seed) {}

@@ -20,7 +20,9 @@ class SimDuration {
 
   [[nodiscard]] constexpr std::int64_t nanoseconds() const { return nanoseconds_; }
   /// Seconds as a double, for physics and for people; not for bookkeeping.
-  [[nodiscard]] constexpr double seconds() const { return static_cast<double>(nanoseconds_) * 1e-9; }
+  [[nodiscard]] constexpr double seconds() const {
+    return static_cast<double>(nanoseconds_) * 1e-9;
+  }
 
   friend constexpr auto operator<=>(SimDuration, SimDuration) = default;
 
@@ -43,8 +45,9 @@ class SimDuration {
   friend constexpr SimDuration operator*(SimDuration a, std::int64_t n) {
     std::int64_t product = 0;
     if (__builtin_mul_overflow(a.nanoseconds_, n, &product)) {
-      return SimDuration((a.nanoseconds_ < 0) == (n < 0) ? std::numeric_limits<std::int64_t>::max()
-                                                         : std::numeric_limits<std::int64_t>::min());
+      return SimDuration((a.nanoseconds_ < 0) == (n < 0)
+                             ? std::numeric_limits<std::int64_t>::max()
+                             : std::numeric_limits<std::int64_t>::min());
     }
     return SimDuration(product);
   }

@@ -37,6 +37,21 @@ double cosine_on_octant(double x) {
   return (1.0 - 0.5 * z) + z * z * p;
 }
 
+/// Arc tangent of x, 0 <= x <= 1.
+double arc_tangent_on_unit(double x) {
+  // atan(x) = pi/4 + atan((x - 1) / (x + 1)) keeps the argument of the series below tan(pi/8),
+  // where 20 terms reach 1e-17.
+  constexpr double kTangentOfEighth = 0.41421356237309504880;
+  const bool upper = x > kTangentOfEighth;
+  const double t = upper ? (x - 1.0) / (x + 1.0) : x;
+  const double z = t * t;
+  double p = 0.0;
+  for (int n = 39; n >= 3; n -= 2) {
+    p = 1.0 / n - z * p;
+  }
+  return (upper ? 0.25 * kPi : 0.0) + (t - t * z * p);
+}
+
 }  // namespace
 
 SineCosine sine_cosine(double angle) {
@@ -56,6 +71,21 @@ SineCosine sine_cosine(double angle) {
     default:
       return {-c, s};
   }
+}
+
+double arc_tangent(double y, double x) {
+  const double magnitude_x = x < 0.0 ? -x : x;
+  const double magnitude_y = y < 0.0 ? -y : y;
+  const bool steep = magnitude_y > magnitude_x;
+  const double larger = steep ? magnitude_y : magnitude_x;
+  if (larger == 0.0) {
+    return 0.0;
+  }
+  const double ratio = (steep ? magnitude_x : magnitude_y) / larger;
+  double angle = arc_tangent_on_unit(ratio);
+  angle = steep ? 0.5 * kPi - angle : angle;
+  angle = x < 0.0 ? kPi - angle : angle;
+  return y < 0.0 ? -angle : angle;
 }
 
 }  // namespace stator::base

@@ -81,19 +81,21 @@ struct Range {
 struct EntryDeclaration {
   std::uint16_t index = 0;
   std::uint8_t subindex = 0;
-  std::string_view name;
+  std::string_view name{};
   ObjectCode object_code = ObjectCode::variable;
   DataType type = DataType::unsigned32;
   Access access = Access::read_write;
   PdoMapping mapping = PdoMapping::no;
-  Default default_value;
-  std::optional<Range> range;
-  std::string_view unit;
-  std::string_view source;  ///< where in the device's document
-  std::string_view note;
+  Default default_value{};
+  std::optional<Range> range{};
+  std::string_view unit{};
+  std::string_view source{};  ///< where in the device's document
+  std::string_view note{};
 
   std::string_view object_name{};  ///< name of the whole array or record, on its subindex 0
-  std::span<const std::int64_t> legal_values{};  ///< if not empty, the only values a write may have
+  /// If not empty, the only values a write may have, else abort 06090030h; `range` then only tells
+  /// what the document prints.
+  std::span<const std::int64_t> legal_values{};
   std::uint8_t write_states = kAllNetworkStates;  ///< NetworkState bits
   DriveCondition drive_condition = DriveCondition::none;
 };

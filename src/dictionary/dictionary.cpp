@@ -48,12 +48,41 @@ bool below(DataType type, std::uint64_t a, std::uint64_t b) {
   return is_signed(type) ? static_cast<std::int64_t>(a) < static_cast<std::int64_t>(b) : a < b;
 }
 
-const char* write_states_text(std::uint8_t states) {
-  constexpr auto kSafeOperational = static_cast<std::uint8_t>(NetworkState::safe_operational);
-  if (states == kPreOperationalOnly) {
-    return "Pre-Operational";
+/// Throws if the default or the range of a number is no value of its type.
+void check_declaration(const Entry& entry) {
+  if (is_string(entry.type())) {
+    return;
   }
-  return (states & kSafeOperational) != 0 ? "Pre-Operational and Safe-Operational" : "other states";
+  const auto check_value = [&entry](Number number, std::string_view what) {
+    if (extend(entry.type(), number.bits) != number.bits) {
+      reject_declaration(
+          entry.index(), entry.subindex(),
+          std::string(what) + " is no value of its type " + std::string(to_text(entry.type())));
+    }
+  };
+  const EntryDeclaration& declaration = entry.declaration();
+  check_value(declaration.default_value.number, "default");
+  if (const std::optional<Range>& range = declaration.range) {
+    check_value(range->minimum, "minimum");
+    check_value(range->maximum, "maximum");
+    if (below(entry.type(), range->maximum.bits, range->minimum.bits)) {
+      reject_declaration(entry.index(), entry.subindex(), "maximum is below minimum");
+    }
+  }
+}
+
+const char* write_states_text(std::uint8_t states) {
+  // By the bits of NetworkState: 1 Pre-Operational, 2 Safe-Operational, 4 Operational.
+  constexpr std::array<const char*, kAllNetworkStates + 1> kTexts{
+      "no state",
+      "Pre-Operational",
+      "Safe-Operational",
+      "Pre-Operational and Safe-Operational",
+      "Operational",
+      "Pre-Operational and Operational",
+      "Safe-Operational and Operational",
+      "every state"};
+  return kTexts[states & kAllNetworkStates];
 }
 
 const char* network_state_text(NetworkState state) {
@@ -85,6 +114,9 @@ Entry* Object::find(std::uint8_t subindex) const {
 }
 
 void Dictionary::add(std::span<const EntryDeclaration> declarations, const Placement& placement) {
+  if (!values_.empty()) {
+    throw std::logic_error("dictionary: entries added after finish()");
+  }
   entries_.reserve(entries_.size() + declarations.size());
   for (const EntryDeclaration& declaration : declarations) {
     Entry entry;
@@ -100,7 +132,16 @@ void Dictionary::finish() {
   std::ranges::stable_sort(entries_, [](const Entry& a, const Entry& b) {
     return a.index() != b.index() ? a.index() < b.index() : a.subindex() < b.subindex();
   });
-  values_ = std::make_unique<std::uint64_t[]>(entries_.size());
+  for (const Entry& entry : entries_) {
+    check_declaration(entry);
+  }
+  link_values();
+  link_objects();
+  reset_values();
+}
+
+void Dictionary::link_values() {
+  values_.assign(entries_.size(), 0);
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     Entry& entry = entries_[i];
     entry.value_ = &values_[i];
@@ -108,19 +149,7 @@ void Dictionary::finish() {
         entries_[i - 1].subindex() == entry.subindex()) {
       reject_declaration(entry.index(), entry.subindex(), "declared twice");
     }
-    const EntryDeclaration& declaration = entry.declaration();
-    if (declaration.default_value.documented && declaration.range && !is_string(entry.type())) {
-      const std::uint64_t value = declaration.default_value.number.bits;
-      const Range& range = *declaration.range;
-      // A default outside the printed range is the document's; only the reverse range is a mistake.
-      if (below(entry.type(), range.maximum.bits, range.minimum.bits) ||
-          extend(entry.type(), value) != value) {
-        reject_declaration(entry.index(), entry.subindex(), "default or range does not fit its type");
-      }
-    }
   }
-  link_objects();
-  reset_values();
 }
 
 void Dictionary::link_objects() {
@@ -244,7 +273,12 @@ Verdict Dictionary::read(Entry& entry, std::span<std::byte> out) const {
 Verdict Dictionary::check_value(const Entry& entry, std::uint64_t bits) const {
   const EntryDeclaration& declaration = entry.declaration();
   const EventArgument came(static_cast<std::int64_t>(bits));
-  if (declaration.range) {
+  if (!declaration.legal_values.empty()) {
+    if (std::ranges::find(declaration.legal_values, static_cast<std::int64_t>(bits)) ==
+        declaration.legal_values.end()) {
+      return refuse(AbortCode::value_range_exceeded, rules::kIllegalValue, about(entry, came));
+    }
+  } else if (declaration.range) {
     const Range& range = *declaration.range;
     if (below(entry.type(), range.maximum.bits, bits)) {
       return refuse(AbortCode::value_too_high, rules::kTooHigh,
@@ -255,14 +289,10 @@ Verdict Dictionary::check_value(const Entry& entry, std::uint64_t bits) const {
                     about(entry, came, EventArgument(range.minimum.as_signed())));
     }
   }
-  if (!declaration.legal_values.empty() &&
-      std::ranges::find(declaration.legal_values, static_cast<std::int64_t>(bits)) ==
-          declaration.legal_values.end()) {
-    return refuse(AbortCode::value_range_exceeded, rules::kIllegalValue, about(entry, came));
-  }
   if (declaration.drive_condition == DriveCondition::switch_on_disabled && drive_state_) {
     if (const char* state = drive_state_(entry.axis()); state != nullptr) {
-      return refuse(AbortCode::device_state, rules::kDriveState, about(entry, EventArgument(state)));
+      return refuse(AbortCode::device_state, rules::kDriveState,
+                    about(entry, EventArgument(state)));
     }
   }
   return entry.check_ ? entry.check_(entry, bits) : Verdict{};
@@ -284,13 +314,18 @@ Verdict Dictionary::write(Entry& entry, std::span<const std::byte> data,
   } else {
     const std::size_t expected = entry.size();
     if (data.size() != expected) {
-      return refuse(
-          data.size() > expected ? AbortCode::length_too_high : AbortCode::length_too_low,
-          rules::kLength, about(entry, EventArgument(data.size()), EventArgument(expected)));
+      return refuse(data.size() > expected ? AbortCode::length_too_high : AbortCode::length_too_low,
+                    rules::kLength,
+                    about(entry, EventArgument(data.size()), EventArgument(expected)));
     }
     std::array<std::byte, 8> bytes{};
     std::ranges::copy(data, bytes.begin());
-    const std::uint64_t bits = extend(entry.type(), base::load_le<std::uint64_t>(bytes));
+    const auto raw = base::load_le<std::uint64_t>(bytes);
+    if (entry.type() == DataType::boolean && raw > 1) {
+      return refuse(AbortCode::value_too_high, rules::kTooHigh,
+                    about(entry, EventArgument(static_cast<std::int64_t>(raw)), EventArgument(1)));
+    }
+    const std::uint64_t bits = extend(entry.type(), raw);
     if (Verdict verdict = check_value(entry, bits); !verdict) {
       return verdict;
     }

@@ -2,10 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "base/delegate.hpp"
@@ -24,7 +24,8 @@ class Entry {
   using CheckHook = base::Delegate<Verdict(const Entry&, std::uint64_t)>;
   /// Told after a new value was stored, also when it equals the old one.
   using WrittenHook = base::Delegate<void(const Entry&)>;
-  /// Called before a value is read, to bring it up to date.
+  /// Called before a value is read, to bring it up to date; must not change anything when called
+  /// twice, because a transfer asks for the size first and reads then.
   using ReadHook = base::Delegate<void(Entry&)>;
 
   [[nodiscard]] const EntryDeclaration& declaration() const { return *declaration_; }
@@ -34,8 +35,11 @@ class Entry {
   [[nodiscard]] DataType type() const { return declaration_->type; }
   /// Which axis the entry belongs to; 0 for those of the whole device.
   [[nodiscard]] std::uint8_t axis() const { return axis_; }
-  /// The declared default as this placement has it (a mapping entry of axis 1 names axis 1's object).
-  [[nodiscard]] std::uint64_t default_bits() const { return declaration_->default_value.number.bits; }
+  /// The declared default as this placement has it (a mapping entry of axis 1 names axis 1's
+  /// object).
+  [[nodiscard]] std::uint64_t default_bits() const {
+    return declaration_->default_value.number.bits;
+  }
 
   /// Length of the present value in bytes, as an SDO carries it.
   [[nodiscard]] std::size_t size() const {
@@ -129,12 +133,14 @@ class Dictionary {
   Dictionary& operator=(const Dictionary&) = delete;
   ~Dictionary() = default;
 
-  /// Adds entries; only before finish(). The declarations must outlive the dictionary.
+  /// Adds entries. The declarations must outlive the dictionary. Throws std::logic_error after
+  /// finish().
   void add(std::span<const EntryDeclaration> declarations, const Placement& placement = {});
 
-  /// Sorts, links and sets every default. Throws std::logic_error naming the offender if an entry is
-  /// declared twice, subindex 0 of an array or record is missing, or a default lies outside its
-  /// range.
+  /// Sorts, links and sets every default. Throws std::logic_error naming the offender if an entry
+  /// is declared twice, subindex 0 is missing, a range is empty, or a default or a bound of a range
+  /// is no value of the entry's type. A default outside its range is allowed: some documents print
+  /// such.
   void finish();
 
   /// Sets every value to its default, without hooks: what power-on does.
@@ -155,6 +161,7 @@ class Dictionary {
   /// or T has not the size and signedness of its type.
   template <typename T>
   [[nodiscard]] Variable<T> variable(std::uint16_t index, std::uint8_t subindex = 0) const {
+    static_assert(std::is_integral_v<T> || std::is_enum_v<T>, "values are kept as integers");
     return Variable<T>(slot(index, subindex, sizeof(T), std::is_signed_v<T>));
   }
 
@@ -168,31 +175,32 @@ class Dictionary {
   using DriveStateQuery = base::Delegate<const char*(std::uint8_t axis)>;
   void set_drive_state_query(DriveStateQuery query) { drive_state_ = query; }
 
-  /// Reads an entry as an SDO carries it: little-endian, exactly entry.size() bytes into `out`, which
-  /// must be at least that long (call prepare_read first when the size matters).
+  /// Reads an entry as an SDO carries it: little-endian, exactly entry.size() bytes into `out`,
+  /// which must be at least that long (call prepare_read first when the size matters).
   [[nodiscard]] Verdict read(Entry& entry, std::span<std::byte> out) const;
   /// Runs the read hook and checks readability; entry.size() is then the size of the value.
   [[nodiscard]] Verdict prepare_read(Entry& entry) const;
 
-  /// Writes an entry as an SDO carries it; every check of the declaration, then the check hook, then
-  /// the value, then the written hook.
+  /// Writes an entry as an SDO carries it; every check of the declaration, then the check hook,
+  /// then the value, then the written hook. Texts have no range and no check hook.
   [[nodiscard]] Verdict write(Entry& entry, std::span<const std::byte> data,
                               const AccessContext& context) const;
 
   /// Writes a number as process data brings it: range and hooks are checked, access by SDO and
   /// network state are not. Nothing happens when the value is unchanged.
-  [[nodiscard]] Verdict write_from_pdo(Entry& entry, std::uint64_t bits) const;
+  [[nodiscard]] Verdict write_from_pdo(Entry& entry, std::uint64_t raw) const;
 
  private:
   [[nodiscard]] std::uint64_t* slot(std::uint16_t index, std::uint8_t subindex, std::size_t size,
-                                    bool is_signed) const;
+                                    bool wants_signed) const;
   [[nodiscard]] Entry& existing(std::uint16_t index, std::uint8_t subindex) const;
   [[nodiscard]] Verdict check_value(const Entry& entry, std::uint64_t bits) const;
+  void link_values();
   void link_objects();
 
   std::vector<Entry> entries_;
   std::vector<Object> objects_;
-  std::unique_ptr<std::uint64_t[]> values_;
+  std::vector<std::uint64_t> values_;  ///< one per entry; never grows, so pointers stay valid
   DriveStateQuery drive_state_;
 };
 

@@ -1,0 +1,101 @@
+#!/usr/bin/env python3
+"""Makes the generated parts of docs/devices/.
+
+    scripts/device_pages.py           write docs/devices/<device>.md and <device>-objects.md
+    scripts/device_pages.py --check   fail if a page is not what would be written
+
+A device page has text written by hand and, between two marker lines, its conformance: every
+requirement of tests/data/<device>/requirements.csv in words, block by block, with its status and
+tests from docs/conformance/<device>.csv. The objects page is what `stator describe` prints.
+"""
+
+import argparse
+import csv
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+BEGIN = "<!-- conformance: made by scripts/device_pages.py -->"
+END = "<!-- end of conformance -->"
+MARKS = {"done": "yes", "simplified": "simplified", "left-out": "not yet"}
+
+
+def read_rows(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def conformance(device):
+    """The generated part of a device page, without the markers."""
+    requirements = read_rows(ROOT / "tests/data" / device / "requirements.csv")
+    status = {row["id"]: row for row in read_rows(ROOT / "docs/conformance" / f"{device}.csv")}
+    counts = {mark: 0 for mark in MARKS}
+    for row in status.values():
+        counts[row["status"]] += 1
+    lines = [
+        f"{len(requirements)} requirements: {counts['done']} done, "
+        f"{counts['simplified']} simplified, {counts['left-out']} not yet.",
+    ]
+    block = None
+    for requirement in requirements:
+        if requirement["block"] != block:
+            block = requirement["block"]
+            lines += ["", f"### {block}", "", "| ID | Requirement | Done | Tests, notes |",
+                      "|---|---|---|---|"]
+        row = status[requirement["id"]]
+        tests = ", ".join(f"`{test}`" for test in row["tests"].replace(";", " ").split())
+        remark = "; ".join(part for part in (tests, row["note"]) if part)
+        text = requirement["requirement"].replace("|", "\\|")
+        lines.append(f"| {requirement['id']} | {text} ({requirement['source']}) | "
+                     f"{MARKS[row['status']]} | {remark.replace('|', chr(92) + '|')} |")
+    return "\n".join(lines)
+
+
+def device_page(device, page):
+    """`page` with its generated part replaced."""
+    before, _, rest = page.partition(BEGIN)
+    _, found, after = rest.partition(END)
+    if not found:
+        sys.exit(f"docs/devices/{device}.md: the marker lines are missing; add\n{BEGIN}\n{END}")
+    return f"{before}{BEGIN}\n\n{conformance(device)}\n\n{END}{after}"
+
+
+def objects_page(device, stator):
+    """The object table as `stator describe` prints it."""
+    table = subprocess.run([stator, "describe", device, "--format", "markdown"], check=True,
+                           capture_output=True, text=True).stdout
+    return (f"# Objects of the {device.upper()}\n\n"
+            f"Made by `stator describe {device} --format markdown`; the CSV and JSON formats also "
+            f"carry the place in the device's document and notes.\n\n{table}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="compare instead of writing")
+    parser.add_argument("--stator", default=str(ROOT / "build/release/src/cli/stator"),
+                        help="the stator program (default: %(default)s)")
+    arguments = parser.parse_args()
+    stale = []
+    for status in sorted((ROOT / "docs/conformance").glob("*.csv")):
+        device = status.stem
+        page = ROOT / "docs/devices" / f"{device}.md"
+        wanted = {
+            page: device_page(device, page.read_text(encoding="utf-8")),
+            page.with_name(f"{device}-objects.md"): objects_page(device, arguments.stator),
+        }
+        for path, text in wanted.items():
+            if path.exists() and path.read_text(encoding="utf-8") == text:
+                continue
+            if arguments.check:
+                stale.append(str(path.relative_to(ROOT)))
+            else:
+                path.write_text(text, encoding="utf-8")
+                print(f"wrote {path.relative_to(ROOT)}")
+    if stale:
+        sys.exit("not up to date: " + ", ".join(stale) + "; run scripts/device_pages.py")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,88 @@
+#include "base/event.hpp"
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+namespace stator::base {
+namespace {
+
+std::string sentence(std::string_view text, const std::array<EventArgument, 6>& arguments = {}) {
+  const EventRule rule{"test-rule", Severity::refusal, text};
+  return to_sentence(Event{SimTime(), &rule, 0, arguments});
+}
+
+TEST(EventSentence, NumbersAndTextsStandWhereThePlaceholdersStood) {
+  EXPECT_EQ(sentence("{1} refused: SM{0} length {2}, mapping needs {3}",
+                     {2, std::string_view("SafeOp"), 6, 30}),
+            "SafeOp refused: SM2 length 6, mapping needs 30");
+}
+
+TEST(EventSentence, OneArgumentMayBeNamedSeveralTimes) {
+  EXPECT_EQ(sentence("{0} {0} {0:x2}", {15}), "15 15 0Fh");
+}
+
+TEST(EventSentence, HexadecimalHasAtLeastTheDigitsAskedFor) {
+  EXPECT_EQ(sentence("{0:x4}", {0x6040}), "6040h");
+  EXPECT_EQ(sentence("{0:x4}", {0x1A}), "001Ah");
+  EXPECT_EQ(sentence("{0:x2}", {0x12345}), "12345h");
+  EXPECT_EQ(sentence("{0:x}", {0}), "0h");
+  EXPECT_EQ(sentence("{0:x8}", {std::int64_t{0xFFFC0192}}), "FFFC0192h");
+}
+
+TEST(EventSentence, NegativeNumbersKeepTheirSign) {
+  EXPECT_EQ(sentence("{0}", {-5}), "-5");
+  EXPECT_EQ(sentence("{0}", {std::numeric_limits<std::int64_t>::min()}), "-9223372036854775808");
+  EXPECT_EQ(sentence("{0:x2}", {std::int64_t{-1}}), "FFFFFFFFFFFFFFFFh");
+}
+
+TEST(EventSentence, AnArgumentNotGivenIsZero) {
+  EXPECT_EQ(sentence("{5}"), "0");
+}
+
+TEST(EventSentence, AnEmptyTextIsATextAndNotAZero) {
+  EXPECT_EQ(sentence("\"{0}\"", {std::string_view("")}), "\"\"");
+}
+
+TEST(EventSentence, MistakesInARuleStaySeen) {
+  EXPECT_EQ(sentence("{6} {x} {} {0:y2} {0:x2z}", {1}), "{6} {x} {} {0:y2} {0:x2z}");
+  EXPECT_EQ(sentence("{0:x4}", {"text"}), "{0:x4}");
+  EXPECT_EQ(sentence("open {0", {1}), "open {0");
+  EXPECT_EQ(sentence("closed } {0}", {1}), "closed } 1");
+}
+
+TEST(EventSentence, AnEventWithoutARuleSaysSo) {
+  EXPECT_EQ(to_sentence(Event{}), "event without a rule");
+}
+
+class KeepingSink : public EventSink {
+ public:
+  void on_event(const Event& event) override { last = event; }
+  std::optional<Event> last;
+};
+
+constexpr EventRule kRule{"test-rule", Severity::warning, "{0}"};
+
+TEST(EventReporter, AddsTheDeviceAndHandsTheEventOn) {
+  KeepingSink sink;
+  const EventReporter reporter(&sink, 3);
+  reporter.report(SimTime(5_ms), kRule, {42});
+  ASSERT_TRUE(sink.last.has_value());
+  EXPECT_EQ(sink.last->time, SimTime(5_ms));
+  EXPECT_EQ(sink.last->rule, &kRule);
+  EXPECT_EQ(sink.last->device, 3);
+  EXPECT_EQ(sink.last->arguments[0].number(), 42);
+}
+
+TEST(EventReporter, WithoutASinkDropsTheEvent) {
+  const EventReporter reporter;
+  reporter.report(SimTime(), kRule, {42});
+}
+
+}  // namespace
+}  // namespace stator::base

@@ -1,0 +1,41 @@
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+from loading import load, write_tree
+
+check_tidy = load("check_tidy")
+
+TREE = {
+    "src/base/time.hpp": "",
+    "src/base/event.hpp": "",
+    "src/base/event.cpp": '#include "base/event.hpp"\n',
+    "src/base/unused.hpp": "",
+    "tests/base/time_test.cpp": '#include "base/time.hpp"\n',
+}
+COMPILED = {"src/base/event.cpp", "tests/base/time_test.cpp"}
+
+
+class SourcesToCheck(unittest.TestCase):
+    def sources(self, files):
+        with tempfile.TemporaryDirectory() as root:
+            write_tree(root, TREE)
+            with mock.patch.object(check_tidy, "ROOT", Path(root)):
+                return check_tidy.sources_to_check(files, COMPILED)
+
+    def test_a_source_is_checked_itself(self):
+        self.assertEqual(self.sources(["src/base/event.cpp"]), (["src/base/event.cpp"], []))
+
+    def test_a_header_is_checked_through_the_source_of_its_name(self):
+        self.assertEqual(self.sources(["src/base/event.hpp"]), (["src/base/event.cpp"], []))
+
+    def test_a_header_alone_is_checked_through_a_source_that_includes_it(self):
+        self.assertEqual(self.sources(["src/base/time.hpp"]), (["tests/base/time_test.cpp"], []))
+
+    def test_a_header_nobody_includes_is_named(self):
+        self.assertEqual(self.sources(["src/base/unused.hpp"]), ([], ["src/base/unused.hpp"]))
+
+
+if __name__ == "__main__":
+    unittest.main()
