@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "control/microstep_position.hpp"
+
+namespace stator::control {
+
+/// What the set-point is doing; chooses run, boost or standby current (TMCM-3315: 2003h, 204Eh,
+/// 2004h).
+enum class RampPhase : std::uint8_t { standstill, accelerating, constant_velocity, decelerating };
+
+/// Set-point of one moment. Units: microsteps, microsteps per second (pps), pps per second.
+struct MotionState {
+  MicrostepPosition position;
+  double velocity = 0.0;
+  double acceleration = 0.0;
+};
+
+/// A stretch of constant acceleration in closed form, t seconds after it began and with
+/// tau = t - reference_time:
+///   velocity = reference_velocity + acceleration * tau
+///   position = reference_position + reference_velocity * tau + acceleration * tau^2 / 2
+/// A stretch that ends on a target takes its end as reference, so arrival is exact by construction.
+struct MotionSegment {
+  double duration = 0.0;        ///< s; for the last segment of a plan see MotionPlan
+  double reference_time = 0.0;  ///< s after the begin of the segment
+  MicrostepPosition reference_position;
+  double reference_velocity = 0.0;  ///< pps
+  double acceleration = 0.0;        ///< pps/s
+  RampPhase phase = RampPhase::standstill;
+
+  [[nodiscard]] constexpr MotionState at(double time) const {
+    const double tau = time - reference_time;
+    return {displaced(reference_position, tau * (reference_velocity + 0.5 * acceleration * tau)),
+            reference_velocity + acceleration * tau, acceleration};
+  }
+};
+
+/// What a profile planner makes and RampGenerator plays: segments in order of time. Every complete
+/// plan ends with rest() or cruise(), which last for ever, so playing one never runs off its end.
+/// The duration of this last segment is the age at which its reference is moved up to the present,
+/// for a double must not hold all that an endless cruise has covered.
+class MotionPlan {
+ public:
+  /// Enough for "stop, return": brake, accelerate, cruise, brake, rest.
+  static constexpr std::size_t kCapacity = 6;
+
+  [[nodiscard]] constexpr std::size_t size() const { return size_; }
+  [[nodiscard]] constexpr const MotionSegment& operator[](std::size_t i) const {
+    return segments_[i];
+  }
+  constexpr MotionSegment& operator[](std::size_t i) { return segments_[i]; }
+
+  /// Appends a segment; one without duration is left out.
+  constexpr void append(const MotionSegment& segment) {
+    if (segment.duration > 0.0) {
+      segments_[size_++] = segment;
+    }
+  }
+  /// Ends the plan: stand at `position` from here on.
+  void rest(const MicrostepPosition& position);
+  /// Ends the plan: keep `velocity` from `position` on.
+  void cruise(const MicrostepPosition& position, double velocity);
+  /// Time until the last segment begins, s.
+  [[nodiscard]] double duration() const;
+
+ private:
+  std::array<MotionSegment, kCapacity> segments_{};
+  std::size_t size_ = 0;
+};
+
+}  // namespace stator::control

@@ -1,0 +1,127 @@
+#include "control/ramp_generator.hpp"
+
+namespace stator::control {
+
+RampGenerator::RampGenerator() {
+  state_.plan.rest({});
+}
+
+void RampGenerator::move_to(std::int64_t target, const RampLimits& limits) {
+  if (state_.mode == RampMode::position && state_.target_position == target &&
+      state_.limits == limits) {
+    return;
+  }
+  state_.mode = RampMode::position;
+  state_.target_position = target;
+  state_.limits = limits;
+  replan();
+}
+
+void RampGenerator::move_at_velocity(double velocity, const RampLimits& limits) {
+  if (state_.mode == RampMode::velocity && state_.target_velocity == velocity &&
+      state_.limits == limits) {
+    return;
+  }
+  state_.mode = RampMode::velocity;
+  state_.target_velocity = velocity;
+  state_.limits = limits;
+  replan();
+}
+
+void RampGenerator::set_limits(const RampLimits& limits) {
+  if (state_.limits == limits) {
+    return;
+  }
+  state_.limits = limits;
+  replan();
+}
+
+void RampGenerator::follow_position(std::int64_t target, base::SimDuration period) {
+  state_.mode = RampMode::follow_position;
+  state_.target_position = target;
+  play(plan_position_interpolation(state_.now, target, period));
+}
+
+void RampGenerator::follow_velocity(double velocity, base::SimDuration period) {
+  state_.mode = RampMode::follow_velocity;
+  state_.target_velocity = velocity;
+  play(plan_velocity_interpolation(state_.now, velocity, period));
+}
+
+void RampGenerator::stop(double deceleration) {
+  state_.mode = RampMode::stop;
+  play(plan_stop(state_.now, deceleration));
+}
+
+void RampGenerator::set_position(std::int64_t microsteps) {
+  state_.origin += state_.now.position.microsteps - microsteps;
+  state_.now.position.microsteps = microsteps;
+  stop_at_once();
+}
+
+void RampGenerator::replan() {
+  if (state_.mode == RampMode::position) {
+    play(plan_positioning(state_.now, state_.target_position, state_.limits));
+  } else if (state_.mode == RampMode::velocity) {
+    play(plan_velocity(state_.now, state_.target_velocity, state_.limits));
+  }
+}
+
+void RampGenerator::play(const MotionPlan& plan) {
+  state_.plan = plan;
+  state_.segment = 0;
+  state_.segment_lead = 0.0;
+  state_.segment_elapsed = base::SimDuration(0);
+  state_.now = plan[0].at(0.0);
+}
+
+/// Enters the segment in force `time` seconds after the begin of the present one; returns the time
+/// since its own begin.
+double RampGenerator::leave_segment(double time) {
+  const std::size_t last = state_.plan.size() - 1;
+  while (state_.segment < last && time > state_.plan[state_.segment].duration) {
+    time -= state_.plan[state_.segment].duration;
+    ++state_.segment;
+  }
+  MotionSegment& segment = state_.plan[state_.segment];
+  if (time > segment.duration) {
+    segment.reference_position = segment.at(time).position;
+    time = 0.0;
+  }
+  state_.segment_lead = time;
+  state_.segment_elapsed = base::SimDuration(0);
+  return time;
+}
+
+bool RampGenerator::at_rest() const {
+  return state_.now.velocity == 0.0 &&
+         (phase() == RampPhase::standstill || remaining_time() <= 0.0);
+}
+
+bool RampGenerator::target_reached() const {
+  switch (state_.mode) {
+    case RampMode::position:
+    case RampMode::follow_position:
+      return state_.now.position == MicrostepPosition{state_.target_position, 0.0} &&
+             (state_.mode == RampMode::follow_position || at_rest());
+    case RampMode::velocity:
+    case RampMode::follow_velocity:
+      return state_.now.velocity == state_.target_velocity;
+    case RampMode::stop:
+      break;
+  }
+  return at_rest();
+}
+
+double RampGenerator::remaining_time() const {
+  double sum = 0.0;
+  for (std::size_t i = state_.segment; i + 1 < state_.plan.size(); ++i) {
+    sum += state_.plan[i].duration;
+  }
+  if (state_.segment + 1 < state_.plan.size()) {
+    sum -= state_.segment_lead + state_.segment_elapsed.seconds();
+  }
+  return sum > 0.0 ? sum : 0.0;
+}
+
+}  // namespace stator::control

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "base/trigonometry.hpp"
+#include "plant/mechanical_load.hpp"
+#include "plant/shaft_angle.hpp"
+#include "plant/stepper_motor.hpp"
+
+namespace stator::plant {
+
+struct HybridStepperState {
+  std::array<double, 2> current{};  ///< A, phases A and B
+  double speed = 0.0;               ///< rad/s, mechanical; exactly 0 while the shaft sticks
+  ElectricalAngle angle;            ///< p times the shaft angle
+};
+
+/// What acts on motor and shaft during one step.
+struct HybridStepperInput {
+  std::array<double, 2> voltage{};  ///< V at the phases, held over the step
+  std::array<bool, 2> open{};       ///< the phase carries no current (its voltage is ignored)
+  double torque = 0.0;              ///< N m on the shaft from outside, positive = forward
+  bool brake_engaged = false;
+};
+
+/// Two-phase hybrid stepper with its load:
+///   L dia/dt = ua - R ia + p w psi sin(p th)      Te = p psi (ib cos(p th) - ia sin(p th))
+///   L dib/dt = ub - R ib - p w psi cos(p th)      Tdetent = Td sin(4 p th)
+///   J dw/dt  = Te - Tdetent - Tfriction(w) - B w + Tload,   dth/dt = w
+/// Friction: sgn(w) (Tc + (Ts - Tc) / (1 + (w / ws)^2)) (Hess and Soom's form of the Stribeck
+/// curve, which needs no exponential function); at rest up to Ts against any torque.
+///
+/// Integrated by fourth-order Runge-Kutta with the voltages held in the stator frame. The sign of
+/// dry friction is frozen over a step; a step that ends with the opposite sign of speed is
+/// corrected by the part of it after the crossing and sticks at exactly 0 if friction can hold the
+/// shaft.
+class HybridStepper {
+ public:
+  HybridStepper(const StepperMotorParameters& motor, const MechanicalLoad& load);
+
+  /// Advances `state` by `h` seconds; fastest_rate(state) * h must not exceed 0.33 rad.
+  void step(HybridStepperState& state, const HybridStepperInput& input, double h) const;
+  /// The same where sine and cosine of state.angle are known already.
+  void step(HybridStepperState& state, const base::SineCosine& direction,
+            const HybridStepperInput& input, double h) const;
+
+  /// The fastest of R/L, p |w|, rotor resonance and end stop, rad/s. While this times the step is
+  /// at most 0.33 the error stays below 1e-4 of rated values; it falls with the fourth power of the
+  /// step.
+  [[nodiscard]] double fastest_rate(const HybridStepperState& state) const;
+
+  /// Voltages induced in the phases when the electrical angle is that of `direction`, V.
+  [[nodiscard]] std::array<double, 2> induced_voltage(const base::SineCosine& direction,
+                                                      double speed) const;
+  [[nodiscard]] double electromagnetic_torque(const HybridStepperState& state) const;  ///< N m
+  [[nodiscard]] double detent_torque(const HybridStepperState& state) const;           ///< N m
+  /// Torque of load, end stops and `outside_torque` on the shaft without friction, N m, positive =
+  /// forward.
+  [[nodiscard]] double load_torque(const HybridStepperState& state, double outside_torque) const;
+  /// Current vector ahead of the rotor, electrical rad, -pi..pi; pull-out lies at pi/2.
+  [[nodiscard]] double load_angle(const HybridStepperState& state) const;
+  /// Position of the shaft since the zero of its angle, revolutions.
+  [[nodiscard]] double revolutions(const HybridStepperState& state) const;
+  /// The angle at which revolutions() is `revolutions`.
+  [[nodiscard]] ElectricalAngle angle_at(double revolutions) const;
+
+  [[nodiscard]] const StepperMotorParameters& motor() const { return motor_; }
+  /// Rotor and load, kg m^2.
+  [[nodiscard]] double inertia() const { return motor_.rotor_inertia + load_.inertia; }
+
+ private:
+  struct Derivative;
+  struct StepConstants;
+
+  [[nodiscard]] StepConstants freeze(const HybridStepperState& state,
+                                     const HybridStepperInput& input) const;
+  [[nodiscard]] Derivative derivative(const StepConstants& frozen,
+                                      const std::array<double, 2>& current, double speed,
+                                      const base::SineCosine& direction, double turned) const;
+  [[nodiscard]] double positional_torque(const StepConstants& frozen, double turned,
+                                         double speed) const;
+  [[nodiscard]] double detent_torque(const base::SineCosine& direction) const;
+  void settle_friction(HybridStepperState& state, const StepConstants& frozen, double speed_before,
+                       double step) const;
+  void step_at_rest(HybridStepperState& state, const HybridStepperInput& input, double step) const;
+
+  StepperMotorParameters motor_;
+  MechanicalLoad load_;
+  std::int64_t pole_pairs_;
+  double torque_constant_;     ///< Kt = p psi, N m/A and V s/rad
+  double inverse_inductance_;  ///< 1/H
+  double inverse_inertia_;     ///< 1/(kg m^2)
+  double viscous_friction_;    ///< motor and load, N m s/rad
+  double coulomb_friction_;    ///< motor and load, N m
+  double stribeck_rise_;       ///< Ts - Tc, N m
+  double inverse_stribeck_speed_;
+  double standstill_rate_;  ///< fastest_rate at speed 0, rad/s
+  bool has_end_stops_;
+  bool depends_on_position_;
+  ElectricalAngle end_stop_minimum_;
+  ElectricalAngle end_stop_maximum_;
+};
+
+}  // namespace stator::plant

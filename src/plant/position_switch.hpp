@@ -1,0 +1,38 @@
+#pragma once
+
+#include <limits>
+
+namespace stator::plant {
+
+/// A limit or home switch pressed by a cam while the shaft is within a range of positions.
+struct PositionSwitch {
+  bool fitted = false;
+  double pressed_from = -std::numeric_limits<double>::infinity();  ///< revolutions, inclusive
+  double pressed_to = std::numeric_limits<double>::infinity();     ///< revolutions, inclusive
+  bool normally_closed = false;                                    ///< signal is low while pressed
+  bool level_if_not_fitted = false;                                ///< what the open input reads
+
+  /// A left (negative) limit switch: pressed at and below `revolutions`.
+  static constexpr PositionSwitch left_at(double revolutions) {
+    return {.fitted = true, .pressed_to = revolutions};
+  }
+  /// A right (positive) limit switch: pressed at and above `revolutions`.
+  static constexpr PositionSwitch right_at(double revolutions) {
+    return {.fitted = true, .pressed_from = revolutions};
+  }
+  /// A home switch: pressed between the two positions.
+  static constexpr PositionSwitch home_between(double from, double to) {
+    return {.fitted = true, .pressed_from = from, .pressed_to = to};
+  }
+
+  /// Input level with the shaft at `revolutions`, true = high.
+  [[nodiscard]] constexpr bool level(double revolutions) const {
+    if (!fitted) {
+      return level_if_not_fitted;
+    }
+    const bool pressed = revolutions >= pressed_from && revolutions <= pressed_to;
+    return pressed != normally_closed;
+  }
+};
+
+}  // namespace stator::plant

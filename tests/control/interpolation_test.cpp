@@ -1,0 +1,76 @@
+#include <gtest/gtest.h>
+
+#include "control/ramp_generator.hpp"
+
+namespace stator::control {
+namespace {
+
+using namespace base::literals;
+
+TEST(PositionInterpolation, ReachesTheTargetAfterThePeriodAndThenHoldsIt) {
+  RampGenerator generator;
+  generator.follow_position(100, 1_ms);
+  generator.advance(500_us);
+  EXPECT_NEAR(distance({0, 0.0}, generator.position()), 50.0, 1e-9);
+  EXPECT_DOUBLE_EQ(generator.velocity(), 100'000.0);
+  generator.advance(500_us);
+  EXPECT_EQ(generator.position(), (MicrostepPosition{100, 0.0}));
+  generator.advance(5_ms);
+  EXPECT_EQ(generator.position(), (MicrostepPosition{100, 0.0}));
+  EXPECT_EQ(generator.velocity(), 0.0);
+  EXPECT_TRUE(generator.at_rest());
+}
+
+TEST(PositionInterpolation, TargetsInTimeGiveAnUnbrokenVelocity) {
+  RampGenerator generator;
+  for (int cycle = 1; cycle <= 100; ++cycle) {
+    generator.follow_position(25 * cycle, 1_ms);
+    for (int tick = 0; tick < 20; ++tick) {
+      generator.advance(50_us);
+      ASSERT_DOUBLE_EQ(generator.velocity(), 25'000.0);
+    }
+    ASSERT_EQ(generator.position(), (MicrostepPosition{25 * cycle, 0.0}));
+  }
+}
+
+TEST(PositionInterpolation, ATargetGivenTwiceIsStoodAt) {
+  RampGenerator generator;
+  generator.follow_position(10, 1_ms);
+  generator.advance(1_ms);
+  generator.follow_position(10, 1_ms);
+  EXPECT_EQ(generator.velocity(), 0.0);
+  EXPECT_TRUE(generator.target_reached());
+}
+
+TEST(PositionInterpolation, APeriodOfZeroJumps) {
+  RampGenerator generator;
+  generator.follow_position(10, 0_ms);
+  EXPECT_EQ(generator.position(), (MicrostepPosition{10, 0.0}));
+}
+
+TEST(VelocityInterpolation, ReachesTheVelocityAfterThePeriodAndThenHoldsIt) {
+  RampGenerator generator;
+  generator.follow_velocity(1'000.0, 2_ms);
+  generator.advance(1_ms);
+  EXPECT_DOUBLE_EQ(generator.velocity(), 500.0);
+  EXPECT_NEAR(distance({0, 0.0}, generator.position()), 0.25, 1e-12);
+  generator.advance(1_ms);
+  EXPECT_DOUBLE_EQ(generator.velocity(), 1'000.0);
+  generator.advance(1_s);
+  EXPECT_DOUBLE_EQ(generator.velocity(), 1'000.0);
+  EXPECT_NEAR(distance({0, 0.0}, generator.position()), 1'001.0, 1e-9);
+}
+
+TEST(VelocityInterpolation, CanBeBrakedByARampAfterwards) {
+  RampGenerator generator;
+  generator.follow_velocity(-1'000.0, 1_ms);
+  generator.advance(1_s);
+  generator.stop(10'000.0);
+  generator.advance(99_ms);
+  EXPECT_LT(generator.velocity(), 0.0);
+  generator.advance(1_ms);
+  EXPECT_EQ(generator.velocity(), 0.0);
+}
+
+}  // namespace
+}  // namespace stator::control
