@@ -1,0 +1,98 @@
+#include "cli/bus.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <utility>
+
+#include "cli/failure.hpp"
+#include "cli/logging.hpp"
+#include "rack/product_catalogue.hpp"
+#include "rack/rack_file.hpp"
+
+namespace stator::cli {
+
+void add_bus_options(CLI::App& command, BusOptions& options) {
+  auto* link = command.add_option("--link", options.link,
+                                  "Network interface to the slaves, as ethercat:INTERFACE");
+  auto* rack = command.add_option("--rack", options.rack_file,
+                                  "Rack file: run its first segment in this process, in lockstep");
+  auto* device = command.add_option(
+      "--device", options.device, "Product: run one such device in this process, in lockstep");
+  link->excludes(rack)->excludes(device);
+  rack->excludes(device);
+  command.add_option("--capture", options.capture, "Write all frames to this pcap file");
+  command
+      .add_option("--record", options.record,
+                  "Write all signals to this CSV file (with --rack or --device)")
+      ->excludes(link);
+  command.add_option("--record-period", options.record_period, "Simulated time between two rows")
+      ->capture_default_str();
+}
+
+std::string interface_of(const std::string& link) {
+  constexpr std::string_view kPrefix = "ethercat:";
+  if (!link.starts_with(kPrefix) || link.size() == kPrefix.size()) {
+    throw Failure(fmt::format(
+        "link \"{}\" is not understood; write ethercat:INTERFACE, e.g. ethercat:eth1", link));
+  }
+  return link.substr(kPrefix.size());
+}
+
+Bus::Bus(const BusOptions& options) {
+  if (!options.capture.empty()) {
+    auto writer = link::PcapWriter::open(options.capture);
+    if (!writer) {
+      throw Failure(writer.error().text);
+    }
+    capture_ = std::move(*writer);
+  }
+  if (!options.link.empty()) {
+    open_interface(options);
+  } else if (!options.rack_file.empty() || !options.device.empty()) {
+    build_rack(options);
+  } else {
+    throw Failure(
+        "no way to the slaves is given; use --link ethercat:INTERFACE for slaves on an interface, "
+        "--device PRODUCT for a virtual one in this process, or --rack FILE");
+  }
+}
+
+void Bus::open_interface(const BusOptions& options) {
+  auto opened = link::RawEthernetLink::open({.interface = interface_of(options.link),
+                                             .wait = link::WaitMode::adaptive,
+                                             .busy_poll = {}});
+  if (!opened) {
+    throw Failure(opened.error().text);
+  }
+  link_ = std::move(*opened);
+  if (capture_ == nullptr) {
+    port_ = std::make_unique<rack::LinkPort>(*link_);
+    return;
+  }
+  capturing_link_ = std::make_unique<link::CapturingLink>(
+      *link_, *capture_, link::CapturingLink::Clock::bind<&Bus::time>(*this));
+  port_ = std::make_unique<rack::LinkPort>(*capturing_link_);
+}
+
+void Bus::build_rack(const BusOptions& options) {
+  rack::RackConfiguration configuration =
+      options.rack_file.empty() ? rack::single_device_rack(options.device)
+                                : rack::load_rack_file(options.rack_file);
+  if (!options.record.empty()) {
+    const auto period = rack::parse_duration(options.record_period);
+    if (!period) {
+      throw Failure(fmt::format("--record-period \"{}\" is no duration; write e.g. 1ms or 250us",
+                                options.record_period));
+    }
+    configuration.record = rack::RecordConfiguration{options.record, *period, {"*"}};
+  }
+  log_ = std::make_unique<rack::EventLog>(make_logger());
+  rack_ = std::make_unique<rack::Rack>(configuration, *log_);
+  port_ = std::make_unique<rack::LocalPort>(*rack_, 0, configuration.cycle, configuration.step,
+                                            std::move(capture_));
+}
+
+base::SimTime Bus::time() { return port_->now(); }
+
+}  // namespace stator::cli

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "base/sim_time.hpp"
+#include "link/capturing_link.hpp"
+#include "link/pcap_writer.hpp"
+#include "link/raw_ethernet_link.hpp"
+#include "master/frame_port.hpp"
+#include "rack/event_log.hpp"
+#include "rack/link_port.hpp"
+#include "rack/local_port.hpp"
+#include "rack/rack.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace stator::cli {
+
+/// How a master command reaches its slaves: over an interface, or in a rack of its own.
+struct BusOptions {
+  std::string link;       ///< "ethercat:INTERFACE"
+  std::string rack_file;
+  std::string device;     ///< product type: a rack with one such device
+  std::string capture;    ///< pcap file, empty = none
+  std::string record;     ///< CSV file, only with a rack
+  std::string record_period = "1ms";
+};
+
+/// Adds --link, --rack, --device, --capture, --record and --record-period to a command.
+void add_bus_options(CLI::App& command, BusOptions& options);
+
+/// "ethercat:eth1" -> "eth1". Throws Failure naming the form it expects.
+[[nodiscard]] std::string interface_of(const std::string& link);
+
+/// The opened bus. Exactly one of link, rack_file and device must be given; throws Failure otherwise
+/// or when something cannot be opened.
+class Bus {
+ public:
+  explicit Bus(const BusOptions& options);
+
+  [[nodiscard]] master::FramePort& port() { return *port_; }
+  /// The rack behind the port, or null when the slaves are somewhere else.
+  [[nodiscard]] rack::Rack* rack() { return rack_.get(); }
+
+ private:
+  void open_interface(const BusOptions& options);
+  void build_rack(const BusOptions& options);
+  [[nodiscard]] base::SimTime time();
+
+  std::unique_ptr<rack::EventLog> log_;
+  std::unique_ptr<rack::Rack> rack_;
+  std::unique_ptr<link::RawEthernetLink> link_;
+  std::unique_ptr<link::PcapWriter> capture_;
+  std::unique_ptr<link::CapturingLink> capturing_link_;
+  std::unique_ptr<master::FramePort> port_;
+};
+
+}  // namespace stator::cli

@@ -1,0 +1,21 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace stator::cli {
+
+// Each function adds one command to `app`. The command runs when its options have been parsed and
+// throws Failure when it cannot do what was asked.
+
+void add_run_command(CLI::App& app);
+void add_devices_command(CLI::App& app);
+void add_describe_command(CLI::App& app);
+void add_export_command(CLI::App& app);
+void add_scan_command(CLI::App& app);
+void add_sdo_command(CLI::App& app);
+void add_move_command(CLI::App& app);
+void add_demo_command(CLI::App& app);
+
+}  // namespace stator::cli

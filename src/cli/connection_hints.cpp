@@ -1,0 +1,92 @@
+#include "cli/connection_hints.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <string_view>
+
+namespace stator::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<int> read_number(const fs::path& path) {
+  std::ifstream file(path);
+  int number = 0;
+  if (file >> number) {
+    return number;
+  }
+  return std::nullopt;
+}
+
+/// The interface at the other end when `interface` is one of a veth pair in this network namespace.
+std::optional<std::string> veth_peer(const std::string& interface) {
+  const fs::path net = "/sys/class/net";
+  const auto own = read_number(net / interface / "ifindex");
+  const auto peer = read_number(net / interface / "iflink");
+  if (!own || !peer || *own == *peer) {
+    return std::nullopt;
+  }
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(net, error)) {
+    if (read_number(entry.path() / "ifindex") == peer &&
+        read_number(entry.path() / "iflink") == own) {
+      return entry.path().filename().string();
+    }
+  }
+  return std::nullopt;
+}
+
+bool installed(std::string_view program) {
+  const char* path = std::getenv("PATH");
+  std::istringstream directories(path == nullptr ? "" : path);
+  for (std::string directory; std::getline(directories, directory, ':');) {
+    if (::access((fs::path(directory) / program).c_str(), X_OK) == 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string connection_hints(const std::string& interface) {
+  const std::optional<std::string> peer = veth_peer(interface);
+  const std::string sudo = ::geteuid() == 0 ? "" : "sudo ";
+  std::string text;
+  std::string there;
+  if (peer) {
+    there = *peer;
+    text = fmt::format("{} is one end of a veth pair; on this machine masters use {}:\n", interface,
+                       there);
+  } else {
+    there = "INTERFACE";
+    text = fmt::format(
+        "Masters use the interface at the other end of the cable on {} (here: INTERFACE):\n",
+        interface);
+  }
+  text += fmt::format("  {}stator scan --link ethercat:{}\n", sudo, there);
+  text += fmt::format("  {}stator move --link ethercat:{} --revolutions 10\n", sudo, there);
+  text += fmt::format("  {}slaveinfo {} -sdo -map            # SOEM\n", sudo, there);
+  text += fmt::format("  {}ec_sample {} 1000                 # SOEM 2, process data every 1000 us\n",
+                      sudo, there);
+  if (installed("ethercat")) {
+    text += fmt::format("  MASTER0_DEVICE={} in ethercat.conf, then: ethercat slaves   # IgH\n",
+                        there);
+  }
+  text += fmt::format("  {}python3 -c \"import pysoem; m = pysoem.Master(); m.open('{}'); "
+                      "print(m.config_init())\"   # pysoem\n",
+                      sudo, there);
+  if (installed("tshark")) {
+    text += fmt::format("  {}tshark -i {} -Y ecat                 # watch the frames\n", sudo, there);
+  }
+  return text;
+}
+
+}  // namespace stator::cli

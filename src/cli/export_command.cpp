@@ -1,0 +1,71 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <system_error>
+
+#include "cli/commands.hpp"
+#include "cli/failure.hpp"
+#include "cli/products.hpp"
+#include "ethercat/sii_image.hpp"
+#include "rack/esi.hpp"
+
+namespace stator::cli {
+
+namespace {
+
+struct ExportOptions {
+  std::string kind;
+  std::string device;
+  std::string output;
+};
+
+void write_file(const std::string& path, std::string_view content) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(content.data(), static_cast<std::streamsize>(content.size()));
+  file.flush();
+  if (!file) {
+    throw Failure(fmt::format("cannot write {}: {}; choose a file in a directory that exists and "
+                              "can be written",
+                              path, std::generic_category().message(errno)));
+  }
+}
+
+void export_file(const ExportOptions& options) {
+  const auto device = build_product(options.device);
+  const auto sii = ethercat::build_sii_image(device->description(), device->dictionary());
+  const std::string content =
+      options.kind == "sii"
+          ? std::string(reinterpret_cast<const char*>(sii.data()), sii.size())
+          : rack::esi_xml(device->description(), device->dictionary(), sii);
+  if (!options.output.empty()) {
+    write_file(options.output, content);
+    return;
+  }
+  if (options.kind == "sii" && ::isatty(STDOUT_FILENO) != 0) {
+    throw Failure("an SII image is binary; give a file with --output, or redirect standard output");
+  }
+  std::fwrite(content.data(), 1, content.size(), stdout);
+}
+
+}  // namespace
+
+void add_export_command(CLI::App& app) {
+  auto options = std::make_shared<ExportOptions>();
+  CLI::App* command =
+      app.add_subcommand("export", "Write the SII image or the ESI file of a product");
+  command->add_option("kind", options->kind, "sii (EEPROM image) or esi (XML for masters)")
+      ->required()
+      ->check(CLI::IsMember({"sii", "esi"}));
+  command->add_option("device", options->device, "Product, see \"stator devices\"")->required();
+  command->add_option("-o,--output", options->output, "File to write; standard output if left out");
+  command->footer("Example: stator export esi tmcm-3315 -o tmcm-3315.xml");
+  command->callback([options] { export_file(*options); });
+}
+
+}  // namespace stator::cli

@@ -1,0 +1,52 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "cli/commands.hpp"
+
+namespace {
+
+constexpr int kSuccess = 0;
+constexpr int kFailure = 1;
+constexpr int kUsage = 2;
+
+int run(int argc, char** argv) {
+  CLI::App app{"Virtual motion-control devices that real masters cannot tell from the hardware."};
+  app.name("stator");
+  app.set_version_flag("--version", "stator " STATOR_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Examples:\n"
+      "  stator demo                                        see three axes move, no set-up\n"
+      "  stator run --device tmcm-3315 --link ethercat:eth1  a drive on an interface\n"
+      "  stator scan --link ethercat:eth2                    who is on that segment?\n"
+      "  stator describe tmcm-3315 --format markdown         its object dictionary\n"
+      "\"stator COMMAND --help\" tells the options of a command.");
+
+  stator::cli::add_run_command(app);
+  stator::cli::add_devices_command(app);
+  stator::cli::add_describe_command(app);
+  stator::cli::add_export_command(app);
+  stator::cli::add_scan_command(app);
+  stator::cli::add_sdo_command(app);
+  stator::cli::add_move_command(app);
+  stator::cli::add_demo_command(app);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kSuccess : kUsage;
+  }
+  return kSuccess;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "stator: %s\n", error.what());
+    return kFailure;
+  }
+}

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "cli/bus.hpp"
+#include "cli/failure.hpp"
+#include "master/master.hpp"
+
+namespace stator::cli {
+
+/// The value of a master's answer; its error becomes the command's Failure.
+template <typename T>
+T require(master::Result<T> result) {
+  if (!result) {
+    throw Failure(result.error().text);
+  }
+  if constexpr (!std::is_void_v<T>) {
+    return std::move(*result);
+  }
+}
+
+/// A bus and a master that has scanned it: what every master command starts with.
+class MasterSession {
+ public:
+  /// Opens the bus and scans it. Throws Failure.
+  explicit MasterSession(const BusOptions& options) : bus_(options), master_(bus_.port()) {
+    require(master_.scan());
+  }
+
+  [[nodiscard]] Bus& bus() { return bus_; }
+  [[nodiscard]] master::Master& master() { return master_; }
+
+ private:
+  Bus bus_;
+  master::Master master_;
+};
+
+}  // namespace stator::cli

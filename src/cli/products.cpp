@@ -1,0 +1,11 @@
+#include "cli/products.hpp"
+
+#include "rack/product_catalogue.hpp"
+
+namespace stator::cli {
+
+std::unique_ptr<devices::EtherCatDevice> build_product(const std::string& type) {
+  return rack::make_device(rack::require_product(type).default_configuration(), {});
+}
+
+}  // namespace stator::cli

@@ -1,0 +1,80 @@
+#include "link/machine.hpp"
+
+#include <cerrno>
+#include <cstring>
+
+#include <net/if.h>
+#include <sched.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+
+#include "link/file_descriptor.hpp"
+
+namespace stator::link {
+
+namespace {
+
+NetworkInterface describe(int query_socket, const char* name) {
+  NetworkInterface interface;
+  interface.name = name;
+  ifreq request{};
+  std::strncpy(request.ifr_name, name, IFNAMSIZ - 1);
+  if (::ioctl(query_socket, SIOCGIFFLAGS, &request) == 0) {
+    const int flags = request.ifr_flags;
+    interface.up = (flags & IFF_UP) != 0;
+    interface.running = (flags & IFF_RUNNING) != 0;
+    interface.loopback = (flags & IFF_LOOPBACK) != 0;
+  }
+  return interface;
+}
+
+std::string allowed_processors() {
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  std::string list;
+  if (::sched_getaffinity(0, sizeof allowed, &allowed) == 0) {
+    for (unsigned processor = 0; processor < CPU_SETSIZE; ++processor) {
+      if (CPU_ISSET(processor, &allowed)) {
+        list += (list.empty() ? "" : ", ") + std::to_string(processor);
+      }
+    }
+  }
+  return list;
+}
+
+}  // namespace
+
+std::vector<NetworkInterface> network_interfaces() {
+  std::vector<NetworkInterface> interfaces;
+  const FileDescriptor query(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (struct if_nameindex* const names = ::if_nameindex(); names != nullptr) {
+    for (const struct if_nameindex* entry = names; entry->if_index != 0; ++entry) {
+      interfaces.push_back(describe(query.get(), entry->if_name));
+    }
+    ::if_freenameindex(names);
+  }
+  return interfaces;
+}
+
+bool may_use_raw_sockets() {
+  return FileDescriptor(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0)).is_open();
+}
+
+base::Expected<void, LinkError> pin_this_thread(unsigned processor) {
+  // Before the first change: afterwards the thread's own set names one processor only.
+  const std::string allowed = allowed_processors();
+  cpu_set_t wanted;
+  CPU_ZERO(&wanted);
+  if (processor < CPU_SETSIZE) {
+    CPU_SET(processor, &wanted);
+  }
+  if (::sched_setaffinity(0, sizeof wanted, &wanted) == 0) {
+    return {};
+  }
+  return base::Unexpected{LinkError{LinkErrorCode::invalid_option,
+                                    "cannot run on processor " + std::to_string(processor) + " (" +
+                                        std::strerror(errno) +
+                                        "); this thread may run on: " + allowed}};
+}
+
+}  // namespace stator::link

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "base/sim_time.hpp"
+#include "ethercat/frame.hpp"
+
+namespace stator::rack {
+
+/// Simulated time that follows the machine's monotonic clock from the moment of construction on.
+class RealClock {
+ public:
+  RealClock();
+  [[nodiscard]] base::SimTime now() const;
+
+ private:
+  std::int64_t start_;  ///< CLOCK_MONOTONIC in ns
+};
+
+/// Simulated time that moves only when the master does.
+///
+/// Each process-data exchange moves time by one bus cycle, every other frame by a small step, so a
+/// test runs as fast as the machine allows and two runs with the same frames are equal. A frame
+/// counts as a process-data exchange when its first logical datagram (LRD, LWR, LRW) has the command
+/// and address that opened the present cycle; so a master that needs several logical frames per
+/// cycle still gets one cycle. The opening datagram is learnt anew after kForgetAfter logical frames
+/// without it (the master was restarted with another mapping).
+class LockstepClock {
+ public:
+  static constexpr int kForgetAfter = 16;
+
+  LockstepClock(base::SimDuration cycle, base::SimDuration step) : cycle_(cycle), step_(step) {}
+
+  [[nodiscard]] base::SimTime now() const { return now_; }
+
+  /// Moves time as `frame` demands and returns the moment at which it arrives.
+  base::SimTime on_frame(std::span<std::byte> frame);
+
+  /// Lets `duration` pass without a frame: a master inside the process that waits.
+  void wait(base::SimDuration duration) { now_ += duration; }
+
+ private:
+  struct Opening {
+    ethercat::Command command;
+    std::uint32_t address;
+    friend bool operator==(const Opening&, const Opening&) = default;
+  };
+  static std::optional<Opening> first_logical_datagram(std::span<std::byte> frame);
+
+  base::SimDuration cycle_;
+  base::SimDuration step_;
+  base::SimTime now_;
+  std::optional<Opening> opening_;
+  int frames_without_opening_ = 0;
+};
+
+}  // namespace stator::rack

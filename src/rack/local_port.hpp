@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+
+#include "link/pcap_writer.hpp"
+#include "master/frame_port.hpp"
+#include "rack/clock.hpp"
+#include "rack/rack.hpp"
+
+namespace stator::rack {
+
+/// A master's port onto a rack in the same process, in lockstep: no privileges, no interface, and
+/// equal runs give equal results. Waiting is what makes time pass.
+class LocalPort final : public master::FramePort {
+ public:
+  /// Reaches segment `segment` of `rack`, which must outlive the port. `capture` may be null.
+  LocalPort(Rack& rack, std::size_t segment, base::SimDuration cycle, base::SimDuration step,
+            std::unique_ptr<link::PcapWriter> capture = nullptr);
+
+  master::Result<std::size_t> exchange(std::span<const std::byte> frame,
+                                       std::span<std::byte> reply,
+                                       base::SimDuration timeout) override;
+  void wait(base::SimDuration duration) override;
+  [[nodiscard]] base::SimTime now() override { return clock_.now(); }
+
+ private:
+  master::Result<std::size_t> capture(std::span<const std::byte> frame);
+
+  Rack& rack_;
+  std::size_t segment_;
+  LockstepClock clock_;
+  std::unique_ptr<link::PcapWriter> capture_;
+};
+
+}  // namespace stator::rack

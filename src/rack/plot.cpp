@@ -1,0 +1,95 @@
+#include "rack/plot.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <iterator>
+#include <memory>
+#include <stdexcept>
+
+namespace stator::rack {
+
+namespace {
+
+/// Points of a curve that a picture of this width can show; more only make the file large.
+constexpr std::uint64_t kPointsShown = 6000;
+
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) {
+    result += c == '\'' ? "''" : std::string(1, c);
+  }
+  return result + "'";
+}
+
+std::string terminal_for(const std::string& image_path, std::size_t panels) {
+  const std::size_t height = 120 + 230 * panels;
+  if (image_path.ends_with(".svg")) {
+    return fmt::format("set terminal svg size 1200,{} font 'DejaVu Sans,14' background '#ffffff'\n",
+                       height);
+  }
+  if (image_path.ends_with(".png")) {
+    return fmt::format("set terminal pngcairo size 1200,{} font 'DejaVu Sans,11'\n", height);
+  }
+  throw std::runtime_error(
+      fmt::format("plot: {} ends neither in .png nor in .svg; choose one of the two", image_path));
+}
+
+std::string script_for(const Plot& plot, const std::string& image_path) {
+  std::string script = terminal_for(image_path, plot.panels.size());
+  auto out = std::back_inserter(script);
+  fmt::format_to(out, "set output {}\n", quoted(image_path));
+  fmt::format_to(out, "set datafile separator ','\n");
+  fmt::format_to(out, "set multiplot layout {},1 title {} font ',16' margins 0.09,0.86,0.07,0.94 "
+                      "spacing 0,0.05\n",
+                 plot.panels.size(), quoted(plot.title));
+  fmt::format_to(out, "set grid lc rgb '#d8dde3'\nset border lc rgb '#5a6470'\n"
+                      "set key outside right center noenhanced samplen 2\n"
+                      "set tics nomirror\n");
+  for (std::size_t i = 0; i < plot.panels.size(); ++i) {
+    const PlotPanel& panel = plot.panels[i];
+    fmt::format_to(out, "set ylabel {} offset 1\n", quoted(panel.label));
+    const bool last = i + 1 == plot.panels.size();
+    const bool shares_axis_below = !last && plot.panels[i + 1].window == panel.window;
+    fmt::format_to(out, "set format x '{}'\n", shares_axis_below ? "" : "%g");
+    fmt::format_to(out, "set xlabel '{}'\n", last ? "time / s" : "");
+    if (panel.window) {
+      fmt::format_to(out, "set xrange [{}:{}]\n", panel.window->first, panel.window->second);
+    }
+    const std::uint64_t thinning = panel.window ? 1 : 1 + plot.rows / kPointsShown;
+    std::string separator = "plot ";
+    for (const PlotCurve& curve : panel.curves) {
+      fmt::format_to(
+          out, "{}{} using 1:(${}*{}) skip 1 every {} with lines lw 1.6 lc rgb '{}' title {}",
+          separator, quoted(plot.csv_path), curve.column, curve.scale, thinning, curve.colour,
+          quoted(curve.title));
+      separator = ", ";
+    }
+    fmt::format_to(out, "\n");
+  }
+  fmt::format_to(out, "unset multiplot\n");
+  return script;
+}
+
+struct PipeClose {
+  void operator()(std::FILE* pipe) const { ::pclose(pipe); }
+};
+
+}  // namespace
+
+void draw(const Plot& plot, const std::string& image_path) {
+  const std::string script = script_for(plot, image_path);
+  std::unique_ptr<std::FILE, PipeClose> pipe(::popen("gnuplot -", "w"));  // NOLINT(cert-env33-c)
+  if (pipe == nullptr) {
+    throw std::runtime_error("plot: cannot start gnuplot; install the package gnuplot-nox");
+  }
+  std::fwrite(script.data(), 1, script.size(), pipe.get());
+  if (const int status = ::pclose(pipe.release()); status != 0) {
+    throw std::runtime_error(
+        fmt::format("plot: gnuplot did not draw {} (exit status {}); install the package "
+                    "gnuplot-nox, or see its message above",
+                    image_path, status));
+  }
+}
+
+}  // namespace stator::rack

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "base/event.hpp"
+#include "devices/ethercat_device.hpp"
+#include "rack/rack_configuration.hpp"
+
+namespace stator::rack {
+
+/// One product Stator can run: what `stator devices` lists and a rack file's `type` names.
+struct Product {
+  std::string_view type;       ///< "tmcm-3315"
+  std::string_view summary;    ///< what it is, in half a line
+  std::string_view reached_over;
+  ProductConfiguration (*default_configuration)();
+};
+
+/// All products, in the order people should see them.
+[[nodiscard]] std::span<const Product> products();
+
+/// The product with that type, or null.
+[[nodiscard]] const Product* find_product(std::string_view type);
+
+/// The product with that type. Throws std::runtime_error naming the closest and all products.
+[[nodiscard]] const Product& require_product(std::string_view type);
+
+/// A rack with one segment and one device of that type as it leaves its box. Throws as above.
+[[nodiscard]] RackConfiguration single_device_rack(std::string_view type);
+
+/// Builds the device; it reports its events through `reporter`.
+[[nodiscard]] std::unique_ptr<devices::EtherCatDevice> make_device(
+    const ProductConfiguration& configuration, const base::EventReporter& reporter);
+
+}  // namespace stator::rack

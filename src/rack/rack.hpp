@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/sim_time.hpp"
+#include "devices/ethercat_device.hpp"
+#include "ethercat/segment.hpp"
+#include "rack/event_log.hpp"
+#include "rack/rack_configuration.hpp"
+#include "rack/recorder.hpp"
+
+namespace stator::rack {
+
+/// A device of the rack with the name people gave it.
+struct NamedDevice {
+  std::string name;
+  std::unique_ptr<devices::EtherCatDevice> device;
+};
+
+/// All devices of one process and their recording. Passive: whoever owns a link or a master brings
+/// frames and time. Not thread-safe.
+class Rack {
+ public:
+  /// Builds every device. `log` gets their events and must outlive the rack. Throws
+  /// std::runtime_error when the recording cannot be opened or names signals that do not exist.
+  Rack(const RackConfiguration& configuration, EventLog& log);
+
+  /// Sends `frame` through the segment's slaves, in place, at `arrival`. True: it comes back to the
+  /// master; false: nobody answers it.
+  bool process_frame(std::size_t segment, std::span<std::byte> frame, base::SimTime arrival);
+
+  /// Lets the firmware of the segment's devices take what its last frame brought.
+  void handle_bus_events(std::size_t segment, base::SimTime now);
+
+  /// Brings every device to `now`, stopping at each sampling instant of the recording on the way.
+  void advance(base::SimTime now);
+
+  [[nodiscard]] std::size_t segment_count() const { return segments_.size(); }
+  [[nodiscard]] const ethercat::Segment& segment(std::size_t index) const {
+    return *segments_[index].segment;
+  }
+  [[nodiscard]] std::span<NamedDevice> devices(std::size_t segment) {
+    return segments_[segment].devices;
+  }
+  /// All signals of all devices, named "device.signal".
+  [[nodiscard]] std::vector<devices::Signal> signals();
+  [[nodiscard]] const std::optional<Recorder>& recorder() const { return recorder_; }
+
+ private:
+  struct SegmentMembers {
+    std::vector<NamedDevice> devices;
+    std::unique_ptr<ethercat::Segment> segment;
+  };
+
+  void advance_devices(base::SimTime now);
+
+  std::vector<SegmentMembers> segments_;
+  std::optional<Recorder> recorder_;
+};
+
+}  // namespace stator::rack

@@ -1,0 +1,177 @@
+#include "rack/rack_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "rack/product_catalogue.hpp"
+#include "rack/stepper_axis_section.hpp"
+
+namespace stator::rack {
+
+namespace {
+
+using base::SimDuration;
+using namespace base::literals;
+
+template <typename T>
+std::set<std::string> names_of(const std::map<std::string, T>& words) {
+  std::set<std::string> names;
+  for (const auto& [name, value] : words) {
+    names.insert(name);
+  }
+  return names;
+}
+
+void read_product(TomlSection& section, devices::Tmcm3315Configuration& configuration) {
+  if (const auto alias = section.integer("alias", 0, 0xFFFF)) {
+    configuration.station_alias = static_cast<std::uint16_t>(*alias);
+  }
+  std::vector<TomlSection> axes = section.sections("axis");
+  if (axes.size() > configuration.axes.size()) {
+    section.fail("axis", fmt::format("{} axes are given, the device has {}", axes.size(),
+                                     configuration.axes.size()));
+  }
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    read_stepper_axis(axes[i], configuration.axes[i]);
+  }
+}
+
+DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& names) {
+  std::set<std::string> types;
+  for (const Product& product : products()) {
+    types.emplace(product.type);
+  }
+  const std::optional<std::string> type = section.choice("type", types);
+  if (!type) {
+    section.fail("type", "\"type\" is missing; it names the product, see \"stator devices\"");
+  }
+  DeviceConfiguration device;
+  device.name = section.text("name").value_or(*type);
+  device.product = find_product(*type)->default_configuration();
+  if (!names.insert(device.name).second) {
+    section.fail("name", fmt::format("the name \"{}\" is given twice; give each device its own "
+                                     "\"name\"",
+                                     device.name));
+  }
+  std::visit([&section](auto& configuration) { read_product(section, configuration); },
+             device.product);
+  section.finish();
+  return device;
+}
+
+void read_link(TomlSection& section, SegmentConfiguration& segment) {
+  const std::optional<std::string> link = section.text("link");
+  constexpr std::string_view kPrefix = "ethercat:";
+  if (!link || *link == "in-process") {
+    return;
+  }
+  if (!link->starts_with(kPrefix) || link->size() == kPrefix.size()) {
+    section.fail("link", fmt::format("\"link\" is \"{}\"; write \"ethercat:INTERFACE\" or "
+                                     "\"in-process\"",
+                                     *link));
+  }
+  segment.interface = link->substr(kPrefix.size());
+}
+
+SegmentConfiguration read_segment(TomlSection& section, std::set<std::string>& names) {
+  SegmentConfiguration segment;
+  read_link(section, segment);
+  if (const auto wait = section.choice("wait", names_of(wait_modes()))) {
+    segment.wait = wait_modes().at(*wait);
+  }
+  segment.spin_time = section.duration("spin_time", 1_us, 1_s).value_or(segment.spin_time);
+  if (const auto cpu = section.integer("cpu", 0, 1023)) {
+    segment.cpu = static_cast<unsigned>(*cpu);
+  }
+  segment.capture = section.text("capture").value_or("");
+  for (TomlSection& device : section.sections("device")) {
+    segment.devices.push_back(read_device(device, names));
+  }
+  if (segment.devices.empty()) {
+    section.fail("device", "a segment needs at least one [[segment.device]]");
+  }
+  section.finish();
+  return segment;
+}
+
+RecordConfiguration read_record(TomlSection section) {
+  RecordConfiguration record;
+  const auto file = section.text("file");
+  if (!file || file->empty()) {
+    section.fail("file", "\"file\" is missing; it names the CSV file to write");
+  }
+  record.file = *file;
+  record.period = section.duration("period", 1_us, SimDuration(3'600'000'000'000))
+                      .value_or(record.period);
+  record.signals = section.texts("signals").value_or(record.signals);
+  section.finish();
+  return record;
+}
+
+RackConfiguration read_rack(TomlSection root) {
+  RackConfiguration configuration;
+  if (const auto clock = root.choice("clock", names_of(clock_kinds()))) {
+    configuration.clock = clock_kinds().at(*clock);
+  }
+  configuration.cycle = root.duration("cycle", 50_us, 1_s).value_or(configuration.cycle);
+  configuration.step = root.duration("step", 1_us, 1_s).value_or(configuration.step);
+  std::set<std::string> device_names;
+  for (TomlSection& segment : root.sections("segment")) {
+    configuration.segments.push_back(read_segment(segment, device_names));
+  }
+  if (configuration.segments.empty()) {
+    root.fail("segment", "a rack needs at least one [[segment]]");
+  }
+  if (auto record = root.section("record")) {
+    configuration.record = read_record(std::move(*record));
+  }
+  root.finish();
+  return configuration;
+}
+
+}  // namespace
+
+const std::map<std::string, ClockKind>& clock_kinds() {
+  static const std::map<std::string, ClockKind> kinds{{"real", ClockKind::real},
+                                                      {"lockstep", ClockKind::lockstep}};
+  return kinds;
+}
+
+const std::map<std::string, link::WaitMode>& wait_modes() {
+  static const std::map<std::string, link::WaitMode> modes{
+      {"block", link::WaitMode::block},
+      {"spin", link::WaitMode::spin},
+      {"adaptive", link::WaitMode::adaptive}};
+  return modes;
+}
+
+RackConfiguration parse_rack_file(std::string_view text, const std::string& name) {
+  toml::table root;
+  try {
+    root = toml::parse(text, name);
+  } catch (const toml::parse_error& error) {
+    const toml::source_position place = error.source().begin;
+    throw RackFileError(
+        fmt::format("{}:{}:{}: {}", name, place.line, place.column, error.description()));
+  }
+  return read_rack(TomlSection(name, "the rack", root));
+}
+
+RackConfiguration load_rack_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file.is_open() || file.bad()) {
+    throw RackFileError(fmt::format("{}: cannot read the rack file: {}; check the path and its "
+                                    "permissions",
+                                    path, std::generic_category().message(errno)));
+  }
+  return parse_rack_file(text, path);
+}
+
+}  // namespace stator::rack

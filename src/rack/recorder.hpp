@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "base/sim_time.hpp"
+#include "devices/signal.hpp"
+
+namespace stator::rack {
+
+/// Writes chosen signals as CSV, one row per sampling period of simulated time: first column the
+/// time in seconds, then one column per signal headed "name [unit]". Numbers are written with the
+/// fewest digits that read back to the same value, so equal runs give equal files.
+class Recorder {
+ public:
+  /// Opens `path`; throws std::runtime_error naming the file and the reason when that fails, or
+  /// when `signals` is empty or `period` is not positive.
+  Recorder(const std::string& path, std::vector<devices::Signal> signals,
+           base::SimDuration period);
+
+  /// The next moment to sample; the rack brings its devices there and calls sample().
+  [[nodiscard]] base::SimTime next_sample() const { return next_sample_; }
+
+  /// Writes one row for `now` and moves next_sample() on by one period.
+  void sample(base::SimTime now);
+
+  /// Rows written so far.
+  [[nodiscard]] std::uint64_t rows() const { return rows_; }
+  /// False after a write failed, e.g. because the disk is full.
+  [[nodiscard]] bool good() const { return file_.good(); }
+
+ private:
+  std::string path_;
+  std::ofstream file_;
+  std::vector<devices::Signal> signals_;
+  base::SimDuration period_;
+  base::SimTime next_sample_;
+  std::uint64_t rows_ = 0;
+  std::string row_;
+};
+
+/// The signals whose name matches one of `patterns` ("*" stands for any run of characters), in the
+/// order of `available`. Throws std::runtime_error naming a pattern that matches nothing and the
+/// names that exist.
+std::vector<devices::Signal> select_signals(const std::vector<devices::Signal>& available,
+                                            const std::vector<std::string>& patterns);
+
+}  // namespace stator::rack

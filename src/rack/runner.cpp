@@ -1,0 +1,203 @@
+#include "rack/runner.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/logger.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "link/machine.hpp"
+
+namespace stator::rack {
+
+namespace {
+
+// How long a thread waits for a frame before devices are brought to the present: one firmware tick
+// while a master talks, longer when nobody does, so that an idle rack costs next to nothing.
+constexpr base::SimDuration kBusyTick{1'000'000};
+constexpr base::SimDuration kIdleTick{10'000'000};
+constexpr base::SimDuration kIdleAfter{100'000'000};
+
+}  // namespace
+
+/// Everything one segment's thread owns.
+struct Runner::SegmentThread {
+  std::size_t index = 0;
+  std::unique_ptr<link::EthernetLink> link;
+  std::unique_ptr<link::PcapWriter> capture;
+  std::vector<std::byte> captured_request;  ///< the frame as it came, for the capture
+  std::optional<unsigned> cpu;
+  SegmentStatistics statistics;
+  bool send_failure_logged = false;
+  std::thread thread;
+};
+
+Runner::Runner(Rack& rack, const RackConfiguration& configuration,
+               std::shared_ptr<spdlog::logger> logger)
+    : rack_(rack),
+      clock_kind_(configuration.clock),
+      lockstep_clock_(configuration.cycle, configuration.step),
+      logger_(std::move(logger)) {
+  for (const SegmentConfiguration& segment : configuration.segments) {
+    auto thread = std::make_unique<SegmentThread>();
+    thread->index = segments_.size();
+    open(*thread, segment);
+    segments_.push_back(std::move(thread));
+  }
+}
+
+Runner::~Runner() { stop(); }
+
+void Runner::open(SegmentThread& segment, const SegmentConfiguration& configuration) {
+  if (configuration.interface.empty()) {
+    throw std::runtime_error(
+        "a segment has no network interface to run on; give it link = \"ethercat:INTERFACE\"");
+  }
+  auto opened = link::RawEthernetLink::open({.interface = configuration.interface,
+                                             .wait = configuration.wait,
+                                             .spin_time = configuration.spin_time,
+                                             .busy_poll = {}});
+  if (!opened) {
+    throw std::runtime_error(opened.error().text);
+  }
+  segment.link = std::move(*opened);
+  segment.cpu = configuration.cpu;
+  if (!configuration.capture.empty()) {
+    auto writer = link::PcapWriter::open(configuration.capture);
+    if (!writer) {
+      throw std::runtime_error(writer.error().text);
+    }
+    segment.capture = std::move(*writer);
+  }
+}
+
+void Runner::start() {
+  for (auto& segment : segments_) {
+    segment->thread = std::thread([this, &segment = *segment] { run(segment); });
+  }
+}
+
+void Runner::stop() {
+  stopping_ = true;
+  for (auto& segment : segments_) {
+    if (segment->thread.joinable()) {
+      segment->link->wake();
+      segment->thread.join();
+    }
+  }
+}
+
+base::SimTime Runner::now() {
+  const std::scoped_lock lock(mutex_);
+  return clock_kind_ == ClockKind::real ? real_clock_.now() : lockstep_clock_.now();
+}
+
+SegmentStatistics Runner::statistics(std::size_t segment) {
+  const std::scoped_lock lock(mutex_);
+  return segments_[segment]->statistics;
+}
+
+const link::EthernetLink& Runner::link(std::size_t segment) const {
+  return *segments_[segment]->link;
+}
+
+void Runner::run(SegmentThread& segment) {
+  if (segment.cpu) {
+    if (const auto pinned = link::pin_this_thread(*segment.cpu); !pinned) {
+      logger_->warn("{}", pinned.error().text);
+    }
+  }
+  std::array<std::byte, link::kMaximumFrameLength> buffer{};
+  base::SimTime last_frame;
+  while (!stopping_) {
+    const bool busy = real_clock_.now() - last_frame < kIdleAfter;
+    const auto received = segment.link->receive(buffer, busy ? kBusyTick : kIdleTick);
+    if (!received) {
+      logger_->error("{}; this segment stops", received.error().text);
+      return;
+    }
+    if (*received > 0) {
+      answer(segment, std::span(buffer).first(*received));
+      last_frame = real_clock_.now();
+    }
+    if (clock_kind_ == ClockKind::real) {
+      catch_up(segment);
+    }
+  }
+}
+
+base::SimTime Runner::arrival_of(std::span<std::byte> frame) {
+  if (clock_kind_ == ClockKind::real) {
+    return real_clock_.now();
+  }
+  // In lockstep the devices are brought to the frame before it passes: its time is the master's.
+  const base::SimTime arrival = lockstep_clock_.on_frame(frame);
+  rack_.advance(arrival);
+  return arrival;
+}
+
+void Runner::answer(SegmentThread& segment, std::span<std::byte> frame) {
+  const base::SimTime received = real_clock_.now();
+  if (segment.capture != nullptr) {
+    segment.captured_request.assign(frame.begin(), frame.end());
+  }
+  std::unique_lock lock(mutex_);
+  const base::SimTime arrival = arrival_of(frame);
+  const bool returns = rack_.process_frame(segment.index, frame, arrival);
+  if (!returns) {
+    ++segment.statistics.frames_ignored;
+    return;
+  }
+  lock.unlock();
+
+  if (const auto sent = segment.link->send(frame); !sent && !segment.send_failure_logged) {
+    segment.send_failure_logged = true;
+    logger_->warn("{}; further failures are only counted", sent.error().text);
+  }
+
+  capture(segment, arrival, frame);
+
+  lock.lock();
+  rack_.handle_bus_events(segment.index, arrival);
+  SegmentStatistics& statistics = segment.statistics;
+  const std::int64_t took = (real_clock_.now() - received).nanoseconds();
+  ++statistics.frames;
+  statistics.processing_ns += took;
+  statistics.worst_processing_ns = std::max(statistics.worst_processing_ns, took);
+}
+
+// Both directions are written once the answer is out, so that a capture costs the master no time.
+void Runner::capture(SegmentThread& segment, base::SimTime arrival,
+                     std::span<const std::byte> answer) {
+  if (segment.capture == nullptr) {
+    return;
+  }
+  for (const std::span<const std::byte> frame :
+       {std::span<const std::byte>(segment.captured_request), answer}) {
+    if (const auto written = segment.capture->write(arrival, frame); !written) {
+      logger_->error("{}; capturing ends", written.error().text);
+      segment.capture.reset();
+      return;
+    }
+  }
+}
+
+void Runner::catch_up(SegmentThread& segment) {
+  const std::scoped_lock lock(mutex_);
+  const base::SimTime present = real_clock_.now();
+  rack_.advance(present);
+  const base::SimDuration lag = real_clock_.now() - present;
+  SegmentStatistics& statistics = segment.statistics;
+  statistics.worst_lag_ns = std::max(statistics.worst_lag_ns, lag.nanoseconds());
+  if (lag > kOverrun) {
+    ++statistics.overruns;
+    logger_->warn("overrun {}: the rack was {:.1f} ms behind the machine's clock; run fewer devices "
+                  "or a less loaded machine",
+                  statistics.overruns, static_cast<double>(lag.nanoseconds()) * 1e-6);
+  }
+}
+
+}  // namespace stator::rack

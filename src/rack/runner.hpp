@@ -1,0 +1,79 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "link/ethernet_link.hpp"
+#include "link/pcap_writer.hpp"
+#include "rack/clock.hpp"
+#include "rack/rack.hpp"
+
+namespace spdlog {
+class logger;
+}
+
+namespace stator::rack {
+
+/// What one segment's thread did so far.
+struct SegmentStatistics {
+  std::uint64_t frames = 0;             ///< answered
+  std::uint64_t frames_ignored = 0;     ///< came, but are no EtherCAT
+  std::uint64_t overruns = 0;           ///< times the rack lagged behind the clock by > kOverrun
+  std::int64_t worst_lag_ns = 0;        ///< longest lag seen
+  std::int64_t processing_ns = 0;       ///< sum over frames from received to sent
+  std::int64_t worst_processing_ns = 0;
+};
+
+/// Runs a rack on real links: one thread per segment that answers frames and keeps the devices at
+/// the present moment. The frame path comes first: a frame is answered, then firmware and physics
+/// catch up.
+class Runner {
+ public:
+  /// Lag behind the machine's clock from which on an overrun is counted.
+  static constexpr base::SimDuration kOverrun{20'000'000};
+
+  /// Opens every link and capture. Throws std::runtime_error with the link's own explanation. `rack`
+  /// must have been built from `configuration` and both outlive the runner.
+  Runner(Rack& rack, const RackConfiguration& configuration,
+         std::shared_ptr<spdlog::logger> logger);
+  ~Runner();
+  Runner(const Runner&) = delete;
+  Runner& operator=(const Runner&) = delete;
+
+  /// Starts the threads.
+  void start();
+  /// Ends the threads and waits for them; may be called twice.
+  void stop();
+
+  [[nodiscard]] base::SimTime now();
+  [[nodiscard]] SegmentStatistics statistics(std::size_t segment);
+  [[nodiscard]] const link::EthernetLink& link(std::size_t segment) const;
+
+ private:
+  struct SegmentThread;
+
+  void open(SegmentThread& segment, const SegmentConfiguration& configuration);
+  void run(SegmentThread& segment);
+  void answer(SegmentThread& segment, std::span<std::byte> frame);
+  void capture(SegmentThread& segment, base::SimTime arrival, std::span<const std::byte> answer);
+  void catch_up(SegmentThread& segment);
+  base::SimTime arrival_of(std::span<std::byte> frame);
+
+  Rack& rack_;
+  ClockKind clock_kind_;
+  RealClock real_clock_;
+  LockstepClock lockstep_clock_;
+  std::shared_ptr<spdlog::logger> logger_;
+  std::mutex mutex_;  ///< guards rack_, lockstep_clock_ and all statistics
+  std::atomic<bool> stopping_{false};
+  std::vector<std::unique_ptr<SegmentThread>> segments_;
+};
+
+}  // namespace stator::rack

@@ -1,0 +1,102 @@
+#include "rack/stepper_axis_section.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <set>
+
+namespace stator::rack {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kFarAway = 1e6;  // revolutions; beyond it a position is surely a mistake
+
+/// Replaces `target` by the number at `key`, if there is one.
+void set(TomlSection& section, const char* key, double minimum, double maximum, double& target) {
+  target = section.number(key, minimum, maximum).value_or(target);
+}
+
+plant::StepperMotorParameters motor_named(TomlSection& section, const std::string& name) {
+  if (const auto motor = plant::find_stepper_motor(name)) {
+    return *motor;
+  }
+  std::set<std::string> names;
+  for (const plant::StepperMotorSheet& sheet : plant::stepper_motor_sheets()) {
+    names.emplace(sheet.name);
+  }
+  const std::string guess = closest_match(name, names);
+  section.fail("motor",
+               fmt::format("motor \"{}\" is not known{}; the motors are: {}", name,
+                           guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
+                           fmt::join(names, ", ")));
+}
+
+void read_load(TomlSection section, plant::MechanicalLoad& load) {
+  set(section, "inertia", 0.0, 10.0, load.inertia);
+  set(section, "viscous_friction", 0.0, 10.0, load.viscous_friction);
+  set(section, "coulomb_friction", 0.0, 1000.0, load.coulomb_friction);
+  set(section, "constant_torque", -1000.0, 1000.0, load.constant_torque);
+  set(section, "unbalance_torque", -1000.0, 1000.0, load.unbalance_torque);
+  set(section, "brake_torque", 0.0, 1000.0, load.brake_torque);
+  set(section, "end_stop_minimum", -kFarAway, kFarAway, load.end_stop_minimum);
+  set(section, "end_stop_maximum", -kFarAway, kFarAway, load.end_stop_maximum);
+  set(section, "end_stop_stiffness", 0.1, 1e6, load.end_stop_stiffness);
+  set(section, "end_stop_damping", 0.0, 100.0, load.end_stop_damping);
+  if (load.end_stop_minimum >= load.end_stop_maximum) {
+    section.fail("end_stop_minimum", "\"end_stop_minimum\" must lie below \"end_stop_maximum\"");
+  }
+  section.finish();
+}
+
+void read_encoder(TomlSection section, plant::EncoderParameters& encoder) {
+  encoder.counts_per_revolution = section.integer("counts_per_revolution", 0, 1 << 24)
+                                      .value_or(encoder.counts_per_revolution);
+  encoder.reversed = section.boolean("reversed").value_or(encoder.reversed);
+  set(section, "offset", -1e9, 1e9, encoder.offset);
+  encoder.index_position =
+      section.integer("index_position", 0, 1 << 24).value_or(encoder.index_position);
+  section.finish();
+}
+
+void read_switch(TomlSection section, plant::PositionSwitch& position_switch) {
+  position_switch.fitted = true;
+  position_switch.pressed_from = -kInfinity;
+  position_switch.pressed_to = kInfinity;
+  set(section, "pressed_from", -kFarAway, kFarAway, position_switch.pressed_from);
+  set(section, "pressed_to", -kFarAway, kFarAway, position_switch.pressed_to);
+  position_switch.normally_closed =
+      section.boolean("normally_closed").value_or(position_switch.normally_closed);
+  if (position_switch.pressed_from > position_switch.pressed_to) {
+    section.fail("pressed_from", "\"pressed_from\" must not lie above \"pressed_to\"");
+  }
+  section.finish();
+}
+
+}  // namespace
+
+void read_stepper_axis(TomlSection& section, plant::StepperAxisParameters& parameters) {
+  if (const auto name = section.text("motor")) {
+    parameters.motor = motor_named(section, *name);
+  }
+  set(section, "supply_voltage", 0.0, 100.0, parameters.supply_voltage);
+  set(section, "initial_position", -kFarAway, kFarAway, parameters.initial_revolutions);
+  if (auto load = section.section("load")) {
+    read_load(*load, parameters.load);
+  }
+  if (auto encoder = section.section("encoder")) {
+    read_encoder(*encoder, parameters.encoder);
+  }
+  if (auto left = section.section("left_switch")) {
+    read_switch(*left, parameters.left_switch);
+  }
+  if (auto right = section.section("right_switch")) {
+    read_switch(*right, parameters.right_switch);
+  }
+  if (auto home = section.section("home_switch")) {
+    read_switch(*home, parameters.home_switch);
+  }
+  section.finish();
+}
+
+}  // namespace stator::rack

@@ -1,0 +1,232 @@
+#include "rack/toml_section.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace stator::rack {
+
+namespace {
+
+std::string joined(const std::set<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+/// Number of single-character edits that turn `a` into `b` (Levenshtein).
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, substituted});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::optional<base::SimDuration> parse_duration(std::string_view text) {
+  struct Unit {
+    std::string_view name;
+    double nanoseconds;
+  };
+  constexpr std::array<Unit, 4> kUnits{{{"ns", 1.0}, {"us", 1e3}, {"ms", 1e6}, {"s", 1e9}}};
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || !std::isfinite(number)) {
+    return std::nullopt;
+  }
+  std::string_view unit(end, static_cast<std::size_t>(text.data() + text.size() - end));
+  while (unit.starts_with(' ')) {
+    unit.remove_prefix(1);
+  }
+  for (const Unit& known : kUnits) {
+    const double nanoseconds = number * known.nanoseconds;
+    if (unit == known.name && std::abs(nanoseconds) < 9e18) {
+      return base::SimDuration(std::llround(nanoseconds));
+    }
+  }
+  return std::nullopt;
+}
+
+std::string closest_match(std::string_view word, const std::set<std::string>& known) {
+  std::string best;
+  std::size_t best_distance = word.size() / 3 + 2;
+  for (const std::string& candidate : known) {
+    if (const std::size_t distance = edit_distance(word, candidate); distance < best_distance) {
+      best = candidate;
+      best_distance = distance;
+    }
+  }
+  return best;
+}
+
+const toml::node* TomlSection::find(const std::string& key) {
+  asked_.insert(key);
+  return table_->get(key);
+}
+
+void TomlSection::fail(const std::string& key, const std::string& reason) const {
+  const toml::node* node = table_->get(key);
+  const toml::source_position place = (node != nullptr ? node->source() : table_->source()).begin;
+  throw RackFileError(
+      fmt::format("{}:{}:{}: {} in {}", file_, place.line, place.column, reason, path_));
+}
+
+std::optional<std::string> TomlSection::text(const std::string& key) {
+  const toml::node* node = find(key);
+  if (node == nullptr) {
+    return std::nullopt;
+  }
+  if (!node->is_string()) {
+    fail(key, fmt::format("\"{}\" must be a text in quotes", key));
+  }
+  return node->as_string()->get();
+}
+
+std::optional<std::string> TomlSection::choice(const std::string& key,
+                                               const std::set<std::string>& choices) {
+  std::optional<std::string> value = text(key);
+  if (value && !choices.contains(*value)) {
+    const std::string guess = closest_match(*value, choices);
+    fail(key, fmt::format("\"{}\" is \"{}\"{}; it must be one of: {}", key, *value,
+                          guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
+                          joined(choices)));
+  }
+  return value;
+}
+
+std::optional<bool> TomlSection::boolean(const std::string& key) {
+  const toml::node* node = find(key);
+  if (node == nullptr) {
+    return std::nullopt;
+  }
+  if (!node->is_boolean()) {
+    fail(key, fmt::format("\"{}\" must be true or false", key));
+  }
+  return node->as_boolean()->get();
+}
+
+std::optional<std::int64_t> TomlSection::integer(const std::string& key, std::int64_t minimum,
+                                                 std::int64_t maximum) {
+  const toml::node* node = find(key);
+  if (node == nullptr) {
+    return std::nullopt;
+  }
+  if (!node->is_integer()) {
+    fail(key, fmt::format("\"{}\" must be a whole number", key));
+  }
+  const std::int64_t value = node->as_integer()->get();
+  if (value < minimum || value > maximum) {
+    fail(key, fmt::format("\"{}\" is {}; it must lie in {} .. {}", key, value, minimum, maximum));
+  }
+  return value;
+}
+
+std::optional<double> TomlSection::number(const std::string& key, double minimum, double maximum) {
+  const toml::node* node = find(key);
+  if (node == nullptr) {
+    return std::nullopt;
+  }
+  if (!node->is_number()) {
+    fail(key, fmt::format("\"{}\" must be a number", key));
+  }
+  const double value = *node->value<double>();
+  if (!(value >= minimum && value <= maximum)) {
+    fail(key, fmt::format("\"{}\" is {}; it must lie in {} .. {}", key, value, minimum, maximum));
+  }
+  return value;
+}
+
+std::optional<base::SimDuration> TomlSection::duration(const std::string& key,
+                                                       base::SimDuration minimum,
+                                                       base::SimDuration maximum) {
+  const std::optional<std::string> written = text(key);
+  if (!written) {
+    return std::nullopt;
+  }
+  const std::optional<base::SimDuration> value = parse_duration(*written);
+  if (!value) {
+    fail(key, fmt::format("\"{}\" is \"{}\"; write a number with its unit, e.g. \"1ms\", \"250us\", "
+                          "\"2s\"",
+                          key, *written));
+  }
+  if (*value < minimum || *value > maximum) {
+    fail(key, fmt::format("\"{}\" is {}; it must lie in {} ns .. {} ns", key, *written,
+                          minimum.nanoseconds(), maximum.nanoseconds()));
+  }
+  return value;
+}
+
+std::optional<std::vector<std::string>> TomlSection::texts(const std::string& key) {
+  const toml::node* node = find(key);
+  if (node == nullptr) {
+    return std::nullopt;
+  }
+  const toml::array* array = node->as_array();
+  std::vector<std::string> values;
+  if (array != nullptr) {
+    for (const toml::node& element : *array) {
+      if (const auto* value = element.as_string()) {
+        values.push_back(value->get());
+      }
+    }
+  }
+  if (array == nullptr || values.size() != array->size()) {
+    fail(key, fmt::format("\"{}\" must be a list of texts, e.g. [\"a\", \"b\"]", key));
+  }
+  return values;
+}
+
+std::optional<TomlSection> TomlSection::section(const std::string& key) {
+  const toml::node* node = find(key);
+  if (node == nullptr) {
+    return std::nullopt;
+  }
+  if (!node->is_table()) {
+    fail(key, fmt::format("\"{}\" must be a table, written [{}]", key, key));
+  }
+  return TomlSection(file_, fmt::format("[{}]", key), *node->as_table());
+}
+
+std::vector<TomlSection> TomlSection::sections(const std::string& key) {
+  const toml::node* node = find(key);
+  if (node == nullptr) {
+    return {};
+  }
+  const toml::array* array = node->as_array();
+  if (array == nullptr || !array->is_homogeneous<toml::table>()) {
+    fail(key, fmt::format("\"{}\" must be written as [[{}]], once per {}", key, key, key));
+  }
+  std::vector<TomlSection> result;
+  for (const toml::node& element : *array) {
+    result.emplace_back(file_, fmt::format("[[{}]] number {}", key, result.size() + 1),
+                        *element.as_table());
+  }
+  return result;
+}
+
+void TomlSection::finish() const {
+  for (const auto& [key, node] : *table_) {
+    const std::string name(key.str());
+    if (asked_.contains(name)) {
+      continue;
+    }
+    const std::string guess = closest_match(name, asked_);
+    fail(name, fmt::format("unknown key \"{}\"{}; the keys are: {};", name,
+                           guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
+                           joined(asked_)));
+  }
+}
+
+}  // namespace stator::rack

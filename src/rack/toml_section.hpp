@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#define TOML_HEADER_ONLY 0
+#include <toml++/toml.h>
+
+#include "base/sim_time.hpp"
+
+namespace stator::rack {
+
+/// What is wrong with a rack file: "FILE:LINE:COLUMN: reason; remedy".
+class RackFileError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A duration with its unit, e.g. "250us", "1 ms", "2.5s"; empty when `text` is none.
+std::optional<base::SimDuration> parse_duration(std::string_view text);
+
+/// The entry of `known` that is most alike to `word`, or "" when none is close.
+std::string closest_match(std::string_view word, const std::set<std::string>& known);
+
+/// Reads one table of a rack file key by key and remembers which keys exist, so that finish() can
+/// reject those nobody asked for. All functions throw RackFileError with the key's place in the file.
+class TomlSection {
+ public:
+  /// `path` is how people name the table, e.g. "[[segment.device]] number 2".
+  TomlSection(std::string file, std::string path, const toml::table& table)
+      : file_(std::move(file)), path_(std::move(path)), table_(&table) {}
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+  std::optional<std::string> text(const std::string& key);
+  /// A text that must be one of `choices`.
+  std::optional<std::string> choice(const std::string& key, const std::set<std::string>& choices);
+  std::optional<bool> boolean(const std::string& key);
+  std::optional<std::int64_t> integer(const std::string& key, std::int64_t minimum,
+                                      std::int64_t maximum);
+  /// A finite number in [minimum, maximum]; whole numbers are taken too.
+  std::optional<double> number(const std::string& key, double minimum, double maximum);
+  /// A duration text in [minimum, maximum].
+  std::optional<base::SimDuration> duration(const std::string& key, base::SimDuration minimum,
+                                            base::SimDuration maximum);
+  std::optional<std::vector<std::string>> texts(const std::string& key);
+  /// The table below `key`.
+  std::optional<TomlSection> section(const std::string& key);
+  /// The tables of the array of tables below `key`; empty if there is none.
+  std::vector<TomlSection> sections(const std::string& key);
+
+  /// Throws for the first key that no call above asked for, and says which exist.
+  void finish() const;
+
+  /// Throws an error at `key`, or at the table itself when it has no such key.
+  [[noreturn]] void fail(const std::string& key, const std::string& reason) const;
+
+ private:
+  const toml::node* find(const std::string& key);
+
+  std::string file_;
+  std::string path_;
+  const toml::table* table_;
+  std::set<std::string> asked_;
+};
+
+}  // namespace stator::rack

@@ -1,0 +1,186 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+namespace stator {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Outcome {
+  int status = -1;
+  std::string output;  ///< standard output and standard error
+};
+
+/// Runs the built program as a person would.
+Outcome stator(const std::string& arguments) {
+  const std::string command = std::string(STATOR_PROGRAM) + " " + arguments + " 2>&1 </dev/null";
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  Outcome outcome;
+  std::array<char, 4096> buffer{};
+  while (const std::size_t length = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
+    outcome.output.append(buffer.data(), length);
+  }
+  const int status = ::pclose(pipe);
+  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+  return outcome;
+}
+
+std::string content(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::string temporary(const std::string& name) {
+  return (std::filesystem::path(::testing::TempDir()) / ("stator-cli-" + name)).string();
+}
+
+TEST(CommandLine, HelpNamesEveryCommandAndSucceeds) {
+  const Outcome outcome = stator("--help");
+  EXPECT_EQ(outcome.status, 0);
+  for (const char* command :
+       {"run", "devices", "describe", "export", "scan", "sdo", "move", "demo"}) {
+    EXPECT_THAT(outcome.output, HasSubstr(command));
+  }
+}
+
+TEST(CommandLine, UsageErrorsExitWith2) {
+  EXPECT_EQ(stator("").status, 2);
+  EXPECT_EQ(stator("fly").status, 2);
+  EXPECT_EQ(stator("describe").status, 2);
+  EXPECT_EQ(stator("describe tmcm-3315 --format xls").status, 2);
+  EXPECT_EQ(stator("move --device tmcm-3315").status, 2);
+  EXPECT_EQ(stator("move --device tmcm-3315 --by 1 --to 2").status, 2);
+}
+
+TEST(CommandLine, FailuresExitWith1AndSayWhatToDo) {
+  const Outcome product = stator("describe tmcm-3351");
+  EXPECT_EQ(product.status, 1);
+  EXPECT_THAT(product.output, HasSubstr("did you mean \"tmcm-3315\"?"));
+
+  const Outcome nothing = stator("scan");
+  EXPECT_EQ(nothing.status, 1);
+  EXPECT_THAT(nothing.output, HasSubstr("--link ethercat:INTERFACE"));
+
+  const Outcome link = stator("scan --link eth0");
+  EXPECT_EQ(link.status, 1);
+  EXPECT_THAT(link.output, HasSubstr("write ethercat:INTERFACE"));
+}
+
+TEST(CommandLine, AMissingInterfaceIsNamed) {
+  const Outcome outcome = stator("run --device tmcm-3315 --link ethercat:nosuch0");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.output, HasSubstr("nosuch0"));
+}
+
+TEST(CommandLine, ARackFileWithATypoIsRefusedWithItsLine) {
+  const std::string path = temporary("typo.toml");
+  std::ofstream(path) << "[[segment]]\n[[segment.device]]\ntype = \"tmcm-3315\"\nnmae = \"x\"\n";
+  const Outcome outcome = stator("scan --rack " + path);
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.output, HasSubstr(path + ":4:"));
+  EXPECT_THAT(outcome.output, HasSubstr("did you mean \"name\"?"));
+  std::filesystem::remove(path);
+}
+
+TEST(CommandLine, DescribeCsvEqualsTheObjectTable) {
+  const Outcome outcome = stator("describe tmcm-3315 --format csv");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_TRUE(outcome.output == content(STATOR_TEST_DATA "/tmcm-3315/objects.csv"))
+      << "stator describe tmcm-3315 --format csv differs from tests/data/tmcm-3315/objects.csv";
+}
+
+TEST(CommandLine, DescribeHasFourFormats) {
+  EXPECT_THAT(stator("describe tmcm-3315").output, HasSubstr("6040h:00  Axis 0: Controlword"));
+  EXPECT_THAT(stator("describe tmcm-3315 --format json").output,
+              HasSubstr("\"name\": \"Axis 0: Controlword\""));
+  EXPECT_THAT(stator("describe tmcm-3315 --format markdown").output,
+              HasSubstr("| 6040h:00 | Axis 0: Controlword |"));
+}
+
+TEST(CommandLine, ExportWritesAnSiiImageAndAnEsiFile) {
+  const std::string sii = temporary("module.bin");
+  const std::string esi = temporary("module.xml");
+  EXPECT_EQ(stator("export sii tmcm-3315 -o " + sii).status, 0);
+  EXPECT_EQ(stator("export esi tmcm-3315 -o " + esi).status, 0);
+  EXPECT_GE(std::filesystem::file_size(sii), 256U);
+  EXPECT_THAT(content(esi), HasSubstr("<EtherCATInfo"));
+  EXPECT_EQ(stator("export sii tmcm-3315 -o /nonexistent/x.bin").status, 1);
+  std::filesystem::remove(sii);
+  std::filesystem::remove(esi);
+}
+
+TEST(CommandLine, ScanListsTheSlavesOfARack) {
+  const Outcome outcome = stator("scan --rack " STATOR_SOURCE_DIR "/racks/gantry.toml");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("TMCM-3315"));
+  EXPECT_THAT(outcome.output, HasSubstr("alias 1"));
+  EXPECT_THAT(outcome.output, HasSubstr("1 slave found"));
+}
+
+TEST(CommandLine, SdoReadShowsValuesByTheirType) {
+  EXPECT_THAT(stator("sdo read 1008h --device tmcm-3315").output,
+              HasSubstr("1008h:00 = \"TMCM-3315\""));
+  EXPECT_THAT(stator("sdo read 6085h --device tmcm-3315").output, HasSubstr("51200 (0000C800h)"));
+  EXPECT_THAT(stator("sdo read 606A --device tmcm-3315").output, HasSubstr("-1 (FFFFh)"));
+}
+
+TEST(CommandLine, SdoErrorsCarryTheAbortCodeAndTheReason) {
+  const Outcome missing = stator("sdo read 5FFFh --device tmcm-3315");
+  EXPECT_EQ(missing.status, 1);
+  EXPECT_THAT(missing.output, HasSubstr("06020000h"));
+  const Outcome refused = stator("sdo write 6041h 1 --device tmcm-3315");
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.output, HasSubstr("06010002h"));
+  EXPECT_THAT(refused.output, HasSubstr("read-only"));
+}
+
+TEST(CommandLine, SdoWriteRefusesWhatDoesNotFitTheType) {
+  EXPECT_THAT(stator("sdo write 6081h 256000 --device tmcm-3315").output,
+              HasSubstr("6081h:00 <- 256000"));
+  const Outcome outcome = stator("sdo write 2000h 300 --device tmcm-3315");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.output, HasSubstr("is no UNSIGNED8"));
+}
+
+TEST(CommandLine, MoveReachesItsTargetAndRecordsTheSameTwice) {
+  const std::string first = temporary("move-1.csv");
+  const std::string second = temporary("move-2.csv");
+  const Outcome outcome = stator("move --device tmcm-3315 --revolutions 10 --record " + first);
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("at 512000, 0 from the target"));
+  EXPECT_EQ(stator("move --device tmcm-3315 --revolutions 10 --record " + second).status, 0);
+  EXPECT_TRUE(content(first) == content(second)) << "two equal lockstep runs differ";
+  EXPECT_GT(content(first).size(), 100'000U);
+  std::filesystem::remove(first);
+  std::filesystem::remove(second);
+}
+
+TEST(CommandLine, MoveOutsideTheRangeOfTheTargetIsRefused) {
+  const Outcome outcome = stator("move --device tmcm-3315 --to 2147483648");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.output, HasSubstr("607Ah"));
+}
+
+TEST(CommandLine, DemoMovesThreeAxesAndDrawsThem) {
+  const std::string directory = temporary("demo");
+  const Outcome outcome = stator("demo --output " + directory);
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("0 lost, 0 with a wrong working counter"));
+  for (const char* file : {"motion.png", "motion.svg", "motion.csv", "bus.pcap"}) {
+    EXPECT_GT(std::filesystem::file_size(std::filesystem::path(directory) / file), 1000U) << file;
+  }
+  std::filesystem::remove_all(directory);
+}
+
+}  // namespace
+}  // namespace stator

@@ -1,0 +1,202 @@
+#include "rack/rack_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace stator::rack {
+namespace {
+
+using namespace base::literals;
+using ::testing::HasSubstr;
+
+constexpr const char* kMinimal = R"(
+[[segment]]
+[[segment.device]]
+type = "tmcm-3315"
+)";
+
+std::string refusal_of(const std::string& text) {
+  try {
+    (void)parse_rack_file(text, "test.toml");
+  } catch (const RackFileError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+const devices::Tmcm3315Configuration& module_of(const RackConfiguration& rack) {
+  return std::get<devices::Tmcm3315Configuration>(rack.segments.at(0).devices.at(0).product);
+}
+
+TEST(RackFile, AMinimalFileGetsTheDocumentedDefaults) {
+  const RackConfiguration rack = parse_rack_file(kMinimal, "test.toml");
+  EXPECT_EQ(rack.clock, ClockKind::real);
+  EXPECT_EQ(rack.cycle, 1_ms);
+  ASSERT_EQ(rack.segments.size(), 1U);
+  EXPECT_EQ(rack.segments[0].interface, "");
+  EXPECT_EQ(rack.segments[0].devices[0].name, "tmcm-3315");
+  EXPECT_FALSE(rack.record.has_value());
+}
+
+TEST(RackFile, EveryKeyArrivesWhereItBelongs) {
+  const RackConfiguration rack = parse_rack_file(R"(
+clock = "lockstep"
+cycle = "2ms"
+step = "100us"
+[record]
+file = "run.csv"
+period = "250us"
+signals = ["gantry.axis0.*"]
+[[segment]]
+link = "ethercat:eth7"
+wait = "adaptive"
+spin_time = "50us"
+cpu = 1
+capture = "run.pcap"
+[[segment.device]]
+type = "tmcm-3315"
+name = "gantry"
+alias = 17
+[[segment.device.axis]]
+motor = "QSH5718-79-30-163"
+supply_voltage = 36
+initial_position = 0.25
+load.inertia = 4e-5
+load.constant_torque = -0.2
+encoder.counts_per_revolution = 4000
+left_switch.pressed_to = -2.0
+home_switch = { pressed_from = 0.0, pressed_to = 0.5, normally_closed = true }
+)",
+                                                 "test.toml");
+  EXPECT_EQ(rack.clock, ClockKind::lockstep);
+  EXPECT_EQ(rack.cycle, 2_ms);
+  EXPECT_EQ(rack.step, 100_us);
+  ASSERT_TRUE(rack.record.has_value());
+  EXPECT_EQ(rack.record->period, 250_us);
+  EXPECT_THAT(rack.record->signals, ::testing::ElementsAre("gantry.axis0.*"));
+  const SegmentConfiguration& segment = rack.segments.at(0);
+  EXPECT_EQ(segment.interface, "eth7");
+  EXPECT_EQ(segment.wait, link::WaitMode::adaptive);
+  EXPECT_EQ(segment.spin_time, 50_us);
+  EXPECT_EQ(segment.cpu, 1U);
+  EXPECT_EQ(segment.capture, "run.pcap");
+  EXPECT_EQ(segment.devices.at(0).name, "gantry");
+  const auto& module = module_of(rack);
+  EXPECT_EQ(module.station_alias, 17);
+  const plant::StepperAxisParameters& axis = module.axes[0];
+  EXPECT_DOUBLE_EQ(axis.motor.resistance, 0.8);
+  EXPECT_DOUBLE_EQ(axis.motor.inductance, 3.2e-3);
+  EXPECT_DOUBLE_EQ(axis.supply_voltage, 36.0);
+  EXPECT_DOUBLE_EQ(axis.initial_revolutions, 0.25);
+  EXPECT_DOUBLE_EQ(axis.load.inertia, 4e-5);
+  EXPECT_DOUBLE_EQ(axis.load.constant_torque, -0.2);
+  EXPECT_EQ(axis.encoder.counts_per_revolution, 4000);
+  EXPECT_TRUE(axis.left_switch.fitted);
+  EXPECT_DOUBLE_EQ(axis.left_switch.pressed_to, -2.0);
+  EXPECT_FALSE(axis.right_switch.fitted);
+  EXPECT_TRUE(axis.home_switch.normally_closed);
+}
+
+TEST(RackFile, AnUnknownKeyIsNamedWithItsPlaceAndTheLikelyWord) {
+  const std::string message = refusal_of(R"([[segment]]
+[[segment.device]]
+type = "tmcm-3315"
+[[segment.device.axis]]
+moter = "QSH5718-55-30-098"
+)");
+  EXPECT_THAT(message, HasSubstr("test.toml:5:"));
+  EXPECT_THAT(message, HasSubstr("unknown key \"moter\" (did you mean \"motor\"?)"));
+  EXPECT_THAT(message, HasSubstr("supply_voltage"));
+}
+
+TEST(RackFile, UnknownKeysAreErrorsInEveryTable) {
+  EXPECT_THAT(refusal_of(std::string("colour = 1\n") + kMinimal), HasSubstr("\"colour\""));
+  EXPECT_THAT(refusal_of(std::string("[record]\nfile = \"a\"\nfiles = 2\n") + kMinimal),
+              HasSubstr("\"files\""));
+  EXPECT_THAT(refusal_of("[[segment]]\nlinks = \"x\"\n[[segment.device]]\ntype = \"tmcm-3315\"\n"),
+              HasSubstr("\"links\" (did you mean \"link\"?)"));
+  EXPECT_THAT(refusal_of(std::string(kMinimal) + "serial = 3\n"), HasSubstr("\"serial\""));
+  EXPECT_THAT(refusal_of(std::string(kMinimal) + "[[segment.device.axis]]\nload.mass = 3\n"),
+              HasSubstr("\"mass\""));
+}
+
+TEST(RackFile, AnUnknownMotorListsThoseThereAre) {
+  const std::string message = refusal_of(
+      std::string(kMinimal) + "[[segment.device.axis]]\nmotor = \"QSH5718-55-30-099\"\n");
+  EXPECT_THAT(message, HasSubstr("did you mean \"QSH5718-55-30-098\"?"));
+  EXPECT_THAT(message, HasSubstr("QSH6018-86-28-310"));
+}
+
+TEST(RackFile, ValuesOfTheWrongKindOrRangeSayWhatIsExpected) {
+  EXPECT_THAT(refusal_of(std::string("cycle = 1\n") + kMinimal), HasSubstr("text in quotes"));
+  EXPECT_THAT(refusal_of(std::string("cycle = \"1 hour\"\n") + kMinimal),
+              HasSubstr("number with its unit"));
+  EXPECT_THAT(refusal_of(std::string("clock = \"fast\"\n") + kMinimal),
+              HasSubstr("must be one of: lockstep, real"));
+  EXPECT_THAT(
+      refusal_of(std::string(kMinimal) + "[[segment.device.axis]]\nsupply_voltage = 4800\n"),
+      HasSubstr("must lie in 0 .. 100"));
+  EXPECT_THAT(refusal_of(std::string(kMinimal) + "alias = 65536\n"), HasSubstr("0 .. 65535"));
+}
+
+TEST(RackFile, FourAxesAreMoreThanTheModuleHas) {
+  const std::string axis = "[[segment.device.axis]]\nsupply_voltage = 24\n";
+  EXPECT_EQ(refusal_of(kMinimal + axis + axis + axis), "accepted");
+  EXPECT_THAT(refusal_of(kMinimal + axis + axis + axis + axis),
+              HasSubstr("4 axes are given, the device has 3"));
+}
+
+TEST(RackFile, TwoDevicesNeedTwoNames) {
+  const std::string device = "[[segment.device]]\ntype = \"tmcm-3315\"\n";
+  EXPECT_THAT(refusal_of("[[segment]]\n" + device + device), HasSubstr("is given twice"));
+  EXPECT_EQ(refusal_of("[[segment]]\n" + device + device + "name = \"second\"\n"), "accepted");
+}
+
+TEST(RackFile, MissingPartsAreNamed) {
+  EXPECT_THAT(refusal_of(""), HasSubstr("at least one [[segment]]"));
+  EXPECT_THAT(refusal_of("[[segment]]\n"), HasSubstr("at least one [[segment.device]]"));
+  EXPECT_THAT(refusal_of("[[segment]]\n[[segment.device]]\nname = \"x\"\n"),
+              HasSubstr("\"type\" is missing"));
+  EXPECT_THAT(refusal_of(std::string("[record]\nperiod = \"1ms\"\n") + kMinimal),
+              HasSubstr("\"file\" is missing"));
+}
+
+TEST(RackFile, SyntaxErrorsNameLineAndColumn) {
+  EXPECT_THAT(refusal_of("clock = \"real\"\nsegment = [\n"), HasSubstr("test.toml:"));
+  EXPECT_THAT(refusal_of("clock = real\n"), HasSubstr("test.toml:1:"));
+}
+
+TEST(RackFile, AFileThatDoesNotExistIsNamed) {
+  try {
+    (void)load_rack_file("/nonexistent/rack.toml");
+    FAIL() << "a missing file was read";
+  } catch (const RackFileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/nonexistent/rack.toml"));
+    EXPECT_THAT(error.what(), HasSubstr("No such file or directory"));
+  }
+}
+
+TEST(RackFile, EveryRackInTheRepositoryIsAccepted) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(STATOR_SOURCE_DIR "/racks")) {
+    EXPECT_NO_THROW((void)load_rack_file(entry.path().string())) << entry.path();
+    ++count;
+  }
+  EXPECT_GT(count, 0);
+}
+
+TEST(ParseDuration, ReadsNumbersWithUnits) {
+  EXPECT_EQ(parse_duration("1ms"), 1_ms);
+  EXPECT_EQ(parse_duration("2.5 s"), 2500_ms);
+  EXPECT_EQ(parse_duration("250us"), 250_us);
+  EXPECT_EQ(parse_duration("7ns"), 7_ns);
+  EXPECT_FALSE(parse_duration("7").has_value());
+  EXPECT_FALSE(parse_duration("ms").has_value());
+  EXPECT_FALSE(parse_duration("1e300s").has_value());
+  EXPECT_FALSE(parse_duration("nans").has_value());
+}
+
+}  // namespace
+}  // namespace stator::rack
