@@ -1,0 +1,157 @@
+// Cost of the frame path: one cyclic LRW frame sequence over a line of drives with 30 bytes of
+// outputs and 30 bytes of inputs each. "per_slave_datagram" is nanoseconds for one slave to deal
+// with one datagram, whether it concerns the slave or not; the limit is 50.
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "base/byte_order.hpp"
+#include "ethercat/segment.hpp"
+
+namespace {
+
+using namespace stator;
+using namespace stator::ethercat;
+
+constexpr std::size_t kOutputs = 30;
+constexpr std::size_t kInputs = 30;
+constexpr std::size_t kPerSlave = kOutputs + kInputs;
+constexpr std::size_t kSlavesPerFrame = kMaximumDatagramData / kPerSlave;
+constexpr MacAddress kMaster{0x02, 0, 0, 0, 0, 1};
+
+std::vector<std::byte> minimal_sii() {
+  std::vector<std::byte> image(128);
+  image[14] = std::byte{sii_checksum(image)};
+  return image;
+}
+
+/// A line of drives, configured by frames as a master does it.
+class Line {
+ public:
+  explicit Line(std::size_t slaves, bool mailbox_status) {
+    for (std::size_t i = 0; i < slaves; ++i) {
+      slaves_.push_back(std::make_unique<SlaveController>(SlaveControllerConfiguration{}));
+      slaves_.back()->load_sii(minimal_sii());
+      segment_.append(*slaves_.back());
+    }
+    for (std::size_t i = 0; i < slaves; ++i) {
+      const auto logical = static_cast<std::uint32_t>(0x10000 + kPerSlave * i);
+      const auto position = static_cast<std::uint16_t>(i);
+      set_sync_manager(position, 2, 0x1100, kOutputs, 0x64);
+      set_sync_manager(position, 3, 0x1400, kInputs, 0x20);
+      set_fmmu(position, 0, logical, kOutputs, 0x1100, 2);
+      set_fmmu(position, 1, logical + kOutputs, kInputs, 0x1400, 1);
+      if (mailbox_status) {
+        set_fmmu(position, 2, 0x1000000 + static_cast<std::uint32_t>(i), 1, 0x080D, 1);
+      }
+    }
+  }
+
+  /// All process data once; number of datagrams sent.
+  std::size_t cycle() {
+    std::size_t datagrams = 0;
+    for (std::size_t first = 0; first < slaves_.size(); first += kSlavesPerFrame) {
+      const std::size_t count = std::min(kSlavesPerFrame, slaves_.size() - first);
+      FrameBuilder builder(buffer_, kMaster);
+      builder.append(Command::lrw, 0, static_cast<std::uint32_t>(0x10000 + kPerSlave * first),
+                     count * kPerSlave);
+      const std::span<std::byte> frame = builder.finish();
+      benchmark::DoNotOptimize(segment_.process(frame, now_));
+      working_counter_ += base::load_le<std::uint16_t>(frame.data() + frame.size() - 2);
+      now_ += base::SimDuration(1000);
+      ++datagrams;
+    }
+    return datagrams;
+  }
+  std::size_t take_working_counter() { return std::exchange(working_counter_, 0); }
+
+ private:
+  void write(std::uint16_t position, std::uint16_t address, std::span<const std::byte> data) {
+    FrameBuilder builder(buffer_, kMaster);
+    builder.append(Command::apwr, 0, physical_address(auto_increment_address(position), address),
+                   data);
+    static_cast<void>(segment_.process(builder.finish(), now_));
+  }
+  void set_sync_manager(std::uint16_t position, unsigned channel, std::uint16_t start,
+                        std::uint16_t length, std::uint8_t control) {
+    std::array<std::byte, 8> registers{};
+    base::store_le(registers.data(), start);
+    base::store_le(registers.data() + 2, length);
+    registers[4] = std::byte{control};
+    registers[6] = std::byte{1};
+    write(position, static_cast<std::uint16_t>(0x0800 + 8 * channel), registers);
+  }
+  void set_fmmu(std::uint16_t position, unsigned unit, std::uint32_t logical, std::uint16_t length,
+                std::uint16_t physical, std::uint8_t type) {
+    std::array<std::byte, 16> registers{};
+    base::store_le(registers.data(), logical);
+    base::store_le(registers.data() + 4, length);
+    registers[7] = std::byte{7};
+    base::store_le(registers.data() + 8, physical);
+    registers[11] = std::byte{type};
+    registers[12] = std::byte{1};
+    write(position, static_cast<std::uint16_t>(0x0600 + 16 * unit), registers);
+  }
+
+  std::vector<std::unique_ptr<SlaveController>> slaves_;
+  Segment segment_;
+  std::array<std::byte, kMaximumFrameLength> buffer_{};
+  base::SimTime now_;
+  std::size_t working_counter_ = 0;
+};
+
+void run(benchmark::State& state, bool mailbox_status) {
+  const auto slaves = static_cast<std::size_t>(state.range(0));
+  Line line(slaves, mailbox_status);
+  line.cycle();
+  if (line.take_working_counter() != 3 * slaves) {
+    state.SkipWithError("working counter is not 3 per slave");
+    return;
+  }
+  std::size_t datagrams = 0;
+  for (auto _ : state) {
+    datagrams += line.cycle();
+  }
+  using benchmark::Counter;
+  const auto passes = static_cast<double>(datagrams * slaves);
+  const auto exchanges = static_cast<double>(state.iterations()) * static_cast<double>(slaves);
+  state.counters["per_slave_datagram"] = Counter(passes, Counter::kIsRate | Counter::kInvert);
+  state.counters["per_slave_cycle"] = Counter(exchanges, Counter::kIsRate | Counter::kInvert);
+}
+
+void lrw(benchmark::State& state) {
+  run(state, false);
+}
+void lrw_with_mailbox_status(benchmark::State& state) {
+  run(state, true);
+}
+
+/// A datagram that concerns one slave only: the others must wave it through.
+void fprd_of_the_last_slave(benchmark::State& state) {
+  const auto slaves = static_cast<std::size_t>(state.range(0));
+  std::vector<std::unique_ptr<SlaveController>> line;
+  Segment segment;
+  for (std::size_t i = 0; i < slaves; ++i) {
+    line.push_back(std::make_unique<SlaveController>(SlaveControllerConfiguration{}));
+    line.back()->load_sii(minimal_sii());
+    segment.append(*line.back());
+  }
+  std::array<std::byte, kMaximumFrameLength> buffer{};
+  for (auto _ : state) {
+    FrameBuilder builder(buffer, kMaster);
+    builder.append(Command::fprd, 0, physical_address(0x1001, 0x0130), std::size_t{2});
+    benchmark::DoNotOptimize(segment.process(builder.finish(), base::SimTime()));
+  }
+  const auto passes = static_cast<double>(state.iterations()) * static_cast<double>(slaves);
+  state.counters["per_slave_datagram"] =
+      benchmark::Counter(passes, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+}  // namespace
+
+BENCHMARK(lrw)->Arg(1)->Arg(10)->Arg(24)->Arg(50)->Arg(500);
+BENCHMARK(lrw_with_mailbox_status)->Arg(1)->Arg(10)->Arg(50)->Arg(500);
+BENCHMARK(fprd_of_the_last_slave)->Arg(1)->Arg(50)->Arg(500);

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/event.hpp"
+#include "base/sim_time.hpp"
+#include "ethercat/mailbox_protocol.hpp"
+#include "ethercat/process_data_interface.hpp"
+#include "ethercat/slave_stack_statistics.hpp"
+#include "ethercat/sync_manager_settings.hpp"
+
+namespace stator::ethercat {
+
+/// The slave's side of the mailbox link layer (ETG.1000.4 §5.6): takes requests from SM0, drops
+/// repeated ones, hands them to their protocol, puts replies into SM1 and repeats the last one when
+/// the master lost it.
+///
+/// A request is left in SM0 until the last reply was read: the controller then refuses the next
+/// write of the master (working counter 0), so nothing is ever lost.
+class Mailbox {
+ public:
+  /// `receive_capacity` and `transmit_capacity` bound the lengths of SM0 and SM1.
+  Mailbox(ProcessDataInterface& interface, std::size_t receive_capacity,
+          std::size_t transmit_capacity, base::EventReporter reporter,
+          SlaveStackStatistics& statistics);
+
+  /// Protocols are asked in the order in which they were added; they must outlive the mailbox.
+  void add(MailboxProtocol& protocol) { protocols_.push_back(&protocol); }
+
+  /// Begins with empty queues and fresh counters on checked SM0 and SM1 settings.
+  void start(const SyncManagerBank& bank, AlState state);
+  void stop();
+  [[nodiscard]] bool running() const { return running_; }
+
+  /// True if nothing but a new request can need process().
+  [[nodiscard]] bool idle() const {
+    return !running_ || (posted_.length == 0 && postponed_.length == 0 &&
+                         std::ranges::none_of(protocols_, &MailboxProtocol::has_message));
+  }
+  /// True if `events` or a protocol's own message need process().
+  [[nodiscard]] bool needs_attention(std::uint32_t events) const;
+  void process(std::uint32_t events, base::SimTime now);
+
+  /// Reacts to the repeat-request bit of SM1's activate register.
+  void handle_repeat_request(const SyncManagerSettings& transmit);
+
+  [[nodiscard]] const SyncManagerSettings& receive_settings() const { return receive_; }
+  [[nodiscard]] const SyncManagerSettings& transmit_settings() const { return transmit_; }
+
+ private:
+  /// A complete mailbox message with its header; empty when `length` is 0.
+  struct Message {
+    std::vector<std::byte> bytes;
+    std::size_t length = 0;
+  };
+
+  [[nodiscard]] bool request_waits(std::uint32_t events) const;
+  [[nodiscard]] std::uint8_t read_status(unsigned channel) const;
+  void note_delivery();
+  bool take_request(base::SimTime now);
+  [[nodiscard]] MailboxReply dispatch(const MailboxHeader& header, base::SimTime now);
+  bool send_own_message(base::SimTime now);
+  void post(MailboxType type, std::uint16_t address, std::size_t payload_length);
+  void write_posted();
+  [[nodiscard]] std::span<std::byte> payload_room();
+
+  ProcessDataInterface& interface_;
+  base::EventReporter reporter_;
+  SlaveStackStatistics& statistics_;
+  std::vector<MailboxProtocol*> protocols_;
+
+  bool running_ = false;
+  AlState state_ = AlState::init;
+  SyncManagerSettings receive_;
+  SyncManagerSettings transmit_;
+  std::vector<std::byte> request_;
+  Message building_;   ///< where protocols write; empty outside process()
+  Message posted_;     ///< in SM1, not read yet
+  Message delivered_;  ///< read by the master; what a repeat request asks for
+  Message postponed_;  ///< displaced from SM1 by a repetition, comes next
+  bool posted_is_repetition_ = false;
+  std::uint8_t last_request_counter_ = 0;
+  std::uint8_t reply_counter_ = 0;
+};
+
+/// Arguments: {0} mailbox type, {1} error detail, {2} length field, {3} mailbox length, {4} words.
+namespace rules {
+inline constexpr EventRule kMailboxError{
+    "mailbox-error", Severity::refusal,
+    "mailbox message of type {0} answered with mailbox error {1}: {4} (length field {2}, mailbox "
+    "{3} bytes); see ETG.1000.4 table 30 for the detail codes"};
+}  // namespace rules
+
+}  // namespace stator::ethercat

@@ -1,0 +1,277 @@
+// How bus and host reach the bytes of the controller's memory: rights of registers, sync managers
+// in front of the process memory.
+
+#include <algorithm>
+
+#include "ethercat/slave_controller.hpp"
+
+namespace stator::ethercat {
+
+namespace {
+
+constexpr std::size_t kWriteEnable = 0x0020;
+constexpr std::size_t kWriteProtection = 0x0021;
+constexpr std::size_t kControllerWriteEnable = 0x0030;
+constexpr std::size_t kControllerWriteProtection = 0x0031;
+
+/// Stores the bits of `value` that `mask` selects.
+void store_bits(std::byte& target, std::byte value, std::uint8_t mask) {
+  target = (target & ~std::byte{mask}) | (value & std::byte{mask});
+}
+
+/// Mask of byte `index` of `length` when only the ends are partial.
+std::uint8_t mask_at(std::size_t index, std::size_t length, std::uint8_t first, std::uint8_t last) {
+  unsigned mask = 0xFF;
+  if (index == 0) {
+    mask &= first;
+  }
+  if (index + 1 == length) {
+    mask &= last;
+  }
+  return static_cast<std::uint8_t>(mask);
+}
+
+void store_masked(std::byte* to, std::span<const std::byte> data, std::uint8_t first_mask,
+                  std::uint8_t last_mask) {
+  if ((first_mask & last_mask) == 0xFF) {
+    std::copy(data.begin(), data.end(), to);
+    return;
+  }
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    store_bits(to[i], data[i], mask_at(i, data.size(), first_mask, last_mask));
+  }
+}
+
+}  // namespace
+
+SlaveController::Piece SlaveController::piece_at(std::uint32_t address, std::size_t length) const {
+  for (std::size_t channel = 0; channel < configuration_.sync_manager_count; ++channel) {
+    const SyncManager& manager = sync_managers_[channel];
+    if (manager.guards(address)) {
+      const std::uint32_t offset = address - manager.start();
+      const std::uint32_t end =
+          offset < manager.length() ? manager.length() : manager.guarded_length();
+      return {channel, std::min<std::size_t>(length, end - offset)};
+    }
+    if (manager.guarded_length() != 0 && manager.start() > address) {
+      length = std::min<std::size_t>(length, manager.start() - address);
+    }
+  }
+  return {kNoChannel, length};
+}
+
+bool SlaveController::read_memory(Side side, std::uint32_t address, std::span<std::byte> out) {
+  bool any = false;
+  while (!out.empty() && address < memory_.size()) {
+    std::size_t count = 0;
+    if (address < kRegisterSpace) {
+      count = std::min<std::size_t>(out.size(), kRegisterSpace - address);
+      any |= read_registers(side, address, out.first(count));
+    } else if (!loaded_) {
+      return any;
+    } else {
+      const Piece piece = piece_at(address, std::min(out.size(), memory_.size() - address));
+      count = piece.length;
+      if (piece.channel == kNoChannel) {
+        std::copy_n(memory_.begin() + address, count, out.begin());
+        any = true;
+      } else {
+        any |= read_area(side, piece.channel, address, out.first(count));
+      }
+    }
+    address += static_cast<std::uint32_t>(count);
+    out = out.subspan(count);
+  }
+  return any;
+}
+
+bool SlaveController::write_memory(Side side, std::uint32_t address,
+                                   std::span<const std::byte> data, std::uint8_t first_mask,
+                                   std::uint8_t last_mask) {
+  bool any = false;
+  while (!data.empty() && address < memory_.size()) {
+    std::size_t count = 0;
+    const bool in_registers = address < kRegisterSpace;
+    Piece piece{kNoChannel, 0};
+    if (in_registers) {
+      count = std::min<std::size_t>(data.size(), kRegisterSpace - address);
+    } else if (!loaded_) {
+      return any;
+    } else {
+      piece = piece_at(address, std::min(data.size(), memory_.size() - address));
+      count = piece.length;
+    }
+    const std::span<const std::byte> part = data.first(count);
+    const std::uint8_t last = count == data.size() ? last_mask : std::uint8_t{0xFF};
+    if (in_registers) {
+      any |= write_registers(side, address, part, first_mask, last);
+    } else if (side == Side::bus && write_protected(address)) {
+      return any;
+    } else if (piece.channel == kNoChannel) {
+      store_masked(memory_.data() + address, part, first_mask, last);
+      any = true;
+    } else {
+      any |= write_area(side, piece.channel, address, part, first_mask, last);
+    }
+    address += static_cast<std::uint32_t>(count);
+    data = data.subspan(count);
+    first_mask = 0xFF;
+  }
+  return any;
+}
+
+bool SlaveController::read_registers(Side side, std::uint32_t address, std::span<std::byte> out) {
+  const auto readable = [&](const RegisterMap::Byte& byte) {
+    return side == Side::bus ? byte.bus_reads : byte.host_reads;
+  };
+  Effects effects = 0;
+  bool any = false;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const RegisterMap::Byte& byte = register_map_[address + i];
+    if (readable(byte)) {
+      any = true;
+      effects |= Effects{1} << static_cast<unsigned>(byte.effect);
+    }
+  }
+  if (!any) {
+    return false;
+  }
+  before_read(side, effects);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i] = readable(register_map_[address + i]) ? memory_[address + i] : std::byte{0};
+  }
+  if (side == Side::bus) {
+    after_bus_read(effects);
+  } else {
+    after_host_read(effects, address, out.size());
+  }
+  return true;
+}
+
+bool SlaveController::write_registers(Side side, std::uint32_t address,
+                                      std::span<const std::byte> data, std::uint8_t first_mask,
+                                      std::uint8_t last_mask) {
+  Effects effects = 0;
+  bool any = false;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const std::size_t at = address + i;
+    const bool accepted = side == Side::bus ? accepts_bus_write(at) : accepts_host_write(at);
+    if (!accepted) {
+      continue;
+    }
+    const RegisterMap::Byte& byte = register_map_[at];
+    unsigned mask = mask_at(i, data.size(), first_mask, last_mask);
+    mask &= side == Side::bus ? byte.bus_stores : byte.host_stores;
+    if (byte.effect == Effect::sync_manager && register_bit((at & ~std::size_t{7}) + 6, 0)) {
+      mask &= 0x40;  // of an enabled sync manager only the watchdog trigger may change
+    }
+    store_bits(memory_[at], data[i], static_cast<std::uint8_t>(mask));
+    any = true;
+    effects |= Effects{1} << static_cast<unsigned>(byte.effect);
+  }
+  if (!any) {
+    return false;
+  }
+  if (side == Side::bus) {
+    after_bus_write(effects, address, data);
+  } else {
+    after_host_write(effects, address, data);
+  }
+  return true;
+}
+
+bool SlaveController::accepts_bus_write(std::size_t address) const {
+  const RegisterMap::Byte& byte = register_map_[address];
+  if (!byte.bus_writes || write_protected(static_cast<std::uint32_t>(address))) {
+    return false;
+  }
+  switch (byte.effect) {
+    case Effect::al_control:
+      return al_control_taken_ || register_bit(0x0141, 0);
+    case Effect::sii_interface:
+      return sii_.bus_may_write();
+    case Effect::sync_manager: {
+      // Start and length are locked while the sync manager is enabled; control keeps one open bit.
+      const bool enabled = register_bit((address & ~std::size_t{7}) + 6, 0);
+      return !enabled || (address & 7) == 4;
+    }
+    default:
+      return true;
+  }
+}
+
+bool SlaveController::accepts_host_write(std::size_t address) const {
+  const RegisterMap::Byte& byte = register_map_[address];
+  if (!byte.host_writes) {
+    return false;
+  }
+  switch (byte.effect) {
+    case Effect::al_control:
+    case Effect::watchdog_status:
+    case Effect::sync_manager_activate:
+      return configuration_.acknowledge_by_write;
+    case Effect::al_status:
+      return !register_bit(0x0141, 0);
+    case Effect::sii_access:
+      return sii_.host_may_take();
+    case Effect::sii_interface:
+      return sii_.host_may_write();
+    default:
+      return true;
+  }
+}
+
+bool SlaveController::write_protected(std::uint32_t address) const {
+  if (register_bit(kControllerWriteProtection, 0) && !controller_unlocked_ &&
+      address != kControllerWriteEnable) {
+    return true;
+  }
+  const bool protectable = address <= 0x0137 || (address >= 0x013A && address <= 0x0F0F);
+  return protectable && register_bit(kWriteProtection, 0) && !registers_unlocked_ &&
+         address != kWriteEnable && address != kControllerWriteEnable;
+}
+
+bool SlaveController::read_area(Side side, std::size_t channel, std::uint32_t address,
+                                std::span<std::byte> out) {
+  SyncManager& manager = sync_managers_[channel];
+  const std::uint32_t offset = address - manager.start();
+  if (manager.condition() == SyncManager::Condition::watchdog_trigger) {
+    std::copy_n(memory_.begin() + address, out.size(), out.begin());
+    return true;
+  }
+  const bool is_reader = manager.bus_writes() == (side == Side::host);
+  if (!manager.active() || !is_reader || offset >= manager.length() ||
+      !manager.begin_read(offset)) {
+    return false;
+  }
+  std::copy_n(memory_.begin() + manager.read_base() + offset, out.size(), out.begin());
+  static_cast<void>(manager.end_read(offset + static_cast<std::uint32_t>(out.size())));
+  publish_sync_manager(channel);
+  return true;
+}
+
+bool SlaveController::write_area(Side side, std::size_t channel, std::uint32_t address,
+                                 std::span<const std::byte> data, std::uint8_t first_mask,
+                                 std::uint8_t last_mask) {
+  SyncManager& manager = sync_managers_[channel];
+  const std::uint32_t offset = address - manager.start();
+  if (manager.condition() == SyncManager::Condition::watchdog_trigger) {
+    store_masked(memory_.data() + address, data, first_mask, last_mask);
+    trigger_process_data_watchdog();
+    return true;
+  }
+  const bool is_writer = manager.bus_writes() == (side == Side::bus);
+  if (!manager.active() || !is_writer || offset >= manager.length() ||
+      !manager.begin_write(offset)) {
+    return false;
+  }
+  store_masked(memory_.data() + manager.write_base() + offset, data, first_mask, last_mask);
+  if (manager.end_write(offset + static_cast<std::uint32_t>(data.size())) &&
+      manager.triggers_watchdog()) {
+    trigger_process_data_watchdog();
+  }
+  publish_sync_manager(channel);
+  return true;
+}
+
+}  // namespace stator::ethercat

@@ -1,0 +1,149 @@
+// Data link: ports and their loops, DL status, error counters, the reset key.
+
+#include <algorithm>
+#include <iterator>
+
+#include "base/byte_order.hpp"
+#include "ethercat/slave_controller.hpp"
+
+namespace stator::ethercat {
+
+namespace {
+
+constexpr std::size_t kDlStatus = 0x0110;
+constexpr std::size_t kEscConfiguration = 0x0141;
+constexpr std::uint16_t kDlStatusEvent = 1U << 2;
+/// "About 1 s" in the datasheet.
+constexpr base::SimDuration kTemporaryLoopControl{1'000'000'000};
+
+enum LoopSetting : unsigned { kAuto = 0, kAutoClose = 1, kAlwaysOpen = 2, kAlwaysClosed = 3 };
+
+/// To be written to 0x0040 or 0x0041 in three accesses (datasheet "ESC Reset").
+constexpr std::uint8_t kResetKey[] = {0x52, 0x45, 0x53};
+
+}  // namespace
+
+void SlaveController::count_malformed_frame() {
+  count(0x030C);
+}
+
+void SlaveController::count_receive_error(unsigned port, ReceiveError error) {
+  switch (error) {
+    case ReceiveError::invalid_frame:
+      count(0x0300 + 2 * std::size_t{port});
+      break;
+    case ReceiveError::physical:
+      count(0x0301 + 2 * std::size_t{port});
+      break;
+    case ReceiveError::forwarded_error:
+      count(0x0308 + std::size_t{port});
+      break;
+  }
+}
+
+void SlaveController::set_link(unsigned port, bool up) {
+  if (ports_[port].link == up) {
+    return;
+  }
+  const unsigned setting = loop_control_ >> (2 * port) & 3U;
+  if (!up && ports_[port].open && setting == kAuto) {
+    count(0x0310 + std::size_t{port});
+  }
+  ports_[port].link = up;
+  update_ports(false);
+}
+
+void SlaveController::update_ports(bool loop_control_written) {
+  loop_control_ = std::to_integer<std::uint8_t>(memory_[0x0101]);
+  for (unsigned i = 0; i < kPorts; ++i) {
+    Port& port = ports_[i];
+    const bool exists = (configuration_.port_descriptor >> (2 * i) & 3U) > 1;
+    const unsigned setting = loop_control_ >> (2 * i) & 3U;
+    bool open = false;
+    switch (setting) {
+      case kAuto:
+        open = port.link;
+        break;
+      case kAutoClose:
+        // Opens again only when the setting is written while the link is up.
+        open = port.link && (port.open || loop_control_written);
+        break;
+      case kAlwaysOpen:
+        open = true;
+        break;
+      default:
+        break;
+    }
+    open = open && exists;
+    topology_changed_ |= open != port.open;
+    port.open = open;
+  }
+  update_dl_status();
+}
+
+void SlaveController::update_dl_status() {
+  const auto configuration = std::to_integer<unsigned>(memory_[kEscConfiguration]);
+  const bool host_alive = loaded_ && (host_polling_ || host_watchdog_.running());
+  unsigned status = (loaded_ ? 0x01U : 0U) | (host_alive ? 0x02U : 0U) |
+                    ((configuration & 0xF2U) != 0 ? 0x04U : 0U);
+  for (unsigned i = 0; i < kPorts; ++i) {
+    // Communication is the link's, whether or not the loop lets frames use it.
+    const unsigned link = ports_[i].link ? 1U : 0U;
+    status |= link << (4 + i) | link << (9 + 2 * i);
+    status |= (ports_[i].open ? 0U : 1U) << (8 + 2 * i);
+  }
+  const auto former = base::load_le<std::uint16_t>(registers(), kDlStatus);
+  if (former != status) {
+    base::store_le(registers(), kDlStatus, static_cast<std::uint16_t>(status));
+    set_ecat_event(kDlStatusEvent, true);
+  }
+}
+
+void SlaveController::apply_loop_control() {
+  if (register_bit(0x0100, 1)) {
+    former_loop_control_ = loop_control_;
+    loop_control_expires_ = now_ + kTemporaryLoopControl;
+    next_deadline_ = std::min(next_deadline_, loop_control_expires_);
+  } else {
+    loop_control_expires_ = base::SimTime::never();
+  }
+  update_ports(true);
+}
+
+void SlaveController::take_reset_key(Side side, std::uint8_t key) {
+  const bool from_bus = side == Side::bus;
+  std::uint8_t& progress = from_bus ? bus_reset_progress_ : host_reset_progress_;
+  if (from_bus) {
+    frame_work_ |= FrameWork::kResetKey;
+    if (reset_key_seen_) {
+      return;  // one step per frame
+    }
+  }
+  const bool matches = key == kResetKey[progress];
+  progress = static_cast<std::uint8_t>(matches ? progress + 1 : 0);
+  reset_key_seen_ = from_bus && matches;
+  if (progress == std::size(kResetKey)) {
+    if (!from_bus) {
+      reset_requested_ = true;
+      power_on_reset();
+    }
+    return;  // from the bus, at the end of the frame
+  }
+  memory_[from_bus ? 0x0040 : 0x0041] = std::byte{progress};
+}
+
+void SlaveController::finish_reset_key() {
+  if (!reset_key_seen_) {
+    bus_reset_progress_ = 0;
+    memory_[0x0040] = std::byte{0};
+  }
+  reset_key_seen_ = false;
+  if (bus_reset_progress_ == std::size(kResetKey)) {
+    reset_requested_ = true;
+    power_on_reset();
+  } else if (bus_reset_progress_ != 0) {
+    frame_work_ |= FrameWork::kResetKey;
+  }
+}
+
+}  // namespace stator::ethercat

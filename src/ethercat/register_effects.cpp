@@ -1,0 +1,368 @@
+// What accesses to registers cause, by effect as declared in register_table.cpp and by side.
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "base/byte_order.hpp"
+#include "ethercat/slave_controller.hpp"
+
+namespace stator::ethercat {
+
+namespace {
+
+constexpr base::EventRule kAlControlLocked{
+    "esc-al-control-locked", base::Severity::refusal,
+    "AL control write of {0:x4} refused: the host has not read the request before ({1:x4}) yet; "
+    "wait for AL status, then write again"};
+constexpr base::EventRule kSyncManagerMode{
+    "esc-sync-manager-mode", base::Severity::warning,
+    "sync manager {0} stays inactive: control byte {1:x2} names a reserved mode or direction; use "
+    "mode 0 (buffered) or 2 (mailbox) and direction 0 or 1"};
+constexpr base::EventRule kSyncManagerArea{
+    "esc-sync-manager-area", base::Severity::warning,
+    "sync manager {0} stays inactive: start {1:x4} with length {2} takes {3} bytes; it needs a "
+    "length above 1 and must lie within 1000h..{4:x4}"};
+constexpr base::EventRule kSiiWriteEnable{
+    "esc-sii-write-enable", base::Severity::refusal,
+    "EEPROM write refused: bit 0 of register 0502h (write enable) was not set in the same frame; "
+    "write 0201h as the command"};
+constexpr base::EventRule kSiiCommand{
+    "esc-sii-command", base::Severity::refusal,
+    "EEPROM command {0} is none of 0 (idle), 1 (read), 2 (write), 4 (reload)"};
+constexpr base::EventRule kSiiMissing{
+    "esc-sii-missing", base::Severity::refusal,
+    "EEPROM command {0} failed: no EEPROM is fitted; give the device an SII image"};
+
+constexpr std::size_t kAlControl = 0x0120;
+constexpr std::size_t kAlStatus = 0x0130;
+constexpr std::size_t kRunLedOverride = 0x0138;
+constexpr std::size_t kEcatEventRequest = 0x0210;
+constexpr std::size_t kAlEventRequest = 0x0220;
+constexpr std::size_t kWatchdogStatus = 0x0440;
+constexpr std::uint16_t kDlStatusEvent = 1U << 2;
+constexpr std::uint16_t kAlStatusEvent = 1U << 3;
+
+/// Runs `handle` for each effect in the set, in the order of their declaration.
+template <typename Handler>
+void for_each_effect(std::uint64_t effects, Handler handle) {
+  for (; effects != 0; effects &= effects - 1) {
+    handle(static_cast<Effect>(std::countr_zero(effects)));
+  }
+}
+
+}  // namespace
+
+void SlaveController::before_read(Side side, Effects effects) {
+  for_each_effect(effects, [&](Effect effect) {
+    switch (effect) {
+      case Effect::event_request:
+        base::store_le(registers(), kEcatEventRequest, ecat_event_request_);
+        base::store_le(registers(), kAlEventRequest, al_event_request_);
+        break;
+      case Effect::watchdog_status: {
+        const bool off = base::load_le<std::uint16_t>(registers(), 0x0420) == 0;
+        memory_[kWatchdogStatus] = std::byte{off || process_data_watchdog_.running()};
+        break;
+      }
+      case Effect::system_time:
+        // The bus sees the time at which the frame began, the host that of its access.
+        clock_.show_system_time(side == Side::bus ? frame_start_ : now_, side == Side::bus);
+        break;
+      default:
+        break;
+    }
+  });
+}
+
+void SlaveController::after_bus_read(Effects effects) {
+  for_each_effect(effects, [&](Effect effect) {
+    switch (effect) {
+      case Effect::dl_status:
+        set_ecat_event(kDlStatusEvent, false);
+        break;
+      case Effect::al_status:
+        set_ecat_event(kAlStatusEvent, false);
+        break;
+      default:
+        break;
+    }
+  });
+}
+
+void SlaveController::after_host_read(Effects effects, std::uint32_t address, std::size_t length) {
+  if (!configuration_.acknowledge_by_write) {
+    acknowledge(effects, address, length);
+  }
+}
+
+void SlaveController::acknowledge(Effects effects, std::uint32_t address, std::size_t length) {
+  for_each_effect(effects, [&](Effect effect) {
+    switch (effect) {
+      case Effect::al_control:
+        al_control_taken_ = true;
+        al_event_request_ &= ~al_event::kAlControl;
+        break;
+      case Effect::watchdog_status:
+        al_event_request_ &= ~al_event::kProcessDataWatchdog;
+        break;
+      case Effect::sync_manager_activate:
+        for (std::uint32_t at = address; at < address + length; ++at) {
+          if ((at & 7) == 6 && at >= kSyncManagerRegisters) {
+            const unsigned channel = static_cast<unsigned>(at - kSyncManagerRegisters) / 8;
+            changed_activations_ &= static_cast<std::uint16_t>(~(1U << channel & 0xFFFFU));
+          }
+        }
+        if (changed_activations_ == 0) {
+          al_event_request_ &= ~al_event::kSyncManagerActivation;
+        }
+        break;
+      default:
+        break;
+    }
+  });
+}
+
+void SlaveController::after_bus_write(Effects effects, std::uint32_t address,
+                                      std::span<const std::byte> data) {
+  const auto written = [&](std::size_t at) {
+    return std::to_integer<std::uint8_t>(data[at - address]);
+  };
+  for_each_effect(effects, [&](Effect effect) {
+    switch (effect) {
+      case Effect::station_address:
+        station_address_ = base::load_le<std::uint16_t>(registers(), 0x0010);
+        break;
+      case Effect::unlock_registers:
+        registers_unlocked_ = true;
+        frame_work_ |= FrameWork::kLockRegisters;
+        break;
+      case Effect::unlock_controller:
+        controller_unlocked_ = true;
+        frame_work_ |= FrameWork::kLockRegisters;
+        break;
+      case Effect::write_protection:
+        compile_mappings();
+        break;
+      case Effect::reset_by_bus:
+        take_reset_key(Side::bus, written(0x0040));
+        break;
+      case Effect::dl_control:
+        alias_enabled_ = register_bit(0x0103, 0);
+        if (address <= 0x0101 && address + data.size() > 0x0101) {
+          frame_work_ |= FrameWork::kApplyLoopControl;
+        }
+        break;
+      case Effect::al_control:
+        take_al_control();
+        break;
+      case Effect::event_mask:
+        ecat_event_mask_ = base::load_le<std::uint16_t>(registers(), 0x0200);
+        set_ecat_event(0, false);
+        break;
+      case Effect::clear_receive_errors:
+        clear_registers(0x0300, 0x030B);
+        break;
+      case Effect::clear_processing_unit_errors:
+        clear_registers(0x030C, 0x030C);
+        break;
+      case Effect::clear_pdi_errors:
+        clear_registers(0x030D, 0x030E);
+        break;
+      case Effect::clear_lost_links:
+        clear_registers(0x0310, 0x0313);
+        break;
+      case Effect::watchdog_time:
+        update_watchdog_times();
+        break;
+      case Effect::clear_watchdog_counters:
+        clear_registers(0x0442, 0x0443);
+        break;
+      case Effect::sii_access:
+        sii_.update_owner();
+        break;
+      case Effect::sii_interface:
+        if (address <= 0x0503 && address + data.size() > 0x0502) {
+          start_sii_command();
+        }
+        break;
+      case Effect::fmmu:
+        compile_mappings();
+        break;
+      case Effect::sync_manager:
+      case Effect::sync_manager_activate:
+        update_sync_managers(address, data.size());
+        break;
+      case Effect::receive_time:
+        if (address == 0x0900) {
+          frame_work_ |= FrameWork::kLatchReceiveTimes;
+        }
+        break;
+      case Effect::system_time:
+        if (address <= 0x0910 && address + data.size() >= 0x0914) {
+          received_system_time_ = base::load_le<std::uint32_t>(data, 0x0910 - address);
+          frame_work_ |= FrameWork::kCompareSystemTime;
+        }
+        break;
+      case Effect::time_loop:
+        clock_.reset_filter();
+        clear_registers(0x0932, 0x0933);
+        break;
+      case Effect::time_filter:
+        clock_.reset_filter();
+        break;
+      default:
+        break;
+    }
+  });
+}
+
+void SlaveController::after_host_write(Effects effects, std::uint32_t address,
+                                       std::span<const std::byte> data) {
+  // Registers of read_acknowledge rights get here only in acknowledge-by-write mode.
+  acknowledge(effects, address, data.size());
+  for_each_effect(effects, [&](Effect effect) {
+    switch (effect) {
+      case Effect::station_address:
+        station_alias_ = base::load_le<std::uint16_t>(registers(), 0x0012);
+        break;
+      case Effect::reset_by_host:
+        take_reset_key(Side::host, std::to_integer<std::uint8_t>(data[0x0041 - address]));
+        break;
+      case Effect::al_status:
+        change_al_status();
+        break;
+      case Effect::sii_access:
+        sii_.update_owner();
+        break;
+      case Effect::sii_interface:
+        if (address <= 0x0503 && address + data.size() > 0x0502) {
+          start_sii_command();
+        }
+        break;
+      case Effect::sync_manager_host_control:
+        update_sync_managers(address, data.size());
+        break;
+      default:
+        break;
+    }
+  });
+}
+
+void SlaveController::take_al_control() {
+  if (register_bit(0x0141, 0)) {
+    std::copy_n(memory_.begin() + kAlControl, 2, memory_.begin() + kAlStatus);
+    change_al_status();
+    return;
+  }
+  al_control_taken_ = false;
+  al_event_request_ |= al_event::kAlControl;
+}
+
+void SlaveController::change_al_status() {
+  const auto status = base::load_le<std::uint16_t>(registers(), kAlStatus);
+  if (status != al_status_) {
+    al_status_ = status;
+    memory_[kRunLedOverride] &= std::byte{0x0F};
+    set_ecat_event(kAlStatusEvent, true);
+  }
+}
+
+void SlaveController::start_sii_command() {
+  const auto command = static_cast<unsigned>(registers()[0x0503]) & 7U;
+  frame_work_ |= FrameWork::kClearSiiWriteEnable;
+  switch (sii_.start_command(now_)) {
+    case SiiInterface::CommandResult::started:
+      next_deadline_ = std::min(next_deadline_, sii_.deadline());
+      break;
+    case SiiInterface::CommandResult::idle:
+      break;
+    case SiiInterface::CommandResult::invalid:
+      reporter_.report(now_, kSiiCommand, {command});
+      break;
+    case SiiInterface::CommandResult::not_write_enabled:
+      reporter_.report(now_, kSiiWriteEnable);
+      break;
+    case SiiInterface::CommandResult::no_acknowledge:
+      reporter_.report(now_, kSiiMissing, {command});
+      break;
+  }
+}
+
+void SlaveController::update_sync_managers(std::uint32_t address, std::size_t length) {
+  bool reconfigured = false;
+  for (std::size_t channel = 0; channel < configuration_.sync_manager_count; ++channel) {
+    const std::size_t base = kSyncManagerRegisters + channel * SyncManager::kRegisterLength;
+    if (base + SyncManager::kRegisterLength <= address || base >= address + length) {
+      continue;
+    }
+    SyncManager& manager = sync_managers_[channel];
+    const auto activate = std::to_integer<std::uint8_t>(memory_[base + 6]);
+    const auto former = std::exchange(activations_[channel], activate);
+    manager.refresh_control(std::to_integer<std::uint8_t>(memory_[base + 4]));
+    if (activate != former) {
+      changed_activations_ |= static_cast<std::uint16_t>(1U << channel);
+      al_event_request_ |= al_event::kSyncManagerActivation;
+    }
+    const bool enable_changed = ((activate ^ former) & 0x01) != 0;
+    if (enable_changed) {
+      memory_[base + 7] &= std::byte{0xFE};  // a new enable ends a deactivation by the host
+    }
+    const bool deactivate = register_bit(base + 7, 0) && (activate & 0x01) != 0;
+    const bool deactivated = manager.condition() == SyncManager::Condition::deactivated;
+    if (enable_changed || deactivate != deactivated) {
+      configure_sync_manager(channel);
+      reconfigured = true;
+    }
+  }
+  if (reconfigured) {
+    compile_mappings();
+  }
+}
+
+void SlaveController::configure_sync_manager(std::size_t channel) {
+  const std::size_t base = kSyncManagerRegisters + channel * SyncManager::kRegisterLength;
+  SyncManager& manager = sync_managers_[channel];
+  manager.configure(registers().subspan(base).first<SyncManager::kRegisterLength>(),
+                    memory_.size());
+  al_event_request_ &= ~al_event::sync_manager(static_cast<unsigned>(channel));
+  set_ecat_event(sync_manager_ecat_event(channel), false);
+  publish_sync_manager(channel);
+  if (manager.condition() == SyncManager::Condition::bad_mode) {
+    reporter_.report(now_, kSyncManagerMode,
+                     {channel, std::to_integer<unsigned>(memory_[base + 4])});
+  } else if (manager.condition() == SyncManager::Condition::bad_area) {
+    const unsigned bytes = manager.length() * (manager.buffered() ? 3U : 1U);
+    reporter_.report(now_, kSyncManagerArea,
+                     {channel, manager.start(), manager.length(), bytes, memory_.size() - 1});
+  }
+}
+
+void SlaveController::update_watchdog_times() {
+  // The divider counts 25 MHz clocks less two.
+  const auto registers16 = [&](std::size_t at) {
+    return std::int64_t{base::load_le<std::uint16_t>(registers(), at)};
+  };
+  const base::SimDuration increment((registers16(0x0400) + 2) * 40);
+  process_data_watchdog_.set_period(increment * registers16(0x0420), now_);
+  host_watchdog_.set_period(increment * registers16(0x0410), now_);
+  update_deadline();
+}
+
+void SlaveController::clear_registers(std::size_t first, std::size_t last) {
+  std::fill(memory_.begin() + static_cast<std::ptrdiff_t>(first),
+            memory_.begin() + static_cast<std::ptrdiff_t>(last) + 1, std::byte{0});
+}
+
+void SlaveController::count(std::size_t address) {
+  if (memory_[address] != std::byte{0xFF}) {
+    memory_[address] = static_cast<std::byte>(std::to_integer<unsigned>(memory_[address]) + 1);
+  }
+}
+
+void SlaveController::report_locked_al_control(std::uint16_t requested) {
+  reporter_.report(now_, kAlControlLocked,
+                   {requested, base::load_le<std::uint16_t>(registers(), kAlControl)});
+}
+
+}  // namespace stator::ethercat

@@ -1,0 +1,199 @@
+#include "ethercat/sii_interface.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "base/byte_order.hpp"
+
+namespace stator::ethercat {
+
+namespace {
+
+using base::load_le;
+using base::store_le;
+
+constexpr std::size_t kOwner = 0x0500;
+constexpr std::size_t kHostAccess = 0x0501;
+constexpr std::size_t kStatus = 0x0502;
+constexpr std::size_t kAddress = 0x0504;
+constexpr std::size_t kData = 0x0508;
+
+// Bits of 0x0502.
+constexpr std::uint16_t kWriteEnable = 0x0001;
+constexpr std::uint16_t kEightByteRead = 0x0040;
+constexpr std::uint16_t kTwoAddressBytes = 0x0080;
+constexpr std::uint16_t kCommandMask = 0x0700;
+constexpr std::uint16_t kChecksumError = 0x0800;
+constexpr std::uint16_t kNotLoaded = 0x1000;
+constexpr std::uint16_t kCommandError = 0x2000;
+constexpr std::uint16_t kWriteEnableError = 0x4000;
+constexpr std::uint16_t kBusy = 0x8000;
+
+constexpr std::size_t kConfigurationAreaLength = 16;
+constexpr std::size_t kSmallestEeprom = 128;
+/// Largest EEPROM that takes one address byte (16 kbit).
+constexpr std::size_t kOneAddressByte = 2048;
+
+}  // namespace
+
+std::uint8_t sii_checksum(std::span<const std::byte> image) {
+  unsigned crc = 0xFF;
+  for (const std::byte byte : image.first(14)) {
+    crc ^= std::to_integer<unsigned>(byte);
+    for (int bit = 0; bit < 8; ++bit) {
+      crc = (crc & 0x80) != 0 ? (crc << 1 ^ 0x07) & 0xFF : crc << 1;
+    }
+  }
+  return static_cast<std::uint8_t>(crc);
+}
+
+void SiiInterface::insert(std::span<const std::byte> image) {
+  content_.clear();
+  if (image.empty()) {
+    return;
+  }
+  content_.assign(std::bit_ceil(std::max(image.size(), kSmallestEeprom)), std::byte{0xFF});
+  std::copy(image.begin(), image.end(), content_.begin());
+}
+
+SiiInterface::LoadResult SiiInterface::load() {
+  if (content_.empty()) {
+    set_status(kChecksumError, kNotLoaded);
+    return LoadResult::no_eeprom;
+  }
+  const std::span<const std::byte> area = std::span(content_).first(kConfigurationAreaLength);
+  if (std::to_integer<std::uint8_t>(area[14]) != sii_checksum(area)) {
+    set_status(0, kChecksumError | kNotLoaded);
+    return LoadResult::bad_checksum;
+  }
+  set_status(kChecksumError | kNotLoaded, 0);
+  return LoadResult::loaded;
+}
+
+void SiiInterface::reset() {
+  deadline_ = base::SimTime::never();
+  command_ = Command::idle;
+  refresh_status();
+}
+
+bool SiiInterface::host_owns() const {
+  return (registers_[kHostAccess] & std::byte{1}) != std::byte{0};
+}
+
+bool SiiInterface::host_may_take() const {
+  return (registers_[kOwner] & std::byte{3}) == std::byte{1};
+}
+
+void SiiInterface::update_owner() {
+  if ((registers_[kOwner] & std::byte{2}) != std::byte{0}) {
+    registers_[kHostAccess] = std::byte{0};
+  }
+  refresh_status();
+}
+
+SiiInterface::CommandResult SiiInterface::start_command(base::SimTime now) {
+  const auto status = load_le<std::uint16_t>(registers_, kStatus);
+  const auto command = static_cast<Command>((status & kCommandMask) >> 8);
+  set_status(kCommandMask, 0);
+  base::SimDuration duration;
+  switch (command) {
+    case Command::idle:
+      set_status(kCommandError | kWriteEnableError, 0);
+      return CommandResult::idle;
+    case Command::read:
+      duration = timing_.read;
+      break;
+    case Command::write:
+      if ((status & kWriteEnable) == 0) {
+        set_status(kCommandError, kWriteEnableError);
+        return CommandResult::not_write_enabled;
+      }
+      duration = timing_.write;
+      break;
+    case Command::reload_standard:
+    case Command::reload:
+      duration = timing_.reload;
+      break;
+    default:
+      set_status(kWriteEnableError, kCommandError);
+      return CommandResult::invalid;
+  }
+  if (content_.empty()) {
+    set_status(kWriteEnableError, kCommandError);
+    return CommandResult::no_acknowledge;
+  }
+  command_ = command;
+  deadline_ = now + duration;
+  set_status(kCommandError | kWriteEnableError,
+             static_cast<std::uint16_t>(kBusy | (status & kCommandMask)));
+  return CommandResult::started;
+}
+
+void SiiInterface::start_of_frame() {
+  if (!host_owns()) {
+    set_status(kWriteEnable, 0);
+  }
+}
+
+SiiInterface::Completion SiiInterface::finish(base::SimTime now) {
+  if (now < deadline_) {
+    return Completion::nothing;
+  }
+  deadline_ = base::SimTime::never();
+  set_status(kBusy | kCommandMask, 0);
+  switch (std::exchange(command_, Command::idle)) {
+    case Command::read:
+      read_words();
+      return Completion::access;
+    case Command::write:
+      write_word();
+      return Completion::access;
+    case Command::reload_standard:
+    case Command::reload:
+      return Completion::reload;
+    case Command::idle:
+      break;
+  }
+  return Completion::nothing;
+}
+
+void SiiInterface::refresh_status() {
+  std::uint16_t shown = host_owns() ? kWriteEnable : 0;
+  if (eight_byte_read_) {
+    shown |= kEightByteRead;
+  }
+  if (content_.size() > kOneAddressByte) {
+    shown |= kTwoAddressBytes;
+  }
+  set_status(kWriteEnable | kEightByteRead | kTwoAddressBytes, shown);
+}
+
+void SiiInterface::set_status(std::uint16_t clear, std::uint16_t set) {
+  const unsigned status = load_le<std::uint16_t>(registers_, kStatus);
+  store_le(registers_, kStatus, static_cast<std::uint16_t>((status & ~unsigned{clear}) | set));
+}
+
+std::size_t SiiInterface::byte_address() const {
+  // The EEPROM decodes only as many address bits as it has words; higher addresses repeat.
+  const std::size_t word = load_le<std::uint32_t>(registers_, kAddress);
+  return word * 2 & (content_.size() - 1);
+}
+
+void SiiInterface::read_words() {
+  const std::size_t wanted = eight_byte_read_ ? 8 : 4;
+  store_le(registers_, kData, std::uint64_t{0});
+  const std::size_t from = byte_address();
+  for (std::size_t i = 0; i < wanted; ++i) {
+    registers_[kData + i] = content_[(from + i) & (content_.size() - 1)];
+  }
+}
+
+void SiiInterface::write_word() {
+  const std::size_t to = byte_address();
+  content_[to] = registers_[kData];
+  content_[to + 1] = registers_[kData + 1];
+  ++write_count_;
+}
+
+}  // namespace stator::ethercat

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/sim_time.hpp"
+#include "ethercat/register_table.hpp"
+
+namespace stator::ethercat {
+
+/// How long the controller is busy with the EEPROM.
+struct SiiTiming {
+  base::SimDuration read = base::SimDuration(100'000);      ///< four or eight bytes over I2C
+  base::SimDuration write = base::SimDuration(500'000);     ///< one word
+  base::SimDuration reload = base::SimDuration(1'000'000);  ///< the configuration area
+};
+
+/// CRC-8 (x^8 + x^2 + x + 1, start FFh) over the first seven words of an SII image: the low byte of
+/// word 7 of a valid one (ETG.2010 table 2). `image` must have at least 14 bytes.
+[[nodiscard]] std::uint8_t sii_checksum(std::span<const std::byte> image);
+
+/// The EEPROM and registers 0x0500..0x050F through which master or host read and write it word by
+/// word (ETG.1000.4 §6.5; TMC8461 datasheet "SII EEPROM interface"). Works on the controller's
+/// register memory. Busy is a deadline; finish() completes what is due.
+class SiiInterface {
+ public:
+  SiiInterface(std::span<std::byte, kRegisterSpace> registers, SiiTiming timing,
+               bool eight_byte_read)
+      : registers_(registers), timing_(timing), eight_byte_read_(eight_byte_read) {}
+
+  /// Puts an EEPROM with `image` on the board. Its size is the next power of two from 128 bytes on;
+  /// what the image does not fill reads FFh, as erased cells do. Empty: no EEPROM answers.
+  void insert(std::span<const std::byte> image);
+  [[nodiscard]] std::span<const std::byte> content() const { return content_; }
+  /// Counts written words, so that somebody who keeps the content in a file sees changes.
+  [[nodiscard]] std::uint32_t write_count() const { return write_count_; }
+
+  /// Why the configuration area was not taken over.
+  enum class LoadResult : std::uint8_t { loaded, no_eeprom, bad_checksum };
+  /// Checks the configuration area and sets the status bits "checksum error" and "not loaded".
+  LoadResult load();
+
+  /// Register state after power-on; the content stays.
+  void reset();
+
+  [[nodiscard]] bool busy() const { return deadline_ != base::SimTime::never(); }
+  [[nodiscard]] bool host_owns() const;
+  [[nodiscard]] bool bus_may_write() const { return !host_owns() && !busy(); }
+  [[nodiscard]] bool host_may_write() const { return host_owns() && !busy(); }
+  /// 0x0501 bit 0 is writable for the host while 0x0500 offers the EEPROM.
+  [[nodiscard]] bool host_may_take() const;
+
+  /// After a write to 0x0500: a forced bus access takes the EEPROM from the host.
+  void update_owner();
+
+  /// What became of a command.
+  enum class CommandResult : std::uint8_t {
+    started,
+    idle,               ///< command 0: error bits cleared
+    invalid,            ///< no such command
+    not_write_enabled,  ///< write without 0x0502 bit 0 in the same frame
+    no_acknowledge,     ///< no EEPROM on the board
+  };
+  /// Runs what a write to 0x0502..0x0503 has left in the command bits.
+  CommandResult start_command(base::SimTime now);
+
+  /// A new frame begins: write enable of an earlier frame is over.
+  void start_of_frame();
+
+  /// What finish() completed.
+  enum class Completion : std::uint8_t { nothing, access, reload };
+  Completion finish(base::SimTime now);
+  [[nodiscard]] base::SimTime deadline() const { return deadline_; }
+
+  /// Clears or sets the bits the controller shows in 0x0502 besides commands.
+  void refresh_status();
+
+ private:
+  enum class Command : std::uint8_t {
+    idle = 0,
+    read = 1,
+    write = 2,
+    reload_standard = 3,
+    reload = 4
+  };
+
+  void set_status(std::uint16_t clear, std::uint16_t set);
+  void read_words();
+  void write_word();
+  [[nodiscard]] std::size_t byte_address() const;
+
+  std::span<std::byte, kRegisterSpace> registers_;
+  SiiTiming timing_;
+  bool eight_byte_read_;
+  std::vector<std::byte> content_;
+  base::SimTime deadline_ = base::SimTime::never();
+  Command command_ = Command::idle;
+  std::uint32_t write_count_ = 0;
+};
+
+}  // namespace stator::ethercat

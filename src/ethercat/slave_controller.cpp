@@ -1,0 +1,260 @@
+#include "ethercat/slave_controller.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/byte_order.hpp"
+
+namespace stator::ethercat {
+
+namespace {
+
+constexpr base::EventRule kProcessDataWatchdog{
+    "esc-process-data-watchdog", base::Severity::fault,
+    "process-data watchdog expired: no write to a sync manager with watchdog trigger for {0} us; "
+    "send process data faster or set registers 0400h and 0420h"};
+constexpr base::EventRule kHostWatchdog{
+    "esc-pdi-watchdog", base::Severity::fault,
+    "PDI watchdog expired: the host has not accessed the controller for {0} us"};
+constexpr base::EventRule kSiiChecksum{
+    "esc-sii-checksum", base::Severity::warning,
+    "EEPROM not loaded: checksum byte in word 7 is {0:x2}, the first seven words give {1:x2}; "
+    "process memory and host interface stay closed until a valid image is written and reloaded"};
+
+constexpr std::size_t kEscConfiguration = 0x0141;
+constexpr std::size_t kPdiInformation = 0x014E;
+
+/// Words of the EEPROM's configuration area and the registers they are copied to at each load.
+struct ConfigurationWord {
+  std::size_t word;
+  std::size_t byte;  ///< 0 low, 1 high
+  std::size_t register_address;
+};
+constexpr ConfigurationWord kConfigurationWords[] = {
+    {0, 0, 0x0140}, {0, 1, 0x0141}, {1, 0, 0x0150}, {1, 1, 0x0151},
+    {2, 0, 0x0982}, {2, 1, 0x0983}, {3, 0, 0x0152}, {3, 1, 0x0153},
+};
+constexpr std::size_t kAliasWord = 4;
+constexpr std::size_t kChecksumWord = 7;
+constexpr std::size_t kFirstCategoryWord = 0x40;
+constexpr std::uint16_t kParameterRamCategory = 1;
+constexpr std::size_t kParameterRam = 0x0580;
+constexpr std::size_t kParameterRamLength = 128;
+
+}  // namespace
+
+SlaveController::SlaveController(const SlaveControllerConfiguration& configuration)
+    : memory_(kRegisterSpace + configuration.ram_kilobytes * std::size_t{1024}),
+      configuration_(configuration),
+      register_map_(configuration.features, configuration.fmmu_count,
+                    configuration.sync_manager_count),
+      sii_(registers(), configuration.sii_timing,
+           has_feature(configuration.features, ControllerFeature::sii_eight_byte_read)),
+      clock_(registers(), configuration.clock_deviation_ppb) {
+  power_on_reset();
+}
+
+void SlaveController::power_on_reset() {
+  register_map_.reset(registers());
+  show_identity();
+  station_address_ = 0;
+  station_alias_ = 0;
+  alias_enabled_ = false;
+  al_event_request_ = 0;
+  ecat_event_request_ = 0;
+  ecat_event_mask_ = 0;
+  interrupt_ = 0;
+  frame_work_ = 0;
+  for (SyncManager& manager : sync_managers_) {
+    manager = SyncManager();
+  }
+  activations_.fill(0);
+  changed_activations_ = 0;
+  al_status_ = 1;
+  al_control_taken_ = true;
+  registers_unlocked_ = false;
+  controller_unlocked_ = false;
+  loop_control_ = 0;
+  loop_control_expires_ = base::SimTime::never();
+  bus_reset_progress_ = 0;
+  host_reset_progress_ = 0;
+  clock_.reset(now_);
+  sii_.reset();
+  process_data_watchdog_.stop();
+  host_watchdog_.stop();
+  update_watchdog_times();
+  load_configuration_area(true);
+  update_ports(true);
+}
+
+void SlaveController::show_identity() {
+  const SlaveControllerConfiguration& chip = configuration_;
+  memory_[0x0000] = std::byte{chip.type};
+  memory_[0x0001] = std::byte{chip.revision};
+  base::store_le(registers(), 0x0002, chip.build);
+  memory_[0x0004] = std::byte{chip.fmmu_count};
+  memory_[0x0005] = std::byte{chip.sync_manager_count};
+  memory_[0x0006] = std::byte{chip.ram_kilobytes};
+  memory_[0x0007] = std::byte{chip.port_descriptor};
+  // Enhanced link detection (MII) and separate counting of frames with wrong check sequence; with
+  // distributed clocks also 64-bit times and the enhanced SYNC activation.
+  const bool clocks = has_feature(chip.features, ControllerFeature::distributed_clocks);
+  const auto features = static_cast<std::uint16_t>(0x00C0 | (clocks ? 0x010C : 0));
+  base::store_le(registers(), 0x0008, features);
+  if (has_feature(chip.features, ControllerFeature::product_identity)) {
+    base::store_le(registers(), 0x0E00, chip.product_id);
+    base::store_le(registers(), 0x0E08, chip.vendor_id);
+  }
+}
+
+void SlaveController::load_sii(std::span<const std::byte> image) {
+  sii_.insert(image);
+  sii_.reset();
+  load_configuration_area(true);
+}
+
+void SlaveController::load_configuration_area(bool first) {
+  const SiiInterface::LoadResult result = sii_.load();
+  loaded_ = result == SiiInterface::LoadResult::loaded;
+  const std::span<const std::byte> content = sii_.content();
+  if (result == SiiInterface::LoadResult::bad_checksum) {
+    reporter_.report(
+        now_, kSiiChecksum,
+        {std::to_integer<unsigned>(content[2 * kChecksumWord]), unsigned{sii_checksum(content)}});
+  }
+  if (loaded_) {
+    for (const ConfigurationWord& entry : kConfigurationWords) {
+      if (register_map_[entry.register_address].bus_reads) {
+        memory_[entry.register_address] = content[2 * entry.word + entry.byte];
+      }
+    }
+    if (first) {
+      station_alias_ = base::load_le<std::uint16_t>(content, 2 * kAliasWord);
+      base::store_le(registers(), 0x0012, station_alias_);
+    }
+    load_parameter_ram();
+  }
+  if (configuration_.device_emulation) {
+    memory_[kEscConfiguration] |= std::byte{1};
+  }
+  if (has_feature(configuration_.features, ControllerFeature::pdi_information)) {
+    const unsigned state = loaded_ ? 0x06U : 0x00U;  // configured and active
+    memory_[kPdiInformation] =
+        static_cast<std::byte>(state | (configuration_.acknowledge_by_write ? 1U : 0U));
+  }
+  compile_mappings();
+  update_dl_status();
+}
+
+void SlaveController::load_parameter_ram() {
+  const std::span<const std::byte> content = sii_.content();
+  constexpr std::size_t kHeader = 2 * kFirstCategoryWord;
+  if (!has_feature(configuration_.features, ControllerFeature::parameter_ram) ||
+      content.size() < kHeader + 4 ||
+      base::load_le<std::uint16_t>(content, kHeader) != kParameterRamCategory) {
+    return;
+  }
+  const std::size_t announced = base::load_le<std::uint16_t>(content, kHeader + 2) * std::size_t{2};
+  const std::size_t length =
+      std::min({announced, kParameterRamLength, content.size() - kHeader - 4});
+  clear_registers(kParameterRam, kParameterRam + kParameterRamLength - 1);
+  std::copy_n(content.begin() + kHeader + 4, length, memory_.begin() + kParameterRam);
+}
+
+void SlaveController::advance(base::SimTime now) {
+  if (now <= now_) {
+    return;
+  }
+  now_ = now;
+  if (now_ >= next_deadline_) {
+    expire(now_);
+  }
+}
+
+void SlaveController::expire(base::SimTime now) {
+  const auto increments = [&](std::size_t time_register) {
+    const std::int64_t divider = base::load_le<std::uint16_t>(registers(), 0x0400);
+    const std::int64_t time = base::load_le<std::uint16_t>(registers(), time_register);
+    return (divider + 2) * time / 25;
+  };
+  if (process_data_watchdog_.expire(now)) {
+    count(0x0442);
+    al_event_request_ |= al_event::kProcessDataWatchdog;
+    reporter_.report(now, kProcessDataWatchdog, {increments(0x0420)});
+  }
+  if (host_watchdog_.expire(now)) {
+    count(0x0443);
+    update_dl_status();
+    reporter_.report(now, kHostWatchdog, {increments(0x0410)});
+  }
+  if (sii_.finish(now) == SiiInterface::Completion::reload) {
+    load_configuration_area(false);
+  }
+  if (now >= loop_control_expires_) {
+    loop_control_expires_ = base::SimTime::never();
+    memory_[0x0101] = std::byte{former_loop_control_};
+    update_ports(true);
+  }
+  update_deadline();
+}
+
+void SlaveController::update_deadline() {
+  next_deadline_ = std::min({process_data_watchdog_.deadline(), host_watchdog_.deadline(),
+                             sii_.deadline(), loop_control_expires_});
+}
+
+void SlaveController::set_host_polling(bool polling) {
+  host_polling_ = polling;
+  if (polling) {
+    host_watchdog_.stop();
+  } else {
+    host_watchdog_.trigger(now_);
+  }
+  update_deadline();
+  update_dl_status();
+}
+
+bool SlaveController::take_reset_request() {
+  return std::exchange(reset_requested_, false);
+}
+
+bool SlaveController::host_interrupt() const {
+  return (al_event_request_ & base::load_le<std::uint32_t>(memory_.data() + 0x0204)) != 0;
+}
+
+void SlaveController::read(std::uint16_t address, std::span<std::byte> out) {
+  note_host_access();
+  host_reset_progress_ = 0;
+  std::fill(out.begin(), out.end(), std::byte{0});
+  static_cast<void>(read_memory(Side::host, address, out));
+}
+
+void SlaveController::write(std::uint16_t address, std::span<const std::byte> data) {
+  note_host_access();
+  const std::uint8_t progress = host_reset_progress_;
+  static_cast<void>(write_memory(Side::host, address, data));
+  if (host_reset_progress_ == progress) {
+    host_reset_progress_ = 0;  // the steps of the key must follow one another
+  }
+}
+
+void SlaveController::note_host_access() {
+  if (host_polling_) {
+    return;
+  }
+  const bool revived = host_watchdog_.expired();
+  host_watchdog_.trigger(now_);
+  next_deadline_ = std::min(next_deadline_, host_watchdog_.deadline());
+  if (revived) {
+    update_dl_status();
+  }
+}
+
+void SlaveController::peek(std::uint16_t address, std::span<std::byte> out) const {
+  const std::size_t from = std::min<std::size_t>(address, memory_.size());
+  const std::size_t count = std::min(out.size(), memory_.size() - from);
+  std::copy_n(memory_.begin() + static_cast<std::ptrdiff_t>(from), count, out.begin());
+  std::fill(out.begin() + static_cast<std::ptrdiff_t>(count), out.end(), std::byte{0});
+}
+
+}  // namespace stator::ethercat

@@ -1,0 +1,322 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/event.hpp"
+#include "base/sim_time.hpp"
+#include "ethercat/distributed_clock.hpp"
+#include "ethercat/fmmu.hpp"
+#include "ethercat/frame.hpp"
+#include "ethercat/process_data_interface.hpp"
+#include "ethercat/register_table.hpp"
+#include "ethercat/sii_interface.hpp"
+#include "ethercat/sync_manager.hpp"
+#include "ethercat/watchdog.hpp"
+
+namespace stator::ethercat {
+
+/// What distinguishes one slave controller product from another. The defaults are those of the
+/// TMC8461 (datasheet, sections "Chip features" and "ESC information registers").
+struct SlaveControllerConfiguration {
+  std::uint8_t type = 0xD0;
+  std::uint8_t revision = 0x61;
+  std::uint16_t build = 0x0011;
+  std::uint8_t fmmu_count = 8;          ///< 0..16
+  std::uint8_t sync_manager_count = 8;  ///< 0..16
+  std::uint8_t ram_kilobytes = 16;      ///< process memory from 0x1000 on, 1..60
+  std::uint8_t port_descriptor = 0x0F;  ///< 2 bits per port: 0 none, 2 E-bus, 3 MII
+  std::uint64_t product_id = 0;         ///< 0x0E00, with the feature product_identity
+  std::uint64_t vendor_id = 0;          ///< 0x0E08
+
+  ControllerFeature features =
+      ControllerFeature::distributed_clocks | ControllerFeature::write_protection |
+      ControllerFeature::reset_registers | ControllerFeature::read_write_offset |
+      ControllerFeature::led_override | ControllerFeature::pdi_information |
+      ControllerFeature::mii_management | ControllerFeature::parameter_ram |
+      ControllerFeature::buffer_event_times | ControllerFeature::product_identity |
+      ControllerFeature::user_ram;
+
+  bool device_emulation = false;      ///< pin PDI_EMULATION: AL status follows AL control
+  bool acknowledge_by_write = false;  ///< host acknowledges events by writing (0x014E bit 0)
+
+  base::SimDuration forwarding_delay = base::SimDuration(300);  ///< from port to port
+  std::int32_t clock_deviation_ppb = 0;                         ///< of the oscillator
+  SiiTiming sii_timing;
+};
+
+/// Receive errors a port can count (0x0300..0x030B).
+enum class ReceiveError : std::uint8_t {
+  invalid_frame,    ///< wrong check sequence
+  physical,         ///< the PHY reported an error
+  forwarded_error,  ///< already marked as wrong by an earlier slave
+};
+
+/// An EtherCAT slave controller: the chip between bus and host (ETG.1000.4; TMC8461 and TMC8670
+/// datasheets). The bus side is process(), called by Segment for each frame that passes; the host
+/// side is ProcessDataInterface.
+///
+/// Memory is one block, registers below 0x1000 and process memory above. What a register byte
+/// allows comes from the declared table (register_table.cpp); what an access causes is in
+/// register_effects.cpp. FMMUs and sync managers act at once, in every AL state: each write to
+/// their registers compiles them into the mappings the frame path walks (logical_access.cpp).
+///
+/// Time comes with frames and with advance(); it never goes back. What happens on the clock alone
+/// (watchdogs, end of an EEPROM access) is a deadline, see next_deadline().
+class SlaveController final : public ProcessDataInterface {
+ public:
+  static constexpr std::size_t kMaximumFmmus = 16;
+  static constexpr std::size_t kMaximumSyncManagers = 16;
+  static constexpr unsigned kPorts = 4;
+
+  explicit SlaveController(const SlaveControllerConfiguration& configuration);
+
+  /// Where refused accesses and expired watchdogs are reported.
+  void set_event_reporter(const base::EventReporter& reporter) { reporter_ = reporter; }
+
+  /// One frame passes: executes its datagrams in order and ORs this slave's event requests into
+  /// them. Allocates nothing.
+  void process(std::span<DatagramView> datagrams, const FrameTiming& timing);
+
+  /// A frame with a malformed datagram passed (0x030C).
+  void count_malformed_frame();
+  /// An error was seen at `port` (0..3).
+  void count_receive_error(unsigned port, ReceiveError error);
+
+  /// The physical link of `port` came up or went down.
+  void set_link(unsigned port, bool up);
+  [[nodiscard]] bool link(unsigned port) const { return ports_[port].link; }
+  /// A frame leaves through the port; false: it is turned back inside (loop closed).
+  [[nodiscard]] bool port_open(unsigned port) const { return ports_[port].open; }
+  /// True once after port_open() of some port has changed.
+  [[nodiscard]] bool take_topology_change() {
+    const bool changed = topology_changed_;
+    topology_changed_ = false;
+    return changed;
+  }
+  [[nodiscard]] base::SimDuration forwarding_delay() const {
+    return configuration_.forwarding_delay;
+  }
+
+  /// As ProcessDataInterface says; the time of the access is that of the last frame or advance().
+  void read(std::uint16_t address, std::span<std::byte> out) override;
+  void write(std::uint16_t address, std::span<const std::byte> data) override;
+  [[nodiscard]] std::uint32_t al_event_request() const override { return al_event_request_; }
+  /// The interrupt pin: AL events that the mask 0x0204 lets through.
+  [[nodiscard]] bool host_interrupt() const;
+
+  /// The PDI watchdog (0x0410) supervises a host that polls all the time. Simulated firmware runs
+  /// only when something happens, so by default it counts as polling. `false`: the host hangs, and
+  /// from now on only real accesses restart the watchdog.
+  void set_host_polling(bool polling);
+
+  /// Puts an EEPROM with this SII image on the board and loads from it as after power-on: PDI
+  /// configuration, station alias, SYNC pulse length. Without a valid one the process memory is
+  /// closed (DL status bit 0). Allocates.
+  void load_sii(std::span<const std::byte> image);
+  /// The EEPROM's content with all that was written to it.
+  [[nodiscard]] std::span<const std::byte> sii() const { return sii_.content(); }
+  /// Counts words written to the EEPROM by master or host.
+  [[nodiscard]] std::uint32_t sii_write_count() const { return sii_.write_count(); }
+
+  /// Brings the controller to `now`; a `now` before the last one is ignored.
+  void advance(base::SimTime now);
+  /// No later than the next moment at which something happens without an access.
+  [[nodiscard]] base::SimTime next_deadline() const { return next_deadline_; }
+  [[nodiscard]] base::SimTime now() const { return now_; }
+  /// System time of the distributed clock, ns.
+  [[nodiscard]] std::uint64_t system_time(base::SimTime t) const { return clock_.system_time(t); }
+
+  /// Power-on reset: all registers to their reset values, EEPROM loaded again, links as they are.
+  void power_on_reset();
+  /// True once after master or host have completed the reset sequence (0x0040, 0x0041). The
+  /// controller has then been reset; the board resets its firmware too.
+  [[nodiscard]] bool take_reset_request();
+
+  /// Copies memory as it is, with no rights and no effects, for displays and tests; addresses
+  /// outside the memory read 0. Registers computed at each access (event requests, watchdog status,
+  /// system time) show what was read last.
+  void peek(std::uint16_t address, std::span<std::byte> out) const;
+  [[nodiscard]] const SyncManager& sync_manager(std::size_t channel) const {
+    return sync_managers_[channel];
+  }
+  [[nodiscard]] const SlaveControllerConfiguration& configuration() const { return configuration_; }
+
+ private:
+  enum class Side : std::uint8_t { bus, host };
+  struct Port {
+    bool link = false;
+    bool open = false;
+  };
+  /// What has to be done before or after the datagrams of a frame; 0 nearly always.
+  struct FrameWork {
+    static constexpr std::uint8_t kClearSiiWriteEnable = 1U << 0;  ///< at the next start of frame
+    static constexpr std::uint8_t kLockRegisters = 1U << 1;        ///< at the end, 0x0020 0x0030
+    static constexpr std::uint8_t kLatchReceiveTimes = 1U << 2;
+    static constexpr std::uint8_t kCompareSystemTime = 1U << 3;
+    static constexpr std::uint8_t kApplyLoopControl = 1U << 4;
+    static constexpr std::uint8_t kResetKey = 1U << 5;
+  };
+  /// Effects touched by one access, one bit each.
+  using Effects = std::uint64_t;
+
+  // slave_controller.cpp: life, time, addressing
+  void load_configuration_area(bool first);
+  void load_parameter_ram();
+  void show_identity();
+  void note_host_access();
+  void expire(base::SimTime now);
+  void update_deadline();
+  void begin_frame_work();
+  void end_frame_work(const FrameTiming& timing);
+  void process_physical(DatagramView& datagram);
+  void read_datagram(DatagramView& datagram, bool broadcast);
+  void write_datagram(DatagramView& datagram);
+  void exchange_datagram(DatagramView& datagram, bool broadcast, std::uint16_t write_address);
+  void update_ports(bool loop_control_written);
+  void update_dl_status();
+  void apply_loop_control();
+  void take_reset_key(Side side, std::uint8_t key);
+  void finish_reset_key();
+
+  // memory_access.cpp: bytes of both sides, with rights
+  bool read_memory(Side side, std::uint32_t address, std::span<std::byte> out);
+  bool write_memory(Side side, std::uint32_t address, std::span<const std::byte> data,
+                    std::uint8_t first_mask = 0xFF, std::uint8_t last_mask = 0xFF);
+  bool read_registers(Side side, std::uint32_t address, std::span<std::byte> out);
+  bool write_registers(Side side, std::uint32_t address, std::span<const std::byte> data,
+                       std::uint8_t first_mask, std::uint8_t last_mask);
+  bool read_area(Side side, std::size_t channel, std::uint32_t address, std::span<std::byte> out);
+  bool write_area(Side side, std::size_t channel, std::uint32_t address,
+                  std::span<const std::byte> data, std::uint8_t first_mask, std::uint8_t last_mask);
+  struct Piece {
+    std::size_t channel;  ///< sync manager in charge, kNoChannel for plain memory
+    std::size_t length;
+  };
+  static constexpr std::size_t kNoChannel = kMaximumSyncManagers;
+  [[nodiscard]] Piece piece_at(std::uint32_t address, std::size_t length) const;
+  [[nodiscard]] bool register_bit(std::size_t address, unsigned bit) const {
+    return (std::to_integer<unsigned>(memory_[address]) >> bit & 1U) != 0;
+  }
+  [[nodiscard]] bool accepts_bus_write(std::size_t address) const;
+  [[nodiscard]] bool accepts_host_write(std::size_t address) const;
+  [[nodiscard]] bool write_protected(std::uint32_t address) const;
+
+  // logical_access.cpp
+  void process_logical(DatagramView& datagram);
+  [[nodiscard]] bool concerns(const DatagramView& datagram) const {
+    const std::uint32_t last = datagram.address + (datagram.length - 1U);
+    return datagram.address <= logical_last_ &&
+           (last >= logical_first_ || last < datagram.address) && datagram.length != 0;
+  }
+  void process_logical_bitwise(DatagramView& datagram, bool reads, bool writes);
+  void compile_mappings();
+  [[nodiscard]] bool compile_mapping(const Fmmu& fmmu);
+
+  // register_effects.cpp
+  void before_read(Side side, Effects effects);
+  void after_bus_read(Effects effects);
+  void after_host_read(Effects effects, std::uint32_t address, std::size_t length);
+  void after_bus_write(Effects effects, std::uint32_t address, std::span<const std::byte> data);
+  void after_host_write(Effects effects, std::uint32_t address, std::span<const std::byte> data);
+  void acknowledge(Effects effects, std::uint32_t address, std::size_t length);
+  void take_al_control();
+  void report_locked_al_control(std::uint16_t requested);
+  void change_al_status();
+  void start_sii_command();
+  void update_sync_managers(std::uint32_t address, std::size_t length);
+  void configure_sync_manager(std::size_t channel);
+  void update_watchdog_times();
+  void clear_registers(std::size_t first, std::size_t last);
+  void count(std::size_t address);
+
+  /// Makes status register and event requests follow the state of a sync manager.
+  void publish_sync_manager(std::size_t channel) {
+    const SyncManager& manager = sync_managers_[channel];
+    memory_[kSyncManagerRegisters + 8 * channel + 5] = std::byte{manager.status()};
+    if (manager.interrupts_host()) {
+      const std::uint32_t bit = al_event::sync_manager(static_cast<unsigned>(channel));
+      al_event_request_ = (al_event_request_ & ~bit) | (manager.host_interrupt() ? bit : 0U);
+    }
+    if (manager.interrupts_bus()) {
+      set_ecat_event(sync_manager_ecat_event(channel), manager.bus_interrupt());
+    }
+  }
+  /// Bit of 0x0210 that mirrors a sync manager; there is room for the first twelve.
+  static constexpr std::uint16_t sync_manager_ecat_event(std::size_t channel) {
+    return static_cast<std::uint16_t>(channel < 12 ? 0x10U << channel : 0U);
+  }
+  void trigger_process_data_watchdog() {
+    process_data_watchdog_.trigger(now_);
+    next_deadline_ = std::min(next_deadline_, process_data_watchdog_.deadline());
+  }
+  void set_ecat_event(std::uint16_t bit, bool pending) {
+    ecat_event_request_ = static_cast<std::uint16_t>(pending ? ecat_event_request_ | bit
+                                                             : ecat_event_request_ & ~bit);
+    interrupt_ = ecat_event_request_ & ecat_event_mask_;
+  }
+
+  [[nodiscard]] std::span<std::byte, kRegisterSpace> registers() {
+    return std::span<std::byte, kRegisterSpace>(memory_.data(), kRegisterSpace);
+  }
+
+  static constexpr std::size_t kFmmuRegisters = 0x0600;
+  static constexpr std::size_t kSyncManagerRegisters = 0x0800;
+
+  // What every datagram needs, together at the front.
+  std::uint32_t logical_first_ = 0xFFFFFFFF;  ///< lowest mapped logical address
+  std::uint32_t logical_last_ = 0;            ///< highest mapped logical address
+  std::uint16_t station_address_ = 0;
+  std::uint16_t station_alias_ = 0;
+  std::uint16_t interrupt_ = 0;  ///< for the IRQ field of datagrams
+  std::uint16_t ecat_event_request_ = 0;
+  std::uint16_t ecat_event_mask_ = 0;
+  std::uint8_t frame_work_ = 0;
+  bool alias_enabled_ = false;
+  bool direct_only_ = false;  ///< all active FMMUs are direct mappings
+  std::uint8_t write_mapping_count_ = 0;
+  std::uint8_t read_mapping_count_ = 0;
+  bool topology_changed_ = false;
+  std::uint32_t al_event_request_ = 0;
+  base::SimTime now_;
+  base::SimTime frame_start_;  ///< when the present frame reached port 0
+  base::SimTime next_deadline_ = base::SimTime::never();
+  std::array<DirectMapping, kMaximumFmmus> write_mappings_{};
+  std::array<DirectMapping, kMaximumFmmus> read_mappings_{};
+  std::array<SyncManager, kMaximumSyncManagers> sync_managers_{};
+  Watchdog process_data_watchdog_;
+
+  std::vector<std::byte> memory_;  ///< registers, then process memory
+  SlaveControllerConfiguration configuration_;
+  RegisterMap register_map_;
+  SiiInterface sii_;
+  DistributedClock clock_;
+  Watchdog host_watchdog_;
+  base::EventReporter reporter_;
+
+  std::array<Port, kPorts> ports_{};
+  base::SimTime loop_control_expires_ = base::SimTime::never();
+  std::uint8_t loop_control_ = 0;            ///< 0x0101 as it is in force
+  std::uint8_t former_loop_control_ = 0;     ///< in force again when the temporary one expires
+  std::array<Fmmu, kMaximumFmmus> fmmus_{};  ///< active ones, for the bitwise path
+  std::size_t fmmu_count_ = 0;
+  std::array<std::uint8_t, kMaximumSyncManagers> activations_{};  ///< activate registers in force
+  std::uint16_t changed_activations_ = 0;  ///< sync managers whose change the host has not seen
+  std::uint16_t al_status_ = 1;            ///< as last reported to the bus
+  std::uint32_t received_system_time_ = 0;
+  std::uint8_t bus_reset_progress_ = 0;
+  std::uint8_t host_reset_progress_ = 0;
+  bool al_control_taken_ = true;  ///< the host has seen the last AL control
+  bool loaded_ = false;           ///< EEPROM valid: process memory open
+  bool host_polling_ = true;
+  bool registers_unlocked_ = false;   ///< by 0x0020, for the rest of this frame
+  bool controller_unlocked_ = false;  ///< by 0x0030
+  bool reset_key_seen_ = false;       ///< this frame held a valid step of the key
+  bool reset_requested_ = false;
+};
+
+}  // namespace stator::ethercat

@@ -1,0 +1,166 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "base/event.hpp"
+#include "base/sim_time.hpp"
+#include "dictionary/dictionary.hpp"
+#include "ethercat/al_state.hpp"
+#include "ethercat/application_layer.hpp"
+#include "ethercat/coe.hpp"
+#include "ethercat/device_description.hpp"
+#include "ethercat/mailbox.hpp"
+#include "ethercat/pdo_configuration.hpp"
+#include "ethercat/process_data_interface.hpp"
+#include "ethercat/process_image.hpp"
+#include "ethercat/slave_application.hpp"
+#include "ethercat/slave_stack_statistics.hpp"
+#include "ethercat/sync_manager_settings.hpp"
+
+namespace stator::ethercat {
+
+/// Choices in which real products differ.
+struct SlaveStackOptions {
+  /// Send CoE emergencies. Off for masters that cannot take an unsolicited message.
+  bool emergencies = true;
+  /// Refuse Operational with AL status 0019h until outputs have come since Safe-Operational.
+  bool require_outputs = false;
+  /// Explicit device identification (ETG.1020): the value of the device's ID switch, delivered
+  /// in 0x0134 when the master asks with AL control bit 5. Empty: not supported.
+  std::optional<std::uint16_t> device_identification = std::nullopt;
+  /// First address behind the controller's process memory, for the length limit of process data.
+  std::uint16_t process_memory_end = 0x3000;
+};
+
+/// The software of an EtherCAT slave: state machine, mailbox protocols and process data
+/// (ETG.1000.5, ETG.1000.6), on any controller that offers a ProcessDataInterface.
+///
+/// Passive: it acts only inside process(), publish_inputs() and reset(), and takes the time from
+/// their argument. Nothing allocates after construction except longer strings in the dictionary.
+/// It installs the check hooks of 1C00h, 1C12h, 1C13h, 1600h..17FFh and 1A00h..1BFFh.
+class SlaveStack final : private AlActions {
+ public:
+  /// All references must outlive the stack; `dictionary` must be finished.
+  SlaveStack(ProcessDataInterface& interface, dictionary::Dictionary& dictionary,
+             const DeviceDescription& description, SlaveApplication& application,
+             base::EventReporter reporter, const SlaveStackOptions& options = {});
+
+  /// Back to Init as after power-on: transfers, queues and counters forgotten, AL status written.
+  /// Dictionary values are the device's business.
+  void reset(base::SimTime now);
+
+  /// Takes what the bus brought: AL control, sync manager changes, mailboxes, outputs, watchdog.
+  /// Call after each frame and at each control tick; cheap when nothing came.
+  void process(base::SimTime now);
+
+  /// Brings the inputs up to date for the master; nothing in Init, Pre-Operational and Bootstrap.
+  /// Call at each control tick.
+  void publish_inputs(base::SimTime now);
+
+  /// Queues an emergency (ETG.1000.6 §5.6.4; CiA 301 §7.2.7) with its five additional bytes;
+  /// `error_register` is object 1001h. False if the queue is full, the mailbox is not running or
+  /// emergencies are switched off.
+  bool send_emergency(std::uint16_t error_code, std::uint8_t error_register,
+                      const std::array<std::uint8_t, 5>& additional, base::SimTime now);
+
+  /// The device itself leaves for a lower state with the error indication set, e.g.
+  /// Safe-Operational with fatal_sync_error. Nothing happens if `target` is not below the present
+  /// state.
+  void step_down(AlState target, AlStatusCode code, base::SimTime now);
+
+  [[nodiscard]] AlState state() const { return application_layer_.state(); }
+  /// The error in AL status code 0x0134; no_error once the master has acknowledged it.
+  [[nodiscard]] AlStatusCode status_code() const { return application_layer_.status_code(); }
+  [[nodiscard]] bool error_indicated() const { return status_code() != AlStatusCode::no_error; }
+
+  /// Length of the process data in bytes by the mapping in force since Pre-Operational to
+  /// Safe-Operational; 0 below.
+  [[nodiscard]] std::size_t output_bytes() const { return outputs_.bytes(); }
+  [[nodiscard]] std::size_t input_bytes() const { return inputs_.bytes(); }
+
+  [[nodiscard]] const SlaveStackStatistics& statistics() const { return statistics_; }
+  /// Switches emergencies on or off; off also forgets those that wait.
+  void set_emergencies(bool enabled);
+
+ private:
+  AlStatusCode perform(AlStep step, base::SimTime now) override;
+  void entered(AlStep step, base::SimTime now) override;
+
+  [[nodiscard]] AlStatusCode start_mailbox(AlStep step, base::SimTime now);
+  [[nodiscard]] AlStatusCode start_process_data(base::SimTime now);
+  [[nodiscard]] AlStatusCode permit_outputs(base::SimTime now);
+  void enter_operational(base::SimTime now);
+  void stop_process_data();
+
+  [[nodiscard]] bool has_mailbox() const { return description_.receive_mailbox.length != 0; }
+  /// Reports and returns `code` if the mailbox channels are not as `state` needs them.
+  [[nodiscard]] AlStatusCode check_mailbox(const SyncManagerBank& bank, AlState state,
+                                           base::SimTime now);
+  [[nodiscard]] AlStatusCode check_process_data(const SyncManagerBank& bank, base::SimTime now);
+  [[nodiscard]] AlStatusCode check_channel(const SyncManagerBank& bank,
+                                           const SyncManagerRequirement& requirement, AlState state,
+                                           AlStatusCode code, base::SimTime now);
+  [[nodiscard]] AlStatusCode check_unchanged(const SyncManagerBank& bank, unsigned channel,
+                                             AlStatusCode code, base::SimTime now);
+  void handle_sync_manager_change(base::SimTime now);
+
+  [[nodiscard]] bool process_data_runs() const {
+    return state() == AlState::safe_operational || state() == AlState::operational;
+  }
+  /// Notes which events process() has to look at from now on.
+  void update_attention();
+  [[nodiscard]] bool outputs_wait(std::uint32_t events) const;
+  void take_outputs(base::SimTime now);
+  void apply_outputs(base::SimTime now);
+  void on_refused(const dictionary::Entry& entry, const dictionary::Refusal& refusal);
+  void check_watchdog(std::uint32_t events, base::SimTime now);
+  [[nodiscard]] base::SimDuration watchdog_time();
+
+  ProcessDataInterface& interface_;
+  dictionary::Dictionary& dictionary_;
+  const DeviceDescription& description_;
+  SlaveApplication& application_;
+  base::EventReporter reporter_;
+  SlaveStackOptions options_;
+  SlaveStackStatistics statistics_;
+
+  ApplicationLayer application_layer_;
+  Mailbox mailbox_;
+  CoeServer coe_;
+  PdoConfiguration configuration_;
+  ProcessImage outputs_;
+  ProcessImage inputs_;
+  SyncManagerBank bank_;         ///< settings in force: mailbox since I->P, process data since P->S
+  std::uint32_t attention_ = 0;  ///< AL events that need process()
+  bool polls_channels_ = false;  ///< a channel in use raises no event
+  bool outputs_received_ = false;  ///< since Safe-Operational was entered
+  /// When Operational ends if no outputs come, for a watchdog that nothing has triggered yet.
+  base::SimTime first_outputs_deadline_ = base::SimTime::never();
+  base::SimTime now_;  ///< of the call being handled
+};
+
+namespace rules {
+inline constexpr base::EventRule kBootstrapUnsupported{
+    "al-bootstrap-unsupported", base::Severity::refusal,
+    "Bootstrap refused, AL status 0013h: this device has no bootstrap mailbox"};
+inline constexpr base::EventRule kNoOutputs{
+    "al-no-outputs", base::Severity::refusal,
+    "Operational refused, AL status 0019h: no outputs have come since Safe-Operational; exchange "
+    "process data before requesting Operational"};
+inline constexpr base::EventRule kMappingInvalid{
+    "al-mapping-invalid", base::Severity::refusal,
+    "Safe-Operational refused, AL status {0:x4}: the PDO mapping assigned by {1:x4} is not valid; "
+    "configure it again in Pre-Operational"};
+inline constexpr base::EventRule kApplicationRefused{"al-application-refused",
+                                                     base::Severity::refusal,
+                                                     "{0} refused by the device, AL status {1:x4}"};
+inline constexpr base::EventRule kWatchdogExpired{
+    "al-watchdog", base::Severity::fault,
+    "process data watchdog expired: no outputs within {0} us; send process data faster than that "
+    "or "
+    "change 0400h and 0420h"};
+}  // namespace rules
+
+}  // namespace stator::ethercat

@@ -1,0 +1,95 @@
+#include "ethercat/frame.hpp"
+
+#include <gtest/gtest.h>
+
+#include "ethercat/test_bus.hpp"
+
+namespace stator::ethercat {
+namespace {
+
+using testing::Bytes;
+using testing::bytes;
+
+constexpr MacAddress kSource{0x01, 0x01, 0x01, 0x01, 0x01, 0x01};
+
+TEST(Frame, TwoDatagrams_AreLaidOutByteByByteAsTheStandardDraws) {
+  std::array<std::byte, kMaximumFrameLength> buffer{};
+  FrameBuilder builder(buffer, kSource);
+  builder.append(Command::brd, 0x11, physical_address(0, 0x0130), std::size_t{2});
+  builder.append(Command::lrw, 0x12, 0x00010203, bytes({0xAA}));
+  const std::span<std::byte> frame = builder.finish();
+  const Bytes expected = bytes({
+      0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x88, 0xA4,  //
+      27,   0x10,                                                                          //
+      0x07, 0x11, 0x00, 0x00, 0x30, 0x01, 0x02, 0x80, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,  //
+      0x0C, 0x12, 0x03, 0x02, 0x01, 0x00, 0x01, 0x00, 0x00, 0x00, 0xAA, 0x00, 0x00,
+  });
+  EXPECT_EQ(Bytes(frame.begin(), frame.end()), expected);
+}
+
+TEST(Frame, Cursor_DecodesWhatTheBuilderMade) {
+  std::array<std::byte, kMaximumFrameLength> buffer{};
+  FrameBuilder builder(buffer, kSource);
+  builder.append(Command::fprd, 7, physical_address(0x1001, 0x0900), std::size_t{16});
+  builder.append(Command::frmw, 8, physical_address(0x1002, 0x0910), bytes({1, 2, 3, 4}));
+  DatagramCursor cursor(builder.finish(true));
+  const auto first = cursor.next();
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->command, Command::fprd);
+  EXPECT_EQ(first->index, 7);
+  EXPECT_EQ(first->adp(), 0x1001);
+  EXPECT_EQ(first->ado(), 0x0900);
+  EXPECT_EQ(first->length, 16);
+  EXPECT_TRUE(first->more);
+  const auto second = cursor.next();
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->command, Command::frmw);
+  EXPECT_EQ(testing::number(second->bytes()), 0x04030201U);
+  EXPECT_FALSE(cursor.next()) << "padding is no datagram";
+  EXPECT_EQ(cursor.error(), FrameError::none);
+}
+
+TEST(Frame, Store_PutsHeaderFieldsBackAndKeepsTheRest) {
+  std::array<std::byte, kMaximumFrameLength> buffer{};
+  FrameBuilder builder(buffer, kSource);
+  builder.append(Command::brd, 7, physical_address(0, 0x0130), std::size_t{2});
+  builder.append(Command::nop, 8, 0, std::size_t{0});
+  const std::span<std::byte> frame = builder.finish();
+  DatagramCursor cursor(frame);
+  auto view = *cursor.next();
+  view.address = physical_address(3, 0x0130);
+  view.working_counter = 0x0203;
+  view.interrupt = 0x0004;
+  view.circulating = true;
+  view.store();
+  DatagramCursor again(frame);
+  const auto stored = *again.next();
+  EXPECT_EQ(stored.adp(), 3);
+  EXPECT_EQ(stored.ado(), 0x0130);
+  EXPECT_EQ(stored.working_counter, 0x0203);
+  EXPECT_EQ(stored.interrupt, 0x0004);
+  EXPECT_EQ(stored.length, 2);
+  EXPECT_TRUE(stored.circulating);
+  EXPECT_TRUE(stored.more);
+  EXPECT_TRUE(again.next());
+}
+
+TEST(Frame, Builder_RefusesADatagramThatDoesNotFit) {
+  std::array<std::byte, kMaximumFrameLength> buffer{};
+  FrameBuilder builder(buffer, kSource);
+  EXPECT_FALSE(builder.append(Command::lrw, 0, 0, kMaximumDatagramData + 1));
+  EXPECT_TRUE(builder.append(Command::lrw, 0, 0, kMaximumDatagramData));
+  EXPECT_FALSE(builder.append(Command::nop, 0, 0, std::size_t{0}));
+  EXPECT_EQ(builder.finish().size(), kMaximumFrameLength);
+}
+
+TEST(Frame, Builder_PadsToTheShortestFrameOnlyWhenAsked) {
+  std::array<std::byte, kMaximumFrameLength> buffer{};
+  FrameBuilder builder(buffer, kSource);
+  builder.append(Command::brd, 0, 0, std::size_t{1});
+  EXPECT_EQ(builder.finish(false).size(), 29U);
+  EXPECT_EQ(builder.finish(true).size(), kMinimumFrameLength);
+}
+
+}  // namespace
+}  // namespace stator::ethercat

@@ -1,0 +1,206 @@
+#include "ethercat/sii_interface.hpp"
+
+#include <gtest/gtest.h>
+
+#include "ethercat/test_bus.hpp"
+
+namespace stator::ethercat {
+namespace {
+
+using base::literals::operator""_ms;
+using base::literals::operator""_us;
+using testing::Answer;
+using testing::Bytes;
+using testing::bytes;
+using testing::host_read;
+using testing::host_write;
+using testing::little_endian;
+using testing::number;
+using testing::TestBus;
+using testing::valid_sii;
+
+constexpr unsigned kBusy = 0x8000;
+
+class Sii : public ::testing::Test {
+ protected:
+  unsigned status() { return static_cast<unsigned>(number(bus.read(0, 0x0502, 2).data)); }
+  unsigned finished_status() {
+    for (int poll = 0; poll < 1000; ++poll) {
+      const unsigned value = status();
+      if ((value & kBusy) == 0) {
+        return value;
+      }
+    }
+    return kBusy;
+  }
+  static Bytes command(unsigned code, std::uint32_t word, std::size_t length) {
+    Bytes result = little_endian(code, 2);
+    const Bytes address = little_endian(word, 4);
+    result.insert(result.end(), address.begin(), address.end());
+    result.resize(length);
+    return result;
+  }
+  TestBus bus;
+  SlaveController& slave = bus.slave();
+};
+
+TEST_F(Sii, ReadAsSoemAndEthercrabDo_SixByteCommandPollAndFourBytes) {
+  bus.write(0, 0x0500, bytes({2}));
+  bus.write(0, 0x0500, bytes({0}));
+  EXPECT_EQ(bus.write(0, 0x0502, command(0x0100, 0x0040, 6)).working_counter, 1U);
+  EXPECT_EQ(status() & kBusy, kBusy) << "busy is honest";
+  EXPECT_EQ(finished_status() & 0xFF00U, 0U);
+  EXPECT_EQ(number(bus.read(0, 0x0508, 8).data), 0x00410040U) << "four bytes, the rest 0";
+}
+
+TEST_F(Sii, ReadAsIghDoes_FourByteCommandAndOneTenByteAnswer) {
+  EXPECT_EQ(bus.write(0, 0x0502, bytes({0x80, 0x01, 0x0A, 0x00})).working_counter, 1U);
+  bus.wait(1_ms);
+  const Answer answer = bus.read(0, 0x0502, 10);
+  EXPECT_EQ(number(answer.data) & 0xFFFFU, 0U);
+  EXPECT_EQ(number(std::span(answer.data).subspan(6)), 0x000B000AU);
+}
+
+TEST_F(Sii, ReadAsTwinCatDoes_FourteenBytes) {
+  bus.write(0, 0x0502, command(0x0100, 0x0008, 6));
+  bus.wait(1_ms);
+  const Answer answer = bus.read(0, 0x0502, 14);
+  EXPECT_EQ(answer.working_counter, 1U);
+  EXPECT_EQ(number(std::span(answer.data).subspan(6, 4)), 0x00090008U);
+}
+
+TEST_F(Sii, EightByteRead_IsAnnouncedByBitSix) {
+  SlaveControllerConfiguration configuration;
+  configuration.features = configuration.features | ControllerFeature::sii_eight_byte_read;
+  TestBus wide(1, configuration);
+  EXPECT_EQ(number(wide.read(0, 0x0502, 2).data) & 0x40U, 0x40U);
+  wide.write(0, 0x0502, command(0x0100, 0x0010, 6));
+  wide.wait(1_ms);
+  EXPECT_EQ(number(wide.read(0, 0x0508, 8).data), 0x0013001200110010U);
+}
+
+TEST_F(Sii, WriteAsSoemDoes_DataFirstThenCommandWithWriteEnable) {
+  bus.write(0, 0x0508, bytes({0xCD, 0xAB}));
+  EXPECT_EQ(bus.write(0, 0x0502, command(0x0201, 0x0100, 6)).working_counter, 1U);
+  EXPECT_EQ(finished_status() & 0x7F00U, 0U);
+  EXPECT_EQ(base::load_le<std::uint16_t>(slave.sii(), 0x200), 0xABCD);
+  EXPECT_EQ(slave.sii_write_count(), 1U);
+}
+
+TEST_F(Sii, WriteAsIghDoes_EightBytesInOneDatagram) {
+  EXPECT_EQ(
+      bus.write(0, 0x0502, bytes({0x81, 0x02, 0x00, 0x01, 0x00, 0x00, 0x34, 0x12})).working_counter,
+      1U);
+  EXPECT_EQ(finished_status() & 0x7F00U, 0U);
+  EXPECT_EQ(base::load_le<std::uint16_t>(slave.sii(), 0x200), 0x1234)
+      << "the command runs after the data of its datagram have landed";
+}
+
+TEST_F(Sii, WriteImmediatelyAfterWrite_IsRefusedWhileBusyAndWorksAfterwards) {
+  bus.write(0, 0x0502, bytes({0x81, 0x02, 0x00, 0x01, 0x00, 0x00, 0x34, 0x12}));
+  EXPECT_EQ(bus.write(0, 0x0502, bytes({0x81, 0x02, 0x01, 0x01, 0, 0, 0x78, 0x56})).working_counter,
+            0U);
+  EXPECT_EQ(finished_status() & 0xFF00U, 0U);
+  bus.write(0, 0x0502, bytes({0x81, 0x02, 0x01, 0x01, 0, 0, 0x78, 0x56}));
+  EXPECT_EQ(finished_status() & 0xFF00U, 0U);
+  EXPECT_EQ(base::load_le<std::uint32_t>(slave.sii(), 0x200), 0x56781234U);
+}
+
+TEST_F(Sii, WriteWithoutWriteEnable_SetsBit14UntilTheNextCommand) {
+  bus.write(0, 0x0508, bytes({0xCD, 0xAB}));
+  bus.write(0, 0x0502, command(0x0200, 0x0100, 6));
+  EXPECT_EQ(finished_status() & 0x6000U, 0x4000U);
+  EXPECT_EQ(slave.sii_write_count(), 0U);
+  bus.write(0, 0x0502, command(0x0000, 0, 2));
+  EXPECT_EQ(status() & 0x6000U, 0U);
+}
+
+TEST_F(Sii, WriteEnableOfAnEarlierFrame_IsGone) {
+  bus.write(0, 0x0502, bytes({0x01, 0x00}));
+  bus.write(0, 0x0503, bytes({0x02}));
+  EXPECT_EQ(finished_status() & 0x4000U, 0x4000U);
+}
+
+TEST_F(Sii, InvalidCommand_SetsBit13AndAValidOneClearsIt) {
+  bus.write(0, 0x0502, command(0x0500, 0, 6));
+  EXPECT_EQ(finished_status() & 0x6000U, 0x2000U);
+  bus.write(0, 0x0502, command(0x0100, 0x10, 6));
+  EXPECT_EQ(finished_status() & 0x6000U, 0U);
+  EXPECT_EQ(number(bus.read(0, 0x0508, 4).data), 0x00110010U);
+}
+
+TEST_F(Sii, Reload_TakesTheConfigurationAreaButNotTheAlias) {
+  bus.write(0, 0x0502, bytes({0x81, 0x02, 0x04, 0x00, 0, 0, 0x77, 0x00}));
+  finished_status();
+  Bytes area(slave.sii().begin(), slave.sii().begin() + 16);
+  const unsigned checksum = sii_checksum(area);
+  bus.write(0, 0x0502, bytes({0x81, 0x02, 0x07, 0x00, 0, 0, checksum, 0x00}));
+  finished_status();
+  bus.write(0, 0x0502, command(0x0400, 0, 6));
+  EXPECT_EQ(finished_status() & 0x7800U, 0U);
+  EXPECT_EQ(number(bus.read(0, 0x0012, 2).data), 0U);
+  slave.power_on_reset();
+  EXPECT_EQ(number(bus.read(0, 0x0012, 2).data), 0x77U);
+}
+
+TEST_F(Sii, BadChecksum_IsShownAndClosesTheMemoryUntilRepairedAndReloaded) {
+  Bytes image = valid_sii();
+  image[14] ^= std::byte{0xFF};
+  slave.load_sii(image);
+  EXPECT_EQ(status() & 0x1800U, 0x1800U);
+  EXPECT_EQ(number(bus.read(0, 0x0110, 1).data) & 1U, 0U);
+  EXPECT_EQ(bus.write(0, 0x1000, bytes({1})).working_counter, 0U);
+  const unsigned good = sii_checksum(image);
+  bus.write(0, 0x0502, bytes({0x81, 0x02, 0x07, 0x00, 0, 0, good, 0x00}));
+  finished_status();
+  bus.write(0, 0x0502, command(0x0300, 0, 6));
+  EXPECT_EQ(finished_status() & 0x1800U, 0U);
+  EXPECT_EQ(bus.write(0, 0x1000, bytes({1})).working_counter, 1U);
+}
+
+TEST_F(Sii, WithoutEeprom_CommandsGetNoAcknowledge) {
+  slave.load_sii({});
+  bus.write(0, 0x0502, command(0x0100, 0, 6));
+  EXPECT_EQ(finished_status() & 0x3000U, 0x3000U);
+}
+
+TEST_F(Sii, HostTakesTheEepromOnlyWhenOfferedAndTheMasterTakesItBack) {
+  host_write(slave, 0x0501, bytes({1}));
+  EXPECT_EQ(number(host_read(slave, 0x0501, 1)), 0U) << "not offered";
+  bus.write(0, 0x0500, bytes({1}));
+  host_write(slave, 0x0501, bytes({1}));
+  EXPECT_EQ(status() & 1U, 1U) << "write enable reads 1 while the host owns it";
+  EXPECT_EQ(bus.write(0, 0x0502, command(0x0100, 0x10, 6)).working_counter, 0U);
+  host_write(slave, 0x0502, command(0x0100, 0x20, 6));
+  bus.wait(1_ms);
+  EXPECT_EQ(number(host_read(slave, 0x0508, 4)), 0x00210020U);
+  EXPECT_EQ(bus.write(0, 0x0500, bytes({2, 0})).working_counter, 1U)
+      << "two-byte write, second byte read-only";
+  EXPECT_EQ(number(bus.read(0, 0x0501, 1).data), 0U);
+  EXPECT_EQ(bus.write(0, 0x0502, command(0x0100, 0x10, 6)).working_counter, 1U);
+}
+
+TEST_F(Sii, AddressesBeyondTheEeprom_Repeat) {
+  bus.write(0, 0x0502, command(0x0100, 0x0400 + 0x0040, 6));
+  bus.wait(1_ms);
+  EXPECT_EQ(number(bus.read(0, 0x0508, 4).data), 0x00410040U);
+}
+
+TEST_F(Sii, WholeImage_ReadWordPairByWordPairIsBitExact) {
+  const Bytes image = valid_sii();
+  for (std::uint32_t word = 0; word < image.size() / 2; word += 2) {
+    bus.write(0, 0x0502, command(0x0100, word, 6));
+    ASSERT_EQ(finished_status() & 0xF800U, 0U);
+    ASSERT_EQ(number(bus.read(0, 0x0508, 4).data), base::load_le<std::uint32_t>(image, 2 * word));
+  }
+}
+
+TEST(SiiChecksum, MatchesVectorsComputedByAnIndependentTable) {
+  EXPECT_EQ(sii_checksum(testing::zeros(14)), 0x30);
+  EXPECT_EQ(sii_checksum(bytes({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13})), 0xE0);
+  EXPECT_EQ(sii_checksum(bytes({0x05, 0x0E, 0x03, 0x6E, 0x0A, 0, 0, 0, 0x34, 0x12, 0, 0, 0, 0})),
+            0x8A);
+}
+
+}  // namespace
+}  // namespace stator::ethercat

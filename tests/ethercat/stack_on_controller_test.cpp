@@ -1,0 +1,255 @@
+#include "ethercat/sii_image.hpp"
+#include "ethercat/stack_fixture.hpp"
+#include "ethercat/test_bus.hpp"
+
+namespace stator::ethercat::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// The stack on the real controller, driven by frames as a master sends them.
+class StackOnController : public ::testing::Test {
+ protected:
+  static constexpr std::uint16_t kStatus = 0x0130;
+  static constexpr std::uint32_t kOutputs = 0x10000;
+  static constexpr std::uint32_t kInputs = 0x10020;
+
+  StackOnController() {
+    fill_test_dictionary(dictionary);
+    bus.slave().load_sii(build_sii_image(description, dictionary));
+    stack.emplace(bus.slave(), dictionary, description, application, base::EventReporter(&log, 0));
+  }
+
+  ethercat::testing::Answer read(std::uint16_t address, std::size_t length) {
+    const auto answer = bus.read(0, address, length);
+    stack->process(bus.now());
+    return answer;
+  }
+  ethercat::testing::Answer write(std::uint16_t address, const Bytes& data) {
+    const auto answer = bus.write(0, address, data);
+    stack->process(bus.now());
+    return answer;
+  }
+  unsigned status() { return base::load_le<std::uint16_t>(read(kStatus, 2).data, 0); }
+  unsigned status_code() { return base::load_le<std::uint16_t>(read(0x0134, 2).data, 0); }
+  void request(std::uint16_t al_control) { write(0x0120, le(al_control)); }
+
+  void configure_mailbox() {
+    write(0x0800, hex("00 10 80 00 26 00 01 00 80 10 80 00 22 00 01 00"));
+  }
+  void configure_process_data() {
+    write(0x0810, hex("00 11 1E 00 64 00 01 00"));
+    write(0x0818, hex("00 14 1E 00 20 00 01 00"));
+    bus.set_fmmu(0, 0, {kOutputs, 30, 0x1100, 2});
+    bus.set_fmmu(0, 1, {kInputs, 30, 0x1400, 1});
+    stack->process(bus.now());
+  }
+  void go_pre_operational() {
+    configure_mailbox();
+    request(0x02);
+    ASSERT_EQ(status(), 0x02U) << ::testing::PrintToString(log.sentences());
+  }
+  void go_operational() {
+    go_pre_operational();
+    configure_process_data();
+    request(0x04);
+    ASSERT_EQ(status(), 0x04U) << ::testing::PrintToString(log.sentences());
+    request(0x08);
+    ASSERT_EQ(status(), 0x08U) << ::testing::PrintToString(log.sentences());
+  }
+  /// One process-data exchange; working counter 3 if both directions worked.
+  unsigned exchange(const Bytes& outputs, Bytes* inputs = nullptr) {
+    Bytes image(62);
+    std::ranges::copy(outputs, image.begin());
+    const auto answer = bus.transfer(Command::lrw, kOutputs, image);
+    stack->process(bus.now());
+    if (inputs != nullptr) {
+      *inputs = part(answer.data, 32, 30);
+    }
+    return answer.working_counter;
+  }
+  static Bytes mailbox(const Bytes& message) {
+    Bytes padded = message;
+    padded.resize(128);
+    return padded;
+  }
+  static Bytes sdo_read(std::uint16_t index, unsigned counter) {
+    return mailbox(concat({hex("0A 00 00 00 00"),
+                           {static_cast<std::byte>(3 | counter << 4)},
+                           hex("00 20 40"),
+                           le(index),
+                           Bytes(5)}));
+  }
+  bool reply_waits() { return (read(0x080D, 1).data[0] & std::byte{8}) != std::byte{0}; }
+  /// The index in the reply, 0 if the mailbox is empty.
+  unsigned fetch_index() {
+    const auto answer = read(0x1080, 128);
+    return answer.working_counter == 1 ? base::load_le<std::uint16_t>(answer.data, 9) : 0;
+  }
+
+  EventLog log;
+  DeviceDescription description = test_description();
+  dictionary::Dictionary dictionary;
+  RecordingApplication application;
+  ethercat::testing::TestBus bus;
+  std::optional<SlaveStack> stack;
+};
+
+TEST_F(StackOnController, InitToOperational_ExchangesProcessData) {
+  go_operational();
+  dictionary.find(0x6041, 0)->set_value(0x1237);
+  const Bytes outputs =
+      hex("0F 00 20 A1 07 00 00 00 00 00 06 00 00 00 00 00 00 00 00 00 0F 00 00 00 00 00 60 79 FE "
+          "FF");
+  stack->publish_inputs(bus.now());
+  Bytes inputs;
+  EXPECT_EQ(exchange(outputs, &inputs), 3U);
+  EXPECT_EQ(to_hex(part(inputs, 0, 2)), "37 12");
+  EXPECT_EQ(dictionary.find(0x607A, 0)->value(), 500000U);
+  EXPECT_EQ(application.outputs, 1);
+}
+
+TEST_F(StackOnController, SilenceInOperational_LeavesForSafeOperational) {
+  go_operational();
+  for (int i = 0; i < 50; ++i) {
+    exchange(Bytes(30));
+    bus.wait(base::SimDuration(50'000'000));
+    stack->process(bus.now());
+  }
+  EXPECT_EQ(status(), 0x08U);
+  exchange(Bytes(30));
+  bus.wait(base::SimDuration(101'000'000));
+  stack->process(bus.now());
+  EXPECT_EQ(status(), 0x14U);
+  EXPECT_EQ(status_code(), 0x001BU);
+  exchange(Bytes(30));
+  request(0x18);
+  EXPECT_EQ(status(), 0x08U);
+  bus.wait(base::SimDuration(50'000'000));
+  stack->process(bus.now());
+  EXPECT_EQ(status(), 0x08U);
+}
+
+TEST_F(StackOnController, OperationalWithoutAnyOutputs_EndsByTheWatchdog) {
+  go_operational();
+  bus.wait(base::SimDuration(101'000'000));
+  stack->process(bus.now());
+  EXPECT_EQ(status(), 0x14U);
+}
+
+TEST_F(StackOnController, Sdo_IsAnsweredThroughTheMailbox) {
+  go_pre_operational();
+  EXPECT_FALSE(reply_waits());
+  EXPECT_EQ(write(0x1000, sdo_read(0x1018, 1)).working_counter, 1U);
+  EXPECT_TRUE(reply_waits());
+  const auto answer = read(0x1080, 128);
+  EXPECT_EQ(answer.working_counter, 1U);
+  EXPECT_EQ(to_hex(part(answer.data, 0, 16)), "0A 00 00 00 00 13 00 30 4F 18 10 00 03 00 00 00");
+  EXPECT_FALSE(reply_waits());
+  EXPECT_EQ(read(0x1080, 128).working_counter, 0U);
+}
+
+TEST_F(StackOnController, MailboxInTwoAccesses_AsTwinCatDoesIt) {
+  go_pre_operational();
+  const Bytes request = sdo_read(0x1000, 1);
+  bus.with(Command::apwr, physical_address(0, 0x1000), part(request, 0, 16));
+  bus.with(Command::apwr, physical_address(0, 0x107F), Bytes(1));
+  for (const auto& answer : bus.send()) {
+    EXPECT_EQ(answer.working_counter, 1U);
+  }
+  stack->process(bus.now());
+  EXPECT_EQ(read(0x1080, 2).working_counter, 1U);
+  EXPECT_TRUE(reply_waits());
+  EXPECT_EQ(to_hex(read(0x1080, 16).data), "0A 00 00 00 00 13 00 30 43 00 10 00 92 01 FC FF");
+  EXPECT_EQ(read(0x10FF, 1).working_counter, 1U);
+  EXPECT_FALSE(reply_waits());
+}
+
+TEST_F(StackOnController, NextRequestBeforeTheReplyWasRead_WaitsInTheController) {
+  go_pre_operational();
+  EXPECT_EQ(write(0x1000, sdo_read(0x1000, 1)).working_counter, 1U);
+  EXPECT_EQ(write(0x1000, sdo_read(0x1001, 2)).working_counter, 1U);
+  EXPECT_EQ(write(0x1000, sdo_read(0x1008, 3)).working_counter, 0U);
+  EXPECT_EQ(fetch_index(), 0x1000U);
+  EXPECT_EQ(fetch_index(), 0x1001U);
+  EXPECT_EQ(fetch_index(), 0U);
+}
+
+TEST_F(StackOnController, LostReply_ComesAgainOnRepeatRequest) {
+  go_pre_operational();
+  write(0x1000, sdo_read(0x1000, 1));
+  EXPECT_EQ(fetch_index(), 0x1000U);  // the master never saw this frame
+  write(0x080E, hex("03"));
+  EXPECT_EQ(to_hex(read(0x080F, 1).data), "02");
+  EXPECT_EQ(fetch_index(), 0x1000U);
+  EXPECT_EQ(fetch_index(), 0U);
+}
+
+TEST_F(StackOnController, LostReplyWithANewerOneInPlace_ComesBeforeTheNewer) {
+  go_pre_operational();
+  write(0x1000, sdo_read(0x1000, 1));
+  EXPECT_EQ(fetch_index(), 0x1000U);
+  write(0x1000, sdo_read(0x1001, 2));
+  ASSERT_TRUE(reply_waits());
+  write(0x080E, hex("03"));
+  EXPECT_EQ(fetch_index(), 0x1000U);
+  EXPECT_EQ(fetch_index(), 0x1001U);
+  EXPECT_EQ(fetch_index(), 0U);
+}
+
+TEST_F(StackOnController, MasterRestartedInEveryState_FindsTheSlaveReady) {
+  for (const unsigned last : {0x02U, 0x04U, 0x08U}) {
+    for (int round = 0; round < 3; ++round) {
+      write(0x0120, le(std::uint16_t{0x11}));
+      write(0x0600, Bytes(48));
+      write(0x0800, Bytes(32));
+      write(0x0120, le(std::uint16_t{0x11}));
+      ASSERT_EQ(status(), 0x01U);
+      go_pre_operational();
+      write(0x1000, sdo_read(0x1000, 1));
+      if (round == 1) {
+        continue;  // killed with a reply in the mailbox
+      }
+      ASSERT_EQ(fetch_index(), 0x1000U);
+      if (last >= 0x04) {
+        configure_process_data();
+        request(0x04);
+      }
+      if (last == 0x08) {
+        request(0x08);
+        ASSERT_EQ(exchange(Bytes(30)), 3U);
+      }
+      ASSERT_EQ(status(), last) << ::testing::PrintToString(log.sentences());
+    }
+  }
+}
+
+TEST_F(StackOnController, SyncManagersClearedInOperational_StopTheSlave) {
+  go_operational();
+  exchange(Bytes(30));
+  write(0x0816, hex("00"));
+  EXPECT_EQ(status(), 0x12U);
+  EXPECT_EQ(status_code(), 0x001DU);
+  EXPECT_THAT(log.last("al-sm-disabled"), HasSubstr("SM2 is not enabled"));
+}
+
+TEST_F(StackOnController, WithNothingToDo_NoEventStaysPending) {
+  go_operational();
+  exchange(Bytes(30));
+  write(0x1000, sdo_read(0x1000, 1));
+  EXPECT_EQ(fetch_index(), 0x1000U);
+  constexpr std::uint32_t kHandled = al_event::kAlControl | al_event::kSyncManagerActivation |
+                                     al_event::kProcessDataWatchdog | al_event::sync_manager(0) |
+                                     al_event::sync_manager(2);
+  EXPECT_EQ(bus.slave().al_event_request() & kHandled, 0U);
+}
+
+TEST_F(StackOnController, SyncManagerOfAnotherChannel_IsAcknowledgedToo) {
+  go_operational();
+  write(0x0830, hex("00 20 10 00 20 00 01 00"));
+  EXPECT_EQ(bus.slave().al_event_request() & al_event::kSyncManagerActivation, 0U);
+  EXPECT_EQ(status(), 0x08U);
+}
+
+}  // namespace
+}  // namespace stator::ethercat::test

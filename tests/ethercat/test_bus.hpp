@@ -1,0 +1,199 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/byte_order.hpp"
+#include "base/sim_time.hpp"
+#include "ethercat/frame.hpp"
+#include "ethercat/segment.hpp"
+#include "ethercat/sii_interface.hpp"
+#include "ethercat/slave_controller.hpp"
+
+namespace stator::ethercat::testing {
+
+using Bytes = std::vector<std::byte>;
+
+inline Bytes bytes(std::initializer_list<unsigned> values) {
+  Bytes result;
+  for (const unsigned value : values) {
+    result.push_back(static_cast<std::byte>(value));
+  }
+  return result;
+}
+
+inline Bytes zeros(std::size_t length) {
+  return Bytes(length);
+}
+
+/// `value` as `length` little-endian bytes.
+inline Bytes little_endian(std::uint64_t value, std::size_t length) {
+  Bytes result;
+  for (std::size_t i = 0; i < length; ++i) {
+    result.push_back(static_cast<std::byte>(value >> (8 * i)));
+  }
+  return result;
+}
+
+inline std::uint64_t number(std::span<const std::byte> data) {
+  std::uint64_t value = 0;
+  for (std::size_t i = data.size(); i > 0; --i) {
+    value = value << 8 | std::to_integer<std::uint64_t>(data[i - 1]);
+  }
+  return value;
+}
+
+/// A 2048-byte SII image with a valid configuration area; word n above 8 holds n.
+inline Bytes valid_sii(std::uint16_t alias = 0) {
+  Bytes image(2048);
+  image[0] = std::byte{0x05};
+  base::store_le(image.data() + 8, alias);
+  image[14] = std::byte{sii_checksum(image)};
+  for (std::size_t word = 8; word < 1024; ++word) {
+    base::store_le(image.data() + 2 * word, static_cast<std::uint16_t>(word));
+  }
+  return image;
+}
+
+/// What came back of one datagram.
+struct Answer {
+  bool returned = false;
+  unsigned working_counter = 0;
+  unsigned interrupt = 0;
+  std::uint32_t address = 0;
+  Bytes data;
+};
+
+/// Slaves in line and a master that sends raw frames, 10 us apart.
+class TestBus {
+ public:
+  explicit TestBus(std::size_t slaves = 1, const SlaveControllerConfiguration& configuration = {}) {
+    for (std::size_t i = 0; i < slaves; ++i) {
+      add(configuration);
+    }
+  }
+
+  SlaveController& add(const SlaveControllerConfiguration& configuration,
+                       base::SimDuration cable_delay = base::SimDuration(10)) {
+    slaves_.push_back(std::make_unique<SlaveController>(configuration));
+    slaves_.back()->load_sii(valid_sii());
+    segment_.append(*slaves_.back(), cable_delay);
+    return *slaves_.back();
+  }
+
+  SlaveController& slave(std::size_t position = 0) { return *slaves_[position]; }
+  Segment& segment() { return segment_; }
+  base::SimTime now() const { return now_; }
+  void wait(base::SimDuration duration) {
+    now_ += duration;
+    segment_.advance(now_);
+  }
+
+  /// Adds a datagram to the next frame.
+  TestBus& with(Command command, std::uint32_t address, const Bytes& data) {
+    builder_.append(command, static_cast<std::uint8_t>(queued_++), address, data);
+    return *this;
+  }
+  /// Sends what was queued.
+  std::vector<Answer> send() {
+    const std::span<std::byte> frame = builder_.finish();
+    now_ += base::SimDuration(10'000);
+    const bool returned = segment_.process(frame, now_);
+    std::vector<Answer> answers;
+    DatagramCursor cursor(frame);
+    while (const auto datagram = cursor.next()) {
+      const std::span<std::byte> data = datagram->bytes();
+      answers.push_back({returned, datagram->working_counter, datagram->interrupt,
+                         datagram->address, Bytes(data.begin(), data.end())});
+    }
+    builder_ = FrameBuilder(buffer_, kMaster);
+    queued_ = 0;
+    return answers;
+  }
+  /// One datagram in a frame of its own.
+  Answer transfer(Command command, std::uint32_t address, const Bytes& data) {
+    return with(command, address, data).send().front();
+  }
+
+  Answer read(std::uint16_t position, std::uint16_t address, std::size_t length) {
+    return transfer(Command::aprd, physical_address(auto_increment_address(position), address),
+                    zeros(length));
+  }
+  Answer write(std::uint16_t position, std::uint16_t address, const Bytes& data) {
+    return transfer(Command::apwr, physical_address(auto_increment_address(position), address),
+                    data);
+  }
+  Answer broadcast_read(std::uint16_t address, std::size_t length) {
+    return transfer(Command::brd, physical_address(0, address), zeros(length));
+  }
+  Answer broadcast_write(std::uint16_t address, const Bytes& data) {
+    return transfer(Command::bwr, physical_address(0, address), data);
+  }
+
+  struct SyncManagerSetting {
+    std::uint16_t start;
+    std::uint16_t length;
+    std::uint8_t control;
+    std::uint8_t activate = 1;
+  };
+  void set_sync_manager(std::uint16_t position, unsigned channel,
+                        const SyncManagerSetting& setting) {
+    Bytes registers(8);
+    base::store_le(registers.data(), setting.start);
+    base::store_le(registers.data() + 2, setting.length);
+    registers[4] = std::byte{setting.control};
+    registers[6] = std::byte{setting.activate};
+    write(position, static_cast<std::uint16_t>(0x0806 + 8 * channel), bytes({0}));
+    write(position, static_cast<std::uint16_t>(0x0800 + 8 * channel), registers);
+  }
+
+  struct FmmuSetting {
+    std::uint32_t logical;
+    std::uint16_t length;
+    std::uint16_t physical;
+    std::uint8_t type;  ///< 1 read, 2 write
+    std::uint8_t logical_start_bit = 0;
+    std::uint8_t logical_stop_bit = 7;
+    std::uint8_t physical_start_bit = 0;
+  };
+  void set_fmmu(std::uint16_t position, unsigned unit, const FmmuSetting& setting) {
+    Bytes registers(16);
+    base::store_le(registers.data(), setting.logical);
+    base::store_le(registers.data() + 4, setting.length);
+    registers[6] = std::byte{setting.logical_start_bit};
+    registers[7] = std::byte{setting.logical_stop_bit};
+    base::store_le(registers.data() + 8, setting.physical);
+    registers[10] = std::byte{setting.physical_start_bit};
+    registers[11] = std::byte{setting.type};
+    registers[12] = std::byte{1};
+    write(position, static_cast<std::uint16_t>(0x0600 + 16 * unit), registers);
+  }
+
+ private:
+  static constexpr MacAddress kMaster{0x01, 0x01, 0x01, 0x01, 0x01, 0x01};
+
+  std::vector<std::unique_ptr<SlaveController>> slaves_;
+  Segment segment_;
+  base::SimTime now_;
+  std::array<std::byte, kMaximumFrameLength> buffer_{};
+  FrameBuilder builder_{buffer_, kMaster};
+  unsigned queued_ = 0;
+};
+
+/// Host-side access in the manner of firmware.
+inline Bytes host_read(SlaveController& slave, std::uint16_t address, std::size_t length) {
+  Bytes data(length);
+  slave.read(address, data);
+  return data;
+}
+inline void host_write(SlaveController& slave, std::uint16_t address, const Bytes& data) {
+  slave.write(address, data);
+}
+
+}  // namespace stator::ethercat::testing
