@@ -1,0 +1,118 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/axis_signals.hpp"
+#include "base/event.hpp"
+#include "base/sim_time.hpp"
+#include "devices/signal.hpp"
+#include "dictionary/dictionary.hpp"
+#include "drive/axis.hpp"
+#include "plant/stepper_axis.hpp"
+
+namespace stator::devices::tmcm_3315 {
+
+/// Handles to the manufacturer objects of one axis that have behaviour.
+struct AxisManufacturerObjects {
+  AxisManufacturerObjects(const dictionary::Dictionary& dictionary, std::uint16_t index_offset,
+                          std::uint16_t profile_offset);
+
+  dictionary::Variable<std::uint8_t> microstep_resolution;          // 2000h
+  dictionary::Variable<std::uint16_t> full_steps;                   // 2001h
+  dictionary::Variable<std::uint16_t> brake_apply_delay;            // 2002h:01, ms
+  dictionary::Variable<std::uint16_t> brake_release_delay;          // 2002h:02, ms
+  dictionary::Variable<std::uint8_t> run_current;                   // 2003h
+  dictionary::Variable<std::uint8_t> standby_current;               // 2004h
+  dictionary::Variable<std::uint32_t> switches;                     // 2005h
+  dictionary::Variable<std::uint16_t> enable_delay;                 // 200Ah, ms
+  dictionary::Variable<std::uint8_t> encoder_reversed;              // 200Bh:02
+  dictionary::Variable<std::uint8_t> position_from_encoder;         // 200Bh:03
+  dictionary::Variable<std::uint8_t> brake_apply_current;           // 200Ch:01
+  dictionary::Variable<std::uint8_t> brake_release_current;         // 200Ch:02
+  dictionary::Variable<std::uint32_t> stop_deceleration;            // 2014h
+  dictionary::Variable<std::uint8_t> boost_current;                 // 204Eh
+  dictionary::Variable<std::uint16_t> standby_delay;                // 2089h, 10 ms
+  dictionary::Variable<std::uint8_t> velocity_dimension;            // 208Ch
+  dictionary::Variable<std::uint8_t> acceleration_dimension;        // 208Eh
+  dictionary::Variable<std::uint8_t> chopper_off_time;              // 2097h
+  dictionary::Variable<std::int32_t> home_offset_display;           // 2100h
+  dictionary::Variable<std::uint8_t> microstep_resolution_display;  // 2107h
+  dictionary::Variable<std::uint32_t> step_counter_low;             // 210Bh:01
+  dictionary::Variable<std::uint32_t> step_counter_high;            // 210Bh:02
+  dictionary::Variable<std::uint64_t> step_counter;                 // 210Bh:03
+  dictionary::Variable<std::uint32_t> digital_inputs;               // 60FDh
+};
+
+/// One axis of the module: its firmware, its objects, and the motor wired to it.
+class AxisUnit {
+ public:
+  AxisUnit(dictionary::Dictionary& dictionary, std::uint8_t number,
+           const plant::StepperAxisParameters& plant, double full_scale_current,
+           base::EventReporter reporter);
+  AxisUnit(const AxisUnit&) = delete;
+  AxisUnit& operator=(const AxisUnit&) = delete;
+  ~AxisUnit() = default;
+
+  /// The firmware starts anew; the world goes on.
+  void restart(base::SimTime now);
+
+  /// Obeys what was written since the last call; cheap when nothing was.
+  void apply(base::SimTime now);
+  /// One control period of the firmware. `general_inputs`: bits 16..19 of 60FDh.
+  void tick(base::SimTime now, std::uint32_t general_inputs);
+  /// One step of driver and plant.
+  void step(base::SimDuration duration) {
+    sensing_ = plant_.step(axis_->step(duration, sensing_), duration);
+  }
+  void set_network_operational(bool operational, base::SimTime now);
+
+  [[nodiscard]] drive::Axis& axis() { return *axis_; }
+  [[nodiscard]] const drive::Axis& axis() const { return *axis_; }
+  [[nodiscard]] plant::StepperAxis& plant() { return plant_; }
+  [[nodiscard]] const plant::StepperAxis& plant() const { return plant_; }
+
+  /// Appends "axis<n>.<name>" for everything worth recording.
+  void append_signals(std::vector<Signal>& signals);
+
+ private:
+  void configure();
+  void mirror_objects(const dictionary::Entry&);
+  void place_position(const dictionary::Entry&);
+  void latch_step_counter(dictionary::Entry&);
+  [[nodiscard]] dictionary::Verdict check_positioning_option(const dictionary::Entry& entry,
+                                                             std::uint64_t bits);
+  [[nodiscard]] std::int64_t microsteps_per_revolution() const;
+
+  [[nodiscard]] double position_demand() const;
+  [[nodiscard]] double position_actual() const;
+  [[nodiscard]] double velocity_demand() const { return axis_->motion().velocity(); }
+  [[nodiscard]] double velocity_actual() const { return axis_->actual_velocity(); }
+  [[nodiscard]] double following_error() const;
+  [[nodiscard]] double shaft_position() const { return plant_.observe().shaft_revolutions; }
+  [[nodiscard]] double shaft_speed() const;
+  [[nodiscard]] double coil_current_a() const { return sensing_.coil_current[0]; }
+  [[nodiscard]] double coil_current_b() const { return sensing_.coil_current[1]; }
+  [[nodiscard]] double torque() const { return plant_.observe().electromagnetic_torque; }
+  [[nodiscard]] double load_torque() const { return plant_.observe().load_torque; }
+  [[nodiscard]] double load_angle() const;
+  [[nodiscard]] double encoder_count() const;
+  [[nodiscard]] double supply_voltage() const { return sensing_.supply_voltage; }
+  [[nodiscard]] double controlword() const { return axis_->objects().controlword.get(); }
+  [[nodiscard]] double statusword() const { return axis_->objects().statusword.get(); }
+  [[nodiscard]] double mode() const { return static_cast<double>(axis_->mode()); }
+
+  dictionary::Dictionary& dictionary_;
+  std::uint8_t number_;
+  double full_scale_current_;
+  base::EventReporter reporter_;
+  AxisManufacturerObjects objects_;
+  plant::StepperAxis plant_;
+  base::AxisSensing sensing_;
+  std::optional<drive::Axis> axis_;
+};
+
+}  // namespace stator::devices::tmcm_3315

@@ -1,0 +1,249 @@
+#include "devices/tmcm_3315/tmcm_3315.hpp"
+
+#include "ethercat/sii_image.hpp"
+
+namespace stator::devices {
+
+namespace {
+
+using ethercat::AlState;
+using tmcm_3315::AxisUnit;
+using tmcm_3315::Emergency;
+
+constexpr std::uint32_t kVendorId = 0x00000286;
+constexpr std::uint32_t kGeneralOutputs = 0x000F0000;  // 2703h: OUT0..OUT3
+constexpr unsigned kFirstGeneralInput = 16;            // 2702h: IN0
+constexpr std::uint8_t kWholeModule = 255;             // motor number of module-wide emergencies
+
+// The document says nothing of the slave controller. Taken: 8 FMMUs, 8 sync managers and 16 KB of
+// process memory as in the maker's own TMC8461; mailboxes of 512 bytes, enough for the object list
+// in one message; 1 KB for each direction of process data, three buffers included.
+constexpr std::uint16_t kProcessMemoryEnd = 0x5000;
+constexpr ethercat::MailboxArea kReceiveMailbox{0x1000, 512};
+constexpr ethercat::MailboxArea kTransmitMailbox{0x1200, 512};
+constexpr std::uint16_t kOutputs = 0x1800;
+constexpr std::uint16_t kInputs = 0x1C00;
+
+ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration) {
+  ethercat::DeviceDescription description;
+  description.vendor_id = kVendorId;
+  description.vendor_name = "TRINAMIC Motion Control GmbH & Co. KG";
+  description.product_code = configuration.product_code;
+  description.revision = configuration.revision;
+  description.serial_number = configuration.serial_number;
+  description.order_code = "TMCM-3315";
+  description.name = "TMCM-3315";
+  description.group = "Drives";
+  description.station_alias = configuration.station_alias;
+  description.receive_mailbox = kReceiveMailbox;
+  description.transmit_mailbox = kTransmitMailbox;
+  description.output_offset = kOutputs;
+  description.input_offset = kInputs;
+  description.coe = true;
+  description.sdo_information = true;
+  description.complete_access = true;
+  description.pdo_assign = true;
+  description.pdo_configuration = true;
+  description.distributed_clocks = true;
+  return description;
+}
+
+ethercat::SlaveStackOptions stack_options() {
+  ethercat::SlaveStackOptions options;
+  options.process_memory_end = kProcessMemoryEnd;
+  return options;
+}
+
+}  // namespace
+
+Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReporter reporter)
+    : configuration_(configuration),
+      reporter_(reporter),
+      description_(describe(configuration)),
+      controller_(ethercat::SlaveControllerConfiguration{}),
+      axes_([&] {
+        tmcm_3315::add_objects(dictionary_);
+        std::array<std::unique_ptr<AxisUnit>, tmcm_3315::kAxisCount> axes;
+        for (std::uint8_t n = 0; n < axes.size(); ++n) {
+          axes[n] = std::make_unique<AxisUnit>(dictionary_, n, configuration.axes[n],
+                                               configuration.full_scale_current, reporter);
+        }
+        return axes;
+      }()),
+      stack_(controller_, dictionary_, description_, *this, reporter, stack_options()),
+      error_register_(dictionary_.variable<std::uint8_t>(0x1001)),
+      digital_inputs_(dictionary_.variable<std::uint32_t>(0x2702)),
+      analog_inputs_{dictionary_.variable<std::uint32_t>(0x270E, 1),
+                     dictionary_.variable<std::uint32_t>(0x270E, 2),
+                     dictionary_.variable<std::uint32_t>(0x270E, 3),
+                     dictionary_.variable<std::uint32_t>(0x270E, 4)},
+      physical_outputs_(dictionary_.variable<std::uint32_t>(0x2703, 1)),
+      output_mask_(dictionary_.variable<std::uint32_t>(0x2703, 2)) {
+  using Query = dictionary::Dictionary::DriveStateQuery;
+  dictionary_.set_drive_state_query(Query::bind<&Tmcm3315::drive_state>(*this));
+  set_identity(configuration);
+  controller_.set_event_reporter(reporter);
+  controller_.load_sii(ethercat::build_sii_image(description_, dictionary_));
+}
+
+void Tmcm3315::set_identity(const Tmcm3315Configuration& configuration) {
+  dictionary_.find(0x1018, 2)->set_value(configuration.product_code);
+  dictionary_.find(0x1018, 3)->set_value(configuration.revision);
+}
+
+const char* Tmcm3315::drive_state(std::uint8_t axis) {
+  const drive::PowerState state = axes_[axis]->axis().power_state();
+  return state == drive::PowerState::switch_on_disabled ? nullptr : drive::to_text(state);
+}
+
+void Tmcm3315::advance(base::SimTime now) {
+  while (now_ + kPlantStep <= now) {
+    for (const auto& axis : axes_) {
+      axis->step(kPlantStep);
+    }
+    now_ += kPlantStep;
+    if (now_ >= next_tick_) {
+      next_tick_ += kControlPeriod;
+      tick(now_);
+    }
+  }
+  controller_.advance(now);
+}
+
+void Tmcm3315::tick(base::SimTime now) {
+  controller_.advance(now);
+  stack_.process(now);
+  read_inputs();
+  for (const auto& axis : axes_) {
+    axis->tick(now, input_levels_);
+  }
+  switch_outputs();
+  report_errors(now);
+  outputs_came_ = false;
+  stack_.publish_inputs(now);
+}
+
+void Tmcm3315::read_inputs() {
+  digital_inputs_.set(input_levels_);
+  for (std::size_t i = 0; i < analog_inputs_.size(); ++i) {
+    analog_inputs_[i].set(analog_counts_[i]);
+  }
+}
+
+void Tmcm3315::handle_bus_events(base::SimTime now) {
+  if (controller_.take_reset_request()) {
+    restart_firmware(now);
+  }
+  stack_.process(now);
+  apply_commands(now);
+  if (outputs_came_) {
+    outputs_came_ = false;
+    switch_outputs();
+    stack_.publish_inputs(now);
+  }
+}
+
+void Tmcm3315::restart_firmware(base::SimTime now) {
+  dictionary_.reset_values();
+  set_identity(configuration_);
+  digital_outputs_ = 0;
+  reported_errors_ = {};
+  reported_resets_ = {};
+  for (const auto& axis : axes_) {
+    axis->restart(now);
+  }
+  stack_.reset(now);
+}
+
+void Tmcm3315::apply_commands(base::SimTime now) {
+  for (const auto& axis : axes_) {
+    axis->apply(now);
+  }
+  report_errors(now);
+}
+
+void Tmcm3315::on_state(AlState from, AlState to, base::SimTime now) {
+  const bool operational = to == AlState::operational;
+  if (!operational && from != AlState::operational) {
+    return;
+  }
+  for (const auto& axis : axes_) {
+    axis->set_network_operational(operational, now);
+  }
+  switch_outputs();
+}
+
+void Tmcm3315::on_outputs(base::SimTime /*now*/) {
+  outputs_came_ = true;
+}
+
+void Tmcm3315::before_inputs(base::SimTime /*now*/) {}
+
+void Tmcm3315::on_output_refused(const dictionary::Entry& /*entry*/,
+                                 const dictionary::Refusal& /*refusal*/, base::SimTime now) {
+  send_emergency(tmcm_3315::kParameterError, kWholeModule, now);
+}
+
+void Tmcm3315::switch_outputs() {
+  if (stack_.state() != AlState::operational) {
+    digital_outputs_ = 0;
+    return;
+  }
+  const std::uint32_t mask = output_mask_.get() & kGeneralOutputs;
+  digital_outputs_ = (digital_outputs_ & ~mask) | (physical_outputs_.get() & mask);
+}
+
+void Tmcm3315::report_errors(base::SimTime now) {
+  for (std::uint8_t motor = 0; motor < axes_.size(); ++motor) {
+    const drive::Axis& axis = axes_[motor]->axis();
+    const drive::AxisErrors before = reported_errors_[motor];
+    if (axis.fault_resets() == reported_resets_[motor] && axis.errors() == before) {
+      continue;
+    }
+    reported_errors_[motor] = axis.errors();
+    error_register_.set(error_register());
+    if (axis.fault_resets() != reported_resets_[motor]) {
+      reported_resets_[motor] = axis.fault_resets();
+      send_emergency(tmcm_3315::kFaultReset, motor, now);
+    }
+    for (const tmcm_3315::AxisEmergency& row : tmcm_3315::kAxisEmergencies) {
+      if (axis.errors().has(row.error) && !before.has(row.error)) {
+        send_emergency(row.emergency, motor, now);
+      }
+    }
+  }
+}
+
+std::uint8_t Tmcm3315::error_register() const {
+  unsigned bits = 0;
+  for (const drive::AxisErrors& errors : reported_errors_) {
+    for (const tmcm_3315::AxisEmergency& row : tmcm_3315::kAxisEmergencies) {
+      bits |= errors.has(row.error) ? row.emergency.register_bits : 0U;
+    }
+  }
+  return static_cast<std::uint8_t>(bits);
+}
+
+void Tmcm3315::send_emergency(const Emergency& emergency, std::uint8_t motor, base::SimTime now) {
+  const auto bits = static_cast<std::uint8_t>(error_register_.get() | emergency.register_bits);
+  stack_.send_emergency(emergency.code, bits, {emergency.detail, motor, 0, 0, 0}, now);
+}
+
+void Tmcm3315::set_digital_input(std::size_t input, bool high) {
+  const std::uint32_t bit = 1U << (kFirstGeneralInput + input);
+  input_levels_ = high ? input_levels_ | bit : input_levels_ & ~bit;
+}
+
+void Tmcm3315::set_analog_input(std::size_t input, std::uint16_t counts) {
+  analog_counts_[input] = counts;
+}
+
+std::vector<Signal> Tmcm3315::signals() {
+  std::vector<Signal> signals;
+  for (const auto& axis : axes_) {
+    axis->append_signals(signals);
+  }
+  return signals;
+}
+
+}  // namespace stator::devices

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/event.hpp"
+#include "devices/ethercat_device.hpp"
+#include "devices/tmcm_3315/axis_unit.hpp"
+#include "devices/tmcm_3315/emergencies.hpp"
+#include "devices/tmcm_3315/objects.hpp"
+#include "ethercat/slave_application.hpp"
+#include "ethercat/slave_stack.hpp"
+#include "plant/stepper_axis.hpp"
+
+namespace stator::devices {
+
+/// What surrounds a module, and the choices its document leaves open.
+struct Tmcm3315Configuration {
+  /// Motor, load, supply, encoder and switches of each axis. A switch that is not fitted reads low,
+  /// which is inactive; set level_if_not_fitted for inputs with a pull-up.
+  std::array<plant::StepperAxisParameters, tmcm_3315::kAxisCount> axes{};
+  /// A, peak of a coil for a current setting of 255. The document never states it; its worked
+  /// example gives 1 A for 85.
+  double full_scale_current = 3.0;
+  std::uint32_t product_code = 3315;    ///< 1018h:02; printed without h, hence decimal
+  std::uint32_t revision = 0x00010009;  ///< 1018h:03; firmware 1.09
+  std::uint32_t serial_number = 0;      ///< in the SII only, 1018h has no entry for it
+  std::uint16_t station_alias = 0;
+};
+
+/// The TMCM-3315 of Trinamic: three stepper axes on EtherCAT with CoE and CiA 402, as "TMCM-3315
+/// CoE Firmware Manual" (firmware V1.09) describes it.
+class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication {
+ public:
+  static constexpr base::SimDuration kPlantStep{50'000};
+  static constexpr base::SimDuration kControlPeriod{1'000'000};
+
+  explicit Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReporter reporter = {});
+
+  [[nodiscard]] ethercat::SlaveController& controller() override { return controller_; }
+  [[nodiscard]] const dictionary::Dictionary& dictionary() const override { return dictionary_; }
+  [[nodiscard]] const ethercat::DeviceDescription& description() const override {
+    return description_;
+  }
+  void advance(base::SimTime now) override;
+  void handle_bus_events(base::SimTime now) override;
+  [[nodiscard]] std::vector<Signal> signals() override;
+
+  [[nodiscard]] tmcm_3315::AxisUnit& axis(std::size_t number) { return *axes_[number]; }
+  [[nodiscard]] const ethercat::SlaveStack& stack() const { return stack_; }
+
+  /// Level of general-purpose input IN0..IN3 from the next control period on.
+  void set_digital_input(std::size_t input, bool high);
+  /// Reading of analog input 0..3, ADC counts.
+  void set_analog_input(std::size_t input, std::uint16_t counts);
+  /// OUT0..OUT3 in bits 16..19, as 2703h has them.
+  [[nodiscard]] std::uint32_t digital_outputs() const { return digital_outputs_; }
+
+ private:
+  void on_state(ethercat::AlState from, ethercat::AlState to, base::SimTime now) override;
+  void on_outputs(base::SimTime now) override;
+  void before_inputs(base::SimTime now) override;
+  void on_output_refused(const dictionary::Entry& entry, const dictionary::Refusal& refusal,
+                         base::SimTime now) override;
+
+  [[nodiscard]] const char* drive_state(std::uint8_t axis);
+  void set_identity(const Tmcm3315Configuration& configuration);
+  void restart_firmware(base::SimTime now);
+  void tick(base::SimTime now);
+  void read_inputs();
+  void apply_commands(base::SimTime now);
+  void switch_outputs();
+  void report_errors(base::SimTime now);
+  void send_emergency(const tmcm_3315::Emergency& emergency, std::uint8_t motor, base::SimTime now);
+  [[nodiscard]] std::uint8_t error_register() const;
+
+  Tmcm3315Configuration configuration_;
+  base::EventReporter reporter_;
+  ethercat::DeviceDescription description_;
+  dictionary::Dictionary dictionary_;
+  ethercat::SlaveController controller_;
+  std::array<std::unique_ptr<tmcm_3315::AxisUnit>, tmcm_3315::kAxisCount> axes_;
+  ethercat::SlaveStack stack_;
+
+  dictionary::Variable<std::uint8_t> error_register_;                 // 1001h
+  dictionary::Variable<std::uint32_t> digital_inputs_;                // 2702h
+  std::array<dictionary::Variable<std::uint32_t>, 4> analog_inputs_;  // 270Eh
+  dictionary::Variable<std::uint32_t> physical_outputs_;              // 2703h:01
+  dictionary::Variable<std::uint32_t> output_mask_;                   // 2703h:02
+
+  base::SimTime now_;
+  base::SimTime next_tick_{kControlPeriod};
+  std::uint32_t input_levels_ = 0;  ///< IN0..IN3 in bits 16..19
+  std::array<std::uint16_t, 4> analog_counts_{};
+  std::uint32_t digital_outputs_ = 0;
+  bool outputs_came_ = false;
+  /// As last told to the master by emergencies.
+  std::array<drive::AxisErrors, tmcm_3315::kAxisCount> reported_errors_{};
+  std::array<std::uint32_t, tmcm_3315::kAxisCount> reported_resets_{};
+};
+
+}  // namespace stator::devices

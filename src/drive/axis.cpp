@@ -1,0 +1,315 @@
+#include "drive/axis.hpp"
+
+#include <array>
+#include <cstdlib>
+
+#include "drive/control_words.hpp"
+
+namespace stator::drive {
+
+namespace {
+
+using base::EventArgument;
+using base::EventRule;
+using base::Severity;
+
+// {0} axis, {1} actual position, {2} demand or limit.
+constexpr std::array<EventRule, kAxisErrorCount> kErrorRules{{
+    {"axis-following-error", Severity::fault,
+     "axis {0}: following error: actual position {1}, demand {2}, further apart than 6065h allows; "
+     "look for a blocked shaft or a velocity the motor cannot reach, then reset the fault"},
+    {"axis-positive-software-limit", Severity::warning,
+     "axis {0}: actual position {1} is beyond the positive software limit {2}; move back"},
+    {"axis-negative-software-limit", Severity::warning,
+     "axis {0}: actual position {1} is beyond the negative software limit {2}; move back"},
+    {"axis-positive-limit-switch", Severity::warning,
+     "axis {0}: positive limit switch touched at position {1}; motion is possible in negative "
+     "direction only, or with the switch deactivated"},
+    {"axis-negative-limit-switch", Severity::warning,
+     "axis {0}: negative limit switch touched at position {1}; motion is possible in positive "
+     "direction only, or with the switch deactivated"},
+}};
+
+}  // namespace
+
+Axis::Axis(dictionary::Dictionary& dictionary, const AxisConfiguration& configuration,
+           base::EventReporter reporter)
+    : configuration_(configuration),
+      reporter_(reporter),
+      objects_(dictionary, configuration.profile_offset),
+      power_(reporter, configuration.number),
+      motion_(objects_, settings_, conditions_) {
+  const auto at = [&](unsigned index) {
+    return static_cast<std::uint16_t>(index + configuration.profile_offset);
+  };
+  using Hook = dictionary::Entry::WrittenHook;
+  dictionary.on_written(at(0x6040), 0, Hook::bind<&Axis::note_controlword>(*this));
+  dictionary.on_written(at(0x6060), 0, Hook::bind<&Axis::note_mode>(*this));
+  for (const unsigned target : {0x607AU, 0x60B0U, 0x60B1U, 0x60FFU}) {
+    dictionary.on_written(at(target), 0, Hook::bind<&Axis::note_target>(*this));
+  }
+  update_feedback();
+  publish(base::SimTime());
+}
+
+void Axis::apply(base::SimTime now) {
+  if (!has_commands()) {
+    return;
+  }
+  take_mode(now);
+  if (controlword_written_) {
+    take_controlword(now);
+  }
+  if (target_written_) {
+    target_written_ = false;
+    if (const ModeContext present = context(now); present.enabled) {
+      mode_->on_target(present);
+    }
+  }
+  publish_statusword(now);
+}
+
+void Axis::take_controlword(base::SimTime now) {
+  controlword_written_ = false;
+  const std::uint16_t previous = controlword_;
+  controlword_ = objects_.controlword.get();
+  power_.command(controlword_, power_input(now));
+  follow_power_state(now);
+  follow_halt(now);
+  mode_->on_controlword(context(now), previous, controlword_);
+}
+
+void Axis::take_mode(base::SimTime now) {
+  const auto wanted = static_cast<ModeCode>(objects_.mode.get());
+  mode_written_ = false;
+  if (wanted == mode_->code()) {
+    return;
+  }
+  if (enabled_ && !motion_.at_rest()) {
+    if (motion_.ramp().mode() != control::RampMode::stop) {
+      motion_.brake(Braking::slow_down_ramp);
+    }
+    mode_written_ = true;  // the new mode takes over when the motor stands
+    return;
+  }
+  mode_ = &mode_of(wanted);
+  objects_.mode_display.set(static_cast<std::int8_t>(wanted));
+  if (enabled_) {
+    enter_mode(now);
+  }
+}
+
+void Axis::enter_mode(base::SimTime now) {
+  halted_ = halt_wanted();
+  mode_->enter(context(now));
+  if (!halted_) {
+    mode_->start(context(now));
+  }
+}
+
+bool Axis::halt_wanted() const {
+  return enabled_ && (controlword_ & controlword::kHalt) != 0 && mode_->code() != ModeCode::homing;
+}
+
+OperatingMode& Axis::mode_of(ModeCode code) {
+  const std::array<OperatingMode*, 6> modes{&profile_position_, &profile_velocity_,
+                                            &homing_,           &cyclic_position_,
+                                            &cyclic_velocity_,  &cyclic_torque_};
+  for (OperatingMode* mode : modes) {
+    if (mode->code() == code) {
+      return *mode;
+    }
+  }
+  return no_mode_;
+}
+
+void Axis::follow_power_state(base::SimTime now) {
+  if (power_.fault_resets() != fault_resets_) {
+    fault_resets_ = power_.fault_resets();
+    errors_ = causes_;
+  }
+  if (power_.braking() != braking_) {
+    braking_ = power_.braking();
+    motion_.brake(braking_);
+  }
+  const bool enabled = power_.drive_function_enabled();
+  if (enabled == enabled_) {
+    return;
+  }
+  enabled_ = enabled;
+  halted_ = false;
+  if (enabled_) {
+    initialise_position();
+    enter_mode(now);
+  }
+}
+
+void Axis::follow_halt(base::SimTime now) {
+  const bool wanted = halt_wanted();
+  if (wanted == halted_) {
+    return;
+  }
+  halted_ = wanted;
+  if (halted_) {
+    motion_.brake(Braking::slow_down_ramp);
+  } else if (enabled_) {
+    mode_->resume(context(now));
+  }
+}
+
+void Axis::network_left_operational(base::SimTime now) {
+  conditions_.network_operational = false;
+  power_.network_left_operational(power_input(now));
+  follow_power_state(now);
+  publish_statusword(now);
+}
+
+void Axis::initialise_position() {
+  if (objects_.uses_encoder() && settings_.position_from_encoder) {
+    motion_.set_position(feedback_.position());
+  }
+}
+
+void Axis::tick(base::SimTime now) {
+  update_feedback();
+  feedback_.update(encoder_count_, configuration_.control_period);
+  apply(now);
+  supervise(now);
+  power_.update(power_input(now));
+  follow_power_state(now);
+  motion_.supervise(configuration_.control_period);
+  mode_->tick(context(now));
+  publish(now);
+}
+
+void Axis::update_feedback() {
+  feedback_.set_scale(objects_.encoder_increments.get(), settings_.microsteps_per_revolution,
+                      settings_.encoder_reversed);
+}
+
+void Axis::supervise(base::SimTime now) {
+  const std::int64_t actual = actual_position();
+  const std::int64_t deviation = actual - motion_.position();
+  const std::int64_t window = objects_.following_window.get();
+  const bool under_power = power_.bridge_enabled();
+  watch(AxisError::following_error,
+        under_power && objects_.uses_encoder() && window > 0 && std::abs(deviation) > window, now);
+
+  const auto upper = motion_.upper_limit();
+  const auto lower = motion_.lower_limit();
+  watch(AxisError::positive_software_limit, upper && actual > *upper, now);
+  watch(AxisError::negative_software_limit, lower && actual < *lower, now);
+  const bool homes = mode_->code() == ModeCode::homing;
+  watch(AxisError::positive_limit_switch, conditions_.positive_limit_switch && !homes, now);
+  watch(AxisError::negative_limit_switch, conditions_.negative_limit_switch && !homes, now);
+}
+
+void Axis::watch(AxisError error, bool present, base::SimTime now) {
+  const bool appears = present && !causes_.has(error);
+  causes_.set(error, present);
+  if (!present && !is_fault(error)) {
+    errors_.set(error, false);
+  }
+  if (!appears || errors_.has(error)) {
+    return;
+  }
+  errors_.set(error, true);
+  const std::int64_t reference =
+      error == AxisError::positive_software_limit   ? motion_.upper_limit().value_or(0)
+      : error == AxisError::negative_software_limit ? motion_.lower_limit().value_or(0)
+                                                    : motion_.position();
+  reporter_.report(now, kErrorRules[static_cast<std::size_t>(error)],
+                   {EventArgument(int{configuration_.number}), EventArgument(actual_position()),
+                    EventArgument(reference)});
+  if (is_fault(error)) {
+    power_.raise_fault(power_input(now), reaction_to(error) == ErrorReaction::power_off);
+  }
+}
+
+ErrorReaction Axis::reaction_to(AxisError error) const {
+  return configuration_.reactions[static_cast<std::size_t>(error)];
+}
+
+bool Axis::is_fault(AxisError error) const {
+  return reaction_to(error) == ErrorReaction::fault ||
+         reaction_to(error) == ErrorReaction::power_off;
+}
+
+bool Axis::fault_present() const {
+  return causes_.any([this](AxisError error) { return is_fault(error); });
+}
+
+bool Axis::warning_present() const {
+  return causes_.any(
+      [this](AxisError error) { return reaction_to(error) == ErrorReaction::warning; });
+}
+
+base::AxisActuation Axis::step(base::SimDuration duration, const base::AxisSensing& sensing) {
+  encoder_count_ = sensing.encoder_count;
+  motion_.advance(duration);
+  return stage_.advance(motion_.ramp(), settings_, power_.bridge_enabled(), power_.brake_released(),
+                        duration);
+}
+
+PowerInput Axis::power_input(base::SimTime now) const {
+  return {.now = now,
+          .operation_permitted = conditions_.network_operational,
+          .at_rest = motion_.at_rest(),
+          .fault_present = fault_present(),
+          .options = {.quick_stop = objects_.quick_stop_option.get(),
+                      .shutdown = objects_.shutdown_option.get(),
+                      .disable_operation = objects_.disable_operation_option.get(),
+                      .fault_reaction = objects_.fault_reaction_option.get()},
+          .delays = settings_.delays};
+}
+
+ModeContext Axis::context(base::SimTime now) {
+  return {.objects = objects_,
+          .settings = settings_,
+          .motion = motion_,
+          .feedback = feedback_,
+          .now = now,
+          .enabled = enabled_ && !halted_ && !mode_written_,
+          .halted = halted_,
+          .following_error = errors_.has(AxisError::following_error)};
+}
+
+std::int64_t Axis::actual_position() const {
+  return objects_.uses_encoder() ? feedback_.position() : motion_.position();
+}
+
+double Axis::actual_velocity() const {
+  return objects_.uses_encoder() ? feedback_.velocity() : motion_.velocity();
+}
+
+void Axis::publish(base::SimTime now) {
+  const auto actual = static_cast<std::int32_t>(actual_position());
+  objects_.position_demand.set(static_cast<std::int32_t>(motion_.position()));
+  objects_.position_internal.set(actual);
+  objects_.position_actual.set(actual);
+  objects_.velocity_actual.set(settings_.units.velocity_object(actual_velocity()));
+  publish_statusword(now);
+}
+
+void Axis::publish_statusword(base::SimTime now) {
+  const double velocity = motion_.velocity();
+  if (velocity != 0.0) {
+    negative_direction_ = velocity < 0.0;
+  }
+  std::uint16_t word = statusword_of(power_.state());
+  const auto set = [&word](std::uint16_t bit, bool value) {
+    word = static_cast<std::uint16_t>(value ? word | bit : word & ~bit);
+  };
+  set(statusword::kVoltageEnabled, conditions_.supply_present);
+  set(statusword::kRemote, conditions_.network_operational);
+  set(statusword::kInternalLimit, motion_.limited() ||
+                                      errors_.has(AxisError::positive_software_limit) ||
+                                      errors_.has(AxisError::negative_software_limit));
+  set(statusword::kWarning, warning_present());
+  set(statusword::kMotorActivity, velocity != 0.0);
+  set(statusword::kNegativeDirection, negative_direction_);
+  word = static_cast<std::uint16_t>(word | mode_->status(context(now)));
+  objects_.statusword.set(word);
+}
+
+}  // namespace stator::drive

@@ -1,0 +1,133 @@
+#pragma once
+
+#include <cstdint>
+
+#include "base/axis_signals.hpp"
+#include "base/event.hpp"
+#include "base/sim_time.hpp"
+#include "dictionary/dictionary.hpp"
+#include "drive/axis_error.hpp"
+#include "drive/axis_motion.hpp"
+#include "drive/axis_objects.hpp"
+#include "drive/axis_settings.hpp"
+#include "drive/cyclic_modes.hpp"
+#include "drive/homing_mode.hpp"
+#include "drive/position_feedback.hpp"
+#include "drive/power_state_machine.hpp"
+#include "drive/profile_modes.hpp"
+#include "drive/stepper_stage.hpp"
+
+namespace stator::drive {
+
+struct AxisConfiguration {
+  std::uint8_t number = 0;                      ///< 0 = first axis of the device
+  std::uint16_t profile_offset = 0;             ///< added to the indices of CiA 402
+  ErrorReactions reactions{};                   ///< by AxisError
+  base::SimDuration control_period{1'000'000};  ///< between two calls of tick()
+};
+
+/// One CiA 402 stepper axis: power drive state machine, modes of operation, limits, supervision and
+/// the way from the set-point to coil currents.
+///
+/// Writes of controlword, mode and targets are noted by hooks of the dictionary and act in apply(),
+/// which the device calls when the bus has brought something: all objects of one process data frame
+/// are in place then, whatever their order in it. tick() is the firmware loop, step() the hardware.
+class Axis {
+ public:
+  /// Binds the axis to its objects. Throws std::logic_error if one is missing.
+  Axis(dictionary::Dictionary& dictionary, const AxisConfiguration& configuration,
+       base::EventReporter reporter);
+  Axis(const Axis&) = delete;
+  Axis& operator=(const Axis&) = delete;
+  ~Axis() = default;
+
+  /// To be brought up to date before apply() and tick().
+  [[nodiscard]] AxisSettings& settings() { return settings_; }
+  [[nodiscard]] AxisConditions& conditions() { return conditions_; }
+
+  /// Something was written that apply() has not obeyed yet.
+  [[nodiscard]] bool has_commands() const {
+    return controlword_written_ || mode_written_ || target_written_;
+  }
+  /// Obeys what was written since the last call and updates the statusword.
+  void apply(base::SimTime now);
+  /// One control period: supervision, automatic transitions, actual values.
+  void tick(base::SimTime now);
+  /// Lets `duration` pass for ramp and driver; `sensing` is what the sensors told at its begin.
+  base::AxisActuation step(base::SimDuration duration, const base::AxisSensing& sensing);
+
+  /// The network has left its operational state: the motor stops, the drive is disabled.
+  void network_left_operational(base::SimTime now);
+  /// Takes the encoder's position as demand position if 606Ah and the settings say so.
+  void initialise_position();
+
+  [[nodiscard]] PowerState power_state() const { return power_.state(); }
+  [[nodiscard]] const AxisMotion& motion() const { return motion_; }
+  [[nodiscard]] const AxisObjects& objects() const { return objects_; }
+  [[nodiscard]] ModeCode mode() const { return mode_->code(); }
+  /// Errors that are present, and faults that were and wait for a fault reset.
+  [[nodiscard]] AxisErrors errors() const { return errors_; }
+  [[nodiscard]] std::uint32_t fault_resets() const { return power_.fault_resets(); }
+  [[nodiscard]] std::int64_t actual_position() const;  ///< 6064h in 64 bits, microsteps
+  [[nodiscard]] double actual_velocity() const;        ///< pps
+  [[nodiscard]] std::uint64_t step_count() const { return stage_.step_count(); }
+
+ private:
+  void note_controlword(const dictionary::Entry& /*entry*/) { controlword_written_ = true; }
+  void note_mode(const dictionary::Entry& /*entry*/) { mode_written_ = true; }
+  void note_target(const dictionary::Entry& /*entry*/) { target_written_ = true; }
+
+  [[nodiscard]] PowerInput power_input(base::SimTime now) const;
+  [[nodiscard]] ModeContext context(base::SimTime now);
+  [[nodiscard]] OperatingMode& mode_of(ModeCode code);
+  void take_controlword(base::SimTime now);
+  void take_mode(base::SimTime now);
+  void follow_power_state(base::SimTime now);
+  void follow_halt(base::SimTime now);
+  void enter_mode(base::SimTime now);
+  [[nodiscard]] bool halt_wanted() const;
+  [[nodiscard]] ErrorReaction reaction_to(AxisError error) const;
+  [[nodiscard]] bool is_fault(AxisError error) const;
+  [[nodiscard]] bool fault_present() const;
+  [[nodiscard]] bool warning_present() const;
+  void supervise(base::SimTime now);
+  void watch(AxisError error, bool present, base::SimTime now);
+  void update_feedback();
+  void publish(base::SimTime now);
+  void publish_statusword(base::SimTime now);
+
+  AxisConfiguration configuration_;
+  base::EventReporter reporter_;
+  AxisObjects objects_;
+  AxisSettings settings_;
+  AxisConditions conditions_;
+
+  PowerStateMachine power_;
+  AxisMotion motion_;
+  PositionFeedback feedback_;
+  StepperStage stage_;
+
+  NoMode no_mode_{ModeCode::none};
+  ProfilePosition profile_position_;
+  ProfileVelocity profile_velocity_;
+  Homing homing_;
+  CyclicPosition cyclic_position_;
+  CyclicVelocity cyclic_velocity_;
+  NoMode cyclic_torque_{ModeCode::cyclic_synchronous_torque};
+  OperatingMode* mode_ = &no_mode_;
+
+  bool controlword_written_ = false;
+  bool mode_written_ = false;
+  bool target_written_ = false;
+  std::uint16_t controlword_ = 0;  ///< as last obeyed
+  bool enabled_ = false;           ///< as last told to the mode
+  bool halted_ = false;
+  Braking braking_ = Braking::none;  ///< as last told to the motion
+  bool negative_direction_ = false;
+  std::uint32_t fault_resets_ = 0;  ///< of the state machine, as last seen
+  std::int64_t encoder_count_ = 0;
+  AxisErrors causes_;  ///< present now
+  AxisErrors errors_;  ///< present, and faults not yet reset
+};
+
+}  // namespace stator::drive

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace stator::drive {
+
+/// What can be wrong with an axis. A device maps each to its emergency and chooses the reaction.
+enum class AxisError : std::uint8_t {
+  following_error,
+  positive_software_limit,
+  negative_software_limit,
+  positive_limit_switch,
+  negative_limit_switch,
+};
+inline constexpr std::size_t kAxisErrorCount = 5;
+
+/// What an error does to the axis.
+enum class ErrorReaction : std::uint8_t {
+  message,    ///< told to the master, nothing else
+  warning,    ///< statusword bit 7
+  stop,       ///< the motion stops, statusword bit 11, no fault
+  fault,      ///< transition 13, brakes as 605Eh says
+  power_off,  ///< transition 13, bridge off at once
+};
+
+using ErrorReactions = std::array<ErrorReaction, kAxisErrorCount>;
+
+/// A set of axis errors.
+class AxisErrors {
+ public:
+  constexpr AxisErrors() = default;
+  [[nodiscard]] constexpr bool has(AxisError error) const { return (bits_ & bit(error)) != 0; }
+  [[nodiscard]] constexpr bool empty() const { return bits_ == 0; }
+  constexpr void set(AxisError error, bool present) {
+    bits_ = static_cast<std::uint16_t>(present ? bits_ | bit(error) : bits_ & ~bit(error));
+  }
+  /// Some error of the set fulfils `condition`.
+  template <typename Condition>
+  [[nodiscard]] constexpr bool any(Condition condition) const {
+    for (std::size_t i = 0; i < kAxisErrorCount; ++i) {
+      const auto error = static_cast<AxisError>(i);
+      if (has(error) && condition(error)) {
+        return true;
+      }
+    }
+    return false;
+  }
+  friend constexpr bool operator==(AxisErrors, AxisErrors) = default;
+
+ private:
+  static constexpr std::uint16_t bit(AxisError error) {
+    return static_cast<std::uint16_t>(1U << static_cast<unsigned>(error));
+  }
+  std::uint16_t bits_ = 0;
+};
+
+}  // namespace stator::drive

@@ -1,0 +1,187 @@
+#include "drive/axis_motion.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace stator::drive {
+
+namespace {
+
+// What the ramp generator chip can hold in frequency mode (TMC4361: 23 and 22 integer bits).
+constexpr double kMaximumVelocity = 8'388'607.0;      // pps
+constexpr double kMaximumAcceleration = 4'194'303.0;  // pps/s
+
+constexpr std::int32_t kNoMinimum = std::numeric_limits<std::int32_t>::min();
+constexpr std::int32_t kNoMaximum = std::numeric_limits<std::int32_t>::max();
+
+}  // namespace
+
+std::int64_t AxisMotion::turn() const {
+  return position() - static_cast<std::int32_t>(position());
+}
+
+std::int64_t AxisMotion::absolute(std::int32_t object) const {
+  return turn() + object;
+}
+
+std::int64_t AxisMotion::cyclic(std::int64_t sum) const {
+  if (lower_limit() || upper_limit()) {
+    return turn() + sum;
+  }
+  return position() + static_cast<std::int32_t>(sum - position());
+}
+
+std::optional<std::int64_t> AxisMotion::lower_limit() const {
+  const std::int32_t minimum = objects_.minimum_position.get();
+  if (minimum == kNoMinimum) {
+    return std::nullopt;
+  }
+  return turn() + minimum - objects_.home_offset.get();
+}
+
+std::optional<std::int64_t> AxisMotion::upper_limit() const {
+  const std::int32_t maximum = objects_.maximum_position.get();
+  if (maximum == kNoMaximum) {
+    return std::nullopt;
+  }
+  return turn() + maximum - objects_.home_offset.get();
+}
+
+std::int64_t AxisMotion::clamped(std::int64_t target) {
+  std::int64_t result = target;
+  if (const auto upper = upper_limit()) {
+    result = std::min(result, *upper);
+  }
+  if (const auto lower = lower_limit()) {
+    result = std::max(result, *lower);
+  }
+  limited_ = result != target;
+  return result;
+}
+
+bool AxisMotion::switch_blocks(double direction) const {
+  return (direction > 0.0 && conditions_.positive_limit_switch) ||
+         (direction < 0.0 && conditions_.negative_limit_switch);
+}
+
+bool AxisMotion::limit_blocks(double direction) const {
+  const auto upper = upper_limit();
+  const auto lower = lower_limit();
+  return (direction > 0.0 && upper && position() >= *upper) ||
+         (direction < 0.0 && lower && position() <= *lower);
+}
+
+control::RampLimits AxisMotion::profile_limits() const {
+  control::RampLimits limits = velocity_limits();
+  limits.velocity =
+      std::min(settings_.units.velocity(objects_.profile_velocity.get()), kMaximumVelocity);
+  return limits;
+}
+
+control::RampLimits AxisMotion::velocity_limits() const {
+  const auto acceleration = [this](std::uint32_t object) {
+    return std::min(settings_.units.acceleration(object), kMaximumAcceleration);
+  };
+  return {.velocity = kMaximumVelocity,
+          .acceleration = acceleration(objects_.profile_acceleration.get()),
+          .deceleration = acceleration(objects_.profile_deceleration.get())};
+}
+
+std::int64_t AxisMotion::move_to(std::int64_t target) {
+  const std::int64_t allowed = clamped(target);
+  const auto way = static_cast<double>(allowed - position());
+  if (switch_blocks(way)) {
+    limited_ = true;
+    brake(Braking::slow_down_ramp);
+  } else {
+    ramp_.move_to(allowed, profile_limits());
+    profile_ = Profile::positioning;
+  }
+  return allowed;
+}
+
+void AxisMotion::move_at_velocity(double velocity) {
+  limited_ = switch_blocks(velocity) || limit_blocks(velocity);
+  ramp_.move_at_velocity(limited_ ? 0.0 : velocity, velocity_limits());
+  profile_ = Profile::velocity;
+}
+
+void AxisMotion::follow_position(std::int64_t target) {
+  profile_ = Profile::none;
+  const std::int64_t allowed = clamped(target);
+  if (switch_blocks(static_cast<double>(allowed - position()))) {
+    limited_ = true;
+    ramp_.stop_at_once();
+  } else {
+    ramp_.follow_position(allowed, objects_.interpolation_period());
+  }
+}
+
+void AxisMotion::follow_velocity(double velocity) {
+  profile_ = Profile::none;
+  limited_ = switch_blocks(velocity) || limit_blocks(velocity);
+  ramp_.follow_velocity(limited_ ? 0.0 : std::clamp(velocity, -kMaximumVelocity, kMaximumVelocity),
+                        objects_.interpolation_period());
+}
+
+void AxisMotion::brake(Braking braking) {
+  profile_ = Profile::none;
+  switch (braking) {
+    case Braking::none:
+      break;
+    case Braking::slow_down_ramp:
+      ramp_.stop(velocity_limits().deceleration);
+      break;
+    case Braking::quick_stop_ramp:
+      ramp_.stop(settings_.units.acceleration(objects_.quick_stop_deceleration.get()));
+      break;
+    case Braking::at_once:
+      ramp_.stop_at_once();
+      break;
+  }
+}
+
+void AxisMotion::supervise(base::SimDuration period) {
+  if (profile_ == Profile::positioning) {
+    ramp_.set_limits(profile_limits());
+  } else if (profile_ == Profile::velocity) {
+    ramp_.set_limits(velocity_limits());
+  }
+  if (switch_blocks(velocity())) {
+    limited_ = true;
+    profile_ = Profile::none;
+    if (ramp_.mode() != control::RampMode::stop || settings_.stop_deceleration <= 0.0) {
+      ramp_.stop(settings_.stop_deceleration);
+    }
+    return;
+  }
+  stop_before_software_limit(period);
+}
+
+void AxisMotion::stop_before_software_limit(base::SimDuration period) {
+  const bool runs_free = ramp_.mode() == control::RampMode::velocity ||
+                         ramp_.mode() == control::RampMode::follow_velocity;
+  const double speed = velocity() < 0.0 ? -velocity() : velocity();
+  const auto limit = velocity() > 0.0 ? upper_limit() : lower_limit();
+  if (!runs_free || speed == 0.0 || !limit) {
+    return;
+  }
+  const double deceleration = velocity_limits().deceleration;
+  const auto way =
+      static_cast<double>(velocity() > 0.0 ? *limit - position() : position() - *limit);
+  const double braking = deceleration > 0.0 ? speed * speed / (2.0 * deceleration) : 0.0;
+  // Two periods ahead: this one and the one after, in which it would be too late; a microstep more
+  // for the fraction the integer position leaves out.
+  if (way > braking + 2.0 * speed * period.seconds() + 1.0) {
+    return;
+  }
+  limited_ = true;
+  profile_ = Profile::none;
+  if (way > 0.0 && deceleration > 0.0) {
+    ramp_.move_to(*limit, {speed, deceleration, deceleration});
+  } else {
+    ramp_.stop(deceleration);
+  }
+}
+
+}  // namespace stator::drive

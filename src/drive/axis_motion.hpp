@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "base/sim_time.hpp"
+#include "control/ramp_generator.hpp"
+#include "drive/axis_objects.hpp"
+#include "drive/axis_settings.hpp"
+
+namespace stator::drive {
+
+/// What the modes of operation may do with the motor: every set-point passes here, where software
+/// position limits (607Dh) and limit switches hold for all modes.
+///
+/// Positions are 64-bit microsteps; the objects show the lower 32 bits. An absolute target means
+/// the position with these lower bits in the present turn of the 32-bit counter.
+class AxisMotion {
+ public:
+  /// Everything must outlive the object.
+  AxisMotion(const AxisObjects& objects, const AxisSettings& settings,
+             const AxisConditions& conditions)
+      : objects_(objects), settings_(settings), conditions_(conditions) {}
+
+  /// Absolute target of profile position in 64 bits.
+  [[nodiscard]] std::int64_t absolute(std::int32_t object) const;
+  /// Cyclic target in 64 bits: the position nearest to the present one with the lower bits of
+  /// `sum`, so that an endless axis passes the end of the 32-bit counter; absolute where a software
+  /// limit holds.
+  [[nodiscard]] std::int64_t cyclic(std::int64_t sum) const;
+
+  /// Travels on the profile of 6081h, 6083h, 6084h; the target is clamped to the software limits.
+  /// Returns the target in force.
+  std::int64_t move_to(std::int64_t target);
+  /// Takes up `velocity` (pps) with 6083h and 6084h.
+  void move_at_velocity(double velocity);
+  /// Interpolates to a cyclic target within 60C2h; clamped to the software limits.
+  void follow_position(std::int64_t target);
+  void follow_velocity(double velocity);
+
+  /// Brakes with 6084h, 6085h or at once.
+  void brake(Braking braking);
+  /// Renames the present position; a motion under way ends at once.
+  void set_position(std::int64_t microsteps) { ramp_.set_position(microsteps); }
+
+  /// Applies changed profile objects, software limits and limit switches. Call every control period
+  /// of length `period`.
+  void supervise(base::SimDuration period);
+  void advance(base::SimDuration duration) { ramp_.advance(duration); }
+
+  [[nodiscard]] const control::RampGenerator& ramp() const { return ramp_; }
+  [[nodiscard]] std::int64_t position() const { return ramp_.position().microsteps; }
+  [[nodiscard]] double velocity() const { return ramp_.velocity(); }
+  [[nodiscard]] bool at_rest() const { return ramp_.at_rest(); }
+  /// A software limit or a limit switch holds back what was commanded last.
+  [[nodiscard]] bool limited() const { return limited_; }
+
+  /// 607Dh corrected by the home offset, in the present turn of the 32-bit counter; none for the
+  /// extreme values of INTEGER32.
+  [[nodiscard]] std::optional<std::int64_t> lower_limit() const;
+  [[nodiscard]] std::optional<std::int64_t> upper_limit() const;
+
+ private:
+  [[nodiscard]] std::int64_t turn() const;
+  [[nodiscard]] std::int64_t clamped(std::int64_t target);
+  [[nodiscard]] bool switch_blocks(double direction) const;
+  [[nodiscard]] bool limit_blocks(double direction) const;
+  [[nodiscard]] control::RampLimits profile_limits() const;
+  [[nodiscard]] control::RampLimits velocity_limits() const;
+  void stop_before_software_limit(base::SimDuration period);
+
+  const AxisObjects& objects_;
+  const AxisSettings& settings_;
+  /// Which limits a change of the profile objects alters in flight.
+  enum class Profile : std::uint8_t { none, positioning, velocity };
+
+  const AxisConditions& conditions_;
+  control::RampGenerator ramp_;
+  Profile profile_ = Profile::none;
+  bool limited_ = false;
+};
+
+}  // namespace stator::drive

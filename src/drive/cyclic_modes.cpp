@@ -1,0 +1,31 @@
+#include "drive/cyclic_modes.hpp"
+
+#include "drive/control_words.hpp"
+
+namespace stator::drive {
+
+void CyclicPosition::on_target(const ModeContext& context) {
+  const std::int64_t target =
+      std::int64_t{context.objects.target_position.get()} + context.objects.position_offset.get();
+  context.motion.follow_position(context.motion.cyclic(target));
+}
+
+std::uint16_t CyclicPosition::status(const ModeContext& context) const {
+  std::uint16_t bits = context.enabled ? statusword::kTargetUsed : std::uint16_t{0};
+  if (context.following_error) {
+    bits |= statusword::kFollowingError;
+  }
+  return bits;
+}
+
+void CyclicVelocity::on_target(const ModeContext& context) {
+  const std::int64_t target =
+      std::int64_t{context.objects.target_velocity.get()} + context.objects.velocity_offset.get();
+  context.motion.follow_velocity(context.settings.units.velocity(static_cast<double>(target)));
+}
+
+std::uint16_t CyclicVelocity::status(const ModeContext& context) const {
+  return context.enabled ? statusword::kTargetUsed : std::uint16_t{0};
+}
+
+}  // namespace stator::drive

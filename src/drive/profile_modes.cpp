@@ -1,0 +1,117 @@
+#include "drive/profile_modes.hpp"
+
+#include "drive/control_words.hpp"
+
+namespace stator::drive {
+
+namespace {
+
+constexpr std::uint32_t kWindowOff = 0xFFFFFFFF;
+
+/// Bits 1..0 of 60F2h: what a relative target is relative to.
+enum class RelativeTo : std::uint16_t { preceding_target = 0, demand = 1, actual = 2 };
+
+/// The standard's reading of target reached during halt: the motor stands.
+std::uint16_t halted_status(const ModeContext& context) {
+  return context.motion.at_rest() ? statusword::kTargetReached : std::uint16_t{0};
+}
+
+}  // namespace
+
+void ProfilePosition::enter(const ModeContext& context) {
+  target_ = context.motion.position();
+  commanded_ = false;
+  acknowledged_ = false;
+  in_window_ = false;
+}
+
+void ProfilePosition::resume(const ModeContext& context) {
+  if (commanded_) {
+    target_ = context.motion.move_to(target_);
+  }
+}
+
+void ProfilePosition::on_controlword(const ModeContext& context, std::uint16_t previous,
+                                     std::uint16_t present) {
+  if ((present & controlword::kNewSetPoint) == 0) {
+    acknowledged_ = false;
+    return;
+  }
+  const bool edge = (previous & controlword::kNewSetPoint) == 0;
+  if (!edge || !(context.enabled || context.halted)) {
+    return;
+  }
+  target_ = new_target(context, (present & controlword::kRelative) != 0);
+  commanded_ = true;
+  acknowledged_ = true;
+  in_window_ = false;
+  if (context.enabled) {
+    target_ = context.motion.move_to(target_);
+  }
+}
+
+std::int64_t ProfilePosition::new_target(const ModeContext& context, bool relative) const {
+  const std::int32_t object = context.objects.target_position.get();
+  if (!relative) {
+    return context.motion.absolute(object);
+  }
+  switch (static_cast<RelativeTo>(context.objects.positioning_option.get() & 3U)) {
+    case RelativeTo::demand:
+      return context.motion.position() + object;
+    case RelativeTo::actual:
+      return context.actual_position() + object;
+    case RelativeTo::preceding_target:
+      break;
+  }
+  return target_ + object;
+}
+
+void ProfilePosition::tick(const ModeContext& context) {
+  const bool inside = within_window(context);
+  if (inside && !in_window_) {
+    window_entered_ = context.now;
+  }
+  in_window_ = inside;
+}
+
+bool ProfilePosition::within_window(const ModeContext& context) const {
+  const std::int64_t deviation = context.actual_position() - target_;
+  const std::int64_t window = context.objects.position_window.get();
+  return deviation <= window && deviation >= -window;
+}
+
+bool ProfilePosition::target_reached(const ModeContext& context) const {
+  const std::uint32_t window = context.objects.position_window.get();
+  if (window == 0 || window == kWindowOff) {
+    return context.motion.at_rest() && context.motion.position() == target_;
+  }
+  const base::SimDuration time(std::int64_t{context.objects.position_window_time.get()} *
+                               1'000'000);
+  return within_window(context) && in_window_ && context.now - window_entered_ >= time;
+}
+
+std::uint16_t ProfilePosition::status(const ModeContext& context) const {
+  std::uint16_t bits = acknowledged_ ? statusword::kSetPointAcknowledge : std::uint16_t{0};
+  if (context.halted) {
+    bits |= halted_status(context);
+  } else if (context.enabled && target_reached(context)) {
+    bits |= statusword::kTargetReached;
+  }
+  return bits;
+}
+
+void ProfileVelocity::on_target(const ModeContext& context) {
+  context.motion.move_at_velocity(
+      context.settings.units.velocity(context.objects.target_velocity.get()));
+}
+
+std::uint16_t ProfileVelocity::status(const ModeContext& context) const {
+  if (context.halted) {
+    return halted_status(context);
+  }
+  const double target = context.settings.units.velocity(context.objects.target_velocity.get());
+  return context.enabled && context.motion.velocity() == target ? statusword::kTargetReached
+                                                                : std::uint16_t{0};
+}
+
+}  // namespace stator::drive

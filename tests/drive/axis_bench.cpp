@@ -1,0 +1,144 @@
+#include "drive/axis_bench.hpp"
+
+#include <array>
+#include <memory>
+#include <span>
+
+#include <gtest/gtest.h>
+
+namespace stator::drive {
+
+namespace {
+
+using namespace base::literals;
+using dictionary::EntryDeclaration;
+using dictionary::hex;
+using enum dictionary::DataType;
+using enum dictionary::ObjectCode;
+
+constexpr base::SimDuration kStep = 50_us;
+constexpr int kStepsPerTick = 20;
+
+constexpr auto kObjects = std::to_array<EntryDeclaration>({
+    {.index = 0x6040, .name = "Controlword", .type = unsigned16},
+    {.index = 0x6041, .name = "Statusword", .type = unsigned16},
+    {.index = 0x605A, .name = "Quick stop option code", .type = integer16, .default_value = 2},
+    {.index = 0x605B, .name = "Shutdown option code", .type = integer16, .default_value = 0},
+    {.index = 0x605C, .name = "Disable operation option", .type = integer16, .default_value = 1},
+    {.index = 0x605E, .name = "Fault reaction option", .type = integer16, .default_value = 2},
+    {.index = 0x6060, .name = "Modes of operation", .type = integer8},
+    {.index = 0x6061, .name = "Modes of operation display", .type = integer8},
+    {.index = 0x6062, .name = "Position demand value", .type = integer32},
+    {.index = 0x6063, .name = "Position actual internal value", .type = integer32},
+    {.index = 0x6064, .name = "Position actual value", .type = integer32},
+    {.index = 0x6065, .name = "Following error window"},
+    {.index = 0x6067, .name = "Position window", .default_value = hex(0xFFFFFFFF)},
+    {.index = 0x6068, .name = "Position window time", .type = unsigned16},
+    {.index = 0x606A, .name = "Sensor selection code", .type = integer16, .default_value = -1},
+    {.index = 0x606C, .name = "Velocity actual value", .type = integer32},
+    {.index = 0x607A, .name = "Target position", .type = integer32},
+    {.index = 0x607C, .name = "Home offset", .type = integer32},
+    {.index = 0x607D, .name = "Entries", .object_code = array, .type = unsigned8},
+    {.index = 0x607D,
+     .subindex = 1,
+     .name = "Minimum position limit",
+     .object_code = array,
+     .type = integer32,
+     .default_value = -2147483648},
+    {.index = 0x607D,
+     .subindex = 2,
+     .name = "Maximum position limit",
+     .object_code = array,
+     .type = integer32,
+     .default_value = 2147483647},
+    {.index = 0x6081, .name = "Profile velocity"},
+    {.index = 0x6083, .name = "Profile acceleration"},
+    {.index = 0x6084, .name = "Profile deceleration"},
+    {.index = 0x6085, .name = "Quick stop deceleration", .default_value = 51200},
+    {.index = 0x608F, .name = "Entries", .object_code = array, .type = unsigned8},
+    {.index = 0x608F,
+     .subindex = 1,
+     .name = "Encoder increments",
+     .object_code = array,
+     .default_value = AxisBench::kCountsPerRevolution},
+    {.index = 0x6098, .name = "Homing method", .type = integer8},
+    {.index = 0x60B0, .name = "Position offset", .type = integer32},
+    {.index = 0x60B1, .name = "Velocity offset", .type = integer32},
+    {.index = 0x60C2, .name = "Entries", .object_code = record, .type = unsigned8},
+    {.index = 0x60C2,
+     .subindex = 1,
+     .name = "Interpolation time value",
+     .object_code = record,
+     .type = unsigned8,
+     .default_value = 1},
+    {.index = 0x60C2,
+     .subindex = 2,
+     .name = "Interpolation time index",
+     .object_code = record,
+     .type = integer8,
+     .default_value = -3},
+    {.index = 0x60F2, .name = "Positioning option code", .type = unsigned16},
+    {.index = 0x60FF, .name = "Target velocity", .type = integer32},
+});
+
+constexpr ErrorReactions kReactions{ErrorReaction::fault, ErrorReaction::stop, ErrorReaction::stop,
+                                    ErrorReaction::stop, ErrorReaction::stop};
+
+}  // namespace
+
+AxisBench::AxisBench() {
+  dictionary.add(kObjects);
+  dictionary.finish();
+  axis = std::make_unique<Axis>(dictionary, AxisConfiguration{.number = 0, .reactions = kReactions},
+                                base::EventReporter(this, 0));
+  axis->conditions().network_operational = true;
+  axis->tick(now);
+}
+
+void AxisBench::place(std::uint16_t index, std::int64_t value) {
+  dictionary::Entry& entry = *dictionary.find(index, 0);
+  ASSERT_TRUE(dictionary.write_from_pdo(entry, static_cast<std::uint64_t>(value)));
+}
+
+void AxisBench::write(std::uint16_t index, std::uint8_t subindex, std::int64_t value) {
+  std::array<std::byte, 8> data{};
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    data[i] = static_cast<std::byte>(static_cast<std::uint64_t>(value) >> (8 * i));
+  }
+  dictionary::Entry& entry = *dictionary.find(index, subindex);
+  ASSERT_TRUE(dictionary.write(entry, std::span(data).first(entry.size()),
+                               {dictionary::NetworkState::operational}));
+  axis->apply(now);
+}
+
+void AxisBench::pass(base::SimDuration duration) {
+  for (const base::SimTime end = now + duration; now < end;) {
+    actuation = axis->step(kStep, sensing_);
+    const std::int64_t motor = axis->motion().ramp().motor_microsteps();
+    if (!blocked) {
+      sensing_.encoder_count += motor - microsteps_seen_;
+    }
+    microsteps_seen_ = motor;
+    now += kStep;
+    if (++steps_to_tick_ == kStepsPerTick) {
+      steps_to_tick_ = 0;
+      axis->tick(now);
+    }
+  }
+}
+
+void AxisBench::set_profile(std::int64_t velocity, std::int64_t acceleration,
+                            std::int64_t deceleration) {
+  write(0x6081, velocity);
+  write(0x6083, acceleration);
+  write(0x6084, deceleration);
+}
+
+void AxisBench::enable(ModeCode mode) {
+  write(0x6060, static_cast<std::int64_t>(mode));
+  for (const int controlword : {6, 7, 15}) {
+    write(0x6040, controlword);
+  }
+}
+
+}  // namespace stator::drive
