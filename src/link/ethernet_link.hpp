@@ -49,7 +49,7 @@ class EthernetLink {
   /// only: the link stays usable.
   virtual base::Expected<void, LinkError> send(std::span<const std::byte> frame) = 0;
 
-  /// Makes the present receive(), or else the next one, return 0 at once. For shutting down, from
+  /// Makes the present receive(), or else the next one, return 0 soon. For shutting down, from
   /// any thread; that of RawEthernetLink also from a signal handler.
   virtual void wake() noexcept = 0;
 

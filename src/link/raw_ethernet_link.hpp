@@ -13,7 +13,8 @@
 
 namespace stator::link {
 
-/// How a receiving thread waits for the next frame.
+/// How a receiving thread waits for the next frame. A sleeping one may notice the end of its
+/// timeout one tick of the system's scheduler late (1 to 10 ms), a frame at once.
 enum class WaitMode : std::uint8_t {
   block,     ///< sleeps: no load when idle; best when it shares the processor with the master
   spin,      ///< looks again and again: shortest answer from another processor, takes all of it
@@ -31,6 +32,7 @@ struct RawEthernetOptions {
 
 /// EtherCAT frames on a network interface (Linux AF_PACKET, EtherType 88A4h). Receives frames for
 /// every destination address, never those sent by this machine on the interface. Needs CAP_NET_RAW.
+/// A sleeping receive() notices wake() within 20 ms.
 class RawEthernetLink final : public EthernetLink {
  public:
   /// Opens the interface, which must exist and be up. The error names the interface and the remedy.
@@ -52,19 +54,20 @@ class RawEthernetLink final : public EthernetLink {
 
   base::Expected<void, LinkError> set_up();
   base::Expected<void, LinkError> configure_socket(int interface_index);
-  base::Expected<std::size_t, LinkError> look(std::span<std::byte> buffer);
+  base::Expected<std::size_t, LinkError> take_frame(std::span<std::byte> buffer, int flags);
   base::Expected<std::size_t, LinkError> spin(std::span<std::byte> buffer, std::int64_t until);
   base::Expected<std::size_t, LinkError> sleep(std::span<std::byte> buffer,
                                                base::SimDuration timeout);
   bool take_wake();
-  void clear_wake();
+  bool set_receive_timeout(base::SimDuration timeout);
 
   RawEthernetOptions options_;
   std::array<std::uint8_t, 6> mac_address_{};
   FileDescriptor socket_;
-  FileDescriptor wake_event_;
   std::atomic<bool> wake_requested_ = false;
-  std::int64_t last_frame_ = 0;  ///< ns of the monotonic clock, for WaitMode::adaptive
+  bool interrupted_ = false;           ///< a signal ended the last recv
+  base::SimDuration receive_timeout_;  ///< as the socket has it
+  std::int64_t last_frame_ = 0;        ///< ns of the monotonic clock, for WaitMode::adaptive
   LinkCounters counters_;
   mutable std::atomic<std::uint64_t> frames_dropped_ = 0;
 };
