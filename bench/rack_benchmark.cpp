@@ -1,7 +1,8 @@
-// Round trips per second of a complete rack in Operational (link, slave controllers, slave software,
-// drives, motors) against a bare echo of the same frame over the same kind of veth pair, in turns in
-// the same run. The counter `ratio` is what the rack keeps of the bare echo's rate; stated limit for
-// one slave: 0.85 in both placements. Needs the right to create network namespaces.
+// Round trips per second of a complete rack in Operational (link, slave controllers, slave
+// software, drives, motors) against a bare echo of the same frame over the same kind of veth pair,
+// in turns in the same run. The counter `ratio` is what the rack keeps of the bare echo's rate;
+// stated limit for one slave: 0.85 in both placements. Needs the right to create network
+// namespaces.
 
 #include <array>
 #include <chrono>
@@ -41,8 +42,7 @@ class CycleRecorder final : public master::FramePort {
  public:
   explicit CycleRecorder(master::FramePort& port) : port_(port) {}
 
-  master::Result<std::size_t> exchange(std::span<const std::byte> frame,
-                                       std::span<std::byte> reply,
+  master::Result<std::size_t> exchange(std::span<const std::byte> frame, std::span<std::byte> reply,
                                        base::SimDuration timeout) override {
     if (frame_.empty() && !frame.empty()) {
       frame_.assign(frame.begin(), frame.end());

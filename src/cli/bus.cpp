@@ -1,14 +1,15 @@
 #include "cli/bus.hpp"
 
-#include <fmt/format.h>
+#include <utility>
 
 #include <CLI/CLI.hpp>
-#include <utility>
+#include <fmt/format.h>
 
 #include "cli/failure.hpp"
 #include "cli/logging.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/rack_file.hpp"
+#include "rack/text.hpp"
 
 namespace stator::cli {
 
@@ -17,8 +18,8 @@ void add_bus_options(CLI::App& command, BusOptions& options) {
                                   "Network interface to the slaves, as ethercat:INTERFACE");
   auto* rack = command.add_option("--rack", options.rack_file,
                                   "Rack file: run its first segment in this process, in lockstep");
-  auto* device = command.add_option(
-      "--device", options.device, "Product: run one such device in this process, in lockstep");
+  auto* device = command.add_option("--device", options.device,
+                                    "Product: run one such device in this process, in lockstep");
   link->excludes(rack)->excludes(device);
   rack->excludes(device);
   command.add_option("--capture", options.capture, "Write all frames to this pcap file");
@@ -59,9 +60,8 @@ Bus::Bus(const BusOptions& options) {
 }
 
 void Bus::open_interface(const BusOptions& options) {
-  auto opened = link::RawEthernetLink::open({.interface = interface_of(options.link),
-                                             .wait = link::WaitMode::adaptive,
-                                             .busy_poll = {}});
+  auto opened = link::RawEthernetLink::open(
+      {.interface = interface_of(options.link), .wait = link::WaitMode::adaptive, .busy_poll = {}});
   if (!opened) {
     throw Failure(opened.error().text);
   }
@@ -76,9 +76,9 @@ void Bus::open_interface(const BusOptions& options) {
 }
 
 void Bus::build_rack(const BusOptions& options) {
-  rack::RackConfiguration configuration =
-      options.rack_file.empty() ? rack::single_device_rack(options.device)
-                                : rack::load_rack_file(options.rack_file);
+  rack::RackConfiguration configuration = options.rack_file.empty()
+                                              ? rack::single_device_rack(options.device)
+                                              : rack::load_rack_file(options.rack_file);
   if (!options.record.empty()) {
     const auto period = rack::parse_duration(options.record_period);
     if (!period) {
@@ -93,6 +93,8 @@ void Bus::build_rack(const BusOptions& options) {
                                             std::move(capture_));
 }
 
-base::SimTime Bus::time() { return port_->now(); }
+base::SimTime Bus::time() {
+  return port_->now();
+}
 
 }  // namespace stator::cli

@@ -22,11 +22,11 @@ namespace stator::cli {
 
 /// How a master command reaches its slaves: over an interface, or in a rack of its own.
 struct BusOptions {
-  std::string link;       ///< "ethercat:INTERFACE"
+  std::string link;  ///< "ethercat:INTERFACE"
   std::string rack_file;
-  std::string device;     ///< product type: a rack with one such device
-  std::string capture;    ///< pcap file, empty = none
-  std::string record;     ///< CSV file, only with a rack
+  std::string device;   ///< product type: a rack with one such device
+  std::string capture;  ///< pcap file, empty = none
+  std::string record;   ///< CSV file, only with a rack
   std::string record_period = "1ms";
 };
 
@@ -36,8 +36,8 @@ void add_bus_options(CLI::App& command, BusOptions& options);
 /// "ethercat:eth1" -> "eth1". Throws Failure naming the form it expects.
 [[nodiscard]] std::string interface_of(const std::string& link);
 
-/// The opened bus. Exactly one of link, rack_file and device must be given; throws Failure otherwise
-/// or when something cannot be opened.
+/// The opened bus. Exactly one of link, rack_file and device must be given; throws Failure
+/// otherwise or when something cannot be opened.
 class Bus {
  public:
   explicit Bus(const BusOptions& options);

@@ -1,14 +1,14 @@
 #include "cli/connection_hints.hpp"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 #include <sstream>
 #include <string_view>
+
+#include <fmt/format.h>
+#include <unistd.h>
 
 namespace stator::cli {
 
@@ -74,17 +74,19 @@ std::string connection_hints(const std::string& interface) {
   text += fmt::format("  {}stator scan --link ethercat:{}\n", sudo, there);
   text += fmt::format("  {}stator move --link ethercat:{} --revolutions 10\n", sudo, there);
   text += fmt::format("  {}slaveinfo {} -sdo -map            # SOEM\n", sudo, there);
-  text += fmt::format("  {}ec_sample {} 1000                 # SOEM 2, process data every 1000 us\n",
-                      sudo, there);
+  text += fmt::format(
+      "  {}ec_sample {} 1000                 # SOEM 2, process data every 1000 us\n", sudo, there);
   if (installed("ethercat")) {
-    text += fmt::format("  MASTER0_DEVICE={} in ethercat.conf, then: ethercat slaves   # IgH\n",
-                        there);
+    text +=
+        fmt::format("  MASTER0_DEVICE={} in ethercat.conf, then: ethercat slaves   # IgH\n", there);
   }
-  text += fmt::format("  {}python3 -c \"import pysoem; m = pysoem.Master(); m.open('{}'); "
-                      "print(m.config_init())\"   # pysoem\n",
-                      sudo, there);
+  text += fmt::format(
+      "  {}python3 -c \"import pysoem; m = pysoem.Master(); m.open('{}'); "
+      "print(m.config_init())\"   # pysoem\n",
+      sudo, there);
   if (installed("tshark")) {
-    text += fmt::format("  {}tshark -i {} -Y ecat                 # watch the frames\n", sudo, there);
+    text +=
+        fmt::format("  {}tshark -i {} -Y ecat                 # watch the frames\n", sudo, there);
   }
   return text;
 }

@@ -1,6 +1,3 @@
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +6,9 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "cli/commands.hpp"
 #include "cli/logging.hpp"
@@ -90,11 +90,10 @@ struct AxisOutcome {
 
 void observe(const SignalTable& signals, std::size_t axis, AxisOutcome& outcome) {
   const double demand = signals.read(axis_signal(axis, "position_demand"));
-  const double shaft =
-      signals.read(axis_signal(axis, "shaft_position")) * kMicrostepsPerRevolution;
+  const double shaft = signals.read(axis_signal(axis, "shaft_position")) * kMicrostepsPerRevolution;
   outcome.peak_following_error = std::max(outcome.peak_following_error, std::abs(demand - shaft));
-  outcome.peak_velocity = std::max(
-      outcome.peak_velocity, std::abs(signals.read(axis_signal(axis, "shaft_speed"))));
+  outcome.peak_velocity =
+      std::max(outcome.peak_velocity, std::abs(signals.read(axis_signal(axis, "shaft_speed"))));
 }
 
 void start(master::Cia402Client& axis, const DemoMove& move) {
@@ -129,10 +128,10 @@ rack::Plot picture(const std::string& csv, std::uint64_t rows, const SignalTable
   plot.panels.push_back(panel("speed / rev/s", "shaft_speed", 1.0));
   plot.panels.push_back(panel("follow. error / µstep", "following_error", 1.0));
   rack::PlotPanel currents{.label = "coils, axis 0 / A", .curves = {}, .window = {}};
-  currents.curves.push_back({signals.column(axis_signal(0, "coil_current_a")), 1.0, "phase A",
-                             "#1f77b4"});
-  currents.curves.push_back({signals.column(axis_signal(0, "coil_current_b")), 1.0, "phase B",
-                             "#e08e0b"});
+  currents.curves.push_back(
+      {signals.column(axis_signal(0, "coil_current_a")), 1.0, "phase A", "#1f77b4"});
+  currents.curves.push_back(
+      {signals.column(axis_signal(0, "coil_current_b")), 1.0, "phase B", "#e08e0b"});
   rack::PlotPanel first_steps = currents;
   first_steps.label = "first 150 ms / A";
   first_steps.window = std::pair(start.seconds() - 0.01, start.seconds() + 0.14);
@@ -160,9 +159,9 @@ class Demo {
   void bring_up() {
     require(master_.scan());
     for (const master::Slave& slave : master_.slaves()) {
-      fmt::print("found {} (vendor {:X}h, product {:X}h, revision {:X}h)\n",
-                 slave.information.name, slave.information.identity.vendor_id,
-                 slave.information.identity.product_code, slave.information.identity.revision);
+      fmt::print("found {} (vendor {:X}h, product {:X}h, revision {:X}h)\n", slave.information.name,
+                 slave.information.identity.vendor_id, slave.information.identity.product_code,
+                 slave.information.identity.revision);
     }
     require(master_.configure_process_data());
     require(master_.go_operational());
@@ -226,7 +225,9 @@ class Demo {
   }
 
   /// Draws the recording, which must have been closed by the rack's end or flushed.
-  [[nodiscard]] rack::Plot plot() const { return picture(csv_, rack_.recorder()->rows(), signals_, start_[0]); }
+  [[nodiscard]] rack::Plot plot() const {
+    return picture(csv_, rack_.recorder()->rows(), signals_, start_[0]);
+  }
 
  private:
   static std::unique_ptr<link::PcapWriter> capture(const std::string& path) {

@@ -1,14 +1,14 @@
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/failure.hpp"
@@ -76,8 +76,9 @@ std::string markdown_cell(std::string text) {
 }
 
 void print_markdown(const std::vector<EntryDescription>& rows) {
-  fmt::print("| Object | Name | Type | Access | PDO | Default | Range | Unit |\n"
-             "|---|---|---|---|---|---|---|---|\n");
+  fmt::print(
+      "| Object | Name | Type | Access | PDO | Default | Range | Unit |\n"
+      "|---|---|---|---|---|---|---|---|\n");
   for (const EntryDescription& row : rows) {
     const std::string range =
         row.minimum.empty() ? "" : fmt::format("{} … {}", row.minimum, row.maximum);
@@ -126,8 +127,7 @@ void describe(const DescribeOptions& options) {
 
 void add_describe_command(CLI::App& app) {
   auto options = std::make_shared<DescribeOptions>();
-  CLI::App* command =
-      app.add_subcommand("describe", "Print the object dictionary of a product");
+  CLI::App* command = app.add_subcommand("describe", "Print the object dictionary of a product");
   command->add_option("device", options->device, "Product, see \"stator devices\"")->required();
   command->add_option("--format", options->format, "table, csv, json or markdown")
       ->check(CLI::IsMember({"table", "csv", "json", "markdown"}))

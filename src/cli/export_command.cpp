@@ -1,13 +1,13 @@
-#include <fmt/format.h>
-#include <unistd.h>
-
-#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstdio>
 #include <fstream>
 #include <memory>
 #include <string>
 #include <system_error>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <unistd.h>
 
 #include "cli/commands.hpp"
 #include "cli/failure.hpp"
@@ -30,9 +30,10 @@ void write_file(const std::string& path, std::string_view content) {
   file.write(content.data(), static_cast<std::streamsize>(content.size()));
   file.flush();
   if (!file) {
-    throw Failure(fmt::format("cannot write {}: {}; choose a file in a directory that exists and "
-                              "can be written",
-                              path, std::generic_category().message(errno)));
+    throw Failure(
+        fmt::format("cannot write {}: {}; choose a file in a directory that exists and "
+                    "can be written",
+                    path, std::generic_category().message(errno)));
   }
 }
 
@@ -40,9 +41,8 @@ void export_file(const ExportOptions& options) {
   const auto device = build_product(options.device);
   const auto sii = ethercat::build_sii_image(device->description(), device->dictionary());
   const std::string content =
-      options.kind == "sii"
-          ? std::string(reinterpret_cast<const char*>(sii.data()), sii.size())
-          : rack::esi_xml(device->description(), device->dictionary(), sii);
+      options.kind == "sii" ? std::string(reinterpret_cast<const char*>(sii.data()), sii.size())
+                            : rack::esi_xml(device->description(), device->dictionary(), sii);
   if (!options.output.empty()) {
     write_file(options.output, content);
     return;

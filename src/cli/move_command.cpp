@@ -1,15 +1,17 @@
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "cli/commands.hpp"
 #include "cli/master_session.hpp"
 #include "master/cia402_client.hpp"
+#include "rack/text.hpp"
 
 namespace stator::cli {
 
@@ -26,7 +28,16 @@ struct MoveOptions {
   std::uint32_t velocity = 256'000;
   std::uint32_t acceleration = 512'000;
   std::optional<std::uint32_t> deceleration;
+  std::string settle = "200ms";
 };
+
+/// Lets the process data run on for `duration`.
+void keep_running(master::Master& master, base::SimDuration duration) {
+  const base::SimTime end = master.port().now() + duration;
+  while (master.port().now() < end) {
+    require(master.run_cycle());
+  }
+}
 
 /// The absolute target in drive units; Failure when it leaves the range of 607Ah.
 std::int32_t target_of(const MoveOptions& options, std::int32_t start) {
@@ -38,22 +49,28 @@ std::int32_t target_of(const MoveOptions& options, std::int32_t start) {
   }
   if (target < std::numeric_limits<std::int32_t>::min() ||
       target > std::numeric_limits<std::int32_t>::max()) {
-    throw Failure(fmt::format("the target {} lies outside INTEGER32, the type of target position "
-                              "607Ah; choose a shorter move",
-                              target));
+    throw Failure(
+        fmt::format("the target {} lies outside INTEGER32, the type of target position "
+                    "607Ah; choose a shorter move",
+                    target));
   }
   return static_cast<std::int32_t>(target);
 }
 
 /// Twice the time of the trapezoid plus a second.
 base::SimDuration time_limit(const MoveOptions& options, double distance) {
-  const double acceleration = std::min(options.acceleration,
-                                       options.deceleration.value_or(options.acceleration));
+  const double acceleration =
+      std::min(options.acceleration, options.deceleration.value_or(options.acceleration));
   const double seconds = distance / options.velocity + options.velocity / acceleration;
   return base::SimDuration(static_cast<std::int64_t>((2.0 * seconds + 1.0) * 1e9));
 }
 
 void move(const MoveOptions& options) {
+  const auto settle = rack::parse_duration(options.settle);
+  if (!settle || *settle < base::SimDuration(0)) {
+    throw Failure(
+        fmt::format("--settle \"{}\" is no duration; write e.g. 200ms or 0s", options.settle));
+  }
   MasterSession session(options.bus);
   master::Master& master = session.master();
   require(master.configure_process_data());
@@ -78,6 +95,7 @@ void move(const MoveOptions& options) {
   require(axis.wait_for_target(
       time_limit(options, std::abs(static_cast<double>(target) - static_cast<double>(start)))));
   const double seconds = (master.port().now() - begin).seconds();
+  keep_running(master, *settle);
   const std::int32_t reached = require(axis.position_actual());
   fmt::print("target reached after {:.3f} s at {}, {} from the target\n", seconds, reached,
              std::abs(std::int64_t{reached} - target));
@@ -120,6 +138,10 @@ void add_move_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--deceleration", options->deceleration, "As --acceleration if left out")
       ->check(CLI::Range(1U, std::numeric_limits<std::uint32_t>::max()));
+  command
+      ->add_option("--settle", options->settle,
+                   "How long the motor stays under current after the target is reached")
+      ->capture_default_str();
   command->footer(
       "Examples:\n"
       "  stator move --link ethercat:eth1 --revolutions 10\n"

@@ -1,10 +1,10 @@
 #include "cli/object_address.hpp"
 
-#include <fmt/format.h>
-
 #include <charconv>
 #include <optional>
 #include <string_view>
+
+#include <fmt/format.h>
 
 #include "cli/failure.hpp"
 
@@ -37,9 +37,10 @@ master::ObjectAddress parse_object_address(const std::string& text) {
                             ? std::optional<std::uint8_t>(0)
                             : parse_hexadecimal<std::uint8_t>(whole.substr(colon + 1));
   if (!index || !subindex) {
-    throw Failure(fmt::format("object \"{}\" is not understood; write index:subindex in "
-                              "hexadecimal, e.g. 6041h:00 or 0x1018:1",
-                              text));
+    throw Failure(
+        fmt::format("object \"{}\" is not understood; write index:subindex in "
+                    "hexadecimal, e.g. 6041h:00 or 0x1018:1",
+                    text));
   }
   return {.index = *index, .subindex = *subindex};
 }

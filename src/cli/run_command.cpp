@@ -1,7 +1,3 @@
-#include <fmt/format.h>
-#include <spdlog/logger.h>
-
-#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -11,6 +7,10 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <spdlog/logger.h>
+
 #include "cli/bus.hpp"
 #include "cli/commands.hpp"
 #include "cli/connection_hints.hpp"
@@ -19,6 +19,7 @@
 #include "rack/product_catalogue.hpp"
 #include "rack/rack_file.hpp"
 #include "rack/runner.hpp"
+#include "rack/text.hpp"
 
 namespace stator::cli {
 
@@ -42,7 +43,8 @@ struct RunOptions {
 base::SimDuration duration_option(const std::string& name, const std::string& text) {
   const auto duration = rack::parse_duration(text);
   if (!duration || *duration <= base::SimDuration(0)) {
-    throw Failure(fmt::format("{} \"{}\" is no duration; write e.g. 1ms, 250us or 10s", name, text));
+    throw Failure(
+        fmt::format("{} \"{}\" is no duration; write e.g. 1ms, 250us or 10s", name, text));
   }
   return *duration;
 }
@@ -52,8 +54,9 @@ rack::RackConfiguration base_configuration(const RunOptions& options) {
     return rack::load_rack_file(options.rack_file);
   }
   if (options.device.empty()) {
-    throw Failure("nothing to run; name a rack file, or a product with --device and a link with "
-                  "--link ethercat:INTERFACE");
+    throw Failure(
+        "nothing to run; name a rack file, or a product with --device and a link with "
+        "--link ethercat:INTERFACE");
   }
   rack::RackConfiguration configuration = rack::single_device_rack(options.device);
   auto& devices = configuration.segments.front().devices;
@@ -94,8 +97,9 @@ rack::RackConfiguration configuration_of(const RunOptions& options) {
     configuration.record->signals = options.signals;
   }
   if (segment.interface.empty()) {
-    throw Failure("the rack has no network interface; give it with --link ethercat:INTERFACE. To "
-                  "try Stator without any, run \"stator demo\"");
+    throw Failure(
+        "the rack has no network interface; give it with --link ethercat:INTERFACE. To "
+        "try Stator without any, run \"stator demo\"");
   }
   return configuration;
 }
@@ -148,12 +152,12 @@ void print_end(const rack::RackConfiguration& configuration, rack::Runner& runne
     const double mean = statistics.frames == 0 ? 0.0
                                                : static_cast<double>(statistics.processing_ns) /
                                                      static_cast<double>(statistics.frames) * 1e-3;
-    fmt::print("{}: {} frames answered in {:.1f} us on average (worst {:.1f} us), {} others "
-               "ignored, {} dropped by the system, {} overruns\n",
-               configuration.segments[i].interface, statistics.frames, mean,
-               static_cast<double>(statistics.worst_processing_ns) * 1e-3,
-               statistics.frames_ignored, runner.link(i).statistics().frames_dropped,
-               statistics.overruns);
+    fmt::print(
+        "{}: {} frames answered in {:.1f} us on average (worst {:.1f} us), {} others "
+        "ignored, {} dropped by the system, {} overruns\n",
+        configuration.segments[i].interface, statistics.frames, mean,
+        static_cast<double>(statistics.worst_processing_ns) * 1e-3, statistics.frames_ignored,
+        runner.link(i).statistics().frames_dropped, statistics.overruns);
   }
 }
 
@@ -174,8 +178,8 @@ void run(const RunOptions& options) {
   runner.stop();
   print_end(configuration, runner);
   if (rack.recorder() && !rack.recorder()->good()) {
-    throw Failure(fmt::format("recording to {} failed; is the disk full?",
-                              configuration.record->file));
+    throw Failure(
+        fmt::format("recording to {} failed; is the disk full?", configuration.record->file));
   }
 }
 

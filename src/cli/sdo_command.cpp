@@ -1,6 +1,3 @@
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -11,6 +8,9 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "base/byte_order.hpp"
 #include "cli/commands.hpp"
@@ -81,8 +81,8 @@ std::string value_text(std::optional<DataType> type, std::span<const std::byte> 
     return bytes_text(data);
   }
   if (*type == DataType::visible_string) {
-    return fmt::format("\"{}\"", std::string_view(reinterpret_cast<const char*>(data.data()),
-                                                  data.size()));
+    return fmt::format("\"{}\"",
+                       std::string_view(reinterpret_cast<const char*>(data.data()), data.size()));
   }
   if (is_string(*type)) {
     return bytes_text(data);
@@ -127,8 +127,7 @@ bool fits(DataType type, std::string_view text, std::uint64_t bits) {
     return true;
   }
   if (text.starts_with('-')) {
-    return is_signed(type) &&
-           static_cast<std::int64_t>(bits) >= -(std::int64_t{1} << (length - 1));
+    return is_signed(type) && static_cast<std::int64_t>(bits) >= -(std::int64_t{1} << (length - 1));
   }
   return bits < (std::uint64_t{1} << length);
 }
@@ -155,8 +154,8 @@ std::vector<std::byte> encode(DataType type, const std::string& text) {
   }
   const auto bits = parse_number<std::uint64_t>(text);
   if (!bits || !fits(type, text, *bits)) {
-    throw Failure(fmt::format("value \"{}\" is no {}; write a decimal number or 0x...", text,
-                              to_text(type)));
+    throw Failure(
+        fmt::format("value \"{}\" is no {}; write a decimal number or 0x...", text, to_text(type)));
   }
   std::array<std::byte, 8> bytes{};
   base::store_le(bytes, 0, *bits);

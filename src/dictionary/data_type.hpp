@@ -6,7 +6,8 @@
 
 namespace stator::dictionary {
 
-/// Basic data types with their index in the object dictionary (CiA 301 §7.4.7, ETG.1000.6 §5.6.7.3).
+/// Basic data types with their index in the object dictionary (CiA 301 §7.4.7, ETG.1000.6
+/// §5.6.7.3).
 enum class DataType : std::uint16_t {
   boolean = 0x0001,
   integer8 = 0x0002,
@@ -53,15 +54,17 @@ enum class DataType : std::uint16_t {
 }
 
 /// Length of a value in bytes as an SDO carries it; 0 for strings.
-[[nodiscard]] constexpr std::size_t byte_length(DataType type) { return (bit_length(type) + 7) / 8; }
+[[nodiscard]] constexpr std::size_t byte_length(DataType type) {
+  return (bit_length(type) + 7) / 8;
+}
 
 [[nodiscard]] constexpr bool is_string(DataType type) {
   return type == DataType::visible_string || type == DataType::octet_string;
 }
 
 [[nodiscard]] constexpr bool is_signed(DataType type) {
-  return type == DataType::integer8 || type == DataType::integer16 ||
-         type == DataType::integer32 || type == DataType::integer64;
+  return type == DataType::integer8 || type == DataType::integer16 || type == DataType::integer32 ||
+         type == DataType::integer64;
 }
 
 }  // namespace stator::dictionary

@@ -19,7 +19,11 @@ enum class Access : std::uint8_t { read_only, read_write, write_only, constant }
 enum class PdoMapping : std::uint8_t { no, receive, transmit, both };
 
 /// States of the network state machine in which a write is taken.
-enum class NetworkState : std::uint8_t { pre_operational = 1, safe_operational = 2, operational = 4 };
+enum class NetworkState : std::uint8_t {
+  pre_operational = 1,
+  safe_operational = 2,
+  operational = 4
+};
 inline constexpr std::uint8_t kAllNetworkStates = 7;
 inline constexpr std::uint8_t kPreOperationalOnly = 1;
 
@@ -57,9 +61,9 @@ struct Default {
 
   constexpr Default() = default;
   template <std::integral T>
-  constexpr Default(T value) : number(value) {}                        // NOLINT: implicit
-  constexpr Default(Number value) : number(value) {}                   // NOLINT: implicit
-  constexpr Default(const char* value) : text(value) {}                // NOLINT: implicit
+  constexpr Default(T value) : number(value) {}          // NOLINT: implicit
+  constexpr Default(Number value) : number(value) {}     // NOLINT: implicit
+  constexpr Default(const char* value) : text(value) {}  // NOLINT: implicit
 };
 
 /// The document gives no default; `value` is what the device starts with.

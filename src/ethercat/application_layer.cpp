@@ -118,8 +118,8 @@ void ApplicationLayer::indicate_error(AlStatusCode code) {
 
 void ApplicationLayer::write_status() {
   const bool error = code_ != AlStatusCode::no_error;
-  unsigned status = static_cast<unsigned>(state_);
-  unsigned code = static_cast<unsigned>(code_);
+  auto status = static_cast<unsigned>(state_);
+  auto code = static_cast<unsigned>(code_);
   if (error) {
     status |= kErrorBit;
   } else if (identification_requested_) {

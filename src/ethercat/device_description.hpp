@@ -13,7 +13,8 @@ struct MailboxArea {
 };
 
 /// What a product tells about itself beyond its dictionary: the source of its SII image (ETG.2010)
-/// and its ESI file (ETG.2000). PDO lists come from the dictionary's 1600h.., 1A00h.., 1C12h, 1C13h.
+/// and its ESI file (ETG.2000). PDO lists come from the dictionary's 1600h.., 1A00h.., 1C12h,
+/// 1C13h.
 struct DeviceDescription {
   std::uint32_t vendor_id = 0;
   std::string vendor_name;
@@ -21,12 +22,12 @@ struct DeviceDescription {
   std::uint32_t revision = 0;
   std::uint32_t serial_number = 0;
 
-  std::string order_code;    ///< SII general category: order string; ESI <Type>
-  std::string name;          ///< SII string 1; what masters print
-  std::string group;         ///< e.g. "Drives"
-  std::string image;         ///< name of the group's picture, may be empty
+  std::string order_code;  ///< SII general category: order string; ESI <Type>
+  std::string name;        ///< SII string 1; what masters print
+  std::string group;       ///< e.g. "Drives"
+  std::string image;       ///< name of the group's picture, may be empty
 
-  std::uint16_t station_alias = 0;   ///< SII word 4
+  std::uint16_t station_alias = 0;     ///< SII word 4
   std::uint16_t pdi_control = 0x0005;  ///< SII word 0: PDI type, 05h = SPI slave
 
   MailboxArea receive_mailbox;            ///< SM0, master to device
@@ -45,9 +46,9 @@ struct DeviceDescription {
   bool pdo_configuration = false;  ///< 1600h.. and 1A00h.. can be written
   bool distributed_clocks = false;
 
-  std::int16_t ebus_current = 0;                 ///< mA, 0 for a device with its own supply
+  std::int16_t ebus_current = 0;                         ///< mA, 0 for a device with its own supply
   std::array<char, 4> port_physics{'Y', 'Y', ' ', ' '};  ///< ESI: Y = MII, K = E-bus, ' ' = none
-  std::uint16_t sii_size_kbit = 16;              ///< EEPROM size
+  std::uint16_t sii_size_kbit = 16;                      ///< EEPROM size
 };
 
 }  // namespace stator::ethercat

@@ -7,8 +7,8 @@
 namespace stator::ethercat {
 
 /// The host side (PDI) of an EtherCAT slave controller: two functions and an event word, as real
-/// controllers offer it over SPI or a parallel bus. Slave software knows the controller only through
-/// this interface, so the same software would run on a board.
+/// controllers offer it over SPI or a parallel bus. Slave software knows the controller only
+/// through this interface, so the same software would run on a board.
 class ProcessDataInterface {
  public:
   ProcessDataInterface() = default;
@@ -16,9 +16,9 @@ class ProcessDataInterface {
   ProcessDataInterface& operator=(const ProcessDataInterface&) = delete;
   virtual ~ProcessDataInterface() = default;
 
-  /// Reads `out.size()` bytes from `address` with the host's rights and all side effects a host read
-  /// has (events acknowledged, sync manager buffers taken and released). Bytes the host may not read
-  /// come back as 0.
+  /// Reads `out.size()` bytes from `address` with the host's rights and all side effects a host
+  /// read has (events acknowledged, sync manager buffers taken and released). Bytes the host may
+  /// not read come back as 0.
   virtual void read(std::uint16_t address, std::span<std::byte> out) = 0;
 
   /// Writes `data` to `address` with the host's rights and side effects. Bytes the host may not
@@ -39,7 +39,9 @@ inline constexpr std::uint32_t kSyncManagerActivation = 1U << 4;
 inline constexpr std::uint32_t kEepromEmulation = 1U << 5;
 inline constexpr std::uint32_t kProcessDataWatchdog = 1U << 6;
 /// Interrupt of sync manager `channel` (0..15).
-constexpr std::uint32_t sync_manager(unsigned channel) { return 1U << (8 + channel); }
+constexpr std::uint32_t sync_manager(unsigned channel) {
+  return 1U << (8 + channel);
+}
 }  // namespace al_event
 
 }  // namespace stator::ethercat

@@ -11,8 +11,6 @@ namespace stator::ethercat {
 namespace {
 
 using dictionary::AbortCode;
-using dictionary::Access;
-using dictionary::DataType;
 using dictionary::Entry;
 using dictionary::EntryDeclaration;
 using dictionary::Object;

@@ -223,9 +223,8 @@ AlStatusCode SlaveStack::start_mailbox(AlStep step, base::SimTime now) {
 }
 
 AlStatusCode SlaveStack::start_process_data(base::SimTime now) {
-  const std::pair<ProcessImage*, AlStatusCode> images[] = {
-      {&outputs_, AlStatusCode::invalid_output_mapping},
-      {&inputs_, AlStatusCode::invalid_input_mapping}};
+  const std::array images{std::pair{&outputs_, AlStatusCode::invalid_output_mapping},
+                          std::pair{&inputs_, AlStatusCode::invalid_input_mapping}};
   for (const auto& [image, code] : images) {
     if (const auto verdict = image->compile(dictionary_, configuration_); !verdict) {
       reporter_.report(now, *verdict.error().rule, verdict.error().arguments);
@@ -305,13 +304,13 @@ AlStatusCode SlaveStack::check_mailbox(const SyncManagerBank& bank, AlState stat
       bootstrap ? description_.bootstrap_receive_mailbox : description_.receive_mailbox;
   const MailboxArea& transmit =
       bootstrap ? description_.bootstrap_transmit_mailbox : description_.transmit_mailbox;
-  const SyncManagerRequirement requirements[] = {
-      {kReceiveMailboxChannel, SyncManagerSettings::kMailboxMode,
-       SyncManagerSettings::kMasterWrites, kMinimumMailbox, receive.length,
-       options_.process_memory_end},
-      {kTransmitMailboxChannel, SyncManagerSettings::kMailboxMode,
-       SyncManagerSettings::kMasterReads, kMinimumMailbox, transmit.length,
-       options_.process_memory_end}};
+  const std::array requirements{
+      SyncManagerRequirement{kReceiveMailboxChannel, SyncManagerSettings::kMailboxMode,
+                             SyncManagerSettings::kMasterWrites, kMinimumMailbox, receive.length,
+                             options_.process_memory_end},
+      SyncManagerRequirement{kTransmitMailboxChannel, SyncManagerSettings::kMailboxMode,
+                             SyncManagerSettings::kMasterReads, kMinimumMailbox, transmit.length,
+                             options_.process_memory_end}};
   for (const SyncManagerRequirement& requirement : requirements) {
     if (check_channel(bank, requirement, state, code, now) != AlStatusCode::no_error) {
       return code;

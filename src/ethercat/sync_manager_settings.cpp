@@ -9,6 +9,7 @@ namespace {
 using base::EventArgument;
 
 constexpr std::uint16_t kProcessMemoryStart = 0x1000;
+constexpr std::size_t kRegisterBytes = 128;  ///< of 16 channels
 
 const base::EventRule& length_rule(const SyncManagerRequirement& requirement) {
   return requirement.mode == SyncManagerSettings::kMailboxMode ? rules::kSyncManagerMailboxLength
@@ -18,7 +19,7 @@ const base::EventRule& length_rule(const SyncManagerRequirement& requirement) {
 }  // namespace
 
 SyncManagerBank read_sync_managers(ProcessDataInterface& interface) {
-  std::array<std::byte, 16 * 8> bytes{};
+  std::array<std::byte, kRegisterBytes> bytes{};
   interface.read(kSyncManagerRegisters, bytes);
   SyncManagerBank bank;
   for (std::size_t channel = 0; channel < bank.size(); ++channel) {

@@ -24,10 +24,10 @@ class RealClock {
 ///
 /// Each process-data exchange moves time by one bus cycle, every other frame by a small step, so a
 /// test runs as fast as the machine allows and two runs with the same frames are equal. A frame
-/// counts as a process-data exchange when its first logical datagram (LRD, LWR, LRW) has the command
-/// and address that opened the present cycle; so a master that needs several logical frames per
-/// cycle still gets one cycle. The opening datagram is learnt anew after kForgetAfter logical frames
-/// without it (the master was restarted with another mapping).
+/// counts as a process-data exchange when its first logical datagram (LRD, LWR, LRW) has the
+/// command and address that opened the present cycle; so a master that needs several logical frames
+/// per cycle still gets one cycle. The opening datagram is learnt anew after kForgetAfter logical
+/// frames without it (the master was restarted with another mapping).
 class LockstepClock {
  public:
   static constexpr int kForgetAfter = 16;

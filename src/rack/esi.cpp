@@ -1,11 +1,11 @@
 #include "rack/esi.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <pugixml.hpp>
 #include <sstream>
 #include <string_view>
+
+#include <fmt/format.h>
+#include <pugixml.hpp>
 
 namespace stator::rack {
 
@@ -55,7 +55,8 @@ std::string type_name(const Entry& entry) {
     case DataType::visible_string:
       return fmt::format("STRING({})", entry.text().size());
     case DataType::octet_string:
-      return fmt::format("ARRAY [0..{}] OF BYTE", entry.text().empty() ? 0 : entry.text().size() - 1);
+      return fmt::format("ARRAY [0..{}] OF BYTE",
+                         entry.text().empty() ? 0 : entry.text().size() - 1);
   }
   return "";
 }
@@ -82,8 +83,7 @@ void add_flags(pugi::xml_node parent, const Entry& entry) {
   pugi::xml_node flags = parent.append_child("Flags");
   pugi::xml_node access = flags.append_child("Access");
   access.append_child(pugi::node_pcdata).set_value(access_text(entry));
-  if (entry.writable() &&
-      entry.declaration().write_states == dictionary::kPreOperationalOnly) {
+  if (entry.writable() && entry.declaration().write_states == dictionary::kPreOperationalOnly) {
     access.append_attribute("WriteRestrictions") = "PreOP";
   }
   switch (entry.declaration().mapping) {
@@ -268,8 +268,8 @@ std::size_t default_pdo_bytes(const Dictionary& dictionary, bool receive) {
   return static_cast<std::size_t>((bits + 7) / 8);
 }
 
-void add_sync_manager(pugi::xml_node device, const char* use, std::size_t size,
-                      std::uint16_t start, std::uint8_t control) {
+void add_sync_manager(pugi::xml_node device, const char* use, std::size_t size, std::uint16_t start,
+                      std::uint8_t control) {
   pugi::xml_node sm = device.append_child("Sm");
   sm.append_attribute("DefaultSize") = std::to_string(size).c_str();
   sm.append_attribute("StartAddress") = hexadecimal(start, 4).c_str();
@@ -292,8 +292,8 @@ void add_process_data_interfaces(pugi::xml_node device,
                    description.transmit_mailbox.offset, 0x22);
   add_sync_manager(device, "Outputs", default_pdo_bytes(dictionary, true),
                    description.output_offset, 0x64);
-  add_sync_manager(device, "Inputs", default_pdo_bytes(dictionary, false),
-                   description.input_offset, 0x20);
+  add_sync_manager(device, "Inputs", default_pdo_bytes(dictionary, false), description.input_offset,
+                   0x20);
 }
 
 void add_mailbox(pugi::xml_node device, const ethercat::DeviceDescription& description) {

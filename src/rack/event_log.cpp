@@ -1,9 +1,9 @@
 #include "rack/event_log.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 #include <spdlog/logger.h>
-
-#include <utility>
 
 namespace stator::rack {
 

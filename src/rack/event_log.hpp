@@ -17,8 +17,8 @@ class logger;
 
 namespace stator::rack {
 
-/// Where a rack's events go: one line each in the log, the newest kept for whoever asks, and a count
-/// per rule that never forgets.
+/// Where a rack's events go: one line each in the log, the newest kept for whoever asks, and a
+/// count per rule that never forgets.
 class EventLog final : public base::EventSink {
  public:
   /// How many events are kept; older ones are dropped, their counts stay.

@@ -12,8 +12,7 @@ class LinkPort final : public master::FramePort {
   /// `link` must outlive the port.
   explicit LinkPort(link::EthernetLink& link) : link_(link) {}
 
-  master::Result<std::size_t> exchange(std::span<const std::byte> frame,
-                                       std::span<std::byte> reply,
+  master::Result<std::size_t> exchange(std::span<const std::byte> frame, std::span<std::byte> reply,
                                        base::SimDuration timeout) override;
   void wait(base::SimDuration duration) override;
   [[nodiscard]] base::SimTime now() override { return clock_.now(); }

@@ -17,8 +17,7 @@ class LocalPort final : public master::FramePort {
   LocalPort(Rack& rack, std::size_t segment, base::SimDuration cycle, base::SimDuration step,
             std::unique_ptr<link::PcapWriter> capture = nullptr);
 
-  master::Result<std::size_t> exchange(std::span<const std::byte> frame,
-                                       std::span<std::byte> reply,
+  master::Result<std::size_t> exchange(std::span<const std::byte> frame, std::span<std::byte> reply,
                                        base::SimDuration timeout) override;
   void wait(base::SimDuration duration) override;
   [[nodiscard]] base::SimTime now() override { return clock_.now(); }

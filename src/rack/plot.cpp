@@ -1,11 +1,11 @@
 #include "rack/plot.hpp"
 
-#include <fmt/format.h>
-
 #include <cstdio>
 #include <iterator>
 #include <memory>
 #include <stdexcept>
+
+#include <fmt/format.h>
 
 namespace stator::rack {
 
@@ -40,12 +40,14 @@ std::string script_for(const Plot& plot, const std::string& image_path) {
   auto out = std::back_inserter(script);
   fmt::format_to(out, "set output {}\n", quoted(image_path));
   fmt::format_to(out, "set datafile separator ','\n");
-  fmt::format_to(out, "set multiplot layout {},1 title {} font ',16' margins 0.09,0.86,0.07,0.94 "
-                      "spacing 0,0.05\n",
+  fmt::format_to(out,
+                 "set multiplot layout {},1 title {} font ',16' margins 0.09,0.86,0.07,0.94 "
+                 "spacing 0,0.05\n",
                  plot.panels.size(), quoted(plot.title));
-  fmt::format_to(out, "set grid lc rgb '#d8dde3'\nset border lc rgb '#5a6470'\n"
-                      "set key outside right center noenhanced samplen 2\n"
-                      "set tics nomirror\n");
+  fmt::format_to(out,
+                 "set grid lc rgb '#d8dde3'\nset border lc rgb '#5a6470'\n"
+                 "set key outside right center noenhanced samplen 2\n"
+                 "set tics nomirror\n");
   for (std::size_t i = 0; i < plot.panels.size(); ++i) {
     const PlotPanel& panel = plot.panels[i];
     fmt::format_to(out, "set ylabel {} offset 1\n", quoted(panel.label));
@@ -59,10 +61,10 @@ std::string script_for(const Plot& plot, const std::string& image_path) {
     const std::uint64_t thinning = panel.window ? 1 : 1 + plot.rows / kPointsShown;
     std::string separator = "plot ";
     for (const PlotCurve& curve : panel.curves) {
-      fmt::format_to(
-          out, "{}{} using 1:(${}*{}) skip 1 every {} with lines lw 1.6 lc rgb '{}' title {}",
-          separator, quoted(plot.csv_path), curve.column, curve.scale, thinning, curve.colour,
-          quoted(curve.title));
+      fmt::format_to(out,
+                     "{}{} using 1:(${}*{}) skip 1 every {} with lines lw 1.6 lc rgb '{}' title {}",
+                     separator, quoted(plot.csv_path), curve.column, curve.scale, thinning,
+                     curve.colour, quoted(curve.title));
       separator = ", ";
     }
     fmt::format_to(out, "\n");

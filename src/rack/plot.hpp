@@ -13,12 +13,12 @@ struct PlotCurve {
   int column = 2;  ///< 1 = time
   double scale = 1.0;
   std::string title;
-  std::string colour;   ///< "#RRGGBB"
+  std::string colour;  ///< "#RRGGBB"
 };
 
 /// One panel: curves over a common time axis, with its own scale.
 struct PlotPanel {
-  std::string label;    ///< of the vertical axis, with unit
+  std::string label;  ///< of the vertical axis, with unit
   std::vector<PlotCurve> curves;
   std::optional<std::pair<double, double>> window;  ///< seconds shown; the whole recording if empty
 };
@@ -31,8 +31,8 @@ struct Plot {
   std::vector<PlotPanel> panels;
 };
 
-/// Draws `plot` with gnuplot into `image_path` (".png" or ".svg"). Throws std::runtime_error when the
-/// ending is another, gnuplot is not installed or fails; the message names the remedy.
+/// Draws `plot` with gnuplot into `image_path` (".png" or ".svg"). Throws std::runtime_error when
+/// the ending is another, gnuplot is not installed or fails; the message names the remedy.
 void draw(const Plot& plot, const std::string& image_path);
 
 }  // namespace stator::rack

@@ -1,13 +1,13 @@
 #include "rack/product_catalogue.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <set>
 #include <stdexcept>
 #include <string>
 
-#include "rack/toml_section.hpp"
+#include <fmt/format.h>
+
+#include "rack/text.hpp"
 
 namespace stator::rack {
 
@@ -25,7 +25,9 @@ std::unique_ptr<devices::EtherCatDevice> make(const devices::Tmcm3315Configurati
 
 }  // namespace
 
-std::span<const Product> products() { return kProducts; }
+std::span<const Product> products() {
+  return kProducts;
+}
 
 const Product* find_product(std::string_view type) {
   for (const Product& product : kProducts) {
@@ -45,10 +47,9 @@ const Product& require_product(std::string_view type) {
     types.emplace(product.type);
   }
   const std::string guess = closest_match(type, types);
-  throw std::runtime_error(
-      fmt::format("there is no product \"{}\"{}; the products are: {}", type,
-                  guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
-                  fmt::join(types, ", ")));
+  throw std::runtime_error(fmt::format(
+      "there is no product \"{}\"{}; the products are: {}", type,
+      guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess), fmt::join(types, ", ")));
 }
 
 RackConfiguration single_device_rack(std::string_view type) {

@@ -12,8 +12,8 @@ namespace stator::rack {
 
 /// One product Stator can run: what `stator devices` lists and a rack file's `type` names.
 struct Product {
-  std::string_view type;       ///< "tmcm-3315"
-  std::string_view summary;    ///< what it is, in half a line
+  std::string_view type;     ///< "tmcm-3315"
+  std::string_view summary;  ///< what it is, in half a line
   std::string_view reached_over;
   ProductConfiguration (*default_configuration)();
 };

@@ -33,7 +33,7 @@ struct SegmentConfiguration {
   link::WaitMode wait = link::WaitMode::block;
   base::SimDuration spin_time{200'000};  ///< of WaitMode::adaptive
   std::optional<unsigned> cpu;           ///< processor the segment's thread is tied to
-  std::string capture;                   ///< pcap file of everything that crosses the link; empty = none
+  std::string capture;  ///< pcap file of everything that crosses the link; empty = none
   std::vector<DeviceConfiguration> devices;
 };
 

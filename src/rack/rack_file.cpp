@@ -1,7 +1,5 @@
 #include "rack/rack_file.hpp"
 
-#include <fmt/format.h>
-
 #include <cerrno>
 #include <fstream>
 #include <iterator>
@@ -9,8 +7,11 @@
 #include <system_error>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "rack/product_catalogue.hpp"
 #include "rack/stepper_axis_section.hpp"
+#include "rack/toml_section.hpp"
 
 namespace stator::rack {
 
@@ -107,8 +108,8 @@ RecordConfiguration read_record(TomlSection section) {
     section.fail("file", "\"file\" is missing; it names the CSV file to write");
   }
   record.file = *file;
-  record.period = section.duration("period", 1_us, SimDuration(3'600'000'000'000))
-                      .value_or(record.period);
+  record.period =
+      section.duration("period", 1_us, SimDuration(3'600'000'000'000)).value_or(record.period);
   record.signals = section.texts("signals").value_or(record.signals);
   section.finish();
   return record;
@@ -144,10 +145,9 @@ const std::map<std::string, ClockKind>& clock_kinds() {
 }
 
 const std::map<std::string, link::WaitMode>& wait_modes() {
-  static const std::map<std::string, link::WaitMode> modes{
-      {"block", link::WaitMode::block},
-      {"spin", link::WaitMode::spin},
-      {"adaptive", link::WaitMode::adaptive}};
+  static const std::map<std::string, link::WaitMode> modes{{"block", link::WaitMode::block},
+                                                           {"spin", link::WaitMode::spin},
+                                                           {"adaptive", link::WaitMode::adaptive}};
   return modes;
 }
 
@@ -167,9 +167,10 @@ RackConfiguration load_rack_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (!file.is_open() || file.bad()) {
-    throw RackFileError(fmt::format("{}: cannot read the rack file: {}; check the path and its "
-                                    "permissions",
-                                    path, std::generic_category().message(errno)));
+    throw RackFileError(
+        fmt::format("{}: cannot read the rack file: {}; check the path and its "
+                    "permissions",
+                    path, std::generic_category().message(errno)));
   }
   return parse_rack_file(text, path);
 }

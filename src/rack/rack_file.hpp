@@ -5,12 +5,12 @@
 #include <string_view>
 
 #include "rack/rack_configuration.hpp"
-#include "rack/toml_section.hpp"
+#include "rack/rack_file_error.hpp"
 
 namespace stator::rack {
 
-/// Reads a rack file (docs/rack-file.md). Throws RackFileError with file, line, reason and remedy for
-/// a file that cannot be read, is no TOML, has unknown keys or values out of range.
+/// Reads a rack file (docs/rack-file.md). Throws RackFileError with file, line, reason and remedy
+/// for a file that cannot be read, is no TOML, has unknown keys or values out of range.
 [[nodiscard]] RackConfiguration load_rack_file(const std::string& path);
 
 /// The same for the text of a rack file; `name` stands for the file in messages.

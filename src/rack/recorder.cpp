@@ -1,13 +1,13 @@
 #include "rack/recorder.hpp"
 
-#include <fmt/format.h>
-#include <fnmatch.h>
-
 #include <cerrno>
 #include <iterator>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
+
+#include <fmt/format.h>
+#include <fnmatch.h>
 
 namespace stator::rack {
 
@@ -15,9 +15,10 @@ Recorder::Recorder(const std::string& path, std::vector<devices::Signal> signals
                    base::SimDuration period)
     : path_(path), file_(path), signals_(std::move(signals)), period_(period) {
   if (!file_) {
-    throw std::runtime_error(fmt::format("recording: cannot write {}: {}; choose a file in a "
-                                         "directory that exists and can be written",
-                                         path, std::generic_category().message(errno)));
+    throw std::runtime_error(
+        fmt::format("recording: cannot write {}: {}; choose a file in a "
+                    "directory that exists and can be written",
+                    path, std::generic_category().message(errno)));
   }
   if (signals_.empty()) {
     throw std::runtime_error(

@@ -17,8 +17,7 @@ class Recorder {
  public:
   /// Opens `path`; throws std::runtime_error naming the file and the reason when that fails, or
   /// when `signals` is empty or `period` is not positive.
-  Recorder(const std::string& path, std::vector<devices::Signal> signals,
-           base::SimDuration period);
+  Recorder(const std::string& path, std::vector<devices::Signal> signals, base::SimDuration period);
 
   /// The next moment to sample; the rack brings its devices there and calls sample().
   [[nodiscard]] base::SimTime next_sample() const { return next_sample_; }

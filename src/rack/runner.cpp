@@ -1,13 +1,13 @@
 #include "rack/runner.hpp"
 
-#include <fmt/format.h>
-#include <spdlog/logger.h>
-
 #include <algorithm>
 #include <array>
 #include <optional>
 #include <stdexcept>
 #include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/logger.h>
 
 #include "link/machine.hpp"
 
@@ -49,7 +49,9 @@ Runner::Runner(Rack& rack, const RackConfiguration& configuration,
   }
 }
 
-Runner::~Runner() { stop(); }
+Runner::~Runner() {
+  stop();
+}
 
 void Runner::open(SegmentThread& segment, const SegmentConfiguration& configuration) {
   if (configuration.interface.empty()) {
@@ -194,9 +196,10 @@ void Runner::catch_up(SegmentThread& segment) {
   statistics.worst_lag_ns = std::max(statistics.worst_lag_ns, lag.nanoseconds());
   if (lag > kOverrun) {
     ++statistics.overruns;
-    logger_->warn("overrun {}: the rack was {:.1f} ms behind the machine's clock; run fewer devices "
-                  "or a less loaded machine",
-                  statistics.overruns, static_cast<double>(lag.nanoseconds()) * 1e-6);
+    logger_->warn(
+        "overrun {}: the rack was {:.1f} ms behind the machine's clock; run fewer devices "
+        "or a less loaded machine",
+        statistics.overruns, static_cast<double>(lag.nanoseconds()) * 1e-6);
   }
 }
 

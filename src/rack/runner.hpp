@@ -23,11 +23,11 @@ namespace stator::rack {
 
 /// What one segment's thread did so far.
 struct SegmentStatistics {
-  std::uint64_t frames = 0;             ///< answered
-  std::uint64_t frames_ignored = 0;     ///< came, but are no EtherCAT
-  std::uint64_t overruns = 0;           ///< times the rack lagged behind the clock by > kOverrun
-  std::int64_t worst_lag_ns = 0;        ///< longest lag seen
-  std::int64_t processing_ns = 0;       ///< sum over frames from received to sent
+  std::uint64_t frames = 0;          ///< answered
+  std::uint64_t frames_ignored = 0;  ///< came, but are no EtherCAT
+  std::uint64_t overruns = 0;        ///< times the rack lagged behind the clock by > kOverrun
+  std::int64_t worst_lag_ns = 0;     ///< longest lag seen
+  std::int64_t processing_ns = 0;    ///< sum over frames from received to sent
   std::int64_t worst_processing_ns = 0;
 };
 
@@ -39,8 +39,8 @@ class Runner {
   /// Lag behind the machine's clock from which on an overrun is counted.
   static constexpr base::SimDuration kOverrun{20'000'000};
 
-  /// Opens every link and capture. Throws std::runtime_error with the link's own explanation. `rack`
-  /// must have been built from `configuration` and both outlive the runner.
+  /// Opens every link and capture. Throws std::runtime_error with the link's own explanation.
+  /// `rack` must have been built from `configuration` and both outlive the runner.
   Runner(Rack& rack, const RackConfiguration& configuration,
          std::shared_ptr<spdlog::logger> logger);
   ~Runner();

@@ -1,9 +1,11 @@
 #include "rack/stepper_axis_section.hpp"
 
-#include <fmt/format.h>
-
 #include <limits>
 #include <set>
+
+#include <fmt/format.h>
+
+#include "rack/text.hpp"
 
 namespace stator::rack {
 
@@ -50,8 +52,8 @@ void read_load(TomlSection section, plant::MechanicalLoad& load) {
 }
 
 void read_encoder(TomlSection section, plant::EncoderParameters& encoder) {
-  encoder.counts_per_revolution = section.integer("counts_per_revolution", 0, 1 << 24)
-                                      .value_or(encoder.counts_per_revolution);
+  encoder.counts_per_revolution =
+      section.integer("counts_per_revolution", 0, 1 << 24).value_or(encoder.counts_per_revolution);
   encoder.reversed = section.boolean("reversed").value_or(encoder.reversed);
   set(section, "offset", -1e9, 1e9, encoder.offset);
   encoder.index_position =

@@ -3,32 +3,20 @@
 #include <cstdint>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #define TOML_HEADER_ONLY 0
 #include <toml++/toml.h>
 
 #include "base/sim_time.hpp"
+#include "rack/rack_file_error.hpp"
 
 namespace stator::rack {
 
-/// What is wrong with a rack file: "FILE:LINE:COLUMN: reason; remedy".
-class RackFileError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// A duration with its unit, e.g. "250us", "1 ms", "2.5s"; empty when `text` is none.
-std::optional<base::SimDuration> parse_duration(std::string_view text);
-
-/// The entry of `known` that is most alike to `word`, or "" when none is close.
-std::string closest_match(std::string_view word, const std::set<std::string>& known);
-
 /// Reads one table of a rack file key by key and remembers which keys exist, so that finish() can
-/// reject those nobody asked for. All functions throw RackFileError with the key's place in the file.
+/// reject those nobody asked for. All functions throw RackFileError with the key's place in the
+/// file.
 class TomlSection {
  public:
   /// `path` is how people name the table, e.g. "[[segment.device]] number 2".

@@ -1,10 +1,10 @@
 #include "rack/clock.hpp"
 
-#include <gtest/gtest.h>
-
 #include <array>
 #include <initializer_list>
 #include <utility>
+
+#include <gtest/gtest.h>
 
 namespace stator::rack {
 namespace {

@@ -1,7 +1,6 @@
 #include "rack/esi.hpp"
 
 #include <gtest/gtest.h>
-
 #include <pugixml.hpp>
 
 #include "ethercat/sii_image.hpp"

@@ -1,11 +1,11 @@
 #include "rack/local_port.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+
+#include <gtest/gtest.h>
 
 #include "master/cia402_client.hpp"
 #include "master/master.hpp"
@@ -42,10 +42,8 @@ class Bench {
     master::Cia402Client client(master_, position, axis);
     ASSERT_TRUE(client.set_mode(master::OperationMode::profile_position));
     ASSERT_TRUE(client.enable());
-    ASSERT_TRUE(client.start_move({.target = target,
-                                   .velocity = 256'000,
-                                   .acceleration = 512'000,
-                                   .deceleration = 512'000}));
+    ASSERT_TRUE(client.start_move(
+        {.target = target, .velocity = 256'000, .acceleration = 512'000, .deceleration = 512'000}));
     const auto reached = client.wait_for_target(20_s);
     ASSERT_TRUE(reached) << reached.error().text;
   }

@@ -1,9 +1,11 @@
 #include "rack/rack_file.hpp"
 
+#include <filesystem>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
+#include "rack/text.hpp"
 
 namespace stator::rack {
 namespace {
