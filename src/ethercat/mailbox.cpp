@@ -59,7 +59,28 @@ void Mailbox::start(const SyncManagerBank& bank, AlState state) {
   transmit_ = bank[kTransmitMailboxChannel];
   state_ = state;
   running_ = true;
+  discard_leftovers();
   handle_repeat_request(transmit_);
+}
+
+void Mailbox::discard_leftovers() {
+  if ((receive_.status & SyncManagerSettings::kStatusMailboxFull) != 0) {
+    interface_.read(receive_.start, std::span(request_).first(receive_.length));
+  }
+  if ((transmit_.status & SyncManagerSettings::kStatusMailboxFull) != 0) {
+    take_back_transmit_buffer(transmit_.host_control);
+  }
+}
+
+/// The host gets a full buffer back only by switching its channel off and on again.
+void Mailbox::take_back_transmit_buffer(unsigned host_control) {
+  write_host_control(host_control | SyncManagerSettings::kHostDisable);
+  write_host_control(host_control & ~unsigned{SyncManagerSettings::kHostDisable});
+}
+
+void Mailbox::write_host_control(unsigned value) {
+  const std::array<std::byte, 1> bytes{static_cast<std::byte>(value)};
+  interface_.write(sync_manager_register(kTransmitMailboxChannel, kSyncManagerHostControl), bytes);
 }
 
 void Mailbox::stop() {
@@ -219,19 +240,11 @@ void Mailbox::handle_repeat_request(const SyncManagerSettings& transmit) {
   if (!running_ || request == acknowledged) {
     return;
   }
-  const auto write_host_control = [&](unsigned value) {
-    const std::array<std::byte, 1> bytes{static_cast<std::byte>(value)};
-    interface_.write(sync_manager_register(kTransmitMailboxChannel, kSyncManagerHostControl),
-                     bytes);
-  };
   note_delivery();
   const bool already_repeated = posted_.length != 0 && posted_is_repetition_;
   if (delivered_.length != 0 && !already_repeated) {
     if (posted_.length != 0) {
-      // A newer message lies in the buffer: the host can take it back only by switching the channel
-      // off and on again.
-      write_host_control(acknowledged | SyncManagerSettings::kHostDisable);
-      write_host_control(acknowledged);
+      take_back_transmit_buffer(acknowledged);  // a newer message lies there
       std::swap(postponed_, posted_);
     }
     std::ranges::copy(std::span(delivered_.bytes).first(delivered_.length), posted_.bytes.begin());

@@ -58,6 +58,10 @@ class Mailbox {
     std::size_t length = 0;
   };
 
+  /// Empties buffers that an earlier run left full.
+  void discard_leftovers();
+  void take_back_transmit_buffer(unsigned host_control);
+  void write_host_control(unsigned value);
   [[nodiscard]] bool request_waits(std::uint32_t events) const;
   [[nodiscard]] std::uint8_t read_status(unsigned channel) const;
   void note_delivery();

@@ -197,6 +197,19 @@ TEST_F(StackOnController, LostReplyWithANewerOneInPlace_ComesBeforeTheNewer) {
   EXPECT_EQ(fetch_index(), 0U);
 }
 
+TEST_F(StackOnController, MessagesLeftInTheMailboxes_AreGoneAfterInit) {
+  go_pre_operational();
+  write(0x1000, sdo_read(0x1000, 1));
+  write(0x1000, sdo_read(0x1001, 2));
+  request(0x01);
+  request(0x02);
+  ASSERT_EQ(status(), 0x02U);
+  EXPECT_FALSE(reply_waits());
+  EXPECT_EQ(write(0x1000, sdo_read(0x1008, 3)).working_counter, 1U);
+  EXPECT_EQ(fetch_index(), 0x1008U);
+  EXPECT_EQ(fetch_index(), 0U);
+}
+
 TEST_F(StackOnController, MasterRestartedInEveryState_FindsTheSlaveReady) {
   for (const unsigned last : {0x02U, 0x04U, 0x08U}) {
     for (int round = 0; round < 3; ++round) {
