@@ -26,5 +26,10 @@ endif()
 
 find_program(STATOR_CCACHE ccache)
 if(STATOR_CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${STATOR_CCACHE})
+  # Without these a source with a precompiled header is compiled anew each time.
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+    ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${STATOR_CCACHE})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(stator_compile_options INTERFACE -fpch-preprocess)
+  endif()
 endif()

@@ -25,5 +25,8 @@ function(stator_test_suite name)
   endforeach()
   target_link_libraries(test_${name} PRIVATE
     stator_compile_options ${SUITE_LIBRARIES} GTest::gtest GTest::gmock GTest::gtest_main)
+  # What is tested is optimised as users get it; optimising the tests only makes building slow.
+  target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_precompile_headers(test_${name} REUSE_FROM stator_test_headers)
   gtest_discover_tests(test_${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 120)
 endfunction()

@@ -21,22 +21,31 @@ namespace {
 
 using dictionary::EntryDescription;
 
-std::string csv_field(std::string_view text) {
+void append_csv_field(std::string& row, std::string_view text) {
   if (text.find_first_of(",\"\n") == std::string_view::npos) {
-    return std::string(text);
+    row += text;
+    return;
   }
-  std::string field = "\"";
+  row += '"';
   for (const char c : text) {
-    field += c == '"' ? "\"\"" : std::string(1, c);
+    if (c == '"') {
+      row += '"';
+    }
+    row += c;
   }
-  return field + "\"";
+  row += '"';
 }
 
 template <typename Columns>
 void print_csv_row(const Columns& columns) {
   std::string row;
+  bool first = true;
   for (const std::string_view column : columns) {
-    row += (row.empty() ? "" : ",") + csv_field(column);
+    if (!first) {
+      row += ',';
+    }
+    first = false;
+    append_csv_field(row, column);
   }
   fmt::print("{}\n", row);
 }
@@ -68,11 +77,16 @@ void print_json(const std::vector<EntryDescription>& rows) {
   fmt::print("{}\n", list.dump(2));
 }
 
-std::string markdown_cell(std::string text) {
-  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) {
-    text.insert(at, "\\");
+/// `text` with the character that ends a cell written so that it does not.
+std::string markdown_cell(std::string_view text) {
+  std::string cell;
+  for (const char c : text) {
+    if (c == '|') {
+      cell += '\\';
+    }
+    cell += c;
   }
-  return text;
+  return cell;
 }
 
 void print_markdown(const std::vector<EntryDescription>& rows) {

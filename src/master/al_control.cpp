@@ -101,7 +101,7 @@ Result<void> acknowledge_error(Bus& bus, const Station& station, base::SimTime d
   while (true) {
     const auto status = read_al_status(bus, station);
     if (!status) {
-      return base::Unexpected(status.error());
+      return base::Unexpected{status.error()};
     }
     if (!status->error) {
       return {};
@@ -135,7 +135,7 @@ std::string_view to_text(AlStatusCode code) {
 Result<AlStatus> read_al_status(Bus& bus, const Station& station) {
   std::array<std::byte, 6> data{};
   if (const auto done = bus.read(station, registers::kAlStatus, data); !done) {
-    return base::Unexpected(done.error());
+    return base::Unexpected{done.error()};
   }
   const auto status = base::load_le<std::uint16_t>(data.data());
   return AlStatus{.state = static_cast<AlState>(status & kStateMask),
@@ -156,10 +156,10 @@ Result<void> request_al_state(Bus& bus, const Station& station, AlState state, c
   while (true) {
     const auto status = read_al_status(bus, station);
     if (!status) {
-      return base::Unexpected(status.error());
+      return base::Unexpected{status.error()};
     }
     if (status->error) {
-      return base::Unexpected(refusal(station, state, *status));
+      return base::Unexpected{refusal(station, state, *status)};
     }
     if (status->state == state) {
       return {};

@@ -22,7 +22,7 @@ Result<void> Bus::exchange(std::span<Datagram> datagrams, int retries) {
   for (int round = 0; round <= retries; ++round) {
     const auto answered = attempt(datagrams);
     if (!answered) {
-      return base::Unexpected(answered.error());
+      return base::Unexpected{answered.error()};
     }
     if (*answered) {
       return {};
@@ -50,7 +50,7 @@ Result<bool> Bus::attempt(std::span<Datagram> datagrams) {
     const auto remaining = std::max(deadline - port_.now(), base::SimDuration(0));
     const auto length = port_.exchange(frame, answer_, remaining);
     if (!length) {
-      return base::Unexpected(length.error());
+      return base::Unexpected{length.error()};
     }
     if (*length == 0) {
       return false;
@@ -90,7 +90,7 @@ Result<std::uint16_t> Bus::execute(ethercat::Command command, std::uint32_t addr
                                    std::span<std::byte> data) {
   Datagram datagram{.command = command, .address = address, .data = data};
   if (const auto done = exchange(std::span(&datagram, 1), options_.frame_retries); !done) {
-    return base::Unexpected(done.error());
+    return base::Unexpected{done.error()};
   }
   return datagram.working_counter;
 }
@@ -99,7 +99,7 @@ Result<void> Bus::read(const Station& station, std::uint16_t address, std::span<
   const auto counter =
       execute(ethercat::Command::fprd, ethercat::physical_address(station.address, address), out);
   if (!counter) {
-    return base::Unexpected(counter.error());
+    return base::Unexpected{counter.error()};
   }
   if (*counter != 1) {
     return fail(ErrorCode::working_counter,
@@ -116,7 +116,7 @@ Result<void> Bus::write(const Station& station, std::uint16_t address,
   const auto counter =
       execute(ethercat::Command::fpwr, ethercat::physical_address(station.address, address), copy);
   if (!counter) {
-    return base::Unexpected(counter.error());
+    return base::Unexpected{counter.error()};
   }
   if (*counter != 1) {
     return fail(ErrorCode::working_counter,
@@ -131,7 +131,7 @@ Result<void> Bus::broadcast(std::uint16_t address, std::span<const std::byte> da
   std::vector<std::byte> copy(data.begin(), data.end());
   const auto counter =
       execute(ethercat::Command::bwr, ethercat::physical_address(0, address), copy);
-  return counter ? Result<void>() : Result<void>(base::Unexpected(counter.error()));
+  return counter ? Result<void>() : Result<void>(base::Unexpected{counter.error()});
 }
 
 }  // namespace stator::master

@@ -57,7 +57,7 @@ class Bus {
   Result<T> read_number(const Station& station, std::uint16_t address) {
     std::array<std::byte, sizeof(T)> data{};
     if (const auto done = read(station, address, data); !done) {
-      return base::Unexpected(done.error());
+      return base::Unexpected{done.error()};
     }
     return base::load_le<T>(data.data());
   }

@@ -108,7 +108,7 @@ Result<std::uint64_t> Cia402Client::read_bits(std::uint16_t index, std::uint8_t 
   }
   const auto data = master_.upload(position_, {index, subindex});
   if (!data) {
-    return base::Unexpected(data.error());
+    return base::Unexpected{data.error()};
   }
   if (data->size() != size) {
     return fail(ErrorCode::protocol, to_text(ObjectAddress{index, subindex}) + " of " + name() +
@@ -152,7 +152,7 @@ Result<std::int32_t> Cia402Client::velocity_actual() {
 Result<DriveState> Cia402Client::state() {
   const auto word = statusword();
   if (!word) {
-    return base::Unexpected(word.error());
+    return base::Unexpected{word.error()};
   }
   const auto shown = drive_state(*word);
   if (!shown) {
@@ -178,13 +178,13 @@ Result<void> Cia402Client::wait_for_state(DriveState wanted, bool fault_is_failu
     }
     const auto now = state();
     if (!now) {
-      return base::Unexpected(now.error());
+      return base::Unexpected{now.error()};
     }
     if (*now == wanted) {
       return {};
     }
     if (*now == DriveState::fault && fault_is_failure) {
-      return base::Unexpected(fault_error());
+      return base::Unexpected{fault_error()};
     }
     if (master_.port().now() >= deadline) {
       return timeout(std::string(to_text(wanted)) + ", it is in " + std::string(to_text(*now)),
@@ -202,10 +202,10 @@ Result<void> Cia402Client::wait_for_statusword(std::uint16_t mask, std::uint16_t
     }
     const auto word = statusword();
     if (!word) {
-      return base::Unexpected(word.error());
+      return base::Unexpected{word.error()};
     }
     if (drive_state(*word) == DriveState::fault) {
-      return base::Unexpected(fault_error());
+      return base::Unexpected{fault_error()};
     }
     if ((*word & mask) == value) {
       return {};
@@ -225,7 +225,7 @@ Result<void> Cia402Client::timeout(const std::string& awaited, base::SimDuration
 Result<void> Cia402Client::reset_fault() {
   const auto now = state();
   if (!now) {
-    return base::Unexpected(now.error());
+    return base::Unexpected{now.error()};
   }
   if (*now != DriveState::fault && *now != DriveState::fault_reaction_active) {
     return {};
@@ -247,7 +247,7 @@ Result<void> Cia402Client::reset_fault() {
   }
   auto reached = wait_for_state(DriveState::switch_on_disabled, false);
   if (!reached && reached.error().code == ErrorCode::drive_timeout) {
-    return base::Unexpected(fault_error());
+    return base::Unexpected{fault_error()};
   }
   if (!reached) {
     return reached;
@@ -264,7 +264,7 @@ Result<void> Cia402Client::hold_position() {
   }
   const auto position = position_actual();
   return position ? write<std::int32_t>(kTargetPosition, 0, *position)
-                  : base::Unexpected(position.error());
+                  : base::Unexpected{position.error()};
 }
 
 Result<void> Cia402Client::enable() {
@@ -275,13 +275,13 @@ Result<void> Cia402Client::enable() {
   while (true) {
     const auto now = state();
     if (!now) {
-      return base::Unexpected(now.error());
+      return base::Unexpected{now.error()};
     }
     if (*now == DriveState::operation_enabled) {
       return {};
     }
     if (*now == DriveState::fault) {
-      return base::Unexpected(fault_error());
+      return base::Unexpected{fault_error()};
     }
     if (master_.port().now() >= deadline) {
       return timeout("Operation enabled, it is in " + std::string(to_text(*now)),
@@ -317,7 +317,7 @@ Result<void> Cia402Client::set_mode(OperationMode mode) {
     }
     const auto shown = read<std::int8_t>(kModesOfOperationDisplay);
     if (!shown) {
-      return base::Unexpected(shown.error());
+      return base::Unexpected{shown.error()};
     }
     if (*shown == number) {
       return {};
@@ -351,10 +351,10 @@ Result<void> Cia402Client::write_profile(const ProfileMove& move) {
 Result<void> Cia402Client::start_move(const ProfileMove& move) {
   const auto now = state();
   if (!now) {
-    return base::Unexpected(now.error());
+    return base::Unexpected{now.error()};
   }
   if (*now == DriveState::fault) {
-    return base::Unexpected(fault_error());
+    return base::Unexpected{fault_error()};
   }
   if (*now != DriveState::operation_enabled) {
     return fail(ErrorCode::argument, name() + " is in " + std::string(to_text(*now)) +
@@ -394,10 +394,10 @@ Result<void> Cia402Client::start_move(const ProfileMove& move) {
 Result<bool> Cia402Client::target_reached() {
   const auto word = statusword();
   if (!word) {
-    return base::Unexpected(word.error());
+    return base::Unexpected{word.error()};
   }
   if (drive_state(*word) == DriveState::fault) {
-    return base::Unexpected(fault_error());
+    return base::Unexpected{fault_error()};
   }
   return (*word & kTargetReached) != 0;
 }

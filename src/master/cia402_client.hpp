@@ -105,7 +105,7 @@ template <typename T>
 Result<T> Cia402Client::read(std::uint16_t index, std::uint8_t subindex) {
   const auto bits = read_bits(axis_index(index), subindex, sizeof(T));
   if (!bits) {
-    return base::Unexpected(bits.error());
+    return base::Unexpected{bits.error()};
   }
   return static_cast<T>(*bits);
 }

@@ -19,7 +19,7 @@ void CyclicExchange::clear() {
 Result<void> CyclicExchange::configure(std::vector<SlaveProcessData> slaves) {
   auto layout = lay_out_image(slaves);
   if (!layout) {
-    return base::Unexpected(layout.error());
+    return base::Unexpected{layout.error()};
   }
   slaves_ = std::move(slaves);
   layout_ = std::move(*layout);

@@ -15,11 +15,11 @@ Result<ReceiveTimes> read_receive_times(Bus& bus, const Slave& slave) {
   const Station station{slave.position, slave.station_address};
   std::array<std::byte, 16> ports{};
   if (const auto done = bus.read(station, registers::kReceiveTimes, ports); !done) {
-    return base::Unexpected(done.error());
+    return base::Unexpected{done.error()};
   }
   const auto unit = bus.read_number<std::uint64_t>(station, registers::kReceiveTimeUnit);
   if (!unit) {
-    return base::Unexpected(unit.error());
+    return base::Unexpected{unit.error()};
   }
   ReceiveTimes times{.port0 = base::load_le<std::uint32_t>(ports.data()),
                      .port1 = base::load_le<std::uint32_t>(ports.data() + 4),
@@ -58,7 +58,7 @@ std::vector<std::uint32_t> propagation_delays(std::span<const ReceiveTimes> slav
 Result<std::optional<Station>> synchronize_clocks(Bus& bus, std::span<const Slave> slaves) {
   const std::array<std::byte, 4> latch{};
   if (const auto done = bus.broadcast(registers::kReceiveTimes, latch); !done) {
-    return base::Unexpected(done.error());
+    return base::Unexpected{done.error()};
   }
   std::vector<const Slave*> clocks;
   std::vector<ReceiveTimes> times;
@@ -71,7 +71,7 @@ Result<std::optional<Station>> synchronize_clocks(Bus& bus, std::span<const Slav
     if (slave.distributed_clocks) {
       const auto received = read_receive_times(bus, slave);
       if (!received) {
-        return base::Unexpected(received.error());
+        return base::Unexpected{received.error()};
       }
       clocks.push_back(&slave);
       times.push_back(*received);
@@ -85,7 +85,7 @@ Result<std::optional<Station>> synchronize_clocks(Bus& bus, std::span<const Slav
     // The frame passed this slave `delay` after the reference, whose local time is the system time.
     const std::uint64_t offset = times[0].unit + delays[i] - times[i].unit;
     if (const auto done = set_clock(bus, *clocks[i], offset, delays[i]); !done) {
-      return base::Unexpected(done.error());
+      return base::Unexpected{done.error()};
     }
   }
   return std::optional(Station{clocks[0]->position, clocks[0]->station_address});

@@ -19,7 +19,6 @@ namespace {
 
 constexpr std::uint8_t kReceiveMailboxControl = 0x26;   // mailbox, master writes, host interrupt
 constexpr std::uint8_t kTransmitMailboxControl = 0x22;  // mailbox, master reads, host interrupt
-constexpr unsigned kReceiveMailbox = 0;
 constexpr unsigned kTransmitMailbox = 1;
 constexpr std::size_t kMaximumEmergencies = 256;
 constexpr int kMaximumStaleMessages = 16;
@@ -122,7 +121,7 @@ Result<void> MailboxClient::write_message(std::span<const std::byte> mailbox,
     }
     auto message = fetch_if_full();
     if (!message) {
-      return base::Unexpected(message.error());
+      return base::Unexpected{message.error()};
     }
     if (*message && !put_aside(**message)) {
       early_answer_ = std::move(**message);
@@ -138,14 +137,14 @@ Result<void> MailboxClient::write_message(std::span<const std::byte> mailbox,
 Result<std::optional<MailboxClient::Message>> MailboxClient::fetch_if_full() {
   const auto waiting = full();
   if (!waiting) {
-    return base::Unexpected(waiting.error());
+    return base::Unexpected{waiting.error()};
   }
   if (!*waiting) {
     return std::optional<Message>();
   }
   auto message = fetch();
   if (!message) {
-    return base::Unexpected(message.error());
+    return base::Unexpected{message.error()};
   }
   return std::optional(std::move(*message));
 }
@@ -154,7 +153,7 @@ Result<bool> MailboxClient::full() {
   const auto status = bus_.read_number<std::uint8_t>(
       station_, registers::sync_manager(kTransmitMailbox, registers::kSyncManagerStatus));
   if (!status) {
-    return base::Unexpected(status.error());
+    return base::Unexpected{status.error()};
   }
   return (*status & registers::kMailboxFull) != 0;
 }
@@ -167,7 +166,7 @@ Result<MailboxClient::Message> MailboxClient::read_mailbox() {
       .address = ethercat::physical_address(station_.address, information_.transmit_mailbox.offset),
       .data = mailbox};
   if (const auto read = bus_.exchange(std::span(&datagram, 1), 0); !read) {
-    return base::Unexpected(read.error());
+    return base::Unexpected{read.error()};
   }
   if (datagram.working_counter != 1) {
     return fail(ErrorCode::protocol,
@@ -203,11 +202,11 @@ Result<MailboxClient::Message> MailboxClient::fetch() {
     if (!message) {
       repeated = true;
       if (const auto requested = request_repetition(); !requested) {
-        return base::Unexpected(requested.error());
+        return base::Unexpected{requested.error()};
       }
     }
     if (const auto waiting = wait_until_full(); !waiting) {
-      return base::Unexpected(waiting.error());
+      return base::Unexpected{waiting.error()};
     }
   }
 }
@@ -218,7 +217,7 @@ Result<void> MailboxClient::request_repetition() {
   const auto address = registers::sync_manager(kTransmitMailbox, registers::kSyncManagerActivate);
   const auto before = bus_.read_number<std::uint8_t>(station_, address);
   if (!before) {
-    return base::Unexpected(before.error());
+    return base::Unexpected{before.error()};
   }
   const auto activate = static_cast<std::uint8_t>(*before ^ registers::kRepeatRequest);
   if (auto written = bus_.write_number(station_, address, activate); !written) {
@@ -229,7 +228,7 @@ Result<void> MailboxClient::request_repetition() {
     const auto acknowledged = bus_.read_number<std::uint8_t>(
         station_, registers::sync_manager(kTransmitMailbox, registers::kSyncManagerHostControl));
     if (!acknowledged) {
-      return base::Unexpected(acknowledged.error());
+      return base::Unexpected{acknowledged.error()};
     }
     if (((*acknowledged ^ activate) & registers::kRepeatRequest) == 0) {
       return {};
@@ -246,7 +245,7 @@ Result<void> MailboxClient::wait_until_full() {
   while (true) {
     const auto waiting = full();
     if (!waiting) {
-      return base::Unexpected(waiting.error());
+      return base::Unexpected{waiting.error()};
     }
     if (*waiting) {
       return {};
@@ -290,7 +289,7 @@ Result<void> MailboxClient::collect() {
   for (int count = 0; count < kMaximumStaleMessages; ++count) {
     const auto message = fetch_if_full();
     if (!message) {
-      return base::Unexpected(message.error());
+      return base::Unexpected{message.error()};
     }
     if (!*message) {
       return {};
@@ -313,11 +312,11 @@ Result<std::vector<std::byte>> MailboxClient::receive(MailboxType type, base::Si
     auto message = early_answer_ ? Result<std::optional<Message>>(std::exchange(early_answer_, {}))
                                  : fetch_if_full();
     if (!message) {
-      return base::Unexpected(message.error());
+      return base::Unexpected{message.error()};
     }
     if (*message) {
       if ((*message)->header.type == MailboxType::error) {
-        return base::Unexpected(refusal(**message));
+        return base::Unexpected{refusal(**message)};
       }
       if (!put_aside(**message) && (*message)->header.type == type) {
         return std::move((*message)->data);
@@ -325,7 +324,7 @@ Result<std::vector<std::byte>> MailboxClient::receive(MailboxType type, base::Si
       continue;
     }
     if (const auto waited = wait_before(deadline, "did not answer a mailbox request"); !waited) {
-      return base::Unexpected(waited.error());
+      return base::Unexpected{waited.error()};
     }
   }
 }

@@ -79,7 +79,7 @@ Result<Slave*> Master::State::slave_at(std::size_t position) {
 Result<Communication*> Master::State::communication_with(std::size_t position) {
   const auto slave = slave_at(position);
   if (!slave) {
-    return base::Unexpected(slave.error());
+    return base::Unexpected{slave.error()};
   }
   if (communications[position] == nullptr) {
     return fail(ErrorCode::mailbox, station_of(**slave).name() +
@@ -93,7 +93,7 @@ Result<void> Master::State::start_mailbox(Slave& slave) {
   const Station station = station_of(slave);
   const auto status = read_al_status(bus, station);
   if (!status) {
-    return base::Unexpected(status.error());
+    return base::Unexpected{status.error()};
   }
   slave.state = status->state;
   if (status->state != AlState::init && status->state != AlState::bootstrap) {
@@ -163,7 +163,7 @@ Result<void> Master::scan() {
 
   auto slaves = scan_segment(state.bus);
   if (!slaves) {
-    return base::Unexpected(slaves.error());
+    return base::Unexpected{slaves.error()};
   }
   state.slaves = std::move(*slaves);
   for (const Slave& slave : state.slaves) {
@@ -177,13 +177,13 @@ Result<void> Master::scan() {
 
 Result<AlStatus> Master::al_status(std::size_t position) {
   const auto slave = state_->slave_at(position);
-  return slave ? read_al_status(state_->bus, station_of(**slave)) : base::Unexpected(slave.error());
+  return slave ? read_al_status(state_->bus, station_of(**slave)) : base::Unexpected{slave.error()};
 }
 
 Result<void> Master::request_state(std::size_t position, AlState al_state) {
   const auto slave = state_->slave_at(position);
   if (!slave) {
-    return base::Unexpected(slave.error());
+    return base::Unexpected{slave.error()};
   }
   state_->operational = state_->operational && al_state == AlState::operational;
   auto done = request_al_state(state_->bus, station_of(**slave), al_state,
@@ -196,7 +196,7 @@ Result<void> Master::request_state(std::size_t position, AlState al_state) {
 
 Result<void> Master::start_mailbox(std::size_t position) {
   const auto slave = state_->slave_at(position);
-  return slave ? state_->start_mailbox(**slave) : base::Unexpected(slave.error());
+  return slave ? state_->start_mailbox(**slave) : base::Unexpected{slave.error()};
 }
 
 Result<void> Master::configure_process_data() {
@@ -214,7 +214,7 @@ Result<void> Master::configure_process_data() {
     auto data = read_process_data(station_of(slave), slave.information,
                                   communication == nullptr ? nullptr : &communication->sdo);
     if (!data) {
-      return base::Unexpected(data.error());
+      return base::Unexpected{data.error()};
     }
     process_data.push_back(std::move(*data));
   }
@@ -254,7 +254,7 @@ Result<void> Master::stop() {
 Result<void> Master::synchronize_clocks() {
   const auto reference = master::synchronize_clocks(state_->bus, state_->slaves);
   if (!reference) {
-    return base::Unexpected(reference.error());
+    return base::Unexpected{reference.error()};
   }
   state_->cyclic.set_reference_clock(*reference);
   return {};
@@ -286,39 +286,39 @@ std::span<const MappedEntry> Master::input_entries(std::size_t position) const {
 
 Result<std::vector<std::byte>> Master::upload(std::size_t position, ObjectAddress object) {
   const auto slave = state_->communication_with(position);
-  return slave ? (*slave)->sdo.upload(object) : base::Unexpected(slave.error());
+  return slave ? (*slave)->sdo.upload(object) : base::Unexpected{slave.error()};
 }
 
 Result<void> Master::download(std::size_t position, ObjectAddress object,
                               std::span<const std::byte> data) {
   const auto slave = state_->communication_with(position);
-  return slave ? (*slave)->sdo.download(object, data) : base::Unexpected(slave.error());
+  return slave ? (*slave)->sdo.download(object, data) : base::Unexpected{slave.error()};
 }
 
 Result<std::vector<std::uint16_t>> Master::object_list(std::size_t position, ObjectListType type) {
   const auto slave = state_->communication_with(position);
-  return slave ? (*slave)->information.object_list(type) : base::Unexpected(slave.error());
+  return slave ? (*slave)->information.object_list(type) : base::Unexpected{slave.error()};
 }
 
 Result<ObjectDescription> Master::object_description(std::size_t position, std::uint16_t index) {
   const auto slave = state_->communication_with(position);
-  return slave ? (*slave)->information.object_description(index) : base::Unexpected(slave.error());
+  return slave ? (*slave)->information.object_description(index) : base::Unexpected{slave.error()};
 }
 
 Result<EntryDescription> Master::entry_description(std::size_t position, std::uint16_t index,
                                                    std::uint8_t subindex) {
   const auto slave = state_->communication_with(position);
   return slave ? (*slave)->information.entry_description(index, subindex)
-               : base::Unexpected(slave.error());
+               : base::Unexpected{slave.error()};
 }
 
 Result<std::vector<Emergency>> Master::take_emergencies(std::size_t position) {
   const auto slave = state_->communication_with(position);
   if (!slave) {
-    return base::Unexpected(slave.error());
+    return base::Unexpected{slave.error()};
   }
   if (const auto done = (*slave)->mailbox.collect(); !done) {
-    return base::Unexpected(done.error());
+    return base::Unexpected{done.error()};
   }
   return (*slave)->mailbox.take_emergencies();
 }

@@ -119,10 +119,10 @@ template <typename T>
 Result<T> Master::upload_number(std::size_t position, ObjectAddress object) {
   const auto data = upload(position, object);
   if (!data) {
-    return base::Unexpected(data.error());
+    return base::Unexpected{data.error()};
   }
   if (data->size() != sizeof(T)) {
-    return base::Unexpected(wrong_length(position, object, sizeof(T), data->size()));
+    return base::Unexpected{wrong_length(position, object, sizeof(T), data->size())};
   }
   return base::load_le<T>(data->data());
 }

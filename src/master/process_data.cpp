@@ -49,7 +49,7 @@ template <typename T>
 Result<T> upload_number(SdoClient& sdo, std::uint16_t index, std::uint8_t subindex) {
   const auto data = sdo.upload({index, subindex});
   if (!data) {
-    return base::Unexpected(data.error());
+    return base::Unexpected{data.error()};
   }
   if (data->size() != sizeof(T)) {
     return fail(ErrorCode::configuration, to_text(ObjectAddress{index, subindex}) + " has " +
@@ -64,13 +64,13 @@ Result<std::uint32_t> append_pdo(SdoClient& sdo, std::uint16_t pdo, std::uint32_
                                  std::vector<MappedEntry>& entries) {
   const auto count = upload_number<std::uint8_t>(sdo, pdo, 0);
   if (!count) {
-    return base::Unexpected(count.error());
+    return base::Unexpected{count.error()};
   }
   for (unsigned subindex = 1; subindex <= *count; ++subindex) {
     const auto mapping =
         upload_number<std::uint32_t>(sdo, pdo, static_cast<std::uint8_t>(subindex));
     if (!mapping) {
-      return base::Unexpected(mapping.error());
+      return base::Unexpected{mapping.error()};
     }
     const std::uint32_t bits = *mapping & 0xFF;
     entries.push_back({.index = static_cast<std::uint16_t>(*mapping >> 16),
@@ -89,18 +89,18 @@ Result<void> read_channel(SdoClient& sdo, ProcessDataChannel& channel) {
   const auto count = upload_number<std::uint8_t>(sdo, assignment, 0);
   if (!count) {
     return does_not_exist(count.error()) ? Result<void>()
-                                         : Result<void>(base::Unexpected(count.error()));
+                                         : Result<void>(base::Unexpected{count.error()});
   }
   std::uint32_t bits = 0;
   for (unsigned subindex = 1; subindex <= *count; ++subindex) {
     const auto pdo =
         upload_number<std::uint16_t>(sdo, assignment, static_cast<std::uint8_t>(subindex));
     if (!pdo) {
-      return base::Unexpected(pdo.error());
+      return base::Unexpected{pdo.error()};
     }
     const auto end = append_pdo(sdo, *pdo, bits, channel.entries);
     if (!end) {
-      return base::Unexpected(end.error());
+      return base::Unexpected{end.error()};
     }
     bits = *end;
   }
@@ -142,7 +142,7 @@ Result<SlaveProcessData> read_process_data(const Station& station,
     if (sdo == nullptr) {
       channel->bytes = channel->settings.length;
     } else if (const auto done = read_channel(*sdo, *channel); !done) {
-      return base::Unexpected(done.error());
+      return base::Unexpected{done.error()};
     }
     if (channel->bytes != 0 && channel->settings.start == 0) {
       return fail(ErrorCode::configuration, station.name() + " maps process data to sync manager " +

@@ -32,7 +32,7 @@ Result<std::size_t> count_slaves(Bus& bus) {
                                    ethercat::physical_address(0, registers::kInformation), type);
   if (!counter) {
     if (counter.error().code != ErrorCode::timeout) {
-      return base::Unexpected(counter.error());
+      return base::Unexpected{counter.error()};
     }
     return fail(ErrorCode::no_slaves, "no EtherCAT slave answers: " + counter.error().text);
   }
@@ -85,11 +85,11 @@ Result<Slave> identify(Bus& bus, std::uint16_t position) {
                                              registers::kStationAddress),
                   address);
   if (!counter) {
-    return base::Unexpected(counter.error());
+    return base::Unexpected{counter.error()};
   }
   std::array<std::byte, 12> chip{};
   if (const auto done = bus.read(station, registers::kInformation, chip); !done) {
-    return base::Unexpected(done.error());
+    return base::Unexpected{done.error()};
   }
   slave.fmmu_count = std::to_integer<std::uint8_t>(chip[4]);
   slave.sync_manager_count = std::to_integer<std::uint8_t>(chip[5]);
@@ -97,19 +97,19 @@ Result<Slave> identify(Bus& bus, std::uint16_t position) {
 
   const auto dl_status = bus.read_number<std::uint16_t>(station, registers::kDlStatus);
   if (!dl_status) {
-    return base::Unexpected(dl_status.error());
+    return base::Unexpected{dl_status.error()};
   }
   slave.ports = parse_dl_status(*dl_status);
 
   const auto contents = read_sii(bus, station);
   if (!contents) {
-    return base::Unexpected(contents.error());
+    return base::Unexpected{contents.error()};
   }
   auto information = parse_sii(*contents);
   if (!information) {
     Error error = information.error();
     error.text = station.name() + ": " + error.text;
-    return base::Unexpected(error);
+    return base::Unexpected{error};
   }
   slave.information = std::move(*information);
   return slave;
@@ -120,17 +120,17 @@ Result<Slave> identify(Bus& bus, std::uint16_t position) {
 Result<std::vector<Slave>> scan_segment(Bus& bus) {
   const auto count = count_slaves(bus);
   if (!count) {
-    return base::Unexpected(count.error());
+    return base::Unexpected{count.error()};
   }
   if (const auto done = reset_slaves(bus); !done) {
-    return base::Unexpected(done.error());
+    return base::Unexpected{done.error()};
   }
   std::vector<Slave> slaves;
   slaves.reserve(*count);
   for (std::size_t position = 0; position < *count; ++position) {
     auto slave = identify(bus, static_cast<std::uint16_t>(position));
     if (!slave) {
-      return base::Unexpected(slave.error());
+      return base::Unexpected{slave.error()};
     }
     slaves.push_back(std::move(*slave));
   }

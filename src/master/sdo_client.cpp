@@ -81,7 +81,7 @@ Result<std::vector<std::byte>> SdoClient::receive(const Transfer& transfer, bool
       Error error = message.error();
       error.text = std::string("SDO ") + transfer.verb + " of " + to_text(transfer.object) + ": " +
                    error.text;
-      return base::Unexpected(error);
+      return base::Unexpected{error};
     }
     const auto service = message->size() > kCoeHeader ? base::load_le<std::uint16_t>(*message) >> 12
                                                       : std::uint16_t{0};
@@ -118,13 +118,13 @@ Result<void> SdoClient::abort(const Transfer& transfer, std::uint32_t code,
   if (auto sent = send(sdo); !sent) {
     return sent;
   }
-  return base::Unexpected(protocol_error(transfer, reason));
+  return base::Unexpected{protocol_error(transfer, reason)};
 }
 
 Result<std::vector<std::byte>> SdoClient::upload(const ObjectAddress& object) {
   const Transfer transfer{"read", object};
   if (const auto sent = send(initiate(kUploadInitiate, object)); !sent) {
-    return base::Unexpected(sent.error());
+    return base::Unexpected{sent.error()};
   }
   const auto answer = receive(transfer, true);
   if (!answer) {
@@ -132,8 +132,8 @@ Result<std::vector<std::byte>> SdoClient::upload(const ObjectAddress& object) {
   }
   const unsigned command = command_of(*answer);
   if ((command & kSpecifierMask) != kUploadInitiateAnswer) {
-    return base::Unexpected(
-        protocol_error(transfer, "answer with unexpected command byte " + hexadecimal(command, 2)));
+    return base::Unexpected{
+        protocol_error(transfer, "answer with unexpected command byte " + hexadecimal(command, 2))};
   }
   if ((command & kExpedited) != 0) {
     const std::size_t unused = (command & kSizeIndicated) != 0 ? command >> 2 & 3U : 0U;
@@ -144,13 +144,13 @@ Result<std::vector<std::byte>> SdoClient::upload(const ObjectAddress& object) {
   std::vector<std::byte> data(answer->begin() + kInitiateLength, answer->end());
   if (data.size() < total) {
     if (const auto done = upload_segments(transfer, total, data); !done) {
-      return base::Unexpected(done.error());
+      return base::Unexpected{done.error()};
     }
   }
   if (data.size() != total) {
-    return base::Unexpected(protocol_error(
+    return base::Unexpected{protocol_error(
         transfer,
-        std::to_string(total) + " bytes were announced, " + std::to_string(data.size()) + " came"));
+        std::to_string(total) + " bytes were announced, " + std::to_string(data.size()) + " came")};
   }
   return data;
 }
@@ -166,7 +166,7 @@ Result<void> SdoClient::upload_segments(const Transfer& transfer, std::size_t to
     }
     const auto answer = receive(transfer, false);
     if (!answer) {
-      return base::Unexpected(answer.error());
+      return base::Unexpected{answer.error()};
     }
     const unsigned command = command_of(*answer);
     if ((command & kSpecifierMask) != kUploadSegmentAnswer || (command & kToggle) != toggle) {
@@ -212,11 +212,11 @@ Result<void> SdoClient::download(const ObjectAddress& object, std::span<const st
   }
   const auto answer = receive(transfer, true);
   if (!answer) {
-    return base::Unexpected(answer.error());
+    return base::Unexpected{answer.error()};
   }
   if ((command_of(*answer) & kSpecifierMask) != kDownloadInitiateAnswer) {
-    return base::Unexpected(protocol_error(
-        transfer, "answer with unexpected command byte " + hexadecimal(command_of(*answer), 2)));
+    return base::Unexpected{protocol_error(
+        transfer, "answer with unexpected command byte " + hexadecimal(command_of(*answer), 2))};
   }
   return rest.empty() ? Result<void>() : download_segments(transfer, rest);
 }
@@ -239,7 +239,7 @@ Result<void> SdoClient::download_segments(const Transfer& transfer,
     }
     const auto answer = receive(transfer, false);
     if (!answer) {
-      return base::Unexpected(answer.error());
+      return base::Unexpected{answer.error()};
     }
     const unsigned command = command_of(*answer);
     if ((command & kSpecifierMask) != kDownloadSegmentAnswer || (command & kToggle) != toggle) {

@@ -50,7 +50,7 @@ Result<std::vector<std::byte>> SdoInformationClient::request(std::uint8_t opcode
   message[2] = static_cast<std::byte>(opcode);
   std::copy(data.begin(), data.end(), message.begin() + kHeader);
   if (const auto sent = mailbox_.send(MailboxType::coe, message); !sent) {
-    return base::Unexpected(sent.error());
+    return base::Unexpected{sent.error()};
   }
   std::vector<std::byte> answer;
   base::SimTime deadline = mailbox_.answer_deadline();
@@ -59,7 +59,7 @@ Result<std::vector<std::byte>> SdoInformationClient::request(std::uint8_t opcode
     if (!fragment) {
       Error error = fragment.error();
       error.text = what + ": " + error.text;
-      return base::Unexpected(error);
+      return base::Unexpected{error};
     }
     if (fragment->size() < kHeader ||
         base::load_le<std::uint16_t>(*fragment) >> 12 != kSdoInformation) {
@@ -91,7 +91,7 @@ Result<std::vector<std::uint16_t>> SdoInformationClient::object_list(ObjectListT
   base::store_le(data.data(), static_cast<std::uint16_t>(type));
   const auto answer = request(kListRequest, data, "object list");
   if (!answer) {
-    return base::Unexpected(answer.error());
+    return base::Unexpected{answer.error()};
   }
   std::vector<std::uint16_t> indices;
   for (std::size_t at = 2; at + 2 <= answer->size(); at += 2) {
@@ -106,7 +106,7 @@ Result<ObjectDescription> SdoInformationClient::object_description(std::uint16_t
   const std::string what = "description of object " + hexadecimal(index, 4);
   const auto answer = request(kObjectRequest, data, what);
   if (!answer) {
-    return base::Unexpected(answer.error());
+    return base::Unexpected{answer.error()};
   }
   if (answer->size() < 6) {
     return fail(ErrorCode::protocol, what + ": " + mailbox_.station().name() + " sent " +
@@ -130,7 +130,7 @@ Result<EntryDescription> SdoInformationClient::entry_description(std::uint16_t i
   const std::string what = "description of entry " + to_text(ObjectAddress{index, subindex});
   const auto answer = request(kEntryRequest, data, what);
   if (!answer) {
-    return base::Unexpected(answer.error());
+    return base::Unexpected{answer.error()};
   }
   if (answer->size() < 10) {
     return fail(ErrorCode::protocol, what + ": " + mailbox_.station().name() + " sent " +

@@ -73,7 +73,7 @@ Result<void> read_more(Bus& bus, const Station& station, std::vector<std::byte>&
   }
   const auto status = wait_for_eeprom(bus, station);
   if (!status) {
-    return base::Unexpected(status.error());
+    return base::Unexpected{status.error()};
   }
   if ((*status & kErrorBits) != 0) {
     return fail(ErrorCode::sii,
@@ -107,26 +107,26 @@ Result<std::vector<std::byte>> read_sii(Bus& bus, const Station& station) {
   // Bit 1 takes the EEPROM from a host that holds it; then it is offered to the bus.
   for (const std::uint8_t owner : {std::uint8_t{2}, std::uint8_t{0}}) {
     if (const auto done = bus.write_number(station, registers::kSiiOwner, owner); !done) {
-      return base::Unexpected(done.error());
+      return base::Unexpected{done.error()};
     }
   }
   std::vector<std::byte> contents;
   if (const auto done = read_until(bus, station, contents, 2 * ethercat::sii_word::kFirstCategory);
       !done) {
-    return base::Unexpected(done.error());
+    return base::Unexpected{done.error()};
   }
   const std::size_t size = (std::size_t{word(contents, ethercat::sii_word::kSize)} + 1) * 128;
   std::size_t at = 2 * ethercat::sii_word::kFirstCategory;
   while (at + 4 <= size) {
     if (const auto done = read_until(bus, station, contents, at + 4); !done) {
-      return base::Unexpected(done.error());
+      return base::Unexpected{done.error()};
     }
     if (base::load_le<std::uint16_t>(contents, at) == kEndOfCategories) {
       break;
     }
     at += 4 + std::size_t{base::load_le<std::uint16_t>(contents, at + 2)} * 2;
     if (const auto done = read_until(bus, station, contents, std::min(at, size)); !done) {
-      return base::Unexpected(done.error());
+      return base::Unexpected{done.error()};
     }
   }
   return contents;
