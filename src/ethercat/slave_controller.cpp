@@ -9,10 +9,6 @@ namespace stator::ethercat {
 
 namespace {
 
-constexpr base::EventRule kProcessDataWatchdog{
-    "esc-process-data-watchdog", base::Severity::fault,
-    "process-data watchdog expired: no write to a sync manager with watchdog trigger for {0} us; "
-    "send process data faster or set registers 0400h and 0420h"};
 constexpr base::EventRule kHostWatchdog{
     "esc-pdi-watchdog", base::Severity::fault,
     "PDI watchdog expired: the host has not accessed the controller for {0} us"};
@@ -172,20 +168,16 @@ void SlaveController::advance(base::SimTime now) {
 }
 
 void SlaveController::expire(base::SimTime now) {
-  const auto increments = [&](std::size_t time_register) {
-    const std::int64_t divider = base::load_le<std::uint16_t>(registers(), 0x0400);
-    const std::int64_t time = base::load_le<std::uint16_t>(registers(), time_register);
-    return (divider + 2) * time / 25;
-  };
   if (process_data_watchdog_.expire(now)) {
     count(0x0442);
     al_event_request_ |= al_event::kProcessDataWatchdog;
-    reporter_.report(now, kProcessDataWatchdog, {increments(0x0420)});
   }
   if (host_watchdog_.expire(now)) {
     count(0x0443);
     update_dl_status();
-    reporter_.report(now, kHostWatchdog, {increments(0x0410)});
+    const std::int64_t divider = base::load_le<std::uint16_t>(registers(), 0x0400);
+    const std::int64_t time = base::load_le<std::uint16_t>(registers(), 0x0410);
+    reporter_.report(now, kHostWatchdog, {(divider + 2) * time / 25});
   }
   if (sii_.finish(now) == SiiInterface::Completion::reload) {
     load_configuration_area(false);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -131,7 +132,7 @@ class SyncManager {
   std::uint16_t start_ = 0;
   std::uint16_t length_ = 0;
   std::uint32_t guarded_length_ = 0;
-  std::uint32_t buffer_offset_[3] = {};  ///< of each buffer from start
+  std::array<std::uint32_t, 3> buffer_offset_{};  ///< of each buffer from start
   std::uint8_t status_ = kNoBuffer;
   std::uint8_t writing_ = 0;
   std::uint8_t latest_ = 1;
