@@ -13,16 +13,16 @@ using base::Severity;
 using dictionary::Entry;
 
 /// Bits of 2005h (document L748-L753).
-enum SwitchBit : std::uint32_t {
-  kLeftOff = 1U << 0,
-  kRightOff = 1U << 1,
-  kLeftInverted = 1U << 2,
-  kRightInverted = 1U << 3,
-  kHomeInverted = 1U << 5,
-};
+constexpr std::uint32_t kLeftOff = 1U << 0;
+constexpr std::uint32_t kRightOff = 1U << 1;
+constexpr std::uint32_t kLeftInverted = 1U << 2;
+constexpr std::uint32_t kRightInverted = 1U << 3;
+constexpr std::uint32_t kHomeInverted = 1U << 5;
 
 /// Bits of 60FDh as CiA 402 allocates them; the document leaves them open.
-enum DigitalInputBit : std::uint32_t { kLeft = 1U << 0, kRight = 1U << 1, kHome = 1U << 2 };
+constexpr std::uint32_t kLeft = 1U << 0;
+constexpr std::uint32_t kRight = 1U << 1;
+constexpr std::uint32_t kHome = 1U << 2;
 
 constexpr std::uint8_t kInternalUnits = 0;            // of 208Ch and 208Eh
 constexpr std::uint8_t kPulsesPerSquareSecond = 179;  // of 208Eh
@@ -138,10 +138,11 @@ void AxisUnit::configure() {
   settings.stop_deceleration = settings.units.acceleration(objects_.stop_deceleration.get());
   settings.encoder_reversed = objects_.encoder_reversed.get() != 0;
   settings.position_from_encoder = objects_.position_from_encoder.get() != 0;
-  settings.currents = {.run = objects_.run_current.get(),
-                       .standby = objects_.standby_current.get(),
-                       .boost = objects_.boost_current.get(),
-                       .standby_delay = milliseconds(10 * objects_.standby_delay.get())};
+  settings.currents = {
+      .run = objects_.run_current.get(),
+      .standby = objects_.standby_current.get(),
+      .boost = objects_.boost_current.get(),
+      .standby_delay = milliseconds(std::int64_t{10} * objects_.standby_delay.get())};
   settings.full_scale_current = full_scale_current_;
   settings.chopper_enabled = objects_.chopper_off_time.get() != 0;
   settings.automatic_brake =

@@ -19,7 +19,7 @@ namespace stator::devices::tmcm_3315 {
 /// Handles to the manufacturer objects of one axis that have behaviour.
 struct AxisManufacturerObjects {
   AxisManufacturerObjects(const dictionary::Dictionary& dictionary, std::uint16_t index_offset,
-                          std::uint16_t profile_offset);
+                          std::uint16_t profile_index_offset);
 
   dictionary::Variable<std::uint8_t> microstep_resolution;          // 2000h
   dictionary::Variable<std::uint16_t> full_steps;                   // 2001h
@@ -80,9 +80,9 @@ class AxisUnit {
 
  private:
   void configure();
-  void mirror_objects(const dictionary::Entry&);
-  void place_position(const dictionary::Entry&);
-  void latch_step_counter(dictionary::Entry&);
+  void mirror_objects(const dictionary::Entry& entry);
+  void place_position(const dictionary::Entry& entry);
+  void latch_step_counter(dictionary::Entry& entry);
   [[nodiscard]] dictionary::Verdict check_positioning_option(const dictionary::Entry& entry,
                                                              std::uint64_t bits);
   [[nodiscard]] std::int64_t microsteps_per_revolution() const;

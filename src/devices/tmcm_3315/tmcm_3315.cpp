@@ -64,7 +64,7 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
       axes_([&] {
         tmcm_3315::add_objects(dictionary_);
         std::array<std::unique_ptr<AxisUnit>, tmcm_3315::kAxisCount> axes;
-        for (std::uint8_t n = 0; n < axes.size(); ++n) {
+        for (std::uint8_t n = 0; n < tmcm_3315::kAxisCount; ++n) {
           axes[n] = std::make_unique<AxisUnit>(dictionary_, n, configuration.axes[n],
                                                configuration.full_scale_current, reporter);
         }
@@ -194,7 +194,7 @@ void Tmcm3315::switch_outputs() {
 }
 
 void Tmcm3315::report_errors(base::SimTime now) {
-  for (std::uint8_t motor = 0; motor < axes_.size(); ++motor) {
+  for (std::uint8_t motor = 0; motor < tmcm_3315::kAxisCount; ++motor) {
     const drive::Axis& axis = axes_[motor]->axis();
     const drive::AxisErrors before = reported_errors_[motor];
     if (axis.fault_resets() == reported_resets_[motor] && axis.errors() == before) {
