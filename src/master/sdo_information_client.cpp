@@ -147,7 +147,7 @@ Result<EntryDescription> SdoInformationClient::entry_description(std::uint16_t i
   const std::size_t value_length = (std::size_t{entry.bit_length} + 7) / 8;
   std::span<const std::byte> rest = std::span(*answer).subspan(10);
   if ((value_info & kUnitType) != 0) {
-    take(rest, 4);
+    take(rest, sizeof(std::uint16_t));
   }
   if ((value_info & kDefaultValue) != 0) {
     entry.default_value = take(rest, value_length);
