@@ -9,7 +9,6 @@ namespace stator::ethercat {
 namespace {
 
 constexpr std::size_t kReceiveTimePort0 = 0x0900;
-constexpr std::size_t kReceiveTimePort1 = 0x0904;
 constexpr std::size_t kSystemTime = 0x0910;
 constexpr std::size_t kReceiveTimeProcessingUnit = 0x0918;
 constexpr std::size_t kSystemTimeOffset = 0x0920;
@@ -56,14 +55,14 @@ void DistributedClock::show_system_time(base::SimTime t, bool for_bus) {
   base::store_le(registers_, kSystemTime, shown);
 }
 
-void DistributedClock::latch_receive_times(const FrameTiming& timing, bool port1_open) {
-  const std::uint64_t port0 = local_time(timing.port0);
-  base::store_le(registers_, kReceiveTimePort0, static_cast<std::uint32_t>(port0));
-  base::store_le(registers_, kReceiveTimeProcessingUnit, port0);
-  if (port1_open) {
-    base::store_le(registers_, kReceiveTimePort1,
-                   static_cast<std::uint32_t>(local_time(timing.port1)));
+void DistributedClock::latch_receive_times(const FrameTiming& timing) {
+  for (unsigned port = 0; port < kPortsPerSlave; ++port) {
+    if (timing.received_at(port)) {
+      base::store_le(registers_, kReceiveTimePort0 + 4 * std::size_t{port},
+                     static_cast<std::uint32_t>(local_time(timing.port(port))));
+    }
   }
+  base::store_le(registers_, kReceiveTimeProcessingUnit, local_time(timing.processing_unit()));
 }
 
 void DistributedClock::compare(std::uint32_t received, base::SimTime t) {

@@ -6,14 +6,18 @@
 
 #include "base/sim_time.hpp"
 #include "ethercat/register_table.hpp"
+#include "ethercat/topology.hpp"
 
 namespace stator::ethercat {
 
-/// When a frame reached a slave: its first bit at port 0 on the way out and at port 1 on the way
-/// back. Port 1 counts only if it is open.
+/// When the first bit of a frame reached the ports and the processing unit of a slave.
 struct FrameTiming {
-  base::SimTime port0;
-  base::SimTime port1;
+  base::SimTime sent;  ///< when it left the master
+  const ArrivalTimes& arrivals;
+
+  [[nodiscard]] base::SimTime processing_unit() const { return sent + arrivals.processing_unit; }
+  [[nodiscard]] bool received_at(unsigned port) const { return (arrivals.ports >> port & 1U) != 0; }
+  [[nodiscard]] base::SimTime port(unsigned port) const { return sent + arrivals.port[port]; }
 };
 
 /// Local clock and system time of a slave (ETG.1000.4 §6.6; registers 0x0900..0x0935). Works on the
@@ -36,8 +40,8 @@ class DistributedClock {
   /// Writes system time at `t` into 0x0910; for the bus less the propagation delay.
   void show_system_time(base::SimTime t, bool for_bus);
 
-  /// Stores the receive times of a frame with a write to 0x0900.
-  void latch_receive_times(const FrameTiming& timing, bool port1_open);
+  /// Stores the receive times of a frame with a write to 0x0900, of those ports that received it.
+  void latch_receive_times(const FrameTiming& timing);
 
   /// A master or reference clock wrote `received` (its low 32 bits) to 0x0910 in the frame that
   /// reached this slave at `t`: measures the difference, shows the filtered one in 0x092C and slews

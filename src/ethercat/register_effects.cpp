@@ -152,6 +152,7 @@ void SlaveController::after_bus_write(Effects effects, std::uint32_t address,
         if (address <= 0x0101 && address + data.size() > 0x0101) {
           frame_work_ |= FrameWork::kApplyLoopControl;
         }
+        note_topology_change();  // a receive FIFO of another size delays frames differently
         break;
       case Effect::al_control:
         take_al_control();

@@ -83,6 +83,12 @@ void SlaveController::power_on_reset() {
   update_ports(true);
 }
 
+void SlaveController::restore_power() {
+  std::fill(memory_.begin() + kRegisterSpace, memory_.end(), std::byte{0});
+  power_on_reset();
+  reset_requested_ = true;
+}
+
 void SlaveController::show_identity() {
   const SlaveControllerConfiguration& chip = configuration_;
   memory_[0x0000] = std::byte{chip.type};

@@ -16,6 +16,7 @@
 #include "ethercat/register_table.hpp"
 #include "ethercat/sii_interface.hpp"
 #include "ethercat/sync_manager.hpp"
+#include "ethercat/topology.hpp"
 #include "ethercat/watchdog.hpp"
 
 namespace stator::ethercat {
@@ -44,8 +45,9 @@ struct SlaveControllerConfiguration {
   bool device_emulation = false;      ///< pin PDI_EMULATION: AL status follows AL control
   bool acknowledge_by_write = false;  ///< host acknowledges events by writing (0x014E bit 0)
 
-  base::SimDuration forwarding_delay = base::SimDuration(300);  ///< from port to port
-  std::int32_t clock_deviation_ppb = 0;                         ///< of the oscillator
+  /// From receiving at one port to sending at the next open one, with the default receive FIFO.
+  base::SimDuration forwarding_delay = base::SimDuration(300);
+  std::int32_t clock_deviation_ppb = 0;  ///< of the oscillator
   SiiTiming sii_timing;
 };
 
@@ -71,7 +73,7 @@ class SlaveController final : public ProcessDataInterface {
  public:
   static constexpr std::size_t kMaximumFmmus = 16;
   static constexpr std::size_t kMaximumSyncManagers = 16;
-  static constexpr unsigned kPorts = 4;
+  static constexpr unsigned kPorts = kPortsPerSlave;
 
   explicit SlaveController(const SlaveControllerConfiguration& configuration);
 
@@ -92,15 +94,20 @@ class SlaveController final : public ProcessDataInterface {
   [[nodiscard]] bool link(unsigned port) const { return ports_[port].link; }
   /// A frame leaves through the port; false: it is turned back inside (loop closed).
   [[nodiscard]] bool port_open(unsigned port) const { return ports_[port].open; }
-  /// True once after port_open() of some port has changed.
-  [[nodiscard]] bool take_topology_change() {
-    const bool changed = topology_changed_;
-    topology_changed_ = false;
-    return changed;
+  /// The chip has this port (0x0007).
+  [[nodiscard]] bool has_port(unsigned port) const {
+    return port < kPorts && (configuration_.port_descriptor >> (2 * port) & 3U) > 1;
   }
-  [[nodiscard]] base::SimDuration forwarding_delay() const {
-    return configuration_.forwarding_delay;
-  }
+  /// What of ports and delays decides on the way of frames.
+  [[nodiscard]] SlaveForwarding forwarding() const;
+  /// From port to port, as the size of the receive FIFO (0x0102) makes it.
+  [[nodiscard]] base::SimDuration forwarding_delay() const;
+  /// Makes the controller set `*changed` whenever forwarding() may have changed; null ends that.
+  void watch_topology(bool* changed) { topology_changed_ = changed; }
+  /// A valid frame came in at a closed port, where it ends: Auto Close opens the port.
+  void receive_at_closed_port(unsigned port);
+  /// The forwarding rule (0x0100 bit 0) for frames that carry no EtherCAT datagrams.
+  [[nodiscard]] bool destroys_foreign_frames() const { return register_bit(0x0100, 0); }
 
   /// As ProcessDataInterface says; the time of the access is that of the last frame or advance().
   void read(std::uint16_t address, std::span<std::byte> out) override;
@@ -133,8 +140,11 @@ class SlaveController final : public ProcessDataInterface {
 
   /// Power-on reset: all registers to their reset values, EEPROM loaded again, links as they are.
   void power_on_reset();
-  /// True once after master or host have completed the reset sequence (0x0040, 0x0041). The
-  /// controller has then been reset; the board resets its firmware too.
+  /// Power comes back after a failure: power_on_reset() with an empty process memory, and a request
+  /// to the board to start its firmware again.
+  void restore_power();
+  /// True once after master or host have completed the reset sequence (0x0040, 0x0041), or after
+  /// restore_power(). The controller has then been reset; the board resets its firmware too.
   [[nodiscard]] bool take_reset_request();
 
   /// Copies memory as it is, with no rights and no effects, for displays and tests; addresses
@@ -180,6 +190,11 @@ class SlaveController final : public ProcessDataInterface {
   void update_ports(bool loop_control_written);
   void update_dl_status();
   void apply_loop_control();
+  void note_topology_change() {
+    if (topology_changed_ != nullptr) {
+      *topology_changed_ = true;
+    }
+  }
   void take_reset_key(Side side, std::uint8_t key);
   void finish_reset_key();
 
@@ -280,10 +295,9 @@ class SlaveController final : public ProcessDataInterface {
   bool direct_only_ = false;  ///< all active FMMUs are direct mappings
   std::uint8_t write_mapping_count_ = 0;
   std::uint8_t read_mapping_count_ = 0;
-  bool topology_changed_ = false;
   std::uint32_t al_event_request_ = 0;
   base::SimTime now_;
-  base::SimTime frame_start_;  ///< when the present frame reached port 0
+  base::SimTime frame_start_;  ///< when the present frame reached the processing unit
   base::SimTime next_deadline_ = base::SimTime::never();
   std::array<DirectMapping, kMaximumFmmus> write_mappings_{};
   std::array<DirectMapping, kMaximumFmmus> read_mappings_{};
@@ -298,6 +312,7 @@ class SlaveController final : public ProcessDataInterface {
   Watchdog host_watchdog_;
   base::EventReporter reporter_;
 
+  bool* topology_changed_ = nullptr;  ///< see watch_topology()
   std::array<Port, kPorts> ports_{};
   base::SimTime loop_control_expires_ = base::SimTime::never();
   std::uint8_t loop_control_ = 0;            ///< 0x0101 as it is in force
