@@ -101,6 +101,11 @@ void SlaveController::show_identity() {
     base::store_le(registers(), 0x0E00, chip.product_id);
     base::store_le(registers(), 0x0E08, chip.vendor_id);
   }
+  memory_[0x0151] = std::byte{chip.sync_latch_reset};
+  if (has_feature(chip.features, ControllerFeature::mii_management)) {
+    const bool detects = has_feature(chip.features, ControllerFeature::mii_link_detection);
+    memory_[0x0510] = std::byte{detects ? std::uint8_t{0x06} : std::uint8_t{0x02}};
+  }
 }
 
 void SlaveController::load_sii(std::span<const std::byte> image) {

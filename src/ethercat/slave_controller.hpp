@@ -39,7 +39,10 @@ struct SlaveControllerConfiguration {
       ControllerFeature::led_override | ControllerFeature::pdi_information |
       ControllerFeature::mii_management | ControllerFeature::parameter_ram |
       ControllerFeature::buffer_event_times | ControllerFeature::product_identity |
-      ControllerFeature::user_ram;
+      ControllerFeature::user_ram | ControllerFeature::error_counters |
+      ControllerFeature::lost_link_counters | ControllerFeature::mii_link_detection |
+      ControllerFeature::sii_host_access | ControllerFeature::watchdog_setting;
+  std::uint8_t sync_latch_reset = 0x66;  ///< 0x0151 until the EEPROM is loaded
 
   bool device_emulation = false;      ///< pin PDI_EMULATION: AL status follows AL control
   bool acknowledge_by_write = false;  ///< host acknowledges events by writing (0x014E bit 0)
@@ -61,7 +64,7 @@ enum class ReceiveError : std::uint8_t {
 /// side is ProcessDataInterface.
 ///
 /// Memory is one block, registers below 0x1000 and process memory above. What a register byte
-/// allows comes from the declared table (register_table.cpp); what an access causes is in
+/// allows comes from the declared tables (register_table_*.cpp); what an access causes is in
 /// register_effects.cpp. FMMUs and sync managers act at once, in every AL state: each write to
 /// their registers compiles them into the mappings the frame path walks (logical_access.cpp).
 ///
