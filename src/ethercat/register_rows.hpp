@@ -13,12 +13,14 @@ namespace stator::ethercat {
 /// A row of a table of registers: a register, or a field of the register in the nearest row above
 /// that is one. The tables read as those of the documents do.
 struct RegisterRow {
-  /// A register: address, width in bits, name as printed.
+  /// A register: address, width in bits, name as printed; what an access causes, the part it
+  /// belongs to, how often it occurs, the part without which nobody can write it.
   constexpr RegisterRow(std::uint16_t address, std::uint16_t width, std::string_view name,
                         Effect effect = Effect::none,
                         ControllerFeature feature = ControllerFeature::always,
-                        Repetition repetition = {})
-      : declaration{address, width, name, effect, feature, repetition, {}} {}
+                        Repetition repetition = {},
+                        ControllerFeature write_feature = ControllerFeature::always)
+      : declaration{address, width, name, effect, feature, repetition, write_feature, {}} {}
   /// A field: highest and lowest bit, name, rights of bus and host, reset value, document lines.
   constexpr RegisterRow(std::uint16_t bit_hi, std::uint16_t bit_lo, std::string_view name,
                         Access bus, Access host, std::uint64_t reset, DocumentLines lines)
@@ -80,6 +82,7 @@ inline constexpr Access rw_special = Access::read_write_special;
 inline constexpr Access w = Access::write_special;
 inline constexpr Access w_if = Access::write_if;
 
+inline constexpr Repetition kOnce;
 inline constexpr Repetition kEachFmmu{Channels::fmmus, 16};
 inline constexpr Repetition kEachSyncManager{Channels::sync_managers, 8};
 inline constexpr Repetition kEachPortByte{Channels::ports, 1};

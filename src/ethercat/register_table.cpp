@@ -99,7 +99,7 @@ template <typename Visitor>
 void RegisterMap::for_each_register(Visitor visit) const {
   for (const std::span<const RegisterDeclaration> group : register_groups()) {
     for (const RegisterDeclaration& declaration : group) {
-      if (!has_feature(features_, declaration.feature)) {
+      if (!answers(declaration)) {
         continue;
       }
       const unsigned channels = channel_count(declaration.repetition.channels);
@@ -110,23 +110,38 @@ void RegisterMap::for_each_register(Visitor visit) const {
   }
 }
 
-RegisterMap::RegisterMap(ControllerFeature features, unsigned fmmu_count,
-                         unsigned sync_manager_count)
-    : features_(features), fmmu_count_(fmmu_count), sync_manager_count_(sync_manager_count) {
+RegisterMap::RegisterMap(ControllerFeature features, ControllerFeature answered_features,
+                         unsigned fmmu_count, unsigned sync_manager_count)
+    : features_(features),
+      answered_features_(answered_features),
+      fmmu_count_(fmmu_count),
+      sync_manager_count_(sync_manager_count) {
   for_each_register([this](const RegisterDeclaration& declaration, std::size_t address) {
-    const bool kept = !discards_value(declaration.effect);
-    for (std::size_t i = 0; i < declaration.width / 8U; ++i) {
-      bytes_[address + i].effect = declaration.effect;
-      for (const RegisterField& field : declaration.fields) {
-        add_field(bytes_[address + i], field, i, kept);
-      }
-    }
+    add_register(declaration, address);
   });
+}
+
+void RegisterMap::add_register(const RegisterDeclaration& declaration, std::size_t address) {
+  const bool built = has_feature(features_, declaration.feature);
+  const bool writable = built && has_feature(features_, declaration.write_feature);
+  const bool swallows = has_feature(answered_features_, declaration.write_feature);
+  for (std::size_t i = 0; i < declaration.width / 8U; ++i) {
+    Byte& byte = bytes_[address + i];
+    for (const RegisterField& field : declaration.fields) {
+      add_field(byte, field, i, writable && !discards_value(declaration.effect));
+    }
+    byte.built = built;
+    byte.bus_writes = byte.bus_writes && (writable || swallows);
+    byte.effect = built ? declaration.effect : Effect::none;
+  }
 }
 
 void RegisterMap::reset(std::span<std::byte, kRegisterSpace> registers) const {
   std::fill(registers.begin(), registers.end(), std::byte{0});
   for_each_register([&](const RegisterDeclaration& declaration, std::size_t address) {
+    if (!has_feature(features_, declaration.feature)) {
+      return;
+    }
     for (std::size_t i = 0; i < declaration.width / 8U; ++i) {
       for (const RegisterField& field : declaration.fields) {
         registers[address + i] |= std::byte{reset_in_byte(field, i)};

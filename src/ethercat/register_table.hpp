@@ -162,6 +162,7 @@ struct RegisterDeclaration {
   Effect effect = Effect::none;
   ControllerFeature feature = ControllerFeature::always;
   Repetition repetition;
+  ControllerFeature write_feature = ControllerFeature::always;  ///< without it, constants
   std::span<const RegisterField> fields;
 };
 
@@ -182,23 +183,35 @@ class RegisterMap {
     bool bus_writes : 1 = false;
     bool host_reads : 1 = false;
     bool host_writes : 1 = false;
+    bool built : 1 = false;  ///< the register is there, not only answered
     Effect effect = Effect::none;
   };
 
-  RegisterMap(ControllerFeature features, unsigned fmmu_count, unsigned sync_manager_count);
+  /// `features` are the parts that are built. Of other parts only those in `answered_features`
+  /// answer: their registers read 0 and ignore writes, but the working counter counts.
+  RegisterMap(ControllerFeature features, ControllerFeature answered_features, unsigned fmmu_count,
+              unsigned sync_manager_count);
 
   [[nodiscard]] const Byte& operator[](std::size_t address) const { return bytes_[address]; }
+
+  /// True if the register is built or at least answers.
+  [[nodiscard]] bool answers(const RegisterDeclaration& declaration) const {
+    return has_feature(features_ | answered_features_, declaration.feature);
+  }
+  /// How many of a repeated register there are.
+  [[nodiscard]] unsigned channel_count(Channels channels) const;
 
   /// Writes the declared reset values of all existing registers; everything else becomes 0.
   void reset(std::span<std::byte, kRegisterSpace> registers) const;
 
  private:
-  [[nodiscard]] unsigned channel_count(Channels channels) const;
-  /// Calls `visit(declaration, address)` for every register there is.
+  void add_register(const RegisterDeclaration& declaration, std::size_t address);
+  /// Calls `visit(declaration, address)` for every register that answers.
   template <typename Visitor>
   void for_each_register(Visitor visit) const;
 
   ControllerFeature features_;
+  ControllerFeature answered_features_;
   unsigned fmmu_count_;
   unsigned sync_manager_count_;
   std::array<Byte, kRegisterSpace> bytes_{};
