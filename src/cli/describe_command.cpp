@@ -10,9 +10,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/cells.hpp"
 #include "cli/commands.hpp"
-#include "cli/failure.hpp"
 #include "cli/products.hpp"
+#include "cli/register_listing.hpp"
 #include "dictionary/description.hpp"
 
 namespace stator::cli {
@@ -20,35 +21,6 @@ namespace stator::cli {
 namespace {
 
 using dictionary::EntryDescription;
-
-void append_csv_field(std::string& row, std::string_view text) {
-  if (text.find_first_of(",\"\n") == std::string_view::npos) {
-    row += text;
-    return;
-  }
-  row += '"';
-  for (const char c : text) {
-    if (c == '"') {
-      row += '"';
-    }
-    row += c;
-  }
-  row += '"';
-}
-
-template <typename Columns>
-void print_csv_row(const Columns& columns) {
-  std::string row;
-  bool first = true;
-  for (const std::string_view column : columns) {
-    if (!first) {
-      row += ',';
-    }
-    first = false;
-    append_csv_field(row, column);
-  }
-  fmt::print("{}\n", row);
-}
 
 void print_csv(const std::vector<EntryDescription>& rows) {
   print_csv_row(dictionary::kDescriptionColumns);
@@ -75,18 +47,6 @@ void print_json(const std::vector<EntryDescription>& rows) {
                     {"notes", row.notes}});
   }
   fmt::print("{}\n", list.dump(2));
-}
-
-/// `text` with the character that ends a cell written so that it does not.
-std::string markdown_cell(std::string_view text) {
-  std::string cell;
-  for (const char c : text) {
-    if (c == '|') {
-      cell += '\\';
-    }
-    cell += c;
-  }
-  return cell;
 }
 
 void print_markdown(const std::vector<EntryDescription>& rows) {
@@ -118,9 +78,15 @@ void print_table(const std::vector<EntryDescription>& rows) {
 struct DescribeOptions {
   std::string device;
   std::string format = "table";
+  std::string preset;
+  bool registers = false;
 };
 
 void describe(const DescribeOptions& options) {
+  if (options.registers) {
+    list_registers(options.device, options.preset, options.format);
+    return;
+  }
   const auto device = build_product(options.device);
   std::vector<EntryDescription> rows;
   for (const dictionary::Entry& entry : device->dictionary().entries()) {
@@ -141,12 +107,23 @@ void describe(const DescribeOptions& options) {
 
 void add_describe_command(CLI::App& app) {
   auto options = std::make_shared<DescribeOptions>();
-  CLI::App* command = app.add_subcommand("describe", "Print the object dictionary of a product");
-  command->add_option("device", options->device, "Product, see \"stator devices\"")->required();
+  CLI::App* command =
+      app.add_subcommand("describe", "Print the object dictionary of a product, or its registers");
+  command
+      ->add_option("device", options->device,
+                   "Product, see \"stator devices\"; with --registers also tmc8461, tmc8670")
+      ->required();
   command->add_option("--format", options->format, "table, csv, json or markdown")
       ->check(CLI::IsMember({"table", "csv", "json", "markdown"}))
       ->capture_default_str();
-  command->footer("Example: stator describe tmcm-3315 --format csv > objects.csv");
+  CLI::Option* registers = command->add_flag("--registers", options->registers,
+                                             "The slave controller's registers, field by field");
+  command->add_option("--preset", options->preset, "Reading of the device: document or silicon")
+      ->needs(registers);
+  command->footer(
+      "Examples:\n"
+      "  stator describe tmcm-3315 --format csv > objects.csv\n"
+      "  stator describe tmc8670 --registers --preset silicon --format csv");
   command->callback([options] { describe(*options); });
 }
 

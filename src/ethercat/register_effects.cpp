@@ -1,4 +1,4 @@
-// What accesses to registers cause, by effect as declared in register_table.cpp and by side.
+// What accesses to registers cause, by effect as declared in register_table_*.cpp and by side.
 
 #include <algorithm>
 #include <bit>

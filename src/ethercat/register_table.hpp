@@ -24,6 +24,11 @@ enum class ControllerFeature : std::uint32_t {
   product_identity = 1U << 9,      ///< 0x0E00-0x0E0F
   user_ram = 1U << 10,             ///< 0x0F80-0x0FFF
   sii_eight_byte_read = 1U << 11,  ///< 0x0502 bit 6
+  error_counters = 1U << 12,       ///< 0x030C-0x030E
+  lost_link_counters = 1U << 13,   ///< 0x0310-0x0313
+  mii_link_detection = 1U << 14,   ///< 0x0518-0x051B, 0x0510 bit 2
+  sii_host_access = 1U << 15,      ///< 0x0500, 0x0501
+  watchdog_setting = 1U << 16,     ///< 0x0400 and 0x0410 writable; without it they are constants
 };
 constexpr ControllerFeature operator|(ControllerFeature a, ControllerFeature b) {
   return static_cast<ControllerFeature>(static_cast<std::uint32_t>(a) |
@@ -35,13 +40,36 @@ constexpr bool has_feature(ControllerFeature present, ControllerFeature wanted) 
          static_cast<std::uint32_t>(wanted);
 }
 
-/// What one side, bus or host, may do with a register.
-enum class Rights : std::uint8_t {
-  none,
-  read,
-  read_write,
-  read_acknowledge,  ///< a write stores nothing, it acknowledges the event the register reports
+/// What one side, bus or host, may do with a field of a register, in the notations of the device
+/// documents. What the condition of a conditional right is stands with the register's effect.
+enum class Access : std::uint8_t {
+  none,                     ///< "": the side sees nothing and changes nothing
+  read,                     ///< "r"
+  read_acknowledges,        ///< "r*": reading acknowledges the event the register reports
+  read_write,               ///< "r/w"
+  read_write_if,            ///< "r/(w)": written under a condition
+  read_write_if_starts,     ///< "r/(w)": the same, but the bit only starts something, reads 0
+  read_write_acknowledges,  ///< "r/(w ack)": a write stores nothing, it acknowledges the event
+  read_write_clears,        ///< "r/w(clr)": a write of any value clears the group's counters
+  read_write_special,       ///< "r/w (special)": a write of any value starts something
+  write_special,            ///< "w": the write view of a register that reads something else
+  write_if,                 ///< "(w)": likewise, stored under a condition
 };
+
+/// The notation that the document uses for `access`.
+[[nodiscard]] std::string_view to_string(Access access);
+
+constexpr bool may_read(Access access) {
+  return access != Access::none && access != Access::write_special && access != Access::write_if;
+}
+constexpr bool may_write(Access access) {
+  return access != Access::none && access != Access::read && access != Access::read_acknowledges;
+}
+/// True if what is written stays in the register.
+constexpr bool stores(Access access) {
+  return access == Access::read_write || access == Access::read_write_if ||
+         access == Access::write_if;
+}
 
 /// What an access causes besides moving bits. Named by the register group; which side and which
 /// kind of access causes it stands in register_effects.cpp.
@@ -57,6 +85,7 @@ enum class Effect : std::uint8_t {
   dl_status,
   al_control,
   al_status,
+  led_override,
   event_mask,
   event_request,
   clear_receive_errors,
@@ -68,6 +97,9 @@ enum class Effect : std::uint8_t {
   clear_watchdog_counters,
   sii_access,
   sii_interface,
+  mii_interface,
+  mii_access,
+  mii_port_status,
   fmmu,
   sync_manager,
   sync_manager_activate,
@@ -79,24 +111,10 @@ enum class Effect : std::uint8_t {
   time_filter,
 };
 
-/// True if the bytes written to such a register only trigger the effect and are not stored.
+/// True if the bytes written to such a register only unlock and are not stored, although the
+/// document calls the field "r/w".
 constexpr bool discards_value(Effect effect) {
-  switch (effect) {
-    case Effect::unlock_registers:
-    case Effect::unlock_controller:
-    case Effect::reset_by_bus:
-    case Effect::reset_by_host:
-    case Effect::clear_receive_errors:
-    case Effect::clear_processing_unit_errors:
-    case Effect::clear_pdi_errors:
-    case Effect::clear_lost_links:
-    case Effect::clear_watchdog_counters:
-    case Effect::receive_time:
-    case Effect::system_time:
-      return true;
-    default:
-      return false;
-  }
+  return effect == Effect::unlock_registers || effect == Effect::unlock_controller;
 }
 
 /// True if a read by the bus has to compute the value first or changes something.
@@ -105,30 +123,53 @@ constexpr bool has_bus_read_effect(Effect effect) {
          effect == Effect::event_request || effect == Effect::system_time;
 }
 
-/// How often a declaration occurs: once, or once per channel at the distance named.
-enum class Repetition : std::uint8_t {
-  once,
-  per_fmmu,          ///< every 16 bytes
-  per_sync_manager,  ///< every 8 bytes
+/// What a declaration that stands for several registers is repeated for.
+enum class Channels : std::uint8_t { one, fmmus, sync_managers, ports };
+
+/// How often a declaration occurs, and how many bytes apart.
+struct Repetition {
+  Channels channels = Channels::one;
+  std::uint8_t distance = 0;
 };
 
-/// One register as the device document declares it.
-struct RegisterDeclaration {
-  std::uint16_t address;  ///< of the first channel
-  std::uint16_t width;    ///< bits
+/// Lines of the documents at which a field stands: TMC8461 and TMC8670 datasheet as text. 0: not
+/// in that document.
+struct DocumentLines {
+  std::uint16_t tmc8461 = 0;
+  std::uint16_t tmc8670 = 0;
+};
+
+/// One field of a register as the document's table has it, a row each. A field named "reserved"
+/// takes writes where its right says so, but stores nothing and reads 0.
+struct RegisterField {
+  std::uint16_t bit_hi = 0;
+  std::uint16_t bit_lo = 0;
   std::string_view name;
-  Rights bus;
-  Rights host;
-  std::uint64_t reset = 0;
-  std::uint64_t writable = ~std::uint64_t{0};  ///< bits that keep what is written
+  Access bus = Access::none;
+  Access host = Access::none;
+  std::uint64_t reset = 0;  ///< after power-on; what depends on the build is in reset_registers()
+  DocumentLines lines;
+
+  [[nodiscard]] constexpr bool reserved() const { return name.starts_with("reserved"); }
+};
+
+/// One register as the device document declares it. Masks, reset values, rights and the printed
+/// table are derived from its fields.
+struct RegisterDeclaration {
+  std::uint16_t address = 0;  ///< of the first channel
+  std::uint16_t width = 0;    ///< bits
+  std::string_view name;      ///< '#' stands for the channel's number
   Effect effect = Effect::none;
   ControllerFeature feature = ControllerFeature::always;
-  Repetition repetition = Repetition::once;
+  Repetition repetition;
+  ControllerFeature write_feature = ControllerFeature::always;  ///< without it, constants
+  std::span<const RegisterField> fields;
 };
 
 /// All registers an EtherCAT slave controller can have, by address (ETG.1000.4 §6; TMC8461
-/// datasheet section "ESC register map").
-[[nodiscard]] std::span<const RegisterDeclaration> register_declarations();
+/// datasheet section "ESC register map"), in the document's groups: data link, application layer,
+/// events and watchdogs, SII and MII, FMMUs and sync managers, distributed clocks, identity.
+[[nodiscard]] std::array<std::span<const RegisterDeclaration>, 7> register_groups();
 
 inline constexpr std::size_t kRegisterSpace = 0x1000;
 
@@ -142,21 +183,35 @@ class RegisterMap {
     bool bus_writes : 1 = false;
     bool host_reads : 1 = false;
     bool host_writes : 1 = false;
+    bool built : 1 = false;  ///< the register is there, not only answered
     Effect effect = Effect::none;
   };
 
-  RegisterMap(ControllerFeature features, unsigned fmmu_count, unsigned sync_manager_count);
+  /// `features` are the parts that are built. Of other parts only those in `answered_features`
+  /// answer: their registers read 0 and ignore writes, but the working counter counts.
+  RegisterMap(ControllerFeature features, ControllerFeature answered_features, unsigned fmmu_count,
+              unsigned sync_manager_count);
 
   [[nodiscard]] const Byte& operator[](std::size_t address) const { return bytes_[address]; }
+
+  /// True if the register is built or at least answers.
+  [[nodiscard]] bool answers(const RegisterDeclaration& declaration) const {
+    return has_feature(features_ | answered_features_, declaration.feature);
+  }
+  /// How many of a repeated register there are.
+  [[nodiscard]] unsigned channel_count(Channels channels) const;
 
   /// Writes the declared reset values of all existing registers; everything else becomes 0.
   void reset(std::span<std::byte, kRegisterSpace> registers) const;
 
  private:
+  void add_register(const RegisterDeclaration& declaration, std::size_t address);
+  /// Calls `visit(declaration, address)` for every register that answers.
   template <typename Visitor>
-  void for_each_instance(Visitor visit) const;
+  void for_each_register(Visitor visit) const;
 
   ControllerFeature features_;
+  ControllerFeature answered_features_;
   unsigned fmmu_count_;
   unsigned sync_manager_count_;
   std::array<Byte, kRegisterSpace> bytes_{};

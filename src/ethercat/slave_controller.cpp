@@ -42,8 +42,8 @@ constexpr std::size_t kParameterRamLength = 128;
 SlaveController::SlaveController(const SlaveControllerConfiguration& configuration)
     : memory_(kRegisterSpace + configuration.ram_kilobytes * std::size_t{1024}),
       configuration_(configuration),
-      register_map_(configuration.features, configuration.fmmu_count,
-                    configuration.sync_manager_count),
+      register_map_(configuration.features, configuration.answered_features,
+                    configuration.fmmu_count, configuration.sync_manager_count),
       sii_(registers(), configuration.sii_timing,
            has_feature(configuration.features, ControllerFeature::sii_eight_byte_read)),
       clock_(registers(), configuration.clock_deviation_ppb) {
@@ -52,7 +52,7 @@ SlaveController::SlaveController(const SlaveControllerConfiguration& configurati
 
 void SlaveController::power_on_reset() {
   register_map_.reset(registers());
-  show_identity();
+  write_build_registers(configuration_, registers());
   station_address_ = 0;
   station_alias_ = 0;
   alias_enabled_ = false;
@@ -87,26 +87,6 @@ void SlaveController::restore_power() {
   std::fill(memory_.begin() + kRegisterSpace, memory_.end(), std::byte{0});
   power_on_reset();
   reset_requested_ = true;
-}
-
-void SlaveController::show_identity() {
-  const SlaveControllerConfiguration& chip = configuration_;
-  memory_[0x0000] = std::byte{chip.type};
-  memory_[0x0001] = std::byte{chip.revision};
-  base::store_le(registers(), 0x0002, chip.build);
-  memory_[0x0004] = std::byte{chip.fmmu_count};
-  memory_[0x0005] = std::byte{chip.sync_manager_count};
-  memory_[0x0006] = std::byte{chip.ram_kilobytes};
-  memory_[0x0007] = std::byte{chip.port_descriptor};
-  // Enhanced link detection (MII) and separate counting of frames with wrong check sequence; with
-  // distributed clocks also 64-bit times and the enhanced SYNC activation.
-  const bool clocks = has_feature(chip.features, ControllerFeature::distributed_clocks);
-  const auto features = static_cast<std::uint16_t>(0x00C0 | (clocks ? 0x010C : 0));
-  base::store_le(registers(), 0x0008, features);
-  if (has_feature(chip.features, ControllerFeature::product_identity)) {
-    base::store_le(registers(), 0x0E00, chip.product_id);
-    base::store_le(registers(), 0x0E08, chip.vendor_id);
-  }
 }
 
 void SlaveController::load_sii(std::span<const std::byte> image) {

@@ -40,7 +40,13 @@ struct SlaveControllerConfiguration {
       ControllerFeature::led_override | ControllerFeature::pdi_information |
       ControllerFeature::mii_management | ControllerFeature::parameter_ram |
       ControllerFeature::buffer_event_times | ControllerFeature::product_identity |
-      ControllerFeature::user_ram;
+      ControllerFeature::user_ram | ControllerFeature::error_counters |
+      ControllerFeature::lost_link_counters | ControllerFeature::mii_link_detection |
+      ControllerFeature::sii_host_access | ControllerFeature::watchdog_setting;
+  /// Parts that are not built although the document describes their registers: these read 0 and
+  /// ignore writes, but the working counter counts. All other bytes without a register leave it.
+  ControllerFeature answered_features = ControllerFeature::always;
+  std::uint8_t sync_latch_reset = 0x66;  ///< 0x0151 until the EEPROM is loaded
 
   bool device_emulation = false;      ///< pin PDI_EMULATION: AL status follows AL control
   bool acknowledge_by_write = false;  ///< host acknowledges events by writing (0x014E bit 0)
@@ -50,6 +56,11 @@ struct SlaveControllerConfiguration {
   std::int32_t clock_deviation_ppb = 0;  ///< of the oscillator
   SiiTiming sii_timing;
 };
+
+/// Writes the constants and reset values that differ between builds: identification, features,
+/// what MII management can do, IDs. The other reset values are declared with the registers.
+void write_build_registers(const SlaveControllerConfiguration& configuration,
+                           std::span<std::byte, kRegisterSpace> registers);
 
 /// Receive errors a port can count (0x0300..0x030B).
 enum class ReceiveError : std::uint8_t {
@@ -63,7 +74,7 @@ enum class ReceiveError : std::uint8_t {
 /// side is ProcessDataInterface.
 ///
 /// Memory is one block, registers below 0x1000 and process memory above. What a register byte
-/// allows comes from the declared table (register_table.cpp); what an access causes is in
+/// allows comes from the declared tables (register_table_*.cpp); what an access causes is in
 /// register_effects.cpp. FMMUs and sync managers act at once, in every AL state: each write to
 /// their registers compiles them into the mappings the frame path walks (logical_access.cpp).
 ///
@@ -177,7 +188,6 @@ class SlaveController final : public ProcessDataInterface {
   // slave_controller.cpp: life, time, addressing
   void load_configuration_area(bool first);
   void load_parameter_ram();
-  void show_identity();
   void note_host_access();
   void expire(base::SimTime now);
   void update_deadline();

@@ -1,6 +1,7 @@
 #include "devices/tmcm_3315/tmcm_3315.hpp"
 
 #include "ethercat/sii_image.hpp"
+#include "ethercat/slave_controller_presets.hpp"
 
 namespace stator::devices {
 
@@ -60,7 +61,7 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
     : configuration_(configuration),
       reporter_(reporter),
       description_(describe(configuration)),
-      controller_(ethercat::SlaveControllerConfiguration{}),
+      controller_(ethercat::find_slave_controller_preset("tmcm-3315")->configuration),
       axes_([&] {
         tmcm_3315::add_objects(dictionary_);
         std::array<std::unique_ptr<AxisUnit>, tmcm_3315::kAxisCount> axes;

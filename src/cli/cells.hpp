@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace stator::cli {
+
+/// Appends `text` to a row of comma-separated values, quoted where it has to be (RFC 4180).
+void append_csv_field(std::string& row, std::string_view text);
+
+/// Prints one row of comma-separated values.
+template <typename Columns>
+void print_csv_row(const Columns& columns) {
+  std::string row;
+  bool first = true;
+  for (const std::string_view column : columns) {
+    if (!first) {
+      row += ',';
+    }
+    first = false;
+    append_csv_field(row, column);
+  }
+  fmt::print("{}\n", row);
+}
+
+/// `text` with the character that ends a cell of a Markdown table written so that it does not.
+[[nodiscard]] std::string markdown_cell(std::string_view text);
+
+}  // namespace stator::cli

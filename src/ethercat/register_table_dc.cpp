@@ -1,0 +1,125 @@
+// Distributed clocks: 0x0900-0x09FF.
+
+#include "ethercat/register_rows.hpp"
+
+namespace stator::ethercat {
+
+namespace {
+
+using namespace notation;
+
+// Registers are {address, bits, name, effect, feature, repetition}, their fields {highest bit,
+// lowest bit, name, bus, host, reset, {line of the TMC8461 datasheet, of the TMC8670's}}.
+constexpr RegisterRow kRows[] = {
+    {0x0900, 32, "Receive Time Port 0", E::receive_time, F::distributed_clocks},
+    {31, 0, "rx_time_port0", rw_special, r, 0, {5247, 2236}},
+    {0x0904, 32, "Receive Time Port 1", E::none, F::distributed_clocks},
+    {31, 0, "rx_time_port1", r, r, 0, {5282, 2247}},
+    {0x0908, 32, "Receive Time Port 2", E::none, F::distributed_clocks},
+    {31, 0, "rx_time_port2", r, r, 0, {2298, 1195}},
+    {0x090C, 32, "Receive Time Port 3", E::none, F::distributed_clocks},
+    {31, 0, "rx_time_port3", r, r, 0, {2300, 1196}},
+    {0x0910, 64, "System Time", E::system_time, F::distributed_clocks},
+    {63, 0, "system_time (read view)", r, r, 0, {5303, 2260}},
+    {31, 0, "system_time_compare (write view)", w, none, 0, {5318, 2262}},
+    {0x0918, 64, "Receive Time ECAT Processing Unit", E::none, F::distributed_clocks},
+    {63, 0, "rx_time_epu", r, r, 0, {5377, 2272}},
+    {0x0920, 64, "System Time Offset", E::time_setting, F::distributed_clocks},
+    {63, 0, "sys_time_offset", rw_if, r, 0, {5407, 2283}},
+    {0x0928, 32, "System Time Delay", E::time_setting, F::distributed_clocks},
+    {31, 0, "sys_time_delay", rw_if, r, 0, {5427, 2292}},
+    {0x092C, 32, "System Time Difference", E::none, F::distributed_clocks},
+    {30, 0, "mean_difference", r, r, 0, {5443, 2301}},
+    {31, 31, "sign", r, r, 0, {5449, 2302}},
+    {0x0930, 16, "Speed Counter Start", E::time_loop, F::distributed_clocks},
+    {14, 0, "speed_cnt_start", rw_if, r, 0x1000, {5464, 2309}},
+    {15, 15, "reserved", rw_if, r, 0, {5477, 2310}},
+    {0x0932, 16, "Speed Counter Diff", E::none, F::distributed_clocks},
+    {15, 0, "speed_cnt_diff", r, r, 0, {5489, 2319}},
+    {0x0934, 8, "System Time Difference Filter Depth", E::time_filter, F::distributed_clocks},
+    {3, 0, "diff_filter_depth", rw_if, r, 4, {5511, 2332}},
+    {7, 4, "reserved", r, r, 0, {5521, 2333}},
+    {0x0935, 8, "Speed Counter Filter Depth", E::none, F::distributed_clocks},
+    {3, 0, "speed_filter_depth", rw_if, r, 12, {5533, 2342}},
+    {7, 4, "reserved", r, r, 0, {5541, 2343}},
+    {0x0980, 8, "Cyclic Unit Control", E::none, F::distributed_clocks},
+    {0, 0, "sync_out_pdi", rw, r, 0, {5550, 2352}},
+    {3, 1, "reserved", r, r, 0, {5558, 2353}},
+    {4, 4, "latch0_pdi", rw, r, 0, {5560, 2354}},
+    {5, 5, "latch1_pdi", rw, r, 0, {5574, 2355}},
+    {7, 6, "reserved", r, r, 0, {5586, 2356}},
+    {0x0981, 8, "SYNC Out Activation", E::none, F::distributed_clocks},
+    {0, 0, "sync_out_active", rw_if, rw_if, 0, {5595, 2367}},
+    {1, 1, "sync0_enable", rw_if, rw_if, 0, {5603, 2368}},
+    {2, 2, "sync1_enable", rw_if, rw_if, 0, {5611, 2369}},
+    {3, 3, "auto_activation", rw_if, rw_if, 0, {5619, 2370}},
+    {4, 4, "extend_start_time", rw_if, rw_if, 0, {5630, 2371}},
+    {5, 5, "plausibility_check", rw_if, rw_if, 0, {5639, 2372}},
+    {6, 6, "near_future", rw_if, rw_if, 0, {5651, 2373}},
+    {7, 7, "debug_pulse", rw_start, rw_start, 0, {5658, 2374}},
+    {0x0982, 16, "Pulse Length of SYNC signals", E::none, F::distributed_clocks},
+    {15, 0, "pulse_length_10ns", r, r, 0, {5678, 2387}},
+    {0x0984, 8, "Activation Status", E::none, F::distributed_clocks},
+    {0, 0, "sync0_first_pending", r, r, 0, {5694, 2392}},
+    {1, 1, "sync1_first_pending", r, r, 0, {5702, 2393}},
+    {2, 2, "start_time_out_of_near_future", r, r, 0, {5710, 2394}},
+    {7, 3, "reserved", r, r, 0, {5721, 2395}},
+    {0x098E, 8, "SYNC0 Status", E::none, F::distributed_clocks},
+    {0, 0, "sync0_state", r, rw_ack, 0, {5729, 2400}},
+    {7, 1, "reserved", r, rw_ack, 0, {5743, 2401}},
+    {0x098F, 8, "SYNC1 Status", E::none, F::distributed_clocks},
+    {0, 0, "sync1_state", r, rw_ack, 0, {5763, 2414}},
+    {7, 1, "reserved", r, rw_ack, 0, {5777, 2415}},
+    {0x0990, 64, "Start Time Cyclic Operation / Next SYNC0 Pulse", E::none, F::distributed_clocks},
+    {63, 0, "start_time (write view)", w_if, w_if, 0, {5798, 2425}},
+    {63, 0, "next_sync0 (read view)", r, r, 0, {5802, 2425}},
+    {0x0998, 64, "Next SYNC1 Pulse", E::none, F::distributed_clocks},
+    {63, 0, "next_sync1", r, r, 0, {5816, 2434}},
+    {0x09A0, 32, "SYNC0 Cycle Time", E::none, F::distributed_clocks},
+    {31, 0, "sync0_cycle_ns", rw_if, rw_if, 0, {5823, 2441}},
+    {0x09A4, 32, "SYNC1 Cycle Time", E::none, F::distributed_clocks},
+    {31, 0, "sync1_cycle_ns", rw_if, rw_if, 0, {5841, 2450}},
+    {0x09A8, 8, "Latch0 Control", E::none, F::distributed_clocks},
+    {0, 0, "pos_single", rw_if, rw_if, 0, {5856, 2465}},
+    {1, 1, "neg_single", rw_if, rw_if, 0, {5864, 2466}},
+    {7, 2, "reserved", r, r, 0, {5872, 2467}},
+    {0x09A9, 8, "Latch1 Control", E::none, F::distributed_clocks},
+    {0, 0, "pos_single", rw_if, rw_if, 0, {5882, 2476}},
+    {1, 1, "neg_single", rw_if, rw_if, 0, {5890, 2477}},
+    {7, 2, "reserved", r, r, 0, {5898, 2478}},
+    {0x09AE, 8, "Latch0 Status", E::none, F::distributed_clocks},
+    {0, 0, "pos_event", r, r, 0, {5907, 2489}},
+    {1, 1, "neg_event", r, r, 0, {5923, 2490}},
+    {2, 2, "pin_state", r, r, 0, {5939, 2491}},
+    {7, 3, "reserved", r, r, 0, {5941, 2492}},
+    {0x09AF, 8, "Latch1 Status", E::none, F::distributed_clocks},
+    {0, 0, "pos_event", r, r, 0, {5949, 2499}},
+    {1, 1, "neg_event", r, r, 0, {5965, 2500}},
+    {2, 2, "pin_state", r, r, 0, {5981, 2501}},
+    {7, 3, "reserved", r, r, 0, {5983, 2502}},
+    {0x09B0, 64, "Latch0 Time Positive Edge", E::none, F::distributed_clocks},
+    {63, 0, "latch_time", r_ack, rw_ack, 0, {5990, 2511}},
+    {0x09B8, 64, "Latch0 Time Negative Edge", E::none, F::distributed_clocks},
+    {63, 0, "latch_time", r_ack, rw_ack, 0, {6023, 2523}},
+    {0x09C0, 64, "Latch1 Time Positive Edge", E::none, F::distributed_clocks},
+    {63, 0, "latch_time", r_ack, rw_ack, 0, {6055, 2537}},
+    {0x09C8, 64, "Latch1 Time Negative Edge", E::none, F::distributed_clocks},
+    {63, 0, "latch_time", r_ack, rw_ack, 0, {6088, 2549}},
+    {0x09F0, 32, "EtherCAT Buffer Change Event Time", E::none, F::buffer_event_times},
+    {31, 0, "ecat_buffer_change_time", r, r, 0, {6122, 2565}},
+    {0x09F8, 32, "PDI Buffer Start Event Time", E::none, F::buffer_event_times},
+    {31, 0, "pdi_buffer_start_time", r, r, 0, {6140, 2574}},
+    {0x09FC, 32, "PDI Buffer Change Event Time", E::none, F::buffer_event_times},
+    {31, 0, "pdi_buffer_change_time", r, r, 0, {6156, 2583}},
+};
+
+constexpr auto kFields = fields_of<kRows>();
+constexpr auto kRegisters = registers_of<kRows, kFields>();
+
+}  // namespace
+
+std::span<const RegisterDeclaration> distributed_clock_registers() {
+  return kRegisters;
+}
+
+}  // namespace stator::ethercat

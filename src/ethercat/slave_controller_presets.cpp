@@ -1,0 +1,106 @@
+#include "ethercat/slave_controller_presets.hpp"
+
+#include <array>
+
+#include "base/byte_order.hpp"
+
+namespace stator::ethercat {
+
+namespace {
+
+using F = ControllerFeature;
+
+/// Of the TMC8670's datasheet, what the family's feature table says is not built.
+constexpr F kNotInTmc8670Silicon =
+    F::read_write_offset | F::watchdog_setting | F::write_protection | F::buffer_event_times |
+    F::error_counters | F::sii_host_access | F::lost_link_counters | F::mii_link_detection;
+
+constexpr F kTmc8670Silicon = F::distributed_clocks | F::reset_registers | F::led_override |
+                              F::pdi_information | F::mii_management | F::parameter_ram |
+                              F::product_identity | F::user_ram;
+
+constexpr SlaveControllerConfiguration tmc8461() {
+  SlaveControllerConfiguration chip;
+  chip.product_id = 0x0000000001108461;
+  chip.vendor_id = 0x0000000100000286;
+  return chip;
+}
+
+constexpr SlaveControllerConfiguration tmc8670_document() {
+  SlaveControllerConfiguration chip;
+  chip.type = 0xD0;
+  chip.revision = 0x70;
+  chip.build = 0x0010;
+  chip.fmmu_count = 4;
+  chip.sync_manager_count = 4;
+  chip.ram_kilobytes = 4;
+  chip.port_descriptor = 0x0F;
+  chip.product_id = 0x0000000001008670;
+  chip.vendor_id = 0x0000000100000286;
+  chip.sync_latch_reset = 0;
+  return chip;
+}
+
+constexpr SlaveControllerConfiguration tmc8670_silicon() {
+  SlaveControllerConfiguration chip = tmc8670_document();
+  chip.features = kTmc8670Silicon;
+  chip.answered_features = kNotInTmc8670Silicon;
+  return chip;
+}
+
+constexpr std::array<SlaveControllerPreset, 4> kPresets{{
+    {"tmcm-3315", "standard", "the module's controller, with the registers of a TMC8461",
+     RegisterDocument::tmc8461, SlaveControllerConfiguration{}},
+    {"tmc8461", "standard", "EtherCAT slave controller with multi-function I/O",
+     RegisterDocument::tmc8461, tmc8461()},
+    {"tmc8670", "document", "every register the TMC8670's datasheet describes",
+     RegisterDocument::tmc8670, tmc8670_document()},
+    {"tmc8670", "silicon", "only the parts that the family's feature table says are built",
+     RegisterDocument::tmc8670, tmc8670_silicon()},
+}};
+
+}  // namespace
+
+std::span<const SlaveControllerPreset> slave_controller_presets() {
+  return kPresets;
+}
+
+const SlaveControllerPreset* find_slave_controller_preset(std::string_view device,
+                                                          std::string_view name) {
+  for (const SlaveControllerPreset& preset : kPresets) {
+    if (preset.device == device && (name.empty() || preset.name == name)) {
+      return &preset;
+    }
+  }
+  return nullptr;
+}
+
+void write_build_registers(const SlaveControllerConfiguration& configuration,
+                           std::span<std::byte, kRegisterSpace> registers) {
+  const auto built = [&](F feature) { return has_feature(configuration.features, feature); };
+  registers[0x0000] = std::byte{configuration.type};
+  registers[0x0001] = std::byte{configuration.revision};
+  base::store_le(registers, 0x0002, configuration.build);
+  registers[0x0004] = std::byte{configuration.fmmu_count};
+  registers[0x0005] = std::byte{configuration.sync_manager_count};
+  registers[0x0006] = std::byte{configuration.ram_kilobytes};
+  registers[0x0007] = std::byte{configuration.port_descriptor};
+  // Enhanced link detection (MII) and separate counting of frames with wrong check sequence; with
+  // distributed clocks also 64-bit times and the enhanced SYNC activation.
+  const unsigned clocks = built(F::distributed_clocks) ? 0x010CU : 0U;
+  base::store_le(registers, 0x0008, static_cast<std::uint16_t>(0x00C0U | clocks));
+  if (built(F::product_identity)) {
+    base::store_le(registers, 0x0E00, configuration.product_id);
+    base::store_le(registers, 0x0E08, configuration.vendor_id);
+  }
+  registers[0x0151] = std::byte{configuration.sync_latch_reset};
+  if (built(F::mii_management)) {
+    // The host may take the interface; links are detected through it.
+    registers[0x0510] = std::byte{0x02};
+    if (built(F::mii_link_detection)) {
+      registers[0x0510] |= std::byte{0x04};
+    }
+  }
+}
+
+}  // namespace stator::ethercat
