@@ -199,8 +199,11 @@ MailboxReply Mailbox::dispatch(const MailboxHeader& header, base::SimTime now) {
 
 bool Mailbox::send_own_message(base::SimTime now) {
   for (MailboxProtocol* protocol : protocols_) {
-    if (protocol->has_message()) {
-      post(protocol->type(), 0, protocol->next_message(payload_room(), now));
+    if (!protocol->has_message()) {
+      continue;
+    }
+    if (const std::size_t length = protocol->next_message(payload_room(), now); length != 0) {
+      post(protocol->type(), 0, length);
       return true;
     }
   }

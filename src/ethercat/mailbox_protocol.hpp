@@ -98,7 +98,7 @@ class MailboxProtocol {
 
   /// True if the protocol has a message of its own to send: an event, a further fragment.
   [[nodiscard]] virtual bool has_message() const = 0;
-  /// Writes that message and returns its length.
+  /// Writes that message and returns its length; 0 if it had to give it up for want of room.
   [[nodiscard]] virtual std::size_t next_message(std::span<std::byte> message,
                                                  base::SimTime now) = 0;
 };

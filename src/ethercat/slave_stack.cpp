@@ -58,11 +58,15 @@ SlaveStack::SlaveStack(ProcessDataInterface& interface, dictionary::Dictionary& 
            {.complete_access = description.complete_access,
             .sdo_information = description.sdo_information},
            reporter, statistics_),
+      eoe_(description.eoe ? std::make_unique<EoeServer>(reporter) : nullptr),
       configuration_(dictionary, limits_of(description, options)),
       outputs_(PdoDirection::receive, limits_of(description, options).receive_bytes),
       inputs_(PdoDirection::transmit, limits_of(description, options).transmit_bytes) {
   if (description.coe) {
     mailbox_.add(coe_);
+  }
+  if (eoe_ != nullptr) {
+    mailbox_.add(*eoe_);
   }
   application_layer_.reset();
   update_attention();
@@ -79,6 +83,9 @@ void SlaveStack::reset(base::SimTime now) {
 }
 
 void SlaveStack::process(base::SimTime now) {
+  if (eoe_ != nullptr) {
+    eoe_->poll(mailbox_.running() && state() != AlState::bootstrap);
+  }
   std::uint32_t events = interface_.al_event_request();
   if ((events & attention_) == 0 && !polls_channels_ && now < first_outputs_deadline_ &&
       mailbox_.idle()) {

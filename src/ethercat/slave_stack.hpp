@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "base/event.hpp"
@@ -11,6 +12,7 @@
 #include "ethercat/application_layer.hpp"
 #include "ethercat/coe.hpp"
 #include "ethercat/device_description.hpp"
+#include "ethercat/eoe.hpp"
 #include "ethercat/mailbox.hpp"
 #include "ethercat/pdo_configuration.hpp"
 #include "ethercat/process_data_interface.hpp"
@@ -81,6 +83,8 @@ class SlaveStack final : private AlActions {
   [[nodiscard]] std::size_t input_bytes() const { return inputs_.bytes(); }
 
   [[nodiscard]] const SlaveStackStatistics& statistics() const { return statistics_; }
+  /// Ethernet over EtherCAT; null unless the description announces it.
+  [[nodiscard]] EoeServer* eoe() { return eoe_.get(); }
   /// Switches emergencies on or off; off also forgets those that wait.
   void set_emergencies(bool enabled);
 
@@ -129,6 +133,7 @@ class SlaveStack final : private AlActions {
   ApplicationLayer application_layer_;
   Mailbox mailbox_;
   CoeServer coe_;
+  std::unique_ptr<EoeServer> eoe_;
   PdoConfiguration configuration_;
   ProcessImage outputs_;
   ProcessImage inputs_;
