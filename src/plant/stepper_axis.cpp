@@ -24,7 +24,7 @@ StepperAxis::StepperAxis(const StepperAxisParameters& parameters)
 base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
                                     base::SimDuration duration) {
   if (settled_ && actuation == settled_actuation_ && duration == settled_duration_) {
-    return sense();
+    return settled_sensing_;
   }
   const HybridStepperState before = state_.motor;
   double remaining = duration.seconds();
@@ -39,7 +39,8 @@ base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
   settled_ = state_.motor == before;
   settled_actuation_ = actuation;
   settled_duration_ = duration;
-  return sense();
+  settled_sensing_ = sense();
+  return settled_sensing_;
 }
 
 void StepperAxis::regulate_and_integrate(const base::AxisActuation& actuation, double step) {

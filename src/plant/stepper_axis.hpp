@@ -92,6 +92,7 @@ class StepperAxis {
   bool settled_ = false;
   base::AxisActuation settled_actuation_;
   base::SimDuration settled_duration_;
+  base::AxisSensing settled_sensing_;
 };
 
 }  // namespace stator::plant
