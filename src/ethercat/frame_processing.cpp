@@ -174,6 +174,10 @@ void SlaveController::end_frame_work(const FrameTiming& timing) {
   }
   if ((work & FrameWork::kCompareSystemTime) != 0) {
     clock_.compare(received_system_time_, timing.processing_unit());
+    schedule_sync();
+  }
+  if ((work & FrameWork::kTakeStartTime) != 0) {
+    finish_start_time();
   }
   if ((work & FrameWork::kApplyLoopControl) != 0) {
     apply_loop_control();

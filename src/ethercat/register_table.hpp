@@ -109,6 +109,17 @@ enum class Effect : std::uint8_t {
   time_setting,
   time_loop,
   time_filter,
+  speed_filter,
+  speed_difference,
+  clock_side,
+  sync_activation,
+  sync_status,
+  sync_times,
+  sync_cycle,
+  latch_control,
+  latch_status,
+  latch_time,
+  buffer_event_time,
 };
 
 /// True if the bytes written to such a register only unlock and are not stored, although the
@@ -120,7 +131,8 @@ constexpr bool discards_value(Effect effect) {
 /// True if a read by the bus has to compute the value first or changes something.
 constexpr bool has_bus_read_effect(Effect effect) {
   return effect == Effect::dl_status || effect == Effect::al_status ||
-         effect == Effect::event_request || effect == Effect::system_time;
+         effect == Effect::event_request || effect == Effect::system_time ||
+         effect >= Effect::speed_difference;
 }
 
 /// What a declaration that stands for several registers is repeated for.

@@ -74,7 +74,7 @@ void SlaveController::power_on_reset() {
   loop_control_expires_ = base::SimTime::never();
   bus_reset_progress_ = 0;
   host_reset_progress_ = 0;
-  clock_.reset(now_);
+  reset_clocks();
   sii_.reset();
   process_data_watchdog_.stop();
   host_watchdog_.stop();
@@ -168,6 +168,9 @@ void SlaveController::expire(base::SimTime now) {
   if (sii_.finish(now) == SiiInterface::Completion::reload) {
     load_configuration_area(false);
   }
+  if (now >= sync_deadline_) {
+    advance_sync();
+  }
   if (now >= loop_control_expires_) {
     loop_control_expires_ = base::SimTime::never();
     memory_[0x0101] = std::byte{former_loop_control_};
@@ -178,7 +181,7 @@ void SlaveController::expire(base::SimTime now) {
 
 void SlaveController::update_deadline() {
   next_deadline_ = std::min({process_data_watchdog_.deadline(), host_watchdog_.deadline(),
-                             sii_.deadline(), loop_control_expires_});
+                             sii_.deadline(), loop_control_expires_, sync_deadline_});
 }
 
 void SlaveController::set_host_polling(bool polling) {

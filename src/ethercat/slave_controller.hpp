@@ -4,18 +4,23 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
+#include "ethercat/clock_effects.hpp"
 #include "ethercat/distributed_clock.hpp"
 #include "ethercat/fmmu.hpp"
 #include "ethercat/frame.hpp"
+#include "ethercat/latch_unit.hpp"
 #include "ethercat/process_data_interface.hpp"
 #include "ethercat/register_table.hpp"
 #include "ethercat/sii_interface.hpp"
 #include "ethercat/sync_manager.hpp"
+#include "ethercat/sync_unit.hpp"
+#include "ethercat/time_stamp.hpp"
 #include "ethercat/topology.hpp"
 #include "ethercat/watchdog.hpp"
 
@@ -149,6 +154,22 @@ class SlaveController final : public ProcessDataInterface {
   /// System time of the distributed clock, ns.
   [[nodiscard]] std::uint64_t system_time(base::SimTime t) const { return clock_.system_time(t); }
 
+  /// The SYNC outputs of the distributed clocks (`output` 0 or 1), as a host that wired the pin to
+  /// an interrupt sees them. Pulses cost nothing while nobody asks: no deadline is made for them
+  /// unless an AL event has to be raised.
+  ///
+  /// When the next pulse begins, as the clock runs at present; it changes with each correction of
+  /// the clock. never() if none is to come.
+  [[nodiscard]] base::SimTime next_sync_edge(unsigned output);
+  /// Pulses up to now() since power-on; more than one further than last time if nobody looked.
+  [[nodiscard]] std::uint64_t sync_pulse_count(unsigned output);
+  /// True while a pulse lasts; in acknowledge mode (0x0982 = 0) until the host has read its status.
+  [[nodiscard]] bool sync_output(unsigned output);
+  /// What the pin does, with driver and polarity of 0x0151.
+  [[nodiscard]] PinLevel sync_pin(unsigned output);
+  /// Sets the level at latch input 0 or 1 from now() on; call advance() first.
+  void set_latch_input(unsigned input, bool level);
+
   /// Power-on reset: all registers to their reset values, EEPROM loaded again, links as they are.
   void power_on_reset();
   /// Power comes back after a failure: power_on_reset() with an empty process memory, and a request
@@ -168,7 +189,7 @@ class SlaveController final : public ProcessDataInterface {
   [[nodiscard]] const SlaveControllerConfiguration& configuration() const { return configuration_; }
 
  private:
-  enum class Side : std::uint8_t { bus, host };
+  using Side = AccessSide;
   struct Port {
     bool link = false;
     bool open = false;
@@ -181,6 +202,7 @@ class SlaveController final : public ProcessDataInterface {
     static constexpr std::uint8_t kCompareSystemTime = 1U << 3;
     static constexpr std::uint8_t kApplyLoopControl = 1U << 4;
     static constexpr std::uint8_t kResetKey = 1U << 5;
+    static constexpr std::uint8_t kTakeStartTime = 1U << 6;
   };
   /// Effects touched by one access, one bit each.
   using Effects = std::uint64_t;
@@ -259,6 +281,23 @@ class SlaveController final : public ProcessDataInterface {
   void clear_registers(std::size_t first, std::size_t last);
   void count(std::size_t address);
 
+  // clock_effects.cpp: registers of the distributed clocks
+  void before_clock_read(Side side, Effects effects, std::uint32_t address, std::size_t length);
+  void after_clock_read(Side side, Effects effects, std::uint32_t address, std::size_t length);
+  void after_clock_write(Side side, Effects effects, std::uint32_t address,
+                         std::span<const std::byte> data);
+  [[nodiscard]] bool accepts_clock_write(Side side, Effect effect) const;
+  void acknowledge_clock(Side side, Effects effects, std::uint32_t address, std::size_t length);
+  void take_system_time(std::uint32_t address, std::span<const std::byte> data);
+  void take_start_time(Side side, std::uint32_t address, std::size_t length);
+  void finish_start_time();
+  void report_activation(SyncUnit::Activation activation);
+  void advance_sync();
+  void schedule_sync();
+  void publish_clock_events();
+  void latch_buffer_event(Side side, std::size_t channel, bool start, bool change);
+  void reset_clocks();
+
   /// Makes status register and event requests follow the state of a sync manager.
   void publish_sync_manager(std::size_t channel) {
     const SyncManager& manager = sync_managers_[channel];
@@ -291,6 +330,10 @@ class SlaveController final : public ProcessDataInterface {
 
   static constexpr std::size_t kFmmuRegisters = 0x0600;
   static constexpr std::size_t kSyncManagerRegisters = 0x0800;
+  // Bits of a sync manager's activate register: which accesses are time-stamped at 0x09F0..0x09FF.
+  static constexpr std::uint8_t kLatchBusEvents = 0x40;
+  static constexpr std::uint8_t kLatchHostEvents = 0x80;
+  static constexpr std::uint8_t kLatchEvents = kLatchBusEvents | kLatchHostEvents;
 
   // What every datagram needs, together at the front.
   std::uint32_t logical_first_ = 0xFFFFFFFF;  ///< lowest mapped logical address
@@ -319,6 +362,18 @@ class SlaveController final : public ProcessDataInterface {
   RegisterMap register_map_;
   SiiInterface sii_;
   DistributedClock clock_;
+  SyncUnit sync_{registers()};
+  LatchUnit latch_{registers()};
+  TimeStamp<std::uint64_t> shown_system_time_{0x0910};
+  /// 0x09F0 bus change, 0x09F8 host start, 0x09FC host change; local time.
+  std::array<std::uint32_t, 3> buffer_events_{};
+  std::array<TimeStamp<std::uint32_t>, 3> shown_buffer_events_{TimeStamp<std::uint32_t>{0x09F0},
+                                                               TimeStamp<std::uint32_t>{0x09F8},
+                                                               TimeStamp<std::uint32_t>{0x09FC}};
+  base::SimTime sync_deadline_ = base::SimTime::never();  ///< a pulse the host must be told of
+  /// Next edge of each SYNC output, if known since the clock or the unit last changed.
+  std::array<std::optional<base::SimTime>, SyncUnit::kOutputs> sync_edges_{};
+  std::uint8_t start_time_bytes_ = 0;  ///< of 0x0990 that this frame has written
   Watchdog host_watchdog_;
   base::EventReporter reporter_;
 
