@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -38,6 +39,8 @@ struct RunOptions {
   std::string record_period;
   std::vector<std::string> signals;
   std::string duration;
+  std::string state;
+  bool no_emergencies = false;
 };
 
 base::SimDuration duration_option(const std::string& name, const std::string& text) {
@@ -65,6 +68,14 @@ rack::RackConfiguration base_configuration(const RunOptions& options) {
     devices.back().name = fmt::format("{}-{}", devices.front().name, i + 1);
   }
   return configuration;
+}
+
+void switch_emergencies_off(rack::RackConfiguration& configuration) {
+  for (rack::SegmentConfiguration& segment : configuration.segments) {
+    for (rack::DeviceConfiguration& device : segment.devices) {
+      std::visit([](auto& product) { product.emergencies = false; }, device.product);
+    }
+  }
 }
 
 /// The rack file's configuration with the command line's options on top.
@@ -95,6 +106,12 @@ rack::RackConfiguration configuration_of(const RunOptions& options) {
   }
   if (configuration.record && !options.signals.empty()) {
     configuration.record->signals = options.signals;
+  }
+  if (!options.state.empty()) {
+    configuration.state = options.state;
+  }
+  if (options.no_emergencies) {
+    switch_emergencies_off(configuration);
   }
   if (segment.interface.empty()) {
     throw Failure(
@@ -210,6 +227,10 @@ void add_run_command(CLI::App& app) {
                       "Simulated time between two rows, e.g. 1ms");
   command->add_option("--signals", options->signals, "Signals to record, e.g. \"*.axis0.*\"");
   command->add_option("--duration", options->duration, "Stop after this time, e.g. 10s");
+  command->add_option("--state", options->state,
+                      "Directory in which devices keep EEPROM content and firmware images");
+  command->add_flag("--no-emergencies", options->no_emergencies,
+                    "Devices send no CoE emergencies, for masters that cannot take any");
   command->footer(
       "Examples:\n"
       "  stator run racks/three-axes.toml\n"

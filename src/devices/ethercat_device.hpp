@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "base/sim_time.hpp"
+#include "devices/firmware_memory.hpp"
 #include "devices/signal.hpp"
 #include "dictionary/dictionary.hpp"
 #include "ethercat/device_description.hpp"
@@ -30,6 +31,9 @@ class EtherCatDevice {
   /// Lets the firmware take what the last frame brought: AL control, mailboxes, process data.
   /// Called after each frame; cheap when nothing came.
   virtual void handle_bus_events(base::SimTime now) = 0;
+
+  /// Where the device keeps a firmware image that came over the bus; null if it takes none.
+  [[nodiscard]] virtual FirmwareMemory* firmware() { return nullptr; }
 
   /// Everything that can be recorded, with names unique within the device.
   [[nodiscard]] virtual std::vector<Signal> signals() = 0;

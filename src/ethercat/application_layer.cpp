@@ -53,7 +53,11 @@ void ApplicationLayer::handle_al_control(base::SimTime now) {
     return;
   }
   code_ = AlStatusCode::no_error;
-  identification_requested_ = identification_ && (control & kIdentificationBit) != 0;
+  const bool identify = (control & kIdentificationBit) != 0;
+  identification_requested_ = identification_ && identify;
+  if (identify && !identification_) {
+    reporter_.report(now, rules::kAlNoIdentification);
+  }
 
   AlStatusCode result = AlStatusCode::unknown_requested_state;
   if (requested) {

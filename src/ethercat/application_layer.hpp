@@ -74,6 +74,11 @@ inline constexpr base::EventRule kAlInvalidChange{
     "{1} refused, AL status 0011h: it cannot be reached from {0} directly; request the states "
     "Init, Pre-Operational, Safe-Operational, Operational one after the other (Bootstrap from Init "
     "only)"};
+inline constexpr base::EventRule kAlNoIdentification{
+    "al-no-identification", base::Severity::warning,
+    "request for the device identification (AL control bit 5) not answered: this device has no ID "
+    "switch; give it a value with \"identification\" in the rack file, or identify it by its "
+    "alias"};
 inline constexpr base::EventRule kAlErrorNotAcknowledged{
     "al-error-not-acknowledged", base::Severity::refusal,
     "request for {0} ignored: the error with AL status {1:x4} is not acknowledged; set bit 4 of AL "

@@ -1,6 +1,7 @@
 #include "ethercat/slave_stack.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "base/byte_order.hpp"
@@ -67,6 +68,12 @@ SlaveStack::SlaveStack(ProcessDataInterface& interface, dictionary::Dictionary& 
   }
   if (eoe_ != nullptr) {
     mailbox_.add(*eoe_);
+  }
+  if (description.foe) {
+    if (options.files == nullptr) {
+      throw std::logic_error(description.name + " announces FoE, but has no file store");
+    }
+    mailbox_.add(foe_.emplace(*options.files, options.foe, reporter));
   }
   application_layer_.reset();
   update_attention();

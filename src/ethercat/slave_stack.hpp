@@ -13,6 +13,7 @@
 #include "ethercat/coe.hpp"
 #include "ethercat/device_description.hpp"
 #include "ethercat/eoe.hpp"
+#include "ethercat/foe.hpp"
 #include "ethercat/mailbox.hpp"
 #include "ethercat/pdo_configuration.hpp"
 #include "ethercat/process_data_interface.hpp"
@@ -32,6 +33,10 @@ struct SlaveStackOptions {
   /// Explicit device identification (ETG.1020): the value of the device's ID switch, delivered
   /// in 0x0134 when the master asks with AL control bit 5. Empty: not supported.
   std::optional<std::uint16_t> device_identification = std::nullopt;
+  /// The files offered by FoE; needed if the device's description has `foe`. Must outlive the
+  /// stack.
+  FileStore* files = nullptr;
+  FoeOptions foe = {};
   /// First address behind the controller's process memory, for the length limit of process data.
   std::uint16_t process_memory_end = 0x3000;
 };
@@ -134,6 +139,7 @@ class SlaveStack final : private AlActions {
   Mailbox mailbox_;
   CoeServer coe_;
   std::unique_ptr<EoeServer> eoe_;
+  std::optional<FoeServer> foe_;
   PdoConfiguration configuration_;
   ProcessImage outputs_;
   ProcessImage inputs_;
@@ -149,7 +155,8 @@ class SlaveStack final : private AlActions {
 namespace rules {
 inline constexpr base::EventRule kBootstrapUnsupported{
     "al-bootstrap-unsupported", base::Severity::refusal,
-    "Bootstrap refused, AL status 0013h: this device has no bootstrap mailbox"};
+    "Bootstrap refused, AL status 0013h: this device has no bootstrap mailbox (words 14h to 17h of "
+    "its SII are 0) and takes no firmware this way; use Pre-Operational"};
 inline constexpr base::EventRule kNoOutputs{
     "al-no-outputs", base::Severity::refusal,
     "Operational refused, AL status 0019h: no outputs have come since Safe-Operational; exchange "
@@ -160,7 +167,8 @@ inline constexpr base::EventRule kMappingInvalid{
     "configure it again in Pre-Operational"};
 inline constexpr base::EventRule kApplicationRefused{"al-application-refused",
                                                      base::Severity::refusal,
-                                                     "{0} refused by the device, AL status {1:x4}"};
+                                                     "{0} refused by the device, AL status "
+                                                     "{1:x4}; its own line above says why"};
 inline constexpr base::EventRule kWatchdogExpired{
     "al-watchdog", base::Severity::fault,
     "process data watchdog expired: no outputs within {0} us; send process data faster than that "

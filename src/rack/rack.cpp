@@ -8,18 +8,24 @@ namespace stator::rack {
 
 Rack::Rack(const RackConfiguration& configuration, EventLog& log) {
   std::vector<std::string> names;
+  if (!configuration.state.empty()) {
+    storage_ = std::make_unique<DeviceStorage>(configuration.state);
+  }
   for (const SegmentConfiguration& segment : configuration.segments) {
     SegmentMembers members;
     members.segment = std::make_unique<ethercat::Segment>();
     for (const DeviceConfiguration& device : segment.devices) {
       const base::EventReporter reporter(&log, static_cast<std::uint16_t>(names.size()));
       names.push_back(device.name);
+      log.set_device_names(names);
       members.devices.push_back({device.name, make_device(device.product, reporter)});
+      if (storage_ != nullptr) {
+        storage_->attach(device.name, *members.devices.back().device, reporter);
+      }
       members.segment->append(members.devices.back().device->controller());
     }
     segments_.push_back(std::move(members));
   }
-  log.set_device_names(std::move(names));
   if (configuration.record) {
     recorder_.emplace(configuration.record->file,
                       select_signals(signals(), configuration.record->signals),

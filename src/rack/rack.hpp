@@ -10,6 +10,7 @@
 #include "base/sim_time.hpp"
 #include "devices/ethercat_device.hpp"
 #include "ethercat/segment.hpp"
+#include "rack/device_storage.hpp"
 #include "rack/event_log.hpp"
 #include "rack/rack_configuration.hpp"
 #include "rack/recorder.hpp"
@@ -27,7 +28,8 @@ struct NamedDevice {
 class Rack {
  public:
   /// Builds every device. `log` gets their events and must outlive the rack. Throws
-  /// std::runtime_error when the recording cannot be opened or names signals that do not exist.
+  /// std::runtime_error when the recording cannot be opened or names signals that do not exist, or
+  /// when the state directory or a file in it cannot be used.
   Rack(const RackConfiguration& configuration, EventLog& log);
 
   /// Sends `frame` through the segment's slaves, in place, at `arrival`. True: it comes back to the
@@ -50,6 +52,8 @@ class Rack {
   /// All signals of all devices, named "device.signal".
   [[nodiscard]] std::vector<devices::Signal> signals();
   [[nodiscard]] const std::optional<Recorder>& recorder() const { return recorder_; }
+  /// Where devices keep EEPROM and firmware; null if nothing is kept.
+  [[nodiscard]] DeviceStorage* storage() { return storage_.get(); }
 
  private:
   struct SegmentMembers {
@@ -61,6 +65,7 @@ class Rack {
 
   std::vector<SegmentMembers> segments_;
   std::optional<Recorder> recorder_;
+  std::unique_ptr<DeviceStorage> storage_;
 };
 
 }  // namespace stator::rack

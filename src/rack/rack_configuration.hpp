@@ -50,6 +50,7 @@ struct RackConfiguration {
   base::SimDuration step{50'000};      ///< lockstep: simulated time per other frame
   std::vector<SegmentConfiguration> segments;
   std::optional<RecordConfiguration> record;
+  std::string state;  ///< directory in which devices keep EEPROM and firmware; empty = nothing kept
 };
 
 }  // namespace stator::rack

@@ -33,6 +33,14 @@ void read_product(TomlSection& section, devices::Tmcm3315Configuration& configur
   if (const auto alias = section.integer("alias", 0, 0xFFFF)) {
     configuration.station_alias = static_cast<std::uint16_t>(*alias);
   }
+  configuration.emergencies = section.boolean("emergencies").value_or(configuration.emergencies);
+  configuration.require_outputs =
+      section.boolean("require_outputs").value_or(configuration.require_outputs);
+  if (const auto identification = section.integer("identification", 0, 0xFFFF)) {
+    configuration.identification = static_cast<std::uint16_t>(*identification);
+  }
+  configuration.firmware_erase_time = section.duration("firmware_erase_time", 0_us, 60_s)
+                                          .value_or(configuration.firmware_erase_time);
   std::vector<TomlSection> axes = section.sections("axis");
   if (axes.size() > configuration.axes.size()) {
     section.fail("axis", fmt::format("{} axes are given, the device has {}", axes.size(),
@@ -122,6 +130,7 @@ RackConfiguration read_rack(TomlSection root) {
   }
   configuration.cycle = root.duration("cycle", 50_us, 1_s).value_or(configuration.cycle);
   configuration.step = root.duration("step", 1_us, 1_s).value_or(configuration.step);
+  configuration.state = root.text("state").value_or("");
   std::set<std::string> device_names;
   for (TomlSection& segment : root.sections("segment")) {
     configuration.segments.push_back(read_segment(segment, device_names));

@@ -20,6 +20,8 @@ namespace {
 constexpr base::SimDuration kBusyTick{1'000'000};
 constexpr base::SimDuration kIdleTick{10'000'000};
 constexpr base::SimDuration kIdleAfter{100'000'000};
+/// How often changes of EEPROM and firmware are looked for.
+constexpr base::SimDuration kKeepingPeriod{5'000'000};
 
 }  // namespace
 
@@ -77,6 +79,9 @@ void Runner::open(SegmentThread& segment, const SegmentConfiguration& configurat
 }
 
 void Runner::start() {
+  if (rack_.storage() != nullptr) {
+    rack_.storage()->confirm_firmware(clock_kind_ == ClockKind::real);
+  }
   for (auto& segment : segments_) {
     segment->thread = std::thread([this, &segment = *segment] { run(segment); });
   }
@@ -127,6 +132,9 @@ void Runner::run(SegmentThread& segment) {
     }
     if (clock_kind_ == ClockKind::real) {
       catch_up(segment);
+    }
+    if (rack_.storage() != nullptr) {
+      keep_files();
     }
   }
 }
@@ -184,6 +192,15 @@ void Runner::capture(SegmentThread& segment, base::SimTime arrival,
       segment.capture.reset();
       return;
     }
+  }
+}
+
+void Runner::keep_files() {
+  const std::scoped_lock lock(mutex_);
+  const base::SimTime present = real_clock_.now();
+  if (present >= next_keeping_) {
+    next_keeping_ = present + kKeepingPeriod;
+    rack_.storage()->service(present);
   }
 }
 

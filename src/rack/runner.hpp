@@ -64,6 +64,7 @@ class Runner {
   void answer(SegmentThread& segment, std::span<std::byte> frame);
   void capture(SegmentThread& segment, base::SimTime arrival, std::span<const std::byte> answer);
   void catch_up(SegmentThread& segment);
+  void keep_files();
   base::SimTime arrival_of(std::span<std::byte> frame);
 
   Rack& rack_;
@@ -71,7 +72,8 @@ class Runner {
   RealClock real_clock_;
   LockstepClock lockstep_clock_;
   std::shared_ptr<spdlog::logger> logger_;
-  std::mutex mutex_;  ///< guards rack_, lockstep_clock_ and all statistics
+  std::mutex mutex_;  ///< guards rack_, lockstep_clock_, next_keeping_ and all statistics
+  base::SimTime next_keeping_;
   std::atomic<bool> stopping_{false};
   std::vector<std::unique_ptr<SegmentThread>> segments_;
 };

@@ -25,6 +25,12 @@ constexpr ethercat::MailboxArea kTransmitMailbox{0x1200, 512};
 constexpr std::uint16_t kOutputs = 0x1800;
 constexpr std::uint16_t kInputs = 0x1C00;
 
+/// Argument: {0} bytes.
+constexpr base::EventRule kNewFirmware{
+    "tmcm-3315-new-firmware", base::Severity::information,
+    "restarting with a new firmware image, {0} bytes; the virtual module keeps the image and "
+    "behaves as before, it does not run it"};
+
 ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration) {
   ethercat::DeviceDescription description;
   description.vendor_id = kVendorId;
@@ -40,7 +46,10 @@ ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration)
   description.transmit_mailbox = kTransmitMailbox;
   description.output_offset = kOutputs;
   description.input_offset = kInputs;
+  description.bootstrap_receive_mailbox = kReceiveMailbox;
+  description.bootstrap_transmit_mailbox = kTransmitMailbox;
   description.coe = true;
+  description.foe = true;
   description.sdo_information = true;
   description.complete_access = true;
   description.pdo_assign = true;
@@ -49,8 +58,14 @@ ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration)
   return description;
 }
 
-ethercat::SlaveStackOptions stack_options() {
+ethercat::SlaveStackOptions stack_options(const Tmcm3315Configuration& configuration,
+                                          ethercat::FileStore& files) {
   ethercat::SlaveStackOptions options;
+  options.emergencies = configuration.emergencies;
+  options.require_outputs = configuration.require_outputs;
+  options.device_identification = configuration.identification;
+  options.files = &files;
+  options.foe = {.bootstrap_only = true, .erase_time = configuration.firmware_erase_time};
   options.process_memory_end = kProcessMemoryEnd;
   return options;
 }
@@ -71,7 +86,8 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
         }
         return axes;
       }()),
-      stack_(controller_, dictionary_, description_, *this, reporter, stack_options()),
+      stack_(controller_, dictionary_, description_, *this, reporter,
+             stack_options(configuration, firmware_)),
       error_register_(dictionary_.variable<std::uint8_t>(0x1001)),
       digital_inputs_(dictionary_.variable<std::uint32_t>(0x2702)),
       analog_inputs_{dictionary_.variable<std::uint32_t>(0x270E, 1),
@@ -84,7 +100,9 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
   dictionary_.set_drive_state_query(Query::bind<&Tmcm3315::drive_state>(*this));
   set_identity(configuration);
   controller_.set_event_reporter(reporter);
-  controller_.load_sii(ethercat::build_sii_image(description_, dictionary_));
+  controller_.load_sii(ethercat::build_sii_image(
+      description_, dictionary_,
+      {.device_identification = configuration.identification.has_value()}));
 }
 
 void Tmcm3315::set_identity(const Tmcm3315Configuration& configuration) {
@@ -113,7 +131,7 @@ void Tmcm3315::advance(base::SimTime now) {
 
 void Tmcm3315::tick(base::SimTime now) {
   controller_.advance(now);
-  stack_.process(now);
+  process_bus(now);
   read_inputs();
   for (const auto& axis : axes_) {
     axis->tick(now, input_levels_);
@@ -135,7 +153,7 @@ void Tmcm3315::handle_bus_events(base::SimTime now) {
   if (controller_.take_reset_request()) {
     restart_firmware(now);
   }
-  stack_.process(now);
+  process_bus(now);
   apply_commands(now);
   if (outputs_came_) {
     outputs_came_ = false;
@@ -144,7 +162,17 @@ void Tmcm3315::handle_bus_events(base::SimTime now) {
   }
 }
 
+void Tmcm3315::process_bus(base::SimTime now) {
+  stack_.process(now);
+  if (restart_due_) {
+    reporter_.report(now, kNewFirmware, {base::EventArgument(firmware_.size())});
+    restart_firmware(now);
+  }
+}
+
 void Tmcm3315::restart_firmware(base::SimTime now) {
+  restart_due_ = false;
+  downloads_in_force_ = firmware_.downloads();
   dictionary_.reset_values();
   set_identity(configuration_);
   digital_outputs_ = 0;
@@ -164,6 +192,9 @@ void Tmcm3315::apply_commands(base::SimTime now) {
 }
 
 void Tmcm3315::on_state(AlState from, AlState to, base::SimTime now) {
+  if (from == AlState::bootstrap) {
+    restart_due_ = firmware_.downloads() != downloads_in_force_;
+  }
   const bool operational = to == AlState::operational;
   if (!operational && from != AlState::operational) {
     return;
