@@ -122,8 +122,10 @@ TEST_F(Sii, WriteEnableOfAnEarlierFrame_IsGone) {
 }
 
 TEST_F(Sii, InvalidCommand_SetsBit13AndAValidOneClearsIt) {
-  bus.write(0, 0x0502, command(0x0500, 0, 6));
-  EXPECT_EQ(finished_status() & 0x6000U, 0x2000U);
+  for (const unsigned code : {0x0300U, 0x0500U, 0x0600U, 0x0700U}) {
+    bus.write(0, 0x0502, command(code, 0, 6));
+    EXPECT_EQ(finished_status() & 0xE700U, 0x2000U) << "not busy, no command, error";
+  }
   bus.write(0, 0x0502, command(0x0100, 0x10, 6));
   EXPECT_EQ(finished_status() & 0x6000U, 0U);
   EXPECT_EQ(number(bus.read(0, 0x0508, 4).data), 0x00110010U);
@@ -153,7 +155,7 @@ TEST_F(Sii, BadChecksum_IsShownAndClosesTheMemoryUntilRepairedAndReloaded) {
   const unsigned good = sii_checksum(image);
   bus.write(0, 0x0502, bytes({0x81, 0x02, 0x07, 0x00, 0, 0, good, 0x00}));
   finished_status();
-  bus.write(0, 0x0502, command(0x0300, 0, 6));
+  bus.write(0, 0x0502, command(0x0400, 0, 6));
   EXPECT_EQ(finished_status() & 0x1800U, 0U);
   EXPECT_EQ(bus.write(0, 0x1000, bytes({1})).working_counter, 1U);
 }
