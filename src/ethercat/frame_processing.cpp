@@ -155,16 +155,19 @@ void SlaveController::exchange_datagram(DatagramView& datagram, bool broadcast,
 }
 
 void SlaveController::begin_frame_work() {
-  if ((frame_work_ & FrameWork::kClearSiiWriteEnable) != 0) {
-    frame_work_ &= static_cast<std::uint8_t>(~FrameWork::kClearSiiWriteEnable);
+  if ((frame_work_ & FrameWork::kClearWriteEnables) != 0) {
+    frame_work_ &= static_cast<std::uint8_t>(~FrameWork::kClearWriteEnables);
     sii_.start_of_frame();
+    if (has_feature(configuration_.features, ControllerFeature::mii_management)) {
+      mii_.start_of_frame();
+    }
   }
 }
 
 void SlaveController::end_frame_work(const FrameTiming& timing) {
   // What stays for the next frame: the write enable to clear, a reset key under way.
   const std::uint8_t work = frame_work_;
-  frame_work_ = work & FrameWork::kClearSiiWriteEnable;
+  frame_work_ = work & FrameWork::kClearWriteEnables;
   if ((work & FrameWork::kLockRegisters) != 0) {
     registers_unlocked_ = false;
     controller_unlocked_ = false;

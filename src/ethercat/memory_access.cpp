@@ -199,6 +199,10 @@ bool SlaveController::accepts_bus_write(std::size_t address) const {
       return al_control_taken_ || register_bit(0x0141, 0);
     case Effect::sii_interface:
       return sii_.bus_may_write();
+    case Effect::mii_interface:
+      return mii_.bus_may_write();
+    case Effect::mii_access:
+      return address != 0x0516 || mii_.bus_may_claim();
     case Effect::sync_manager: {
       // Start and length are locked while the sync manager is enabled; control keeps one open bit.
       const bool enabled = register_bit((address & ~std::size_t{7}) + 6, 0);
@@ -225,6 +229,10 @@ bool SlaveController::accepts_host_write(std::size_t address) const {
       return sii_.host_may_take();
     case Effect::sii_interface:
       return sii_.host_may_write();
+    case Effect::mii_interface:
+      return mii_.host_may_write();
+    case Effect::mii_access:
+      return mii_.host_may_take();
     default:
       return accepts_clock_write(Side::host, byte.effect);
   }

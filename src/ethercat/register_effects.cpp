@@ -33,10 +33,25 @@ constexpr base::EventRule kSiiCommand{
 constexpr base::EventRule kSiiMissing{
     "esc-sii-missing", base::Severity::refusal,
     "EEPROM command {0} failed: no EEPROM is fitted; give the device an SII image"};
+constexpr base::EventRule kSiiErrorPending{
+    "esc-sii-error-pending", base::Severity::refusal,
+    "EEPROM command {0} ignored: bit 13 of register 0502h still shows an error; write command 0 "
+    "first"};
+constexpr base::EventRule kMiiWriteEnable{
+    "esc-mii-write-enable", base::Severity::refusal,
+    "PHY write refused: bit 0 of register 0510h (write enable) was not set in the same frame; "
+    "write 0201h as the command"};
+constexpr base::EventRule kMiiCommand{
+    "esc-mii-command", base::Severity::refusal,
+    "MII management command {0} is none of 0 (idle), 1 (read), 2 (write)"};
 
 constexpr std::size_t kAlControl = 0x0120;
 constexpr std::size_t kAlStatus = 0x0130;
+constexpr std::size_t kAlStatusCode = 0x0134;
 constexpr std::size_t kRunLedOverride = 0x0138;
+constexpr std::size_t kErrorLedOverride = 0x0139;
+constexpr std::uint8_t kOverride = 0x10;
+constexpr std::uint16_t kAlErrorIndication = 0x0010;
 constexpr std::size_t kEcatEventRequest = 0x0210;
 constexpr std::size_t kAlEventRequest = 0x0220;
 constexpr std::size_t kWatchdogStatus = 0x0440;
@@ -65,6 +80,12 @@ void SlaveController::before_read(Side /*side*/, Effects effects) {
         memory_[kWatchdogStatus] = std::byte{off || process_data_watchdog_.running()};
         break;
       }
+      case Effect::led_override:
+        show_leds();
+        break;
+      case Effect::mii_port_status:
+        mii_.show_port_status(links());
+        break;
       default:
         break;
     }
@@ -184,6 +205,18 @@ void SlaveController::after_bus_write(Effects effects, std::uint32_t address,
           start_sii_command();
         }
         break;
+      case Effect::mii_interface:
+        if (address <= 0x0511 && address + data.size() > 0x0510) {
+          start_mii_command();
+        }
+        mii_.update_port_address();
+        break;
+      case Effect::mii_access:
+        mii_.update_owner();
+        break;
+      case Effect::mii_port_status:
+        mii_.clear_port_errors();
+        break;
       case Effect::fmmu:
         compile_mappings();
         break;
@@ -225,6 +258,18 @@ void SlaveController::after_host_write(Effects effects, std::uint32_t address,
           start_sii_command();
         }
         break;
+      case Effect::mii_interface:
+        if (address <= 0x0511 && address + data.size() > 0x0510) {
+          start_mii_command();
+        }
+        mii_.update_port_address();
+        break;
+      case Effect::mii_access:
+        mii_.update_owner();
+        break;
+      case Effect::mii_port_status:
+        mii_.clear_port_errors();
+        break;
       case Effect::sync_manager_host_control:
         update_sync_managers(address, data.size());
         break;
@@ -247,15 +292,19 @@ void SlaveController::take_al_control() {
 void SlaveController::change_al_status() {
   const auto status = base::load_le<std::uint16_t>(registers(), kAlStatus);
   if (status != al_status_) {
+    const bool new_error = (status & ~unsigned{al_status_} & kAlErrorIndication) != 0;
     al_status_ = status;
     memory_[kRunLedOverride] &= std::byte{0x0F};
+    if (new_error) {
+      memory_[kErrorLedOverride] &= std::byte{0x0F};
+    }
     set_ecat_event(kAlStatusEvent, true);
   }
 }
 
 void SlaveController::start_sii_command() {
   const auto command = static_cast<unsigned>(registers()[0x0503]) & 7U;
-  frame_work_ |= FrameWork::kClearSiiWriteEnable;
+  frame_work_ |= FrameWork::kClearWriteEnables;
   switch (sii_.start_command(now_)) {
     case SiiInterface::CommandResult::started:
       next_deadline_ = std::min(next_deadline_, sii_.deadline());
@@ -268,9 +317,68 @@ void SlaveController::start_sii_command() {
     case SiiInterface::CommandResult::not_write_enabled:
       reporter_.report(now_, kSiiWriteEnable);
       break;
+    case SiiInterface::CommandResult::error_pending:
+      reporter_.report(now_, kSiiErrorPending, {command});
+      break;
     case SiiInterface::CommandResult::no_acknowledge:
       reporter_.report(now_, kSiiMissing, {command});
       break;
+  }
+}
+
+void SlaveController::start_mii_command() {
+  const auto command = static_cast<unsigned>(registers()[0x0511]) & 3U;
+  frame_work_ |= FrameWork::kClearWriteEnables;
+  switch (mii_.start_command(now_)) {
+    case MiiManagement::CommandResult::started:
+      next_deadline_ = std::min(next_deadline_, mii_.deadline());
+      break;
+    case MiiManagement::CommandResult::idle:
+      break;
+    case MiiManagement::CommandResult::invalid:
+      reporter_.report(now_, kMiiCommand, {command});
+      break;
+    case MiiManagement::CommandResult::not_write_enabled:
+      reporter_.report(now_, kMiiWriteEnable);
+      break;
+  }
+}
+
+unsigned SlaveController::links() const {
+  unsigned links = 0;
+  for (unsigned port = 0; port < kPorts; ++port) {
+    links |= ports_[port].link ? 1U << port : 0U;
+  }
+  return links;
+}
+
+LedCode SlaveController::run_led() const {
+  const auto override = std::to_integer<std::uint8_t>(memory_[kRunLedOverride]);
+  return (override & kOverride) != 0 ? static_cast<LedCode>(override & 0x0F)
+                                     : run_led_code(al_status_);
+}
+
+LedCode SlaveController::error_led() const {
+  const auto override = std::to_integer<std::uint8_t>(memory_[kErrorLedOverride]);
+  if ((override & kOverride) != 0) {
+    return static_cast<LedCode>(override & 0x0F);
+  }
+  return error_led_code({al_status_, base::load_le<std::uint16_t>(memory_.data() + kAlStatusCode),
+                         !loaded_, host_watchdog_.expired()});
+}
+
+void SlaveController::show_leds() {
+  const auto show = [this](std::size_t address, LedCode code) {
+    memory_[address] = (memory_[address] & std::byte{kOverride}) | static_cast<std::byte>(code);
+  };
+  show(kRunLedOverride, run_led());
+  show(kErrorLedOverride, error_led());
+}
+
+void SlaveController::count_host_error(std::uint8_t code) {
+  count(0x030D);
+  if (register_map_[0x030E].built) {
+    memory_[0x030E] = std::byte{code};
   }
 }
 
@@ -341,7 +449,7 @@ void SlaveController::clear_registers(std::size_t first, std::size_t last) {
 }
 
 void SlaveController::count(std::size_t address) {
-  if (memory_[address] != std::byte{0xFF}) {
+  if (register_map_[address].built && memory_[address] != std::byte{0xFF}) {
     memory_[address] = static_cast<std::byte>(std::to_integer<unsigned>(memory_[address]) + 1);
   }
 }

@@ -131,8 +131,9 @@ constexpr bool discards_value(Effect effect) {
 /// True if a read by the bus has to compute the value first or changes something.
 constexpr bool has_bus_read_effect(Effect effect) {
   return effect == Effect::dl_status || effect == Effect::al_status ||
-         effect == Effect::event_request || effect == Effect::system_time ||
-         effect >= Effect::speed_difference;
+         effect == Effect::led_override || effect == Effect::event_request ||
+         effect == Effect::watchdog_status || effect == Effect::mii_port_status ||
+         effect == Effect::system_time || effect >= Effect::speed_difference;
 }
 
 /// What a declaration that stands for several registers is repeated for.

@@ -96,6 +96,9 @@ SiiInterface::CommandResult SiiInterface::start_command(base::SimTime now) {
   const auto status = load_le<std::uint16_t>(registers_, kStatus);
   const auto command = static_cast<Command>((status & kCommandMask) >> 8);
   set_status(kCommandMask, 0);
+  if (error_blocks_commands_ && (status & kCommandError) != 0 && command != Command::idle) {
+    return CommandResult::error_pending;
+  }
   base::SimDuration duration;
   switch (command) {
     case Command::idle:
@@ -111,7 +114,6 @@ SiiInterface::CommandResult SiiInterface::start_command(base::SimTime now) {
       }
       duration = timing_.write;
       break;
-    case Command::reload_standard:
     case Command::reload:
       duration = timing_.reload;
       break;
@@ -149,7 +151,6 @@ SiiInterface::Completion SiiInterface::finish(base::SimTime now) {
     case Command::write:
       write_word();
       return Completion::access;
-    case Command::reload_standard:
     case Command::reload:
       return Completion::reload;
     case Command::idle:

@@ -27,8 +27,11 @@ struct SiiTiming {
 class SiiInterface {
  public:
   SiiInterface(std::span<std::byte, kRegisterSpace> registers, SiiTiming timing,
-               bool eight_byte_read)
-      : registers_(registers), timing_(timing), eight_byte_read_(eight_byte_read) {}
+               bool eight_byte_read, bool error_blocks_commands = false)
+      : registers_(registers),
+        timing_(timing),
+        eight_byte_read_(eight_byte_read),
+        error_blocks_commands_(error_blocks_commands) {}
 
   /// Puts an EEPROM with `image` on the board. Its size is the next power of two from 128 bytes on;
   /// what the image does not fill reads FFh, as erased cells do. Empty: no EEPROM answers.
@@ -61,6 +64,7 @@ class SiiInterface {
     idle,               ///< command 0: error bits cleared
     invalid,            ///< no such command
     not_write_enabled,  ///< write without 0x0502 bit 0 in the same frame
+    error_pending,      ///< ignored: an earlier error has to be cleared first
     no_acknowledge,     ///< no EEPROM on the board
   };
   /// Runs what a write to 0x0502..0x0503 has left in the command bits.
@@ -82,8 +86,7 @@ class SiiInterface {
     idle = 0,
     read = 1,
     write = 2,
-    reload_standard = 3,
-    reload = 4
+    reload = 4,
   };
 
   void set_status(std::uint16_t clear, std::uint16_t set);
@@ -94,6 +97,7 @@ class SiiInterface {
   std::span<std::byte, kRegisterSpace> registers_;
   SiiTiming timing_;
   bool eight_byte_read_;
+  bool error_blocks_commands_;
   std::vector<std::byte> content_;
   base::SimTime deadline_ = base::SimTime::never();
   Command command_ = Command::idle;

@@ -18,7 +18,10 @@ constexpr base::EventRule kSiiChecksum{
     "process memory and host interface stay closed until a valid image is written and reloaded"};
 
 constexpr std::size_t kEscConfiguration = 0x0141;
+constexpr std::size_t kPdiControl = 0x0140;
 constexpr std::size_t kPdiInformation = 0x014E;
+constexpr std::size_t kErrorLedOverride = 0x0139;
+constexpr unsigned kSpiSlave = 0x05;  ///< the one PDI type that is built
 
 /// Words of the EEPROM's configuration area and the registers they are copied to at each load.
 struct ConfigurationWord {
@@ -45,7 +48,10 @@ SlaveController::SlaveController(const SlaveControllerConfiguration& configurati
       register_map_(configuration.features, configuration.answered_features,
                     configuration.fmmu_count, configuration.sync_manager_count),
       sii_(registers(), configuration.sii_timing,
-           has_feature(configuration.features, ControllerFeature::sii_eight_byte_read)),
+           has_feature(configuration.features, ControllerFeature::sii_eight_byte_read),
+           configuration.sii_error_blocks_commands),
+      mii_(registers(), configuration.mii,
+           has_feature(configuration.features, ControllerFeature::mii_link_detection)),
       clock_(registers(), configuration.clock_deviation_ppb) {
   power_on_reset();
 }
@@ -76,6 +82,9 @@ void SlaveController::power_on_reset() {
   host_reset_progress_ = 0;
   reset_clocks();
   sii_.reset();
+  if (has_feature(configuration_.features, ControllerFeature::mii_management)) {
+    mii_.reset();
+  }
   process_data_watchdog_.stop();
   host_watchdog_.stop();
   update_watchdog_times();
@@ -120,7 +129,10 @@ void SlaveController::load_configuration_area(bool first) {
     memory_[kEscConfiguration] |= std::byte{1};
   }
   if (has_feature(configuration_.features, ControllerFeature::pdi_information)) {
-    const unsigned state = loaded_ ? 0x06U : 0x00U;  // configured and active
+    // Configured and active, or configured for an interface that is not there.
+    const auto type = std::to_integer<unsigned>(memory_[kPdiControl]);
+    const unsigned configured = type == kSpiSlave ? 0x06U : 0x0AU;
+    const unsigned state = loaded_ ? configured : 0x00U;
     memory_[kPdiInformation] =
         static_cast<std::byte>(state | (configuration_.acknowledge_by_write ? 1U : 0U));
   }
@@ -160,6 +172,7 @@ void SlaveController::expire(base::SimTime now) {
   }
   if (host_watchdog_.expire(now)) {
     count(0x0443);
+    memory_[kErrorLedOverride] &= std::byte{0x0F};
     update_dl_status();
     const std::int64_t divider = base::load_le<std::uint16_t>(registers(), 0x0400);
     const std::int64_t time = base::load_le<std::uint16_t>(registers(), 0x0410);
@@ -168,6 +181,7 @@ void SlaveController::expire(base::SimTime now) {
   if (sii_.finish(now) == SiiInterface::Completion::reload) {
     load_configuration_area(false);
   }
+  mii_.finish(now, links());
   if (now >= sync_deadline_) {
     advance_sync();
   }
@@ -181,7 +195,8 @@ void SlaveController::expire(base::SimTime now) {
 
 void SlaveController::update_deadline() {
   next_deadline_ = std::min({process_data_watchdog_.deadline(), host_watchdog_.deadline(),
-                             sii_.deadline(), loop_control_expires_, sync_deadline_});
+                             sii_.deadline(), mii_.deadline(), loop_control_expires_,
+                             sync_deadline_});
 }
 
 void SlaveController::set_host_polling(bool polling) {

@@ -15,6 +15,8 @@
 #include "ethercat/fmmu.hpp"
 #include "ethercat/frame.hpp"
 #include "ethercat/latch_unit.hpp"
+#include "ethercat/led.hpp"
+#include "ethercat/mii_management.hpp"
 #include "ethercat/process_data_interface.hpp"
 #include "ethercat/register_table.hpp"
 #include "ethercat/sii_interface.hpp"
@@ -60,6 +62,9 @@ struct SlaveControllerConfiguration {
   base::SimDuration forwarding_delay = base::SimDuration(300);
   std::int32_t clock_deviation_ppb = 0;  ///< of the oscillator
   SiiTiming sii_timing;
+  /// 0x0502: after an error, commands other than 0 are ignored until command 0 clears it.
+  bool sii_error_blocks_commands = false;
+  MiiSettings mii;
 };
 
 /// Writes the constants and reset values that differ between builds: identification, features,
@@ -104,6 +109,14 @@ class SlaveController final : public ProcessDataInterface {
   void count_malformed_frame();
   /// An error was seen at `port` (0..3).
   void count_receive_error(unsigned port, ReceiveError error);
+
+  /// The host made an access that its interface refused: counts it (0x030D) and keeps the cause
+  /// (0x030E, coded as the datasheet's "PDI Error Code").
+  void count_host_error(std::uint8_t code);
+
+  /// What the status LEDs show, with or without override (0x0138, 0x0139).
+  [[nodiscard]] LedCode run_led() const;
+  [[nodiscard]] LedCode error_led() const;
 
   /// The physical link of `port` came up or went down.
   void set_link(unsigned port, bool up);
@@ -196,8 +209,9 @@ class SlaveController final : public ProcessDataInterface {
   };
   /// What has to be done before or after the datagrams of a frame; 0 nearly always.
   struct FrameWork {
-    static constexpr std::uint8_t kClearSiiWriteEnable = 1U << 0;  ///< at the next start of frame
-    static constexpr std::uint8_t kLockRegisters = 1U << 1;        ///< at the end, 0x0020 0x0030
+    static constexpr std::uint8_t kClearWriteEnables =
+        1U << 0;  ///< SII, MII: at the next start of frame
+    static constexpr std::uint8_t kLockRegisters = 1U << 1;  ///< at the end, 0x0020 0x0030
     static constexpr std::uint8_t kLatchReceiveTimes = 1U << 2;
     static constexpr std::uint8_t kCompareSystemTime = 1U << 3;
     static constexpr std::uint8_t kApplyLoopControl = 1U << 4;
@@ -275,6 +289,9 @@ class SlaveController final : public ProcessDataInterface {
   void report_locked_al_control(std::uint16_t requested);
   void change_al_status();
   void start_sii_command();
+  void start_mii_command();
+  void show_leds();
+  [[nodiscard]] unsigned links() const;
   void update_sync_managers(std::uint32_t address, std::size_t length);
   void configure_sync_manager(std::size_t channel);
   void update_watchdog_times();
@@ -361,6 +378,7 @@ class SlaveController final : public ProcessDataInterface {
   SlaveControllerConfiguration configuration_;
   RegisterMap register_map_;
   SiiInterface sii_;
+  MiiManagement mii_;
   DistributedClock clock_;
   SyncUnit sync_{registers()};
   LatchUnit latch_{registers()};

@@ -38,6 +38,7 @@ constexpr SlaveControllerConfiguration tmc8670_document() {
   chip.product_id = 0x0000000001008670;
   chip.vendor_id = 0x0000000100000286;
   chip.sync_latch_reset = 0;
+  chip.sii_error_blocks_commands = true;
   return chip;
 }
 

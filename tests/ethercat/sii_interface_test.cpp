@@ -1,5 +1,7 @@
 #include "ethercat/sii_interface.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "ethercat/test_bus.hpp"
@@ -122,8 +124,10 @@ TEST_F(Sii, WriteEnableOfAnEarlierFrame_IsGone) {
 }
 
 TEST_F(Sii, InvalidCommand_SetsBit13AndAValidOneClearsIt) {
-  bus.write(0, 0x0502, command(0x0500, 0, 6));
-  EXPECT_EQ(finished_status() & 0x6000U, 0x2000U);
+  for (const unsigned code : {0x0300U, 0x0500U, 0x0600U, 0x0700U}) {
+    bus.write(0, 0x0502, command(code, 0, 6));
+    EXPECT_EQ(finished_status() & 0xE700U, 0x2000U) << "not busy, no command, error";
+  }
   bus.write(0, 0x0502, command(0x0100, 0x10, 6));
   EXPECT_EQ(finished_status() & 0x6000U, 0U);
   EXPECT_EQ(number(bus.read(0, 0x0508, 4).data), 0x00110010U);
@@ -153,7 +157,7 @@ TEST_F(Sii, BadChecksum_IsShownAndClosesTheMemoryUntilRepairedAndReloaded) {
   const unsigned good = sii_checksum(image);
   bus.write(0, 0x0502, bytes({0x81, 0x02, 0x07, 0x00, 0, 0, good, 0x00}));
   finished_status();
-  bus.write(0, 0x0502, command(0x0300, 0, 6));
+  bus.write(0, 0x0502, command(0x0400, 0, 6));
   EXPECT_EQ(finished_status() & 0x1800U, 0U);
   EXPECT_EQ(bus.write(0, 0x1000, bytes({1})).working_counter, 1U);
 }
@@ -195,7 +199,77 @@ TEST_F(Sii, WholeImage_ReadWordPairByWordPairIsBitExact) {
   }
 }
 
+TEST_F(Sii, Load_FillsTheRegistersOfTheConfigurationArea) {
+  Bytes image = valid_sii();
+  const Bytes area =
+      bytes({0x05, 0x0C, 0x03, 0xEE, 0x64, 0x00, 0x00, 0x00, 0x34, 0x12, 0, 0, 0, 0});
+  std::copy(area.begin(), area.end(), image.begin());
+  image[14] = std::byte{sii_checksum(image)};
+  EXPECT_EQ(number(bus.read(0, 0x0151, 1).data), 0U) << "from the image before";
+  slave.load_sii(image);
+  EXPECT_EQ(number(bus.read(0, 0x0140, 2).data), 0x0C05U);
+  EXPECT_EQ(bus.read(0, 0x0150, 4).data, bytes({0x03, 0xEE, 0x00, 0x00}));
+  EXPECT_EQ(number(bus.read(0, 0x0982, 2).data), 100U);
+  EXPECT_EQ(number(bus.read(0, 0x0012, 2).data), 0x1234U);
+  EXPECT_EQ(number(bus.read(0, 0x014E, 2).data), 0x0006U) << "configured and active";
+  EXPECT_EQ(bus.write(0, 0x0982, bytes({1, 0})).working_counter, 0U);
+}
+
+TEST_F(Sii, Load_CopiesTheFirstCategoryToTheParameterRamAndClearsTheRest) {
+  bus.write(0, 0x0580, Bytes(128, std::byte{0xEE}));
+  Bytes image = valid_sii();
+  base::store_le(image.data() + 0x80, std::uint16_t{1});
+  base::store_le(image.data() + 0x82, std::uint16_t{49});
+  slave.load_sii(image);
+  const Bytes ram = bus.read(0, 0x0580, 128).data;
+  EXPECT_TRUE(std::equal(ram.begin(), ram.begin() + 98, image.begin() + 0x84));
+  EXPECT_EQ(Bytes(ram.begin() + 98, ram.end()), testing::zeros(30));
+
+  base::store_le(image.data() + 0x82, std::uint16_t{100});
+  slave.load_sii(image);
+  const Bytes full = bus.read(0, 0x0580, 128).data;
+  EXPECT_TRUE(std::equal(full.begin(), full.end(), image.begin() + 0x84)) << "128 bytes at most";
+  EXPECT_EQ(number(bus.read(0, 0x0600, 4).data), 0U);
+
+  bus.write(0, 0x0580, Bytes(128, std::byte{0xEE}));
+  bus.write(0, 0x0502, command(0x0400, 0, 6));
+  finished_status();
+  EXPECT_EQ(bus.read(0, 0x0580, 128).data, full) << "a reload copies again";
+}
+
+TEST_F(Sii, AnotherHostInterfaceThanSpi_IsShownAsInvalid) {
+  Bytes image = valid_sii();
+  image[0] = std::byte{0x80};
+  image[14] = std::byte{sii_checksum(image)};
+  slave.load_sii(image);
+  EXPECT_EQ(number(bus.read(0, 0x014E, 1).data), 0x0AU) << "configured, invalid, not active";
+}
+
+TEST_F(Sii, AddressBits_FollowTheSizeOfTheEeprom) {
+  EXPECT_EQ(status() & 0x0080U, 0U) << "16 kbit: one address byte";
+  Bytes image = valid_sii();
+  image.resize(4096);
+  slave.load_sii(image);
+  EXPECT_EQ(status() & 0x0080U, 0x0080U) << "32 kbit: two";
+}
+
+TEST(SiiOfTmc8670, CommandsAreIgnoredWhileAnErrorIsPending) {
+  SlaveControllerConfiguration configuration;
+  configuration.sii_error_blocks_commands = true;
+  TestBus bus(1, configuration);
+  bus.write(0, 0x0502, bytes({0x00, 0x03}));
+  EXPECT_EQ(number(bus.read(0, 0x0502, 2).data) & 0xE700U, 0x2000U);
+  bus.write(0, 0x0502, bytes({0x00, 0x01}));
+  EXPECT_EQ(number(bus.read(0, 0x0502, 2).data) & 0xE700U, 0x2000U) << "neither run nor cleared";
+  bus.write(0, 0x0502, bytes({0x00, 0x00}));
+  EXPECT_EQ(number(bus.read(0, 0x0502, 2).data) & 0xE700U, 0U);
+  bus.write(0, 0x0502, bytes({0x00, 0x01}));
+  EXPECT_EQ(number(bus.read(0, 0x0502, 2).data) & 0x8700U, 0x8100U) << "runs";
+}
+
 TEST(SiiChecksum, MatchesVectorsComputedByAnIndependentTable) {
+  EXPECT_EQ(sii_checksum(bytes({5, 0x0C, 3, 0xEE, 0x64, 0, 0, 0, 0, 0, 0, 0, 0, 0})), 0xA4);
+  EXPECT_EQ(sii_checksum(bytes({5, 0x0C, 3, 0x66, 0xE8, 3, 0, 0, 0, 0, 0, 0, 0, 0})), 0x18);
   EXPECT_EQ(sii_checksum(testing::zeros(14)), 0x30);
   EXPECT_EQ(sii_checksum(bytes({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13})), 0xE0);
   EXPECT_EQ(sii_checksum(bytes({0x05, 0x0E, 0x03, 0x6E, 0x0A, 0, 0, 0, 0x34, 0x12, 0, 0, 0, 0})),

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "base/sim_time.hpp"
+#include "ethercat/register_table.hpp"
+
+namespace stator::ethercat {
+
+/// The PHYs of a board and how the controller reaches them.
+struct MiiSettings {
+  std::uint8_t phy_offset = 0;                      ///< pin PHY_OFFSET: port n is at n + offset
+  std::array<std::uint8_t, 2> phy_addresses{0, 1};  ///< where the PHYs of ports 0 and 1 really are
+  std::uint32_t phy_identifier = 0x00221560;        ///< registers 2 and 3: a Micrel KSZ8081
+  /// One transfer on the management bus: 64 bits at 2.5 MHz (IEEE 802.3 clause 22).
+  base::SimDuration transfer = base::SimDuration(25'600);
+};
+
+/// A PHY as the management bus shows it: registers 0..6 of IEEE 802.3 clause 22.
+class Phy {
+ public:
+  explicit Phy(std::uint32_t identifier = 0) : identifier_(identifier) {}
+
+  void reset();
+  [[nodiscard]] static bool has_register(unsigned number) { return number <= 6; }
+  /// Value of register `number` while the link is up or down.
+  [[nodiscard]] std::uint16_t read(unsigned number, bool link) const;
+  void write(unsigned number, std::uint16_t value);
+
+ private:
+  static constexpr std::uint16_t kControlAfterReset =
+      0x3100;                                          ///< 100 Mbit/s full duplex, negotiates
+  static constexpr std::uint16_t kAbilities = 0x01E1;  ///< 10 and 100 Mbit/s, half and full
+
+  std::uint32_t identifier_;
+  std::uint16_t control_ = kControlAfterReset;
+  std::uint16_t advertisement_ = kAbilities;
+};
+
+/// Registers 0x0510..0x051B, through which master or host reads and writes the PHYs (ETG.1000.4
+/// §6.6; TMC8461 datasheet "MII management"). Works on the controller's register memory. Busy is a
+/// deadline; finish() completes what is due.
+///
+/// The ports' links are what the controller knows of them; a PHY's link bit shows the present link
+/// and does not hold a short interruption.
+class MiiManagement {
+ public:
+  MiiManagement(std::span<std::byte, kRegisterSpace> registers, const MiiSettings& settings,
+                bool detects_links);
+
+  /// Registers and PHYs after power-on.
+  void reset();
+
+  [[nodiscard]] bool busy() const { return deadline_ != base::SimTime::never(); }
+  [[nodiscard]] bool host_owns() const;
+  [[nodiscard]] bool bus_may_write() const { return !host_owns() && !busy(); }
+  [[nodiscard]] bool host_may_write() const { return host_owns() && !busy(); }
+  /// 0x0516 is the bus's to write while the host has no access.
+  [[nodiscard]] bool bus_may_claim() const { return !host_owns(); }
+  /// 0x0517 bit 0 is the host's to write while the bus claims no exclusive access.
+  [[nodiscard]] bool host_may_take() const;
+
+  /// After a write to 0x0516 or 0x0517: a forced release takes the interface from the host.
+  void update_owner();
+  /// After a write to 0x0512: shows the port's PHY address in 0x0510 bits 7:3.
+  void update_port_address();
+
+  /// What became of a command.
+  enum class CommandResult : std::uint8_t {
+    started,
+    idle,               ///< command 0: errors cleared
+    invalid,            ///< command 3
+    not_write_enabled,  ///< write without 0x0510 bit 0 in the same frame
+  };
+  /// Runs what a write to 0x0510..0x0511 has left in the command bits.
+  CommandResult start_command(base::SimTime now);
+
+  /// A new frame begins: the bus's write enable of an earlier frame is over.
+  void start_of_frame();
+
+  /// Completes the transfer if it is due. Bit n of `links`: port n has a link.
+  void finish(base::SimTime now, unsigned links);
+  [[nodiscard]] base::SimTime deadline() const { return deadline_; }
+
+  /// Writes the port status registers as they are to be read now.
+  void show_port_status(unsigned links);
+  /// After a write to any of them: the sticky bits of all are cleared.
+  void clear_port_errors();
+
+ private:
+  enum class Command : std::uint8_t { idle = 0, read = 1, write = 2, invalid = 3 };
+  static constexpr std::size_t kPortCount = 2;
+
+  void set_status(std::uint16_t clear, std::uint16_t set);
+  /// Port whose PHY answers at `address`; kPortCount if none does.
+  [[nodiscard]] std::size_t port_at(unsigned address) const;
+
+  std::span<std::byte, kRegisterSpace> registers_;
+  MiiSettings settings_;
+  bool detects_links_;
+  std::array<Phy, kPortCount> phys_;
+  std::array<bool, kPortCount> read_error_{};  ///< link detection did not find the port's PHY
+  base::SimTime deadline_ = base::SimTime::never();
+  Command command_ = Command::idle;
+};
+
+}  // namespace stator::ethercat
