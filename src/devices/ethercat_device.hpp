@@ -31,6 +31,12 @@ class EtherCatDevice {
   /// Called after each frame; cheap when nothing came.
   virtual void handle_bus_events(base::SimTime now) = 0;
 
+  /// Switches the device's supply at `now`. Off: its firmware stops with all it knew and its power
+  /// stages open; the mechanics go on. On: it starts as after a reset. What becomes of the slave
+  /// controller is said to its segment (ethercat::Segment::set_power), before this when switched
+  /// on.
+  virtual void set_power(bool on, base::SimTime now) = 0;
+
   /// Everything that can be recorded, with names unique within the device.
   [[nodiscard]] virtual std::vector<Signal> signals() = 0;
 };

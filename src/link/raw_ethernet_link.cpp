@@ -280,6 +280,14 @@ bool RawEthernetLink::take_wake() {
          wake_requested_.exchange(false, std::memory_order_relaxed);
 }
 
+bool RawEthernetLink::has_carrier() const {
+  ifreq request{};
+  std::strncpy(request.ifr_name, options_.interface.c_str(), IFNAMSIZ - 1);
+  constexpr int kConnected = IFF_UP | IFF_RUNNING;
+  return ::ioctl(socket_.get(), SIOCGIFFLAGS, &request) == 0 &&
+         (request.ifr_flags & kConnected) == kConnected;
+}
+
 LinkStatistics RawEthernetLink::statistics() const {
   // The kernel clears its counters with each look.
   tpacket_stats kernel{};

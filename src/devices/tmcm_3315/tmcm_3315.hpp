@@ -46,6 +46,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   }
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;
+  void set_power(bool on, base::SimTime now) override;
   [[nodiscard]] std::vector<Signal> signals() override;
 
   [[nodiscard]] tmcm_3315::AxisUnit& axis(std::size_t number) { return *axes_[number]; }
@@ -96,6 +97,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   std::array<std::uint16_t, 4> analog_counts_{};
   std::uint32_t digital_outputs_ = 0;
   bool outputs_came_ = false;
+  bool powered_ = true;
   /// As last told to the master by emergencies.
   std::array<drive::AxisErrors, tmcm_3315::kAxisCount> reported_errors_{};
   std::array<std::uint32_t, tmcm_3315::kAxisCount> reported_resets_{};
