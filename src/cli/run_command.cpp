@@ -31,6 +31,7 @@ struct RunOptions {
   std::string device;
   unsigned count = 1;
   std::string link;
+  std::string redundant;
   std::string wait;
   std::optional<unsigned> cpu;
   std::string clock;
@@ -84,6 +85,12 @@ rack::RackConfiguration configuration_of(const RunOptions& options) {
   rack::SegmentConfiguration& segment = configuration.segments.front();
   if (!options.link.empty()) {
     segment.interface = interface_of(options.link);
+  }
+  if (!options.redundant.empty()) {
+    segment.redundant_interface = interface_of(options.redundant);
+    if (segment.redundant_interface == segment.interface) {
+      throw Failure("--redundant names the interface of --link again; a ring needs two");
+    }
   }
   if (!options.wait.empty()) {
     segment.wait = rack::wait_modes().at(options.wait);
@@ -152,7 +159,9 @@ class StopSignals {
 void print_start(const rack::RackConfiguration& configuration, rack::Rack& rack) {
   for (std::size_t i = 0; i < configuration.segments.size(); ++i) {
     const rack::SegmentConfiguration& segment = configuration.segments[i];
-    fmt::print("Segment on {}: {} device{}\n", segment.interface, segment.devices.size(),
+    const bool ring = !segment.redundant_interface.empty();
+    fmt::print("Segment on {}{}{}: {} device{}\n", segment.interface, ring ? " and " : "",
+               segment.redundant_interface, segment.devices.size(),
                segment.devices.size() == 1 ? "" : "s");
     for (const rack::NamedDevice& member : rack.devices(i)) {
       fmt::print("  {}  ({})\n", member.name, member.device->description().name);
@@ -212,6 +221,8 @@ void add_run_command(CLI::App& app) {
       ->check(CLI::Range(1U, 500U))
       ->capture_default_str();
   command->add_option("--link", options->link, "ethercat:INTERFACE of the first segment");
+  command->add_option("--redundant", options->redundant,
+                      "ethercat:INTERFACE at the end of the first segment, for cable redundancy");
   command
       ->add_option("--wait", options->wait,
                    "block: no load when idle; spin: fastest, takes a processor; adaptive: both")

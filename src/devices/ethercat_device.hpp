@@ -35,6 +35,12 @@ class EtherCatDevice {
   /// Where the device keeps a firmware image that came over the bus; null if it takes none.
   [[nodiscard]] virtual FirmwareMemory* firmware() { return nullptr; }
 
+  /// Switches the device's supply at `now`. Off: its firmware stops with all it knew and its power
+  /// stages open; the mechanics go on. On: it starts as after a reset. What becomes of the slave
+  /// controller is said to its segment (ethercat::Segment::set_power), before this when switched
+  /// on.
+  virtual void set_power(bool on, base::SimTime now) = 0;
+
   /// Everything that can be recorded, with names unique within the device.
   [[nodiscard]] virtual std::vector<Signal> signals() = 0;
 };

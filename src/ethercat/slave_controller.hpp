@@ -131,6 +131,11 @@ class SlaveController final : public ProcessDataInterface {
   [[nodiscard]] SlaveForwarding forwarding() const;
   /// From port to port, as the size of the receive FIFO (0x0102) makes it.
   [[nodiscard]] base::SimDuration forwarding_delay() const;
+  /// As SlaveControllerConfiguration::forwarding_delay, for the board at hand.
+  void set_forwarding_delay(base::SimDuration delay) {
+    configuration_.forwarding_delay = delay;
+    note_topology_change();
+  }
   /// Makes the controller set `*changed` whenever forwarding() may have changed; null ends that.
   void watch_topology(bool* changed) { topology_changed_ = changed; }
   /// A valid frame came in at a closed port, where it ends: Auto Close opens the port.

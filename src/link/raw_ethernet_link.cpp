@@ -170,6 +170,14 @@ base::Expected<void, LinkError> RawEthernetLink::send(std::span<const std::byte>
   }
 }
 
+bool RawEthernetLink::has_carrier() const {
+  ifreq request{};
+  std::strncpy(request.ifr_name, options_.interface.c_str(), IFNAMSIZ - 1);
+  constexpr int kConnected = IFF_UP | IFF_RUNNING;
+  return ::ioctl(socket_.get(), SIOCGIFFLAGS, &request) == 0 &&
+         (request.ifr_flags & kConnected) == kConnected;
+}
+
 LinkStatistics RawEthernetLink::statistics() const {
   // The kernel clears its counters with each look.
   tpacket_stats kernel{};

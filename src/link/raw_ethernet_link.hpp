@@ -37,9 +37,13 @@ class RawEthernetLink final : public EthernetLink {
                                                  base::SimDuration timeout) override;
   base::Expected<void, LinkError> send(std::span<const std::byte> frame) override;
   void wake() noexcept override { wait_.wake(); }
+  /// Asks the system, which takes about a microsecond.
+  [[nodiscard]] bool has_carrier() const override;
   [[nodiscard]] LinkStatistics statistics() const override;
   [[nodiscard]] const std::string& name() const override { return options_.interface; }
 
+  /// For waiting on several links at once with poll().
+  [[nodiscard]] int descriptor() const { return socket_.get(); }
   /// The interface's own address, the source address of a master's frames.
   [[nodiscard]] const std::array<std::uint8_t, 6>& mac_address() const { return mac_address_; }
 

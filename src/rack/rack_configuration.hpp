@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include "base/sim_time.hpp"
 #include "devices/tmcm_3315/tmcm_3315.hpp"
+#include "ethercat/segment.hpp"
 #include "link/raw_ethernet_link.hpp"
 
 namespace stator::rack {
@@ -21,15 +23,29 @@ enum class ClockKind : std::uint8_t {
 /// Configuration of one product; a further product is a further alternative.
 using ProductConfiguration = std::variant<devices::Tmcm3315Configuration>;
 
+/// The cable in front of a device, on the master's side of it. See wiring.hpp for the defaults.
+struct WiringConfiguration {
+  std::optional<std::size_t>
+      after{};                     ///< device of the segment it hangs at; default: the one before
+  std::optional<unsigned> port{};  ///< port of that device; default: the one away from the master
+  unsigned entry_port = 0;         ///< port of this device
+  base::SimDuration cable_delay = ethercat::Segment::kDefaultCableDelay;
+};
+
 struct DeviceConfiguration {
   std::string name;  ///< unique within the rack; prefix of its signals
   ProductConfiguration product;
+  WiringConfiguration wiring{};
+  /// Of its slave controller, from port to port; default: the product's own.
+  std::optional<base::SimDuration> forwarding_delay{};
 };
 
-/// EtherCAT slaves wired in line behind one link.
+/// EtherCAT slaves wired together behind one link, or two with cable redundancy.
 struct SegmentConfiguration {
   /// Network interface; empty = reached only from inside the process.
   std::string interface;
+  /// Second interface, at the end of the last device; empty = no cable redundancy.
+  std::string redundant_interface;
   link::WaitMode wait = link::WaitMode::block;
   base::SimDuration spin_time{200'000};  ///< of WaitMode::adaptive
   std::optional<unsigned> cpu;           ///< processor the segment's thread is tied to
@@ -43,6 +59,34 @@ struct RecordConfiguration {
   std::vector<std::string> signals{"*"};
 };
 
+/// A device by its place in the rack.
+struct DeviceAddress {
+  std::size_t segment = 0;
+  std::size_t device = 0;
+};
+
+/// The cable at a port of a device breaks or heals.
+struct CableEvent {
+  DeviceAddress device;
+  unsigned port = 0;
+  bool intact = false;
+};
+
+/// The supply of a device is switched.
+struct PowerEvent {
+  DeviceAddress device;
+  bool on = false;
+};
+
+/// What can happen to a rack; a further kind is a further alternative.
+using RackEvent = std::variant<CableEvent, PowerEvent>;
+
+/// Something that happens at a fixed moment of simulated time.
+struct EventConfiguration {
+  base::SimDuration at;  ///< after the rack's power-on
+  RackEvent event;
+};
+
 /// Everything one process runs.
 struct RackConfiguration {
   ClockKind clock = ClockKind::real;
@@ -51,6 +95,7 @@ struct RackConfiguration {
   std::vector<SegmentConfiguration> segments;
   std::optional<RecordConfiguration> record;
   std::string state;  ///< directory in which devices keep EEPROM and firmware; empty = nothing kept
+  std::vector<EventConfiguration> events;  ///< in any order
 };
 
 }  // namespace stator::rack

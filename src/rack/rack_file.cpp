@@ -4,14 +4,17 @@
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <span>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "rack/event_section.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/stepper_axis_section.hpp"
 #include "rack/toml_section.hpp"
+#include "rack/wiring_section.hpp"
 
 namespace stator::rack {
 
@@ -51,7 +54,8 @@ void read_product(TomlSection& section, devices::Tmcm3315Configuration& configur
   }
 }
 
-DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& names) {
+DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& names,
+                                std::span<const DeviceConfiguration> before) {
   std::set<std::string> types;
   for (const Product& product : products()) {
     types.emplace(product.type);
@@ -70,13 +74,15 @@ DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& nam
   }
   std::visit([&section](auto& configuration) { read_product(section, configuration); },
              device.product);
+  read_wiring(section, before, device);
   section.finish();
   return device;
 }
 
+constexpr std::string_view kPrefix = "ethercat:";
+
 void read_link(TomlSection& section, SegmentConfiguration& segment) {
   const std::optional<std::string> link = section.text("link");
-  constexpr std::string_view kPrefix = "ethercat:";
   if (!link || *link == "in-process") {
     return;
   }
@@ -88,9 +94,26 @@ void read_link(TomlSection& section, SegmentConfiguration& segment) {
   segment.interface = link->substr(kPrefix.size());
 }
 
+void read_redundant_link(TomlSection& section, SegmentConfiguration& segment) {
+  const std::optional<std::string> link = section.text("redundant");
+  if (!link) {
+    return;
+  }
+  if (!link->starts_with(kPrefix) || link->size() == kPrefix.size()) {
+    section.fail("redundant",
+                 fmt::format("\"redundant\" is \"{}\"; write \"ethercat:INTERFACE\"", *link));
+  }
+  segment.redundant_interface = link->substr(kPrefix.size());
+  if (segment.redundant_interface == segment.interface) {
+    section.fail("redundant",
+                 "\"redundant\" names the interface of \"link\" again; a ring needs two");
+  }
+}
+
 SegmentConfiguration read_segment(TomlSection& section, std::set<std::string>& names) {
   SegmentConfiguration segment;
   read_link(section, segment);
+  read_redundant_link(section, segment);
   if (const auto wait = section.choice("wait", names_of(wait_modes()))) {
     segment.wait = wait_modes().at(*wait);
   }
@@ -100,7 +123,7 @@ SegmentConfiguration read_segment(TomlSection& section, std::set<std::string>& n
   }
   segment.capture = section.text("capture").value_or("");
   for (TomlSection& device : section.sections("device")) {
-    segment.devices.push_back(read_device(device, names));
+    segment.devices.push_back(read_device(device, names, segment.devices));
   }
   if (segment.devices.empty()) {
     section.fail("device", "a segment needs at least one [[segment.device]]");
@@ -140,6 +163,9 @@ RackConfiguration read_rack(TomlSection root) {
   }
   if (auto record = root.section("record")) {
     configuration.record = read_record(std::move(*record));
+  }
+  for (TomlSection& event : root.sections("event")) {
+    configuration.events.push_back(read_event(event, configuration.segments));
   }
   root.finish();
   return configuration;

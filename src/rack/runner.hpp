@@ -33,7 +33,8 @@ struct SegmentStatistics {
 
 /// Runs a rack on real links: one thread per segment that answers frames and keeps the devices at
 /// the present moment. The frame path comes first: a frame is answered, then firmware and physics
-/// catch up.
+/// catch up. With cable redundancy the thread serves both interfaces of its segment. An interface
+/// without carrier is a port without link.
 class Runner {
  public:
   /// Lag behind the machine's clock from which on an overrun is counted.
@@ -54,14 +55,18 @@ class Runner {
 
   [[nodiscard]] base::SimTime now();
   [[nodiscard]] SegmentStatistics statistics(std::size_t segment);
-  [[nodiscard]] const link::EthernetLink& link(std::size_t segment) const;
+  [[nodiscard]] const link::EthernetLink& link(
+      std::size_t segment,
+      ethercat::MasterInterface interface = ethercat::MasterInterface::primary) const;
 
  private:
   struct SegmentThread;
+  using MasterInterface = ethercat::MasterInterface;
 
   void open(SegmentThread& segment, const SegmentConfiguration& configuration);
   void run(SegmentThread& segment);
-  void answer(SegmentThread& segment, std::span<std::byte> frame);
+  void answer(SegmentThread& segment, std::span<std::byte> frame, MasterInterface entry);
+  void watch_carriers(SegmentThread& segment);
   void capture(SegmentThread& segment, base::SimTime arrival, std::span<const std::byte> answer);
   void catch_up(SegmentThread& segment);
   void keep_files();

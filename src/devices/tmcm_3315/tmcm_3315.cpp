@@ -123,7 +123,9 @@ void Tmcm3315::advance(base::SimTime now) {
     now_ += kPlantStep;
     if (now_ >= next_tick_) {
       next_tick_ += kControlPeriod;
-      tick(now_);
+      if (powered_) {
+        tick(now_);
+      }
     }
   }
   controller_.advance(now);
@@ -149,7 +151,17 @@ void Tmcm3315::read_inputs() {
   }
 }
 
+void Tmcm3315::set_power(bool on, base::SimTime now) {
+  powered_ = on;
+  // Without power the axes are what they are before the firmware has started: switched off.
+  restart_firmware(now);
+  static_cast<void>(controller_.take_reset_request());
+}
+
 void Tmcm3315::handle_bus_events(base::SimTime now) {
+  if (!powered_) {
+    return;
+  }
   if (controller_.take_reset_request()) {
     restart_firmware(now);
   }

@@ -57,6 +57,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;
   [[nodiscard]] FirmwareMemory* firmware() override { return &firmware_; }
+  void set_power(bool on, base::SimTime now) override;
   [[nodiscard]] std::vector<Signal> signals() override;
 
   [[nodiscard]] tmcm_3315::AxisUnit& axis(std::size_t number) { return *axes_[number]; }
@@ -111,6 +112,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   bool outputs_came_ = false;
   std::uint32_t downloads_in_force_ = 0;  ///< of firmware_ at the last start of the firmware
   bool restart_due_ = false;              ///< Bootstrap was left with a new image
+  bool powered_ = true;
   /// As last told to the master by emergencies.
   std::array<drive::AxisErrors, tmcm_3315::kAxisCount> reported_errors_{};
   std::array<std::uint32_t, tmcm_3315::kAxisCount> reported_resets_{};
