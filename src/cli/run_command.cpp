@@ -72,7 +72,7 @@ rack::RackConfiguration configuration_of(const RunOptions& options) {
   rack::RackConfiguration configuration = base_configuration(options);
   rack::SegmentConfiguration& segment = configuration.segments.front();
   if (!options.link.empty()) {
-    segment.interface = interface_of(options.link);
+    segment.link = link_of(options.link);
   }
   if (!options.wait.empty()) {
     segment.wait = rack::wait_modes().at(options.wait);
@@ -96,10 +96,11 @@ rack::RackConfiguration configuration_of(const RunOptions& options) {
   if (configuration.record && !options.signals.empty()) {
     configuration.record->signals = options.signals;
   }
-  if (segment.interface.empty()) {
+  if (segment.link.in_process()) {
     throw Failure(
-        "the rack has no network interface; give it with --link ethercat:INTERFACE. To "
-        "try Stator without any, run \"stator demo\"");
+        fmt::format("the rack has no link to a master; give it with --link as {}. To try Stator "
+                    "without any, run \"stator demo\"",
+                    link::kLinkForms));
   }
   return configuration;
 }
@@ -132,15 +133,16 @@ class StopSignals {
   sigset_t set_{};
 };
 
-void print_start(const rack::RackConfiguration& configuration, rack::Rack& rack) {
+void print_start(const rack::RackConfiguration& configuration, rack::Rack& rack,
+                 const rack::Runner& runner) {
   for (std::size_t i = 0; i < configuration.segments.size(); ++i) {
     const rack::SegmentConfiguration& segment = configuration.segments[i];
-    fmt::print("Segment on {}: {} device{}\n", segment.interface, segment.devices.size(),
+    fmt::print("Segment on {}: {} device{}\n", runner.link(i).name(), segment.devices.size(),
                segment.devices.size() == 1 ? "" : "s");
     for (const rack::NamedDevice& member : rack.devices(i)) {
       fmt::print("  {}  ({})\n", member.name, member.device->description().name);
     }
-    fmt::print("{}", connection_hints(segment.interface));
+    fmt::print("{}", connection_hints(segment.link));
   }
   fmt::print("Running; Ctrl-C ends it.\n");
   std::fflush(stdout);
@@ -155,7 +157,7 @@ void print_end(const rack::RackConfiguration& configuration, rack::Runner& runne
     fmt::print(
         "{}: {} frames answered in {:.1f} us on average (worst {:.1f} us), {} others "
         "ignored, {} dropped by the system, {} overruns\n",
-        configuration.segments[i].interface, statistics.frames, mean,
+        runner.link(i).name(), statistics.frames, mean,
         static_cast<double>(statistics.worst_processing_ns) * 1e-3, statistics.frames_ignored,
         runner.link(i).statistics().frames_dropped, statistics.overruns);
   }
@@ -172,7 +174,7 @@ void run(const RunOptions& options) {
   rack::EventLog log(logger);
   rack::Rack rack(configuration, log);
   rack::Runner runner(rack, configuration, logger);
-  print_start(configuration, rack);
+  print_start(configuration, rack, runner);
   runner.start();
   signals.wait(limit);
   runner.stop();
@@ -194,7 +196,8 @@ void add_run_command(CLI::App& app) {
   command->add_option("--count", options->count, "How many of --device, wired in line")
       ->check(CLI::Range(1U, 500U))
       ->capture_default_str();
-  command->add_option("--link", options->link, "ethercat:INTERFACE of the first segment");
+  command->add_option("--link", options->link,
+                      "Link of the first segment: " + std::string(link::kLinkForms));
   command
       ->add_option("--wait", options->wait,
                    "block: no load when idle; spin: fastest, takes a processor; adaptive: both")
@@ -214,6 +217,7 @@ void add_run_command(CLI::App& app) {
       "Examples:\n"
       "  stator run racks/three-axes.toml\n"
       "  stator run --device tmcm-3315 --link ethercat:eth1 --wait spin --cpu 1\n"
+      "  stator run --device tmcm-3315 --link udp:0.0.0.0\n"
       "  stator run --device tmcm-3315 --link ethercat:eth1 --record run.csv --signals "
       "\"*.axis0.*\"");
   command->callback([options] { run(*options); });

@@ -6,6 +6,7 @@
 #include "devices/signal.hpp"
 #include "dictionary/dictionary.hpp"
 #include "ethercat/device_description.hpp"
+#include "ethercat/eoe.hpp"
 #include "ethercat/slave_controller.hpp"
 
 namespace stator::devices {
@@ -30,6 +31,9 @@ class EtherCatDevice {
   /// Lets the firmware take what the last frame brought: AL control, mailboxes, process data.
   /// Called after each frame; cheap when nothing came.
   virtual void handle_bus_events(base::SimTime now) = 0;
+
+  /// Ethernet over EtherCAT, or null if the device has none or it is switched off.
+  [[nodiscard]] virtual ethercat::EoeServer* eoe() { return nullptr; }
 
   /// Everything that can be recorded, with names unique within the device.
   [[nodiscard]] virtual std::vector<Signal> signals() = 0;

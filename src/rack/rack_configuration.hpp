@@ -9,7 +9,8 @@
 
 #include "base/sim_time.hpp"
 #include "devices/tmcm_3315/tmcm_3315.hpp"
-#include "link/raw_ethernet_link.hpp"
+#include "link/link_address.hpp"
+#include "link/receive_wait.hpp"
 
 namespace stator::rack {
 
@@ -24,12 +25,13 @@ using ProductConfiguration = std::variant<devices::Tmcm3315Configuration>;
 struct DeviceConfiguration {
   std::string name;  ///< unique within the rack; prefix of its signals
   ProductConfiguration product;
+  std::string eoe_interface{};  ///< TAP interface its EoE is bridged to; empty = no EoE
 };
 
 /// EtherCAT slaves wired in line behind one link.
 struct SegmentConfiguration {
-  /// Network interface; empty = reached only from inside the process.
-  std::string interface;
+  /// Where the master is; LinkKind::in_process = reached only from inside the process.
+  link::LinkAddress link;
   link::WaitMode wait = link::WaitMode::block;
   base::SimDuration spin_time{200'000};  ///< of WaitMode::adaptive
   std::optional<unsigned> cpu;           ///< processor the segment's thread is tied to

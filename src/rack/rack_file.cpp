@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "link/link_address.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/stepper_axis_section.hpp"
 #include "rack/toml_section.hpp"
@@ -43,6 +44,27 @@ void read_product(TomlSection& section, devices::Tmcm3315Configuration& configur
   }
 }
 
+/// Switches Ethernet over EtherCAT on, bridged to a TAP interface.
+void read_eoe(TomlSection& section, DeviceConfiguration& device) {
+  const std::optional<std::string> eoe = section.text("eoe");
+  if (!eoe) {
+    return;
+  }
+  const auto address = link::parse_link_address(*eoe);
+  if (!address || address->kind != link::LinkKind::tap) {
+    section.fail("eoe", fmt::format("\"eoe\" is \"{}\"; write \"tap:NAME\"", *eoe));
+  }
+  device.eoe_interface = address->name;
+  const auto switch_on = [&](auto& configuration) {
+    if constexpr (requires { configuration.ethernet_over_ethercat; }) {
+      configuration.ethernet_over_ethercat = true;
+    } else {
+      section.fail("eoe", "this product has no mailbox and hence no EoE");
+    }
+  };
+  std::visit(switch_on, device.product);
+}
+
 DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& names) {
   std::set<std::string> types;
   for (const Product& product : products()) {
@@ -60,6 +82,7 @@ DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& nam
                                      "\"name\"",
                                      device.name));
   }
+  read_eoe(section, device);
   std::visit([&section](auto& configuration) { read_product(section, configuration); },
              device.product);
   section.finish();
@@ -68,16 +91,14 @@ DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& nam
 
 void read_link(TomlSection& section, SegmentConfiguration& segment) {
   const std::optional<std::string> link = section.text("link");
-  constexpr std::string_view kPrefix = "ethercat:";
-  if (!link || *link == "in-process") {
+  if (!link) {
     return;
   }
-  if (!link->starts_with(kPrefix) || link->size() == kPrefix.size()) {
-    section.fail("link", fmt::format("\"link\" is \"{}\"; write \"ethercat:INTERFACE\" or "
-                                     "\"in-process\"",
-                                     *link));
+  const auto address = link::parse_link_address(*link);
+  if (!address) {
+    section.fail("link", address.error().text);
   }
-  segment.interface = link->substr(kPrefix.size());
+  segment.link = *address;
 }
 
 SegmentConfiguration read_segment(TomlSection& section, std::set<std::string>& names) {

@@ -10,6 +10,7 @@
 #include <spdlog/logger.h>
 
 #include "link/machine.hpp"
+#include "link/open_link.hpp"
 
 namespace stator::rack {
 
@@ -47,6 +48,7 @@ Runner::Runner(Rack& rack, const RackConfiguration& configuration,
     open(*thread, segment);
     segments_.push_back(std::move(thread));
   }
+  eoe_bridges_.open(rack, configuration, logger_);
 }
 
 Runner::~Runner() {
@@ -54,14 +56,12 @@ Runner::~Runner() {
 }
 
 void Runner::open(SegmentThread& segment, const SegmentConfiguration& configuration) {
-  if (configuration.interface.empty()) {
-    throw std::runtime_error(
-        "a segment has no network interface to run on; give it link = \"ethercat:INTERFACE\"");
+  if (configuration.link.in_process()) {
+    throw std::runtime_error(fmt::format(
+        "a segment has no link to run on; give it link = \"...\" with {}", link::kLinkForms));
   }
-  auto opened = link::RawEthernetLink::open({.interface = configuration.interface,
-                                             .wait = configuration.wait,
-                                             .spin_time = configuration.spin_time,
-                                             .busy_poll = {}});
+  auto opened = link::open_link(configuration.link, link::LinkEnd::slaves,
+                                {.wait = configuration.wait, .spin_time = configuration.spin_time});
   if (!opened) {
     throw std::runtime_error(opened.error().text);
   }
@@ -90,6 +90,7 @@ void Runner::stop() {
       segment->thread.join();
     }
   }
+  eoe_bridges_.close();
 }
 
 base::SimTime Runner::now() {

@@ -40,6 +40,7 @@ ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration)
   description.output_offset = kOutputs;
   description.input_offset = kInputs;
   description.coe = true;
+  description.eoe = configuration.ethernet_over_ethercat;
   description.sdo_information = true;
   description.complete_access = true;
   description.pdo_assign = true;

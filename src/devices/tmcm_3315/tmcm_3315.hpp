@@ -28,6 +28,8 @@ struct Tmcm3315Configuration {
   std::uint32_t revision = 0x00010009;  ///< 1018h:03; firmware 1.09
   std::uint32_t serial_number = 0;      ///< in the SII only, 1018h has no entry for it
   std::uint16_t station_alias = 0;
+  /// Ethernet over EtherCAT, which the module does not have: its document names CoE and FoE only.
+  bool ethernet_over_ethercat = false;
 };
 
 /// The TMCM-3315 of Trinamic: three stepper axes on EtherCAT with CoE and CiA 402, as "TMCM-3315
@@ -46,6 +48,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   }
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;
+  [[nodiscard]] ethercat::EoeServer* eoe() override { return stack_.eoe(); }
   [[nodiscard]] std::vector<Signal> signals() override;
 
   [[nodiscard]] tmcm_3315::AxisUnit& axis(std::size_t number) { return *axes_[number]; }
