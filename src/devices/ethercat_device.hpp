@@ -7,6 +7,7 @@
 #include "devices/signal.hpp"
 #include "dictionary/dictionary.hpp"
 #include "ethercat/device_description.hpp"
+#include "ethercat/eoe.hpp"
 #include "ethercat/slave_controller.hpp"
 
 namespace stator::devices {
@@ -34,6 +35,9 @@ class EtherCatDevice {
 
   /// Where the device keeps a firmware image that came over the bus; null if it takes none.
   [[nodiscard]] virtual FirmwareMemory* firmware() { return nullptr; }
+
+  /// Ethernet over EtherCAT, or null if the device has none or it is switched off.
+  [[nodiscard]] virtual ethercat::EoeServer* eoe() { return nullptr; }
 
   /// Switches the device's supply at `now`. Off: its firmware stops with all it knew and its power
   /// stages open; the mechanics go on. On: it starts as after a reset. What becomes of the slave

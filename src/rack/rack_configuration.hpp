@@ -11,7 +11,8 @@
 #include "base/sim_time.hpp"
 #include "devices/tmcm_3315/tmcm_3315.hpp"
 #include "ethercat/segment.hpp"
-#include "link/raw_ethernet_link.hpp"
+#include "link/link_address.hpp"
+#include "link/receive_wait.hpp"
 
 namespace stator::rack {
 
@@ -38,19 +39,23 @@ struct DeviceConfiguration {
   WiringConfiguration wiring{};
   /// Of its slave controller, from port to port; default: the product's own.
   std::optional<base::SimDuration> forwarding_delay{};
+  std::string eoe_interface{};  ///< TAP interface its EoE is bridged to; empty = no EoE
 };
 
 /// EtherCAT slaves wired together behind one link, or two with cable redundancy.
 struct SegmentConfiguration {
-  /// Network interface; empty = reached only from inside the process.
-  std::string interface;
-  /// Second interface, at the end of the last device; empty = no cable redundancy.
-  std::string redundant_interface;
+  /// Where the master is; LinkKind::in_process = reached only from inside the process.
+  link::LinkAddress link;
+  /// The master's second interface, at the end of the last device; in_process = no cable
+  /// redundancy.
+  link::LinkAddress redundant_link;
   link::WaitMode wait = link::WaitMode::block;
   base::SimDuration spin_time{200'000};  ///< of WaitMode::adaptive
   std::optional<unsigned> cpu;           ///< processor the segment's thread is tied to
   std::string capture;  ///< pcap file of everything that crosses the link; empty = none
   std::vector<DeviceConfiguration> devices;
+
+  [[nodiscard]] bool redundant() const { return !redundant_link.in_process(); }
 };
 
 struct RecordConfiguration {

@@ -10,10 +10,12 @@
 
 #include <fmt/format.h>
 
+#include "link/link_address.hpp"
 #include "rack/event_section.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/stepper_axis_section.hpp"
 #include "rack/toml_section.hpp"
+#include "rack/wiring.hpp"
 #include "rack/wiring_section.hpp"
 
 namespace stator::rack {
@@ -54,6 +56,27 @@ void read_product(TomlSection& section, devices::Tmcm3315Configuration& configur
   }
 }
 
+/// Switches Ethernet over EtherCAT on, bridged to a TAP interface.
+void read_eoe(TomlSection& section, DeviceConfiguration& device) {
+  const std::optional<std::string> eoe = section.text("eoe");
+  if (!eoe) {
+    return;
+  }
+  const auto address = link::parse_link_address(*eoe);
+  if (!address || address->kind != link::LinkKind::tap) {
+    section.fail("eoe", fmt::format("\"eoe\" is \"{}\"; write \"tap:NAME\"", *eoe));
+  }
+  device.eoe_interface = address->name;
+  const auto switch_on = [&](auto& configuration) {
+    if constexpr (requires { configuration.ethernet_over_ethercat; }) {
+      configuration.ethernet_over_ethercat = true;
+    } else {
+      section.fail("eoe", "this product has no mailbox and hence no EoE");
+    }
+  };
+  std::visit(switch_on, device.product);
+}
+
 DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& names,
                                 std::span<const DeviceConfiguration> before) {
   std::set<std::string> types;
@@ -72,6 +95,7 @@ DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& nam
                                      "\"name\"",
                                      device.name));
   }
+  read_eoe(section, device);
   std::visit([&section](auto& configuration) { read_product(section, configuration); },
              device.product);
   read_wiring(section, before, device);
@@ -79,41 +103,26 @@ DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& nam
   return device;
 }
 
-constexpr std::string_view kPrefix = "ethercat:";
-
-void read_link(TomlSection& section, SegmentConfiguration& segment) {
-  const std::optional<std::string> link = section.text("link");
-  if (!link || *link == "in-process") {
+/// Reads the link under `key`, if there is one.
+void read_link(TomlSection& section, const char* key, link::LinkAddress& link) {
+  const std::optional<std::string> text = section.text(key);
+  if (!text) {
     return;
   }
-  if (!link->starts_with(kPrefix) || link->size() == kPrefix.size()) {
-    section.fail("link", fmt::format("\"link\" is \"{}\"; write \"ethercat:INTERFACE\" or "
-                                     "\"in-process\"",
-                                     *link));
+  const auto address = link::parse_link_address(*text);
+  if (!address) {
+    section.fail(key, address.error().text);
   }
-  segment.interface = link->substr(kPrefix.size());
-}
-
-void read_redundant_link(TomlSection& section, SegmentConfiguration& segment) {
-  const std::optional<std::string> link = section.text("redundant");
-  if (!link) {
-    return;
-  }
-  if (!link->starts_with(kPrefix) || link->size() == kPrefix.size()) {
-    section.fail("redundant",
-                 fmt::format("\"redundant\" is \"{}\"; write \"ethercat:INTERFACE\"", *link));
-  }
-  segment.redundant_interface = link->substr(kPrefix.size());
-  if (segment.redundant_interface == segment.interface) {
-    section.fail("redundant",
-                 "\"redundant\" names the interface of \"link\" again; a ring needs two");
-  }
+  link = *address;
 }
 
 SegmentConfiguration read_segment(TomlSection& section, std::set<std::string>& names) {
   SegmentConfiguration segment;
-  read_link(section, segment);
-  read_redundant_link(section, segment);
+  read_link(section, "link", segment.link);
+  read_link(section, "redundant", segment.redundant_link);
+  if (const std::string problem = redundancy_problem(segment); !problem.empty()) {
+    section.fail("redundant", problem);
+  }
   if (const auto wait = section.choice("wait", names_of(wait_modes()))) {
     segment.wait = wait_modes().at(*wait);
   }

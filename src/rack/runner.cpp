@@ -11,6 +11,7 @@
 
 #include "link/link_pair_receiver.hpp"
 #include "link/machine.hpp"
+#include "link/open_link.hpp"
 
 namespace stator::rack {
 
@@ -32,9 +33,10 @@ struct Received {
   ethercat::MasterInterface entry = ethercat::MasterInterface::primary;
 };
 
-std::unique_ptr<link::RawEthernetLink> open_link(const std::string& interface,
-                                                 const SegmentConfiguration& configuration) {
-  auto opened = link::RawEthernetLink::open({.interface = interface,
+/// One of the two interfaces of a ring.
+std::unique_ptr<link::RawEthernetLink> open_interface(const link::LinkAddress& address,
+                                                      const SegmentConfiguration& configuration) {
+  auto opened = link::RawEthernetLink::open({.interface = address.name,
                                              .wait = configuration.wait,
                                              .spin_time = configuration.spin_time,
                                              .busy_poll = {}});
@@ -61,6 +63,14 @@ struct Runner::SegmentThread {
   bool send_failure_logged = false;
   bool interface_down_logged = false;
   std::thread thread;
+
+  void wake() {
+    if (both) {
+      both->wake();
+    } else {
+      links[0]->wake();
+    }
+  }
 
   base::Expected<Received, link::LinkError> receive(std::span<std::byte> buffer,
                                                     base::SimDuration timeout) {
@@ -89,6 +99,7 @@ Runner::Runner(Rack& rack, const RackConfiguration& configuration,
     open(*thread, segment);
     segments_.push_back(std::move(thread));
   }
+  eoe_bridges_.open(rack, configuration, logger_);
 }
 
 Runner::~Runner() {
@@ -96,17 +107,24 @@ Runner::~Runner() {
 }
 
 void Runner::open(SegmentThread& segment, const SegmentConfiguration& configuration) {
-  if (configuration.interface.empty()) {
-    throw std::runtime_error(
-        "a segment has no network interface to run on; give it link = \"ethercat:INTERFACE\"");
+  if (configuration.link.in_process()) {
+    throw std::runtime_error(fmt::format(
+        "a segment has no link to run on; give it link = \"...\" with {}", link::kLinkForms));
   }
-  auto primary = open_link(configuration.interface, configuration);
-  if (!configuration.redundant_interface.empty()) {
-    auto secondary = open_link(configuration.redundant_interface, configuration);
+  if (configuration.redundant()) {
+    auto primary = open_interface(configuration.link, configuration);
+    auto secondary = open_interface(configuration.redundant_link, configuration);
     segment.both.emplace(*primary, *secondary, configuration.wait, configuration.spin_time);
-    segment.links[1] = std::move(secondary);
+    segment.links = {std::move(primary), std::move(secondary)};
+  } else {
+    auto opened =
+        link::open_link(configuration.link, link::LinkEnd::slaves,
+                        {.wait = configuration.wait, .spin_time = configuration.spin_time});
+    if (!opened) {
+      throw std::runtime_error(opened.error().text);
+    }
+    segment.links[0] = std::move(*opened);
   }
-  segment.links[0] = std::move(primary);
   segment.cpu = configuration.cpu;
   if (!configuration.capture.empty()) {
     auto writer = link::PcapWriter::open(configuration.capture);
@@ -130,14 +148,11 @@ void Runner::stop() {
   stopping_ = true;
   for (auto& segment : segments_) {
     if (segment->thread.joinable()) {
-      for (const auto& link : segment->links) {
-        if (link != nullptr) {
-          link->wake();
-        }
-      }
+      segment->wake();
       segment->thread.join();
     }
   }
+  eoe_bridges_.close();
 }
 
 base::SimTime Runner::now() {

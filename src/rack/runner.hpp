@@ -13,6 +13,7 @@
 #include "link/ethernet_link.hpp"
 #include "link/pcap_writer.hpp"
 #include "rack/clock.hpp"
+#include "rack/eoe_bridge.hpp"
 #include "rack/rack.hpp"
 
 namespace spdlog {
@@ -81,6 +82,7 @@ class Runner {
   base::SimTime next_keeping_;
   std::atomic<bool> stopping_{false};
   std::vector<std::unique_ptr<SegmentThread>> segments_;
+  EoeBridges eoe_bridges_;
 };
 
 }  // namespace stator::rack

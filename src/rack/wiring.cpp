@@ -30,7 +30,24 @@ bool has_cable(const SegmentConfiguration& segment, std::size_t index, unsigned 
   const bool last = index + 1 == segment.devices.size();
   return port == segment.devices[index].wiring.entry_port ||
          device_at(segment.devices, index, port).has_value() ||
-         (last && !segment.redundant_interface.empty() && port == far_port(segment.devices[index]));
+         (last && segment.redundant() && port == far_port(segment.devices[index]));
+}
+
+std::string redundancy_problem(const SegmentConfiguration& segment) {
+  if (!segment.redundant()) {
+    return {};
+  }
+  for (const link::LinkAddress& link : {segment.link, segment.redundant_link}) {
+    if (link.kind != link::LinkKind::raw_ethernet) {
+      return "cable redundancy needs two network interfaces, ethercat:INTERFACE each; one of the "
+             "links is " +
+             to_text(link);
+    }
+  }
+  if (segment.link == segment.redundant_link) {
+    return "the redundant link names " + to_text(segment.link) + " again; a ring needs two";
+  }
+  return {};
 }
 
 void connect(ethercat::Segment& segment, const SegmentConfiguration& configuration) {
@@ -47,7 +64,7 @@ void connect(ethercat::Segment& segment, const SegmentConfiguration& configurati
       segment.connect(MasterInterface::primary, entry, delay);
     }
   }
-  if (!configuration.redundant_interface.empty()) {
+  if (configuration.redundant()) {
     segment.connect(MasterInterface::secondary,
                     SlavePort{devices.size() - 1, far_port(devices.back())});
   }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "ethercat/segment.hpp"
 #include "rack/rack_configuration.hpp"
@@ -31,6 +32,10 @@ struct Attachment {
 
 /// A cable of any kind ends at `port` of the device at `index`.
 [[nodiscard]] bool has_cable(const SegmentConfiguration& segment, std::size_t index, unsigned port);
+
+/// Why `segment` cannot have the redundant link it names, as a sentence with remedy: a ring needs
+/// two network interfaces. Empty if it can, or names none.
+[[nodiscard]] std::string redundancy_problem(const SegmentConfiguration& segment);
 
 /// Connects the slaves of `segment`, which are added already, in the order of the configuration.
 /// Throws std::logic_error if a port does not exist or is taken, which reading a rack file

@@ -36,6 +36,8 @@ struct Tmcm3315Configuration {
   std::optional<std::uint16_t> identification;
   /// How long a firmware download waits for the flash to be erased.
   base::SimDuration firmware_erase_time;
+  /// Ethernet over EtherCAT, which the module does not have: its document names CoE and FoE only.
+  bool ethernet_over_ethercat = false;
 };
 
 /// The TMCM-3315 of Trinamic: three stepper axes on EtherCAT with CoE and CiA 402, as "TMCM-3315
@@ -57,6 +59,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;
   [[nodiscard]] FirmwareMemory* firmware() override { return &firmware_; }
+  [[nodiscard]] ethercat::EoeServer* eoe() override { return stack_.eoe(); }
   void set_power(bool on, base::SimTime now) override;
   [[nodiscard]] std::vector<Signal> signals() override;
 
