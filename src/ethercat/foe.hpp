@@ -29,7 +29,7 @@ struct FoeOptions {
   /// How long the device takes to erase its flash after a write request. Data that come before are
   /// answered with "busy"; the request itself is acknowledged at once, because masters take a busy
   /// answer to it for the end.
-  base::SimDuration erase_time;
+  base::SimDuration erase_time = {};
 };
 
 /// File access over EtherCAT, the server's side (ETG.1000.6 §5.8): one transfer at a time.

@@ -49,6 +49,8 @@ class DeviceStorage {
   /// real clock has it: in lockstep simulated time may stand still.
   void service(base::SimTime now);
 
+  /// Waits until all that service() and downloads have handed to the background thread is written.
+  void wait() { writer_.wait(); }
   /// Writes what has changed and waits until it is on the disk.
   void flush(base::SimTime now);
 

@@ -42,6 +42,31 @@ TEST(RackFile, AMinimalFileGetsTheDocumentedDefaults) {
   EXPECT_FALSE(rack.record.has_value());
 }
 
+TEST(RackFile, KeysOfEepromFirmwareAndBus_ArriveAtTheDevice) {
+  const RackConfiguration rack = parse_rack_file(R"(
+state = "kept"
+[[segment]]
+[[segment.device]]
+type = "tmcm-3315"
+emergencies = false
+require_outputs = true
+identification = 5
+firmware_erase_time = "200ms"
+)",
+                                                 "test.toml");
+  EXPECT_EQ(rack.state, "kept");
+  EXPECT_FALSE(module_of(rack).emergencies);
+  EXPECT_TRUE(module_of(rack).require_outputs);
+  EXPECT_EQ(module_of(rack).identification, 5);
+  EXPECT_EQ(module_of(rack).firmware_erase_time, 200_ms);
+  const RackConfiguration plain = parse_rack_file(kMinimal, "test.toml");
+  EXPECT_EQ(plain.state, "");
+  EXPECT_TRUE(module_of(plain).emergencies);
+  EXPECT_FALSE(module_of(plain).require_outputs);
+  EXPECT_FALSE(module_of(plain).identification);
+  EXPECT_EQ(module_of(plain).firmware_erase_time, 0_ms);
+}
+
 TEST(RackFile, EveryKeyArrivesWhereItBelongs) {
   const RackConfiguration rack = parse_rack_file(R"(
 clock = "lockstep"
