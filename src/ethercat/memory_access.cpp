@@ -205,7 +205,7 @@ bool SlaveController::accepts_bus_write(std::size_t address) const {
       return !enabled || (address & 7) == 4;
     }
     default:
-      return accepts_clock_write(Side::bus, byte.effect);
+      return accepts_clock_write(Side::bus, byte.effect, address);
   }
 }
 
@@ -226,7 +226,7 @@ bool SlaveController::accepts_host_write(std::size_t address) const {
     case Effect::sii_interface:
       return sii_.host_may_write();
     default:
-      return accepts_clock_write(Side::host, byte.effect);
+      return accepts_clock_write(Side::host, byte.effect, address);
   }
 }
 
