@@ -220,12 +220,10 @@ void SlaveController::report_activation(SyncUnit::Activation activation) {
 }
 
 void SlaveController::advance_sync() {
-  if (!sync_.active()) {
-    return;
+  if (sync_.active() && sync_.advance(clock_.system_time(now_))) {
+    publish_clock_events();
+    schedule_sync();
   }
-  sync_.advance(clock_.system_time(now_));
-  publish_clock_events();
-  schedule_sync();
 }
 
 void SlaveController::schedule_sync() {

@@ -1,5 +1,7 @@
 #include "devices/tmcm_3315/tmcm_3315.hpp"
 
+#include <utility>
+
 #include "ethercat/sii_image.hpp"
 
 namespace stator::devices {
@@ -24,6 +26,14 @@ constexpr ethercat::MailboxArea kTransmitMailbox{0x1200, 512};
 constexpr std::uint16_t kOutputs = 0x1800;
 constexpr std::uint16_t kInputs = 0x1C00;
 
+// Nor of SYNC0. Taken: wired to an interrupt of the firmware, which takes over outputs and gives
+// inputs then; cycle times of up to a second; no supervision but of SYNC0 itself.
+constexpr std::uint16_t kPdiControl = 0x0C05;  // SPI; SYNC and latch units switched on
+constexpr std::uint8_t kSyncOutputs = 0x66;    // push-pull, active high, no AL events
+constexpr std::uint16_t kSyncPulse = 1000;     // 10 us
+constexpr base::SimDuration kShortestCycle{125'000};
+constexpr base::SimDuration kLongestCycle{1'000'000'000};
+
 ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration) {
   ethercat::DeviceDescription description;
   description.vendor_id = kVendorId;
@@ -45,12 +55,18 @@ ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration)
   description.pdo_assign = true;
   description.pdo_configuration = true;
   description.distributed_clocks = true;
+  description.pdi_control = kPdiControl;
+  description.sync_latch_configuration = kSyncOutputs;
+  description.sync_pulse_length = kSyncPulse;
   return description;
 }
 
 ethercat::SlaveStackOptions stack_options() {
   ethercat::SlaveStackOptions options;
   options.process_memory_end = kProcessMemoryEnd;
+  options.distributed_clocks.sync0 = true;
+  options.distributed_clocks.shortest_cycle = kShortestCycle;
+  options.distributed_clocks.longest_cycle = kLongestCycle;
   return options;
 }
 
@@ -97,7 +113,17 @@ const char* Tmcm3315::drive_state(std::uint8_t axis) {
 }
 
 void Tmcm3315::advance(base::SimTime now) {
-  while (now_ + kPlantStep <= now) {
+  while (true) {
+    const base::SimTime step_end = now_ + kPlantStep;
+    const base::SimTime sync0 = controller_.next_sync_edge(0);
+    if (sync0 <= now && sync0 <= step_end) {
+      controller_.advance(sync0);
+      take_sync0(sync0);
+      continue;
+    }
+    if (step_end > now) {
+      break;
+    }
     for (const auto& axis : axes_) {
       axis->step(kPlantStep);
     }
@@ -119,7 +145,23 @@ void Tmcm3315::tick(base::SimTime now) {
   }
   switch_outputs();
   report_errors(now);
+  if (!stack_.synchronous()) {
+    outputs_came_ = false;
+    stack_.publish_inputs(now);
+  }
+}
+
+void Tmcm3315::take_sync0(base::SimTime now) {
+  const std::uint64_t pulses = controller_.sync_pulse_count(0);
+  if (std::exchange(sync0_pulses_, pulses) != pulses) {
+    stack_.sync0(now);
+  }
+}
+
+void Tmcm3315::on_sync0(base::SimTime now) {
+  apply_commands(now);
   outputs_came_ = false;
+  switch_outputs();
   stack_.publish_inputs(now);
 }
 
@@ -134,6 +176,7 @@ void Tmcm3315::handle_bus_events(base::SimTime now) {
   if (controller_.take_reset_request()) {
     restart_firmware(now);
   }
+  take_sync0(now);  // one that the frame has overtaken
   stack_.process(now);
   apply_commands(now);
   if (outputs_came_) {

@@ -61,6 +61,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
  private:
   void on_state(ethercat::AlState from, ethercat::AlState to, base::SimTime now) override;
   void on_outputs(base::SimTime now) override;
+  void on_sync0(base::SimTime now) override;
   void before_inputs(base::SimTime now) override;
   void on_output_refused(const dictionary::Entry& entry, const dictionary::Refusal& refusal,
                          base::SimTime now) override;
@@ -69,6 +70,8 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   void set_identity(const Tmcm3315Configuration& configuration);
   void restart_firmware(base::SimTime now);
   void tick(base::SimTime now);
+  /// Lets the firmware's interrupt run if SYNC0 has come.
+  void take_sync0(base::SimTime now);
   void read_inputs();
   void apply_commands(base::SimTime now);
   void switch_outputs();
@@ -96,6 +99,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   std::array<std::uint16_t, 4> analog_counts_{};
   std::uint32_t digital_outputs_ = 0;
   bool outputs_came_ = false;
+  std::uint64_t sync0_pulses_ = 0;  ///< the firmware has seen
   /// As last told to the master by emergencies.
   std::array<drive::AxisErrors, tmcm_3315::kAxisCount> reported_errors_{};
   std::array<std::uint32_t, tmcm_3315::kAxisCount> reported_resets_{};
