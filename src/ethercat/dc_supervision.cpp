@@ -1,5 +1,6 @@
 #include "ethercat/dc_supervision.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "base/byte_order.hpp"
@@ -169,7 +170,7 @@ std::optional<AlStatusCode> DcSupervision::permit_operational(SimTime now) {
       return code;
     }
   }
-  if (!synchronous_ || (sync_seen_ && settled())) {
+  if (!synchronous_ || (sync_runs(now) && settled())) {
     give_up_at_ = SimTime::never();
     return AlStatusCode::no_error;
   }
@@ -180,7 +181,7 @@ std::optional<AlStatusCode> DcSupervision::permit_operational(SimTime now) {
     return std::nullopt;
   }
   give_up_at_ = SimTime::never();
-  if (!sync_seen_) {
+  if (!sync_runs(now)) {
     return refuse(now, kNoSync, AlStatusCode::no_sync_error,
                   capabilities_.start_timeout.nanoseconds() / 1'000'000);
   }
@@ -202,7 +203,7 @@ void DcSupervision::set_operational(bool operational, SimTime now) {
 
 void DcSupervision::stop() {
   synchronous_ = false;
-  sync_seen_ = false;
+  last_sync_.reset();
   late_sync_told_ = false;
   set_operational(false, SimTime());
 }
@@ -215,7 +216,7 @@ void DcSupervision::watch(SimTime now) {
 }
 
 AlStatusCode DcSupervision::on_sync0(SimTime now) {
-  sync_seen_ = true;
+  last_sync_ = now;
   if (!synchronous_) {
     if (operational_ && !late_sync_told_) {
       late_sync_told_ = true;
@@ -283,6 +284,11 @@ base::SimDuration DcSupervision::time_difference() const {
   std::array<std::byte, 4> bytes{};
   interface_.read(kSystemTimeDifference, bytes);
   return SimDuration(base::load_le<std::uint32_t>(bytes) & 0x7FFFFFFF);  // bit 31: the sign
+}
+
+bool DcSupervision::sync_runs(SimTime now) const {
+  const unsigned cycles = std::max(capabilities_.lost_sync_cycles, 1U);
+  return last_sync_ && now - *last_sync_ <= cycle_ * cycles;
 }
 
 bool DcSupervision::settled() const {

@@ -78,6 +78,8 @@ class DcSupervision {
                                     std::int64_t limit = 0) const;
   [[nodiscard]] base::SimDuration time_difference() const;
   [[nodiscard]] bool settled() const;
+  /// SYNC0 has come and has not stayed away since.
+  [[nodiscard]] bool sync_runs(base::SimTime now) const;
   [[nodiscard]] AlStatusCode count_outputs(base::SimTime now);
   [[nodiscard]] AlStatusCode check_difference(base::SimTime now);
   void watch(base::SimTime now);
@@ -89,7 +91,7 @@ class DcSupervision {
   AlState wanted_ = AlState::safe_operational;  ///< by the request being answered
   bool synchronous_ = false;
   bool operational_ = false;
-  bool sync_seen_ = false;                             ///< since the mode was chosen
+  std::optional<base::SimTime> last_sync_;             ///< since the mode was chosen
   bool late_sync_told_ = false;                        ///< SYNC0 in SM-synchronous mode
   base::SimTime give_up_at_ = base::SimTime::never();  ///< waiting for the first SYNC0
   base::SimTime lost_at_ = base::SimTime::never();

@@ -264,6 +264,18 @@ TEST(DcStart, NoSync0InTimeIsRefusedWith002Dh) {
   EXPECT_EQ(device.request(0x18), 0x08U);
 }
 
+TEST(DcStart, SyncSwitchedOffInSafeOperationalIsNoticedBeforeOperational) {
+  Device device;
+  device.start_sync();
+  ASSERT_EQ(device.request(0x04), 0x04U);
+  device.pass(kMillisecond * 20);
+  device.write(0x0981, Bytes(1));
+  device.pass(kMillisecond * 20);
+  EXPECT_EQ(device.request(0x08), 0x04U);
+  device.pass(kMillisecond * 1'001);
+  EXPECT_EQ(device.status_code(), 0x2DU);
+}
+
 TEST(DcStart, OperationalWaitsUntilTheClockHasSettled) {
   Device device;
   device.start_sync();

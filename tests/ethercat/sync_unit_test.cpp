@@ -329,6 +329,9 @@ TEST(SyncEvents, InAcknowledgeModeTheHostIsToldInTimeAndEndsTheSignal) {
   EXPECT_EQ(slave.system_time(deadline), start);
   bus.wait(deadline - bus.now());
   EXPECT_EQ(slave.al_event_request(), al_event::kDcSync0);
+  EXPECT_TRUE(slave.host_interrupt());
+  testing::host_write(slave, 0x0204, zeros(4));
+  EXPECT_FALSE(slave.host_interrupt()) << "masked by 0x0204";
   bus.wait_until(start + 100'000);
   EXPECT_EQ(slave.al_event_request(), al_event::kDcSync0 | al_event::kDcSync1);
   EXPECT_EQ(number(testing::host_read(slave, 0x0220, 4)), 0x0CU);
