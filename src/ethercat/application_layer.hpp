@@ -20,8 +20,9 @@ class AlActions {
   virtual ~AlActions() = default;
 
   /// Does the work of a step: starts or stops mailbox and process data. A step up may be refused;
-  /// the refusing side raises the event that says why.
-  [[nodiscard]] virtual AlStatusCode perform(AlStep step, base::SimTime now) = 0;
+  /// the refusing side raises the event that says why. Empty: the step has to wait for something,
+  /// ask again.
+  [[nodiscard]] virtual std::optional<AlStatusCode> perform(AlStep step, base::SimTime now) = 0;
   /// The step is done; the master does not know yet.
   virtual void entered(AlStep step, base::SimTime now) = 0;
 };
@@ -39,6 +40,11 @@ class ApplicationLayer {
   void reset();
   /// Takes the request in AL control; call when its event is set.
   void handle_al_control(base::SimTime now);
+  /// True while a request waits for something; the master reads the old state meanwhile and may
+  /// request another one.
+  [[nodiscard]] bool pending() const { return pending_.has_value(); }
+  /// Asks again whether a waiting request can go on.
+  void continue_change(base::SimTime now);
   /// Leaves for `target` with the error indication and `code`; nothing if `target` is not below.
   void step_down(AlState target, AlStatusCode code, base::SimTime now);
 
@@ -47,6 +53,7 @@ class ApplicationLayer {
 
  private:
   [[nodiscard]] AlStatusCode change_state(AlState requested, base::SimTime now);
+  void answer(AlStatusCode result);
   [[nodiscard]] AlStatusCode refuse_invalid(AlState requested, base::SimTime now) const;
   void indicate_error(AlStatusCode code);
   void write_status();
@@ -58,6 +65,7 @@ class ApplicationLayer {
   SlaveStackStatistics& statistics_;
   AlState state_ = AlState::init;
   AlStatusCode code_ = AlStatusCode::no_error;  ///< other than no_error: error indication set
+  std::optional<AlState> pending_;              ///< requested, waits for something
   bool identification_requested_ = false;
 };
 

@@ -29,6 +29,7 @@ constexpr std::size_t kCyclicUnitControl = 0x0980;
 constexpr std::size_t kSyncActivation = 0x0981;
 constexpr std::size_t kSync0Status = 0x098E;
 constexpr std::size_t kStartTime = 0x0990;
+constexpr std::size_t kLatch0Control = 0x09A8;
 constexpr std::uint16_t kDcLatchEvent = 1U << 0;
 constexpr std::uint32_t kClockAlEvents =
     al_event::kDcLatch | al_event::kDcSync0 | al_event::kDcSync1;
@@ -101,7 +102,7 @@ void SlaveController::acknowledge_clock(Side side, Effects effects, std::uint32_
   }
 }
 
-bool SlaveController::accepts_clock_write(Side side, Effect effect) const {
+bool SlaveController::accepts_clock_write(Side side, Effect effect, std::size_t address) const {
   const auto controls = [&](unsigned bit) {
     return register_bit(kCyclicUnitControl, bit) == (side == Side::host);
   };
@@ -111,6 +112,8 @@ bool SlaveController::accepts_clock_write(Side side, Effect effect) const {
       return controls(0);
     case Effect::sync_times:
       return controls(0) && !register_bit(kSyncActivation, 0);
+    case Effect::latch_control:
+      return controls(address == kLatch0Control ? 4 : 5);
     case Effect::sync_status:
     case Effect::latch_time:
       return side == Side::host && configuration_.acknowledge_by_write;
@@ -217,12 +220,10 @@ void SlaveController::report_activation(SyncUnit::Activation activation) {
 }
 
 void SlaveController::advance_sync() {
-  if (!sync_.active()) {
-    return;
+  if (sync_.active() && sync_.advance(clock_.system_time(now_))) {
+    publish_clock_events();
+    schedule_sync();
   }
-  sync_.advance(clock_.system_time(now_));
-  publish_clock_events();
-  schedule_sync();
 }
 
 void SlaveController::schedule_sync() {

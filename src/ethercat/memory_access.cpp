@@ -209,7 +209,7 @@ bool SlaveController::accepts_bus_write(std::size_t address) const {
       return !enabled || (address & 7) == 4;
     }
     default:
-      return accepts_clock_write(Side::bus, byte.effect);
+      return accepts_clock_write(Side::bus, byte.effect, address);
   }
 }
 
@@ -234,7 +234,7 @@ bool SlaveController::accepts_host_write(std::size_t address) const {
     case Effect::mii_access:
       return mii_.host_may_take();
     default:
-      return accepts_clock_write(Side::host, byte.effect);
+      return accepts_clock_write(Side::host, byte.effect, address);
   }
 }
 

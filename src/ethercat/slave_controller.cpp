@@ -184,6 +184,7 @@ void SlaveController::expire(base::SimTime now) {
   mii_.finish(now, links());
   if (now >= sync_deadline_) {
     advance_sync();
+    schedule_sync();
   }
   if (now >= loop_control_expires_) {
     loop_control_expires_ = base::SimTime::never();

@@ -308,7 +308,7 @@ class SlaveController final : public ProcessDataInterface {
   void after_clock_read(Side side, Effects effects, std::uint32_t address, std::size_t length);
   void after_clock_write(Side side, Effects effects, std::uint32_t address,
                          std::span<const std::byte> data);
-  [[nodiscard]] bool accepts_clock_write(Side side, Effect effect) const;
+  [[nodiscard]] bool accepts_clock_write(Side side, Effect effect, std::size_t address) const;
   void acknowledge_clock(Side side, Effects effects, std::uint32_t address, std::size_t length);
   void take_system_time(std::uint32_t address, std::span<const std::byte> data);
   void take_start_time(Side side, std::uint32_t address, std::size_t length);

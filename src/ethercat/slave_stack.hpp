@@ -11,6 +11,7 @@
 #include "ethercat/al_state.hpp"
 #include "ethercat/application_layer.hpp"
 #include "ethercat/coe.hpp"
+#include "ethercat/dc_supervision.hpp"
 #include "ethercat/device_description.hpp"
 #include "ethercat/eoe.hpp"
 #include "ethercat/foe.hpp"
@@ -39,6 +40,8 @@ struct SlaveStackOptions {
   FoeOptions foe = {};
   /// First address behind the controller's process memory, for the length limit of process data.
   std::uint16_t process_memory_end = 0x3000;
+  /// What the device does with SYNC0; by default nothing.
+  DcCapabilities distributed_clocks{};
 };
 
 /// The software of an EtherCAT slave: state machine, mailbox protocols and process data
@@ -61,6 +64,14 @@ class SlaveStack final : private AlActions {
   /// Takes what the bus brought: AL control, sync manager changes, mailboxes, outputs, watchdog.
   /// Call after each frame and at each control tick; cheap when nothing came.
   void process(base::SimTime now);
+
+  /// SYNC0 has come, for boards that wire it to an interrupt; where the controller raises an AL
+  /// event instead (acknowledge mode), process() notices by itself. While synchronous(), outputs
+  /// that have come since the last one are taken over now.
+  void sync0(base::SimTime now);
+  /// True while process data are taken over at SYNC0: the master had activated it before
+  /// Safe-Operational or Operational was entered.
+  [[nodiscard]] bool synchronous() const { return clocks_.synchronous(); }
 
   /// Brings the inputs up to date for the master; nothing in Init, Pre-Operational and Bootstrap.
   /// Call at each control tick.
@@ -94,7 +105,7 @@ class SlaveStack final : private AlActions {
   void set_emergencies(bool enabled);
 
  private:
-  AlStatusCode perform(AlStep step, base::SimTime now) override;
+  std::optional<AlStatusCode> perform(AlStep step, base::SimTime now) override;
   void entered(AlStep step, base::SimTime now) override;
 
   [[nodiscard]] AlStatusCode start_mailbox(AlStep step, base::SimTime now);
@@ -122,8 +133,11 @@ class SlaveStack final : private AlActions {
   void update_attention();
   [[nodiscard]] bool outputs_wait(std::uint32_t events) const;
   void take_outputs(base::SimTime now);
+  /// Outputs of the bus are there: taken over now or at the next SYNC0.
+  void offer_outputs(base::SimTime now);
   void apply_outputs(base::SimTime now);
   void on_refused(const dictionary::Entry& entry, const dictionary::Refusal& refusal);
+  void check_clocks(base::SimTime now);
   void check_watchdog(std::uint32_t events, base::SimTime now);
   [[nodiscard]] base::SimDuration watchdog_time();
 
@@ -143,10 +157,12 @@ class SlaveStack final : private AlActions {
   PdoConfiguration configuration_;
   ProcessImage outputs_;
   ProcessImage inputs_;
+  DcSupervision clocks_;
   SyncManagerBank bank_;         ///< settings in force: mailbox since I->P, process data since P->S
   std::uint32_t attention_ = 0;  ///< AL events that need process()
   bool polls_channels_ = false;  ///< a channel in use raises no event
-  bool outputs_received_ = false;  ///< since Safe-Operational was entered
+  bool outputs_received_ = false;    ///< since Safe-Operational was entered
+  bool outputs_await_sync_ = false;  ///< taken from the bus, not yet over at SYNC0
   /// When Operational ends if no outputs come, for a watchdog that nothing has triggered yet.
   base::SimTime first_outputs_deadline_ = base::SimTime::never();
   base::SimTime now_;  ///< of the call being handled

@@ -81,9 +81,10 @@ bool SyncUnit::waits_for_wrap(std::uint64_t now) {
   return start_is_past_;
 }
 
-void SyncUnit::advance(std::uint64_t now) {
+bool SyncUnit::advance(std::uint64_t now) {
+  bool any = false;
   if (!active_ || waits_for_wrap(now)) {
-    return;
+    return any;
   }
   for (Signal& signal : signals_) {
     if (!signal.armed || !reached(signal.next, now)) {
@@ -94,7 +95,9 @@ void SyncUnit::advance(std::uint64_t now) {
     signal.armed = signal.period != 0;
     signal.next = last + signal.period;
     fire(signal, more + 1, last);
+    any = true;
   }
+  return any;
 }
 
 void SyncUnit::jump(std::uint64_t now) {
@@ -123,7 +126,7 @@ SyncUnit::Activation SyncUnit::write_activation(std::uint8_t written, std::uint6
     result = activate(now);
   }
   enable_outputs();
-  advance(now);
+  static_cast<void>(advance(now));
   if ((written & kDebugPulse) != 0) {
     for (std::size_t output = 0; output < kOutputs; ++output) {
       if ((written & output_bit(output)) != 0) {

@@ -45,8 +45,8 @@ class SyncUnit {
   /// As after power-on: inactive, no start time.
   void reset();
 
-  /// Accounts for all pulses up to `now`.
-  void advance(std::uint64_t now);
+  /// Accounts for all pulses up to `now`; false if there were none.
+  bool advance(std::uint64_t now);
   /// The system time was set to `now` by other means than its passing. Pulses that would have come
   /// in between come once, at once, and go on in their grid.
   void jump(std::uint64_t now);

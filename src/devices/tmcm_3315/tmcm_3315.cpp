@@ -1,5 +1,7 @@
 #include "devices/tmcm_3315/tmcm_3315.hpp"
 
+#include <utility>
+
 #include "ethercat/sii_image.hpp"
 #include "ethercat/slave_controller_presets.hpp"
 
@@ -30,6 +32,13 @@ constexpr base::EventRule kNewFirmware{
     "tmcm-3315-new-firmware", base::Severity::information,
     "restarting with a new firmware image, {0} bytes; the virtual module keeps the image and "
     "behaves as before, it does not run it"};
+// Nor of SYNC0. Taken: wired to an interrupt of the firmware, which takes over outputs and gives
+// inputs then; cycle times of up to a second; no supervision but of SYNC0 itself.
+constexpr std::uint16_t kPdiControl = 0x0C05;  // SPI; SYNC and latch units switched on
+constexpr std::uint8_t kSyncOutputs = 0x66;    // push-pull, active high, no AL events
+constexpr std::uint16_t kSyncPulse = 1000;     // 10 us
+constexpr base::SimDuration kShortestCycle{125'000};
+constexpr base::SimDuration kLongestCycle{1'000'000'000};
 
 ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration) {
   ethercat::DeviceDescription description;
@@ -56,6 +65,9 @@ ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration)
   description.pdo_assign = true;
   description.pdo_configuration = true;
   description.distributed_clocks = true;
+  description.pdi_control = kPdiControl;
+  description.sync_latch_configuration = kSyncOutputs;
+  description.sync_pulse_length = kSyncPulse;
   return description;
 }
 
@@ -68,6 +80,9 @@ ethercat::SlaveStackOptions stack_options(const Tmcm3315Configuration& configura
   options.files = &files;
   options.foe = {.bootstrap_only = true, .erase_time = configuration.firmware_erase_time};
   options.process_memory_end = kProcessMemoryEnd;
+  options.distributed_clocks.sync0 = true;
+  options.distributed_clocks.shortest_cycle = kShortestCycle;
+  options.distributed_clocks.longest_cycle = kLongestCycle;
   return options;
 }
 
@@ -117,7 +132,17 @@ const char* Tmcm3315::drive_state(std::uint8_t axis) {
 }
 
 void Tmcm3315::advance(base::SimTime now) {
-  while (now_ + kPlantStep <= now) {
+  while (true) {
+    const base::SimTime step_end = now_ + kPlantStep;
+    const base::SimTime sync0 = controller_.next_sync_edge(0);
+    if (sync0 <= now && sync0 <= step_end) {
+      controller_.advance(sync0);
+      take_sync0(sync0);
+      continue;
+    }
+    if (step_end > now) {
+      break;
+    }
     for (const auto& axis : axes_) {
       axis->step(kPlantStep);
     }
@@ -141,7 +166,23 @@ void Tmcm3315::tick(base::SimTime now) {
   }
   switch_outputs();
   report_errors(now);
+  if (!stack_.synchronous()) {
+    outputs_came_ = false;
+    stack_.publish_inputs(now);
+  }
+}
+
+void Tmcm3315::take_sync0(base::SimTime now) {
+  const std::uint64_t pulses = controller_.sync_pulse_count(0);
+  if (std::exchange(sync0_pulses_, pulses) != pulses) {
+    stack_.sync0(now);
+  }
+}
+
+void Tmcm3315::on_sync0(base::SimTime now) {
+  apply_commands(now);
   outputs_came_ = false;
+  switch_outputs();
   stack_.publish_inputs(now);
 }
 
@@ -166,6 +207,7 @@ void Tmcm3315::handle_bus_events(base::SimTime now) {
   if (controller_.take_reset_request()) {
     restart_firmware(now);
   }
+  take_sync0(now);  // one that the frame has overtaken
   process_bus(now);
   apply_commands(now);
   if (outputs_came_) {

@@ -76,6 +76,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
  private:
   void on_state(ethercat::AlState from, ethercat::AlState to, base::SimTime now) override;
   void on_outputs(base::SimTime now) override;
+  void on_sync0(base::SimTime now) override;
   void before_inputs(base::SimTime now) override;
   void on_output_refused(const dictionary::Entry& entry, const dictionary::Refusal& refusal,
                          base::SimTime now) override;
@@ -85,6 +86,8 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   void process_bus(base::SimTime now);
   void restart_firmware(base::SimTime now);
   void tick(base::SimTime now);
+  /// Lets the firmware's interrupt run if SYNC0 has come.
+  void take_sync0(base::SimTime now);
   void read_inputs();
   void apply_commands(base::SimTime now);
   void switch_outputs();
@@ -116,6 +119,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   std::uint32_t downloads_in_force_ = 0;  ///< of firmware_ at the last start of the firmware
   bool restart_due_ = false;              ///< Bootstrap was left with a new image
   bool powered_ = true;
+  std::uint64_t sync0_pulses_ = 0;  ///< the firmware has seen
   /// As last told to the master by emergencies.
   std::array<drive::AxisErrors, tmcm_3315::kAxisCount> reported_errors_{};
   std::array<std::uint32_t, tmcm_3315::kAxisCount> reported_resets_{};
