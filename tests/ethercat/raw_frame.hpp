@@ -50,6 +50,7 @@ struct Answer {
   unsigned interrupt = 0;
   std::uint32_t address = 0;
   Bytes data;
+  bool circulating = false;
 };
 
 /// Datagrams queued for one frame, and their answers once it has passed the slaves.
@@ -74,7 +75,8 @@ class RawFrame {
     while (const auto datagram = cursor.next()) {
       const std::span<std::byte> data = datagram->bytes();
       answers.push_back({returned, datagram->working_counter, datagram->interrupt,
-                         datagram->address, Bytes(data.begin(), data.end())});
+                         datagram->address, Bytes(data.begin(), data.end()),
+                         datagram->circulating});
     }
     builder_ = FrameBuilder(buffer_, kMaster);
     queued_ = 0;
