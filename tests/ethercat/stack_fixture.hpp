@@ -16,27 +16,12 @@
 #include "base/byte_order.hpp"
 #include "base/event.hpp"
 #include "dictionary/dictionary.hpp"
+#include "ethercat/hex.hpp"
 #include "ethercat/slave_stack.hpp"
 
 // A slave stack on a fake controller, with a small dictionary and the master's view of both: what
 // the tests of the host side are written with.
 namespace stator::ethercat::test {
-
-using Bytes = std::vector<std::byte>;
-
-/// "2F 03 20" as bytes.
-Bytes hex(std::string_view text);
-/// The reverse, for readable failures.
-std::string to_hex(std::span<const std::byte> bytes);
-/// `count` bytes from `first` on, fewer if there are not so many.
-Bytes part(const Bytes& bytes, std::size_t first, std::size_t count = 0xFFFF);
-Bytes concat(std::initializer_list<Bytes> parts);
-template <typename T>
-Bytes le(T value) {
-  Bytes bytes(sizeof value);
-  base::store_le(bytes, 0, value);
-  return bytes;
-}
 
 /// A controller reduced to memory: mailboxes with the full flag, a plain buffer per process-data
 /// channel, the events that the stack handles. Counts what a host must not do.

@@ -1,54 +1,20 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <initializer_list>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "base/byte_order.hpp"
 #include "base/sim_time.hpp"
 #include "ethercat/frame.hpp"
+#include "ethercat/raw_frame.hpp"
 #include "ethercat/segment.hpp"
 #include "ethercat/sii_interface.hpp"
 #include "ethercat/slave_controller.hpp"
 
 namespace stator::ethercat::testing {
-
-using Bytes = std::vector<std::byte>;
-
-inline Bytes bytes(std::initializer_list<unsigned> values) {
-  Bytes result;
-  for (const unsigned value : values) {
-    result.push_back(static_cast<std::byte>(value));
-  }
-  return result;
-}
-
-inline Bytes zeros(std::size_t length) {
-  return Bytes(length);
-}
-
-/// `value` as `length` little-endian bytes.
-inline Bytes little_endian(std::uint64_t value, std::size_t length) {
-  Bytes result;
-  for (std::size_t i = 0; i < length; ++i) {
-    result.push_back(static_cast<std::byte>(value >> (8 * i)));
-  }
-  return result;
-}
-
-inline std::uint64_t number(std::span<const std::byte> data) {
-  std::uint64_t value = 0;
-  for (std::size_t i = data.size(); i > 0; --i) {
-    value = value << 8 | std::to_integer<std::uint64_t>(data[i - 1]);
-  }
-  return value;
-}
 
 /// A 2048-byte SII image with a valid configuration area; word n above 8 holds n.
 inline Bytes valid_sii(std::uint16_t alias = 0) {
@@ -61,16 +27,6 @@ inline Bytes valid_sii(std::uint16_t alias = 0) {
   }
   return image;
 }
-
-/// What came back of one datagram.
-struct Answer {
-  bool returned = false;
-  unsigned working_counter = 0;
-  unsigned interrupt = 0;
-  std::uint32_t address = 0;
-  Bytes data;
-  bool circulating = false;
-};
 
 /// Slaves in line and a master that sends raw frames, 10 us apart.
 class TestBus {
@@ -113,26 +69,14 @@ class TestBus {
 
   /// Adds a datagram to the next frame.
   TestBus& with(Command command, std::uint32_t address, const Bytes& data) {
-    builder_.append(command, static_cast<std::uint8_t>(queued_++), address, data);
+    frame_.append(command, address, data);
     return *this;
   }
   /// Sends what was queued.
   std::vector<Answer> send() {
-    const std::span<std::byte> frame = builder_.finish();
     now_ += base::SimDuration(10'000);
-    exit_ = segment_.process(frame, now_, interface_);
-    const bool returned = exit_.has_value();
-    std::vector<Answer> answers;
-    DatagramCursor cursor(frame);
-    while (const auto datagram = cursor.next()) {
-      const std::span<std::byte> data = datagram->bytes();
-      answers.push_back({returned, datagram->working_counter, datagram->interrupt,
-                         datagram->address, Bytes(data.begin(), data.end()),
-                         datagram->circulating});
-    }
-    builder_ = FrameBuilder(buffer_, kMaster);
-    queued_ = 0;
-    return answers;
+    exit_ = segment_.process(frame_.finish(), now_, interface_);
+    return frame_.take_answers(exit_.has_value());
   }
   /// One datagram in a frame of its own.
   Answer transfer(Command command, std::uint32_t address, const Bytes& data) {
@@ -194,16 +138,12 @@ class TestBus {
   }
 
  private:
-  static constexpr MacAddress kMaster{0x01, 0x01, 0x01, 0x01, 0x01, 0x01};
-
   std::vector<std::unique_ptr<SlaveController>> slaves_;
   Segment segment_;
   base::SimTime now_;
   MasterInterface interface_ = MasterInterface::primary;
   std::optional<MasterInterface> exit_;
-  std::array<std::byte, kMaximumFrameLength> buffer_{};
-  FrameBuilder builder_{buffer_, kMaster};
-  unsigned queued_ = 0;
+  RawFrame frame_;
 };
 
 /// Host-side access in the manner of firmware.
