@@ -88,6 +88,7 @@ void SlaveController::after_clock_read(Side side, Effects effects, std::uint32_t
 void SlaveController::acknowledge_clock(Side side, Effects effects, std::uint32_t address,
                                         std::size_t length) {
   if ((effects & bit_of(Effect::sync_status)) != 0 && side == Side::host) {
+    advance_sync();  // pulses before this moment are acknowledged too
     for (std::size_t output = 0; output < SyncUnit::kOutputs; ++output) {
       if (touches(address, length, kSync0Status + output)) {
         sync_.acknowledge(output);

@@ -384,6 +384,18 @@ TEST(SyncEvents, InAcknowledgeByWriteModeOnlyAWriteAcknowledges) {
   EXPECT_EQ(bus.set(0x098E, 0, 1), 0U) << "not for the bus";
 }
 
+TEST(SyncEvents, AnAcknowledgingWriteCoversThePulsesBeforeIt) {
+  SlaveControllerConfiguration chip;
+  chip.acknowledge_by_write = true;
+  DcBus bus({.sync_latch = 0x0E, .pulse_length = 0}, chip);
+  const std::uint64_t start = bus.system_time() + kMillisecond;
+  bus.start_sync(start, kMillisecond);
+  bus.wait_until(start + 5'500'000);
+  testing::host_write(bus.slave(), 0x098E, zeros(1));
+  EXPECT_EQ(bus.slave().sync_pulse_count(kSync0), 6U);
+  EXPECT_EQ(bus.slave().system_time(bus.slave().next_deadline()), start + 6'000'000);
+}
+
 TEST(SyncEvents, ComeWithTheDeadlineWhileTheClockIsBeingPulled) {
   // The reference runs 80 ppm faster than this slave: each comparison moves the next pulse.
   SlaveControllerConfiguration slow;

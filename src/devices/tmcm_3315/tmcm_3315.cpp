@@ -135,7 +135,8 @@ void Tmcm3315::advance(base::SimTime now) {
   while (true) {
     const base::SimTime step_end = now_ + kPlantStep;
     const base::SimTime sync0 = controller_.next_sync_edge(0);
-    if (sync0 <= now && sync0 <= step_end) {
+    if (sync0 <= now && sync0 <= step_end && sync0 >= sync0_earliest_) {
+      sync0_earliest_ = sync0 + kPlantStep;
       controller_.advance(sync0);
       take_sync0(sync0);
       continue;

@@ -120,6 +120,8 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   bool restart_due_ = false;              ///< Bootstrap was left with a new image
   bool powered_ = true;
   std::uint64_t sync0_pulses_ = 0;  ///< the firmware has seen
+  /// An interrupt routine takes its time: pulses that a master sets too close are seen as one.
+  base::SimTime sync0_earliest_;
   /// As last told to the master by emergencies.
   std::array<drive::AxisErrors, tmcm_3315::kAxisCount> reported_errors_{};
   std::array<std::uint32_t, tmcm_3315::kAxisCount> reported_resets_{};
