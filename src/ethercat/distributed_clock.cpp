@@ -63,12 +63,14 @@ std::int64_t DistributedClock::slewed(std::int64_t elapsed) const {
 
 std::int64_t DistributedClock::gained(std::int64_t elapsed) const {
   // Whole seconds and the rest apart, so that the product stays within 64 bits.
-  return elapsed / kBillion * rate_ + elapsed % kBillion * rate_ / kBillion + slewed(elapsed);
+  const std::int64_t seconds = elapsed / kBillion;
+  const std::int64_t rest = elapsed - seconds * kBillion;
+  return seconds * rate_ + rest * rate_ / kBillion;
 }
 
 std::uint64_t DistributedClock::local_time(base::SimTime t) const {
   const std::int64_t elapsed = (t - start_).nanoseconds();
-  const std::int64_t gain = (start_fraction_ + gained(elapsed)) >> kLineFraction;
+  const std::int64_t gain = (start_fraction_ + gained(elapsed) + slewed(elapsed)) >> kLineFraction;
   return start_time_ + static_cast<std::uint64_t>(elapsed + gain);
 }
 
@@ -98,14 +100,16 @@ base::SimTime DistributedClock::when(std::uint64_t system_time_wanted, base::Sim
   return t;
 }
 
-void DistributedClock::restart_line(base::SimTime t) {
+std::int64_t DistributedClock::restart_line(base::SimTime t) {
   const std::int64_t elapsed = (t - start_).nanoseconds();
-  const std::int64_t gain = start_fraction_ + gained(elapsed);
-  slew_amount_ -= slewed(elapsed);
+  const std::int64_t slew = slewed(elapsed);
+  const std::int64_t gain = start_fraction_ + gained(elapsed) + slew;
+  slew_amount_ -= slew;
   slew_span_ = std::max<std::int64_t>(slew_span_ - elapsed, 0);
   start_time_ += static_cast<std::uint64_t>(elapsed + (gain >> kLineFraction));
   start_fraction_ = gain & ((1 << kLineFraction) - 1);
   start_ = t;
+  return slew;
 }
 
 void DistributedClock::latch_receive_times(const FrameTiming& timing) {
@@ -119,12 +123,11 @@ void DistributedClock::latch_receive_times(const FrameTiming& timing) {
 }
 
 void DistributedClock::compare(std::uint32_t received, base::SimTime t) {
-  const auto copy = static_cast<std::uint32_t>(bus_time(t));
+  const std::int64_t elapsed = (t - start_).nanoseconds();
+  const std::int64_t corrected = restart_line(t) << (kDifferenceFraction - kLineFraction);
+  const auto copy = static_cast<std::uint32_t>(start_time_ + offset_ - delay_);
   const auto difference = std::int64_t{static_cast<std::int32_t>(copy - received)}
                           << kDifferenceFraction;
-  const std::int64_t elapsed = (t - start_).nanoseconds();
-  const std::int64_t corrected = slewed(elapsed) << (kDifferenceFraction - kLineFraction);
-  restart_line(t);
   if (primed_) {
     // What the loop itself has corrected since is no news; only the rest says something of phase
     // and rate.
@@ -140,7 +143,7 @@ void DistributedClock::compare(std::uint32_t received, base::SimTime t) {
   // |mean| < 2^31 ns and at least 11 ppm: the span times the rate fits into 64 bits.
   slew_amount_ = -(mean_difference_ >> (kDifferenceFraction - kLineFraction));
   const std::int64_t magnitude = slew_amount_ < 0 ? -slew_amount_ : slew_amount_;
-  slew_span_ = ((magnitude >> kLineFraction) + 1) * kBillion / largest_slew_ppb_ + 1;
+  slew_span_ = ((magnitude >> kLineFraction) + 1) * slew_duration_;
   show_difference();
 }
 
@@ -174,6 +177,7 @@ void DistributedClock::reset_loop(base::SimTime now) {
   const std::int64_t start =
       effective_start(base::load_le<std::uint16_t>(registers_, kSpeedCounterStart));
   largest_slew_ppb_ = deviation(start, largest_difference(start));
+  slew_duration_ = kBillion / largest_slew_ppb_ + 1;
   reset_difference(now);
   set_trim(0);
   show_speed_counter_difference();

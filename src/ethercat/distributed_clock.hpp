@@ -70,10 +70,11 @@ class DistributedClock {
  private:
   /// ns that the loop's phase correction has added `elapsed` ns after start_, in 1/2^10 ns.
   [[nodiscard]] std::int64_t slewed(std::int64_t elapsed) const;
-  /// ns gained over simulated time since start_, in 1/2^10 ns.
+  /// ns the oscillator has gained over simulated time since start_, in 1/2^10 ns.
   [[nodiscard]] std::int64_t gained(std::int64_t elapsed) const;
-  /// Begins a new straight line at `t`, where the present ones have led.
-  void restart_line(base::SimTime t);
+  /// Begins a new straight line at `t`, where the present ones have led; returns what has been
+  /// slewed.
+  std::int64_t restart_line(base::SimTime t);
   void set_trim(std::int64_t trim);
   void learn_rate(std::int64_t innovation, std::int64_t elapsed);
   void show_difference();
@@ -89,10 +90,11 @@ class DistributedClock {
   std::int64_t start_fraction_ = 0;
   std::int64_t rate_ = 0;         ///< deviation and trim, ppb in 1/2^10
   std::int64_t slew_amount_ = 0;  ///< phase to correct, 1/2^10 ns
-  std::int64_t slew_span_ = 0;    ///< ns it takes
+  std::int64_t slew_span_ = 0;    ///< ns it takes at most
 
   // The loop.
   std::int64_t largest_slew_ppb_ = 0;  ///< by 0x0930
+  std::int64_t slew_duration_ = 0;     ///< ns to slew one, rounded up
   std::int64_t trim_ = 0;              ///< ppb in 1/2^20
   std::int64_t mean_difference_ = 0;   ///< local less reference, 1/2^16 ns
   bool primed_ = false;                ///< mean_difference_ holds a measurement

@@ -64,6 +64,14 @@ TEST_F(Tmcm3315WithSync0, CyclicPositionMovesTheShaftInStepWithSync0) {
   EXPECT_EQ(device_->stack().state(), AlState::operational);
 }
 
+TEST_F(Tmcm3315WithSync0, AnAbsurdCycleTimeInOperationalDoesNotStopTime) {
+  go_operational();
+  bus_->write(0x09A0, {std::byte{1}, std::byte{0}, std::byte{0}, std::byte{0}});
+  bus_->pass(100_ms);
+  EXPECT_GT(device_->controller().sync_pulse_count(0), 90'000'000U);
+  EXPECT_EQ(device_->stack().state(), AlState::operational);
+}
+
 TEST_F(Tmcm3315WithSync0, SwitchingSync0OffInOperationalStopsTheModule) {
   go_operational();
   bus_->write(0x0981, {std::byte{0}});
