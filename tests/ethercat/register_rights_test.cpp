@@ -144,6 +144,32 @@ TEST(ErrorCounters, Saturate) {
   EXPECT_EQ(number(bus.read(0, 0x0300, 2).data), 0xFFU);
 }
 
+TEST(ErrorCounters, EveryOneStopsAtFF) {
+  TestBus bus;
+  SlaveController& slave = bus.slave();
+  for (int i = 0; i < 260; ++i) {
+    slave.count_receive_error(0, ReceiveError::invalid_frame);
+    slave.count_receive_error(0, ReceiveError::physical);
+    slave.count_receive_error(0, ReceiveError::forwarded_error);
+    slave.count_malformed_frame();
+    slave.count_host_error(0x15);
+    slave.set_link(0, false);
+    slave.set_link(0, true);
+  }
+  for (const std::uint16_t address :
+       std::array<std::uint16_t, 6>{0x0300, 0x0301, 0x0308, 0x030C, 0x030D, 0x0310}) {
+    EXPECT_EQ(number(bus.read(0, address, 1).data), 0xFFU) << std::hex << address;
+  }
+}
+
+TEST(ErrorCounters, HostErrorKeepsTheLastCause) {
+  TestBus bus;
+  bus.slave().count_host_error(0x0B);
+  bus.slave().count_host_error(0x53);
+  EXPECT_EQ(bus.read(0, 0x030D, 2).data, bytes({2, 0x53}));
+  EXPECT_EQ(host_read(bus.slave(), 0x030D, 2), bytes({2, 0x53}));
+}
+
 TEST(WriteProtection, RegistersUnlockForOneFrameOnly) {
   TestBus bus;
   bus.write(0, 0x0021, bytes({1}));
