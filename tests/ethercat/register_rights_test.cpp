@@ -223,6 +223,21 @@ TEST(ResetKey, ThreeStepsInOneFrame_AreOneStep) {
   EXPECT_FALSE(bus.slave().take_reset_request());
 }
 
+TEST(ResetKey, ProgressIsReadInTheFrameOfTheStep) {
+  TestBus bus;
+  const auto step = [&](unsigned key) {
+    bus.with(Command::apwr, physical_address(0, 0x0040), bytes({key}))
+        .with(Command::aprd, physical_address(0, 0x0040), bytes({0}));
+    return number(bus.send()[1].data);
+  };
+  EXPECT_EQ(step(0x52), 1U);
+  EXPECT_EQ(step(0x45), 2U);
+  EXPECT_EQ(step(0x45), 0U) << "wrong key";
+  EXPECT_EQ(step(0x52), 1U);
+  EXPECT_EQ(number(bus.read(0, 0x0040, 1).data), 1U) << "shown until this frame ends";
+  EXPECT_EQ(number(bus.read(0, 0x0040, 1).data), 0U) << "a frame without a step";
+}
+
 TEST(ResetKey, HostHasItsOwn) {
   TestBus bus;
   host_write(bus.slave(), 0x0041, bytes({0x52}));
