@@ -1,6 +1,8 @@
 // Cost of the frame path: one cyclic LRW frame sequence over a line of drives with 30 bytes of
 // outputs and 30 bytes of inputs each. "per_slave_datagram" is nanoseconds for one slave to deal
-// with one datagram, whether it concerns the slave or not; the limit is 50.
+// with one datagram, whether it concerns the slave or not; "of_limit" is that in parts of the
+// limit, 50 ns. The frames are made once and sent again and again, as their making is the master's
+// work.
 
 #include <array>
 #include <memory>
@@ -20,6 +22,7 @@ constexpr std::size_t kOutputs = 30;
 constexpr std::size_t kInputs = 30;
 constexpr std::size_t kPerSlave = kOutputs + kInputs;
 constexpr std::size_t kSlavesPerFrame = kMaximumDatagramData / kPerSlave;
+constexpr double kLimit = 50e-9;  // s per slave and datagram
 constexpr MacAddress kMaster{0x02, 0, 0, 0, 0, 1};
 
 std::vector<std::byte> minimal_sii() {
@@ -48,27 +51,42 @@ class Line {
         set_fmmu(position, 2, 0x1000000 + static_cast<std::uint32_t>(i), 1, 0x080D, 1);
       }
     }
+    make_frames();
   }
 
   /// All process data once; number of datagrams sent.
   std::size_t cycle() {
-    std::size_t datagrams = 0;
-    for (std::size_t first = 0; first < slaves_.size(); first += kSlavesPerFrame) {
-      const std::size_t count = std::min(kSlavesPerFrame, slaves_.size() - first);
-      FrameBuilder builder(buffer_, kMaster);
-      builder.append(Command::lrw, 0, static_cast<std::uint32_t>(0x10000 + kPerSlave * first),
-                     count * kPerSlave);
-      const std::span<std::byte> frame = builder.finish();
+    for (const std::span<std::byte> frame : frames_) {
       benchmark::DoNotOptimize(segment_.process(frame, now_));
-      working_counter_ += base::load_le<std::uint16_t>(frame.data() + frame.size() - 2);
       now_ += base::SimDuration(1000);
-      ++datagrams;
     }
-    return datagrams;
+    return frames_.size();
   }
-  std::size_t take_working_counter() { return std::exchange(working_counter_, 0); }
+  /// Sum of the working counters of the last cycle, which started from 0 in each frame.
+  std::size_t fresh_cycle() {
+    std::size_t sum = 0;
+    for (const std::span<std::byte> frame : frames_) {
+      base::store_le(frame, frame.size() - kWorkingCounterLength, std::uint16_t{0});
+    }
+    cycle();
+    for (const std::span<std::byte> frame : frames_) {
+      sum += base::load_le<std::uint16_t>(frame, frame.size() - kWorkingCounterLength);
+    }
+    return sum;
+  }
 
  private:
+  void make_frames() {
+    buffers_.resize((slaves_.size() + kSlavesPerFrame - 1) / kSlavesPerFrame);
+    for (std::size_t i = 0; i < buffers_.size(); ++i) {
+      const std::size_t first = i * kSlavesPerFrame;
+      const std::size_t count = std::min(kSlavesPerFrame, slaves_.size() - first);
+      FrameBuilder builder(buffers_[i], kMaster);
+      builder.append(Command::lrw, 0, static_cast<std::uint32_t>(0x10000 + kPerSlave * first),
+                     count * kPerSlave);
+      frames_.push_back(builder.finish());
+    }
+  }
   void write(std::uint16_t position, std::uint16_t address, std::span<const std::byte> data) {
     FrameBuilder builder(buffer_, kMaster);
     builder.append(Command::apwr, 0, physical_address(auto_increment_address(position), address),
@@ -100,14 +118,22 @@ class Line {
   Segment segment_;
   std::array<std::byte, kMaximumFrameLength> buffer_{};
   base::SimTime now_;
-  std::size_t working_counter_ = 0;
+  std::vector<std::array<std::byte, kMaximumFrameLength>> buffers_;
+  std::vector<std::span<std::byte>> frames_;
 };
+
+using benchmark::Counter;
+
+/// `passes`: how often a datagram went through a slave.
+void report(benchmark::State& state, double passes) {
+  state.counters["per_slave_datagram"] = Counter(passes, Counter::kIsRate | Counter::kInvert);
+  state.counters["of_limit"] = Counter(passes * kLimit, Counter::kIsRate | Counter::kInvert);
+}
 
 void run(benchmark::State& state, bool mailbox_status) {
   const auto slaves = static_cast<std::size_t>(state.range(0));
   Line line(slaves, mailbox_status);
-  line.cycle();
-  if (line.take_working_counter() != 3 * slaves) {
+  if (line.fresh_cycle() != 3 * slaves) {
     state.SkipWithError("working counter is not 3 per slave");
     return;
   }
@@ -115,10 +141,9 @@ void run(benchmark::State& state, bool mailbox_status) {
   for (auto _ : state) {
     datagrams += line.cycle();
   }
-  using benchmark::Counter;
   const auto passes = static_cast<double>(datagrams * slaves);
   const auto exchanges = static_cast<double>(state.iterations()) * static_cast<double>(slaves);
-  state.counters["per_slave_datagram"] = Counter(passes, Counter::kIsRate | Counter::kInvert);
+  report(state, passes);
   state.counters["per_slave_cycle"] = Counter(exchanges, Counter::kIsRate | Counter::kInvert);
 }
 
@@ -139,15 +164,26 @@ void fprd_of_the_last_slave(benchmark::State& state) {
     line.back()->load_sii(minimal_sii());
     segment.append(*line.back());
   }
+  constexpr std::uint16_t kStation = 0x1001;
+  const auto last = auto_increment_address(static_cast<std::uint16_t>(slaves - 1));
   std::array<std::byte, kMaximumFrameLength> buffer{};
-  for (auto _ : state) {
-    FrameBuilder builder(buffer, kMaster);
-    builder.append(Command::fprd, 0, physical_address(0x1001, 0x0130), std::size_t{2});
-    benchmark::DoNotOptimize(segment.process(builder.finish(), base::SimTime()));
+  FrameBuilder addressing(buffer, kMaster);
+  base::store_le(*addressing.append(Command::apwr, 0, physical_address(last, 0x0010), 2), 0,
+                 kStation);
+  static_cast<void>(segment.process(addressing.finish(), base::SimTime()));
+
+  FrameBuilder builder(buffer, kMaster);
+  builder.append(Command::fprd, 0, physical_address(kStation, 0x0130), std::size_t{2});
+  const std::span<std::byte> frame = builder.finish();
+  static_cast<void>(segment.process(frame, base::SimTime()));
+  if (base::load_le<std::uint16_t>(frame, frame.size() - kWorkingCounterLength) != 1) {
+    state.SkipWithError("nobody answers");
+    return;
   }
-  const auto passes = static_cast<double>(state.iterations()) * static_cast<double>(slaves);
-  state.counters["per_slave_datagram"] =
-      benchmark::Counter(passes, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(segment.process(frame, base::SimTime()));
+  }
+  report(state, static_cast<double>(state.iterations()) * static_cast<double>(slaves));
 }
 
 }  // namespace

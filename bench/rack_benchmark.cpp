@@ -84,7 +84,7 @@ std::vector<std::byte> bring_to_operational(rack::Rack& rack,
 Peer rack_peer(std::size_t modules) {
   return [modules](const PeerEnd& end) {
     rack::RackConfiguration configuration = line_of(modules);
-    configuration.segments.front().interface = end.interface;
+    configuration.segments.front().link = {link::LinkKind::raw_ethernet, end.interface, 0};
     configuration.segments.front().wait = end.wait;
     rack::EventLog log;
     rack::Rack rack(configuration, log);

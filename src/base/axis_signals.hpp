@@ -14,6 +14,8 @@ struct AxisActuation {
   bool bridge_enabled = false;                  ///< false: all transistors off, coils free-wheel
   std::array<double, 2> coil_current_target{};  ///< A, phases A and B of a two-phase motor
   bool brake_released = true;                   ///< holding brake, if one is fitted
+
+  friend bool operator==(const AxisActuation&, const AxisActuation&) = default;
 };
 
 /// What the sensors tell, at the end of the step.

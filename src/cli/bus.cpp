@@ -7,6 +7,7 @@
 
 #include "cli/failure.hpp"
 #include "cli/logging.hpp"
+#include "link/open_link.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/rack_file.hpp"
 #include "rack/text.hpp"
@@ -15,7 +16,7 @@ namespace stator::cli {
 
 void add_bus_options(CLI::App& command, BusOptions& options) {
   auto* link = command.add_option("--link", options.link,
-                                  "Network interface to the slaves, as ethercat:INTERFACE");
+                                  "Link to the slaves: " + std::string(link::kLinkForms));
   auto* rack = command.add_option("--rack", options.rack_file,
                                   "Rack file: run its first segment in this process, in lockstep");
   auto* device = command.add_option("--device", options.device,
@@ -31,13 +32,12 @@ void add_bus_options(CLI::App& command, BusOptions& options) {
       ->capture_default_str();
 }
 
-std::string interface_of(const std::string& link) {
-  constexpr std::string_view kPrefix = "ethercat:";
-  if (!link.starts_with(kPrefix) || link.size() == kPrefix.size()) {
-    throw Failure(fmt::format(
-        "link \"{}\" is not understood; write ethercat:INTERFACE, e.g. ethercat:eth1", link));
+link::LinkAddress link_of(const std::string& text) {
+  const auto address = link::parse_link_address(text);
+  if (!address) {
+    throw Failure(address.error().text);
   }
-  return link.substr(kPrefix.size());
+  return *address;
 }
 
 Bus::Bus(const BusOptions& options) {
@@ -54,14 +54,15 @@ Bus::Bus(const BusOptions& options) {
     build_rack(options);
   } else {
     throw Failure(
-        "no way to the slaves is given; use --link ethercat:INTERFACE for slaves on an interface, "
-        "--device PRODUCT for a virtual one in this process, or --rack FILE");
+        "no way to the slaves is given; use --link ethercat:INTERFACE for slaves on an interface "
+        "(or udp:ADDRESS[:PORT], tap:NAME), --device PRODUCT for a virtual one in this process, or "
+        "--rack FILE");
   }
 }
 
 void Bus::open_interface(const BusOptions& options) {
-  auto opened = link::RawEthernetLink::open(
-      {.interface = interface_of(options.link), .wait = link::WaitMode::adaptive, .busy_poll = {}});
+  auto opened = link::open_link(link_of(options.link), link::LinkEnd::master,
+                                {.wait = link::WaitMode::adaptive});
   if (!opened) {
     throw Failure(opened.error().text);
   }

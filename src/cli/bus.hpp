@@ -6,8 +6,9 @@
 
 #include "base/sim_time.hpp"
 #include "link/capturing_link.hpp"
+#include "link/ethernet_link.hpp"
+#include "link/link_address.hpp"
 #include "link/pcap_writer.hpp"
-#include "link/raw_ethernet_link.hpp"
 #include "master/frame_port.hpp"
 #include "rack/event_log.hpp"
 #include "rack/link_port.hpp"
@@ -22,7 +23,7 @@ namespace stator::cli {
 
 /// How a master command reaches its slaves: over an interface, or in a rack of its own.
 struct BusOptions {
-  std::string link;  ///< "ethercat:INTERFACE"
+  std::string link;  ///< as link::parse_link_address() reads it
   std::string rack_file;
   std::string device;   ///< product type: a rack with one such device
   std::string capture;  ///< pcap file, empty = none
@@ -33,8 +34,8 @@ struct BusOptions {
 /// Adds --link, --rack, --device, --capture, --record and --record-period to a command.
 void add_bus_options(CLI::App& command, BusOptions& options);
 
-/// "ethercat:eth1" -> "eth1". Throws Failure naming the form it expects.
-[[nodiscard]] std::string interface_of(const std::string& link);
+/// The link as the command line names it. Throws Failure naming the forms there are.
+[[nodiscard]] link::LinkAddress link_of(const std::string& text);
 
 /// The opened bus. Exactly one of link, rack_file and device must be given; throws Failure
 /// otherwise or when something cannot be opened.
@@ -53,7 +54,7 @@ class Bus {
 
   std::unique_ptr<rack::EventLog> log_;
   std::unique_ptr<rack::Rack> rack_;
-  std::unique_ptr<link::RawEthernetLink> link_;
+  std::unique_ptr<link::EthernetLink> link_;
   std::unique_ptr<link::PcapWriter> capture_;
   std::unique_ptr<link::CapturingLink> capturing_link_;
   std::unique_ptr<master::FramePort> port_;

@@ -54,14 +54,36 @@ bool installed(std::string_view program) {
   return false;
 }
 
+/// Masters that send datagrams: ours; those that open interfaces cannot.
+std::string udp_hints(const link::LinkAddress& link) {
+  link::LinkAddress there = link;
+  std::string text;
+  if (link.name == "0.0.0.0") {
+    there.name = "127.0.0.1";
+    text = "Masters on this machine send to 127.0.0.1, others to an address of this machine:\n";
+  } else {
+    text = fmt::format("Masters send to {}:\n", link.name);
+  }
+  text += fmt::format("  stator scan --link {}\n", link::to_text(there));
+  text += fmt::format("  stator move --link {} --revolutions 10\n", link::to_text(there));
+  return text;
+}
+
 }  // namespace
 
-std::string connection_hints(const std::string& interface) {
+std::string connection_hints(const link::LinkAddress& link) {
+  if (link.kind == link::LinkKind::udp) {
+    return udp_hints(link);
+  }
+  const std::string& interface = link.name;
   const std::optional<std::string> peer = veth_peer(interface);
   const std::string sudo = ::geteuid() == 0 ? "" : "sudo ";
   std::string text;
   std::string there;
-  if (peer) {
+  if (link.kind == link::LinkKind::tap) {
+    there = interface;
+    text = fmt::format("Masters on this machine use the interface {}:\n", there);
+  } else if (peer) {
     there = *peer;
     text = fmt::format("{} is one end of a veth pair; on this machine masters use {}:\n", interface,
                        there);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -20,6 +21,7 @@
 #include "rack/rack_file.hpp"
 #include "rack/runner.hpp"
 #include "rack/text.hpp"
+#include "rack/wiring.hpp"
 
 namespace stator::cli {
 
@@ -30,6 +32,7 @@ struct RunOptions {
   std::string device;
   unsigned count = 1;
   std::string link;
+  std::string redundant;
   std::string wait;
   std::optional<unsigned> cpu;
   std::string clock;
@@ -38,6 +41,8 @@ struct RunOptions {
   std::string record_period;
   std::vector<std::string> signals;
   std::string duration;
+  std::string state;
+  bool no_emergencies = false;
 };
 
 base::SimDuration duration_option(const std::string& name, const std::string& text) {
@@ -67,12 +72,23 @@ rack::RackConfiguration base_configuration(const RunOptions& options) {
   return configuration;
 }
 
+void switch_emergencies_off(rack::RackConfiguration& configuration) {
+  for (rack::SegmentConfiguration& segment : configuration.segments) {
+    for (rack::DeviceConfiguration& device : segment.devices) {
+      std::visit([](auto& product) { product.emergencies = false; }, device.product);
+    }
+  }
+}
+
 /// The rack file's configuration with the command line's options on top.
 rack::RackConfiguration configuration_of(const RunOptions& options) {
   rack::RackConfiguration configuration = base_configuration(options);
   rack::SegmentConfiguration& segment = configuration.segments.front();
   if (!options.link.empty()) {
-    segment.interface = interface_of(options.link);
+    segment.link = link_of(options.link);
+  }
+  if (!options.redundant.empty()) {
+    segment.redundant_link = link_of(options.redundant);
   }
   if (!options.wait.empty()) {
     segment.wait = rack::wait_modes().at(options.wait);
@@ -96,10 +112,17 @@ rack::RackConfiguration configuration_of(const RunOptions& options) {
   if (configuration.record && !options.signals.empty()) {
     configuration.record->signals = options.signals;
   }
-  if (segment.interface.empty()) {
+  if (!options.state.empty()) {
+    configuration.state = options.state;
+  }
+  if (options.no_emergencies) {
+    switch_emergencies_off(configuration);
+  }
+  if (segment.link.in_process()) {
     throw Failure(
-        "the rack has no network interface; give it with --link ethercat:INTERFACE. To "
-        "try Stator without any, run \"stator demo\"");
+        fmt::format("the rack has no link to a master; give it with --link as {}. To try Stator "
+                    "without any, run \"stator demo\"",
+                    link::kLinkForms));
   }
   return configuration;
 }
@@ -132,15 +155,19 @@ class StopSignals {
   sigset_t set_{};
 };
 
-void print_start(const rack::RackConfiguration& configuration, rack::Rack& rack) {
+void print_start(const rack::RackConfiguration& configuration, rack::Rack& rack,
+                 const rack::Runner& runner) {
   for (std::size_t i = 0; i < configuration.segments.size(); ++i) {
     const rack::SegmentConfiguration& segment = configuration.segments[i];
-    fmt::print("Segment on {}: {} device{}\n", segment.interface, segment.devices.size(),
-               segment.devices.size() == 1 ? "" : "s");
+    const std::string redundant =
+        segment.redundant() ? " and " + runner.link(i, ethercat::MasterInterface::secondary).name()
+                            : std::string();
+    fmt::print("Segment on {}{}: {} device{}\n", runner.link(i).name(), redundant,
+               segment.devices.size(), segment.devices.size() == 1 ? "" : "s");
     for (const rack::NamedDevice& member : rack.devices(i)) {
       fmt::print("  {}  ({})\n", member.name, member.device->description().name);
     }
-    fmt::print("{}", connection_hints(segment.interface));
+    fmt::print("{}", connection_hints(segment.link));
   }
   fmt::print("Running; Ctrl-C ends it.\n");
   std::fflush(stdout);
@@ -155,7 +182,7 @@ void print_end(const rack::RackConfiguration& configuration, rack::Runner& runne
     fmt::print(
         "{}: {} frames answered in {:.1f} us on average (worst {:.1f} us), {} others "
         "ignored, {} dropped by the system, {} overruns\n",
-        configuration.segments[i].interface, statistics.frames, mean,
+        runner.link(i).name(), statistics.frames, mean,
         static_cast<double>(statistics.worst_processing_ns) * 1e-3, statistics.frames_ignored,
         runner.link(i).statistics().frames_dropped, statistics.overruns);
   }
@@ -172,7 +199,7 @@ void run(const RunOptions& options) {
   rack::EventLog log(logger);
   rack::Rack rack(configuration, log);
   rack::Runner runner(rack, configuration, logger);
-  print_start(configuration, rack);
+  print_start(configuration, rack, runner);
   runner.start();
   signals.wait(limit);
   runner.stop();
@@ -194,7 +221,10 @@ void add_run_command(CLI::App& app) {
   command->add_option("--count", options->count, "How many of --device, wired in line")
       ->check(CLI::Range(1U, 500U))
       ->capture_default_str();
-  command->add_option("--link", options->link, "ethercat:INTERFACE of the first segment");
+  command->add_option("--link", options->link,
+                      "Link of the first segment: " + std::string(link::kLinkForms));
+  command->add_option("--redundant", options->redundant,
+                      "ethercat:INTERFACE at the end of the first segment, for cable redundancy");
   command
       ->add_option("--wait", options->wait,
                    "block: no load when idle; spin: fastest, takes a processor; adaptive: both")
@@ -210,10 +240,15 @@ void add_run_command(CLI::App& app) {
                       "Simulated time between two rows, e.g. 1ms");
   command->add_option("--signals", options->signals, "Signals to record, e.g. \"*.axis0.*\"");
   command->add_option("--duration", options->duration, "Stop after this time, e.g. 10s");
+  command->add_option("--state", options->state,
+                      "Directory in which devices keep EEPROM content and firmware images");
+  command->add_flag("--no-emergencies", options->no_emergencies,
+                    "Devices send no CoE emergencies, for masters that cannot take any");
   command->footer(
       "Examples:\n"
       "  stator run racks/three-axes.toml\n"
       "  stator run --device tmcm-3315 --link ethercat:eth1 --wait spin --cpu 1\n"
+      "  stator run --device tmcm-3315 --link udp:0.0.0.0\n"
       "  stator run --device tmcm-3315 --link ethercat:eth1 --record run.csv --signals "
       "\"*.axis0.*\"");
   command->callback([options] { run(*options); });

@@ -3,9 +3,11 @@
 #include <vector>
 
 #include "base/sim_time.hpp"
+#include "devices/firmware_memory.hpp"
 #include "devices/signal.hpp"
 #include "dictionary/dictionary.hpp"
 #include "ethercat/device_description.hpp"
+#include "ethercat/eoe.hpp"
 #include "ethercat/slave_controller.hpp"
 
 namespace stator::devices {
@@ -30,6 +32,18 @@ class EtherCatDevice {
   /// Lets the firmware take what the last frame brought: AL control, mailboxes, process data.
   /// Called after each frame; cheap when nothing came.
   virtual void handle_bus_events(base::SimTime now) = 0;
+
+  /// Where the device keeps a firmware image that came over the bus; null if it takes none.
+  [[nodiscard]] virtual FirmwareMemory* firmware() { return nullptr; }
+
+  /// Ethernet over EtherCAT, or null if the device has none or it is switched off.
+  [[nodiscard]] virtual ethercat::EoeServer* eoe() { return nullptr; }
+
+  /// Switches the device's supply at `now`. Off: its firmware stops with all it knew and its power
+  /// stages open; the mechanics go on. On: it starts as after a reset. What becomes of the slave
+  /// controller is said to its segment (ethercat::Segment::set_power), before this when switched
+  /// on.
+  virtual void set_power(bool on, base::SimTime now) = 0;
 
   /// Everything that can be recorded, with names unique within the device.
   [[nodiscard]] virtual std::vector<Signal> signals() = 0;

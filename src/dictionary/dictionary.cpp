@@ -117,7 +117,6 @@ void Dictionary::add(std::span<const EntryDeclaration> declarations, const Place
   if (!values_.empty()) {
     throw std::logic_error("dictionary: entries added after finish()");
   }
-  entries_.reserve(entries_.size() + declarations.size());
   for (const EntryDeclaration& declaration : declarations) {
     Entry entry;
     entry.declaration_ = &declaration;

@@ -32,11 +32,13 @@ ApplicationLayer::ApplicationLayer(ProcessDataInterface& interface, AlActions& a
 void ApplicationLayer::reset() {
   state_ = AlState::init;
   code_ = AlStatusCode::no_error;
+  pending_.reset();
   identification_requested_ = false;
   write_status();
 }
 
 void ApplicationLayer::handle_al_control(base::SimTime now) {
+  pending_.reset();
   std::array<std::byte, 2> bytes{};
   interface_.read(kAlControl, bytes);
   const unsigned control = base::load_le<std::uint16_t>(bytes);
@@ -53,7 +55,11 @@ void ApplicationLayer::handle_al_control(base::SimTime now) {
     return;
   }
   code_ = AlStatusCode::no_error;
-  identification_requested_ = identification_ && (control & kIdentificationBit) != 0;
+  const bool identify = (control & kIdentificationBit) != 0;
+  identification_requested_ = identification_ && identify;
+  if (identify && !identification_) {
+    reporter_.report(now, rules::kAlNoIdentification);
+  }
 
   AlStatusCode result = AlStatusCode::unknown_requested_state;
   if (requested) {
@@ -62,11 +68,27 @@ void ApplicationLayer::handle_al_control(base::SimTime now) {
     reporter_.report(now, rules::kAlUnknownState,
                      {EventArgument(static_cast<int>(control & kStateMask))});
   }
+  answer(result);
+}
+
+void ApplicationLayer::answer(AlStatusCode result) {
   if (result != AlStatusCode::no_error) {
     ++statistics_.refused_state_changes;
     indicate_error(result);
   } else {
     write_status();
+  }
+}
+
+void ApplicationLayer::continue_change(base::SimTime now) {
+  if (!pending_) {
+    return;
+  }
+  const AlState requested = *pending_;
+  pending_.reset();
+  const AlStatusCode result = change_state(requested, now);
+  if (!pending_) {
+    answer(result);
   }
 }
 
@@ -79,9 +101,13 @@ AlStatusCode ApplicationLayer::change_state(AlState requested, base::SimTime now
     return refuse_invalid(requested, now);
   }
   for (const AlStep step : transition->path()) {
-    const AlStatusCode refusal = actions_.perform(step, now);
-    if (goes_up(step) && refusal != AlStatusCode::no_error) {
-      return refusal;
+    const std::optional<AlStatusCode> verdict = actions_.perform(step, now);
+    if (!verdict) {
+      pending_ = requested;
+      return AlStatusCode::no_error;
+    }
+    if (goes_up(step) && *verdict != AlStatusCode::no_error) {
+      return *verdict;
     }
     state_ = step.to;
     ++statistics_.state_changes;
@@ -103,6 +129,7 @@ void ApplicationLayer::step_down(AlState target, AlStatusCode code, base::SimTim
   if (find_transition(before, target) == nullptr || goes_up({before, target})) {
     return;
   }
+  pending_.reset();
   reporter_.report(now, rules::kAlSteppedDown,
                    {EventArgument(to_text(before)), EventArgument(to_text(target)),
                     EventArgument(static_cast<int>(code))});

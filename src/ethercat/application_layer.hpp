@@ -20,8 +20,9 @@ class AlActions {
   virtual ~AlActions() = default;
 
   /// Does the work of a step: starts or stops mailbox and process data. A step up may be refused;
-  /// the refusing side raises the event that says why.
-  [[nodiscard]] virtual AlStatusCode perform(AlStep step, base::SimTime now) = 0;
+  /// the refusing side raises the event that says why. Empty: the step has to wait for something,
+  /// ask again.
+  [[nodiscard]] virtual std::optional<AlStatusCode> perform(AlStep step, base::SimTime now) = 0;
   /// The step is done; the master does not know yet.
   virtual void entered(AlStep step, base::SimTime now) = 0;
 };
@@ -39,6 +40,11 @@ class ApplicationLayer {
   void reset();
   /// Takes the request in AL control; call when its event is set.
   void handle_al_control(base::SimTime now);
+  /// True while a request waits for something; the master reads the old state meanwhile and may
+  /// request another one.
+  [[nodiscard]] bool pending() const { return pending_.has_value(); }
+  /// Asks again whether a waiting request can go on.
+  void continue_change(base::SimTime now);
   /// Leaves for `target` with the error indication and `code`; nothing if `target` is not below.
   void step_down(AlState target, AlStatusCode code, base::SimTime now);
 
@@ -47,6 +53,7 @@ class ApplicationLayer {
 
  private:
   [[nodiscard]] AlStatusCode change_state(AlState requested, base::SimTime now);
+  void answer(AlStatusCode result);
   [[nodiscard]] AlStatusCode refuse_invalid(AlState requested, base::SimTime now) const;
   void indicate_error(AlStatusCode code);
   void write_status();
@@ -58,6 +65,7 @@ class ApplicationLayer {
   SlaveStackStatistics& statistics_;
   AlState state_ = AlState::init;
   AlStatusCode code_ = AlStatusCode::no_error;  ///< other than no_error: error indication set
+  std::optional<AlState> pending_;              ///< requested, waits for something
   bool identification_requested_ = false;
 };
 
@@ -74,6 +82,11 @@ inline constexpr base::EventRule kAlInvalidChange{
     "{1} refused, AL status 0011h: it cannot be reached from {0} directly; request the states "
     "Init, Pre-Operational, Safe-Operational, Operational one after the other (Bootstrap from Init "
     "only)"};
+inline constexpr base::EventRule kAlNoIdentification{
+    "al-no-identification", base::Severity::warning,
+    "request for the device identification (AL control bit 5) not answered: this device has no ID "
+    "switch; give it a value with \"identification\" in the rack file, or identify it by its "
+    "alias"};
 inline constexpr base::EventRule kAlErrorNotAcknowledged{
     "al-error-not-acknowledged", base::Severity::refusal,
     "request for {0} ignored: the error with AL status {1:x4} is not acknowledged; set bit 4 of AL "

@@ -45,6 +45,8 @@ class CoeServer final : public MailboxProtocol {
                                     base::SimTime now) override;
   [[nodiscard]] bool has_message() const override;
   [[nodiscard]] std::size_t next_message(std::span<std::byte> message, base::SimTime now) override;
+  /// Emergencies go to the master, fragments of SDO information to who asked.
+  [[nodiscard]] bool next_message_is_answer() const override { return emergencies_.empty(); }
 
   /// The state in which accesses now happen.
   void set_network_state(dictionary::NetworkState state) { sdo_.set_network_state(state); }

@@ -30,6 +30,12 @@ struct DeviceDescription {
   std::uint16_t station_alias = 0;     ///< SII word 4
   std::uint16_t pdi_control = 0x0005;  ///< SII word 0: PDI type, 05h = SPI slave
 
+  /// SII word 1 high byte, register 0x0151: what the pins SYNC0/LATCH0 and SYNC1/LATCH1 do and
+  /// whether they raise AL events. The units themselves are switched on by bits 10 and 11 of
+  /// pdi_control.
+  std::uint8_t sync_latch_configuration = 0;
+  std::uint16_t sync_pulse_length = 0;  ///< SII word 2, units of 10 ns; 0: acknowledge mode
+
   MailboxArea receive_mailbox;            ///< SM0, master to device
   MailboxArea transmit_mailbox;           ///< SM1, device to master
   MailboxArea bootstrap_receive_mailbox;  ///< length 0: no bootstrap state

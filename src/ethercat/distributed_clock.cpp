@@ -8,105 +8,217 @@ namespace stator::ethercat {
 
 namespace {
 
-constexpr std::size_t kReceiveTimePort0 = 0x0900;
-constexpr std::size_t kReceiveTimePort1 = 0x0904;
-constexpr std::size_t kSystemTime = 0x0910;
+constexpr std::size_t kReceiveTimes = 0x0900;  // 4 bytes per port
 constexpr std::size_t kReceiveTimeProcessingUnit = 0x0918;
 constexpr std::size_t kSystemTimeOffset = 0x0920;
 constexpr std::size_t kSystemTimeDelay = 0x0928;
 constexpr std::size_t kSystemTimeDifference = 0x092C;
 constexpr std::size_t kSpeedCounterStart = 0x0930;
-constexpr std::size_t kFilterDepth = 0x0934;
+constexpr std::size_t kSpeedCounterDifference = 0x0932;
+constexpr std::size_t kDifferenceFilterDepth = 0x0934;
+constexpr std::size_t kSpeedFilterDepth = 0x0935;
 
 constexpr std::int64_t kBillion = 1'000'000'000;
-constexpr int kFilterFraction = 16;  // bits of filtered_difference_ behind the point
 constexpr std::uint32_t kLocalIsBehind = 0x80000000;
 
-/// Largest relative correction of the clock in parts per billion for a speed counter start value:
-/// the deviation formula of the datasheet at its largest counter difference, start - 7Fh.
-std::int64_t largest_slew(std::uint16_t speed_counter_start) {
-  const std::int64_t start = std::clamp<std::int64_t>(speed_counter_start, 0x80, 0x3FFF);
-  const std::int64_t difference = start - 0x7F;
+// Bits behind the point.
+constexpr int kLineFraction = 10;
+constexpr int kTrimFraction = 20;
+constexpr int kDifferenceFraction = 16;
+
+/// Speed counter start values outside 0x0080..0x3FFF act as the nearest one inside.
+std::int64_t effective_start(std::uint16_t speed_counter_start) {
+  return std::clamp<std::int64_t>(speed_counter_start, 0x80, 0x3FFF);
+}
+std::int64_t largest_difference(std::int64_t start) {
+  return start - 0x7F;
+}
+/// The deviation of the clock period in ppb that a speed counter difference stands for (TMC8461
+/// datasheet, register 0x0932).
+std::int64_t deviation(std::int64_t start, std::int64_t difference) {
   return kBillion * difference / (5 * (start + difference + 2) * (start - difference + 2));
 }
 
 }  // namespace
 
 void DistributedClock::reset(base::SimTime now) {
-  power_on_ = now;
-  last_compare_ = now;
-  correction_ = 0;
-  reset_filter();
+  start_ = now;
+  start_time_ = 0;
+  start_fraction_ = 0;
+  slew_amount_ = 0;
+  slew_span_ = 0;
+  take_settings();
+  reset_loop(now);
+}
+
+std::int64_t DistributedClock::slewed(std::int64_t elapsed) const {
+  if (elapsed >= slew_span_) {
+    return slew_amount_;
+  }
+  // Within the span the product stays below 2^62, see compare().
+  const std::int64_t progress =
+      (std::max<std::int64_t>(elapsed, 0) * largest_slew_ppb_ / 1'000'000 << kLineFraction) / 1'000;
+  return slew_amount_ < 0 ? std::max(-progress, slew_amount_) : std::min(progress, slew_amount_);
+}
+
+std::int64_t DistributedClock::gained(std::int64_t elapsed) const {
+  // Whole seconds and the rest apart, so that the product stays within 64 bits.
+  return elapsed / kBillion * rate_ + elapsed % kBillion * rate_ / kBillion + slewed(elapsed);
 }
 
 std::uint64_t DistributedClock::local_time(base::SimTime t) const {
-  const std::int64_t elapsed = (t - power_on_).nanoseconds();
-  // Whole seconds and the rest apart, so that the product stays within 64 bits.
-  const std::int64_t drift =
-      elapsed / kBillion * deviation_ppb_ + elapsed % kBillion * deviation_ppb_ / kBillion;
-  return static_cast<std::uint64_t>(elapsed + drift + correction_);
+  const std::int64_t elapsed = (t - start_).nanoseconds();
+  const std::int64_t gain = (start_fraction_ + gained(elapsed)) >> kLineFraction;
+  return start_time_ + static_cast<std::uint64_t>(elapsed + gain);
 }
 
-std::uint64_t DistributedClock::system_time(base::SimTime t) const {
-  return local_time(t) + offset();
-}
-
-void DistributedClock::show_system_time(base::SimTime t, bool for_bus) {
-  const std::uint64_t shown = system_time(t) - (for_bus ? delay() : 0U);
-  base::store_le(registers_, kSystemTime, shown);
-}
-
-void DistributedClock::latch_receive_times(const FrameTiming& timing, bool port1_open) {
-  const std::uint64_t port0 = local_time(timing.port0);
-  base::store_le(registers_, kReceiveTimePort0, static_cast<std::uint32_t>(port0));
-  base::store_le(registers_, kReceiveTimeProcessingUnit, port0);
-  if (port1_open) {
-    base::store_le(registers_, kReceiveTimePort1,
-                   static_cast<std::uint32_t>(local_time(timing.port1)));
+base::SimTime DistributedClock::when(std::uint64_t system_time_wanted, base::SimTime from) const {
+  base::SimTime t = from;
+  // The rate is nearly 1, so each round leaves a small fraction of the distance.
+  for (int round = 0; round < 8; ++round) {
+    const auto missing = static_cast<std::int64_t>(system_time_wanted - system_time(t));
+    if (missing > base::SimDuration::max().nanoseconds() / 2) {
+      return base::SimTime::never();
+    }
+    if (missing == 0) {
+      break;
+    }
+    t = std::max(from, t + base::SimDuration(missing));
   }
+  const auto reached = [&](base::SimTime at) {
+    return static_cast<std::int64_t>(system_time(at) - system_time_wanted) >= 0;
+  };
+  constexpr base::SimDuration kStep(1);
+  while (!reached(t)) {
+    t += kStep;
+  }
+  while (t > from && reached(t - kStep)) {
+    t = t - kStep;
+  }
+  return t;
+}
+
+void DistributedClock::restart_line(base::SimTime t) {
+  const std::int64_t elapsed = (t - start_).nanoseconds();
+  const std::int64_t gain = start_fraction_ + gained(elapsed);
+  slew_amount_ -= slewed(elapsed);
+  slew_span_ = std::max<std::int64_t>(slew_span_ - elapsed, 0);
+  start_time_ += static_cast<std::uint64_t>(elapsed + (gain >> kLineFraction));
+  start_fraction_ = gain & ((1 << kLineFraction) - 1);
+  start_ = t;
+}
+
+void DistributedClock::latch_receive_times(const FrameTiming& timing) {
+  for (unsigned port = 0; port < kPortsPerSlave; ++port) {
+    if (timing.received_at(port)) {
+      base::store_le(registers_, kReceiveTimes + 4 * std::size_t{port},
+                     static_cast<std::uint32_t>(local_time(timing.port(port))));
+    }
+  }
+  base::store_le(registers_, kReceiveTimeProcessingUnit, local_time(timing.processing_unit()));
 }
 
 void DistributedClock::compare(std::uint32_t received, base::SimTime t) {
-  const auto copy = static_cast<std::uint32_t>(system_time(t) - delay());
-  const auto difference = std::int64_t{static_cast<std::int32_t>(copy - received)};
-  const unsigned depth = std::to_integer<unsigned>(registers_[kFilterDepth]) & 0x0F;
-  if (filter_primed_) {
-    filtered_difference_ += ((difference << kFilterFraction) - filtered_difference_) >> depth;
+  const auto copy = static_cast<std::uint32_t>(bus_time(t));
+  const auto difference = std::int64_t{static_cast<std::int32_t>(copy - received)}
+                          << kDifferenceFraction;
+  const std::int64_t elapsed = (t - start_).nanoseconds();
+  const std::int64_t corrected = slewed(elapsed) << (kDifferenceFraction - kLineFraction);
+  restart_line(t);
+  if (primed_) {
+    // What the loop itself has corrected since is no news; only the rest says something of phase
+    // and rate.
+    const unsigned depth = std::to_integer<unsigned>(registers_[kDifferenceFilterDepth]) & 0x0F;
+    const std::int64_t expected = mean_difference_ + corrected;
+    const std::int64_t innovation = difference - expected;
+    mean_difference_ = expected + (innovation >> depth);
+    learn_rate(innovation, elapsed);
   } else {
-    filtered_difference_ = difference << kFilterFraction;
-    filter_primed_ = true;
+    mean_difference_ = difference;
+    primed_ = true;
   }
-
-  const auto start = base::load_le<std::uint16_t>(registers_, kSpeedCounterStart);
-  const std::int64_t elapsed =
-      std::clamp<std::int64_t>((t - last_compare_).nanoseconds(), 0, kBillion);
-  const std::int64_t limit = elapsed * largest_slew(start) / kBillion;
-  const std::int64_t step = std::clamp(difference, -limit, limit);
-  correction_ -= step;
-  last_compare_ = t;
+  // |mean| < 2^31 ns and at least 11 ppm: the span times the rate fits into 64 bits.
+  slew_amount_ = -(mean_difference_ >> (kDifferenceFraction - kLineFraction));
+  const std::int64_t magnitude = slew_amount_ < 0 ? -slew_amount_ : slew_amount_;
+  slew_span_ = ((magnitude >> kLineFraction) + 1) * kBillion / largest_slew_ppb_ + 1;
   show_difference();
 }
 
-void DistributedClock::reset_filter() {
-  filtered_difference_ = 0;
-  filter_primed_ = false;
-  base::store_le(registers_, kSystemTimeDifference, std::uint32_t{0});
+void DistributedClock::learn_rate(std::int64_t innovation, std::int64_t elapsed) {
+  if (elapsed <= 0 || elapsed > kBillion) {
+    return;
+  }
+  // Twice as far off as the widest loop could correct tells nothing more; 6 bits of fraction.
+  const std::int64_t most = elapsed * 64 / 512;
+  const std::int64_t gain = std::clamp(innovation >> (kDifferenceFraction - 6), -most, most);
+  const std::int64_t limit = largest_slew_ppb_ << 6;
+  const std::int64_t error = std::clamp(gain * kBillion / elapsed, -limit, limit);
+  const unsigned depth = std::to_integer<unsigned>(registers_[kSpeedFilterDepth]) & 0x0F;
+  set_trim(trim_ - ((error << (kTrimFraction - 6)) >> depth));
 }
 
-std::uint64_t DistributedClock::offset() const {
-  return base::load_le<std::uint64_t>(registers_, kSystemTimeOffset);
+void DistributedClock::set_trim(std::int64_t trim) {
+  const std::int64_t limit = largest_slew_ppb_ << kTrimFraction;
+  trim_ = std::clamp(trim, -limit, limit);
+  rate_ =
+      (std::int64_t{deviation_ppb_} << kLineFraction) + (trim_ >> (kTrimFraction - kLineFraction));
 }
 
-std::uint32_t DistributedClock::delay() const {
-  return base::load_le<std::uint32_t>(registers_, kSystemTimeDelay);
+void DistributedClock::take_settings() {
+  offset_ = base::load_le<std::uint64_t>(registers_, kSystemTimeOffset);
+  delay_ = base::load_le<std::uint32_t>(registers_, kSystemTimeDelay);
+}
+
+void DistributedClock::reset_loop(base::SimTime now) {
+  restart_line(now);  // at the old rate up to here
+  const std::int64_t start =
+      effective_start(base::load_le<std::uint16_t>(registers_, kSpeedCounterStart));
+  largest_slew_ppb_ = deviation(start, largest_difference(start));
+  reset_difference(now);
+  set_trim(0);
+  show_speed_counter_difference();
+}
+
+void DistributedClock::reset_difference(base::SimTime now) {
+  restart_line(now);
+  // A correction under way ends: the difference it answers is forgotten.
+  mean_difference_ = 0;
+  slew_amount_ = 0;
+  slew_span_ = 0;
+  primed_ = false;
+  show_difference();
+}
+
+void DistributedClock::reset_speed_filter(base::SimTime now) {
+  restart_line(now);
+  set_trim(0);
 }
 
 void DistributedClock::show_difference() {
-  const std::int64_t mean = filtered_difference_ >> kFilterFraction;
+  const std::int64_t mean = mean_difference_ >> kDifferenceFraction;
   const auto magnitude =
       static_cast<std::uint32_t>(std::min<std::int64_t>(mean < 0 ? -mean : mean, 0x7FFFFFFF));
   base::store_le(registers_, kSystemTimeDifference,
                  mean < 0 ? magnitude | kLocalIsBehind : magnitude);
+}
+
+void DistributedClock::show_speed_counter_difference() {
+  const std::int64_t start =
+      effective_start(base::load_le<std::uint16_t>(registers_, kSpeedCounterStart));
+  const std::int64_t wanted = (trim_ < 0 ? -trim_ : trim_) >> kTrimFraction;
+  // The deviation grows with the difference: the largest one that does not exceed what is wanted.
+  std::int64_t low = 0;
+  std::int64_t high = largest_difference(start);
+  while (low < high) {
+    const std::int64_t middle = (low + high + 1) / 2;
+    if (deviation(start, middle) <= wanted) {
+      low = middle;
+    } else {
+      high = middle - 1;
+    }
+  }
+  base::store_le(registers_, kSpeedCounterDifference,
+                 static_cast<std::int16_t>(trim_ < 0 ? -low : low));
 }
 
 }  // namespace stator::ethercat

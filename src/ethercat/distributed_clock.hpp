@@ -6,14 +6,18 @@
 
 #include "base/sim_time.hpp"
 #include "ethercat/register_table.hpp"
+#include "ethercat/topology.hpp"
 
 namespace stator::ethercat {
 
-/// When a frame reached a slave: its first bit at port 0 on the way out and at port 1 on the way
-/// back. Port 1 counts only if it is open.
+/// When the first bit of a frame reached the ports and the processing unit of a slave.
 struct FrameTiming {
-  base::SimTime port0;
-  base::SimTime port1;
+  base::SimTime sent;  ///< when it left the master
+  const ArrivalTimes& arrivals;
+
+  [[nodiscard]] base::SimTime processing_unit() const { return sent + arrivals.processing_unit; }
+  [[nodiscard]] bool received_at(unsigned port) const { return (arrivals.ports >> port & 1U) != 0; }
+  [[nodiscard]] base::SimTime port(unsigned port) const { return sent + arrivals.port[port]; }
 };
 
 /// Local clock and system time of a slave (ETG.1000.4 §6.6; registers 0x0900..0x0935). Works on the
@@ -22,43 +26,76 @@ struct FrameTiming {
 /// Local time is what the oscillator counts, at a rate that the control loop trims: it starts at 0
 /// at power-on. System time = local time + offset (0x0920). The bus sees it less the propagation
 /// delay (0x0928), i.e. the time at which the frame passed the reference clock.
+///
+/// Between two comparisons with the reference the clock runs on a straight line, or on two while a
+/// difference is being slewed away, and never backwards. Moments of system time can therefore be
+/// turned into simulated time exactly, see when().
 class DistributedClock {
  public:
   DistributedClock(std::span<std::byte, kRegisterSpace> registers, std::int32_t deviation_ppb)
       : registers_(registers), deviation_ppb_(deviation_ppb) {}
 
-  /// Power-on at `now`: the local clock starts from 0.
+  /// Power-on at `now`: the local clock starts from 0 and the loop forgets what it has learned.
   void reset(base::SimTime now);
 
   [[nodiscard]] std::uint64_t local_time(base::SimTime t) const;
-  [[nodiscard]] std::uint64_t system_time(base::SimTime t) const;
+  [[nodiscard]] std::uint64_t system_time(base::SimTime t) const { return local_time(t) + offset_; }
+  /// System time as a frame that begins at `t` reads it: when it passed the reference clock.
+  [[nodiscard]] std::uint64_t bus_time(base::SimTime t) const { return system_time(t) - delay_; }
+  /// The first moment from `from` on at which the system time is `system_time` or later, as the
+  /// clock runs now; never() if that is more than 146 years away.
+  [[nodiscard]] base::SimTime when(std::uint64_t system_time, base::SimTime from) const;
 
-  /// Writes system time at `t` into 0x0910; for the bus less the propagation delay.
-  void show_system_time(base::SimTime t, bool for_bus);
-
-  /// Stores the receive times of a frame with a write to 0x0900.
-  void latch_receive_times(const FrameTiming& timing, bool port1_open);
+  /// Stores the receive times of a frame with a write to 0x0900, of those ports that received it.
+  void latch_receive_times(const FrameTiming& timing);
 
   /// A master or reference clock wrote `received` (its low 32 bits) to 0x0910 in the frame that
-  /// reached this slave at `t`: measures the difference, shows the filtered one in 0x092C and slews
-  /// the clock by no more than the speed counter allows.
+  /// reached this slave at `t`: measures the difference, shows its mean in 0x092C and corrects
+  /// phase and rate, both within what the speed counter allows.
   void compare(std::uint32_t received, base::SimTime t);
 
-  /// Forgets the filtered difference (write to 0x0930 or 0x0934).
-  void reset_filter();
+  /// 0x0920 or 0x0928 has been written.
+  void take_settings();
+  /// 0x0930 has been written at `now`: the loop starts anew with the bandwidth given.
+  void reset_loop(base::SimTime now);
+  /// 0x0934 has been written at `now`: forgets the mean difference.
+  void reset_difference(base::SimTime now);
+  /// 0x0935 has been written at `now`: forgets the deviation of the clock period.
+  void reset_speed_filter(base::SimTime now);
+
+  /// Writes 0x0932, the deviation of the clock period that the loop compensates: positive if the
+  /// local clock by itself is slower than the reference.
+  void show_speed_counter_difference();
 
  private:
-  [[nodiscard]] std::uint64_t offset() const;
-  [[nodiscard]] std::uint32_t delay() const;
+  /// ns that the loop's phase correction has added `elapsed` ns after start_, in 1/2^10 ns.
+  [[nodiscard]] std::int64_t slewed(std::int64_t elapsed) const;
+  /// ns gained over simulated time since start_, in 1/2^10 ns.
+  [[nodiscard]] std::int64_t gained(std::int64_t elapsed) const;
+  /// Begins a new straight line at `t`, where the present ones have led.
+  void restart_line(base::SimTime t);
+  void set_trim(std::int64_t trim);
+  void learn_rate(std::int64_t innovation, std::int64_t elapsed);
   void show_difference();
 
   std::span<std::byte, kRegisterSpace> registers_;
   std::int32_t deviation_ppb_;
-  base::SimTime power_on_;
-  base::SimTime last_compare_;
-  std::int64_t correction_ = 0;           ///< ns the loop has added to local time
-  std::int64_t filtered_difference_ = 0;  ///< in 1/2^16 ns
-  bool filter_primed_ = false;
+  std::uint64_t offset_ = 0;
+  std::uint64_t delay_ = 0;
+
+  // The line: local time is start_time_ + start_fraction_ / 2^10 ns at start_.
+  base::SimTime start_;
+  std::uint64_t start_time_ = 0;
+  std::int64_t start_fraction_ = 0;
+  std::int64_t rate_ = 0;         ///< deviation and trim, ppb in 1/2^10
+  std::int64_t slew_amount_ = 0;  ///< phase to correct, 1/2^10 ns
+  std::int64_t slew_span_ = 0;    ///< ns it takes
+
+  // The loop.
+  std::int64_t largest_slew_ppb_ = 0;  ///< by 0x0930
+  std::int64_t trim_ = 0;              ///< ppb in 1/2^20
+  std::int64_t mean_difference_ = 0;   ///< local less reference, 1/2^16 ns
+  bool primed_ = false;                ///< mean_difference_ holds a measurement
 };
 
 }  // namespace stator::ethercat

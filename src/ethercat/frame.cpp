@@ -40,7 +40,12 @@ DatagramCursor::DatagramCursor(std::span<std::byte> frame) {
     error_ = FrameError::too_short;
     return;
   }
-  if (ether_type(frame) != kEtherType) {
+  unsigned type = ether_type(frame);
+  if (type == kVlanEtherType && frame.size() >= kFirstDatagramOffset + kVlanTagLength) {
+    frame = frame.subspan(kVlanTagLength);
+    type = ether_type(frame);
+  }
+  if (type != kEtherType) {
     error_ = FrameError::other_ether_type;
     return;
   }
@@ -55,37 +60,46 @@ DatagramCursor::DatagramCursor(std::span<std::byte> frame) {
     error_ = FrameError::length_overrun;
   }
   rest_ = frame.subspan(kFirstDatagramOffset, std::min(announced, present));
+  more_ = true;
 }
 
-std::optional<DatagramView> DatagramCursor::next() {
-  if (!more_ || rest_.data() == nullptr) {
-    return std::nullopt;
+bool DatagramCursor::next(DatagramView& view) {
+  if (!more_) {
+    return false;
   }
+  more_ = false;
   if (rest_.size() < kDatagramOverhead) {
-    error_ = error_ == FrameError::none ? FrameError::datagram_overrun : error_;
-    more_ = false;
-    return std::nullopt;
+    note_overrun();
+    return false;
   }
-  const unsigned flags = load_le<std::uint16_t>(rest_, kLengthOffset);
+  std::byte* const header = rest_.data();
+  const unsigned flags = load_le<std::uint16_t>(header + kLengthOffset);
   const std::size_t length = flags & kLengthMask;
   if (rest_.size() < kDatagramOverhead + length) {
-    error_ = error_ == FrameError::none ? FrameError::datagram_overrun : error_;
-    more_ = false;
-    return std::nullopt;
+    note_overrun();
+    return false;
   }
-  DatagramView view;
-  view.data = rest_.data() + kDatagramHeaderLength;
-  view.command = static_cast<Command>(std::to_integer<std::uint8_t>(rest_[0]));
-  view.index = std::to_integer<std::uint8_t>(rest_[1]);
-  view.address = load_le<std::uint32_t>(rest_, 2);
+  view.data = header + kDatagramHeaderLength;
+  view.command = static_cast<Command>(std::to_integer<std::uint8_t>(header[0]));
+  view.index = std::to_integer<std::uint8_t>(header[1]);
+  view.address = load_le<std::uint32_t>(header + 2);
   view.length = static_cast<std::uint16_t>(length);
   view.circulating = (flags & kCirculatingBit) != 0;
   view.more = (flags & kMoreBit) != 0;
-  view.interrupt = load_le<std::uint16_t>(rest_, kInterruptOffset);
-  view.working_counter = load_le<std::uint16_t>(rest_, kDatagramHeaderLength + length);
+  view.interrupt = load_le<std::uint16_t>(header + kInterruptOffset);
+  view.working_counter = load_le<std::uint16_t>(view.data + length);
   more_ = view.more;
   rest_ = rest_.subspan(kDatagramOverhead + length);
-  return view;
+  return true;
+}
+
+std::optional<DatagramView> DatagramCursor::next() {
+  DatagramView view;
+  return next(view) ? std::optional(view) : std::nullopt;
+}
+
+void DatagramCursor::note_overrun() {
+  error_ = error_ == FrameError::none ? FrameError::datagram_overrun : error_;
 }
 
 FrameBuilder::FrameBuilder(std::span<std::byte> buffer, const MacAddress& source,

@@ -10,6 +10,9 @@ namespace stator::ethercat {
 
 /// EtherType of EtherCAT frames (IEEE register; ETG.1000.4 §5.2).
 inline constexpr std::uint16_t kEtherType = 0x88A4;
+/// EtherType of a VLAN tag (IEEE 802.1Q), which may precede it and which slaves do not evaluate.
+inline constexpr std::uint16_t kVlanEtherType = 0x8100;
+inline constexpr std::size_t kVlanTagLength = 4;
 /// Type field of the EtherCAT header for frames that carry datagrams (ETG.1000.4 §5.2.2).
 inline constexpr unsigned kDatagramHeaderType = 1;
 
@@ -98,16 +101,20 @@ class DatagramCursor {
  public:
   explicit DatagramCursor(std::span<std::byte> frame);
 
-  /// The next datagram; nothing at the end or at the first malformed one.
+  /// Puts the next datagram into `view`; false at the end or at the first malformed one.
+  [[nodiscard]] bool next(DatagramView& view);
+  /// The same, for those who look at one datagram after the other.
   [[nodiscard]] std::optional<DatagramView> next();
 
   /// Valid once next() returned nothing; too_short and the types already after construction.
   [[nodiscard]] FrameError error() const { return error_; }
 
  private:
+  void note_overrun();
+
   std::span<std::byte> rest_;
   FrameError error_ = FrameError::none;
-  bool more_ = true;
+  bool more_ = false;  ///< another datagram is announced
 };
 
 using MacAddress = std::array<std::uint8_t, 6>;

@@ -16,8 +16,8 @@ void add(DatagramView& datagram, unsigned count) {
 }  // namespace
 
 void SlaveController::process(std::span<DatagramView> datagrams, const FrameTiming& timing) {
-  frame_start_ = timing.port0;
-  now_ = std::max(now_, timing.port0);
+  frame_start_ = timing.processing_unit();
+  now_ = std::max(now_, frame_start_);
   if (now_ >= next_deadline_) [[unlikely]] {
     expire(now_);
   }
@@ -173,10 +173,14 @@ void SlaveController::end_frame_work(const FrameTiming& timing) {
     controller_unlocked_ = false;
   }
   if ((work & FrameWork::kLatchReceiveTimes) != 0) {
-    clock_.latch_receive_times(timing, ports_[1].open);
+    clock_.latch_receive_times(timing);
   }
   if ((work & FrameWork::kCompareSystemTime) != 0) {
-    clock_.compare(received_system_time_, timing.port0);
+    clock_.compare(received_system_time_, timing.processing_unit());
+    schedule_sync();
+  }
+  if ((work & FrameWork::kTakeStartTime) != 0) {
+    finish_start_time();
   }
   if ((work & FrameWork::kApplyLoopControl) != 0) {
     apply_loop_control();

@@ -241,7 +241,9 @@ bool SlaveController::compile_mapping(const Fmmu& fmmu) {
     if (piece.channel != kNoChannel) {
       const SyncManager& manager = sync_managers_[piece.channel];
       const bool inside = from - manager.start() < manager.length();
-      if (!manager.active() || !manager.buffered() || !inside ||
+      // The direct path takes no time stamps.
+      const bool stamped = (activations_[piece.channel] & kLatchBusEvents) != 0;
+      if (!manager.active() || !manager.buffered() || !inside || stamped ||
           manager.bus_writes() != fmmu.writes) {
         return false;
       }

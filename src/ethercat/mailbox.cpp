@@ -59,6 +59,10 @@ void Mailbox::start(const SyncManagerBank& bank, AlState state) {
   transmit_ = bank[kTransmitMailboxChannel];
   state_ = state;
   running_ = true;
+  for (const Participant& participant : protocols_) {
+    participant.protocol->start(state, receive_.length - kMailboxHeaderSize,
+                                transmit_.length - kMailboxHeaderSize);
+  }
   discard_leftovers();
   handle_repeat_request(transmit_);
 }
@@ -91,8 +95,9 @@ void Mailbox::stop() {
   posted_is_repetition_ = false;
   last_request_counter_ = 0;
   reply_counter_ = 0;
-  for (MailboxProtocol* protocol : protocols_) {
-    protocol->reset();
+  for (Participant& participant : protocols_) {
+    participant.protocol->reset();
+    participant.address = 0;
   }
 }
 
@@ -118,7 +123,7 @@ bool Mailbox::needs_attention(std::uint32_t events) const {
            (events & al_event::sync_manager(kTransmitMailboxChannel)) != 0;
   }
   return postponed_.length != 0 || request_waits(events) ||
-         std::ranges::any_of(protocols_, &MailboxProtocol::has_message);
+         std::ranges::any_of(protocols_, &Participant::has_message);
 }
 
 void Mailbox::process(std::uint32_t events, base::SimTime now) {
@@ -156,6 +161,7 @@ bool Mailbox::take_request(base::SimTime now) {
   const MailboxHeader header = MailboxHeader::decode(mailbox);
   if (header.counter != 0 && header.counter == last_request_counter_) {
     ++statistics_.mailbox_duplicates;
+    reporter_.report(now, rules::kMailboxDuplicate, {EventArgument(int{header.counter})});
     return false;
   }
   last_request_counter_ = header.counter;
@@ -184,23 +190,43 @@ MailboxReply Mailbox::dispatch(const MailboxHeader& header, base::SimTime now) {
   if (header.type == MailboxType::error) {
     return MailboxReply::none();
   }
-  if (header.length > receive_.length - kMailboxHeaderSize) {
-    return MailboxReply::refuse(MailboxErrorCode::invalid_size);
+  if (const MailboxErrorCode error = check(header); error != MailboxErrorCode::none) {
+    return MailboxReply::refuse(error);
   }
-  for (MailboxProtocol* protocol : protocols_) {
-    if (protocol->type() == header.type && protocol->available_in(state_)) {
+  for (Participant& participant : protocols_) {
+    MailboxProtocol& protocol = *participant.protocol;
+    if (protocol.type() == header.type && protocol.available_in(state_)) {
+      participant.address = header.address;
       const auto request =
           std::span<const std::byte>(request_).subspan(kMailboxHeaderSize, header.length);
-      return protocol->handle(request, payload_room(), now);
+      return protocol.handle(request, payload_room(), now);
     }
   }
   return MailboxReply::refuse(MailboxErrorCode::unsupported_protocol);
 }
 
+MailboxErrorCode Mailbox::check(const MailboxHeader& header) const {
+  if (header.reserved) {
+    return MailboxErrorCode::syntax;
+  }
+  if (header.channel != 0) {
+    return MailboxErrorCode::invalid_channel;
+  }
+  if (header.length > receive_.length - kMailboxHeaderSize) {
+    return MailboxErrorCode::invalid_size;
+  }
+  return MailboxErrorCode::none;
+}
+
 bool Mailbox::send_own_message(base::SimTime now) {
-  for (MailboxProtocol* protocol : protocols_) {
-    if (protocol->has_message()) {
-      post(protocol->type(), 0, protocol->next_message(payload_room(), now));
+  for (const Participant& participant : protocols_) {
+    MailboxProtocol& protocol = *participant.protocol;
+    if (!protocol.has_message()) {
+      continue;
+    }
+    const std::uint16_t address = protocol.next_message_is_answer() ? participant.address : 0;
+    if (const std::size_t length = protocol.next_message(payload_room(), now); length != 0) {
+      post(protocol.type(), address, length);
       return true;
     }
   }

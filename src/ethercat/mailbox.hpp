@@ -29,7 +29,7 @@ class Mailbox {
           SlaveStackStatistics& statistics);
 
   /// Protocols are asked in the order in which they were added; they must outlive the mailbox.
-  void add(MailboxProtocol& protocol) { protocols_.push_back(&protocol); }
+  void add(MailboxProtocol& protocol) { protocols_.push_back({&protocol}); }
 
   /// Begins with empty queues and fresh counters on checked SM0 and SM1 settings.
   void start(const SyncManagerBank& bank, AlState state);
@@ -39,7 +39,7 @@ class Mailbox {
   /// True if nothing but a new request can need process().
   [[nodiscard]] bool idle() const {
     return !running_ || (posted_.length == 0 && postponed_.length == 0 &&
-                         std::ranges::none_of(protocols_, &MailboxProtocol::has_message));
+                         std::ranges::none_of(protocols_, &Participant::has_message));
   }
   /// True if `events` or a protocol's own message need process().
   [[nodiscard]] bool needs_attention(std::uint32_t events) const;
@@ -58,6 +58,15 @@ class Mailbox {
     std::size_t length = 0;
   };
 
+  /// A protocol and the address field of its last request. Several clients may share a mailbox
+  /// behind a gateway (ETG.8200), which tells them apart by that field.
+  struct Participant {
+    MailboxProtocol* protocol = nullptr;
+    std::uint16_t address = 0;
+
+    [[nodiscard]] bool has_message() const { return protocol->has_message(); }
+  };
+
   /// Empties buffers that an earlier run left full.
   void discard_leftovers();
   void take_back_transmit_buffer(unsigned host_control);
@@ -67,6 +76,7 @@ class Mailbox {
   void note_delivery();
   bool take_request(base::SimTime now);
   [[nodiscard]] MailboxReply dispatch(const MailboxHeader& header, base::SimTime now);
+  [[nodiscard]] MailboxErrorCode check(const MailboxHeader& header) const;
   bool send_own_message(base::SimTime now);
   void post(MailboxType type, std::uint16_t address, std::size_t payload_length);
   void write_posted();
@@ -75,7 +85,7 @@ class Mailbox {
   ProcessDataInterface& interface_;
   base::EventReporter reporter_;
   SlaveStackStatistics& statistics_;
-  std::vector<MailboxProtocol*> protocols_;
+  std::vector<Participant> protocols_;
 
   bool running_ = false;
   AlState state_ = AlState::init;
@@ -97,6 +107,11 @@ inline constexpr EventRule kMailboxError{
     "mailbox-error", Severity::refusal,
     "mailbox message of type {0} answered with mailbox error {1}: {4} (length field {2}, mailbox "
     "{3} bytes); see ETG.1000.4 table 30 for the detail codes"};
+/// Argument: {0} counter.
+inline constexpr EventRule kMailboxDuplicate{
+    "mailbox-duplicate", Severity::warning,
+    "mailbox message with counter {0} dropped: it is the one of the message before, so it counts "
+    "as the same sent again; count from 1 to 7, or send 0"};
 }  // namespace rules
 
 }  // namespace stator::ethercat

@@ -39,11 +39,12 @@ inline constexpr std::size_t kMailboxHeaderSize = 6;
 /// The mailbox header (ETG.1000.4 §5.6): six bytes before every mailbox message.
 struct MailboxHeader {
   std::uint16_t length = 0;   ///< bytes after this header
-  std::uint16_t address = 0;  ///< station address of the partner, 0 for the master
+  std::uint16_t address = 0;  ///< of the partner: 0 the master, else what a gateway put there
   std::uint8_t channel = 0;   ///< reserved, 6 bits
   std::uint8_t priority = 0;  ///< 0 lowest to 3
   MailboxType type = MailboxType::error;
   std::uint8_t counter = 0;  ///< 1..7, 0 = not counted
+  bool reserved = false;     ///< the bit above the counter, which must be 0
 
   /// `bytes` must hold kMailboxHeaderSize bytes.
   [[nodiscard]] static MailboxHeader decode(std::span<const std::byte> bytes) {
@@ -54,7 +55,8 @@ struct MailboxHeader {
             .channel = static_cast<std::uint8_t>(channel_priority & 0x3F),
             .priority = static_cast<std::uint8_t>(channel_priority >> 6),
             .type = static_cast<MailboxType>(type_counter & 0x0F),
-            .counter = static_cast<std::uint8_t>((type_counter >> 4) & 7)};
+            .counter = static_cast<std::uint8_t>((type_counter >> 4) & 7),
+            .reserved = (type_counter & 0x80) != 0};
   }
 
   /// `bytes` must hold kMailboxHeaderSize bytes.
@@ -90,6 +92,10 @@ class MailboxProtocol {
 
   /// The mailbox was started or stopped: forget transfers.
   virtual void reset() = 0;
+  /// The mailbox runs in `state`; a request holds up to `receive_room` bytes, a message up to
+  /// `transmit_room`, both without the mailbox header. Follows reset().
+  virtual void start(AlState /*state*/, std::size_t /*receive_room*/,
+                     std::size_t /*transmit_room*/) {}
 
   /// Handles one request; a reply goes to the start of `reply`, which spans all room the send
   /// mailbox offers.
@@ -98,9 +104,12 @@ class MailboxProtocol {
 
   /// True if the protocol has a message of its own to send: an event, a further fragment.
   [[nodiscard]] virtual bool has_message() const = 0;
-  /// Writes that message and returns its length.
+  /// Writes that message and returns its length; 0 if it had to give it up for want of room.
   [[nodiscard]] virtual std::size_t next_message(std::span<std::byte> message,
                                                  base::SimTime now) = 0;
+  /// True if that message belongs to the answer to the last request, so that it goes to the address
+  /// the request came from.
+  [[nodiscard]] virtual bool next_message_is_answer() const { return false; }
 };
 
 }  // namespace stator::ethercat

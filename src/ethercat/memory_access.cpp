@@ -137,6 +137,9 @@ bool SlaveController::read_registers(Side side, std::uint32_t address, std::span
     return false;
   }
   before_read(side, effects);
+  if ((effects & kClockReads) != 0) {
+    before_clock_read(side, effects, address, out.size());
+  }
   for (std::size_t i = 0; i < out.size(); ++i) {
     out[i] = readable(register_map_[address + i]) ? memory_[address + i] : std::byte{0};
   }
@@ -144,6 +147,9 @@ bool SlaveController::read_registers(Side side, std::uint32_t address, std::span
     after_bus_read(effects);
   } else {
     after_host_read(effects, address, out.size());
+  }
+  if ((effects & kClockReads) != 0) {
+    after_clock_read(side, effects, address, out.size());
   }
   return true;
 }
@@ -177,6 +183,9 @@ bool SlaveController::write_registers(Side side, std::uint32_t address,
   } else {
     after_host_write(effects, address, data);
   }
+  if ((effects & kClockWrites) != 0) {
+    after_clock_write(side, effects, address, data);
+  }
   return true;
 }
 
@@ -200,7 +209,7 @@ bool SlaveController::accepts_bus_write(std::size_t address) const {
       return !enabled || (address & 7) == 4;
     }
     default:
-      return true;
+      return accepts_clock_write(Side::bus, byte.effect, address);
   }
 }
 
@@ -225,7 +234,7 @@ bool SlaveController::accepts_host_write(std::size_t address) const {
     case Effect::mii_access:
       return mii_.host_may_take();
     default:
-      return true;
+      return accepts_clock_write(Side::host, byte.effect, address);
   }
 }
 
@@ -253,7 +262,10 @@ bool SlaveController::read_area(Side side, std::size_t channel, std::uint32_t ad
     return false;
   }
   std::copy_n(memory_.begin() + manager.read_base() + offset, out.size(), out.begin());
-  static_cast<void>(manager.end_read(offset + static_cast<std::uint32_t>(out.size())));
+  const bool complete = manager.end_read(offset + static_cast<std::uint32_t>(out.size()));
+  if ((activations_[channel] & kLatchEvents) != 0) {
+    latch_buffer_event(side, channel, offset == 0, complete);
+  }
   publish_sync_manager(channel);
   return true;
 }
@@ -274,9 +286,12 @@ bool SlaveController::write_area(Side side, std::size_t channel, std::uint32_t a
     return false;
   }
   store_masked(memory_.data() + manager.write_base() + offset, data, first_mask, last_mask);
-  if (manager.end_write(offset + static_cast<std::uint32_t>(data.size())) &&
-      manager.triggers_watchdog()) {
+  const bool complete = manager.end_write(offset + static_cast<std::uint32_t>(data.size()));
+  if (complete && manager.triggers_watchdog()) {
     trigger_process_data_watchdog();
+  }
+  if ((activations_[channel] & kLatchEvents) != 0) {
+    latch_buffer_event(side, channel, offset == 0, complete);
   }
   publish_sync_manager(channel);
   return true;

@@ -12,6 +12,10 @@ namespace {
 
 constexpr std::size_t kDlStatus = 0x0110;
 constexpr std::size_t kEscConfiguration = 0x0141;
+constexpr std::size_t kReceiveFifoSize = 0x0102;  // bits 2:0
+/// With this size or a smaller one, forwarding starts earlier (datasheet, "ESC DL Control").
+constexpr unsigned kLargestReducedFifo = 3;
+constexpr base::SimDuration kReducedFifoGain{40};
 constexpr std::uint16_t kDlStatusEvent = 1U << 2;
 /// "About 1 s" in the datasheet.
 constexpr base::SimDuration kTemporaryLoopControl{1'000'000'000};
@@ -28,6 +32,9 @@ void SlaveController::count_malformed_frame() {
 }
 
 void SlaveController::count_receive_error(unsigned port, ReceiveError error) {
+  if (!ports_[port].open) {
+    return;  // only enabled ports count
+  }
   switch (error) {
     case ReceiveError::invalid_frame:
       count(0x0300 + 2 * std::size_t{port});
@@ -42,6 +49,7 @@ void SlaveController::count_receive_error(unsigned port, ReceiveError error) {
 }
 
 void SlaveController::set_link(unsigned port, bool up) {
+  up = up && has_port(port);
   if (ports_[port].link == up) {
     return;
   }
@@ -57,7 +65,6 @@ void SlaveController::update_ports(bool loop_control_written) {
   loop_control_ = std::to_integer<std::uint8_t>(memory_[0x0101]);
   for (unsigned i = 0; i < kPorts; ++i) {
     Port& port = ports_[i];
-    const bool exists = (configuration_.port_descriptor >> (2 * i) & 3U) > 1;
     const unsigned setting = loop_control_ >> (2 * i) & 3U;
     bool open = false;
     switch (setting) {
@@ -74,11 +81,37 @@ void SlaveController::update_ports(bool loop_control_written) {
       default:
         break;
     }
-    open = open && exists;
-    topology_changed_ |= open != port.open;
-    port.open = open;
+    port.open = open && has_port(i);
   }
+  note_topology_change();
   update_dl_status();
+}
+
+SlaveForwarding SlaveController::forwarding() const {
+  SlaveForwarding forwarding;
+  for (unsigned i = 0; i < kPorts; ++i) {
+    forwarding.open_ports |= static_cast<std::uint8_t>((ports_[i].open ? 1U : 0U) << i);
+    forwarding.links |= static_cast<std::uint8_t>((ports_[i].link ? 1U : 0U) << i);
+  }
+  const unsigned setting = loop_control_ & 3U;
+  forwarding.marks_circulating = !ports_[0].link && (setting == kAuto || setting == kAutoClose);
+  forwarding.delay = forwarding_delay();
+  return forwarding;
+}
+
+base::SimDuration SlaveController::forwarding_delay() const {
+  const unsigned fifo_size = std::to_integer<unsigned>(memory_[kReceiveFifoSize]) & 7U;
+  const bool reduced = fifo_size <= kLargestReducedFifo;
+  return configuration_.forwarding_delay - (reduced ? kReducedFifoGain : base::SimDuration());
+}
+
+void SlaveController::receive_at_closed_port(unsigned port) {
+  const unsigned setting = loop_control_ >> (2 * port) & 3U;
+  if (setting == kAutoClose && ports_[port].link && has_port(port)) {
+    ports_[port].open = true;
+    note_topology_change();
+    update_dl_status();
+  }
 }
 
 void SlaveController::update_dl_status() {
@@ -101,7 +134,9 @@ void SlaveController::update_dl_status() {
 
 void SlaveController::apply_loop_control() {
   if (register_bit(0x0100, 1)) {
-    former_loop_control_ = loop_control_;
+    if (loop_control_expires_ == base::SimTime::never()) {
+      former_loop_control_ = loop_control_;
+    }
     loop_control_expires_ = now_ + kTemporaryLoopControl;
     next_deadline_ = std::min(next_deadline_, loop_control_expires_);
   } else {

@@ -44,7 +44,7 @@ void for_each_effect(std::uint64_t effects, Handler handle) {
 
 }  // namespace
 
-void SlaveController::before_read(Side side, Effects effects) {
+void SlaveController::before_read(Side /*side*/, Effects effects) {
   for_each_effect(effects, [&](Effect effect) {
     switch (effect) {
       case Effect::event_request:
@@ -61,10 +61,6 @@ void SlaveController::before_read(Side side, Effects effects) {
         break;
       case Effect::mii_port_status:
         mii_.show_port_status(links());
-        break;
-      case Effect::system_time:
-        // The bus sees the time at which the frame began, the host that of its access.
-        clock_.show_system_time(side == Side::bus ? frame_start_ : now_, side == Side::bus);
         break;
       default:
         break;
@@ -118,6 +114,7 @@ void SlaveController::acknowledge(Effects effects, std::uint32_t address, std::s
         break;
     }
   });
+  acknowledge_clock(Side::host, effects, address, length);
 }
 
 void SlaveController::after_bus_write(Effects effects, std::uint32_t address,
@@ -149,6 +146,7 @@ void SlaveController::after_bus_write(Effects effects, std::uint32_t address,
         if (address <= 0x0101 && address + data.size() > 0x0101) {
           frame_work_ |= FrameWork::kApplyLoopControl;
         }
+        note_topology_change();  // a receive FIFO of another size delays frames differently
         break;
       case Effect::al_control:
         take_al_control();
@@ -206,19 +204,6 @@ void SlaveController::after_bus_write(Effects effects, std::uint32_t address,
         if (address == 0x0900) {
           frame_work_ |= FrameWork::kLatchReceiveTimes;
         }
-        break;
-      case Effect::system_time:
-        if (address <= 0x0910 && address + data.size() >= 0x0914) {
-          received_system_time_ = base::load_le<std::uint32_t>(data, 0x0910 - address);
-          frame_work_ |= FrameWork::kCompareSystemTime;
-        }
-        break;
-      case Effect::time_loop:
-        clock_.reset_filter();
-        clear_registers(0x0932, 0x0933);
-        break;
-      case Effect::time_filter:
-        clock_.reset_filter();
         break;
       default:
         break;
@@ -325,6 +310,7 @@ void SlaveController::update_sync_managers(std::uint32_t address, std::size_t le
       configure_sync_manager(channel);
       reconfigured = true;
     }
+    reconfigured = reconfigured || ((activate ^ former) & kLatchBusEvents) != 0;
   }
   if (reconfigured) {
     compile_mappings();

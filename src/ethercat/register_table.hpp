@@ -109,6 +109,17 @@ enum class Effect : std::uint8_t {
   time_setting,
   time_loop,
   time_filter,
+  speed_filter,
+  speed_difference,
+  clock_side,
+  sync_activation,
+  sync_status,
+  sync_times,
+  sync_cycle,
+  latch_control,
+  latch_status,
+  latch_time,
+  buffer_event_time,
 };
 
 /// True if the bytes written to such a register only unlock and are not stored, although the
@@ -122,7 +133,7 @@ constexpr bool has_bus_read_effect(Effect effect) {
   return effect == Effect::dl_status || effect == Effect::al_status ||
          effect == Effect::led_override || effect == Effect::event_request ||
          effect == Effect::watchdog_status || effect == Effect::mii_port_status ||
-         effect == Effect::system_time;
+         effect == Effect::system_time || effect >= Effect::speed_difference;
 }
 
 /// What a declaration that stands for several registers is repeated for.

@@ -1,6 +1,8 @@
 #include "ethercat/segment.hpp"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 
 namespace stator::ethercat {
 
@@ -12,124 +14,221 @@ constexpr std::byte kLocallyAdministered{0x02};
 constexpr std::size_t kFramingLength = 12;
 constexpr std::int64_t kNanosecondsPerByte = 80;
 
+/// At a slave whose port 0 is closed for want of a link: marks a frame that passes for the first
+/// time; false for one that does so again and must not go on (ETG.1000.4 §5.4, circulating bit).
+bool mark_circulating(std::span<DatagramView> datagrams) {
+  for (DatagramView& datagram : datagrams) {
+    if (datagram.circulating) {
+      return false;
+    }
+    datagram.circulating = true;
+  }
+  return true;
+}
+
 }  // namespace
 
-void Segment::append(SlaveController& slave, base::SimDuration cable_delay) {
-  Station station;
-  station.slave = &slave;
-  station.cable_delay = cable_delay;
-  if (!stations_.empty()) {
-    stations_.back().slave->set_link(1, true);
+Segment::~Segment() {
+  for (const Station& station : stations_) {
+    station.slave->watch_topology(nullptr);
   }
-  stations_.push_back(station);
-  slave.set_link(0, true);
-  slave.set_link(1, false);
-  rewire();
 }
 
-void Segment::set_link(std::size_t position, bool up) {
-  stations_[position].link_up = up;
-  stations_[position].slave->set_link(0, up);
-  if (position > 0) {
-    stations_[position - 1].slave->set_link(1, up);
+std::size_t Segment::append(SlaveController& slave, base::SimDuration cable_delay) {
+  const std::size_t index = add(slave);
+  if (index == 0) {
+    connect(MasterInterface::primary, {index, 0}, cable_delay);
+  } else {
+    connect(SlavePort{index - 1, 1}, SlavePort{index, 0}, cable_delay);
   }
-  rewire();
+  return index;
 }
 
-void Segment::rewire() {
-  base::SimDuration outbound;
-  base::SimDuration inbound;
-  reachable_ = 0;
-  leaves_segment_ = false;
-  bool reached = true;
+std::size_t Segment::add(SlaveController& slave) {
+  stations_.push_back({&slave, {}, true});
+  slave.watch_topology(&topology_changed_);
+  const std::size_t index = wiring_.add_slave();
+  update_links();
+  return index;
+}
+
+void Segment::require_free(SlavePort port) const {
+  const auto complain = [port](const char* what) {
+    throw std::logic_error("port " + std::to_string(port.port) + " of slave " +
+                           std::to_string(port.slave) + what);
+  };
+  if (port.slave >= stations_.size() || !stations_[port.slave].slave->has_port(port.port)) {
+    complain(" does not exist");
+  }
+  if (has_cable(port)) {
+    complain(" has a cable already");
+  }
+}
+
+void Segment::connect(SlavePort a, SlavePort b, base::SimDuration cable_delay) {
+  require_free(a);
+  require_free(b);
+  if (a == b) {
+    throw std::logic_error("a cable needs two ports");
+  }
+  wiring_.connect(a, b, cable_delay);
+  update_links();
+}
+
+void Segment::connect(MasterInterface interface, SlavePort port, base::SimDuration cable_delay) {
+  require_free(port);
+  if (wiring_.entry(interface)) {
+    throw std::logic_error("an interface of the master has one cable");
+  }
+  wiring_.connect(interface, port, cable_delay);
+  update_links();
+}
+
+void Segment::set_cable(SlavePort port, bool intact) {
+  stations_[port.slave].cable_broken[port.port] = !intact;
+  const Wiring::Peer& peer = wiring_.peer(port);
+  if (peer.kind == Wiring::Peer::Kind::slave) {
+    stations_[peer.slave_port.slave].cable_broken[peer.slave_port.port] = !intact;
+  }
+  update_links();
+}
+
+void Segment::set_carrier(MasterInterface interface, bool up) {
+  carriers_[static_cast<std::size_t>(interface)] = up;
+  update_links();
+}
+
+void Segment::set_power(std::size_t index, bool on) {
+  Station& station = stations_[index];
+  if (station.powered == on) {
+    return;
+  }
+  station.powered = on;
+  update_links();
+  if (on) {
+    station.slave->restore_power();
+  }
+}
+
+bool Segment::has_link(SlavePort port) const {
+  const Station& station = stations_[port.slave];
+  if (!station.powered || station.cable_broken[port.port]) {
+    return false;
+  }
+  const Wiring::Peer& peer = wiring_.peer(port);
+  switch (peer.kind) {
+    case Wiring::Peer::Kind::slave:
+      return stations_[peer.slave_port.slave].powered;
+    case Wiring::Peer::Kind::master:
+      return carriers_[static_cast<std::size_t>(peer.interface)];
+    default:
+      return false;
+  }
+}
+
+void Segment::update_links() {
   for (std::size_t i = 0; i < stations_.size(); ++i) {
-    Station& station = stations_[i];
-    outbound += station.cable_delay;
-    station.outbound = outbound;
-    outbound += station.slave->forwarding_delay();
-    inbound += station.cable_delay + station.slave->forwarding_delay();
-    station.inbound = inbound;
-    static_cast<void>(station.slave->take_topology_change());
-    reached = reached && station.link_up;
-    if (reached) {
-      reachable_ = i + 1;
-      const bool cable_behind = i + 1 < stations_.size() && stations_[i + 1].link_up;
-      reached = station.slave->port_open(1);
-      // A port forced open without a cable sends frames into nothing.
-      leaves_segment_ = reached && !cable_behind;
+    for (unsigned port = 0; port < kPortsPerSlave; ++port) {
+      stations_[i].slave->set_link(port, has_link({i, port}));
     }
   }
+  topology_changed_ = true;
 }
 
-bool Segment::process(std::span<std::byte> frame, base::SimTime arrival) {
+void Segment::plan() {
+  topology_changed_ = false;
+  forwarding_.clear();
+  for (const Station& station : stations_) {
+    forwarding_.push_back(station.slave->forwarding());
+  }
+  for (const MasterInterface entry : {MasterInterface::primary, MasterInterface::secondary}) {
+    planner_.plan(wiring_, forwarding_, entry, routes_[static_cast<std::size_t>(entry)]);
+  }
+}
+
+const Route& Segment::route(MasterInterface entry) {
+  if (topology_changed_) [[unlikely]] {
+    plan();
+  }
+  return routes_[static_cast<std::size_t>(entry)];
+}
+
+std::optional<MasterInterface> Segment::process(std::span<std::byte> frame, base::SimTime arrival,
+                                                MasterInterface entry) {
   ++statistics_.frames;
+  const Route& way = route(entry);
   std::size_t count = 0;
   DatagramCursor cursor(frame);
-  while (const auto datagram = cursor.next()) {
-    datagrams_[count++] = *datagram;
+  while (cursor.next(datagrams_[count])) {
+    ++count;
   }
   switch (cursor.error()) {
     case FrameError::none:
       break;
     case FrameError::too_short:
       ++statistics_.malformed;
-      return false;
+      return std::nullopt;
     case FrameError::other_ether_type:
     case FrameError::other_header_type:
-      ++statistics_.foreign;
-      return false;
+      return pass_foreign(frame, way);
     case FrameError::length_overrun:
     case FrameError::datagram_overrun:
       ++statistics_.malformed;
-      for (Station& station : std::span(stations_).first(reachable_)) {
-        station.slave->count_malformed_frame();
+      for (const Route::Visit& visit : way.visits) {
+        stations_[visit.slave].slave->count_malformed_frame();
       }
       break;
   }
-  if (reachable_ == 0) {
-    ++statistics_.lost;
-    return false;
+  if (way.entered) {
+    frame[kSourceMacOffset] |= kLocallyAdministered;
   }
-  frame[kSourceMacOffset] |= kLocallyAdministered;
-
-  const Station& last = stations_[reachable_ - 1];
-  const base::SimTime turn = arrival + last.outbound + last.inbound;
   const std::span<DatagramView> active = std::span(datagrams_).first(count);
-  const bool lost = leaves_segment_;
-  bool topology_changed = false;
-  for (Station& station : std::span(stations_).first(reachable_)) {
-    station.slave->process(active, {arrival + station.outbound, turn - station.inbound});
-    topology_changed |= station.slave->take_topology_change();
+  for (const Route::Visit& visit : way.visits) {
+    if (visit.marks_circulating && !mark_circulating(active)) [[unlikely]] {
+      ++statistics_.destroyed;
+      return std::nullopt;
+    }
+    stations_[visit.slave].slave->process(active, {arrival, visit.times});
   }
   for (const DatagramView& datagram : active) {
     datagram.store();
   }
-  if (topology_changed) {
-    rewire();
-  }
-  ++(lost ? statistics_.lost : statistics_.answered);
-  return !lost;
+  return leave(way);
 }
 
-base::SimDuration Segment::round_trip(std::size_t length) const {
-  const auto bytes = static_cast<std::int64_t>(length + kFramingLength);
-  const base::SimDuration serialised(bytes * kNanosecondsPerByte);
-  if (reachable_ == 0) {
-    return serialised;
+/// The end of the way: at the master, or nowhere.
+std::optional<MasterInterface> Segment::leave(const Route& way) {
+  ++(way.exit ? statistics_.answered : statistics_.lost);
+  if (way.blocked_at) [[unlikely]] {
+    stations_[way.blocked_at->slave].slave->receive_at_closed_port(way.blocked_at->port);
   }
-  // From the first port out and back: the way to the last processing unit is made twice.
-  const Station& last = stations_[reachable_ - 1];
-  return serialised + last.outbound + last.inbound;
+  return way.exit;
+}
+
+/// A frame without datagrams: forwarded, or destroyed by the first slave that is told so.
+std::optional<MasterInterface> Segment::pass_foreign(std::span<std::byte> frame, const Route& way) {
+  ++statistics_.foreign;
+  const auto destroys = [this](const Route::Visit& visit) {
+    return stations_[visit.slave].slave->destroys_foreign_frames();
+  };
+  if (std::ranges::any_of(way.visits, destroys)) {
+    ++statistics_.destroyed;
+    return std::nullopt;
+  }
+  if (way.entered) {
+    frame[kSourceMacOffset] |= kLocallyAdministered;
+  }
+  return leave(way);
+}
+
+base::SimDuration Segment::round_trip(std::size_t length) {
+  const auto bytes = static_cast<std::int64_t>(length + kFramingLength);
+  return base::SimDuration(bytes * kNanosecondsPerByte) + route(MasterInterface::primary).duration;
 }
 
 void Segment::advance(base::SimTime now) {
-  bool topology_changed = false;
-  for (Station& station : stations_) {
+  for (const Station& station : stations_) {
     station.slave->advance(now);
-    topology_changed |= station.slave->take_topology_change();
-  }
-  if (topology_changed) {
-    rewire();
   }
 }
 

@@ -3,52 +3,88 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "base/sim_time.hpp"
 #include "ethercat/frame.hpp"
 #include "ethercat/slave_controller.hpp"
+#include "ethercat/topology.hpp"
 
 namespace stator::ethercat {
 
 /// What a segment has seen since its construction.
 struct SegmentStatistics {
   std::uint64_t frames = 0;     ///< handed to process()
-  std::uint64_t answered = 0;   ///< sent back to the master
-  std::uint64_t foreign = 0;    ///< other EtherType or EtherCAT header type: not answered
+  std::uint64_t answered = 0;   ///< came out at one of the master's interfaces
+  std::uint64_t foreign = 0;    ///< no EtherCAT datagrams in them: passed on or destroyed
   std::uint64_t malformed = 0;  ///< too short, or with a datagram that runs past the frame
-  std::uint64_t lost = 0;       ///< left through an open port without a cable
+  std::uint64_t lost = 0;       ///< ended at an open port without cable or at a closed one
+  std::uint64_t destroyed = 0;  ///< circulating ones, and foreign ones the forwarding rule forbids
 };
 
-/// Slave controllers wired in line: the master at port 0 of the first, port 1 of each to port 0 of
-/// the next. A frame is processed in place, slave by slave, as it passes the processing units. The
-/// times at which it reaches each port are prefix sums made once, when the wiring changes, so that
-/// the frame path is a flat loop.
+/// Slave controllers and the cables between them: a line, a tree over all four ports, or a ring
+/// with the master's two interfaces at its ends. A frame is processed in place, slave by slave, as
+/// it passes the processing units. Its way and the times at which it reaches each port are worked
+/// out when cables, loops or delays change (RoutePlanner), so that the frame path is a flat loop.
+///
+/// Loop settings, links and power change between frames, as on hardware, where a port waits for the
+/// end of the present frame.
 class Segment {
  public:
+  static constexpr base::SimDuration kDefaultCableDelay{10};
+
   Segment() = default;
+  ~Segment();
   Segment(const Segment&) = delete;
   Segment& operator=(const Segment&) = delete;
 
-  /// Attaches `slave` behind the last one with a cable of `cable_delay` in between. The slave must
-  /// outlive the segment. Not in the cyclic path: allocates.
-  void append(SlaveController& slave, base::SimDuration cable_delay = base::SimDuration(10));
+  // Wiring. Not in the cyclic path: allocates. Slaves must outlive the segment. Connecting a port
+  // that does not exist or has a cable already is a mistake in a declaration: std::logic_error.
+
+  /// Attaches `slave` in line behind the one added last, port 1 to port 0; the first one gets the
+  /// primary interface. Returns its index.
+  std::size_t append(SlaveController& slave, base::SimDuration cable_delay = kDefaultCableDelay);
+  /// Adds `slave` without a cable. Returns its index.
+  std::size_t add(SlaveController& slave);
+  void connect(SlavePort a, SlavePort b, base::SimDuration cable_delay = kDefaultCableDelay);
+  void connect(MasterInterface interface, SlavePort port,
+               base::SimDuration cable_delay = kDefaultCableDelay);
 
   [[nodiscard]] std::size_t size() const { return stations_.size(); }
-  [[nodiscard]] SlaveController& slave(std::size_t position) { return *stations_[position].slave; }
+  [[nodiscard]] SlaveController& slave(std::size_t index) { return *stations_[index].slave; }
+  [[nodiscard]] bool has_cable(SlavePort port) const {
+    return wiring_.peer(port).kind != Wiring::Peer::Kind::none;
+  }
 
-  /// Breaks (`up` false) or heals the cable in front of the slave at `position`.
-  void set_link(std::size_t position, bool up);
+  // What happens to a segment while it runs. Both ends of a cable lose or get their link.
 
-  /// Passes an Ethernet frame through the slaves and back. `arrival` is when its first bit reaches
-  /// the first cable. True if the frame, changed in place and of the same length, comes back to the
-  /// master; false if it is to be dropped.
-  [[nodiscard]] bool process(std::span<std::byte> frame, base::SimTime arrival);
+  /// Breaks or heals the cable at `port`.
+  void set_cable(SlavePort port, bool intact);
+  /// Breaks or heals the cable at port 0 of the slave with this index.
+  void set_link(std::size_t index, bool up) { set_cable({index, 0}, up); }
+  /// The master's interface is switched on or off; at the start both are on.
+  void set_carrier(MasterInterface interface, bool up);
+  /// Power of one slave. Off: its controller loses all state and its neighbours their links. On: it
+  /// starts as after a reset and asks its firmware to do the same (take_reset_request()).
+  void set_power(std::size_t index, bool on);
+  [[nodiscard]] bool powered(std::size_t index) const { return stations_[index].powered; }
 
-  /// How long a frame of `length` bytes takes from its first bit at the master's port to its last
-  /// bit back there, at 100 Mbit/s with preamble and check sequence.
-  [[nodiscard]] base::SimDuration round_trip(std::size_t length) const;
+  /// Passes an Ethernet frame through the slaves. `arrival` is when its first bit leaves the
+  /// master's interface `entry`. The frame is changed in place and keeps its length. Returns the
+  /// interface at which it comes out, nothing if it is lost or destroyed.
+  [[nodiscard]] std::optional<MasterInterface> process(std::span<std::byte> frame,
+                                                       base::SimTime arrival,
+                                                       MasterInterface entry);
+  /// The same for a master with one interface, the primary: true if the frame comes back there.
+  [[nodiscard]] bool process(std::span<std::byte> frame, base::SimTime arrival) {
+    return process(frame, arrival, MasterInterface::primary) == MasterInterface::primary;
+  }
+
+  /// How long a frame of `length` bytes takes from its first bit at the primary interface to its
+  /// last bit where it comes out, at 100 Mbit/s with preamble and check sequence.
+  [[nodiscard]] base::SimDuration round_trip(std::size_t length);
 
   /// Brings all controllers to `now`.
   void advance(base::SimTime now);
@@ -60,17 +96,26 @@ class Segment {
  private:
   struct Station {
     SlaveController* slave = nullptr;
-    base::SimDuration outbound;  ///< from the first cable to port 0 of this slave
-    base::SimDuration inbound;   ///< sum of forwarding and cable delays up to this slave
-    bool link_up = true;         ///< cable in front of this slave
-    base::SimDuration cable_delay;
+    std::array<bool, kPortsPerSlave> cable_broken{};
+    bool powered = true;
   };
 
-  void rewire();
+  void require_free(SlavePort port) const;
+  [[nodiscard]] bool has_link(SlavePort port) const;
+  void update_links();
+  [[nodiscard]] const Route& route(MasterInterface entry);
+  void plan();
+  [[nodiscard]] std::optional<MasterInterface> leave(const Route& route);
+  [[nodiscard]] std::optional<MasterInterface> pass_foreign(std::span<std::byte> frame,
+                                                            const Route& route);
 
   std::vector<Station> stations_;
-  std::size_t reachable_ = 0;    ///< slaves a frame passes
-  bool leaves_segment_ = false;  ///< the last of them keeps its port 1 open without a cable
+  Wiring wiring_;
+  std::array<bool, kMasterInterfaces> carriers_{true, true};
+  RoutePlanner planner_;
+  std::vector<SlaveForwarding> forwarding_;  ///< of each slave, while planning
+  std::array<Route, kMasterInterfaces> routes_;
+  bool topology_changed_ = false;  ///< routes_ are out of date; slaves set it too
   SegmentStatistics statistics_;
   std::array<DatagramView, kMaximumDatagrams> datagrams_{};  ///< of the frame in process()
 };

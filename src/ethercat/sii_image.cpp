@@ -288,6 +288,8 @@ void store_fixed_part(std::span<std::byte> image, const DeviceDescription& descr
                              (description.coe ? kProtocolCoe : 0U) |
                              (description.foe ? kProtocolFoe : 0U);
   base::store_le(image, kPdiControl * 2, description.pdi_control);
+  image[kPdiConfiguration * 2 + 1] = std::byte{description.sync_latch_configuration};
+  base::store_le(image, kSyncPulseLength * 2, description.sync_pulse_length);
   base::store_le(image, kStationAlias * 2, description.station_alias);
   base::store_le(image, kChecksum * 2, std::uint16_t{sii_checksum(image)});
   base::store_le(image, kVendorId * 2, description.vendor_id);

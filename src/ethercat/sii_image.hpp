@@ -20,6 +20,8 @@ namespace stator::ethercat {
 /// Word addresses of the fixed part (ETG.2010 table 2).
 namespace sii_word {
 inline constexpr std::size_t kPdiControl = 0x00;
+inline constexpr std::size_t kPdiConfiguration = 0x01;
+inline constexpr std::size_t kSyncPulseLength = 0x02;
 inline constexpr std::size_t kStationAlias = 0x04;
 inline constexpr std::size_t kChecksum = 0x07;
 inline constexpr std::size_t kVendorId = 0x08;

@@ -30,6 +30,10 @@ class SlaveApplication {
   /// New process data of the master are in the dictionary; only in Operational.
   virtual void on_outputs(base::SimTime now) = 0;
 
+  /// SYNC0 has come while the device is synchronised with it; outputs that came before are in the
+  /// dictionary (on_outputs() was called). In Safe-Operational and Operational.
+  virtual void on_sync0(base::SimTime /*now*/) {}
+
   /// Bring every object that may stand in a TxPDO up to date; the stack packs them right after.
   virtual void before_inputs(base::SimTime now) = 0;
 

@@ -80,7 +80,7 @@ void SlaveController::power_on_reset() {
   loop_control_expires_ = base::SimTime::never();
   bus_reset_progress_ = 0;
   host_reset_progress_ = 0;
-  clock_.reset(now_);
+  reset_clocks();
   sii_.reset();
   if (has_feature(configuration_.features, ControllerFeature::mii_management)) {
     mii_.reset();
@@ -90,6 +90,12 @@ void SlaveController::power_on_reset() {
   update_watchdog_times();
   load_configuration_area(true);
   update_ports(true);
+}
+
+void SlaveController::restore_power() {
+  std::fill(memory_.begin() + kRegisterSpace, memory_.end(), std::byte{0});
+  power_on_reset();
+  reset_requested_ = true;
 }
 
 void SlaveController::load_sii(std::span<const std::byte> image) {
@@ -176,6 +182,10 @@ void SlaveController::expire(base::SimTime now) {
     load_configuration_area(false);
   }
   mii_.finish(now, links());
+  if (now >= sync_deadline_) {
+    advance_sync();
+    schedule_sync();
+  }
   if (now >= loop_control_expires_) {
     loop_control_expires_ = base::SimTime::never();
     memory_[0x0101] = std::byte{former_loop_control_};
@@ -186,7 +196,8 @@ void SlaveController::expire(base::SimTime now) {
 
 void SlaveController::update_deadline() {
   next_deadline_ = std::min({process_data_watchdog_.deadline(), host_watchdog_.deadline(),
-                             sii_.deadline(), mii_.deadline(), loop_control_expires_});
+                             sii_.deadline(), mii_.deadline(), loop_control_expires_,
+                             sync_deadline_});
 }
 
 void SlaveController::set_host_polling(bool polling) {

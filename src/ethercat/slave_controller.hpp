@@ -4,20 +4,26 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
+#include "ethercat/clock_effects.hpp"
 #include "ethercat/distributed_clock.hpp"
 #include "ethercat/fmmu.hpp"
 #include "ethercat/frame.hpp"
+#include "ethercat/latch_unit.hpp"
 #include "ethercat/led.hpp"
 #include "ethercat/mii_management.hpp"
 #include "ethercat/process_data_interface.hpp"
 #include "ethercat/register_table.hpp"
 #include "ethercat/sii_interface.hpp"
 #include "ethercat/sync_manager.hpp"
+#include "ethercat/sync_unit.hpp"
+#include "ethercat/time_stamp.hpp"
+#include "ethercat/topology.hpp"
 #include "ethercat/watchdog.hpp"
 
 namespace stator::ethercat {
@@ -52,8 +58,9 @@ struct SlaveControllerConfiguration {
   bool device_emulation = false;      ///< pin PDI_EMULATION: AL status follows AL control
   bool acknowledge_by_write = false;  ///< host acknowledges events by writing (0x014E bit 0)
 
-  base::SimDuration forwarding_delay = base::SimDuration(300);  ///< from port to port
-  std::int32_t clock_deviation_ppb = 0;                         ///< of the oscillator
+  /// From receiving at one port to sending at the next open one, with the default receive FIFO.
+  base::SimDuration forwarding_delay = base::SimDuration(300);
+  std::int32_t clock_deviation_ppb = 0;  ///< of the oscillator
   SiiTiming sii_timing;
   /// 0x0502: after an error, commands other than 0 are ignored until command 0 clears it.
   bool sii_error_blocks_commands = false;
@@ -87,7 +94,7 @@ class SlaveController final : public ProcessDataInterface {
  public:
   static constexpr std::size_t kMaximumFmmus = 16;
   static constexpr std::size_t kMaximumSyncManagers = 16;
-  static constexpr unsigned kPorts = 4;
+  static constexpr unsigned kPorts = kPortsPerSlave;
 
   explicit SlaveController(const SlaveControllerConfiguration& configuration);
 
@@ -116,15 +123,25 @@ class SlaveController final : public ProcessDataInterface {
   [[nodiscard]] bool link(unsigned port) const { return ports_[port].link; }
   /// A frame leaves through the port; false: it is turned back inside (loop closed).
   [[nodiscard]] bool port_open(unsigned port) const { return ports_[port].open; }
-  /// True once after port_open() of some port has changed.
-  [[nodiscard]] bool take_topology_change() {
-    const bool changed = topology_changed_;
-    topology_changed_ = false;
-    return changed;
+  /// The chip has this port (0x0007).
+  [[nodiscard]] bool has_port(unsigned port) const {
+    return port < kPorts && (configuration_.port_descriptor >> (2 * port) & 3U) > 1;
   }
-  [[nodiscard]] base::SimDuration forwarding_delay() const {
-    return configuration_.forwarding_delay;
+  /// What of ports and delays decides on the way of frames.
+  [[nodiscard]] SlaveForwarding forwarding() const;
+  /// From port to port, as the size of the receive FIFO (0x0102) makes it.
+  [[nodiscard]] base::SimDuration forwarding_delay() const;
+  /// As SlaveControllerConfiguration::forwarding_delay, for the board at hand.
+  void set_forwarding_delay(base::SimDuration delay) {
+    configuration_.forwarding_delay = delay;
+    note_topology_change();
   }
+  /// Makes the controller set `*changed` whenever forwarding() may have changed; null ends that.
+  void watch_topology(bool* changed) { topology_changed_ = changed; }
+  /// A valid frame came in at a closed port, where it ends: Auto Close opens the port.
+  void receive_at_closed_port(unsigned port);
+  /// The forwarding rule (0x0100 bit 0) for frames that carry no EtherCAT datagrams.
+  [[nodiscard]] bool destroys_foreign_frames() const { return register_bit(0x0100, 0); }
 
   /// As ProcessDataInterface says; the time of the access is that of the last frame or advance().
   void read(std::uint16_t address, std::span<std::byte> out) override;
@@ -155,10 +172,29 @@ class SlaveController final : public ProcessDataInterface {
   /// System time of the distributed clock, ns.
   [[nodiscard]] std::uint64_t system_time(base::SimTime t) const { return clock_.system_time(t); }
 
+  /// The SYNC outputs of the distributed clocks (`output` 0 or 1), as a host that wired the pin to
+  /// an interrupt sees them. Pulses cost nothing while nobody asks: no deadline is made for them
+  /// unless an AL event has to be raised.
+  ///
+  /// When the next pulse begins, as the clock runs at present; it changes with each correction of
+  /// the clock. never() if none is to come.
+  [[nodiscard]] base::SimTime next_sync_edge(unsigned output);
+  /// Pulses up to now() since power-on; more than one further than last time if nobody looked.
+  [[nodiscard]] std::uint64_t sync_pulse_count(unsigned output);
+  /// True while a pulse lasts; in acknowledge mode (0x0982 = 0) until the host has read its status.
+  [[nodiscard]] bool sync_output(unsigned output);
+  /// What the pin does, with driver and polarity of 0x0151.
+  [[nodiscard]] PinLevel sync_pin(unsigned output);
+  /// Sets the level at latch input 0 or 1 from now() on; call advance() first.
+  void set_latch_input(unsigned input, bool level);
+
   /// Power-on reset: all registers to their reset values, EEPROM loaded again, links as they are.
   void power_on_reset();
-  /// True once after master or host have completed the reset sequence (0x0040, 0x0041). The
-  /// controller has then been reset; the board resets its firmware too.
+  /// Power comes back after a failure: power_on_reset() with an empty process memory, and a request
+  /// to the board to start its firmware again.
+  void restore_power();
+  /// True once after master or host have completed the reset sequence (0x0040, 0x0041), or after
+  /// restore_power(). The controller has then been reset; the board resets its firmware too.
   [[nodiscard]] bool take_reset_request();
 
   /// Copies memory as it is, with no rights and no effects, for displays and tests; addresses
@@ -171,7 +207,7 @@ class SlaveController final : public ProcessDataInterface {
   [[nodiscard]] const SlaveControllerConfiguration& configuration() const { return configuration_; }
 
  private:
-  enum class Side : std::uint8_t { bus, host };
+  using Side = AccessSide;
   struct Port {
     bool link = false;
     bool open = false;
@@ -185,6 +221,7 @@ class SlaveController final : public ProcessDataInterface {
     static constexpr std::uint8_t kCompareSystemTime = 1U << 3;
     static constexpr std::uint8_t kApplyLoopControl = 1U << 4;
     static constexpr std::uint8_t kResetKey = 1U << 5;
+    static constexpr std::uint8_t kTakeStartTime = 1U << 6;
   };
   /// Effects touched by one access, one bit each.
   using Effects = std::uint64_t;
@@ -204,6 +241,11 @@ class SlaveController final : public ProcessDataInterface {
   void update_ports(bool loop_control_written);
   void update_dl_status();
   void apply_loop_control();
+  void note_topology_change() {
+    if (topology_changed_ != nullptr) {
+      *topology_changed_ = true;
+    }
+  }
   void take_reset_key(Side side, std::uint8_t key);
   void finish_reset_key();
 
@@ -265,6 +307,23 @@ class SlaveController final : public ProcessDataInterface {
   void clear_registers(std::size_t first, std::size_t last);
   void count(std::size_t address);
 
+  // clock_effects.cpp: registers of the distributed clocks
+  void before_clock_read(Side side, Effects effects, std::uint32_t address, std::size_t length);
+  void after_clock_read(Side side, Effects effects, std::uint32_t address, std::size_t length);
+  void after_clock_write(Side side, Effects effects, std::uint32_t address,
+                         std::span<const std::byte> data);
+  [[nodiscard]] bool accepts_clock_write(Side side, Effect effect, std::size_t address) const;
+  void acknowledge_clock(Side side, Effects effects, std::uint32_t address, std::size_t length);
+  void take_system_time(std::uint32_t address, std::span<const std::byte> data);
+  void take_start_time(Side side, std::uint32_t address, std::size_t length);
+  void finish_start_time();
+  void report_activation(SyncUnit::Activation activation);
+  void advance_sync();
+  void schedule_sync();
+  void publish_clock_events();
+  void latch_buffer_event(Side side, std::size_t channel, bool start, bool change);
+  void reset_clocks();
+
   /// Makes status register and event requests follow the state of a sync manager.
   void publish_sync_manager(std::size_t channel) {
     const SyncManager& manager = sync_managers_[channel];
@@ -297,6 +356,10 @@ class SlaveController final : public ProcessDataInterface {
 
   static constexpr std::size_t kFmmuRegisters = 0x0600;
   static constexpr std::size_t kSyncManagerRegisters = 0x0800;
+  // Bits of a sync manager's activate register: which accesses are time-stamped at 0x09F0..0x09FF.
+  static constexpr std::uint8_t kLatchBusEvents = 0x40;
+  static constexpr std::uint8_t kLatchHostEvents = 0x80;
+  static constexpr std::uint8_t kLatchEvents = kLatchBusEvents | kLatchHostEvents;
 
   // What every datagram needs, together at the front.
   std::uint32_t logical_first_ = 0xFFFFFFFF;  ///< lowest mapped logical address
@@ -311,10 +374,9 @@ class SlaveController final : public ProcessDataInterface {
   bool direct_only_ = false;  ///< all active FMMUs are direct mappings
   std::uint8_t write_mapping_count_ = 0;
   std::uint8_t read_mapping_count_ = 0;
-  bool topology_changed_ = false;
   std::uint32_t al_event_request_ = 0;
   base::SimTime now_;
-  base::SimTime frame_start_;  ///< when the present frame reached port 0
+  base::SimTime frame_start_;  ///< when the present frame reached the processing unit
   base::SimTime next_deadline_ = base::SimTime::never();
   std::array<DirectMapping, kMaximumFmmus> write_mappings_{};
   std::array<DirectMapping, kMaximumFmmus> read_mappings_{};
@@ -327,9 +389,22 @@ class SlaveController final : public ProcessDataInterface {
   SiiInterface sii_;
   MiiManagement mii_;
   DistributedClock clock_;
+  SyncUnit sync_{registers()};
+  LatchUnit latch_{registers()};
+  TimeStamp<std::uint64_t> shown_system_time_{0x0910};
+  /// 0x09F0 bus change, 0x09F8 host start, 0x09FC host change; local time.
+  std::array<std::uint32_t, 3> buffer_events_{};
+  std::array<TimeStamp<std::uint32_t>, 3> shown_buffer_events_{TimeStamp<std::uint32_t>{0x09F0},
+                                                               TimeStamp<std::uint32_t>{0x09F8},
+                                                               TimeStamp<std::uint32_t>{0x09FC}};
+  base::SimTime sync_deadline_ = base::SimTime::never();  ///< a pulse the host must be told of
+  /// Next edge of each SYNC output, if known since the clock or the unit last changed.
+  std::array<std::optional<base::SimTime>, SyncUnit::kOutputs> sync_edges_{};
+  std::uint8_t start_time_bytes_ = 0;  ///< of 0x0990 that this frame has written
   Watchdog host_watchdog_;
   base::EventReporter reporter_;
 
+  bool* topology_changed_ = nullptr;  ///< see watch_topology()
   std::array<Port, kPorts> ports_{};
   base::SimTime loop_control_expires_ = base::SimTime::never();
   std::uint8_t loop_control_ = 0;            ///< 0x0101 as it is in force

@@ -1,6 +1,7 @@
 #include "ethercat/slave_stack.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "base/byte_order.hpp"
@@ -14,6 +15,7 @@ using base::EventArgument;
 constexpr std::uint16_t kWatchdogDivider = 0x0400;
 constexpr std::uint16_t kProcessDataWatchdogTime = 0x0420;
 constexpr std::uint16_t kProcessDataWatchdogStatus = 0x0440;
+constexpr std::uint16_t kSync0Status = 0x098E;
 
 /// Header, CoE header and one SDO: the shortest mailbox that can work.
 constexpr std::size_t kMinimumMailbox = 16;
@@ -58,11 +60,22 @@ SlaveStack::SlaveStack(ProcessDataInterface& interface, dictionary::Dictionary& 
            {.complete_access = description.complete_access,
             .sdo_information = description.sdo_information},
            reporter, statistics_),
+      eoe_(description.eoe ? std::make_unique<EoeServer>(reporter) : nullptr),
       configuration_(dictionary, limits_of(description, options)),
       outputs_(PdoDirection::receive, limits_of(description, options).receive_bytes),
-      inputs_(PdoDirection::transmit, limits_of(description, options).transmit_bytes) {
+      inputs_(PdoDirection::transmit, limits_of(description, options).transmit_bytes),
+      clocks_(interface, options.distributed_clocks, reporter) {
   if (description.coe) {
     mailbox_.add(coe_);
+  }
+  if (eoe_ != nullptr) {
+    mailbox_.add(*eoe_);
+  }
+  if (description.foe) {
+    if (options.files == nullptr) {
+      throw std::logic_error(description.name + " announces FoE, but has no file store");
+    }
+    mailbox_.add(foe_.emplace(*options.files, options.foe, reporter));
   }
   application_layer_.reset();
   update_attention();
@@ -79,12 +92,20 @@ void SlaveStack::reset(base::SimTime now) {
 }
 
 void SlaveStack::process(base::SimTime now) {
+  if (eoe_ != nullptr) {
+    eoe_->poll(mailbox_.running() && state() != AlState::bootstrap);
+  }
   std::uint32_t events = interface_.al_event_request();
   if ((events & attention_) == 0 && !polls_channels_ && now < first_outputs_deadline_ &&
-      mailbox_.idle()) {
+      now < clocks_.deadline() && !application_layer_.pending() && mailbox_.idle()) {
     return;
   }
   now_ = now;
+  if ((events & al_event::kDcSync0) != 0) {
+    std::array<std::byte, 1> status{};
+    interface_.read(kSync0Status, status);  // acknowledges
+    sync0(now);
+  }
   if ((events & al_event::kAlControl) != 0) {
     application_layer_.handle_al_control(now);
     events = interface_.al_event_request();
@@ -96,7 +117,9 @@ void SlaveStack::process(base::SimTime now) {
   if (process_data_runs() && outputs_wait(events)) {
     take_outputs(now);
   }
+  application_layer_.continue_change(now);
   if (state() == AlState::operational) {
+    check_clocks(now);
     check_watchdog(events, now);
   }
   if (mailbox_.needs_attention(events)) {
@@ -106,7 +129,7 @@ void SlaveStack::process(base::SimTime now) {
 }
 
 void SlaveStack::update_attention() {
-  attention_ = al_event::kAlControl | al_event::kSyncManagerActivation;
+  attention_ = al_event::kAlControl | al_event::kSyncManagerActivation | al_event::kDcSync0;
   polls_channels_ = false;
   const auto watch = [this](unsigned channel) {
     attention_ |= al_event::sync_manager(channel);
@@ -120,6 +143,29 @@ void SlaveStack::update_attention() {
   }
   if (state() == AlState::operational) {
     attention_ |= al_event::kProcessDataWatchdog;
+  }
+}
+
+void SlaveStack::sync0(base::SimTime now) {
+  now_ = now;
+  const AlStatusCode code = clocks_.on_sync0(now);
+  if (code != AlStatusCode::no_error) {
+    step_down(AlState::safe_operational, code, now);
+    return;
+  }
+  if (!clocks_.synchronous()) {
+    return;
+  }
+  if (state() == AlState::operational && std::exchange(outputs_await_sync_, false)) {
+    apply_outputs(now);
+  }
+  application_.on_sync0(now);
+}
+
+void SlaveStack::check_clocks(base::SimTime now) {
+  const AlStatusCode code = clocks_.check(now);
+  if (code != AlStatusCode::no_error) {
+    application_layer_.step_down(AlState::safe_operational, code, now);
   }
 }
 
@@ -157,7 +203,7 @@ void SlaveStack::step_down(AlState target, AlStatusCode code, base::SimTime now)
   update_attention();
 }
 
-AlStatusCode SlaveStack::perform(AlStep step, base::SimTime now) {
+std::optional<AlStatusCode> SlaveStack::perform(AlStep step, base::SimTime now) {
   AlStatusCode code = AlStatusCode::no_error;
   if (step == al_step::kIP || step == al_step::kIB) {
     code = start_mailbox(step, now);
@@ -165,6 +211,13 @@ AlStatusCode SlaveStack::perform(AlStep step, base::SimTime now) {
     code = start_process_data(now);
   } else if (step == al_step::kSO) {
     code = permit_outputs(now);
+    if (code == AlStatusCode::no_error) {
+      const std::optional<AlStatusCode> verdict = clocks_.permit_operational(now);
+      if (!verdict) {
+        return std::nullopt;
+      }
+      code = *verdict;
+    }
   } else if (step == al_step::kSP) {
     stop_process_data();
   } else if (step == al_step::kPI || step == al_step::kBI) {
@@ -195,6 +248,10 @@ void SlaveStack::entered(AlStep step, base::SimTime now) {
     coe_.set_network_state(NetworkState::safe_operational);
   } else {
     coe_.set_network_state(NetworkState::pre_operational);
+  }
+  if (step == al_step::kSO || step == al_step::kOS) {
+    clocks_.set_operational(step == al_step::kSO, now);
+    outputs_await_sync_ = false;
   }
   application_.on_state(step.from, step.to, now);
   if (step == al_step::kPS) {
@@ -236,7 +293,10 @@ AlStatusCode SlaveStack::start_process_data(base::SimTime now) {
     }
   }
   const SyncManagerBank bank = read_sync_managers(interface_);
-  const AlStatusCode code = check_process_data(bank, now);
+  AlStatusCode code = check_process_data(bank, now);
+  if (code == AlStatusCode::no_error) {
+    code = clocks_.permit_safe_operational(now);
+  }
   if (code != AlStatusCode::no_error) {
     stop_process_data();
     return code;
@@ -251,6 +311,8 @@ void SlaveStack::stop_process_data() {
   inputs_.clear();
   outputs_received_ = false;
   first_outputs_deadline_ = base::SimTime::never();
+  outputs_await_sync_ = false;
+  clocks_.stop();
 }
 
 AlStatusCode SlaveStack::permit_outputs(base::SimTime now) {
@@ -280,7 +342,7 @@ void SlaveStack::enter_operational(base::SimTime now) {
     }
   }
   if (outputs_received_) {
-    apply_outputs(now);
+    offer_outputs(now);
   }
 }
 
@@ -404,7 +466,16 @@ void SlaveStack::take_outputs(base::SimTime now) {
   outputs_received_ = true;
   first_outputs_deadline_ = base::SimTime::never();
   ++statistics_.outputs_received;
+  clocks_.on_outputs();
   if (state() == AlState::operational) {
+    offer_outputs(now);
+  }
+}
+
+void SlaveStack::offer_outputs(base::SimTime now) {
+  if (clocks_.synchronous()) {
+    outputs_await_sync_ = true;
+  } else {
     apply_outputs(now);
   }
 }

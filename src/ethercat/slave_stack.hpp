@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "base/event.hpp"
@@ -10,7 +11,10 @@
 #include "ethercat/al_state.hpp"
 #include "ethercat/application_layer.hpp"
 #include "ethercat/coe.hpp"
+#include "ethercat/dc_supervision.hpp"
 #include "ethercat/device_description.hpp"
+#include "ethercat/eoe.hpp"
+#include "ethercat/foe.hpp"
 #include "ethercat/mailbox.hpp"
 #include "ethercat/pdo_configuration.hpp"
 #include "ethercat/process_data_interface.hpp"
@@ -30,8 +34,14 @@ struct SlaveStackOptions {
   /// Explicit device identification (ETG.1020): the value of the device's ID switch, delivered
   /// in 0x0134 when the master asks with AL control bit 5. Empty: not supported.
   std::optional<std::uint16_t> device_identification = std::nullopt;
+  /// The files offered by FoE; needed if the device's description has `foe`. Must outlive the
+  /// stack.
+  FileStore* files = nullptr;
+  FoeOptions foe = {};
   /// First address behind the controller's process memory, for the length limit of process data.
   std::uint16_t process_memory_end = 0x3000;
+  /// What the device does with SYNC0; by default nothing.
+  DcCapabilities distributed_clocks{};
 };
 
 /// The software of an EtherCAT slave: state machine, mailbox protocols and process data
@@ -54,6 +64,14 @@ class SlaveStack final : private AlActions {
   /// Takes what the bus brought: AL control, sync manager changes, mailboxes, outputs, watchdog.
   /// Call after each frame and at each control tick; cheap when nothing came.
   void process(base::SimTime now);
+
+  /// SYNC0 has come, for boards that wire it to an interrupt; where the controller raises an AL
+  /// event instead (acknowledge mode), process() notices by itself. While synchronous(), outputs
+  /// that have come since the last one are taken over now.
+  void sync0(base::SimTime now);
+  /// True while process data are taken over at SYNC0: the master had activated it before
+  /// Safe-Operational or Operational was entered.
+  [[nodiscard]] bool synchronous() const { return clocks_.synchronous(); }
 
   /// Brings the inputs up to date for the master; nothing in Init, Pre-Operational and Bootstrap.
   /// Call at each control tick.
@@ -81,11 +99,13 @@ class SlaveStack final : private AlActions {
   [[nodiscard]] std::size_t input_bytes() const { return inputs_.bytes(); }
 
   [[nodiscard]] const SlaveStackStatistics& statistics() const { return statistics_; }
+  /// Ethernet over EtherCAT; null unless the description announces it.
+  [[nodiscard]] EoeServer* eoe() { return eoe_.get(); }
   /// Switches emergencies on or off; off also forgets those that wait.
   void set_emergencies(bool enabled);
 
  private:
-  AlStatusCode perform(AlStep step, base::SimTime now) override;
+  std::optional<AlStatusCode> perform(AlStep step, base::SimTime now) override;
   void entered(AlStep step, base::SimTime now) override;
 
   [[nodiscard]] AlStatusCode start_mailbox(AlStep step, base::SimTime now);
@@ -113,8 +133,11 @@ class SlaveStack final : private AlActions {
   void update_attention();
   [[nodiscard]] bool outputs_wait(std::uint32_t events) const;
   void take_outputs(base::SimTime now);
+  /// Outputs of the bus are there: taken over now or at the next SYNC0.
+  void offer_outputs(base::SimTime now);
   void apply_outputs(base::SimTime now);
   void on_refused(const dictionary::Entry& entry, const dictionary::Refusal& refusal);
+  void check_clocks(base::SimTime now);
   void check_watchdog(std::uint32_t events, base::SimTime now);
   [[nodiscard]] base::SimDuration watchdog_time();
 
@@ -129,13 +152,17 @@ class SlaveStack final : private AlActions {
   ApplicationLayer application_layer_;
   Mailbox mailbox_;
   CoeServer coe_;
+  std::unique_ptr<EoeServer> eoe_;
+  std::optional<FoeServer> foe_;
   PdoConfiguration configuration_;
   ProcessImage outputs_;
   ProcessImage inputs_;
+  DcSupervision clocks_;
   SyncManagerBank bank_;         ///< settings in force: mailbox since I->P, process data since P->S
   std::uint32_t attention_ = 0;  ///< AL events that need process()
   bool polls_channels_ = false;  ///< a channel in use raises no event
-  bool outputs_received_ = false;  ///< since Safe-Operational was entered
+  bool outputs_received_ = false;    ///< since Safe-Operational was entered
+  bool outputs_await_sync_ = false;  ///< taken from the bus, not yet over at SYNC0
   /// When Operational ends if no outputs come, for a watchdog that nothing has triggered yet.
   base::SimTime first_outputs_deadline_ = base::SimTime::never();
   base::SimTime now_;  ///< of the call being handled
@@ -144,7 +171,8 @@ class SlaveStack final : private AlActions {
 namespace rules {
 inline constexpr base::EventRule kBootstrapUnsupported{
     "al-bootstrap-unsupported", base::Severity::refusal,
-    "Bootstrap refused, AL status 0013h: this device has no bootstrap mailbox"};
+    "Bootstrap refused, AL status 0013h: this device has no bootstrap mailbox (words 14h to 17h of "
+    "its SII are 0) and takes no firmware this way; use Pre-Operational"};
 inline constexpr base::EventRule kNoOutputs{
     "al-no-outputs", base::Severity::refusal,
     "Operational refused, AL status 0019h: no outputs have come since Safe-Operational; exchange "
@@ -155,7 +183,8 @@ inline constexpr base::EventRule kMappingInvalid{
     "configure it again in Pre-Operational"};
 inline constexpr base::EventRule kApplicationRefused{"al-application-refused",
                                                      base::Severity::refusal,
-                                                     "{0} refused by the device, AL status {1:x4}"};
+                                                     "{0} refused by the device, AL status "
+                                                     "{1:x4}; its own line above says why"};
 inline constexpr base::EventRule kWatchdogExpired{
     "al-watchdog", base::Severity::fault,
     "process data watchdog expired: no outputs within {0} us; send process data faster than that "

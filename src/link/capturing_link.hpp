@@ -23,6 +23,7 @@ class CapturingLink final : public EthernetLink {
                                                  base::SimDuration timeout) override;
   base::Expected<void, LinkError> send(std::span<const std::byte> frame) override;
   void wake() noexcept override { link_.wake(); }
+  [[nodiscard]] bool has_carrier() const override { return link_.has_carrier(); }
   [[nodiscard]] LinkStatistics statistics() const override { return link_.statistics(); }
   [[nodiscard]] const std::string& name() const override { return link_.name(); }
 

@@ -53,6 +53,9 @@ class EthernetLink {
   /// any thread; that of RawEthernetLink also from a signal handler.
   virtual void wake() noexcept = 0;
 
+  /// Something is connected at the other end. A medium that cannot tell says so too.
+  [[nodiscard]] virtual bool has_carrier() const { return true; }
+
   [[nodiscard]] virtual LinkStatistics statistics() const = 0;
 
   /// How people name it, e.g. "eth1".

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 
 #include <arpa/inet.h>
 #include <linux/if_packet.h>
@@ -11,9 +10,8 @@
 #include <net/if_arp.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
-#include <sys/time.h>
-#include <time.h>
 
+#include "link/failure.hpp"
 #include "link/machine.hpp"
 
 namespace stator::link {
@@ -21,24 +19,6 @@ namespace stator::link {
 namespace {
 
 constexpr std::uint16_t kEtherCatEtherType = 0x88A4;
-
-// Room for about a thousand short frames while the process is not scheduled.
-constexpr int kReceiveBufferBytes = 1 << 20;
-
-// Longest sleep without a look at wake().
-constexpr base::SimDuration kWakeInterval(20'000'000);
-
-base::Unexpected<LinkError> fail(LinkErrorCode code, std::string text) {
-  return base::Unexpected{LinkError{code, std::move(text)}};
-}
-
-base::Unexpected<LinkError> system_failure(const std::string& what, int error) {
-  return fail(LinkErrorCode::system, what + ": " + std::strerror(error));
-}
-
-std::string in_quotes(const std::string& name) {
-  return "\"" + name + "\"";
-}
 
 LinkError interface_missing(const std::string& name) {
   std::string existing;
@@ -57,24 +37,9 @@ LinkError interface_down(const std::string& name) {
 }
 
 LinkError not_permitted(const std::string& name) {
-  std::error_code ignored;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", ignored);
   return {LinkErrorCode::not_permitted,
           "raw frames on " + in_quotes(name) +
-              " need the privilege CAP_NET_RAW; run as root or: sudo setcap "
-              "cap_net_raw,cap_net_admin+ep " +
-              program.string()};
-}
-
-std::int64_t monotonic_now() {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
-
-template <typename Value>
-bool set_option(int socket, int level, int option, const Value& value) {
-  return ::setsockopt(socket, level, option, &value, sizeof value) == 0;
+              " need the privilege CAP_NET_RAW; run as root or: " + setcap_command()};
 }
 
 }  // namespace
@@ -125,22 +90,18 @@ base::Expected<void, LinkError> RawEthernetLink::configure_socket(int interface_
   const std::string& name = options_.interface;
   const int socket = socket_.get();
 
-  if (!set_option(socket, SOL_PACKET, PACKET_IGNORE_OUTGOING, int{1})) {
+  if (!set_socket_option(socket, SOL_PACKET, PACKET_IGNORE_OUTGOING, int{1})) {
     return system_failure("cannot ignore own frames on " + in_quotes(name), errno);
   }
   packet_mreq promiscuous{};
   promiscuous.mr_ifindex = interface_index;
   promiscuous.mr_type = PACKET_MR_PROMISC;
-  if (!set_option(socket, SOL_PACKET, PACKET_ADD_MEMBERSHIP, promiscuous)) {
+  if (!set_socket_option(socket, SOL_PACKET, PACKET_ADD_MEMBERSHIP, promiscuous)) {
     return system_failure("cannot receive frames for all addresses on " + in_quotes(name), errno);
   }
-  // The forced variant needs CAP_NET_ADMIN; the plain one is bounded by the system's limit, which
-  // is enough for a master that sends one frame per cycle.
-  if (!set_option(socket, SOL_SOCKET, SO_RCVBUFFORCE, kReceiveBufferBytes)) {
-    set_option(socket, SOL_SOCKET, SO_RCVBUF, kReceiveBufferBytes);
-  }
+  enlarge_receive_buffer(socket);
   const auto busy_poll_us = static_cast<int>(options_.busy_poll / base::SimDuration(1'000));
-  if (busy_poll_us > 0 && !set_option(socket, SOL_SOCKET, SO_BUSY_POLL, busy_poll_us)) {
+  if (busy_poll_us > 0 && !set_socket_option(socket, SOL_SOCKET, SO_BUSY_POLL, busy_poll_us)) {
     return fail(LinkErrorCode::not_permitted,
                 "busy polling on " + in_quotes(name) + " was refused: " + std::strerror(errno) +
                     "; it needs CAP_NET_ADMIN, or leave busy_poll at 0");
@@ -158,90 +119,29 @@ base::Expected<void, LinkError> RawEthernetLink::configure_socket(int interface_
 
 base::Expected<std::size_t, LinkError> RawEthernetLink::receive(std::span<std::byte> buffer,
                                                                 base::SimDuration timeout) {
-  if (take_wake()) {
-    return std::size_t{0};
-  }
-  if (timeout <= base::SimDuration(0)) {
-    return take_frame(buffer, MSG_DONTWAIT);
-  }
-  if (options_.wait == WaitMode::block) {
-    return sleep(buffer, timeout);
-  }
-  const std::int64_t now = monotonic_now();
-  const std::int64_t end = (base::SimDuration(now) + timeout).nanoseconds();
-  const std::int64_t spin_end =
-      options_.wait == WaitMode::spin
-          ? end
-          : std::clamp(last_frame_ + options_.spin_time.nanoseconds(), now, end);
-  auto received = spin(buffer, spin_end);
-  if (!received || *received != 0 || take_wake() || spin_end == end) {
-    return received;
-  }
-  return sleep(buffer, base::SimDuration(end - spin_end));
+  return wait_.receive(*this, buffer, timeout);
 }
 
-/// One look at the socket, or with `flags` 0 one wait of the set length; 0 when no frame came.
-base::Expected<std::size_t, LinkError> RawEthernetLink::take_frame(std::span<std::byte> buffer,
-                                                                   int flags) {
-  interrupted_ = false;
-  const ssize_t length = ::recv(socket_.get(), buffer.data(), buffer.size(), flags);
+base::Expected<ReceiveWait::Taken, LinkError> RawEthernetLink::take(std::span<std::byte> buffer,
+                                                                    base::SimDuration wait) {
+  const bool sleeps = wait > base::SimDuration();
+  if (sleeps && !receive_timeout_.set(socket_.get(), wait)) {
+    return system_failure("cannot set a timeout for " + in_quotes(options_.interface), errno);
+  }
+  const ssize_t length =
+      ::recv(socket_.get(), buffer.data(), buffer.size(), sleeps ? 0 : MSG_DONTWAIT);
   if (length > 0) {
     counters_.count_received(static_cast<std::size_t>(length));
-    if (options_.wait == WaitMode::adaptive) {
-      last_frame_ = monotonic_now();
-    }
-    return static_cast<std::size_t>(length);
+    return ReceiveWait::Taken{.length = static_cast<std::size_t>(length)};
   }
-  interrupted_ = length < 0 && errno == EINTR;
-  if (length == 0 || errno == EAGAIN || interrupted_) {
-    return std::size_t{0};
+  const bool interrupted = length < 0 && errno == EINTR;
+  if (length == 0 || errno == EAGAIN || interrupted) {
+    return ReceiveWait::Taken{.interrupted = interrupted};
   }
   if (errno == ENETDOWN) {
     return base::Unexpected{interface_down(options_.interface)};
   }
   return system_failure("cannot receive from " + in_quotes(options_.interface), errno);
-}
-
-base::Expected<std::size_t, LinkError> RawEthernetLink::spin(std::span<std::byte> buffer,
-                                                             std::int64_t until) {
-  do {
-    auto received = take_frame(buffer, MSG_DONTWAIT);
-    if (!received || *received != 0) {
-      return received;
-    }
-  } while (!wake_requested_.load(std::memory_order_relaxed) && monotonic_now() < until);
-  return std::size_t{0};
-}
-
-/// Sleeps in recv itself: poll() and recv() would cost a seventh of the round trips that recv()
-/// alone reaches when both ends share a processor. The price is that wake() is noticed between two
-/// slices only.
-base::Expected<std::size_t, LinkError> RawEthernetLink::sleep(std::span<std::byte> buffer,
-                                                              base::SimDuration timeout) {
-  while (timeout > base::SimDuration(0)) {
-    const base::SimDuration slice = std::min(timeout, kWakeInterval);
-    if (!set_receive_timeout(slice)) {
-      return system_failure("cannot set a timeout for " + in_quotes(options_.interface), errno);
-    }
-    auto received = take_frame(buffer, 0);
-    if (!received || *received != 0 || take_wake() || interrupted_) {
-      return received;
-    }
-    timeout -= slice;
-  }
-  return std::size_t{0};
-}
-
-bool RawEthernetLink::set_receive_timeout(base::SimDuration timeout) {
-  if (timeout == receive_timeout_) {
-    return true;
-  }
-  // 0 would mean for ever.
-  const std::int64_t microseconds = std::max<std::int64_t>(timeout.nanoseconds() / 1'000, 1);
-  const timeval value{.tv_sec = static_cast<time_t>(microseconds / 1'000'000),
-                      .tv_usec = static_cast<suseconds_t>(microseconds % 1'000'000)};
-  receive_timeout_ = timeout;
-  return set_option(socket_.get(), SOL_SOCKET, SO_RCVTIMEO, value);
 }
 
 base::Expected<void, LinkError> RawEthernetLink::send(std::span<const std::byte> frame) {
@@ -270,14 +170,12 @@ base::Expected<void, LinkError> RawEthernetLink::send(std::span<const std::byte>
   }
 }
 
-void RawEthernetLink::wake() noexcept {
-  wake_requested_.store(true, std::memory_order_relaxed);
-}
-
-bool RawEthernetLink::take_wake() {
-  // The plain look first: an exchange for every frame would lock the bus.
-  return wake_requested_.load(std::memory_order_relaxed) &&
-         wake_requested_.exchange(false, std::memory_order_relaxed);
+bool RawEthernetLink::has_carrier() const {
+  ifreq request{};
+  std::strncpy(request.ifr_name, options_.interface.c_str(), IFNAMSIZ - 1);
+  constexpr int kConnected = IFF_UP | IFF_RUNNING;
+  return ::ioctl(socket_.get(), SIOCGIFFLAGS, &request) == 0 &&
+         (request.ifr_flags & kConnected) == kConnected;
 }
 
 LinkStatistics RawEthernetLink::statistics() const {

@@ -14,6 +14,8 @@ struct HybridStepperState {
   std::array<double, 2> current{};  ///< A, phases A and B
   double speed = 0.0;               ///< rad/s, mechanical; exactly 0 while the shaft sticks
   ElectricalAngle angle;            ///< p times the shaft angle
+
+  friend bool operator==(const HybridStepperState&, const HybridStepperState&) = default;
 };
 
 /// What acts on motor and shaft during one step.

@@ -23,6 +23,10 @@ StepperAxis::StepperAxis(const StepperAxisParameters& parameters)
 
 base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
                                     base::SimDuration duration) {
+  if (settled_ && actuation == settled_actuation_ && duration == settled_duration_) {
+    return settled_sensing_;
+  }
+  const HybridStepperState before = state_.motor;
   double remaining = duration.seconds();
   while (remaining > 0.0) {
     const double turn = remaining * motor_.fastest_rate(state_.motor);
@@ -32,7 +36,11 @@ base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
     encoder_.update(state_.encoder, state_.motor.angle);
     remaining = inner == remaining ? 0.0 : remaining - inner;
   }
-  return sense();
+  settled_ = state_.motor == before;
+  settled_actuation_ = actuation;
+  settled_duration_ = duration;
+  settled_sensing_ = sense();
+  return settled_sensing_;
 }
 
 void StepperAxis::regulate_and_integrate(const base::AxisActuation& actuation, double step) {

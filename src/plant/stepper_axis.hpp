@@ -62,13 +62,22 @@ class StepperAxis {
   [[nodiscard]] StepperAxisObservation observe() const;
 
   /// Torque on the shaft from outside (N m, positive = forward) until set again.
-  void set_external_torque(double torque) { state_.external_torque = torque; }
+  void set_external_torque(double torque) {
+    state_.external_torque = torque;
+    settled_ = false;
+  }
   /// Supply at the power stage, V (brown-out, over-voltage).
-  void set_supply_voltage(double voltage) { state_.supply_voltage = voltage; }
+  void set_supply_voltage(double voltage) {
+    state_.supply_voltage = voltage;
+    settled_ = false;
+  }
 
   [[nodiscard]] const StepperAxisParameters& parameters() const { return parameters_; }
   [[nodiscard]] const StepperAxisState& state() const { return state_; }
-  void restore(const StepperAxisState& state) { state_ = state; }
+  void restore(const StepperAxisState& state) {
+    state_ = state;
+    settled_ = false;
+  }
 
  private:
   void regulate_and_integrate(const base::AxisActuation& actuation, double step);
@@ -77,6 +86,13 @@ class StepperAxis {
   HybridStepper motor_;
   IncrementalEncoder encoder_;
   StepperAxisState state_;
+
+  /// The last step changed nothing. The next one with the same inputs changes nothing either, for a
+  /// step is a function of state and inputs: a shaft at rest costs no arithmetic.
+  bool settled_ = false;
+  base::AxisActuation settled_actuation_;
+  base::SimDuration settled_duration_;
+  base::AxisSensing settled_sensing_;
 };
 
 }  // namespace stator::plant

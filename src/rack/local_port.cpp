@@ -32,7 +32,7 @@ master::Result<std::size_t> LocalPort::exchange(std::span<const std::byte> frame
   if (auto captured = capture(frame); !captured) {
     return captured;
   }
-  if (!rack_.process_frame(segment_, answer, arrival)) {
+  if (rack_.process_frame(segment_, answer, arrival) != ethercat::MasterInterface::primary) {
     wait(timeout);
     return std::size_t{0};
   }

@@ -15,6 +15,7 @@ struct Product {
   std::string_view type;     ///< "tmcm-3315"
   std::string_view summary;  ///< what it is, in half a line
   std::string_view reached_over;
+  unsigned ports;  ///< for EtherCAT cables, numbered from 0
   ProductConfiguration (*default_configuration)();
 };
 

@@ -1,25 +1,58 @@
 #include "rack/rack.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "rack/product_catalogue.hpp"
+#include "rack/wiring.hpp"
 
 namespace stator::rack {
 
-Rack::Rack(const RackConfiguration& configuration, EventLog& log) {
+namespace {
+
+constexpr base::EventRule kCableBroken{"cable-broken", base::Severity::information,
+                                       "the cable at port {0} is broken"};
+constexpr base::EventRule kCableHealed{"cable-healed", base::Severity::information,
+                                       "the cable at port {0} is whole again"};
+constexpr base::EventRule kPowerOff{"power-off", base::Severity::information, "its power is off"};
+constexpr base::EventRule kPowerOn{"power-on", base::Severity::information,
+                                   "its power is on, it starts as after a reset"};
+constexpr base::EventRule kCarrierLost{
+    "carrier-lost", base::Severity::warning,
+    "the {0} network interface has no carrier: the other end is unplugged or switched off"};
+constexpr base::EventRule kCarrierBack{"carrier-back", base::Severity::information,
+                                       "the {0} network interface has a carrier"};
+
+}  // namespace
+
+Rack::Rack(const RackConfiguration& configuration, EventLog& log)
+    : log_(log), timetable_(configuration.events) {
   std::vector<std::string> names;
+  if (!configuration.state.empty()) {
+    storage_ = std::make_unique<DeviceStorage>(configuration.state);
+  }
   for (const SegmentConfiguration& segment : configuration.segments) {
     SegmentMembers members;
     members.segment = std::make_unique<ethercat::Segment>();
+    members.first_device = static_cast<std::uint16_t>(names.size());
     for (const DeviceConfiguration& device : segment.devices) {
       const base::EventReporter reporter(&log, static_cast<std::uint16_t>(names.size()));
       names.push_back(device.name);
+      log.set_device_names(names);
       members.devices.push_back({device.name, make_device(device.product, reporter)});
-      members.segment->append(members.devices.back().device->controller());
+      if (storage_ != nullptr) {
+        storage_->attach(device.name, *members.devices.back().device, reporter);
+      }
+      ethercat::SlaveController& controller = members.devices.back().device->controller();
+      if (device.forwarding_delay) {
+        controller.set_forwarding_delay(*device.forwarding_delay);
+      }
+      members.segment->add(controller);
     }
+    connect(*members.segment, segment);
+    members.segment->set_carrier(ethercat::MasterInterface::secondary, false);
     segments_.push_back(std::move(members));
   }
-  log.set_device_names(std::move(names));
   if (configuration.record) {
     recorder_.emplace(configuration.record->file,
                       select_signals(signals(), configuration.record->signals),
@@ -27,8 +60,14 @@ Rack::Rack(const RackConfiguration& configuration, EventLog& log) {
   }
 }
 
-bool Rack::process_frame(std::size_t segment, std::span<std::byte> frame, base::SimTime arrival) {
-  return segments_[segment].segment->process(frame, arrival);
+std::optional<ethercat::MasterInterface> Rack::process_frame(std::size_t segment,
+                                                             std::span<std::byte> frame,
+                                                             base::SimTime arrival,
+                                                             ethercat::MasterInterface entry) {
+  if (timetable_.next() <= arrival) [[unlikely]] {
+    advance(arrival);
+  }
+  return segments_[segment].segment->process(frame, arrival, entry);
 }
 
 void Rack::handle_bus_events(std::size_t segment, base::SimTime now) {
@@ -38,12 +77,58 @@ void Rack::handle_bus_events(std::size_t segment, base::SimTime now) {
 }
 
 void Rack::advance(base::SimTime now) {
-  while (recorder_ && recorder_->next_sample() <= now) {
-    const base::SimTime instant = recorder_->next_sample();
+  const auto next_sample = [this] {
+    return recorder_ ? recorder_->next_sample() : base::SimTime::never();
+  };
+  while (std::min(timetable_.next(), next_sample()) <= now) {
+    const base::SimTime instant = std::min(timetable_.next(), next_sample());
     advance_devices(instant);
-    recorder_->sample(instant);
+    while (timetable_.next() <= instant) {
+      apply(timetable_.take(), instant);
+    }
+    if (next_sample() <= instant) {
+      recorder_->sample(instant);
+    }
   }
   advance_devices(now);
+}
+
+void Rack::apply(const RackEvent& event, base::SimTime now) {
+  if (const auto* cable = std::get_if<CableEvent>(&event)) {
+    apply_cable(*cable, now);
+  } else if (const auto* power = std::get_if<PowerEvent>(&event)) {
+    apply_power(*power, now);
+  }
+}
+
+void Rack::apply_cable(const CableEvent& event, base::SimTime now) {
+  report(event.device, now, event.intact ? kCableHealed : kCableBroken, event.port);
+  segments_[event.device.segment].segment->set_cable({event.device.device, event.port},
+                                                     event.intact);
+}
+
+void Rack::apply_power(const PowerEvent& event, base::SimTime now) {
+  SegmentMembers& members = segments_[event.device.segment];
+  if (members.segment->powered(event.device.device) == event.on) {
+    return;
+  }
+  report(event.device, now, event.on ? kPowerOn : kPowerOff);
+  members.segment->set_power(event.device.device, event.on);
+  members.devices[event.device.device].device->set_power(event.on, now);
+}
+
+void Rack::set_carrier(std::size_t segment, ethercat::MasterInterface interface, bool up,
+                       base::SimTime now) {
+  const bool primary = interface == ethercat::MasterInterface::primary;
+  const std::size_t at = primary ? 0 : segments_[segment].devices.size() - 1;
+  report({segment, at}, now, up ? kCarrierBack : kCarrierLost, primary ? "primary" : "secondary");
+  segments_[segment].segment->set_carrier(interface, up);
+}
+
+void Rack::report(DeviceAddress device, base::SimTime now, const base::EventRule& rule,
+                  base::EventArgument argument) {
+  const std::size_t number = segments_[device.segment].first_device + device.device;
+  log_.on_event({now, &rule, static_cast<std::uint16_t>(number), {argument}});
 }
 
 void Rack::advance_devices(base::SimTime now) {

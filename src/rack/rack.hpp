@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -10,9 +11,11 @@
 #include "base/sim_time.hpp"
 #include "devices/ethercat_device.hpp"
 #include "ethercat/segment.hpp"
+#include "rack/device_storage.hpp"
 #include "rack/event_log.hpp"
 #include "rack/rack_configuration.hpp"
 #include "rack/recorder.hpp"
+#include "rack/timetable.hpp"
 
 namespace stator::rack {
 
@@ -27,18 +30,30 @@ struct NamedDevice {
 class Rack {
  public:
   /// Builds every device. `log` gets their events and must outlive the rack. Throws
-  /// std::runtime_error when the recording cannot be opened or names signals that do not exist.
+  /// std::runtime_error when the recording cannot be opened or names signals that do not exist, or
+  /// when the state directory or a file in it cannot be used.
   Rack(const RackConfiguration& configuration, EventLog& log);
 
-  /// Sends `frame` through the segment's slaves, in place, at `arrival`. True: it comes back to the
-  /// master; false: nobody answers it.
-  bool process_frame(std::size_t segment, std::span<std::byte> frame, base::SimTime arrival);
+  /// Sends `frame` through the segment's slaves, in place, at `arrival`, from the master's
+  /// interface `entry`. Returns the interface at which it comes out; nothing: nobody answers it.
+  std::optional<ethercat::MasterInterface> process_frame(
+      std::size_t segment, std::span<std::byte> frame, base::SimTime arrival,
+      ethercat::MasterInterface entry = ethercat::MasterInterface::primary);
 
   /// Lets the firmware of the segment's devices take what its last frame brought.
   void handle_bus_events(std::size_t segment, base::SimTime now);
 
-  /// Brings every device to `now`, stopping at each sampling instant of the recording on the way.
+  /// Brings every device to `now`, stopping at each event of the timetable and at each sampling
+  /// instant of the recording on the way.
   void advance(base::SimTime now);
+
+  /// Lets `event` happen at `now`, to which the rack has been brought.
+  void apply(const RackEvent& event, base::SimTime now);
+
+  /// A network interface of the segment's master got or lost its carrier. At the start the primary
+  /// has one, the secondary has none.
+  void set_carrier(std::size_t segment, ethercat::MasterInterface interface, bool up,
+                   base::SimTime now);
 
   [[nodiscard]] std::size_t segment_count() const { return segments_.size(); }
   [[nodiscard]] const ethercat::Segment& segment(std::size_t index) const {
@@ -50,17 +65,27 @@ class Rack {
   /// All signals of all devices, named "device.signal".
   [[nodiscard]] std::vector<devices::Signal> signals();
   [[nodiscard]] const std::optional<Recorder>& recorder() const { return recorder_; }
+  /// Where devices keep EEPROM and firmware; null if nothing is kept.
+  [[nodiscard]] DeviceStorage* storage() { return storage_.get(); }
 
  private:
   struct SegmentMembers {
     std::vector<NamedDevice> devices;
     std::unique_ptr<ethercat::Segment> segment;
+    std::uint16_t first_device = 0;  ///< number of its first device within the rack
   };
 
   void advance_devices(base::SimTime now);
+  void apply_cable(const CableEvent& event, base::SimTime now);
+  void apply_power(const PowerEvent& event, base::SimTime now);
+  void report(DeviceAddress device, base::SimTime now, const base::EventRule& rule,
+              base::EventArgument argument = {});
 
+  EventLog& log_;
   std::vector<SegmentMembers> segments_;
+  Timetable timetable_;
   std::optional<Recorder> recorder_;
+  std::unique_ptr<DeviceStorage> storage_;
 };
 
 }  // namespace stator::rack

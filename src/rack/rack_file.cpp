@@ -4,14 +4,19 @@
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <span>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "link/link_address.hpp"
+#include "rack/event_section.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/stepper_axis_section.hpp"
 #include "rack/toml_section.hpp"
+#include "rack/wiring.hpp"
+#include "rack/wiring_section.hpp"
 
 namespace stator::rack {
 
@@ -33,6 +38,14 @@ void read_product(TomlSection& section, devices::Tmcm3315Configuration& configur
   if (const auto alias = section.integer("alias", 0, 0xFFFF)) {
     configuration.station_alias = static_cast<std::uint16_t>(*alias);
   }
+  configuration.emergencies = section.boolean("emergencies").value_or(configuration.emergencies);
+  configuration.require_outputs =
+      section.boolean("require_outputs").value_or(configuration.require_outputs);
+  if (const auto identification = section.integer("identification", 0, 0xFFFF)) {
+    configuration.identification = static_cast<std::uint16_t>(*identification);
+  }
+  configuration.firmware_erase_time = section.duration("firmware_erase_time", 0_us, 60_s)
+                                          .value_or(configuration.firmware_erase_time);
   std::vector<TomlSection> axes = section.sections("axis");
   if (axes.size() > configuration.axes.size()) {
     section.fail("axis", fmt::format("{} axes are given, the device has {}", axes.size(),
@@ -43,7 +56,29 @@ void read_product(TomlSection& section, devices::Tmcm3315Configuration& configur
   }
 }
 
-DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& names) {
+/// Switches Ethernet over EtherCAT on, bridged to a TAP interface.
+void read_eoe(TomlSection& section, DeviceConfiguration& device) {
+  const std::optional<std::string> eoe = section.text("eoe");
+  if (!eoe) {
+    return;
+  }
+  const auto address = link::parse_link_address(*eoe);
+  if (!address || address->kind != link::LinkKind::tap) {
+    section.fail("eoe", fmt::format("\"eoe\" is \"{}\"; write \"tap:NAME\"", *eoe));
+  }
+  device.eoe_interface = address->name;
+  const auto switch_on = [&](auto& configuration) {
+    if constexpr (requires { configuration.ethernet_over_ethercat; }) {
+      configuration.ethernet_over_ethercat = true;
+    } else {
+      section.fail("eoe", "this product has no mailbox and hence no EoE");
+    }
+  };
+  std::visit(switch_on, device.product);
+}
+
+DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& names,
+                                std::span<const DeviceConfiguration> before) {
   std::set<std::string> types;
   for (const Product& product : products()) {
     types.emplace(product.type);
@@ -60,29 +95,34 @@ DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& nam
                                      "\"name\"",
                                      device.name));
   }
+  read_eoe(section, device);
   std::visit([&section](auto& configuration) { read_product(section, configuration); },
              device.product);
+  read_wiring(section, before, device);
   section.finish();
   return device;
 }
 
-void read_link(TomlSection& section, SegmentConfiguration& segment) {
-  const std::optional<std::string> link = section.text("link");
-  constexpr std::string_view kPrefix = "ethercat:";
-  if (!link || *link == "in-process") {
+/// Reads the link under `key`, if there is one.
+void read_link(TomlSection& section, const char* key, link::LinkAddress& link) {
+  const std::optional<std::string> text = section.text(key);
+  if (!text) {
     return;
   }
-  if (!link->starts_with(kPrefix) || link->size() == kPrefix.size()) {
-    section.fail("link", fmt::format("\"link\" is \"{}\"; write \"ethercat:INTERFACE\" or "
-                                     "\"in-process\"",
-                                     *link));
+  const auto address = link::parse_link_address(*text);
+  if (!address) {
+    section.fail(key, address.error().text);
   }
-  segment.interface = link->substr(kPrefix.size());
+  link = *address;
 }
 
 SegmentConfiguration read_segment(TomlSection& section, std::set<std::string>& names) {
   SegmentConfiguration segment;
-  read_link(section, segment);
+  read_link(section, "link", segment.link);
+  read_link(section, "redundant", segment.redundant_link);
+  if (const std::string problem = redundancy_problem(segment); !problem.empty()) {
+    section.fail("redundant", problem);
+  }
   if (const auto wait = section.choice("wait", names_of(wait_modes()))) {
     segment.wait = wait_modes().at(*wait);
   }
@@ -92,7 +132,7 @@ SegmentConfiguration read_segment(TomlSection& section, std::set<std::string>& n
   }
   segment.capture = section.text("capture").value_or("");
   for (TomlSection& device : section.sections("device")) {
-    segment.devices.push_back(read_device(device, names));
+    segment.devices.push_back(read_device(device, names, segment.devices));
   }
   if (segment.devices.empty()) {
     section.fail("device", "a segment needs at least one [[segment.device]]");
@@ -122,6 +162,7 @@ RackConfiguration read_rack(TomlSection root) {
   }
   configuration.cycle = root.duration("cycle", 50_us, 1_s).value_or(configuration.cycle);
   configuration.step = root.duration("step", 1_us, 1_s).value_or(configuration.step);
+  configuration.state = root.text("state").value_or("");
   std::set<std::string> device_names;
   for (TomlSection& segment : root.sections("segment")) {
     configuration.segments.push_back(read_segment(segment, device_names));
@@ -131,6 +172,9 @@ RackConfiguration read_rack(TomlSection root) {
   }
   if (auto record = root.section("record")) {
     configuration.record = read_record(std::move(*record));
+  }
+  for (TomlSection& event : root.sections("event")) {
+    configuration.events.push_back(read_event(event, configuration.segments));
   }
   root.finish();
   return configuration;

@@ -13,6 +13,7 @@
 #include "link/ethernet_link.hpp"
 #include "link/pcap_writer.hpp"
 #include "rack/clock.hpp"
+#include "rack/eoe_bridge.hpp"
 #include "rack/rack.hpp"
 
 namespace spdlog {
@@ -33,7 +34,8 @@ struct SegmentStatistics {
 
 /// Runs a rack on real links: one thread per segment that answers frames and keeps the devices at
 /// the present moment. The frame path comes first: a frame is answered, then firmware and physics
-/// catch up.
+/// catch up. With cable redundancy the thread serves both interfaces of its segment. An interface
+/// without carrier is a port without link.
 class Runner {
  public:
   /// Lag behind the machine's clock from which on an overrun is counted.
@@ -54,16 +56,21 @@ class Runner {
 
   [[nodiscard]] base::SimTime now();
   [[nodiscard]] SegmentStatistics statistics(std::size_t segment);
-  [[nodiscard]] const link::EthernetLink& link(std::size_t segment) const;
+  [[nodiscard]] const link::EthernetLink& link(
+      std::size_t segment,
+      ethercat::MasterInterface interface = ethercat::MasterInterface::primary) const;
 
  private:
   struct SegmentThread;
+  using MasterInterface = ethercat::MasterInterface;
 
   void open(SegmentThread& segment, const SegmentConfiguration& configuration);
   void run(SegmentThread& segment);
-  void answer(SegmentThread& segment, std::span<std::byte> frame);
+  void answer(SegmentThread& segment, std::span<std::byte> frame, MasterInterface entry);
+  void watch_carriers(SegmentThread& segment);
   void capture(SegmentThread& segment, base::SimTime arrival, std::span<const std::byte> answer);
   void catch_up(SegmentThread& segment);
+  void keep_files();
   base::SimTime arrival_of(std::span<std::byte> frame);
 
   Rack& rack_;
@@ -71,9 +78,11 @@ class Runner {
   RealClock real_clock_;
   LockstepClock lockstep_clock_;
   std::shared_ptr<spdlog::logger> logger_;
-  std::mutex mutex_;  ///< guards rack_, lockstep_clock_ and all statistics
+  std::mutex mutex_;  ///< guards rack_, lockstep_clock_, next_keeping_ and all statistics
+  base::SimTime next_keeping_;
   std::atomic<bool> stopping_{false};
   std::vector<std::unique_ptr<SegmentThread>> segments_;
+  EoeBridges eoe_bridges_;
 };
 
 }  // namespace stator::rack

@@ -74,7 +74,7 @@ TEST(CommandLine, FailuresExitWith1AndSayWhatToDo) {
 
   const Outcome link = stator("scan --link eth0");
   EXPECT_EQ(link.status, 1);
-  EXPECT_THAT(link.output, HasSubstr("write ethercat:INTERFACE"));
+  EXPECT_THAT(link.output, HasSubstr("write ethercat:INTERFACE, udp:ADDRESS[:PORT] or tap:NAME"));
 }
 
 TEST(CommandLine, AMissingInterfaceIsNamed) {

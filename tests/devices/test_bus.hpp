@@ -14,6 +14,7 @@
 #include "base/sim_time.hpp"
 #include "devices/ethercat_device.hpp"
 #include "dictionary/abort_code.hpp"
+#include "ethercat/al_state.hpp"
 #include "ethercat/frame.hpp"
 #include "ethercat/segment.hpp"
 

@@ -52,6 +52,18 @@ TEST_P(EveryRequest, IsAnsweredAsTheStandardSays) {
   expect_status(c.status, c.code);
 }
 
+TEST_P(EveryRequest, IsExplainedWhenItIsRefused) {
+  const Case& c = GetParam();
+  go(c.from);
+  log.events.clear();
+  request(c.requested);
+  const bool refused = c.code != AlStatusCode::no_error;
+  const bool explained = std::ranges::any_of(log.events, [](const base::Event& event) {
+    return event.rule->severity == base::Severity::refusal;
+  });
+  EXPECT_EQ(refused, explained);
+}
+
 std::vector<Case> all_cases() {
   const AlStatusCode ok = AlStatusCode::no_error;
   const AlStatusCode invalid = AlStatusCode::invalid_requested_state_change;
@@ -292,6 +304,7 @@ TEST_F(ApplicationLayerTest, ApplicationMayRefuseAStepUp) {
   configure_process_data();
   request(0x04);
   expect_status(0x12, AlStatusCode::dc_invalid_sync_cycle_time);
+  EXPECT_THAT(log.last("al-application-refused"), HasSubstr("0035h"));
   EXPECT_EQ(stack.input_bytes(), 0U);
 }
 
@@ -314,6 +327,7 @@ TEST_F(ApplicationLayerTest, IdentificationRequestWithoutSupport_IsIgnored) {
   go(AlState::pre_operational);
   request(0x22);
   expect_status(0x02, AlStatusCode::no_error);
+  EXPECT_THAT(log.last("al-no-identification"), HasSubstr("rack file"));
 }
 
 class IdentifiedTest : public StackFixture {
@@ -348,6 +362,7 @@ TEST_F(OutputsRequiredTest, OperationalNeedsOutputsFirst) {
   request(0x08);
   EXPECT_EQ(controller.al_status(), 0x14U);
   EXPECT_EQ(controller.al_status_code(), 0x0019U);
+  EXPECT_THAT(log.last("al-no-outputs"), HasSubstr("exchange process data before"));
   controller.write_outputs(Bytes(30));
   request(0x18);
   EXPECT_EQ(controller.al_status(), 0x08U);

@@ -145,6 +145,86 @@ TEST_F(MailboxTest, ErrorMessageOfTheMaster_IsNotAnswered) {
   EXPECT_TRUE(exchange(message(0, hex("01 00 02 00"), 0)).empty());
 }
 
+TEST_F(MailboxTest, ReservedBitInTheHeader_IsAnsweredWithError1) {
+  Bytes request = message(3, hex(kReadDeviceType), 1);
+  request[5] |= std::byte{0x80};
+  EXPECT_EQ(to_hex(part(exchange(request), 6)), "01 00 01 00");
+}
+
+TEST_F(MailboxTest, ChannelOtherThanZero_IsAnsweredWithError3) {
+  for (const unsigned channel : {0x01U, 0x20U, 0x3FU}) {
+    Bytes request = message(3, hex(kReadDeviceType), 0);
+    request[4] = static_cast<std::byte>(channel);
+    EXPECT_EQ(to_hex(part(exchange(request), 6)), "01 00 03 00") << channel;
+  }
+}
+
+TEST_F(MailboxTest, EveryPriority_IsServed) {
+  for (const unsigned priority : {1U, 2U, 3U}) {
+    Bytes request = message(3, hex(kReadDeviceType), 0);
+    request[4] = static_cast<std::byte>(priority << 6);
+    EXPECT_EQ(to_hex(part(exchange(request), 6, 2)), "00 30") << priority;
+  }
+}
+
+TEST_F(MailboxTest, ErrorReply_GoesToTheAddressOfTheRequest) {
+  Bytes request = message(15, hex("00 00 00 00"), 0);
+  base::store_le(request, 2, std::uint16_t{0x4321});
+  EXPECT_EQ(to_hex(part(exchange(request), 0, 6)), "04 00 21 43 00 10");
+}
+
+TEST_F(MailboxTest, SeveralClientsBehindAGateway_EachGetsItsOwnReply) {
+  for (const unsigned address : {0x8001U, 0x8002U, 0x0000U, 0x8001U}) {
+    Bytes request = message(3, hex(kReadDeviceType), 0);
+    base::store_le(request, 2, static_cast<std::uint16_t>(address));
+    EXPECT_EQ(base::load_le<std::uint16_t>(exchange(request), 2), address);
+  }
+}
+
+TEST_F(MailboxTest, EveryFragmentOfAnAnswer_GoesToTheAddressOfTheRequest) {
+  request(0x01);
+  configure_mailbox();
+  controller.set_sync_manager(1, 0x1080, 40, 0x22, true);
+  request(0x02);
+  Bytes list = message(3, hex("00 80 01 00 00 00 01 00"), 1);  // list of all objects
+  base::store_le(list, 2, std::uint16_t{0x8001});
+  Bytes reply = exchange(list);
+  int fragments = 0;
+  for (; !reply.empty(); reply = controller.read_mailbox()) {
+    EXPECT_EQ(to_hex(part(reply, 2, 2)), "01 80") << "fragment " << fragments;
+    ++fragments;
+    process();
+  }
+  EXPECT_GT(fragments, 1);
+}
+
+TEST_F(MailboxTest, EmergencyAfterAGatewaysRequest_GoesToTheMaster) {
+  Bytes request = message(3, hex(kReadDeviceType), 1);
+  base::store_le(request, 2, std::uint16_t{0x8001});
+  exchange(request);
+  stack.send_emergency(0x1000, 1, {}, now);
+  process();
+  EXPECT_EQ(to_hex(part(controller.read_mailbox(), 2, 2)), "00 00");
+}
+
+TEST_F(MailboxTest, RepeatedCounter_SaysWhyTheMessageWasDropped) {
+  exchange(request_of("00 10", 3));
+  exchange(request_of("00 10", 3));
+  EXPECT_THAT(log.last("mailbox-duplicate"), HasSubstr("counter 3 dropped"));
+}
+
+TEST_F(MailboxTest, RequestLongerThanItsMessage_IsServedFromTheLengthFieldAlone) {
+  Bytes request = message(3, hex(kReadDeviceType), 1);
+  request.resize(128, std::byte{0xEE});  // what an earlier message left in the mailbox
+  EXPECT_EQ(to_hex(part(exchange(request), 6)), "00 30 43 00 10 00 92 01 FC FF");
+}
+
+TEST_F(MailboxTest, MailboxFilledToTheLastByte_IsServed) {
+  const Bytes request = message(3, concat({hex(kReadDeviceType), Bytes(112)}), 1);
+  ASSERT_EQ(request.size(), 128U);
+  EXPECT_EQ(to_hex(part(exchange(request), 6, 2)), "00 30");
+}
+
 TEST_F(MailboxTest, InInit_RequestsStayUnanswered) {
   request(0x01);
   ASSERT_TRUE(controller.write_mailbox(request_of("00 10", 1)));

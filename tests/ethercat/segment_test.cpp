@@ -28,51 +28,6 @@ TEST(Segment, SourceMac_GetsTheLocallyAdministeredBitAndNothingElse) {
   }
 }
 
-TEST(Segment, DlStatus_TellsLinksAndLoopsConsistently) {
-  TestBus bus(3);
-  EXPECT_EQ(number(bus.read(0, 0x0110, 2).data), 0x5A33U);
-  EXPECT_EQ(number(bus.read(1, 0x0110, 2).data), 0x5A33U);
-  EXPECT_EQ(number(bus.read(2, 0x0110, 2).data), 0x5613U) << "last: port 1 closed, no link";
-}
-
-TEST(Segment, BrokenCable_EndsTheLineThereAndHealingBringsItBack) {
-  TestBus bus(3);
-  bus.segment().set_link(2, false);
-  EXPECT_EQ(bus.broadcast_read(0x0000, 1).working_counter, 2U);
-  EXPECT_EQ(number(bus.read(1, 0x0110, 2).data), 0x5613U);
-  EXPECT_EQ(number(bus.read(1, 0x0311, 1).data), 1U) << "lost link counted at port 1";
-  bus.segment().set_link(2, true);
-  EXPECT_EQ(bus.broadcast_read(0x0000, 1).working_counter, 3U);
-  bus.segment().set_link(0, false);
-  EXPECT_FALSE(bus.broadcast_read(0x0000, 1).returned);
-}
-
-TEST(Segment, LoopControl_TakesEffectAfterTheFrame) {
-  TestBus bus(2);
-  bus.with(Command::apwr, physical_address(0, 0x0101), bytes({0x0C}))
-      .with(Command::brd, physical_address(0, 0x0000), zeros(1));
-  EXPECT_EQ(bus.send()[1].working_counter, 2U);
-  EXPECT_EQ(bus.broadcast_read(0x0000, 1).working_counter, 1U) << "port 1 closed";
-  EXPECT_EQ(number(bus.read(0, 0x0110, 2).data), 0x5E33U) << "link and communication stay";
-  bus.write(0, 0x0101, bytes({0x00}));
-  EXPECT_EQ(bus.broadcast_read(0x0000, 1).working_counter, 2U);
-}
-
-TEST(Segment, TemporaryLoopControl_EndsAfterASecond) {
-  TestBus bus(2);
-  bus.write(0, 0x0100, bytes({0x03, 0x0C}));
-  EXPECT_EQ(bus.broadcast_read(0x0000, 1).working_counter, 1U);
-  bus.wait(SimDuration(1'100'000'000));
-  EXPECT_EQ(bus.broadcast_read(0x0000, 1).working_counter, 2U);
-}
-
-TEST(Segment, PortForcedOpenWithoutCable_LosesFrames) {
-  TestBus bus(1);
-  bus.write(0, 0x0101, bytes({0x08}));
-  EXPECT_FALSE(bus.broadcast_read(0x0000, 1).returned);
-  EXPECT_EQ(bus.segment().statistics().lost, 1U);
-}
-
 TEST(Segment, RoundTrip_AddsLineTimeForwardingAndCables) {
   TestBus bus(0);
   bus.add({}, SimDuration(50));

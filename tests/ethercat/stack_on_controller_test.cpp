@@ -165,6 +165,67 @@ TEST_F(StackOnController, MailboxInTwoAccesses_AsTwinCatDoesIt) {
   EXPECT_FALSE(reply_waits());
 }
 
+TEST_F(StackOnController, MailboxReadAsHeaderContentAndLastByte_IsReleasedByTheLastByteOnly) {
+  go_pre_operational();
+  EXPECT_EQ(read(0x1080, 6).working_counter, 0U) << "empty";
+  write(0x1000, sdo_read(0x1000, 1));
+  for (int poll = 0; poll < 3; ++poll) {
+    EXPECT_EQ(read(0x1080, 6).working_counter, 1U);
+    EXPECT_TRUE(reply_waits());
+  }
+  EXPECT_EQ(to_hex(part(read(0x1080, 16).data, 6)), "00 30 43 00 10 00 92 01 FC FF");
+  EXPECT_TRUE(reply_waits());
+  EXPECT_EQ(read(0x10FF, 1).working_counter, 1U);
+  EXPECT_EQ(read(0x1080, 6).working_counter, 0U);
+}
+
+TEST_F(StackOnController, MailboxPolledByChangeOfTheMappedStatusBit_IsFoundAndCollected) {
+  go_operational();
+  bus.set_fmmu(0, 2, {0x20000, 1, 0x080D, 1, 0, 0, 3});
+  const auto full = [this] {
+    const auto answer = bus.transfer(Command::lrd, 0x20000, Bytes(1));
+    stack->process(bus.now());
+    return answer.data[0] == std::byte{1};
+  };
+  EXPECT_FALSE(full());
+  for (unsigned counter = 1; counter < 4; ++counter) {
+    write(0x1000, sdo_read(0x1000, counter));
+    EXPECT_TRUE(full()) << "change to full";
+    EXPECT_EQ(fetch_index(), 0x1000U);
+    EXPECT_FALSE(full()) << "and back, so that the next change is seen";
+  }
+}
+
+TEST_F(StackOnController, DrainingReadsAndPollsWithNothingThere_DisturbNothing) {
+  go_pre_operational();
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(read(0x1080, 128).working_counter, 0U);
+    EXPECT_FALSE(reply_waits());
+  }
+  write(0x1000, sdo_read(0x1000, 1));
+  EXPECT_EQ(fetch_index(), 0x1000U);
+}
+
+TEST_F(StackOnController, AllEightSyncManagerBytesWrittenAgain_LoseNoMessage) {
+  go_pre_operational();
+  write(0x1000, sdo_read(0x1000, 1));
+  ASSERT_TRUE(reply_waits());
+  write(0x0808, hex("80 10 80 00 22 00 01 00"));
+  EXPECT_EQ(status(), 0x02U);
+  EXPECT_TRUE(reply_waits());
+  EXPECT_EQ(fetch_index(), 0x1000U);
+}
+
+TEST_F(StackOnController, LostReplyInSafeOperational_ComesAgainToo) {
+  go_operational();
+  request(0x04);
+  write(0x1000, sdo_read(0x1000, 1));
+  EXPECT_EQ(fetch_index(), 0x1000U);
+  write(0x080E, hex("03"));
+  EXPECT_EQ(fetch_index(), 0x1000U);
+  EXPECT_EQ(status(), 0x04U);
+}
+
 TEST_F(StackOnController, NextRequestBeforeTheReplyWasRead_WaitsInTheController) {
   go_pre_operational();
   EXPECT_EQ(write(0x1000, sdo_read(0x1000, 1)).working_counter, 1U);

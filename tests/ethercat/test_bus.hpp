@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -68,6 +69,7 @@ struct Answer {
   unsigned interrupt = 0;
   std::uint32_t address = 0;
   Bytes data;
+  bool circulating = false;
 };
 
 /// Slaves in line and a master that sends raw frames, 10 us apart.
@@ -87,6 +89,20 @@ class TestBus {
     return *slaves_.back();
   }
 
+  /// Adds a slave without any cable; its index.
+  std::size_t add_unconnected(const SlaveControllerConfiguration& configuration = {}) {
+    slaves_.push_back(std::make_unique<SlaveController>(configuration));
+    slaves_.back()->load_sii(valid_sii());
+    return segment_.add(*slaves_.back());
+  }
+  /// The master sends from `interface` from now on.
+  TestBus& from(MasterInterface interface) {
+    interface_ = interface;
+    return *this;
+  }
+  /// Where the last frame came out.
+  std::optional<MasterInterface> exit() const { return exit_; }
+
   SlaveController& slave(std::size_t position = 0) { return *slaves_[position]; }
   Segment& segment() { return segment_; }
   base::SimTime now() const { return now_; }
@@ -104,13 +120,15 @@ class TestBus {
   std::vector<Answer> send() {
     const std::span<std::byte> frame = builder_.finish();
     now_ += base::SimDuration(10'000);
-    const bool returned = segment_.process(frame, now_);
+    exit_ = segment_.process(frame, now_, interface_);
+    const bool returned = exit_.has_value();
     std::vector<Answer> answers;
     DatagramCursor cursor(frame);
     while (const auto datagram = cursor.next()) {
       const std::span<std::byte> data = datagram->bytes();
       answers.push_back({returned, datagram->working_counter, datagram->interrupt,
-                         datagram->address, Bytes(data.begin(), data.end())});
+                         datagram->address, Bytes(data.begin(), data.end()),
+                         datagram->circulating});
     }
     builder_ = FrameBuilder(buffer_, kMaster);
     queued_ = 0;
@@ -181,6 +199,8 @@ class TestBus {
   std::vector<std::unique_ptr<SlaveController>> slaves_;
   Segment segment_;
   base::SimTime now_;
+  MasterInterface interface_ = MasterInterface::primary;
+  std::optional<MasterInterface> exit_;
   std::array<std::byte, kMaximumFrameLength> buffer_{};
   FrameBuilder builder_{buffer_, kMaster};
   unsigned queued_ = 0;

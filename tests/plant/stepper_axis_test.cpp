@@ -171,6 +171,36 @@ TEST(StepperAxis, SameRunIsTheSameToTheLastBitInEveryBuild) {
   EXPECT_EQ(hash, 15'285'391'509'361'018'412U) << "the model or its arithmetic has changed";
 }
 
+TEST(StepperAxis, StandingStillIsLeftAtOnceByWhateverActsOnTheShaft) {
+  // `woken` forgets before each step that it stands still, so it computes each of them.
+  StepperAxis axis(named("QSH5718-55-30-098"));
+  StepperAxis woken(named("QSH5718-55-30-098"));
+  const auto both = [&](const base::AxisActuation& actuation, int steps) {
+    for (int n = 0; n < steps; ++n) {
+      axis.step(actuation, 50_us);
+      woken.restore(woken.state());
+      woken.step(actuation, 50_us);
+      ASSERT_EQ(axis.state().motor, woken.state().motor) << "step " << n;
+    }
+  };
+  both(kPhaseA, 4'000);
+  EXPECT_EQ(axis.observe().speed, 0.0);
+  const double at_rest = axis.observe().shaft_angle;
+
+  axis.set_external_torque(0.5);
+  woken.set_external_torque(0.5);
+  both(kPhaseA, 400);
+  EXPECT_GT(axis.observe().shaft_angle, at_rest);
+
+  axis.set_external_torque(0.0);
+  woken.set_external_torque(0.0);
+  both(kPhaseA, 4'000);
+  both({.bridge_enabled = true, .coil_current_target = {0.0, 3.0}}, 400);
+  axis.set_supply_voltage(0.0);
+  woken.set_supply_voltage(0.0);
+  both({}, 400);
+}
+
 TEST(StepperAxis, RestoredStateContinuesIdentically) {
   StepperAxis axis(named("QSH5718-55-30-098"));
   RotatingField field(axis, 4.2);

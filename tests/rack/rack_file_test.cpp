@@ -37,9 +37,34 @@ TEST(RackFile, AMinimalFileGetsTheDocumentedDefaults) {
   EXPECT_EQ(rack.clock, ClockKind::real);
   EXPECT_EQ(rack.cycle, 1_ms);
   ASSERT_EQ(rack.segments.size(), 1U);
-  EXPECT_EQ(rack.segments[0].interface, "");
+  EXPECT_TRUE(rack.segments[0].link.in_process());
   EXPECT_EQ(rack.segments[0].devices[0].name, "tmcm-3315");
   EXPECT_FALSE(rack.record.has_value());
+}
+
+TEST(RackFile, KeysOfEepromFirmwareAndBus_ArriveAtTheDevice) {
+  const RackConfiguration rack = parse_rack_file(R"(
+state = "kept"
+[[segment]]
+[[segment.device]]
+type = "tmcm-3315"
+emergencies = false
+require_outputs = true
+identification = 5
+firmware_erase_time = "200ms"
+)",
+                                                 "test.toml");
+  EXPECT_EQ(rack.state, "kept");
+  EXPECT_FALSE(module_of(rack).emergencies);
+  EXPECT_TRUE(module_of(rack).require_outputs);
+  EXPECT_EQ(module_of(rack).identification, 5);
+  EXPECT_EQ(module_of(rack).firmware_erase_time, 200_ms);
+  const RackConfiguration plain = parse_rack_file(kMinimal, "test.toml");
+  EXPECT_EQ(plain.state, "");
+  EXPECT_TRUE(module_of(plain).emergencies);
+  EXPECT_FALSE(module_of(plain).require_outputs);
+  EXPECT_FALSE(module_of(plain).identification);
+  EXPECT_EQ(module_of(plain).firmware_erase_time, 0_ms);
 }
 
 TEST(RackFile, EveryKeyArrivesWhereItBelongs) {
@@ -79,7 +104,7 @@ home_switch = { pressed_from = 0.0, pressed_to = 0.5, normally_closed = true }
   EXPECT_EQ(rack.record->period, 250_us);
   EXPECT_THAT(rack.record->signals, ::testing::ElementsAre("gantry.axis0.*"));
   const SegmentConfiguration& segment = rack.segments.at(0);
-  EXPECT_EQ(segment.interface, "eth7");
+  EXPECT_EQ(segment.link, (link::LinkAddress{link::LinkKind::raw_ethernet, "eth7", 0}));
   EXPECT_EQ(segment.wait, link::WaitMode::adaptive);
   EXPECT_EQ(segment.spin_time, 50_us);
   EXPECT_EQ(segment.cpu, 1U);

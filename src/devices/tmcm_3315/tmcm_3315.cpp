@@ -1,5 +1,7 @@
 #include "devices/tmcm_3315/tmcm_3315.hpp"
 
+#include <utility>
+
 #include "ethercat/sii_image.hpp"
 #include "ethercat/slave_controller_presets.hpp"
 
@@ -25,6 +27,19 @@ constexpr ethercat::MailboxArea kTransmitMailbox{0x1200, 512};
 constexpr std::uint16_t kOutputs = 0x1800;
 constexpr std::uint16_t kInputs = 0x1C00;
 
+/// Argument: {0} bytes.
+constexpr base::EventRule kNewFirmware{
+    "tmcm-3315-new-firmware", base::Severity::information,
+    "restarting with a new firmware image, {0} bytes; the virtual module keeps the image and "
+    "behaves as before, it does not run it"};
+// Nor of SYNC0. Taken: wired to an interrupt of the firmware, which takes over outputs and gives
+// inputs then; cycle times of up to a second; no supervision but of SYNC0 itself.
+constexpr std::uint16_t kPdiControl = 0x0C05;  // SPI; SYNC and latch units switched on
+constexpr std::uint8_t kSyncOutputs = 0x66;    // push-pull, active high, no AL events
+constexpr std::uint16_t kSyncPulse = 1000;     // 10 us
+constexpr base::SimDuration kShortestCycle{125'000};
+constexpr base::SimDuration kLongestCycle{1'000'000'000};
+
 ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration) {
   ethercat::DeviceDescription description;
   description.vendor_id = kVendorId;
@@ -40,18 +55,34 @@ ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration)
   description.transmit_mailbox = kTransmitMailbox;
   description.output_offset = kOutputs;
   description.input_offset = kInputs;
+  description.bootstrap_receive_mailbox = kReceiveMailbox;
+  description.bootstrap_transmit_mailbox = kTransmitMailbox;
   description.coe = true;
+  description.foe = true;
+  description.eoe = configuration.ethernet_over_ethercat;
   description.sdo_information = true;
   description.complete_access = true;
   description.pdo_assign = true;
   description.pdo_configuration = true;
   description.distributed_clocks = true;
+  description.pdi_control = kPdiControl;
+  description.sync_latch_configuration = kSyncOutputs;
+  description.sync_pulse_length = kSyncPulse;
   return description;
 }
 
-ethercat::SlaveStackOptions stack_options() {
+ethercat::SlaveStackOptions stack_options(const Tmcm3315Configuration& configuration,
+                                          ethercat::FileStore& files) {
   ethercat::SlaveStackOptions options;
+  options.emergencies = configuration.emergencies;
+  options.require_outputs = configuration.require_outputs;
+  options.device_identification = configuration.identification;
+  options.files = &files;
+  options.foe = {.bootstrap_only = true, .erase_time = configuration.firmware_erase_time};
   options.process_memory_end = kProcessMemoryEnd;
+  options.distributed_clocks.sync0 = true;
+  options.distributed_clocks.shortest_cycle = kShortestCycle;
+  options.distributed_clocks.longest_cycle = kLongestCycle;
   return options;
 }
 
@@ -71,7 +102,8 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
         }
         return axes;
       }()),
-      stack_(controller_, dictionary_, description_, *this, reporter, stack_options()),
+      stack_(controller_, dictionary_, description_, *this, reporter,
+             stack_options(configuration, firmware_)),
       error_register_(dictionary_.variable<std::uint8_t>(0x1001)),
       digital_inputs_(dictionary_.variable<std::uint32_t>(0x2702)),
       analog_inputs_{dictionary_.variable<std::uint32_t>(0x270E, 1),
@@ -84,7 +116,9 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
   dictionary_.set_drive_state_query(Query::bind<&Tmcm3315::drive_state>(*this));
   set_identity(configuration);
   controller_.set_event_reporter(reporter);
-  controller_.load_sii(ethercat::build_sii_image(description_, dictionary_));
+  controller_.load_sii(ethercat::build_sii_image(
+      description_, dictionary_,
+      {.device_identification = configuration.identification.has_value()}));
 }
 
 void Tmcm3315::set_identity(const Tmcm3315Configuration& configuration) {
@@ -98,14 +132,26 @@ const char* Tmcm3315::drive_state(std::uint8_t axis) {
 }
 
 void Tmcm3315::advance(base::SimTime now) {
-  while (now_ + kPlantStep <= now) {
+  while (true) {
+    const base::SimTime step_end = now_ + kPlantStep;
+    const base::SimTime sync0 = controller_.next_sync_edge(0);
+    if (sync0 <= now && sync0 <= step_end) {
+      controller_.advance(sync0);
+      take_sync0(sync0);
+      continue;
+    }
+    if (step_end > now) {
+      break;
+    }
     for (const auto& axis : axes_) {
       axis->step(kPlantStep);
     }
     now_ += kPlantStep;
     if (now_ >= next_tick_) {
       next_tick_ += kControlPeriod;
-      tick(now_);
+      if (powered_) {
+        tick(now_);
+      }
     }
   }
   controller_.advance(now);
@@ -113,14 +159,30 @@ void Tmcm3315::advance(base::SimTime now) {
 
 void Tmcm3315::tick(base::SimTime now) {
   controller_.advance(now);
-  stack_.process(now);
+  process_bus(now);
   read_inputs();
   for (const auto& axis : axes_) {
     axis->tick(now, input_levels_);
   }
   switch_outputs();
   report_errors(now);
+  if (!stack_.synchronous()) {
+    outputs_came_ = false;
+    stack_.publish_inputs(now);
+  }
+}
+
+void Tmcm3315::take_sync0(base::SimTime now) {
+  const std::uint64_t pulses = controller_.sync_pulse_count(0);
+  if (std::exchange(sync0_pulses_, pulses) != pulses) {
+    stack_.sync0(now);
+  }
+}
+
+void Tmcm3315::on_sync0(base::SimTime now) {
+  apply_commands(now);
   outputs_came_ = false;
+  switch_outputs();
   stack_.publish_inputs(now);
 }
 
@@ -131,11 +193,22 @@ void Tmcm3315::read_inputs() {
   }
 }
 
+void Tmcm3315::set_power(bool on, base::SimTime now) {
+  powered_ = on;
+  // Without power the axes are what they are before the firmware has started: switched off.
+  restart_firmware(now);
+  static_cast<void>(controller_.take_reset_request());
+}
+
 void Tmcm3315::handle_bus_events(base::SimTime now) {
+  if (!powered_) {
+    return;
+  }
   if (controller_.take_reset_request()) {
     restart_firmware(now);
   }
-  stack_.process(now);
+  take_sync0(now);  // one that the frame has overtaken
+  process_bus(now);
   apply_commands(now);
   if (outputs_came_) {
     outputs_came_ = false;
@@ -144,7 +217,17 @@ void Tmcm3315::handle_bus_events(base::SimTime now) {
   }
 }
 
+void Tmcm3315::process_bus(base::SimTime now) {
+  stack_.process(now);
+  if (restart_due_) {
+    reporter_.report(now, kNewFirmware, {base::EventArgument(firmware_.size())});
+    restart_firmware(now);
+  }
+}
+
 void Tmcm3315::restart_firmware(base::SimTime now) {
+  restart_due_ = false;
+  downloads_in_force_ = firmware_.downloads();
   dictionary_.reset_values();
   set_identity(configuration_);
   digital_outputs_ = 0;
@@ -164,6 +247,9 @@ void Tmcm3315::apply_commands(base::SimTime now) {
 }
 
 void Tmcm3315::on_state(AlState from, AlState to, base::SimTime now) {
+  if (from == AlState::bootstrap) {
+    restart_due_ = firmware_.downloads() != downloads_in_force_;
+  }
   const bool operational = to == AlState::operational;
   if (!operational && from != AlState::operational) {
     return;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "base/event.hpp"
@@ -28,6 +29,15 @@ struct Tmcm3315Configuration {
   std::uint32_t revision = 0x00010009;  ///< 1018h:03; firmware 1.09
   std::uint32_t serial_number = 0;      ///< in the SII only, 1018h has no entry for it
   std::uint16_t station_alias = 0;
+
+  bool emergencies = true;       ///< send CoE emergencies
+  bool require_outputs = false;  ///< Operational only after outputs have come
+  /// Explicit device identification; the module has no ID switch, so by default it has none.
+  std::optional<std::uint16_t> identification;
+  /// How long a firmware download waits for the flash to be erased.
+  base::SimDuration firmware_erase_time;
+  /// Ethernet over EtherCAT, which the module does not have: its document names CoE and FoE only.
+  bool ethernet_over_ethercat = false;
 };
 
 /// The TMCM-3315 of Trinamic: three stepper axes on EtherCAT with CoE and CiA 402, as "TMCM-3315
@@ -36,6 +46,8 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
  public:
   static constexpr base::SimDuration kPlantStep{50'000};
   static constexpr base::SimDuration kControlPeriod{1'000'000};
+  /// Longest firmware image, bytes; the document names no limit.
+  static constexpr std::size_t kFirmwareCapacity = std::size_t{2} << 20;
 
   explicit Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReporter reporter = {});
 
@@ -46,6 +58,9 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   }
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;
+  [[nodiscard]] FirmwareMemory* firmware() override { return &firmware_; }
+  [[nodiscard]] ethercat::EoeServer* eoe() override { return stack_.eoe(); }
+  void set_power(bool on, base::SimTime now) override;
   [[nodiscard]] std::vector<Signal> signals() override;
 
   [[nodiscard]] tmcm_3315::AxisUnit& axis(std::size_t number) { return *axes_[number]; }
@@ -61,14 +76,18 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
  private:
   void on_state(ethercat::AlState from, ethercat::AlState to, base::SimTime now) override;
   void on_outputs(base::SimTime now) override;
+  void on_sync0(base::SimTime now) override;
   void before_inputs(base::SimTime now) override;
   void on_output_refused(const dictionary::Entry& entry, const dictionary::Refusal& refusal,
                          base::SimTime now) override;
 
   [[nodiscard]] const char* drive_state(std::uint8_t axis);
   void set_identity(const Tmcm3315Configuration& configuration);
+  void process_bus(base::SimTime now);
   void restart_firmware(base::SimTime now);
   void tick(base::SimTime now);
+  /// Lets the firmware's interrupt run if SYNC0 has come.
+  void take_sync0(base::SimTime now);
   void read_inputs();
   void apply_commands(base::SimTime now);
   void switch_outputs();
@@ -81,6 +100,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   ethercat::DeviceDescription description_;
   dictionary::Dictionary dictionary_;
   ethercat::SlaveController controller_;
+  FirmwareMemory firmware_{kFirmwareCapacity};
   std::array<std::unique_ptr<tmcm_3315::AxisUnit>, tmcm_3315::kAxisCount> axes_;
   ethercat::SlaveStack stack_;
 
@@ -96,6 +116,10 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   std::array<std::uint16_t, 4> analog_counts_{};
   std::uint32_t digital_outputs_ = 0;
   bool outputs_came_ = false;
+  std::uint32_t downloads_in_force_ = 0;  ///< of firmware_ at the last start of the firmware
+  bool restart_due_ = false;              ///< Bootstrap was left with a new image
+  bool powered_ = true;
+  std::uint64_t sync0_pulses_ = 0;  ///< the firmware has seen
   /// As last told to the master by emergencies.
   std::array<drive::AxisErrors, tmcm_3315::kAxisCount> reported_errors_{};
   std::array<std::uint32_t, tmcm_3315::kAxisCount> reported_resets_{};

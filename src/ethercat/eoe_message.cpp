@@ -1,0 +1,107 @@
+#include "ethercat/eoe_message.hpp"
+
+#include <algorithm>
+
+namespace stator::ethercat {
+
+namespace {
+
+// Flags of the block's first word: which parameters follow, in this order.
+constexpr std::uint32_t kMacAddress = 0x01;
+constexpr std::uint32_t kAddress = 0x02;
+constexpr std::uint32_t kSubnetMask = 0x04;
+constexpr std::uint32_t kDefaultGateway = 0x08;
+constexpr std::uint32_t kDnsServer = 0x10;
+constexpr std::uint32_t kDnsName = 0x20;
+
+constexpr std::size_t kFlagsSize = 4;
+
+/// IPv4 addresses are little-endian numbers here, so the last octet comes first.
+Ipv4Address load_address(std::span<const std::byte> bytes) {
+  Ipv4Address address{};
+  std::ranges::transform(bytes.first<4>(), address.rbegin(),
+                         [](std::byte byte) { return std::to_integer<std::uint8_t>(byte); });
+  return address;
+}
+
+void store_address(std::span<std::byte> bytes, const Ipv4Address& address) {
+  std::transform(address.rbegin(), address.rend(), bytes.begin(),
+                 [](std::uint8_t octet) { return static_cast<std::byte>(octet); });
+}
+
+struct AddressField {
+  std::uint32_t flag;
+  std::optional<Ipv4Address> IpParameters::*member;
+};
+
+constexpr std::array<AddressField, 4> kAddressFields{{
+    {kAddress, &IpParameters::address},
+    {kSubnetMask, &IpParameters::subnet_mask},
+    {kDefaultGateway, &IpParameters::default_gateway},
+    {kDnsServer, &IpParameters::dns_server},
+}};
+
+}  // namespace
+
+bool decode_ip_parameters(std::span<const std::byte> block, IpParameters& parameters) {
+  if (block.size() < kFlagsSize) {
+    return false;
+  }
+  const auto flags = base::load_le<std::uint32_t>(block);
+  std::span<const std::byte> rest = block.subspan(kFlagsSize);
+  IpParameters changed = parameters;
+  if ((flags & kMacAddress) != 0) {
+    MacAddress address{};
+    if (rest.size() < address.size()) {
+      return false;
+    }
+    std::ranges::copy(rest.first(address.size()),
+                      std::as_writable_bytes(std::span(address)).begin());
+    changed.mac_address = address;
+    rest = rest.subspan(address.size());
+  }
+  for (const AddressField& field : kAddressFields) {
+    if ((flags & field.flag) == 0) {
+      continue;
+    }
+    if (rest.size() < sizeof(Ipv4Address)) {
+      return false;
+    }
+    changed.*field.member = load_address(rest);
+    rest = rest.subspan(sizeof(Ipv4Address));
+  }
+  if ((flags & kDnsName) != 0) {
+    auto& name = changed.dns_name.emplace();
+    std::ranges::copy(rest.first(std::min(rest.size(), name.size())),
+                      std::as_writable_bytes(std::span(name)).begin());
+  }
+  parameters = changed;
+  return true;
+}
+
+std::size_t encode_ip_parameters(const IpParameters& parameters, std::span<std::byte> block) {
+  std::uint32_t flags = 0;
+  std::size_t used = kFlagsSize;
+  if (parameters.mac_address) {
+    flags |= kMacAddress;
+    std::ranges::copy(std::as_bytes(std::span(*parameters.mac_address)),
+                      block.subspan(used).begin());
+    used += parameters.mac_address->size();
+  }
+  for (const AddressField& field : kAddressFields) {
+    if (const auto& address = parameters.*field.member) {
+      flags |= field.flag;
+      store_address(block.subspan(used), *address);
+      used += address->size();
+    }
+  }
+  if (parameters.dns_name) {
+    flags |= kDnsName;
+    std::ranges::copy(std::as_bytes(std::span(*parameters.dns_name)), block.subspan(used).begin());
+    used += parameters.dns_name->size();
+  }
+  base::store_le(block, 0, flags);
+  return used;
+}
+
+}  // namespace stator::ethercat
