@@ -23,34 +23,10 @@ constexpr base::EventRule kSyncManagerArea{
     "esc-sync-manager-area", base::Severity::warning,
     "sync manager {0} stays inactive: start {1:x4} with length {2} takes {3} bytes; it needs a "
     "length above 1 and must lie within 1000h..{4:x4}"};
-constexpr base::EventRule kSiiWriteEnable{
-    "esc-sii-write-enable", base::Severity::refusal,
-    "EEPROM write refused: bit 0 of register 0502h (write enable) was not set in the same frame; "
-    "write 0201h as the command"};
-constexpr base::EventRule kSiiCommand{
-    "esc-sii-command", base::Severity::refusal,
-    "EEPROM command {0} is none of 0 (idle), 1 (read), 2 (write), 4 (reload)"};
-constexpr base::EventRule kSiiMissing{
-    "esc-sii-missing", base::Severity::refusal,
-    "EEPROM command {0} failed: no EEPROM is fitted; give the device an SII image"};
-constexpr base::EventRule kSiiErrorPending{
-    "esc-sii-error-pending", base::Severity::refusal,
-    "EEPROM command {0} ignored: bit 13 of register 0502h still shows an error; write command 0 "
-    "first"};
-constexpr base::EventRule kMiiWriteEnable{
-    "esc-mii-write-enable", base::Severity::refusal,
-    "PHY write refused: bit 0 of register 0510h (write enable) was not set in the same frame; "
-    "write 0201h as the command"};
-constexpr base::EventRule kMiiCommand{
-    "esc-mii-command", base::Severity::refusal,
-    "MII management command {0} is none of 0 (idle), 1 (read), 2 (write)"};
-
 constexpr std::size_t kAlControl = 0x0120;
 constexpr std::size_t kAlStatus = 0x0130;
-constexpr std::size_t kAlStatusCode = 0x0134;
 constexpr std::size_t kRunLedOverride = 0x0138;
 constexpr std::size_t kErrorLedOverride = 0x0139;
-constexpr std::uint8_t kOverride = 0x10;
 constexpr std::uint16_t kAlErrorIndication = 0x0010;
 constexpr std::size_t kEcatEventRequest = 0x0210;
 constexpr std::size_t kAlEventRequest = 0x0220;
@@ -300,79 +276,6 @@ void SlaveController::change_al_status() {
     }
     set_ecat_event(kAlStatusEvent, true);
   }
-}
-
-void SlaveController::start_sii_command() {
-  const auto command = static_cast<unsigned>(registers()[0x0503]) & 7U;
-  frame_work_ |= FrameWork::kClearWriteEnables;
-  switch (sii_.start_command(now_)) {
-    case SiiInterface::CommandResult::started:
-      next_deadline_ = std::min(next_deadline_, sii_.deadline());
-      break;
-    case SiiInterface::CommandResult::idle:
-      break;
-    case SiiInterface::CommandResult::invalid:
-      reporter_.report(now_, kSiiCommand, {command});
-      break;
-    case SiiInterface::CommandResult::not_write_enabled:
-      reporter_.report(now_, kSiiWriteEnable);
-      break;
-    case SiiInterface::CommandResult::error_pending:
-      reporter_.report(now_, kSiiErrorPending, {command});
-      break;
-    case SiiInterface::CommandResult::no_acknowledge:
-      reporter_.report(now_, kSiiMissing, {command});
-      break;
-  }
-}
-
-void SlaveController::start_mii_command() {
-  const auto command = static_cast<unsigned>(registers()[0x0511]) & 3U;
-  frame_work_ |= FrameWork::kClearWriteEnables;
-  switch (mii_.start_command(now_)) {
-    case MiiManagement::CommandResult::started:
-      next_deadline_ = std::min(next_deadline_, mii_.deadline());
-      break;
-    case MiiManagement::CommandResult::idle:
-      break;
-    case MiiManagement::CommandResult::invalid:
-      reporter_.report(now_, kMiiCommand, {command});
-      break;
-    case MiiManagement::CommandResult::not_write_enabled:
-      reporter_.report(now_, kMiiWriteEnable);
-      break;
-  }
-}
-
-unsigned SlaveController::links() const {
-  unsigned links = 0;
-  for (unsigned port = 0; port < kPorts; ++port) {
-    links |= ports_[port].link ? 1U << port : 0U;
-  }
-  return links;
-}
-
-LedCode SlaveController::run_led() const {
-  const auto override = std::to_integer<std::uint8_t>(memory_[kRunLedOverride]);
-  return (override & kOverride) != 0 ? static_cast<LedCode>(override & 0x0F)
-                                     : run_led_code(al_status_);
-}
-
-LedCode SlaveController::error_led() const {
-  const auto override = std::to_integer<std::uint8_t>(memory_[kErrorLedOverride]);
-  if ((override & kOverride) != 0) {
-    return static_cast<LedCode>(override & 0x0F);
-  }
-  return error_led_code({al_status_, base::load_le<std::uint16_t>(memory_.data() + kAlStatusCode),
-                         !loaded_, host_watchdog_.expired()});
-}
-
-void SlaveController::show_leds() {
-  const auto show = [this](std::size_t address, LedCode code) {
-    memory_[address] = (memory_[address] & std::byte{kOverride}) | static_cast<std::byte>(code);
-  };
-  show(kRunLedOverride, run_led());
-  show(kErrorLedOverride, error_led());
 }
 
 void SlaveController::count_host_error(std::uint8_t code) {

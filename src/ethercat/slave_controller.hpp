@@ -283,6 +283,14 @@ class SlaveController final : public ProcessDataInterface {
   void compile_mappings();
   [[nodiscard]] bool compile_mapping(const Fmmu& fmmu);
 
+  // command_effects.cpp
+  void start_sii_command();
+  void start_mii_command();
+  [[nodiscard]] unsigned links() const;
+
+  // status_leds.cpp, with run_led() and error_led()
+  void show_leds();
+
   // register_effects.cpp
   void before_read(Side side, Effects effects);
   void after_bus_read(Effects effects);
@@ -293,10 +301,6 @@ class SlaveController final : public ProcessDataInterface {
   void take_al_control();
   void report_locked_al_control(std::uint16_t requested);
   void change_al_status();
-  void start_sii_command();
-  void start_mii_command();
-  void show_leds();
-  [[nodiscard]] unsigned links() const;
   void update_sync_managers(std::uint32_t address, std::size_t length);
   void configure_sync_manager(std::size_t channel);
   void update_watchdog_times();

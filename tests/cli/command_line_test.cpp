@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <filesystem>
@@ -105,6 +106,30 @@ TEST(CommandLine, DescribeHasFourFormats) {
               HasSubstr("\"name\": \"Axis 0: Controlword\""));
   EXPECT_THAT(stator("describe tmcm-3315 --format markdown").output,
               HasSubstr("| 6040h:00 | Axis 0: Controlword |"));
+}
+
+TEST(CommandLine, DescribeRegistersPrintsTheColumnsOfTheDocumentsTables) {
+  const Outcome csv = stator("describe tmc8461 --registers --format csv");
+  EXPECT_EQ(csv.status, 0);
+  EXPECT_THAT(csv.output, testing::StartsWith(
+                              "address,width_bits,name,bit_hi,bit_lo,field,access_ecat,access_pdi,"
+                              "reset,source_line,notes\n0x0000,8,Type,7,0,type,r,r,0xD0,L2409,\n"));
+  EXPECT_EQ(std::count(csv.output.begin(), csv.output.end(), '\n'), 625) << "header and 624 rows";
+  EXPECT_THAT(stator("describe tmcm-3315 --registers").output,
+              HasSubstr("0x0120  AL Control\n       3:0  request_state"));
+  EXPECT_THAT(stator("describe tmc8670 --registers --format json").output,
+              HasSubstr("\"name\": \"Configured Station Alias\""));
+  EXPECT_THAT(stator("describe tmc8670 --registers --format markdown").output,
+              HasSubstr("| 0x0001 | Revision | 7:0 | revision | r | r | 0x70 |  |"));
+  EXPECT_THAT(stator("describe tmc8670 --registers --preset silicon --format csv").output,
+              HasSubstr("0x0310,8,Lost Link Counter Port 0,7,0,lost_link_count,r,r,0x00,L1767,"
+                        "\"not built: reads 0, ignores writes\""));
+}
+
+TEST(CommandLine, DescribeRegistersOfAnUnknownControllerNamesThoseThereAre) {
+  const Outcome outcome = stator("describe tmc8670 --registers --preset gold");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.output, HasSubstr("tmc8670 --preset silicon"));
 }
 
 TEST(CommandLine, ExportWritesAnSiiImageAndAnEsiFile) {

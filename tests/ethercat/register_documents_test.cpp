@@ -392,12 +392,5 @@ TEST(RegisterDocuments, Tmcm3315_HasTheRegistersOfATmc8461) {
   }
 }
 
-TEST(SlaveControllerPresets, AreFoundByDeviceAndName) {
-  EXPECT_EQ(find_slave_controller_preset("tmc8670")->name, "document");
-  EXPECT_EQ(find_slave_controller_preset("tmc8670", "silicon")->name, "silicon");
-  EXPECT_EQ(find_slave_controller_preset("tmc8670", "gold"), nullptr);
-  EXPECT_EQ(find_slave_controller_preset("tmc8462"), nullptr);
-}
-
 }  // namespace
 }  // namespace stator::ethercat

@@ -144,6 +144,32 @@ TEST(ErrorCounters, Saturate) {
   EXPECT_EQ(number(bus.read(0, 0x0300, 2).data), 0xFFU);
 }
 
+TEST(ErrorCounters, EveryOneStopsAtFF) {
+  TestBus bus;
+  SlaveController& slave = bus.slave();
+  for (int i = 0; i < 260; ++i) {
+    slave.count_receive_error(0, ReceiveError::invalid_frame);
+    slave.count_receive_error(0, ReceiveError::physical);
+    slave.count_receive_error(0, ReceiveError::forwarded_error);
+    slave.count_malformed_frame();
+    slave.count_host_error(0x15);
+    slave.set_link(0, false);
+    slave.set_link(0, true);
+  }
+  for (const std::uint16_t address :
+       std::array<std::uint16_t, 6>{0x0300, 0x0301, 0x0308, 0x030C, 0x030D, 0x0310}) {
+    EXPECT_EQ(number(bus.read(0, address, 1).data), 0xFFU) << std::hex << address;
+  }
+}
+
+TEST(ErrorCounters, HostErrorKeepsTheLastCause) {
+  TestBus bus;
+  bus.slave().count_host_error(0x0B);
+  bus.slave().count_host_error(0x53);
+  EXPECT_EQ(bus.read(0, 0x030D, 2).data, bytes({2, 0x53}));
+  EXPECT_EQ(host_read(bus.slave(), 0x030D, 2), bytes({2, 0x53}));
+}
+
 TEST(WriteProtection, RegistersUnlockForOneFrameOnly) {
   TestBus bus;
   bus.write(0, 0x0021, bytes({1}));
@@ -195,6 +221,21 @@ TEST(ResetKey, ThreeStepsInOneFrame_AreOneStep) {
   }
   bus.send();
   EXPECT_FALSE(bus.slave().take_reset_request());
+}
+
+TEST(ResetKey, ProgressIsReadInTheFrameOfTheStep) {
+  TestBus bus;
+  const auto step = [&](unsigned key) {
+    bus.with(Command::apwr, physical_address(0, 0x0040), bytes({key}))
+        .with(Command::aprd, physical_address(0, 0x0040), bytes({0}));
+    return number(bus.send()[1].data);
+  };
+  EXPECT_EQ(step(0x52), 1U);
+  EXPECT_EQ(step(0x45), 2U);
+  EXPECT_EQ(step(0x45), 0U) << "wrong key";
+  EXPECT_EQ(step(0x52), 1U);
+  EXPECT_EQ(number(bus.read(0, 0x0040, 1).data), 1U) << "shown until this frame ends";
+  EXPECT_EQ(number(bus.read(0, 0x0040, 1).data), 0U) << "a frame without a step";
 }
 
 TEST(ResetKey, HostHasItsOwn) {

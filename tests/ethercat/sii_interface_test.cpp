@@ -245,6 +245,26 @@ TEST_F(Sii, AnotherHostInterfaceThanSpi_IsShownAsInvalid) {
   EXPECT_EQ(number(bus.read(0, 0x014E, 1).data), 0x0AU) << "configured, invalid, not active";
 }
 
+TEST_F(Sii, EnhancedLinkDetection_OfAnyPortIsShownInDlStatus) {
+  EXPECT_EQ(number(bus.read(0, 0x0110, 1).data) & 4U, 0U);
+  for (const unsigned setting : {0x02U, 0x10U, 0x20U}) {
+    Bytes image = valid_sii();
+    image[1] = static_cast<std::byte>(setting);
+    image[14] = std::byte{sii_checksum(image)};
+    slave.load_sii(image);
+    EXPECT_EQ(number(bus.read(0, 0x0110, 1).data) & 4U, 4U) << setting;
+  }
+}
+
+TEST_F(Sii, NoCommandRaisesTheEventOfEepromEmulation) {
+  for (const unsigned code : {0x0100U, 0x0201U, 0x0300U, 0x0400U}) {
+    bus.write(0, 0x0502, command(code, 0x20, 6));
+    finished_status();
+    EXPECT_EQ(slave.al_event_request() & 0x20U, 0U);
+    EXPECT_EQ(status() & 0x0020U, 0U) << "emulation is not there";
+  }
+}
+
 TEST_F(Sii, AddressBits_FollowTheSizeOfTheEeprom) {
   EXPECT_EQ(status() & 0x0080U, 0U) << "16 kbit: one address byte";
   Bytes image = valid_sii();

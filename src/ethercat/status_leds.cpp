@@ -1,0 +1,40 @@
+// The status LEDs of a slave controller and registers 0x0138, 0x0139, which show and override them.
+
+#include "base/byte_order.hpp"
+#include "ethercat/slave_controller.hpp"
+
+namespace stator::ethercat {
+
+namespace {
+
+constexpr std::size_t kAlStatusCode = 0x0134;
+constexpr std::size_t kRunLedOverride = 0x0138;
+constexpr std::size_t kErrorLedOverride = 0x0139;
+constexpr std::uint8_t kOverride = 0x10;
+
+}  // namespace
+
+LedCode SlaveController::run_led() const {
+  const auto override = std::to_integer<std::uint8_t>(memory_[kRunLedOverride]);
+  return (override & kOverride) != 0 ? static_cast<LedCode>(override & 0x0F)
+                                     : run_led_code(al_status_);
+}
+
+LedCode SlaveController::error_led() const {
+  const auto override = std::to_integer<std::uint8_t>(memory_[kErrorLedOverride]);
+  if ((override & kOverride) != 0) {
+    return static_cast<LedCode>(override & 0x0F);
+  }
+  return error_led_code({al_status_, base::load_le<std::uint16_t>(memory_.data() + kAlStatusCode),
+                         !loaded_, host_watchdog_.expired()});
+}
+
+void SlaveController::show_leds() {
+  const auto show = [this](std::size_t address, LedCode code) {
+    memory_[address] = (memory_[address] & std::byte{kOverride}) | static_cast<std::byte>(code);
+  };
+  show(kRunLedOverride, run_led());
+  show(kErrorLedOverride, error_led());
+}
+
+}  // namespace stator::ethercat
