@@ -61,7 +61,7 @@ TEST_P(DlStatusTable, EveryRowIsWhatASlaveShows) {
     std::vector<DatagramView> datagrams(1);
     DatagramCursor cursor(builder.finish());
     ASSERT_TRUE(cursor.next(datagrams[0]));
-    slave.process(datagrams, {base::SimTime(), ArrivalTimes{}});
+    slave.process(datagrams, {base::SimTime(), base::SimTime(), ArrivalTimes{}});
     testing::Bytes shown(1);
     slave.peek(0x0111, shown);
     EXPECT_EQ(number(shown), std::stoul(rows[r][0], nullptr, 16)) << "row " << rows[r][0];
@@ -219,6 +219,13 @@ TEST(Ports, ReceiveErrors_CountAtEnabledPortsOnly) {
     bus.slave(1).count_receive_error(port, ReceiveError::forwarded_error);
   }
   EXPECT_EQ(bus.read(1, 0x0300, 12).data, bytes({1, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0}));
+}
+
+TEST(Ports, DlControl_KeepsItsReservedBitsZeroAndStoresThoseOfEBus) {
+  TestBus bus(2);
+  bus.write(1, 0x0100, bytes({0xFC, 0x00, 0xCF, 0xFE}));
+  EXPECT_EQ(number(bus.read(1, 0x0100, 4).data), 0x004F0000U);
+  EXPECT_EQ(reachable(bus), 2U);
 }
 
 /// A frame of another protocol.
