@@ -228,6 +228,23 @@ TEST(Ports, DlControl_KeepsItsReservedBitsZeroAndStoresThoseOfEBus) {
   EXPECT_EQ(reachable(bus), 2U);
 }
 
+TEST(Ports, ReceiveErrorCounters_Saturate) {
+  TestBus bus(1);
+  for (int i = 0; i < 300; ++i) {
+    bus.slave().count_receive_error(0, ReceiveError::invalid_frame);
+    bus.slave().count_receive_error(0, ReceiveError::physical);
+    bus.slave().count_receive_error(0, ReceiveError::forwarded_error);
+  }
+  EXPECT_EQ(bus.read(0, 0x0300, 9).data, bytes({0xFF, 0xFF, 0, 0, 0, 0, 0, 0, 0xFF}));
+}
+
+TEST(Ports, DlStatus_IsReadOnlyForBothSides) {
+  TestBus bus(2);
+  EXPECT_EQ(bus.write(0, 0x0110, bytes({0xFF, 0xFF})).working_counter, 0U);
+  testing::host_write(bus.slave(0), 0x0110, bytes({0xFF, 0xFF}));
+  EXPECT_EQ(dl_status(bus, 0), 0x5A33U);
+}
+
 /// A frame of another protocol.
 testing::Bytes foreign_frame(unsigned ether_type_high, unsigned ether_type_low) {
   testing::Bytes frame = zeros(60);
