@@ -186,8 +186,49 @@ void fprd_of_the_last_slave(benchmark::State& state) {
   report(state, static_cast<double>(state.iterations()) * static_cast<double>(slaves));
 }
 
+/// Slaves in a ring, without configuration.
+struct Ring {
+  explicit Ring(std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      slaves.push_back(std::make_unique<SlaveController>(SlaveControllerConfiguration{}));
+      segment.append(*slaves.back());
+    }
+    segment.connect(MasterInterface::secondary, SlavePort{count - 1, 1});
+  }
+  std::vector<std::unique_ptr<SlaveController>> slaves;
+  Segment segment;
+  std::array<std::byte, kMaximumFrameLength> buffer{};
+};
+
+/// A frame that no slave processes: what is left is the fixed cost of a frame.
+void other_way_round_a_ring(benchmark::State& state) {
+  Ring ring(static_cast<std::size_t>(state.range(0)));
+  for (auto _ : state) {
+    FrameBuilder builder(ring.buffer, kMaster);
+    builder.append(Command::lrw, 0, 0x10000, std::size_t{60});
+    benchmark::DoNotOptimize(
+        ring.segment.process(builder.finish(), base::SimTime(), MasterInterface::secondary));
+  }
+}
+
+/// A cable breaks or heals, and both ways are worked out anew; per slave.
+void plan_after_a_change(benchmark::State& state) {
+  const auto slaves = static_cast<std::size_t>(state.range(0));
+  Ring ring(slaves);
+  bool intact = false;
+  for (auto _ : state) {
+    ring.segment.set_link(slaves / 2, std::exchange(intact, !intact));
+    benchmark::DoNotOptimize(ring.segment.round_trip(60));
+  }
+  const auto planned = static_cast<double>(state.iterations()) * static_cast<double>(slaves);
+  state.counters["per_slave"] =
+      benchmark::Counter(planned, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
 }  // namespace
 
-BENCHMARK(lrw)->Arg(1)->Arg(10)->Arg(24)->Arg(50)->Arg(500);
-BENCHMARK(lrw_with_mailbox_status)->Arg(1)->Arg(10)->Arg(50)->Arg(500);
-BENCHMARK(fprd_of_the_last_slave)->Arg(1)->Arg(50)->Arg(500);
+BENCHMARK(lrw)->Arg(1)->Arg(10)->Arg(24)->Arg(50)->Arg(100)->Arg(500);
+BENCHMARK(lrw_with_mailbox_status)->Arg(1)->Arg(10)->Arg(50)->Arg(100)->Arg(500);
+BENCHMARK(fprd_of_the_last_slave)->Arg(1)->Arg(10)->Arg(50)->Arg(100)->Arg(500);
+BENCHMARK(other_way_round_a_ring)->Arg(1)->Arg(50)->Arg(500);
+BENCHMARK(plan_after_a_change)->Arg(1)->Arg(10)->Arg(50)->Arg(100)->Arg(500);

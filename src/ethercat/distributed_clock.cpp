@@ -119,7 +119,7 @@ void DistributedClock::latch_receive_times(const FrameTiming& timing) {
                      static_cast<std::uint32_t>(local_time(timing.port(port))));
     }
   }
-  base::store_le(registers_, kReceiveTimeProcessingUnit, local_time(timing.processing_unit()));
+  base::store_le(registers_, kReceiveTimeProcessingUnit, local_time(timing.processing_unit));
 }
 
 void DistributedClock::compare(std::uint32_t received, base::SimTime t) {

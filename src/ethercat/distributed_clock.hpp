@@ -12,10 +12,10 @@ namespace stator::ethercat {
 
 /// When the first bit of a frame reached the ports and the processing unit of a slave.
 struct FrameTiming {
-  base::SimTime sent;  ///< when it left the master
+  base::SimTime sent;             ///< when it left the master
+  base::SimTime processing_unit;  ///< at hand, because every frame needs it
   const ArrivalTimes& arrivals;
 
-  [[nodiscard]] base::SimTime processing_unit() const { return sent + arrivals.processing_unit; }
   [[nodiscard]] bool received_at(unsigned port) const { return (arrivals.ports >> port & 1U) != 0; }
   [[nodiscard]] base::SimTime port(unsigned port) const { return sent + arrivals.port[port]; }
 };

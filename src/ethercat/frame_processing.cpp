@@ -16,7 +16,7 @@ void add(DatagramView& datagram, unsigned count) {
 }  // namespace
 
 void SlaveController::process(std::span<DatagramView> datagrams, const FrameTiming& timing) {
-  frame_start_ = timing.processing_unit();
+  frame_start_ = timing.processing_unit;
   now_ = std::max(now_, frame_start_);
   if (now_ >= next_deadline_) [[unlikely]] {
     expire(now_);
@@ -176,7 +176,7 @@ void SlaveController::end_frame_work(const FrameTiming& timing) {
     clock_.latch_receive_times(timing);
   }
   if ((work & FrameWork::kCompareSystemTime) != 0) {
-    clock_.compare(received_system_time_, timing.processing_unit());
+    clock_.compare(received_system_time_, timing.processing_unit);
     schedule_sync();
   }
   if ((work & FrameWork::kTakeStartTime) != 0) {

@@ -47,9 +47,21 @@ std::size_t Segment::append(SlaveController& slave, base::SimDuration cable_dela
 std::size_t Segment::add(SlaveController& slave) {
   stations_.push_back({&slave, {}, true});
   slave.watch_topology(&topology_changed_);
+  reserve_plans();
   const std::size_t index = wiring_.add_slave();
   update_links();
   return index;
+}
+
+/// Room for as many slaves as stations_ has, so that planning between frames allocates nothing.
+void Segment::reserve_plans() {
+  const std::size_t slaves = stations_.capacity();
+  forwarding_.reserve(slaves);
+  planner_.reserve(slaves);
+  for (Way& way : ways_) {
+    way.route.visits.reserve(slaves);
+    way.stops.reserve(slaves);
+  }
 }
 
 void Segment::require_free(SlavePort port) const {
@@ -142,21 +154,31 @@ void Segment::plan() {
     forwarding_.push_back(station.slave->forwarding());
   }
   for (const MasterInterface entry : {MasterInterface::primary, MasterInterface::secondary}) {
-    planner_.plan(wiring_, forwarding_, entry, routes_[static_cast<std::size_t>(entry)]);
+    plan(entry);
   }
 }
 
-const Route& Segment::route(MasterInterface entry) {
+void Segment::plan(MasterInterface entry) {
+  Way& way = ways_[static_cast<std::size_t>(entry)];
+  planner_.plan(wiring_, forwarding_, entry, way.route);
+  way.stops.clear();
+  for (const Route::Visit& visit : way.route.visits) {
+    way.stops.push_back({stations_[visit.slave].slave, visit.times.processing_unit, &visit.times,
+                         visit.marks_circulating});
+  }
+}
+
+const Segment::Way& Segment::way(MasterInterface entry) {
   if (topology_changed_) [[unlikely]] {
     plan();
   }
-  return routes_[static_cast<std::size_t>(entry)];
+  return ways_[static_cast<std::size_t>(entry)];
 }
 
 std::optional<MasterInterface> Segment::process(std::span<std::byte> frame, base::SimTime arrival,
                                                 MasterInterface entry) {
   ++statistics_.frames;
-  const Route& way = route(entry);
+  const Way& way = this->way(entry);
   std::size_t count = 0;
   DatagramCursor cursor(frame);
   while (cursor.next(datagrams_[count])) {
@@ -174,56 +196,55 @@ std::optional<MasterInterface> Segment::process(std::span<std::byte> frame, base
     case FrameError::length_overrun:
     case FrameError::datagram_overrun:
       ++statistics_.malformed;
-      for (const Route::Visit& visit : way.visits) {
-        stations_[visit.slave].slave->count_malformed_frame();
+      for (const Stop& stop : way.stops) {
+        stop.slave->count_malformed_frame();
       }
       break;
   }
-  if (way.entered) {
+  if (way.route.entered) {
     frame[kSourceMacOffset] |= kLocallyAdministered;
   }
   const std::span<DatagramView> active = std::span(datagrams_).first(count);
-  for (const Route::Visit& visit : way.visits) {
-    if (visit.marks_circulating && !mark_circulating(active)) [[unlikely]] {
+  for (const Stop& stop : way.stops) {
+    if (stop.marks_circulating && !mark_circulating(active)) [[unlikely]] {
       ++statistics_.destroyed;
       return std::nullopt;
     }
-    stations_[visit.slave].slave->process(active, {arrival, visit.times});
+    stop.slave->process(active, {arrival, arrival + stop.processing_unit, *stop.arrivals});
   }
   for (const DatagramView& datagram : active) {
     datagram.store();
   }
-  return leave(way);
+  return leave(way.route);
 }
 
 /// The end of the way: at the master, or nowhere.
-std::optional<MasterInterface> Segment::leave(const Route& way) {
-  ++(way.exit ? statistics_.answered : statistics_.lost);
-  if (way.blocked_at) [[unlikely]] {
-    stations_[way.blocked_at->slave].slave->receive_at_closed_port(way.blocked_at->port);
+std::optional<MasterInterface> Segment::leave(const Route& route) {
+  ++(route.exit ? statistics_.answered : statistics_.lost);
+  if (route.blocked_at) [[unlikely]] {
+    stations_[route.blocked_at->slave].slave->receive_at_closed_port(route.blocked_at->port);
   }
-  return way.exit;
+  return route.exit;
 }
 
 /// A frame without datagrams: forwarded, or destroyed by the first slave that is told so.
-std::optional<MasterInterface> Segment::pass_foreign(std::span<std::byte> frame, const Route& way) {
+std::optional<MasterInterface> Segment::pass_foreign(std::span<std::byte> frame, const Way& way) {
   ++statistics_.foreign;
-  const auto destroys = [this](const Route::Visit& visit) {
-    return stations_[visit.slave].slave->destroys_foreign_frames();
-  };
-  if (std::ranges::any_of(way.visits, destroys)) {
+  const auto destroys = [](const Stop& stop) { return stop.slave->destroys_foreign_frames(); };
+  if (std::ranges::any_of(way.stops, destroys)) {
     ++statistics_.destroyed;
     return std::nullopt;
   }
-  if (way.entered) {
+  if (way.route.entered) {
     frame[kSourceMacOffset] |= kLocallyAdministered;
   }
-  return leave(way);
+  return leave(way.route);
 }
 
 base::SimDuration Segment::round_trip(std::size_t length) {
   const auto bytes = static_cast<std::int64_t>(length + kFramingLength);
-  return base::SimDuration(bytes * kNanosecondsPerByte) + route(MasterInterface::primary).duration;
+  return base::SimDuration(bytes * kNanosecondsPerByte) +
+         way(MasterInterface::primary).route.duration;
 }
 
 void Segment::advance(base::SimTime now) {

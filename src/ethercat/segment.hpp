@@ -100,22 +100,36 @@ class Segment {
     bool powered = true;
   };
 
+  /// A slave that a frame passes: what the frame path needs, close together.
+  struct Stop {
+    SlaveController* slave = nullptr;
+    base::SimDuration processing_unit;
+    const ArrivalTimes* arrivals = nullptr;
+    bool marks_circulating = false;
+  };
+  struct Way {
+    Route route;
+    std::vector<Stop> stops;  ///< the visits of the route
+  };
+
+  void reserve_plans();
   void require_free(SlavePort port) const;
   [[nodiscard]] bool has_link(SlavePort port) const;
   void update_links();
-  [[nodiscard]] const Route& route(MasterInterface entry);
+  [[nodiscard]] const Way& way(MasterInterface entry);
   void plan();
+  void plan(MasterInterface entry);
   [[nodiscard]] std::optional<MasterInterface> leave(const Route& route);
   [[nodiscard]] std::optional<MasterInterface> pass_foreign(std::span<std::byte> frame,
-                                                            const Route& route);
+                                                            const Way& way);
 
   std::vector<Station> stations_;
   Wiring wiring_;
   std::array<bool, kMasterInterfaces> carriers_{true, true};
   RoutePlanner planner_;
   std::vector<SlaveForwarding> forwarding_;  ///< of each slave, while planning
-  std::array<Route, kMasterInterfaces> routes_;
-  bool topology_changed_ = false;  ///< routes_ are out of date; slaves set it too
+  std::array<Way, kMasterInterfaces> ways_;
+  bool topology_changed_ = false;  ///< ways_ are out of date; slaves set it too
   SegmentStatistics statistics_;
   std::array<DatagramView, kMaximumDatagrams> datagrams_{};  ///< of the frame in process()
 };

@@ -56,7 +56,6 @@ void RoutePlanner::plan(const Wiring& wiring, std::span<const SlaveForwarding> s
                         MasterInterface interface, Route& route) {
   arrivals_.assign(slaves.size(), {});
   route.visits.clear();
-  route.visits.reserve(slaves.size());
   route.entered = false;
   route.exit.reset();
   route.blocked_at.reset();

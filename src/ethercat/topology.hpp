@@ -92,8 +92,11 @@ struct Route {
 /// forwards the frame unprocessed until it comes in through port 0, or finds port 0 closed.
 class RoutePlanner {
  public:
-  /// Fills `route` for frames from `interface`; `slaves` by index as in `wiring`. Allocates only
-  /// when there are more slaves than ever before.
+  /// Makes room for plans of so many slaves.
+  void reserve(std::size_t slaves) { arrivals_.reserve(slaves); }
+
+  /// Fills `route` for frames from `interface`; `slaves` by index as in `wiring`. Allocates nothing
+  /// if planner and route have room.
   void plan(const Wiring& wiring, std::span<const SlaveForwarding> slaves,
             MasterInterface interface, Route& route);
 

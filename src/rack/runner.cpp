@@ -178,8 +178,9 @@ void Runner::run(SegmentThread& segment) {
   std::array<std::byte, link::kMaximumFrameLength> buffer{};
   base::SimTime last_frame;
   while (!stopping_) {
-    watch_carriers(segment);
-    const bool busy = real_clock_.now() - last_frame < kIdleAfter;
+    const base::SimTime now = real_clock_.now();
+    watch_carriers(segment, now);
+    const bool busy = now - last_frame < kIdleAfter;
     const auto received = segment.receive(buffer, busy ? kBusyTick : kIdleTick);
     if (!received && received.error().code != link::LinkErrorCode::interface_down) {
       logger_->error("{}; this segment stops", received.error().text);
@@ -191,7 +192,7 @@ void Runner::run(SegmentThread& segment) {
     if (received && received->length > 0) {
       if (!segment.carriers[static_cast<std::size_t>(received->entry)]) {
         segment.next_carrier_check = {};  // a frame is quicker than the next look
-        watch_carriers(segment);
+        watch_carriers(segment, real_clock_.now());
       }
       answer(segment, std::span(buffer).first(received->length), received->entry);
       last_frame = real_clock_.now();
@@ -205,8 +206,7 @@ void Runner::run(SegmentThread& segment) {
   }
 }
 
-void Runner::watch_carriers(SegmentThread& segment) {
-  const base::SimTime now = real_clock_.now();
+void Runner::watch_carriers(SegmentThread& segment, base::SimTime now) {
   if (now < segment.next_carrier_check) {
     return;
   }

@@ -67,7 +67,7 @@ class Runner {
   void open(SegmentThread& segment, const SegmentConfiguration& configuration);
   void run(SegmentThread& segment);
   void answer(SegmentThread& segment, std::span<std::byte> frame, MasterInterface entry);
-  void watch_carriers(SegmentThread& segment);
+  void watch_carriers(SegmentThread& segment, base::SimTime now);
   void capture(SegmentThread& segment, base::SimTime arrival, std::span<const std::byte> answer);
   void catch_up(SegmentThread& segment);
   void keep_files();

@@ -61,7 +61,7 @@ TEST_P(DlStatusTable, EveryRowIsWhatASlaveShows) {
     std::vector<DatagramView> datagrams(1);
     DatagramCursor cursor(builder.finish());
     ASSERT_TRUE(cursor.next(datagrams[0]));
-    slave.process(datagrams, {base::SimTime(), ArrivalTimes{}});
+    slave.process(datagrams, {base::SimTime(), base::SimTime(), ArrivalTimes{}});
     testing::Bytes shown(1);
     slave.peek(0x0111, shown);
     EXPECT_EQ(number(shown), std::stoul(rows[r][0], nullptr, 16)) << "row " << rows[r][0];
@@ -219,6 +219,30 @@ TEST(Ports, ReceiveErrors_CountAtEnabledPortsOnly) {
     bus.slave(1).count_receive_error(port, ReceiveError::forwarded_error);
   }
   EXPECT_EQ(bus.read(1, 0x0300, 12).data, bytes({1, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0}));
+}
+
+TEST(Ports, DlControl_KeepsItsReservedBitsZeroAndStoresThoseOfEBus) {
+  TestBus bus(2);
+  bus.write(1, 0x0100, bytes({0xFC, 0x00, 0xCF, 0xFE}));
+  EXPECT_EQ(number(bus.read(1, 0x0100, 4).data), 0x004F0000U);
+  EXPECT_EQ(reachable(bus), 2U);
+}
+
+TEST(Ports, ReceiveErrorCounters_Saturate) {
+  TestBus bus(1);
+  for (int i = 0; i < 300; ++i) {
+    bus.slave().count_receive_error(0, ReceiveError::invalid_frame);
+    bus.slave().count_receive_error(0, ReceiveError::physical);
+    bus.slave().count_receive_error(0, ReceiveError::forwarded_error);
+  }
+  EXPECT_EQ(bus.read(0, 0x0300, 9).data, bytes({0xFF, 0xFF, 0, 0, 0, 0, 0, 0, 0xFF}));
+}
+
+TEST(Ports, DlStatus_IsReadOnlyForBothSides) {
+  TestBus bus(2);
+  EXPECT_EQ(bus.write(0, 0x0110, bytes({0xFF, 0xFF})).working_counter, 0U);
+  testing::host_write(bus.slave(0), 0x0110, bytes({0xFF, 0xFF}));
+  EXPECT_EQ(dl_status(bus, 0), 0x5A33U);
 }
 
 /// A frame of another protocol.

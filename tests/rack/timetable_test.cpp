@@ -1,0 +1,192 @@
+// Cables and power by the timetable of a rack file.
+
+#include "rack/timetable.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "master/cia402_client.hpp"
+#include "master/master.hpp"
+#include "rack/local_port.hpp"
+#include "rack/rack_file.hpp"
+
+namespace stator::rack {
+namespace {
+
+using namespace base::literals;
+using ::testing::HasSubstr;
+
+constexpr const char* kTwoModules = R"(
+[[segment]]
+[[segment.device]]
+type = "tmcm-3315"
+name = "left"
+[[segment.device]]
+type = "tmcm-3315"
+name = "right"
+)";
+
+RackConfiguration two_modules(const std::string& events) {
+  return parse_rack_file(kTwoModules + events, "test.toml");
+}
+
+std::string refusal_of(const std::string& events) {
+  try {
+    (void)two_modules(events);
+  } catch (const RackFileError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+class Bench {
+ public:
+  explicit Bench(const std::string& events)
+      : configuration_(two_modules(events)),
+        rack_(configuration_, log),
+        port(rack_, 0, configuration_.cycle, configuration_.step),
+        master(port) {}
+
+  [[nodiscard]] std::size_t scan() { return master.scan() ? master.slaves().size() : 0; }
+  void bring_to_operational() {
+    ASSERT_TRUE(master.scan());
+    ASSERT_TRUE(master.configure_process_data());
+    const auto operational = master.go_operational();
+    ASSERT_TRUE(operational) << operational.error().text;
+  }
+  [[nodiscard]] double signal(const std::string& name) {
+    for (const devices::Signal& candidate : rack_.signals()) {
+      if (candidate.name == name) {
+        return candidate.read();
+      }
+    }
+    ADD_FAILURE() << "no signal " << name;
+    return 0.0;
+  }
+  /// Lets simulated time pass up to `moment` after the start.
+  void wait_until(base::SimDuration moment) { port.wait(base::SimTime(moment) - port.now()); }
+
+ private:
+  RackConfiguration configuration_;
+
+ public:
+  EventLog log;
+
+ private:
+  Rack rack_;
+
+ public:
+  LocalPort port;
+  master::Master master;
+};
+
+TEST(Timetable, GivesEventsInTheOrderOfTime) {
+  Timetable timetable({{3_s, PowerEvent{{0, 3}, false}},
+                       {1_s, PowerEvent{{0, 1}, false}},
+                       {1_s, PowerEvent{{0, 2}, false}}});
+  EXPECT_EQ(timetable.next(), base::SimTime(1_s));
+  EXPECT_EQ(std::get<PowerEvent>(timetable.take()).device.device, 1U);
+  EXPECT_EQ(std::get<PowerEvent>(timetable.take()).device.device, 2U) << "as written in the file";
+  EXPECT_EQ(timetable.next(), base::SimTime(3_s));
+  (void)timetable.take();
+  EXPECT_EQ(timetable.next(), base::SimTime::never());
+}
+
+TEST(Events, BreakAndHeal_HappenAtTheirTimeAndAreLogged) {
+  Bench bench(R"(
+[[event]]
+at = "20 s"
+action = "heal"
+device = "right"
+[[event]]
+at = "10 s"
+action = "break"
+device = "left"
+port = 1
+)");
+  EXPECT_EQ(bench.scan(), 2U);
+  bench.wait_until(10_s);
+  EXPECT_EQ(bench.scan(), 1U);
+  EXPECT_EQ(bench.log.count("cable-broken"), 1U);
+  EXPECT_THAT(bench.log.line(bench.log.events().back()), ::testing::StartsWith("left: "));
+  EXPECT_EQ(bench.log.count("cable-healed"), 0U);
+  bench.wait_until(20_s);
+  EXPECT_EQ(bench.scan(), 2U) << "both events act on the same cable";
+}
+
+TEST(Events, AreInForceForTheFirstFrameThatComesAfterThem) {
+  const RackConfiguration configuration = two_modules(R"(
+[[event]]
+at = "5ms"
+action = "break"
+device = "left"
+)");
+  EventLog log;
+  Rack rack(configuration, log);
+  const auto returns = [&rack](base::SimDuration at) {
+    std::array<std::byte, 64> buffer{};
+    ethercat::FrameBuilder builder(buffer, {2, 0, 0, 0, 0, 1});
+    builder.append(ethercat::Command::brd, 0, 0, std::size_t{1});
+    return rack.process_frame(0, builder.finish(), base::SimTime(at)).has_value();
+  };
+  EXPECT_TRUE(returns(4'999_us));
+  EXPECT_FALSE(returns(5_ms)) << "also when nobody called advance()";
+  EXPECT_EQ(log.events().back().time, base::SimTime(5_ms));
+}
+
+TEST(Events, PowerOffAndOn_StartTheDeviceAnew) {
+  Bench bench(R"(
+[[event]]
+at = "20s"
+action = "power-off"
+device = "right"
+[[event]]
+at = "21s"
+action = "power-on"
+device = "right"
+)");
+  bench.bring_to_operational();
+  master::Cia402Client client(bench.master, 1, 0);
+  ASSERT_TRUE(client.set_mode(master::OperationMode::profile_velocity));
+  ASSERT_TRUE(client.enable());
+  while (bench.port.now() < base::SimTime(19'900_ms)) {
+    ASSERT_TRUE(bench.master.run_cycle());
+  }
+  const auto enabled = static_cast<unsigned>(bench.signal("right.axis0.statusword"));
+  EXPECT_EQ(enabled & 0x6FU, 0x27U) << "operation enabled";
+
+  bench.wait_until(20'500_ms);
+  const auto off = static_cast<unsigned>(bench.signal("right.axis0.statusword"));
+  EXPECT_NE(off & 0x6FU, 0x27U) << "no power, no current";
+  EXPECT_EQ(bench.scan(), 1U);
+
+  bench.wait_until(22_s);
+  EXPECT_EQ(bench.scan(), 2U);
+  bench.bring_to_operational();
+  master::Cia402Client again(bench.master, 1, 0);
+  EXPECT_TRUE(again.enable());
+  EXPECT_EQ(bench.log.count("power-off"), 1U);
+  EXPECT_EQ(bench.log.count("power-on"), 1U);
+}
+
+TEST(Events, MistakesAreExplained) {
+  EXPECT_THAT(refusal_of("[[event]]\naction = \"break\"\ndevice = \"left\"\n"),
+              HasSubstr("\"at\" is missing"));
+  EXPECT_THAT(refusal_of("[[event]]\nat = \"1s\"\ndevice = \"left\"\n"),
+              HasSubstr("\"action\" is missing; it must be one of"));
+  EXPECT_THAT(refusal_of("[[event]]\nat = \"1s\"\naction = \"brake\"\ndevice = \"left\"\n"),
+              HasSubstr("did you mean \"break\"?"));
+  EXPECT_THAT(refusal_of("[[event]]\nat = \"1s\"\naction = \"break\"\n"),
+              HasSubstr("\"device\" is missing"));
+  EXPECT_THAT(refusal_of("[[event]]\nat = \"1s\"\naction = \"break\"\ndevice = \"rigth\"\n"),
+              HasSubstr("did you mean \"right\"?"));
+  EXPECT_THAT(
+      refusal_of("[[event]]\nat = \"1s\"\naction = \"break\"\ndevice = \"right\"\nport = 1\n"),
+      HasSubstr("port 1 of \"right\" has no cable"));
+  EXPECT_THAT(
+      refusal_of("[[event]]\nat = \"1s\"\naction = \"power-on\"\ndevice = \"right\"\nport = 1\n"),
+      HasSubstr("unknown key \"port\""));
+}
+
+}  // namespace
+}  // namespace stator::rack
