@@ -75,13 +75,17 @@ void FoeServer::start(AlState state, std::size_t receive_room, std::size_t trans
 }
 
 void FoeServer::reset() {
-  end_transfer(last_message_);
+  abandon_transfer(last_message_);
 }
 
-void FoeServer::end_transfer(base::SimTime now) {
+void FoeServer::abandon_transfer(base::SimTime now) {
   if (transfer_ == Transfer::writing) {
     reporter_.report(now, rules::kFoeAbandoned, {EventArgument(offset_)});
   }
+  end_transfer();
+}
+
+void FoeServer::end_transfer() {
   if (transfer_ == Transfer::reading || transfer_ == Transfer::writing) {
     files_.abort();
   }
@@ -106,7 +110,7 @@ MailboxReply FoeServer::handle(std::span<const std::byte> request, std::span<std
     case FoeOperation::busy:
       return take_busy(reply, now);
     case FoeOperation::error:
-      end_transfer(now);
+      abandon_transfer(now);
       return MailboxReply::none();
   }
   return MailboxReply::refuse(MailboxErrorCode::invalid_header);
@@ -121,7 +125,7 @@ FoeError FoeServer::check(std::uint32_t password) const {
 
 MailboxReply FoeServer::open(FoeOperation operation, std::span<const std::byte> body,
                              std::span<std::byte> reply, base::SimTime now) {
-  end_transfer(now);
+  abandon_transfer(now);
   switch (const FoeError error = check(base::load_le<std::uint32_t>(body)); error) {
     case FoeError::none:
       break;
@@ -232,7 +236,7 @@ MailboxReply FoeServer::take_acknowledge(std::uint32_t packet, std::span<std::by
   const std::size_t sent = std::min(upload_packet_, files_.size() - offset_);
   offset_ += sent;
   if (sent < upload_packet_) {
-    end_transfer(now);
+    end_transfer();
     return MailboxReply::none();
   }
   ++packet_;
@@ -268,7 +272,7 @@ MailboxReply FoeServer::busy(std::span<std::byte> reply, std::uint16_t done, std
 
 MailboxReply FoeServer::refuse(std::span<std::byte> reply, FoeError error, std::string_view reason,
                                base::SimTime now) {
-  end_transfer(now);
+  end_transfer();
   reporter_.report(now, rules::kFoeRefused,
                    {EventArgument(static_cast<std::uint32_t>(error)), EventArgument(to_text(error)),
                     EventArgument(reason)});

@@ -84,7 +84,9 @@ class FoeServer final : public MailboxProtocol {
   /// Ends the transfer with an error for the master and a line for the person.
   MailboxReply refuse(std::span<std::byte> reply, FoeError error, std::string_view reason,
                       base::SimTime now);
-  void end_transfer(base::SimTime now);
+  void end_transfer();
+  /// The same with a line for the person if a download is left unfinished.
+  void abandon_transfer(base::SimTime now);
 
   FileStore& files_;
   FoeOptions options_;

@@ -109,9 +109,9 @@ inline constexpr EventRule kMailboxError{
     "{3} bytes); see ETG.1000.4 table 30 for the detail codes"};
 /// Argument: {0} counter.
 inline constexpr EventRule kMailboxDuplicate{
-    "mailbox-duplicate", Severity::warning,
-    "mailbox message with counter {0} dropped: it is the one of the message before, so it counts "
-    "as the same sent again; count from 1 to 7, or send 0"};
+    "mailbox-duplicate", Severity::information,
+    "mailbox message with counter {0} came twice in a row and was executed once; a master that did "
+    "not send it again on purpose must count from 1 to 7, or send 0"};
 }  // namespace rules
 
 }  // namespace stator::ethercat

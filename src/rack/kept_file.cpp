@@ -4,10 +4,12 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <stdexcept>
 #include <system_error>
+#include <thread>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -52,6 +54,19 @@ void write_all(int file, std::span<const std::byte> bytes) {
     }
     bytes = bytes.subspan(static_cast<std::size_t>(std::max<ssize_t>(written, 0)));
   }
+}
+
+/// A rack that was killed a moment ago may still hold the lock until the system has cleared it up.
+bool take_lock(int file) {
+  using namespace std::chrono_literals;
+  const auto end = std::chrono::steady_clock::now() + 500ms;
+  while (::flock(file, LOCK_EX | LOCK_NB) != 0) {
+    if (std::chrono::steady_clock::now() >= end) {
+      return false;
+    }
+    std::this_thread::sleep_for(10ms);
+  }
+  return true;
 }
 
 void require(bool done) {
@@ -131,7 +146,7 @@ StateDirectory::StateDirectory(const std::string& path) : path_(path) {
                     "write to",
                     path, reason(errno)));
   }
-  if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0) {
+  if (!take_lock(lock_.get())) {
     throw std::runtime_error(fmt::format(
         "{}: the state directory is in use by another rack; end that one or name another directory",
         path));

@@ -206,6 +206,7 @@ TEST_F(FoeTest, EmptyFile_IsRefusedAsIllegalAndTheOldOneStays) {
   ask_to_write("image");
   EXPECT_EQ(error_of(data(1, {})), FoeError::illegal);
   EXPECT_EQ(to_hex(store().files["image"]), "AA");
+  EXPECT_EQ(log.last("foe-abandoned"), "") << "it was refused, not given up";
 }
 
 TEST_F(FoeTest, FileName_IsNotTerminatedByAZeroButMayBe) {

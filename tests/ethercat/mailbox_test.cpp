@@ -207,10 +207,10 @@ TEST_F(MailboxTest, EmergencyAfterAGatewaysRequest_GoesToTheMaster) {
   EXPECT_EQ(to_hex(part(controller.read_mailbox(), 2, 2)), "00 00");
 }
 
-TEST_F(MailboxTest, RepeatedCounter_SaysWhyTheMessageWasDropped) {
+TEST_F(MailboxTest, RepeatedCounter_IsExplained) {
   exchange(request_of("00 10", 3));
   exchange(request_of("00 10", 3));
-  EXPECT_THAT(log.last("mailbox-duplicate"), HasSubstr("counter 3 dropped"));
+  EXPECT_THAT(log.last("mailbox-duplicate"), HasSubstr("counter 3 came twice"));
 }
 
 TEST_F(MailboxTest, RequestLongerThanItsMessage_IsServedFromTheLengthFieldAlone) {
