@@ -212,8 +212,16 @@ TEST_F(Igh, ASiiWordIsWrittenWithCommandAddressAndDataInOneDatagram) {
   }
 }
 
-TEST_F(Igh, AValidEepromIsLoadedFromTheStart) {
-  EXPECT_EQ(number(part(bus.fprd(station(0), 0x0502, 10).data, 0, 2)) & 0x1000, 0U);
+TEST_F(Igh, TheStatusTellsWhetherTheEepromWasLoaded) {
+  const auto not_loaded = [this] {
+    return (number(part(bus.fprd(station(0), 0x0502, 10).data, 0, 2)) & 0x1000) != 0;
+  };
+  EXPECT_FALSE(not_loaded());
+  ethercat::SlaveController& controller = bus.device().controller();
+  Bytes broken(controller.sii().begin(), controller.sii().end());
+  broken[14] ^= std::byte{0xFF};  // checksum
+  controller.load_sii(broken);
+  EXPECT_TRUE(not_loaded());
 }
 
 TEST_F(Igh, ConfigurationRunsFromInitToOperational) {

@@ -19,8 +19,8 @@ constexpr unsigned kFirstGeneralInput = 16;            // 2702h: IN0
 constexpr std::uint8_t kWholeModule = 255;             // motor number of module-wide emergencies
 
 // The document says nothing of the slave controller. Taken: 8 FMMUs, 8 sync managers and 16 KB of
-// process memory as in the maker's own TMC8461; mailboxes of 512 bytes, enough for the object list
-// in one message; 1 KB for each direction of process data, three buffers included.
+// process memory as in the maker's own TMC8461; mailboxes of 512 bytes, which take the object list
+// in two messages; 1 KB for each direction of process data, three buffers included.
 constexpr std::uint16_t kProcessMemoryEnd = 0x5000;
 constexpr ethercat::MailboxArea kReceiveMailbox{0x1000, 512};
 constexpr ethercat::MailboxArea kTransmitMailbox{0x1200, 512};
