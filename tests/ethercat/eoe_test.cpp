@@ -279,6 +279,24 @@ TEST_F(EoeTest, ARequestedTimeStamp_IsAnsweredWithTheFramesNumber) {
             "21 01 00 90 89 67 45 23");
 }
 
+TEST_F(EoeTest, TimeStampsThatTheMasterWants_AreAppendedToTheLastFragment) {
+  EXPECT_EQ(to_hex(handle(hex("02 01 00 00 00 00 01 00"))), "03 01 00 00");
+  const base::SimTime now = base::SimTime() + base::SimDuration(0x1'2345'6789);
+  const auto next = [&] {
+    Bytes message(room);
+    message.resize(server.next_message(message, now));
+    return message;
+  };
+  server.queue_frame(frame_of(20));
+  EXPECT_EQ(to_hex(next()), "00 03 40 10 " + to_hex(frame_of(20)) + " 89 67 45 23");
+
+  room = 4 + 64;  // the frame alone would fit, the time stamp does not
+  server.queue_frame(frame_of(64));
+  EXPECT_EQ(to_hex(next()), "00 00 80 20 " + to_hex(part(frame_of(64), 0, 32)));
+  EXPECT_EQ(to_hex(next()), "00 03 41 20 " + to_hex(part(frame_of(64), 32)) + " 89 67 45 23");
+  EXPECT_FALSE(server.has_message());
+}
+
 TEST_F(EoeTest, WithoutANetwork_FramesEndHere) {
   server.connect(nullptr);
   deliver(fragments_of(frame_of(60), 96, 1));
