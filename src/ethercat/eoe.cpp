@@ -33,7 +33,7 @@ void EoeServer::poll(bool running) {
     return;
   }
   // Bounded, so that a flood on the port cannot hold up the firmware.
-  for (std::size_t i = 0; i < kQueuedFrames; ++i) {
+  for (std::size_t i = 0; i < kQueuedFrames && !queue_.full(); ++i) {
     const std::size_t length = port_->take(polled_);
     if (length == 0) {
       return;

@@ -43,8 +43,9 @@ class EoeServer final : public MailboxProtocol {
   /// replaced before.
   void connect(EthernetPort* port) { port_ = port; }
 
-  /// Takes the frames that wait at the port. They are queued for the master if `running`, else they
-  /// are lost as in a cable that leads nowhere. To be called before the mailbox is served.
+  /// Takes the frames that wait at the port, as many as the queue has room for; the others stay
+  /// there. They are queued for the master if `running`, else they are lost as in a cable that
+  /// leads nowhere. To be called before the mailbox is served.
   void poll(bool running);
 
   /// Queues a frame for the master; one of more than kMaximumFrame bytes, or of none, is dropped.

@@ -431,6 +431,17 @@ TEST_F(EoeTest, Polling_QueuesWhatWaitsWhileTheMailboxRunsAndElseLosesIt) {
   EXPECT_THAT(reassemble(messages()), ElementsAre(frame_of(60, 3), frame_of(61, 4)));
 }
 
+TEST_F(EoeTest, Polling_LeavesFramesAtThePortWhileTheQueueIsFull) {
+  port.waiting.assign(EoeServer::kQueuedFrames + 5, frame_of(60));
+  server.poll(true);
+  server.poll(true);
+  EXPECT_EQ(port.waiting.size(), 5U);
+  EXPECT_EQ(server.statistics().send_dropped, 0U);
+  EXPECT_EQ(messages().size(), EoeServer::kQueuedFrames);
+  server.poll(true);
+  EXPECT_THAT(port.waiting, IsEmpty());
+}
+
 TEST_F(EoeTest, Reset_ForgetsFramesInBothDirectionsAndKeepsTheAddress) {
   handle(hex("02 01 00 00 02 00 00 00 02 01 A8 C0"));
   const std::vector<Bytes> fragments = fragments_of(frame_of(200), 96, 1);
