@@ -33,7 +33,7 @@ void EoeServer::poll(bool running) {
     return;
   }
   // Bounded, so that a flood on the port cannot hold up the firmware.
-  for (std::size_t i = 0; i < kQueuedFrames; ++i) {
+  for (std::size_t i = 0; i < kQueuedFrames && !queue_.full(); ++i) {
     const std::size_t length = port_->take(polled_);
     if (length == 0) {
       return;
@@ -53,6 +53,7 @@ void EoeServer::queue_frame(std::span<const std::byte> frame) {
 void EoeServer::reset() {
   incoming_.reset();
   drop_reported_ = false;
+  append_time_stamp_ = false;
   queue_.clear();
   unsent_ = 0;
 }
@@ -145,13 +146,15 @@ EoeResult EoeServer::set_ip(std::span<const std::byte> block, base::SimTime now)
     return EoeResult::unspecified_error;
   };
   IpParameters changed = ip_parameters_;
-  if (!decode_ip_parameters(block, changed)) {
+  bool append_time_stamp = false;
+  if (!decode_ip_parameters(block, changed, append_time_stamp)) {
     return refuse("the request is shorter than its flags say");
   }
   if (changed.mac_address && (changed.mac_address->front() & kGroupAddress) != 0) {
     return refuse("a group address cannot be the MAC address of a device");
   }
   ip_parameters_ = changed;
+  append_time_stamp_ = append_time_stamp;
   if (changed.address) {
     const Ipv4Address& address = *changed.address;
     reporter_.report(now, rules::kEoeAddressSet,
@@ -175,17 +178,23 @@ MailboxReply EoeServer::get_ip(const EoeHeader& request, std::span<std::byte> re
   return {.length = EoeHeader::kSize + length};
 }
 
-std::size_t EoeServer::next_message(std::span<std::byte> message, base::SimTime /*now*/) {
+std::size_t EoeServer::next_message(std::span<std::byte> message, base::SimTime now) {
   if (unsent_ == 0) {
     sending_length_ = unsent_ = queue_.pop(sending_);
     sending_fragment_ = 0;
     sending_number_ = (sending_number_ + 1) & 0x0F;
   }
+  if (unsent_ == 0) {
+    return 0;
+  }
   const std::size_t room = message.size() - std::min(message.size(), EoeHeader::kSize);
-  const bool last = unsent_ <= room;
-  const std::size_t length = last ? unsent_ : room - room % EoeHeader::kOffsetUnit;
+  const std::size_t time_stamp = append_time_stamp_ ? kTimeStampSize : 0;
+  const bool last = unsent_ + time_stamp <= room;
+  // A frame that only its time stamp keeps from fitting leaves a byte for the last fragment.
+  const std::size_t part = std::min(room, unsent_ - 1);
+  const std::size_t length = last ? unsent_ : part - part % EoeHeader::kOffsetUnit;
   if (length == 0) {
-    statistics_.send_dropped += unsent_ != 0 ? 1 : 0;
+    ++statistics_.send_dropped;
     unsent_ = 0;
     return 0;
   }
@@ -193,16 +202,21 @@ std::size_t EoeServer::next_message(std::span<std::byte> message, base::SimTime 
   const std::size_t offset =
       sending_fragment_ == 0 ? sending_length_ + EoeHeader::kOffsetUnit - 1 : done;
   EoeHeader{.last_fragment = last,
+            .time_stamp_appended = last && append_time_stamp_,
             .fragment_number = sending_fragment_,
             .offset = static_cast<std::uint8_t>(offset / EoeHeader::kOffsetUnit),
             .frame_number = sending_number_}
       .encode(message);
   std::ranges::copy(std::span(sending_).subspan(done, length),
                     message.subspan(EoeHeader::kSize).begin());
+  if (last && append_time_stamp_) {
+    base::store_le(message, EoeHeader::kSize + length,
+                   static_cast<std::uint32_t>(now.nanoseconds()));
+  }
   unsent_ -= length;
   ++sending_fragment_;
   statistics_.frames_sent += last ? 1 : 0;
-  return EoeHeader::kSize + length;
+  return EoeHeader::kSize + length + (last ? time_stamp : 0);
 }
 
 }  // namespace stator::ethercat

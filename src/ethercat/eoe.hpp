@@ -27,8 +27,10 @@ struct EoeStatistics {
 /// the IP parameters that the master gives the slave. One port; the port number of a request is
 /// returned in its response and not looked at otherwise. MAC filters are refused with result 0401h.
 ///
-/// A time stamp that the master requests is the low half of the nanoseconds of the device's time at
-/// which the frame's last fragment was handled. The device appends none of its own.
+/// A time stamp is the low half of the nanoseconds of the device's time: at which the last fragment
+/// of a frame was handled, if the master requested a time stamp response with it, or at which the
+/// last fragment went into the mailbox, if the master wants time stamps appended (set IP parameter
+/// request, flag bit 16).
 class EoeServer final : public MailboxProtocol {
  public:
   static constexpr std::size_t kMaximumFrame = kMaximumEoeFrame;
@@ -41,8 +43,9 @@ class EoeServer final : public MailboxProtocol {
   /// replaced before.
   void connect(EthernetPort* port) { port_ = port; }
 
-  /// Takes the frames that wait at the port. They are queued for the master if `running`, else they
-  /// are lost as in a cable that leads nowhere. To be called before the mailbox is served.
+  /// Takes the frames that wait at the port, as many as the queue has room for; the others stay
+  /// there. They are queued for the master if `running`, else they are lost as in a cable that
+  /// leads nowhere. To be called before the mailbox is served.
   void poll(bool running);
 
   /// Queues a frame for the master; one of more than kMaximumFrame bytes, or of none, is dropped.
@@ -76,6 +79,7 @@ class EoeServer final : public MailboxProtocol {
   EoeStatistics statistics_;
 
   EoeReassembly incoming_;
+  bool append_time_stamp_ = false;
   bool drop_reported_ = false;  ///< since the mailbox started; the rest is only counted
 
   std::array<std::byte, kMaximumFrame> polled_{};  ///< scratch of poll()

@@ -13,6 +13,7 @@ constexpr std::uint32_t kSubnetMask = 0x04;
 constexpr std::uint32_t kDefaultGateway = 0x08;
 constexpr std::uint32_t kDnsServer = 0x10;
 constexpr std::uint32_t kDnsName = 0x20;
+constexpr std::uint32_t kAppendTimeStamp = 0x10000;  // a wish, not a parameter
 
 constexpr std::size_t kFlagsSize = 4;
 
@@ -43,7 +44,8 @@ constexpr std::array<AddressField, 4> kAddressFields{{
 
 }  // namespace
 
-bool decode_ip_parameters(std::span<const std::byte> block, IpParameters& parameters) {
+bool decode_ip_parameters(std::span<const std::byte> block, IpParameters& parameters,
+                          bool& append_time_stamp) {
   if (block.size() < kFlagsSize) {
     return false;
   }
@@ -76,6 +78,7 @@ bool decode_ip_parameters(std::span<const std::byte> block, IpParameters& parame
                       std::as_writable_bytes(std::span(name)).begin());
   }
   parameters = changed;
+  append_time_stamp = (flags & kAppendTimeStamp) != 0;
   return true;
 }
 

@@ -84,7 +84,9 @@ inline constexpr std::size_t kMaximumIpParameterBlock = 4 + 6 + 4 * 4 + IpParame
 /// not contain keeps its value. False, with nothing changed, if it is shorter than its flags say.
 /// A DNS name may be shorter than its field. Bytes behind the last parameter are ignored: some
 /// masters always send the longest block.
-[[nodiscard]] bool decode_ip_parameters(std::span<const std::byte> block, IpParameters& parameters);
+/// `append_time_stamp` tells whether the master wants a time stamp behind each frame it gets.
+[[nodiscard]] bool decode_ip_parameters(std::span<const std::byte> block, IpParameters& parameters,
+                                        bool& append_time_stamp);
 
 /// Writes the block of a get IP parameter response into `block` (kMaximumIpParameterBlock bytes)
 /// and returns its length.

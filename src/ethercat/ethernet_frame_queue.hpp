@@ -42,6 +42,7 @@ class EthernetFrameQueue {
   }
 
   [[nodiscard]] bool empty() const { return count_ == 0; }
+  [[nodiscard]] bool full() const { return count_ == frames_.size(); }
   void clear() { count_ = 0; }
 
  private:

@@ -65,9 +65,11 @@ LinkError attach_failure(const std::string& interface, int error) {
     case EACCES:
       return not_permitted(interface);
     case EBUSY:
-      return {LinkErrorCode::interface_taken,
-              "TAP interface " + in_quotes(interface) +
-                  " is held by another program; end that, or choose another name"};
+      return {LinkErrorCode::interface_taken, "TAP interface " + in_quotes(interface) +
+                                                  " is held by another program; end that, or "
+                                                  "choose another name. A master reaches what "
+                                                  "runs there with ethercat:" +
+                                                  interface};
     case EINVAL:
       return {LinkErrorCode::interface_taken,
               in_quotes(interface) +

@@ -279,6 +279,24 @@ TEST_F(EoeTest, ARequestedTimeStamp_IsAnsweredWithTheFramesNumber) {
             "21 01 00 90 89 67 45 23");
 }
 
+TEST_F(EoeTest, TimeStampsThatTheMasterWants_AreAppendedToTheLastFragment) {
+  EXPECT_EQ(to_hex(handle(hex("02 01 00 00 00 00 01 00"))), "03 01 00 00");
+  const base::SimTime now = base::SimTime() + base::SimDuration(0x1'2345'6789);
+  const auto next = [&] {
+    Bytes message(room);
+    message.resize(server.next_message(message, now));
+    return message;
+  };
+  server.queue_frame(frame_of(20));
+  EXPECT_EQ(to_hex(next()), "00 03 40 10 " + to_hex(frame_of(20)) + " 89 67 45 23");
+
+  room = 4 + 64;  // the frame alone would fit, the time stamp does not
+  server.queue_frame(frame_of(64));
+  EXPECT_EQ(to_hex(next()), "00 00 80 20 " + to_hex(part(frame_of(64), 0, 32)));
+  EXPECT_EQ(to_hex(next()), "00 03 41 20 " + to_hex(part(frame_of(64), 32)) + " 89 67 45 23");
+  EXPECT_FALSE(server.has_message());
+}
+
 TEST_F(EoeTest, WithoutANetwork_FramesEndHere) {
   server.connect(nullptr);
   deliver(fragments_of(frame_of(60), 96, 1));
@@ -411,6 +429,17 @@ TEST_F(EoeTest, Polling_QueuesWhatWaitsWhileTheMailboxRunsAndElseLosesIt) {
   port.waiting = {frame_of(60, 3), frame_of(61, 4)};
   server.poll(true);
   EXPECT_THAT(reassemble(messages()), ElementsAre(frame_of(60, 3), frame_of(61, 4)));
+}
+
+TEST_F(EoeTest, Polling_LeavesFramesAtThePortWhileTheQueueIsFull) {
+  port.waiting.assign(EoeServer::kQueuedFrames + 5, frame_of(60));
+  server.poll(true);
+  server.poll(true);
+  EXPECT_EQ(port.waiting.size(), 5U);
+  EXPECT_EQ(server.statistics().send_dropped, 0U);
+  EXPECT_EQ(messages().size(), EoeServer::kQueuedFrames);
+  server.poll(true);
+  EXPECT_THAT(port.waiting, IsEmpty());
 }
 
 TEST_F(EoeTest, Reset_ForgetsFramesInBothDirectionsAndKeepsTheAddress) {

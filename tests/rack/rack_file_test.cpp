@@ -11,6 +11,7 @@ namespace stator::rack {
 namespace {
 
 using namespace base::literals;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr const char* kMinimal = R"(
@@ -173,6 +174,38 @@ TEST(RackFile, FourAxesAreMoreThanTheModuleHas) {
   EXPECT_EQ(refusal_of(kMinimal + axis + axis + axis), "accepted");
   EXPECT_THAT(refusal_of(kMinimal + axis + axis + axis + axis),
               HasSubstr("4 axes are given, the device has 3"));
+}
+
+TEST(RackFile, EveryKindOfLinkIsTaken) {
+  const auto link_of = [](const std::string& text) {
+    return parse_rack_file(
+               "[[segment]]\nlink = \"" + text + "\"\n[[segment.device]]\ntype = \"tmcm-3315\"\n",
+               "test.toml")
+        .segments[0]
+        .link;
+  };
+  EXPECT_EQ(link_of("udp:0.0.0.0"), (link::LinkAddress{link::LinkKind::udp, "0.0.0.0", 34980}));
+  EXPECT_EQ(link_of("tap:drive0"), (link::LinkAddress{link::LinkKind::tap, "drive0", 0}));
+  EXPECT_TRUE(link_of("in-process").in_process());
+  EXPECT_THAT(refusal_of("[[segment]]\nlink = \"can:vcan0\"\n"),
+              AllOf(HasSubstr("test.toml:2"), HasSubstr("udp:ADDRESS[:PORT]")));
+}
+
+TEST(RackFile, EoeIsOffUnlessATapInterfaceIsNamed) {
+  const RackConfiguration off = parse_rack_file(kMinimal, "test.toml");
+  EXPECT_EQ(off.segments[0].devices[0].eoe_interface, "");
+  EXPECT_FALSE(module_of(off).ethernet_over_ethercat);
+
+  const RackConfiguration on =
+      parse_rack_file(std::string(kMinimal) + "eoe = \"tap:gantry0\"\n", "test.toml");
+  EXPECT_EQ(on.segments[0].devices[0].eoe_interface, "gantry0");
+  EXPECT_TRUE(module_of(on).ethernet_over_ethercat);
+
+  for (const char* wrong : {"gantry0", "udp:127.0.0.1", "tap:"}) {
+    EXPECT_THAT(refusal_of(std::string(kMinimal) + "eoe = \"" + wrong + "\"\n"),
+                HasSubstr("write \"tap:NAME\""))
+        << wrong;
+  }
 }
 
 TEST(RackFile, TwoDevicesNeedTwoNames) {

@@ -1,0 +1,145 @@
+#include "rack/eoe_bridge.hpp"
+
+#include <array>
+#include <chrono>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <spdlog/logger.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "rack/event_log.hpp"
+#include "rack/product_catalogue.hpp"
+
+namespace stator::rack {
+namespace {
+
+using testing::HasSubstr;
+using Bytes = std::vector<std::byte>;
+
+Bytes frame_of(std::size_t length, unsigned seed = 0) {
+  Bytes frame(length);
+  for (std::size_t i = 0; i < length; ++i) {
+    frame[i] = static_cast<std::byte>(i * 7 + seed);
+  }
+  return frame;
+}
+
+/// A bridge whose TAP interface is one end of a socket pair; the other stands for the machine.
+class EoeBridgeTest : public testing::Test {
+ protected:
+  EoeBridgeTest() {
+    std::array<int, 2> ends{};
+    EXPECT_EQ(::socketpair(AF_UNIX, SOCK_SEQPACKET, 0, ends.data()), 0);
+    machine_ = link::FileDescriptor(ends[1]);
+    auto tap = link::TapLink::adopt(link::FileDescriptor(ends[0]),
+                                    {.interface = "eoe0", .ether_type = std::nullopt});
+    EXPECT_TRUE(tap) << tap.error().text;
+    bridge_ = std::make_unique<EoeBridge>(std::move(*tap), "gantry", logger_);
+  }
+
+  void machine_sends(const Bytes& frame) const {
+    EXPECT_EQ(::write(machine_.get(), frame.data(), frame.size()),
+              static_cast<ssize_t>(frame.size()));
+  }
+  [[nodiscard]] Bytes machine_receives() const {
+    Bytes buffer(2000);
+    const ssize_t length = ::recv(machine_.get(), buffer.data(), buffer.size(), MSG_DONTWAIT);
+    buffer.resize(length > 0 ? static_cast<std::size_t>(length) : 0);
+    return buffer;
+  }
+  /// The next frame the firmware gets; the bridge's thread may still be about to bring it.
+  [[nodiscard]] Bytes firmware_takes() const {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    Bytes buffer(ethercat::kMaximumEoeFrame);
+    std::size_t length = 0;
+    while (length == 0 && std::chrono::steady_clock::now() < deadline) {
+      length = bridge_->take(buffer);
+      std::this_thread::yield();
+    }
+    buffer.resize(length);
+    return buffer;
+  }
+
+  std::ostringstream text_;
+  std::shared_ptr<spdlog::logger> logger_ = std::make_shared<spdlog::logger>(
+      "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_));
+  link::FileDescriptor machine_;
+  std::unique_ptr<EoeBridge> bridge_;
+};
+
+TEST_F(EoeBridgeTest, FramesPassBothWaysUnchanged) {
+  machine_sends(frame_of(60, 1));
+  machine_sends(frame_of(1518, 2));
+  EXPECT_EQ(firmware_takes(), frame_of(60, 1));
+  EXPECT_EQ(firmware_takes(), frame_of(1518, 2));
+  Bytes buffer(ethercat::kMaximumEoeFrame);
+  EXPECT_EQ(bridge_->take(buffer), 0U);
+
+  bridge_->send(frame_of(1514, 3));
+  EXPECT_EQ(machine_receives(), frame_of(1514, 3));
+}
+
+TEST_F(EoeBridgeTest, WhatNobodyTakesIsDroppedOldestFirst) {
+  for (unsigned i = 0; i < EoeBridge::kQueuedFrames + 3; ++i) {
+    machine_sends(frame_of(60, i));
+  }
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (bridge_->frames_dropped() < 3 && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::yield();
+  }
+  EXPECT_EQ(bridge_->frames_dropped(), 3U);
+  EXPECT_EQ(firmware_takes(), frame_of(60, 3));
+}
+
+TEST_F(EoeBridgeTest, AFrameTheInterfaceRefusesIsToldOnceAndCounted) {
+  bridge_->send(frame_of(13));
+  bridge_->send(frame_of(12));
+  EXPECT_THAT(text_.str(), HasSubstr("does not carry a frame of 13 bytes"));
+  EXPECT_THAT(text_.str(), testing::Not(HasSubstr("12 bytes")));
+  EXPECT_EQ(bridge_->link_statistics().send_errors, 2U);
+}
+
+TEST_F(EoeBridgeTest, AnAddressThatCannotBeSetIsTold) {
+  ethercat::IpParameters parameters;
+  parameters.address = {10, 0, 0, 1};
+  bridge_->set_ip_parameters(parameters);
+  EXPECT_THAT(text_.str(), HasSubstr("gantry: EoE: cannot set the address of \"eoe0\""));
+}
+
+TEST_F(EoeBridgeTest, ADeviceReachesTheMachineThroughIt) {
+  devices::Tmcm3315Configuration configuration;
+  configuration.ethernet_over_ethercat = true;
+  const auto device = make_device(configuration, base::EventReporter());
+  ASSERT_NE(device->eoe(), nullptr);
+  EXPECT_TRUE(device->description().eoe) << "SII and ESI announce it";
+  device->eoe()->connect(bridge_.get());
+  Bytes fragment(ethercat::EoeHeader::kSize);
+  ethercat::EoeHeader{.last_fragment = true, .offset = 2}.encode(fragment);
+  const Bytes frame = frame_of(60);
+  fragment.insert(fragment.end(), frame.begin(), frame.end());
+  Bytes reply(100);
+  (void)device->eoe()->handle(fragment, reply, base::SimTime());
+  EXPECT_EQ(machine_receives(), frame);
+}
+
+TEST(EoeBridges, ADeviceWhoseEoeIsOffCannotBeBridged) {
+  RackConfiguration configuration = single_device_rack("tmcm-3315");
+  EventLog log;
+  Rack rack(configuration, log);
+  EXPECT_EQ(rack.devices(0).front().device->eoe(), nullptr);
+  configuration.segments[0].devices[0].eoe_interface = "eoe0";
+  EoeBridges bridges;
+  try {
+    bridges.open(rack, configuration, nullptr);
+    FAIL() << "was bridged";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("not switched on"));
+  }
+}
+
+}  // namespace
+}  // namespace stator::rack
