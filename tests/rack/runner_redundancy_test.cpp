@@ -38,8 +38,8 @@ class RunnerRedundancy : public ::testing::Test {
     SegmentConfiguration& segment = configuration_.segments.front();
     segment.devices.push_back(segment.devices.front());
     segment.devices.back().name = "second";
-    segment.interface = "stator1";
-    segment.redundant_interface = "stator3";
+    segment.link = {link::LinkKind::raw_ethernet, "stator1", 0};
+    segment.redundant_link = {link::LinkKind::raw_ethernet, "stator3", 0};
     rack_ = std::make_unique<Rack>(configuration_, log_);
     runner_ = std::make_unique<Runner>(
         *rack_, configuration_,
