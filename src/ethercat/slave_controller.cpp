@@ -195,9 +195,9 @@ void SlaveController::expire(base::SimTime now) {
 }
 
 void SlaveController::update_deadline() {
-  next_deadline_ = std::min({process_data_watchdog_.deadline(), host_watchdog_.deadline(),
-                             sii_.deadline(), mii_.deadline(), loop_control_expires_,
-                             sync_deadline_});
+  next_deadline_ =
+      std::min({process_data_watchdog_.deadline(), host_watchdog_.deadline(), sii_.deadline(),
+                mii_.deadline(), loop_control_expires_, sync_deadline_});
 }
 
 void SlaveController::set_host_polling(bool polling) {
