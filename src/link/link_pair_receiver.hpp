@@ -21,13 +21,13 @@ class LinkPairReceiver {
       : links_{&first, &second}, wait_(wait), spin_time_(spin_time) {}
 
   struct Received {
-    std::size_t length = 0;  ///< 0: none came in time, or a link was woken
+    std::size_t length = 0;  ///< 0: none came in time
     std::size_t link = 0;    ///< 0 or 1: where it came from
   };
 
   /// The next frame of either link, taken in turn when both have some. Waits at most `timeout` of
-  /// the machine's time; like EthernetLink::receive() otherwise, except that an interface that is
-  /// switched off is silent and no error: the other one goes on.
+  /// the machine's time; wake() of a link does not shorten that. An interface that is switched off
+  /// is silent and no error: the other one goes on.
   [[nodiscard]] base::Expected<Received, LinkError> receive(std::span<std::byte> buffer,
                                                             base::SimDuration timeout);
 
