@@ -131,7 +131,8 @@ class Segment {
   std::array<Way, kMasterInterfaces> ways_;
   bool topology_changed_ = false;  ///< ways_ are out of date; slaves set it too
   SegmentStatistics statistics_;
-  std::array<DatagramView, kMaximumDatagrams> datagrams_{};  ///< of the frame in process()
+  /// Of the frame in process(), and one for the look behind the last.
+  std::array<DatagramView, kMaximumDatagrams + 1> datagrams_{};
 };
 
 }  // namespace stator::ethercat

@@ -108,7 +108,7 @@ TEST(Topology, SlaveEnteredThroughPortOne_KeepsTheTimesOfThePortsThatReceived) {
   TestBus bus(0);
   const std::size_t reversed = bus.add_unconnected();
   bus.segment().connect(MasterInterface::primary, SlavePort{reversed, 1}, SimDuration(25));
-  const std::uint64_t sent = bus.now().nanoseconds() + 10'000;
+  const auto sent = static_cast<std::uint64_t>(bus.now().nanoseconds() + 10'000);
   bus.broadcast_write(0x0900, zeros(4));
   EXPECT_EQ(number(bus.read(0, 0x0900, 4).data), 0U) << "nothing came in at port 0";
   EXPECT_EQ(number(bus.read(0, 0x0904, 4).data), sent + 25);
@@ -116,7 +116,7 @@ TEST(Topology, SlaveEnteredThroughPortOne_KeepsTheTimesOfThePortsThatReceived) {
 
   const std::size_t behind = bus.add_unconnected();
   bus.segment().connect(SlavePort{reversed, 0}, SlavePort{behind, 0}, SimDuration(40));
-  const std::uint64_t again = bus.now().nanoseconds() + 10'000;
+  const auto again = static_cast<std::uint64_t>(bus.now().nanoseconds() + 10'000);
   bus.broadcast_write(0x0900, zeros(4));
   // Out of port 0, along the cable, turned by the other one and back.
   const std::uint64_t back = again + 25 + 300 + 40 + 300 + 40;
