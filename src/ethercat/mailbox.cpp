@@ -93,6 +93,7 @@ void Mailbox::stop() {
     message->length = 0;
   }
   posted_is_repetition_ = false;
+  request_seen_ = false;
   last_request_counter_ = 0;
   reply_counter_ = 0;
   for (Participant& participant : protocols_) {
@@ -108,7 +109,7 @@ std::uint8_t Mailbox::read_status(unsigned channel) const {
 }
 
 bool Mailbox::request_waits(std::uint32_t events) const {
-  if (receive_.interrupts_host()) {
+  if (receive_.interrupts_host() && !request_seen_) {
     return (events & al_event::sync_manager(kReceiveMailboxChannel)) != 0;
   }
   return (read_status(kReceiveMailboxChannel) & SyncManagerSettings::kStatusMailboxFull) != 0;
@@ -120,7 +121,8 @@ bool Mailbox::needs_attention(std::uint32_t events) const {
   }
   if (posted_.length != 0) {
     return !transmit_.interrupts_host() ||
-           (events & al_event::sync_manager(kTransmitMailboxChannel)) != 0;
+           (events & al_event::sync_manager(kTransmitMailboxChannel)) != 0 ||
+           (!request_seen_ && request_waits(events));
   }
   return postponed_.length != 0 || request_waits(events) ||
          std::ranges::any_of(protocols_, &Participant::has_message);
@@ -132,6 +134,7 @@ void Mailbox::process(std::uint32_t events, base::SimTime now) {
   }
   note_delivery();
   if (posted_.length != 0) {
+    drop_repetition(events, now);
     return;
   }
   if (postponed_.length != 0) {
@@ -154,14 +157,36 @@ void Mailbox::note_delivery() {
   }
 }
 
+/// Looks at a request that has to wait, once.
+void Mailbox::drop_repetition(std::uint32_t events, base::SimTime now) {
+  if (request_seen_ || !request_waits(events)) {
+    return;
+  }
+  const std::span<std::byte> mailbox = std::span(request_).first(receive_.length);
+  interface_.read(receive_.start, mailbox.first(kMailboxHeaderSize));
+  const MailboxHeader header = MailboxHeader::decode(mailbox);
+  if (!is_repetition(header)) {
+    request_seen_ = true;
+    return;
+  }
+  interface_.read(static_cast<std::uint16_t>(receive_.start + kMailboxHeaderSize),
+                  mailbox.subspan(kMailboxHeaderSize));
+  note_repetition(header, now);
+}
+
+void Mailbox::note_repetition(const MailboxHeader& header, base::SimTime now) {
+  ++statistics_.mailbox_duplicates;
+  reporter_.report(now, rules::kMailboxDuplicate, {EventArgument(int{header.counter})});
+}
+
 /// Returns true if a reply was posted.
 bool Mailbox::take_request(base::SimTime now) {
   const std::span<std::byte> mailbox = std::span(request_).first(receive_.length);
   interface_.read(receive_.start, mailbox);
+  request_seen_ = false;
   const MailboxHeader header = MailboxHeader::decode(mailbox);
-  if (header.counter != 0 && header.counter == last_request_counter_) {
-    ++statistics_.mailbox_duplicates;
-    reporter_.report(now, rules::kMailboxDuplicate, {EventArgument(int{header.counter})});
+  if (is_repetition(header)) {
+    note_repetition(header, now);
     return false;
   }
   last_request_counter_ = header.counter;

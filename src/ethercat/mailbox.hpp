@@ -20,7 +20,9 @@ namespace stator::ethercat {
 /// the master lost it.
 ///
 /// A request is left in SM0 until the last reply was read: the controller then refuses the next
-/// write of the master (working counter 0), so nothing is ever lost.
+/// write of the master (working counter 0), so nothing is ever lost. One that is the last request
+/// once more is taken away at once: its master has missed that the first was accepted, and may wait
+/// for an empty mailbox before it looks for the reply.
 class Mailbox {
  public:
   /// `receive_capacity` and `transmit_capacity` bound the lengths of SM0 and SM1.
@@ -75,6 +77,11 @@ class Mailbox {
   [[nodiscard]] std::uint8_t read_status(unsigned channel) const;
   void note_delivery();
   bool take_request(base::SimTime now);
+  void drop_repetition(std::uint32_t events, base::SimTime now);
+  [[nodiscard]] bool is_repetition(const MailboxHeader& header) const {
+    return header.counter != 0 && header.counter == last_request_counter_;
+  }
+  void note_repetition(const MailboxHeader& header, base::SimTime now);
   [[nodiscard]] MailboxReply dispatch(const MailboxHeader& header, base::SimTime now);
   [[nodiscard]] MailboxErrorCode check(const MailboxHeader& header) const;
   bool send_own_message(base::SimTime now);
@@ -97,6 +104,7 @@ class Mailbox {
   Message delivered_;  ///< read by the master; what a repeat request asks for
   Message postponed_;  ///< displaced from SM1 by a repetition, comes next
   bool posted_is_repetition_ = false;
+  bool request_seen_ = false;  ///< in SM0 lies a new request; its event was acknowledged
   std::uint8_t last_request_counter_ = 0;
   std::uint8_t reply_counter_ = 0;
 };

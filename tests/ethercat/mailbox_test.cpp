@@ -73,6 +73,34 @@ TEST_F(MailboxTest, NextRequestBeforeTheReplyWasRead_IsDeferredAndNotLost) {
   EXPECT_EQ(to_hex(part(controller.read_mailbox(), 9, 2)), "01 10");
 }
 
+TEST_F(MailboxTest, RepeatedRequestWhileTheReplyWaits_IsTakenAwayAndTheReplyStays) {
+  ASSERT_TRUE(controller.write_mailbox(request_of("00 10", 1)));
+  process();
+  ASSERT_TRUE(controller.write_mailbox(request_of("00 10", 1)));
+  process();
+  EXPECT_FALSE(controller.mailbox_full(0));
+  EXPECT_EQ(stack.statistics().mailbox_duplicates, 1U);
+  EXPECT_EQ(to_hex(part(controller.read_mailbox(), 9, 2)), "00 10");
+  process();
+  EXPECT_TRUE(controller.read_mailbox().empty());
+}
+
+TEST_F(MailboxTest, NewRequestWhileTheReplyWaitsWithoutHostInterrupt_IsDeferredToo) {
+  request(0x01);
+  controller.set_sync_manager(0, 0x1000, 128, 0x06, true);
+  controller.set_sync_manager(1, 0x1080, 128, 0x02, true);
+  request(0x02);
+  ASSERT_TRUE(controller.write_mailbox(request_of("00 10", 1)));
+  process();
+  ASSERT_TRUE(controller.write_mailbox(request_of("01 10", 2)));
+  process();
+  process();
+  EXPECT_TRUE(controller.mailbox_full(0));
+  EXPECT_EQ(to_hex(part(controller.read_mailbox(), 9, 2)), "00 10");
+  process();
+  EXPECT_EQ(to_hex(part(controller.read_mailbox(), 9, 2)), "01 10");
+}
+
 TEST_F(MailboxTest, RepeatRequest_BringsTheSameMessageAgain) {
   const Bytes first = exchange(request_of("00 10", 1));
   controller.toggle_repeat_request();

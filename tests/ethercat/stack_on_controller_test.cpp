@@ -196,6 +196,30 @@ TEST_F(StackOnController, MailboxPolledByChangeOfTheMappedStatusBit_IsFoundAndCo
   }
 }
 
+TEST_F(StackOnController, RequestSentAgainBeforeItsReplyWasRead_LeavesTheMailboxEmpty) {
+  go_pre_operational();
+  for (int frame = 0; frame < 3; ++frame) {  // the master's network was slow, all frames arrive
+    EXPECT_EQ(write(0x1000, sdo_read(0x1000, 1)).working_counter, 1U);
+  }
+  EXPECT_EQ(read(0x0805, 1).data[0] & std::byte{8}, std::byte{0});
+  EXPECT_EQ(fetch_index(), 0x1000U);
+  EXPECT_EQ(fetch_index(), 0U);
+  EXPECT_EQ(write(0x1000, sdo_read(0x1001, 2)).working_counter, 1U);
+  EXPECT_EQ(fetch_index(), 0x1001U);
+}
+
+TEST_F(StackOnController, RequestThatWaitsForItsTurn_IsForgottenWhenTheMailboxIsSwitchedOff) {
+  go_pre_operational();
+  write(0x1000, sdo_read(0x1000, 1));
+  write(0x1000, sdo_read(0x1001, 2));
+  bus.write(0, 0x0806, hex("00"));  // off and on again before the firmware looks
+  bus.write(0, 0x0806, hex("01"));
+  EXPECT_EQ(fetch_index(), 0x1000U);
+  EXPECT_EQ(fetch_index(), 0U);
+  write(0x1000, sdo_read(0x1008, 3));
+  EXPECT_EQ(fetch_index(), 0x1008U);
+}
+
 TEST_F(StackOnController, DrainingReadsAndPollsWithNothingThere_DisturbNothing) {
   go_pre_operational();
   for (int i = 0; i < 3; ++i) {
