@@ -38,7 +38,7 @@ std::string redundancy_problem(const SegmentConfiguration& segment) {
     return {};
   }
   for (const link::LinkAddress& link : {segment.link, segment.redundant_link}) {
-    if (link.kind != link::LinkKind::raw_ethernet) {
+    if (!link.in_process() && link.kind != link::LinkKind::raw_ethernet) {
       return "cable redundancy needs two network interfaces, ethercat:INTERFACE each; one of the "
              "links is " +
              to_text(link);

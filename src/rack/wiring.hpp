@@ -34,7 +34,8 @@ struct Attachment {
 [[nodiscard]] bool has_cable(const SegmentConfiguration& segment, std::size_t index, unsigned port);
 
 /// Why `segment` cannot have the redundant link it names, as a sentence with remedy: a ring needs
-/// two network interfaces. Empty if it can, or names none.
+/// two network interfaces, of which the first may still be left to the command line. Empty if it
+/// can, or names none.
 [[nodiscard]] std::string redundancy_problem(const SegmentConfiguration& segment);
 
 /// Connects the slaves of `segment`, which are added already, in the order of the configuration.

@@ -97,7 +97,7 @@ TEST(Wiring, MistakesAreExplained) {
   EXPECT_THAT(refusal_of(device("a", "entry_port = 3")),
               HasSubstr("\"entry_port\" is 3, but \"a\" has the ports 0 to 1"));
   EXPECT_THAT(refusal_of(device("a", "port = 1")), HasSubstr("\"entry_port\""));
-  EXPECT_THAT(refusal_of(a, "redundant = \"eth1\""), HasSubstr("write \"ethercat:INTERFACE\""));
+  EXPECT_THAT(refusal_of(a, "redundant = \"eth1\""), HasSubstr("write ethercat:INTERFACE"));
   EXPECT_THAT(refusal_of(a, "link = \"ethercat:x\"\nredundant = \"ethercat:x\""),
               HasSubstr("a ring needs two"));
   EXPECT_EQ(refusal_of(a + b), "accepted");
