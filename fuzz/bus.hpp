@@ -35,9 +35,10 @@ class Bus {
 
   /// Sends any frame. A frame that comes back has kept its length by construction: it is changed in
   /// place.
-  bool send(std::span<std::byte> frame) {
+  bool send(std::span<std::byte> frame,
+            ethercat::MasterInterface interface = ethercat::MasterInterface::primary) {
     now_ += base::SimDuration(10'000);
-    return segment_.process(frame, now_);
+    return segment_.process(frame, now_, interface).has_value();
   }
 
  private:

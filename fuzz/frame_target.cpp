@@ -30,9 +30,9 @@ std::vector<std::byte> sii_image() {
   return image;
 }
 
-/// Three controllers in line: two behind a host, one that emulates it.
-struct Line {
-  Line() {
+/// Three controllers in a ring: two behind a host, one that emulates it.
+struct Ring {
+  Ring() {
     for (std::size_t i = 0; i < kSlaves; ++i) {
       SlaveControllerConfiguration configuration;
       configuration.device_emulation = i == 1;
@@ -41,6 +41,7 @@ struct Line {
       slaves[i]->load_sii(sii_image());
       segment.append(*slaves[i]);
     }
+    segment.connect(MasterInterface::secondary, SlavePort{kSlaves - 1, 1});
   }
 
   std::array<std::unique_ptr<SlaveController>, kSlaves> slaves;
@@ -81,7 +82,8 @@ void send_datagrams(Input& input, Bus& bus) {
     input.fill(std::span(data).first(length));
     builder.append(command, 0, address, std::span<const std::byte>(data).first(length));
   }
-  bus.send(builder.finish());
+  bus.send(builder.finish(),
+           input.below(8) == 7 ? MasterInterface::secondary : MasterInterface::primary);
 }
 
 void access_from_host(Input& input, SlaveController& slave, bool write) {
@@ -96,15 +98,42 @@ void access_from_host(Input& input, SlaveController& slave, bool write) {
   }
 }
 
-void run_step(Input& input, Line& line, Bus& bus) {
-  const auto some_slave = [&]() -> SlaveController& { return *line.slaves[input.below(kSlaves)]; };
+/// What else happens to a controller than frames and host accesses.
+void disturb(Input& input, Ring& ring, SlaveController& slave) {
+  const unsigned choice = input.below(16);
+  switch (choice) {
+    case 0:
+    case 1:
+      ring.segment.set_power(input.below(kSlaves), choice == 1);
+      break;
+    case 2:
+    case 3:
+      ring.segment.set_carrier(
+          input.below(2) == 0 ? MasterInterface::primary : MasterInterface::secondary, choice == 3);
+      break;
+    case 4:
+      slave.set_host_polling(input.below(2) == 0);
+      break;
+    case 5:
+      slave.count_receive_error(input.below(4), static_cast<ReceiveError>(input.below(3)));
+      break;
+    default:
+      slave.set_latch_input(choice & 1U, (choice & 2U) != 0);
+      require(slave.next_sync_edge(choice & 1U) > slave.now() - base::SimDuration(1));
+      static_cast<void>(slave.sync_pulse_count(choice & 1U));
+      break;
+  }
+}
+
+void run_step(Input& input, Ring& ring, Bus& bus) {
+  const auto some_slave = [&]() -> SlaveController& { return *ring.slaves[input.below(kSlaves)]; };
   switch (input.below(8)) {
     case 0:
       send_raw_frame(input, bus);
       break;
     case 1:
       bus.wait(base::SimDuration(std::int64_t{input.word()} * 10'000));
-      line.segment.advance(bus.now());
+      ring.segment.advance(bus.now());
       break;
     case 2:
       access_from_host(input, some_slave(), false);
@@ -113,29 +142,35 @@ void run_step(Input& input, Line& line, Bus& bus) {
       access_from_host(input, some_slave(), true);
       break;
     case 4:
-      line.segment.set_link(input.below(kSlaves), input.below(4) != 0);
+      ring.segment.set_link(input.below(kSlaves), input.below(4) != 0);
+      break;
+    case 5:
+      disturb(input, ring, some_slave());
       break;
     default:
       send_datagrams(input, bus);
       break;
   }
-  require(line.segment.next_deadline() >= base::SimTime());
+  require(ring.segment.next_deadline() >= base::SimTime());
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Input input({data, size});
-  Line line;
-  Bus bus(line.segment);
+  Ring ring;
+  Bus bus(ring.segment);
   while (!input.empty()) {
-    run_step(input, line, bus);
+    run_step(input, ring, bus);
   }
+  ring.segment.set_carrier(MasterInterface::primary, true);
+  ring.segment.set_carrier(MasterInterface::secondary, false);
   for (std::size_t i = 0; i < kSlaves; ++i) {
-    line.segment.set_link(i, true);
-    line.slaves[i]->power_on_reset();
+    ring.segment.set_link(i, true);
+    ring.segment.set_power(i, true);
+    ring.slaves[i]->power_on_reset();
   }
-  line.segment.advance(bus.now());
+  ring.segment.advance(bus.now());
   std::array<std::byte, 1> type{};
   require(bus.transfer(Command::brd, physical_address(0, 0x0000), type) == kSlaves);
   require(type[0] == std::byte{0xD0});

@@ -89,7 +89,14 @@ class Session {
     write(address, registers);
   }
 
-  devices::Tmcm3315 device_{devices::Tmcm3315Configuration{}};
+  static devices::Tmcm3315Configuration everything() {
+    devices::Tmcm3315Configuration configuration;
+    configuration.ethernet_over_ethercat = true;
+    configuration.firmware_erase_time = base::SimDuration(1'000'000);
+    return configuration;
+  }
+
+  devices::Tmcm3315 device_{everything()};
   Segment segment_;
   Bus bus_;
   MailboxArea receive_;
