@@ -1,8 +1,8 @@
 // Cost of the frame path: one cyclic LRW frame sequence over a line of drives with 30 bytes of
-// outputs and 30 bytes of inputs each. "per_slave_datagram" is nanoseconds for one slave to deal
-// with one datagram, whether it concerns the slave or not; "of_limit" is that in parts of the
-// limit, 50 ns. The frames are made once and sent again and again, as their making is the master's
-// work.
+// outputs and 30 bytes of inputs each, and the other datagrams of a cycle. "per_slave_datagram" is
+// nanoseconds for one slave to deal with one datagram, whether it concerns the slave or not;
+// "of_limit" is that in parts of the limit, 50 ns. The frames are made once and sent again and
+// again, as their making is the master's work.
 
 #include <array>
 #include <memory>
@@ -154,36 +154,75 @@ void lrw_with_mailbox_status(benchmark::State& state) {
   run(state, true);
 }
 
-/// A datagram that concerns one slave only: the others must wave it through.
-void fprd_of_the_last_slave(benchmark::State& state) {
-  const auto slaves = static_cast<std::size_t>(state.range(0));
-  std::vector<std::unique_ptr<SlaveController>> line;
-  Segment segment;
-  for (std::size_t i = 0; i < slaves; ++i) {
-    line.push_back(std::make_unique<SlaveController>(SlaveControllerConfiguration{}));
-    line.back()->load_sii(minimal_sii());
-    segment.append(*line.back());
+/// Slaves in a line that have a station address (0x1001 on) and nothing else.
+struct AddressedLine {
+  explicit AddressedLine(std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      slaves.push_back(std::make_unique<SlaveController>(SlaveControllerConfiguration{}));
+      slaves.back()->load_sii(minimal_sii());
+      segment.append(*slaves.back());
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      FrameBuilder builder(buffer, kMaster);
+      const auto position = auto_increment_address(static_cast<std::uint16_t>(i));
+      base::store_le(*builder.append(Command::apwr, 0, physical_address(position, 0x0010), 2), 0,
+                     station(i));
+      static_cast<void>(segment.process(builder.finish(), now));
+    }
   }
-  constexpr std::uint16_t kStation = 0x1001;
-  const auto last = auto_increment_address(static_cast<std::uint16_t>(slaves - 1));
+  static std::uint16_t station(std::size_t position) {
+    return static_cast<std::uint16_t>(0x1001 + position);
+  }
+  std::vector<std::unique_ptr<SlaveController>> slaves;
+  Segment segment;
   std::array<std::byte, kMaximumFrameLength> buffer{};
-  FrameBuilder addressing(buffer, kMaster);
-  base::store_le(*addressing.append(Command::apwr, 0, physical_address(last, 0x0010), 2), 0,
-                 kStation);
-  static_cast<void>(segment.process(addressing.finish(), base::SimTime()));
+  base::SimTime now;
+};
 
-  FrameBuilder builder(buffer, kMaster);
-  builder.append(Command::fprd, 0, physical_address(kStation, 0x0130), std::size_t{2});
+/// One datagram, sent every millisecond to a line of slaves of which `answers` count it.
+void cyclic_datagram(benchmark::State& state, AddressedLine& line, Command command,
+                     std::uint32_t address, std::size_t length, std::size_t answers) {
+  FrameBuilder builder(line.buffer, kMaster);
+  builder.append(command, 0, address, length);
   const std::span<std::byte> frame = builder.finish();
-  static_cast<void>(segment.process(frame, base::SimTime()));
-  if (base::load_le<std::uint16_t>(frame, frame.size() - kWorkingCounterLength) != 1) {
-    state.SkipWithError("nobody answers");
+  static_cast<void>(line.segment.process(frame, line.now));
+  if (base::load_le<std::uint16_t>(frame, frame.size() - kWorkingCounterLength) != answers) {
+    state.SkipWithError("not everybody answers");
     return;
   }
   for (auto _ : state) {
-    benchmark::DoNotOptimize(segment.process(frame, base::SimTime()));
+    line.now += base::SimDuration(1'000'000);
+    benchmark::DoNotOptimize(line.segment.process(frame, line.now));
   }
-  report(state, static_cast<double>(state.iterations()) * static_cast<double>(slaves));
+  report(state, static_cast<double>(state.iterations()) * static_cast<double>(line.slaves.size()));
+}
+
+/// A datagram that concerns one slave only: the others must wave it through.
+void fprd_of_the_last_slave(benchmark::State& state) {
+  AddressedLine line(static_cast<std::size_t>(state.range(0)));
+  const std::uint16_t last = AddressedLine::station(line.slaves.size() - 1);
+  cyclic_datagram(state, line, Command::fprd, physical_address(last, 0x0130), 2, 1);
+}
+
+/// The first slave's system time goes to all others, which compare it with theirs: what a master
+/// with distributed clocks sends in each cycle.
+void frmw_system_time(benchmark::State& state) {
+  AddressedLine line(static_cast<std::size_t>(state.range(0)));
+  const std::uint32_t address = physical_address(AddressedLine::station(0), 0x0910);
+  cyclic_datagram(state, line, Command::frmw, address, 8, line.slaves.size());
+}
+
+/// The AL status of all slaves: what a master sends in each cycle to notice one that left.
+void brd_al_status(benchmark::State& state) {
+  AddressedLine line(static_cast<std::size_t>(state.range(0)));
+  cyclic_datagram(state, line, Command::brd, physical_address(0, 0x0130), 2, line.slaves.size());
+}
+
+/// A controller as each device of a rack needs one: construction and power-on.
+void construct_controller(benchmark::State& state) {
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(std::make_unique<SlaveController>(SlaveControllerConfiguration{}));
+  }
 }
 
 /// Slaves in a ring, without configuration.
@@ -230,5 +269,8 @@ void plan_after_a_change(benchmark::State& state) {
 BENCHMARK(lrw)->Arg(1)->Arg(10)->Arg(24)->Arg(50)->Arg(100)->Arg(500);
 BENCHMARK(lrw_with_mailbox_status)->Arg(1)->Arg(10)->Arg(50)->Arg(100)->Arg(500);
 BENCHMARK(fprd_of_the_last_slave)->Arg(1)->Arg(10)->Arg(50)->Arg(100)->Arg(500);
+BENCHMARK(frmw_system_time)->Arg(1)->Arg(50)->Arg(500);
+BENCHMARK(brd_al_status)->Arg(1)->Arg(50)->Arg(500);
+BENCHMARK(construct_controller);
 BENCHMARK(other_way_round_a_ring)->Arg(1)->Arg(50)->Arg(500);
 BENCHMARK(plan_after_a_change)->Arg(1)->Arg(10)->Arg(50)->Arg(100)->Arg(500);
