@@ -53,41 +53,41 @@ void SlaveController::reset_clocks() {
   start_time_bytes_ = 0;
 }
 
-void SlaveController::before_clock_read(Side side, Effects effects, std::uint32_t address,
+void SlaveController::before_clock_read(Side side, EffectSet effects, std::uint32_t address,
                                         std::size_t length) {
-  if ((effects & bit_of(Effect::system_time)) != 0) {
+  if (any_of(effects, set_of(Effect::system_time))) {
     // The bus sees the time at which the frame began, the host that of its access.
     const bool from_bus = side == Side::bus;
     shown_system_time_.show(registers(), side, address, length,
                             from_bus ? clock_.bus_time(frame_start_) : clock_.system_time(now_));
   }
-  if ((effects & bit_of(Effect::speed_difference)) != 0) {
+  if (any_of(effects, set_of(Effect::speed_difference))) {
     clock_.show_speed_counter_difference();
   }
-  if ((effects & (bit_of(Effect::sync_status) | bit_of(Effect::sync_times))) != 0) {
+  if (any_of(effects, set_of(Effect::sync_status, Effect::sync_times))) {
     advance_sync();
     sync_.show(clock_.system_time(now_));
   }
-  if ((effects & (bit_of(Effect::latch_status) | bit_of(Effect::latch_time))) != 0) {
+  if (any_of(effects, set_of(Effect::latch_status, Effect::latch_time))) {
     latch_.show(side, address, length);
   }
-  if ((effects & bit_of(Effect::buffer_event_time)) != 0) {
+  if (any_of(effects, set_of(Effect::buffer_event_time))) {
     for (std::size_t i = 0; i < buffer_events_.size(); ++i) {
       shown_buffer_events_[i].show(registers(), side, address, length, buffer_events_[i]);
     }
   }
 }
 
-void SlaveController::after_clock_read(Side side, Effects effects, std::uint32_t address,
+void SlaveController::after_clock_read(Side side, EffectSet effects, std::uint32_t address,
                                        std::size_t length) {
   if (side == Side::bus) {
     acknowledge_clock(side, effects, address, length);
   }
 }
 
-void SlaveController::acknowledge_clock(Side side, Effects effects, std::uint32_t address,
+void SlaveController::acknowledge_clock(Side side, EffectSet effects, std::uint32_t address,
                                         std::size_t length) {
-  if ((effects & bit_of(Effect::sync_status)) != 0 && side == Side::host) {
+  if (any_of(effects, set_of(Effect::sync_status)) && side == Side::host) {
     advance_sync();  // pulses before this moment are acknowledged too
     for (std::size_t output = 0; output < SyncUnit::kOutputs; ++output) {
       if (touches(address, length, kSync0Status + output)) {
@@ -97,7 +97,7 @@ void SlaveController::acknowledge_clock(Side side, Effects effects, std::uint32_
     publish_clock_events();
     schedule_sync();
   }
-  if ((effects & bit_of(Effect::latch_time)) != 0) {
+  if (any_of(effects, set_of(Effect::latch_time))) {
     latch_.acknowledge(side, address, length);
     publish_clock_events();
   }
@@ -123,12 +123,12 @@ bool SlaveController::accepts_clock_write(Side side, Effect effect, std::size_t 
   }
 }
 
-void SlaveController::after_clock_write(Side side, Effects effects, std::uint32_t address,
+void SlaveController::after_clock_write(Side side, EffectSet effects, std::uint32_t address,
                                         std::span<const std::byte> data) {
-  const auto has = [effects](Effect effect) { return (effects & bit_of(effect)) != 0; };
+  const auto has = [effects](Effect effect) { return any_of(effects, set_of(effect)); };
   if (has(Effect::system_time)) {
     take_system_time(address, data);
-    if (effects == bit_of(Effect::system_time)) {
+    if (effects == set_of(Effect::system_time)) {
       return;  // what a cycle of a master does; the rest follows at the end of the frame
     }
   }
@@ -169,12 +169,15 @@ void SlaveController::take_system_time(std::uint32_t address, std::span<const st
   if (!touches(address, data.size(), kSystemTime)) {
     return;
   }
-  // Bytes that were not written count as zero.
-  std::array<std::byte, 4> bytes{};
-  const std::size_t offset = kSystemTime - address;
-  std::copy_n(data.begin() + static_cast<std::ptrdiff_t>(offset),
-              std::min(bytes.size(), data.size() - offset), bytes.begin());
-  received_system_time_ = base::load_le<std::uint32_t>(bytes);
+  const std::span<const std::byte> written = data.subspan(kSystemTime - address);
+  if (written.size() >= sizeof received_system_time_) {
+    received_system_time_ = base::load_le<std::uint32_t>(written);
+  } else {
+    // Bytes that were not written count as zero.
+    std::array<std::byte, sizeof received_system_time_> bytes{};
+    std::copy(written.begin(), written.end(), bytes.begin());
+    received_system_time_ = base::load_le<std::uint32_t>(bytes);
+  }
   frame_work_ |= FrameWork::kCompareSystemTime;
 }
 

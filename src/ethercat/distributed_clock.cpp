@@ -25,6 +25,7 @@ constexpr std::uint32_t kLocalIsBehind = 0x80000000;
 constexpr int kLineFraction = 10;
 constexpr int kTrimFraction = 20;
 constexpr int kDifferenceFraction = 16;
+constexpr int kScaleFraction = 30;
 
 /// Speed counter start values outside 0x0080..0x3FFF act as the nearest one inside.
 std::int64_t effective_start(std::uint16_t speed_counter_start) {
@@ -155,7 +156,9 @@ void DistributedClock::learn_rate(std::int64_t innovation, std::int64_t elapsed)
   const std::int64_t most = elapsed * 64 / 512;
   const std::int64_t gain = std::clamp(innovation >> (kDifferenceFraction - 6), -most, most);
   const std::int64_t limit = largest_slew_ppb_ << 6;
-  const std::int64_t error = std::clamp(gain * kBillion / elapsed, -limit, limit);
+  // Per ns in ppb: known before the difference is, so that nothing waits for the division.
+  const std::int64_t scale = (kBillion << kScaleFraction) / elapsed;
+  const std::int64_t error = std::clamp(gain * scale >> kScaleFraction, -limit, limit);
   const unsigned depth = std::to_integer<unsigned>(registers_[kSpeedFilterDepth]) & 0x0F;
   set_trim(trim_ - ((error << (kTrimFraction - 6)) >> depth));
 }

@@ -229,7 +229,7 @@ bool SlaveController::compile_mapping(const Fmmu& fmmu) {
   if (from < kRegisterSpace) {
     for (std::uint32_t at = from; at < from + fmmu.length; ++at) {
       if (at >= kRegisterSpace || !register_map_[at].bus_reads ||
-          has_bus_read_effect(register_map_[at].effect)) {
+          any_of(set_of(register_map_[at].effect), kBusReads)) {
         return false;
       }
     }

@@ -121,23 +121,24 @@ bool SlaveController::write_memory(Side side, std::uint32_t address,
 }
 
 bool SlaveController::read_registers(Side side, std::uint32_t address, std::span<std::byte> out) {
-  const auto readable = [&](const RegisterMap::Byte& byte) {
+  const auto readable = [side](const RegisterMap::Byte& byte) {
     return side == Side::bus ? byte.bus_reads : byte.host_reads;
   };
-  Effects effects = 0;
+  EffectSet effects = 0;
   bool any = false;
-  for (std::size_t i = 0; i < out.size(); ++i) {
+  for (std::size_t i = 0; i < out.size();) {
     const RegisterMap::Byte& byte = register_map_[address + i];
     if (readable(byte)) {
       any = true;
-      effects |= Effects{1} << static_cast<unsigned>(byte.effect);
+      effects |= set_of(byte.effect);
     }
+    i += byte.run();
   }
   if (!any) {
     return false;
   }
-  before_read(side, effects);
-  if ((effects & kClockReads) != 0) {
+  before_read(effects);
+  if (any_of(effects, kClockReads)) {
     before_clock_read(side, effects, address, out.size());
   }
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -148,7 +149,7 @@ bool SlaveController::read_registers(Side side, std::uint32_t address, std::span
   } else {
     after_host_read(effects, address, out.size());
   }
-  if ((effects & kClockReads) != 0) {
+  if (any_of(effects, kClockReads)) {
     after_clock_read(side, effects, address, out.size());
   }
   return true;
@@ -157,23 +158,28 @@ bool SlaveController::read_registers(Side side, std::uint32_t address, std::span
 bool SlaveController::write_registers(Side side, std::uint32_t address,
                                       std::span<const std::byte> data, std::uint8_t first_mask,
                                       std::uint8_t last_mask) {
-  Effects effects = 0;
+  EffectSet effects = 0;
   bool any = false;
-  for (std::size_t i = 0; i < data.size(); ++i) {
+  for (std::size_t i = 0; i < data.size();) {
     const std::size_t at = address + i;
-    const bool accepted = side == Side::bus ? accepts_bus_write(at) : accepts_host_write(at);
-    if (!accepted) {
+    const RegisterMap::Byte& byte = register_map_[at];
+    const bool conditional = any_of(set_of(byte.effect), kConditionalWrites) || protects_writes();
+    const std::size_t next = conditional ? i + 1 : std::min(i + byte.run(), data.size());
+    if (!(side == Side::bus ? byte.bus_writes : byte.host_writes) ||
+        (conditional && !accepts_write(side, at))) {
+      i = next;
       continue;
     }
-    const RegisterMap::Byte& byte = register_map_[at];
-    unsigned mask = mask_at(i, data.size(), first_mask, last_mask);
-    mask &= side == Side::bus ? byte.bus_stores : byte.host_stores;
-    if (byte.effect == Effect::sync_manager && register_bit((at & ~std::size_t{7}) + 6, 0)) {
-      mask &= 0x40;  // of an enabled sync manager only the watchdog trigger may change
-    }
-    store_bits(memory_[at], data[i], static_cast<std::uint8_t>(mask));
     any = true;
-    effects |= Effects{1} << static_cast<unsigned>(byte.effect);
+    effects |= set_of(byte.effect);
+    unsigned stores = side == Side::bus ? byte.bus_stores : byte.host_stores;
+    if (byte.effect == Effect::sync_manager && register_bit((at & ~std::size_t{7}) + 6, 0)) {
+      stores &= 0x40;  // of an enabled sync manager only the watchdog trigger may change
+    }
+    for (; i < next; ++i) {
+      const unsigned mask = stores & mask_at(i, data.size(), first_mask, last_mask);
+      store_bits(memory_[address + i], data[i], static_cast<std::uint8_t>(mask));
+    }
   }
   if (!any) {
     return false;
@@ -183,18 +189,21 @@ bool SlaveController::write_registers(Side side, std::uint32_t address,
   } else {
     after_host_write(effects, address, data);
   }
-  if ((effects & kClockWrites) != 0) {
+  if (any_of(effects, kClockWrites)) {
     after_clock_write(side, effects, address, data);
   }
   return true;
 }
 
-bool SlaveController::accepts_bus_write(std::size_t address) const {
-  const RegisterMap::Byte& byte = register_map_[address];
-  if (!byte.bus_writes || write_protected(static_cast<std::uint32_t>(address))) {
-    return false;
-  }
-  switch (byte.effect) {
+bool SlaveController::accepts_write(Side side, std::size_t address) const {
+  const Effect effect = register_map_[address].effect;
+  return side == Side::bus ? !write_protected(static_cast<std::uint32_t>(address)) &&
+                                 accepts_bus_write(effect, address)
+                           : accepts_host_write(effect, address);
+}
+
+bool SlaveController::accepts_bus_write(Effect effect, std::size_t address) const {
+  switch (effect) {
     case Effect::al_control:
       return al_control_taken_ || register_bit(0x0141, 0);
     case Effect::sii_interface:
@@ -209,16 +218,12 @@ bool SlaveController::accepts_bus_write(std::size_t address) const {
       return !enabled || (address & 7) == 4;
     }
     default:
-      return accepts_clock_write(Side::bus, byte.effect, address);
+      return accepts_clock_write(Side::bus, effect, address);
   }
 }
 
-bool SlaveController::accepts_host_write(std::size_t address) const {
-  const RegisterMap::Byte& byte = register_map_[address];
-  if (!byte.host_writes) {
-    return false;
-  }
-  switch (byte.effect) {
+bool SlaveController::accepts_host_write(Effect effect, std::size_t address) const {
+  switch (effect) {
     case Effect::al_control:
     case Effect::watchdog_status:
     case Effect::sync_manager_activate:
@@ -234,8 +239,12 @@ bool SlaveController::accepts_host_write(std::size_t address) const {
     case Effect::mii_access:
       return mii_.host_may_take();
     default:
-      return accepts_clock_write(Side::host, byte.effect, address);
+      return accepts_clock_write(Side::host, effect, address);
   }
+}
+
+bool SlaveController::protects_writes() const {
+  return register_bit(kWriteProtection, 0) || register_bit(kControllerWriteProtection, 0);
 }
 
 bool SlaveController::write_protected(std::uint32_t address) const {

@@ -34,17 +34,18 @@ constexpr std::size_t kWatchdogStatus = 0x0440;
 constexpr std::uint16_t kDlStatusEvent = 1U << 2;
 constexpr std::uint16_t kAlStatusEvent = 1U << 3;
 
-/// Runs `handle` for each effect in the set, in the order of their declaration.
+/// Runs `handle` for each effect in the set that is this file's business, in the order of their
+/// declaration.
 template <typename Handler>
-void for_each_effect(std::uint64_t effects, Handler handle) {
-  for (; effects != 0; effects &= effects - 1) {
+void for_each_effect(EffectSet effects, Handler handle) {
+  for (effects &= ~kNoRegisterEffects; effects != 0; effects &= effects - 1) {
     handle(static_cast<Effect>(std::countr_zero(effects)));
   }
 }
 
 }  // namespace
 
-void SlaveController::before_read(Side /*side*/, Effects effects) {
+void SlaveController::before_read(EffectSet effects) {
   for_each_effect(effects, [&](Effect effect) {
     switch (effect) {
       case Effect::event_request:
@@ -68,7 +69,7 @@ void SlaveController::before_read(Side /*side*/, Effects effects) {
   });
 }
 
-void SlaveController::after_bus_read(Effects effects) {
+void SlaveController::after_bus_read(EffectSet effects) {
   for_each_effect(effects, [&](Effect effect) {
     switch (effect) {
       case Effect::dl_status:
@@ -83,13 +84,14 @@ void SlaveController::after_bus_read(Effects effects) {
   });
 }
 
-void SlaveController::after_host_read(Effects effects, std::uint32_t address, std::size_t length) {
+void SlaveController::after_host_read(EffectSet effects, std::uint32_t address,
+                                      std::size_t length) {
   if (!configuration_.acknowledge_by_write) {
     acknowledge(effects, address, length);
   }
 }
 
-void SlaveController::acknowledge(Effects effects, std::uint32_t address, std::size_t length) {
+void SlaveController::acknowledge(EffectSet effects, std::uint32_t address, std::size_t length) {
   for_each_effect(effects, [&](Effect effect) {
     switch (effect) {
       case Effect::al_control:
@@ -117,7 +119,7 @@ void SlaveController::acknowledge(Effects effects, std::uint32_t address, std::s
   acknowledge_clock(Side::host, effects, address, length);
 }
 
-void SlaveController::after_bus_write(Effects effects, std::uint32_t address,
+void SlaveController::after_bus_write(EffectSet effects, std::uint32_t address,
                                       std::span<const std::byte> data) {
   const auto written = [&](std::size_t at) {
     return std::to_integer<std::uint8_t>(data[at - address]);
@@ -211,7 +213,7 @@ void SlaveController::after_bus_write(Effects effects, std::uint32_t address,
   });
 }
 
-void SlaveController::after_host_write(Effects effects, std::uint32_t address,
+void SlaveController::after_host_write(EffectSet effects, std::uint32_t address,
                                        std::span<const std::byte> data) {
   // Registers of read_acknowledge rights get here only in acknowledge-by-write mode.
   acknowledge(effects, address, data.size());

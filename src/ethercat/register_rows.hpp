@@ -20,7 +20,7 @@ struct RegisterRow {
                         ControllerFeature feature = ControllerFeature::always,
                         Repetition repetition = {},
                         ControllerFeature write_feature = ControllerFeature::always)
-      : declaration{address, width, name, effect, feature, repetition, write_feature, {}} {}
+      : declaration{address, width, name, effect, feature, repetition, write_feature, {}, {}} {}
   /// A field: highest and lowest bit, name, rights of bus and host, reset value, document lines.
   constexpr RegisterRow(std::uint16_t bit_hi, std::uint16_t bit_lo, std::string_view name,
                         Access bus, Access host, std::uint64_t reset, DocumentLines lines)
@@ -32,38 +32,130 @@ struct RegisterRow {
   RegisterField field;
 };
 
-/// The rows that are fields, in order.
-template <const auto& rows>
-consteval auto fields_of() {
-  constexpr auto kIsField = [](const RegisterRow& row) { return !row.is_register(); };
-  std::array<RegisterField, std::ranges::count_if(rows, kIsField)> fields{};
-  std::size_t count = 0;
-  for (const RegisterRow& row : rows) {
-    if (kIsField(row)) {
-      fields[count++] = row.field;
-    }
+/// Bits of `field` within byte `index` of its register.
+constexpr std::uint8_t bits_in_byte(const RegisterField& field, std::size_t index) {
+  unsigned bits = 0;
+  for (unsigned bit = 0; bit < 8; ++bit) {
+    const std::size_t at = 8 * index + bit;
+    bits |= at >= field.bit_lo && at <= field.bit_hi ? 1U << bit : 0U;
   }
-  return fields;
+  return static_cast<std::uint8_t>(bits);
 }
 
-/// The rows that are registers, each with its fields out of `fields`, which is fields_of<rows>().
-template <const auto& rows, const auto& fields>
-consteval auto registers_of() {
-  std::array<RegisterDeclaration, std::ranges::size(rows) - std::ranges::size(fields)> registers{};
-  std::size_t count = 0;
-  std::size_t first = 0;
-  std::size_t next = 0;
-  for (const RegisterRow& row : rows) {
-    if (row.is_register()) {
-      registers[count++] = row.declaration;
-      first = next;
-    } else {
-      ++next;
-      registers[count - 1].fields = std::span(fields).subspan(first, next - first);
+/// Reset value of `field` within byte `index`.
+constexpr std::uint8_t reset_in_byte(const RegisterField& field, std::size_t index) {
+  unsigned value = 0;
+  for (unsigned bit = 0; bit < 8; ++bit) {
+    const std::size_t at = 8 * index + bit;
+    const bool set = at >= field.bit_lo && at - field.bit_lo < 64 &&
+                     (field.reset >> (at - field.bit_lo) & 1U) != 0;
+    value |= set ? 1U << bit : 0U;
+  }
+  return static_cast<std::uint8_t>(value);
+}
+
+/// Adds what `field` of a register with `effect` says of byte `index` of the register.
+constexpr void add_field(RegisterByte& byte, const RegisterField& field, Effect effect,
+                         std::size_t index) {
+  const std::uint8_t bits = bits_in_byte(field, index);
+  if (bits == 0) {
+    return;
+  }
+  byte.bus_reads |= may_read(field.bus);
+  byte.bus_writes |= may_write(field.bus);
+  byte.host_reads |= may_read(field.host);
+  byte.host_writes |= may_write(field.host);
+  byte.reset |= reset_in_byte(field, index);
+  if (!field.reserved() && !discards_value(effect)) {
+    byte.bus_stores |= stores(field.bus) ? bits : std::uint8_t{0};
+    byte.host_stores |= stores(field.host) ? bits : std::uint8_t{0};
+  }
+}
+
+/// Notes in the bytes of one register how many behind each allow the same.
+constexpr void count_more(std::span<RegisterByte> bytes) {
+  for (std::size_t i = bytes.size(); i-- > 1;) {
+    if (bytes[i - 1].allows_same_as(bytes[i])) {
+      bytes[i - 1].more = static_cast<std::uint8_t>(std::min(bytes[i].more + 1, 7));
     }
   }
-  return registers;
 }
+
+/// What a table of rows declares, worked out by the compiler: starting a device only copies.
+template <const auto& rows>
+class RegisterTable {
+ public:
+  static constexpr std::span<const RegisterDeclaration> registers() { return kRegisters; }
+
+ private:
+  static constexpr std::size_t kRegisterCount =
+      static_cast<std::size_t>(std::ranges::count_if(rows, &RegisterRow::is_register));
+  static constexpr std::size_t byte_count() {
+    std::size_t bits = 0;
+    for (const RegisterRow& row : rows) {
+      bits += row.declaration.width;
+    }
+    return bits / 8;
+  }
+  /// The rows that are fields, in order.
+  static consteval auto fields() {
+    std::array<RegisterField, std::ranges::size(rows) - kRegisterCount> fields{};
+    std::size_t count = 0;
+    for (const RegisterRow& row : rows) {
+      if (!row.is_register()) {
+        fields[count++] = row.field;
+      }
+    }
+    return fields;
+  }
+  /// The bytes of all registers, one behind the other.
+  static consteval auto bytes() {
+    std::array<RegisterByte, byte_count()> bytes{};
+    Effect effect = Effect::none;
+    std::span<RegisterByte> own;
+    std::span<RegisterByte> rest(bytes);
+    for (const RegisterRow& row : rows) {
+      if (row.is_register()) {
+        count_more(own);
+        effect = row.declaration.effect;
+        own = rest.first(row.declaration.width / 8U);
+        rest = rest.subspan(own.size());
+        continue;
+      }
+      for (std::size_t i = row.field.bit_lo / 8U; i <= row.field.bit_hi / 8U; ++i) {
+        add_field(own[i], row.field, effect, i);
+      }
+    }
+    count_more(own);
+    return bytes;
+  }
+  static constexpr auto kFields = fields();
+  static constexpr auto kBytes = bytes();
+
+  /// The rows that are registers, each with its fields and bytes.
+  static consteval auto declarations() {
+    std::array<RegisterDeclaration, kRegisterCount> declarations{};
+    std::size_t count = 0;
+    std::size_t first_field = 0;
+    std::size_t next_field = 0;
+    std::size_t next_byte = 0;
+    for (const RegisterRow& row : rows) {
+      if (row.is_register()) {
+        RegisterDeclaration& declaration = declarations[count++];
+        declaration = row.declaration;
+        declaration.bytes = std::span(kBytes).subspan(next_byte, declaration.width / 8U);
+        next_byte += declaration.width / 8U;
+        first_field = next_field;
+      } else {
+        ++next_field;
+        declarations[count - 1].fields =
+            std::span(kFields).subspan(first_field, next_field - first_field);
+      }
+    }
+    return declarations;
+  }
+  static constexpr auto kRegisters = declarations();
+};
 
 /// Short names for the cells of the tables.
 namespace notation {

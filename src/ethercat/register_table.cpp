@@ -6,48 +6,6 @@
 
 namespace stator::ethercat {
 
-namespace {
-
-/// Bits of `field` within byte `index` of its register.
-constexpr std::uint8_t bits_in_byte(const RegisterField& field, std::size_t index) {
-  unsigned bits = 0;
-  for (unsigned bit = 0; bit < 8; ++bit) {
-    const std::size_t at = 8 * index + bit;
-    bits |= at >= field.bit_lo && at <= field.bit_hi ? 1U << bit : 0U;
-  }
-  return static_cast<std::uint8_t>(bits);
-}
-
-/// Reset value of `field` within byte `index`.
-constexpr std::uint8_t reset_in_byte(const RegisterField& field, std::size_t index) {
-  unsigned value = 0;
-  for (unsigned bit = 0; bit < 8; ++bit) {
-    const std::size_t at = 8 * index + bit;
-    const bool set = at >= field.bit_lo && at - field.bit_lo < 64 &&
-                     (field.reset >> (at - field.bit_lo) & 1U) != 0;
-    value |= set ? 1U << bit : 0U;
-  }
-  return static_cast<std::uint8_t>(value);
-}
-
-/// What one field of a register contributes to the byte `index` of the register.
-void add_field(RegisterMap::Byte& byte, const RegisterField& field, std::size_t index, bool kept) {
-  const std::uint8_t bits = bits_in_byte(field, index);
-  if (bits == 0) {
-    return;
-  }
-  byte.bus_reads |= may_read(field.bus);
-  byte.bus_writes |= may_write(field.bus);
-  byte.host_reads |= may_read(field.host);
-  byte.host_writes |= may_write(field.host);
-  if (kept && !field.reserved()) {
-    byte.bus_stores |= stores(field.bus) ? bits : std::uint8_t{0};
-    byte.host_stores |= stores(field.host) ? bits : std::uint8_t{0};
-  }
-}
-
-}  // namespace
-
 std::string_view to_string(Access access) {
   switch (access) {
     case Access::none:
@@ -125,13 +83,16 @@ void RegisterMap::add_register(const RegisterDeclaration& declaration, std::size
   const bool built = has_feature(features_, declaration.feature);
   const bool writable = built && has_feature(features_, declaration.write_feature);
   const bool swallows = has_feature(answered_features_, declaration.write_feature);
-  for (std::size_t i = 0; i < declaration.width / 8U; ++i) {
-    Byte& byte = bytes_[address + i];
-    for (const RegisterField& field : declaration.fields) {
-      add_field(byte, field, i, writable && !discards_value(declaration.effect));
-    }
+  for (const RegisterByte& declared : declaration.bytes) {
+    Byte& byte = bytes_[address++];
+    byte.bus_stores = writable ? declared.bus_stores : std::uint8_t{0};
+    byte.host_stores = writable ? declared.host_stores : std::uint8_t{0};
+    byte.bus_reads = declared.bus_reads;
+    byte.bus_writes = declared.bus_writes && (writable || swallows);
+    byte.host_reads = declared.host_reads;
+    byte.host_writes = declared.host_writes;
     byte.built = built;
-    byte.bus_writes = byte.bus_writes && (writable || swallows);
+    byte.more = declared.more & 7;
     byte.effect = built ? declaration.effect : Effect::none;
   }
 }
@@ -139,13 +100,9 @@ void RegisterMap::add_register(const RegisterDeclaration& declaration, std::size
 void RegisterMap::reset(std::span<std::byte, kRegisterSpace> registers) const {
   std::fill(registers.begin(), registers.end(), std::byte{0});
   for_each_register([&](const RegisterDeclaration& declaration, std::size_t address) {
-    if (!has_feature(features_, declaration.feature)) {
-      return;
-    }
-    for (std::size_t i = 0; i < declaration.width / 8U; ++i) {
-      for (const RegisterField& field : declaration.fields) {
-        registers[address + i] |= std::byte{reset_in_byte(field, i)};
-      }
+    if (has_feature(features_, declaration.feature)) {
+      std::ranges::transform(declaration.bytes, registers.begin() + address,
+                             [](const RegisterByte& byte) { return std::byte{byte.reset}; });
     }
   });
 }

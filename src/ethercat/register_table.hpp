@@ -6,6 +6,8 @@
 #include <span>
 #include <string_view>
 
+#include "ethercat/register_effect.hpp"
+
 namespace stator::ethercat {
 
 /// Optional parts of a slave controller; a register that belongs to an absent part does not exist
@@ -71,71 +73,6 @@ constexpr bool stores(Access access) {
          access == Access::write_if;
 }
 
-/// What an access causes besides moving bits. Named by the register group; which side and which
-/// kind of access causes it stands in register_effects.cpp.
-enum class Effect : std::uint8_t {
-  none,
-  station_address,
-  unlock_registers,
-  unlock_controller,
-  write_protection,
-  reset_by_bus,
-  reset_by_host,
-  dl_control,
-  dl_status,
-  al_control,
-  al_status,
-  led_override,
-  event_mask,
-  event_request,
-  clear_receive_errors,
-  clear_processing_unit_errors,
-  clear_pdi_errors,
-  clear_lost_links,
-  watchdog_time,
-  watchdog_status,
-  clear_watchdog_counters,
-  sii_access,
-  sii_interface,
-  mii_interface,
-  mii_access,
-  mii_port_status,
-  fmmu,
-  sync_manager,
-  sync_manager_activate,
-  sync_manager_host_control,
-  receive_time,
-  system_time,
-  time_setting,
-  time_loop,
-  time_filter,
-  speed_filter,
-  speed_difference,
-  clock_side,
-  sync_activation,
-  sync_status,
-  sync_times,
-  sync_cycle,
-  latch_control,
-  latch_status,
-  latch_time,
-  buffer_event_time,
-};
-
-/// True if the bytes written to such a register only unlock and are not stored, although the
-/// document calls the field "r/w".
-constexpr bool discards_value(Effect effect) {
-  return effect == Effect::unlock_registers || effect == Effect::unlock_controller;
-}
-
-/// True if a read by the bus has to compute the value first or changes something.
-constexpr bool has_bus_read_effect(Effect effect) {
-  return effect == Effect::dl_status || effect == Effect::al_status ||
-         effect == Effect::led_override || effect == Effect::event_request ||
-         effect == Effect::watchdog_status || effect == Effect::mii_port_status ||
-         effect == Effect::system_time || effect >= Effect::speed_difference;
-}
-
 /// What a declaration that stands for several registers is repeated for.
 enum class Channels : std::uint8_t { one, fmmus, sync_managers, ports };
 
@@ -166,6 +103,24 @@ struct RegisterField {
   [[nodiscard]] constexpr bool reserved() const { return name.starts_with("reserved"); }
 };
 
+/// What one byte of a register allows and holds, as its fields say together.
+struct RegisterByte {
+  std::uint8_t bus_stores = 0;   ///< bits a bus write changes
+  std::uint8_t host_stores = 0;  ///< bits a host write changes
+  std::uint8_t reset = 0;
+  bool bus_reads = false;
+  bool bus_writes = false;
+  bool host_reads = false;
+  bool host_writes = false;
+  std::uint8_t more = 0;  ///< bytes of the register behind this one that allow the same, up to 7
+
+  [[nodiscard]] constexpr bool allows_same_as(const RegisterByte& other) const {
+    return bus_stores == other.bus_stores && host_stores == other.host_stores &&
+           bus_reads == other.bus_reads && bus_writes == other.bus_writes &&
+           host_reads == other.host_reads && host_writes == other.host_writes;
+  }
+};
+
 /// One register as the device document declares it. Masks, reset values, rights and the printed
 /// table are derived from its fields.
 struct RegisterDeclaration {
@@ -177,6 +132,7 @@ struct RegisterDeclaration {
   Repetition repetition;
   ControllerFeature write_feature = ControllerFeature::always;  ///< without it, constants
   std::span<const RegisterField> fields;
+  std::span<const RegisterByte> bytes;  ///< derived from `fields`
 };
 
 /// All registers an EtherCAT slave controller can have, by address (ETG.1000.4 §6; TMC8461
@@ -196,8 +152,12 @@ class RegisterMap {
     bool bus_writes : 1 = false;
     bool host_reads : 1 = false;
     bool host_writes : 1 = false;
-    bool built : 1 = false;  ///< the register is there, not only answered
+    bool built : 1 = false;     ///< the register is there, not only answered
+    std::uint8_t more : 3 = 0;  ///< bytes behind this one that allow and cause the same
     Effect effect = Effect::none;
+
+    /// Bytes from this one on that allow and cause the same, and may be dealt with together.
+    [[nodiscard]] std::size_t run() const { return std::size_t{1} + more; }
   };
 
   /// `features` are the parts that are built. Of other parts only those in `answered_features`

@@ -66,13 +66,10 @@ constexpr RegisterRow kRows[] = {
     {15, 0, "reserved", r, r, 0, {3658, 1633}},
 };
 
-constexpr auto kFields = fields_of<kRows>();
-constexpr auto kRegisters = registers_of<kRows, kFields>();
-
 }  // namespace
 
 std::span<const RegisterDeclaration> application_layer_registers() {
-  return kRegisters;
+  return RegisterTable<kRows>::registers();
 }
 
 }  // namespace stator::ethercat

@@ -114,13 +114,10 @@ constexpr RegisterRow kRows[] = {
     {31, 0, "pdi_buffer_change_time", r, r, 0, {6156, 2583}},
 };
 
-constexpr auto kFields = fields_of<kRows>();
-constexpr auto kRegisters = registers_of<kRows, kFields>();
-
 }  // namespace
 
 std::span<const RegisterDeclaration> distributed_clock_registers() {
-  return kRegisters;
+  return RegisterTable<kRows>::registers();
 }
 
 }  // namespace stator::ethercat

@@ -101,13 +101,10 @@ constexpr RegisterRow kRows[] = {
     {15, 15, "comm_port3", r_ack, r, 0, {3132, 1452}},
 };
 
-constexpr auto kFields = fields_of<kRows>();
-constexpr auto kRegisters = registers_of<kRows, kFields>();
-
 }  // namespace
 
 std::span<const RegisterDeclaration> data_link_registers() {
-  return kRegisters;
+  return RegisterTable<kRows>::registers();
 }
 
 }  // namespace stator::ethercat

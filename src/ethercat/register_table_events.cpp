@@ -90,13 +90,10 @@ constexpr RegisterRow kRows[] = {
     {7, 0, "wd_count_pdi", rw_clear, r, 0, {4140, 1837}},
 };
 
-constexpr auto kFields = fields_of<kRows>();
-constexpr auto kRegisters = registers_of<kRows, kFields>();
-
 }  // namespace
 
 std::span<const RegisterDeclaration> event_registers() {
-  return kRegisters;
+  return RegisterTable<kRows>::registers();
 }
 
 }  // namespace stator::ethercat

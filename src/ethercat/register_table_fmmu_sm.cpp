@@ -66,13 +66,10 @@ constexpr RegisterRow kRows[] = {
     {7, 2, "reserved", r, r, 0, {5232, 2223}},
 };
 
-constexpr auto kFields = fields_of<kRows>();
-constexpr auto kRegisters = registers_of<kRows, kFields>();
-
 }  // namespace
 
 std::span<const RegisterDeclaration> fmmu_and_sync_manager_registers() {
-  return kRegisters;
+  return RegisterTable<kRows>::registers();
 }
 
 }  // namespace stator::ethercat

@@ -19,13 +19,10 @@ constexpr RegisterRow kRows[] = {
     {1023, 0, "user_ram", rw, rw, 0, {2390, 1245}},
 };
 
-constexpr auto kFields = fields_of<kRows>();
-constexpr auto kRegisters = registers_of<kRows, kFields>();
-
 }  // namespace
 
 std::span<const RegisterDeclaration> identity_registers() {
-  return kRegisters;
+  return RegisterTable<kRows>::registers();
 }
 
 }  // namespace stator::ethercat

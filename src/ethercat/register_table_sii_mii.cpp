@@ -75,13 +75,10 @@ constexpr RegisterRow kRows[] = {
     {239, 0, "parameter_ram_unused", rw, rw, 0, {2247, 0}},
 };
 
-constexpr auto kFields = fields_of<kRows>();
-constexpr auto kRegisters = registers_of<kRows, kFields>();
-
 }  // namespace
 
 std::span<const RegisterDeclaration> sii_and_mii_registers() {
-  return kRegisters;
+  return RegisterTable<kRows>::registers();
 }
 
 }  // namespace stator::ethercat

@@ -10,7 +10,6 @@
 
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
-#include "ethercat/clock_effects.hpp"
 #include "ethercat/distributed_clock.hpp"
 #include "ethercat/fmmu.hpp"
 #include "ethercat/frame.hpp"
@@ -223,9 +222,6 @@ class SlaveController final : public ProcessDataInterface {
     static constexpr std::uint8_t kResetKey = 1U << 5;
     static constexpr std::uint8_t kTakeStartTime = 1U << 6;
   };
-  /// Effects touched by one access, one bit each.
-  using Effects = std::uint64_t;
-
   // slave_controller.cpp: life, time, addressing
   void load_configuration_area(bool first);
   void load_parameter_ram();
@@ -268,8 +264,11 @@ class SlaveController final : public ProcessDataInterface {
   [[nodiscard]] bool register_bit(std::size_t address, unsigned bit) const {
     return (std::to_integer<unsigned>(memory_[address]) >> bit & 1U) != 0;
   }
-  [[nodiscard]] bool accepts_bus_write(std::size_t address) const;
-  [[nodiscard]] bool accepts_host_write(std::size_t address) const;
+  /// Whether a condition lets a side write a register byte that it has the right to write.
+  [[nodiscard]] bool accepts_write(Side side, std::size_t address) const;
+  [[nodiscard]] bool accepts_bus_write(Effect effect, std::size_t address) const;
+  [[nodiscard]] bool accepts_host_write(Effect effect, std::size_t address) const;
+  [[nodiscard]] bool protects_writes() const;
   [[nodiscard]] bool write_protected(std::uint32_t address) const;
 
   // logical_access.cpp
@@ -292,12 +291,12 @@ class SlaveController final : public ProcessDataInterface {
   void show_leds();
 
   // register_effects.cpp
-  void before_read(Side side, Effects effects);
-  void after_bus_read(Effects effects);
-  void after_host_read(Effects effects, std::uint32_t address, std::size_t length);
-  void after_bus_write(Effects effects, std::uint32_t address, std::span<const std::byte> data);
-  void after_host_write(Effects effects, std::uint32_t address, std::span<const std::byte> data);
-  void acknowledge(Effects effects, std::uint32_t address, std::size_t length);
+  void before_read(EffectSet effects);
+  void after_bus_read(EffectSet effects);
+  void after_host_read(EffectSet effects, std::uint32_t address, std::size_t length);
+  void after_bus_write(EffectSet effects, std::uint32_t address, std::span<const std::byte> data);
+  void after_host_write(EffectSet effects, std::uint32_t address, std::span<const std::byte> data);
+  void acknowledge(EffectSet effects, std::uint32_t address, std::size_t length);
   void take_al_control();
   void report_locked_al_control(std::uint16_t requested);
   void change_al_status();
@@ -308,12 +307,12 @@ class SlaveController final : public ProcessDataInterface {
   void count(std::size_t address);
 
   // clock_effects.cpp: registers of the distributed clocks
-  void before_clock_read(Side side, Effects effects, std::uint32_t address, std::size_t length);
-  void after_clock_read(Side side, Effects effects, std::uint32_t address, std::size_t length);
-  void after_clock_write(Side side, Effects effects, std::uint32_t address,
+  void before_clock_read(Side side, EffectSet effects, std::uint32_t address, std::size_t length);
+  void after_clock_read(Side side, EffectSet effects, std::uint32_t address, std::size_t length);
+  void after_clock_write(Side side, EffectSet effects, std::uint32_t address,
                          std::span<const std::byte> data);
   [[nodiscard]] bool accepts_clock_write(Side side, Effect effect, std::size_t address) const;
-  void acknowledge_clock(Side side, Effects effects, std::uint32_t address, std::size_t length);
+  void acknowledge_clock(Side side, EffectSet effects, std::uint32_t address, std::size_t length);
   void take_system_time(std::uint32_t address, std::span<const std::byte> data);
   void take_start_time(Side side, std::uint32_t address, std::size_t length);
   void finish_start_time();
