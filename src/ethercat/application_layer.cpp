@@ -3,16 +3,15 @@
 #include <array>
 
 #include "base/byte_order.hpp"
+#include "ethercat/register_addresses.hpp"
 
 namespace stator::ethercat {
 
 namespace {
 
-using base::EventArgument;
+using namespace register_address;
 
-constexpr std::uint16_t kAlControl = 0x0120;
-constexpr std::uint16_t kAlStatus = 0x0130;
-constexpr std::uint16_t kAlStatusCode = 0x0134;
+using base::EventArgument;
 
 constexpr unsigned kStateMask = 0x0F;
 constexpr unsigned kErrorBit = 0x10;           ///< control: acknowledge; status: indication

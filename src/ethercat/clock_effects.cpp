@@ -5,11 +5,14 @@
 #include <utility>
 
 #include "base/byte_order.hpp"
+#include "ethercat/register_addresses.hpp"
 #include "ethercat/slave_controller.hpp"
 
 namespace stator::ethercat {
 
 namespace {
+
+using namespace register_address;
 
 constexpr base::EventRule kSyncStartPast{
     "esc-sync-start-past", base::Severity::warning,
@@ -24,19 +27,8 @@ constexpr base::EventRule kSyncDisabled{
     "SYNC unit activated, but bit 2 of the ESC configuration 0141h, from word 0 of the EEPROM, "
     "keeps it off; no SYNC0 will come"};
 
-constexpr std::size_t kSystemTime = 0x0910;
-constexpr std::size_t kCyclicUnitControl = 0x0980;
-constexpr std::size_t kSyncActivation = 0x0981;
-constexpr std::size_t kSync0Status = 0x098E;
-constexpr std::size_t kStartTime = 0x0990;
-constexpr std::size_t kLatch0Control = 0x09A8;
-constexpr std::uint16_t kDcLatchEvent = 1U << 0;
 constexpr std::uint32_t kClockAlEvents =
     al_event::kDcLatch | al_event::kDcSync0 | al_event::kDcSync1;
-
-bool touches(std::uint32_t address, std::size_t length, std::size_t register_address) {
-  return address <= register_address && register_address < address + length;
-}
 
 }  // namespace
 
@@ -183,7 +175,7 @@ void SlaveController::take_system_time(std::uint32_t address, std::span<const st
 
 void SlaveController::take_start_time(Side side, std::uint32_t address, std::size_t length) {
   for (std::size_t i = 0; i < 8; ++i) {
-    if (touches(address, length, kStartTime + i)) {
+    if (touches(address, length, kSyncStartTime + i)) {
       start_time_bytes_ = static_cast<std::uint8_t>(start_time_bytes_ | 1U << i);
     }
   }
@@ -205,7 +197,7 @@ void SlaveController::finish_start_time() {
 
 void SlaveController::report_activation(SyncUnit::Activation activation) {
   const auto start =
-      static_cast<std::int64_t>(base::load_le<std::uint64_t>(registers(), kStartTime));
+      static_cast<std::int64_t>(base::load_le<std::uint64_t>(registers(), kSyncStartTime));
   const auto system_time = static_cast<std::int64_t>(clock_.system_time(now_));
   switch (activation) {
     case SyncUnit::Activation::never:
@@ -248,7 +240,7 @@ void SlaveController::schedule_sync() {
 void SlaveController::publish_clock_events() {
   al_event_request_ = (al_event_request_ & ~kClockAlEvents) | sync_.al_events() |
                       (latch_.event(Side::host) ? al_event::kDcLatch : 0U);
-  set_ecat_event(kDcLatchEvent, latch_.event(Side::bus));
+  set_ecat_event(ecat_event::kDcLatch, latch_.event(Side::bus));
 }
 
 base::SimTime SlaveController::next_sync_edge(unsigned output) {

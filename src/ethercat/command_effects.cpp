@@ -2,11 +2,14 @@
 
 #include <algorithm>
 
+#include "ethercat/register_addresses.hpp"
 #include "ethercat/slave_controller.hpp"
 
 namespace stator::ethercat {
 
 namespace {
+
+using namespace register_address;
 
 constexpr base::EventRule kSiiWriteEnable{
     "esc-sii-write-enable", base::Severity::refusal,
@@ -33,7 +36,7 @@ constexpr base::EventRule kMiiCommand{
 }  // namespace
 
 void SlaveController::start_sii_command() {
-  const auto command = static_cast<unsigned>(registers()[0x0503]) & 7U;
+  const auto command = static_cast<unsigned>(registers()[kSiiControl + 1]) & 7U;
   frame_work_ |= FrameWork::kClearWriteEnables;
   switch (sii_.start_command(now_)) {
     case SiiInterface::CommandResult::started:
@@ -57,7 +60,7 @@ void SlaveController::start_sii_command() {
 }
 
 void SlaveController::start_mii_command() {
-  const auto command = static_cast<unsigned>(registers()[0x0511]) & 3U;
+  const auto command = static_cast<unsigned>(registers()[kMiiControl + 1]) & 3U;
   frame_work_ |= FrameWork::kClearWriteEnables;
   switch (mii_.start_command(now_)) {
     case MiiManagement::CommandResult::started:

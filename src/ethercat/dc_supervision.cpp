@@ -4,10 +4,13 @@
 #include <array>
 
 #include "base/byte_order.hpp"
+#include "ethercat/register_addresses.hpp"
 
 namespace stator::ethercat {
 
 namespace {
+
+using namespace register_address;
 
 using base::EventArgument;
 using base::EventRule;
@@ -43,7 +46,7 @@ constexpr EventRule kCycleTimeStep{"dc-cycle-time-step", Severity::refusal,
                                    "{3} refused, AL status {0:x4}: SYNC0 cycle time 09A0h is {1} "
                                    "ns, the device takes multiples of "
                                    "{2} ns only"};
-constexpr EventRule kSync1CycleTime{
+constexpr EventRule kSync1Cycle{
     "dc-sync1-cycle-time", Severity::refusal,
     "{3} refused, AL status {0:x4}: SYNC1 cycle time 09A4h is {1} ns, not below the SYNC0 cycle "
     "time of {2} ns; the device needs one SYNC1 in each SYNC0 cycle"};
@@ -76,11 +79,6 @@ constexpr EventRule kLateSync{
     "dc-late-sync", Severity::warning,
     "SYNC0 began after {0} had been entered without it; the device stays synchronous with the "
     "process data until it passes Pre-Operational; activate SYNC before Safe-Operational"};
-
-constexpr std::uint16_t kSystemTimeDifference = 0x092C;
-constexpr std::uint16_t kCyclicUnitControl = 0x0980;  // and activation
-constexpr std::uint16_t kSyncActivation = 0x0981;
-constexpr std::uint16_t kCycleTimes = 0x09A0;  // SYNC0, SYNC1
 
 constexpr unsigned kActive = 0x01;
 constexpr unsigned kSync0 = 0x02;
@@ -141,7 +139,7 @@ AlStatusCode DcSupervision::configure(SimTime now) {
 
 AlStatusCode DcSupervision::check_cycle_times(SimTime now) {
   std::array<std::byte, 8> cycles{};
-  interface_.read(kCycleTimes, cycles);
+  interface_.read(kSync0CycleTime, cycles);
   cycle_ = SimDuration(base::load_le<std::uint32_t>(cycles));
   const SimDuration sync1(base::load_le<std::uint32_t>(cycles, 4));
   if (cycle_ < capabilities_.shortest_cycle || cycle_ > capabilities_.longest_cycle) {
@@ -156,7 +154,7 @@ AlStatusCode DcSupervision::check_cycle_times(SimTime now) {
   interface_.read(kSyncActivation, activation);
   const bool sync1_on = (std::to_integer<unsigned>(activation[0]) & kSync1) != 0;
   if (sync1_on && sync1 >= cycle_) {
-    return refuse(now, kSync1CycleTime, AlStatusCode::dc_sync1_cycle_time, sync1.nanoseconds(),
+    return refuse(now, kSync1Cycle, AlStatusCode::dc_sync1_cycle_time, sync1.nanoseconds(),
                   cycle_.nanoseconds());
   }
   return AlStatusCode::no_error;

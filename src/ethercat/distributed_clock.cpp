@@ -3,20 +3,13 @@
 #include <algorithm>
 
 #include "base/byte_order.hpp"
+#include "ethercat/register_addresses.hpp"
 
 namespace stator::ethercat {
 
 namespace {
 
-constexpr std::size_t kReceiveTimes = 0x0900;  // 4 bytes per port
-constexpr std::size_t kReceiveTimeProcessingUnit = 0x0918;
-constexpr std::size_t kSystemTimeOffset = 0x0920;
-constexpr std::size_t kSystemTimeDelay = 0x0928;
-constexpr std::size_t kSystemTimeDifference = 0x092C;
-constexpr std::size_t kSpeedCounterStart = 0x0930;
-constexpr std::size_t kSpeedCounterDifference = 0x0932;
-constexpr std::size_t kDifferenceFilterDepth = 0x0934;
-constexpr std::size_t kSpeedFilterDepth = 0x0935;
+using namespace register_address;
 
 constexpr std::int64_t kBillion = 1'000'000'000;
 constexpr std::uint32_t kLocalIsBehind = 0x80000000;

@@ -3,11 +3,14 @@
 #include <algorithm>
 
 #include "base/byte_order.hpp"
+#include "ethercat/register_addresses.hpp"
 #include "ethercat/slave_controller.hpp"
 
 namespace stator::ethercat {
 
 namespace {
+
+using namespace register_address;
 
 void add(DatagramView& datagram, unsigned count) {
   datagram.working_counter = static_cast<std::uint16_t>(datagram.working_counter + count);
@@ -56,7 +59,7 @@ void SlaveController::process_physical(DatagramView& datagram) {
     return station == station_address_ || (alias_enabled_ && station == station_alias_);
   };
   const auto write_address = [&datagram, this] {
-    const auto offset = base::load_le<std::uint16_t>(registers(), 0x0108);
+    const auto offset = base::load_le<std::uint16_t>(registers(), kReadWriteOffset);
     return static_cast<std::uint16_t>(datagram.ado() + offset);
   };
   switch (datagram.command) {
@@ -140,7 +143,7 @@ void SlaveController::read_datagram(DatagramView& datagram, bool broadcast) {
 void SlaveController::write_datagram(DatagramView& datagram) {
   if (write_memory(Side::bus, datagram.ado(), datagram.bytes())) {
     add(datagram, 1);
-  } else if (datagram.ado() == 0x0120 && datagram.length >= 2 && !al_control_taken_) {
+  } else if (datagram.ado() == kAlControl && datagram.length >= 2 && !al_control_taken_) {
     report_locked_al_control(base::load_le<std::uint16_t>(datagram.data));
   }
 }

@@ -1,13 +1,12 @@
 #include "ethercat/latch_unit.hpp"
 
+#include "ethercat/register_addresses.hpp"
+
 namespace stator::ethercat {
 
 namespace {
 
-constexpr std::size_t kEscConfiguration = 0x0141;
-constexpr std::size_t kCyclicUnitControl = 0x0980;
-constexpr std::size_t kLatchControl = 0x09A8;  // Latch0, Latch1
-constexpr std::size_t kLatchStatus = 0x09AE;   // Latch0, Latch1
+using namespace register_address;
 
 constexpr unsigned kLatchInEnabled = 0x08;  // of the ESC configuration
 constexpr unsigned kPinState = 0x04;        // of the latch status
@@ -42,7 +41,7 @@ void LatchUnit::set_input(std::size_t input, bool level, std::uint64_t now) {
   }
   const std::size_t edge = level ? 0 : 1;
   const unsigned bit = 1U << edge;
-  const auto control = std::to_integer<unsigned>(registers_[kLatchControl + input]);
+  const auto control = std::to_integer<unsigned>(registers_[kLatch0Control + input]);
   const bool single = (control & bit) != 0;
   if (single && (in.captured & bit) != 0) {
     return;  // the first event stays until it is read
@@ -56,7 +55,7 @@ void LatchUnit::set_input(std::size_t input, bool level, std::uint64_t now) {
 
 void LatchUnit::take_control() {
   for (std::size_t input = 0; input < kInputs; ++input) {
-    const auto control = std::to_integer<unsigned>(registers_[kLatchControl + input]);
+    const auto control = std::to_integer<unsigned>(registers_[kLatch0Control + input]);
     inputs_[input].captured = static_cast<std::uint8_t>(inputs_[input].captured & control);
   }
 }
@@ -64,7 +63,7 @@ void LatchUnit::take_control() {
 void LatchUnit::show(AccessSide side, std::size_t address, std::size_t length) {
   for (std::size_t input = 0; input < kInputs; ++input) {
     const Input& in = inputs_[input];
-    registers_[kLatchStatus + input] =
+    registers_[kLatch0Status + input] =
         static_cast<std::byte>(in.captured | (in.level ? kPinState : 0U));
     for (std::size_t edge = 0; edge < kEdges; ++edge) {
       stamps_[input * kEdges + edge].show(registers_, side, address, length, in.times[edge]);

@@ -51,8 +51,10 @@ class LatchUnit {
   std::array<Input, kInputs> inputs_{};
   /// By input, then rising before falling.
   std::array<TimeStamp<std::uint64_t>, kInputs * kEdges> stamps_{
-      TimeStamp<std::uint64_t>{0x09B0}, TimeStamp<std::uint64_t>{0x09B8},
-      TimeStamp<std::uint64_t>{0x09C0}, TimeStamp<std::uint64_t>{0x09C8}};
+      TimeStamp<std::uint64_t>{register_address::kLatch0PositiveEdge},
+      TimeStamp<std::uint64_t>{register_address::kLatch0NegativeEdge},
+      TimeStamp<std::uint64_t>{register_address::kLatch1PositiveEdge},
+      TimeStamp<std::uint64_t>{register_address::kLatch1NegativeEdge}};
 };
 
 }  // namespace stator::ethercat

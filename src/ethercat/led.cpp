@@ -1,12 +1,15 @@
 #include "ethercat/led.hpp"
 
+#include "ethercat/al_state.hpp"
+
 namespace stator::ethercat {
 
 namespace {
 
 constexpr std::uint16_t kStateMask = 0x000F;
 constexpr std::uint16_t kErrorBit = 0x0010;
-constexpr std::uint16_t kProcessDataWatchdog = 0x001B;
+constexpr auto kProcessDataWatchdog =
+    static_cast<std::uint16_t>(AlStatusCode::sync_manager_watchdog);
 
 constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr std::int64_t kFlickering = 50 * kMillisecond;
@@ -24,18 +27,19 @@ constexpr bool refuses_configuration(std::uint16_t code) {
 }  // namespace
 
 LedCode run_led_code(std::uint16_t al_status) {
-  switch (al_status & kStateMask) {
-    case 2:
+  switch (static_cast<AlState>(al_status & kStateMask)) {
+    case AlState::pre_operational:
       return LedCode::blinking;
-    case 3:
+    case AlState::bootstrap:
       return LedCode::flickering;
-    case 4:
+    case AlState::safe_operational:
       return LedCode::single_flash;
-    case 8:
+    case AlState::operational:
       return LedCode::on;
-    default:
-      return LedCode::off;
+    case AlState::init:
+      break;
   }
+  return LedCode::off;
 }
 
 LedCode error_led_code(const ErrorIndication& indication) {

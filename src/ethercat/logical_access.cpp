@@ -6,11 +6,14 @@
 #include <cstring>
 #include <type_traits>
 
+#include "ethercat/register_addresses.hpp"
 #include "ethercat/slave_controller.hpp"
 
 namespace stator::ethercat {
 
 namespace {
+
+using namespace register_address;
 
 /// Adds to a working counter what a successful read and a successful write count in `command`.
 void count_access(DatagramView& datagram, bool read, bool written) {
@@ -197,11 +200,10 @@ void SlaveController::compile_mappings() {
   read_mapping_count_ = 0;
   logical_first_ = 0xFFFFFFFF;
   logical_last_ = 0;
-  direct_only_ = loaded_ && !register_bit(0x0031, 0);
+  direct_only_ = loaded_ && !register_bit(kEscWriteProtection, 0);
   for (std::size_t i = 0; i < configuration_.fmmu_count; ++i) {
-    const auto fmmu = Fmmu::decode(registers()
-                                       .subspan(kFmmuRegisters + i * Fmmu::kRegisterLength)
-                                       .first<Fmmu::kRegisterLength>());
+    const auto fmmu = Fmmu::decode(
+        registers().subspan(kFmmus + i * Fmmu::kRegisterLength).first<Fmmu::kRegisterLength>());
     if (!fmmu) {
       continue;
     }

@@ -3,16 +3,14 @@
 
 #include <algorithm>
 
+#include "ethercat/register_addresses.hpp"
 #include "ethercat/slave_controller.hpp"
 
 namespace stator::ethercat {
 
 namespace {
 
-constexpr std::size_t kWriteEnable = 0x0020;
-constexpr std::size_t kWriteProtection = 0x0021;
-constexpr std::size_t kControllerWriteEnable = 0x0030;
-constexpr std::size_t kControllerWriteProtection = 0x0031;
+using namespace register_address;
 
 /// Stores the bits of `value` that `mask` selects.
 void store_bits(std::byte& target, std::byte value, std::uint8_t mask) {
@@ -205,13 +203,13 @@ bool SlaveController::accepts_write(Side side, std::size_t address) const {
 bool SlaveController::accepts_bus_write(Effect effect, std::size_t address) const {
   switch (effect) {
     case Effect::al_control:
-      return al_control_taken_ || register_bit(0x0141, 0);
+      return al_control_taken_ || register_bit(kEscConfiguration, 0);
     case Effect::sii_interface:
       return sii_.bus_may_write();
     case Effect::mii_interface:
       return mii_.bus_may_write();
     case Effect::mii_access:
-      return address != 0x0516 || mii_.bus_may_claim();
+      return address != kMiiBusAccess || mii_.bus_may_claim();
     case Effect::sync_manager: {
       // Start and length are locked while the sync manager is enabled; control keeps one open bit.
       const bool enabled = register_bit((address & ~std::size_t{7}) + 6, 0);
@@ -229,7 +227,7 @@ bool SlaveController::accepts_host_write(Effect effect, std::size_t address) con
     case Effect::sync_manager_activate:
       return configuration_.acknowledge_by_write;
     case Effect::al_status:
-      return !register_bit(0x0141, 0);
+      return !register_bit(kEscConfiguration, 0);
     case Effect::sii_access:
       return sii_.host_may_take();
     case Effect::sii_interface:
@@ -244,17 +242,16 @@ bool SlaveController::accepts_host_write(Effect effect, std::size_t address) con
 }
 
 bool SlaveController::protects_writes() const {
-  return register_bit(kWriteProtection, 0) || register_bit(kControllerWriteProtection, 0);
+  return register_bit(kWriteRegisterProtection, 0) || register_bit(kEscWriteProtection, 0);
 }
 
 bool SlaveController::write_protected(std::uint32_t address) const {
-  if (register_bit(kControllerWriteProtection, 0) && !controller_unlocked_ &&
-      address != kControllerWriteEnable) {
+  if (register_bit(kEscWriteProtection, 0) && !controller_unlocked_ && address != kEscWriteEnable) {
     return true;
   }
   const bool protectable = address <= 0x0137 || (address >= 0x013A && address <= 0x0F0F);
-  return protectable && register_bit(kWriteProtection, 0) && !registers_unlocked_ &&
-         address != kWriteEnable && address != kControllerWriteEnable;
+  return protectable && register_bit(kWriteRegisterProtection, 0) && !registers_unlocked_ &&
+         address != kWriteRegisterEnable && address != kEscWriteEnable;
 }
 
 bool SlaveController::read_area(Side side, std::size_t channel, std::uint32_t address,

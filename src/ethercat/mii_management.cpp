@@ -3,21 +3,16 @@
 #include <utility>
 
 #include "base/byte_order.hpp"
+#include "ethercat/register_addresses.hpp"
 
 namespace stator::ethercat {
 
 namespace {
 
+using namespace register_address;
+
 using base::load_le;
 using base::store_le;
-
-constexpr std::size_t kStatus = 0x0510;
-constexpr std::size_t kPhyAddress = 0x0512;
-constexpr std::size_t kPhyRegister = 0x0513;
-constexpr std::size_t kData = 0x0514;
-constexpr std::size_t kBusAccess = 0x0516;
-constexpr std::size_t kHostAccess = 0x0517;
-constexpr std::size_t kPortStatus = 0x0518;
 
 // Bits of 0x0510.
 constexpr std::uint16_t kWriteEnable = 0x0001;
@@ -116,16 +111,16 @@ void MiiManagement::reset() {
 }
 
 bool MiiManagement::host_owns() const {
-  return (registers_[kHostAccess] & std::byte{1}) != std::byte{0};
+  return (registers_[kMiiHostAccess] & std::byte{1}) != std::byte{0};
 }
 
 bool MiiManagement::host_may_take() const {
-  return (registers_[kBusAccess] & std::byte{1}) == std::byte{0};
+  return (registers_[kMiiBusAccess] & std::byte{1}) == std::byte{0};
 }
 
 void MiiManagement::update_owner() {
-  if ((registers_[kHostAccess] & std::byte{2}) != std::byte{0}) {
-    registers_[kHostAccess] &= std::byte{0xFE};
+  if ((registers_[kMiiHostAccess] & std::byte{2}) != std::byte{0}) {
+    registers_[kMiiHostAccess] &= std::byte{0xFE};
   }
   set_status(kWriteEnable, host_owns() ? kWriteEnable : std::uint16_t{0});
 }
@@ -138,7 +133,7 @@ void MiiManagement::update_port_address() {
 }
 
 MiiManagement::CommandResult MiiManagement::start_command(base::SimTime now) {
-  const auto status = load_le<std::uint16_t>(registers_, kStatus);
+  const auto status = load_le<std::uint16_t>(registers_, kMiiControl);
   const auto command = static_cast<Command>((status & kCommandMask) >> 8);
   set_status(kCommandMask | kReadError, 0);
   if (command == Command::idle) {
@@ -178,10 +173,11 @@ void MiiManagement::finish(base::SimTime now, unsigned links) {
   const bool answers = port < kPortCount && Phy::has_register(number);
   if (command == Command::read) {
     const bool link = (links >> port & 1U) != 0;
-    store_le(registers_, kData, answers ? phys_[port].read(number, link) : std::uint16_t{0xFFFF});
+    store_le(registers_, kPhyData,
+             answers ? phys_[port].read(number, link) : std::uint16_t{0xFFFF});
     set_status(0, answers ? std::uint16_t{0} : kReadError);
   } else if (answers) {
-    phys_[port].write(number, load_le<std::uint16_t>(registers_, kData));
+    phys_[port].write(number, load_le<std::uint16_t>(registers_, kPhyData));
   }
 }
 
@@ -192,7 +188,7 @@ void MiiManagement::show_port_status(unsigned links) {
     if (found && (links >> port & 1U) != 0) {
       status |= kPhyLink | kUsableLink;
     }
-    registers_[kPortStatus + port] = static_cast<std::byte>(detects_links_ ? status : 0U);
+    registers_[kPhyPortStatus + port] = static_cast<std::byte>(detects_links_ ? status : 0U);
   }
 }
 
@@ -210,8 +206,8 @@ std::size_t MiiManagement::port_at(unsigned address) const {
 }
 
 void MiiManagement::set_status(std::uint16_t clear, std::uint16_t set) {
-  const unsigned status = load_le<std::uint16_t>(registers_, kStatus);
-  store_le(registers_, kStatus, static_cast<std::uint16_t>((status & ~unsigned{clear}) | set));
+  const unsigned status = load_le<std::uint16_t>(registers_, kMiiControl);
+  store_le(registers_, kMiiControl, static_cast<std::uint16_t>((status & ~unsigned{clear}) | set));
 }
 
 }  // namespace stator::ethercat

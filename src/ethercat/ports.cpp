@@ -4,19 +4,18 @@
 #include <iterator>
 
 #include "base/byte_order.hpp"
+#include "ethercat/register_addresses.hpp"
 #include "ethercat/slave_controller.hpp"
 
 namespace stator::ethercat {
 
 namespace {
 
-constexpr std::size_t kDlStatus = 0x0110;
-constexpr std::size_t kEscConfiguration = 0x0141;
-constexpr std::size_t kReceiveFifoSize = 0x0102;  // bits 2:0
+using namespace register_address;
+
 /// With this size or a smaller one, forwarding starts earlier (datasheet, "ESC DL Control").
 constexpr unsigned kLargestReducedFifo = 3;
 constexpr base::SimDuration kReducedFifoGain{40};
-constexpr std::uint16_t kDlStatusEvent = 1U << 2;
 /// "About 1 s" in the datasheet.
 constexpr base::SimDuration kTemporaryLoopControl{1'000'000'000};
 
@@ -28,7 +27,7 @@ constexpr std::uint8_t kResetKey[] = {0x52, 0x45, 0x53};
 }  // namespace
 
 void SlaveController::count_malformed_frame() {
-  count(0x030C);
+  count(kProcessingUnitErrors);
 }
 
 void SlaveController::count_receive_error(unsigned port, ReceiveError error) {
@@ -37,13 +36,13 @@ void SlaveController::count_receive_error(unsigned port, ReceiveError error) {
   }
   switch (error) {
     case ReceiveError::invalid_frame:
-      count(0x0300 + 2 * std::size_t{port});
+      count(kReceiveErrors + 2 * std::size_t{port});
       break;
     case ReceiveError::physical:
-      count(0x0301 + 2 * std::size_t{port});
+      count(kReceiveErrors + 1 + 2 * std::size_t{port});
       break;
     case ReceiveError::forwarded_error:
-      count(0x0308 + std::size_t{port});
+      count(kForwardedErrors + std::size_t{port});
       break;
   }
 }
@@ -55,14 +54,14 @@ void SlaveController::set_link(unsigned port, bool up) {
   }
   const unsigned setting = loop_control_ >> (2 * port) & 3U;
   if (!up && ports_[port].open && setting == kAuto) {
-    count(0x0310 + std::size_t{port});
+    count(kLostLinks + std::size_t{port});
   }
   ports_[port].link = up;
   update_ports(false);
 }
 
 void SlaveController::update_ports(bool loop_control_written) {
-  loop_control_ = std::to_integer<std::uint8_t>(memory_[0x0101]);
+  loop_control_ = std::to_integer<std::uint8_t>(memory_[kLoopControl]);
   for (unsigned i = 0; i < kPorts; ++i) {
     Port& port = ports_[i];
     const unsigned setting = loop_control_ >> (2 * i) & 3U;
@@ -128,12 +127,12 @@ void SlaveController::update_dl_status() {
   const auto former = base::load_le<std::uint16_t>(registers(), kDlStatus);
   if (former != status) {
     base::store_le(registers(), kDlStatus, static_cast<std::uint16_t>(status));
-    set_ecat_event(kDlStatusEvent, true);
+    set_ecat_event(ecat_event::kDlStatus, true);
   }
 }
 
 void SlaveController::apply_loop_control() {
-  if (register_bit(0x0100, 1)) {
+  if (register_bit(kDlControl, 1)) {
     if (loop_control_expires_ == base::SimTime::never()) {
       former_loop_control_ = loop_control_;
     }
@@ -164,13 +163,13 @@ void SlaveController::take_reset_key(Side side, std::uint8_t key) {
     }
     return;  // from the bus, at the end of the frame
   }
-  memory_[from_bus ? 0x0040 : 0x0041] = std::byte{progress};
+  memory_[from_bus ? kResetByBus : kResetByHost] = std::byte{progress};
 }
 
 void SlaveController::finish_reset_key() {
   if (!reset_key_seen_) {
     bus_reset_progress_ = 0;
-    memory_[0x0040] = std::byte{0};
+    memory_[kResetByBus] = std::byte{0};
   }
   reset_key_seen_ = false;
   if (bus_reset_progress_ == std::size(kResetKey)) {

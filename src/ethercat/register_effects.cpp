@@ -5,11 +5,14 @@
 #include <utility>
 
 #include "base/byte_order.hpp"
+#include "ethercat/register_addresses.hpp"
 #include "ethercat/slave_controller.hpp"
 
 namespace stator::ethercat {
 
 namespace {
+
+using namespace register_address;
 
 constexpr base::EventRule kAlControlLocked{
     "esc-al-control-locked", base::Severity::refusal,
@@ -23,16 +26,7 @@ constexpr base::EventRule kSyncManagerArea{
     "esc-sync-manager-area", base::Severity::warning,
     "sync manager {0} stays inactive: start {1:x4} with length {2} takes {3} bytes; it needs a "
     "length above 1 and must lie within 1000h..{4:x4}"};
-constexpr std::size_t kAlControl = 0x0120;
-constexpr std::size_t kAlStatus = 0x0130;
-constexpr std::size_t kRunLedOverride = 0x0138;
-constexpr std::size_t kErrorLedOverride = 0x0139;
 constexpr std::uint16_t kAlErrorIndication = 0x0010;
-constexpr std::size_t kEcatEventRequest = 0x0210;
-constexpr std::size_t kAlEventRequest = 0x0220;
-constexpr std::size_t kWatchdogStatus = 0x0440;
-constexpr std::uint16_t kDlStatusEvent = 1U << 2;
-constexpr std::uint16_t kAlStatusEvent = 1U << 3;
 
 /// Runs `handle` for each effect in the set that is this file's business, in the order of their
 /// declaration.
@@ -53,8 +47,8 @@ void SlaveController::before_read(EffectSet effects) {
         base::store_le(registers(), kAlEventRequest, al_event_request_);
         break;
       case Effect::watchdog_status: {
-        const bool off = base::load_le<std::uint16_t>(registers(), 0x0420) == 0;
-        memory_[kWatchdogStatus] = std::byte{off || process_data_watchdog_.running()};
+        const bool off = base::load_le<std::uint16_t>(registers(), kProcessDataWatchdogTime) == 0;
+        memory_[kProcessDataWatchdogStatus] = std::byte{off || process_data_watchdog_.running()};
         break;
       }
       case Effect::led_override:
@@ -73,10 +67,10 @@ void SlaveController::after_bus_read(EffectSet effects) {
   for_each_effect(effects, [&](Effect effect) {
     switch (effect) {
       case Effect::dl_status:
-        set_ecat_event(kDlStatusEvent, false);
+        set_ecat_event(ecat_event::kDlStatus, false);
         break;
       case Effect::al_status:
-        set_ecat_event(kAlStatusEvent, false);
+        set_ecat_event(ecat_event::kAlStatus, false);
         break;
       default:
         break;
@@ -103,8 +97,8 @@ void SlaveController::acknowledge(EffectSet effects, std::uint32_t address, std:
         break;
       case Effect::sync_manager_activate:
         for (std::uint32_t at = address; at < address + length; ++at) {
-          if ((at & 7) == 6 && at >= kSyncManagerRegisters) {
-            const unsigned channel = static_cast<unsigned>(at - kSyncManagerRegisters) / 8;
+          if ((at & 7) == 6 && at >= kSyncManagers) {
+            const unsigned channel = static_cast<unsigned>(at - kSyncManagers) / 8;
             changed_activations_ &= static_cast<std::uint16_t>(~(1U << channel & 0xFFFFU));
           }
         }
@@ -127,7 +121,7 @@ void SlaveController::after_bus_write(EffectSet effects, std::uint32_t address,
   for_each_effect(effects, [&](Effect effect) {
     switch (effect) {
       case Effect::station_address:
-        station_address_ = base::load_le<std::uint16_t>(registers(), 0x0010);
+        station_address_ = base::load_le<std::uint16_t>(registers(), kStationAddress);
         break;
       case Effect::unlock_registers:
         registers_unlocked_ = true;
@@ -141,11 +135,11 @@ void SlaveController::after_bus_write(EffectSet effects, std::uint32_t address,
         compile_mappings();
         break;
       case Effect::reset_by_bus:
-        take_reset_key(Side::bus, written(0x0040));
+        take_reset_key(Side::bus, written(kResetByBus));
         break;
       case Effect::dl_control:
-        alias_enabled_ = register_bit(0x0103, 0);
-        if (address <= 0x0101 && address + data.size() > 0x0101) {
+        alias_enabled_ = register_bit(kAliasEnable, 0);
+        if (touches(address, data.size(), kLoopControl)) {
           frame_work_ |= FrameWork::kApplyLoopControl;
         }
         note_topology_change();  // a receive FIFO of another size delays frames differently
@@ -154,46 +148,26 @@ void SlaveController::after_bus_write(EffectSet effects, std::uint32_t address,
         take_al_control();
         break;
       case Effect::event_mask:
-        ecat_event_mask_ = base::load_le<std::uint16_t>(registers(), 0x0200);
+        ecat_event_mask_ = base::load_le<std::uint16_t>(registers(), kEcatEventMask);
         set_ecat_event(0, false);
         break;
       case Effect::clear_receive_errors:
-        clear_registers(0x0300, 0x030B);
+        clear_registers(kReceiveErrors, kLastForwardedError);
         break;
       case Effect::clear_processing_unit_errors:
-        clear_registers(0x030C, 0x030C);
+        clear_registers(kProcessingUnitErrors, kProcessingUnitErrors);
         break;
       case Effect::clear_pdi_errors:
-        clear_registers(0x030D, 0x030E);
+        clear_registers(kPdiErrors, kPdiErrorCode);
         break;
       case Effect::clear_lost_links:
-        clear_registers(0x0310, 0x0313);
+        clear_registers(kLostLinks, kLastLostLink);
         break;
       case Effect::watchdog_time:
         update_watchdog_times();
         break;
       case Effect::clear_watchdog_counters:
-        clear_registers(0x0442, 0x0443);
-        break;
-      case Effect::sii_access:
-        sii_.update_owner();
-        break;
-      case Effect::sii_interface:
-        if (address <= 0x0503 && address + data.size() > 0x0502) {
-          start_sii_command();
-        }
-        break;
-      case Effect::mii_interface:
-        if (address <= 0x0511 && address + data.size() > 0x0510) {
-          start_mii_command();
-        }
-        mii_.update_port_address();
-        break;
-      case Effect::mii_access:
-        mii_.update_owner();
-        break;
-      case Effect::mii_port_status:
-        mii_.clear_port_errors();
+        clear_registers(kProcessDataWatchdogCounter, kPdiWatchdogCounter);
         break;
       case Effect::fmmu:
         compile_mappings();
@@ -203,11 +177,12 @@ void SlaveController::after_bus_write(EffectSet effects, std::uint32_t address,
         update_sync_managers(address, data.size());
         break;
       case Effect::receive_time:
-        if (address == 0x0900) {
+        if (address == kReceiveTimes) {
           frame_work_ |= FrameWork::kLatchReceiveTimes;
         }
         break;
       default:
+        after_write(effect, address, data.size());
         break;
     }
   });
@@ -220,45 +195,53 @@ void SlaveController::after_host_write(EffectSet effects, std::uint32_t address,
   for_each_effect(effects, [&](Effect effect) {
     switch (effect) {
       case Effect::station_address:
-        station_alias_ = base::load_le<std::uint16_t>(registers(), 0x0012);
+        station_alias_ = base::load_le<std::uint16_t>(registers(), kStationAlias);
         break;
       case Effect::reset_by_host:
-        take_reset_key(Side::host, std::to_integer<std::uint8_t>(data[0x0041 - address]));
+        take_reset_key(Side::host, std::to_integer<std::uint8_t>(data[kResetByHost - address]));
         break;
       case Effect::al_status:
         change_al_status();
-        break;
-      case Effect::sii_access:
-        sii_.update_owner();
-        break;
-      case Effect::sii_interface:
-        if (address <= 0x0503 && address + data.size() > 0x0502) {
-          start_sii_command();
-        }
-        break;
-      case Effect::mii_interface:
-        if (address <= 0x0511 && address + data.size() > 0x0510) {
-          start_mii_command();
-        }
-        mii_.update_port_address();
-        break;
-      case Effect::mii_access:
-        mii_.update_owner();
-        break;
-      case Effect::mii_port_status:
-        mii_.clear_port_errors();
         break;
       case Effect::sync_manager_host_control:
         update_sync_managers(address, data.size());
         break;
       default:
+        after_write(effect, address, data.size());
         break;
     }
   });
 }
 
+void SlaveController::after_write(Effect effect, std::uint32_t address, std::size_t length) {
+  switch (effect) {
+    case Effect::sii_access:
+      sii_.update_owner();
+      break;
+    case Effect::sii_interface:
+      if (touches(address, length, kSiiControl, 2)) {
+        start_sii_command();
+      }
+      break;
+    case Effect::mii_interface:
+      if (touches(address, length, kMiiControl, 2)) {
+        start_mii_command();
+      }
+      mii_.update_port_address();
+      break;
+    case Effect::mii_access:
+      mii_.update_owner();
+      break;
+    case Effect::mii_port_status:
+      mii_.clear_port_errors();
+      break;
+    default:
+      break;
+  }
+}
+
 void SlaveController::take_al_control() {
-  if (register_bit(0x0141, 0)) {
+  if (register_bit(kEscConfiguration, 0)) {
     std::copy_n(memory_.begin() + kAlControl, 2, memory_.begin() + kAlStatus);
     change_al_status();
     return;
@@ -276,22 +259,22 @@ void SlaveController::change_al_status() {
     if (new_error) {
       memory_[kErrorLedOverride] &= std::byte{0x0F};
     }
-    set_ecat_event(kAlStatusEvent, true);
+    set_ecat_event(ecat_event::kAlStatus, true);
   }
 }
 
 void SlaveController::count_host_error(std::uint8_t code) {
-  count(0x030D);
-  if (register_map_[0x030E].built) {
-    memory_[0x030E] = std::byte{code};
+  count(kPdiErrors);
+  if (register_map_[kPdiErrorCode].built) {
+    memory_[kPdiErrorCode] = std::byte{code};
   }
 }
 
 void SlaveController::update_sync_managers(std::uint32_t address, std::size_t length) {
   bool reconfigured = false;
   for (std::size_t channel = 0; channel < configuration_.sync_manager_count; ++channel) {
-    const std::size_t base = kSyncManagerRegisters + channel * SyncManager::kRegisterLength;
-    if (base + SyncManager::kRegisterLength <= address || base >= address + length) {
+    const std::size_t base = kSyncManagers + channel * SyncManager::kRegisterLength;
+    if (!touches(address, length, base, SyncManager::kRegisterLength)) {
       continue;
     }
     SyncManager& manager = sync_managers_[channel];
@@ -320,12 +303,12 @@ void SlaveController::update_sync_managers(std::uint32_t address, std::size_t le
 }
 
 void SlaveController::configure_sync_manager(std::size_t channel) {
-  const std::size_t base = kSyncManagerRegisters + channel * SyncManager::kRegisterLength;
+  const std::size_t base = kSyncManagers + channel * SyncManager::kRegisterLength;
   SyncManager& manager = sync_managers_[channel];
   manager.configure(registers().subspan(base).first<SyncManager::kRegisterLength>(),
                     memory_.size());
   al_event_request_ &= ~al_event::sync_manager(static_cast<unsigned>(channel));
-  set_ecat_event(sync_manager_ecat_event(channel), false);
+  set_ecat_event(ecat_event::sync_manager(channel), false);
   publish_sync_manager(channel);
   if (manager.condition() == SyncManager::Condition::bad_mode) {
     reporter_.report(now_, kSyncManagerMode,
@@ -342,9 +325,9 @@ void SlaveController::update_watchdog_times() {
   const auto registers16 = [&](std::size_t at) {
     return std::int64_t{base::load_le<std::uint16_t>(registers(), at)};
   };
-  const base::SimDuration increment((registers16(0x0400) + 2) * 40);
-  process_data_watchdog_.set_period(increment * registers16(0x0420), now_);
-  host_watchdog_.set_period(increment * registers16(0x0410), now_);
+  const base::SimDuration increment((registers16(kWatchdogDivider) + 2) * 40);
+  process_data_watchdog_.set_period(increment * registers16(kProcessDataWatchdogTime), now_);
+  host_watchdog_.set_period(increment * registers16(kPdiWatchdogTime), now_);
   update_deadline();
 }
 

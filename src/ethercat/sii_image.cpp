@@ -5,6 +5,7 @@
 
 #include "base/byte_order.hpp"
 #include "ethercat/pdo_configuration.hpp"
+#include "ethercat/register_addresses.hpp"
 #include "ethercat/sii_interface.hpp"
 
 namespace stator::ethercat {
@@ -30,7 +31,6 @@ constexpr unsigned kCoeCompleteAccess = 0x20;
 // Bits of the general category's flags byte.
 constexpr unsigned kFlagMailboxRepeat = 0x04;
 constexpr unsigned kFlagIdentification = 0x08;
-constexpr std::uint16_t kIdentificationRegister = 0x0134;
 
 // Sync manager control bytes: buffer mode, direction, host interrupt, watchdog trigger.
 constexpr std::uint8_t kReceiveMailboxControl = 0x26;
@@ -218,7 +218,7 @@ Writer general_category(const DeviceDescription& description, const SiiOptions& 
   body.put(group);
   body.put(std::uint8_t{0});
   body.put(static_cast<std::uint16_t>(ports));
-  body.put(options.device_identification ? kIdentificationRegister : std::uint16_t{0});
+  body.put(options.device_identification ? register_address::kAlStatusCode : std::uint16_t{0});
   body.bytes().resize(32);
   return body;
 }

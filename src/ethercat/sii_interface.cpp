@@ -5,19 +5,16 @@
 #include <utility>
 
 #include "base/byte_order.hpp"
+#include "ethercat/register_addresses.hpp"
 
 namespace stator::ethercat {
 
 namespace {
 
+using namespace register_address;
+
 using base::load_le;
 using base::store_le;
-
-constexpr std::size_t kOwner = 0x0500;
-constexpr std::size_t kHostAccess = 0x0501;
-constexpr std::size_t kStatus = 0x0502;
-constexpr std::size_t kAddress = 0x0504;
-constexpr std::size_t kData = 0x0508;
 
 // Bits of 0x0502.
 constexpr std::uint16_t kWriteEnable = 0x0001;
@@ -78,22 +75,22 @@ void SiiInterface::reset() {
 }
 
 bool SiiInterface::host_owns() const {
-  return (registers_[kHostAccess] & std::byte{1}) != std::byte{0};
+  return (registers_[kSiiHostAccess] & std::byte{1}) != std::byte{0};
 }
 
 bool SiiInterface::host_may_take() const {
-  return (registers_[kOwner] & std::byte{3}) == std::byte{1};
+  return (registers_[kSiiOwner] & std::byte{3}) == std::byte{1};
 }
 
 void SiiInterface::update_owner() {
-  if ((registers_[kOwner] & std::byte{2}) != std::byte{0}) {
-    registers_[kHostAccess] = std::byte{0};
+  if ((registers_[kSiiOwner] & std::byte{2}) != std::byte{0}) {
+    registers_[kSiiHostAccess] = std::byte{0};
   }
   refresh_status();
 }
 
 SiiInterface::CommandResult SiiInterface::start_command(base::SimTime now) {
-  const auto status = load_le<std::uint16_t>(registers_, kStatus);
+  const auto status = load_le<std::uint16_t>(registers_, kSiiControl);
   const auto command = static_cast<Command>((status & kCommandMask) >> 8);
   set_status(kCommandMask, 0);
   if (error_blocks_commands_ && (status & kCommandError) != 0 && command != Command::idle) {
@@ -171,29 +168,29 @@ void SiiInterface::refresh_status() {
 }
 
 void SiiInterface::set_status(std::uint16_t clear, std::uint16_t set) {
-  const unsigned status = load_le<std::uint16_t>(registers_, kStatus);
-  store_le(registers_, kStatus, static_cast<std::uint16_t>((status & ~unsigned{clear}) | set));
+  const unsigned status = load_le<std::uint16_t>(registers_, kSiiControl);
+  store_le(registers_, kSiiControl, static_cast<std::uint16_t>((status & ~unsigned{clear}) | set));
 }
 
 std::size_t SiiInterface::byte_address() const {
   // The EEPROM decodes only as many address bits as it has words; higher addresses repeat.
-  const std::size_t word = load_le<std::uint32_t>(registers_, kAddress);
+  const std::size_t word = load_le<std::uint32_t>(registers_, kSiiAddress);
   return word * 2 & (content_.size() - 1);
 }
 
 void SiiInterface::read_words() {
   const std::size_t wanted = eight_byte_read_ ? 8 : 4;
-  store_le(registers_, kData, std::uint64_t{0});
+  store_le(registers_, kSiiData, std::uint64_t{0});
   const std::size_t from = byte_address();
   for (std::size_t i = 0; i < wanted; ++i) {
-    registers_[kData + i] = content_[(from + i) & (content_.size() - 1)];
+    registers_[kSiiData + i] = content_[(from + i) & (content_.size() - 1)];
   }
 }
 
 void SiiInterface::write_word() {
   const std::size_t to = byte_address();
-  content_[to] = registers_[kData];
-  content_[to + 1] = registers_[kData + 1];
+  content_[to] = registers_[kSiiData];
+  content_[to + 1] = registers_[kSiiData + 1];
   ++write_count_;
 }
 

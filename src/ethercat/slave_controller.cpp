@@ -4,10 +4,13 @@
 #include <utility>
 
 #include "base/byte_order.hpp"
+#include "ethercat/register_addresses.hpp"
 
 namespace stator::ethercat {
 
 namespace {
+
+using namespace register_address;
 
 constexpr base::EventRule kHostWatchdog{
     "esc-pdi-watchdog", base::Severity::fault,
@@ -17,10 +20,6 @@ constexpr base::EventRule kSiiChecksum{
     "EEPROM not loaded: checksum byte in word 7 is {0:x2}, the first seven words give {1:x2}; "
     "process memory and host interface stay closed until a valid image is written and reloaded"};
 
-constexpr std::size_t kEscConfiguration = 0x0141;
-constexpr std::size_t kPdiControl = 0x0140;
-constexpr std::size_t kPdiInformation = 0x014E;
-constexpr std::size_t kErrorLedOverride = 0x0139;
 constexpr unsigned kSpiSlave = 0x05;  ///< the one PDI type that is built
 
 /// Words of the EEPROM's configuration area and the registers they are copied to at each load.
@@ -30,14 +29,19 @@ struct ConfigurationWord {
   std::size_t register_address;
 };
 constexpr ConfigurationWord kConfigurationWords[] = {
-    {0, 0, 0x0140}, {0, 1, 0x0141}, {1, 0, 0x0150}, {1, 1, 0x0151},
-    {2, 0, 0x0982}, {2, 1, 0x0983}, {3, 0, 0x0152}, {3, 1, 0x0153},
+    {0, 0, kPdiControl},
+    {0, 1, kEscConfiguration},
+    {1, 0, kPdiConfiguration},
+    {1, 1, kSyncLatchConfiguration},
+    {2, 0, kSyncPulseLength},
+    {2, 1, kSyncPulseLength + 1},
+    {3, 0, kExtendedPdiConfiguration},
+    {3, 1, kExtendedPdiConfiguration + 1},
 };
 constexpr std::size_t kAliasWord = 4;
 constexpr std::size_t kChecksumWord = 7;
 constexpr std::size_t kFirstCategoryWord = 0x40;
 constexpr std::uint16_t kParameterRamCategory = 1;
-constexpr std::size_t kParameterRam = 0x0580;
 constexpr std::size_t kParameterRamLength = 128;
 
 }  // namespace
@@ -121,7 +125,7 @@ void SlaveController::load_configuration_area(bool first) {
     }
     if (first) {
       station_alias_ = base::load_le<std::uint16_t>(content, 2 * kAliasWord);
-      base::store_le(registers(), 0x0012, station_alias_);
+      base::store_le(registers(), kStationAlias, station_alias_);
     }
     load_parameter_ram();
   }
@@ -167,15 +171,15 @@ void SlaveController::advance(base::SimTime now) {
 
 void SlaveController::expire(base::SimTime now) {
   if (process_data_watchdog_.expire(now)) {
-    count(0x0442);
+    count(kProcessDataWatchdogCounter);
     al_event_request_ |= al_event::kProcessDataWatchdog;
   }
   if (host_watchdog_.expire(now)) {
-    count(0x0443);
+    count(kPdiWatchdogCounter);
     memory_[kErrorLedOverride] &= std::byte{0x0F};
     update_dl_status();
-    const std::int64_t divider = base::load_le<std::uint16_t>(registers(), 0x0400);
-    const std::int64_t time = base::load_le<std::uint16_t>(registers(), 0x0410);
+    const std::int64_t divider = base::load_le<std::uint16_t>(registers(), kWatchdogDivider);
+    const std::int64_t time = base::load_le<std::uint16_t>(registers(), kPdiWatchdogTime);
     reporter_.report(now, kHostWatchdog, {(divider + 2) * time / 25});
   }
   if (sii_.finish(now) == SiiInterface::Completion::reload) {
@@ -188,7 +192,7 @@ void SlaveController::expire(base::SimTime now) {
   }
   if (now >= loop_control_expires_) {
     loop_control_expires_ = base::SimTime::never();
-    memory_[0x0101] = std::byte{former_loop_control_};
+    memory_[kLoopControl] = std::byte{former_loop_control_};
     update_ports(true);
   }
   update_deadline();
@@ -216,7 +220,7 @@ bool SlaveController::take_reset_request() {
 }
 
 bool SlaveController::host_interrupt() const {
-  return (al_event_request_ & base::load_le<std::uint32_t>(memory_.data() + 0x0204)) != 0;
+  return (al_event_request_ & base::load_le<std::uint32_t>(memory_.data() + kAlEventMask)) != 0;
 }
 
 void SlaveController::read(std::uint16_t address, std::span<std::byte> out) {

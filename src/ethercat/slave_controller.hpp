@@ -11,14 +11,17 @@
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
 #include "ethercat/distributed_clock.hpp"
+#include "ethercat/ecat_event.hpp"
 #include "ethercat/fmmu.hpp"
 #include "ethercat/frame.hpp"
 #include "ethercat/latch_unit.hpp"
 #include "ethercat/led.hpp"
 #include "ethercat/mii_management.hpp"
 #include "ethercat/process_data_interface.hpp"
+#include "ethercat/register_addresses.hpp"
 #include "ethercat/register_table.hpp"
 #include "ethercat/sii_interface.hpp"
+#include "ethercat/slave_controller_configuration.hpp"
 #include "ethercat/sync_manager.hpp"
 #include "ethercat/sync_unit.hpp"
 #include "ethercat/time_stamp.hpp"
@@ -26,50 +29,6 @@
 #include "ethercat/watchdog.hpp"
 
 namespace stator::ethercat {
-
-/// What distinguishes one slave controller product from another. The defaults are those of the
-/// TMC8461 (datasheet, sections "Chip features" and "ESC information registers").
-struct SlaveControllerConfiguration {
-  std::uint8_t type = 0xD0;
-  std::uint8_t revision = 0x61;
-  std::uint16_t build = 0x0011;
-  std::uint8_t fmmu_count = 8;          ///< 0..16
-  std::uint8_t sync_manager_count = 8;  ///< 0..16
-  std::uint8_t ram_kilobytes = 16;      ///< process memory from 0x1000 on, 1..60
-  std::uint8_t port_descriptor = 0x0F;  ///< 2 bits per port: 0 none, 2 E-bus, 3 MII
-  std::uint64_t product_id = 0;         ///< 0x0E00, with the feature product_identity
-  std::uint64_t vendor_id = 0;          ///< 0x0E08
-
-  ControllerFeature features =
-      ControllerFeature::distributed_clocks | ControllerFeature::write_protection |
-      ControllerFeature::reset_registers | ControllerFeature::read_write_offset |
-      ControllerFeature::led_override | ControllerFeature::pdi_information |
-      ControllerFeature::mii_management | ControllerFeature::parameter_ram |
-      ControllerFeature::buffer_event_times | ControllerFeature::product_identity |
-      ControllerFeature::user_ram | ControllerFeature::error_counters |
-      ControllerFeature::lost_link_counters | ControllerFeature::mii_link_detection |
-      ControllerFeature::sii_host_access | ControllerFeature::watchdog_setting;
-  /// Parts that are not built although the document describes their registers: these read 0 and
-  /// ignore writes, but the working counter counts. All other bytes without a register leave it.
-  ControllerFeature answered_features = ControllerFeature::always;
-  std::uint8_t sync_latch_reset = 0x66;  ///< 0x0151 until the EEPROM is loaded
-
-  bool device_emulation = false;      ///< pin PDI_EMULATION: AL status follows AL control
-  bool acknowledge_by_write = false;  ///< host acknowledges events by writing (0x014E bit 0)
-
-  /// From receiving at one port to sending at the next open one, with the default receive FIFO.
-  base::SimDuration forwarding_delay = base::SimDuration(300);
-  std::int32_t clock_deviation_ppb = 0;  ///< of the oscillator
-  SiiTiming sii_timing;
-  /// 0x0502: after an error, commands other than 0 are ignored until command 0 clears it.
-  bool sii_error_blocks_commands = false;
-  MiiSettings mii;
-};
-
-/// Writes the constants and reset values that differ between builds: identification, features,
-/// what MII management can do, IDs. The other reset values are declared with the registers.
-void write_build_registers(const SlaveControllerConfiguration& configuration,
-                           std::span<std::byte, kRegisterSpace> registers);
 
 /// Receive errors a port can count (0x0300..0x030B).
 enum class ReceiveError : std::uint8_t {
@@ -140,7 +99,9 @@ class SlaveController final : public ProcessDataInterface {
   /// A valid frame came in at a closed port, where it ends: Auto Close opens the port.
   void receive_at_closed_port(unsigned port);
   /// The forwarding rule (0x0100 bit 0) for frames that carry no EtherCAT datagrams.
-  [[nodiscard]] bool destroys_foreign_frames() const { return register_bit(0x0100, 0); }
+  [[nodiscard]] bool destroys_foreign_frames() const {
+    return register_bit(register_address::kDlControl, 0);
+  }
 
   /// As ProcessDataInterface says; the time of the access is that of the last frame or advance().
   void read(std::uint16_t address, std::span<std::byte> out) override;
@@ -296,6 +257,8 @@ class SlaveController final : public ProcessDataInterface {
   void after_host_read(EffectSet effects, std::uint32_t address, std::size_t length);
   void after_bus_write(EffectSet effects, std::uint32_t address, std::span<const std::byte> data);
   void after_host_write(EffectSet effects, std::uint32_t address, std::span<const std::byte> data);
+  /// What a write causes from either side.
+  void after_write(Effect effect, std::uint32_t address, std::size_t length);
   void acknowledge(EffectSet effects, std::uint32_t address, std::size_t length);
   void take_al_control();
   void report_locked_al_control(std::uint16_t requested);
@@ -326,18 +289,14 @@ class SlaveController final : public ProcessDataInterface {
   /// Makes status register and event requests follow the state of a sync manager.
   void publish_sync_manager(std::size_t channel) {
     const SyncManager& manager = sync_managers_[channel];
-    memory_[kSyncManagerRegisters + 8 * channel + 5] = std::byte{manager.status()};
+    memory_[register_address::kSyncManagers + 8 * channel + 5] = std::byte{manager.status()};
     if (manager.interrupts_host()) {
       const std::uint32_t bit = al_event::sync_manager(static_cast<unsigned>(channel));
       al_event_request_ = (al_event_request_ & ~bit) | (manager.host_interrupt() ? bit : 0U);
     }
     if (manager.interrupts_bus()) {
-      set_ecat_event(sync_manager_ecat_event(channel), manager.bus_interrupt());
+      set_ecat_event(ecat_event::sync_manager(channel), manager.bus_interrupt());
     }
-  }
-  /// Bit of 0x0210 that mirrors a sync manager; there is room for the first twelve.
-  static constexpr std::uint16_t sync_manager_ecat_event(std::size_t channel) {
-    return static_cast<std::uint16_t>(channel < 12 ? 0x10U << channel : 0U);
   }
   void trigger_process_data_watchdog() {
     process_data_watchdog_.trigger(now_);
@@ -353,8 +312,6 @@ class SlaveController final : public ProcessDataInterface {
     return std::span<std::byte, kRegisterSpace>(memory_.data(), kRegisterSpace);
   }
 
-  static constexpr std::size_t kFmmuRegisters = 0x0600;
-  static constexpr std::size_t kSyncManagerRegisters = 0x0800;
   // Bits of a sync manager's activate register: which accesses are time-stamped at 0x09F0..0x09FF.
   static constexpr std::uint8_t kLatchBusEvents = 0x40;
   static constexpr std::uint8_t kLatchHostEvents = 0x80;
@@ -390,12 +347,13 @@ class SlaveController final : public ProcessDataInterface {
   DistributedClock clock_;
   SyncUnit sync_{registers()};
   LatchUnit latch_{registers()};
-  TimeStamp<std::uint64_t> shown_system_time_{0x0910};
+  TimeStamp<std::uint64_t> shown_system_time_{register_address::kSystemTime};
   /// 0x09F0 bus change, 0x09F8 host start, 0x09FC host change; local time.
   std::array<std::uint32_t, 3> buffer_events_{};
-  std::array<TimeStamp<std::uint32_t>, 3> shown_buffer_events_{TimeStamp<std::uint32_t>{0x09F0},
-                                                               TimeStamp<std::uint32_t>{0x09F8},
-                                                               TimeStamp<std::uint32_t>{0x09FC}};
+  std::array<TimeStamp<std::uint32_t>, 3> shown_buffer_events_{
+      TimeStamp<std::uint32_t>{register_address::kEcatBufferChangeTime},
+      TimeStamp<std::uint32_t>{register_address::kPdiBufferStartTime},
+      TimeStamp<std::uint32_t>{register_address::kPdiBufferChangeTime}};
   base::SimTime sync_deadline_ = base::SimTime::never();  ///< a pulse the host must be told of
   /// Next edge of each SYNC output, if known since the clock or the unit last changed.
   std::array<std::optional<base::SimTime>, SyncUnit::kOutputs> sync_edges_{};

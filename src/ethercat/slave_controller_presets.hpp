@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-#include "ethercat/slave_controller.hpp"
+#include "ethercat/slave_controller_configuration.hpp"
 
 namespace stator::ethercat {
 

@@ -5,17 +5,15 @@
 #include <utility>
 
 #include "base/byte_order.hpp"
+#include "ethercat/register_addresses.hpp"
 
 namespace stator::ethercat {
 
 namespace {
 
-using base::EventArgument;
+using namespace register_address;
 
-constexpr std::uint16_t kWatchdogDivider = 0x0400;
-constexpr std::uint16_t kProcessDataWatchdogTime = 0x0420;
-constexpr std::uint16_t kProcessDataWatchdogStatus = 0x0440;
-constexpr std::uint16_t kSync0Status = 0x098E;
+using base::EventArgument;
 
 /// Header, CoE header and one SDO: the shortest mailbox that can work.
 constexpr std::size_t kMinimumMailbox = 16;

@@ -1,15 +1,15 @@
 // The status LEDs of a slave controller and registers 0x0138, 0x0139, which show and override them.
 
 #include "base/byte_order.hpp"
+#include "ethercat/register_addresses.hpp"
 #include "ethercat/slave_controller.hpp"
 
 namespace stator::ethercat {
 
 namespace {
 
-constexpr std::size_t kAlStatusCode = 0x0134;
-constexpr std::size_t kRunLedOverride = 0x0138;
-constexpr std::size_t kErrorLedOverride = 0x0139;
+using namespace register_address;
+
 constexpr std::uint8_t kOverride = 0x10;
 
 }  // namespace

@@ -20,7 +20,7 @@ const base::EventRule& length_rule(const SyncManagerRequirement& requirement) {
 
 SyncManagerBank read_sync_managers(ProcessDataInterface& interface) {
   std::array<std::byte, kRegisterBytes> bytes{};
-  interface.read(kSyncManagerRegisters, bytes);
+  interface.read(register_address::kSyncManagers, bytes);
   SyncManagerBank bank;
   for (std::size_t channel = 0; channel < bank.size(); ++channel) {
     const auto registers = std::span(bytes).subspan(channel * 8, 8);

@@ -9,6 +9,7 @@
 #include "base/event.hpp"
 #include "ethercat/al_state.hpp"
 #include "ethercat/process_data_interface.hpp"
+#include "ethercat/register_addresses.hpp"
 
 namespace stator::ethercat {
 
@@ -49,7 +50,6 @@ struct SyncManagerSettings {
   }
 };
 
-inline constexpr std::uint16_t kSyncManagerRegisters = 0x0800;
 inline constexpr std::uint16_t kSyncManagerStatus = 5;  ///< offsets in a channel's registers
 inline constexpr std::uint16_t kSyncManagerHostControl = 7;
 inline constexpr unsigned kReceiveMailboxChannel = 0;
@@ -60,7 +60,7 @@ inline constexpr unsigned kInputChannel = 3;
 /// Address of register `offset` (0..7) of `channel`.
 [[nodiscard]] constexpr std::uint16_t sync_manager_register(unsigned channel,
                                                             std::uint16_t offset) {
-  return static_cast<std::uint16_t>(kSyncManagerRegisters + channel * 8 + offset);
+  return static_cast<std::uint16_t>(register_address::kSyncManagers + channel * 8 + offset);
 }
 
 using SyncManagerBank = std::array<SyncManagerSettings, 4>;

@@ -4,21 +4,13 @@
 
 #include "base/byte_order.hpp"
 #include "ethercat/process_data_interface.hpp"
+#include "ethercat/register_addresses.hpp"
 
 namespace stator::ethercat {
 
 namespace {
 
-constexpr std::size_t kEscConfiguration = 0x0141;
-constexpr std::size_t kSyncLatchConfiguration = 0x0151;
-constexpr std::size_t kActivation = 0x0981;
-constexpr std::size_t kPulseLength = 0x0982;
-constexpr std::size_t kActivationStatus = 0x0984;
-constexpr std::size_t kSyncStatus = 0x098E;  // SYNC0, SYNC1
-constexpr std::size_t kStartTime = 0x0990;   // read: next SYNC0 pulse
-constexpr std::size_t kNextSync1 = 0x0998;
-constexpr std::size_t kSync0Cycle = 0x09A0;
-constexpr std::size_t kSync1Cycle = 0x09A4;
+using namespace register_address;
 
 constexpr unsigned kSyncOutEnabled = 0x04;  // of the ESC configuration
 
@@ -117,7 +109,7 @@ void SyncUnit::jump(std::uint64_t now) {
 }
 
 SyncUnit::Activation SyncUnit::write_activation(std::uint8_t written, std::uint64_t now) {
-  const bool activate_now = (byte(kActivation) & kActive) != 0;
+  const bool activate_now = (byte(kSyncActivation) & kActive) != 0;
   Activation result = Activation::none;
   if (active_ && !activate_now) {
     deactivate();
@@ -143,17 +135,17 @@ SyncUnit::Activation SyncUnit::write_activation(std::uint8_t written, std::uint6
 }
 
 SyncUnit::Activation SyncUnit::write_start_time(bool lower_half_only, std::uint64_t now) {
-  const unsigned activation = byte(kActivation);
+  const unsigned activation = byte(kSyncActivation);
   if (lower_half_only && (activation & (kExtendStartTime | kAutoActivation)) != 0) {
-    const auto lower = base::load_le<std::uint32_t>(registers_, kStartTime);
+    const auto lower = base::load_le<std::uint32_t>(registers_, kSyncStartTime);
     const std::uint64_t upper = (now >> 32) + (lower < static_cast<std::uint32_t>(now) ? 1 : 0);
-    base::store_le(registers_, kStartTime, upper << 32 | lower);
+    base::store_le(registers_, kSyncStartTime, upper << 32 | lower);
   }
-  start_time_ = base::load_le<std::uint64_t>(registers_, kStartTime);
+  start_time_ = base::load_le<std::uint64_t>(registers_, kSyncStartTime);
   if ((activation & kAutoActivation) == 0) {
     return Activation::none;
   }
-  registers_[kActivation] |= std::byte{kActive};
+  registers_[kSyncActivation] |= std::byte{kActive};
   return write_activation(0, now);
 }
 
@@ -161,15 +153,15 @@ SyncUnit::Activation SyncUnit::activate(std::uint64_t now) {
   if ((byte(kEscConfiguration) & kSyncOutEnabled) == 0) {
     return Activation::disabled;
   }
-  const unsigned activation = byte(kActivation);
+  const unsigned activation = byte(kSyncActivation);
   const std::uint64_t ahead = start_time_ - now;
   const std::uint64_t near_future = (activation & kNearFuture) != 0 ? kTwoSeconds : kHalfRange;
   out_of_near_future_ = ahead > near_future;
   const bool immediate = out_of_near_future_ && (activation & kPlausibilityCheck) != 0;
   start_is_past_ = !immediate && ahead >= kHalfRange;
   active_ = true;
-  sync0_cycle_ = base::load_le<std::uint32_t>(registers_, kSync0Cycle);
-  sync1_cycle_ = base::load_le<std::uint32_t>(registers_, kSync1Cycle);
+  sync0_cycle_ = base::load_le<std::uint32_t>(registers_, kSync0CycleTime);
+  sync1_cycle_ = base::load_le<std::uint32_t>(registers_, kSync1CycleTime);
   const std::uint64_t first = immediate ? now : start_time_;
   signals_[0].next = first;
   signals_[1].next = first + sync1_cycle_;
@@ -194,13 +186,13 @@ void SyncUnit::deactivate() {
     signal.first_pending = false;
     signal.held = false;
   }
-  base::store_le(registers_, kStartTime, start_time_);
+  base::store_le(registers_, kSyncStartTime, start_time_);
 }
 
 void SyncUnit::enable_outputs() {
   for (std::size_t output = 0; output < kOutputs; ++output) {
     Signal& signal = signals_[output];
-    const bool enabled = active_ && (byte(kActivation) & output_bit(output)) != 0;
+    const bool enabled = active_ && (byte(kSyncActivation) & output_bit(output)) != 0;
     if (enabled != signal.enabled) {
       signal.enabled = enabled;
       signal.first_pending = enabled && signal.armed;
@@ -217,8 +209,8 @@ void SyncUnit::write_cycle_times() {
   if (!active_) {
     return;
   }
-  const auto sync0 = base::load_le<std::uint32_t>(registers_, kSync0Cycle);
-  const auto sync1 = base::load_le<std::uint32_t>(registers_, kSync1Cycle);
+  const auto sync0 = base::load_le<std::uint32_t>(registers_, kSync0CycleTime);
+  const auto sync1 = base::load_le<std::uint32_t>(registers_, kSync1CycleTime);
   if (sync0 == sync0_cycle_ && sync1 == sync1_cycle_) {
     return;
   }
@@ -235,17 +227,17 @@ void SyncUnit::show(std::uint64_t now) {
   unsigned status = out_of_near_future_ ? kOutOfNearFuture : 0U;
   for (std::size_t output = 0; output < kOutputs; ++output) {
     status |= (signals_[output].first_pending ? 1U : 0U) << output;
-    registers_[kSyncStatus + output] = std::byte{asserted(output, now)};
+    registers_[kSync0Status + output] = std::byte{asserted(output, now)};
   }
-  registers_[kActivationStatus] = static_cast<std::byte>(status);
+  registers_[kSyncActivationStatus] = static_cast<std::byte>(status);
   if (active_) {
-    base::store_le(registers_, kStartTime, signals_[0].next);
-    base::store_le(registers_, kNextSync1, signals_[1].next);
+    base::store_le(registers_, kSyncStartTime, signals_[0].next);
+    base::store_le(registers_, kNextSync1Pulse, signals_[1].next);
   }
 }
 
 std::uint64_t SyncUnit::pulse_length() const {
-  return std::uint64_t{base::load_le<std::uint16_t>(registers_, kPulseLength)} * 10;
+  return std::uint64_t{base::load_le<std::uint16_t>(registers_, kSyncPulseLength)} * 10;
 }
 
 bool SyncUnit::mapped(std::size_t output) const {

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "base/byte_order.hpp"
+#include "ethercat/register_addresses.hpp"
 #include "ethercat/register_table.hpp"
 
 namespace stator::ethercat {
@@ -22,7 +23,7 @@ class TimeStamp {
   explicit constexpr TimeStamp(std::size_t address) : address_(address) {}
 
   [[nodiscard]] constexpr bool touched_by(std::size_t address, std::size_t length) const {
-    return address < address_ + sizeof(Number) && address + length > address_;
+    return touches(address, length, address_, sizeof(Number));
   }
   /// Puts into the registers what an access of `side` to `length` bytes from `address` on sees
   /// while the time is `current`.
