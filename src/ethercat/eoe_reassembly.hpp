@@ -33,9 +33,8 @@ class EoeReassembly {
 
   /// True while fragments of a frame are missing.
   [[nodiscard]] bool in_progress() const { return in_progress_; }
-  /// Number and place of the fragment that has to come while in_progress().
+  /// Number of the fragment that has to come while in_progress().
   [[nodiscard]] std::uint8_t expected_fragment() const { return expected_fragment_; }
-  [[nodiscard]] std::size_t expected_offset() const { return length_; }
 
   void reset() { in_progress_ = false; }
 

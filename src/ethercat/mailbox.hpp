@@ -50,9 +50,6 @@ class Mailbox {
   /// Reacts to the repeat-request bit of SM1's activate register.
   void handle_repeat_request(const SyncManagerSettings& transmit);
 
-  [[nodiscard]] const SyncManagerSettings& receive_settings() const { return receive_; }
-  [[nodiscard]] const SyncManagerSettings& transmit_settings() const { return transmit_; }
-
  private:
   /// A complete mailbox message with its header; empty when `length` is 0.
   struct Message {

@@ -109,6 +109,7 @@ void SlaveController::load_sii(std::span<const std::byte> image) {
 }
 
 void SlaveController::load_configuration_area(bool first) {
+  advance_sync();  // pulses so far came with the settings so far
   const SiiInterface::LoadResult result = sii_.load();
   loaded_ = result == SiiInterface::LoadResult::loaded;
   const std::span<const std::byte> content = sii_.content();
@@ -142,6 +143,8 @@ void SlaveController::load_configuration_area(bool first) {
   }
   compile_mappings();
   update_dl_status();
+  publish_clock_events();  // pulse length and mapping of the SYNC outputs may be others now
+  schedule_sync();
 }
 
 void SlaveController::load_parameter_ram() {

@@ -2,14 +2,9 @@
 
 #include <array>
 
-#include "base/byte_order.hpp"
-#include "ethercat/register_addresses.hpp"
-
 namespace stator::ethercat {
 
 namespace {
-
-using namespace register_address;
 
 using F = ControllerFeature;
 
@@ -77,34 +72,6 @@ const SlaveControllerPreset* find_slave_controller_preset(std::string_view devic
     }
   }
   return nullptr;
-}
-
-void write_build_registers(const SlaveControllerConfiguration& configuration,
-                           std::span<std::byte, kRegisterSpace> registers) {
-  const auto built = [&](F feature) { return has_feature(configuration.features, feature); };
-  registers[kType] = std::byte{configuration.type};
-  registers[kRevision] = std::byte{configuration.revision};
-  base::store_le(registers, kBuild, configuration.build);
-  registers[kFmmusSupported] = std::byte{configuration.fmmu_count};
-  registers[kSyncManagersSupported] = std::byte{configuration.sync_manager_count};
-  registers[kRamSize] = std::byte{configuration.ram_kilobytes};
-  registers[kPortDescriptor] = std::byte{configuration.port_descriptor};
-  // Enhanced link detection (MII) and separate counting of frames with wrong check sequence; with
-  // distributed clocks also 64-bit times and the enhanced SYNC activation.
-  const unsigned clocks = built(F::distributed_clocks) ? 0x010CU : 0U;
-  base::store_le(registers, kFeatures, static_cast<std::uint16_t>(0x00C0U | clocks));
-  if (built(F::product_identity)) {
-    base::store_le(registers, kProductId, configuration.product_id);
-    base::store_le(registers, kVendorId, configuration.vendor_id);
-  }
-  registers[kSyncLatchConfiguration] = std::byte{configuration.sync_latch_reset};
-  if (built(F::mii_management)) {
-    // The host may take the interface; links are detected through it.
-    registers[kMiiControl] = std::byte{0x02};
-    if (built(F::mii_link_detection)) {
-      registers[kMiiControl] |= std::byte{0x04};
-    }
-  }
 }
 
 }  // namespace stator::ethercat

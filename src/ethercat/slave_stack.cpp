@@ -2,21 +2,15 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <utility>
 
-#include "base/byte_order.hpp"
 #include "ethercat/register_addresses.hpp"
 
 namespace stator::ethercat {
 
 namespace {
 
-using namespace register_address;
-
 using base::EventArgument;
 
-/// Header, CoE header and one SDO: the shortest mailbox that can work.
-constexpr std::size_t kMinimumMailbox = 16;
 /// Most bytes of process data in one direction: what one frame can carry.
 constexpr std::size_t kMaximumProcessData = 1486;
 
@@ -58,7 +52,6 @@ SlaveStack::SlaveStack(ProcessDataInterface& interface, dictionary::Dictionary& 
            {.complete_access = description.complete_access,
             .sdo_information = description.sdo_information},
            reporter, statistics_),
-      eoe_(description.eoe ? std::make_unique<EoeServer>(reporter) : nullptr),
       configuration_(dictionary, limits_of(description, options)),
       outputs_(PdoDirection::receive, limits_of(description, options).receive_bytes),
       inputs_(PdoDirection::transmit, limits_of(description, options).transmit_bytes),
@@ -66,8 +59,8 @@ SlaveStack::SlaveStack(ProcessDataInterface& interface, dictionary::Dictionary& 
   if (description.coe) {
     mailbox_.add(coe_);
   }
-  if (eoe_ != nullptr) {
-    mailbox_.add(*eoe_);
+  if (description.eoe) {
+    mailbox_.add(eoe_.emplace(reporter));
   }
   if (description.foe) {
     if (options.files == nullptr) {
@@ -90,7 +83,7 @@ void SlaveStack::reset(base::SimTime now) {
 }
 
 void SlaveStack::process(base::SimTime now) {
-  if (eoe_ != nullptr) {
+  if (eoe_) {
     eoe_->poll(mailbox_.running() && state() != AlState::bootstrap);
   }
   std::uint32_t events = interface_.al_event_request();
@@ -101,7 +94,7 @@ void SlaveStack::process(base::SimTime now) {
   now_ = now;
   if ((events & al_event::kDcSync0) != 0) {
     std::array<std::byte, 1> status{};
-    interface_.read(kSync0Status, status);  // acknowledges
+    interface_.read(register_address::kSync0Status, status);  // acknowledges
     sync0(now);
   }
   if ((events & al_event::kAlControl) != 0) {
@@ -142,40 +135,6 @@ void SlaveStack::update_attention() {
   if (state() == AlState::operational) {
     attention_ |= al_event::kProcessDataWatchdog;
   }
-}
-
-void SlaveStack::sync0(base::SimTime now) {
-  now_ = now;
-  const AlStatusCode code = clocks_.on_sync0(now);
-  if (code != AlStatusCode::no_error) {
-    step_down(AlState::safe_operational, code, now);
-    return;
-  }
-  if (!clocks_.synchronous()) {
-    return;
-  }
-  if (state() == AlState::operational && std::exchange(outputs_await_sync_, false)) {
-    apply_outputs(now);
-  }
-  application_.on_sync0(now);
-}
-
-void SlaveStack::check_clocks(base::SimTime now) {
-  const AlStatusCode code = clocks_.check(now);
-  if (code != AlStatusCode::no_error) {
-    application_layer_.step_down(AlState::safe_operational, code, now);
-  }
-}
-
-void SlaveStack::publish_inputs(base::SimTime now) {
-  if (!process_data_runs() || inputs_.bytes() == 0) {
-    return;
-  }
-  now_ = now;
-  application_.before_inputs(now);
-  inputs_.pack(dictionary_);
-  interface_.write(bank_[kInputChannel].start, inputs_.data());
-  ++statistics_.inputs_published;
 }
 
 bool SlaveStack::send_emergency(std::uint16_t error_code, std::uint8_t error_register,
@@ -275,250 +234,6 @@ AlStatusCode SlaveStack::start_mailbox(AlStep step, base::SimTime now) {
     mailbox_.start(bank, step.to);
   }
   return code;
-}
-
-AlStatusCode SlaveStack::start_process_data(base::SimTime now) {
-  const std::array images{std::pair{&outputs_, AlStatusCode::invalid_output_mapping},
-                          std::pair{&inputs_, AlStatusCode::invalid_input_mapping}};
-  for (const auto& [image, code] : images) {
-    if (const auto verdict = image->compile(dictionary_, configuration_); !verdict) {
-      reporter_.report(now, *verdict.error().rule, verdict.error().arguments);
-      reporter_.report(now, rules::kMappingInvalid,
-                       {EventArgument(static_cast<int>(code)),
-                        int{image == &outputs_ ? kOutputAssignment : kInputAssignment}});
-      stop_process_data();
-      return code;
-    }
-  }
-  const SyncManagerBank bank = read_sync_managers(interface_);
-  AlStatusCode code = check_process_data(bank, now);
-  if (code == AlStatusCode::no_error) {
-    code = clocks_.permit_safe_operational(now);
-  }
-  if (code != AlStatusCode::no_error) {
-    stop_process_data();
-    return code;
-  }
-  bank_[kOutputChannel] = bank[kOutputChannel];
-  bank_[kInputChannel] = bank[kInputChannel];
-  return AlStatusCode::no_error;
-}
-
-void SlaveStack::stop_process_data() {
-  outputs_.clear();
-  inputs_.clear();
-  outputs_received_ = false;
-  first_outputs_deadline_ = base::SimTime::never();
-  outputs_await_sync_ = false;
-  clocks_.stop();
-}
-
-AlStatusCode SlaveStack::permit_outputs(base::SimTime now) {
-  if (outputs_.bytes() != 0 && outputs_wait(interface_.al_event_request())) {
-    take_outputs(now);
-  }
-  if (options_.require_outputs && outputs_.bytes() != 0 && !outputs_received_) {
-    reporter_.report(now, rules::kNoOutputs);
-    return AlStatusCode::no_valid_outputs;
-  }
-  return AlStatusCode::no_error;
-}
-
-void SlaveStack::enter_operational(base::SimTime now) {
-  if (outputs_.bytes() == 0) {
-    return;
-  }
-  // Reading the status also acknowledges an expiry that happened in Safe-Operational.
-  std::array<std::byte, 2> status{};
-  interface_.read(kProcessDataWatchdogStatus, status);
-  const bool expired = (status[0] & std::byte{1}) == std::byte{0};
-  first_outputs_deadline_ = base::SimTime::never();
-  if (expired || !outputs_received_) {
-    const base::SimDuration time = watchdog_time();
-    if (time != base::SimDuration(0)) {
-      first_outputs_deadline_ = now + time;
-    }
-  }
-  if (outputs_received_) {
-    offer_outputs(now);
-  }
-}
-
-AlStatusCode SlaveStack::check_channel(const SyncManagerBank& bank,
-                                       const SyncManagerRequirement& requirement, AlState state,
-                                       AlStatusCode code, base::SimTime now) {
-  const auto fault = check_sync_manager(bank, requirement, state, code);
-  if (!fault) {
-    return AlStatusCode::no_error;
-  }
-  reporter_.report(now, *fault->rule, fault->arguments);
-  return code;
-}
-
-AlStatusCode SlaveStack::check_mailbox(const SyncManagerBank& bank, AlState state,
-                                       base::SimTime now) {
-  const bool bootstrap = state == AlState::bootstrap;
-  const AlStatusCode code = bootstrap ? AlStatusCode::invalid_mailbox_configuration_bootstrap
-                                      : AlStatusCode::invalid_mailbox_configuration_pre_operational;
-  const MailboxArea& receive =
-      bootstrap ? description_.bootstrap_receive_mailbox : description_.receive_mailbox;
-  const MailboxArea& transmit =
-      bootstrap ? description_.bootstrap_transmit_mailbox : description_.transmit_mailbox;
-  const std::array requirements{
-      SyncManagerRequirement{kReceiveMailboxChannel, SyncManagerSettings::kMailboxMode,
-                             SyncManagerSettings::kMasterWrites, kMinimumMailbox, receive.length,
-                             options_.process_memory_end},
-      SyncManagerRequirement{kTransmitMailboxChannel, SyncManagerSettings::kMailboxMode,
-                             SyncManagerSettings::kMasterReads, kMinimumMailbox, transmit.length,
-                             options_.process_memory_end}};
-  for (const SyncManagerRequirement& requirement : requirements) {
-    if (check_channel(bank, requirement, state, code, now) != AlStatusCode::no_error) {
-      return code;
-    }
-  }
-  return AlStatusCode::no_error;
-}
-
-AlStatusCode SlaveStack::check_process_data(const SyncManagerBank& bank, base::SimTime now) {
-  const auto requirement = [this](unsigned channel, std::uint8_t direction, std::size_t bytes) {
-    return SyncManagerRequirement{channel,   SyncManagerSettings::kThreeBufferMode,
-                                  direction, bytes,
-                                  bytes,     options_.process_memory_end};
-  };
-  const AlState state = AlState::safe_operational;
-  const AlStatusCode code = check_channel(
-      bank, requirement(kOutputChannel, SyncManagerSettings::kMasterWrites, outputs_.bytes()),
-      state, AlStatusCode::invalid_output_configuration, now);
-  if (code != AlStatusCode::no_error) {
-    return code;
-  }
-  return check_channel(
-      bank, requirement(kInputChannel, SyncManagerSettings::kMasterReads, inputs_.bytes()), state,
-      AlStatusCode::invalid_input_configuration, now);
-}
-
-AlStatusCode SlaveStack::check_unchanged(const SyncManagerBank& bank, unsigned channel,
-                                         AlStatusCode code, base::SimTime now) {
-  const SyncManagerSettings& settings = bank[channel];
-  if (settings.start == bank_[channel].start && settings.length == bank_[channel].length) {
-    return AlStatusCode::no_error;
-  }
-  reporter_.report(now, rules::kSyncManagerChanged,
-                   {EventArgument(to_text(state())), EventArgument(static_cast<int>(code)),
-                    EventArgument(channel), int{settings.start}, int{settings.length}});
-  return code;
-}
-
-void SlaveStack::handle_sync_manager_change(base::SimTime now) {
-  const SyncManagerBank bank = read_sync_managers(interface_);
-  const auto first_error = [](std::initializer_list<AlStatusCode> codes) {
-    const auto* found =
-        std::ranges::find_if(codes, [](AlStatusCode c) { return c != AlStatusCode::no_error; });
-    return found == codes.end() ? AlStatusCode::no_error : *found;
-  };
-  if (mailbox_.running()) {
-    AlStatusCode code = check_mailbox(bank, state(), now);
-    if (code == AlStatusCode::no_error) {
-      const auto changed = state() == AlState::bootstrap
-                               ? AlStatusCode::invalid_mailbox_configuration_bootstrap
-                               : AlStatusCode::invalid_mailbox_configuration_pre_operational;
-      code = first_error({check_unchanged(bank, kReceiveMailboxChannel, changed, now),
-                          check_unchanged(bank, kTransmitMailboxChannel, changed, now)});
-    }
-    if (code != AlStatusCode::no_error) {
-      application_layer_.step_down(AlState::init, code, now);
-      return;
-    }
-    mailbox_.handle_repeat_request(bank[kTransmitMailboxChannel]);
-  }
-  if (!process_data_runs()) {
-    return;
-  }
-  AlStatusCode code = check_process_data(bank, now);
-  if (code == AlStatusCode::no_error && outputs_.bytes() != 0) {
-    code = check_unchanged(bank, kOutputChannel, AlStatusCode::invalid_output_configuration, now);
-  }
-  if (code == AlStatusCode::no_error && inputs_.bytes() != 0) {
-    code = check_unchanged(bank, kInputChannel, AlStatusCode::invalid_input_configuration, now);
-  }
-  if (code != AlStatusCode::no_error) {
-    application_layer_.step_down(AlState::pre_operational, code, now);
-  }
-}
-
-bool SlaveStack::outputs_wait(std::uint32_t events) const {
-  const SyncManagerSettings& settings = bank_[kOutputChannel];
-  if (outputs_.bytes() == 0) {
-    return false;
-  }
-  if (settings.interrupts_host()) {
-    return (events & al_event::sync_manager(kOutputChannel)) != 0;
-  }
-  std::array<std::byte, 1> status{};
-  interface_.read(sync_manager_register(kOutputChannel, kSyncManagerStatus), status);
-  return (std::to_integer<unsigned>(status[0]) & SyncManagerSettings::kStatusWritten) != 0;
-}
-
-void SlaveStack::take_outputs(base::SimTime now) {
-  interface_.read(bank_[kOutputChannel].start, outputs_.data());
-  outputs_received_ = true;
-  first_outputs_deadline_ = base::SimTime::never();
-  ++statistics_.outputs_received;
-  clocks_.on_outputs();
-  if (state() == AlState::operational) {
-    offer_outputs(now);
-  }
-}
-
-void SlaveStack::offer_outputs(base::SimTime now) {
-  if (clocks_.synchronous()) {
-    outputs_await_sync_ = true;
-  } else {
-    apply_outputs(now);
-  }
-}
-
-void SlaveStack::apply_outputs(base::SimTime now) {
-  using Hook = ProcessImage::RefusedHook;
-  statistics_.outputs_refused +=
-      outputs_.unpack(dictionary_, Hook::bind<&SlaveStack::on_refused>(*this));
-  application_.on_outputs(now);
-}
-
-void SlaveStack::on_refused(const dictionary::Entry& entry, const dictionary::Refusal& refusal) {
-  if (refusal.rule != nullptr) {
-    reporter_.report(now_, *refusal.rule, refusal.arguments);
-  }
-  application_.on_output_refused(entry, refusal, now_);
-}
-
-void SlaveStack::check_watchdog(std::uint32_t events, base::SimTime now) {
-  bool expired = now >= first_outputs_deadline_;
-  if ((events & al_event::kProcessDataWatchdog) != 0) {
-    std::array<std::byte, 2> status{};
-    interface_.read(kProcessDataWatchdogStatus, status);
-    expired = expired || (status[0] & std::byte{1}) == std::byte{0};
-  }
-  if (!expired) {
-    return;
-  }
-  ++statistics_.watchdog_expirations;
-  reporter_.report(now, rules::kWatchdogExpired,
-                   {EventArgument(watchdog_time().nanoseconds() / 1000)});
-  application_layer_.step_down(AlState::safe_operational, AlStatusCode::sync_manager_watchdog, now);
-}
-
-/// Zero if the watchdog is off: by its time, its divider's product or the channel's trigger bit.
-base::SimDuration SlaveStack::watchdog_time() {
-  if ((bank_[kOutputChannel].control & SyncManagerSettings::kWatchdogTrigger) == 0) {
-    return base::SimDuration(0);
-  }
-  std::array<std::byte, 2> bytes{};
-  interface_.read(kWatchdogDivider, bytes);
-  const std::int64_t divider = base::load_le<std::uint16_t>(bytes);
-  interface_.read(kProcessDataWatchdogTime, bytes);
-  const std::int64_t count = base::load_le<std::uint16_t>(bytes);
-  return base::SimDuration((divider + 2) * 40 * count);  // units of 40 ns, ETG.1000.4 §6.3
 }
 
 }  // namespace stator::ethercat

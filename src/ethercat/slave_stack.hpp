@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <optional>
 
 #include "base/event.hpp"
@@ -91,7 +90,6 @@ class SlaveStack final : private AlActions {
   [[nodiscard]] AlState state() const { return application_layer_.state(); }
   /// The error in AL status code 0x0134; no_error once the master has acknowledged it.
   [[nodiscard]] AlStatusCode status_code() const { return application_layer_.status_code(); }
-  [[nodiscard]] bool error_indicated() const { return status_code() != AlStatusCode::no_error; }
 
   /// Length of the process data in bytes by the mapping in force since Pre-Operational to
   /// Safe-Operational; 0 below.
@@ -100,7 +98,7 @@ class SlaveStack final : private AlActions {
 
   [[nodiscard]] const SlaveStackStatistics& statistics() const { return statistics_; }
   /// Ethernet over EtherCAT; null unless the description announces it.
-  [[nodiscard]] EoeServer* eoe() { return eoe_.get(); }
+  [[nodiscard]] EoeServer* eoe() { return eoe_ ? &*eoe_ : nullptr; }
   /// Switches emergencies on or off; off also forgets those that wait.
   void set_emergencies(bool enabled);
 
@@ -108,13 +106,16 @@ class SlaveStack final : private AlActions {
   std::optional<AlStatusCode> perform(AlStep step, base::SimTime now) override;
   void entered(AlStep step, base::SimTime now) override;
 
+  // slave_stack.cpp: states, events
   [[nodiscard]] AlStatusCode start_mailbox(AlStep step, base::SimTime now);
-  [[nodiscard]] AlStatusCode start_process_data(base::SimTime now);
-  [[nodiscard]] AlStatusCode permit_outputs(base::SimTime now);
-  void enter_operational(base::SimTime now);
-  void stop_process_data();
-
   [[nodiscard]] bool has_mailbox() const { return description_.receive_mailbox.length != 0; }
+  [[nodiscard]] bool process_data_runs() const {
+    return state() == AlState::safe_operational || state() == AlState::operational;
+  }
+  /// Notes which events process() has to look at from now on.
+  void update_attention();
+
+  // slave_stack_sync_managers.cpp
   /// Reports and returns `code` if the mailbox channels are not as `state` needs them.
   [[nodiscard]] AlStatusCode check_mailbox(const SyncManagerBank& bank, AlState state,
                                            base::SimTime now);
@@ -126,11 +127,11 @@ class SlaveStack final : private AlActions {
                                              AlStatusCode code, base::SimTime now);
   void handle_sync_manager_change(base::SimTime now);
 
-  [[nodiscard]] bool process_data_runs() const {
-    return state() == AlState::safe_operational || state() == AlState::operational;
-  }
-  /// Notes which events process() has to look at from now on.
-  void update_attention();
+  // slave_stack_process_data.cpp
+  [[nodiscard]] AlStatusCode start_process_data(base::SimTime now);
+  void stop_process_data();
+  [[nodiscard]] AlStatusCode permit_outputs(base::SimTime now);
+  void enter_operational(base::SimTime now);
   [[nodiscard]] bool outputs_wait(std::uint32_t events) const;
   void take_outputs(base::SimTime now);
   /// Outputs of the bus are there: taken over now or at the next SYNC0.
@@ -139,6 +140,7 @@ class SlaveStack final : private AlActions {
   void on_refused(const dictionary::Entry& entry, const dictionary::Refusal& refusal);
   void check_clocks(base::SimTime now);
   void check_watchdog(std::uint32_t events, base::SimTime now);
+  /// Zero if the watchdog is off: by its time, its divider's product or the channel's trigger bit.
   [[nodiscard]] base::SimDuration watchdog_time();
 
   ProcessDataInterface& interface_;
@@ -152,7 +154,7 @@ class SlaveStack final : private AlActions {
   ApplicationLayer application_layer_;
   Mailbox mailbox_;
   CoeServer coe_;
-  std::unique_ptr<EoeServer> eoe_;
+  std::optional<EoeServer> eoe_;
   std::optional<FoeServer> foe_;
   PdoConfiguration configuration_;
   ProcessImage outputs_;
@@ -188,8 +190,7 @@ inline constexpr base::EventRule kApplicationRefused{"al-application-refused",
 inline constexpr base::EventRule kWatchdogExpired{
     "al-watchdog", base::Severity::fault,
     "process data watchdog expired: no outputs within {0} us; send process data faster than that "
-    "or "
-    "change 0400h and 0420h"};
+    "or change 0400h and 0420h"};
 }  // namespace rules
 
 }  // namespace stator::ethercat

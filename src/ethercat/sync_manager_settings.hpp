@@ -123,8 +123,7 @@ inline constexpr EventRule kSyncManagerArea{
 inline constexpr EventRule kSyncManagerOverlap{
     "al-sm-overlap", Severity::refusal,
     "{0} impossible, AL status {1:x4}: SM{2} from {3:x4} overlaps SM{4} from {5:x4}; take the "
-    "start "
-    "addresses from the SII (three-buffer mode takes three times the length)"};
+    "start addresses from the SII (three-buffer mode takes three times the length)"};
 inline constexpr EventRule kSyncManagerChanged{
     "al-sm-changed", Severity::refusal,
     "{0} impossible, AL status {1:x4}: SM{2} was changed to start {3:x4}, length {4} while in use; "

@@ -106,6 +106,16 @@ TEST(SyncUnit, Sync1_LongerThanACycleRepeatsWithAMultipleOfIt) {
   }
 }
 
+TEST(SyncUnit, EepromLoadedWhilePulsesRun_MapsThemToAlEventsFromThenOn) {
+  DcBus bus;
+  bus.start_sync(bus.system_time() + kMillisecond, kMillisecond);
+  bus.wait(SimDuration(2 * kMillisecond));
+  EXPECT_EQ(bus.slave().al_event_request() & al_event::kDcSync0, 0U);
+  bus.slave().load_sii(testing::dc_sii({.sync_latch = 0x6E, .pulse_length = 0}));
+  bus.wait(SimDuration(2 * kMillisecond));
+  EXPECT_EQ(bus.slave().al_event_request() & al_event::kDcSync0, al_event::kDcSync0);
+}
+
 TEST(SyncUnit, OnlyTheOutputsSwitchedOnGivePulses) {
   DcBus bus;
   const std::uint64_t start = bus.system_time() + kMillisecond;

@@ -1,0 +1,195 @@
+// Process data of a slave stack: outputs and inputs, at SYNC0 or as they come, and what supervises
+// them.
+
+#include <array>
+#include <utility>
+
+#include "base/byte_order.hpp"
+#include "ethercat/register_addresses.hpp"
+#include "ethercat/slave_stack.hpp"
+
+namespace stator::ethercat {
+
+namespace {
+
+using namespace register_address;
+using base::EventArgument;
+
+}  // namespace
+
+AlStatusCode SlaveStack::start_process_data(base::SimTime now) {
+  const std::array images{std::pair{&outputs_, AlStatusCode::invalid_output_mapping},
+                          std::pair{&inputs_, AlStatusCode::invalid_input_mapping}};
+  for (const auto& [image, code] : images) {
+    if (const auto verdict = image->compile(dictionary_, configuration_); !verdict) {
+      reporter_.report(now, *verdict.error().rule, verdict.error().arguments);
+      reporter_.report(now, rules::kMappingInvalid,
+                       {EventArgument(static_cast<int>(code)),
+                        int{image == &outputs_ ? kOutputAssignment : kInputAssignment}});
+      stop_process_data();
+      return code;
+    }
+  }
+  const SyncManagerBank bank = read_sync_managers(interface_);
+  AlStatusCode code = check_process_data(bank, now);
+  if (code == AlStatusCode::no_error) {
+    code = clocks_.permit_safe_operational(now);
+  }
+  if (code != AlStatusCode::no_error) {
+    stop_process_data();
+    return code;
+  }
+  bank_[kOutputChannel] = bank[kOutputChannel];
+  bank_[kInputChannel] = bank[kInputChannel];
+  return AlStatusCode::no_error;
+}
+
+void SlaveStack::stop_process_data() {
+  outputs_.clear();
+  inputs_.clear();
+  outputs_received_ = false;
+  first_outputs_deadline_ = base::SimTime::never();
+  outputs_await_sync_ = false;
+  clocks_.stop();
+}
+
+AlStatusCode SlaveStack::permit_outputs(base::SimTime now) {
+  if (outputs_.bytes() != 0 && outputs_wait(interface_.al_event_request())) {
+    take_outputs(now);
+  }
+  if (options_.require_outputs && outputs_.bytes() != 0 && !outputs_received_) {
+    reporter_.report(now, rules::kNoOutputs);
+    return AlStatusCode::no_valid_outputs;
+  }
+  return AlStatusCode::no_error;
+}
+
+void SlaveStack::enter_operational(base::SimTime now) {
+  if (outputs_.bytes() == 0) {
+    return;
+  }
+  // Reading the status also acknowledges an expiry that happened in Safe-Operational.
+  std::array<std::byte, 2> status{};
+  interface_.read(kProcessDataWatchdogStatus, status);
+  const bool expired = (status[0] & std::byte{1}) == std::byte{0};
+  first_outputs_deadline_ = base::SimTime::never();
+  if (expired || !outputs_received_) {
+    const base::SimDuration time = watchdog_time();
+    if (time != base::SimDuration(0)) {
+      first_outputs_deadline_ = now + time;
+    }
+  }
+  if (outputs_received_) {
+    offer_outputs(now);
+  }
+}
+
+void SlaveStack::publish_inputs(base::SimTime now) {
+  if (!process_data_runs() || inputs_.bytes() == 0) {
+    return;
+  }
+  now_ = now;
+  application_.before_inputs(now);
+  inputs_.pack(dictionary_);
+  interface_.write(bank_[kInputChannel].start, inputs_.data());
+  ++statistics_.inputs_published;
+}
+
+bool SlaveStack::outputs_wait(std::uint32_t events) const {
+  const SyncManagerSettings& settings = bank_[kOutputChannel];
+  if (outputs_.bytes() == 0) {
+    return false;
+  }
+  if (settings.interrupts_host()) {
+    return (events & al_event::sync_manager(kOutputChannel)) != 0;
+  }
+  std::array<std::byte, 1> status{};
+  interface_.read(sync_manager_register(kOutputChannel, kSyncManagerStatus), status);
+  return (std::to_integer<unsigned>(status[0]) & SyncManagerSettings::kStatusWritten) != 0;
+}
+
+void SlaveStack::take_outputs(base::SimTime now) {
+  interface_.read(bank_[kOutputChannel].start, outputs_.data());
+  outputs_received_ = true;
+  first_outputs_deadline_ = base::SimTime::never();
+  ++statistics_.outputs_received;
+  clocks_.on_outputs();
+  if (state() == AlState::operational) {
+    offer_outputs(now);
+  }
+}
+
+void SlaveStack::offer_outputs(base::SimTime now) {
+  if (clocks_.synchronous()) {
+    outputs_await_sync_ = true;
+  } else {
+    apply_outputs(now);
+  }
+}
+
+void SlaveStack::apply_outputs(base::SimTime now) {
+  using Hook = ProcessImage::RefusedHook;
+  statistics_.outputs_refused +=
+      outputs_.unpack(dictionary_, Hook::bind<&SlaveStack::on_refused>(*this));
+  application_.on_outputs(now);
+}
+
+void SlaveStack::on_refused(const dictionary::Entry& entry, const dictionary::Refusal& refusal) {
+  if (refusal.rule != nullptr) {
+    reporter_.report(now_, *refusal.rule, refusal.arguments);
+  }
+  application_.on_output_refused(entry, refusal, now_);
+}
+
+void SlaveStack::sync0(base::SimTime now) {
+  now_ = now;
+  const AlStatusCode code = clocks_.on_sync0(now);
+  if (code != AlStatusCode::no_error) {
+    step_down(AlState::safe_operational, code, now);
+    return;
+  }
+  if (!clocks_.synchronous()) {
+    return;
+  }
+  if (state() == AlState::operational && std::exchange(outputs_await_sync_, false)) {
+    apply_outputs(now);
+  }
+  application_.on_sync0(now);
+}
+
+void SlaveStack::check_clocks(base::SimTime now) {
+  const AlStatusCode code = clocks_.check(now);
+  if (code != AlStatusCode::no_error) {
+    application_layer_.step_down(AlState::safe_operational, code, now);
+  }
+}
+
+void SlaveStack::check_watchdog(std::uint32_t events, base::SimTime now) {
+  bool expired = now >= first_outputs_deadline_;
+  if ((events & al_event::kProcessDataWatchdog) != 0) {
+    std::array<std::byte, 2> status{};
+    interface_.read(kProcessDataWatchdogStatus, status);
+    expired = expired || (status[0] & std::byte{1}) == std::byte{0};
+  }
+  if (!expired) {
+    return;
+  }
+  ++statistics_.watchdog_expirations;
+  reporter_.report(now, rules::kWatchdogExpired,
+                   {EventArgument(watchdog_time().nanoseconds() / 1000)});
+  application_layer_.step_down(AlState::safe_operational, AlStatusCode::sync_manager_watchdog, now);
+}
+
+base::SimDuration SlaveStack::watchdog_time() {
+  if ((bank_[kOutputChannel].control & SyncManagerSettings::kWatchdogTrigger) == 0) {
+    return base::SimDuration(0);
+  }
+  std::array<std::byte, 2> bytes{};
+  interface_.read(kWatchdogDivider, bytes);
+  const std::int64_t divider = base::load_le<std::uint16_t>(bytes);
+  interface_.read(kProcessDataWatchdogTime, bytes);
+  const std::int64_t count = base::load_le<std::uint16_t>(bytes);
+  return base::SimDuration((divider + 2) * 40 * count);  // units of 40 ns, ETG.1000.4 §6.3
+}
+
+}  // namespace stator::ethercat
