@@ -77,12 +77,4 @@ void SlaveController::start_mii_command() {
   }
 }
 
-unsigned SlaveController::links() const {
-  unsigned links = 0;
-  for (unsigned port = 0; port < kPorts; ++port) {
-    links |= ports_[port].link ? 1U << port : 0U;
-  }
-  return links;
-}
-
 }  // namespace stator::ethercat

@@ -1,7 +1,6 @@
-// Data link: ports and their loops, DL status, error counters, the reset key.
+// Data link: ports and their loops, DL status, error counters.
 
 #include <algorithm>
-#include <iterator>
 
 #include "base/byte_order.hpp"
 #include "ethercat/register_addresses.hpp"
@@ -20,9 +19,6 @@ constexpr base::SimDuration kReducedFifoGain{40};
 constexpr base::SimDuration kTemporaryLoopControl{1'000'000'000};
 
 enum LoopSetting : unsigned { kAuto = 0, kAutoClose = 1, kAlwaysOpen = 2, kAlwaysClosed = 3 };
-
-/// To be written to 0x0040 or 0x0041 in three accesses (datasheet "ESC Reset").
-constexpr std::uint8_t kResetKey[] = {0x52, 0x45, 0x53};
 
 }  // namespace
 
@@ -86,6 +82,14 @@ void SlaveController::update_ports(bool loop_control_written) {
   update_dl_status();
 }
 
+unsigned SlaveController::links() const {
+  unsigned links = 0;
+  for (unsigned port = 0; port < kPorts; ++port) {
+    links |= ports_[port].link ? 1U << port : 0U;
+  }
+  return links;
+}
+
 SlaveForwarding SlaveController::forwarding() const {
   SlaveForwarding forwarding;
   for (unsigned i = 0; i < kPorts; ++i) {
@@ -142,42 +146,6 @@ void SlaveController::apply_loop_control() {
     loop_control_expires_ = base::SimTime::never();
   }
   update_ports(true);
-}
-
-void SlaveController::take_reset_key(Side side, std::uint8_t key) {
-  const bool from_bus = side == Side::bus;
-  std::uint8_t& progress = from_bus ? bus_reset_progress_ : host_reset_progress_;
-  if (from_bus) {
-    frame_work_ |= FrameWork::kResetKey;
-    if (reset_key_seen_) {
-      return;  // one step per frame
-    }
-  }
-  const bool matches = key == kResetKey[progress];
-  progress = static_cast<std::uint8_t>(matches ? progress + 1 : 0);
-  reset_key_seen_ = from_bus && matches;
-  if (progress == std::size(kResetKey)) {
-    if (!from_bus) {
-      reset_requested_ = true;
-      power_on_reset();
-    }
-    return;  // from the bus, at the end of the frame
-  }
-  memory_[from_bus ? kResetByBus : kResetByHost] = std::byte{progress};
-}
-
-void SlaveController::finish_reset_key() {
-  if (!reset_key_seen_) {
-    bus_reset_progress_ = 0;
-    memory_[kResetByBus] = std::byte{0};
-  }
-  reset_key_seen_ = false;
-  if (bus_reset_progress_ == std::size(kResetKey)) {
-    reset_requested_ = true;
-    power_on_reset();
-  } else if (bus_reset_progress_ != 0) {
-    frame_work_ |= FrameWork::kResetKey;
-  }
 }
 
 }  // namespace stator::ethercat

@@ -98,7 +98,7 @@ class RegisterTable {
     return bits / 8;
   }
   /// The rows that are fields, in order.
-  static consteval auto fields() {
+  static constexpr auto fields() {
     std::array<RegisterField, std::ranges::size(rows) - kRegisterCount> fields{};
     std::size_t count = 0;
     for (const RegisterRow& row : rows) {
@@ -109,7 +109,7 @@ class RegisterTable {
     return fields;
   }
   /// The bytes of all registers, one behind the other.
-  static consteval auto bytes() {
+  static constexpr auto bytes() {
     std::array<RegisterByte, byte_count()> bytes{};
     Effect effect = Effect::none;
     std::span<RegisterByte> own;
@@ -133,7 +133,7 @@ class RegisterTable {
   static constexpr auto kBytes = bytes();
 
   /// The rows that are registers, each with its fields and bytes.
-  static consteval auto declarations() {
+  static constexpr auto declarations() {
     std::array<RegisterDeclaration, kRegisterCount> declarations{};
     std::size_t count = 0;
     std::size_t first_field = 0;

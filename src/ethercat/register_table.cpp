@@ -101,7 +101,7 @@ void RegisterMap::reset(std::span<std::byte, kRegisterSpace> registers) const {
   std::fill(registers.begin(), registers.end(), std::byte{0});
   for_each_register([&](const RegisterDeclaration& declaration, std::size_t address) {
     if (has_feature(features_, declaration.feature)) {
-      std::ranges::transform(declaration.bytes, registers.begin() + address,
+      std::ranges::transform(declaration.bytes, registers.subspan(address).begin(),
                              [](const RegisterByte& byte) { return std::byte{byte.reset}; });
     }
   });

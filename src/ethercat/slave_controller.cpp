@@ -1,6 +1,7 @@
 #include "ethercat/slave_controller.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "base/byte_order.hpp"
@@ -43,6 +44,9 @@ constexpr std::size_t kChecksumWord = 7;
 constexpr std::size_t kFirstCategoryWord = 0x40;
 constexpr std::uint16_t kParameterRamCategory = 1;
 constexpr std::size_t kParameterRamLength = 128;
+
+/// To be written to 0x0040 or 0x0041 in three accesses (datasheet "ESC Reset").
+constexpr std::uint8_t kResetKey[] = {0x52, 0x45, 0x53};
 
 }  // namespace
 
@@ -100,6 +104,42 @@ void SlaveController::restore_power() {
   std::fill(memory_.begin() + kRegisterSpace, memory_.end(), std::byte{0});
   power_on_reset();
   reset_requested_ = true;
+}
+
+void SlaveController::take_reset_key(Side side, std::uint8_t key) {
+  const bool from_bus = side == Side::bus;
+  std::uint8_t& progress = from_bus ? bus_reset_progress_ : host_reset_progress_;
+  if (from_bus) {
+    frame_work_ |= FrameWork::kResetKey;
+    if (reset_key_seen_) {
+      return;  // one step per frame
+    }
+  }
+  const bool matches = key == kResetKey[progress];
+  progress = static_cast<std::uint8_t>(matches ? progress + 1 : 0);
+  reset_key_seen_ = from_bus && matches;
+  if (progress == std::size(kResetKey)) {
+    if (!from_bus) {
+      reset_requested_ = true;
+      power_on_reset();
+    }
+    return;  // from the bus, at the end of the frame
+  }
+  memory_[from_bus ? kResetByBus : kResetByHost] = std::byte{progress};
+}
+
+void SlaveController::finish_reset_key() {
+  if (!reset_key_seen_) {
+    bus_reset_progress_ = 0;
+    memory_[kResetByBus] = std::byte{0};
+  }
+  reset_key_seen_ = false;
+  if (bus_reset_progress_ == std::size(kResetKey)) {
+    reset_requested_ = true;
+    power_on_reset();
+  } else if (bus_reset_progress_ != 0) {
+    frame_work_ |= FrameWork::kResetKey;
+  }
 }
 
 void SlaveController::load_sii(std::span<const std::byte> image) {

@@ -174,37 +174,42 @@ class SlaveController final : public ProcessDataInterface {
   };
   /// What has to be done before or after the datagrams of a frame; 0 nearly always.
   struct FrameWork {
-    static constexpr std::uint8_t kClearWriteEnables =
-        1U << 0;  ///< SII, MII: at the next start of frame
-    static constexpr std::uint8_t kLockRegisters = 1U << 1;  ///< at the end, 0x0020 0x0030
+    static constexpr std::uint8_t kClearWriteEnables = 1U << 0;  ///< SII, MII: at the next frame
+    static constexpr std::uint8_t kLockRegisters = 1U << 1;      ///< 0x0020, 0x0030: at the end
     static constexpr std::uint8_t kLatchReceiveTimes = 1U << 2;
     static constexpr std::uint8_t kCompareSystemTime = 1U << 3;
     static constexpr std::uint8_t kApplyLoopControl = 1U << 4;
     static constexpr std::uint8_t kResetKey = 1U << 5;
     static constexpr std::uint8_t kTakeStartTime = 1U << 6;
   };
-  // slave_controller.cpp: life, time, addressing
+  // slave_controller.cpp: life, time, host accesses
   void load_configuration_area(bool first);
   void load_parameter_ram();
   void note_host_access();
   void expire(base::SimTime now);
   void update_deadline();
+  void take_reset_key(Side side, std::uint8_t key);
+  void finish_reset_key();
+
+  // frame_processing.cpp
   void begin_frame_work();
   void end_frame_work(const FrameTiming& timing);
   void process_physical(DatagramView& datagram);
   void read_datagram(DatagramView& datagram, bool broadcast);
   void write_datagram(DatagramView& datagram);
   void exchange_datagram(DatagramView& datagram, bool broadcast, std::uint16_t write_address);
+
+  // ports.cpp
   void update_ports(bool loop_control_written);
   void update_dl_status();
   void apply_loop_control();
+  /// Bit n: port n has a link.
+  [[nodiscard]] unsigned links() const;
   void note_topology_change() {
     if (topology_changed_ != nullptr) {
       *topology_changed_ = true;
     }
   }
-  void take_reset_key(Side side, std::uint8_t key);
-  void finish_reset_key();
 
   // memory_access.cpp: bytes of both sides, with rights
   bool read_memory(Side side, std::uint32_t address, std::span<std::byte> out);
@@ -246,7 +251,6 @@ class SlaveController final : public ProcessDataInterface {
   // command_effects.cpp
   void start_sii_command();
   void start_mii_command();
-  [[nodiscard]] unsigned links() const;
 
   // status_leds.cpp, with run_led() and error_led()
   void show_leds();

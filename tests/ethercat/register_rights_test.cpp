@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "ethercat/slave_controller_presets.hpp"
 #include "ethercat/test_bus.hpp"
 
 namespace stator::ethercat {
@@ -81,6 +82,31 @@ TEST(Registers, EveryDeclaredByte_LiesInTheRegisterSpaceOnce) {
     ASSERT_LT(address, kRegisterSpace);
     EXPECT_EQ(++uses[address], 1) << declaration.name;
   });
+}
+
+/// All that a byte allows and causes, in one number.
+unsigned rights(const RegisterMap::Byte& byte) {
+  return byte.bus_stores | unsigned{byte.host_stores} << 8 |
+         static_cast<unsigned>(byte.effect) << 16 | unsigned{byte.bus_reads} << 24 |
+         unsigned{byte.bus_writes} << 25 | unsigned{byte.host_reads} << 26 |
+         unsigned{byte.host_writes} << 27 | unsigned{byte.built} << 28;
+}
+
+TEST(Registers, BytesThatAreDealtWithTogether_AllowAndCauseTheSame) {
+  for (const SlaveControllerPreset& preset : slave_controller_presets()) {
+    const SlaveControllerConfiguration& chip = preset.configuration;
+    const RegisterMap map(chip.features, chip.answered_features, chip.fmmu_count,
+                          chip.sync_manager_count);
+    for (std::size_t first = 0; first < kRegisterSpace; ++first) {
+      ASSERT_LE(first + map[first].run(), kRegisterSpace);
+      for (std::size_t i = 1; i < map[first].run(); ++i) {
+        EXPECT_EQ(rights(map[first + i]), rights(map[first]))
+            << preset.name << std::hex << " " << first << " and " << first + i;
+      }
+    }
+    EXPECT_EQ(map[0x0910].run(), 4U) << "the half of the system time that is written";
+    EXPECT_EQ(map[0x0920].run(), 8U);
+  }
 }
 
 TEST(Registers, UndeclaredAndAbsentBytes_CountNothing) {
