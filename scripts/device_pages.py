@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """Makes the generated parts of docs/devices/.
 
-    scripts/device_pages.py           write docs/devices/<device>.md and <device>-objects.md
+    scripts/device_pages.py           write docs/devices/<device>.md and its table
     scripts/device_pages.py --check   fail if a page is not what would be written
 
 A device page has text written by hand and, between two marker lines, its conformance: every
 requirement of tests/data/<device>/requirements.csv in words, block by block, with its status and
-tests from docs/conformance/<device>.csv. The objects page is what `stator describe` prints.
+tests from docs/conformance/<device>.csv. The table is what `stator describe` prints: the object
+dictionary of a product, <device>-objects.md, or the registers of a bare slave controller,
+<device>-registers.md.
 """
 
 import argparse
@@ -61,13 +63,35 @@ def device_page(device, page):
     return f"{before}{BEGIN}\n\n{conformance(device)}\n\n{END}{after}"
 
 
-def objects_page(device, stator):
-    """The object table as `stator describe` prints it."""
-    table = subprocess.run([stator, "describe", device, "--format", "markdown"], check=True,
+def describe(device, stator, *options):
+    """The table of `device` as `stator describe` prints it, and the command without its format."""
+    command = ["describe", device, *options]
+    table = subprocess.run([stator, *command, "--format", "markdown"], check=True,
                            capture_output=True, text=True).stdout
+    return table, "stator " + " ".join(command)
+
+
+def products(stator):
+    """Names of the devices that run and have an object dictionary."""
+    listing = subprocess.run([stator, "devices"], check=True, capture_output=True, text=True).stdout
+    return {line.split()[0] for line in listing.splitlines()[1:]}
+
+
+def objects_page(device, stator):
+    """The object dictionary of a product."""
+    table, command = describe(device, stator)
     return (f"# Objects of the {device.upper()}\n\n"
-            f"Made by `stator describe {device} --format markdown`; the CSV and JSON formats also "
-            f"carry the place in the device's document and notes.\n\n{table}")
+            f"Made by `{command} --format markdown`; the CSV and JSON formats\n"
+            f"also carry the place in the device's document and notes.\n\n{table}")
+
+
+def registers_page(device, stator):
+    """The registers of a bare slave controller, in the reading that is its default."""
+    table, command = describe(device, stator, "--registers")
+    return (f"# Registers of the {device.upper()}\n\n"
+            f"Made by `{command} --format markdown`; the CSV and JSON formats\n"
+            f"also carry the place in the device's document. "
+            f"[What the columns mean](../how-to/registers.md#rights).\n\n{table}")
 
 
 def main():
@@ -78,13 +102,19 @@ def main():
                         help="the stator program (default: %(default)s)")
     arguments = parser.parse_args()
     stale = []
+    with_objects = products(arguments.stator)
     for status in sorted((ROOT / "docs/conformance").glob("*.csv")):
         device = status.stem
         page = ROOT / "docs/devices" / f"{device}.md"
-        wanted = {
-            page: device_page(device, page.read_text(encoding="utf-8")),
-            page.with_name(f"{device}-objects.md"): objects_page(device, arguments.stator),
-        }
+        if not page.exists():
+            sys.exit(f"docs/devices/{device}.md is missing, but docs/conformance/{device}.csv is "
+                     f"there; write what the device is, and the marker lines\n{BEGIN}\n{END}")
+        wanted = {page: device_page(device, page.read_text(encoding="utf-8"))}
+        if device in with_objects:
+            wanted[page.with_name(f"{device}-objects.md")] = objects_page(device, arguments.stator)
+        else:
+            wanted[page.with_name(f"{device}-registers.md")] = registers_page(device,
+                                                                             arguments.stator)
         for path, text in wanted.items():
             if path.exists() and path.read_text(encoding="utf-8") == text:
                 continue

@@ -246,7 +246,7 @@ void add_run_command(CLI::App& app) {
                     "Devices send no CoE emergencies, for masters that cannot take any");
   command->footer(
       "Examples:\n"
-      "  stator run racks/three-axes.toml\n"
+      "  stator run racks/gantry.toml --link ethercat:eth1\n"
       "  stator run --device tmcm-3315 --link ethercat:eth1 --wait spin --cpu 1\n"
       "  stator run --device tmcm-3315 --link udp:0.0.0.0\n"
       "  stator run --device tmcm-3315 --link ethercat:eth1 --record run.csv --signals "

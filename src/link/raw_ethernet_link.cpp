@@ -32,8 +32,8 @@ LinkError interface_missing(const std::string& name) {
 
 LinkError interface_down(const std::string& name) {
   return {LinkErrorCode::interface_down, "network interface " + in_quotes(name) +
-                                             " is down; switch it on: sudo ip link set " + name +
-                                             " up"};
+                                             " is down; switch it on: sudo ip link set dev " +
+                                             name + " up"};
 }
 
 LinkError not_permitted(const std::string& name) {

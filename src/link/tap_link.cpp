@@ -35,7 +35,7 @@ LinkError not_permitted(const std::string& interface) {
           "TAP interface " + in_quotes(interface) +
               " needs the privilege CAP_NET_ADMIN; run as root, or: " + setcap_command() +
               ", or make the interface for this user before: sudo ip tuntap add dev " + interface +
-              " mode tap user $USER && sudo ip link set " + interface + " up"};
+              " mode tap user $USER && sudo ip link set dev " + interface + " up"};
 }
 
 LinkError device_failure(int error) {
@@ -212,9 +212,9 @@ base::Expected<void, LinkError> TapLink::send(std::span<const std::byte> frame) 
   counters_.count_send_error();
   switch (error) {
     case EIO:
-      return fail(LinkErrorCode::interface_down, "TAP interface " + in_quotes(options_.interface) +
-                                                     " is down; switch it on: sudo ip link set " +
-                                                     options_.interface + " up");
+      return fail(LinkErrorCode::interface_down,
+                  "TAP interface " + in_quotes(options_.interface) +
+                      " is down; switch it on: sudo ip link set dev " + options_.interface + " up");
     case EAGAIN:
     case ENOBUFS:
       return fail(LinkErrorCode::queue_full, "the queue of " + in_quotes(options_.interface) +

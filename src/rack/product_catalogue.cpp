@@ -14,7 +14,7 @@ namespace stator::rack {
 namespace {
 
 constexpr std::array<Product, 1> kProducts{{
-    {"tmcm-3315", "three-axis stepper module, CiA 402, TMCM-3315", "EtherCAT (CoE)", 2,
+    {"tmcm-3315", "three-axis stepper module, CiA 402, TMCM-3315", "EtherCAT (CoE, FoE)", 2,
      [] { return ProductConfiguration(devices::Tmcm3315Configuration{}); }},
 }};
 

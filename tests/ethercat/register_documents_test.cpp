@@ -1,14 +1,17 @@
 // The declared register tables against those of the device documents, row by row.
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <iterator>
 #include <map>
 #include <optional>
-#include <regex>
 #include <set>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -98,30 +101,37 @@ std::vector<tests::CsvRow> read_csv(const std::string& path) {
 /// Rights as the documents write them, brought to the notation of to_string(Access). Left out are
 /// footnote marks and what holds for EEPROM emulation only, which these controllers do not have.
 std::string normalised_access(std::string text) {
-  const std::pair<const char*, const char*> kRules[] = {
-      {R"(/-)", ""},
-      {R"( r/\[w\]| r\[w\])", ""},
-      {R"(r/\[w\])", "r"},
-      {R"(r\(ack\))", "r*"},
-      {R"(\(w ?ack\)\*)", "(w ack)"},
-      {R"(r/w\*)", "r/w"},
-      {R"(r/\(w[ /]clr\))", "r/w(clr)"},
-      {R"(special function)", "special"},
-      {R"(\(w\) \(special\)|\(w\) special)", "w"},
-      {R"(^-$)", ""},
+  constexpr std::pair<std::string_view, std::string_view> kRules[] = {
+      {"/-", ""},
+      {" r/[w]", ""},
+      {" r[w]", ""},
+      {"r/[w]", "r"},
+      {"r(ack)", "r*"},
+      {"(w ack)*", "(w ack)"},
+      {"(wack)*", "(w ack)"},
+      {"r/w*", "r/w"},
+      {"r/(w clr)", "r/w(clr)"},
+      {"r/(w/clr)", "r/w(clr)"},
+      {"special function", "special"},
+      {"(w) (special)", "w"},
+      {"(w) special", "w"},
   };
-  for (const auto& [pattern, replacement] : kRules) {
-    text = std::regex_replace(text, std::regex(pattern), replacement);
+  for (const auto& [printed, notation] : kRules) {
+    for (std::size_t at = text.find(printed); at != std::string::npos; at = text.find(printed)) {
+      text.replace(at, printed.size(), notation);
+    }
   }
-  return text;
+  return text == "-" ? "" : text;
 }
 
-std::optional<unsigned long long> leading_number(const std::string& text) {
-  std::smatch match;
-  if (!std::regex_search(text, match, std::regex("^(0x[0-9A-Fa-f]+|[0-9]+)"))) {
-    return std::nullopt;
-  }
-  return std::stoull(match[1], nullptr, 0);
+/// The number at the begin of `text`, hexadecimal after 0x; nothing if there is none.
+std::optional<unsigned long long> leading_number(std::string_view text) {
+  const bool hexadecimal = text.starts_with("0x");
+  text.remove_prefix(hexadecimal ? 2 : 0);
+  unsigned long long value = 0;
+  const auto read =
+      std::from_chars(text.data(), text.data() + text.size(), value, hexadecimal ? 16 : 10);
+  return read.ec == std::errc() ? std::optional(value) : std::nullopt;
 }
 
 unsigned long long bits_of(unsigned long long value, unsigned hi, unsigned lo) {
@@ -264,11 +274,10 @@ TEST(RegisterDocuments, Tmc8461_ResetValuesAreThoseOfTheDocumentOrTheStandard) {
   unsigned compared = 0;
   for (std::size_t i = 0; i < document.size(); ++i) {
     std::optional<unsigned long long> expected = leading_number(document[i].columns.at("reset"));
-    std::smatch standard;
+    constexpr std::string_view kStandard = "std_reset=";
     const std::string& notes = document[i].columns.at("notes");
-    if (!expected &&
-        std::regex_search(notes, standard, std::regex("std_reset=(0x[0-9A-F]+|\\d+)"))) {
-      expected = std::stoull(standard[1], nullptr, 0);
+    if (const std::size_t at = notes.find(kStandard); !expected && at != std::string::npos) {
+      expected = leading_number(std::string_view(notes).substr(at + kStandard.size()));
     }
     if (expected) {
       ++compared;

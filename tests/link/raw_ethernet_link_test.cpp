@@ -170,7 +170,7 @@ TEST_F(RawEthernetLinkTest, AnInterfaceThatIsDownIsRefusedWithTheRemedy) {
   ASSERT_TRUE(veth_->ip("link set stator0 down"));
   const LinkError error = open_error("stator0");
   EXPECT_EQ(error.code, LinkErrorCode::interface_down);
-  EXPECT_THAT(error.text, HasSubstr("ip link set stator0 up"));
+  EXPECT_THAT(error.text, HasSubstr("ip link set dev stator0 up"));
 }
 
 TEST_F(RawEthernetLinkTest, AnInterfaceThatIsNotEthernetIsRefused) {

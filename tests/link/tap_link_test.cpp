@@ -218,7 +218,7 @@ TEST_F(RealTap, WhileItIsSwitchedOffFramesAreRefusedWithTheRemedy) {
   const auto sent = link->send(make_frame(60));
   ASSERT_FALSE(sent);
   EXPECT_EQ(sent.error().code, LinkErrorCode::interface_down);
-  EXPECT_THAT(sent.error().text, HasSubstr("ip link set tap0 up"));
+  EXPECT_THAT(sent.error().text, HasSubstr("ip link set dev tap0 up"));
 }
 
 }  // namespace
