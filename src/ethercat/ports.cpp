@@ -118,10 +118,9 @@ void SlaveController::receive_at_closed_port(unsigned port) {
 }
 
 void SlaveController::update_dl_status() {
-  const auto configuration = std::to_integer<unsigned>(memory_[kEscConfiguration]);
   const bool host_alive = loaded_ && (host_polling_ || host_watchdog_.running());
-  unsigned status = (loaded_ ? 0x01U : 0U) | (host_alive ? 0x02U : 0U) |
-                    ((configuration & 0xF2U) != 0 ? 0x04U : 0U);
+  unsigned status =
+      (loaded_ ? 0x01U : 0U) | (host_alive ? 0x02U : 0U) | (enhanced_link_detection_ ? 0x04U : 0U);
   for (unsigned i = 0; i < kPorts; ++i) {
     // Communication is the link's, whether or not the loop lets frames use it.
     const unsigned link = ports_[i].link ? 1U : 0U;

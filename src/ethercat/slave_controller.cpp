@@ -70,6 +70,7 @@ void SlaveController::power_on_reset() {
   station_address_ = 0;
   station_alias_ = 0;
   alias_enabled_ = false;
+  enhanced_link_detection_ = false;
   al_event_request_ = 0;
   ecat_event_request_ = 0;
   ecat_event_mask_ = 0;
@@ -167,6 +168,8 @@ void SlaveController::load_configuration_area(bool first) {
     if (first) {
       station_alias_ = base::load_le<std::uint16_t>(content, 2 * kAliasWord);
       base::store_le(registers(), kStationAlias, station_alias_);
+      constexpr std::byte kAnyPort{0xF2};
+      enhanced_link_detection_ = (memory_[kEscConfiguration] & kAnyPort) != std::byte{0};
     }
     load_parameter_ram();
   }

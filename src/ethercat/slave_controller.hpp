@@ -378,8 +378,9 @@ class SlaveController final : public ProcessDataInterface {
   std::uint32_t received_system_time_ = 0;
   std::uint8_t bus_reset_progress_ = 0;
   std::uint8_t host_reset_progress_ = 0;
-  bool al_control_taken_ = true;  ///< the host has seen the last AL control
-  bool loaded_ = false;           ///< EEPROM valid: process memory open
+  bool al_control_taken_ = true;          ///< the host has seen the last AL control
+  bool loaded_ = false;                   ///< EEPROM valid: process memory open
+  bool enhanced_link_detection_ = false;  ///< of any port, as first loaded after power-on
   bool host_polling_ = true;
   bool registers_unlocked_ = false;   ///< by 0x0020, for the rest of this frame
   bool controller_unlocked_ = false;  ///< by 0x0030

@@ -256,6 +256,20 @@ TEST_F(Sii, EnhancedLinkDetection_OfAnyPortIsShownInDlStatus) {
   }
 }
 
+TEST_F(Sii, EnhancedLinkDetection_IsTakenAtTheFirstLoadOnly) {
+  bus.write(0, 0x0502, bytes({0x81, 0x02, 0x00, 0x00, 0, 0, 0x05, 0x02}));
+  finished_status();
+  const unsigned checksum = sii_checksum(slave.sii());
+  bus.write(0, 0x0502, bytes({0x81, 0x02, 0x07, 0x00, 0, 0, checksum, 0x00}));
+  finished_status();
+  bus.write(0, 0x0502, command(0x0400, 0, 6));
+  EXPECT_EQ(finished_status() & 0x7800U, 0U);
+  EXPECT_EQ(number(bus.read(0, 0x0141, 1).data), 0x02U);
+  EXPECT_EQ(number(bus.read(0, 0x0110, 1).data) & 4U, 0U);
+  slave.power_on_reset();
+  EXPECT_EQ(number(bus.read(0, 0x0110, 1).data) & 4U, 4U);
+}
+
 TEST_F(Sii, NoCommandRaisesTheEventOfEepromEmulation) {
   for (const unsigned code : {0x0100U, 0x0201U, 0x0300U, 0x0400U}) {
     bus.write(0, 0x0502, command(code, 0x20, 6));
