@@ -380,6 +380,10 @@ void add_device(pugi::xml_node devices, const ethercat::DeviceDescription& descr
     add(mode, "Name", "DC_Sync0");
     add(mode, "Desc", "Synchronised with SYNC0");
     add(mode, "AssignActivate", "#x0300");
+    // Once per cycle of the master, in phase with it.
+    add(mode, "CycleTimeSync0", "0");
+    mode.child("CycleTimeSync0").append_attribute("Factor") = 1;
+    add(mode, "ShiftTimeSync0", "0");
   }
   add_eeprom(device, description, sii);
 }

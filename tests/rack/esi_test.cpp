@@ -36,6 +36,13 @@ TEST_F(EsiOfTmcm3315, IsWellFormedAndNamesTheProduct) {
   EXPECT_STREQ(node_.child("Profile").child("ProfileNo").text().get(), "402");
 }
 
+TEST_F(EsiOfTmcm3315, OffersOperationWithAndWithoutSync0) {
+  EXPECT_EQ(count("//Device/Dc/OpMode"), 2);
+  const pugi::xml_node mode = document_.select_node("//Device/Dc/OpMode[Name='DC_Sync0']").node();
+  EXPECT_STREQ(mode.child("AssignActivate").text().get(), "#x0300");
+  EXPECT_EQ(mode.child("CycleTimeSync0").attribute("Factor").as_int(), 1);
+}
+
 TEST_F(EsiOfTmcm3315, HasEveryObjectOfTheDictionary) {
   EXPECT_EQ(count("//Dictionary/Objects/Object"),
             static_cast<int>(device_->dictionary().objects().size()));
