@@ -71,8 +71,11 @@ Bytes counting(std::size_t size) {
   return bytes;
 }
 
+/// What has to exist before the stack that uses it.
 struct Files {
-  MemoryFiles files;  // before the stack that uses it
+  MemoryFiles& store() { return files; }
+
+  MemoryFiles files;
 };
 
 class FoeTest : private Files, public StackFixture {
@@ -80,9 +83,9 @@ class FoeTest : private Files, public StackFixture {
   static constexpr std::size_t kPacket = 128 - 12;
 
   explicit FoeTest(const FoeOptions& options = {}, std::uint16_t transmit_mailbox = 128)
-      : StackFixture(with_foe(transmit_mailbox), {.files = &store(), .foe = options}) {}
+      : StackFixture(with_foe(transmit_mailbox), {.files = &Files::store(), .foe = options}) {}
 
-  MemoryFiles& store() { return Files::files; }
+  using Files::store;
 
   static DeviceDescription with_foe(std::uint16_t transmit_mailbox) {
     DeviceDescription description = test_description();
