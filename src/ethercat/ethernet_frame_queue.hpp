@@ -47,7 +47,7 @@ class EthernetFrameQueue {
 
  private:
   struct Frame {
-    std::array<std::byte, kMaximumEoeFrame> bytes;
+    std::array<std::byte, kMaximumEoeFrame> bytes{};
     std::size_t length = 0;
   };
 
