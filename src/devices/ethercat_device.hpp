@@ -4,6 +4,7 @@
 
 #include "base/sim_time.hpp"
 #include "devices/firmware_memory.hpp"
+#include "devices/input.hpp"
 #include "devices/signal.hpp"
 #include "dictionary/dictionary.hpp"
 #include "ethercat/device_description.hpp"
@@ -47,6 +48,9 @@ class EtherCatDevice {
 
   /// Everything that can be recorded, with names unique within the device.
   [[nodiscard]] virtual std::vector<Signal> signals() = 0;
+
+  /// Everything around the device that can be set while it runs.
+  [[nodiscard]] virtual std::vector<Input> inputs() { return {}; }
 };
 
 }  // namespace stator::devices

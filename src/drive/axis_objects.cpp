@@ -35,18 +35,29 @@ AxisObjects::AxisObjects(const dictionary::Dictionary& dictionary, std::uint16_t
   bind(position_window_time, 0x6068);
   bind(sensor_selection, 0x606A);
   bind(velocity_actual, 0x606C);
+  bind(target_torque, 0x6071);
+  bind(torque_actual, 0x6077);
   bind(target_position, 0x607A);
   bind(home_offset, 0x607C);
   bind(minimum_position, 0x607D, 1);
   bind(maximum_position, 0x607D, 2);
   bind(profile_velocity, 0x6081);
+  bind(end_velocity, 0x6082);
   bind(profile_acceleration, 0x6083);
   bind(profile_deceleration, 0x6084);
   bind(quick_stop_deceleration, 0x6085);
+  bind(profile_type, 0x6086);
   bind(encoder_increments, 0x608F, 1);
   bind(homing_method, 0x6098);
+  bind(homing_fast_speed, 0x6099, 1);
+  bind(homing_slow_speed, 0x6099, 2);
+  bind(homing_acceleration, 0x609A);
+  for (std::uint8_t i = 0; i < jerk.size(); ++i) {
+    bind(jerk[i], 0x60A4, static_cast<std::uint8_t>(i + 1));
+  }
   bind(position_offset, 0x60B0);
   bind(velocity_offset, 0x60B1);
+  bind(torque_offset, 0x60B2);
   bind(interpolation_value, 0x60C2, 1);
   bind(interpolation_index, 0x60C2, 2);
   bind(positioning_option, 0x60F2);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "base/sim_time.hpp"
@@ -41,18 +42,27 @@ struct AxisObjects {
   dictionary::Variable<std::uint16_t> position_window_time;     // 6068h, ms
   dictionary::Variable<std::int16_t> sensor_selection;          // 606Ah, 0 = encoder
   dictionary::Variable<std::int32_t> velocity_actual;           // 606Ch
+  dictionary::Variable<std::int16_t> target_torque;             // 6071h, mA
+  dictionary::Variable<std::int16_t> torque_actual;             // 6077h, mA
   dictionary::Variable<std::int32_t> target_position;           // 607Ah
   dictionary::Variable<std::int32_t> home_offset;               // 607Ch
   dictionary::Variable<std::int32_t> minimum_position;          // 607Dh:01
   dictionary::Variable<std::int32_t> maximum_position;          // 607Dh:02
   dictionary::Variable<std::uint32_t> profile_velocity;         // 6081h
+  dictionary::Variable<std::uint32_t> end_velocity;             // 6082h
   dictionary::Variable<std::uint32_t> profile_acceleration;     // 6083h
   dictionary::Variable<std::uint32_t> profile_deceleration;     // 6084h
   dictionary::Variable<std::uint32_t> quick_stop_deceleration;  // 6085h
+  dictionary::Variable<std::uint16_t> profile_type;             // 6086h, 1 = S-shaped
   dictionary::Variable<std::uint32_t> encoder_increments;       // 608Fh:01
   dictionary::Variable<std::int8_t> homing_method;              // 6098h
+  dictionary::Variable<std::uint32_t> homing_fast_speed;        // 6099h:01
+  dictionary::Variable<std::uint32_t> homing_slow_speed;        // 6099h:02
+  dictionary::Variable<std::uint32_t> homing_acceleration;      // 609Ah
+  std::array<dictionary::Variable<std::uint32_t>, 4> jerk;      // 60A4h:01 to 04
   dictionary::Variable<std::int32_t> position_offset;           // 60B0h
   dictionary::Variable<std::int32_t> velocity_offset;           // 60B1h
+  dictionary::Variable<std::int16_t> torque_offset;             // 60B2h, mA
   dictionary::Variable<std::uint8_t> interpolation_value;       // 60C2h:01
   dictionary::Variable<std::int8_t> interpolation_index;        // 60C2h:02
   dictionary::Variable<std::uint16_t> positioning_option;       // 60F2h

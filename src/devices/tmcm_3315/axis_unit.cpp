@@ -267,4 +267,15 @@ void AxisUnit::append_signals(std::vector<Signal>& signals) {
   add("mode", "", Read::bind<&AxisUnit::mode>(*this));
 }
 
+void AxisUnit::append_inputs(std::vector<Input>& inputs) {
+  const std::string prefix = "axis" + std::to_string(number_) + ".";
+  const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
+                       base::Delegate<void(double)> set) {
+    inputs.push_back({prefix + name, unit, minimum, maximum, set});
+  };
+  using Set = base::Delegate<void(double)>;
+  add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&AxisUnit::set_load_torque>(*this));
+  add("supply_voltage", "V", 0.0, 100.0, Set::bind<&AxisUnit::set_supply_voltage>(*this));
+}
+
 }  // namespace stator::devices::tmcm_3315

@@ -9,6 +9,7 @@
 #include "base/axis_signals.hpp"
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
+#include "devices/input.hpp"
 #include "devices/signal.hpp"
 #include "dictionary/dictionary.hpp"
 #include "drive/axis.hpp"
@@ -77,6 +78,8 @@ class AxisUnit {
 
   /// Appends "axis<n>.<name>" for everything worth recording.
   void append_signals(std::vector<Signal>& signals);
+  /// Appends "axis<n>.<name>" for what can be set around the axis.
+  void append_inputs(std::vector<Input>& inputs);
 
  private:
   void configure();
@@ -104,6 +107,9 @@ class AxisUnit {
   [[nodiscard]] double controlword() const { return axis_->objects().controlword.get(); }
   [[nodiscard]] double statusword() const { return axis_->objects().statusword.get(); }
   [[nodiscard]] double mode() const { return static_cast<double>(axis_->mode()); }
+
+  void set_load_torque(double torque) { plant_.set_external_torque(torque); }
+  void set_supply_voltage(double voltage) { plant_.set_supply_voltage(voltage); }
 
   dictionary::Dictionary& dictionary_;
   std::uint8_t number_;

@@ -334,4 +334,12 @@ std::vector<Signal> Tmcm3315::signals() {
   return signals;
 }
 
+std::vector<Input> Tmcm3315::inputs() {
+  std::vector<Input> inputs;
+  for (const auto& axis : axes_) {
+    axis->append_inputs(inputs);
+  }
+  return inputs;
+}
+
 }  // namespace stator::devices

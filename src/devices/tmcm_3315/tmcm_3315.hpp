@@ -62,6 +62,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   [[nodiscard]] ethercat::EoeServer* eoe() override { return stack_.eoe(); }
   void set_power(bool on, base::SimTime now) override;
   [[nodiscard]] std::vector<Signal> signals() override;
+  [[nodiscard]] std::vector<Input> inputs() override;
 
   [[nodiscard]] tmcm_3315::AxisUnit& axis(std::size_t number) { return *axes_[number]; }
   [[nodiscard]] const ethercat::SlaveStack& stack() const { return stack_; }
