@@ -62,6 +62,9 @@ class Axis {
   void initialise_position();
 
   [[nodiscard]] PowerState power_state() const { return power_.state(); }
+  [[nodiscard]] bool bridge_enabled() const { return power_.bridge_enabled(); }
+  /// The brake sequence wants the brake open.
+  [[nodiscard]] bool brake_released() const { return power_.brake_released(); }
   [[nodiscard]] const AxisMotion& motion() const { return motion_; }
   [[nodiscard]] const AxisObjects& objects() const { return objects_; }
   [[nodiscard]] ModeCode mode() const { return mode_->code(); }

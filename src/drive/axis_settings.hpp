@@ -21,7 +21,6 @@ struct AxisSettings {
   bool position_from_encoder = true;  ///< the demand position starts at the encoder's position
   control::CoilCurrentSettings currents;
   double full_scale_current = 3.0;  ///< A, peak of a coil at 100 %
-  bool automatic_brake = false;     ///< false: the brake is not the drive's business
   bool chopper_enabled = true;      ///< false: the bridge stays off, the motor free-wheels
 };
 

@@ -209,7 +209,7 @@ void PowerStateMachine::execute(const PowerTransition& transition, const PowerIn
       break;
     case 11:
       if (input.options.quick_stop == 0) {
-        disable_bridge_at_once(switch_on_disabled);
+        stop_and_disable(switch_on_disabled, input);
         break;
       }
       state_ = transition.to;
@@ -223,7 +223,7 @@ void PowerStateMachine::execute(const PowerTransition& transition, const PowerIn
     case 9:
     case 10:
     case 12:
-      disable_bridge_at_once(transition.to);
+      stop_and_disable(transition.to, input);
       break;
     default:
       state_ = transition.to;
@@ -259,13 +259,18 @@ void PowerStateMachine::progress_phase(const PowerInput& input) {
 
 void PowerStateMachine::leave_by_ramp(Braking braking, PowerState goal, const PowerInput& input) {
   if (braking == Braking::at_once) {
-    disable_bridge_at_once(goal);
+    stop_and_disable(goal, input);
     return;
   }
   braking_ = braking;
   goal_ = goal;
   phase_ = Phase::braking;
   progress_phase(input);
+}
+
+void PowerStateMachine::stop_and_disable(PowerState goal, const PowerInput& input) {
+  braking_ = Braking::at_once;
+  disable_bridge(goal, input);
 }
 
 void PowerStateMachine::disable_bridge(PowerState goal, const PowerInput& input) {
@@ -290,15 +295,13 @@ void PowerStateMachine::raise_fault(const PowerInput& input, bool power_off) {
   if (state_ == fault || (state_ == fault_reaction_active && !power_off)) {
     return;
   }
-  const bool ramp = !power_off && state_ == operation_enabled && input.options.fault_reaction != 0;
-  const bool brakes_already = !power_off && state_ == quick_stop_active;
   state_ = fault_reaction_active;
   phase_ = Phase::settled;
-  if (ramp || brakes_already) {
-    braking_ = braking_by(input.options.fault_reaction);
+  if (power_off || !bridge_enabled_) {
+    disable_bridge_at_once(fault_reaction_active);
     return;
   }
-  disable_bridge_at_once(fault_reaction_active);
+  braking_ = braking_by(input.options.fault_reaction);
 }
 
 void PowerStateMachine::network_left_operational(const PowerInput& input) {
@@ -313,7 +316,7 @@ void PowerStateMachine::network_left_operational(const PowerInput& input) {
     progress_phase(input);
     return;
   }
-  disable_bridge_at_once(switch_on_disabled);
+  stop_and_disable(switch_on_disabled, input);
 }
 
 void PowerStateMachine::reset_fault(const PowerInput& input) {

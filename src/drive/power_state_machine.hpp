@@ -101,7 +101,9 @@ struct PowerOptions {
   int fault_reaction = 2;     ///< 605Eh
 };
 
-/// Waiting times of the brake sequence; all zero: state changes follow at once.
+/// Waiting times of the brake sequence; all zero: state changes follow at once. Whatever disables a
+/// bridge that is on keeps to it, with a ramp before or without one; only a fault that takes the
+/// power away applies the brake and switches the bridge off in the same moment.
 struct PowerDelays {
   base::SimDuration hold_current;   ///< bridge on until the brake is released
   base::SimDuration brake_release;  ///< brake released until Operation enabled
@@ -158,7 +160,7 @@ class PowerStateMachine {
     building_hold_current,  ///< 4: bridge on, brake still closed
     releasing_brake,        ///< 4: brake released, not yet enabled
     braking,                ///< 5, 8: motor on its ramp
-    applying_brake,         ///< brake closed, bridge still on
+    applying_brake,         ///< brake applied, bridge still on
   };
 
   void follow_command(const PowerInput& input);
@@ -167,6 +169,9 @@ class PowerStateMachine {
   void progress_phase(const PowerInput& input);
   void reset_fault(const PowerInput& input);
   void leave_by_ramp(Braking braking, PowerState goal, const PowerInput& input);
+  /// The motion stops without a ramp, then disable_bridge().
+  void stop_and_disable(PowerState goal, const PowerInput& input);
+  /// Applies the brake, waits for it, switches the bridge off and goes to `goal`.
   void disable_bridge(PowerState goal, const PowerInput& input);
   void disable_bridge_at_once(PowerState next);
   [[nodiscard]] bool permitted(const PowerTransition& transition, const PowerInput& input) const;

@@ -19,6 +19,7 @@ StepperAxis::StepperAxis(const StepperAxisParameters& parameters)
   state_.motor.angle = motor_.angle_at(parameters.initial_revolutions);
   state_.encoder = encoder_.power_on(state_.motor.angle);
   state_.supply_voltage = parameters.supply_voltage;
+  state_.brake.open = parameters.brake.closed_by_current;
 }
 
 base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
@@ -27,6 +28,7 @@ base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
     return settled_sensing_;
   }
   const HybridStepperState before = state_.motor;
+  parameters_.brake.advance(state_.brake, actuation.brake_released, duration);
   double remaining = duration.seconds();
   while (remaining > 0.0) {
     const double turn = remaining * motor_.fastest_rate(state_.motor);
@@ -36,7 +38,7 @@ base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
     encoder_.update(state_.encoder, state_.motor.angle);
     remaining = inner == remaining ? 0.0 : remaining - inner;
   }
-  settled_ = state_.motor == before;
+  settled_ = state_.motor == before && state_.brake.open == actuation.brake_released;
   settled_actuation_ = actuation;
   settled_duration_ = duration;
   settled_sensing_ = sense();
@@ -56,7 +58,7 @@ void StepperAxis::regulate_and_integrate(const base::AxisActuation& actuation, d
 
   HybridStepperInput input;
   input.torque = state_.external_torque;
-  input.brake_engaged = !actuation.brake_released;
+  input.brake_engaged = !state_.brake.open;
   std::array<bool, 2> runs_dry{};
   for (std::size_t k = 0; k < 2; ++k) {
     const double target = actuation.bridge_enabled ? actuation.coil_current_target[k] : 0.0;

@@ -5,6 +5,7 @@
 
 #include "base/axis_signals.hpp"
 #include "base/sim_time.hpp"
+#include "plant/holding_brake.hpp"
 #include "plant/hybrid_stepper.hpp"
 #include "plant/incremental_encoder.hpp"
 #include "plant/mechanical_load.hpp"
@@ -17,6 +18,7 @@ namespace stator::plant {
 struct StepperAxisParameters {
   StepperMotorParameters motor;
   MechanicalLoad load;
+  HoldingBrake brake;
   double supply_voltage = 24.0;      ///< V at power-on
   double initial_revolutions = 0.0;  ///< where the shaft stands at power-on
   EncoderParameters encoder;
@@ -29,6 +31,7 @@ struct StepperAxisParameters {
 struct StepperAxisState {
   HybridStepperState motor;
   EncoderState encoder;
+  HoldingBrakeState brake;
   double supply_voltage = 24.0;  ///< V
   double external_torque = 0.0;  ///< N m on the shaft, positive = forward
 };

@@ -313,6 +313,46 @@ TEST_F(PowerStates, AFaultLeadsFromEveryStateToFault) {
   }
 }
 
+TEST_F(PowerStates, BrakeDelaysHoldTheBridgeHoweverItIsDisabled) {
+  for (const int command : {0x0006, 0x0000, 0x0007, 0x0002}) {
+    SCOPED_TRACE(command);
+    machine_in(operation_enabled);
+    input_.delays.brake_apply = 5_ms;
+    write(static_cast<std::uint16_t>(command));
+    pass(0_ms);
+    EXPECT_FALSE(machine_.brake_released());
+    EXPECT_FALSE(machine_.drive_function_enabled());
+    EXPECT_TRUE(machine_.bridge_enabled()) << "the motor holds until the brake has closed";
+    pass(4_ms);
+    EXPECT_TRUE(machine_.bridge_enabled());
+    pass(1_ms);
+    EXPECT_FALSE(machine_.bridge_enabled());
+  }
+}
+
+TEST_F(PowerStates, AFaultWhileTheBrakeOpens_ClosesItAgainBeforeTheBridgeGoesOff) {
+  machine_in(switched_on);
+  input_.delays = {.hold_current = {}, .brake_release = 20_ms, .brake_apply = 5_ms};
+  write(0x000F);
+  ASSERT_TRUE(machine_.brake_released());
+  machine_.raise_fault(input_);
+  pass(1_ms);
+  EXPECT_FALSE(machine_.brake_released());
+  EXPECT_TRUE(machine_.bridge_enabled());
+  EXPECT_EQ(machine_.state(), fault_reaction_active);
+  pass(5_ms);
+  EXPECT_EQ(machine_.state(), fault);
+  EXPECT_FALSE(machine_.bridge_enabled());
+}
+
+TEST_F(PowerStates, AFaultThatTakesThePowerAppliesTheBrakeAndDoesNotWait) {
+  machine_in(operation_enabled);
+  input_.delays.brake_apply = 5_ms;
+  machine_.raise_fault(input_, true);
+  EXPECT_FALSE(machine_.brake_released());
+  EXPECT_FALSE(machine_.bridge_enabled());
+}
+
 TEST_F(PowerStates, AFaultWhileRunningBrakesOnTheQuickStopRamp) {
   machine_in(operation_enabled);
   input_.at_rest = false;

@@ -145,8 +145,6 @@ void AxisUnit::configure() {
       .standby_delay = milliseconds(std::int64_t{10} * objects_.standby_delay.get())};
   settings.full_scale_current = full_scale_current_;
   settings.chopper_enabled = objects_.chopper_off_time.get() != 0;
-  settings.automatic_brake =
-      objects_.brake_apply_current.get() != 0 || objects_.brake_release_current.get() != 0;
 
   const std::uint32_t bits = objects_.switches.get();
   drive::AxisConditions& conditions = axis_->conditions();
@@ -156,11 +154,22 @@ void AxisUnit::configure() {
       (bits & kRightOff) == 0 && sensing_.right_switch != ((bits & kRightInverted) != 0);
 }
 
-void AxisUnit::apply(base::SimTime now) {
-  if (axis_->has_commands()) {
-    configure();
-    axis_->apply(now);
+bool AxisUnit::apply(base::SimTime now) {
+  if (!axis_->has_commands()) {
+    return false;
   }
+  configure();
+  axis_->apply(now);
+  return true;
+}
+
+std::optional<std::uint8_t> AxisUnit::brake_feed() const {
+  const std::uint8_t apply = objects_.brake_apply_current.get();
+  const std::uint8_t release = objects_.brake_release_current.get();
+  if (apply == 0 && release == 0) {
+    return std::nullopt;
+  }
+  return axis_->brake_released() ? release : apply;
 }
 
 void AxisUnit::tick(base::SimTime now, std::uint32_t general_inputs) {
@@ -230,6 +239,10 @@ double AxisUnit::following_error() const {
          turned * static_cast<double>(microsteps_per_revolution());
 }
 
+double AxisUnit::brake_open() const {
+  return plant_.state().brake.open ? 1.0 : 0.0;
+}
+
 double AxisUnit::shaft_speed() const {
   return plant_.observe().speed / base::kTwoPi;
 }
@@ -261,6 +274,7 @@ void AxisUnit::append_signals(std::vector<Signal>& signals) {
   add("load_torque", "Nm", Read::bind<&AxisUnit::load_torque>(*this));
   add("load_angle", "deg", Read::bind<&AxisUnit::load_angle>(*this));
   add("encoder", "count", Read::bind<&AxisUnit::encoder_count>(*this));
+  add("brake_open", "", Read::bind<&AxisUnit::brake_open>(*this));
   add("supply_voltage", "V", Read::bind<&AxisUnit::supply_voltage>(*this));
   add("controlword", "", Read::bind<&AxisUnit::controlword>(*this));
   add("statusword", "", Read::bind<&AxisUnit::statusword>(*this));

@@ -61,15 +61,24 @@ class AxisUnit {
   /// The firmware starts anew; the world goes on.
   void restart(base::SimTime now);
 
-  /// Obeys what was written since the last call; cheap when nothing was.
-  void apply(base::SimTime now);
+  /// Obeys what was written since the last call; cheap when nothing was, which it returns as false.
+  bool apply(base::SimTime now);
   /// One control period of the firmware. `general_inputs`: bits 16..19 of 60FDh.
   void tick(base::SimTime now, std::uint32_t general_inputs);
   /// One step of driver and plant.
   void step(base::SimDuration duration) {
-    sensing_ = plant_.step(axis_->step(duration, sensing_), duration);
+    base::AxisActuation actuation = axis_->step(duration, sensing_);
+    actuation.brake_released = brake_coil_releases_;
+    sensing_ = plant_.step(actuation, duration);
   }
   void set_network_operational(bool operational, base::SimTime now);
+
+  /// What the automatic brake control (200Ch) feeds, 0..255; none: it is switched off.
+  [[nodiscard]] std::optional<std::uint8_t> brake_feed() const;
+  /// The duty (0 to 1) of the output that the holding brake is wired to.
+  void set_brake_coil(double duty) {
+    brake_coil_releases_ = plant_.parameters().brake.releases(duty);
+  }
 
   [[nodiscard]] drive::Axis& axis() { return *axis_; }
   [[nodiscard]] const drive::Axis& axis() const { return *axis_; }
@@ -103,6 +112,7 @@ class AxisUnit {
   [[nodiscard]] double load_torque() const { return plant_.observe().load_torque; }
   [[nodiscard]] double load_angle() const;
   [[nodiscard]] double encoder_count() const;
+  [[nodiscard]] double brake_open() const;
   [[nodiscard]] double supply_voltage() const { return sensing_.supply_voltage; }
   [[nodiscard]] double controlword() const { return axis_->objects().controlword.get(); }
   [[nodiscard]] double statusword() const { return axis_->objects().statusword.get(); }
@@ -118,6 +128,7 @@ class AxisUnit {
   AxisManufacturerObjects objects_;
   plant::StepperAxis plant_;
   base::AxisSensing sensing_;
+  bool brake_coil_releases_ = false;  ///< set_brake_coil() says it with the first duty
   std::optional<drive::Axis> axis_;
 };
 

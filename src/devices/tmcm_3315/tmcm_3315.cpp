@@ -14,9 +14,7 @@ using tmcm_3315::AxisUnit;
 using tmcm_3315::Emergency;
 
 constexpr std::uint32_t kVendorId = 0x00000286;
-constexpr std::uint32_t kGeneralOutputs = 0x000F0000;  // 2703h: OUT0..OUT3
-constexpr unsigned kFirstGeneralInput = 16;            // 2702h: IN0
-constexpr std::uint8_t kWholeModule = 255;             // motor number of module-wide emergencies
+constexpr std::uint8_t kWholeModule = 255;  // motor number of module-wide emergencies
 
 // The document says nothing of the slave controller. Taken: 8 FMMUs, 8 sync managers and 16 KB of
 // process memory as in the maker's own TMC8461; mailboxes of 512 bytes, which take the object list
@@ -105,13 +103,7 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
       stack_(controller_, dictionary_, description_, *this, reporter,
              stack_options(configuration, firmware_)),
       error_register_(dictionary_.variable<std::uint8_t>(0x1001)),
-      digital_inputs_(dictionary_.variable<std::uint32_t>(0x2702)),
-      analog_inputs_{dictionary_.variable<std::uint32_t>(0x270E, 1),
-                     dictionary_.variable<std::uint32_t>(0x270E, 2),
-                     dictionary_.variable<std::uint32_t>(0x270E, 3),
-                     dictionary_.variable<std::uint32_t>(0x270E, 4)},
-      physical_outputs_(dictionary_.variable<std::uint32_t>(0x2703, 1)),
-      output_mask_(dictionary_.variable<std::uint32_t>(0x2703, 2)) {
+      io_(dictionary_) {
   using Query = dictionary::Dictionary::DriveStateQuery;
   dictionary_.set_drive_state_query(Query::bind<&Tmcm3315::drive_state>(*this));
   set_identity(configuration);
@@ -119,6 +111,7 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
   controller_.load_sii(ethercat::build_sii_image(
       description_, dictionary_,
       {.device_identification = configuration.identification.has_value()}));
+  feed_brakes();
 }
 
 void Tmcm3315::set_identity(const Tmcm3315Configuration& configuration) {
@@ -161,9 +154,9 @@ void Tmcm3315::advance(base::SimTime now) {
 void Tmcm3315::tick(base::SimTime now) {
   controller_.advance(now);
   process_bus(now);
-  read_inputs();
+  io_.read_inputs();
   for (const auto& axis : axes_) {
-    axis->tick(now, input_levels_);
+    axis->tick(now, io_.input_bits());
   }
   switch_outputs();
   report_errors(now);
@@ -185,13 +178,6 @@ void Tmcm3315::on_sync0(base::SimTime now) {
   outputs_came_ = false;
   switch_outputs();
   stack_.publish_inputs(now);
-}
-
-void Tmcm3315::read_inputs() {
-  digital_inputs_.set(input_levels_);
-  for (std::size_t i = 0; i < analog_inputs_.size(); ++i) {
-    analog_inputs_[i].set(analog_counts_[i]);
-  }
 }
 
 void Tmcm3315::set_power(bool on, base::SimTime now) {
@@ -231,18 +217,23 @@ void Tmcm3315::restart_firmware(base::SimTime now) {
   downloads_in_force_ = firmware_.downloads();
   dictionary_.reset_values();
   set_identity(configuration_);
-  digital_outputs_ = 0;
+  io_.restart();
   reported_errors_ = {};
   reported_resets_ = {};
   for (const auto& axis : axes_) {
     axis->restart(now);
   }
+  feed_brakes();
   stack_.reset(now);
 }
 
 void Tmcm3315::apply_commands(base::SimTime now) {
+  bool obeyed = false;
   for (const auto& axis : axes_) {
-    axis->apply(now);
+    obeyed |= axis->apply(now);
+  }
+  if (obeyed) {
+    switch_outputs();
   }
   report_errors(now);
 }
@@ -273,12 +264,19 @@ void Tmcm3315::on_output_refused(const dictionary::Entry& /*entry*/,
 }
 
 void Tmcm3315::switch_outputs() {
-  if (stack_.state() != AlState::operational) {
-    digital_outputs_ = 0;
-    return;
+  tmcm_3315::BrakeFeeds brakes;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    brakes[i] = axes_[i]->brake_feed();
   }
-  const std::uint32_t mask = output_mask_.get() & kGeneralOutputs;
-  digital_outputs_ = (digital_outputs_ & ~mask) | (physical_outputs_.get() & mask);
+  io_.switch_outputs(stack_.state() == AlState::operational, brakes);
+  feed_brakes();
+}
+
+void Tmcm3315::feed_brakes() {
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const std::size_t output = axes_[i]->plant().parameters().brake.output.value_or(i);
+    axes_[i]->set_brake_coil(io_.output_duty(output));
+  }
 }
 
 void Tmcm3315::report_errors(base::SimTime now) {
@@ -317,20 +315,12 @@ void Tmcm3315::send_emergency(const Emergency& emergency, std::uint8_t motor, ba
   stack_.send_emergency(emergency.code, bits, {emergency.detail, motor, 0, 0, 0}, now);
 }
 
-void Tmcm3315::set_digital_input(std::size_t input, bool high) {
-  const std::uint32_t bit = 1U << (kFirstGeneralInput + input);
-  input_levels_ = high ? input_levels_ | bit : input_levels_ & ~bit;
-}
-
-void Tmcm3315::set_analog_input(std::size_t input, std::uint16_t counts) {
-  analog_counts_[input] = counts;
-}
-
 std::vector<Signal> Tmcm3315::signals() {
   std::vector<Signal> signals;
   for (const auto& axis : axes_) {
     axis->append_signals(signals);
   }
+  io_.append_signals(signals);
   return signals;
 }
 
@@ -339,6 +329,7 @@ std::vector<Input> Tmcm3315::inputs() {
   for (const auto& axis : axes_) {
     axis->append_inputs(inputs);
   }
+  io_.append_inputs(inputs);
   return inputs;
 }
 

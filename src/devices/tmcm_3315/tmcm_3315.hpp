@@ -10,6 +10,7 @@
 #include "devices/ethercat_device.hpp"
 #include "devices/tmcm_3315/axis_unit.hpp"
 #include "devices/tmcm_3315/emergencies.hpp"
+#include "devices/tmcm_3315/module_io.hpp"
 #include "devices/tmcm_3315/objects.hpp"
 #include "ethercat/slave_application.hpp"
 #include "ethercat/slave_stack.hpp"
@@ -68,11 +69,11 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   [[nodiscard]] const ethercat::SlaveStack& stack() const { return stack_; }
 
   /// Level of general-purpose input IN0..IN3 from the next control period on.
-  void set_digital_input(std::size_t input, bool high);
+  void set_digital_input(std::size_t input, bool high) { io_.set_level(input, high); }
   /// Reading of analog input 0..3, ADC counts.
-  void set_analog_input(std::size_t input, std::uint16_t counts);
+  void set_analog_input(std::size_t input, std::uint16_t counts) { io_.set_counts(input, counts); }
   /// OUT0..OUT3 in bits 16..19, as 2703h has them.
-  [[nodiscard]] std::uint32_t digital_outputs() const { return digital_outputs_; }
+  [[nodiscard]] std::uint32_t digital_outputs() const { return io_.output_bits(); }
 
  private:
   void on_state(ethercat::AlState from, ethercat::AlState to, base::SimTime now) override;
@@ -89,9 +90,9 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   void tick(base::SimTime now);
   /// Lets the firmware's interrupt run if SYNC0 has come.
   void take_sync0(base::SimTime now);
-  void read_inputs();
   void apply_commands(base::SimTime now);
   void switch_outputs();
+  void feed_brakes();
   void report_errors(base::SimTime now);
   void send_emergency(const tmcm_3315::Emergency& emergency, std::uint8_t motor, base::SimTime now);
   [[nodiscard]] std::uint8_t error_register() const;
@@ -105,17 +106,11 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   std::array<std::unique_ptr<tmcm_3315::AxisUnit>, tmcm_3315::kAxisCount> axes_;
   ethercat::SlaveStack stack_;
 
-  dictionary::Variable<std::uint8_t> error_register_;                 // 1001h
-  dictionary::Variable<std::uint32_t> digital_inputs_;                // 2702h
-  std::array<dictionary::Variable<std::uint32_t>, 4> analog_inputs_;  // 270Eh
-  dictionary::Variable<std::uint32_t> physical_outputs_;              // 2703h:01
-  dictionary::Variable<std::uint32_t> output_mask_;                   // 2703h:02
+  dictionary::Variable<std::uint8_t> error_register_;  // 1001h
+  tmcm_3315::ModuleIo io_;
 
   base::SimTime now_;
   base::SimTime next_tick_{kControlPeriod};
-  std::uint32_t input_levels_ = 0;  ///< IN0..IN3 in bits 16..19
-  std::array<std::uint16_t, 4> analog_counts_{};
-  std::uint32_t digital_outputs_ = 0;
   bool outputs_came_ = false;
   std::uint32_t downloads_in_force_ = 0;  ///< of firmware_ at the last start of the firmware
   bool restart_due_ = false;              ///< Bootstrap was left with a new image
