@@ -16,6 +16,16 @@ std::string to_hexadecimal(std::int64_t number, int digits) {
   return text + "h";
 }
 
+/// `number` counts 10^-places: 1500 with three places is "1.500".
+std::string to_decimal(std::int64_t number, int places) {
+  std::string text = std::to_string(number < 0 ? -number : number);
+  while (static_cast<int>(text.size()) <= places) {
+    text.insert(text.begin(), '0');
+  }
+  text.insert(text.end() - places, '.');
+  return number < 0 ? "-" + text : text;
+}
+
 /// Appends the argument that `placeholder` (the text between the braces) names; false if none.
 bool append_argument(std::string& sentence, std::string_view placeholder, const Event& event) {
   std::size_t position = 0;
@@ -32,11 +42,13 @@ bool append_argument(std::string& sentence, std::string_view placeholder, const 
   }
   int digits = 1;
   const std::string_view format(number.ptr, static_cast<std::size_t>(end - number.ptr));
-  if (argument.is_text() || !format.starts_with(":x") ||
+  const bool hexadecimal = format.starts_with(":x");
+  if (argument.is_text() || !(hexadecimal || format.starts_with(":d")) ||
       std::from_chars(format.data() + 2, end, digits).ptr != end) {
     return false;
   }
-  sentence += to_hexadecimal(argument.number(), digits);
+  sentence += hexadecimal ? to_hexadecimal(argument.number(), digits)
+                          : to_decimal(argument.number(), digits);
   return true;
 }
 

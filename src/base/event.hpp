@@ -21,7 +21,7 @@ enum class Severity : std::uint8_t {
 ///
 /// `text` is one sentence with the rule, what was expected, what came and the remedy. Placeholders
 /// name the arguments by position: `{0}` decimal or text, `{0:x4}` hexadecimal with at least four
-/// digits and the field's h suffix ("6040h").
+/// digits and the field's h suffix ("6040h"), `{0:d3}` thousandths with a point ("1.500").
 struct EventRule {
   std::string_view id;  ///< stable name for programs, e.g. "al-sm-length"
   Severity severity;

@@ -80,11 +80,78 @@ struct DescribeOptions {
   std::string format = "table";
   std::string preset;
   bool registers = false;
+  bool signals = false;
+  bool inputs = false;
 };
+
+constexpr std::array<std::string_view, 2> kSignalColumns{"signal", "unit"};
+constexpr std::array<std::string_view, 4> kInputColumns{"input", "minimum", "maximum", "unit"};
+
+/// Rows of a few cells each; the first is the widest.
+template <std::size_t Columns>
+void print_names(const std::array<std::string_view, Columns>& header,
+                 const std::vector<std::array<std::string, Columns>>& rows,
+                 const std::string& format) {
+  if (format == "csv") {
+    print_csv_row(header);
+    for (const auto& row : rows) {
+      print_csv_row(row);
+    }
+    return;
+  }
+  if (format == "json") {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const auto& row : rows) {
+      nlohmann::ordered_json object;
+      for (std::size_t i = 0; i < Columns; ++i) {
+        object[std::string(header[i])] = row[i];
+      }
+      list.push_back(object);
+    }
+    fmt::print("{}\n", list.dump(2));
+    return;
+  }
+  if (format == "markdown") {
+    fmt::print("| {} |\n", fmt::join(header, " | "));
+    fmt::print("{}|\n", fmt::join(std::vector<std::string_view>(Columns, "|---"), ""));
+    for (const auto& row : rows) {
+      fmt::print("| {} |\n", fmt::join(row, " | "));
+    }
+    return;
+  }
+  for (const auto& row : rows) {
+    fmt::print("{:24}  {}\n", row[0], fmt::join(row.begin() + 1, row.end(), "  "));
+  }
+}
+
+void list_signals(const DescribeOptions& options) {
+  std::vector<std::array<std::string, 2>> rows;
+  for (const devices::Signal& signal : build_product(options.device)->signals()) {
+    rows.push_back({signal.name, signal.unit});
+  }
+  print_names(kSignalColumns, rows, options.format);
+}
+
+void list_inputs(const DescribeOptions& options) {
+  std::vector<std::array<std::string, 4>> rows;
+  for (const devices::Input& input : build_product(options.device)->inputs()) {
+    rows.push_back({input.name, fmt::format("{}", input.minimum), fmt::format("{}", input.maximum),
+                    input.unit});
+  }
+  print_names(kInputColumns, rows, options.format);
+}
 
 void describe(const DescribeOptions& options) {
   if (options.registers) {
     list_registers(options.device, options.preset, options.format);
+    return;
+  }
+  if (options.signals) {
+    list_signals(options);
+    return;
+  }
+  if (options.inputs) {
+    list_inputs(options);
     return;
   }
   const auto device = build_product(options.device);
@@ -108,7 +175,9 @@ void describe(const DescribeOptions& options) {
 void add_describe_command(CLI::App& app) {
   auto options = std::make_shared<DescribeOptions>();
   CLI::App* command =
-      app.add_subcommand("describe", "Print the object dictionary of a product, or its registers");
+      app.add_subcommand("describe",
+                         "Print the object dictionary of a product, its registers, signals or "
+                         "inputs");
   command
       ->add_option("device", options->device,
                    "Product, see \"stator devices\"; with --registers also tmc8461, tmc8670")
@@ -120,9 +189,16 @@ void add_describe_command(CLI::App& app) {
                                              "The slave controller's registers, field by field");
   command->add_option("--preset", options->preset, "Reading of the device: document or silicon")
       ->needs(registers);
+  CLI::Option* signals =
+      command->add_flag("--signals", options->signals, "What of it can be recorded");
+  command->add_flag("--inputs", options->inputs, "What around it a rack file's [[event]] can set")
+      ->excludes(signals)
+      ->excludes(registers);
+  signals->excludes(registers);
   command->footer(
       "Examples:\n"
       "  stator describe tmcm-3315 --format csv > objects.csv\n"
+      "  stator describe tmcm-3315 --inputs\n"
       "  stator describe tmc8670 --registers --preset silicon --format csv");
   command->callback([options] { describe(*options); });
 }

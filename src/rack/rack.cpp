@@ -1,8 +1,11 @@
 #include "rack/rack.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
 #include <utility>
 
+#include "rack/input_names.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/wiring.hpp"
 
@@ -17,6 +20,8 @@ constexpr base::EventRule kCableHealed{"cable-healed", base::Severity::informati
 constexpr base::EventRule kPowerOff{"power-off", base::Severity::information, "its power is off"};
 constexpr base::EventRule kPowerOn{"power-on", base::Severity::information,
                                    "its power is on, it starts as after a reset"};
+constexpr base::EventRule kInputSet{"input-set", base::Severity::information,
+                                    "{0} is set to {1:d3} {2}"};
 constexpr base::EventRule kCarrierLost{
     "carrier-lost", base::Severity::warning,
     "the {0} network interface has no carrier: the other end is unplugged or switched off"};
@@ -40,6 +45,7 @@ Rack::Rack(const RackConfiguration& configuration, EventLog& log)
       names.push_back(device.name);
       log.set_device_names(names);
       members.devices.push_back({device.name, make_device(device.product, reporter)});
+      members.inputs.push_back(members.devices.back().device->inputs());
       if (storage_ != nullptr) {
         storage_->attach(device.name, *members.devices.back().device, reporter);
       }
@@ -52,6 +58,11 @@ Rack::Rack(const RackConfiguration& configuration, EventLog& log)
     connect(*members.segment, segment);
     members.segment->set_carrier(ethercat::MasterInterface::secondary, false);
     segments_.push_back(std::move(members));
+  }
+  for (const EventConfiguration& event : configuration.events) {
+    if (const auto* input = std::get_if<InputEvent>(&event.event)) {
+      static_cast<void>(find_input(*input));
+    }
   }
   if (configuration.record) {
     recorder_.emplace(configuration.record->file,
@@ -98,11 +109,33 @@ void Rack::apply(const RackEvent& event, base::SimTime now) {
     apply_cable(*cable, now);
   } else if (const auto* power = std::get_if<PowerEvent>(&event)) {
     apply_power(*power, now);
+  } else if (const auto* input = std::get_if<InputEvent>(&event)) {
+    apply_input(*input, now);
   }
 }
 
+const devices::Input& Rack::find_input(const InputEvent& event) const {
+  const SegmentMembers& members = segments_[event.device.segment];
+  const std::vector<devices::Input>& inputs = members.inputs[event.device.device];
+  const std::string problem = input_problem(inputs, event.input, event.value);
+  if (!problem.empty()) {
+    throw std::runtime_error(members.devices[event.device.device].name + ": " + problem);
+  }
+  return *std::ranges::find(inputs, event.input, &devices::Input::name);
+}
+
+void Rack::apply_input(const InputEvent& event, base::SimTime now) {
+  const devices::Input& input = find_input(event);
+  if (event.logged) {
+    report(event.device, now, kInputSet,
+           {std::string_view(input.name), std::int64_t{std::llround(event.value * 1000.0)},
+            std::string_view(input.unit)});
+  }
+  input.set(event.value);
+}
+
 void Rack::apply_cable(const CableEvent& event, base::SimTime now) {
-  report(event.device, now, event.intact ? kCableHealed : kCableBroken, event.port);
+  report(event.device, now, event.intact ? kCableHealed : kCableBroken, {event.port});
   segments_[event.device.segment].segment->set_cable({event.device.device, event.port},
                                                      event.intact);
 }
@@ -121,14 +154,14 @@ void Rack::set_carrier(std::size_t segment, ethercat::MasterInterface interface,
                        base::SimTime now) {
   const bool primary = interface == ethercat::MasterInterface::primary;
   const std::size_t at = primary ? 0 : segments_[segment].devices.size() - 1;
-  report({segment, at}, now, up ? kCarrierBack : kCarrierLost, primary ? "primary" : "secondary");
+  report({segment, at}, now, up ? kCarrierBack : kCarrierLost, {primary ? "primary" : "secondary"});
   segments_[segment].segment->set_carrier(interface, up);
 }
 
 void Rack::report(DeviceAddress device, base::SimTime now, const base::EventRule& rule,
-                  base::EventArgument argument) {
+                  const Arguments& arguments) {
   const std::size_t number = segments_[device.segment].first_device + device.device;
-  log_.on_event({now, &rule, static_cast<std::uint16_t>(number), {argument}});
+  log_.on_event({now, &rule, static_cast<std::uint16_t>(number), arguments});
 }
 
 void Rack::advance_devices(base::SimTime now) {

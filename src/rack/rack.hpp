@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -30,8 +31,9 @@ struct NamedDevice {
 class Rack {
  public:
   /// Builds every device. `log` gets their events and must outlive the rack. Throws
-  /// std::runtime_error when the recording cannot be opened or names signals that do not exist, or
-  /// when the state directory or a file in it cannot be used.
+  /// std::runtime_error when the recording cannot be opened or names signals that do not exist,
+  /// when an event sets an input that does not exist or to a value it cannot have, or when the
+  /// state directory or a file in it cannot be used.
   Rack(const RackConfiguration& configuration, EventLog& log);
 
   /// Sends `frame` through the segment's slaves, in place, at `arrival`, from the master's
@@ -47,7 +49,8 @@ class Rack {
   /// instant of the recording on the way.
   void advance(base::SimTime now);
 
-  /// Lets `event` happen at `now`, to which the rack has been brought.
+  /// Lets `event` happen at `now`, to which the rack has been brought. Throws std::runtime_error
+  /// for an input that does not exist or a value it cannot have.
   void apply(const RackEvent& event, base::SimTime now);
 
   /// A network interface of the segment's master got or lost its carrier. At the start the primary
@@ -71,15 +74,20 @@ class Rack {
  private:
   struct SegmentMembers {
     std::vector<NamedDevice> devices;
+    std::vector<std::vector<devices::Input>> inputs;  ///< by device
     std::unique_ptr<ethercat::Segment> segment;
     std::uint16_t first_device = 0;  ///< number of its first device within the rack
   };
 
+  using Arguments = std::array<base::EventArgument, 6>;
+
   void advance_devices(base::SimTime now);
   void apply_cable(const CableEvent& event, base::SimTime now);
   void apply_power(const PowerEvent& event, base::SimTime now);
+  void apply_input(const InputEvent& event, base::SimTime now);
+  [[nodiscard]] const devices::Input& find_input(const InputEvent& event) const;
   void report(DeviceAddress device, base::SimTime now, const base::EventRule& rule,
-              base::EventArgument argument = {});
+              const Arguments& arguments = {});
 
   EventLog& log_;
   std::vector<SegmentMembers> segments_;

@@ -83,8 +83,16 @@ struct PowerEvent {
   bool on = false;
 };
 
+/// Something around a device is set: a switch is pressed, a torque acts, a supply sags.
+struct InputEvent {
+  DeviceAddress device;
+  std::string input;  ///< one of devices::EtherCatDevice::inputs()
+  double value = 0.0;
+  bool logged = true;  ///< false: one of the many small steps of a ramp
+};
+
 /// What can happen to a rack; a further kind is a further alternative.
-using RackEvent = std::variant<CableEvent, PowerEvent>;
+using RackEvent = std::variant<CableEvent, PowerEvent, InputEvent>;
 
 /// Something that happens at a fixed moment of simulated time.
 struct EventConfiguration {

@@ -173,8 +173,9 @@ RackConfiguration read_rack(TomlSection root) {
   if (auto record = root.section("record")) {
     configuration.record = read_record(std::move(*record));
   }
+  EventSectionReader events(configuration.segments);
   for (TomlSection& event : root.sections("event")) {
-    configuration.events.push_back(read_event(event, configuration.segments));
+    events.read(event, configuration.events);
   }
   root.finish();
   return configuration;

@@ -1,5 +1,6 @@
 #include "rack/stepper_axis_section.hpp"
 
+#include <cstdint>
 #include <limits>
 #include <set>
 
@@ -51,6 +52,18 @@ void read_load(TomlSection section, plant::MechanicalLoad& load) {
   section.finish();
 }
 
+void read_brake(TomlSection section, plant::HoldingBrake& brake) {
+  using namespace base::literals;
+  if (const auto output = section.integer("output", 0, 3)) {
+    brake.output = static_cast<std::uint8_t>(*output);
+  }
+  set(section, "pull_in", 0.01, 1.0, brake.pull_in_duty);
+  brake.closed_by_current = section.boolean("closed_by_current").value_or(brake.closed_by_current);
+  brake.release_time = section.duration("release_time", 0_ms, 10_s).value_or(brake.release_time);
+  brake.apply_time = section.duration("apply_time", 0_ms, 10_s).value_or(brake.apply_time);
+  section.finish();
+}
+
 void read_encoder(TomlSection section, plant::EncoderParameters& encoder) {
   encoder.counts_per_revolution =
       section.integer("counts_per_revolution", 0, 1 << 24).value_or(encoder.counts_per_revolution);
@@ -85,6 +98,17 @@ void read_stepper_axis(TomlSection& section, plant::StepperAxisParameters& param
   set(section, "initial_position", -kFarAway, kFarAway, parameters.initial_revolutions);
   if (auto load = section.section("load")) {
     read_load(*load, parameters.load);
+  }
+  if (auto brake = section.section("brake")) {
+    if (parameters.load.brake_torque == 0.0) {
+      section.fail("brake", "a brake needs \"load.brake_torque\", the torque it holds with");
+    }
+    read_brake(*brake, parameters.brake);
+  }
+  if (const auto high = section.boolean("open_inputs_high")) {
+    parameters.left_switch.level_if_not_fitted = *high;
+    parameters.right_switch.level_if_not_fitted = *high;
+    parameters.home_switch.level_if_not_fitted = *high;
   }
   if (auto encoder = section.section("encoder")) {
     read_encoder(*encoder, parameters.encoder);

@@ -11,7 +11,7 @@ Timetable::Timetable(std::vector<EventConfiguration> events) : events_(std::move
 }
 
 RackEvent Timetable::take() {
-  const RackEvent event = events_[taken_++].event;
+  RackEvent event = std::move(events_[taken_++].event);
   look_ahead();
   return event;
 }

@@ -41,6 +41,11 @@ TEST(EventSentence, NegativeNumbersKeepTheirSign) {
   EXPECT_EQ(sentence("{0:x2}", {std::int64_t{-1}}), "FFFFFFFFFFFFFFFFh");
 }
 
+TEST(EventSentence, FixedPointNumbersHaveTheirPlaces) {
+  constexpr EventRule kRule{"fixed", Severity::information, "{0:d3} {1:d3} {2:d1}"};
+  EXPECT_EQ(to_sentence({{}, &kRule, 0, {1500, -25, 7}}), "1.500 -0.025 0.7");
+}
+
 TEST(EventSentence, AnArgumentNotGivenIsZero) {
   EXPECT_EQ(sentence("{5}"), "0");
 }

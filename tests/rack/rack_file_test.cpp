@@ -68,6 +68,28 @@ firmware_erase_time = "200ms"
   EXPECT_EQ(module_of(plain).firmware_erase_time, 0_ms);
 }
 
+TEST(RackFile, BrakeAndOpenInputsArriveWhereTheyBelong) {
+  const RackConfiguration rack = parse_rack_file(std::string(kMinimal) + R"(
+[[segment.device.axis]]
+load.brake_torque = 1.5
+brake = { output = 3, pull_in = 0.6, closed_by_current = true, release_time = "40ms", apply_time = "25ms" }
+open_inputs_high = true
+left_switch.pressed_to = -1.0
+[[segment.device.axis]]
+)",
+                                                 "test.toml");
+  const plant::StepperAxisParameters& axis = module_of(rack).axes[0];
+  EXPECT_EQ(axis.brake.output, 3);
+  EXPECT_EQ(axis.brake.pull_in_duty, 0.6);
+  EXPECT_TRUE(axis.brake.closed_by_current);
+  EXPECT_EQ(axis.brake.release_time, 40_ms);
+  EXPECT_EQ(axis.brake.apply_time, 25_ms);
+  EXPECT_FALSE(axis.left_switch.level(0.0)) << "a switch is fitted here";
+  EXPECT_TRUE(axis.right_switch.level(0.0));
+  EXPECT_TRUE(axis.home_switch.level(0.0));
+  EXPECT_FALSE(module_of(rack).axes[1].right_switch.level(0.0));
+}
+
 TEST(RackFile, EveryKeyArrivesWhereItBelongs) {
   const RackConfiguration rack = parse_rack_file(R"(
 clock = "lockstep"

@@ -169,6 +169,79 @@ device = "right"
   EXPECT_EQ(bench.log.count("power-on"), 1U);
 }
 
+TEST(Events, Set_ChangesAnInputAtItsTimeAndIsLogged) {
+  Bench bench(R"(
+[[event]]
+at = "10ms"
+action = "set"
+device = "right"
+input = "input2"
+value = 1
+[[event]]
+at = "20ms"
+action = "set"
+device = "right"
+input = "axis1.load_torque"
+value = -0.25
+)");
+  bench.wait_until(9_ms);
+  EXPECT_EQ(bench.signal("right.input2"), 0.0);
+  bench.wait_until(10_ms);
+  EXPECT_EQ(bench.signal("right.input2"), 1.0);
+  EXPECT_EQ(bench.signal("left.input2"), 0.0);
+  bench.wait_until(21_ms);
+  EXPECT_EQ(bench.signal("right.axis1.load_torque"), -0.25);
+  EXPECT_EQ(bench.log.count("input-set"), 2U);
+  EXPECT_THAT(bench.log.line(bench.log.events().back()),
+              ::testing::EndsWith("axis1.load_torque is set to -0.250 Nm"));
+}
+
+TEST(Events, Set_WithFromAndOver_IsARamp) {
+  Bench bench(R"(
+[[event]]
+at = "100ms"
+action = "set"
+device = "left"
+input = "axis0.supply_voltage"
+from = 24
+value = 14
+over = "100ms"
+)");
+  bench.wait_until(150_ms);
+  EXPECT_NEAR(bench.signal("left.axis0.supply_voltage"), 19.0, 0.2);
+  bench.wait_until(201_ms);
+  EXPECT_EQ(bench.signal("left.axis0.supply_voltage"), 14.0);
+  EXPECT_EQ(bench.log.count("input-set"), 2U) << "begin and end";
+}
+
+TEST(Events, Set_OfWhatDoesNotExist_IsRefusedWhenTheRackIsBuilt) {
+  RackConfiguration configuration = two_modules("");
+  configuration.events.push_back({1_s, InputEvent{{0, 1}, "input9", 1.0}});
+  EventLog log;
+  try {
+    const Rack rack(configuration, log);
+    FAIL() << "accepted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("right: there is no input \"input9\" (did you mean"));
+  }
+}
+
+TEST(Events, MistakesOfSetAreExplained) {
+  const auto refusal = [](const std::string& rest) {
+    return refusal_of("[[event]]\nat = \"1s\"\naction = \"set\"\ndevice = \"left\"\n" + rest);
+  };
+  EXPECT_THAT(refusal("value = 1\n"), HasSubstr("\"set\" needs \"input\""));
+  EXPECT_THAT(refusal("input = \"input0\"\n"), HasSubstr("and \"value\""));
+  EXPECT_THAT(refusal("input = \"axis0.load_torqe\"\nvalue = 1\n"),
+              HasSubstr("did you mean \"axis0.load_torque\"?"));
+  EXPECT_THAT(refusal("input = \"axis0.supply_voltage\"\nvalue = 240\n"),
+              HasSubstr("axis0.supply_voltage is set to 240; it takes 0 to 100 V"));
+  EXPECT_THAT(refusal("input = \"input0\"\nvalue = 1\nover = \"1s\"\n"),
+              HasSubstr("a ramp needs both"));
+  EXPECT_THAT(refusal("input = \"input0\"\nvalue = 1\nfrom = 2\nover = \"1s\"\n"),
+              HasSubstr("input0 is set to 2; it takes 0 to 1"));
+}
+
 TEST(Events, MistakesAreExplained) {
   EXPECT_THAT(refusal_of("[[event]]\naction = \"break\"\ndevice = \"left\"\n"),
               HasSubstr("\"at\" is missing"));
