@@ -34,7 +34,9 @@ void Homing::on_controlword(const ModeContext& context, std::uint16_t /*previous
   }
   if (runs()) {
     interrupt(context);
-    context.motion.brake(Braking::slow_down_ramp);
+    if (context.enabled) {  // otherwise the power state machine brakes already
+      context.motion.brake(Braking::slow_down_ramp);
+    }
   }
   stage_ = Stage::waiting;
 }

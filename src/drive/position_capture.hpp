@@ -27,7 +27,11 @@ class PositionCapture {
   void arm_release(ReferenceSwitch which, bool then_index);
   /// Waits for the next index pulse; the one the encoder stands on does not count.
   void arm_index();
-  void disarm() { waits_for_ = Event::nothing; }
+  /// Waits no longer and forgets what it holds.
+  void disarm() {
+    waits_for_ = Event::nothing;
+    captured_.reset();
+  }
 
   [[nodiscard]] bool armed() const { return waits_for_ != Event::nothing; }
   /// Empty from arming until the event.

@@ -137,6 +137,7 @@ void AxisUnit::configure() {
       objects_.brake_apply_current.get() != 0 || objects_.brake_release_current.get() != 0;
 
   reference_.configure(settings.reference);
+  settings.reference.home_offset_is_position = home_offset_is_position_;
   axis_->conditions().set_switches(settings.reference.switches.pressed(sensing_));
 }
 

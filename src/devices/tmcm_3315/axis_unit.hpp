@@ -61,6 +61,9 @@ class AxisUnit {
   /// The firmware starts anew; the world goes on.
   void restart(base::SimTime now);
 
+  /// The sign of the home offset, see Tmcm3315Configuration.
+  void set_home_offset_is_position(bool position) { home_offset_is_position_ = position; }
+
   /// Obeys what was written since the last call; cheap when nothing was.
   void apply(base::SimTime now);
   /// One control period of the firmware. `general_inputs`: bits 16..19 of 60FDh.
@@ -117,6 +120,7 @@ class AxisUnit {
   dictionary::Dictionary& dictionary_;
   std::uint8_t number_;
   double full_scale_current_;
+  bool home_offset_is_position_ = false;
   base::EventReporter reporter_;
   AxisManufacturerObjects objects_;
   ReferenceObjects reference_;

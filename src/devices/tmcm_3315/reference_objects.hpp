@@ -17,7 +17,7 @@ class ReferenceObjects {
   ReferenceObjects& operator=(const ReferenceObjects&) = delete;
   ~ReferenceObjects() = default;
 
-  /// What 2005h and 200Bh:01 say. The sign of the home offset is not an object.
+  /// What 2005h and 200Bh:01 say.
   void configure(drive::ReferenceSettings& settings) const;
   /// Arms the N-channel latch when 200Fh:01 was written, and shows what it holds.
   void serve_latch(drive::Axis& axis);
