@@ -195,11 +195,11 @@ void Axis::supervise(base::SimTime now) {
   watch(AxisError::following_error,
         under_power && objects_.uses_encoder() && window > 0 && std::abs(deviation) > window, now);
 
+  const bool homes = mode_->code() == ModeCode::homing;  // no limit means anything yet
   const auto upper = motion_.upper_limit();
   const auto lower = motion_.lower_limit();
-  watch(AxisError::positive_software_limit, upper && actual > *upper, now);
-  watch(AxisError::negative_software_limit, lower && actual < *lower, now);
-  const bool homes = mode_->code() == ModeCode::homing;
+  watch(AxisError::positive_software_limit, upper && actual > *upper && !homes, now);
+  watch(AxisError::negative_software_limit, lower && actual < *lower && !homes, now);
   watch(AxisError::positive_limit_switch, conditions_.positive_limit_switch && !homes, now);
   watch(AxisError::negative_limit_switch, conditions_.negative_limit_switch && !homes, now);
 }
@@ -246,9 +246,36 @@ bool Axis::warning_present() const {
 
 base::AxisActuation Axis::step(base::SimDuration duration, const base::AxisSensing& sensing) {
   encoder_count_ = sensing.encoder_count;
+  if (homing_capture_.armed() || index_latch_.armed()) [[unlikely]] {
+    capture_positions(sensing);
+  }
   motion_.advance(duration);
   return stage_.advance(motion_.ramp(), settings_, power_.bridge_enabled(), power_.brake_released(),
                         duration);
+}
+
+void Axis::capture_positions(const base::AxisSensing& sensing) {
+  const std::int64_t motor = motion_.ramp().motor_microsteps();
+  for (PositionCapture* capture : {&homing_capture_, &index_latch_}) {
+    capture->observe(sensing, settings_.reference, objects_.uses_encoder(), motor);
+  }
+}
+
+void Axis::arm_index_latch(bool armed) {
+  if (armed) {
+    index_latch_.arm_index();
+  } else {
+    index_latch_.disarm();
+  }
+}
+
+std::optional<Axis::LatchedPositions> Axis::take_index_latch() {
+  const std::optional<CapturedPosition> captured = index_latch_.take();
+  if (!captured) {
+    return std::nullopt;
+  }
+  return LatchedPositions{.demand = motion_.position_of(captured->motor_microsteps),
+                          .encoder = feedback_.position_at(captured->encoder_count)};
 }
 
 PowerInput Axis::power_input(base::SimTime now) const {
@@ -266,8 +293,10 @@ PowerInput Axis::power_input(base::SimTime now) const {
 ModeContext Axis::context(base::SimTime now) {
   return {.objects = objects_,
           .settings = settings_,
+          .conditions = conditions_,
           .motion = motion_,
           .feedback = feedback_,
+          .capture = homing_capture_,
           .now = now,
           .enabled = enabled_ && !halted_ && !mode_written_,
           .halted = halted_,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "base/axis_signals.hpp"
 #include "base/event.hpp"
@@ -12,6 +13,7 @@
 #include "drive/axis_settings.hpp"
 #include "drive/cyclic_modes.hpp"
 #include "drive/homing_mode.hpp"
+#include "drive/position_capture.hpp"
 #include "drive/position_feedback.hpp"
 #include "drive/power_state_machine.hpp"
 #include "drive/profile_modes.hpp"
@@ -56,6 +58,15 @@ class Axis {
   /// Lets `duration` pass for ramp and driver; `sensing` is what the sensors told at its begin.
   base::AxisActuation step(base::SimDuration duration, const base::AxisSensing& sensing);
 
+  /// Waits for the next index pulse of the encoder (not before 606Ah selects one), or no longer.
+  void arm_index_latch(bool armed);
+  struct LatchedPositions {
+    std::int64_t demand = 0;   ///< 6062h at the index pulse, microsteps
+    std::int64_t encoder = 0;  ///< 6064h by the encoder there, microsteps
+  };
+  /// What the latch holds, once.
+  [[nodiscard]] std::optional<LatchedPositions> take_index_latch();
+
   /// The network has left its operational state: the motor stops, the drive is disabled.
   void network_left_operational(base::SimTime now);
   /// Takes the encoder's position as demand position if 606Ah and the settings say so.
@@ -96,6 +107,7 @@ class Axis {
   void supervise(base::SimTime now);
   void watch(AxisError error, bool present, base::SimTime now);
   void update_feedback();
+  void capture_positions(const base::AxisSensing& sensing);
   void publish(base::SimTime now);
   void publish_statusword(base::SimTime now);
 
@@ -109,6 +121,8 @@ class Axis {
   AxisMotion motion_;
   PositionFeedback feedback_;
   StepperStage stage_;
+  PositionCapture homing_capture_;
+  PositionCapture index_latch_;
 
   NoMode no_mode_{ModeCode::none};
   ProfilePosition profile_position_;

@@ -60,8 +60,9 @@ std::int64_t AxisMotion::clamped(std::int64_t target) {
 }
 
 bool AxisMotion::switch_blocks(double direction) const {
-  return (direction > 0.0 && conditions_.positive_limit_switch) ||
-         (direction < 0.0 && conditions_.negative_limit_switch);
+  const PassedSwitches passed = profile_ == Profile::search ? passed_ : PassedSwitches{};
+  return (direction > 0.0 && conditions_.positive_limit_switch && !passed.positive_limit) ||
+         (direction < 0.0 && conditions_.negative_limit_switch && !passed.negative_limit);
 }
 
 bool AxisMotion::limit_blocks(double direction) const {
@@ -85,6 +86,14 @@ control::RampLimits AxisMotion::velocity_limits() const {
   return {.velocity = kMaximumVelocity,
           .acceleration = acceleration(objects_.profile_acceleration.get()),
           .deceleration = acceleration(objects_.profile_deceleration.get())};
+}
+
+control::RampLimits AxisMotion::search_limits(double velocity) const {
+  const double acceleration = std::min(
+      settings_.units.acceleration(objects_.homing_acceleration.get()), kMaximumAcceleration);
+  return {.velocity = std::min(velocity, kMaximumVelocity),
+          .acceleration = acceleration,
+          .deceleration = acceleration};
 }
 
 std::int64_t AxisMotion::move_to(std::int64_t target) {
@@ -124,13 +133,38 @@ void AxisMotion::follow_velocity(double velocity) {
                         objects_.interpolation_period());
 }
 
+bool AxisMotion::search_blocked(double direction, const PassedSwitches& passed) {
+  profile_ = Profile::search;
+  passed_ = passed;
+  limited_ = switch_blocks(direction);
+  if (limited_ && ramp_.mode() != control::RampMode::stop) {
+    ramp_.stop(settings_.stop_deceleration);
+  }
+  return limited_;
+}
+
+void AxisMotion::search_at_velocity(double velocity, const PassedSwitches& passed) {
+  if (!search_blocked(velocity, passed)) {
+    ramp_.move_at_velocity(velocity, search_limits(kMaximumVelocity));
+  }
+}
+
+void AxisMotion::search_to(std::int64_t target, double velocity, const PassedSwitches& passed) {
+  if (!search_blocked(static_cast<double>(target - position()), passed)) {
+    ramp_.move_to(target, search_limits(velocity));
+  }
+}
+
 void AxisMotion::brake(Braking braking) {
+  const double slow_down = profile_ == Profile::search
+                               ? search_limits(kMaximumVelocity).deceleration
+                               : velocity_limits().deceleration;
   profile_ = Profile::none;
   switch (braking) {
     case Braking::none:
       break;
     case Braking::slow_down_ramp:
-      ramp_.stop(velocity_limits().deceleration);
+      ramp_.stop(slow_down);
       break;
     case Braking::quick_stop_ramp:
       ramp_.stop(settings_.units.acceleration(objects_.quick_stop_deceleration.get()));
@@ -159,8 +193,9 @@ void AxisMotion::supervise(base::SimDuration period) {
 }
 
 void AxisMotion::stop_before_software_limit(base::SimDuration period) {
-  const bool runs_free = ramp_.mode() == control::RampMode::velocity ||
-                         ramp_.mode() == control::RampMode::follow_velocity;
+  const bool runs_free =
+      profile_ != Profile::search && (ramp_.mode() == control::RampMode::velocity ||
+                                      ramp_.mode() == control::RampMode::follow_velocity);
   const double speed = velocity() < 0.0 ? -velocity() : velocity();
   const auto limit = velocity() > 0.0 ? upper_limit() : lower_limit();
   if (!runs_free || speed == 0.0 || !limit) {

@@ -10,6 +10,12 @@
 
 namespace stator::drive {
 
+/// Limit switches that a homing motion may pass.
+struct PassedSwitches {
+  bool negative_limit = false;
+  bool positive_limit = false;
+};
+
 /// What the modes of operation may do with the motor: every set-point passes here, where software
 /// position limits (607Dh) and limit switches hold for all modes.
 ///
@@ -37,8 +43,13 @@ class AxisMotion {
   /// Interpolates to a cyclic target within 60C2h; clamped to the software limits.
   void follow_position(std::int64_t target);
   void follow_velocity(double velocity);
+  /// Homing: takes up `velocity` (pps) with 609Ah. Software limits do not hold, for the position
+  /// means nothing yet; a limit switch that may not be passed stops the motor.
+  void search_at_velocity(double velocity, const PassedSwitches& passed);
+  /// Homing: travels to `target` in the same way; `velocity` is not negative.
+  void search_to(std::int64_t target, double velocity, const PassedSwitches& passed);
 
-  /// Brakes with 6084h, 6085h or at once.
+  /// Brakes on the slow-down ramp (6084h, after a homing motion 609Ah), with 6085h or at once.
   void brake(Braking braking);
   /// Renames the present position; a motion under way ends at once.
   void set_position(std::int64_t microsteps) { ramp_.set_position(microsteps); }
@@ -50,6 +61,10 @@ class AxisMotion {
 
   [[nodiscard]] const control::RampGenerator& ramp() const { return ramp_; }
   [[nodiscard]] std::int64_t position() const { return ramp_.position().microsteps; }
+  /// The position at which the motor had made `motor_microsteps` since power-on.
+  [[nodiscard]] std::int64_t position_of(std::int64_t motor_microsteps) const {
+    return position() - (ramp_.motor_microsteps() - motor_microsteps);
+  }
   [[nodiscard]] double velocity() const { return ramp_.velocity(); }
   [[nodiscard]] bool at_rest() const { return ramp_.at_rest(); }
   /// A software limit or a limit switch holds back what was commanded last.
@@ -67,16 +82,19 @@ class AxisMotion {
   [[nodiscard]] bool limit_blocks(double direction) const;
   [[nodiscard]] control::RampLimits profile_limits() const;
   [[nodiscard]] control::RampLimits velocity_limits() const;
+  [[nodiscard]] control::RampLimits search_limits(double velocity) const;
+  [[nodiscard]] bool search_blocked(double direction, const PassedSwitches& passed);
   void stop_before_software_limit(base::SimDuration period);
 
   const AxisObjects& objects_;
   const AxisSettings& settings_;
   /// Which limits a change of the profile objects alters in flight.
-  enum class Profile : std::uint8_t { none, positioning, velocity };
+  enum class Profile : std::uint8_t { none, positioning, velocity, search };
 
   const AxisConditions& conditions_;
   control::RampGenerator ramp_;
   Profile profile_ = Profile::none;
+  PassedSwitches passed_;  ///< in Profile::search
   bool limited_ = false;
 };
 

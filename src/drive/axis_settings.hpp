@@ -6,6 +6,7 @@
 #include "control/coil_current_selector.hpp"
 #include "drive/motion_units.hpp"
 #include "drive/power_state_machine.hpp"
+#include "drive/reference_switches.hpp"
 
 namespace stator::drive {
 
@@ -19,6 +20,7 @@ struct AxisSettings {
   double stop_deceleration = 0.0;     ///< pps/s at a limit switch; 0 stops hard
   bool encoder_reversed = false;      ///< the encoder counts against the motor
   bool position_from_encoder = true;  ///< the demand position starts at the encoder's position
+  ReferenceSettings reference;
   control::CoilCurrentSettings currents;
   double full_scale_current = 3.0;  ///< A, peak of a coil at 100 %
   bool chopper_enabled = true;      ///< false: the bridge stays off, the motor free-wheels
@@ -30,6 +32,16 @@ struct AxisConditions {
   bool supply_present = true;
   bool negative_limit_switch = false;  ///< pressed, after polarity; false if not used
   bool positive_limit_switch = false;
+  bool home_switch = false;
+
+  void set_switches(const SwitchStates& pressed) {
+    negative_limit_switch = pressed.negative_limit;
+    positive_limit_switch = pressed.positive_limit;
+    home_switch = pressed.home;
+  }
+  [[nodiscard]] SwitchStates switches() const {
+    return {negative_limit_switch, positive_limit_switch, home_switch};
+  }
 };
 
 }  // namespace stator::drive

@@ -1,20 +1,63 @@
 #pragma once
 
+#include <cstdint>
+
+#include "drive/homing_methods.hpp"
 #include "drive/operating_mode.hpp"
 
 namespace stator::drive {
 
-/// Homing (CiA 402-2 §11) as far as it needs no motion: method 35, present position = home, which
-/// works in every power state. With the other methods the motor stands still.
+/// Homing (CiA 402-2 §11). Controlword bit 4 is a level: 1 runs the method of 6098h once, 0 stops
+/// it; halt is not looked at. A method that moves needs an enabled drive, method 35 does not.
+///
+/// The switch is searched with 6099h:01. Once it is pressed the motor turns round with 609Ah and
+/// leaves it with 6099h:02, where PositionCapture holds the point; an edge passed faster does not
+/// count, the switch is searched again. The motor then stops, goes back to the point and stands on
+/// home, and the positions become relative to it: -607Ch there.
+///
+/// Statusword bits 10 and 12: both 0 while homing runs, both 1 on home, 10 alone when homing was
+/// stopped before and the motor stands.
 class Homing final : public OperatingMode {
  public:
   [[nodiscard]] ModeCode code() const override { return ModeCode::homing; }
+  void enter(const ModeContext& context) override;
+  void start(const ModeContext& context) override;
   void on_controlword(const ModeContext& context, std::uint16_t previous,
                       std::uint16_t present) override;
+  void tick(const ModeContext& context) override;
   [[nodiscard]] std::uint16_t status(const ModeContext& context) const override;
 
  private:
-  bool attained_ = false;
+  enum class Stage : std::uint8_t {
+    waiting,    ///< for bit 4
+    searching,  ///< fast, for the switch
+    leaving,    ///< slowly, for the point where the switch is released, and for the index behind
+    indexing,   ///< slowly, for the index alone
+    returning,  ///< to the point held
+    done,       ///< until bit 4 is 0
+  };
+  enum class Outcome : std::uint8_t { none, running, interrupted, attained };
+
+  [[nodiscard]] bool runs() const { return outcome_ == Outcome::running; }
+  void begin(const ModeContext& context);
+  void interrupt(const ModeContext& context);
+  void search(const ModeContext& context);
+  void leave(const ModeContext& context);
+  void await_capture(const ModeContext& context);
+  void command_motion(const ModeContext& context) const;
+  void finish(const ModeContext& context);
+
+  [[nodiscard]] bool pressed(const ModeContext& context) const;
+  [[nodiscard]] bool limit_reached(const ModeContext& context) const;
+  [[nodiscard]] bool travels_forward(const ModeContext& context) const;
+  [[nodiscard]] bool slow_enough(const ModeContext& context) const;
+  [[nodiscard]] std::int64_t captured_position(const ModeContext& context) const;
+
+  const HomingMethod* method_ = nullptr;  ///< in force while running
+  Stage stage_ = Stage::waiting;
+  Outcome outcome_ = Outcome::none;
+  int direction_ = 0;         ///< of travel, 1 or -1
+  bool was_pressed_ = false;  ///< leaving: in the control period before
 };
 
 }  // namespace stator::drive

@@ -6,6 +6,7 @@
 #include "drive/axis_motion.hpp"
 #include "drive/axis_objects.hpp"
 #include "drive/axis_settings.hpp"
+#include "drive/position_capture.hpp"
 #include "drive/position_feedback.hpp"
 
 namespace stator::drive {
@@ -25,8 +26,10 @@ enum class ModeCode : std::int8_t {
 struct ModeContext {
   const AxisObjects& objects;
   const AxisSettings& settings;
+  const AxisConditions& conditions;
   AxisMotion& motion;
   PositionFeedback& feedback;
+  PositionCapture& capture;
   base::SimTime now;
   bool enabled = false;
   bool halted = false;

@@ -19,10 +19,6 @@ void PositionFeedback::update(std::int64_t count, base::SimDuration period) {
               static_cast<double>(increments_) * (reversed_ ? -1.0 : 1.0);
 }
 
-void PositionFeedback::set_position(std::int64_t microsteps) {
-  offset_ = microsteps - scaled(count_);
-}
-
 std::int64_t PositionFeedback::scaled(std::int64_t count) const {
   // Whole revolutions apart from the rest: neither product leaves 64 bits.
   const std::int64_t forward = reversed_ ? -count : count;

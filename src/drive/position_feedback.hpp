@@ -17,10 +17,17 @@ class PositionFeedback {
   /// Takes the count of this control period; the velocity is the mean over the last kWindow ones.
   void update(std::int64_t count, base::SimDuration period);
   /// Names the present position `microsteps`.
-  void set_position(std::int64_t microsteps);
+  void set_position(std::int64_t microsteps) { set_position_at(count_, microsteps); }
+  /// Names the position at `count` of the encoder `microsteps`.
+  void set_position_at(std::int64_t count, std::int64_t microsteps) {
+    offset_ = microsteps - scaled(count);
+  }
 
   /// Microsteps, rounded to the nearest.
-  [[nodiscard]] std::int64_t position() const { return scaled(count_) + offset_; }
+  [[nodiscard]] std::int64_t position() const { return position_at(count_); }
+  [[nodiscard]] std::int64_t position_at(std::int64_t count) const {
+    return scaled(count) + offset_;
+  }
   [[nodiscard]] double velocity() const { return velocity_; }  ///< pps
 
  private:

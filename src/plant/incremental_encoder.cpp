@@ -81,7 +81,8 @@ std::int64_t IncrementalEncoder::index_count(const EncoderState& state) const {
 }
 
 bool IncrementalEncoder::index(const EncoderState& state) const {
-  return parameters_.counts_per_revolution > 0 && state.absolute == state.index_below;
+  return parameters_.counts_per_revolution > 0 &&
+         (state.absolute == state.index_below) != parameters_.index_active_low;
 }
 
 }  // namespace stator::plant

@@ -13,7 +13,8 @@ struct EncoderParameters {
   double offset =
       0.5;  ///< counts the disc is turned against the shaft; 0.5: full steps lie mid-count
   std::int64_t index_position =
-      0;  ///< count within the revolution at which N is high (1 count wide)
+      0;  ///< count within the revolution at which N is active (1 count wide)
+  bool index_active_low = false;  ///< N is low at its pulse and high elsewhere
 };
 
 /// Absolute counts are those of the disc; the counter of a drive starts at 0 at power-on.

@@ -4,7 +4,8 @@
 
 namespace stator::plant {
 
-/// A limit or home switch pressed by a cam while the shaft is within a range of positions.
+/// A limit or home switch pressed by a cam while the shaft is within a range of positions, or by
+/// hand.
 struct PositionSwitch {
   bool fitted = false;
   double pressed_from = -std::numeric_limits<double>::infinity();  ///< revolutions, inclusive
@@ -25,13 +26,14 @@ struct PositionSwitch {
     return {.fitted = true, .pressed_from = from, .pressed_to = to};
   }
 
-  /// Input level with the shaft at `revolutions`, true = high.
-  [[nodiscard]] constexpr bool level(double revolutions) const {
+  /// Input level with the shaft at `revolutions`, true = high. Where no switch is fitted, a hand
+  /// holds a wire that takes the open input to its other level.
+  [[nodiscard]] constexpr bool level(double revolutions, bool by_hand = false) const {
     if (!fitted) {
-      return level_if_not_fitted;
+      return by_hand != level_if_not_fitted;
     }
-    const bool pressed = revolutions >= pressed_from && revolutions <= pressed_to;
-    return pressed != normally_closed;
+    const bool by_cam = revolutions >= pressed_from && revolutions <= pressed_to;
+    return (by_cam || by_hand) != normally_closed;
   }
 };
 

@@ -87,9 +87,9 @@ base::AxisSensing StepperAxis::sense() const {
   sensing.encoder_index = encoder_.index(state_.encoder);
   sensing.encoder_index_passages = state_.encoder.index_passages;
   sensing.encoder_index_count = encoder_.index_count(state_.encoder);
-  sensing.left_switch = parameters_.left_switch.level(revolutions);
-  sensing.right_switch = parameters_.right_switch.level(revolutions);
-  sensing.home_switch = parameters_.home_switch.level(revolutions);
+  sensing.left_switch = parameters_.left_switch.level(revolutions, state_.left_by_hand);
+  sensing.right_switch = parameters_.right_switch.level(revolutions, state_.right_by_hand);
+  sensing.home_switch = parameters_.home_switch.level(revolutions, state_.home_by_hand);
   sensing.supply_voltage = state_.supply_voltage;
   return sensing;
 }

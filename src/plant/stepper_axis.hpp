@@ -34,6 +34,9 @@ struct StepperAxisState {
   HoldingBrakeState brake;
   double supply_voltage = 24.0;  ///< V
   double external_torque = 0.0;  ///< N m on the shaft, positive = forward
+  bool left_by_hand = false;     ///< a hand presses the switch
+  bool right_by_hand = false;
+  bool home_by_hand = false;
 };
 
 /// What a laboratory would measure; for recording.
@@ -75,6 +78,11 @@ class StepperAxis {
     settled_ = false;
   }
 
+  /// Presses a switch by hand, or lets it go; its cam presses it all the same.
+  void press_left_switch(bool pressed) { press(state_.left_by_hand, pressed); }
+  void press_right_switch(bool pressed) { press(state_.right_by_hand, pressed); }
+  void press_home_switch(bool pressed) { press(state_.home_by_hand, pressed); }
+
   [[nodiscard]] const StepperAxisParameters& parameters() const { return parameters_; }
   [[nodiscard]] const StepperAxisState& state() const { return state_; }
   void restore(const StepperAxisState& state) {
@@ -83,6 +91,10 @@ class StepperAxis {
   }
 
  private:
+  void press(bool& by_hand, bool pressed) {
+    by_hand = pressed;
+    settled_ = false;
+  }
   void regulate_and_integrate(const base::AxisActuation& actuation, double step);
 
   StepperAxisParameters parameters_;

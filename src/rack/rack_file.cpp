@@ -46,6 +46,8 @@ void read_product(TomlSection& section, devices::Tmcm3315Configuration& configur
   }
   configuration.firmware_erase_time = section.duration("firmware_erase_time", 0_us, 60_s)
                                           .value_or(configuration.firmware_erase_time);
+  configuration.home_offset_is_position =
+      section.boolean("home_offset_is_position").value_or(configuration.home_offset_is_position);
   std::vector<TomlSection> axes = section.sections("axis");
   if (axes.size() > configuration.axes.size()) {
     section.fail("axis", fmt::format("{} axes are given, the device has {}", axes.size(),

@@ -71,6 +71,7 @@ void read_encoder(TomlSection section, plant::EncoderParameters& encoder) {
   set(section, "offset", -1e9, 1e9, encoder.offset);
   encoder.index_position =
       section.integer("index_position", 0, 1 << 24).value_or(encoder.index_position);
+  encoder.index_active_low = section.boolean("index_active_low").value_or(encoder.index_active_low);
   section.finish();
 }
 

@@ -56,6 +56,38 @@ TEST_F(Tmcm3315Module, ProfileVelocityExampleRunsAsWritten) {
   EXPECT_EQ(statusword() & 0x4000, 0);
 }
 
+TEST_F(Tmcm3315Module, HomingExampleRunsAsWritten) {
+  go_operational();
+  write<std::uint32_t>(0x609A, 500'000);  // the example leaves it 0: no motion
+  write<std::int8_t>(0x6060, 6);
+  EXPECT_EQ(bus_->upload<std::int8_t>(0x6061), 6);
+  control(0, 6);
+  EXPECT_EQ(statusword() & 0x006F, 0x0021);
+  control(0, 7);
+  EXPECT_EQ(statusword() & 0x006F, 0x0023);
+  control(0, 15);
+  EXPECT_EQ(statusword() & 0x006F, 0x0027);
+  write<std::int8_t>(0x6098, 19);
+  write<std::uint32_t>(0x6099, 50'000, 1);
+  write<std::uint32_t>(0x6099, 10'000, 2);
+  control(0, 31);
+  bus_->pass(500_ms);
+  EXPECT_EQ(statusword() & 0x5400, 0x4000) << "searching";
+  EXPECT_EQ(signal("axis0.velocity_demand"), 50'000.0);
+  set_input("axis0.home_switch", 1.0);
+  bus_->pass(500_ms);
+  EXPECT_EQ(signal("axis0.velocity_demand"), -10'000.0) << "leaving the switch";
+  const double released = shaft_microsteps();
+  set_input("axis0.home_switch", 0.0);
+  bus_->pass(100_ms);
+  EXPECT_EQ(statusword() & 0x5400, 0x1400) << "on home";
+  EXPECT_NEAR(shaft_microsteps(), released, 12.0);
+  EXPECT_EQ(bus_->upload<std::int32_t>(0x6064), 0);
+  control(0, 15);
+  EXPECT_EQ(statusword() & 0x146F, 0x1427);
+  EXPECT_EQ(bus_->upload<std::int8_t>(0x6061), 6) << "the mode stays";
+}
+
 TEST_F(Tmcm3315Module, IdentityReadsAsTheDocumentPrintsIt) {
   bus_->bring_to(AlState::pre_operational);
   EXPECT_EQ(bus_->upload<std::uint32_t>(0x1000), 0xFFFC0192U);

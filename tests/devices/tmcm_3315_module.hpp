@@ -72,6 +72,15 @@ class Tmcm3315Module : public testing::Test {
     ADD_FAILURE() << "no signal " << name;
     return 0.0;
   }
+  void set_input(const std::string& name, double value) {
+    for (const Input& candidate : device_->inputs()) {
+      if (candidate.name == name) {
+        candidate.set(value);
+        return;
+      }
+    }
+    ADD_FAILURE() << "no input " << name;
+  }
   double shaft_microsteps(unsigned motor = 0) {
     return signal("axis" + std::to_string(motor) + ".shaft_position") * kMicrostepsPerRevolution;
   }

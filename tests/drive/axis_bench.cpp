@@ -122,6 +122,7 @@ void AxisBench::write(std::uint16_t index, std::uint8_t subindex, std::int64_t v
   dictionary::Entry& entry = *dictionary.find(index, subindex);
   ASSERT_TRUE(dictionary.write(entry, std::span(data).first(entry.size()),
                                {dictionary::NetworkState::operational}));
+  read_switches();
   axis->apply(now);
 }
 
@@ -130,15 +131,42 @@ void AxisBench::pass(base::SimDuration duration) {
     actuation = axis->step(kStep, sensing_);
     const std::int64_t motor = axis->motion().ramp().motor_microsteps();
     if (!blocked) {
-      sensing_.encoder_count += motor - microsteps_seen_;
+      turn_shaft(motor - microsteps_seen_);
     }
     microsteps_seen_ = motor;
+    read_switches();
     now += kStep;
     if (++steps_to_tick_ == kStepsPerTick) {
       steps_to_tick_ = 0;
       axis->tick(now);
     }
   }
+}
+
+void AxisBench::turn_shaft(std::int64_t microsteps) {
+  const std::int64_t way = microsteps < 0 ? -1 : 1;
+  for (; microsteps != 0; microsteps -= way) {
+    sensing_.encoder_count += way;
+    sensing_.encoder_index =
+        index_mark && (sensing_.encoder_count - *index_mark) % kCountsPerRevolution == 0;
+    if (sensing_.encoder_index) {
+      ++sensing_.encoder_index_passages;
+      sensing_.encoder_index_count = sensing_.encoder_count;
+    }
+  }
+}
+
+void AxisBench::read_switches() {
+  if (!left_switch && !right_switch && !home_switch) {
+    return;
+  }
+  const auto on = [this](const std::optional<Cam>& cam) {
+    return cam && shaft() >= cam->from && shaft() <= cam->to;
+  };
+  sensing_.left_switch = on(left_switch);
+  sensing_.right_switch = on(right_switch);
+  sensing_.home_switch = on(home_switch);
+  axis->conditions().set_switches(axis->settings().reference.switches.pressed(sensing_));
 }
 
 void AxisBench::set_profile(std::int64_t velocity, std::int64_t acceleration,

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,7 @@
 namespace stator::drive {
 
 /// A CiA 402 axis with the objects it needs and an ideal motor: the encoder follows the set-point
-/// unless the shaft is blocked.
+/// unless the shaft is blocked, and switches and index marks may be fitted along its way.
 class AxisBench : public base::EventSink {
  public:
   static constexpr std::int64_t kCountsPerRevolution = 51'200;  // one count per microstep
@@ -32,6 +33,10 @@ class AxisBench : public base::EventSink {
   void place(std::uint16_t index, std::int64_t value);
   [[nodiscard]] std::int64_t read(std::uint16_t index, std::uint8_t subindex = 0) const {
     return dictionary.find(index, subindex)->signed_value();
+  }
+  /// 6062h, 6063h and 6064h show `position`.
+  [[nodiscard]] bool all_positions_are(std::int64_t position) const {
+    return read(0x6062) == position && read(0x6063) == position && read(0x6064) == position;
   }
   [[nodiscard]] bool status(std::uint16_t bit) const {
     return (static_cast<std::uint16_t>(read(0x6041)) & bit) != 0;
@@ -55,7 +60,22 @@ class AxisBench : public base::EventSink {
   bool blocked = false;  ///< the shaft does not turn
   base::AxisActuation actuation;
 
+  /// Pressed from..to, microsteps since power-on, both inclusive.
+  struct Cam {
+    std::int64_t from;
+    std::int64_t to;
+  };
+  std::optional<Cam> left_switch;
+  std::optional<Cam> right_switch;
+  std::optional<Cam> home_switch;
+  std::optional<std::int64_t> index_mark;  ///< one of the marks, microsteps since power-on
+  /// Where the shaft stands, microsteps since power-on.
+  [[nodiscard]] std::int64_t shaft() const { return sensing_.encoder_count; }
+
  private:
+  void turn_shaft(std::int64_t microsteps);
+  void read_switches();
+
   base::AxisSensing sensing_;
   std::int64_t microsteps_seen_ = 0;
   int steps_to_tick_ = 0;

@@ -53,6 +53,7 @@ emergencies = false
 require_outputs = true
 identification = 5
 firmware_erase_time = "200ms"
+home_offset_is_position = true
 )",
                                                  "test.toml");
   EXPECT_EQ(rack.state, "kept");
@@ -60,12 +61,14 @@ firmware_erase_time = "200ms"
   EXPECT_TRUE(module_of(rack).require_outputs);
   EXPECT_EQ(module_of(rack).identification, 5);
   EXPECT_EQ(module_of(rack).firmware_erase_time, 200_ms);
+  EXPECT_TRUE(module_of(rack).home_offset_is_position);
   const RackConfiguration plain = parse_rack_file(kMinimal, "test.toml");
   EXPECT_EQ(plain.state, "");
   EXPECT_TRUE(module_of(plain).emergencies);
   EXPECT_FALSE(module_of(plain).require_outputs);
   EXPECT_FALSE(module_of(plain).identification);
   EXPECT_EQ(module_of(plain).firmware_erase_time, 0_ms);
+  EXPECT_FALSE(module_of(plain).home_offset_is_position);
 }
 
 TEST(RackFile, BrakeAndOpenInputsArriveWhereTheyBelong) {

@@ -12,18 +12,6 @@ using base::EventRule;
 using base::Severity;
 using dictionary::Entry;
 
-/// Bits of 2005h (document L748-L753).
-constexpr std::uint32_t kLeftOff = 1U << 0;
-constexpr std::uint32_t kRightOff = 1U << 1;
-constexpr std::uint32_t kLeftInverted = 1U << 2;
-constexpr std::uint32_t kRightInverted = 1U << 3;
-constexpr std::uint32_t kHomeInverted = 1U << 5;
-
-/// Bits of 60FDh as CiA 402 allocates them; the document leaves them open.
-constexpr std::uint32_t kLeft = 1U << 0;
-constexpr std::uint32_t kRight = 1U << 1;
-constexpr std::uint32_t kHome = 1U << 2;
-
 constexpr std::uint8_t kInternalUnits = 0;            // of 208Ch and 208Eh
 constexpr std::uint8_t kPulsesPerSquareSecond = 179;  // of 208Eh
 
@@ -57,7 +45,6 @@ AxisManufacturerObjects::AxisManufacturerObjects(const dictionary::Dictionary& d
   bind(brake_release_delay, 0x2002, 2);
   bind(run_current, 0x2003);
   bind(standby_current, 0x2004);
-  bind(switches, 0x2005);
   bind(enable_delay, 0x200A);
   bind(encoder_reversed, 0x200B, 2);
   bind(position_from_encoder, 0x200B, 3);
@@ -86,6 +73,7 @@ AxisUnit::AxisUnit(dictionary::Dictionary& dictionary, std::uint8_t number,
       full_scale_current_(full_scale_current),
       reporter_(reporter),
       objects_(dictionary, manufacturer_offset(number), profile_offset(number)),
+      reference_(dictionary, manufacturer_offset(number)),
       plant_(plant),
       sensing_(plant_.sense()) {
   const auto own = [number](unsigned index) {
@@ -146,12 +134,9 @@ void AxisUnit::configure() {
   settings.full_scale_current = full_scale_current_;
   settings.chopper_enabled = objects_.chopper_off_time.get() != 0;
 
-  const std::uint32_t bits = objects_.switches.get();
-  drive::AxisConditions& conditions = axis_->conditions();
-  conditions.negative_limit_switch =
-      (bits & kLeftOff) == 0 && sensing_.left_switch != ((bits & kLeftInverted) != 0);
-  conditions.positive_limit_switch =
-      (bits & kRightOff) == 0 && sensing_.right_switch != ((bits & kRightInverted) != 0);
+  reference_.configure(settings.reference);
+  settings.reference.home_offset_is_position = home_offset_is_position_;
+  axis_->conditions().set_switches(settings.reference.switches.pressed(sensing_));
 }
 
 bool AxisUnit::apply(base::SimTime now) {
@@ -175,12 +160,9 @@ std::optional<std::uint8_t> AxisUnit::brake_feed() const {
 void AxisUnit::tick(base::SimTime now, std::uint32_t general_inputs) {
   configure();
   axis_->tick(now);
-  const std::uint32_t bits = objects_.switches.get();
-  std::uint32_t inputs = general_inputs;
-  inputs |= sensing_.left_switch != ((bits & kLeftInverted) != 0) ? kLeft : 0U;
-  inputs |= sensing_.right_switch != ((bits & kRightInverted) != 0) ? kRight : 0U;
-  inputs |= sensing_.home_switch != ((bits & kHomeInverted) != 0) ? kHome : 0U;
-  objects_.digital_inputs.set(inputs);
+  reference_.serve_latch(*axis_);
+  objects_.digital_inputs.set(general_inputs | ReferenceObjects::digital_inputs(
+                                                   axis_->settings().reference.switches, sensing_));
 }
 
 void AxisUnit::set_network_operational(bool operational, base::SimTime now) {
@@ -290,6 +272,9 @@ void AxisUnit::append_inputs(std::vector<Input>& inputs) {
   using Set = base::Delegate<void(double)>;
   add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&AxisUnit::set_load_torque>(*this));
   add("supply_voltage", "V", 0.0, 100.0, Set::bind<&AxisUnit::set_supply_voltage>(*this));
+  add("left_switch", "", 0.0, 1.0, Set::bind<&AxisUnit::press_left_switch>(*this));
+  add("right_switch", "", 0.0, 1.0, Set::bind<&AxisUnit::press_right_switch>(*this));
+  add("home_switch", "", 0.0, 1.0, Set::bind<&AxisUnit::press_home_switch>(*this));
 }
 
 }  // namespace stator::devices::tmcm_3315

@@ -11,6 +11,7 @@
 #include "base/sim_time.hpp"
 #include "devices/input.hpp"
 #include "devices/signal.hpp"
+#include "devices/tmcm_3315/reference_objects.hpp"
 #include "dictionary/dictionary.hpp"
 #include "drive/axis.hpp"
 #include "plant/stepper_axis.hpp"
@@ -28,7 +29,6 @@ struct AxisManufacturerObjects {
   dictionary::Variable<std::uint16_t> brake_release_delay;          // 2002h:02, ms
   dictionary::Variable<std::uint8_t> run_current;                   // 2003h
   dictionary::Variable<std::uint8_t> standby_current;               // 2004h
-  dictionary::Variable<std::uint32_t> switches;                     // 2005h
   dictionary::Variable<std::uint16_t> enable_delay;                 // 200Ah, ms
   dictionary::Variable<std::uint8_t> encoder_reversed;              // 200Bh:02
   dictionary::Variable<std::uint8_t> position_from_encoder;         // 200Bh:03
@@ -60,6 +60,9 @@ class AxisUnit {
 
   /// The firmware starts anew; the world goes on.
   void restart(base::SimTime now);
+
+  /// The sign of the home offset, see Tmcm3315Configuration.
+  void set_home_offset_is_position(bool position) { home_offset_is_position_ = position; }
 
   /// Obeys what was written since the last call; cheap when nothing was, which it returns as false.
   bool apply(base::SimTime now);
@@ -120,12 +123,17 @@ class AxisUnit {
 
   void set_load_torque(double torque) { plant_.set_external_torque(torque); }
   void set_supply_voltage(double voltage) { plant_.set_supply_voltage(voltage); }
+  void press_left_switch(double pressed) { plant_.press_left_switch(pressed != 0.0); }
+  void press_right_switch(double pressed) { plant_.press_right_switch(pressed != 0.0); }
+  void press_home_switch(double pressed) { plant_.press_home_switch(pressed != 0.0); }
 
   dictionary::Dictionary& dictionary_;
   std::uint8_t number_;
   double full_scale_current_;
+  bool home_offset_is_position_ = false;
   base::EventReporter reporter_;
   AxisManufacturerObjects objects_;
+  ReferenceObjects reference_;
   plant::StepperAxis plant_;
   base::AxisSensing sensing_;
   bool brake_coil_releases_ = false;  ///< set_brake_coil() says it with the first duty

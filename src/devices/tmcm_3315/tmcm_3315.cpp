@@ -97,6 +97,7 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
         for (std::uint8_t n = 0; n < tmcm_3315::kAxisCount; ++n) {
           axes[n] = std::make_unique<AxisUnit>(dictionary_, n, configuration.axes[n],
                                                configuration.full_scale_current, reporter);
+          axes[n]->set_home_offset_is_position(configuration.home_offset_is_position);
         }
         return axes;
       }()),

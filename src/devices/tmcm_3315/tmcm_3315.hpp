@@ -37,6 +37,9 @@ struct Tmcm3315Configuration {
   std::optional<std::uint16_t> identification;
   /// How long a firmware download waits for the flash to be erased.
   base::SimDuration firmware_erase_time;
+  /// At home the position becomes the home offset 607Ch, as on many drives, instead of its
+  /// negative.
+  bool home_offset_is_position = false;
   /// Ethernet over EtherCAT, which the module does not have: its document names CoE and FoE only.
   bool ethernet_over_ethercat = false;
 };
