@@ -38,6 +38,16 @@ class AxisMotion {
   void follow_position(std::int64_t target);
   void follow_velocity(double velocity);
 
+  /// cst: `amperes` of phase current (signed) at the largest load angle instead of a set-point. At
+  /// a limit the axis brakes and holds its position until the torque points away from it.
+  void apply_torque(double amperes);
+  /// The torque in force; none while set-points are.
+  [[nodiscard]] std::optional<double> torque() const { return torque_; }
+  /// While a torque is in force the set-point follows the rotor, which is `deviation` microsteps
+  /// behind and turns with `velocity` (pps): whatever comes next starts from where the motor is.
+  /// Call every control period.
+  void follow_rotor(double deviation, double velocity);
+
   /// Brakes with 6084h, 6085h or at once.
   void brake(Braking braking);
   /// Renames the present position; a motion under way ends at once.
@@ -68,6 +78,12 @@ class AxisMotion {
   [[nodiscard]] control::RampLimits profile_limits() const;
   [[nodiscard]] control::RampLimits velocity_limits() const;
   void stop_before_software_limit(base::SimDuration period);
+  void end_torque() {
+    torque_.reset();
+    held_direction_ = 0.0;
+  }
+  /// A limit ends the torque in force.
+  void hold_against(double direction);
 
   const AxisObjects& objects_;
   const AxisSettings& settings_;
@@ -78,6 +94,8 @@ class AxisMotion {
   control::RampGenerator ramp_;
   Profile profile_ = Profile::none;
   bool limited_ = false;
+  std::optional<double> torque_;  ///< A
+  double held_direction_ = 0.0;   ///< of the torque that ran into a limit, 0 = none
 };
 
 }  // namespace stator::drive

@@ -86,6 +86,7 @@ AxisUnit::AxisUnit(dictionary::Dictionary& dictionary, std::uint8_t number,
       full_scale_current_(full_scale_current),
       reporter_(reporter),
       objects_(dictionary, manufacturer_offset(number), profile_offset(number)),
+      closed_loop_objects_(dictionary, manufacturer_offset(number)),
       plant_(plant),
       sensing_(plant_.sense()) {
   const auto own = [number](unsigned index) {
@@ -143,6 +144,7 @@ void AxisUnit::configure() {
       .standby = objects_.standby_current.get(),
       .boost = objects_.boost_current.get(),
       .standby_delay = milliseconds(std::int64_t{10} * objects_.standby_delay.get())};
+  closed_loop_objects_.configure(settings);
   settings.full_scale_current = full_scale_current_;
   settings.chopper_enabled = objects_.chopper_off_time.get() != 0;
   settings.automatic_brake =
@@ -166,6 +168,7 @@ void AxisUnit::apply(base::SimTime now) {
 void AxisUnit::tick(base::SimTime now, std::uint32_t general_inputs) {
   configure();
   axis_->tick(now);
+  closed_loop_objects_.exchange(*axis_);
   const std::uint32_t bits = objects_.switches.get();
   std::uint32_t inputs = general_inputs;
   inputs |= sensing_.left_switch != ((bits & kLeftInverted) != 0) ? kLeft : 0U;
@@ -238,6 +241,10 @@ double AxisUnit::load_angle() const {
   return plant_.observe().load_angle * 180.0 / base::kPi;
 }
 
+double AxisUnit::current_scale() const {
+  return axis_->closed_loop().active() ? axis_->closed_loop().current_scale() / 255.0 : 1.0;
+}
+
 double AxisUnit::encoder_count() const {
   return static_cast<double>(sensing_.encoder_count);
 }
@@ -260,6 +267,8 @@ void AxisUnit::append_signals(std::vector<Signal>& signals) {
   add("torque", "Nm", Read::bind<&AxisUnit::torque>(*this));
   add("load_torque", "Nm", Read::bind<&AxisUnit::load_torque>(*this));
   add("load_angle", "deg", Read::bind<&AxisUnit::load_angle>(*this));
+  add("closed_loop", "", Read::bind<&AxisUnit::closed_loop>(*this));
+  add("current_scale", "", Read::bind<&AxisUnit::current_scale>(*this));
   add("encoder", "count", Read::bind<&AxisUnit::encoder_count>(*this));
   add("supply_voltage", "V", Read::bind<&AxisUnit::supply_voltage>(*this));
   add("controlword", "", Read::bind<&AxisUnit::controlword>(*this));

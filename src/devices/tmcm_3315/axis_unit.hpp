@@ -11,6 +11,7 @@
 #include "base/sim_time.hpp"
 #include "devices/input.hpp"
 #include "devices/signal.hpp"
+#include "devices/tmcm_3315/closed_loop_objects.hpp"
 #include "dictionary/dictionary.hpp"
 #include "drive/axis.hpp"
 #include "plant/stepper_axis.hpp"
@@ -99,6 +100,8 @@ class AxisUnit {
   [[nodiscard]] double shaft_speed() const;
   [[nodiscard]] double coil_current_a() const { return sensing_.coil_current[0]; }
   [[nodiscard]] double coil_current_b() const { return sensing_.coil_current[1]; }
+  [[nodiscard]] double closed_loop() const { return axis_->closed_loop().active() ? 1.0 : 0.0; }
+  [[nodiscard]] double current_scale() const;
   [[nodiscard]] double torque() const { return plant_.observe().electromagnetic_torque; }
   [[nodiscard]] double load_torque() const { return plant_.observe().load_torque; }
   [[nodiscard]] double load_angle() const;
@@ -116,6 +119,7 @@ class AxisUnit {
   double full_scale_current_;
   base::EventReporter reporter_;
   AxisManufacturerObjects objects_;
+  ClosedLoopObjects closed_loop_objects_;
   plant::StepperAxis plant_;
   base::AxisSensing sensing_;
   std::optional<drive::Axis> axis_;
