@@ -1,6 +1,8 @@
 #include "drive/axis.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 
 #include "drive/control_words.hpp"
@@ -30,6 +32,10 @@ constexpr std::array<EventRule, kAxisErrorCount> kErrorRules{{
      "direction only, or with the switch deactivated"},
 }};
 
+std::int16_t milliamperes(double amperes) {
+  return static_cast<std::int16_t>(std::clamp(std::floor(amperes * 1e3 + 0.5), -32768.0, 32767.0));
+}
+
 }  // namespace
 
 Axis::Axis(dictionary::Dictionary& dictionary, const AxisConfiguration& configuration,
@@ -38,14 +44,15 @@ Axis::Axis(dictionary::Dictionary& dictionary, const AxisConfiguration& configur
       reporter_(reporter),
       objects_(dictionary, configuration.profile_offset),
       power_(reporter, configuration.number),
-      motion_(objects_, settings_, conditions_) {
+      motion_(objects_, settings_, conditions_),
+      closed_loop_conditions_(reporter, configuration.number) {
   const auto at = [&](unsigned index) {
     return static_cast<std::uint16_t>(index + configuration.profile_offset);
   };
   using Hook = dictionary::Entry::WrittenHook;
   dictionary.on_written(at(0x6040), 0, Hook::bind<&Axis::note_controlword>(*this));
   dictionary.on_written(at(0x6060), 0, Hook::bind<&Axis::note_mode>(*this));
-  for (const unsigned target : {0x607AU, 0x60B0U, 0x60B1U, 0x60FFU}) {
+  for (const unsigned target : {0x6071U, 0x607AU, 0x60B0U, 0x60B1U, 0x60B2U, 0x60FFU}) {
     dictionary.on_written(at(target), 0, Hook::bind<&Axis::note_target>(*this));
   }
   update_feedback();
@@ -173,6 +180,7 @@ void Axis::initialise_position() {
 void Axis::tick(base::SimTime now) {
   update_feedback();
   feedback_.update(encoder_count_, configuration_.control_period);
+  supervise_closed_loop(now);
   apply(now);
   supervise(now);
   power_.update(power_input(now));
@@ -180,6 +188,30 @@ void Axis::tick(base::SimTime now) {
   motion_.supervise(configuration_.control_period);
   mode_->tick(context(now));
   publish(now);
+}
+
+void Axis::supervise_closed_loop(base::SimTime now) {
+  stage_.configure(settings_.closed_loop, encoder_scale(objects_, settings_));
+  closed_loop_wanted_ = closed_loop_conditions_.fulfilled(objects_, settings_, now);
+  closed_loop_conditions_.explain_torque(enabled_ &&
+                                             mode_->code() == ModeCode::cyclic_synchronous_torque &&
+                                             !stage_.closed_loop().active(),
+                                         now);
+  if (motion_.torque()) {
+    if (stage_.closed_loop().active()) {
+      follow_rotor();
+    } else {
+      motion_.brake(Braking::slow_down_ramp);
+    }
+  }
+}
+
+void Axis::follow_rotor() {
+  const unsigned shift =
+      settings_.microstep_resolution < 8 ? 8U - settings_.microstep_resolution : 0U;
+  const double microstep = 1.0 / static_cast<double>(1U << shift);
+  motion_.follow_rotor(stage_.closed_loop().deviation() * microstep,
+                       stage_.closed_loop().rotor().velocity() * microstep);
 }
 
 void Axis::update_feedback() {
@@ -193,7 +225,9 @@ void Axis::supervise(base::SimTime now) {
   const std::int64_t window = objects_.following_window.get();
   const bool under_power = power_.bridge_enabled();
   watch(AxisError::following_error,
-        under_power && objects_.uses_encoder() && window > 0 && std::abs(deviation) > window, now);
+        under_power && objects_.uses_encoder() && window > 0 && !motion_.torque() &&
+            std::abs(deviation) > window,
+        now);
 
   const bool homes = mode_->code() == ModeCode::homing;  // no limit means anything yet
   const auto upper = motion_.upper_limit();
@@ -246,11 +280,17 @@ bool Axis::warning_present() const {
 
 base::AxisActuation Axis::step(base::SimDuration duration, const base::AxisSensing& sensing) {
   encoder_count_ = sensing.encoder_count;
+  coil_current_ = sensing.coil_current;
   if (homing_capture_.armed() || index_latch_.armed()) [[unlikely]] {
     capture_positions(sensing);
   }
   motion_.advance(duration);
-  return stage_.advance(motion_.ramp(), settings_, power_.bridge_enabled(), power_.brake_released(),
+  return stage_.advance(motion_.ramp(), settings_, sensing,
+                        {.bridge_enabled = power_.bridge_enabled(),
+                         .brake_released = power_.brake_released(),
+                         .operation_enabled = enabled_,
+                         .closed_loop = closed_loop_wanted_,
+                         .torque = motion_.torque()},
                         duration);
 }
 
@@ -300,7 +340,8 @@ ModeContext Axis::context(base::SimTime now) {
           .now = now,
           .enabled = enabled_ && !halted_ && !mode_written_,
           .halted = halted_,
-          .following_error = errors_.has(AxisError::following_error)};
+          .following_error = errors_.has(AxisError::following_error),
+          .closed_loop = stage_.closed_loop().active()};
 }
 
 std::int64_t Axis::actual_position() const {
@@ -317,6 +358,7 @@ void Axis::publish(base::SimTime now) {
   objects_.position_internal.set(actual);
   objects_.position_actual.set(actual);
   objects_.velocity_actual.set(settings_.units.velocity_object(actual_velocity()));
+  objects_.torque_actual.set(milliamperes(stage_.torque_current(coil_current_)));
   publish_statusword(now);
 }
 

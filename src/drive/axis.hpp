@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -11,6 +12,7 @@
 #include "drive/axis_motion.hpp"
 #include "drive/axis_objects.hpp"
 #include "drive/axis_settings.hpp"
+#include "drive/closed_loop_conditions.hpp"
 #include "drive/cyclic_modes.hpp"
 #include "drive/homing_mode.hpp"
 #include "drive/position_capture.hpp"
@@ -18,6 +20,7 @@
 #include "drive/power_state_machine.hpp"
 #include "drive/profile_modes.hpp"
 #include "drive/stepper_stage.hpp"
+#include "drive/torque_mode.hpp"
 
 namespace stator::drive {
 
@@ -85,6 +88,10 @@ class Axis {
   [[nodiscard]] std::int64_t actual_position() const;  ///< 6064h in 64 bits, microsteps
   [[nodiscard]] double actual_velocity() const;        ///< pps
   [[nodiscard]] std::uint64_t step_count() const { return stage_.step_count(); }
+  [[nodiscard]] const control::ClosedLoopController& closed_loop() const {
+    return stage_.closed_loop();
+  }
+  void set_commutation_offset(std::int32_t offset) { stage_.set_commutation_offset(offset); }
 
  private:
   void note_controlword(const dictionary::Entry& /*entry*/) { controlword_written_ = true; }
@@ -108,6 +115,8 @@ class Axis {
   void watch(AxisError error, bool present, base::SimTime now);
   void update_feedback();
   void capture_positions(const base::AxisSensing& sensing);
+  void supervise_closed_loop(base::SimTime now);
+  void follow_rotor();
   void publish(base::SimTime now);
   void publish_statusword(base::SimTime now);
 
@@ -123,6 +132,8 @@ class Axis {
   StepperStage stage_;
   PositionCapture homing_capture_;
   PositionCapture index_latch_;
+  ClosedLoopConditions closed_loop_conditions_;
+  bool closed_loop_wanted_ = false;  ///< and possible
 
   NoMode no_mode_{ModeCode::none};
   ProfilePosition profile_position_;
@@ -130,7 +141,7 @@ class Axis {
   Homing homing_;
   CyclicPosition cyclic_position_;
   CyclicVelocity cyclic_velocity_;
-  NoMode cyclic_torque_{ModeCode::cyclic_synchronous_torque};
+  CyclicTorque cyclic_torque_;
   OperatingMode* mode_ = &no_mode_;
 
   bool controlword_written_ = false;
@@ -143,6 +154,7 @@ class Axis {
   bool negative_direction_ = false;
   std::uint32_t fault_resets_ = 0;  ///< of the state machine, as last seen
   std::int64_t encoder_count_ = 0;
+  std::array<double, 2> coil_current_{};
   AxisErrors causes_;  ///< present now
   AxisErrors errors_;  ///< present, and faults not yet reset
 };

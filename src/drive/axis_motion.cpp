@@ -1,6 +1,7 @@
 #include "drive/axis_motion.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace stator::drive {
@@ -10,6 +11,9 @@ namespace {
 // What the ramp generator chip can hold in frequency mode (TMC4361: 23 and 22 integer bits).
 constexpr double kMaximumVelocity = 8'388'607.0;      // pps
 constexpr double kMaximumAcceleration = 4'194'303.0;  // pps/s
+
+// A rotor that does not turn is followed to this many microsteps: less than a count of an encoder.
+constexpr double kStandstill = 0.5;
 
 constexpr std::int32_t kNoMinimum = std::numeric_limits<std::int32_t>::min();
 constexpr std::int32_t kNoMaximum = std::numeric_limits<std::int32_t>::max();
@@ -97,6 +101,7 @@ control::RampLimits AxisMotion::search_limits(double velocity) const {
 }
 
 std::int64_t AxisMotion::move_to(std::int64_t target) {
+  end_torque();
   const std::int64_t allowed = clamped(target);
   const auto way = static_cast<double>(allowed - position());
   if (switch_blocks(way)) {
@@ -110,12 +115,14 @@ std::int64_t AxisMotion::move_to(std::int64_t target) {
 }
 
 void AxisMotion::move_at_velocity(double velocity) {
+  end_torque();
   limited_ = switch_blocks(velocity) || limit_blocks(velocity);
   ramp_.move_at_velocity(limited_ ? 0.0 : velocity, velocity_limits());
   profile_ = Profile::velocity;
 }
 
 void AxisMotion::follow_position(std::int64_t target) {
+  end_torque();
   profile_ = Profile::none;
   const std::int64_t allowed = clamped(target);
   if (switch_blocks(static_cast<double>(allowed - position()))) {
@@ -127,6 +134,7 @@ void AxisMotion::follow_position(std::int64_t target) {
 }
 
 void AxisMotion::follow_velocity(double velocity) {
+  end_torque();
   profile_ = Profile::none;
   limited_ = switch_blocks(velocity) || limit_blocks(velocity);
   ramp_.follow_velocity(limited_ ? 0.0 : std::clamp(velocity, -kMaximumVelocity, kMaximumVelocity),
@@ -134,6 +142,7 @@ void AxisMotion::follow_velocity(double velocity) {
 }
 
 bool AxisMotion::search_blocked(double direction, const PassedSwitches& passed) {
+  end_torque();
   profile_ = Profile::search;
   passed_ = passed;
   limited_ = switch_blocks(direction);
@@ -155,11 +164,43 @@ void AxisMotion::search_to(std::int64_t target, double velocity, const PassedSwi
   }
 }
 
+void AxisMotion::hold_against(double direction) {
+  limited_ = true;
+  torque_.reset();
+  held_direction_ = direction;
+}
+
+void AxisMotion::apply_torque(double amperes) {
+  if (held_direction_ != 0.0) {
+    if (!at_rest() || amperes * held_direction_ > 0.0) {
+      return;
+    }
+    held_direction_ = 0.0;
+  }
+  if (switch_blocks(amperes) || limit_blocks(amperes)) {
+    brake(Braking::slow_down_ramp);
+    hold_against(amperes);
+    return;
+  }
+  limited_ = false;
+  profile_ = Profile::none;
+  torque_ = amperes;
+}
+
+void AxisMotion::follow_rotor(double deviation, double velocity) {
+  // Fast enough to be a microstep or two away at the accelerations of a motor, slow enough not to
+  // take the counts of an encoder for a velocity.
+  constexpr double kTimeConstant = 4e-3;  // s
+  const bool stands = velocity == 0.0 && std::abs(deviation) < kStandstill;
+  ramp_.follow_velocity(stands ? 0.0 : velocity - deviation / kTimeConstant, base::SimDuration(0));
+}
+
 void AxisMotion::brake(Braking braking) {
   const double slow_down = profile_ == Profile::search
                                ? search_limits(kMaximumVelocity).deceleration
                                : velocity_limits().deceleration;
   profile_ = Profile::none;
+  end_torque();
   switch (braking) {
     case Braking::none:
       break;
@@ -184,6 +225,9 @@ void AxisMotion::supervise(base::SimDuration period) {
   if (switch_blocks(velocity())) {
     limited_ = true;
     profile_ = Profile::none;
+    if (torque_) {
+      hold_against(velocity());
+    }
     if (ramp_.mode() != control::RampMode::stop || settings_.stop_deceleration <= 0.0) {
       ramp_.stop(settings_.stop_deceleration);
     }
@@ -212,6 +256,9 @@ void AxisMotion::stop_before_software_limit(base::SimDuration period) {
   }
   limited_ = true;
   profile_ = Profile::none;
+  if (torque_) {
+    hold_against(velocity());
+  }
   if (way > 0.0 && deceleration > 0.0) {
     ramp_.move_to(*limit, {speed, deceleration, deceleration});
   } else {

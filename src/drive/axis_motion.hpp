@@ -49,6 +49,16 @@ class AxisMotion {
   /// Homing: travels to `target` in the same way; `velocity` is not negative.
   void search_to(std::int64_t target, double velocity, const PassedSwitches& passed);
 
+  /// cst: `amperes` of phase current (signed) at the largest load angle instead of a set-point. At
+  /// a limit the axis brakes and holds its position until the torque points away from it.
+  void apply_torque(double amperes);
+  /// The torque in force; none while set-points are.
+  [[nodiscard]] std::optional<double> torque() const { return torque_; }
+  /// While a torque is in force the set-point follows the rotor, which is `deviation` microsteps
+  /// behind and turns with `velocity` (pps): whatever comes next starts from where the motor is.
+  /// Call every control period.
+  void follow_rotor(double deviation, double velocity);
+
   /// Brakes on the slow-down ramp (6084h, after a homing motion 609Ah), with 6085h or at once.
   void brake(Braking braking);
   /// Renames the present position; a motion under way ends at once.
@@ -85,6 +95,12 @@ class AxisMotion {
   [[nodiscard]] control::RampLimits search_limits(double velocity) const;
   [[nodiscard]] bool search_blocked(double direction, const PassedSwitches& passed);
   void stop_before_software_limit(base::SimDuration period);
+  void end_torque() {
+    torque_.reset();
+    held_direction_ = 0.0;
+  }
+  /// A limit ends the torque in force.
+  void hold_against(double direction);
 
   const AxisObjects& objects_;
   const AxisSettings& settings_;
@@ -96,6 +112,8 @@ class AxisMotion {
   Profile profile_ = Profile::none;
   PassedSwitches passed_;  ///< in Profile::search
   bool limited_ = false;
+  std::optional<double> torque_;  ///< A
+  double held_direction_ = 0.0;   ///< of the torque that ran into a limit, 0 = none
 };
 
 }  // namespace stator::drive

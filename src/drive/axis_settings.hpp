@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "base/sim_time.hpp"
+#include "control/closed_loop_controller.hpp"
 #include "control/coil_current_selector.hpp"
 #include "drive/motion_units.hpp"
 #include "drive/power_state_machine.hpp"
@@ -22,6 +23,7 @@ struct AxisSettings {
   bool position_from_encoder = true;  ///< the demand position starts at the encoder's position
   ReferenceSettings reference;
   control::CoilCurrentSettings currents;
+  control::ClosedLoopSettings closed_loop;
   double full_scale_current = 3.0;  ///< A, peak of a coil at 100 %
   bool chopper_enabled = true;      ///< false: the bridge stays off, the motor free-wheels
 };

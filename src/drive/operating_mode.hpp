@@ -34,6 +34,7 @@ struct ModeContext {
   bool enabled = false;
   bool halted = false;
   bool following_error = false;
+  bool closed_loop = false;  ///< the motor is commutated by its encoder
 
   /// 6064h in 64 bits: the encoder's position, or the demand where no encoder is used.
   [[nodiscard]] std::int64_t actual_position() const {

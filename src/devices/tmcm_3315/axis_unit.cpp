@@ -74,6 +74,7 @@ AxisUnit::AxisUnit(dictionary::Dictionary& dictionary, std::uint8_t number,
       reporter_(reporter),
       objects_(dictionary, manufacturer_offset(number), profile_offset(number)),
       reference_(dictionary, manufacturer_offset(number)),
+      closed_loop_objects_(dictionary, manufacturer_offset(number)),
       plant_(plant),
       sensing_(plant_.sense()) {
   const auto own = [number](unsigned index) {
@@ -131,6 +132,7 @@ void AxisUnit::configure() {
       .standby = objects_.standby_current.get(),
       .boost = objects_.boost_current.get(),
       .standby_delay = milliseconds(std::int64_t{10} * objects_.standby_delay.get())};
+  closed_loop_objects_.configure(settings);
   settings.full_scale_current = full_scale_current_;
   settings.chopper_enabled = objects_.chopper_off_time.get() != 0;
 
@@ -160,6 +162,7 @@ std::optional<std::uint8_t> AxisUnit::brake_feed() const {
 void AxisUnit::tick(base::SimTime now, std::uint32_t general_inputs) {
   configure();
   axis_->tick(now);
+  closed_loop_objects_.exchange(*axis_);
   reference_.serve_latch(*axis_);
   objects_.digital_inputs.set(general_inputs | ReferenceObjects::digital_inputs(
                                                    axis_->settings().reference.switches, sensing_));
@@ -233,6 +236,10 @@ double AxisUnit::load_angle() const {
   return plant_.observe().load_angle * 180.0 / base::kPi;
 }
 
+double AxisUnit::current_scale() const {
+  return axis_->closed_loop().active() ? axis_->closed_loop().current_scale() / 255.0 : 1.0;
+}
+
 double AxisUnit::encoder_count() const {
   return static_cast<double>(sensing_.encoder_count);
 }
@@ -255,6 +262,8 @@ void AxisUnit::append_signals(std::vector<Signal>& signals) {
   add("torque", "Nm", Read::bind<&AxisUnit::torque>(*this));
   add("load_torque", "Nm", Read::bind<&AxisUnit::load_torque>(*this));
   add("load_angle", "deg", Read::bind<&AxisUnit::load_angle>(*this));
+  add("closed_loop", "", Read::bind<&AxisUnit::closed_loop>(*this));
+  add("current_scale", "", Read::bind<&AxisUnit::current_scale>(*this));
   add("encoder", "count", Read::bind<&AxisUnit::encoder_count>(*this));
   add("brake_open", "", Read::bind<&AxisUnit::brake_open>(*this));
   add("supply_voltage", "V", Read::bind<&AxisUnit::supply_voltage>(*this));

@@ -11,6 +11,7 @@
 #include "base/sim_time.hpp"
 #include "devices/input.hpp"
 #include "devices/signal.hpp"
+#include "devices/tmcm_3315/closed_loop_objects.hpp"
 #include "devices/tmcm_3315/reference_objects.hpp"
 #include "dictionary/dictionary.hpp"
 #include "drive/axis.hpp"
@@ -111,6 +112,8 @@ class AxisUnit {
   [[nodiscard]] double shaft_speed() const;
   [[nodiscard]] double coil_current_a() const { return sensing_.coil_current[0]; }
   [[nodiscard]] double coil_current_b() const { return sensing_.coil_current[1]; }
+  [[nodiscard]] double closed_loop() const { return axis_->closed_loop().active() ? 1.0 : 0.0; }
+  [[nodiscard]] double current_scale() const;
   [[nodiscard]] double torque() const { return plant_.observe().electromagnetic_torque; }
   [[nodiscard]] double load_torque() const { return plant_.observe().load_torque; }
   [[nodiscard]] double load_angle() const;
@@ -134,6 +137,7 @@ class AxisUnit {
   base::EventReporter reporter_;
   AxisManufacturerObjects objects_;
   ReferenceObjects reference_;
+  ClosedLoopObjects closed_loop_objects_;
   plant::StepperAxis plant_;
   base::AxisSensing sensing_;
   bool brake_coil_releases_ = false;  ///< set_brake_coil() says it with the first duty
