@@ -14,6 +14,7 @@
 #include "drive/axis_settings.hpp"
 #include "drive/closed_loop_conditions.hpp"
 #include "drive/cyclic_modes.hpp"
+#include "drive/driver_chip.hpp"
 #include "drive/homing_mode.hpp"
 #include "drive/position_capture.hpp"
 #include "drive/position_feedback.hpp"
@@ -48,6 +49,7 @@ class Axis {
 
   /// To be brought up to date before apply() and tick().
   [[nodiscard]] AxisSettings& settings() { return settings_; }
+  [[nodiscard]] const AxisSettings& settings() const { return settings_; }
   [[nodiscard]] AxisConditions& conditions() { return conditions_; }
 
   /// Something was written that apply() has not obeyed yet.
@@ -80,6 +82,7 @@ class Axis {
   /// The brake sequence wants the brake open.
   [[nodiscard]] bool brake_released() const { return power_.brake_released(); }
   [[nodiscard]] const AxisMotion& motion() const { return motion_; }
+  [[nodiscard]] const DriverChip& driver() const { return driver_; }
   [[nodiscard]] const AxisObjects& objects() const { return objects_; }
   [[nodiscard]] ModeCode mode() const { return mode_->code(); }
   /// Errors that are present, and faults that were and wait for a fault reset.
@@ -112,6 +115,9 @@ class Axis {
   [[nodiscard]] bool fault_present() const;
   [[nodiscard]] bool warning_present() const;
   void supervise(base::SimTime now);
+  void supervise_driver(base::SimTime now);
+  void stop_on_stall();
+  [[nodiscard]] bool stall_blocks() const;
   void watch(AxisError error, bool present, base::SimTime now);
   void update_feedback();
   void capture_positions(const base::AxisSensing& sensing);
@@ -134,6 +140,7 @@ class Axis {
   PositionCapture index_latch_;
   ClosedLoopConditions closed_loop_conditions_;
   bool closed_loop_wanted_ = false;  ///< and possible
+  DriverChip driver_;
 
   NoMode no_mode_{ModeCode::none};
   ProfilePosition profile_position_;
@@ -150,6 +157,7 @@ class Axis {
   std::uint16_t controlword_ = 0;  ///< as last obeyed
   bool enabled_ = false;           ///< as last told to the mode
   bool halted_ = false;
+  bool stalled_ = false;             ///< stopped by a stall and not moved since
   Braking braking_ = Braking::none;  ///< as last told to the motion
   bool negative_direction_ = false;
   std::uint32_t fault_resets_ = 0;  ///< of the state machine, as last seen

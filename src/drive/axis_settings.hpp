@@ -5,6 +5,7 @@
 #include "base/sim_time.hpp"
 #include "control/closed_loop_controller.hpp"
 #include "control/coil_current_selector.hpp"
+#include "drive/driver_settings.hpp"
 #include "drive/motion_units.hpp"
 #include "drive/power_state_machine.hpp"
 #include "drive/reference_switches.hpp"
@@ -26,6 +27,7 @@ struct AxisSettings {
   control::ClosedLoopSettings closed_loop;
   double full_scale_current = 3.0;  ///< A, peak of a coil at 100 %
   bool chopper_enabled = true;      ///< false: the bridge stays off, the motor free-wheels
+  DriverSettings driver;
 };
 
 /// The surroundings of an axis, from the network and from inputs, as of now.
@@ -34,6 +36,7 @@ struct AxisConditions {
   bool supply_present = true;
   bool negative_limit_switch = false;  ///< pressed, after polarity; false if not used
   bool positive_limit_switch = false;
+  bool shutdown_switch = false;  ///< the enable signal of the power stages is missing
   bool home_switch = false;
 
   void set_switches(const SwitchStates& pressed) {

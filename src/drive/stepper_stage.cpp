@@ -37,7 +37,7 @@ base::AxisActuation StepperStage::advance(const control::RampGenerator& ramp,
   double amplitude = settings.full_scale_current;
   if (closed_loop_.phase() == Phase::off) {
     const std::uint8_t current = selector_.advance(settings.currents, ramp.phase(), duration);
-    amplitude *= control::current_fraction(current) * command.open_loop_current_factor;
+    amplitude *= control::current_fraction(current);
   } else {
     amplitude *= control::current_fraction(settings.currents.run);
     const control::ClosedLoopController::Commutation commutation = closed_loop_.advance(

@@ -21,7 +21,6 @@ struct StageCommand {
   bool operation_enabled = false;  ///< closed loop may be initialised
   bool closed_loop = false;        ///< wanted, and an encoder is there to make it
   std::optional<double> torque;    ///< A, signed: torque instead of position (closed loop only)
-  double open_loop_current_factor = 1.0;  ///< 0..1, of a load-adaptive current
 };
 
 /// Turns the set-point of the ramp into coil currents, as sequencer and driver chip of a stepper

@@ -25,10 +25,8 @@ class RotatingField {
     speed_ += acceleration * kStep.seconds();
     angle_ = turned(angle_, speed_ * kStep.seconds() * axis_.parameters().motor.pole_pairs);
     const base::SineCosine direction = base::sine_cosine(angle_.angle);
-    axis_.step(
-        {.bridge_enabled = true,
-         .coil_current_target = {amplitude_ * direction.cosine, amplitude_ * direction.sine}},
-        kStep);
+    actuation_.coil_current_target = {amplitude_ * direction.cosine, amplitude_ * direction.sine};
+    sensing_ = axis_.step(actuation_, kStep);
   }
 
   void stop() { speed_ = 0.0; }
@@ -40,6 +38,9 @@ class RotatingField {
            (angle_.angle - rotor.angle);
   }
   [[nodiscard]] double speed() const { return speed_; }
+  /// Of the latest step.
+  [[nodiscard]] const base::AxisActuation& actuation() const { return actuation_; }
+  [[nodiscard]] const base::AxisSensing& sensing() const { return sensing_; }
 
   /// Raises an opposing torque by `rate` (N m/s) from 0 until the rotor falls out of step;
   /// returns the torque (N m) on the shaft at that moment.
@@ -58,6 +59,8 @@ class RotatingField {
   double amplitude_;    ///< A
   double speed_ = 0.0;  ///< rad/s of the shaft
   ElectricalAngle angle_;
+  base::AxisActuation actuation_{.bridge_enabled = true};
+  base::AxisSensing sensing_;
 };
 
 }  // namespace stator::plant

@@ -1,5 +1,7 @@
 #include "devices/tmcm_3315/axis_unit.hpp"
 
+#include <cmath>
+
 #include "devices/tmcm_3315/emergencies.hpp"
 #include "devices/tmcm_3315/objects.hpp"
 
@@ -66,15 +68,16 @@ AxisManufacturerObjects::AxisManufacturerObjects(const dictionary::Dictionary& d
 }
 
 AxisUnit::AxisUnit(dictionary::Dictionary& dictionary, std::uint8_t number,
-                   const plant::StepperAxisParameters& plant, double full_scale_current,
-                   base::EventReporter reporter)
+                   const plant::StepperAxisParameters& plant,
+                   const AxisUnitConfiguration& configuration, base::EventReporter reporter)
     : dictionary_(dictionary),
       number_(number),
-      full_scale_current_(full_scale_current),
+      configuration_(configuration),
       reporter_(reporter),
       objects_(dictionary, manufacturer_offset(number), profile_offset(number)),
       reference_(dictionary, manufacturer_offset(number)),
       closed_loop_objects_(dictionary, manufacturer_offset(number)),
+      driver_objects_(dictionary, manufacturer_offset(number)),
       plant_(plant),
       sensing_(plant_.sense()) {
   const auto own = [number](unsigned index) {
@@ -133,11 +136,13 @@ void AxisUnit::configure() {
       .boost = objects_.boost_current.get(),
       .standby_delay = milliseconds(std::int64_t{10} * objects_.standby_delay.get())};
   closed_loop_objects_.configure(settings);
-  settings.full_scale_current = full_scale_current_;
+  settings.full_scale_current = configuration_.full_scale_current;
   settings.chopper_enabled = objects_.chopper_off_time.get() != 0;
+  driver_objects_.configure(settings);
+  settings.driver.limits = configuration_.driver_limits;
 
   reference_.configure(settings.reference);
-  settings.reference.home_offset_is_position = home_offset_is_position_;
+  settings.reference.home_offset_is_position = configuration_.home_offset_is_position;
   axis_->conditions().set_switches(settings.reference.switches.pressed(sensing_));
 }
 
@@ -166,6 +171,7 @@ void AxisUnit::tick(base::SimTime now, std::uint32_t general_inputs) {
   reference_.serve_latch(*axis_);
   objects_.digital_inputs.set(general_inputs | ReferenceObjects::digital_inputs(
                                                    axis_->settings().reference.switches, sensing_));
+  driver_objects_.publish(axis_->driver());
 }
 
 void AxisUnit::set_network_operational(bool operational, base::SimTime now) {
@@ -237,7 +243,30 @@ double AxisUnit::load_angle() const {
 }
 
 double AxisUnit::current_scale() const {
-  return axis_->closed_loop().active() ? axis_->closed_loop().current_scale() / 255.0 : 1.0;
+  const std::array<double, 2>& target = axis_->driver().current_target();
+  return axis_->driver().conducts() ? std::sqrt(target[0] * target[0] + target[1] * target[1]) /
+                                          configuration_.full_scale_current
+                                    : 0.0;
+}
+
+control::ChopperCycle AxisUnit::chopper_cycle() const {
+  const drive::DriverChip& driver = axis_->driver();
+  if (!driver.conducts()) {
+    return {};
+  }
+  if (driver.voltage_mode()) {
+    return {.frequency = control::kStealthChopFrequency, .ripple = 0.0};
+  }
+  const double current = current_scale() * configuration_.full_scale_current;
+  const double induced = current > 0.0 ? sensing_.converted_power / current : 0.0;
+  return control::chopper_cycle(axis_->settings().driver.chopper,
+                                {.supply = sensing_.supply_voltage,
+                                 .resistance = plant_.resistance(),
+                                 .inductance = plant_.parameters().motor.inductance,
+                                 .induced = induced,
+                                 .current = current,
+                                 .converter_step = configuration_.full_scale_current /
+                                                   control::MicrostepSequencer::kAmplitude});
 }
 
 double AxisUnit::encoder_count() const {
@@ -263,10 +292,16 @@ void AxisUnit::append_signals(std::vector<Signal>& signals) {
   add("load_torque", "Nm", Read::bind<&AxisUnit::load_torque>(*this));
   add("load_angle", "deg", Read::bind<&AxisUnit::load_angle>(*this));
   add("closed_loop", "", Read::bind<&AxisUnit::closed_loop>(*this));
-  add("current_scale", "", Read::bind<&AxisUnit::current_scale>(*this));
   add("encoder", "count", Read::bind<&AxisUnit::encoder_count>(*this));
   add("brake_open", "", Read::bind<&AxisUnit::brake_open>(*this));
   add("supply_voltage", "V", Read::bind<&AxisUnit::supply_voltage>(*this));
+  add("stall_guard", "count", Read::bind<&AxisUnit::stall_guard>(*this));
+  add("current_scale", "", Read::bind<&AxisUnit::current_scale>(*this));
+  add("driver_flags", "", Read::bind<&AxisUnit::driver_flags>(*this));
+  add("chopper_frequency", "Hz", Read::bind<&AxisUnit::chopper_frequency>(*this));
+  add("current_ripple", "A", Read::bind<&AxisUnit::current_ripple>(*this));
+  add("winding_temperature", "degC", Read::bind<&AxisUnit::winding_temperature>(*this));
+  add("driver_temperature", "degC", Read::bind<&AxisUnit::driver_temperature>(*this));
   add("controlword", "", Read::bind<&AxisUnit::controlword>(*this));
   add("statusword", "", Read::bind<&AxisUnit::statusword>(*this));
   add("mode", "", Read::bind<&AxisUnit::mode>(*this));
@@ -284,6 +319,14 @@ void AxisUnit::append_inputs(std::vector<Input>& inputs) {
   add("left_switch", "", 0.0, 1.0, Set::bind<&AxisUnit::press_left_switch>(*this));
   add("right_switch", "", 0.0, 1.0, Set::bind<&AxisUnit::press_right_switch>(*this));
   add("home_switch", "", 0.0, 1.0, Set::bind<&AxisUnit::press_home_switch>(*this));
+  add("ambient_temperature", "degC", -50.0, 200.0,
+      Set::bind<&AxisUnit::set_ambient_temperature>(*this));
+  using Faults = plant::StepperAxisFaults;
+  add("open_load_a", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::open, 0>>(*this));
+  add("open_load_b", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::open, 1>>(*this));
+  add("short_a", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::shorted, 0>>(*this));
+  add("short_b", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::shorted, 1>>(*this));
+  add("short_high_side", "", 0.0, 1.0, Set::bind<&AxisUnit::set_fault<&Faults::high_side>>(*this));
 }
 
 }  // namespace stator::devices::tmcm_3315

@@ -12,6 +12,7 @@
 #include "devices/input.hpp"
 #include "devices/signal.hpp"
 #include "devices/tmcm_3315/closed_loop_objects.hpp"
+#include "devices/tmcm_3315/driver_objects.hpp"
 #include "devices/tmcm_3315/reference_objects.hpp"
 #include "dictionary/dictionary.hpp"
 #include "drive/axis.hpp"
@@ -49,11 +50,18 @@ struct AxisManufacturerObjects {
   dictionary::Variable<std::uint32_t> digital_inputs;               // 60FDh
 };
 
+/// The choices of Tmcm3315Configuration that concern an axis.
+struct AxisUnitConfiguration {
+  double full_scale_current = 3.0;  ///< A
+  drive::DriverLimits driver_limits;
+  bool home_offset_is_position = false;
+};
+
 /// One axis of the module: its firmware, its objects, and the motor wired to it.
 class AxisUnit {
  public:
   AxisUnit(dictionary::Dictionary& dictionary, std::uint8_t number,
-           const plant::StepperAxisParameters& plant, double full_scale_current,
+           const plant::StepperAxisParameters& plant, const AxisUnitConfiguration& configuration,
            base::EventReporter reporter);
   AxisUnit(const AxisUnit&) = delete;
   AxisUnit& operator=(const AxisUnit&) = delete;
@@ -61,9 +69,6 @@ class AxisUnit {
 
   /// The firmware starts anew; the world goes on.
   void restart(base::SimTime now);
-
-  /// The sign of the home offset, see Tmcm3315Configuration.
-  void set_home_offset_is_position(bool position) { home_offset_is_position_ = position; }
 
   /// Obeys what was written since the last call; cheap when nothing was, which it returns as false.
   bool apply(base::SimTime now);
@@ -124,6 +129,30 @@ class AxisUnit {
   [[nodiscard]] double statusword() const { return axis_->objects().statusword.get(); }
   [[nodiscard]] double mode() const { return static_cast<double>(axis_->mode()); }
 
+  [[nodiscard]] double stall_guard() const { return axis_->driver().stall_guard(); }
+  [[nodiscard]] double current_scale() const;
+  [[nodiscard]] double driver_flags() const { return driver_objects_.flags(); }
+  [[nodiscard]] control::ChopperCycle chopper_cycle() const;
+  [[nodiscard]] double chopper_frequency() const { return chopper_cycle().frequency; }
+  [[nodiscard]] double current_ripple() const { return chopper_cycle().ripple; }
+  [[nodiscard]] double winding_temperature() const {
+    return plant_.state().motor_temperature.inner;
+  }
+  [[nodiscard]] double driver_temperature() const { return sensing_.driver_temperature; }
+
+  template <bool plant::StepperAxisFaults::*Fault>
+  void set_fault(double level) {
+    plant::StepperAxisFaults faults = plant_.state().faults;
+    faults.*Fault = level >= 0.5;
+    plant_.set_faults(faults);
+  }
+  template <std::array<bool, 2> plant::StepperAxisFaults::*Fault, std::size_t Phase>
+  void set_phase_fault(double level) {
+    plant::StepperAxisFaults faults = plant_.state().faults;
+    (faults.*Fault)[Phase] = level >= 0.5;
+    plant_.set_faults(faults);
+  }
+  void set_ambient_temperature(double celsius) { plant_.set_ambient_temperature(celsius); }
   void set_load_torque(double torque) { plant_.set_external_torque(torque); }
   void set_supply_voltage(double voltage) { plant_.set_supply_voltage(voltage); }
   void press_left_switch(double pressed) { plant_.press_left_switch(pressed != 0.0); }
@@ -132,12 +161,12 @@ class AxisUnit {
 
   dictionary::Dictionary& dictionary_;
   std::uint8_t number_;
-  double full_scale_current_;
-  bool home_offset_is_position_ = false;
+  AxisUnitConfiguration configuration_;
   base::EventReporter reporter_;
   AxisManufacturerObjects objects_;
   ReferenceObjects reference_;
   ClosedLoopObjects closed_loop_objects_;
+  DriverObjects driver_objects_;
   plant::StepperAxis plant_;
   base::AxisSensing sensing_;
   bool brake_coil_releases_ = false;  ///< set_brake_coil() says it with the first duty
