@@ -130,7 +130,6 @@ class AxisUnit {
   [[nodiscard]] double mode() const { return static_cast<double>(axis_->mode()); }
 
   [[nodiscard]] double stall_guard() const { return axis_->driver().stall_guard(); }
-  [[nodiscard]] double current_scale() const;
   [[nodiscard]] double driver_flags() const { return driver_objects_.flags(); }
   [[nodiscard]] control::ChopperCycle chopper_cycle() const;
   [[nodiscard]] double chopper_frequency() const { return chopper_cycle().frequency; }
