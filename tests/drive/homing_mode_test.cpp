@@ -278,7 +278,7 @@ TEST_F(HomingModeTest, AfterAStopAtALimitSwitchTheStopDecelerationHolds) {
   bench_.right_switch = {10'000, kFar};
   bench_.home_switch = {kFar, kFar};
   start();
-  while (bench_.shaft() < 10'000) {
+  for (int i = 0; i < 1000 && bench_.shaft() < 10'000; ++i) {
     bench_.pass(1_ms);
   }
   const double velocity = bench_.velocity();

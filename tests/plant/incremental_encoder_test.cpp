@@ -116,6 +116,15 @@ TEST(IncrementalEncoder, StandingOnTheIndexIsOnePassageAndLeavingItNone) {
   EXPECT_EQ(state.index_passages, 2U);
 }
 
+TEST(IncrementalEncoder, AnActiveLowIndexIsHighEverywhereElse) {
+  const IncrementalEncoder encoder(
+      {.counts_per_revolution = 4'000, .index_position = 0, .index_active_low = true}, 50);
+  EncoderState state = encoder.power_on({});
+  EXPECT_FALSE(encoder.index(state));
+  encoder.update(state, {.periods = 1});
+  EXPECT_TRUE(encoder.index(state));
+}
+
 TEST(IncrementalEncoder, NoneFittedCountsNothing) {
   const IncrementalEncoder encoder({.counts_per_revolution = 0}, kPolePairs);
   EncoderState state = encoder.power_on({});

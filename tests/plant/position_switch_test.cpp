@@ -32,6 +32,16 @@ TEST(PositionSwitch, NormallyClosedContactInvertsTheLevel) {
   EXPECT_TRUE(left.level(1.0));
 }
 
+TEST(PositionSwitch, AHandPressesBesidesTheCam) {
+  PositionSwitch home = PositionSwitch::home_between(-0.1, 0.1);
+  EXPECT_TRUE(home.level(0.5, true));
+  EXPECT_TRUE(home.level(0.0, true));
+  home.normally_closed = true;
+  EXPECT_FALSE(home.level(0.5, true));
+  EXPECT_TRUE(PositionSwitch{}.level(0.5, true)) << "a wire at an open input";
+  EXPECT_FALSE(PositionSwitch{.level_if_not_fitted = true}.level(0.5, true));
+}
+
 TEST(PositionSwitch, OpenInputReadsItsRestLevelEverywhere) {
   EXPECT_FALSE(PositionSwitch{}.level(0.0));
   EXPECT_TRUE(PositionSwitch{.level_if_not_fitted = true}.level(0.0));

@@ -119,6 +119,7 @@ initial_position = 0.25
 load.inertia = 4e-5
 load.constant_torque = -0.2
 encoder.counts_per_revolution = 4000
+encoder.index_active_low = true
 left_switch.pressed_to = -2.0
 home_switch = { pressed_from = 0.0, pressed_to = 0.5, normally_closed = true }
 )",
@@ -146,6 +147,7 @@ home_switch = { pressed_from = 0.0, pressed_to = 0.5, normally_closed = true }
   EXPECT_DOUBLE_EQ(axis.load.inertia, 4e-5);
   EXPECT_DOUBLE_EQ(axis.load.constant_torque, -0.2);
   EXPECT_EQ(axis.encoder.counts_per_revolution, 4000);
+  EXPECT_TRUE(axis.encoder.index_active_low);
   EXPECT_TRUE(axis.left_switch.fitted);
   EXPECT_DOUBLE_EQ(axis.left_switch.pressed_to, -2.0);
   EXPECT_FALSE(axis.right_switch.fitted);
