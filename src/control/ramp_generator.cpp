@@ -1,5 +1,7 @@
 #include "control/ramp_generator.hpp"
 
+#include "control/ramp_profile.hpp"
+
 namespace stator::control {
 
 RampGenerator::RampGenerator() {
@@ -50,7 +52,12 @@ void RampGenerator::follow_velocity(double velocity, base::SimDuration period) {
 
 void RampGenerator::stop(double deceleration) {
   state_.mode = RampMode::stop;
-  play(plan_stop(state_.now, deceleration));
+  play(six_point::stop(state_.now, deceleration));
+}
+
+void RampGenerator::stop(const RampLimits& limits) {
+  state_.mode = RampMode::stop;
+  play(plan_stop(start(), limits));
 }
 
 void RampGenerator::set_position(std::int64_t microsteps) {
@@ -59,11 +66,21 @@ void RampGenerator::set_position(std::int64_t microsteps) {
   stop_at_once();
 }
 
+/// What a new plan begins with. In the last instant of a ramp the velocity is 0 and the
+/// acceleration is not yet; the motion is over all the same.
+MotionState RampGenerator::start() const {
+  MotionState state = state_.now;
+  if (at_rest()) {
+    state.acceleration = 0.0;
+  }
+  return state;
+}
+
 void RampGenerator::replan() {
   if (state_.mode == RampMode::position) {
-    play(plan_positioning(state_.now, state_.target_position, state_.limits));
+    play(plan_positioning(start(), state_.target_position, state_.limits));
   } else if (state_.mode == RampMode::velocity) {
-    play(plan_velocity(state_.now, state_.target_velocity, state_.limits));
+    play(plan_velocity(start(), state_.target_velocity, state_.limits));
   }
 }
 

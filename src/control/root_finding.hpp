@@ -1,0 +1,63 @@
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+namespace stator::control {
+
+/// An argument of a function and its value there.
+struct FunctionPoint {
+  double x = 0.0;
+  double y = 0.0;
+};
+
+/// Zero of the continuous `function` between `low` (y <= 0) and `high` (y >= 0), good to
+/// |y| <= `tolerance` or to the resolution of x. Starts at `guess` if it lies inside. Anderson and
+/// Björck's regula falsi with a bisection now and then, so the number of steps is bounded.
+template <typename Function>
+[[nodiscard]] double root_between(FunctionPoint low, FunctionPoint high, double guess,
+                                  double tolerance, const Function& function) {
+  constexpr int kSteps = 64;
+  constexpr int kBisectEvery = 6;
+  double x = guess;
+  for (int step = 1; step <= kSteps; ++step) {
+    if (!(x > low.x && x < high.x)) {
+      x = 0.5 * (low.x + high.x);
+      if (!(x > low.x && x < high.x)) {
+        break;  // neighbours
+      }
+    }
+    const double y = function(x);
+    if (std::fabs(y) <= tolerance) {
+      return x;
+    }
+    // The end that stays is weighed down, or it would stay for ever where the function is curved.
+    FunctionPoint& replaced = y < 0.0 ? low : high;
+    FunctionPoint& kept = y < 0.0 ? high : low;
+    const double weight = 1.0 - y / replaced.y;
+    kept.y *= weight > 0.0 ? weight : 0.5;
+    replaced = {x, y};
+    x = step % kBisectEvery == 0 ? 0.5 * (low.x + high.x)
+                                 : low.x - low.y * (high.x - low.x) / (high.y - low.y);
+  }
+  return x;
+}
+
+/// Cube root of a number that is not negative, to a few units of the last place.
+[[nodiscard]] inline double cube_root(double value) {
+  if (!(value > 1e-300)) {
+    return 0.0;
+  }
+  // A third of the exponent, and steps of Halley's iteration, each of which gives three times the
+  // digits.
+  constexpr std::uint64_t kBias = 0x2A9F7893782DA1CE;
+  double root = std::bit_cast<double>(std::bit_cast<std::uint64_t>(value) / 3 + kBias);
+  for (int step = 0; step < 3; ++step) {
+    const double cube = root * root * root;
+    root *= (cube + 2.0 * value) / (2.0 * cube + value);
+  }
+  return root;
+}
+
+}  // namespace stator::control

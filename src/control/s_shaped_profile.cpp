@@ -1,0 +1,427 @@
+#include "control/s_shaped_profile.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "control/acceleration_pulse.hpp"
+#include "control/root_finding.hpp"
+
+namespace stator::control::s_shaped {
+
+namespace {
+
+constexpr double kGaining = 1.0;
+constexpr double kLosing = -1.0;
+
+constexpr double kSameSpeed = 1e-12;  // relative; what plans made anew differ by is rounding
+
+/// The acceleration on its way towards 0, with the jerk that ends a change of speed.
+struct Relaxation {
+  Relaxation(double speed, double from, double to, const Slope& slope)
+      : time(std::fabs(from - to) * slope.end_bow),
+        speed_after(std::max(0.0, speed + 0.5 * (from + to) * time)),
+        way(time * (speed + time * ((1.0 / 3.0) * from + (1.0 / 6.0) * to))) {}
+
+  double time;
+  double speed_after;
+  double way;
+};
+
+/// A plan being written, and where its segments have led so far. Speed is a magnitude, and
+/// acceleration positive when it is being gained.
+class Draft {
+ public:
+  Draft(const MotionState& start, const RampLimits& limits);
+
+  [[nodiscard]] double direction() const { return direction_; }
+  [[nodiscard]] const MicrostepPosition& position() const { return position_; }
+  [[nodiscard]] double way_to(const MicrostepPosition& target) const {
+    return direction_ * distance(position_, target);
+  }
+  /// Microsteps to rest when braking begins now.
+  [[nodiscard]] double braking_way() const;
+  /// At rest: looks the other way.
+  void turn() { direction_ = -direction_; }
+
+  void change_to(double speed);
+  void stop() { brake_onto(displaced(position_, direction_ * braking_way())); }
+  void brake_onto(const MicrostepPosition& end);
+  /// To rest on `end`, which lies beyond the way of braking.
+  void approach(const MicrostepPosition& end);
+
+  MotionPlan rest() {
+    plan_.rest(position_);
+    return plan_;
+  }
+  MotionPlan cruise() {
+    plan_.cruise(position_, direction_ * speed_);
+    return plan_;
+  }
+
+ private:
+  [[nodiscard]] const Slope& slope_in_force() const { return acceleration_ < 0.0 ? lose_ : gain_; }
+  [[nodiscard]] AccelerationPulse losing_to(double speed) const {
+    return AccelerationPulse::over(lose_, -acceleration_, speed_ - speed);
+  }
+  void turn_through_zero();
+  void relax(double to);
+  void apply(const AccelerationPulse& pulse, double sense, double speed_after,
+             const MicrostepPosition& end);
+  void apply(const AccelerationPulse& pulse, double sense, double speed_after) {
+    apply(pulse, sense, speed_after, displaced(position_, direction_ * pulse.way(speed_, sense)));
+  }
+  void cruise_onto(const MicrostepPosition& end);
+  void slow_down_onto(const MicrostepPosition& end);
+  void ease_off_onto(const MicrostepPosition& end);
+  void gain_onto(const MicrostepPosition& end);
+  [[nodiscard]] double peak_for(double length, FunctionPoint high) const;
+  [[nodiscard]] double hold_for(double length, AccelerationPulse pulse, FunctionPoint low,
+                                FunctionPoint high) const;
+
+  Slope gain_;
+  Slope lose_;
+  StoppingWay stopping_way_;
+  double limit_;
+  MotionPlan plan_;
+  MicrostepPosition position_;
+  double direction_;
+  double speed_;
+  double acceleration_;
+};
+
+double tolerance_of(double length) {
+  return 1e-9 + 1e-13 * std::fabs(length);
+}
+
+Draft::Draft(const MotionState& start, const RampLimits& limits)
+    : gain_(limits.acceleration, limits.jerk[0], limits.jerk[1]),
+      lose_(limits.deceleration, limits.jerk[2], limits.jerk[3]),
+      stopping_way_(lose_),
+      limit_(limits.velocity),
+      position_(start.position),
+      direction_(start.velocity < 0.0 || (start.velocity == 0.0 && start.acceleration < 0.0) ? -1.0
+                                                                                             : 1.0),
+      speed_(std::fabs(start.velocity)),
+      acceleration_(direction_ * start.acceleration) {
+  const double least_loss = 0.5 * acceleration_ * acceleration_ * lose_.end_bow;
+  if (acceleration_ < 0.0 && least_loss > speed_ * (1.0 + kSameSpeed)) {
+    turn_through_zero();
+  }
+}
+
+/// Losing speed too hard to end it before rest, which limits changed in flight can bring about: the
+/// direction changes, and what was the end of losing speed becomes a gain of it.
+void Draft::turn_through_zero() {
+  const double at_zero = std::sqrt(acceleration_ * acceleration_ - 2.0 * lose_.end_jerk * speed_);
+  relax(-at_zero);
+  turn();
+  speed_ = 0.0;
+  acceleration_ = at_zero;
+}
+
+double Draft::braking_way() const {
+  if (acceleration_ > 0.0) {
+    const Relaxation relaxation(speed_, acceleration_, 0.0, gain_);
+    return relaxation.way + stopping_way_(relaxation.speed_after);
+  }
+  return losing_to(0.0).way(speed_, kLosing);
+}
+
+void Draft::relax(double to) {
+  const Slope& slope = slope_in_force();
+  const Relaxation relaxation(speed_, acceleration_, to, slope);
+  const bool gaining = acceleration_ > 0.0;
+  plan_.append({.duration = relaxation.time,
+                .reference_position = position_,
+                .reference_velocity = direction_ * speed_,
+                .acceleration = direction_ * acceleration_,
+                .jerk = direction_ * (gaining ? -slope.end_jerk : slope.end_jerk),
+                .phase = gaining ? RampPhase::accelerating : RampPhase::decelerating});
+  position_ = displaced(position_, direction_ * relaxation.way);
+  speed_ = relaxation.speed_after;
+  acceleration_ = to;
+}
+
+/// Appends a change of speed, computed backwards from where it ends.
+void Draft::apply(const AccelerationPulse& pulse, double sense, double speed_after,
+                  const MicrostepPosition& end) {
+  const Slope& slope = sense > 0.0 ? gain_ : lose_;
+  const double signed_sense = direction_ * sense;
+  const RampPhase phase = sense > 0.0 ? RampPhase::accelerating : RampPhase::decelerating;
+  const double at_hold_end = speed_after - sense * 0.5 * pulse.peak * pulse.end_time;
+  const double at_hold_start = at_hold_end - sense * pulse.peak * pulse.hold_time;
+  const double end_way =
+      pulse.end_time * (speed_after - sense * (1.0 / 6.0) * pulse.peak * pulse.end_time);
+  const double hold_way = 0.5 * pulse.hold_time * (at_hold_start + at_hold_end);
+  const double start_jerk = pulse.peak < pulse.entry ? -slope.end_jerk : slope.start_jerk;
+  plan_.append({.duration = pulse.start_time,
+                .reference_time = pulse.start_time,
+                .reference_position = displaced(end, -direction_ * (end_way + hold_way)),
+                .reference_velocity = direction_ * at_hold_start,
+                .acceleration = signed_sense * pulse.peak,
+                .jerk = signed_sense * start_jerk,
+                .phase = phase});
+  plan_.append({.duration = pulse.hold_time,
+                .reference_time = pulse.hold_time,
+                .reference_position = displaced(end, -direction_ * end_way),
+                .reference_velocity = direction_ * at_hold_end,
+                .acceleration = signed_sense * pulse.peak,
+                .phase = phase});
+  plan_.append({.duration = pulse.end_time,
+                .reference_time = pulse.end_time,
+                .reference_position = end,
+                .reference_velocity = direction_ * speed_after,
+                .jerk = -signed_sense * slope.end_jerk,
+                .phase = phase});
+  position_ = end;
+  speed_ = speed_after;
+  acceleration_ = 0.0;
+}
+
+void Draft::change_to(double speed) {
+  const auto same = [&] { return std::fabs(speed_ - speed) <= kSameSpeed * speed; };
+  if (acceleration_ > 0.0) {
+    const double least = Relaxation(speed_, acceleration_, 0.0, gain_).speed_after;
+    if (gain_.rate == 0.0 || least >= speed * (1.0 - kSameSpeed)) {
+      relax(0.0);
+    }
+  } else if (acceleration_ < 0.0 &&
+             Relaxation(speed_, acceleration_, 0.0, lose_).speed_after <= speed) {
+    relax(0.0);
+  }
+  if (same()) {
+    speed_ = speed;
+  } else if (speed < speed_ && acceleration_ <= 0.0) {
+    apply(losing_to(speed), kLosing, speed);
+  } else if (gain_.rate > 0.0) {
+    apply(AccelerationPulse::over(gain_, acceleration_, speed - speed_), kGaining, speed);
+  }
+}
+
+void Draft::brake_onto(const MicrostepPosition& end) {
+  if (acceleration_ > 0.0) {
+    relax(0.0);
+  }
+  apply(losing_to(0.0), kLosing, 0.0, end);
+}
+
+void Draft::cruise_onto(const MicrostepPosition& end) {
+  const double length = way_to(end) - stopping_way_(speed_);
+  if (length > 0.0) {
+    const double duration = length / speed_;
+    plan_.append({.duration = duration,
+                  .reference_position = position_,
+                  .reference_velocity = direction_ * speed_,
+                  .phase = RampPhase::constant_velocity});
+    position_ = displaced(position_, direction_ * speed_ * duration);
+  }
+  brake_onto(end);
+}
+
+void Draft::approach(const MicrostepPosition& end) {
+  const double highest = limit_ * (1.0 + kSameSpeed);
+  const Relaxation relaxation(speed_, acceleration_, 0.0, slope_in_force());
+  if (acceleration_ > 0.0 && (gain_.rate == 0.0 || relaxation.speed_after > highest)) {
+    relax(0.0);
+  }
+  if (acceleration_ <= 0.0 && relaxation.speed_after > highest) {
+    slow_down_onto(end);
+    return;
+  }
+  if (acceleration_ < 0.0) {
+    if (way_to(end) < relaxation.way + stopping_way_(relaxation.speed_after)) {
+      ease_off_onto(end);
+      return;
+    }
+    relax(0.0);
+  }
+  if (gain_.rate > 0.0) {
+    gain_onto(end);
+  } else if (speed_ > 0.0) {
+    cruise_onto(end);
+  }
+}
+
+/// From above the velocity limit: down to it, or if the way is too short for that, below it at
+/// once.
+void Draft::slow_down_onto(const MicrostepPosition& end) {
+  const double length = way_to(end);
+  const auto excess = [&](double speed) {
+    return losing_to(speed).way(speed_, kLosing) + stopping_way_(speed) - length;
+  };
+  const FunctionPoint high{limit_, excess(limit_)};
+  const double speed = high.y <= 0.0 ? limit_
+                                     : root_between({0.0, excess(0.0)}, high, 0.5 * limit_,
+                                                    tolerance_of(length), excess);
+  apply(losing_to(speed), kLosing, speed);
+  if (high.y <= 0.0) {
+    cruise_onto(end);
+  } else {
+    brake_onto(end);
+  }
+}
+
+/// While braking for a nearer target: loses less speed for a while, then brakes on.
+void Draft::ease_off_onto(const MicrostepPosition& end) {
+  const double length = way_to(end);
+  const auto excess = [&](double eased) {
+    const Relaxation part(speed_, acceleration_, acceleration_ + eased, lose_);
+    const auto rest = AccelerationPulse::over(lose_, -(acceleration_ + eased), part.speed_after);
+    return part.way + rest.way(part.speed_after, kLosing) - length;
+  };
+  const FunctionPoint low{0.0, excess(0.0)};
+  const FunctionPoint high{-acceleration_, excess(-acceleration_)};
+  const double eased = root_between(low, high, 0.5 * high.x, tolerance_of(length), excess);
+  relax(acceleration_ + eased);
+  brake_onto(end);
+}
+
+/// Gains speed and brakes, with a stretch at the velocity limit if the way is long enough.
+void Draft::gain_onto(const MicrostepPosition& end) {
+  if (acceleration_ > gain_.rate) {
+    relax(gain_.rate);
+  }
+  const double length = way_to(end);
+  const double least = Relaxation(speed_, acceleration_, 0.0, gain_).speed_after;
+  const double top = std::max(limit_, least);
+  auto pulse = AccelerationPulse::over(gain_, acceleration_, top - speed_);
+  const auto excess = [&](const AccelerationPulse& of) {
+    return of.way(speed_, kGaining) + stopping_way_(speed_ + of.change()) - length;
+  };
+  const double beyond = excess(pulse);
+  if (beyond <= 0.0) {
+    apply(pulse, kGaining, top);
+    cruise_onto(end);
+    return;
+  }
+  FunctionPoint high{pulse.peak, beyond};
+  bool held = false;
+  if (pulse.hold_time > 0.0) {
+    const auto brief = AccelerationPulse::with_peak(gain_, acceleration_, gain_.rate);
+    const FunctionPoint low{0.0, excess(brief)};
+    held = low.y <= 0.0;
+    if (held) {
+      pulse.hold_time = hold_for(length, brief, low, {pulse.hold_time, beyond});
+    } else {
+      high.y = low.y;
+    }
+  }
+  if (!held) {
+    pulse = AccelerationPulse::with_peak(gain_, acceleration_, peak_for(length, high));
+  }
+  apply(pulse, kGaining, speed_ + pulse.change());
+  brake_onto(end);
+}
+
+/// Peak of a pulse not held that makes the way to rest `length` microsteps long.
+double Draft::peak_for(double length, FunctionPoint high) const {
+  const auto excess = [&](double peak) {
+    const auto pulse = AccelerationPulse::with_peak(gain_, acceleration_, peak);
+    return pulse.way(speed_, kGaining) + stopping_way_(speed_ + pulse.change()) - length;
+  };
+  const FunctionPoint low{acceleration_, excess(acceleration_)};
+  // The way grows with the peak at least as these terms alone do; the least of what they allow is
+  // near the peak, and it is the peak for a start from rest if neither rate is reached.
+  const double half = 0.5 * gain_.bows;  // speed gained: half * peak^2
+  const double cubic = gain_.bows * (gain_.start_bow + 2.0 * gain_.end_bow) * (1.0 / 6.0) +
+                       stopping_way_.unlimited(half);
+  double guess = cube_root(-low.y / cubic);
+  if (speed_ > 0.0) {
+    guess = std::min(guess, -low.y / (speed_ * gain_.bows));
+  }
+  const double quartic = 2.0 * lose_.rate * -low.y / (half * half);
+  guess = std::min(guess, std::sqrt(std::sqrt(quartic)));
+  return root_between(low, high, acceleration_ + guess, tolerance_of(length), excess);
+}
+
+/// Time to hold the peak of `pulse` that makes the way to rest `length` microsteps long.
+double Draft::hold_for(double length, AccelerationPulse pulse, FunctionPoint low,
+                       FunctionPoint high) const {
+  const auto excess = [&](double hold) {
+    pulse.hold_time = hold;
+    return pulse.way(speed_, kGaining) + stopping_way_(speed_ + pulse.change()) - length;
+  };
+  // Where braking reaches its rate, too, the way is a parabola over the time held.
+  const double peak = pulse.peak;
+  const double at_least = speed_ + pulse.change();
+  const double held = 0.5 * peak + 0.5 * peak * peak / lose_.rate;
+  const double linear = at_least - 0.5 * peak * pulse.end_time + peak * pulse.end_time +
+                        peak * (at_least / lose_.rate + 0.5 * lose_.rate * lose_.start_bow);
+  const double constant = low.y - stopping_way_(at_least) + stopping_way_.held(at_least);
+  const double root = linear * linear - 4.0 * held * constant;
+  const double guess = root > 0.0 ? -2.0 * constant / (linear + std::sqrt(root)) : 0.0;
+  return root_between(low, high, guess, tolerance_of(length), excess);
+}
+
+MotionPlan standing(const MicrostepPosition& position) {
+  MotionPlan plan;
+  plan.rest(position);
+  return plan;
+}
+
+}  // namespace
+
+MotionPlan positioning(const MotionState& start, std::int64_t target, const RampLimits& limits) {
+  const RampLimits allowed = limits.cleaned();
+  if (allowed.deceleration == 0.0) {
+    return standing(start.position);
+  }
+  Draft draft(start, allowed);
+  if (allowed.velocity == 0.0) {
+    draft.stop();
+    return draft.rest();
+  }
+  const MicrostepPosition end{target, 0.0};
+  const double braking = draft.braking_way();
+  const double beyond = draft.way_to(end) - braking;
+  if (std::fabs(beyond) <= 1e-8 + 1e-12 * braking) {
+    draft.brake_onto(end);
+    return draft.rest();
+  }
+  if (beyond < 0.0) {
+    draft.stop();
+    if (draft.way_to(end) < 0.0) {
+      draft.turn();
+    }
+  }
+  draft.approach(end);
+  return draft.rest();
+}
+
+MotionPlan velocity(const MotionState& start, double velocity, const RampLimits& limits) {
+  const RampLimits allowed = limits.cleaned();
+  if (allowed.deceleration == 0.0) {
+    return standing(start.position);
+  }
+  Draft draft(start, allowed);
+  const double wanted = std::min(std::fabs(velocity), allowed.velocity);
+  if (wanted > 0.0 && velocity * draft.direction() < 0.0) {
+    draft.stop();
+    draft.turn();
+  }
+  draft.change_to(wanted);
+  return draft.cruise();
+}
+
+MotionPlan stop(const MotionState& start, const RampLimits& limits) {
+  const RampLimits allowed = limits.cleaned();
+  if (allowed.deceleration == 0.0) {
+    return standing(start.position);
+  }
+  Draft draft(start, allowed);
+  draft.stop();
+  return draft.rest();
+}
+
+double braking_distance(const MotionState& start, const RampLimits& limits) {
+  const RampLimits allowed = limits.cleaned();
+  if (allowed.deceleration == 0.0) {
+    return 0.0;
+  }
+  const Draft draft(start, allowed);
+  const double turned =
+      distance(start.position, draft.position()) * (start.velocity < 0.0 ? -1.0 : 1.0);
+  return turned != 0.0 ? turned : draft.braking_way();
+}
+
+}  // namespace stator::control::s_shaped
