@@ -97,6 +97,9 @@ class RampGenerator {
   [[nodiscard]] double velocity() const { return state_.now.velocity; }
   /// Signed; a negative value at positive velocity means losing speed.
   [[nodiscard]] double acceleration() const { return state_.now.acceleration; }
+  /// Jerk (magnitude, pps/s^2) with which the plan under way ends the present acceleration; 0 = in
+  /// a step, or there is none.
+  [[nodiscard]] double end_jerk() const;
   [[nodiscard]] RampPhase phase() const { return state_.plan[state_.segment].phase; }
   [[nodiscard]] RampMode mode() const { return state_.mode; }
   [[nodiscard]] const RampLimits& limits() const { return state_.limits; }
@@ -113,7 +116,6 @@ class RampGenerator {
   void restore(const RampState& state) { state_ = state; }
 
  private:
-  [[nodiscard]] MotionState start() const;
   void play(const MotionPlan& plan);
   void replan();
   double leave_segment(double time);

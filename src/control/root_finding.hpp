@@ -21,6 +21,7 @@ template <typename Function>
   constexpr int kSteps = 64;
   constexpr int kBisectEvery = 6;
   double x = guess;
+  const FunctionPoint* kept_before = nullptr;
   for (int step = 1; step <= kSteps; ++step) {
     if (!(x > low.x && x < high.x)) {
       x = 0.5 * (low.x + high.x);
@@ -32,11 +33,14 @@ template <typename Function>
     if (std::fabs(y) <= tolerance) {
       return x;
     }
-    // The end that stays is weighed down, or it would stay for ever where the function is curved.
     FunctionPoint& replaced = y < 0.0 ? low : high;
     FunctionPoint& kept = y < 0.0 ? high : low;
-    const double weight = 1.0 - y / replaced.y;
-    kept.y *= weight > 0.0 ? weight : 0.5;
+    if (&kept == kept_before) {
+      // Weighed down, or it would stay for ever where the function is curved.
+      const double weight = 1.0 - y / replaced.y;
+      kept.y *= weight > 0.0 ? weight : 0.5;
+    }
+    kept_before = &kept;
     replaced = {x, y};
     x = step % kBisectEvery == 0 ? 0.5 * (low.x + high.x)
                                  : low.x - low.y * (high.x - low.x) / (high.y - low.y);

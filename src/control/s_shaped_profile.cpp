@@ -13,7 +13,9 @@ namespace {
 constexpr double kGaining = 1.0;
 constexpr double kLosing = -1.0;
 
-constexpr double kSameSpeed = 1e-12;  // relative; what plans made anew differ by is rounding
+// Relative; plans made anew in the middle of a bow differ from the old ones by rounding alone.
+constexpr double kSameSpeed = 1e-12;
+constexpr double kSameLoss = 1e-8;
 
 /// The acceleration on its way towards 0, with the jerk that ends a change of speed.
 struct Relaxation {
@@ -31,7 +33,7 @@ struct Relaxation {
 /// acceleration positive when it is being gained.
 class Draft {
  public:
-  Draft(const MotionState& start, const RampLimits& limits);
+  Draft(const MotionState& start, double end_jerk, const RampLimits& limits);
 
   [[nodiscard]] double direction() const { return direction_; }
   [[nodiscard]] const MicrostepPosition& position() const { return position_; }
@@ -59,11 +61,13 @@ class Draft {
   }
 
  private:
-  [[nodiscard]] const Slope& slope_in_force() const { return acceleration_ < 0.0 ? lose_ : gain_; }
+  [[nodiscard]] const Slope& gaining() const { return acceleration_ > 0.0 ? under_way_ : gain_; }
+  [[nodiscard]] const Slope& losing() const { return acceleration_ < 0.0 ? under_way_ : lose_; }
+  [[nodiscard]] Relaxation relaxation() const { return {speed_, acceleration_, 0.0, under_way_}; }
   [[nodiscard]] AccelerationPulse losing_to(double speed) const {
-    return AccelerationPulse::over(lose_, -acceleration_, speed_ - speed);
+    return AccelerationPulse::over(losing(), -acceleration_, speed_ - speed);
   }
-  void turn_through_zero();
+  void come_to_rest();
   void relax(double to);
   void apply(const AccelerationPulse& pulse, double sense, double speed_after,
              const MicrostepPosition& end);
@@ -80,6 +84,7 @@ class Draft {
 
   Slope gain_;
   Slope lose_;
+  Slope under_way_;  ///< of the change the start is in, until the acceleration is 0
   StoppingWay stopping_way_;
   double limit_;
   MotionPlan plan_;
@@ -93,9 +98,16 @@ double tolerance_of(double length) {
   return 1e-9 + 1e-13 * std::fabs(length);
 }
 
-Draft::Draft(const MotionState& start, const RampLimits& limits)
+/// Bows that were made slower in flight do not hold for an acceleration under way: it could carry
+/// the speed past every limit.
+double faster(double jerk, double end_jerk) {
+  return jerk > 0.0 ? std::max(jerk, end_jerk) : 0.0;
+}
+
+Draft::Draft(const MotionState& start, double end_jerk, const RampLimits& limits)
     : gain_(limits.acceleration, limits.jerk[0], limits.jerk[1]),
       lose_(limits.deceleration, limits.jerk[2], limits.jerk[3]),
+      under_way_(gain_),
       stopping_way_(lose_),
       limit_(limits.velocity),
       position_(start.position),
@@ -103,49 +115,51 @@ Draft::Draft(const MotionState& start, const RampLimits& limits)
                                                                                              : 1.0),
       speed_(std::fabs(start.velocity)),
       acceleration_(direction_ * start.acceleration) {
-  const double least_loss = 0.5 * acceleration_ * acceleration_ * lose_.end_bow;
-  if (acceleration_ < 0.0 && least_loss > speed_ * (1.0 + kSameSpeed)) {
-    turn_through_zero();
+  if (acceleration_ > 0.0) {
+    under_way_ = Slope(limits.acceleration, limits.jerk[0], faster(limits.jerk[1], end_jerk));
+  } else if (acceleration_ < 0.0) {
+    under_way_ = Slope(limits.deceleration, limits.jerk[2], faster(limits.jerk[3], end_jerk));
+    const double least_loss = 0.5 * acceleration_ * acceleration_ * under_way_.end_bow;
+    if (least_loss > speed_ * (1.0 + kSameLoss)) {
+      come_to_rest();
+    }
   }
 }
 
-/// Losing speed too hard to end it before rest, which limits changed in flight can bring about: the
-/// direction changes, and what was the end of losing speed becomes a gain of it.
-void Draft::turn_through_zero() {
-  const double at_zero = std::sqrt(acceleration_ * acceleration_ - 2.0 * lose_.end_jerk * speed_);
-  relax(-at_zero);
-  turn();
+/// Losing speed too hard to end it before rest: rest it is, with the jerk that takes.
+void Draft::come_to_rest() {
+  const double jerk = 0.5 * acceleration_ * acceleration_ / speed_;
+  under_way_ = Slope(under_way_.rate, under_way_.start_jerk, jerk);
+  relax(0.0);
   speed_ = 0.0;
-  acceleration_ = at_zero;
 }
 
 double Draft::braking_way() const {
   if (acceleration_ > 0.0) {
-    const Relaxation relaxation(speed_, acceleration_, 0.0, gain_);
-    return relaxation.way + stopping_way_(relaxation.speed_after);
+    const Relaxation end = relaxation();
+    return end.way + stopping_way_(end.speed_after);
   }
   return losing_to(0.0).way(speed_, kLosing);
 }
 
 void Draft::relax(double to) {
-  const Slope& slope = slope_in_force();
-  const Relaxation relaxation(speed_, acceleration_, to, slope);
-  const bool gaining = acceleration_ > 0.0;
-  plan_.append({.duration = relaxation.time,
+  const Relaxation part(speed_, acceleration_, to, under_way_);
+  const bool gains = acceleration_ > 0.0;
+  plan_.append({.duration = part.time,
                 .reference_position = position_,
                 .reference_velocity = direction_ * speed_,
                 .acceleration = direction_ * acceleration_,
-                .jerk = direction_ * (gaining ? -slope.end_jerk : slope.end_jerk),
-                .phase = gaining ? RampPhase::accelerating : RampPhase::decelerating});
-  position_ = displaced(position_, direction_ * relaxation.way);
-  speed_ = relaxation.speed_after;
+                .jerk = direction_ * (gains ? -under_way_.end_jerk : under_way_.end_jerk),
+                .phase = gains ? RampPhase::accelerating : RampPhase::decelerating});
+  position_ = displaced(position_, direction_ * part.way);
+  speed_ = part.speed_after;
   acceleration_ = to;
 }
 
 /// Appends a change of speed, computed backwards from where it ends.
 void Draft::apply(const AccelerationPulse& pulse, double sense, double speed_after,
                   const MicrostepPosition& end) {
-  const Slope& slope = sense > 0.0 ? gain_ : lose_;
+  const Slope& slope = sense > 0.0 ? gaining() : losing();
   const double signed_sense = direction_ * sense;
   const RampPhase phase = sense > 0.0 ? RampPhase::accelerating : RampPhase::decelerating;
   const double at_hold_end = speed_after - sense * 0.5 * pulse.peak * pulse.end_time;
@@ -181,12 +195,11 @@ void Draft::apply(const AccelerationPulse& pulse, double sense, double speed_aft
 void Draft::change_to(double speed) {
   const auto same = [&] { return std::fabs(speed_ - speed) <= kSameSpeed * speed; };
   if (acceleration_ > 0.0) {
-    const double least = Relaxation(speed_, acceleration_, 0.0, gain_).speed_after;
+    const double least = relaxation().speed_after;
     if (gain_.rate == 0.0 || least >= speed * (1.0 - kSameSpeed)) {
       relax(0.0);
     }
-  } else if (acceleration_ < 0.0 &&
-             Relaxation(speed_, acceleration_, 0.0, lose_).speed_after <= speed) {
+  } else if (acceleration_ < 0.0 && relaxation().speed_after <= speed) {
     relax(0.0);
   }
   if (same()) {
@@ -194,7 +207,7 @@ void Draft::change_to(double speed) {
   } else if (speed < speed_ && acceleration_ <= 0.0) {
     apply(losing_to(speed), kLosing, speed);
   } else if (gain_.rate > 0.0) {
-    apply(AccelerationPulse::over(gain_, acceleration_, speed - speed_), kGaining, speed);
+    apply(AccelerationPulse::over(gaining(), acceleration_, speed - speed_), kGaining, speed);
   }
 }
 
@@ -220,16 +233,23 @@ void Draft::cruise_onto(const MicrostepPosition& end) {
 
 void Draft::approach(const MicrostepPosition& end) {
   const double highest = limit_ * (1.0 + kSameSpeed);
-  const Relaxation relaxation(speed_, acceleration_, 0.0, slope_in_force());
-  if (acceleration_ > 0.0 && (gain_.rate == 0.0 || relaxation.speed_after > highest)) {
+  const Relaxation end_bow = relaxation();
+  if (acceleration_ > 0.0 && (gain_.rate == 0.0 || end_bow.speed_after > highest)) {
     relax(0.0);
   }
-  if (acceleration_ <= 0.0 && relaxation.speed_after > highest) {
+  if (acceleration_ <= 0.0 && end_bow.speed_after > highest) {
     slow_down_onto(end);
     return;
   }
   if (acceleration_ < 0.0) {
-    if (way_to(end) < relaxation.way + stopping_way_(relaxation.speed_after)) {
+    const auto short_of = [&] {
+      return way_to(end) < end_bow.way + stopping_way_(end_bow.speed_after);
+    };
+    if (short_of()) {  // braking goes on with the bows it has begun with
+      lose_ = under_way_;
+      stopping_way_ = StoppingWay(lose_);
+    }
+    if (short_of()) {
       ease_off_onto(end);
       return;
     }
@@ -265,8 +285,9 @@ void Draft::slow_down_onto(const MicrostepPosition& end) {
 void Draft::ease_off_onto(const MicrostepPosition& end) {
   const double length = way_to(end);
   const auto excess = [&](double eased) {
-    const Relaxation part(speed_, acceleration_, acceleration_ + eased, lose_);
-    const auto rest = AccelerationPulse::over(lose_, -(acceleration_ + eased), part.speed_after);
+    const Relaxation part(speed_, acceleration_, acceleration_ + eased, under_way_);
+    const auto rest =
+        AccelerationPulse::over(under_way_, -(acceleration_ + eased), part.speed_after);
     return part.way + rest.way(part.speed_after, kLosing) - length;
   };
   const FunctionPoint low{0.0, excess(0.0)};
@@ -282,9 +303,9 @@ void Draft::gain_onto(const MicrostepPosition& end) {
     relax(gain_.rate);
   }
   const double length = way_to(end);
-  const double least = Relaxation(speed_, acceleration_, 0.0, gain_).speed_after;
+  const double least = relaxation().speed_after;
   const double top = std::max(limit_, least);
-  auto pulse = AccelerationPulse::over(gain_, acceleration_, top - speed_);
+  auto pulse = AccelerationPulse::over(gaining(), acceleration_, top - speed_);
   const auto excess = [&](const AccelerationPulse& of) {
     return of.way(speed_, kGaining) + stopping_way_(speed_ + of.change()) - length;
   };
@@ -297,7 +318,7 @@ void Draft::gain_onto(const MicrostepPosition& end) {
   FunctionPoint high{pulse.peak, beyond};
   bool held = false;
   if (pulse.hold_time > 0.0) {
-    const auto brief = AccelerationPulse::with_peak(gain_, acceleration_, gain_.rate);
+    const auto brief = AccelerationPulse::with_peak(gaining(), acceleration_, gain_.rate);
     const FunctionPoint low{0.0, excess(brief)};
     held = low.y <= 0.0;
     if (held) {
@@ -307,7 +328,7 @@ void Draft::gain_onto(const MicrostepPosition& end) {
     }
   }
   if (!held) {
-    pulse = AccelerationPulse::with_peak(gain_, acceleration_, peak_for(length, high));
+    pulse = AccelerationPulse::with_peak(gaining(), acceleration_, peak_for(length, high));
   }
   apply(pulse, kGaining, speed_ + pulse.change());
   brake_onto(end);
@@ -316,18 +337,19 @@ void Draft::gain_onto(const MicrostepPosition& end) {
 /// Peak of a pulse not held that makes the way to rest `length` microsteps long.
 double Draft::peak_for(double length, FunctionPoint high) const {
   const auto excess = [&](double peak) {
-    const auto pulse = AccelerationPulse::with_peak(gain_, acceleration_, peak);
+    const auto pulse = AccelerationPulse::with_peak(gaining(), acceleration_, peak);
     return pulse.way(speed_, kGaining) + stopping_way_(speed_ + pulse.change()) - length;
   };
   const FunctionPoint low{acceleration_, excess(acceleration_)};
   // The way grows with the peak at least as these terms alone do; the least of what they allow is
   // near the peak, and it is the peak for a start from rest if neither rate is reached.
-  const double half = 0.5 * gain_.bows;  // speed gained: half * peak^2
-  const double cubic = gain_.bows * (gain_.start_bow + 2.0 * gain_.end_bow) * (1.0 / 6.0) +
+  const Slope& slope = gaining();
+  const double half = 0.5 * slope.bows;  // speed gained: half * peak^2
+  const double cubic = slope.bows * (slope.start_bow + 2.0 * slope.end_bow) * (1.0 / 6.0) +
                        stopping_way_.unlimited(half);
   double guess = cube_root(-low.y / cubic);
   if (speed_ > 0.0) {
-    guess = std::min(guess, -low.y / (speed_ * gain_.bows));
+    guess = std::min(guess, -low.y / (speed_ * slope.bows));
   }
   const double quartic = 2.0 * lose_.rate * -low.y / (half * half);
   guess = std::min(guess, std::sqrt(std::sqrt(quartic)));
@@ -361,12 +383,13 @@ MotionPlan standing(const MicrostepPosition& position) {
 
 }  // namespace
 
-MotionPlan positioning(const MotionState& start, std::int64_t target, const RampLimits& limits) {
+MotionPlan positioning(const MotionState& start, std::int64_t target, const RampLimits& limits,
+                       double end_jerk) {
   const RampLimits allowed = limits.cleaned();
   if (allowed.deceleration == 0.0) {
     return standing(start.position);
   }
-  Draft draft(start, allowed);
+  Draft draft(start, end_jerk, allowed);
   if (allowed.velocity == 0.0) {
     draft.stop();
     return draft.rest();
@@ -388,12 +411,13 @@ MotionPlan positioning(const MotionState& start, std::int64_t target, const Ramp
   return draft.rest();
 }
 
-MotionPlan velocity(const MotionState& start, double velocity, const RampLimits& limits) {
+MotionPlan velocity(const MotionState& start, double velocity, const RampLimits& limits,
+                    double end_jerk) {
   const RampLimits allowed = limits.cleaned();
   if (allowed.deceleration == 0.0) {
     return standing(start.position);
   }
-  Draft draft(start, allowed);
+  Draft draft(start, end_jerk, allowed);
   const double wanted = std::min(std::fabs(velocity), allowed.velocity);
   if (wanted > 0.0 && velocity * draft.direction() < 0.0) {
     draft.stop();
@@ -403,25 +427,24 @@ MotionPlan velocity(const MotionState& start, double velocity, const RampLimits&
   return draft.cruise();
 }
 
-MotionPlan stop(const MotionState& start, const RampLimits& limits) {
+MotionPlan stop(const MotionState& start, const RampLimits& limits, double end_jerk) {
   const RampLimits allowed = limits.cleaned();
   if (allowed.deceleration == 0.0) {
     return standing(start.position);
   }
-  Draft draft(start, allowed);
+  Draft draft(start, end_jerk, allowed);
   draft.stop();
   return draft.rest();
 }
 
-double braking_distance(const MotionState& start, const RampLimits& limits) {
+double braking_distance(const MotionState& start, const RampLimits& limits, double end_jerk) {
   const RampLimits allowed = limits.cleaned();
   if (allowed.deceleration == 0.0) {
     return 0.0;
   }
-  const Draft draft(start, allowed);
-  const double turned =
-      distance(start.position, draft.position()) * (start.velocity < 0.0 ? -1.0 : 1.0);
-  return turned != 0.0 ? turned : draft.braking_way();
+  Draft draft(start, end_jerk, allowed);
+  draft.stop();
+  return std::fabs(distance(start.position, draft.position()));
 }
 
 }  // namespace stator::control::s_shaped
