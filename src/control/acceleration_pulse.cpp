@@ -47,6 +47,7 @@ StoppingWay::StoppingWay(const Slope& slope)
     : rate_(slope.rate),
       half_inverse_rate_(0.5 * inverse(slope.rate)),
       inverse_bows_(inverse(slope.bows)),
+      bow_slope_(slope.start_bow + 0.5 * slope.end_bow),
       cubic_(slope.bows * (2.0 * slope.start_bow + slope.end_bow) * (1.0 / 6.0)),
       held_from_(0.5 * rate_ * rate_ * slope.bows),
       held_linear_(0.5 * rate_ * slope.start_bow),
@@ -55,6 +56,15 @@ StoppingWay::StoppingWay(const Slope& slope)
 
 double StoppingWay::operator()(double speed) const {
   return speed < held_from_ ? unlimited(speed) : held(speed);
+}
+
+ValueAndSlope StoppingWay::with_slope(double speed) const {
+  if (speed < held_from_) {
+    const double peak_squared = 2.0 * speed * inverse_bows_;
+    const double peak = std::sqrt(peak_squared);
+    return {cubic_ * peak_squared * peak, bow_slope_ * peak};
+  }
+  return {held(speed), 2.0 * speed * half_inverse_rate_ + held_linear_};
 }
 
 double StoppingWay::unlimited(double speed) const {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/ramp_limits.hpp"
+#include "control/root_finding.hpp"
 
 namespace stator::control {
 
@@ -50,6 +50,10 @@ class StoppingWay {
  public:
   explicit StoppingWay(const Slope& slope);
   [[nodiscard]] double operator()(double speed) const;
+  /// And by how much it grows with the speed, s.
+  [[nodiscard]] ValueAndSlope with_slope(double speed) const;
+  /// The deceleration reaches its rate.
+  [[nodiscard]] bool holds(double speed) const { return speed >= held_from_; }
   /// The way as if the deceleration were held, for any speed.
   [[nodiscard]] double held(double speed) const {
     return speed * (speed * half_inverse_rate_ + held_linear_) + held_constant_;
@@ -61,6 +65,7 @@ class StoppingWay {
   double rate_;
   double half_inverse_rate_;
   double inverse_bows_;
+  double bow_slope_;    ///< growth of the way of a pulse not held over its peak
   double cubic_;        ///< way of a pulse not held over its peak^3
   double held_from_;    ///< speed from which the pulse is held
   double held_linear_;  ///< of the held pulse: way = speed^2 / (2 rate) + linear * speed + constant

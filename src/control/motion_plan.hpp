@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -54,6 +55,16 @@ class MotionPlan {
   /// Enough for "stop, return" with bows: turn, end of gaining speed, 4 to brake; 3 to gain speed,
   /// cruise, 3 to brake, rest.
   static constexpr std::size_t kCapacity = 14;
+
+  MotionPlan() = default;
+  MotionPlan(const MotionPlan& other) { *this = other; }
+  /// Copies the segments in use only: the capacity is many times what most plans need.
+  MotionPlan& operator=(const MotionPlan& other) {
+    std::copy_n(other.segments_.begin(), other.size_, segments_.begin());
+    size_ = other.size_;
+    return *this;
+  }
+  ~MotionPlan() = default;
 
   [[nodiscard]] constexpr std::size_t size() const { return size_; }
   [[nodiscard]] constexpr const MotionSegment& operator[](std::size_t i) const {

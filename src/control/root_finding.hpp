@@ -13,17 +13,18 @@ struct FunctionPoint {
 };
 
 /// Zero of the continuous `function` between `low` (y <= 0) and `high` (y >= 0), good to
-/// |y| <= `tolerance` or to the resolution of x. Starts at `guess` if it lies inside. Anderson and
-/// Björck's regula falsi with a bisection now and then, so the number of steps is bounded.
+/// |y| <= `tolerance` or to the resolution of x. Anderson and Björck's regula falsi with a
+/// bisection now and then, so the number of steps is bounded.
 template <typename Function>
-[[nodiscard]] double root_between(FunctionPoint low, FunctionPoint high, double guess,
-                                  double tolerance, const Function& function) {
+[[nodiscard]] double root_between(FunctionPoint low, FunctionPoint high, double tolerance,
+                                  const Function& function) {
   constexpr int kSteps = 64;
-  constexpr int kBisectEvery = 6;
-  double x = guess;
+  constexpr int kBisectEvery = 8;
+  double x = low.x;
   const FunctionPoint* kept_before = nullptr;
   for (int step = 1; step <= kSteps; ++step) {
-    if (!(x > low.x && x < high.x)) {
+    x = low.x - low.y * (high.x - low.x) / (high.y - low.y);
+    if (step % kBisectEvery == 0 || !(x > low.x && x < high.x)) {
       x = 0.5 * (low.x + high.x);
       if (!(x > low.x && x < high.x)) {
         break;  // neighbours
@@ -42,8 +43,35 @@ template <typename Function>
     }
     kept_before = &kept;
     replaced = {x, y};
-    x = step % kBisectEvery == 0 ? 0.5 * (low.x + high.x)
-                                 : low.x - low.y * (high.x - low.x) / (high.y - low.y);
+  }
+  return x;
+}
+
+/// A value of a function and its derivative.
+struct ValueAndSlope {
+  double value = 0.0;
+  double slope = 0.0;
+};
+
+/// Zero between `low` and `high` of a `function` that rises and is convex: Newton's iteration,
+/// which on such a function comes from one side after its first step and doubles its digits. Good
+/// to `tolerance` or to the resolution of x.
+template <typename Function>
+[[nodiscard]] double convex_root(double low, double high, double guess, double tolerance,
+                                 const Function& function) {
+  constexpr int kSteps = 50;
+  double x = guess < low ? low : guess < high ? guess : high;
+  for (int step = 0; step < kSteps; ++step) {
+    const ValueAndSlope here = function(x);
+    if (std::fabs(here.value) <= tolerance) {
+      break;
+    }
+    const double next = x - here.value / here.slope;
+    const double inside = next < low ? low : next < high ? next : high;
+    if (inside == x) {
+      break;
+    }
+    x = inside;
   }
   return x;
 }
