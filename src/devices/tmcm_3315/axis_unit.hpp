@@ -11,6 +11,7 @@
 #include "base/sim_time.hpp"
 #include "devices/input.hpp"
 #include "devices/signal.hpp"
+#include "devices/tmcm_3315/ramp_objects.hpp"
 #include "dictionary/dictionary.hpp"
 #include "drive/axis.hpp"
 #include "plant/stepper_axis.hpp"
@@ -34,7 +35,6 @@ struct AxisManufacturerObjects {
   dictionary::Variable<std::uint8_t> position_from_encoder;         // 200Bh:03
   dictionary::Variable<std::uint8_t> brake_apply_current;           // 200Ch:01
   dictionary::Variable<std::uint8_t> brake_release_current;         // 200Ch:02
-  dictionary::Variable<std::uint32_t> stop_deceleration;            // 2014h
   dictionary::Variable<std::uint8_t> boost_current;                 // 204Eh
   dictionary::Variable<std::uint16_t> standby_delay;                // 2089h, 10 ms
   dictionary::Variable<std::uint8_t> velocity_dimension;            // 208Ch
@@ -116,6 +116,7 @@ class AxisUnit {
   double full_scale_current_;
   base::EventReporter reporter_;
   AxisManufacturerObjects objects_;
+  RampObjects ramp_objects_;
   plant::StepperAxis plant_;
   base::AxisSensing sensing_;
   std::optional<drive::Axis> axis_;
