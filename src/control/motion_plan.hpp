@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -19,23 +20,29 @@ struct MotionState {
   double acceleration = 0.0;
 };
 
-/// A stretch of constant acceleration in closed form, t seconds after it began and with
+/// A stretch of constant jerk in closed form, t seconds after it began and with
 /// tau = t - reference_time:
-///   velocity = reference_velocity + acceleration * tau
+///   acceleration(t) = acceleration + jerk * tau
+///   velocity = reference_velocity + acceleration * tau + jerk * tau^2 / 2
 ///   position = reference_position + reference_velocity * tau + acceleration * tau^2 / 2
+///              + jerk * tau^3 / 6
 /// A stretch that ends on a target takes its end as reference, so arrival is exact by construction.
 struct MotionSegment {
   double duration = 0.0;        ///< s; for the last segment of a plan see MotionPlan
   double reference_time = 0.0;  ///< s after the begin of the segment
   MicrostepPosition reference_position;
   double reference_velocity = 0.0;  ///< pps
-  double acceleration = 0.0;        ///< pps/s
+  double acceleration = 0.0;        ///< pps/s, at the reference
+  double jerk = 0.0;                ///< pps/s^2
   RampPhase phase = RampPhase::standstill;
 
   [[nodiscard]] constexpr MotionState at(double time) const {
     const double tau = time - reference_time;
-    return {displaced(reference_position, tau * (reference_velocity + 0.5 * acceleration * tau)),
-            reference_velocity + acceleration * tau, acceleration};
+    const double gained = jerk * tau;
+    const double moved =
+        tau * (reference_velocity + tau * (0.5 * acceleration + (1.0 / 6.0) * gained));
+    return {displaced(reference_position, moved),
+            reference_velocity + tau * (acceleration + 0.5 * gained), acceleration + gained};
   }
 };
 
@@ -45,8 +52,19 @@ struct MotionSegment {
 /// for a double must not hold all that an endless cruise has covered.
 class MotionPlan {
  public:
-  /// Enough for "stop, return": brake, accelerate, cruise, brake, rest.
-  static constexpr std::size_t kCapacity = 6;
+  /// Enough for "stop, return" with bows: turn, end of gaining speed, 4 to brake; 3 to gain speed,
+  /// cruise, 3 to brake, rest.
+  static constexpr std::size_t kCapacity = 14;
+
+  MotionPlan() = default;
+  MotionPlan(const MotionPlan& other) { *this = other; }
+  /// Copies the segments in use only: the capacity is many times what most plans need.
+  MotionPlan& operator=(const MotionPlan& other) {
+    std::copy_n(other.segments_.begin(), other.size_, segments_.begin());
+    size_ = other.size_;
+    return *this;
+  }
+  ~MotionPlan() = default;
 
   [[nodiscard]] constexpr std::size_t size() const { return size_; }
   [[nodiscard]] constexpr const MotionSegment& operator[](std::size_t i) const {

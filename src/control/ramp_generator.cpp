@@ -1,6 +1,20 @@
 #include "control/ramp_generator.hpp"
 
+#include <cmath>
+
+#include "control/ramp_profile.hpp"
+
 namespace stator::control {
+
+namespace {
+
+/// What an s-shaped ramp takes over: an acceleration that was going to end in a step, which those
+/// of linear ramps and of the cyclic modes do, ends now.
+MotionState smooth(const MotionState& now, double end_jerk) {
+  return {now.position, now.velocity, end_jerk > 0.0 ? now.acceleration : 0.0};
+}
+
+}  // namespace
 
 RampGenerator::RampGenerator() {
   state_.plan.rest({});
@@ -50,7 +64,13 @@ void RampGenerator::follow_velocity(double velocity, base::SimDuration period) {
 
 void RampGenerator::stop(double deceleration) {
   state_.mode = RampMode::stop;
-  play(plan_stop(state_.now, deceleration));
+  play(six_point::stop(state_.now, deceleration));
+}
+
+void RampGenerator::stop(const RampLimits& limits) {
+  state_.mode = RampMode::stop;
+  const double jerk = end_jerk();
+  play(plan_stop(smooth(state_.now, jerk), limits, jerk));
 }
 
 void RampGenerator::set_position(std::int64_t microsteps) {
@@ -59,11 +79,27 @@ void RampGenerator::set_position(std::int64_t microsteps) {
   stop_at_once();
 }
 
+double RampGenerator::end_jerk() const {
+  const double acceleration = state_.now.acceleration;
+  for (std::size_t i = state_.segment; i + 1 < state_.plan.size(); ++i) {
+    const double jerk = state_.plan[i].jerk;
+    if (jerk * acceleration < 0.0) {
+      return std::fabs(jerk);
+    }
+    if (state_.plan[i + 1].at(0.0).acceleration * acceleration <= 0.0) {
+      break;
+    }
+  }
+  return 0.0;
+}
+
 void RampGenerator::replan() {
+  const double jerk = end_jerk();
+  const MotionState start = smooth(state_.now, jerk);
   if (state_.mode == RampMode::position) {
-    play(plan_positioning(state_.now, state_.target_position, state_.limits));
+    play(plan_positioning(start, state_.target_position, state_.limits, jerk));
   } else if (state_.mode == RampMode::velocity) {
-    play(plan_velocity(state_.now, state_.target_velocity, state_.limits));
+    play(plan_velocity(start, state_.target_velocity, state_.limits, jerk));
   }
 }
 

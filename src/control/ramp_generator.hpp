@@ -5,15 +5,15 @@
 #include "base/sim_time.hpp"
 #include "control/interpolation_profile.hpp"
 #include "control/motion_plan.hpp"
-#include "control/trapezoid_profile.hpp"
+#include "control/ramp_limits.hpp"
 
 namespace stator::control {
 
 /// What the generator was told last.
 enum class RampMode : std::uint8_t {
   stop,             ///< brake to rest and stay
-  position,         ///< trapezoid to a target position
-  velocity,         ///< trapezoid to a target velocity
+  position,         ///< ramp to a target position
+  velocity,         ///< ramp to a target velocity
   follow_position,  ///< csp: interpolate to the master's next position, then hold it
   follow_velocity,  ///< csv: interpolate to the master's next velocity, then hold it
 };
@@ -39,7 +39,7 @@ struct RampState {
 /// segment, and the instants at which one segment follows another are solved, not rounded to a
 /// tick. Hence the trace is the analytic profile whatever the tick, arrival is exactly on the
 /// target with velocity exactly 0, and nothing drifts. Commands may come at any time and act at
-/// once from the present position and velocity.
+/// once from the present position, velocity and, with s-shaped ramps, acceleration.
 ///
 /// Units: microsteps (see MicrostepPosition for range and wrapping), pps, pps/s. Commands do not
 /// allocate and never fail; only + - * / and square root are used.
@@ -64,6 +64,9 @@ class RampGenerator {
   /// is wherever braking ends, mostly between two microsteps. Repeated calls with a new
   /// deceleration act on the braking under way.
   void stop(double deceleration);
+  /// Halt on a profile: as stop(limits.deceleration), with the bows of an s-shaped ramp. Calls
+  /// while braking act on the braking under way.
+  void stop(const RampLimits& limits);
   /// Limit switch, stall: velocity 0 from this moment.
   void stop_at_once() { stop(0.0); }
 
@@ -94,6 +97,9 @@ class RampGenerator {
   [[nodiscard]] double velocity() const { return state_.now.velocity; }
   /// Signed; a negative value at positive velocity means losing speed.
   [[nodiscard]] double acceleration() const { return state_.now.acceleration; }
+  /// Jerk (magnitude, pps/s^2) with which the plan under way ends the present acceleration; 0 = in
+  /// a step, or there is none.
+  [[nodiscard]] double end_jerk() const;
   [[nodiscard]] RampPhase phase() const { return state_.plan[state_.segment].phase; }
   [[nodiscard]] RampMode mode() const { return state_.mode; }
   [[nodiscard]] const RampLimits& limits() const { return state_.limits; }

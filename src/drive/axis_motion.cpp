@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "control/ramp_profile.hpp"
+
 namespace stator::drive {
 
 namespace {
 
-// What the ramp generator chip can hold in frequency mode (TMC4361: 23 and 22 integer bits).
-constexpr double kMaximumVelocity = 8'388'607.0;      // pps
-constexpr double kMaximumAcceleration = 4'194'303.0;  // pps/s
+constexpr std::uint16_t kSShaped = 1;  // of 6086h
 
 // A rotor that does not turn is followed to this many microsteps: less than a count of an encoder.
 constexpr double kStandstill = 0.5;
@@ -78,24 +78,34 @@ bool AxisMotion::limit_blocks(double direction) const {
 
 control::RampLimits AxisMotion::profile_limits() const {
   control::RampLimits limits = velocity_limits();
-  limits.velocity =
-      std::min(settings_.units.velocity(objects_.profile_velocity.get()), kMaximumVelocity);
+  limits.velocity = settings_.units.velocity(objects_.profile_velocity.get());
+  limits.end_velocity = settings_.units.velocity(objects_.end_velocity.get());
+  limits.stop_deceleration = settings_.ramp.stop_deceleration;
   return limits;
 }
 
 control::RampLimits AxisMotion::velocity_limits() const {
-  const auto acceleration = [this](std::uint32_t object) {
-    return std::min(settings_.units.acceleration(object), kMaximumAcceleration);
-  };
-  return {.velocity = kMaximumVelocity,
-          .acceleration = acceleration(objects_.profile_acceleration.get()),
-          .deceleration = acceleration(objects_.profile_deceleration.get())};
+  const MotionUnits& units = settings_.units;
+  const RampSettings& ramp = settings_.ramp;
+  control::RampLimits limits{
+      .velocity = MotionUnits::kMaximumVelocity,
+      .acceleration = units.acceleration(objects_.profile_acceleration.get()),
+      .deceleration = units.acceleration(objects_.profile_deceleration.get()),
+      .shape = objects_.profile_type.get() == kSShaped ? control::RampShape::s_shaped
+                                                       : control::RampShape::six_point,
+      .start_velocity = ramp.start_velocity,
+      .start_acceleration = ramp.start_acceleration,
+      .break_velocity = ramp.break_velocity,
+      .final_deceleration = ramp.final_deceleration};
+  for (std::size_t i = 0; i < limits.jerk.size(); ++i) {
+    limits.jerk[i] = MotionUnits::jerk(objects_.jerk[i].get(), ramp.bow_factor);
+  }
+  return limits;
 }
 
 control::RampLimits AxisMotion::search_limits(double velocity) const {
-  const double acceleration = std::min(
-      settings_.units.acceleration(objects_.homing_acceleration.get()), kMaximumAcceleration);
-  return {.velocity = std::min(velocity, kMaximumVelocity),
+  const double acceleration = settings_.units.acceleration(objects_.homing_acceleration.get());
+  return {.velocity = std::min(velocity, MotionUnits::kMaximumVelocity),
           .acceleration = acceleration,
           .deceleration = acceleration};
 }
@@ -137,7 +147,9 @@ void AxisMotion::follow_velocity(double velocity) {
   end_torque();
   profile_ = Profile::none;
   limited_ = switch_blocks(velocity) || limit_blocks(velocity);
-  ramp_.follow_velocity(limited_ ? 0.0 : std::clamp(velocity, -kMaximumVelocity, kMaximumVelocity),
+  ramp_.follow_velocity(limited_ ? 0.0
+                                 : std::clamp(velocity, -MotionUnits::kMaximumVelocity,
+                                              MotionUnits::kMaximumVelocity),
                         objects_.interpolation_period());
 }
 
@@ -147,14 +159,14 @@ bool AxisMotion::search_blocked(double direction, const PassedSwitches& passed) 
   passed_ = passed;
   limited_ = switch_blocks(direction);
   if (limited_ && ramp_.mode() != control::RampMode::stop) {
-    ramp_.stop(settings_.stop_deceleration);
+    ramp_.stop(settings_.ramp.stop_deceleration);
   }
   return limited_;
 }
 
 void AxisMotion::search_at_velocity(double velocity, const PassedSwitches& passed) {
   if (!search_blocked(velocity, passed)) {
-    ramp_.move_at_velocity(velocity, search_limits(kMaximumVelocity));
+    ramp_.move_at_velocity(velocity, search_limits(MotionUnits::kMaximumVelocity));
   }
 }
 
@@ -196,16 +208,21 @@ void AxisMotion::follow_rotor(double deviation, double velocity) {
 }
 
 void AxisMotion::brake(Braking braking) {
-  const double slow_down = profile_ == Profile::search
-                               ? search_limits(kMaximumVelocity).deceleration
-                               : velocity_limits().deceleration;
+  const bool searches = profile_ == Profile::search;
+  const bool on_profile = profile_ != Profile::none && !searches;
   profile_ = Profile::none;
   end_torque();
   switch (braking) {
     case Braking::none:
       break;
     case Braking::slow_down_ramp:
-      ramp_.stop(slow_down);
+      if (searches) {
+        ramp_.stop(search_limits(MotionUnits::kMaximumVelocity).deceleration);
+      } else if (on_profile) {
+        ramp_.stop(velocity_limits());
+      } else {
+        ramp_.stop(velocity_limits().deceleration);
+      }
       break;
     case Braking::quick_stop_ramp:
       ramp_.stop(settings_.units.acceleration(objects_.quick_stop_deceleration.get()));
@@ -228,8 +245,8 @@ void AxisMotion::supervise(base::SimDuration period) {
     if (torque_) {
       hold_against(velocity());
     }
-    if (ramp_.mode() != control::RampMode::stop || settings_.stop_deceleration <= 0.0) {
-      ramp_.stop(settings_.stop_deceleration);
+    if (ramp_.mode() != control::RampMode::stop || settings_.ramp.stop_deceleration <= 0.0) {
+      ramp_.stop(settings_.ramp.stop_deceleration);
     }
     return;
   }
@@ -237,21 +254,32 @@ void AxisMotion::supervise(base::SimDuration period) {
 }
 
 void AxisMotion::stop_before_software_limit(base::SimDuration period) {
-  const bool runs_free =
-      profile_ != Profile::search && (ramp_.mode() == control::RampMode::velocity ||
-                                      ramp_.mode() == control::RampMode::follow_velocity);
-  const double speed = velocity() < 0.0 ? -velocity() : velocity();
+  const bool on_profile =
+      ramp_.mode() == control::RampMode::velocity && profile_ != Profile::search;
+  const double direction = velocity() < 0.0 ? -1.0 : 1.0;
   const auto limit = velocity() > 0.0 ? upper_limit() : lower_limit();
-  if (!runs_free || speed == 0.0 || !limit) {
-    return;
+  if (!(on_profile || ramp_.mode() == control::RampMode::follow_velocity) || velocity() == 0.0 ||
+      !limit || (on_profile && ramp_.target_velocity() * direction <= 0.0)) {
+    return;  // the last: it brakes as hard as it may already
   }
-  const double deceleration = velocity_limits().deceleration;
-  const auto way =
-      static_cast<double>(velocity() > 0.0 ? *limit - position() : position() - *limit);
-  const double braking = deceleration > 0.0 ? speed * speed / (2.0 * deceleration) : 0.0;
-  // Two periods ahead: this one and the one after, in which it would be too late; a microstep more
-  // for the fraction the integer position leaves out.
-  if (way > braking + 2.0 * speed * period.seconds() + 1.0) {
+  control::RampLimits limits = velocity_limits();
+  if (!on_profile) {
+    limits = {.acceleration = limits.deceleration, .deceleration = limits.deceleration};
+  }
+  // Two periods ahead: this one and the one after, in which it would be too late.
+  const double ahead = 2.0 * period.seconds();
+  control::MotionState later = ramp_.state().now;
+  const double gained = std::max(0.0, direction * later.acceleration);
+  double acceleration = gained;
+  if (on_profile && ramp_.phase() == control::RampPhase::accelerating && limits.jerk[0] > 0.0) {
+    acceleration = std::min(std::max(gained, limits.acceleration), gained + limits.jerk[0] * ahead);
+  }
+  later.acceleration = direction * acceleration;
+  later.velocity += later.acceleration * ahead;
+  const double speed = direction * later.velocity;
+  const auto way = direction * static_cast<double>(*limit - position());
+  // A microstep more for the fraction that the integer position leaves out.
+  if (way > control::braking_distance(later, limits) + speed * ahead + 1.0) {
     return;
   }
   limited_ = true;
@@ -259,10 +287,11 @@ void AxisMotion::stop_before_software_limit(base::SimDuration period) {
   if (torque_) {
     hold_against(velocity());
   }
-  if (way > 0.0 && deceleration > 0.0) {
-    ramp_.move_to(*limit, {speed, deceleration, deceleration});
+  if (way > 0.0 && limits.deceleration > 0.0) {
+    limits.velocity = on_profile ? direction * ramp_.target_velocity() : speed;
+    ramp_.move_to(*limit, limits);
   } else {
-    ramp_.stop(deceleration);
+    ramp_.stop(limits);
   }
 }
 

@@ -35,10 +35,10 @@ class AxisMotion {
   /// limit holds.
   [[nodiscard]] std::int64_t cyclic(std::int64_t sum) const;
 
-  /// Travels on the profile of 6081h, 6083h, 6084h; the target is clamped to the software limits.
-  /// Returns the target in force.
+  /// Travels on the profile of 6081h to 6084h, 6086h and 60A4h; the target is clamped to the
+  /// software limits. Returns the target in force.
   std::int64_t move_to(std::int64_t target);
-  /// Takes up `velocity` (pps) with 6083h and 6084h.
+  /// Takes up `velocity` (pps) with 6083h, 6084h, 6086h and 60A4h.
   void move_at_velocity(double velocity);
   /// Interpolates to a cyclic target within 60C2h; clamped to the software limits.
   void follow_position(std::int64_t target);
@@ -59,7 +59,8 @@ class AxisMotion {
   /// Call every control period.
   void follow_rotor(double deviation, double velocity);
 
-  /// Brakes on the slow-down ramp (6084h, after a homing motion 609Ah), with 6085h or at once.
+  /// Brakes with 6084h (and the bows of a profile under way), after a homing motion with 609Ah, by
+  /// the quick stop ramp with 6085h, or at once.
   void brake(Braking braking);
   /// Renames the present position; a motion under way ends at once.
   void set_position(std::int64_t microsteps) { ramp_.set_position(microsteps); }

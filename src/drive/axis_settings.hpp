@@ -12,6 +12,16 @@
 
 namespace stator::drive {
 
+/// Of a profile, what CiA 402 has no objects for. pps and pps/s; see control::RampLimits.
+struct RampSettings {
+  double start_velocity = 0.0;
+  double start_acceleration = 0.0;
+  double break_velocity = 0.0;
+  double final_deceleration = 0.0;
+  double stop_deceleration = 0.0;  ///< after an end velocity and at limit switches; 0 = at once
+  double bow_factor = 1.0;         ///< multiplies the jerks of 60A4h
+};
+
 /// What CiA 402 leaves to the manufacturer; the device fills it from its own objects and brings it
 /// up to date before each Axis::apply() and Axis::tick().
 struct AxisSettings {
@@ -19,7 +29,7 @@ struct AxisSettings {
   std::int64_t microsteps_per_revolution = 51'200;
   std::uint8_t microstep_resolution = 8;  ///< microsteps per full step as a power of two
   PowerDelays delays;
-  double stop_deceleration = 0.0;     ///< pps/s at a limit switch; 0 stops hard
+  RampSettings ramp;
   bool encoder_reversed = false;      ///< the encoder counts against the motor
   bool position_from_encoder = true;  ///< the demand position starts at the encoder's position
   ReferenceSettings reference;

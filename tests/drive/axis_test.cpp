@@ -352,7 +352,7 @@ TEST_F(AxisTest, ALimitSwitchStopsHardAndBlocksItsDirectionOnly) {
 }
 
 TEST_F(AxisTest, ALimitSwitchUsesTheStopDecelerationIfThereIsOne) {
-  bench_.axis->settings().stop_deceleration = 100'000.0;
+  bench_.axis->settings().ramp.stop_deceleration = 100'000.0;
   run_at(10'000.0);
   bench_.axis->conditions().positive_limit_switch = true;
   bench_.pass(51_ms);

@@ -273,7 +273,7 @@ TEST_F(HomingModeTest, ALimitSwitchTheMethodDoesNotNameStopsTheMotor) {
 }
 
 TEST_F(HomingModeTest, AfterAStopAtALimitSwitchTheStopDecelerationHolds) {
-  bench_.axis->settings().stop_deceleration = 100'000.0;
+  bench_.axis->settings().ramp.stop_deceleration = 100'000.0;
   bench_.write(0x6098, 3);
   bench_.right_switch = {10'000, kFar};
   bench_.home_switch = {kFar, kFar};

@@ -52,7 +52,6 @@ AxisManufacturerObjects::AxisManufacturerObjects(const dictionary::Dictionary& d
   bind(position_from_encoder, 0x200B, 3);
   bind(brake_apply_current, 0x200C, 1);
   bind(brake_release_current, 0x200C, 2);
-  bind(stop_deceleration, 0x2014);
   bind(boost_current, 0x204E);
   bind(standby_delay, 0x2089);
   bind(velocity_dimension, 0x208C);
@@ -78,6 +77,7 @@ AxisUnit::AxisUnit(dictionary::Dictionary& dictionary, std::uint8_t number,
       reference_(dictionary, manufacturer_offset(number)),
       closed_loop_objects_(dictionary, manufacturer_offset(number)),
       driver_objects_(dictionary, manufacturer_offset(number)),
+      ramp_objects_(dictionary, manufacturer_offset(number)),
       plant_(plant),
       sensing_(plant_.sense()) {
   const auto own = [number](unsigned index) {
@@ -127,7 +127,7 @@ void AxisUnit::configure() {
   settings.delays = {.hold_current = milliseconds(objects_.enable_delay.get()),
                      .brake_release = milliseconds(objects_.brake_release_delay.get()),
                      .brake_apply = milliseconds(objects_.brake_apply_delay.get())};
-  settings.stop_deceleration = settings.units.acceleration(objects_.stop_deceleration.get());
+  ramp_objects_.configure(settings);
   settings.encoder_reversed = objects_.encoder_reversed.get() != 0;
   settings.position_from_encoder = objects_.position_from_encoder.get() != 0;
   settings.currents = {

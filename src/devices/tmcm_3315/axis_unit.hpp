@@ -13,6 +13,7 @@
 #include "devices/signal.hpp"
 #include "devices/tmcm_3315/closed_loop_objects.hpp"
 #include "devices/tmcm_3315/driver_objects.hpp"
+#include "devices/tmcm_3315/ramp_objects.hpp"
 #include "devices/tmcm_3315/reference_objects.hpp"
 #include "dictionary/dictionary.hpp"
 #include "drive/axis.hpp"
@@ -36,7 +37,6 @@ struct AxisManufacturerObjects {
   dictionary::Variable<std::uint8_t> position_from_encoder;         // 200Bh:03
   dictionary::Variable<std::uint8_t> brake_apply_current;           // 200Ch:01
   dictionary::Variable<std::uint8_t> brake_release_current;         // 200Ch:02
-  dictionary::Variable<std::uint32_t> stop_deceleration;            // 2014h
   dictionary::Variable<std::uint8_t> boost_current;                 // 204Eh
   dictionary::Variable<std::uint16_t> standby_delay;                // 2089h, 10 ms
   dictionary::Variable<std::uint8_t> velocity_dimension;            // 208Ch
@@ -166,6 +166,7 @@ class AxisUnit {
   ReferenceObjects reference_;
   ClosedLoopObjects closed_loop_objects_;
   DriverObjects driver_objects_;
+  RampObjects ramp_objects_;
   plant::StepperAxis plant_;
   base::AxisSensing sensing_;
   bool brake_coil_releases_ = false;  ///< set_brake_coil() says it with the first duty
