@@ -10,6 +10,7 @@
 #include "ethercat/device_description.hpp"
 #include "ethercat/eoe.hpp"
 #include "ethercat/slave_controller.hpp"
+#include "tmcl/serial_port.hpp"
 
 namespace stator::devices {
 
@@ -39,6 +40,10 @@ class EtherCatDevice {
 
   /// Ethernet over EtherCAT, or null if the device has none or it is switched off.
   [[nodiscard]] virtual ethercat::EoeServer* eoe() { return nullptr; }
+
+  /// Connects the device's USB interface, a serial line of binary TMCL, or disconnects it (null).
+  /// False: it has none. The device looks for bytes in its firmware's loop.
+  virtual bool connect_usb(tmcl::SerialPort* /*port*/) { return false; }
 
   /// Switches the device's supply at `now`. Off: its firmware stops with all it knew and its power
   /// stages open; the mechanics go on. On: it starts as after a reset. What becomes of the slave

@@ -45,6 +45,8 @@ class ModuleIo {
   /// Mean voltage at an output, 0 to 1.
   [[nodiscard]] double output_duty(std::size_t output) const { return channels_[output].duty(); }
 
+  [[nodiscard]] bool level(std::size_t input) const { return channels_[input].level; }
+  [[nodiscard]] std::uint16_t counts(std::size_t input) const { return channels_[input].counts; }
   void set_level(std::size_t input, bool high) { channels_[input].level = high; }
   void set_counts(std::size_t input, std::uint16_t counts) { channels_[input].counts = counts; }
 

@@ -107,7 +107,8 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
       stack_(controller_, dictionary_, description_, *this, reporter,
              stack_options(configuration, firmware_)),
       error_register_(dictionary_.variable<std::uint8_t>(0x1001)),
-      io_(dictionary_) {
+      io_(dictionary_),
+      usb_(dictionary_, io_, reporter) {
   using Query = dictionary::Dictionary::DriveStateQuery;
   dictionary_.set_drive_state_query(Query::bind<&Tmcm3315::drive_state>(*this));
   set_identity(configuration);
@@ -164,6 +165,7 @@ void Tmcm3315::tick(base::SimTime now) {
     axis->tick(now, io_.input_bits());
   }
   switch_outputs();
+  usb_.serve(now);
   report_errors(now);
   if (!stack_.synchronous()) {
     outputs_came_ = false;
@@ -223,6 +225,7 @@ void Tmcm3315::restart_firmware(base::SimTime now) {
   dictionary_.reset_values();
   set_identity(configuration_);
   io_.restart();
+  usb_.restart();
   reported_errors_ = {};
   reported_resets_ = {};
   for (const auto& axis : axes_) {

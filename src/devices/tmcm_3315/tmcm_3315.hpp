@@ -12,6 +12,7 @@
 #include "devices/tmcm_3315/emergencies.hpp"
 #include "devices/tmcm_3315/module_io.hpp"
 #include "devices/tmcm_3315/objects.hpp"
+#include "devices/tmcm_3315/usb_monitor.hpp"
 #include "ethercat/slave_application.hpp"
 #include "ethercat/slave_stack.hpp"
 #include "plant/stepper_axis.hpp"
@@ -65,6 +66,10 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   void handle_bus_events(base::SimTime now) override;
   [[nodiscard]] FirmwareMemory* firmware() override { return &firmware_; }
   [[nodiscard]] ethercat::EoeServer* eoe() override { return stack_.eoe(); }
+  bool connect_usb(tmcl::SerialPort* port) override {
+    usb_.connect(port);
+    return true;
+  }
   void set_power(bool on, base::SimTime now) override;
   [[nodiscard]] std::vector<Signal> signals() override;
   [[nodiscard]] std::vector<Input> inputs() override;
@@ -116,6 +121,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
 
   dictionary::Variable<std::uint8_t> error_register_;  // 1001h
   tmcm_3315::ModuleIo io_;
+  tmcm_3315::UsbMonitor usb_;
 
   base::SimTime now_;
   base::SimTime next_tick_{kControlPeriod};
