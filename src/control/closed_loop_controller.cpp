@@ -14,11 +14,11 @@ constexpr double kFullScale = 255.0;
 constexpr base::SimDuration kStillTime{100'000'000};
 constexpr double kCaughtUp = 0.5;  // lag in which the vector stands on the same microstep
 
-// Damping while catching up: a proportional and derivative term on the load angle, derived over
-// 0.3 ms. For rotors of 200 to 300 Hz this is about half of critical damping, and one count of a
-// coarse encoder still moves the vector by less than a sixth of 90 degree.
-constexpr double kLeadTime = 0.3e-3;  // s
-constexpr double kLead = 3.0;
+// Damping while catching up and settling: angle per velocity the rotor lacks, with the velocity
+// seen over 0.25 ms. About half of critical for rotors of 200 to 300 Hz, and one count of a coarse
+// encoder (10000 a revolution) still moves the vector by a tenth of 90 degree only.
+constexpr double kDamping = 1.2e-3;  // s
+constexpr base::SimDuration kSettlingTime{50'000'000};
 
 /// Nearest whole number; |value| < 2^31. A conversion rounds toward zero, hence the detour.
 std::int64_t rounded(double value) {
@@ -73,7 +73,6 @@ void ClosedLoopController::prepare_step(base::SimDuration duration) {
   upscale_step_ = scale_step(settings_.upscale_delay);
   downscale_step_ = scale_step(settings_.downscale_delay);
   samples_per_step_ = seconds_ * kRegulatorRate;
-  lead_smoothing_ = seconds_ / (seconds_ + kLeadTime);
 }
 
 void ClosedLoopController::start() {
@@ -105,6 +104,7 @@ void ClosedLoopController::begin(const Input& input) {
   offset_ = static_cast<std::int32_t>(rotor_.position_of_count_zero());
   lag_ = 0.0;
   error_sum_ = 0.0;
+  damping_left_ = base::SimDuration(0);
   angle_ = 0.0;
   deviation_ = 0.0;
   scale_ = kFullScale;
@@ -124,25 +124,24 @@ ClosedLoopController::Commutation ClosedLoopController::advance(const Input& inp
   // end: so is the rotor.
   const double within = rotor_.within() + rotor_.way_per_step();
   deviation_ = static_cast<double>(input.setpoint - rotor_.base()) - within;
-  limit_ = limit_at(rotor_.velocity());
   double current = 0.0;
   if (input.torque) {
     lag_ = 0.0;
     error_sum_ = 0.0;
-    angle_ = *input.torque == 0.0 ? 0.0 : std::copysign(limit_, *input.torque);
+    angle_ = *input.torque == 0.0 ? 0.0 : std::copysign(limit_toward(*input.torque), *input.torque);
     current = std::min(std::fabs(*input.torque), 1.0);
     scale_ = kFullScale * current;
   } else {
     catch_up();
-    angle_ = follow_set_point();
+    angle_ = follow_set_point(input.velocity);
     scale_current();
-    current = static_cast<double>(static_cast<int>(scale_)) * (1.0 / kFullScale);
+    current = static_cast<double>(current_scale()) * (1.0 / kFullScale);
   }
   return {rotor_.base() + rounded(within + angle_), current};
 }
 
 double ClosedLoopController::limit_at(double velocity) const {
-  const double excess = std::fabs(velocity) - settings_.weakening_start;
+  const double excess = velocity - settings_.weakening_start;
   if (excess <= 0.0) {
     return beta_;
   }
@@ -150,36 +149,57 @@ double ClosedLoopController::limit_at(double velocity) const {
 }
 
 void ClosedLoopController::catch_up() {
+  correction_ = 0.0;
   if (lag_ == 0.0) {
     return;
   }
   error_sum_ =
       std::clamp(error_sum_ + lag_ * samples_per_step_, -error_sum_limit_, error_sum_limit_);
-  const double velocity = std::clamp(catch_up_gain_ * lag_ + catch_up_integral_ * error_sum_,
-                                     -settings_.catch_up_velocity, settings_.catch_up_velocity);
-  const double remaining = lag_ - velocity * seconds_;
-  // Toward the ramp only: the regulator limits a velocity, it does not swing.
+  const double correction = std::clamp(catch_up_gain_ * lag_ + catch_up_integral_ * error_sum_,
+                                       -settings_.catch_up_velocity, settings_.catch_up_velocity);
+  if (correction * lag_ > 0.0) {  // toward the ramp only: a limit of velocity does not swing
+    correction_ = correction;
+  }
+  const double remaining = lag_ - correction_ * seconds_;
   if (remaining * lag_ <= 0.0 || std::fabs(remaining) < kCaughtUp) {
     lag_ = 0.0;
     error_sum_ = 0.0;
-  } else if (velocity * lag_ > 0.0) {
+  } else {
     lag_ = remaining;
   }
 }
 
-double ClosedLoopController::follow_set_point() {
+double ClosedLoopController::follow_set_point(double velocity) {
   const double distance = deviation_ - lag_;
   const bool tolerated = std::fabs(distance) <= tolerance_;
-  double angle = tolerated ? distance : gain_ * distance;
-  if (std::fabs(angle) > limit_) {
-    angle = std::copysign(limit_, angle);
+  const double gain = tolerated ? 1.0 : gain_;
+  double angle = gain * distance;
+  const double limit = limit_toward(angle);
+  if (std::fabs(angle) > limit) {
+    angle = std::copysign(limit, angle);
     lag_ = deviation_ - (tolerated ? angle : angle * inverse_gain_);
   }
-  smooth_angle_ += lead_smoothing_ * (angle - smooth_angle_);
-  if (lag_ == 0.0) {
+  if (lag_ != 0.0) {
+    damping_left_ = kSettlingTime;
+  } else if (damping_left_ > base::SimDuration(0)) {
+    damping_left_ = damping_left_ - duration_;
+  } else {
     return angle;
   }
-  return std::clamp(angle + kLead * (angle - smooth_angle_), -limit_, limit_);
+  return damped(angle, gain, velocity + correction_);
+}
+
+double ClosedLoopController::damped(double angle, double gain, double velocity) {
+  const double lead = kDamping * (velocity - rotor_.quick_velocity());
+  // What the lead takes of the limit is not left to the set-point in force: it would stand a whole
+  // limit ahead when a rotor that was accelerated reaches its velocity, and hurl it beyond.
+  const double limit = limit_toward(angle);
+  const double room = std::clamp(limit - std::copysign(lead, lead * angle), 0.0, limit);
+  if (std::fabs(angle) > room) {
+    angle = std::copysign(room, angle);
+    lag_ = deviation_ - (gain == 1.0 ? angle : angle * inverse_gain_);
+  }
+  return std::clamp(angle + lead, -limit_toward(-1.0), limit_toward(1.0));
 }
 
 void ClosedLoopController::scale_current() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -44,14 +45,18 @@ struct ClosedLoopSettings {
 ///
 ///   deviation = set-point - rotor
 ///   vector    = rotor + clip(gain * deviation, -limit, +limit)
-///   limit     = beta + gamma * clip((|velocity| - start) / range, 0, 1), at most 180 degree
+///   limit     = beta + gamma * clip((velocity - start) / range, 0, 1), at most 180 degree
+///
+/// The velocity of the limit counts in the direction of the angle: gamma makes up for the lag of
+/// the current at speed where the motor drives; where it brakes the lag acts the other way.
 ///
 /// With gain 1 the vector stands where the ramp says as long as the load angle stays within the
 /// limit. An overload takes rotor and vector along; the set-point in force then lags behind the
 /// ramp's and returns to it with the velocity of a PI regulator:
 ///   correction = clip(P * lag + I * sum, -v_max, +v_max),   sum += lag at 125 kHz, limited
-/// The velocity of the vector hence exceeds the ramp's by at most v_max. While it does, a lead of
-/// the load angle's changes damps the rotor, which would swing about the vector otherwise.
+/// The velocity of the set-point in force hence exceeds the ramp's by at most v_max. Until 50 ms
+/// after it has arrived, the vector leads or trails it in proportion to the rotor's lack or excess
+/// of velocity: a rotor would swing about a mere vector for long.
 ///
 /// The current is a share of the run current: scale = min + (max - min) * |load angle| / beta,
 /// followed up and down at the rates of the two delays.
@@ -65,6 +70,7 @@ class ClosedLoopController {
 
   struct Input {
     std::int64_t setpoint = 0;       ///< of the ramp at the end of this step
+    double velocity = 0.0;           ///< of the ramp, 1/256 full steps per second
     std::int64_t encoder_count = 0;  ///< at its begin
     bool may_initialise = false;     ///< the set-point rests and nothing holds the shaft
     /// Torque control: share of the run current (signed, 1 = all) at the largest load angle
@@ -96,14 +102,17 @@ class ClosedLoopController {
   /// Overrides the measured one; turns the commutation angle by the difference at once.
   void set_commutation_offset(std::int32_t offset);
   /// Present factor of the current, 0..255.
-  [[nodiscard]] std::uint8_t current_scale() const { return static_cast<std::uint8_t>(scale_); }
+  [[nodiscard]] std::uint8_t current_scale() const {
+    constexpr double kRounding = 1e-6;  // of steps added up in binary
+    return static_cast<std::uint8_t>(scale_ + kRounding);
+  }
   /// Set-point minus rotor, 1/256 full steps.
   [[nodiscard]] double deviation() const { return deviation_; }
   /// What the set-point in force lags behind that of the ramp.
   [[nodiscard]] double lag() const { return lag_; }
   [[nodiscard]] double load_angle() const { return angle_; }
-  /// Largest load angle at the present velocity.
-  [[nodiscard]] double angle_limit() const { return limit_; }
+  /// Largest load angle at the present velocity, in its direction.
+  [[nodiscard]] double angle_limit() const { return limit_at(std::fabs(rotor_.velocity())); }
   [[nodiscard]] const RotorObserver& rotor() const { return rotor_; }
 
  private:
@@ -112,8 +121,12 @@ class ClosedLoopController {
   void await_stillness(const Input& input, base::SimDuration duration);
   void begin(const Input& input);
   [[nodiscard]] double limit_at(double velocity) const;
+  [[nodiscard]] double limit_toward(double angle) const {
+    return limit_at(angle < 0.0 ? -rotor_.velocity() : rotor_.velocity());
+  }
   void catch_up();
-  [[nodiscard]] double follow_set_point();
+  [[nodiscard]] double follow_set_point(double velocity);
+  [[nodiscard]] double damped(double angle, double gain, double velocity);
   void scale_current();
 
   ClosedLoopSettings settings_;
@@ -139,7 +152,6 @@ class ClosedLoopController {
   double upscale_step_ = 0.0;
   double downscale_step_ = 0.0;
   double samples_per_step_ = 0.0;
-  double lead_smoothing_ = 0.0;
 
   Phase phase_ = Phase::off;
   std::int64_t still_count_ = 0;
@@ -148,9 +160,9 @@ class ClosedLoopController {
   double deviation_ = 0.0;
   double lag_ = 0.0;
   double error_sum_ = 0.0;
-  double smooth_angle_ = 0.0;
+  double correction_ = 0.0;         ///< velocity with which lag_ shrinks
+  base::SimDuration damping_left_;  ///< after the set-point in force has arrived
   double angle_ = 0.0;
-  double limit_ = 255.0;
   double scale_ = 0.0;
 };
 

@@ -6,7 +6,8 @@ namespace stator::control {
 
 namespace {
 
-constexpr double kVelocityTimeConstant = 1e-3;  // s
+constexpr double kTimeConstant = 1e-3;          // s
+constexpr double kQuickTimeConstant = 0.25e-3;  // s
 constexpr base::SimDuration kStillTime{20'000'000};
 
 }  // namespace
@@ -31,6 +32,7 @@ void RotorObserver::place(std::int64_t position, std::int64_t count) {
   count_ = count;
   within_ = 0.0;
   velocity_ = 0.0;
+  quick_velocity_ = 0.0;
   still_ = 0;
 }
 
@@ -38,7 +40,8 @@ void RotorObserver::set_duration(base::SimDuration duration) {
   duration_ = duration;
   seconds_ = duration.seconds();
   steps_per_second_ = seconds_ > 0.0 ? steps_per_count_ / seconds_ : 0.0;
-  smoothing_ = seconds_ / (seconds_ + kVelocityTimeConstant);
+  smoothing_ = seconds_ / (seconds_ + kTimeConstant);
+  quick_smoothing_ = seconds_ / (seconds_ + kQuickTimeConstant);
   still_limit_ = seconds_ > 0.0 ? static_cast<int>(kStillTime.seconds() / seconds_) : 0;
 }
 
@@ -48,7 +51,9 @@ void RotorObserver::advance(std::int64_t count, base::SimDuration duration) {
   }
   const std::int64_t came = count - count_;
   count_ = count;
-  velocity_ += smoothing_ * (static_cast<double>(came) * steps_per_second_ - velocity_);
+  const double velocity = static_cast<double>(came) * steps_per_second_;
+  velocity_ += smoothing_ * (velocity - velocity_);
+  quick_velocity_ += quick_smoothing_ * (velocity - quick_velocity_);
   if (came != 0) {
     still_ = 0;
   } else if (++still_ >= still_limit_) {

@@ -34,6 +34,8 @@ class RotorObserver {
   /// 1/256 full steps per second: the mean with a time constant of 1 ms, and exactly 0 when no
   /// count has come for 20 ms.
   [[nodiscard]] double velocity() const { return velocity_; }
+  /// The same with a time constant of 0.25 ms: noisy, but in time to damp a rotor's swing.
+  [[nodiscard]] double quick_velocity() const { return quick_velocity_; }
   /// Way in one step of the duration last passed, at the present velocity.
   [[nodiscard]] double way_per_step() const { return velocity_ * seconds_; }
   /// Position of count 0 with the present scale, rounded.
@@ -49,6 +51,7 @@ class RotorObserver {
   double seconds_ = 0.0;
   double steps_per_second_ = 0.0;  ///< that one count in one step means
   double smoothing_ = 1.0;
+  double quick_smoothing_ = 1.0;
   int still_limit_ = 0;
 
   std::int64_t base_count_ = 0;
@@ -56,6 +59,7 @@ class RotorObserver {
   double within_ = 0.0;
   std::int64_t count_ = 0;
   double velocity_ = 0.0;
+  double quick_velocity_ = 0.0;
   int still_ = 0;  ///< steps without a count
 };
 

@@ -8,7 +8,12 @@ namespace {
 
 using Phase = control::ClosedLoopController::Phase;
 
-constexpr unsigned kFinest = 8;  // 2^8 microsteps per full step
+/// 1/256 full steps per microstep.
+int fine_steps(const AxisSettings& settings) {
+  constexpr unsigned kFinest = 8;
+  const unsigned resolution = settings.microstep_resolution;
+  return 1 << (resolution < kFinest ? kFinest - resolution : 0U);
+}
 
 }  // namespace
 
@@ -16,8 +21,7 @@ void StepperStage::follow_ramp(const control::RampGenerator& ramp, const AxisSet
   const std::int64_t moved = ramp.motor_microsteps() - ramp_microsteps_;
   ramp_microsteps_ += moved;
   step_count_ += static_cast<std::uint64_t>(moved < 0 ? -moved : moved);
-  const unsigned resolution = settings.microstep_resolution;
-  set_point_ += moved * (std::int64_t{1} << (resolution < kFinest ? kFinest - resolution : 0U));
+  set_point_ += moved * fine_steps(settings);
 }
 
 base::AxisActuation StepperStage::advance(const control::RampGenerator& ramp,
@@ -42,6 +46,7 @@ base::AxisActuation StepperStage::advance(const control::RampGenerator& ramp,
     amplitude *= control::current_fraction(settings.currents.run);
     const control::ClosedLoopController::Commutation commutation = closed_loop_.advance(
         {.setpoint = set_point_,
+         .velocity = ramp.velocity() * fine_steps(settings),
          .encoder_count = sensing.encoder_count,
          .may_initialise = command.operation_enabled && command.brake_released &&
                            ramp.phase() == control::RampPhase::standstill,
