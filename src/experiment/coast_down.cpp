@@ -55,8 +55,8 @@ Result measure_coast_down(const Setup& setup, const Values& values) {
   const double caught =
       std::sqrt(axis.motor.detent_torque / (axis.motor.pole_pairs * equations.inertia()));
   const double end = equations.coasting_time(initial);
-  Panel speed{"time", "s", "shaft speed", "rev/s", {}, {{"measured", {}, {}}, {}}};
-  speed.curves[1] = {"(w0 + Tc/B) exp(-B t/J) - Tc/B", Curve::Style::equation, {}};
+  Panel speed{"time", "ms", "shaft speed", "rev/s", {}, {{"measured", {}, {}}, {}}};
+  speed.curves[1] = {"(ω₀ + Tc/B) exp(-B t/J) - Tc/B", Curve::Style::equation, {}};
   Result result;
   result.title = "Coast-down: friction alone";
 
@@ -80,7 +80,7 @@ Result measure_coast_down(const Setup& setup, const Values& values) {
       stopped = time;
     }
     if (n % every == 0) {
-      speed.x.push_back(time);
+      speed.x.push_back(time * 1e3);
       speed.curves[0].values.push_back(seen / base::kTwoPi);
       speed.curves[1].values.push_back(expected / base::kTwoPi);
     }

@@ -36,12 +36,15 @@ Result measure_free_acceleration(const Setup& setup, const Values& values) {
   const double end = kBeyondCorner * corner_time;
 
   axis.load.brake_torque = 10.0 * equations.regulated_pull_out(current);
+  // Half-way between valley and crest of the detent torque's potential: on the way it gives as much
+  // as it takes.
+  axis.initial_revolutions = 1.0 / (16.0 * axis.motor.pole_pairs);
   FieldBench bench(axis, current, microseconds(values["step"]));
   bench.build_up_current();
 
-  Panel speed{"time", "s", "shaft speed", "rev/s", {}, {{"measured", {}, {}}, {}}};
-  Panel torque{"time", "s", "motor torque", "N m", {}, {{"measured", {}, {}}, {}}};
-  speed.curves[1] = {"(Kt I - Tc - B w) / J", Curve::Style::equation, {}};
+  Panel speed{"time", "ms", "shaft speed", "rev/s", {}, {{"measured", {}, {}}, {}}};
+  Panel torque{"time", "ms", "motor torque", "N m", {}, {{"measured", {}, {}}, {}}};
+  speed.curves[1] = {"∫ (Kt I - Tc - B ω) / J dt", Curve::Style::equation, {}};
   torque.curves[1] = {"Kt I", Curve::Style::equation, {}};
   Result result;
   result.title = "Free acceleration with the field 90° ahead of the rotor";
@@ -59,10 +62,10 @@ Result measure_free_acceleration(const Setup& setup, const Values& values) {
       ++part;
     }
     if (n % every == 0) {
-      speed.x.push_back(time);
+      speed.x.push_back(time * 1e3);
       speed.curves[0].values.push_back(seen.speed / base::kTwoPi);
       speed.curves[1].values.push_back(expected / base::kTwoPi);
-      torque.x.push_back(time);
+      torque.x.push_back(time * 1e3);
       torque.curves[0].values.push_back(seen.electromagnetic_torque);
       torque.curves[1].values.push_back(equations.regulated_pull_out(current));
     }

@@ -56,17 +56,51 @@ class ExtremeFinder {
   std::vector<Extreme> found_;
 };
 
+/// What keeps the swings from being those of a linear spring with one constant friction. Both are
+/// small, and both are known: the restoring torque bends, and breakaway friction acts at turning
+/// points.
+class SwingSize {
+ public:
+  SwingSize(const plant::StepperMotorParameters& motor, const Equations& equations, double current)
+      : motor_(motor),
+        holding_(equations.regulated_pull_out(current)),
+        stiffness_(equations.stiffness(current)),
+        turning_speed_(equations.natural_frequency(current) / motor.pole_pairs) {}
+
+  /// Turning point of a linear spring that holds the same energy, electrical rad: of
+  /// Th sin x + Td sin 4x it is (1 - cos x) Th + (1 - cos 4x) Td / 4.
+  [[nodiscard]] double linear(double angle) const {
+    const double energy = holding_ * (1.0 - std::cos(angle)) +
+                          0.25 * motor_.detent_torque * (1.0 - std::cos(4.0 * angle));
+    return std::sqrt(2.0 * energy / stiffness_);
+  }
+  /// By how much breakaway friction shortens the half period after a turning point of `size`: the
+  /// mean of (Ts - Tc) / (1 + (w / ws)^2) along a cosine, twice, over the stiffness.
+  [[nodiscard]] double breakaway_loss(double size) const {
+    const double ratio = size * turning_speed_ / motor_.stribeck_speed;
+    const double root = std::sqrt(1.0 + ratio * ratio);
+    const double mean = std::atanh(ratio / root) / (ratio * root);
+    return 2.0 * (motor_.static_friction - motor_.coulomb_friction) * mean / stiffness_;
+  }
+
+ private:
+  plant::StepperMotorParameters motor_;
+  double holding_;
+  double stiffness_;
+  double turning_speed_;  ///< shaft rad/s in the middle of a swing per electrical rad of its size
+};
+
 /// Straight line through the sizes of successive swings. Each half period takes a constant away by
 /// dry friction and a part by viscous friction: a[n+1] = slope a[n] - constant, slope = exp(-d/2).
-double logarithmic_decrement(const std::vector<Extreme>& extremes) {
+double logarithmic_decrement(const std::vector<Extreme>& extremes, const SwingSize& size) {
   double count = 0.0;
   double x = 0.0;
   double y = 0.0;
   double xx = 0.0;
   double xy = 0.0;
   for (std::size_t n = 0; n + 1 < extremes.size(); ++n) {
-    const double now = std::fabs(extremes[n].angle);
-    const double next = std::fabs(extremes[n + 1].angle);
+    const double now = size.linear(extremes[n].angle);
+    const double next = size.linear(extremes[n + 1].angle) + size.breakaway_loss(now);
     count += 1.0;
     x += now;
     y += next;
@@ -134,7 +168,7 @@ Result measure_resonance(const Setup& setup, const Values& values) {
   const double start = bench.rotor();
   const double period = base::kTwoPi / equations.natural_frequency(current);
   DampedSwing expected(equations, current, start);
-  Panel swing{"time", "s", "rotor from full step", "° electrical", {}, {{"measured", {}, {}}, {}}};
+  Panel swing{"time", "ms", "rotor from full step", "° electrical", {}, {{"measured", {}, {}}, {}}};
   swing.curves[1] = {"linear equation of motion", Curve::Style::equation, {}};
   ExtremeFinder finder(bench.step());
   const auto shown = static_cast<int>(12.0 * period / bench.step());
@@ -145,7 +179,7 @@ Result measure_resonance(const Setup& setup, const Values& values) {
     finder.take(n, rotor);
     if (n <= shown && n % every == 0) {
       const double time = n * bench.step();
-      swing.x.push_back(time);
+      swing.x.push_back(time * 1e3);
       swing.curves[0].values.push_back(rotor * kElectricalDegrees);
       swing.curves[1].values.push_back(expected.at(time) * kElectricalDegrees);
     }
@@ -172,7 +206,8 @@ Result measure_resonance(const Setup& setup, const Values& values) {
   const double natural = equations.natural_frequency(current);
   result.comparisons.push_back({"frequency of the oscillation", "Hz", frequency,
                                 std::sqrt(natural * natural - decay * decay) / base::kTwoPi});
-  const double decrement = logarithmic_decrement(extremes);
+  const double decrement =
+      logarithmic_decrement(extremes, SwingSize(axis.motor, equations, current));
   result.comparisons.push_back({"logarithmic decrement per period", "", decrement,
                                 equations.logarithmic_decrement(current)});
   result.comparisons.push_back({"viscous friction from it", "N m s/rad",

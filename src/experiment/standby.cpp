@@ -32,7 +32,8 @@ constexpr double kSpeed = 4.0;          // rev/s
 constexpr double kAcceleration = 16.0;  // rev/s²: 0.25 s up, 0.75 s at speed, 0.25 s down
 constexpr double kBefore = 0.1;         // s under current before the move
 constexpr double kAfter = 0.6;          // s after delay and move
-constexpr int kSampleEvery = 40;        // steps: 2 ms
+constexpr std::array<std::uint16_t, 2> kStandingCurrents{0x2003, 0x2004};  // run, standby
+constexpr int kSampleEvery = 40;                                           // steps: 2 ms
 
 /// A stretch of the move in which the current ought to be constant.
 struct Stretch {
@@ -55,7 +56,9 @@ Panel all_settings(const Setup& setup, Result& result) {
   for (int value = 0; value <= 255; ++value) {
     panel.x.push_back(value);
     panel.curves[1].values.push_back(current_of_setting(value, setup.full_scale_current));
-    bench.write<std::uint8_t>(0x2003, static_cast<std::uint8_t>(value));
+    for (const std::uint16_t index : kStandingCurrents) {
+      bench.write<std::uint8_t>(index, static_cast<std::uint8_t>(value));
+    }
     bench.run(kSettling);
     panel.curves[0].values.push_back(bench.current_amplitude());
     if (value % 64 == 63 || value == 0) {
