@@ -10,7 +10,11 @@ std::uint8_t CoilCurrentSelector::advance(const CoilCurrentSettings& settings, R
   }
   standstill_ = base::SimDuration(0);
   const bool changes_speed = phase != RampPhase::constant_velocity;
-  return changes_speed && settings.boost > 0 ? settings.boost : settings.run;
+  if (changes_speed && settings.boost > 0) {
+    return settings.boost;
+  }
+  const int saved = 8 * settings.cool_step_reduction;
+  return static_cast<std::uint8_t>(settings.run > saved ? settings.run - saved : 0);
 }
 
 }  // namespace stator::control

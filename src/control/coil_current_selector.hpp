@@ -13,6 +13,7 @@ struct CoilCurrentSettings {
   std::uint8_t standby = 8;  ///< at standstill after the delay (2004h)
   std::uint8_t boost = 0;    ///< while it gains or loses speed (204Eh); 0 = use run
   base::SimDuration standby_delay{2'000'000'000};  ///< standstill before standby (2089h * 10 ms)
+  std::uint8_t cool_step_reduction = 0;  ///< steps of 8 that CoolStep takes from the run current
 };
 
 /// Chooses between run, boost and standby current.

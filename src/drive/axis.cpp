@@ -28,7 +28,41 @@ constexpr std::array<EventRule, kAxisErrorCount> kErrorRules{{
     {"axis-negative-limit-switch", Severity::warning,
      "axis {0}: negative limit switch touched at position {1}; motion is possible in positive "
      "direction only, or with the switch deactivated"},
+    {"axis-stall", Severity::warning,
+     "axis {0}: stopped at position {1}: the load measurement fell to 0 above the speed of the "
+     "stop "
+     "on stall; look for a blocked shaft, or raise current or stall threshold, then move again"},
+    {"axis-open-load-a", Severity::warning,
+     "axis {0}: no current flows in phase A; look for a broken motor cable"},
+    {"axis-open-load-b", Severity::warning,
+     "axis {0}: no current flows in phase B; look for a broken motor cable"},
+    {"axis-overcurrent-a", Severity::fault,
+     "axis {0}: overcurrent in bridge A, the driver is switched off; look for a short in motor or "
+     "cable, then reset the fault"},
+    {"axis-overcurrent-b", Severity::fault,
+     "axis {0}: overcurrent in bridge B, the driver is switched off; look for a short in motor or "
+     "cable, then reset the fault"},
+    {"axis-overcurrent-high-side", Severity::fault,
+     "axis {0}: overcurrent on the high side, the driver is switched off; look for a short in the "
+     "driver stage, then reset the fault"},
+    {"axis-over-temperature-warning", Severity::warning,
+     "axis {0}: the driver is near its temperature limit; lower the current or cool the module"},
+    {"axis-over-temperature", Severity::fault,
+     "axis {0}: the driver is too hot and has been switched off; let it cool, then reset the "
+     "fault"},
+    {"axis-undervoltage", Severity::fault,
+     "axis {0}: the supply is too low to drive a motor; restore it, then reset the fault"},
+    {"axis-shutdown-switch", Severity::fault,
+     "axis {0}: the shutdown switch is active, the driver is switched off; release it, then reset "
+     "the fault"},
 }};
+
+constexpr std::array kShorts{AxisError::overcurrent_a, AxisError::overcurrent_b,
+                             AxisError::overcurrent_high_side};
+/// Flags of the driver chip that last as long as their cause.
+constexpr std::array kDriverConditions{AxisError::open_load_a, AxisError::open_load_b,
+                                       AxisError::over_temperature_warning,
+                                       AxisError::over_temperature, AxisError::undervoltage};
 
 }  // namespace
 
@@ -100,6 +134,7 @@ void Axis::take_mode(base::SimTime now) {
 }
 
 void Axis::enter_mode(base::SimTime now) {
+  stalled_ = false;
   halted_ = halt_wanted();
   mode_->enter(context(now));
   if (!halted_) {
@@ -127,6 +162,7 @@ void Axis::follow_power_state(base::SimTime now) {
   if (power_.fault_resets() != fault_resets_) {
     fault_resets_ = power_.fault_resets();
     errors_ = causes_;
+    driver_.clear_shorts();
   }
   if (power_.braking() != braking_) {
     braking_ = power_.braking();
@@ -151,6 +187,7 @@ void Axis::follow_halt(base::SimTime now) {
   }
   halted_ = wanted;
   if (halted_) {
+    stalled_ = false;
     motion_.brake(Braking::slow_down_ramp);
   } else if (enabled_) {
     mode_->resume(context(now));
@@ -202,6 +239,34 @@ void Axis::supervise(base::SimTime now) {
   const bool homes = mode_->code() == ModeCode::homing;
   watch(AxisError::positive_limit_switch, conditions_.positive_limit_switch && !homes, now);
   watch(AxisError::negative_limit_switch, conditions_.negative_limit_switch && !homes, now);
+  supervise_driver(now);
+}
+
+void Axis::supervise_driver(base::SimTime now) {
+  driver_.supervise(settings_.driver.limits);
+  const AxisErrors flags = driver_.flags();
+  for (const AxisError error : kDriverConditions) {
+    watch(error, flags.has(error), now);
+  }
+  // The chip remembers a short; its cause went away with the current and cannot hold up a reset.
+  for (const AxisError error : kShorts) {
+    watch(error, flags.has(error) && !errors_.has(error), now);
+  }
+  watch(AxisError::shutdown_switch, conditions_.shutdown_switch, now);
+  if (motion_.velocity() != 0.0 || !power_.bridge_enabled()) {
+    stalled_ = false;
+  }
+  watch(AxisError::stall, stalled_, now);
+}
+
+void Axis::stop_on_stall() {
+  stalled_ = true;
+  motion_.brake(Braking::at_once);
+}
+
+bool Axis::stall_blocks() const {
+  // A master that goes on sending cyclic targets must not drive the motor into the obstacle again.
+  return stalled_ && (mode_ == &cyclic_position_ || mode_ == &cyclic_velocity_);
 }
 
 void Axis::watch(AxisError error, bool present, base::SimTime now) {
@@ -247,8 +312,14 @@ bool Axis::warning_present() const {
 base::AxisActuation Axis::step(base::SimDuration duration, const base::AxisSensing& sensing) {
   encoder_count_ = sensing.encoder_count;
   motion_.advance(duration);
-  return stage_.advance(motion_.ramp(), settings_, power_.bridge_enabled(), power_.brake_released(),
-                        duration);
+  settings_.currents.cool_step_reduction = driver_.current_reduction();
+  base::AxisActuation actuation = stage_.advance(motion_.ramp(), settings_, power_.bridge_enabled(),
+                                                 power_.brake_released(), duration);
+  driver_.advance(settings_, motion_.velocity(), actuation, sensing);
+  if (driver_.take_stall()) {
+    stop_on_stall();
+  }
+  return actuation;
 }
 
 PowerInput Axis::power_input(base::SimTime now) const {
@@ -269,7 +340,7 @@ ModeContext Axis::context(base::SimTime now) {
           .motion = motion_,
           .feedback = feedback_,
           .now = now,
-          .enabled = enabled_ && !halted_ && !mode_written_,
+          .enabled = enabled_ && !halted_ && !mode_written_ && !stall_blocks(),
           .halted = halted_,
           .following_error = errors_.has(AxisError::following_error)};
 }
@@ -300,7 +371,8 @@ void Axis::publish_statusword(base::SimTime now) {
   const auto set = [&word](std::uint16_t bit, bool value) {
     word = static_cast<std::uint16_t>(value ? word | bit : word & ~bit);
   };
-  set(statusword::kVoltageEnabled, conditions_.supply_present);
+  set(statusword::kVoltageEnabled,
+      conditions_.supply_present && !driver_.flags().has(AxisError::undervoltage));
   set(statusword::kRemote, conditions_.network_operational);
   set(statusword::kInternalLimit, motion_.limited() ||
                                       errors_.has(AxisError::positive_software_limit) ||

@@ -11,6 +11,7 @@
 #include "drive/axis_objects.hpp"
 #include "drive/axis_settings.hpp"
 #include "drive/cyclic_modes.hpp"
+#include "drive/driver_chip.hpp"
 #include "drive/homing_mode.hpp"
 #include "drive/position_feedback.hpp"
 #include "drive/power_state_machine.hpp"
@@ -43,6 +44,7 @@ class Axis {
 
   /// To be brought up to date before apply() and tick().
   [[nodiscard]] AxisSettings& settings() { return settings_; }
+  [[nodiscard]] const AxisSettings& settings() const { return settings_; }
   [[nodiscard]] AxisConditions& conditions() { return conditions_; }
 
   /// Something was written that apply() has not obeyed yet.
@@ -63,6 +65,7 @@ class Axis {
 
   [[nodiscard]] PowerState power_state() const { return power_.state(); }
   [[nodiscard]] const AxisMotion& motion() const { return motion_; }
+  [[nodiscard]] const DriverChip& driver() const { return driver_; }
   [[nodiscard]] const AxisObjects& objects() const { return objects_; }
   [[nodiscard]] ModeCode mode() const { return mode_->code(); }
   /// Errors that are present, and faults that were and wait for a fault reset.
@@ -91,6 +94,9 @@ class Axis {
   [[nodiscard]] bool fault_present() const;
   [[nodiscard]] bool warning_present() const;
   void supervise(base::SimTime now);
+  void supervise_driver(base::SimTime now);
+  void stop_on_stall();
+  [[nodiscard]] bool stall_blocks() const;
   void watch(AxisError error, bool present, base::SimTime now);
   void update_feedback();
   void publish(base::SimTime now);
@@ -106,6 +112,7 @@ class Axis {
   AxisMotion motion_;
   PositionFeedback feedback_;
   StepperStage stage_;
+  DriverChip driver_;
 
   NoMode no_mode_{ModeCode::none};
   ProfilePosition profile_position_;
@@ -122,6 +129,7 @@ class Axis {
   std::uint16_t controlword_ = 0;  ///< as last obeyed
   bool enabled_ = false;           ///< as last told to the mode
   bool halted_ = false;
+  bool stalled_ = false;             ///< stopped by a stall and not moved since
   Braking braking_ = Braking::none;  ///< as last told to the motion
   bool negative_direction_ = false;
   std::uint32_t fault_resets_ = 0;  ///< of the state machine, as last seen

@@ -13,8 +13,18 @@ enum class AxisError : std::uint8_t {
   negative_software_limit,
   positive_limit_switch,
   negative_limit_switch,
+  stall,
+  open_load_a,
+  open_load_b,
+  overcurrent_a,
+  overcurrent_b,
+  overcurrent_high_side,
+  over_temperature_warning,
+  over_temperature,
+  undervoltage,
+  shutdown_switch,
 };
-inline constexpr std::size_t kAxisErrorCount = 5;
+inline constexpr std::size_t kAxisErrorCount = 15;
 
 /// What an error does to the axis.
 enum class ErrorReaction : std::uint8_t {

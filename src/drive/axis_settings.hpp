@@ -4,6 +4,7 @@
 
 #include "base/sim_time.hpp"
 #include "control/coil_current_selector.hpp"
+#include "drive/driver_settings.hpp"
 #include "drive/motion_units.hpp"
 #include "drive/power_state_machine.hpp"
 
@@ -23,6 +24,7 @@ struct AxisSettings {
   double full_scale_current = 3.0;  ///< A, peak of a coil at 100 %
   bool automatic_brake = false;     ///< false: the brake is not the drive's business
   bool chopper_enabled = true;      ///< false: the bridge stays off, the motor free-wheels
+  DriverSettings driver;
 };
 
 /// The surroundings of an axis, from the network and from inputs, as of now.
@@ -31,6 +33,7 @@ struct AxisConditions {
   bool supply_present = true;
   bool negative_limit_switch = false;  ///< pressed, after polarity; false if not used
   bool positive_limit_switch = false;
+  bool shutdown_switch = false;  ///< the enable signal of the power stages is missing
 };
 
 }  // namespace stator::drive

@@ -68,6 +68,10 @@ class HybridStepper {
   [[nodiscard]] ElectricalAngle angle_at(double revolutions) const;
 
   [[nodiscard]] const StepperMotorParameters& motor() const { return motor_; }
+  /// Resistance of a phase from now on, ohm: a winding gets warm.
+  void set_resistance(double resistance) { motor_.resistance = resistance; }
+  /// Kt = p psi, N m/A and V s/rad.
+  [[nodiscard]] double torque_constant() const { return torque_constant_; }
   /// Rotor and load, kg m^2.
   [[nodiscard]] double inertia() const { return motor_.rotor_inertia + load_.inertia; }
 

@@ -10,23 +10,40 @@ namespace {
 /// Inner steps turn the fastest motion of the model by no more than this, rad.
 constexpr double kLargestTurn = 0.33;
 
+/// The fastest time constant of the thermal models is near a second.
+constexpr base::SimDuration kThermalPeriod{1'000'000};
+
 }  // namespace
 
 StepperAxis::StepperAxis(const StepperAxisParameters& parameters)
     : parameters_(parameters),
       motor_(parameters.motor, parameters.load),
-      encoder_(parameters.encoder, parameters.motor.pole_pairs) {
+      encoder_(parameters.encoder, parameters.motor.pole_pairs),
+      supply_(parameters.supply),
+      motor_thermal_(parameters.motor.thermal, kThermalPeriod.seconds()),
+      driver_thermal_(parameters.driver.thermal, kThermalPeriod.seconds()) {
   state_.motor.angle = motor_.angle_at(parameters.initial_revolutions);
   state_.encoder = encoder_.power_on(state_.motor.angle);
-  state_.supply_voltage = parameters.supply_voltage;
+  state_.supply = {.source = parameters.supply_voltage, .voltage = parameters.supply_voltage};
+  const double ambient = parameters.ambient_temperature;
+  state_.ambient_temperature = ambient;
+  state_.motor_temperature = {ambient, ambient};
+  state_.driver_temperature = {ambient, ambient};
+  follow_winding_temperature();
 }
 
 base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
                                     base::SimDuration duration) {
+  state_.unheated += duration;
   if (settled_ && actuation == settled_actuation_ && duration == settled_duration_) {
+    if (state_.unheated >= kThermalPeriod) {
+      update_temperatures();
+      settled_sensing_.driver_temperature = state_.driver_temperature.inner;
+    }
     return settled_sensing_;
   }
   const HybridStepperState before = state_.motor;
+  const SupplyState supply_before = state_.supply;
   double remaining = duration.seconds();
   while (remaining > 0.0) {
     const double turn = remaining * motor_.fastest_rate(state_.motor);
@@ -36,38 +53,68 @@ base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
     encoder_.update(state_.encoder, state_.motor.angle);
     remaining = inner == remaining ? 0.0 : remaining - inner;
   }
-  settled_ = state_.motor == before;
+  settled_ = state_.motor == before && state_.supply == supply_before;
   settled_actuation_ = actuation;
   settled_duration_ = duration;
+  if (state_.unheated >= kThermalPeriod) {
+    update_temperatures();
+  }
   settled_sensing_ = sense();
+  for (std::size_t k = 0; k < 2; ++k) {
+    settled_sensing_.overcurrent[k] = actuation.bridge_enabled && state_.faults.shorted[k];
+  }
+  settled_sensing_.overcurrent_high_side = actuation.bridge_enabled && state_.faults.high_side;
   return settled_sensing_;
+}
+
+HybridStepperInput StepperAxis::phase_input(const base::AxisActuation& actuation,
+                                            const std::array<double, 2>& induced, double step,
+                                            std::array<bool, 2>& runs_dry) {
+  const std::array<double, 2>& current = state_.motor.current;
+  const double supply = state_.supply.voltage;
+  HybridStepperInput input;
+  input.torque = state_.external_torque;
+  input.brake_engaged = !actuation.brake_released;
+  state_.chopper.regulated = true;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double target = actuation.bridge_enabled ? actuation.coil_current_target[k] : 0.0;
+    const double needed = 0.5 * resistance() * (current[k] + target) +
+                          parameters_.motor.inductance * (target - current[k]) / step + induced[k];
+    const bool reachable = std::fabs(needed) <= supply;
+    input.voltage[k] = std::clamp(needed, -supply, supply);
+    // A disabled bridge is a rectifier: no current flows while the diodes block.
+    input.open[k] = !actuation.bridge_enabled && current[k] == 0.0 && reachable;
+    runs_dry[k] = !actuation.bridge_enabled && reachable;
+    state_.chopper.regulated = state_.chopper.regulated && reachable;
+    if (actuation.bridge_enabled && actuation.voltage_mode) {
+      input.voltage[k] = supply * std::clamp(actuation.coil_duty[k], -1.0, 1.0);
+    }
+  }
+  return input;
 }
 
 void StepperAxis::regulate_and_integrate(const base::AxisActuation& actuation, double step) {
   HybridStepperState& motor = state_.motor;
-  const double supply = state_.supply_voltage;
-  const double resistance = parameters_.motor.resistance;
   const base::SineCosine direction = base::sine_cosine(motor.angle.angle);
   // Induced voltage half a step ahead, to first order in the angle travelled.
   const double ahead = 0.5 * step * motor.speed * parameters_.motor.pole_pairs;
   const std::array<double, 2> induced = motor_.induced_voltage(
       {direction.sine + ahead * direction.cosine, direction.cosine - ahead * direction.sine},
       motor.speed);
+  const std::array<double, 2> current_before = motor.current;
 
-  HybridStepperInput input;
-  input.torque = state_.external_torque;
-  input.brake_engaged = !actuation.brake_released;
   std::array<bool, 2> runs_dry{};
-  for (std::size_t k = 0; k < 2; ++k) {
-    const double target = actuation.bridge_enabled ? actuation.coil_current_target[k] : 0.0;
-    const double needed = 0.5 * resistance * (motor.current[k] + target) +
-                          parameters_.motor.inductance * (target - motor.current[k]) / step +
-                          induced[k];
-    const bool reachable = std::fabs(needed) <= supply;
-    input.voltage[k] = std::clamp(needed, -supply, supply);
-    // A disabled bridge is a rectifier: no current flows while the diodes block.
-    input.open[k] = !actuation.bridge_enabled && motor.current[k] == 0.0 && reachable;
-    runs_dry[k] = !actuation.bridge_enabled && reachable;
+  HybridStepperInput input = phase_input(actuation, induced, step, runs_dry);
+  if (state_.faults != StepperAxisFaults{}) [[unlikely]] {
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (state_.faults.open[k]) {
+        motor.current[k] = 0.0;
+        input.open[k] = true;
+      } else if (actuation.bridge_enabled &&
+                 (state_.faults.shorted[k] || state_.faults.high_side)) {
+        input.voltage[k] = 0.0;  // the coil's ends lie on the same potential
+      }
+    }
   }
   motor_.step(motor, direction, input, step);
   for (std::size_t k = 0; k < 2; ++k) {
@@ -75,6 +122,69 @@ void StepperAxis::regulate_and_integrate(const base::AxisActuation& actuation, d
       motor.current[k] = 0.0;
     }
   }
+  observe_chopper(induced, current_before, input, step);
+}
+
+void StepperAxis::observe_chopper(const std::array<double, 2>& induced,
+                                  const std::array<double, 2>& current_before,
+                                  const HybridStepperInput& input, double step) {
+  const HybridStepperState& motor = state_.motor;
+  const double a = 0.5 * (current_before[0] + motor.current[0]);
+  const double b = 0.5 * (current_before[1] + motor.current[1]);
+  state_.chopper.induced_voltage = motor_.torque_constant() * motor.speed;
+  state_.chopper.converted_power = induced[0] * a + induced[1] * b;
+  state_.square_current += step * (a * a + b * b);
+  state_.heated_time += step;
+  if (!supply_.ideal()) {
+    supply_.advance(state_.supply, input.voltage[0] * a + input.voltage[1] * b, step);
+  }
+}
+
+void StepperAxis::update_temperatures() {
+  const double elapsed = state_.unheated.seconds();
+  const std::array<double, 2>& i = state_.motor.current;
+  // Settled steps were not added up: the current was what it is.
+  const double settled = std::max(0.0, elapsed - state_.heated_time);
+  const double mean_square =
+      (state_.square_current + settled * (i[0] * i[0] + i[1] * i[1])) / elapsed;
+  const DriverStageParameters& driver = parameters_.driver;
+  const double stage_loss = driver.on_resistance * mean_square +
+                            driver.switching_share * state_.supply.voltage * std::sqrt(mean_square);
+  for (; state_.unheated >= kThermalPeriod; state_.unheated = state_.unheated - kThermalPeriod) {
+    motor_thermal_.advance(state_.motor_temperature, resistance() * mean_square,
+                           state_.ambient_temperature);
+    driver_thermal_.advance(state_.driver_temperature, stage_loss, state_.ambient_temperature);
+  }
+  state_.square_current = 0.0;
+  state_.heated_time = 0.0;
+  const double before = resistance();
+  follow_winding_temperature();
+  // Without current the resistance is of no consequence: a motor that cools down stays settled.
+  if (mean_square > 0.0 && resistance() != before) {
+    settled_ = false;
+  }
+}
+
+void StepperAxis::follow_winding_temperature() {
+  constexpr double kSheetTemperature = 25.0;
+  const StepperMotorParameters& motor = parameters_.motor;
+  motor_.set_resistance(
+      motor.resistance *
+      (1.0 + motor.temperature_coefficient * (state_.motor_temperature.inner - kSheetTemperature)));
+}
+
+void StepperAxis::set_supply_voltage(double voltage) {
+  state_.supply.source = voltage;
+  if (supply_.ideal()) {
+    state_.supply.voltage = voltage;
+  }
+  settled_ = false;
+}
+
+void StepperAxis::restore(const StepperAxisState& state) {
+  state_ = state;
+  follow_winding_temperature();
+  settled_ = false;
 }
 
 base::AxisSensing StepperAxis::sense() const {
@@ -88,7 +198,11 @@ base::AxisSensing StepperAxis::sense() const {
   sensing.left_switch = parameters_.left_switch.level(revolutions);
   sensing.right_switch = parameters_.right_switch.level(revolutions);
   sensing.home_switch = parameters_.home_switch.level(revolutions);
-  sensing.supply_voltage = state_.supply_voltage;
+  sensing.supply_voltage = state_.supply.voltage;
+  sensing.driver_temperature = state_.driver_temperature.inner;
+  sensing.induced_voltage = state_.chopper.induced_voltage;
+  sensing.converted_power = state_.chopper.converted_power;
+  sensing.current_regulated = state_.chopper.regulated;
   return sensing;
 }
 
@@ -101,6 +215,9 @@ StepperAxisObservation StepperAxis::observe() const {
   seen.load_angle = motor_.load_angle(state_.motor);
   seen.load_torque = motor_.load_torque(state_.motor, state_.external_torque);
   seen.coil_current = state_.motor.current;
+  seen.winding_temperature = state_.motor_temperature.inner;
+  seen.housing_temperature = state_.motor_temperature.outer;
+  seen.driver_temperature = state_.driver_temperature.inner;
   return seen;
 }
 

@@ -10,27 +10,68 @@
 #include "plant/mechanical_load.hpp"
 #include "plant/position_switch.hpp"
 #include "plant/stepper_motor.hpp"
+#include "plant/supply.hpp"
+#include "plant/two_body_thermal.hpp"
 
 namespace stator::plant {
+
+/// The power stage as its losses see it. The defaults are those of a 3 A stage on a small board.
+struct DriverStageParameters {
+  double on_resistance = 0.06;    ///< ohm of the transistors in the path of a coil's current
+  double switching_share = 2e-3;  ///< time spent switching: W per V and A
+  /// Chip inside, board outside.
+  ThermalParameters thermal{.inner_capacity = 0.1,
+                            .outer_capacity = 4.0,
+                            .inner_to_outer = 8.0,
+                            .outer_to_ambient = 20.0};
+};
 
 /// Everything behind the connectors of one stepper axis; fixed after construction.
 struct StepperAxisParameters {
   StepperMotorParameters motor;
   MechanicalLoad load;
-  double supply_voltage = 24.0;      ///< V at power-on
-  double initial_revolutions = 0.0;  ///< where the shaft stands at power-on
+  double supply_voltage = 24.0;  ///< V at power-on
+  SupplyParameters supply;
+  DriverStageParameters driver;
+  double ambient_temperature = 25.0;  ///< degree Celsius at power-on; everything starts with it
+  double initial_revolutions = 0.0;   ///< where the shaft stands at power-on
   EncoderParameters encoder;
   PositionSwitch left_switch;
   PositionSwitch right_switch;
   PositionSwitch home_switch;
 };
 
+/// What is broken.
+struct StepperAxisFaults {
+  std::array<bool, 2> open{};     ///< the cable of phase A or B is broken
+  std::array<bool, 2> shorted{};  ///< an output of phase A or B is shorted
+  bool high_side = false;         ///< a short in the stage itself: both phases get no voltage
+
+  friend bool operator==(const StepperAxisFaults&, const StepperAxisFaults&) = default;
+};
+
+/// What the chopper met in the latest step.
+struct ChopperObservation {
+  double induced_voltage = 0.0;  ///< V, signed amplitude of the EMF
+  double converted_power = 0.0;  ///< W given to the shaft
+  bool regulated = true;         ///< the supply sufficed
+};
+
 /// All that changes; copy it to take a snapshot.
 struct StepperAxisState {
   HybridStepperState motor;
   EncoderState encoder;
-  double supply_voltage = 24.0;  ///< V
+  SupplyState supply;
   double external_torque = 0.0;  ///< N m on the shaft, positive = forward
+  StepperAxisFaults faults;
+  ChopperObservation chopper;
+
+  ThermalState motor_temperature;     ///< winding and housing
+  ThermalState driver_temperature;    ///< chip and board
+  double ambient_temperature = 25.0;  ///< degree Celsius
+  base::SimDuration unheated;         ///< time the temperatures do not know of yet
+  double heated_time = 0.0;           ///< s of it that square_current covers
+  double square_current = 0.0;        ///< A^2 s of both phases in that time
 };
 
 /// What a laboratory would measure; for recording.
@@ -42,13 +83,19 @@ struct StepperAxisObservation {
   double load_angle = 0.0;              ///< rad, electrical, current vector ahead of rotor, -pi..pi
   double load_torque = 0.0;  ///< N m of load and outside, without friction, positive = forward
   std::array<double, 2> coil_current{};  ///< A
+  double winding_temperature = 25.0;     ///< degree Celsius
+  double housing_temperature = 25.0;     ///< degree Celsius
+  double driver_temperature = 25.0;      ///< degree Celsius
 };
 
-/// The physical world of one stepper axis: chopper, motor, load, encoder, switches.
+/// The physical world of one stepper axis: supply, chopper, motor, load, encoder, switches, heat.
 ///
 /// The chopper is averaged: each inner step applies the voltage that brings the coil to its target
-/// at the end of the step, limited to the supply. With the bridge disabled the diodes feed the coil
-/// current back into the supply until it is 0; then the coil is open.
+/// at the end of the step, limited to the supply. In voltage mode it applies the share of the
+/// supply it is told, and the current is what resistance, inductance and EMF make of it. With the
+/// bridge disabled the diodes feed the coil current back into the supply until it is 0; then the
+/// coil is open. Temperatures advance every millisecond; the resistance follows that of the
+/// winding.
 class StepperAxis {
  public:
   explicit StepperAxis(const StepperAxisParameters& parameters);
@@ -66,25 +113,37 @@ class StepperAxis {
     state_.external_torque = torque;
     settled_ = false;
   }
-  /// Supply at the power stage, V (brown-out, over-voltage).
-  void set_supply_voltage(double voltage) {
-    state_.supply_voltage = voltage;
+  /// Voltage of the source, V (brown-out, over-voltage).
+  void set_supply_voltage(double voltage);
+  void set_ambient_temperature(double celsius) { state_.ambient_temperature = celsius; }
+  void set_faults(const StepperAxisFaults& faults) {
+    state_.faults = faults;
     settled_ = false;
   }
 
   [[nodiscard]] const StepperAxisParameters& parameters() const { return parameters_; }
   [[nodiscard]] const StepperAxisState& state() const { return state_; }
-  void restore(const StepperAxisState& state) {
-    state_ = state;
-    settled_ = false;
-  }
+  void restore(const StepperAxisState& state);
+  /// Resistance of a phase at the winding's present temperature, ohm.
+  [[nodiscard]] double resistance() const { return motor_.motor().resistance; }
 
  private:
   void regulate_and_integrate(const base::AxisActuation& actuation, double step);
+  [[nodiscard]] HybridStepperInput phase_input(const base::AxisActuation& actuation,
+                                               const std::array<double, 2>& induced, double step,
+                                               std::array<bool, 2>& runs_dry);
+  void observe_chopper(const std::array<double, 2>& induced,
+                       const std::array<double, 2>& current_before, const HybridStepperInput& input,
+                       double step);
+  void update_temperatures();
+  void follow_winding_temperature();
 
   StepperAxisParameters parameters_;
   HybridStepper motor_;
   IncrementalEncoder encoder_;
+  Supply supply_;
+  TwoBodyThermal motor_thermal_;
+  TwoBodyThermal driver_thermal_;
   StepperAxisState state_;
 
   /// The last step changed nothing. The next one with the same inputs changes nothing either, for a

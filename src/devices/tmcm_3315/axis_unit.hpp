@@ -11,6 +11,7 @@
 #include "base/sim_time.hpp"
 #include "devices/input.hpp"
 #include "devices/signal.hpp"
+#include "devices/tmcm_3315/driver_objects.hpp"
 #include "dictionary/dictionary.hpp"
 #include "drive/axis.hpp"
 #include "plant/stepper_axis.hpp"
@@ -53,7 +54,7 @@ class AxisUnit {
  public:
   AxisUnit(dictionary::Dictionary& dictionary, std::uint8_t number,
            const plant::StepperAxisParameters& plant, double full_scale_current,
-           base::EventReporter reporter);
+           const drive::DriverLimits& driver_limits, base::EventReporter reporter);
   AxisUnit(const AxisUnit&) = delete;
   AxisUnit& operator=(const AxisUnit&) = delete;
   ~AxisUnit() = default;
@@ -108,14 +109,40 @@ class AxisUnit {
   [[nodiscard]] double statusword() const { return axis_->objects().statusword.get(); }
   [[nodiscard]] double mode() const { return static_cast<double>(axis_->mode()); }
 
+  [[nodiscard]] double stall_guard() const { return axis_->driver().stall_guard(); }
+  [[nodiscard]] double current_scale() const;
+  [[nodiscard]] double driver_flags() const { return driver_objects_.flags(); }
+  [[nodiscard]] control::ChopperCycle chopper_cycle() const;
+  [[nodiscard]] double chopper_frequency() const { return chopper_cycle().frequency; }
+  [[nodiscard]] double current_ripple() const { return chopper_cycle().ripple; }
+  [[nodiscard]] double winding_temperature() const {
+    return plant_.state().motor_temperature.inner;
+  }
+  [[nodiscard]] double driver_temperature() const { return sensing_.driver_temperature; }
+
+  template <bool plant::StepperAxisFaults::*Fault>
+  void set_fault(double level) {
+    plant::StepperAxisFaults faults = plant_.state().faults;
+    faults.*Fault = level >= 0.5;
+    plant_.set_faults(faults);
+  }
+  template <std::array<bool, 2> plant::StepperAxisFaults::*Fault, std::size_t Phase>
+  void set_phase_fault(double level) {
+    plant::StepperAxisFaults faults = plant_.state().faults;
+    (faults.*Fault)[Phase] = level >= 0.5;
+    plant_.set_faults(faults);
+  }
+  void set_ambient_temperature(double celsius) { plant_.set_ambient_temperature(celsius); }
   void set_load_torque(double torque) { plant_.set_external_torque(torque); }
   void set_supply_voltage(double voltage) { plant_.set_supply_voltage(voltage); }
 
   dictionary::Dictionary& dictionary_;
   std::uint8_t number_;
   double full_scale_current_;
+  drive::DriverLimits driver_limits_;
   base::EventReporter reporter_;
   AxisManufacturerObjects objects_;
+  DriverObjects driver_objects_;
   plant::StepperAxis plant_;
   base::AxisSensing sensing_;
   std::optional<drive::Axis> axis_;

@@ -98,7 +98,8 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
         std::array<std::unique_ptr<AxisUnit>, tmcm_3315::kAxisCount> axes;
         for (std::uint8_t n = 0; n < tmcm_3315::kAxisCount; ++n) {
           axes[n] = std::make_unique<AxisUnit>(dictionary_, n, configuration.axes[n],
-                                               configuration.full_scale_current, reporter);
+                                               configuration.full_scale_current,
+                                               configuration.driver_limits, reporter);
         }
         return axes;
       }()),
@@ -163,6 +164,7 @@ void Tmcm3315::tick(base::SimTime now) {
   process_bus(now);
   read_inputs();
   for (const auto& axis : axes_) {
+    axis->axis().conditions().shutdown_switch = shutdown_switch_;
     axis->tick(now, input_levels_);
   }
   switch_outputs();
@@ -295,11 +297,25 @@ void Tmcm3315::report_errors(base::SimTime now) {
       send_emergency(tmcm_3315::kFaultReset, motor, now);
     }
     for (const tmcm_3315::AxisEmergency& row : tmcm_3315::kAxisEmergencies) {
-      if (axis.errors().has(row.error) && !before.has(row.error)) {
+      if (!axis.errors().has(row.error) || before.has(row.error)) {
+        continue;
+      }
+      if (!row.whole_module) {
         send_emergency(row.emergency, motor, now);
+      } else if (!told_by_another(motor, row.error)) {
+        send_emergency(row.emergency, kWholeModule, now);
       }
     }
   }
+}
+
+bool Tmcm3315::told_by_another(std::uint8_t motor, drive::AxisError error) const {
+  for (std::uint8_t other = 0; other < tmcm_3315::kAxisCount; ++other) {
+    if (other != motor && reported_errors_[other].has(error)) {
+      return true;
+    }
+  }
+  return false;
 }
 
 std::uint8_t Tmcm3315::error_register() const {
@@ -339,6 +355,8 @@ std::vector<Input> Tmcm3315::inputs() {
   for (const auto& axis : axes_) {
     axis->append_inputs(inputs);
   }
+  inputs.push_back({"shutdown_switch", "", 0.0, 1.0,
+                    base::Delegate<void(double)>::bind<&Tmcm3315::input_shutdown_switch>(*this)});
   return inputs;
 }
 

@@ -25,6 +25,7 @@ struct Tmcm3315Configuration {
   /// A, peak of a coil for a current setting of 255. The document never states it; its worked
   /// example gives 1 A for 85.
   double full_scale_current = 3.0;
+  drive::DriverLimits driver_limits;    ///< where the driver chips warn and switch off
   std::uint32_t product_code = 3315;    ///< 1018h:02; printed without h, hence decimal
   std::uint32_t revision = 0x00010009;  ///< 1018h:03; firmware 1.09
   std::uint32_t serial_number = 0;      ///< in the SII only, 1018h has no entry for it
@@ -71,6 +72,8 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   void set_digital_input(std::size_t input, bool high);
   /// Reading of analog input 0..3, ADC counts.
   void set_analog_input(std::size_t input, std::uint16_t counts);
+  /// The shutdown switch: while active no axis has power.
+  void set_shutdown_switch(bool active) { shutdown_switch_ = active; }
   /// OUT0..OUT3 in bits 16..19, as 2703h has them.
   [[nodiscard]] std::uint32_t digital_outputs() const { return digital_outputs_; }
 
@@ -93,6 +96,8 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   void apply_commands(base::SimTime now);
   void switch_outputs();
   void report_errors(base::SimTime now);
+  [[nodiscard]] bool told_by_another(std::uint8_t motor, drive::AxisError error) const;
+  void input_shutdown_switch(double level) { set_shutdown_switch(level >= 0.5); }
   void send_emergency(const tmcm_3315::Emergency& emergency, std::uint8_t motor, base::SimTime now);
   [[nodiscard]] std::uint8_t error_register() const;
 
@@ -116,6 +121,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   std::uint32_t input_levels_ = 0;  ///< IN0..IN3 in bits 16..19
   std::array<std::uint16_t, 4> analog_counts_{};
   std::uint32_t digital_outputs_ = 0;
+  bool shutdown_switch_ = false;
   bool outputs_came_ = false;
   std::uint32_t downloads_in_force_ = 0;  ///< of firmware_ at the last start of the firmware
   bool restart_due_ = false;              ///< Bootstrap was left with a new image
