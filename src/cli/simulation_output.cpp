@@ -125,7 +125,8 @@ void draw(const Result& result, const std::string& csv_path, const std::string& 
   plot.title = result.title;
   plot.csv_path = csv_path;
   plot.rows = rows_of(result);
-  plot.panel_height = result.panels.size() == 1 ? 480 : 230;
+  plot.panel_height = result.panels.size() == 1 ? 480 : 260;
+  plot.legend = rack::Plot::Legend::above;
   int column = 0;
   for (const Panel& panel : result.panels) {
     const int x_column = ++column;

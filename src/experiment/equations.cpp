@@ -101,4 +101,10 @@ double Equations::load_angle_sine(double torque, double current) const {
   return std::clamp(torque / (torque_constant_ * current), -1.0, 1.0);
 }
 
+double Equations::stall_guard(double speed, double torque, double current,
+                              double counts_per_volt) const {
+  const double unused = torque_constant_ * speed * (1.0 - torque / regulated_pull_out(current));
+  return std::clamp(counts_per_volt * unused, 0.0, 1023.0);
+}
+
 }  // namespace stator::experiment

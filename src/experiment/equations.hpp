@@ -61,6 +61,11 @@ class Equations {
   /// sin of the load angle at which the motor gives `torque` with `current`, held to -1..1.
   [[nodiscard]] double load_angle_sine(double torque, double current) const;
 
+  /// StallGuard2 value of a motor that gives `torque` at `speed` with `current`: what the load
+  /// leaves of the EMF, Kt w (1 - T / (Kt I)), times `counts_per_volt`; 0..1023.
+  [[nodiscard]] double stall_guard(double speed, double torque, double current,
+                                   double counts_per_volt) const;
+
  private:
   plant::StepperMotorParameters motor_;
   double supply_;

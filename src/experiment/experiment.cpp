@@ -20,6 +20,8 @@ const auto kExperiments = std::to_array<Experiment>({
     {"pull-out", "largest load that loses no steps, over speed", kPullOutOptions, measure_pull_out},
     {"resonance", "a step around a full step: natural frequency and damping of the rotor",
      kResonanceOptions, measure_resonance},
+    {"stall-guard", "load measurement 2101h over load, at a constant speed", kStallGuardOptions,
+     measure_stall_guard},
     {"standby", "run, boost and standby current during a move, and all current settings",
      kStandbyOptions, measure_standby},
     {"move", "a profile position move: position, velocity, current, load angle", kMoveOptions,

@@ -12,6 +12,8 @@ plant::StepperAxisParameters uncoupled(plant::StepperAxisParameters axis) {
   axis.load.unbalance_torque = 0.0;
   axis.load.brake_torque = 0.0;
   axis.initial_revolutions = 0.0;
+  axis.supply = {};
+  axis.motor.temperature_coefficient = 0.0;
   axis.left_switch = {};
   axis.right_switch = {};
   axis.home_switch = {};

@@ -7,7 +7,7 @@
 namespace stator::experiment {
 
 /// `axis` as it stands on a test bench: the shaft turns freely, without end stops, pendulum and
-/// switches of the machine it comes from.
+/// switches of the machine it comes from, and the winding keeps the temperature of its sheet.
 [[nodiscard]] plant::StepperAxisParameters uncoupled(plant::StepperAxisParameters axis);
 
 /// A motor driven by an ideal sequencer: a current vector of chosen amplitude and angle.

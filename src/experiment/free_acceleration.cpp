@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -13,7 +15,34 @@ namespace {
 
 constexpr std::array kOptions{kCurrent, kStep};
 constexpr int kSamples = 400;
+constexpr int kStarts = 8;
 constexpr double kBeyondCorner = 1.8;  ///< times the time to the corner speed that are shown
+constexpr std::array kParts{0.2, 0.4, 0.6, 0.8, 1.0};  ///< of that time that are compared
+
+/// Speed and torque over time, one value per step.
+struct Trace {
+  std::vector<double> speed;
+  std::vector<double> torque;
+};
+
+/// Mean of starts from places spread over a period of the detent torque, which helps some and
+/// hinders others.
+Trace mean_start(plant::StepperAxisParameters axis, double current, base::SimDuration step,
+                 std::size_t steps) {
+  Trace mean{std::vector<double>(steps), std::vector<double>(steps)};
+  for (int start = 0; start < kStarts; ++start) {
+    axis.initial_revolutions = start / (4.0 * kStarts * axis.motor.pole_pairs);
+    FieldBench bench(axis, current, step);
+    bench.build_up_current();
+    for (std::size_t n = 0; n < steps; ++n) {
+      const plant::StepperAxisObservation seen = bench.plant().observe();
+      mean.speed[n] += seen.speed / kStarts;
+      mean.torque[n] += seen.electromagnetic_torque / kStarts;
+      bench.lead();
+    }
+  }
+  return mean;
+}
 
 }  // namespace
 
@@ -36,11 +65,9 @@ Result measure_free_acceleration(const Setup& setup, const Values& values) {
   const double end = kBeyondCorner * corner_time;
 
   axis.load.brake_torque = 10.0 * equations.regulated_pull_out(current);
-  // Half-way between valley and crest of the detent torque's potential: on the way it gives as much
-  // as it takes.
-  axis.initial_revolutions = 1.0 / (16.0 * axis.motor.pole_pairs);
-  FieldBench bench(axis, current, microseconds(values["step"]));
-  bench.build_up_current();
+  const base::SimDuration step = microseconds(values["step"]);
+  const auto steps = static_cast<std::size_t>(std::ceil(end / step.seconds())) + 1;
+  const Trace seen = mean_start(axis, current, step, steps);
 
   Panel speed{"time", "ms", "shaft speed", "rev/s", {}, {{"measured", {}, {}}, {}}};
   Panel torque{"time", "ms", "motor torque", "N m", {}, {{"measured", {}, {}}, {}}};
@@ -49,27 +76,22 @@ Result measure_free_acceleration(const Setup& setup, const Values& values) {
   Result result;
   result.title = "Free acceleration with the field 90° ahead of the rotor";
 
-  const auto steps = static_cast<int>(std::ceil(end / bench.step()));
-  const int every = std::max(1, steps / kSamples);
-  int part = 1;  // fifths of the time to the corner compared so far
-  for (int n = 0; n <= steps; ++n) {
-    const double time = n * bench.step();
-    const plant::StepperAxisObservation seen = bench.plant().observe();
-    const double expected = equations.accelerated_speed(current, time);
-    if (part <= 5 && time >= 0.2 * part * corner_time) {
-      result.comparisons.push_back({fmt::format("speed after {:.2f} ms", time * 1e3), "rev/s",
-                                    seen.speed / base::kTwoPi, expected / base::kTwoPi});
-      ++part;
-    }
-    if (n % every == 0) {
-      speed.x.push_back(time * 1e3);
-      speed.curves[0].values.push_back(seen.speed / base::kTwoPi);
-      speed.curves[1].values.push_back(expected / base::kTwoPi);
-      torque.x.push_back(time * 1e3);
-      torque.curves[0].values.push_back(seen.electromagnetic_torque);
-      torque.curves[1].values.push_back(equations.regulated_pull_out(current));
-    }
-    bench.lead();
+  for (const double part : kParts) {
+    const auto n = static_cast<std::size_t>(part * corner_time / step.seconds());
+    const double time = static_cast<double>(n) * step.seconds();
+    result.comparisons.push_back({fmt::format("speed after {:.2f} ms", time * 1e3), "rev/s",
+                                  seen.speed[n] / base::kTwoPi,
+                                  equations.accelerated_speed(current, time) / base::kTwoPi});
+  }
+  const std::size_t every = std::max<std::size_t>(1, steps / kSamples);
+  for (std::size_t n = 0; n < steps; n += every) {
+    const double time = static_cast<double>(n) * step.seconds();
+    speed.x.push_back(time * 1e3);
+    speed.curves[0].values.push_back(seen.speed[n] / base::kTwoPi);
+    speed.curves[1].values.push_back(equations.accelerated_speed(current, time) / base::kTwoPi);
+    torque.x.push_back(time * 1e3);
+    torque.curves[0].values.push_back(seen.torque[n]);
+    torque.curves[1].values.push_back(equations.regulated_pull_out(current));
   }
   result.remarks.push_back(fmt::format(
       "{:g} A, {:g} V, inertia {:.3g} kg m²: the supply suffices up to the corner speed, {:.2f} "

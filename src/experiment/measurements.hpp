@@ -26,6 +26,9 @@ extern const std::span<const Option> kStandbyOptions;
 extern const std::span<const Option> kMoveOptions;
 [[nodiscard]] Result measure_move(const Setup& setup, const Values& values);
 
+extern const std::span<const Option> kStallGuardOptions;
+[[nodiscard]] Result measure_stall_guard(const Setup& setup, const Values& values);
+
 /// Options that several experiments have.
 inline constexpr Option kCurrent{.name = "current",
                                  .unit = "A",

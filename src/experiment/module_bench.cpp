@@ -18,6 +18,10 @@ devices::Tmcm3315Configuration module_around(const Setup& setup) {
   return configuration;
 }
 
+std::int64_t microsteps(double revolutions) {
+  return std::llround(revolutions * kMicrostepsPerRevolution);
+}
+
 }  // namespace
 
 ModuleBench::ModuleBench(const Setup& setup) : device_(module_around(setup)) {
@@ -58,17 +62,24 @@ void ModuleBench::enable(std::int8_t mode) {
 }
 
 void ModuleBench::start_move(double revolutions, double speed, double acceleration) {
-  const auto units = [](double value) {
-    return static_cast<std::uint32_t>(std::llround(value * kMicrostepsPerRevolution));
-  };
-  write<std::uint32_t>(0x6081, units(speed));
-  write<std::uint32_t>(0x6083, units(acceleration));
-  write<std::uint32_t>(0x6084, units(acceleration));
-  const double target =
-      static_cast<double>(ramp().position().microsteps) + revolutions * kMicrostepsPerRevolution;
-  write<std::int32_t>(0x607A, static_cast<std::int32_t>(std::llround(target)));
+  write<std::uint32_t>(0x6081, static_cast<std::uint32_t>(microsteps(speed)));
+  set_acceleration(acceleration);
+  const std::int64_t target = ramp().position().microsteps + microsteps(revolutions);
+  write<std::int32_t>(0x607A, static_cast<std::int32_t>(target));
   write<std::uint16_t>(0x6040, 31);
   write<std::uint16_t>(0x6040, 15);
+}
+
+void ModuleBench::turn(double speed, double acceleration) {
+  set_acceleration(acceleration);
+  write<std::int32_t>(0x60FF, static_cast<std::int32_t>(microsteps(speed)));
+}
+
+void ModuleBench::set_acceleration(double revolutions) {
+  for (const int index : {0x6083, 0x6084}) {
+    write<std::uint32_t>(static_cast<std::uint16_t>(index),
+                         static_cast<std::uint32_t>(microsteps(revolutions)));
+  }
 }
 
 void ModuleBench::step() {

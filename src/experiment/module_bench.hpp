@@ -27,6 +27,8 @@ class ModuleBench {
   /// Starts a move of `revolutions` from the present demand with speed and acceleration in
   /// revolutions, profile position mode.
   void start_move(double revolutions, double speed, double acceleration);
+  /// Takes up a speed in revolutions per second, profile velocity mode.
+  void turn(double speed, double acceleration);
   /// Lets one plant step (50 us) pass.
   void step();
   void run(double seconds);
@@ -42,6 +44,7 @@ class ModuleBench {
   [[nodiscard]] double demand_revolutions();
 
  private:
+  void set_acceleration(double revolutions);
   void write_bits(std::uint16_t index, std::uint8_t subindex, std::uint64_t bits,
                   std::size_t length);
 

@@ -1,5 +1,6 @@
 #include "rack/plot.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <iterator>
 #include <memory>
@@ -56,14 +57,24 @@ bool shares_axis_below(const std::vector<PlotPanel>& panels, std::size_t i) {
          panels[i + 1].x_label == panels[i].x_label;
 }
 
-/// Panels with axes of their own leave room for its numbers and name below them.
-double spacing_of(const Plot& plot) {
-  for (const PlotPanel& panel : plot.panels) {
-    if (panel.x_label != plot.panels.front().x_label) {
-      return 75.0 / height_of(plot);
-    }
-  }
-  return 0.05;
+bool every_panel_shares_its_axis(const Plot& plot) {
+  return std::ranges::all_of(plot.panels, [&](const PlotPanel& panel) {
+    return panel.x_label == plot.panels.front().x_label;
+  });
+}
+
+/// Room for panels and for what is written around them; gnuplot wants fractions of the picture.
+std::string layout_of(const Plot& plot) {
+  constexpr double kTitle = 50.0;       // pixels above the first panel
+  constexpr double kAxis = 55.0;        // below a panel with numbers and name of its axis
+  constexpr double kSharedAxis = 20.0;  // below one without
+  constexpr double kLegend = 30.0;      // above a panel
+  const double height = height_of(plot);
+  const bool above = plot.legend == Plot::Legend::above;
+  const double spacing =
+      (every_panel_shares_its_axis(plot) ? kSharedAxis : kAxis) + (above ? kLegend : 0.0);
+  return fmt::format("margins 0.09,{},{},{} spacing 0,{}", above ? 0.97 : 0.86, kAxis / height,
+                     1.0 - (kTitle + (above ? kLegend : 0.0)) / height, spacing / height);
 }
 
 void append_curve(std::string& script, const Plot& plot, const PlotCurve& curve,
@@ -81,14 +92,15 @@ std::string script_for(const Plot& plot, const std::string& image_path) {
   auto out = std::back_inserter(script);
   fmt::format_to(out, "set output {}\n", quoted(image_path));
   fmt::format_to(out, "set datafile separator ','\n");
+  fmt::format_to(out, "set multiplot layout {},1 title {} font ',16' {}\n", plot.panels.size(),
+                 quoted(plot.title), layout_of(plot));
   fmt::format_to(out,
-                 "set multiplot layout {},1 title {} font ',16' margins 0.09,0.86,0.07,0.94 "
-                 "spacing 0,{}\n",
-                 plot.panels.size(), quoted(plot.title), spacing_of(plot));
-  fmt::format_to(out,
-                 "set grid lc rgb '#d8dde3'\nset border lc rgb '#5a6470'\n"
-                 "set key outside right center noenhanced samplen 2\n"
-                 "set tics nomirror\n");
+                 "set grid lt 1 lw 0.6 lc rgb '#cfd6dc'\nset border lc rgb '#5a6470'\n"
+                 "set key {} noenhanced samplen 2\nset tics nomirror\n",
+                 plot.legend == Plot::Legend::above
+                     ? "at graph 1,1.02 bottom right horizontal Left "
+                       "reverse"
+                     : "outside right center");
   for (std::size_t i = 0; i < plot.panels.size(); ++i) {
     const PlotPanel& panel = plot.panels[i];
     fmt::format_to(out, "set ylabel {} offset 1\n", quoted(panel.label));

@@ -34,11 +34,13 @@ struct PlotPanel {
 
 /// A picture of one recording or series of measurements: panels above each other.
 struct Plot {
+  enum class Legend { right, above };
   std::string title;
   std::string csv_path;
   std::uint64_t rows = 0;  ///< of the recording; long ones are thinned where all of it is shown
   std::vector<PlotPanel> panels;
-  unsigned panel_height = 230;  ///< pixels
+  unsigned panel_height = 230;  ///< pixels, with what is written below and above a panel
+  Legend legend = Legend::right;
 };
 
 /// Draws `plot` with gnuplot into `image_path` (".png" or ".svg"). Throws std::runtime_error when
