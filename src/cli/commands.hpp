@@ -16,6 +16,7 @@ void add_export_command(CLI::App& app);
 void add_scan_command(CLI::App& app);
 void add_sdo_command(CLI::App& app);
 void add_move_command(CLI::App& app);
+void add_simulate_command(CLI::App& app);
 void add_demo_command(CLI::App& app);
 
 }  // namespace stator::cli

@@ -21,6 +21,7 @@ int run(int argc, char** argv) {
       "  stator demo                                        see three axes move, no set-up\n"
       "  stator run --device tmcm-3315 --link ethercat:eth1  a drive on an interface\n"
       "  stator scan --link ethercat:eth2                    who is on that segment?\n"
+      "  stator simulate pull-out --plot pull-out.svg        what can this motor do?\n"
       "  stator describe tmcm-3315 --format markdown         its object dictionary\n"
       "\"stator COMMAND --help\" tells the options of a command.");
 
@@ -31,6 +32,7 @@ int run(int argc, char** argv) {
   stator::cli::add_scan_command(app);
   stator::cli::add_sdo_command(app);
   stator::cli::add_move_command(app);
+  stator::cli::add_simulate_command(app);
   stator::cli::add_demo_command(app);
 
   try {

@@ -1,5 +1,6 @@
 #include "rack/plot.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <iterator>
 #include <memory>
@@ -22,8 +23,11 @@ std::string quoted(const std::string& text) {
   return result + "'";
 }
 
-std::string terminal_for(const std::string& image_path, std::size_t panels) {
-  const std::size_t height = 120 + 230 * panels;
+unsigned height_of(const Plot& plot) {
+  return 120 + plot.panel_height * static_cast<unsigned>(plot.panels.size());
+}
+
+std::string terminal_for(const std::string& image_path, unsigned height) {
   if (image_path.ends_with(".svg")) {
     return fmt::format("set terminal svg size 1200,{} font 'DejaVu Sans,14' background '#ffffff'\n",
                        height);
@@ -35,36 +39,84 @@ std::string terminal_for(const std::string& image_path, std::size_t panels) {
       fmt::format("plot: {} ends neither in .png nor in .svg; choose one of the two", image_path));
 }
 
+const char* drawn_as(PlotCurve::Style style) {
+  switch (style) {
+    case PlotCurve::Style::points:
+      return "points pt 7 ps 0.8";
+    case PlotCurve::Style::dashed:
+      return "lines lw 1.6 dt 2";
+    case PlotCurve::Style::line:
+      break;
+  }
+  return "lines lw 1.6";
+}
+
+/// Whether the panel below `i` shows the same horizontal axis, so that one set of numbers does.
+bool shares_axis_below(const std::vector<PlotPanel>& panels, std::size_t i) {
+  return i + 1 < panels.size() && panels[i + 1].window == panels[i].window &&
+         panels[i + 1].x_label == panels[i].x_label;
+}
+
+bool every_panel_shares_its_axis(const Plot& plot) {
+  return std::ranges::all_of(plot.panels, [&](const PlotPanel& panel) {
+    return panel.x_label == plot.panels.front().x_label;
+  });
+}
+
+/// Room for panels and for what is written around them; gnuplot wants fractions of the picture.
+std::string layout_of(const Plot& plot) {
+  constexpr double kTitle = 50.0;       // pixels above the first panel
+  constexpr double kAxis = 55.0;        // below a panel with numbers and name of its axis
+  constexpr double kSharedAxis = 20.0;  // below one without
+  constexpr double kLegend = 30.0;      // above a panel
+  const double height = height_of(plot);
+  const bool above = plot.legend == Plot::Legend::above;
+  const double spacing =
+      (every_panel_shares_its_axis(plot) ? kSharedAxis : kAxis) + (above ? kLegend : 0.0);
+  return fmt::format("margins 0.09,{},{},{} spacing 0,{}", above ? 0.97 : 0.86, kAxis / height,
+                     1.0 - (kTitle + (above ? kLegend : 0.0)) / height, spacing / height);
+}
+
+void append_curve(std::string& script, const Plot& plot, const PlotCurve& curve,
+                  std::uint64_t thinning) {
+  const bool every_row_counts = curve.style == PlotCurve::Style::points;
+  fmt::format_to(std::back_inserter(script),
+                 "{} using {}:(${}*{}) skip 1 every {} with {} lc rgb '{}' title {}",
+                 quoted(plot.csv_path), curve.x_column, curve.column, curve.scale,
+                 every_row_counts ? 1 : thinning, drawn_as(curve.style), curve.colour,
+                 quoted(curve.title));
+}
+
 std::string script_for(const Plot& plot, const std::string& image_path) {
-  std::string script = terminal_for(image_path, plot.panels.size());
+  std::string script = terminal_for(image_path, height_of(plot));
   auto out = std::back_inserter(script);
   fmt::format_to(out, "set output {}\n", quoted(image_path));
   fmt::format_to(out, "set datafile separator ','\n");
+  fmt::format_to(out, "set multiplot layout {},1 title {} font ',16' {}\n", plot.panels.size(),
+                 quoted(plot.title), layout_of(plot));
   fmt::format_to(out,
-                 "set multiplot layout {},1 title {} font ',16' margins 0.09,0.86,0.07,0.94 "
-                 "spacing 0,0.05\n",
-                 plot.panels.size(), quoted(plot.title));
-  fmt::format_to(out,
-                 "set grid lc rgb '#d8dde3'\nset border lc rgb '#5a6470'\n"
-                 "set key outside right center noenhanced samplen 2\n"
-                 "set tics nomirror\n");
+                 "set grid lt 1 lw 0.6 lc rgb '#cfd6dc'\nset border lc rgb '#5a6470'\n"
+                 "set key {} noenhanced samplen 2\nset tics nomirror\n",
+                 plot.legend == Plot::Legend::above
+                     ? "at graph 1,1.02 bottom right horizontal Left "
+                       "reverse"
+                     : "outside right center");
   for (std::size_t i = 0; i < plot.panels.size(); ++i) {
     const PlotPanel& panel = plot.panels[i];
     fmt::format_to(out, "set ylabel {} offset 1\n", quoted(panel.label));
-    const bool last = i + 1 == plot.panels.size();
-    const bool shares_axis_below = !last && plot.panels[i + 1].window == panel.window;
-    fmt::format_to(out, "set format x '{}'\n", shares_axis_below ? "" : "%g");
-    fmt::format_to(out, "set xlabel '{}'\n", last ? "time / s" : "");
+    const bool shared = shares_axis_below(plot.panels, i);
+    const bool own_axis =
+        i + 1 == plot.panels.size() || panel.x_label != plot.panels[i + 1].x_label;
+    fmt::format_to(out, "set format x '{}'\n", shared ? "" : "%g");
+    fmt::format_to(out, "set xlabel {}\n", quoted(own_axis ? panel.x_label : ""));
     if (panel.window) {
       fmt::format_to(out, "set xrange [{}:{}]\n", panel.window->first, panel.window->second);
     }
     const std::uint64_t thinning = panel.window ? 1 : 1 + plot.rows / kPointsShown;
     std::string separator = "plot ";
     for (const PlotCurve& curve : panel.curves) {
-      fmt::format_to(out,
-                     "{}{} using 1:(${}*{}) skip 1 every {} with lines lw 1.6 lc rgb '{}' title {}",
-                     separator, quoted(plot.csv_path), curve.column, curve.scale, thinning,
-                     curve.colour, quoted(curve.title));
+      script += separator;
+      append_curve(script, plot, curve, thinning);
       separator = ", ";
     }
     fmt::format_to(out, "\n");

@@ -1,0 +1,78 @@
+#include "experiment/experiment.hpp"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "experiment/measurements.hpp"
+
+namespace stator::experiment {
+
+namespace {
+
+const auto kExperiments = std::to_array<Experiment>({
+    {"free-acceleration", "torque-limited start of a free shaft: speed over time",
+     kFreeAccelerationOptions, measure_free_acceleration},
+    {"coast-down", "the motor let go at speed: friction alone slows it", kCoastDownOptions,
+     measure_coast_down},
+    {"pull-out", "largest load that loses no steps, over speed", kPullOutOptions, measure_pull_out},
+    {"resonance", "a step around a full step: natural frequency and damping of the rotor",
+     kResonanceOptions, measure_resonance},
+    {"stall-guard", "load measurement 2101h over load, at a constant speed", kStallGuardOptions,
+     measure_stall_guard},
+    {"standby", "run, boost and standby current during a move, and all current settings",
+     kStandbyOptions, measure_standby},
+    {"move", "a profile position move: position, velocity, current, load angle", kMoveOptions,
+     measure_move},
+});
+
+template <typename Range>
+std::string names_of(const Range& range) {
+  std::vector<std::string_view> names;
+  for (const auto& item : range) {
+    names.push_back(item.name);
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+}  // namespace
+
+std::optional<double> Choices::find(std::span<const Option> options, std::string_view name) const {
+  if (const auto chosen = values_.find(name); chosen != values_.end()) {
+    return chosen->second;
+  }
+  const auto option = std::ranges::find(options, name, &Option::name);
+  return option == options.end() ? std::nullopt : option->preset;
+}
+
+Result Experiment::run(const Setup& setup, const Choices& choices) const {
+  for (const auto& [chosen, value] : choices.values()) {
+    const auto option = std::ranges::find(options, chosen, &Option::name);
+    if (option == options.end()) {
+      throw ExperimentError(
+          fmt::format("{} has no option {}; it has: {}", name, chosen, names_of(options)));
+    }
+    if (!(value >= option->minimum && value <= option->maximum)) {
+      throw ExperimentError(fmt::format("{} is {} {}; it must lie in {} .. {}", chosen, value,
+                                        option->unit, option->minimum, option->maximum));
+    }
+  }
+  return measure(setup, Values(options, choices));
+}
+
+std::span<const Experiment> experiments() {
+  return kExperiments;
+}
+
+const Experiment& require_experiment(std::string_view name) {
+  const auto found = std::ranges::find(kExperiments, name, &Experiment::name);
+  if (found == kExperiments.end()) {
+    throw ExperimentError(
+        fmt::format("there is no experiment {}; there are: {}", name, names_of(kExperiments)));
+  }
+  return *found;
+}
+
+}  // namespace stator::experiment
