@@ -64,6 +64,31 @@ void read_brake(TomlSection section, plant::HoldingBrake& brake) {
   section.finish();
 }
 
+void read_supply(TomlSection section, plant::SupplyParameters& supply) {
+  set(section, "capacitance", 0.0, 1.0, supply.capacitance);
+  set(section, "source_resistance", 1e-3, 1e3, supply.source_resistance);
+  set(section, "brake_chopper_voltage", 1.0, 1000.0, supply.chopper_voltage);
+  set(section, "brake_chopper_resistance", 0.1, 1e4, supply.chopper_resistance);
+  section.finish();
+}
+
+void read_motor_thermal(TomlSection section, plant::ThermalParameters& thermal) {
+  set(section, "winding_capacity", 1e-3, 1e6, thermal.inner_capacity);
+  set(section, "housing_capacity", 1e-3, 1e6, thermal.outer_capacity);
+  set(section, "winding_to_housing", 1e-3, 1e3, thermal.inner_to_outer);
+  set(section, "housing_to_ambient", 1e-3, 1e3, thermal.outer_to_ambient);
+  section.finish();
+}
+
+void read_driver(TomlSection section, plant::DriverStageParameters& driver) {
+  set(section, "on_resistance", 0.0, 10.0, driver.on_resistance);
+  set(section, "chip_capacity", 1e-3, 1e6, driver.thermal.inner_capacity);
+  set(section, "board_capacity", 1e-3, 1e6, driver.thermal.outer_capacity);
+  set(section, "chip_to_board", 1e-3, 1e3, driver.thermal.inner_to_outer);
+  set(section, "board_to_ambient", 1e-3, 1e3, driver.thermal.outer_to_ambient);
+  section.finish();
+}
+
 void read_encoder(TomlSection section, plant::EncoderParameters& encoder) {
   encoder.counts_per_revolution =
       section.integer("counts_per_revolution", 0, 1 << 24).value_or(encoder.counts_per_revolution);
@@ -97,6 +122,16 @@ void read_stepper_axis(TomlSection& section, plant::StepperAxisParameters& param
   }
   set(section, "supply_voltage", 0.0, 100.0, parameters.supply_voltage);
   set(section, "initial_position", -kFarAway, kFarAway, parameters.initial_revolutions);
+  set(section, "ambient_temperature", -50.0, 200.0, parameters.ambient_temperature);
+  if (auto supply = section.section("supply")) {
+    read_supply(*supply, parameters.supply);
+  }
+  if (auto thermal = section.section("motor_thermal")) {
+    read_motor_thermal(*thermal, parameters.motor.thermal);
+  }
+  if (auto driver = section.section("driver")) {
+    read_driver(*driver, parameters.driver);
+  }
   if (auto load = section.section("load")) {
     read_load(*load, parameters.load);
   }

@@ -118,6 +118,10 @@ supply_voltage = 36
 initial_position = 0.25
 load.inertia = 4e-5
 load.constant_torque = -0.2
+ambient_temperature = 40
+supply = { capacitance = 470e-6, source_resistance = 0.3, brake_chopper_voltage = 30, brake_chopper_resistance = 15 }
+motor_thermal = { winding_capacity = 30, housing_capacity = 300, winding_to_housing = 2, housing_to_ambient = 5 }
+driver = { on_resistance = 0.1, chip_capacity = 0.2, board_capacity = 6, chip_to_board = 9, board_to_ambient = 30 }
 encoder.counts_per_revolution = 4000
 encoder.index_active_low = true
 left_switch.pressed_to = -2.0
@@ -146,6 +150,20 @@ home_switch = { pressed_from = 0.0, pressed_to = 0.5, normally_closed = true }
   EXPECT_DOUBLE_EQ(axis.initial_revolutions, 0.25);
   EXPECT_DOUBLE_EQ(axis.load.inertia, 4e-5);
   EXPECT_DOUBLE_EQ(axis.load.constant_torque, -0.2);
+  EXPECT_DOUBLE_EQ(axis.ambient_temperature, 40.0);
+  EXPECT_DOUBLE_EQ(axis.supply.capacitance, 470e-6);
+  EXPECT_DOUBLE_EQ(axis.supply.source_resistance, 0.3);
+  EXPECT_DOUBLE_EQ(axis.supply.chopper_voltage, 30.0);
+  EXPECT_DOUBLE_EQ(axis.supply.chopper_resistance, 15.0);
+  EXPECT_DOUBLE_EQ(axis.motor.thermal.inner_capacity, 30.0);
+  EXPECT_DOUBLE_EQ(axis.motor.thermal.outer_capacity, 300.0);
+  EXPECT_DOUBLE_EQ(axis.motor.thermal.inner_to_outer, 2.0);
+  EXPECT_DOUBLE_EQ(axis.motor.thermal.outer_to_ambient, 5.0);
+  EXPECT_DOUBLE_EQ(axis.driver.on_resistance, 0.1);
+  EXPECT_DOUBLE_EQ(axis.driver.thermal.inner_capacity, 0.2);
+  EXPECT_DOUBLE_EQ(axis.driver.thermal.outer_capacity, 6.0);
+  EXPECT_DOUBLE_EQ(axis.driver.thermal.inner_to_outer, 9.0);
+  EXPECT_DOUBLE_EQ(axis.driver.thermal.outer_to_ambient, 30.0);
   EXPECT_EQ(axis.encoder.counts_per_revolution, 4000);
   EXPECT_TRUE(axis.encoder.index_active_low);
   EXPECT_TRUE(axis.left_switch.fitted);
