@@ -37,16 +37,23 @@ base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
     remaining = inner == remaining ? 0.0 : remaining - inner;
   }
   settled_ = state_.motor == before;
-  settled_actuation_ = actuation;
-  settled_duration_ = duration;
-  settled_sensing_ = sense();
-  return settled_sensing_;
+  if (settled_) {
+    settled_actuation_ = actuation;
+    settled_duration_ = duration;
+    settled_sensing_ = sense();
+    return settled_sensing_;
+  }
+  return sense();
 }
 
 void StepperAxis::regulate_and_integrate(const base::AxisActuation& actuation, double step) {
   HybridStepperState& motor = state_.motor;
   const double supply = state_.supply_voltage;
-  const double resistance = parameters_.motor.resistance;
+  const double half_resistance = 0.5 * parameters_.motor.resistance;
+  if (step != regulated_step_) {
+    regulated_step_ = step;
+    current_gain_ = parameters_.motor.inductance / step;
+  }
   const base::SineCosine direction = base::sine_cosine(motor.angle.angle);
   // Induced voltage half a step ahead, to first order in the angle travelled.
   const double ahead = 0.5 * step * motor.speed * parameters_.motor.pole_pairs;
@@ -60,9 +67,8 @@ void StepperAxis::regulate_and_integrate(const base::AxisActuation& actuation, d
   std::array<bool, 2> runs_dry{};
   for (std::size_t k = 0; k < 2; ++k) {
     const double target = actuation.bridge_enabled ? actuation.coil_current_target[k] : 0.0;
-    const double needed = 0.5 * resistance * (motor.current[k] + target) +
-                          parameters_.motor.inductance * (target - motor.current[k]) / step +
-                          induced[k];
+    const double needed = half_resistance * (motor.current[k] + target) +
+                          current_gain_ * (target - motor.current[k]) + induced[k];
     const bool reachable = std::fabs(needed) <= supply;
     input.voltage[k] = std::clamp(needed, -supply, supply);
     // A disabled bridge is a rectifier: no current flows while the diodes block.
