@@ -90,7 +90,8 @@ class ClosedLoopAxes {
     devices::tmcm_3315::add_objects(dictionary_);
     for (std::uint8_t n = 0; n < count; ++n) {
       axes_.push_back(std::make_unique<devices::tmcm_3315::AxisUnit>(
-          dictionary_, n, axis_with_load(), 3.0, base::EventReporter()));
+          dictionary_, n, axis_with_load(), devices::tmcm_3315::AxisUnitConfiguration{},
+          base::EventReporter()));
       start(n);
     }
     for (int k = 0; k < 500; ++k) {  // initialisation and acceleration

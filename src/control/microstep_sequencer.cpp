@@ -38,20 +38,34 @@ constexpr std::array<std::int16_t, kQuarter + 1> make_quarter_wave() {
 constexpr auto kQuarterWave = make_quarter_wave();
 static_assert(kQuarterWave[0] == 0 && kQuarterWave[kQuarter] == MicrostepSequencer::kAmplitude);
 
+/// The quarter wave unrolled over a period and a quarter, so that sine and cosine are one look-up
+/// each.
+constexpr std::array<std::int16_t, 5 * kQuarter> make_wave() {
+  std::array<std::int16_t, 5 * kQuarter> table{};
+  for (int i = 0; i < 5 * kQuarter; ++i) {
+    const int within_half = i % (2 * kQuarter);
+    const int within_quarter = within_half <= kQuarter ? within_half : 2 * kQuarter - within_half;
+    const std::int16_t magnitude = kQuarterWave[static_cast<std::size_t>(within_quarter)];
+    const bool positive = i % (4 * kQuarter) < 2 * kQuarter;
+    table[static_cast<std::size_t>(i)] =
+        static_cast<std::int16_t>(positive ? magnitude : -magnitude);
+  }
+  return table;
+}
+
+constexpr auto kWave = make_wave();
+
 }  // namespace
 
 int MicrostepSequencer::sine_entry(int index) {
-  const int within_half = index % (2 * kQuarter);
-  const int within_quarter = within_half <= kQuarter ? within_half : 2 * kQuarter - within_half;
-  const int magnitude = kQuarterWave[static_cast<std::size_t>(within_quarter)];
-  return index < 2 * kQuarter ? magnitude : -magnitude;
+  return kWave[static_cast<std::size_t>(index)];
 }
 
 std::array<double, 2> MicrostepSequencer::coil_currents(std::int64_t microsteps,
                                                         double amplitude) const {
-  const int index = table_index(microsteps);
-  const double step = amplitude / kAmplitude;
-  return {step * sine_entry((index + kQuarter) % kTableSize), step * sine_entry(index)};
+  const auto index = static_cast<std::size_t>(table_index(microsteps));
+  const double step = amplitude * (1.0 / kAmplitude);
+  return {step * kWave[index + kQuarter], step * kWave[index]};
 }
 
 }  // namespace stator::control

@@ -55,6 +55,7 @@ HybridStepper::HybridStepper(const StepperMotorParameters& motor, const Mechanic
     : motor_(motor),
       load_(load),
       pole_pairs_(motor.pole_pairs),
+      inverse_pole_pairs_(1.0 / motor.pole_pairs),
       torque_constant_(motor.pole_pairs * motor.flux_linkage),
       inverse_inductance_(1.0 / motor.inductance),
       inverse_inertia_(1.0 / (motor.rotor_inertia + load.inertia)),
@@ -85,8 +86,8 @@ ElectricalAngle HybridStepper::angle_at(double revolutions) const {
 }
 
 double HybridStepper::revolutions(const HybridStepperState& state) const {
-  return (static_cast<double>(state.angle.periods) + state.angle.angle * (1.0 / base::kTwoPi)) /
-         static_cast<double>(pole_pairs_);
+  return (static_cast<double>(state.angle.periods) + state.angle.angle * (1.0 / base::kTwoPi)) *
+         inverse_pole_pairs_;
 }
 
 double HybridStepper::fastest_rate(const HybridStepperState& state) const {
@@ -168,13 +169,16 @@ HybridStepper::StepConstants HybridStepper::freeze(const HybridStepperState& sta
   return frozen;
 }
 
+inline double HybridStepper::dry_friction(const StepConstants& frozen, double speed) const {
+  const double ratio = speed * inverse_stribeck_speed_;
+  return frozen.coulomb_friction + stribeck_rise_ / (1.0 + ratio * ratio);
+}
+
 inline HybridStepper::Derivative HybridStepper::derivative(const StepConstants& frozen,
                                                            const std::array<double, 2>& current,
                                                            double speed,
                                                            const base::SineCosine& direction,
-                                                           double turned) const {
-  const double ratio = speed * inverse_stribeck_speed_;
-  const double friction = frozen.coulomb_friction + stribeck_rise_ / (1.0 + ratio * ratio);
+                                                           double turned, double friction) const {
   const double induced = torque_constant_ * speed;
   const double torque =
       torque_constant_ * (current[1] * direction.cosine - current[0] * direction.sine) -
@@ -199,7 +203,7 @@ void HybridStepper::step(HybridStepperState& state, const base::SineCosine& dire
   if (state.speed != 0.0) {
     frozen.friction_sign = state.speed > 0.0 ? 1.0 : -1.0;
   } else {
-    const double net = derivative(frozen, state.current, 0.0, direction, 0.0).speed;
+    const double net = derivative(frozen, state.current, 0.0, direction, 0.0, 0.0).speed;
     const double holding = (frozen.coulomb_friction + stribeck_rise_) * inverse_inertia_;
     if (std::fabs(net) <= holding) {
       step_at_rest(state, input, h);
@@ -215,15 +219,19 @@ void HybridStepper::step(HybridStepperState& state, const base::SineCosine& dire
   const auto ahead = [&i](const Derivative& slope, double time) {
     return std::array{i[0] + time * slope.current[0], i[1] + time * slope.current[1]};
   };
-  const auto stage = [&](const Derivative& slope, double time, double turned) {
+  const auto stage = [&](const Derivative& slope, double time, double turned, double friction) {
     return derivative(frozen, ahead(slope, time), w + time * slope.speed,
-                      rotated(direction, turned * pole_pairs), turned);
+                      rotated(direction, turned * pole_pairs), turned, friction);
   };
   // Classical fourth-order Runge-Kutta; the angle's derivative is the speed of the stage before.
-  const Derivative k1 = derivative(frozen, i, w, direction, 0.0);
-  const Derivative k2 = stage(k1, half, half * w);
-  const Derivative k3 = stage(k2, half, half * (w + half * k1.speed));
-  const Derivative k4 = stage(k3, h, h * (w + half * k2.speed));
+  // The Stribeck curve is taken at the speeds to which the first slope leads: its divisions then
+  // run beside the stages and not between them.
+  const Derivative k1 = derivative(frozen, i, w, direction, 0.0, dry_friction(frozen, w));
+  const double friction_halfway = dry_friction(frozen, w + half * k1.speed);
+  const double friction_at_end = dry_friction(frozen, w + h * k1.speed);
+  const Derivative k2 = stage(k1, half, half * w, friction_halfway);
+  const Derivative k3 = stage(k2, half, half * (w + half * k1.speed), friction_halfway);
+  const Derivative k4 = stage(k3, h, h * (w + half * k2.speed), friction_at_end);
 
   const double sixth = h / 6.0;
   for (std::size_t k = 0; k < 2; ++k) {

@@ -83,7 +83,10 @@ class HybridStepper {
                                      const HybridStepperInput& input) const;
   [[nodiscard]] Derivative derivative(const StepConstants& frozen,
                                       const std::array<double, 2>& current, double speed,
-                                      const base::SineCosine& direction, double turned) const;
+                                      const base::SineCosine& direction, double turned,
+                                      double friction) const;
+  /// Magnitude of dry friction at `speed`, N m.
+  [[nodiscard]] double dry_friction(const StepConstants& frozen, double speed) const;
   [[nodiscard]] double positional_torque(const StepConstants& frozen, double turned,
                                          double speed) const;
   [[nodiscard]] double detent_torque(const base::SineCosine& direction) const;
@@ -94,6 +97,7 @@ class HybridStepper {
   StepperMotorParameters motor_;
   MechanicalLoad load_;
   std::int64_t pole_pairs_;
+  double inverse_pole_pairs_;
   double torque_constant_;     ///< Kt = p psi, N m/A and V s/rad
   double inverse_inductance_;  ///< 1/H
   double inverse_inertia_;     ///< 1/(kg m^2)

@@ -57,17 +57,20 @@ base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
   }
   settled_ = state_.motor == before && state_.supply == supply_before &&
              state_.brake.open == actuation.brake_released;
-  settled_actuation_ = actuation;
-  settled_duration_ = duration;
   if (state_.unheated >= kThermalPeriod) {
     update_temperatures();
   }
-  settled_sensing_ = sense();
+  base::AxisSensing sensing = sense();
   for (std::size_t k = 0; k < 2; ++k) {
-    settled_sensing_.overcurrent[k] = actuation.bridge_enabled && state_.faults.shorted[k];
+    sensing.overcurrent[k] = actuation.bridge_enabled && state_.faults.shorted[k];
   }
-  settled_sensing_.overcurrent_high_side = actuation.bridge_enabled && state_.faults.high_side;
-  return settled_sensing_;
+  sensing.overcurrent_high_side = actuation.bridge_enabled && state_.faults.high_side;
+  if (settled_) {
+    settled_actuation_ = actuation;
+    settled_duration_ = duration;
+    settled_sensing_ = sensing;
+  }
+  return sensing;
 }
 
 HybridStepperInput StepperAxis::phase_input(const base::AxisActuation& actuation,
@@ -75,14 +78,19 @@ HybridStepperInput StepperAxis::phase_input(const base::AxisActuation& actuation
                                             std::array<bool, 2>& runs_dry) {
   const std::array<double, 2>& current = state_.motor.current;
   const double supply = state_.supply.voltage;
+  const double half_resistance = 0.5 * resistance();
+  if (step != regulated_step_) {
+    regulated_step_ = step;
+    current_gain_ = parameters_.motor.inductance / step;
+  }
   HybridStepperInput input;
   input.torque = state_.external_torque;
   input.brake_engaged = !state_.brake.open;
   state_.chopper.regulated = true;
   for (std::size_t k = 0; k < 2; ++k) {
     const double target = actuation.bridge_enabled ? actuation.coil_current_target[k] : 0.0;
-    const double needed = 0.5 * resistance() * (current[k] + target) +
-                          parameters_.motor.inductance * (target - current[k]) / step + induced[k];
+    const double needed = half_resistance * (current[k] + target) +
+                          current_gain_ * (target - current[k]) + induced[k];
     const bool reachable = std::fabs(needed) <= supply;
     input.voltage[k] = std::clamp(needed, -supply, supply);
     // A disabled bridge is a rectifier: no current flows while the diodes block.
