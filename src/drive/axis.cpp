@@ -123,10 +123,11 @@ void Axis::take_controlword(base::SimTime now) {
 void Axis::take_mode(base::SimTime now) {
   const auto wanted = static_cast<ModeCode>(objects_.mode.get());
   mode_written_ = false;
-  if (wanted == mode_->code()) {
+  if (wanted == mode_->code() && !leaving_mode_) {
     return;
   }
-  if (enabled_ && !motion_.at_rest()) {
+  leaving_mode_ = enabled_ && !motion_.at_rest();
+  if (leaving_mode_) {
     if (motion_.ramp().mode() != control::RampMode::stop) {
       motion_.brake(Braking::slow_down_ramp);
     }
@@ -171,6 +172,9 @@ void Axis::follow_power_state(base::SimTime now) {
     errors_ = causes_;
     driver_.clear_shorts();
   }
+  // Transition 16: the bridge has been on all the time, the demand position still counts.
+  const bool taken_back =
+      braking_ == Braking::slow_down_ramp || braking_ == Braking::quick_stop_ramp;
   if (power_.braking() != braking_) {
     braking_ = power_.braking();
     motion_.brake(braking_);
@@ -182,7 +186,9 @@ void Axis::follow_power_state(base::SimTime now) {
   enabled_ = enabled;
   halted_ = false;
   if (enabled_) {
-    initialise_position();
+    if (!taken_back) {
+      initialise_position();
+    }
     enter_mode(now);
   }
 }

@@ -154,6 +154,7 @@ class Axis {
   bool controlword_written_ = false;
   bool mode_written_ = false;
   bool target_written_ = false;
+  bool leaving_mode_ = false;      ///< the motor brakes for a change of mode
   std::uint16_t controlword_ = 0;  ///< as last obeyed
   bool enabled_ = false;           ///< as last told to the mode
   bool halted_ = false;

@@ -3,9 +3,14 @@
 namespace stator::drive {
 
 void PositionFeedback::set_scale(std::int64_t increments, std::int64_t microsteps, bool reversed) {
+  const std::int64_t present = position();
+  const bool new_resolution = microsteps != microsteps_;
   increments_ = increments > 0 ? increments : 1;
   microsteps_ = microsteps;
   reversed_ = reversed;
+  if (new_resolution) {
+    set_position(present);
+  }
 }
 
 void PositionFeedback::update(std::int64_t count, base::SimDuration period) {

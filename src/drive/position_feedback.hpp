@@ -12,7 +12,8 @@ namespace stator::drive {
 class PositionFeedback {
  public:
   /// `increments` counts correspond to `microsteps`; both for one revolution, not negative. 0
-  /// increments count as 1. The position is scaled anew from the count, so it does not drift.
+  /// increments count as 1. The position is scaled anew from the count, so it does not drift; only
+  /// a new number of microsteps keeps it as it is: from here on each counts for another angle.
   void set_scale(std::int64_t increments, std::int64_t microsteps, bool reversed);
   /// Takes the count of this control period; the velocity is the mean over the last kWindow ones.
   void update(std::int64_t count, base::SimDuration period);
