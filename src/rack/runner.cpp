@@ -100,6 +100,7 @@ Runner::Runner(Rack& rack, const RackConfiguration& configuration,
     segments_.push_back(std::move(thread));
   }
   eoe_bridges_.open(rack, configuration, logger_);
+  serial_bridges_.open(rack, configuration, logger_);
 }
 
 Runner::~Runner() {
@@ -153,6 +154,7 @@ void Runner::stop() {
     }
   }
   eoe_bridges_.close();
+  serial_bridges_.close();
 }
 
 base::SimTime Runner::now() {
