@@ -72,6 +72,8 @@ class SerialBridges {
   /// std::runtime_error with the line's own explanation. `rack` must outlive the bridges.
   void open(Rack& rack, const RackConfiguration& configuration,
             const std::shared_ptr<spdlog::logger>& logger);
+  /// Some device has a serial line, whose requests should not wait long.
+  [[nodiscard]] bool any() const { return !connections_.empty(); }
   /// Disconnects the devices, which nobody may be using meanwhile, and removes the lines.
   void close();
 
