@@ -35,6 +35,9 @@ class SerialLink {
   [[nodiscard]] virtual const std::string& name() const = 0;
 };
 
+/// `text` has one of the forms.
+[[nodiscard]] bool is_serial_link(std::string_view text);
+
 /// Opens a serial line as people write it. The error says what went wrong, or which forms there
 /// are.
 [[nodiscard]] base::Expected<std::unique_ptr<SerialLink>, LinkError> open_serial_link(

@@ -40,6 +40,8 @@ struct DeviceConfiguration {
   /// Of its slave controller, from port to port; default: the product's own.
   std::optional<base::SimDuration> forwarding_delay{};
   std::string eoe_interface{};  ///< TAP interface its EoE is bridged to; empty = no EoE
+  std::string
+      usb{};  ///< serial line its USB interface is, e.g. "pty:/tmp/module"; empty = no cable
 };
 
 /// EtherCAT slaves wired together behind one link, or two with cable redundancy.

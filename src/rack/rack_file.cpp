@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "link/link_address.hpp"
+#include "link/serial_link.hpp"
 #include "rack/event_section.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/stepper_axis_section.hpp"
@@ -79,6 +80,19 @@ void read_eoe(TomlSection& section, DeviceConfiguration& device) {
   std::visit(switch_on, device.product);
 }
 
+/// Connects the USB interface to a serial line.
+void read_usb(TomlSection& section, DeviceConfiguration& device) {
+  const std::optional<std::string> usb = section.text("usb");
+  if (!usb) {
+    return;
+  }
+  if (!link::is_serial_link(*usb)) {
+    section.fail("usb",
+                 fmt::format("\"usb\" is \"{}\"; write \"{}\"", *usb, link::kSerialLinkForms));
+  }
+  device.usb = *usb;
+}
+
 DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& names,
                                 std::span<const DeviceConfiguration> before) {
   std::set<std::string> types;
@@ -98,6 +112,7 @@ DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& nam
                                      device.name));
   }
   read_eoe(section, device);
+  read_usb(section, device);
   std::visit([&section](auto& configuration) { read_product(section, configuration); },
              device.product);
   read_wiring(section, before, device);

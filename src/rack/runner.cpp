@@ -18,7 +18,8 @@ namespace stator::rack {
 namespace {
 
 // How long a thread waits for a frame before devices are brought to the present: one firmware tick
-// while a master talks, longer when nobody does, so that an idle rack costs next to nothing.
+// while a master talks or a serial line is there, longer when nobody does, so that an idle rack costs
+// next to nothing.
 constexpr base::SimDuration kBusyTick{1'000'000};
 constexpr base::SimDuration kIdleTick{10'000'000};
 constexpr base::SimDuration kIdleAfter{100'000'000};
@@ -100,6 +101,7 @@ Runner::Runner(Rack& rack, const RackConfiguration& configuration,
     segments_.push_back(std::move(thread));
   }
   eoe_bridges_.open(rack, configuration, logger_);
+  serial_bridges_.open(rack, configuration, logger_);
 }
 
 Runner::~Runner() {
@@ -153,6 +155,7 @@ void Runner::stop() {
     }
   }
   eoe_bridges_.close();
+  serial_bridges_.close();
 }
 
 base::SimTime Runner::now() {
@@ -180,7 +183,7 @@ void Runner::run(SegmentThread& segment) {
   while (!stopping_) {
     const base::SimTime now = real_clock_.now();
     watch_carriers(segment, now);
-    const bool busy = now - last_frame < kIdleAfter;
+    const bool busy = now - last_frame < kIdleAfter || serial_bridges_.any();
     const auto received = segment.receive(buffer, busy ? kBusyTick : kIdleTick);
     if (!received && received.error().code != link::LinkErrorCode::interface_down) {
       logger_->error("{}; this segment stops", received.error().text);

@@ -15,6 +15,7 @@
 #include "rack/clock.hpp"
 #include "rack/eoe_bridge.hpp"
 #include "rack/rack.hpp"
+#include "rack/serial_bridge.hpp"
 
 namespace spdlog {
 class logger;
@@ -83,6 +84,7 @@ class Runner {
   std::atomic<bool> stopping_{false};
   std::vector<std::unique_ptr<SegmentThread>> segments_;
   EoeBridges eoe_bridges_;
+  SerialBridges serial_bridges_;
 };
 
 }  // namespace stator::rack
