@@ -71,6 +71,7 @@ Result measure_free_acceleration(const Setup& setup, const Values& values) {
 
   Panel speed{"time", "ms", "shaft speed", "rev/s", {}, {{"measured", {}, {}}, {}}};
   Panel torque{"time", "ms", "motor torque", "N m", {}, {{"measured", {}, {}}, {}}};
+  torque.from_zero = true;
   speed.curves[1] = {"∫ (Kt I - Tc - B ω) / J dt", Curve::Style::equation, {}};
   torque.curves[1] = {"Kt I", Curve::Style::equation, {}};
   Result result;

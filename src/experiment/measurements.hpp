@@ -41,6 +41,6 @@ inline constexpr Option kStep{.name = "step",
                               .help = "How often the sequencer gives new current targets",
                               .minimum = 1.0,
                               .maximum = 1000.0,
-                              .preset = 10.0};
+                              .preset = 50.0};
 
 }  // namespace stator::experiment

@@ -86,6 +86,7 @@ Result measure_move(const Setup& setup, const Values& values) {
   Panel velocity{"time", "s", "speed", "rev/s", {}, {{"shaft", {}, {}}, {}}};
   velocity.curves[1] = {"set-point", Curve::Style::equation, {}};
   Panel amperes{"time", "s", "current", "A", {}, {{"amplitude", {}, {}}}};
+  amperes.from_zero = true;
   Panel angle{"time", "s", "load angle", "° electrical", {}, {{"measured", {}, {}}, {}}};
   angle.curves[1] = {"asin(T / (Kt I))", Curve::Style::equation, {}};
 

@@ -192,6 +192,7 @@ Result measure_pull_out(const Setup& setup, const Values& values) {
   constexpr int kLinesPerPoint = 8;  // the equations are drawn finer than is measured
   const auto points = static_cast<int>(values["points"]);
   Panel panel{"speed", "rev/s", "pull-out torque", "N m", {}, {}};
+  panel.from_zero = true;
   Curve measured{"measured", Curve::Style::measured_points, {}};
   Result result;
   result.title = "Pull-out torque over speed";

@@ -130,6 +130,7 @@ Result measure_stall_guard(const Setup& setup, const Values& values) {
   const double pull_out = equations.regulated_pull_out(current);
   const double unloaded = expected(0.0);
   Panel panel{"motor torque (load and friction)", "N m", "StallGuard2 value 2101h", "", {}, {}};
+  panel.from_zero = true;
   Curve measured{"measured", Curve::Style::measured_points, {}};
   Curve line{"100/V Kt ω (1 - T / (Kt I)) + 8 SGT", Curve::Style::equation, {}};
   Result result;

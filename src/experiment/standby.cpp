@@ -48,6 +48,7 @@ struct Stretch {
 /// Standing current at every eighth setting: the 32 scales of the driver.
 Panel all_settings(const Setup& setup, Result& result) {
   Panel panel{"setting", "0…255", "standing current", "A", {}, {{"measured", {}, {}}, {}}};
+  panel.from_zero = true;
   panel.curves[0].style = Curve::Style::measured_points;
   panel.curves[1] = {"(⌊s/8⌋ + 1) / 32 of full scale", Curve::Style::equation, {}};
   ModuleBench bench(setup);
@@ -105,6 +106,7 @@ Result measure_standby(const Setup& setup, const Values& values) {
   };
 
   Panel current{"time", "s", "current", "A", {}, {{"measured", {}, {}}, {}}};
+  current.from_zero = true;
   current.curves[1] = {"settings", Curve::Style::equation, {}};
   Panel speed{"time", "s", "shaft speed", "rev/s", {}, {{"measured", {}, {}}}};
   bench.start_move(kDistance, kSpeed, kAcceleration);

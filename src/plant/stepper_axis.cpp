@@ -44,15 +44,22 @@ base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
   }
   const HybridStepperState before = state_.motor;
   const SupplyState supply_before = state_.supply;
-  double remaining = duration.seconds();
+  const double whole = duration.seconds();
+  double remaining = whole;
   while (remaining > 0.0) {
     const double turn = remaining * motor_.fastest_rate(state_.motor);
     const double inner =
         turn <= kLargestTurn ? remaining : remaining / std::ceil(turn / kLargestTurn);
-    regulate_and_integrate(actuation, inner);
+    if (inner == remaining) [[likely]] {
+      regulate_and_integrate(actuation, inner);
+    } else {
+      regulate_and_integrate(on_the_way(actuation, (remaining - inner) / whole), inner);
+    }
     encoder_.update(state_.encoder, state_.motor.angle);
     remaining = inner == remaining ? 0.0 : remaining - inner;
   }
+  state_.coil_current_target =
+      actuation.bridge_enabled ? actuation.coil_current_target : std::array<double, 2>{};
   settled_ = state_.motor == before && state_.supply == supply_before;
   settled_actuation_ = actuation;
   settled_duration_ = duration;
@@ -65,6 +72,16 @@ base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
   }
   settled_sensing_.overcurrent_high_side = actuation.bridge_enabled && state_.faults.high_side;
   return settled_sensing_;
+}
+
+base::AxisActuation StepperAxis::on_the_way(const base::AxisActuation& actuation,
+                                            double left) const {
+  base::AxisActuation part_way = actuation;
+  for (std::size_t k = 0; k < 2; ++k) {
+    part_way.coil_current_target[k] -=
+        left * (actuation.coil_current_target[k] - state_.coil_current_target[k]);
+  }
+  return part_way;
 }
 
 HybridStepperInput StepperAxis::phase_input(const base::AxisActuation& actuation,
