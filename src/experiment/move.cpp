@@ -27,7 +27,7 @@ constexpr std::array kOptions{
 constexpr std::int8_t kProfilePosition = 1;
 constexpr double kBefore = 0.1;  // s under current before the move
 constexpr double kAfter = 0.15;  // s shown after it
-constexpr int kSamples = 1200;
+constexpr int kSamples = 550;
 constexpr double kDegrees = 180.0 / base::kPi;
 
 /// Mean load angle over the inner part of a stretch of the move, where swings have settled.
@@ -54,7 +54,7 @@ class MeanOverStretch {
 
 constinit const std::span<const Option> kMoveOptions = kOptions;
 
-Result measure_move(const Setup& setup, const Values& values) {
+Result measure_move(const BenchSetup& setup, const Values& values) {
   const Equations equations(setup.axis);
   const double distance = values["distance"];
   const double acceleration = values["acceleration"];

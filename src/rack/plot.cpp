@@ -113,6 +113,9 @@ std::string script_for(const Plot& plot, const std::string& image_path) {
       fmt::format_to(out, "set xrange [{}:{}]\n", panel.window->first, panel.window->second);
     }
     fmt::format_to(out, "set yrange [{}:*]\n", panel.from_zero ? "0" : "*");
+    if (!panel.window) {
+      fmt::format_to(out, "set xrange [{}:*]\n", panel.from_zero ? "0" : "*");
+    }
     const std::uint64_t thinning = panel.window ? 1 : 1 + plot.rows / kPointsShown;
     std::string separator = "plot ";
     for (const PlotCurve& curve : panel.curves) {

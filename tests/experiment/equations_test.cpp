@@ -12,17 +12,17 @@ namespace {
 /// Kt = 0.5 N m/A, R = 1 ohm, J = 1e-3 kg m^2, B = 0.01 N m s/rad, Tc = 0.1 N m, 24 V.
 plant::StepperAxisParameters round_axis() {
   plant::StepperAxisParameters axis;
-  axis.motor = {.pole_pairs = 50,
-                .resistance = 1.0,
-                .inductance = 2e-3,
-                .flux_linkage = 0.01,
-                .detent_torque = 0.05,
-                .rotor_inertia = 4e-4,
-                .viscous_friction = 4e-3,
-                .coulomb_friction = 0.04,
-                .static_friction = 0.05,
-                .stribeck_speed = 0.5,
-                .rated_current = 2.0};
+  axis.motor.pole_pairs = 50;
+  axis.motor.resistance = 1.0;
+  axis.motor.inductance = 2e-3;
+  axis.motor.flux_linkage = 0.01;
+  axis.motor.detent_torque = 0.05;
+  axis.motor.rotor_inertia = 4e-4;
+  axis.motor.viscous_friction = 4e-3;
+  axis.motor.coulomb_friction = 0.04;
+  axis.motor.static_friction = 0.05;
+  axis.motor.stribeck_speed = 0.5;
+  axis.motor.rated_current = 2.0;
   axis.load.inertia = 6e-4;
   axis.load.viscous_friction = 6e-3;
   axis.load.coulomb_friction = 0.06;

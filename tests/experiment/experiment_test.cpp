@@ -53,12 +53,12 @@ TEST(Experiments, RefuseWhatTheyDoNotKnowAndSayWhatThereIs) {
 }
 
 TEST(Experiments, RefuseAnAxisOnWhichNothingCanBeMeasured) {
-  Setup weak;
+  BenchSetup weak;
   weak.axis.supply_voltage = 1.0;
   EXPECT_THAT(
       complaint([&] { static_cast<void>(require_experiment("free-acceleration").run(weak)); }),
       HasSubstr("--supply"));
-  Setup hanging;
+  BenchSetup hanging;
   hanging.axis.load.constant_torque = 0.1;
   EXPECT_THAT(complaint([&] { static_cast<void>(require_experiment("coast-down").run(hanging)); }),
               HasSubstr("never stops"));

@@ -26,15 +26,15 @@ void PrintTo(const Bench& bench, std::ostream* out) {
 
 class Physics : public testing::TestWithParam<Bench> {
  protected:
-  [[nodiscard]] static Setup setup() {
-    Setup setup;
+  [[nodiscard]] static BenchSetup setup() {
+    BenchSetup setup;
     setup.axis.motor = *plant::find_stepper_motor(GetParam().motor);
     setup.axis.supply_voltage = GetParam().supply;
     return setup;
   }
   /// Every judged quantity lies within the tolerance, and at least `quantities` are judged.
-  static Result expect_as_equations(const std::string& name, const Setup& setup, int quantities,
-                                    const Choices& choices = {}) {
+  static Result expect_as_equations(const std::string& name, const BenchSetup& setup,
+                                    int quantities, const Choices& choices = {}) {
     Result result = require_experiment(name).run(setup, choices);
     int judged = 0;
     for (const Comparison& comparison : result.comparisons) {
@@ -55,7 +55,7 @@ TEST_P(Physics, FreeAccelerationIsTorqueOverInertia) {
 }
 
 TEST_P(Physics, CoastDownIsThatOfDryAndViscousFriction) {
-  Setup loaded = setup();
+  BenchSetup loaded = setup();
   loaded.axis.load.coulomb_friction = 0.02;
   loaded.axis.load.viscous_friction = 1e-3;
   loaded.axis.load.inertia = 2e-4;
@@ -90,7 +90,7 @@ TEST_P(Physics, TheRotorSwingsAndSettlesAsTheLinearEquationOfMotionSays) {
 }
 
 TEST_P(Physics, LoadInertiaAndFrictionSlowAndDampTheSwing) {
-  Setup loaded = setup();
+  BenchSetup loaded = setup();
   loaded.axis.load.inertia = 1e-4;
   loaded.axis.load.viscous_friction = 5e-3;
   expect_as_equations("resonance", loaded, 3);
@@ -107,7 +107,7 @@ TEST_P(Physics, RunBoostAndStandbyCurrentAreThoseOfTheSettings) {
 }
 
 TEST_P(Physics, AMoveTakesTheTimeOfItsTrapezoidAndTheLoadAngleOfItsTorque) {
-  Setup loaded = setup();
+  BenchSetup loaded = setup();
   loaded.axis.load.inertia = 1e-4;
   loaded.axis.load.viscous_friction = 2e-3;
   loaded.axis.load.coulomb_friction = 0.05;
@@ -118,10 +118,10 @@ INSTANTIATE_TEST_SUITE_P(
     TwoMotorsTwoSupplies, Physics,
     testing::Values(Bench{"QSH5718-41-30-047", 24.0}, Bench{"QSH5718-41-30-047", 48.0},
                     Bench{"QSH5718-55-30-098", 24.0}, Bench{"QSH5718-55-30-098", 48.0}),
-    [](const testing::TestParamInfo<Bench>& info) {
-      std::string name = info.param.motor;
+    [](const testing::TestParamInfo<Bench>& bench) {
+      std::string name = bench.param.motor;
       std::erase(name, '-');
-      return name + "At" + std::to_string(static_cast<int>(info.param.supply)) + "V";
+      return name + "At" + std::to_string(static_cast<int>(bench.param.supply)) + "V";
     });
 
 }  // namespace
