@@ -27,7 +27,7 @@ constexpr std::array kOptions{
 constexpr std::int8_t kProfilePosition = 1;
 constexpr double kBefore = 0.1;  // s under current before the move
 constexpr double kAfter = 0.15;  // s shown after it
-constexpr int kSamples = 550;
+constexpr int kSamples = 380;
 constexpr double kDegrees = 180.0 / base::kPi;
 
 /// Mean load angle over the inner part of a stretch of the move, where swings have settled.

@@ -33,7 +33,7 @@ constexpr double kAcceleration = 16.0;  // rev/s²: 0.25 s up, 0.75 s at speed, 
 constexpr double kBefore = 0.1;         // s under current before the move
 constexpr double kAfter = 0.6;          // s after delay and move
 constexpr std::array<std::uint16_t, 2> kStandingCurrents{0x2003, 0x2004};  // run, standby
-constexpr int kSampleEvery = 80;                                           // steps: 4 ms
+constexpr int kSampleEvery = 100;                                          // steps: 5 ms
 
 /// A stretch of the move in which the current ought to be constant.
 struct Stretch {
