@@ -86,7 +86,7 @@ double parse_quantity(const std::string& option, const std::string& text, std::s
 }
 
 /// The axis of the rack file that is asked for.
-experiment::Setup setup_from_rack(const SimulateOptions& options) {
+experiment::BenchSetup setup_from_rack(const SimulateOptions& options) {
   const rack::RackConfiguration configuration = rack::load_rack_file(options.rack_file);
   std::set<std::string> names;
   for (const rack::SegmentConfiguration& segment : configuration.segments) {
@@ -122,9 +122,9 @@ void change_motor(const std::string& name, Axis& axis) {
   axis.motor = *motor;
 }
 
-experiment::Setup setup_of(const SimulateOptions& options) {
-  experiment::Setup setup =
-      options.rack_file.empty() ? experiment::Setup{} : setup_from_rack(options);
+experiment::BenchSetup setup_of(const SimulateOptions& options) {
+  experiment::BenchSetup setup =
+      options.rack_file.empty() ? experiment::BenchSetup{} : setup_from_rack(options);
   if (!options.motor.empty()) {
     change_motor(options.motor, setup.axis);
   }

@@ -132,6 +132,7 @@ void draw(const Result& result, const std::string& csv_path, const std::string& 
     const int x_column = ++column;
     rack::PlotPanel drawn;
     drawn.label = labelled(panel.name, panel.unit);
+    drawn.from_zero = panel.from_zero;
     drawn.x_label = labelled(panel.x_name, panel.x_unit);
     std::size_t measured = 0;
     std::size_t equations = 0;

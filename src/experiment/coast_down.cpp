@@ -31,7 +31,7 @@ constexpr double kClearOfDetent = 3.0;
 
 constinit const std::span<const Option> kCoastDownOptions = kOptions;
 
-Result measure_coast_down(const Setup& setup, const Values& values) {
+Result measure_coast_down(const BenchSetup& setup, const Values& values) {
   const plant::StepperAxisParameters axis = uncoupled(setup.axis);
   const Equations equations(axis);
   const double feeding = axis.supply_voltage / equations.torque_constant();

@@ -47,7 +47,7 @@ std::optional<double> Choices::find(std::span<const Option> options, std::string
   return option == options.end() ? std::nullopt : option->preset;
 }
 
-Result Experiment::run(const Setup& setup, const Choices& choices) const {
+Result Experiment::run(const BenchSetup& setup, const Choices& choices) const {
   for (const auto& [chosen, value] : choices.values()) {
     const auto option = std::ranges::find(options, chosen, &Option::name);
     if (option == options.end()) {

@@ -45,7 +45,7 @@ class Choices {
 };
 
 /// What stands on the bench.
-struct Setup {
+struct BenchSetup {
   plant::StepperAxisParameters axis;
   double full_scale_current = 3.0;  ///< A, peak of a coil at setting 255 of a module
 };
@@ -79,11 +79,11 @@ struct Experiment {
   std::string_view name;
   std::string_view summary;
   std::span<const Option> options;
-  Result (*measure)(const Setup& setup, const Values& values);
+  Result (*measure)(const BenchSetup& setup, const Values& values);
 
   /// Checks `choices` against the options and measures. Throws ExperimentError for an unknown
   /// option, a value out of range, or an axis on which this cannot be measured.
-  [[nodiscard]] Result run(const Setup& setup, const Choices& choices = {}) const;
+  [[nodiscard]] Result run(const BenchSetup& setup, const Choices& choices = {}) const;
 };
 
 /// All experiments, in the order people should see them.

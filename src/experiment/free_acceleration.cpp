@@ -50,7 +50,7 @@ constinit const std::span<const Option> kFreeAccelerationOptions = kOptions;
 
 /// The shaft is held by a brake until the current flows, then let go; from there the field leads
 /// the rotor by a right angle all the time, as an ideal commutation would.
-Result measure_free_acceleration(const Setup& setup, const Values& values) {
+Result measure_free_acceleration(const BenchSetup& setup, const Values& values) {
   plant::StepperAxisParameters axis = uncoupled(setup.axis);
   const Equations equations(axis);
   const double current = values.value_or("current", equations.rated_current());
@@ -71,6 +71,7 @@ Result measure_free_acceleration(const Setup& setup, const Values& values) {
 
   Panel speed{"time", "ms", "shaft speed", "rev/s", {}, {{"measured", {}, {}}, {}}};
   Panel torque{"time", "ms", "motor torque", "N m", {}, {{"measured", {}, {}}, {}}};
+  torque.from_zero = true;
   speed.curves[1] = {"∫ (Kt I - Tc - B ω) / J dt", Curve::Style::equation, {}};
   torque.curves[1] = {"Kt I", Curve::Style::equation, {}};
   Result result;
@@ -94,7 +95,7 @@ Result measure_free_acceleration(const Setup& setup, const Values& values) {
     torque.curves[1].values.push_back(equations.regulated_pull_out(current));
   }
   result.remarks.push_back(fmt::format(
-      "{:g} A, {:g} V, inertia {:.3g} kg m²: the supply suffices up to the corner speed, {:.2f} "
+      "{:.3g} A, {:g} V, inertia {:.3g} kg m²: the supply suffices up to the corner speed, {:.2f} "
       "rev/s, reached after {:.2f} ms; the equation ends there.",
       current, axis.supply_voltage, equations.inertia(), corner / base::kTwoPi, corner_time * 1e3));
   result.panels = {speed, torque};

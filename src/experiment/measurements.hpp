@@ -9,25 +9,25 @@ namespace stator::experiment {
 // What each experiment measures and with which options; experiment.cpp makes the table of them.
 
 extern const std::span<const Option> kFreeAccelerationOptions;
-[[nodiscard]] Result measure_free_acceleration(const Setup& setup, const Values& values);
+[[nodiscard]] Result measure_free_acceleration(const BenchSetup& setup, const Values& values);
 
 extern const std::span<const Option> kCoastDownOptions;
-[[nodiscard]] Result measure_coast_down(const Setup& setup, const Values& values);
+[[nodiscard]] Result measure_coast_down(const BenchSetup& setup, const Values& values);
 
 extern const std::span<const Option> kPullOutOptions;
-[[nodiscard]] Result measure_pull_out(const Setup& setup, const Values& values);
+[[nodiscard]] Result measure_pull_out(const BenchSetup& setup, const Values& values);
 
 extern const std::span<const Option> kResonanceOptions;
-[[nodiscard]] Result measure_resonance(const Setup& setup, const Values& values);
+[[nodiscard]] Result measure_resonance(const BenchSetup& setup, const Values& values);
 
 extern const std::span<const Option> kStandbyOptions;
-[[nodiscard]] Result measure_standby(const Setup& setup, const Values& values);
+[[nodiscard]] Result measure_standby(const BenchSetup& setup, const Values& values);
 
 extern const std::span<const Option> kMoveOptions;
-[[nodiscard]] Result measure_move(const Setup& setup, const Values& values);
+[[nodiscard]] Result measure_move(const BenchSetup& setup, const Values& values);
 
 extern const std::span<const Option> kStallGuardOptions;
-[[nodiscard]] Result measure_stall_guard(const Setup& setup, const Values& values);
+[[nodiscard]] Result measure_stall_guard(const BenchSetup& setup, const Values& values);
 
 /// Options that several experiments have.
 inline constexpr Option kCurrent{.name = "current",
@@ -41,6 +41,6 @@ inline constexpr Option kStep{.name = "step",
                               .help = "How often the sequencer gives new current targets",
                               .minimum = 1.0,
                               .maximum = 1000.0,
-                              .preset = 10.0};
+                              .preset = 50.0};
 
 }  // namespace stator::experiment

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMicrostepsPerRevolution = 51'200.0;
 
-devices::Tmcm3315Configuration module_around(const Setup& setup) {
+devices::Tmcm3315Configuration module_around(const BenchSetup& setup) {
   devices::Tmcm3315Configuration configuration;
   configuration.axes[0] = setup.axis;
   configuration.full_scale_current = setup.full_scale_current;
@@ -24,7 +24,7 @@ std::int64_t microsteps(double revolutions) {
 
 }  // namespace
 
-ModuleBench::ModuleBench(const Setup& setup) : device_(module_around(setup)) {
+ModuleBench::ModuleBench(const BenchSetup& setup) : device_(module_around(setup)) {
   device_.axis(0).set_network_operational(true, now_);
 }
 

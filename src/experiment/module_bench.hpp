@@ -11,7 +11,7 @@ namespace stator::experiment {
 /// objects, without a bus. The network counts as operational.
 class ModuleBench {
  public:
-  explicit ModuleBench(const Setup& setup);
+  explicit ModuleBench(const BenchSetup& setup);
 
   /// Writes an object as an SDO does, hooks and checks included, and lets the axis obey. Throws
   /// ExperimentError if the module refuses.

@@ -27,7 +27,7 @@ constexpr std::array kOptions{
 constexpr std::int8_t kProfilePosition = 1;
 constexpr double kBefore = 0.1;  // s under current before the move
 constexpr double kAfter = 0.15;  // s shown after it
-constexpr int kSamples = 1200;
+constexpr int kSamples = 380;
 constexpr double kDegrees = 180.0 / base::kPi;
 
 /// Mean load angle over the inner part of a stretch of the move, where swings have settled.
@@ -54,7 +54,7 @@ class MeanOverStretch {
 
 constinit const std::span<const Option> kMoveOptions = kOptions;
 
-Result measure_move(const Setup& setup, const Values& values) {
+Result measure_move(const BenchSetup& setup, const Values& values) {
   const Equations equations(setup.axis);
   const double distance = values["distance"];
   const double acceleration = values["acceleration"];
@@ -86,6 +86,7 @@ Result measure_move(const Setup& setup, const Values& values) {
   Panel velocity{"time", "s", "speed", "rev/s", {}, {{"shaft", {}, {}}, {}}};
   velocity.curves[1] = {"set-point", Curve::Style::equation, {}};
   Panel amperes{"time", "s", "current", "A", {}, {{"amplitude", {}, {}}}};
+  amperes.from_zero = true;
   Panel angle{"time", "s", "load angle", "° electrical", {}, {{"measured", {}, {}}, {}}};
   angle.curves[1] = {"asin(T / (Kt I))", Curve::Style::equation, {}};
 

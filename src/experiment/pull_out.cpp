@@ -25,7 +25,7 @@ constexpr Option kFrom{.name = "from",
 constexpr Option kTo{.name = "to",
                      .unit = "rev/s",
                      .help =
-                         "Highest speed; else where following the target takes 3.5 times the "
+                         "Highest speed; else where following the target takes three times the "
                          "supply",
                      .minimum = 0.01,
                      .maximum = 1000.0,
@@ -46,7 +46,7 @@ constexpr std::array kOptions{kCurrent, kFrom, kTo, kPoints, kDamper, kStep};
 
 constexpr double kDampingRatio = 0.25;
 constexpr double kSaturated = 2.0;  ///< regulator demand from which on voltages are square waves
-constexpr double kDrawn = 3.5;      ///< and up to which is measured if nothing else is said
+constexpr double kDrawn = 3.0;      ///< and up to which is measured if nothing else is said
 
 /// Runs up from speed to speed and loads the motor at each until it falls out of step.
 class PullOutBench {
@@ -179,7 +179,7 @@ void add_equations(Panel& panel, const Equations& equations, double current, dou
 
 constinit const std::span<const Option> kPullOutOptions = kOptions;
 
-Result measure_pull_out(const Setup& setup, const Values& values) {
+Result measure_pull_out(const BenchSetup& setup, const Values& values) {
   const plant::StepperAxisParameters axis = uncoupled(setup.axis);
   const Equations equations(axis);
   const double current = values.value_or("current", equations.rated_current());
@@ -192,6 +192,7 @@ Result measure_pull_out(const Setup& setup, const Values& values) {
   constexpr int kLinesPerPoint = 8;  // the equations are drawn finer than is measured
   const auto points = static_cast<int>(values["points"]);
   Panel panel{"speed", "rev/s", "pull-out torque", "N m", {}, {}};
+  panel.from_zero = true;
   Curve measured{"measured", Curve::Style::measured_points, {}};
   Result result;
   result.title = "Pull-out torque over speed";
@@ -222,7 +223,7 @@ Result measure_pull_out(const Setup& setup, const Values& values) {
   add_equations(panel, equations, current, axis.supply_voltage);
   panel.curves.insert(panel.curves.begin(), measured);
   result.remarks.push_back(fmt::format(
-      "{:g} A, {:g} V: Kt I holds up to the corner speed, {:.2f} rev/s; square waves from {:.2f} "
+      "{:.3g} A, {:g} V: Kt I holds up to the corner speed, {:.2f} rev/s; square waves from {:.2f} "
       "rev/s on, where the regulator would need twice the supply.",
       current, axis.supply_voltage, corner / base::kTwoPi,
       speed_of_demand(axis, current, kSaturated) / base::kTwoPi));

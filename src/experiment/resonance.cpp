@@ -153,7 +153,7 @@ class DampedSwing {
 
 constinit const std::span<const Option> kResonanceOptions = kOptions;
 
-Result measure_resonance(const Setup& setup, const Values& values) {
+Result measure_resonance(const BenchSetup& setup, const Values& values) {
   plant::StepperAxisParameters axis = uncoupled(setup.axis);
   axis.load.constant_torque = 0.0;
   const Equations equations(axis);
@@ -227,7 +227,7 @@ Result measure_resonance(const Setup& setup, const Values& values) {
     sizes.curves[1].values.push_back(size * kElectricalDegrees);
   }
   result.remarks.push_back(fmt::format(
-      "{:g} A: stiffness Kt I + 4 Td = {:.3g} N m per electrical radian, J = {:.3g} kg m². A "
+      "{:.3g} A: stiffness Kt I + 4 Td = {:.3g} N m per electrical radian, J = {:.3g} kg m². A "
       "regulated current gives no electrical damping: the supply cancels the induced voltage.",
       current, equations.stiffness(current), equations.inertia()));
   result.panels = {swing, sizes};

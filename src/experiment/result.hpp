@@ -38,6 +38,7 @@ struct Panel {
   std::string unit;
   std::vector<double> x;
   std::vector<Curve> curves;
+  bool from_zero = false;  ///< drawn with axes that begin at 0
 };
 
 /// What an experiment gives back: numbers for a table, curves for a picture.

@@ -52,7 +52,7 @@ constexpr double kHeaviest = 0.97;         // of the pull-out torque
 /// A module that turns its motor, against a brake, with an inertia damper on the shaft.
 class LoadedModule {
  public:
-  LoadedModule(const Setup& setup, double damper, double speed)
+  LoadedModule(const BenchSetup& setup, double damper, double speed)
       : module_(damped(setup, damper)), damper_(damper), speed_(speed) {}
 
   void start(int run, int threshold) {
@@ -72,7 +72,7 @@ class LoadedModule {
   [[nodiscard]] bool in_step() { return module_.plant().state().motor.speed > 0.5 * speed_; }
 
  private:
-  static Setup damped(Setup setup, double damper) {
+  static BenchSetup damped(BenchSetup setup, double damper) {
     setup.axis.load.viscous_friction += damper;
     return setup;
   }
@@ -100,8 +100,9 @@ class LoadedModule {
 
 constinit const std::span<const Option> kStallGuardOptions = kOptions;
 
-Result measure_stall_guard(const Setup& setup, const Values& values) {
-  const Setup bench{.axis = uncoupled(setup.axis), .full_scale_current = setup.full_scale_current};
+Result measure_stall_guard(const BenchSetup& setup, const Values& values) {
+  const BenchSetup bench{.axis = uncoupled(setup.axis),
+                         .full_scale_current = setup.full_scale_current};
   const Equations equations(bench.axis);
   const int run = static_cast<int>(values["run"]);
   const int threshold = static_cast<int>(values["threshold"]);
@@ -130,6 +131,7 @@ Result measure_stall_guard(const Setup& setup, const Values& values) {
   const double pull_out = equations.regulated_pull_out(current);
   const double unloaded = expected(0.0);
   Panel panel{"motor torque (load and friction)", "N m", "StallGuard2 value 2101h", "", {}, {}};
+  panel.from_zero = true;
   Curve measured{"measured", Curve::Style::measured_points, {}};
   Curve line{"100/V Kt ω (1 - T / (Kt I)) + 8 SGT", Curve::Style::equation, {}};
   Result result;

@@ -33,7 +33,7 @@ constexpr double kAcceleration = 16.0;  // rev/s²: 0.25 s up, 0.75 s at speed, 
 constexpr double kBefore = 0.1;         // s under current before the move
 constexpr double kAfter = 0.6;          // s after delay and move
 constexpr std::array<std::uint16_t, 2> kStandingCurrents{0x2003, 0x2004};  // run, standby
-constexpr int kSampleEvery = 40;                                           // steps: 2 ms
+constexpr int kSampleEvery = 100;                                          // steps: 5 ms
 
 /// A stretch of the move in which the current ought to be constant.
 struct Stretch {
@@ -46,8 +46,9 @@ struct Stretch {
 };
 
 /// Standing current at every eighth setting: the 32 scales of the driver.
-Panel all_settings(const Setup& setup, Result& result) {
+Panel all_settings(const BenchSetup& setup, Result& result) {
   Panel panel{"setting", "0…255", "standing current", "A", {}, {{"measured", {}, {}}, {}}};
+  panel.from_zero = true;
   panel.curves[0].style = Curve::Style::measured_points;
   panel.curves[1] = {"(⌊s/8⌋ + 1) / 32 of full scale", Curve::Style::equation, {}};
   ModuleBench bench(setup);
@@ -73,7 +74,7 @@ Panel all_settings(const Setup& setup, Result& result) {
 
 constinit const std::span<const Option> kStandbyOptions = kOptions;
 
-Result measure_standby(const Setup& setup, const Values& values) {
+Result measure_standby(const BenchSetup& setup, const Values& values) {
   ModuleBench bench(setup);
   const int run = static_cast<int>(values["run"]);
   const int boost = static_cast<int>(values["boost"]);
@@ -105,6 +106,7 @@ Result measure_standby(const Setup& setup, const Values& values) {
   };
 
   Panel current{"time", "s", "current", "A", {}, {{"measured", {}, {}}, {}}};
+  current.from_zero = true;
   current.curves[1] = {"settings", Curve::Style::equation, {}};
   Panel speed{"time", "s", "shaft speed", "rev/s", {}, {{"measured", {}, {}}}};
   bench.start_move(kDistance, kSpeed, kAcceleration);

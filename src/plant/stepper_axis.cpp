@@ -46,15 +46,22 @@ base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
   const HybridStepperState before = state_.motor;
   parameters_.brake.advance(state_.brake, actuation.brake_released, duration);
   const SupplyState supply_before = state_.supply;
-  double remaining = duration.seconds();
+  const double whole = duration.seconds();
+  double remaining = whole;
   while (remaining > 0.0) {
     const double turn = remaining * motor_.fastest_rate(state_.motor);
     const double inner =
         turn <= kLargestTurn ? remaining : remaining / std::ceil(turn / kLargestTurn);
-    regulate_and_integrate(actuation, inner);
+    if (inner == remaining) [[likely]] {
+      regulate_and_integrate(actuation, inner);
+    } else {
+      regulate_and_integrate(on_the_way(actuation, (remaining - inner) / whole), inner);
+    }
     encoder_.update(state_.encoder, state_.motor.angle);
     remaining = inner == remaining ? 0.0 : remaining - inner;
   }
+  state_.coil_current_target =
+      actuation.bridge_enabled ? actuation.coil_current_target : std::array<double, 2>{};
   settled_ = state_.motor == before && state_.supply == supply_before &&
              state_.brake.open == actuation.brake_released;
   if (state_.unheated >= kThermalPeriod) {
@@ -71,6 +78,16 @@ base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
     settled_sensing_ = sensing;
   }
   return sensing;
+}
+
+base::AxisActuation StepperAxis::on_the_way(const base::AxisActuation& actuation,
+                                            double left) const {
+  base::AxisActuation part_way = actuation;
+  for (std::size_t k = 0; k < 2; ++k) {
+    part_way.coil_current_target[k] -=
+        left * (actuation.coil_current_target[k] - state_.coil_current_target[k]);
+  }
+  return part_way;
 }
 
 HybridStepperInput StepperAxis::phase_input(const base::AxisActuation& actuation,

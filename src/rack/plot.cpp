@@ -67,7 +67,7 @@ bool every_panel_shares_its_axis(const Plot& plot) {
 std::string layout_of(const Plot& plot) {
   constexpr double kTitle = 50.0;       // pixels above the first panel
   constexpr double kAxis = 55.0;        // below a panel with numbers and name of its axis
-  constexpr double kSharedAxis = 20.0;  // below one without
+  constexpr double kSharedAxis = 40.0;  // below one without
   constexpr double kLegend = 30.0;      // above a panel
   const double height = height_of(plot);
   const bool above = plot.legend == Plot::Legend::above;
@@ -96,7 +96,7 @@ std::string script_for(const Plot& plot, const std::string& image_path) {
                  quoted(plot.title), layout_of(plot));
   fmt::format_to(out,
                  "set grid lt 1 lw 0.6 lc rgb '#cfd6dc'\nset border lc rgb '#5a6470'\n"
-                 "set key {} noenhanced samplen 2\nset tics nomirror\n",
+                 "set key {} noenhanced samplen 2\nset tics nomirror\nset autoscale xfix\n",
                  plot.legend == Plot::Legend::above
                      ? "at graph 1,1.02 bottom right horizontal Left "
                        "reverse"
@@ -111,6 +111,10 @@ std::string script_for(const Plot& plot, const std::string& image_path) {
     fmt::format_to(out, "set xlabel {}\n", quoted(own_axis ? panel.x_label : ""));
     if (panel.window) {
       fmt::format_to(out, "set xrange [{}:{}]\n", panel.window->first, panel.window->second);
+    }
+    fmt::format_to(out, "set yrange [{}:*]\n", panel.from_zero ? "0" : "*");
+    if (!panel.window) {
+      fmt::format_to(out, "set xrange [{}:*]\n", panel.from_zero ? "0" : "*");
     }
     const std::uint64_t thinning = panel.window ? 1 : 1 + plot.rows / kPointsShown;
     std::string separator = "plot ";

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 namespace stator {
 namespace {
@@ -42,14 +43,15 @@ std::string content(const std::string& path) {
 }
 
 std::string temporary(const std::string& name) {
-  return (std::filesystem::path(::testing::TempDir()) / ("stator-cli-" + name)).string();
+  const std::string unique = "stator-cli-" + std::to_string(getpid()) + "-" + name;
+  return (std::filesystem::path(::testing::TempDir()) / unique).string();
 }
 
 TEST(CommandLine, HelpNamesEveryCommandAndSucceeds) {
   const Outcome outcome = stator("--help");
   EXPECT_EQ(outcome.status, 0);
   for (const char* command :
-       {"run", "devices", "describe", "export", "scan", "sdo", "move", "demo"}) {
+       {"run", "devices", "describe", "export", "scan", "sdo", "move", "simulate", "demo"}) {
     EXPECT_THAT(outcome.output, HasSubstr(command));
   }
 }
@@ -205,6 +207,72 @@ TEST(CommandLine, DemoMovesThreeAxesAndDrawsThem) {
     EXPECT_GT(std::filesystem::file_size(std::filesystem::path(directory) / file), 1000U) << file;
   }
   std::filesystem::remove_all(directory);
+}
+
+TEST(Simulate, PrintsMeasurementEquationAndDeviation) {
+  const Outcome outcome = stator("simulate resonance --swing 24 --tolerance 2");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("QUANTITY"));
+  EXPECT_THAT(outcome.output, HasSubstr("logarithmic decrement"));
+  EXPECT_THAT(stator("simulate --help").output, HasSubstr("pull-out"));
+}
+
+TEST(Simulate, FailsWhenTheDeviationExceedsTheTolerance) {
+  const Outcome outcome = stator("simulate resonance --tolerance 0.0001");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.output, HasSubstr("more than the tolerance of 0.0001 %"));
+}
+
+TEST(Simulate, TakesTheAxisOfARackFileAndChangesToIt) {
+  const std::string rack = temporary("bench.toml");
+  std::ofstream(rack) << "[[segment]]\n[[segment.device]]\ntype = \"tmcm-3315\"\nname = \"bench\"\n"
+                         "[[segment.device.axis]]\nload.inertia = 1e-4\n";
+  const Outcome outcome = stator("simulate coast-down " + rack + " --device bench");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("J = 0.000121 kg m²"));
+  EXPECT_THAT(stator("simulate coast-down " + rack + " --inertia 2e-4kgm2").output,
+              HasSubstr("J = 0.000221 kg m²"));
+  EXPECT_THAT(stator("simulate coast-down " + rack + " --device branch").output,
+              HasSubstr("it has: bench"));
+}
+
+TEST(Simulate, RefusesWrongUnitsAndUnknownMotors) {
+  const Outcome unit = stator("simulate pull-out --supply 48A");
+  EXPECT_EQ(unit.status, 1);
+  EXPECT_THAT(unit.output, HasSubstr("--supply \"48A\" is no number in V"));
+  const Outcome motor = stator("simulate pull-out --motor QSH5718-55-30-089");
+  EXPECT_EQ(motor.status, 1);
+  EXPECT_THAT(motor.output, HasSubstr("did you mean \"QSH5718-55-30-098\"?"));
+  EXPECT_EQ(stator("simulate").status, 2);
+  EXPECT_EQ(stator("simulate fly").status, 2);
+}
+
+TEST(Simulate, WritesCurvesSideBySideWithTheirOwnX) {
+  const std::string csv = temporary("resonance.csv");
+  ASSERT_EQ(stator("simulate resonance --csv " + csv).status, 0);
+  std::istringstream rows(content(csv));
+  std::string heading;
+  std::getline(rows, heading);
+  EXPECT_EQ(std::count(heading.begin(), heading.end(), ','), 5);
+  EXPECT_THAT(heading, HasSubstr("time [ms],"));
+  EXPECT_THAT(heading, HasSubstr(",half period [],"));
+  std::string last;
+  for (std::string row; std::getline(rows, row);) {
+    EXPECT_EQ(std::count(row.begin(), row.end(), ','), 5);
+    last = row;
+  }
+  EXPECT_THAT(last, ::testing::EndsWith(",,,")) << "the second panel has fewer values";
+}
+
+TEST(Simulate, DrawsAPictureWithMeasurementAndEquation) {
+  const std::string svg = temporary("coast-down.svg");
+  const Outcome outcome = stator("simulate coast-down --plot " + svg);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const std::string picture = content(svg);
+  EXPECT_THAT(picture, HasSubstr("<svg"));
+  EXPECT_THAT(picture, HasSubstr("shaft speed / rev/s"));
+  EXPECT_THAT(picture, HasSubstr("time / ms"));
+  EXPECT_FALSE(std::filesystem::exists(svg + ".csv.tmp"));
 }
 
 }  // namespace
