@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "control/root_finding.hpp"
 
 namespace stator::control {
@@ -61,6 +63,17 @@ class StoppingWay {
   /// The way as if the deceleration were not limited, for any speed; the true one is never shorter.
   [[nodiscard]] double unlimited(double speed) const;
 
+  // Gaining speed from `speed` on and braking from the peak at once makes a way that grows with how
+  // hard or how long speed is gained. These make it `length` microsteps long, at least what
+  // braking takes; the ways with the largest values named are at least that long.
+
+  /// Peak of a pulse not held, from `entry` to `highest`.
+  [[nodiscard]] double peak_before(double length, double speed, const Slope& slope, double entry,
+                                   double highest) const;
+  /// Time to hold `pulse`, 0 to `longest` s.
+  [[nodiscard]] double hold_before(double length, double speed, const AccelerationPulse& pulse,
+                                   double longest) const;
+
  private:
   double rate_;
   double half_inverse_rate_;
@@ -71,5 +84,10 @@ class StoppingWay {
   double held_linear_;  ///< of the held pulse: way = speed^2 / (2 rate) + linear * speed + constant
   double held_constant_;
 };
+
+/// How far a way found may be from its length, microsteps: what cannot be seen.
+[[nodiscard]] inline double way_tolerance(double length) {
+  return 1e-9 + 1e-13 * std::fabs(length);
+}
 
 }  // namespace stator::control

@@ -78,10 +78,6 @@ class Draft {
   void slow_down_onto(const MicrostepPosition& end);
   void ease_off_onto(const MicrostepPosition& end);
   void gain_onto(const MicrostepPosition& end);
-  [[nodiscard]] double peak_for(double length, double highest) const;
-  [[nodiscard]] double hold_for(double length, const AccelerationPulse& pulse,
-                                double longest) const;
-
   Slope gain_;
   Slope lose_;
   Slope under_way_;  ///< of the change the start is in, until the acceleration is 0
@@ -93,10 +89,6 @@ class Draft {
   double speed_;
   double acceleration_;
 };
-
-double tolerance_of(double length) {
-  return 1e-9 + 1e-13 * std::fabs(length);
-}
 
 /// Bows that were made slower in flight do not hold for an acceleration under way: it could carry
 /// the speed past every limit.
@@ -270,8 +262,9 @@ void Draft::slow_down_onto(const MicrostepPosition& end) {
     return losing_to(speed).way(speed_, kLosing) + stopping_way_(speed) - length;
   };
   const FunctionPoint high{limit_, excess(limit_)};
-  const double speed =
-      high.y <= 0.0 ? limit_ : root_between({0.0, excess(0.0)}, high, tolerance_of(length), excess);
+  const double speed = high.y <= 0.0
+                           ? limit_
+                           : root_between({0.0, excess(0.0)}, high, way_tolerance(length), excess);
   apply(losing_to(speed), kLosing, speed);
   if (high.y <= 0.0) {
     cruise_onto(end);
@@ -293,7 +286,7 @@ void Draft::ease_off_onto(const MicrostepPosition& end) {
   const double least = std::max(0.0, -acceleration_ - under_way_.rate);
   const FunctionPoint low{least, excess(least)};
   const FunctionPoint high{-acceleration_, excess(-acceleration_)};
-  const double eased = root_between(low, high, tolerance_of(length), excess);
+  const double eased = root_between(low, high, way_tolerance(length), excess);
   relax(acceleration_ + eased);
   brake_onto(end);
 }
@@ -317,74 +310,14 @@ void Draft::gain_onto(const MicrostepPosition& end) {
   }
   const auto brief = AccelerationPulse::with_peak(gaining(), acceleration_, pulse.peak);
   if (pulse.hold_time > 0.0 && excess(brief) <= 0.0) {
-    pulse.hold_time = hold_for(length, brief, pulse.hold_time);
+    pulse.hold_time = stopping_way_.hold_before(length, speed_, brief, pulse.hold_time);
   } else {
-    pulse = AccelerationPulse::with_peak(gaining(), acceleration_, peak_for(length, pulse.peak));
+    pulse = AccelerationPulse::with_peak(
+        gaining(), acceleration_,
+        stopping_way_.peak_before(length, speed_, gaining(), acceleration_, pulse.peak));
   }
   apply(pulse, kGaining, speed_ + pulse.change());
   brake_onto(end);
-}
-
-/// Peak of a pulse not held, at most `highest`, that makes the way to rest `length` microsteps
-/// long.
-double Draft::peak_for(double length, double highest) const {
-  const Slope& slope = gaining();
-  const double entry = acceleration_;
-  const auto excess = [&](double peak) {
-    const double start_time = (peak - entry) * slope.start_bow;
-    const double end_time = peak * slope.end_bow;
-    const double at_peak = speed_ + 0.5 * (entry + peak) * start_time;
-    const ValueAndSlope stopping = stopping_way_.with_slope(at_peak + 0.5 * peak * end_time);
-    const double way =
-        start_time * (speed_ + start_time * ((1.0 / 3.0) * entry + (1.0 / 6.0) * peak)) +
-        end_time * (at_peak + (1.0 / 3.0) * peak * end_time);
-    const double growth =
-        at_peak * slope.bows + peak * slope.start_bow * end_time + end_time * end_time;
-    return ValueAndSlope{way + stopping.value - length,
-                         growth + stopping.slope * peak * slope.bows};
-  };
-  // Over the entry the way grows at least as each of these powers does alone. The least that they
-  // allow is near the peak, and is the peak for a start from rest if braking is not held.
-  const ValueAndSlope at_entry = excess(entry);
-  const double beyond = -at_entry.value;
-  const double half = 0.5 * slope.bows;  // speed gained: half * peak^2
-  const double gain_cubic = slope.bows * (slope.start_bow + 2.0 * slope.end_bow) * (1.0 / 6.0);
-  const double cubic = gain_cubic + stopping_way_.unlimited(half);
-  double guess =
-      std::min(cube_root(beyond / cubic), std::sqrt(std::sqrt(2.0 * lose_.rate * beyond) / half));
-  if (speed_ > 0.0 || entry > 0.0) {
-    const double square =
-        3.0 * gain_cubic * entry + half * stopping_way_.with_slope(relaxation().speed_after).slope;
-    guess = std::min({guess, std::sqrt(beyond / square), beyond / at_entry.slope});
-  }
-  return convex_root(entry, highest, entry + guess, tolerance_of(length), excess);
-}
-
-/// Time to hold `pulse`, at most `longest`, that makes the way to rest `length` microsteps long.
-double Draft::hold_for(double length, const AccelerationPulse& pulse, double longest) const {
-  const double peak = pulse.peak;
-  const double least = speed_ + pulse.change();
-  const double way = pulse.way(speed_, kGaining) - length;
-  const double linear = least + 0.5 * peak * pulse.end_time;  // growth of the way at first
-  const auto excess = [&](double hold) {
-    const ValueAndSlope stopping = stopping_way_.with_slope(least + peak * hold);
-    return ValueAndSlope{way + hold * (linear + 0.5 * peak * hold) + stopping.value,
-                         linear + peak * (hold + stopping.slope)};
-  };
-  const auto parabola = [&](double constant, double braking_slope) {
-    const double growth = linear + peak * braking_slope;
-    const double curved = 0.5 * peak * (1.0 + peak / lose_.rate);
-    return -2.0 * constant / (growth + std::sqrt(growth * growth - 4.0 * curved * constant));
-  };
-  // Where braking is held, too, the way is a parabola over the time held.
-  const double beyond = -excess(0.0).value;
-  double guess = parabola(way + stopping_way_.held(least),
-                          least / lose_.rate + 0.5 * lose_.rate * lose_.start_bow);
-  if (!stopping_way_.holds(least + peak * guess)) {  // or it lies above two curves
-    const double root = cube_root(beyond / stopping_way_.unlimited(peak));
-    guess = std::min(root * root, parabola(-beyond, least / lose_.rate));
-  }
-  return convex_root(0.0, longest, guess, tolerance_of(length), excess);
 }
 
 MotionPlan standing(const MicrostepPosition& position) {
