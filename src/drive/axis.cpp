@@ -238,7 +238,7 @@ void Axis::supervise_closed_loop(base::SimTime now) {
   closed_loop_wanted_ = closed_loop_conditions_.fulfilled(objects_, settings_, now);
   closed_loop_conditions_.explain_torque(enabled_ &&
                                              mode_->code() == ModeCode::cyclic_synchronous_torque &&
-                                             !stage_.closed_loop().active(),
+                                             !closed_loop_wanted_ && !stage_.closed_loop().active(),
                                          now);
   if (motion_.torque()) {
     if (stage_.closed_loop().active()) {
