@@ -141,7 +141,7 @@ TEST_F(Tmcm3315Usb, ReadsInputsAndOutputs) {
 }
 
 TEST_F(Tmcm3315Usb, TellsItsVersionAsTextAndAsNumber) {
-  put(encode(Request{.command = 136, .type = 0}));
+  put(tmcl::encode(Request{.command = 136, .type = 0}));
   const tmcl::Telegram text = raw_answer();
   std::string version;
   for (std::size_t i = 1; i < text.size(); ++i) {
@@ -210,14 +210,14 @@ TEST_F(Tmcm3315Usb, AWrongChecksumIsAnsweredWithStatus1AndValue0) {
 }
 
 TEST_F(Tmcm3315Usb, APauseEndsABrokenTelegram) {
-  put(encode(Request{.command = 6, .type = 140}), 5);
+  put(tmcl::encode(Request{.command = 6, .type = 140}), 5);
   bus_->pass(200_ms);
   EXPECT_EQ(axis_parameter(140), 8);
 }
 
 TEST_F(Tmcm3315Usb, SeveralRequestsAreAnsweredInTheirOrder) {
   for (const int type : {140, 202, 6}) {
-    put(encode(Request{.command = 6, .type = static_cast<std::uint8_t>(type)}));
+    put(tmcl::encode(Request{.command = 6, .type = static_cast<std::uint8_t>(type)}));
   }
   bus_->pass(1_ms);
   EXPECT_EQ(cable_.from_device.size(), 3 * tmcl::kTelegramLength);
@@ -225,9 +225,107 @@ TEST_F(Tmcm3315Usb, SeveralRequestsAreAnsweredInTheirOrder) {
 
 TEST_F(Tmcm3315Usb, WithoutSupplyItIsSilent) {
   device_->set_power(false, bus_->now());
-  put(encode(Request{.command = 6, .type = 1}));
+  put(tmcl::encode(Request{.command = 6, .type = 1}));
   bus_->pass(10_ms);
   EXPECT_TRUE(cable_.from_device.empty());
+}
+
+/// The update as the maker's programs do it.
+class Tmcm3315UsbUpdate : public Tmcm3315Usb {
+ protected:
+  void start_boot_loader() {
+    put(tmcl::encode(Request{.command = 242,
+                             .type = 0x81,
+                             .motor = 0x92,
+                             .value = static_cast<std::int32_t>(0xA3B4C5D6)}));
+    bus_->pass(2_ms);
+    EXPECT_TRUE(cable_.from_device.empty()) << "this command is not answered";
+  }
+  void start_firmware() {
+    put(tmcl::encode(Request{.command = 205}));
+    bus_->pass(2_ms);
+    EXPECT_TRUE(cable_.from_device.empty()) << "nor is this one";
+  }
+  std::string version() {
+    put(tmcl::encode(Request{.command = 136}));
+    const tmcl::Telegram text = raw_answer();
+    std::string version;
+    for (std::size_t i = 1; i < text.size(); ++i) {
+      version += std::to_integer<char>(text[i]);
+    }
+    return version;
+  }
+  /// Three words on one page.
+  void load(std::int32_t sum) {
+    const std::int32_t start = answer({.command = 206, .type = 1}).value;
+    EXPECT_EQ(status_of({.command = 200}), Status::success);
+    for (std::uint8_t word = 0; word < 3; ++word) {
+      EXPECT_EQ(status_of({.command = 201, .type = word, .value = 0x01020304}), Status::success);
+    }
+    EXPECT_EQ(status_of({.command = 202, .value = start}), Status::success);
+    EXPECT_EQ(answer({.command = 203, .value = start + 11}).value, 30);
+    EXPECT_EQ(status_of({.command = 208, .type = 0, .value = 12}), Status::success);
+    EXPECT_EQ(status_of({.command = 208, .type = 1, .value = sum}), Status::success);
+  }
+};
+
+TEST_F(Tmcm3315UsbUpdate, LoadsAnImageAndRestarts) {
+  EXPECT_EQ(version(), "3315V109");
+  start_boot_loader();
+  EXPECT_EQ(version(), "3315B100");
+  load(30);
+  start_firmware();
+  EXPECT_EQ(version(), "3315V109");
+  ASSERT_EQ(device_->firmware()->image().size(), 12U);
+  EXPECT_EQ(device_->firmware()->image()[0], std::byte{4});
+  EXPECT_EQ(device_->firmware()->image()[11], std::byte{1});
+  go_operational();
+}
+
+TEST_F(Tmcm3315UsbUpdate, ABrokenImageIsNotStartedAndTheOldOneStays) {
+  start_boot_loader();
+  load(31);
+  start_firmware();
+  EXPECT_EQ(version(), "3315B100");
+  EXPECT_TRUE(device_->firmware()->image().empty());
+  load(30);
+  start_firmware();
+  EXPECT_EQ(version(), "3315V109");
+}
+
+TEST_F(Tmcm3315UsbUpdate, WithoutErasingNothingChanges) {
+  start_boot_loader();
+  start_firmware();
+  EXPECT_EQ(version(), "3315V109");
+  EXPECT_TRUE(device_->firmware()->image().empty());
+}
+
+TEST_F(Tmcm3315UsbUpdate, DrivesAndNetworkAreAtRestMeanwhile) {
+  go_operational();
+  set_profile(0, 102'400, 1'024'000);
+  enable(0, 1);
+  start_move(0, 5'120'000);
+  bus_->pass(500_ms);
+  start_boot_loader();
+  EXPECT_FALSE(device_->axis(0).axis().bridge_enabled());
+  EXPECT_EQ(device_->stack().state(), AlState::init);
+  bus_->pass(1'000_ms);
+  EXPECT_NEAR(signal("axis0.shaft_speed"), 0.0, 0.01);
+  EXPECT_EQ(bus_->request(AlState::pre_operational) & 0x0FU, 1U) << "nobody answers there";
+  EXPECT_EQ(status_of({.command = 6, .type = 1}), Status::invalid_command);
+}
+
+TEST_F(Tmcm3315UsbUpdate, ThePowerEndsTheBootLoader) {
+  start_boot_loader();
+  device_->set_power(false, bus_->now());
+  device_->set_power(true, bus_->now());
+  EXPECT_EQ(version(), "3315V109");
+}
+
+TEST_F(Tmcm3315UsbUpdate, TheBootLoaderNeedsItsKey) {
+  EXPECT_EQ(status_of({.command = 242, .type = 0x81, .motor = 0x92, .value = 1}),
+            Status::invalid_command);
+  EXPECT_EQ(version(), "3315V109");
 }
 
 }  // namespace

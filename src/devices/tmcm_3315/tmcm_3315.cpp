@@ -1,5 +1,6 @@
 #include "devices/tmcm_3315/tmcm_3315.hpp"
 
+#include <span>
 #include <utility>
 
 #include "ethercat/sii_image.hpp"
@@ -108,7 +109,7 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
              stack_options(configuration, firmware_)),
       error_register_(dictionary_.variable<std::uint8_t>(0x1001)),
       io_(dictionary_),
-      usb_(dictionary_, io_, reporter) {
+      usb_(dictionary_, io_, kFirmwareCapacity, reporter) {
   using Query = dictionary::Dictionary::DriveStateQuery;
   dictionary_.set_drive_state_query(Query::bind<&Tmcm3315::drive_state>(*this));
   set_identity(configuration);
@@ -158,6 +159,10 @@ void Tmcm3315::advance(base::SimTime now) {
 
 void Tmcm3315::tick(base::SimTime now) {
   controller_.advance(now);
+  if (usb_.in_boot_loader()) {
+    run_boot_loader(now);
+    return;
+  }
   process_bus(now);
   io_.read_inputs();
   for (const auto& axis : axes_) {
@@ -171,6 +176,24 @@ void Tmcm3315::tick(base::SimTime now) {
     outputs_came_ = false;
     stack_.publish_inputs(now);
   }
+}
+
+void Tmcm3315::run_boot_loader(base::SimTime now) {
+  if (usb_.take_boot_request()) {
+    stop_firmware(now);
+  }
+  usb_.serve(now);
+  if (!usb_.start_requested()) {
+    return;
+  }
+  if (const std::span<const std::byte> image = usb_.loaded_image(); !image.empty()) {
+    // It fits, since the boot loader has no more memory; what cannot be kept leaves the old one.
+    static_cast<void>(firmware_.open_for_writing("usb"));
+    static_cast<void>(firmware_.append(image));
+    static_cast<void>(firmware_.commit());
+    reporter_.report(now, kNewFirmware, {base::EventArgument(image.size())});
+  }
+  restart_firmware(now);
 }
 
 void Tmcm3315::take_sync0(base::SimTime now) {
@@ -195,7 +218,7 @@ void Tmcm3315::set_power(bool on, base::SimTime now) {
 }
 
 void Tmcm3315::handle_bus_events(base::SimTime now) {
-  if (!powered_) {
+  if (!powered_ || usb_.in_boot_loader()) {
     return;
   }
   if (controller_.take_reset_request()) {
@@ -220,12 +243,16 @@ void Tmcm3315::process_bus(base::SimTime now) {
 }
 
 void Tmcm3315::restart_firmware(base::SimTime now) {
-  restart_due_ = false;
   downloads_in_force_ = firmware_.downloads();
+  usb_.restart();
+  stop_firmware(now);
+}
+
+void Tmcm3315::stop_firmware(base::SimTime now) {
+  restart_due_ = false;
   dictionary_.reset_values();
   set_identity(configuration_);
   io_.restart();
-  usb_.restart();
   reported_errors_ = {};
   reported_resets_ = {};
   for (const auto& axis : axes_) {

@@ -98,10 +98,14 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   void set_identity(const Tmcm3315Configuration& configuration);
   void process_bus(base::SimTime now);
   void restart_firmware(base::SimTime now);
+  /// Everything is as before the firmware starts.
+  void stop_firmware(base::SimTime now);
   void tick(base::SimTime now);
   /// Lets the firmware's interrupt run if SYNC0 has come.
   void take_sync0(base::SimTime now);
   void apply_commands(base::SimTime now);
+  /// What the module does while its boot loader is at work, which USB has started.
+  void run_boot_loader(base::SimTime now);
   void switch_outputs();
   void feed_brakes();
   void report_errors(base::SimTime now);

@@ -21,7 +21,12 @@ constexpr std::uint8_t kModuleAddress = 1;
 constexpr std::uint8_t kHostAddress = 2;
 /// Firmware 1.09 of module 3315 as text and as a number.
 constexpr std::string_view kVersionText = "3315V109";
+constexpr std::string_view kBootLoaderText = "3315B100";
 constexpr std::int32_t kVersion = 3315 << 16 | 1 << 8 | 9;
+/// What command 242 must carry to start the boot loader.
+constexpr std::uint8_t kBootType = 0x81;
+constexpr std::uint8_t kBootMotor = 0x92;
+constexpr std::uint32_t kBootValue = 0xA3B4C5D6;
 /// Clients send the nine bytes of a telegram at once; the firmware looks for them every
 /// millisecond.
 constexpr base::SimDuration kGap = 100_ms;
@@ -38,6 +43,14 @@ constexpr EventRule kWrongChecksum{
     "tmcm3315-usb-checksum", Severity::refusal,
     "USB: TMCL telegram refused with status 1: its last byte is {0:x2}, the sum of the others is "
     "{1:x2}; after a pause of 100 ms the next byte begins a new telegram"};
+
+constexpr EventRule kNotStarted{
+    "tmcm3315-usb-no-firmware", Severity::refusal,
+    "USB: the boot loader was told to start the firmware, but the image is incomplete: length and "
+    "sum (command 208) must be those of what was written; load it again"};
+constexpr EventRule kBootLoader{
+    "tmcm3315-usb-boot-loader", Severity::information,
+    "USB: the boot loader was started; drives and EtherCAT firmware are at rest until it ends"};
 
 constexpr auto kParameters = std::to_array<ReadableParameter>({
     {0, "target position", 0x607A},
@@ -129,8 +142,11 @@ std::span<const ReadableParameter> readable_parameters() {
 }
 
 UsbMonitor::UsbMonitor(const dictionary::Dictionary& dictionary, const ModuleIo& io,
-                       base::EventReporter reporter)
-    : io_(io), reporter_(reporter), receiver_(kGap) {
+                       std::size_t firmware_capacity, base::EventReporter reporter)
+    : io_(io),
+      reporter_(reporter),
+      receiver_(kGap),
+      boot_loader_({.size = static_cast<std::uint32_t>(firmware_capacity)}) {
   for (std::uint8_t axis = 0; axis < kAxisCount; ++axis) {
     for (const ReadableParameter& parameter : kParameters) {
       const unsigned offset =
@@ -144,6 +160,20 @@ UsbMonitor::UsbMonitor(const dictionary::Dictionary& dictionary, const ModuleIo&
       sources_[axis].push_back(source);
     }
   }
+}
+
+void UsbMonitor::restart() {
+  receiver_.reset();
+  boot_loader_.enter();
+  mode_ = Mode::monitor;
+}
+
+bool UsbMonitor::take_boot_request() {
+  if (mode_ != Mode::boot_requested) {
+    return false;
+  }
+  mode_ = Mode::boot_loader;
+  return true;
 }
 
 void UsbMonitor::answer_all(base::SimTime now) {
@@ -171,7 +201,9 @@ void UsbMonitor::answer(const tmcl::Telegram& telegram, base::SimTime now) {
                       EventArgument(int{tmcl::checksum(telegram)})});
   } else if (static_cast<Command>(request.command) == Command::get_firmware_version &&
              request.type == 0) {
-    send_version_text(kHostAddress);
+    send_version_text();
+    return;
+  } else if (obey_silently(request, now)) {
     return;
   } else {
     const Answer answer = execute(request, now);
@@ -182,16 +214,42 @@ void UsbMonitor::answer(const tmcl::Telegram& telegram, base::SimTime now) {
 }
 
 // The only reply without checksum: host address and eight characters.
-void UsbMonitor::send_version_text(std::uint8_t host_address) {
+void UsbMonitor::send_version_text() {
+  const std::string_view text = in_boot_loader() ? kBootLoaderText : kVersionText;
   tmcl::Telegram telegram{};
-  telegram[0] = std::byte{host_address};
-  for (std::size_t i = 0; i < kVersionText.size(); ++i) {
-    telegram[i + 1] = static_cast<std::byte>(kVersionText[i]);
+  telegram[0] = std::byte{kHostAddress};
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    telegram[i + 1] = static_cast<std::byte>(text[i]);
   }
   port_->send(telegram);
 }
 
+// Modules restart with both commands and answer neither.
+bool UsbMonitor::obey_silently(const tmcl::Request& request, base::SimTime now) {
+  const auto command = static_cast<Command>(request.command);
+  if (command == Command::boot && request.type == kBootType && request.motor == kBootMotor &&
+      static_cast<std::uint32_t>(request.value) == kBootValue) {
+    if (!in_boot_loader()) {
+      reporter_.report(now, kBootLoader);
+      mode_ = Mode::boot_requested;
+    }
+    return true;
+  }
+  if (command == Command::boot_start_application && in_boot_loader()) {
+    if (!boot_loader_.erased() || boot_loader_.complete()) {
+      mode_ = Mode::start_requested;
+    } else {
+      reporter_.report(now, kNotStarted);
+    }
+    return true;
+  }
+  return false;
+}
+
 UsbMonitor::Answer UsbMonitor::execute(const tmcl::Request& request, base::SimTime now) {
+  if (in_boot_loader()) {
+    return boot_loader_.execute(request);
+  }
   const auto command = static_cast<Command>(request.command);
   switch (command) {
     case Command::get_axis_parameter:
