@@ -327,6 +327,12 @@ TEST_F(ClosedLoopRefusals, AnAbsurdResolutionIsNotUsed) {
   EXPECT_GE(told_.count("608Fh:01"), 1);
 }
 
+TEST_F(ClosedLoopRefusals, ATorqueWithoutClosedLoopIsExplained) {
+  write<std::int8_t>(0x6060, 10);
+  bus_->pass(20_ms);
+  EXPECT_EQ(told_.count("mode 10 needs closed loop"), 1);
+}
+
 TEST_F(ClosedLoopRefusals, APositionGainOfZeroIsToldOnce) {
   write<std::uint32_t>(0x2021, 0);
   write<std::uint8_t>(0x2020, 1);
