@@ -118,6 +118,7 @@ class StepperAxis {
   void set_ambient_temperature(double celsius) { state_.ambient_temperature = celsius; }
   void set_faults(const StepperAxisFaults& faults) {
     state_.faults = faults;
+    faulty_ = faults != StepperAxisFaults{};
     settled_ = false;
   }
 
@@ -145,6 +146,7 @@ class StepperAxis {
   TwoBodyThermal motor_thermal_;
   TwoBodyThermal driver_thermal_;
   StepperAxisState state_;
+  bool faulty_ = false;  ///< state_.faults has any
 
   /// The last step changed nothing. The next one with the same inputs changes nothing either, for a
   /// step is a function of state and inputs: a shaft at rest costs no arithmetic.
