@@ -59,6 +59,13 @@ constexpr std::array<EventRule, kAxisErrorCount> kErrorRules{{
      "the fault"},
 }};
 
+/// Everything that supervise_driver() watches.
+constexpr AxisErrors kDriverErrors{
+    AxisError::open_load_a,           AxisError::open_load_b,
+    AxisError::overcurrent_a,         AxisError::overcurrent_b,
+    AxisError::overcurrent_high_side, AxisError::over_temperature_warning,
+    AxisError::over_temperature,      AxisError::undervoltage,
+    AxisError::shutdown_switch,       AxisError::stall};
 constexpr std::array kShorts{AxisError::overcurrent_a, AxisError::overcurrent_b,
                              AxisError::overcurrent_high_side};
 /// Flags of the driver chip that last as long as their cause.
@@ -88,6 +95,11 @@ Axis::Axis(dictionary::Dictionary& dictionary, const AxisConfiguration& configur
   dictionary.on_written(at(0x6060), 0, Hook::bind<&Axis::note_mode>(*this));
   for (const unsigned target : {0x6071U, 0x607AU, 0x60B0U, 0x60B1U, 0x60B2U, 0x60FFU}) {
     dictionary.on_written(at(target), 0, Hook::bind<&Axis::note_target>(*this));
+  }
+  for (std::size_t i = 0; i < kAxisErrorCount; ++i) {
+    const auto error = static_cast<AxisError>(i);
+    fault_errors_.set(error, is_fault(error));
+    warning_errors_.set(error, reaction_to(error) == ErrorReaction::warning);
   }
   update_feedback();
   publish(base::SimTime());
@@ -284,7 +296,14 @@ void Axis::supervise(base::SimTime now) {
 
 void Axis::supervise_driver(base::SimTime now) {
   driver_.supervise(settings_.driver.limits);
+  if (motion_.velocity() != 0.0 || !power_.bridge_enabled()) {
+    stalled_ = false;
+  }
   const AxisErrors flags = driver_.flags();
+  if (flags.empty() && !causes_.any_of(kDriverErrors) && !conditions_.shutdown_switch && !stalled_)
+      [[likely]] {
+    return;
+  }
   for (const AxisError error : kDriverConditions) {
     watch(error, flags.has(error), now);
   }
@@ -293,9 +312,6 @@ void Axis::supervise_driver(base::SimTime now) {
     watch(error, flags.has(error) && !errors_.has(error), now);
   }
   watch(AxisError::shutdown_switch, conditions_.shutdown_switch, now);
-  if (motion_.velocity() != 0.0 || !power_.bridge_enabled()) {
-    stalled_ = false;
-  }
   watch(AxisError::stall, stalled_, now);
 }
 
@@ -341,12 +357,11 @@ bool Axis::is_fault(AxisError error) const {
 }
 
 bool Axis::fault_present() const {
-  return causes_.any([this](AxisError error) { return is_fault(error); });
+  return causes_.any_of(fault_errors_);
 }
 
 bool Axis::warning_present() const {
-  return causes_.any(
-      [this](AxisError error) { return reaction_to(error) == ErrorReaction::warning; });
+  return causes_.any_of(warning_errors_);
 }
 
 base::AxisActuation Axis::step(base::SimDuration duration, const base::AxisSensing& sensing) {

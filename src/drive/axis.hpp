@@ -164,8 +164,10 @@ class Axis {
   std::uint32_t fault_resets_ = 0;  ///< of the state machine, as last seen
   std::int64_t encoder_count_ = 0;
   std::array<double, 2> coil_current_{};
-  AxisErrors causes_;  ///< present now
-  AxisErrors errors_;  ///< present, and faults not yet reset
+  AxisErrors fault_errors_;    ///< those that lead to Fault
+  AxisErrors warning_errors_;  ///< those that set statusword bit 7
+  AxisErrors causes_;          ///< present now
+  AxisErrors errors_;          ///< present, and faults not yet reset
 };
 
 }  // namespace stator::drive

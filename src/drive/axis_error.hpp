@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 
 namespace stator::drive {
 
@@ -41,21 +42,19 @@ using ErrorReactions = std::array<ErrorReaction, kAxisErrorCount>;
 class AxisErrors {
  public:
   constexpr AxisErrors() = default;
+  constexpr AxisErrors(std::initializer_list<AxisError> errors) {
+    for (const AxisError error : errors) {
+      set(error, true);
+    }
+  }
   [[nodiscard]] constexpr bool has(AxisError error) const { return (bits_ & bit(error)) != 0; }
   [[nodiscard]] constexpr bool empty() const { return bits_ == 0; }
   constexpr void set(AxisError error, bool present) {
     bits_ = static_cast<std::uint16_t>(present ? bits_ | bit(error) : bits_ & ~bit(error));
   }
-  /// Some error of the set fulfils `condition`.
-  template <typename Condition>
-  [[nodiscard]] constexpr bool any(Condition condition) const {
-    for (std::size_t i = 0; i < kAxisErrorCount; ++i) {
-      const auto error = static_cast<AxisError>(i);
-      if (has(error) && condition(error)) {
-        return true;
-      }
-    }
-    return false;
+  /// Some error is in both sets.
+  [[nodiscard]] constexpr bool any_of(AxisErrors others) const {
+    return (bits_ & others.bits_) != 0;
   }
   friend constexpr bool operator==(AxisErrors, AxisErrors) = default;
 

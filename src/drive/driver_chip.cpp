@@ -5,6 +5,15 @@
 
 namespace stator::drive {
 
+namespace {
+
+/// While the chip shows one of these the stage is off.
+constexpr AxisErrors kStageOff{AxisError::overcurrent_a, AxisError::overcurrent_b,
+                               AxisError::overcurrent_high_side, AxisError::over_temperature,
+                               AxisError::undervoltage};
+
+}  // namespace
+
 void DriverChip::advance(const AxisSettings& settings, double velocity,
                          base::AxisActuation& actuation, const base::AxisSensing& sensing) {
   supply_voltage_ = sensing.supply_voltage;
@@ -13,25 +22,22 @@ void DriverChip::advance(const AxisSettings& settings, double velocity,
   if (actuation.bridge_enabled && driver.short_protection) {
     detect_shorts(sensing);
   }
-  if (shut_down()) {
-    actuation.bridge_enabled = false;
-  }
-  conducts_ = actuation.bridge_enabled;
-  current_target_ = actuation.coil_current_target;
-  voltage_mode_ = false;
-  if (!conducts_) {
-    if (measures_) {
-      stop_measuring();
+  actuation.bridge_enabled = actuation.bridge_enabled && !flags_.any_of(kStageOff);
+  if (!actuation.bridge_enabled) {
+    if (conducts_) {
+      switch_off();
     }
-    open_load_.reset();
-    flags_.set(AxisError::open_load_a, false);
-    flags_.set(AxisError::open_load_b, false);
     return;
   }
+  conducts_ = true;
+  current_target_ = actuation.coil_current_target;
+  voltage_mode_ = false;
   const double speed = std::fabs(velocity);
   if (driver.stealth_chop.active_at(speed)) {
     voltage_mode_ = true;
-    stop_measuring();
+    if (measures_) {
+      stop_measuring();
+    }
     const double amplitude = std::sqrt(current_target_[0] * current_target_[0] +
                                        current_target_[1] * current_target_[1]);
     const double microsteps = static_cast<double>(1U << (8U - settings.microstep_resolution));
@@ -51,8 +57,6 @@ void DriverChip::measure(const AxisSettings& settings, double velocity, double s
                          const base::AxisActuation& actuation, const base::AxisSensing& sensing) {
   const DriverSettings& driver = settings.driver;
   open_load_.advance(actuation.coil_current_target, sensing.coil_current);
-  flags_.set(AxisError::open_load_a, open_load_.open(0));
-  flags_.set(AxisError::open_load_b, open_load_.open(1));
   if (voltage_mode_) {
     return;
   }
@@ -70,6 +74,13 @@ void DriverChip::measure(const AxisSettings& settings, double velocity, double s
   }
   stalled_ = stalled_ || (driver.stall_velocity > 0.0 && speed > driver.stall_velocity &&
                           stall_guard_.value() == 0);
+}
+
+void DriverChip::switch_off() {
+  conducts_ = false;
+  voltage_mode_ = false;
+  open_load_.reset();
+  stop_measuring();
 }
 
 void DriverChip::stop_measuring() {
@@ -90,12 +101,6 @@ void DriverChip::detect_shorts(const base::AxisSensing& sensing) {
   }
 }
 
-bool DriverChip::shut_down() const {
-  return flags_.has(AxisError::overcurrent_a) || flags_.has(AxisError::overcurrent_b) ||
-         flags_.has(AxisError::overcurrent_high_side) || flags_.has(AxisError::over_temperature) ||
-         flags_.has(AxisError::undervoltage);
-}
-
 void DriverChip::clear_shorts() {
   for (const AxisError error :
        {AxisError::overcurrent_a, AxisError::overcurrent_b, AxisError::overcurrent_high_side}) {
@@ -104,6 +109,8 @@ void DriverChip::clear_shorts() {
 }
 
 void DriverChip::supervise(const DriverLimits& limits) {
+  flags_.set(AxisError::open_load_a, open_load_.open(0));
+  flags_.set(AxisError::open_load_b, open_load_.open(1));
   const auto hot = [&](AxisError error, double limit) {
     const double release = limit - limits.temperature_hysteresis;
     flags_.set(error, temperature_ >= (flags_.has(error) ? release : limit));

@@ -22,7 +22,7 @@ class DriverChip {
   /// `sensing` is what was measured at its begin.
   void advance(const AxisSettings& settings, double velocity, base::AxisActuation& actuation,
                const base::AxisSensing& sensing);
-  /// Compares temperature and supply with their limits; once per control period.
+  /// Brings the flags of cables, temperature and supply up to date; once per control period.
   void supervise(const DriverLimits& limits);
 
   /// Open loads, shorts, temperatures and undervoltage as the chip shows them now.
@@ -49,7 +49,7 @@ class DriverChip {
 
  private:
   void detect_shorts(const base::AxisSensing& sensing);
-  [[nodiscard]] bool shut_down() const;
+  void switch_off();
   void measure(const AxisSettings& settings, double velocity, double speed,
                const base::AxisActuation& actuation, const base::AxisSensing& sensing);
   void stop_measuring();

@@ -68,10 +68,10 @@ base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
     update_temperatures();
   }
   base::AxisSensing sensing = sense();
-  for (std::size_t k = 0; k < 2; ++k) {
-    sensing.overcurrent[k] = actuation.bridge_enabled && state_.faults.shorted[k];
+  if (faulty_ && actuation.bridge_enabled) [[unlikely]] {
+    sensing.overcurrent = state_.faults.shorted;
+    sensing.overcurrent_high_side = state_.faults.high_side;
   }
-  sensing.overcurrent_high_side = actuation.bridge_enabled && state_.faults.high_side;
   if (settled_) {
     settled_actuation_ = actuation;
     settled_duration_ = duration;
@@ -133,7 +133,7 @@ void StepperAxis::regulate_and_integrate(const base::AxisActuation& actuation, d
 
   std::array<bool, 2> runs_dry{};
   HybridStepperInput input = phase_input(actuation, induced, step, runs_dry);
-  if (state_.faults != StepperAxisFaults{}) [[unlikely]] {
+  if (faulty_) [[unlikely]] {
     for (std::size_t k = 0; k < 2; ++k) {
       if (state_.faults.open[k]) {
         motor.current[k] = 0.0;
@@ -211,6 +211,7 @@ void StepperAxis::set_supply_voltage(double voltage) {
 
 void StepperAxis::restore(const StepperAxisState& state) {
   state_ = state;
+  faulty_ = state.faults != StepperAxisFaults{};
   follow_winding_temperature();
   settled_ = false;
 }

@@ -127,6 +127,7 @@ class StepperAxis {
   void set_ambient_temperature(double celsius) { state_.ambient_temperature = celsius; }
   void set_faults(const StepperAxisFaults& faults) {
     state_.faults = faults;
+    faulty_ = faults != StepperAxisFaults{};
     settled_ = false;
   }
 
@@ -169,6 +170,7 @@ class StepperAxis {
   StepperAxisState state_;
   double regulated_step_ = 0.0;  ///< s, for which current_gain_ holds
   double current_gain_ = 0.0;    ///< voltage per change of current within a step, L / h
+  bool faulty_ = false;  ///< state_.faults has any
 
   /// The last step changed nothing. The next one with the same inputs changes nothing either, for a
   /// step is a function of state and inputs: a shaft at rest costs no arithmetic.
