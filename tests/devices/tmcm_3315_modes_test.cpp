@@ -131,6 +131,21 @@ TEST_F(Tmcm3315Modes, AModeTakenBackWhileTheMotorSlowsDownStartsAnew) {
   EXPECT_EQ(statusword() & kTargetReached, kTargetReached);
 }
 
+TEST_F(Tmcm3315Modes, SetPointsDuringAChangeOfModeAreNotObeyed) {
+  for (const std::int8_t mode : kMovingModes) {
+    run_in(mode);
+    write<std::int8_t>(0x6060, 0);
+    write<std::int32_t>(0x60FF, 20'000);
+    write<std::int32_t>(0x607A, -20'000);
+    control(0, 0x001F);
+    EXPECT_EQ(statusword() & (kBit12 | kTargetReached), 0) << "mode " << int{mode};
+    bus_->pass(125_ms);
+    EXPECT_NEAR(velocity(), 5000.0, 100.0) << "mode " << int{mode};
+    bus_->pass(500_ms);
+    EXPECT_EQ(velocity(), 0.0) << "mode " << int{mode};
+  }
+}
+
 TEST_F(Tmcm3315Modes, APositioningEndedByAnotherModeIsNotTakenUpAgain) {
   run_in(1);
   write<std::int8_t>(0x6060, 0);

@@ -231,9 +231,16 @@ TEST_F(PowerStateTable, LosingTheNetworkDuringADelayEndsInSwitchOnDisabled) {
 }
 
 TEST_F(PowerStateTable, LosingTheNetworkOverridesWhatAQuickStopWouldLeave) {
-  input_.options.quick_stop = 6;
-  start_in(quick_stop_active);
+  input_.options.quick_stop = 5;
+  start_in(operation_enabled);
+  input_.at_rest = false;
+  machine_.command(0x0002, input_);
+  ASSERT_EQ(machine_.braking(), Braking::slow_down_ramp);
   machine_.network_left_operational(input_);
+  EXPECT_EQ(machine_.state(), quick_stop_active) << "the motor is not dropped while it turns";
+  EXPECT_EQ(machine_.braking(), Braking::quick_stop_ramp);
+  EXPECT_TRUE(machine_.bridge_enabled());
+  input_.at_rest = true;
   pass(1_ms);
   EXPECT_EQ(machine_.state(), switch_on_disabled);
   EXPECT_FALSE(machine_.bridge_enabled());
