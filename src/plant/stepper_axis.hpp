@@ -170,7 +170,7 @@ class StepperAxis {
   StepperAxisState state_;
   double regulated_step_ = 0.0;  ///< s, for which current_gain_ holds
   double current_gain_ = 0.0;    ///< voltage per change of current within a step, L / h
-  bool faulty_ = false;  ///< state_.faults has any
+  bool faulty_ = false;          ///< state_.faults has any
 
   /// The last step changed nothing. The next one with the same inputs changes nothing either, for a
   /// step is a function of state and inputs: a shaft at rest costs no arithmetic.
