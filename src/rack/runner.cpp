@@ -18,8 +18,8 @@ namespace stator::rack {
 namespace {
 
 // How long a thread waits for a frame before devices are brought to the present: one firmware tick
-// while a master talks or a serial line is there, longer when nobody does, so that an idle rack costs
-// next to nothing.
+// while a master talks or a serial line is there, longer when nobody does, so that an idle rack
+// costs next to nothing.
 constexpr base::SimDuration kBusyTick{1'000'000};
 constexpr base::SimDuration kIdleTick{10'000'000};
 constexpr base::SimDuration kIdleAfter{100'000'000};
