@@ -22,6 +22,8 @@ constexpr base::EventRule kPowerOn{"power-on", base::Severity::information,
                                    "its power is on, it starts as after a reset"};
 constexpr base::EventRule kInputSet{"input-set", base::Severity::information,
                                     "{0} is set to {1:d3} {2}"};
+constexpr base::EventRule kUnitlessInputSet{"input-set", base::Severity::information,
+                                            "{0} is set to {1:d3}"};
 constexpr base::EventRule kCarrierLost{
     "carrier-lost", base::Severity::warning,
     "the {0} network interface has no carrier: the other end is unplugged or switched off"};
@@ -127,7 +129,7 @@ const devices::Input& Rack::find_input(const InputEvent& event) const {
 void Rack::apply_input(const InputEvent& event, base::SimTime now) {
   const devices::Input& input = find_input(event);
   if (event.logged) {
-    report(event.device, now, kInputSet,
+    report(event.device, now, input.unit.empty() ? kUnitlessInputSet : kInputSet,
            {std::string_view(input.name), std::int64_t{std::llround(event.value * 1000.0)},
             std::string_view(input.unit)});
   }

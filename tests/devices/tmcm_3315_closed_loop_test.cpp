@@ -129,7 +129,7 @@ class FieldWeakening : public ClosedLoopModule {
     write<std::uint8_t>(0x2003, 255);
     write<std::uint8_t>(0x2036, gamma);
     set_profile(0, 0, 1'000'000);
-    write<std::int32_t>(0x60FF, 2'000'000);
+    write<std::int32_t>(0x60FF, 1'600'000);
     bus_->pass(3_s);
     return bus_->upload<std::int32_t>(0x606C);
   }
@@ -139,7 +139,7 @@ TEST_F(FieldWeakening, MakesTheShaftFasterAtTheSameSupply) {
   const double without = highest_velocity(0);
   EXPECT_GT(without, 1'000'000.0);
   EXPECT_LT(without, 1'300'000.0) << "back EMF and 90 degree end it";
-  EXPECT_NEAR(highest_velocity(255), 2'000'000.0, 20'000.0);
+  EXPECT_NEAR(highest_velocity(255), 1'600'000.0, 16'000.0);
 }
 
 TEST_F(ClosedLoopModule, InitialisationStartsWithTheDriveAndEndsWithIt) {
