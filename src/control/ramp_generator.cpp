@@ -149,6 +149,11 @@ bool RampGenerator::target_reached() const {
   return at_rest();
 }
 
+double RampGenerator::braking_distance(const RampLimits& limits) const {
+  const double jerk = end_jerk();
+  return control::braking_distance(smooth(state_.now, jerk), limits, jerk);
+}
+
 double RampGenerator::remaining_time() const {
   double sum = 0.0;
   for (std::size_t i = state_.segment; i + 1 < state_.plan.size(); ++i) {
