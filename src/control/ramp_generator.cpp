@@ -159,6 +159,11 @@ bool RampGenerator::target_reached() const {
   return at_rest();
 }
 
+double RampGenerator::braking_distance(const RampLimits& limits) const {
+  const double jerk = end_jerk();
+  return control::braking_distance(smooth(state_.now, jerk), limits, jerk);
+}
+
 double RampGenerator::remaining_time() const {
   if (state_.segment + 1 == state_.plan.size()) {
     return 0.0;

@@ -110,6 +110,8 @@ class RampGenerator {
   [[nodiscard]] bool at_rest() const;
   /// Position mode: resting exactly on the target. Velocity mode: the target velocity is there.
   [[nodiscard]] bool target_reached() const;
+  /// Microsteps (magnitude) to rest if the axis braked with `limits` from this moment on.
+  [[nodiscard]] double braking_distance(const RampLimits& limits) const;
   /// Seconds until the plan under way comes to rest or to its final velocity.
   [[nodiscard]] double remaining_time() const;
 
