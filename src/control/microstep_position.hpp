@@ -23,14 +23,15 @@ struct MicrostepPosition {
 [[nodiscard]] constexpr MicrostepPosition displaced(const MicrostepPosition& from,
                                                     double displacement) {
   const double sum = from.fraction + displacement;
-  auto whole = static_cast<std::int64_t>(sum);
-  if (sum < static_cast<double>(whole)) {
-    --whole;
-  }
+  auto whole = static_cast<std::int64_t>(sum);  // towards zero, which is above a negative sum
   double fraction = sum - static_cast<double>(whole);
-  if (fraction >= 1.0) {  // a tiny negative sum rounds up to the next whole microstep
-    fraction = 0.0;
-    ++whole;
+  if (fraction < 0.0) {
+    fraction += 1.0;
+    --whole;
+    if (fraction >= 1.0) {  // a tiny negative sum rounds up to the next whole microstep
+      fraction = 0.0;
+      ++whole;
+    }
   }
   return {from.microsteps + whole, fraction};
 }

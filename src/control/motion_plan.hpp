@@ -37,12 +37,14 @@ struct MotionSegment {
   RampPhase phase = RampPhase::standstill;
 
   [[nodiscard]] constexpr MotionState at(double time) const {
+    // Horner's scheme for the cubic and its derivatives; this is the whole cost of a ramp's tick.
     const double tau = time - reference_time;
-    const double gained = jerk * tau;
-    const double moved =
-        tau * (reference_velocity + tau * (0.5 * acceleration + (1.0 / 6.0) * gained));
-    return {displaced(reference_position, moved),
-            reference_velocity + tau * (acceleration + 0.5 * gained), acceleration + gained};
+    const double bend = (1.0 / 6.0) * jerk * tau;
+    const double slope = 0.5 * acceleration + bend;
+    const double mean_velocity = reference_velocity + slope * tau;
+    const double rise = slope + bend;
+    return {displaced(reference_position, mean_velocity * tau), mean_velocity + rise * tau,
+            2.0 * (rise + bend)};
   }
 };
 

@@ -17,7 +17,9 @@ MotionState smooth(const MotionState& now, double end_jerk) {
 }  // namespace
 
 RampGenerator::RampGenerator() {
-  state_.plan.rest({});
+  MotionPlan plan;
+  plan.rest({});
+  play(plan);
 }
 
 void RampGenerator::move_to(std::int64_t target, const RampLimits& limits) {
@@ -105,28 +107,36 @@ void RampGenerator::replan() {
 
 void RampGenerator::play(const MotionPlan& plan) {
   state_.plan = plan;
-  state_.segment = 0;
-  state_.segment_lead = 0.0;
-  state_.segment_elapsed = base::SimDuration(0);
+  enter(0, 0.0);
   state_.now = plan[0].at(0.0);
 }
 
-/// Enters the segment in force `time` seconds after the begin of the present one; returns the time
-/// since its own begin.
-double RampGenerator::leave_segment(double time) {
+/// Plays `segment`, which began `lead` seconds before the present tick.
+void RampGenerator::enter(std::size_t segment, double lead) {
+  state_.segment = segment;
+  state_.playing = state_.plan[segment];
+  state_.playing.duration -= lead;
+  state_.playing.reference_time -= lead;
+  state_.segment_elapsed = base::SimDuration(0);
+}
+
+/// Enters the segment in force `time` seconds after the tick in which the present one was entered.
+void RampGenerator::leave_segment(double time) {
   const std::size_t last = state_.plan.size() - 1;
-  while (state_.segment < last && time > state_.plan[state_.segment].duration) {
-    time -= state_.plan[state_.segment].duration;
-    ++state_.segment;
-  }
-  MotionSegment& segment = state_.plan[state_.segment];
-  if (time > segment.duration) {
-    segment.reference_position = segment.at(time).position;
+  if (state_.segment < last) {
+    time -= state_.playing.duration;
+    std::size_t next = state_.segment + 1;
+    while (next < last && time > state_.plan[next].duration) {
+      time -= state_.plan[next].duration;
+      ++next;
+    }
+    enter(next, time);
     time = 0.0;
   }
-  state_.segment_lead = time;
-  state_.segment_elapsed = base::SimDuration(0);
-  return time;
+  if (time > state_.playing.duration) {
+    state_.plan[last].reference_position = state_.playing.at(time).position;
+    enter(last, 0.0);
+  }
 }
 
 bool RampGenerator::at_rest() const {
@@ -149,13 +159,18 @@ bool RampGenerator::target_reached() const {
   return at_rest();
 }
 
+double RampGenerator::braking_distance(const RampLimits& limits) const {
+  const double jerk = end_jerk();
+  return control::braking_distance(smooth(state_.now, jerk), limits, jerk);
+}
+
 double RampGenerator::remaining_time() const {
-  double sum = 0.0;
-  for (std::size_t i = state_.segment; i + 1 < state_.plan.size(); ++i) {
-    sum += state_.plan[i].duration;
+  if (state_.segment + 1 == state_.plan.size()) {
+    return 0.0;
   }
-  if (state_.segment + 1 < state_.plan.size()) {
-    sum -= state_.segment_lead + state_.segment_elapsed.seconds();
+  double sum = state_.playing.duration - state_.segment_elapsed.seconds();
+  for (std::size_t i = state_.segment + 1; i + 1 < state_.plan.size(); ++i) {
+    sum += state_.plan[i].duration;
   }
   return sum > 0.0 ? sum : 0.0;
 }

@@ -28,7 +28,7 @@ struct RampState {
 
   MotionPlan plan;
   std::size_t segment = 0;            ///< index of the segment being played
-  double segment_lead = 0.0;          ///< s into the segment at the tick in which it was entered
+  MotionSegment playing;              ///< it, its times counted from the tick it was entered in
   base::SimDuration segment_elapsed;  ///< since that tick
 
   MotionState now;
@@ -78,13 +78,14 @@ class RampGenerator {
   /// Lets `duration` pass (any length, not negative).
   void advance(base::SimDuration duration) {
     state_.segment_elapsed += duration;
-    double time = state_.segment_lead + state_.segment_elapsed.seconds();
+    double time = state_.segment_elapsed.seconds();
     // A segment holds up to and including its last instant, so that a csp axis fed on time shows
     // the velocity it travels with, not the 0 of the hold that would follow.
-    if (time > state_.plan[state_.segment].duration) [[unlikely]] {
-      time = leave_segment(time);
+    if (time > state_.playing.duration) [[unlikely]] {
+      leave_segment(time);
+      time = 0.0;
     }
-    state_.now = state_.plan[state_.segment].at(time);
+    state_.now = state_.playing.at(time);
   }
 
   /// Set-point in the coordinates of the latest set_position().
@@ -100,7 +101,7 @@ class RampGenerator {
   /// Jerk (magnitude, pps/s^2) with which the plan under way ends the present acceleration; 0 = in
   /// a step, or there is none.
   [[nodiscard]] double end_jerk() const;
-  [[nodiscard]] RampPhase phase() const { return state_.plan[state_.segment].phase; }
+  [[nodiscard]] RampPhase phase() const { return state_.playing.phase; }
   [[nodiscard]] RampMode mode() const { return state_.mode; }
   [[nodiscard]] const RampLimits& limits() const { return state_.limits; }
   [[nodiscard]] std::int64_t target_position() const { return state_.target_position; }
@@ -109,6 +110,8 @@ class RampGenerator {
   [[nodiscard]] bool at_rest() const;
   /// Position mode: resting exactly on the target. Velocity mode: the target velocity is there.
   [[nodiscard]] bool target_reached() const;
+  /// Microsteps (magnitude) to rest if the axis braked with `limits` from this moment on.
+  [[nodiscard]] double braking_distance(const RampLimits& limits) const;
   /// Seconds until the plan under way comes to rest or to its final velocity.
   [[nodiscard]] double remaining_time() const;
 
@@ -118,7 +121,8 @@ class RampGenerator {
  private:
   void play(const MotionPlan& plan);
   void replan();
-  double leave_segment(double time);
+  void leave_segment(double time);
+  void enter(std::size_t segment, double lead);
 
   RampState state_;
 };

@@ -13,24 +13,32 @@ struct FunctionPoint {
 };
 
 /// Zero of the continuous `function` between `low` (y <= 0) and `high` (y >= 0), good to
-/// |y| <= `tolerance` or to the resolution of x. Anderson and Björck's regula falsi with a
-/// bisection now and then, so the number of steps is bounded.
+/// |y| <= `tolerance` or to the resolution of x. Anderson and Björck's regula falsi, with a
+/// bisection whenever it has brought less than as many bisections would.
 template <typename Function>
 [[nodiscard]] double root_between(FunctionPoint low, FunctionPoint high, double tolerance,
                                   const Function& function) {
   constexpr int kSteps = 64;
-  constexpr int kBisectEvery = 8;
+  constexpr int kLookEvery = 4;
+  constexpr double kLeastGain = 16.0;  // of as many bisections
   double x = low.x;
+  double y = high.y - low.y;
+  double y_at_look = y;
   const FunctionPoint* kept_before = nullptr;
   for (int step = 1; step <= kSteps; ++step) {
     x = low.x - low.y * (high.x - low.x) / (high.y - low.y);
-    if (step % kBisectEvery == 0 || !(x > low.x && x < high.x)) {
+    bool bisect = !(x > low.x && x < high.x);
+    if (step % kLookEvery == 0) {
+      bisect = bisect || std::fabs(y) * kLeastGain > y_at_look;
+      y_at_look = std::fabs(y);
+    }
+    if (bisect) {
       x = 0.5 * (low.x + high.x);
       if (!(x > low.x && x < high.x)) {
         break;  // neighbours
       }
     }
-    const double y = function(x);
+    y = function(x);
     if (std::fabs(y) <= tolerance) {
       return x;
     }

@@ -33,32 +33,20 @@ struct Relaxation {
 /// acceleration positive when it is being gained.
 class Draft {
  public:
-  Draft(const MotionState& start, double end_jerk, const RampLimits& limits);
+  Draft(MotionPlan& plan, const MotionState& start, double end_jerk, const RampLimits& limits);
 
   [[nodiscard]] double direction() const { return direction_; }
   [[nodiscard]] const MicrostepPosition& position() const { return position_; }
-  [[nodiscard]] double way_to(const MicrostepPosition& target) const {
-    return direction_ * distance(position_, target);
-  }
-  /// Microsteps to rest when braking begins now.
-  [[nodiscard]] double braking_way() const;
   /// At rest: looks the other way.
   void turn() { direction_ = -direction_; }
 
   void change_to(double speed);
-  void stop() { brake_onto(displaced(position_, direction_ * braking_way())); }
-  void brake_onto(const MicrostepPosition& end);
-  /// To rest on `end`, which lies beyond the way of braking.
-  void approach(const MicrostepPosition& end);
+  void stop() { stop_after(braking_way()); }
+  /// To rest on `end`, wherever that lies.
+  void position_on(const MicrostepPosition& end);
 
-  MotionPlan rest() {
-    plan_.rest(position_);
-    return plan_;
-  }
-  MotionPlan cruise() {
-    plan_.cruise(position_, direction_ * speed_);
-    return plan_;
-  }
+  void rest() { plan_.rest(position_); }
+  void cruise() { plan_.cruise(position_, direction_ * speed_); }
 
  private:
   [[nodiscard]] const Slope& gaining() const { return acceleration_ > 0.0 ? under_way_ : gain_; }
@@ -67,7 +55,16 @@ class Draft {
   [[nodiscard]] AccelerationPulse losing_to(double speed) const {
     return AccelerationPulse::over(losing(), -acceleration_, speed_ - speed);
   }
+  [[nodiscard]] double way_to(const MicrostepPosition& target) const {
+    return direction_ * distance(position_, target);
+  }
+  /// Microsteps to rest when braking begins now.
+  [[nodiscard]] double braking_way() const;
   void come_to_rest();
+  void stop_after(double way) { brake_onto(displaced(position_, direction_ * way)); }
+  void brake_onto(const MicrostepPosition& end);
+  /// To rest on `end`, which lies beyond the way of braking.
+  void approach(const MicrostepPosition& end);
   void relax(double to);
   void apply(const AccelerationPulse& pulse, double sense, double speed_after,
              const MicrostepPosition& end);
@@ -83,7 +80,7 @@ class Draft {
   Slope under_way_;  ///< of the change the start is in, until the acceleration is 0
   StoppingWay stopping_way_;
   double limit_;
-  MotionPlan plan_;
+  MotionPlan& plan_;
   MicrostepPosition position_;
   double direction_;
   double speed_;
@@ -96,12 +93,13 @@ double faster(double jerk, double end_jerk) {
   return jerk > 0.0 ? std::max(jerk, end_jerk) : 0.0;
 }
 
-Draft::Draft(const MotionState& start, double end_jerk, const RampLimits& limits)
+Draft::Draft(MotionPlan& plan, const MotionState& start, double end_jerk, const RampLimits& limits)
     : gain_(limits.acceleration, limits.jerk[0], limits.jerk[1]),
       lose_(limits.deceleration, limits.jerk[2], limits.jerk[3]),
       under_way_(gain_),
       stopping_way_(lose_),
       limit_(limits.velocity),
+      plan_(plan),
       position_(start.position),
       direction_(start.velocity < 0.0 || (start.velocity == 0.0 && start.acceleration < 0.0) ? -1.0
                                                                                              : 1.0),
@@ -223,6 +221,22 @@ void Draft::cruise_onto(const MicrostepPosition& end) {
   brake_onto(end);
 }
 
+void Draft::position_on(const MicrostepPosition& end) {
+  const double braking = braking_way();
+  const double beyond = way_to(end) - braking;
+  if (std::fabs(beyond) <= 1e-8 + 1e-12 * braking) {
+    brake_onto(end);
+    return;
+  }
+  if (beyond < 0.0) {
+    stop_after(braking);
+    if (way_to(end) < 0.0) {
+      turn();
+    }
+  }
+  approach(end);
+}
+
 void Draft::approach(const MicrostepPosition& end) {
   const double highest = limit_ * (1.0 + kSameSpeed);
   const Relaxation end_bow = relaxation();
@@ -284,8 +298,15 @@ void Draft::ease_off_onto(const MicrostepPosition& end) {
   };
   // As far as the deceleration is above its rate, it comes down anyway.
   const double least = std::max(0.0, -acceleration_ - under_way_.rate);
-  const FunctionPoint low{least, excess(least)};
-  const FunctionPoint high{-acceleration_, excess(-acceleration_)};
+  FunctionPoint low{least, excess(least)};
+  FunctionPoint high{-acceleration_, excess(-acceleration_)};
+  // Mostly what is left is held until rest. The way grows so steeply towards the end of the bracket
+  // that the root is hard to find from its begin.
+  const double held_to_rest = -acceleration_ - 0.5 * speed_ * speed_ / length;
+  if (held_to_rest > low.x && held_to_rest < high.x) {
+    const FunctionPoint guess{held_to_rest, excess(held_to_rest)};
+    (guess.y < 0.0 ? low : high) = guess;
+  }
   const double eased = root_between(low, high, way_tolerance(length), excess);
   relax(acceleration_ + eased);
   brake_onto(end);
@@ -320,66 +341,56 @@ void Draft::gain_onto(const MicrostepPosition& end) {
   brake_onto(end);
 }
 
-MotionPlan standing(const MicrostepPosition& position) {
-  MotionPlan plan;
-  plan.rest(position);
-  return plan;
-}
-
 }  // namespace
 
 MotionPlan positioning(const MotionState& start, std::int64_t target, const RampLimits& limits,
                        double end_jerk) {
   const RampLimits allowed = limits.cleaned();
+  MotionPlan plan;
   if (allowed.deceleration == 0.0) {
-    return standing(start.position);
+    plan.rest(start.position);
+    return plan;
   }
-  Draft draft(start, end_jerk, allowed);
+  Draft draft(plan, start, end_jerk, allowed);
   if (allowed.velocity == 0.0) {
     draft.stop();
-    return draft.rest();
+  } else {
+    draft.position_on({target, 0.0});
   }
-  const MicrostepPosition end{target, 0.0};
-  const double braking = draft.braking_way();
-  const double beyond = draft.way_to(end) - braking;
-  if (std::fabs(beyond) <= 1e-8 + 1e-12 * braking) {
-    draft.brake_onto(end);
-    return draft.rest();
-  }
-  if (beyond < 0.0) {
-    draft.stop();
-    if (draft.way_to(end) < 0.0) {
-      draft.turn();
-    }
-  }
-  draft.approach(end);
-  return draft.rest();
+  draft.rest();
+  return plan;
 }
 
 MotionPlan velocity(const MotionState& start, double velocity, const RampLimits& limits,
                     double end_jerk) {
   const RampLimits allowed = limits.cleaned();
+  MotionPlan plan;
   if (allowed.deceleration == 0.0) {
-    return standing(start.position);
+    plan.rest(start.position);
+    return plan;
   }
-  Draft draft(start, end_jerk, allowed);
+  Draft draft(plan, start, end_jerk, allowed);
   const double wanted = std::min(std::fabs(velocity), allowed.velocity);
   if (wanted > 0.0 && velocity * draft.direction() < 0.0) {
     draft.stop();
     draft.turn();
   }
   draft.change_to(wanted);
-  return draft.cruise();
+  draft.cruise();
+  return plan;
 }
 
 MotionPlan stop(const MotionState& start, const RampLimits& limits, double end_jerk) {
   const RampLimits allowed = limits.cleaned();
+  MotionPlan plan;
   if (allowed.deceleration == 0.0) {
-    return standing(start.position);
+    plan.rest(start.position);
+    return plan;
   }
-  Draft draft(start, end_jerk, allowed);
+  Draft draft(plan, start, end_jerk, allowed);
   draft.stop();
-  return draft.rest();
+  draft.rest();
+  return plan;
 }
 
 double braking_distance(const MotionState& start, const RampLimits& limits, double end_jerk) {
@@ -387,7 +398,8 @@ double braking_distance(const MotionState& start, const RampLimits& limits, doub
   if (allowed.deceleration == 0.0) {
     return 0.0;
   }
-  Draft draft(start, end_jerk, allowed);
+  MotionPlan plan;
+  Draft draft(plan, start, end_jerk, allowed);
   draft.stop();
   return std::fabs(distance(start.position, draft.position()));
 }

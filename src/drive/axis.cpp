@@ -3,75 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 
 #include "drive/control_words.hpp"
 
 namespace stator::drive {
 
 namespace {
-
-using base::EventArgument;
-using base::EventRule;
-using base::Severity;
-
-// {0} axis, {1} actual position, {2} demand or limit.
-constexpr std::array<EventRule, kAxisErrorCount> kErrorRules{{
-    {"axis-following-error", Severity::fault,
-     "axis {0}: following error: actual position {1}, demand {2}, further apart than 6065h allows; "
-     "look for a blocked shaft or a velocity the motor cannot reach, then reset the fault"},
-    {"axis-positive-software-limit", Severity::warning,
-     "axis {0}: actual position {1} is beyond the positive software limit {2}; move back"},
-    {"axis-negative-software-limit", Severity::warning,
-     "axis {0}: actual position {1} is beyond the negative software limit {2}; move back"},
-    {"axis-positive-limit-switch", Severity::warning,
-     "axis {0}: positive limit switch touched at position {1}; motion is possible in negative "
-     "direction only, or with the switch deactivated"},
-    {"axis-negative-limit-switch", Severity::warning,
-     "axis {0}: negative limit switch touched at position {1}; motion is possible in positive "
-     "direction only, or with the switch deactivated"},
-    {"axis-stall", Severity::warning,
-     "axis {0}: stopped at position {1}: the load measurement fell to 0 above the speed of the "
-     "stop "
-     "on stall; look for a blocked shaft, or raise current or stall threshold, then move again"},
-    {"axis-open-load-a", Severity::warning,
-     "axis {0}: no current flows in phase A; look for a broken motor cable"},
-    {"axis-open-load-b", Severity::warning,
-     "axis {0}: no current flows in phase B; look for a broken motor cable"},
-    {"axis-overcurrent-a", Severity::fault,
-     "axis {0}: overcurrent in bridge A, the driver is switched off; look for a short in motor or "
-     "cable, then reset the fault"},
-    {"axis-overcurrent-b", Severity::fault,
-     "axis {0}: overcurrent in bridge B, the driver is switched off; look for a short in motor or "
-     "cable, then reset the fault"},
-    {"axis-overcurrent-high-side", Severity::fault,
-     "axis {0}: overcurrent on the high side, the driver is switched off; look for a short in the "
-     "driver stage, then reset the fault"},
-    {"axis-over-temperature-warning", Severity::warning,
-     "axis {0}: the driver is near its temperature limit; lower the current or cool the module"},
-    {"axis-over-temperature", Severity::fault,
-     "axis {0}: the driver is too hot and has been switched off; let it cool, then reset the "
-     "fault"},
-    {"axis-undervoltage", Severity::fault,
-     "axis {0}: the supply is too low to drive a motor; restore it, then reset the fault"},
-    {"axis-shutdown-switch", Severity::fault,
-     "axis {0}: the shutdown switch is active, the driver is switched off; release it, then reset "
-     "the fault"},
-}};
-
-/// Everything that supervise_driver() watches.
-constexpr AxisErrors kDriverErrors{
-    AxisError::open_load_a,           AxisError::open_load_b,
-    AxisError::overcurrent_a,         AxisError::overcurrent_b,
-    AxisError::overcurrent_high_side, AxisError::over_temperature_warning,
-    AxisError::over_temperature,      AxisError::undervoltage,
-    AxisError::shutdown_switch,       AxisError::stall};
-constexpr std::array kShorts{AxisError::overcurrent_a, AxisError::overcurrent_b,
-                             AxisError::overcurrent_high_side};
-/// Flags of the driver chip that last as long as their cause.
-constexpr std::array kDriverConditions{AxisError::open_load_a, AxisError::open_load_b,
-                                       AxisError::over_temperature_warning,
-                                       AxisError::over_temperature, AxisError::undervoltage};
 
 std::int16_t milliamperes(double amperes) {
   return static_cast<std::int16_t>(std::clamp(std::floor(amperes * 1e3 + 0.5), -32768.0, 32767.0));
@@ -85,7 +22,7 @@ Axis::Axis(dictionary::Dictionary& dictionary, const AxisConfiguration& configur
       reporter_(reporter),
       objects_(dictionary, configuration.profile_offset),
       power_(reporter, configuration.number),
-      motion_(objects_, settings_, conditions_),
+      motion_(objects_, settings_, conditions_, configuration.control_period),
       closed_loop_conditions_(reporter, configuration.number) {
   const auto at = [&](unsigned index) {
     return static_cast<std::uint16_t>(index + configuration.profile_offset);
@@ -240,7 +177,7 @@ void Axis::tick(base::SimTime now) {
   supervise(now);
   power_.update(power_input(now));
   follow_power_state(now);
-  motion_.supervise(configuration_.control_period);
+  motion_.supervise();
   mode_->tick(context(now));
   publish(now);
 }
@@ -274,101 +211,14 @@ void Axis::update_feedback() {
                       settings_.encoder_reversed);
 }
 
-void Axis::supervise(base::SimTime now) {
-  const std::int64_t actual = actual_position();
-  const std::int64_t deviation = actual - motion_.position();
-  const std::int64_t window = objects_.following_window.get();
-  const bool under_power = power_.bridge_enabled();
-  watch(AxisError::following_error,
-        under_power && objects_.uses_encoder() && window > 0 && !motion_.torque() &&
-            std::abs(deviation) > window,
-        now);
-
-  const bool homes = mode_->code() == ModeCode::homing;  // no limit means anything yet
-  const auto upper = motion_.upper_limit();
-  const auto lower = motion_.lower_limit();
-  watch(AxisError::positive_software_limit, upper && actual > *upper && !homes, now);
-  watch(AxisError::negative_software_limit, lower && actual < *lower && !homes, now);
-  watch(AxisError::positive_limit_switch, conditions_.positive_limit_switch && !homes, now);
-  watch(AxisError::negative_limit_switch, conditions_.negative_limit_switch && !homes, now);
-  supervise_driver(now);
-}
-
-void Axis::supervise_driver(base::SimTime now) {
-  driver_.supervise(settings_.driver.limits);
-  if (motion_.velocity() != 0.0 || !power_.bridge_enabled()) {
-    stalled_ = false;
-  }
-  const AxisErrors flags = driver_.flags();
-  if (flags.empty() && !causes_.any_of(kDriverErrors) && !conditions_.shutdown_switch && !stalled_)
-      [[likely]] {
-    return;
-  }
-  for (const AxisError error : kDriverConditions) {
-    watch(error, flags.has(error), now);
-  }
-  // The chip remembers a short; its cause went away with the current and cannot hold up a reset.
-  for (const AxisError error : kShorts) {
-    watch(error, flags.has(error) && !errors_.has(error), now);
-  }
-  watch(AxisError::shutdown_switch, conditions_.shutdown_switch, now);
-  watch(AxisError::stall, stalled_, now);
-}
-
-void Axis::stop_on_stall() {
-  stalled_ = true;
-  motion_.brake(Braking::at_once);
-}
-
-bool Axis::stall_blocks() const {
-  // A master that goes on sending cyclic targets must not drive the motor into the obstacle again.
-  return stalled_ && (mode_ == &cyclic_position_ || mode_ == &cyclic_velocity_);
-}
-
-void Axis::watch(AxisError error, bool present, base::SimTime now) {
-  const bool appears = present && !causes_.has(error);
-  causes_.set(error, present);
-  if (!present && !is_fault(error)) {
-    errors_.set(error, false);
-  }
-  if (!appears || errors_.has(error)) {
-    return;
-  }
-  errors_.set(error, true);
-  const std::int64_t reference =
-      error == AxisError::positive_software_limit   ? motion_.upper_limit().value_or(0)
-      : error == AxisError::negative_software_limit ? motion_.lower_limit().value_or(0)
-                                                    : motion_.position();
-  reporter_.report(now, kErrorRules[static_cast<std::size_t>(error)],
-                   {EventArgument(int{configuration_.number}), EventArgument(actual_position()),
-                    EventArgument(reference)});
-  if (is_fault(error)) {
-    power_.raise_fault(power_input(now), reaction_to(error) == ErrorReaction::power_off);
-  }
-}
-
-ErrorReaction Axis::reaction_to(AxisError error) const {
-  return configuration_.reactions[static_cast<std::size_t>(error)];
-}
-
-bool Axis::is_fault(AxisError error) const {
-  return reaction_to(error) == ErrorReaction::fault ||
-         reaction_to(error) == ErrorReaction::power_off;
-}
-
-bool Axis::fault_present() const {
-  return causes_.any_of(fault_errors_);
-}
-
-bool Axis::warning_present() const {
-  return causes_.any_of(warning_errors_);
-}
-
 base::AxisActuation Axis::step(base::SimDuration duration, const base::AxisSensing& sensing) {
   encoder_count_ = sensing.encoder_count;
   coil_current_ = sensing.coil_current;
   if (homing_capture_.armed() || index_latch_.armed()) [[unlikely]] {
     capture_positions(sensing);
+  }
+  if (sensing.left_switch != left_switch_ || sensing.right_switch != right_switch_) [[unlikely]] {
+    follow_limit_switches(sensing);
   }
   motion_.advance(duration);
   settings_.currents.cool_step_reduction = driver_.current_reduction();
@@ -384,6 +234,15 @@ base::AxisActuation Axis::step(base::SimDuration duration, const base::AxisSensi
     stop_on_stall();
   }
   return actuation;
+}
+
+/// As a motion controller chip does, the axis stops at a limit switch at once; what its firmware
+/// has to say comes with the next control period.
+void Axis::follow_limit_switches(const base::AxisSensing& sensing) {
+  left_switch_ = sensing.left_switch;
+  right_switch_ = sensing.right_switch;
+  conditions_.set_switches(settings_.reference.switches.pressed(sensing));
+  motion_.obey_limit_switches();
 }
 
 void Axis::capture_positions(const base::AxisSensing& sensing) {
@@ -463,8 +322,7 @@ void Axis::publish_statusword(base::SimTime now) {
   const auto set = [&word](std::uint16_t bit, bool value) {
     word = static_cast<std::uint16_t>(value ? word | bit : word & ~bit);
   };
-  set(statusword::kVoltageEnabled,
-      conditions_.supply_present && !driver_.flags().has(AxisError::undervoltage));
+  set(statusword::kVoltageEnabled, !driver_.flags().has(AxisError::undervoltage));
   set(statusword::kRemote, conditions_.network_operational);
   set(statusword::kInternalLimit, motion_.limited() ||
                                       errors_.has(AxisError::positive_software_limit) ||

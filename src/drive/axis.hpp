@@ -120,6 +120,7 @@ class Axis {
   [[nodiscard]] bool stall_blocks() const;
   void watch(AxisError error, bool present, base::SimTime now);
   void update_feedback();
+  void follow_limit_switches(const base::AxisSensing& sensing);
   void capture_positions(const base::AxisSensing& sensing);
   void supervise_closed_loop(base::SimTime now);
   void follow_rotor();
@@ -163,6 +164,8 @@ class Axis {
   bool negative_direction_ = false;
   std::uint32_t fault_resets_ = 0;  ///< of the state machine, as last seen
   std::int64_t encoder_count_ = 0;
+  bool left_switch_ = false;  ///< levels in the step before
+  bool right_switch_ = false;
   std::array<double, 2> coil_current_{};
   AxisErrors fault_errors_;    ///< those that lead to Fault
   AxisErrors warning_errors_;  ///< those that set statusword bit 7

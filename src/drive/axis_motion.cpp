@@ -18,6 +18,10 @@ constexpr double kStandstill = 0.5;
 constexpr std::int32_t kNoMinimum = std::numeric_limits<std::int32_t>::min();
 constexpr std::int32_t kNoMaximum = std::numeric_limits<std::int32_t>::max();
 
+constexpr std::int64_t within_counter(std::int64_t value) {
+  return std::clamp<std::int64_t>(value, kNoMinimum, kNoMaximum);
+}
+
 }  // namespace
 
 std::int64_t AxisMotion::turn() const {
@@ -28,38 +32,39 @@ std::int64_t AxisMotion::absolute(std::int32_t object) const {
   return turn() + object;
 }
 
-std::int64_t AxisMotion::cyclic(std::int64_t sum) const {
-  if (lower_limit() || upper_limit()) {
-    return turn() + sum;
-  }
-  return position() + static_cast<std::int32_t>(sum - position());
+std::int64_t AxisMotion::cyclic(std::int32_t target, std::int32_t offset) const {
+  const auto nearest = [this](std::int64_t lower_bits) {
+    return position() + static_cast<std::int32_t>(lower_bits - position());
+  };
+  return has_limits() ? nearest(target) + offset : nearest(std::int64_t{target} + offset);
+}
+
+bool AxisMotion::has_limits() const {
+  return objects_.minimum_position.get() != kNoMinimum ||
+         objects_.maximum_position.get() != kNoMaximum;
 }
 
 std::optional<std::int64_t> AxisMotion::lower_limit() const {
-  const std::int32_t minimum = objects_.minimum_position.get();
-  if (minimum == kNoMinimum) {
+  if (!has_limits()) {
     return std::nullopt;
   }
-  return turn() + minimum - objects_.home_offset.get();
+  const std::int64_t minimum = objects_.minimum_position.get();
+  const std::int64_t offset = minimum == kNoMinimum ? 0 : objects_.home_offset.get();
+  return turn() + within_counter(minimum - offset);
 }
 
 std::optional<std::int64_t> AxisMotion::upper_limit() const {
-  const std::int32_t maximum = objects_.maximum_position.get();
-  if (maximum == kNoMaximum) {
+  if (!has_limits()) {
     return std::nullopt;
   }
-  return turn() + maximum - objects_.home_offset.get();
+  const std::int64_t maximum = objects_.maximum_position.get();
+  const std::int64_t offset = maximum == kNoMaximum ? 0 : objects_.home_offset.get();
+  return turn() + within_counter(maximum - offset);
 }
 
-std::int64_t AxisMotion::clamped(std::int64_t target) {
-  std::int64_t result = target;
-  if (const auto upper = upper_limit()) {
-    result = std::min(result, *upper);
-  }
-  if (const auto lower = lower_limit()) {
-    result = std::max(result, *lower);
-  }
-  limited_ = result != target;
+std::int64_t AxisMotion::clamped(std::int64_t target, std::int64_t lower, std::int64_t upper) {
+  const std::int64_t result = std::max(std::min(target, upper), lower);
+  clamped_ = result != target;
   return result;
 }
 
@@ -67,6 +72,20 @@ bool AxisMotion::switch_blocks(double direction) const {
   const PassedSwitches passed = profile_ == Profile::search ? passed_ : PassedSwitches{};
   return (direction > 0.0 && conditions_.positive_limit_switch && !passed.positive_limit) ||
          (direction < 0.0 && conditions_.negative_limit_switch && !passed.negative_limit);
+}
+
+bool AxisMotion::blocked_by_switch(double direction) {
+  blocked_direction_ = switch_blocks(direction) ? direction : 0.0;
+  return blocked_direction_ != 0.0;
+}
+
+void AxisMotion::stop_at_switch(double direction) {
+  profile_ = Profile::none;
+  const double deceleration = velocity() * direction > 0.0 ? settings_.ramp.stop_deceleration
+                                                           : velocity_limits().deceleration;
+  if (ramp_.mode() != control::RampMode::stop || deceleration <= 0.0) {
+    ramp_.stop(deceleration);
+  }
 }
 
 bool AxisMotion::limit_blocks(double direction) const {
@@ -110,13 +129,21 @@ control::RampLimits AxisMotion::search_limits(double velocity) const {
           .deceleration = acceleration};
 }
 
+control::RampLimits AxisMotion::limits_before_limit(bool on_profile) const {
+  control::RampLimits limits = velocity_limits();
+  if (!on_profile) {
+    limits = {.acceleration = limits.deceleration, .deceleration = limits.deceleration};
+  }
+  return limits;
+}
+
 std::int64_t AxisMotion::move_to(std::int64_t target) {
   end_torque();
-  const std::int64_t allowed = clamped(target);
+  const std::int64_t allowed =
+      clamped(target, lower_limit().value_or(target), upper_limit().value_or(target));
   const auto way = static_cast<double>(allowed - position());
-  if (switch_blocks(way)) {
-    limited_ = true;
-    brake(Braking::slow_down_ramp);
+  if (blocked_by_switch(way)) {
+    stop_at_switch(way);
   } else {
     ramp_.move_to(allowed, profile_limits());
     profile_ = Profile::positioning;
@@ -124,44 +151,112 @@ std::int64_t AxisMotion::move_to(std::int64_t target) {
   return allowed;
 }
 
-void AxisMotion::move_at_velocity(double velocity) {
-  end_torque();
-  limited_ = switch_blocks(velocity) || limit_blocks(velocity);
-  ramp_.move_at_velocity(limited_ ? 0.0 : velocity, velocity_limits());
-  profile_ = Profile::velocity;
-}
-
 void AxisMotion::follow_position(std::int64_t target) {
   end_torque();
   profile_ = Profile::none;
-  const std::int64_t allowed = clamped(target);
-  if (switch_blocks(static_cast<double>(allowed - position()))) {
-    limited_ = true;
-    ramp_.stop_at_once();
+  const std::int64_t allowed = clamped(target, std::min(lower_limit().value_or(target), position()),
+                                       std::max(upper_limit().value_or(target), position()));
+  const auto way = static_cast<double>(allowed - position());
+  if (blocked_by_switch(way)) {
+    stop_at_switch(way);
   } else {
     ramp_.follow_position(allowed, objects_.interpolation_period());
   }
 }
 
+void AxisMotion::move_at_velocity(double velocity) {
+  take_up(velocity, true);
+}
+
 void AxisMotion::follow_velocity(double velocity) {
+  take_up(velocity, false);
+}
+
+void AxisMotion::take_up(double velocity, bool on_profile) {
   end_torque();
-  profile_ = Profile::none;
-  limited_ = switch_blocks(velocity) || limit_blocks(velocity);
-  ramp_.follow_velocity(limited_ ? 0.0
-                                 : std::clamp(velocity, -MotionUnits::kMaximumVelocity,
-                                              MotionUnits::kMaximumVelocity),
-                        objects_.interpolation_period());
+  wanted_velocity_ =
+      std::clamp(velocity, -MotionUnits::kMaximumVelocity, MotionUnits::kMaximumVelocity);
+  clamped_ = wanted_velocity_ != velocity;
+  if (blocked_by_switch(wanted_velocity_)) {
+    stop_at_switch(wanted_velocity_);
+    return;
+  }
+  const auto command = [&](control::RampGenerator& ramp) {
+    if (on_profile) {
+      ramp.move_at_velocity(wanted_velocity_, velocity_limits());
+    } else {
+      ramp.follow_velocity(wanted_velocity_, objects_.interpolation_period());
+    }
+  };
+  if (has_limits()) {
+    control::RampGenerator trial = ramp_;
+    command(trial);
+    const double direction =
+        limit_blocks(wanted_velocity_) ? wanted_velocity_ : limit_passed_by(trial, on_profile);
+    if (direction != 0.0) {
+      clamped_ = true;
+      if (profile_ != Profile::to_limit || direction * limit_direction_ < 0.0) {
+        travel_to_limit(direction, on_profile);
+      }
+      return;
+    }
+  }
+  command(ramp_);
+  profile_ = on_profile ? Profile::velocity : Profile::none;
+}
+
+/// Direction of the software limit that `ramp` runs over unless the axis brakes before the next
+/// control period ends; 0 = none.
+double AxisMotion::limit_passed_by(const control::RampGenerator& ramp, bool on_profile) const {
+  control::RampGenerator later = ramp;
+  // Two periods ahead: this one and the one after, in which it would be too late.
+  later.advance(period_ + period_);
+  const double direction = later.velocity() < 0.0 ? -1.0 : 1.0;
+  const auto limit = direction > 0.0 ? upper_limit() : lower_limit();
+  if (later.velocity() == 0.0 || !limit ||
+      (on_profile && ramp.target_velocity() * direction <= 0.0)) {
+    return 0.0;  // the last: it brakes as hard as it may already
+  }
+  const double way = direction * static_cast<double>(*limit - later.position().microsteps);
+  // A microstep more for the fraction that the integer position leaves out.
+  const bool late = way <= later.braking_distance(limits_before_limit(on_profile)) + 1.0;
+  return late ? direction : 0.0;
+}
+
+void AxisMotion::travel_to_limit(double direction, bool on_profile) {
+  control::RampLimits limits = limits_before_limit(on_profile);
+  const double sign = direction < 0.0 ? -1.0 : 1.0;
+  const std::int64_t limit = (sign > 0.0 ? upper_limit() : lower_limit()).value_or(position());
+  const bool ahead = sign * static_cast<double>(limit - position()) > 0.0;
+  limits.velocity = sign * velocity();
+  clamped_ = true;
+  if (torque_) {
+    profile_ = Profile::none;
+    hold_against(direction);
+  } else {
+    profile_ = Profile::to_limit;
+    limit_direction_ = direction;
+    limits.velocity = std::max(limits.velocity, sign * wanted_velocity_);
+  }
+  if (ahead && limits.deceleration > 0.0) {
+    ramp_.move_to(limit, limits);
+  } else {
+    ramp_.stop(limits);
+  }
 }
 
 bool AxisMotion::search_blocked(double direction, const PassedSwitches& passed) {
   end_torque();
   profile_ = Profile::search;
   passed_ = passed;
-  limited_ = switch_blocks(direction);
-  if (limited_ && ramp_.mode() != control::RampMode::stop) {
+  clamped_ = false;
+  if (!blocked_by_switch(direction)) {
+    return false;
+  }
+  if (ramp_.mode() != control::RampMode::stop) {
     ramp_.stop(settings_.ramp.stop_deceleration);
   }
-  return limited_;
+  return true;
 }
 
 void AxisMotion::search_at_velocity(double velocity, const PassedSwitches& passed) {
@@ -177,7 +272,7 @@ void AxisMotion::search_to(std::int64_t target, double velocity, const PassedSwi
 }
 
 void AxisMotion::hold_against(double direction) {
-  limited_ = true;
+  clamped_ = true;
   torque_.reset();
   held_direction_ = direction;
 }
@@ -194,7 +289,8 @@ void AxisMotion::apply_torque(double amperes) {
     hold_against(amperes);
     return;
   }
-  limited_ = false;
+  clamped_ = false;
+  blocked_direction_ = 0.0;
   profile_ = Profile::none;
   torque_ = amperes;
 }
@@ -209,7 +305,7 @@ void AxisMotion::follow_rotor(double deviation, double velocity) {
 
 void AxisMotion::brake(Braking braking) {
   const bool searches = profile_ == Profile::search;
-  const bool on_profile = profile_ != Profile::none && !searches;
+  const bool on_profile = profile_ == Profile::positioning || profile_ == Profile::velocity;
   profile_ = Profile::none;
   end_torque();
   switch (braking) {
@@ -233,65 +329,49 @@ void AxisMotion::brake(Braking braking) {
   }
 }
 
-void AxisMotion::supervise(base::SimDuration period) {
+void AxisMotion::supervise() {
   if (profile_ == Profile::positioning) {
     ramp_.set_limits(profile_limits());
   } else if (profile_ == Profile::velocity) {
     ramp_.set_limits(velocity_limits());
   }
-  if (switch_blocks(velocity())) {
-    limited_ = true;
-    profile_ = Profile::none;
-    if (torque_) {
-      hold_against(velocity());
-    }
-    if (ramp_.mode() != control::RampMode::stop || settings_.ramp.stop_deceleration <= 0.0) {
-      ramp_.stop(settings_.ramp.stop_deceleration);
-    }
-    return;
+  if (!obey_limit_switches()) {
+    watch_software_limits();
   }
-  stop_before_software_limit(period);
 }
 
-void AxisMotion::stop_before_software_limit(base::SimDuration period) {
-  const bool on_profile =
-      ramp_.mode() == control::RampMode::velocity && profile_ != Profile::search;
-  const double direction = velocity() < 0.0 ? -1.0 : 1.0;
-  const auto limit = velocity() > 0.0 ? upper_limit() : lower_limit();
-  if (!(on_profile || ramp_.mode() == control::RampMode::follow_velocity) || velocity() == 0.0 ||
-      !limit || (on_profile && ramp_.target_velocity() * direction <= 0.0)) {
-    return;  // the last: it brakes as hard as it may already
+bool AxisMotion::obey_limit_switches() {
+  if (!switch_blocks(velocity())) {
+    if (!switch_blocks(blocked_direction_)) {
+      blocked_direction_ = 0.0;
+    }
+    return false;
   }
-  control::RampLimits limits = velocity_limits();
-  if (!on_profile) {
-    limits = {.acceleration = limits.deceleration, .deceleration = limits.deceleration};
-  }
-  // Two periods ahead: this one and the one after, in which it would be too late.
-  const double ahead = 2.0 * period.seconds();
-  control::MotionState later = ramp_.state().now;
-  const double gained = std::max(0.0, direction * later.acceleration);
-  double acceleration = gained;
-  if (on_profile && ramp_.phase() == control::RampPhase::accelerating && limits.jerk[0] > 0.0) {
-    acceleration = std::min(std::max(gained, limits.acceleration), gained + limits.jerk[0] * ahead);
-  }
-  later.acceleration = direction * acceleration;
-  later.velocity += later.acceleration * ahead;
-  const double speed = direction * later.velocity;
-  const auto way = direction * static_cast<double>(*limit - position());
-  // A microstep more for the fraction that the integer position leaves out.
-  if (way > control::braking_distance(later, limits) + speed * ahead + 1.0) {
-    return;
-  }
-  limited_ = true;
-  profile_ = Profile::none;
+  blocked_direction_ = velocity();
   if (torque_) {
     hold_against(velocity());
   }
-  if (way > 0.0 && limits.deceleration > 0.0) {
-    limits.velocity = on_profile ? direction * ramp_.target_velocity() : speed;
-    ramp_.move_to(*limit, limits);
-  } else {
-    ramp_.stop(limits);
+  stop_at_switch(velocity());
+  return true;
+}
+
+void AxisMotion::watch_software_limits() {
+  if (!has_limits()) {
+    return;
+  }
+  if (profile_ == Profile::to_limit) {
+    // Away from the limit, but so slowly by 60C2h that it could not be taken at once.
+    if (limit_direction_ * wanted_velocity_ <= 0.0) {
+      take_up(wanted_velocity_, false);
+    }
+    return;
+  }
+  const bool on_profile = profile_ == Profile::velocity;
+  if (!on_profile && ramp_.mode() != control::RampMode::follow_velocity) {
+    return;
+  }
+  if (const double direction = limit_passed_by(ramp_, on_profile); direction != 0.0) {
+    travel_to_limit(direction, on_profile);
   }
 }
 

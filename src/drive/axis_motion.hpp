@@ -23,25 +23,30 @@ struct PassedSwitches {
 /// the position with these lower bits in the present turn of the 32-bit counter.
 class AxisMotion {
  public:
-  /// Everything must outlive the object.
+  /// Everything must outlive the object; `period` is the time between two calls of supervise().
   AxisMotion(const AxisObjects& objects, const AxisSettings& settings,
-             const AxisConditions& conditions)
-      : objects_(objects), settings_(settings), conditions_(conditions) {}
+             const AxisConditions& conditions, base::SimDuration period)
+      : objects_(objects), settings_(settings), conditions_(conditions), period_(period) {}
 
   /// Absolute target of profile position in 64 bits.
   [[nodiscard]] std::int64_t absolute(std::int32_t object) const;
   /// Cyclic target in 64 bits: the position nearest to the present one with the lower bits of
-  /// `sum`, so that an endless axis passes the end of the 32-bit counter; absolute where a software
-  /// limit holds.
-  [[nodiscard]] std::int64_t cyclic(std::int64_t sum) const;
+  /// `target` plus `offset`, whatever turn of the 32-bit counter that is in. A software limit is
+  /// compared with the sum, which does not wrap.
+  [[nodiscard]] std::int64_t cyclic(std::int32_t target, std::int32_t offset) const;
 
   /// Travels on the profile of 6081h to 6084h, 6086h and 60A4h; the target is clamped to the
   /// software limits. Returns the target in force.
   std::int64_t move_to(std::int64_t target);
-  /// Takes up `velocity` (pps) with 6083h, 6084h, 6086h and 60A4h.
+  /// Takes up `velocity` (pps) with 6083h, 6084h, 6086h and 60A4h, as far as the ramp generator
+  /// goes. One that would run into a software limit is not taken: the axis travels to the limit and
+  /// rests there, however often such velocities come.
   void move_at_velocity(double velocity);
-  /// Interpolates to a cyclic target within 60C2h; clamped to the software limits.
+  /// Interpolates to a cyclic target within 60C2h; clamped to the software limits. Outside them the
+  /// axis may stay or return, it is not pulled back.
   void follow_position(std::int64_t target);
+  /// Interpolates to `velocity` (pps) within 60C2h; at a software limit as move_at_velocity(), with
+  /// 6084h.
   void follow_velocity(double velocity);
   /// Homing: takes up `velocity` (pps) with 609Ah. Software limits do not hold, for the position
   /// means nothing yet; a limit switch that may not be passed stops the motor.
@@ -65,9 +70,11 @@ class AxisMotion {
   /// Renames the present position; a motion under way ends at once.
   void set_position(std::int64_t microsteps) { ramp_.set_position(microsteps); }
 
-  /// Applies changed profile objects, software limits and limit switches. Call every control period
-  /// of length `period`.
-  void supervise(base::SimDuration period);
+  /// Applies changed profile objects, software limits and limit switches. Call every control
+  /// period.
+  void supervise();
+  /// Stops a motion into a limit switch that is pressed now; returns whether there was one.
+  bool obey_limit_switches();
   void advance(base::SimDuration duration) { ramp_.advance(duration); }
 
   [[nodiscard]] const control::RampGenerator& ramp() const { return ramp_; }
@@ -78,24 +85,37 @@ class AxisMotion {
   }
   [[nodiscard]] double velocity() const { return ramp_.velocity(); }
   [[nodiscard]] bool at_rest() const { return ramp_.at_rest(); }
-  /// A software limit or a limit switch holds back what was commanded last.
-  [[nodiscard]] bool limited() const { return limited_; }
+  /// What was commanded last is held back: it was cut down to a software limit or to what the ramp
+  /// generator holds, or a limit switch blocks it now.
+  [[nodiscard]] bool limited() const { return clamped_ || blocked_direction_ != 0.0; }
 
-  /// 607Dh corrected by the home offset, in the present turn of the 32-bit counter; none for the
-  /// extreme values of INTEGER32.
+  /// 607Dh corrected by the home offset, in the present turn of the 32-bit counter and not beyond
+  /// its ends. The extreme values of INTEGER32 are no limit: none if both are in force, else the
+  /// counter's end.
   [[nodiscard]] std::optional<std::int64_t> lower_limit() const;
   [[nodiscard]] std::optional<std::int64_t> upper_limit() const;
 
  private:
+  /// What is under way: a motion whose limits follow changed profile objects, or the way to a
+  /// software limit instead of a velocity.
+  enum class Profile : std::uint8_t { none, positioning, velocity, search, to_limit };
+
   [[nodiscard]] std::int64_t turn() const;
-  [[nodiscard]] std::int64_t clamped(std::int64_t target);
+  [[nodiscard]] bool has_limits() const;
+  [[nodiscard]] std::int64_t clamped(std::int64_t target, std::int64_t lower, std::int64_t upper);
   [[nodiscard]] bool switch_blocks(double direction) const;
+  [[nodiscard]] bool blocked_by_switch(double direction);
+  void stop_at_switch(double direction);
   [[nodiscard]] bool limit_blocks(double direction) const;
   [[nodiscard]] control::RampLimits profile_limits() const;
   [[nodiscard]] control::RampLimits velocity_limits() const;
   [[nodiscard]] control::RampLimits search_limits(double velocity) const;
+  [[nodiscard]] control::RampLimits limits_before_limit(bool on_profile) const;
   [[nodiscard]] bool search_blocked(double direction, const PassedSwitches& passed);
-  void stop_before_software_limit(base::SimDuration period);
+  void take_up(double velocity, bool on_profile);
+  [[nodiscard]] double limit_passed_by(const control::RampGenerator& ramp, bool on_profile) const;
+  void travel_to_limit(double direction, bool on_profile);
+  void watch_software_limits();
   void end_torque() {
     torque_.reset();
     held_direction_ = 0.0;
@@ -105,16 +125,17 @@ class AxisMotion {
 
   const AxisObjects& objects_;
   const AxisSettings& settings_;
-  /// Which limits a change of the profile objects alters in flight.
-  enum class Profile : std::uint8_t { none, positioning, velocity, search };
-
   const AxisConditions& conditions_;
+  base::SimDuration period_;
   control::RampGenerator ramp_;
   Profile profile_ = Profile::none;
-  PassedSwitches passed_;  ///< in Profile::search
-  bool limited_ = false;
-  std::optional<double> torque_;  ///< A
-  double held_direction_ = 0.0;   ///< of the torque that ran into a limit, 0 = none
+  PassedSwitches passed_;           ///< in Profile::search
+  bool clamped_ = false;            ///< the last command was not taken as it came
+  double blocked_direction_ = 0.0;  ///< in which a limit switch blocks; 0 = none does
+  double wanted_velocity_ = 0.0;    ///< pps, of the last velocity commanded
+  double limit_direction_ = 0.0;    ///< in Profile::to_limit
+  std::optional<double> torque_;    ///< A
+  double held_direction_ = 0.0;     ///< of the torque that ran into a limit, 0 = none
 };
 
 }  // namespace stator::drive

@@ -43,7 +43,6 @@ struct AxisSettings {
 /// The surroundings of an axis, from the network and from inputs, as of now.
 struct AxisConditions {
   bool network_operational = false;
-  bool supply_present = true;
   bool negative_limit_switch = false;  ///< pressed, after polarity; false if not used
   bool positive_limit_switch = false;
   bool shutdown_switch = false;  ///< the enable signal of the power stages is missing

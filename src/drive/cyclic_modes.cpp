@@ -5,9 +5,8 @@
 namespace stator::drive {
 
 void CyclicPosition::on_target(const ModeContext& context) {
-  const std::int64_t target =
-      std::int64_t{context.objects.target_position.get()} + context.objects.position_offset.get();
-  context.motion.follow_position(context.motion.cyclic(target));
+  context.motion.follow_position(context.motion.cyclic(context.objects.target_position.get(),
+                                                       context.objects.position_offset.get()));
 }
 
 std::uint16_t CyclicPosition::status(const ModeContext& context) const {
@@ -21,7 +20,7 @@ std::uint16_t CyclicPosition::status(const ModeContext& context) const {
 void CyclicVelocity::on_target(const ModeContext& context) {
   const std::int64_t target =
       std::int64_t{context.objects.target_velocity.get()} + context.objects.velocity_offset.get();
-  context.motion.follow_velocity(context.settings.units.velocity(static_cast<double>(target)));
+  context.motion.follow_velocity(context.settings.units.pps(static_cast<double>(target)));
 }
 
 std::uint16_t CyclicVelocity::status(const ModeContext& context) const {

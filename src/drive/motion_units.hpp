@@ -24,9 +24,11 @@ class MotionUnits {
   MotionUnits() = default;
   static constexpr MotionUnits internal() { return {256.0, 4.0}; }
 
-  /// pps of a velocity object.
+  /// pps of a velocity object, more than the ramp generator can hold included.
+  [[nodiscard]] double pps(double value) const { return value / velocity_scale_; }
+  /// pps of a velocity object, clipped to what the ramp generator can hold.
   [[nodiscard]] double velocity(double value) const {
-    return std::clamp(value / velocity_scale_, -kMaximumVelocity, kMaximumVelocity);
+    return std::clamp(pps(value), -kMaximumVelocity, kMaximumVelocity);
   }
   /// pps/s of an acceleration object.
   [[nodiscard]] double acceleration(double value) const {

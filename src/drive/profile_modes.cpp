@@ -102,7 +102,7 @@ std::uint16_t ProfilePosition::status(const ModeContext& context) const {
 
 void ProfileVelocity::on_target(const ModeContext& context) {
   context.motion.move_at_velocity(
-      context.settings.units.velocity(context.objects.target_velocity.get()));
+      context.settings.units.pps(context.objects.target_velocity.get()));
 }
 
 std::uint16_t ProfileVelocity::status(const ModeContext& context) const {

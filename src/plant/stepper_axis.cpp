@@ -21,7 +21,9 @@ StepperAxis::StepperAxis(const StepperAxisParameters& parameters)
       encoder_(parameters.encoder, parameters.motor.pole_pairs),
       supply_(parameters.supply),
       motor_thermal_(parameters.motor.thermal, kThermalPeriod.seconds()),
-      driver_thermal_(parameters.driver.thermal, kThermalPeriod.seconds()) {
+      driver_thermal_(parameters.driver.thermal, kThermalPeriod.seconds()),
+      has_switches_(parameters.left_switch.fitted || parameters.right_switch.fitted ||
+                    parameters.home_switch.fitted) {
   state_.motor.angle = motor_.angle_at(parameters.initial_revolutions);
   state_.encoder = encoder_.power_on(state_.motor.angle);
   state_.brake.open = parameters.brake.closed_by_current;
@@ -31,17 +33,18 @@ StepperAxis::StepperAxis(const StepperAxisParameters& parameters)
   state_.motor_temperature = {ambient, ambient};
   state_.driver_temperature = {ambient, ambient};
   follow_winding_temperature();
+  sense_into(sensing_);
 }
 
-base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
-                                    base::SimDuration duration) {
+const base::AxisSensing& StepperAxis::step(const base::AxisActuation& actuation,
+                                           base::SimDuration duration) {
   state_.unheated += duration;
   if (settled_ && actuation == settled_actuation_ && duration == settled_duration_) {
     if (state_.unheated >= kThermalPeriod) {
       update_temperatures();
-      settled_sensing_.driver_temperature = state_.driver_temperature.inner;
+      sensing_.driver_temperature = state_.driver_temperature.inner;
     }
-    return settled_sensing_;
+    return sensing_;
   }
   const HybridStepperState before = state_.motor;
   parameters_.brake.advance(state_.brake, actuation.brake_released, duration);
@@ -67,17 +70,16 @@ base::AxisSensing StepperAxis::step(const base::AxisActuation& actuation,
   if (state_.unheated >= kThermalPeriod) {
     update_temperatures();
   }
-  base::AxisSensing sensing = sense();
+  sense_into(sensing_);
   if (faulty_ && actuation.bridge_enabled) [[unlikely]] {
-    sensing.overcurrent = state_.faults.shorted;
-    sensing.overcurrent_high_side = state_.faults.high_side;
+    sensing_.overcurrent = state_.faults.shorted;
+    sensing_.overcurrent_high_side = state_.faults.high_side;
   }
   if (settled_) {
     settled_actuation_ = actuation;
     settled_duration_ = duration;
-    settled_sensing_ = sensing;
   }
-  return sensing;
+  return sensing_;
 }
 
 base::AxisActuation StepperAxis::on_the_way(const base::AxisActuation& actuation,
@@ -217,8 +219,13 @@ void StepperAxis::restore(const StepperAxisState& state) {
 }
 
 base::AxisSensing StepperAxis::sense() const {
-  const double revolutions = motor_.revolutions(state_.motor);
   base::AxisSensing sensing;
+  sense_into(sensing);
+  return sensing;
+}
+
+void StepperAxis::sense_into(base::AxisSensing& sensing) const {
+  const double revolutions = has_switches_ ? motor_.revolutions(state_.motor) : 0.0;
   sensing.coil_current = state_.motor.current;
   sensing.encoder_count = encoder_.count(state_.encoder);
   sensing.encoder_index = encoder_.index(state_.encoder);
@@ -232,7 +239,8 @@ base::AxisSensing StepperAxis::sense() const {
   sensing.induced_voltage = state_.chopper.induced_voltage;
   sensing.converted_power = state_.chopper.converted_power;
   sensing.current_regulated = state_.chopper.regulated;
-  return sensing;
+  sensing.overcurrent = {};
+  sensing.overcurrent_high_side = false;
 }
 
 StepperAxisObservation StepperAxis::observe() const {

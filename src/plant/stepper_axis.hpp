@@ -111,7 +111,10 @@ class StepperAxis {
 
   /// Advances the world by `duration` (customarily 50 us; longer ones, and fast shafts, are divided
   /// into inner steps by the stability rule of HybridStepper) and reads the sensors.
-  base::AxisSensing step(const base::AxisActuation& actuation, base::SimDuration duration);
+  const base::AxisSensing& step(const base::AxisActuation& actuation, base::SimDuration duration);
+
+  /// What the sensors told at the end of the latest step.
+  [[nodiscard]] const base::AxisSensing& sensing() const { return sensing_; }
 
   /// The sensors without letting time pass.
   [[nodiscard]] base::AxisSensing sense() const;
@@ -158,6 +161,7 @@ class StepperAxis {
   void observe_chopper(const std::array<double, 2>& induced,
                        const std::array<double, 2>& current_before, const HybridStepperInput& input,
                        double step);
+  void sense_into(base::AxisSensing& sensing) const;
   void update_temperatures();
   void follow_winding_temperature();
 
@@ -167,7 +171,9 @@ class StepperAxis {
   Supply supply_;
   TwoBodyThermal motor_thermal_;
   TwoBodyThermal driver_thermal_;
+  bool has_switches_;
   StepperAxisState state_;
+  base::AxisSensing sensing_;
   double regulated_step_ = 0.0;  ///< s, for which current_gain_ holds
   double current_gain_ = 0.0;    ///< voltage per change of current within a step, L / h
   bool faulty_ = false;          ///< state_.faults has any
@@ -177,7 +183,6 @@ class StepperAxis {
   bool settled_ = false;
   base::AxisActuation settled_actuation_;
   base::SimDuration settled_duration_;
-  base::AxisSensing settled_sensing_;
 };
 
 }  // namespace stator::plant

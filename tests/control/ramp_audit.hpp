@@ -85,14 +85,14 @@ class BowAudit {
     const MotionState end = segment.at(segment.duration);
     const double speed = std::max(std::fabs(begin.velocity), std::fabs(end.velocity));
     ASSERT_LE(speed, allowed_speed_ * (1.0 + 1e-9) + 1e-9);
-    const double middle = segment.at(0.5 * segment.duration).velocity;
-    const double rise =
-        (middle < 0.0 ? -1.0 : 1.0) * segment.at(0.5 * segment.duration).acceleration;
+    const MotionState middle = segment.at(0.5 * segment.duration);
+    const double rise = (middle.velocity < 0.0 ? -1.0 : 1.0) * middle.acceleration;
     const bool gaining = rise > 0.0;
     const double rate = std::max(std::fabs(begin.acceleration), std::fabs(end.acceleration));
     const double limit = gaining ? limits_.acceleration : limits_.deceleration;
     ASSERT_LE(rate, std::max(limit, allowed_rate_) * (1.0 + 1e-9) + 1e-9);
-    const bool growing = std::fabs(end.acceleration) > std::fabs(begin.acceleration);
+    // By the jerk: in the shortest of bows the acceleration does not change its last digit.
+    const bool growing = segment.jerk * middle.acceleration > 0.0;
     if (segment.jerk != 0.0) {
       const std::size_t corner = (gaining ? 0U : 2U) + (growing ? 0U : 1U);
       const bool brakes_on = corner == 3 && start_.acceleration * start_.velocity < 0.0;

@@ -43,6 +43,8 @@ class AxisBench : public base::EventSink {
   }
 
   void pass(base::SimDuration duration);
+  /// From the next step on, V.
+  void supply_voltage(double voltage) { sensing_.supply_voltage = voltage; }
   /// Profile 6081h, 6083h, 6084h.
   void set_profile(std::int64_t velocity, std::int64_t acceleration, std::int64_t deceleration);
   /// 6060h, then 6, 7, 15.

@@ -312,7 +312,8 @@ TEST_F(AxisTest, DefaultLimitsMinusAnOffsetDoNotOverflow) {
   bench_.write(0x607C, 1'000'000);
   EXPECT_FALSE(bench_.axis->motion().lower_limit().has_value());
   bench_.write(0x607D, 1, -2'147'483'647);
-  EXPECT_EQ(bench_.axis->motion().lower_limit(), -2'148'483'647);
+  EXPECT_EQ(bench_.axis->motion().lower_limit(), -2'147'483'648) << "the end of the counter";
+  EXPECT_EQ(bench_.axis->motion().upper_limit(), 2'147'483'647);
 }
 
 TEST_F(AxisTest, LeavingTheSoftwareLimitsIsReportedOnce) {
@@ -452,7 +453,7 @@ TEST_F(AxisTest, TheStatuswordShowsVoltageRemoteAndState) {
   bench_.pass(1_ms);
   EXPECT_EQ(bench_.read(0x6041) & 0x024F, 0x0240) << "remote, Switch on disabled";
   EXPECT_TRUE(bench_.status(statusword::kVoltageEnabled));
-  bench_.axis->conditions().supply_present = false;
+  bench_.supply_voltage(5.0);
   bench_.axis->conditions().network_operational = false;
   bench_.pass(1_ms);
   EXPECT_FALSE(bench_.status(statusword::kVoltageEnabled));

@@ -79,7 +79,7 @@ AxisUnit::AxisUnit(dictionary::Dictionary& dictionary, std::uint8_t number,
       driver_objects_(dictionary, manufacturer_offset(number)),
       ramp_objects_(dictionary, manufacturer_offset(number)),
       plant_(plant),
-      sensing_(plant_.sense()) {
+      sensing_(plant_.sensing()) {
   const auto own = [number](unsigned index) {
     return static_cast<std::uint16_t>(index + manufacturer_offset(number));
   };

@@ -78,7 +78,7 @@ class AxisUnit {
   void step(base::SimDuration duration) {
     base::AxisActuation actuation = axis_->step(duration, sensing_);
     actuation.brake_released = brake_coil_releases_;
-    sensing_ = plant_.step(actuation, duration);
+    plant_.step(actuation, duration);
   }
   void set_network_operational(bool operational, base::SimTime now);
 
@@ -168,7 +168,7 @@ class AxisUnit {
   DriverObjects driver_objects_;
   RampObjects ramp_objects_;
   plant::StepperAxis plant_;
-  base::AxisSensing sensing_;
+  const base::AxisSensing& sensing_;
   bool brake_coil_releases_ = false;  ///< set_brake_coil() says it with the first duty
   std::optional<drive::Axis> axis_;
 };

@@ -1,0 +1,166 @@
+// What an axis watches: following error, limits, the driver chip; and what its errors lead to.
+
+#include <array>
+#include <cstdlib>
+
+#include "drive/axis.hpp"
+
+namespace stator::drive {
+
+namespace {
+
+using base::EventArgument;
+using base::EventRule;
+using base::Severity;
+
+// {0} axis, {1} actual position, {2} demand or limit.
+constexpr std::array<EventRule, kAxisErrorCount> kErrorRules{{
+    {"axis-following-error", Severity::fault,
+     "axis {0}: following error: actual position {1}, demand {2}, further apart than 6065h allows; "
+     "look for a blocked shaft or a velocity the motor cannot reach, then reset the fault"},
+    {"axis-positive-software-limit", Severity::warning,
+     "axis {0}: actual position {1} is beyond the positive software limit {2}; move back"},
+    {"axis-negative-software-limit", Severity::warning,
+     "axis {0}: actual position {1} is beyond the negative software limit {2}; move back"},
+    {"axis-positive-limit-switch", Severity::warning,
+     "axis {0}: positive limit switch touched at position {1}; motion is possible in negative "
+     "direction only, or with the switch deactivated"},
+    {"axis-negative-limit-switch", Severity::warning,
+     "axis {0}: negative limit switch touched at position {1}; motion is possible in positive "
+     "direction only, or with the switch deactivated"},
+    {"axis-stall", Severity::warning,
+     "axis {0}: stopped at position {1}: the load measurement fell to 0 above the speed of the "
+     "stop "
+     "on stall; look for a blocked shaft, or raise current or stall threshold, then move again"},
+    {"axis-open-load-a", Severity::warning,
+     "axis {0}: no current flows in phase A; look for a broken motor cable"},
+    {"axis-open-load-b", Severity::warning,
+     "axis {0}: no current flows in phase B; look for a broken motor cable"},
+    {"axis-overcurrent-a", Severity::fault,
+     "axis {0}: overcurrent in bridge A, the driver is switched off; look for a short in motor or "
+     "cable, then reset the fault"},
+    {"axis-overcurrent-b", Severity::fault,
+     "axis {0}: overcurrent in bridge B, the driver is switched off; look for a short in motor or "
+     "cable, then reset the fault"},
+    {"axis-overcurrent-high-side", Severity::fault,
+     "axis {0}: overcurrent on the high side, the driver is switched off; look for a short in the "
+     "driver stage, then reset the fault"},
+    {"axis-over-temperature-warning", Severity::warning,
+     "axis {0}: the driver is near its temperature limit; lower the current or cool the module"},
+    {"axis-over-temperature", Severity::fault,
+     "axis {0}: the driver is too hot and has been switched off; let it cool, then reset the "
+     "fault"},
+    {"axis-undervoltage", Severity::fault,
+     "axis {0}: the supply is too low to drive a motor; restore it, then reset the fault"},
+    {"axis-shutdown-switch", Severity::fault,
+     "axis {0}: the shutdown switch is active, the driver is switched off; release it, then reset "
+     "the fault"},
+}};
+
+/// Everything that supervise_driver() watches.
+constexpr AxisErrors kDriverErrors{
+    AxisError::open_load_a,           AxisError::open_load_b,
+    AxisError::overcurrent_a,         AxisError::overcurrent_b,
+    AxisError::overcurrent_high_side, AxisError::over_temperature_warning,
+    AxisError::over_temperature,      AxisError::undervoltage,
+    AxisError::shutdown_switch,       AxisError::stall};
+constexpr std::array kShorts{AxisError::overcurrent_a, AxisError::overcurrent_b,
+                             AxisError::overcurrent_high_side};
+/// Flags of the driver chip that last as long as their cause.
+constexpr std::array kDriverConditions{AxisError::open_load_a, AxisError::open_load_b,
+                                       AxisError::over_temperature_warning,
+                                       AxisError::over_temperature, AxisError::undervoltage};
+
+}  // namespace
+
+void Axis::supervise(base::SimTime now) {
+  const std::int64_t actual = actual_position();
+  const std::int64_t deviation = actual - motion_.position();
+  const std::int64_t window = objects_.following_window.get();
+  const bool under_power = power_.bridge_enabled();
+  watch(AxisError::following_error,
+        under_power && objects_.uses_encoder() && window > 0 && !motion_.torque() &&
+            std::abs(deviation) > window,
+        now);
+
+  const bool homes = mode_->code() == ModeCode::homing;  // no limit means anything yet
+  const auto upper = motion_.upper_limit();
+  const auto lower = motion_.lower_limit();
+  watch(AxisError::positive_software_limit, upper && actual > *upper && !homes, now);
+  watch(AxisError::negative_software_limit, lower && actual < *lower && !homes, now);
+  watch(AxisError::positive_limit_switch, conditions_.positive_limit_switch && !homes, now);
+  watch(AxisError::negative_limit_switch, conditions_.negative_limit_switch && !homes, now);
+  supervise_driver(now);
+}
+
+void Axis::supervise_driver(base::SimTime now) {
+  driver_.supervise(settings_.driver.limits);
+  if (motion_.velocity() != 0.0 || !power_.bridge_enabled()) {
+    stalled_ = false;
+  }
+  const AxisErrors flags = driver_.flags();
+  if (flags.empty() && !causes_.any_of(kDriverErrors) && !conditions_.shutdown_switch && !stalled_)
+      [[likely]] {
+    return;
+  }
+  for (const AxisError error : kDriverConditions) {
+    watch(error, flags.has(error), now);
+  }
+  // The chip remembers a short; its cause went away with the current and cannot hold up a reset.
+  for (const AxisError error : kShorts) {
+    watch(error, flags.has(error) && !errors_.has(error), now);
+  }
+  watch(AxisError::shutdown_switch, conditions_.shutdown_switch, now);
+  watch(AxisError::stall, stalled_, now);
+}
+
+void Axis::stop_on_stall() {
+  stalled_ = true;
+  motion_.brake(Braking::at_once);
+}
+
+bool Axis::stall_blocks() const {
+  // A master that goes on sending cyclic targets must not drive the motor into the obstacle again.
+  return stalled_ && (mode_ == &cyclic_position_ || mode_ == &cyclic_velocity_);
+}
+
+void Axis::watch(AxisError error, bool present, base::SimTime now) {
+  const bool appears = present && !causes_.has(error);
+  causes_.set(error, present);
+  if (!present && !is_fault(error)) {
+    errors_.set(error, false);
+  }
+  if (!appears || errors_.has(error)) {
+    return;
+  }
+  errors_.set(error, true);
+  const std::int64_t reference =
+      error == AxisError::positive_software_limit   ? motion_.upper_limit().value_or(0)
+      : error == AxisError::negative_software_limit ? motion_.lower_limit().value_or(0)
+                                                    : motion_.position();
+  reporter_.report(now, kErrorRules[static_cast<std::size_t>(error)],
+                   {EventArgument(int{configuration_.number}), EventArgument(actual_position()),
+                    EventArgument(reference)});
+  if (is_fault(error)) {
+    power_.raise_fault(power_input(now), reaction_to(error) == ErrorReaction::power_off);
+  }
+}
+
+ErrorReaction Axis::reaction_to(AxisError error) const {
+  return configuration_.reactions[static_cast<std::size_t>(error)];
+}
+
+bool Axis::is_fault(AxisError error) const {
+  return reaction_to(error) == ErrorReaction::fault ||
+         reaction_to(error) == ErrorReaction::power_off;
+}
+
+bool Axis::fault_present() const {
+  return causes_.any_of(fault_errors_);
+}
+
+bool Axis::warning_present() const {
+  return causes_.any_of(warning_errors_);
+}
+
+}  // namespace stator::drive
