@@ -122,8 +122,7 @@ TEST_F(ClosedLoopModule, NeitherStandbyNorBoostCurrentIsUsed) {
 class FieldWeakening : public ClosedLoopModule {
  protected:
   double highest_velocity(std::uint8_t gamma) {
-    device_ = std::make_unique<Tmcm3315>(with_encoder());
-    bus_ = std::make_unique<tests::TestBus>(*device_);
+    renew(with_encoder());
     go_operational();
     start_closed_loop(3);
     write<std::uint8_t>(0x2003, 255);
@@ -262,8 +261,7 @@ TEST_F(ClosedLoopModule, RenamingThePositionDoesNotMoveTheMotor) {
 TEST_F(ClosedLoopModule, ABlockedShaftRaisesAFollowingError) {
   Tmcm3315Configuration configuration = with_encoder();
   configuration.axes[0].load.end_stop_maximum = 0.5;
-  device_ = std::make_unique<Tmcm3315>(configuration);
-  bus_ = std::make_unique<tests::TestBus>(*device_);
+  renew(configuration);
   go_operational();
   start_closed_loop();
   write<std::uint32_t>(0x6065, 5000);
@@ -278,30 +276,13 @@ TEST_F(ClosedLoopModule, ABlockedShaftRaisesAFollowingError) {
   EXPECT_TRUE(told) << "8611h";
 }
 
-/// Collects what a device tells.
-class Sentences : public base::EventSink {
- public:
-  void on_event(const base::Event& event) override {
-    sentences.push_back(base::to_sentence(event));
-  }
-  [[nodiscard]] int count(const std::string& part) const {
-    return static_cast<int>(std::ranges::count_if(sentences, [&](const std::string& sentence) {
-      return sentence.find(part) != std::string::npos;
-    }));
-  }
-  std::vector<std::string> sentences;
-};
-
 class ClosedLoopRefusals : public ClosedLoopModule {
  protected:
   ClosedLoopRefusals() {
-    device_ = std::make_unique<Tmcm3315>(with_encoder(), base::EventReporter(&told_, 0));
-    bus_ = std::make_unique<tests::TestBus>(*device_);
     go_operational();
     write_example();
     enable(0, 1);
   }
-  Sentences told_;
 };
 
 TEST_F(ClosedLoopRefusals, WithoutAnEncoderTheAxisStaysInOpenLoopAndSaysWhy) {

@@ -1,28 +1,15 @@
 #pragma once
 
-#include <string>
-
 #include "devices/tmcm_3315_module.hpp"
 
 namespace stator::devices {
 
-/// A module whose surroundings can be set by name, and a motor that turns.
+/// A module with a motor that turns under a load.
 class DriverModule : public Tmcm3315Module {
  protected:
   explicit DriverModule(const Tmcm3315Configuration& configuration = {})
       : Tmcm3315Module(configuration) {}
 
-  void set_input(const std::string& name, double value) {
-    for (const Input& input : device_->inputs()) {
-      if (input.name == name) {
-        ASSERT_GE(value, input.minimum);
-        ASSERT_LE(value, input.maximum);
-        input.set(value);
-        return;
-      }
-    }
-    ADD_FAILURE() << "no input " << name;
-  }
   /// Operation enabled in profile velocity, at `velocity` pps.
   void run_at(std::int32_t velocity, unsigned motor = 0) {
     set_profile(motor, 0, 512'000);

@@ -19,10 +19,6 @@ class Tmcm3315Encoder : public Tmcm3315Module {
   }
   Tmcm3315Encoder() : Tmcm3315Module(configuration()) {}
 
-  void set_up_encoder(unsigned motor, std::uint32_t increments) {
-    write<std::int16_t>(of_motor(motor, 0x606A), 0);
-    write<std::uint32_t>(of_motor(motor, 0x608F), increments, 1);
-  }
   void run_at(unsigned motor, std::int32_t velocity) {
     set_profile(motor, 0, 512'000);
     enable(motor, 3);
@@ -32,7 +28,7 @@ class Tmcm3315Encoder : public Tmcm3315Module {
 
 TEST_F(Tmcm3315Encoder, AResolutionThatIsNoPowerOfTwoIsScaledWithoutDrift) {
   go_operational();
-  set_up_encoder(1, 14'400);
+  use_encoder(1, 14'400);
   set_profile(1, 512'000, 2'560'000);
   enable(1, 1);
   start_move(1, 51'200 * 37);
@@ -45,7 +41,7 @@ TEST_F(Tmcm3315Encoder, AResolutionThatIsNoPowerOfTwoIsScaledWithoutDrift) {
 
 TEST_F(Tmcm3315Encoder, ResolutionIsThatOfTheObjectNotOfTheDisc) {
   go_operational();
-  set_up_encoder(0, 10'000);  // lines instead of counts
+  use_encoder(0, 10'000);  // lines instead of counts
   run_at(0, 51'200);
   bus_->pass(600_ms);
   EXPECT_NEAR(bus_->upload<std::int32_t>(0x606C), 4 * 51'200, 4000);
@@ -53,7 +49,7 @@ TEST_F(Tmcm3315Encoder, ResolutionIsThatOfTheObjectNotOfTheDisc) {
 
 TEST_F(Tmcm3315Encoder, TheLatchHoldsBothPositionsAtTheNullPulse) {
   go_operational();
-  set_up_encoder(0, 40'000);
+  use_encoder(0, 40'000);
   write<std::uint8_t>(0x200F, 1, 1);
   EXPECT_EQ(bus_->upload<std::uint8_t>(0x200F, 1), 1) << "armed";
   EXPECT_EQ(bus_->upload<std::int32_t>(0x200F, 2), 0);
@@ -77,7 +73,7 @@ TEST_F(Tmcm3315Encoder, TheLatchHoldsBothPositionsAtTheNullPulse) {
 
 TEST_F(Tmcm3315Encoder, TheLatchFollowsAPositionNamedAnew) {
   go_operational();
-  set_up_encoder(0, 40'000);
+  use_encoder(0, 40'000);
   enable(0, 6);
   write<std::int8_t>(0x6098, 35);
   control(0, 31);
@@ -98,13 +94,13 @@ TEST_F(Tmcm3315Encoder, TheLatchNeedsAnEncoder) {
   write<std::int32_t>(0x60FF, 0);
   bus_->pass(1_s);
   control(0, 0);
-  set_up_encoder(0, 40'000);
+  use_encoder(0, 40'000);
   run_at(0, 51'200);
   bus_->pass(2_s);
   EXPECT_EQ(bus_->upload<std::uint8_t>(0x200F, 1), 0);
 
   write<std::uint8_t>(0x240F, 1, 1);  // motor 2 has no encoder at all
-  set_up_encoder(2, 40'000);
+  use_encoder(2, 40'000);
   run_at(2, 51'200);
   bus_->pass(3_s);
   EXPECT_EQ(bus_->upload<std::uint8_t>(0x240F, 1), 1);
@@ -113,28 +109,13 @@ TEST_F(Tmcm3315Encoder, TheLatchNeedsAnEncoder) {
 
 TEST_F(Tmcm3315Encoder, TheLatchCanBeDisarmed) {
   go_operational();
-  set_up_encoder(0, 40'000);
+  use_encoder(0, 40'000);
   write<std::uint8_t>(0x200F, 1, 1);
   bus_->pass(2_ms);
   write<std::uint8_t>(0x200F, 0, 1);
   run_at(0, 51'200);
   bus_->pass(3_s);
   EXPECT_EQ(bus_->upload<std::int32_t>(0x200F, 3), 0);
-}
-
-TEST_F(Tmcm3315Encoder, ValuesOf64BitsAreReadByANormalTransfer) {
-  go_operational();
-  set_profile(0, 51'200, 512'000);
-  enable(0, 1);
-  start_move(0, 10'000);
-  bus_->pass(1_s);
-  const std::array<std::byte, 8> request{std::byte{0x40}, std::byte{0x0B}, std::byte{0x21},
-                                         std::byte{3}};
-  const tests::TestBus::Bytes response = bus_->sdo(request);
-  ASSERT_EQ(response.size(), 16U);
-  EXPECT_EQ(response[0], std::byte{0x41}) << "size indicated, not expedited";
-  EXPECT_EQ(base::load_le<std::uint32_t>(response, 4), 8U) << "bytes to come";
-  EXPECT_EQ(base::load_le<std::uint64_t>(response, 8), 10'000U);
 }
 
 }  // namespace

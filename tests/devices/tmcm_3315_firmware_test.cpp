@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/event.hpp"
+#include "devices/sentences.hpp"
 #include "devices/test_bus.hpp"
 #include "devices/tmcm_3315/tmcm_3315.hpp"
 #include "ethercat/sii_image.hpp"
@@ -17,12 +17,6 @@ using ethercat::AlState;
 using testing::Contains;
 using testing::HasSubstr;
 using Bytes = tests::TestBus::Bytes;
-
-class Sentences final : public base::EventSink {
- public:
-  void on_event(const base::Event& event) override { all.push_back(base::to_sentence(event)); }
-  std::vector<std::string> all;
-};
 
 /// Firmware update as a master does it, and the rest of what the bus sees outside process data.
 class Tmcm3315Firmware : public testing::Test {
@@ -116,7 +110,7 @@ class Tmcm3315Firmware : public testing::Test {
     return image;
   }
 
-  Sentences log_;
+  tests::Sentences log_;
   Tmcm3315 device_;
   tests::TestBus bus_;
   unsigned counter_ = 0;

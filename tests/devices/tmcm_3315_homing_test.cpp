@@ -12,7 +12,6 @@ constexpr double kLeftLimit = -1.6;  // revolutions of the shaft
 constexpr double kRightLimit = 1.7;
 constexpr double kHomeFrom = 0.30;
 constexpr double kHomeTo = 0.45;
-constexpr std::int64_t kCountsPerRevolution = 40'000;
 constexpr std::int64_t kIndexCount = 5000;  // of each revolution: -1.875, -0.875, 0.125, 1.125 ...
 constexpr double kIndex = 0.125;
 
@@ -33,17 +32,12 @@ class Tmcm3315Homing : public Tmcm3315Module {
   }
   /// A new module whose motor 1 stands at `start`.
   void power_up(const Tmcm3315Configuration& configuration) {
-    device_ = std::make_unique<Tmcm3315>(configuration);
-    bus_ = std::make_unique<tests::TestBus>(*device_);
+    renew(configuration);
     go_operational();
     write<std::uint8_t>(of_motor(1, 0x2003), 170);
   }
   void power_up(double start) { power_up(configuration(start)); }
 
-  void set_up_encoder(std::uint32_t increments = kCountsPerRevolution) {
-    write<std::int16_t>(of_motor(1, 0x606A), 0);
-    write<std::uint32_t>(of_motor(1, 0x608F), increments, 1);
-  }
   void set_up_homing(int method) {
     write<std::int8_t>(of_motor(1, 0x6098), static_cast<std::int8_t>(method));
     write<std::uint32_t>(of_motor(1, 0x6099), 50'000, 1);
@@ -101,7 +95,7 @@ TEST_F(Tmcm3315Homing, EveryIndexMethodIsExactToTheCount) {
         Case{5, 1.5, kIndex + 1.0}, Case{5, 0.375, kIndex + 1.0}, Case{33, 0.0, kIndex - 1.0},
         Case{34, 0.0, kIndex}, Case{34, 0.2, kIndex + 1.0}}) {
     power_up(c.start);
-    set_up_encoder();
+    use_encoder(1);
     home(c.method);
     EXPECT_EQ(statusword(1) & 0x1400, 0x1400) << c.method << " from " << c.start;
     // 6064h must be the scaled distance of the encoder from the mark, whatever the shaft does.
@@ -120,7 +114,7 @@ TEST_F(Tmcm3315Homing, AnEncoderCountingBackwardsFindsTheSameIndex) {
   reversed.axes[1].encoder.reversed = true;
   power_up(reversed);
   write<std::uint8_t>(of_motor(1, 0x200B), 1, 2);
-  set_up_encoder();
+  use_encoder(1);
   home(34);
   EXPECT_NEAR(shaft_microsteps(1), kIndex * kMicrostepsPerRevolution, 12.0);
   EXPECT_NEAR(actual(), 0, 12);
@@ -132,7 +126,7 @@ TEST_F(Tmcm3315Homing, PolarityOfTheNullChannelMustFitTheEncoder) {
   for (const bool fits : {true, false}) {
     power_up(active_low);
     write<std::uint8_t>(of_motor(1, 0x200B), fits ? 1 : 0, 1);
-    set_up_encoder();
+    use_encoder(1);
     home(34);
     const std::int64_t from_mark = device_->axis(1).plant().state().encoder.absolute - kIndexCount;
     // With the wrong one the pulse ends where it seems to begin: a count further on.

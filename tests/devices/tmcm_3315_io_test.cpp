@@ -11,31 +11,20 @@ class ModuleIoTest : public Tmcm3315Module {
       : Tmcm3315Module(configuration) {
     go_operational();
   }
-  void set(const std::string& name, double value) {
-    for (const Input& input : device_->inputs()) {
-      if (input.name == name) {
-        EXPECT_GE(value, input.minimum);
-        EXPECT_LE(value, input.maximum);
-        input.set(value);
-        return;
-      }
-    }
-    ADD_FAILURE() << "no input " << name;
-  }
 };
 
 TEST_F(ModuleIoTest, DigitalInputsAreReadBySdoAndInThe60FDhOfEveryAxis) {
   for (unsigned n = 0; n < 4; ++n) {
     const std::string name = "input" + std::to_string(n);
     const std::uint32_t bit = 0x10000U << n;
-    set(name, 1.0);
+    set_input(name, 1.0);
     EXPECT_EQ(signal(name), 1.0);
     bus_->pass(2_ms);
     EXPECT_EQ(bus_->upload<std::uint32_t>(0x2702), bit);
     for (const unsigned motor : {0U, 1U, 2U}) {
       EXPECT_EQ(bus_->upload<std::uint32_t>(of_motor(motor, 0x60FD)), bit);
     }
-    set(name, 0.0);
+    set_input(name, 0.0);
   }
 }
 
@@ -44,7 +33,7 @@ TEST_F(ModuleIoTest, AnalogInputsHaveTheirFullRange) {
     const std::string name = "analog_input" + std::to_string(n);
     const auto subindex = static_cast<std::uint8_t>(n + 1);
     for (const double counts : {0.0, 1234.0, 65535.0}) {
-      set(name, counts);
+      set_input(name, counts);
       bus_->pass(2_ms);
       EXPECT_EQ(bus_->upload<std::uint32_t>(0x270E, subindex), static_cast<std::uint32_t>(counts));
       EXPECT_EQ(signal(name), counts);
@@ -53,7 +42,7 @@ TEST_F(ModuleIoTest, AnalogInputsHaveTheirFullRange) {
 }
 
 TEST_F(ModuleIoTest, InputsHoldTheirLevelsOverAResetOfTheFirmware) {
-  set("input2", 1.0);
+  set_input("input2", 1.0);
   device_->set_power(false, bus_->now());
   device_->set_power(true, bus_->now());
   bus_->pass(2_ms);

@@ -1,12 +1,10 @@
 // Modes of operation as a master sees them: change of mode, halt, stops and statusword bits in
 // each.
 
-#include <array>
-#include <cmath>
-#include <cstdint>
+#include "devices/tmcm_3315_modes.hpp"
 
-#include "devices/tmcm_3315_damped_axis.hpp"
-#include "devices/tmcm_3315_module.hpp"
+#include <array>
+#include <cstdint>
 
 namespace stator::devices {
 namespace {
@@ -19,47 +17,6 @@ constexpr std::uint16_t kNegativeDirection = 0x8000;
 
 constexpr std::array<std::int8_t, 4> kMovingModes{1, 3, 8, 9};
 constexpr std::array<std::int8_t, 7> kAllModes{1, 3, 6, 8, 9, 10, 0};
-
-class Tmcm3315Modes : public Tmcm3315Module {
- protected:
-  Tmcm3315Modes() : Tmcm3315Module(damped_axis()) { go_operational(); }
-
-  double velocity() { return signal("axis0.velocity_demand"); }
-  double position() { return signal("axis0.position_demand"); }
-  std::int8_t mode_display() { return bus_->upload<std::int8_t>(0x6061); }
-  void set_interpolation(std::uint8_t value, std::int8_t index) {
-    write<std::uint8_t>(0x60C2, value, 1);
-    write<std::int8_t>(0x60C2, index, 2);
-  }
-  void renew() {
-    device_ = std::make_unique<Tmcm3315>(damped_axis());
-    bus_ = std::make_unique<tests::TestBus>(*device_);
-    go_operational();
-  }
-  /// A new module whose axis 0 travels at 10000 pps in `mode`; slow-down ramp 40000, quick-stop
-  /// ramp 80000 pps/s.
-  void run_in(std::int8_t mode) {
-    renew();
-    write<std::uint32_t>(0x6081, 10'000);
-    write<std::uint32_t>(0x6083, 100'000);
-    write<std::uint32_t>(0x6084, 40'000);
-    write<std::uint32_t>(0x6085, 80'000);
-    set_interpolation(100, 0);  // 100 s to the next set-point
-    enable(0, mode);
-    if (mode == 1) {
-      start_move(0, 1'000'000);
-    } else if (mode == 8) {
-      write<std::int32_t>(0x607A, 1'000'000);
-    } else {
-      if (mode == 9) {
-        set_interpolation(1, -3);
-      }
-      write<std::int32_t>(0x60FF, 10'000);
-    }
-    bus_->pass(500_ms);
-    ASSERT_NEAR(velocity(), 10'000.0, 5.0) << "mode " << int{mode};
-  }
-};
 
 // Change of mode
 
@@ -244,8 +201,7 @@ TEST_F(Tmcm3315Modes, AQuickStopTakenBackOnItsRampGoesOnWithoutAJolt) {
   run_in(3);
   control(0, 0);
   bus_->pass(200_ms);
-  write<std::int16_t>(0x606A, 0);
-  write<std::uint32_t>(0x608F, 40'000, 1);
+  use_encoder();
   write<std::int16_t>(0x605A, 6);
   enable(0, 3);
   bus_->pass(500_ms);
@@ -356,9 +312,9 @@ TEST_F(Tmcm3315Modes, Bits5And9OfProfilePositionMeanNothing) {
 
 TEST_F(Tmcm3315Modes, AFollowingErrorEndsEveryModeAndShowsBit13InCspOnly) {
   for (const std::int8_t mode : kMovingModes) {
-    renew();
-    write<std::int16_t>(0x606A, 0);
-    write<std::uint32_t>(0x608F, 40'000, 1);
+    renew(damped_axis());
+    go_operational();
+    use_encoder();
     write<std::uint32_t>(0x6065, 20);
     enable(0, mode);
     bus_->pass(50_ms);
@@ -368,149 +324,6 @@ TEST_F(Tmcm3315Modes, AFollowingErrorEndsEveryModeAndShowsBit13InCspOnly) {
     EXPECT_EQ(statusword() & 0x004F, 0x0008) << "mode " << int{mode};
     EXPECT_EQ((statusword() & kFollowingError) != 0, mode == 8) << "mode " << int{mode};
   }
-}
-
-// Cyclic set-points
-
-TEST_F(Tmcm3315Modes, EveryInterpolationIndexScalesTheVelocityOfCsp) {
-  enable(0, 8);
-  std::int32_t target = 0;
-  double period = 0.005;
-  for (std::int8_t index = -3; index <= 3; ++index, period *= 10.0) {
-    set_interpolation(5, index);
-    target += 1000;
-    const double expected = (target - position()) / period;
-    write<std::int32_t>(0x607A, target);
-    bus_->pass(2_ms);
-    EXPECT_NEAR(velocity(), expected, 1e-2 * expected) << "index " << int{index};
-  }
-}
-
-TEST_F(Tmcm3315Modes, EveryInterpolationIndexScalesTheAccelerationOfCsv) {
-  double period = 0.005;
-  for (std::int8_t index = -3; index <= 3; ++index, period *= 10.0) {
-    control(0, 0);
-    write<std::int32_t>(0x60FF, 0);
-    set_interpolation(5, index);
-    enable(0, 9);
-    write<std::int32_t>(0x60FF, 1'000'000);
-    const double start = velocity();
-    bus_->pass(2_ms);
-    EXPECT_NEAR(velocity() - start, 1e6 * 0.002 / period, 1e6 * 0.00006 / period)
-        << "index " << int{index};
-  }
-}
-
-TEST_F(Tmcm3315Modes, AnInterpolationTimeOfZeroIsTakenAsOne) {
-  set_interpolation(0, -3);
-  enable(0, 8);
-  write<std::int32_t>(0x607A, 100);
-  bus_->pass(500_us);
-  EXPECT_GT(velocity(), 90'000.0);
-  bus_->pass(2_ms);
-  EXPECT_EQ(position(), 100.0);
-}
-
-class Tmcm3315CyclicStream : public Tmcm3315Modes {
- protected:
-  void start_stream(std::int8_t mode) {
-    bus_->bring_to(AlState::pre_operational);
-    write<std::int8_t>(0x6060, mode);
-    bus_->bring_to(AlState::operational);
-    for (const int controlword : {6, 7, 15}) {
-      send(static_cast<std::uint16_t>(controlword), 0);
-    }
-  }
-  /// One bus cycle of 1 ms with the set-point of csp and csv alike.
-  void send(std::uint16_t controlword, std::int32_t set_point) {
-    base::store_le(bus_->outputs, 0, controlword);
-    base::store_le(bus_->outputs, 2, set_point);
-    base::store_le(bus_->outputs, 6, set_point);
-    bus_->exchange();
-    bus_->pass(980_us);  // and 20 us in the frames
-  }
-};
-
-TEST_F(Tmcm3315CyclicStream, LostSetPointsOfCspAreHeldAndCaughtUpInOnePeriod) {
-  start_stream(8);
-  for (int k = 1; k <= 100; ++k) {
-    send(15, 20 * k);
-  }
-  EXPECT_NEAR(position(), 2000.0, 1.0);
-  bus_->pass(5_ms);  // five cycles lost
-  EXPECT_EQ(position(), 2000.0) << "held, not extrapolated";
-  EXPECT_EQ(velocity(), 0.0);
-  send(15, 2120);
-  EXPECT_NEAR(position(), 2120.0, 2.0) << "six steps at once";
-  send(15, 2140);
-  EXPECT_NEAR(position(), 2140.0, 1.0);
-  EXPECT_EQ(device_->stack().state(), AlState::operational);
-}
-
-TEST_F(Tmcm3315CyclicStream, ALateSetPointOfCspIsReachedAPeriodAfterItCame) {
-  start_stream(8);
-  for (int k = 1; k <= 100; ++k) {
-    send(15, 20 * k);
-  }
-  bus_->pass(300_us);
-  send(15, 2020);
-  bus_->pass(200_us);
-  EXPECT_EQ(position(), 2020.0);
-}
-
-TEST_F(Tmcm3315CyclicStream, TheSameSetPointOfCspAgainHoldsThePosition) {
-  start_stream(8);
-  send(15, 50);
-  for (int i = 0; i < 20; ++i) {
-    send(15, 50);
-    EXPECT_NEAR(position(), 50.0, 1.0);
-  }
-  EXPECT_EQ(position(), 50.0);
-  EXPECT_EQ(velocity(), 0.0);
-}
-
-TEST_F(Tmcm3315CyclicStream, LostSetPointsOfCsvKeepTheVelocity) {
-  start_stream(9);
-  for (int k = 1; k <= 50; ++k) {
-    send(15, 100 * k);
-  }
-  bus_->pass(20_ms);
-  EXPECT_NEAR(velocity(), 5000.0, 1e-6);
-  send(15, 4000);
-  bus_->pass(1_ms);
-  EXPECT_NEAR(velocity(), 4000.0, 1e-6);
-}
-
-TEST_F(Tmcm3315CyclicStream, OffsetsAreAddedInBothCyclicModes) {
-  start_stream(8);
-  write<std::int32_t>(0x60B0, -300);
-  bus_->pass_cyclically(5_ms);
-  EXPECT_EQ(position(), -300.0) << "an offset alone is a new set-point";
-  send(15, 1000);
-  bus_->pass_cyclically(5_ms);
-  EXPECT_EQ(position(), 700.0);
-  write<std::int8_t>(0x6060, 9);
-  send(15, 1000);
-  write<std::int32_t>(0x60B1, -2500);
-  bus_->pass_cyclically(5_ms);
-  EXPECT_EQ(velocity(), -1500.0);
-}
-
-TEST_F(Tmcm3315CyclicStream, SetPointsDuringHaltAreIgnoredAndTheLatestCountsAfterwards) {
-  start_stream(8);
-  send(15, 100);
-  send(15, 100);
-  send(0x010F, 200);
-  send(0x010F, 300);
-  EXPECT_EQ(base::load_le<std::uint16_t>(bus_->inputs, 0) & 0x1000, 0);
-  const double halted = position();
-  EXPECT_LT(halted, 130.0);
-  send(0x010F, 400);
-  EXPECT_EQ(position(), halted);
-  send(0x000F, 400);
-  bus_->pass_cyclically(3_ms);
-  EXPECT_EQ(position(), 400.0);
-  EXPECT_EQ(base::load_le<std::uint16_t>(bus_->inputs, 0) & 0x1000, 0x1000);
 }
 
 }  // namespace

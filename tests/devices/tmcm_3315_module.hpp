@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "devices/sentences.hpp"
 #include "devices/test_bus.hpp"
 #include "devices/tmcm_3315/tmcm_3315.hpp"
 
@@ -27,8 +28,12 @@ constexpr std::uint16_t of_motor(unsigned n, unsigned index) {
 
 class Tmcm3315Module : public testing::Test {
  protected:
-  explicit Tmcm3315Module(const Tmcm3315Configuration& configuration = {}) {
-    device_ = std::make_unique<Tmcm3315>(configuration);
+  explicit Tmcm3315Module(const Tmcm3315Configuration& configuration = {}) { renew(configuration); }
+
+  /// A new module on a new bus, in place of those before.
+  void renew(const Tmcm3315Configuration& configuration = {}) {
+    bus_.reset();  // takes itself off the device
+    device_ = std::make_unique<Tmcm3315>(configuration, base::EventReporter(&told_, 0));
     bus_ = std::make_unique<tests::TestBus>(*device_);
   }
 
@@ -40,6 +45,11 @@ class Tmcm3315Module : public testing::Test {
   template <typename T>
   void write(std::uint16_t index, T value, std::uint8_t subindex = 0) {
     EXPECT_EQ(bus_->download<T>(index, subindex, value), 0U) << std::hex << index;
+  }
+  /// Positions are those of the encoder, which gives `counts` a revolution.
+  void use_encoder(unsigned motor = 0, std::uint32_t counts = 40'000) {
+    write<std::int16_t>(of_motor(motor, 0x606A), 0);
+    write<std::uint32_t>(of_motor(motor, 0x608F), counts, 1);
   }
   void set_profile(unsigned motor, std::uint32_t velocity, std::uint32_t acceleration) {
     write<std::uint32_t>(of_motor(motor, 0x6081), velocity);
@@ -75,6 +85,8 @@ class Tmcm3315Module : public testing::Test {
   void set_input(const std::string& name, double value) {
     for (const Input& candidate : device_->inputs()) {
       if (candidate.name == name) {
+        EXPECT_GE(value, candidate.minimum) << name;
+        EXPECT_LE(value, candidate.maximum) << name;
         candidate.set(value);
         return;
       }
@@ -85,6 +97,7 @@ class Tmcm3315Module : public testing::Test {
     return signal("axis" + std::to_string(motor) + ".shaft_position") * kMicrostepsPerRevolution;
   }
 
+  tests::Sentences told_;
   std::unique_ptr<Tmcm3315> device_;
   std::unique_ptr<tests::TestBus> bus_;
 };

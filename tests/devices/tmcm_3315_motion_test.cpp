@@ -92,8 +92,7 @@ TEST_F(Tmcm3315Module, CyclicPositionOverProcessDataMovesTheShaft) {
 
 TEST_F(Tmcm3315Module, TheEncoderGivesTheActualPosition) {
   go_operational();
-  write<std::int16_t>(0x606A, 0);
-  write<std::uint32_t>(0x608F, 40'000, 1);
+  use_encoder();
   set_profile(0, 51'200, 256'000);
   enable(0, 1);
   start_move(0, 51'200);

@@ -19,10 +19,6 @@ class Tmcm3315Positioning : public Tmcm3315Module {
     write<std::uint8_t>(0x2004, 128);  // holds at rest as in motion
     set_profile(0, 100'000, 1'000'000);
   }
-  void use_encoder() {
-    write<std::int16_t>(0x606A, 0);
-    write<std::uint32_t>(0x608F, 40'000, 1);
-  }
   bool target_reached() { return (statusword() & kTargetReached) != 0; }
   bool limited() { return (statusword() & kInternalLimit) != 0; }
   std::int32_t demand() { return bus_->upload<std::int32_t>(0x6062); }

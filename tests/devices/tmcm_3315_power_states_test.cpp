@@ -64,8 +64,7 @@ class Tmcm3315PowerStates : public Tmcm3315Module {
  protected:
   Tmcm3315PowerStates() : Tmcm3315Module(damped_axis()) {
     go_operational();
-    write<std::int16_t>(0x606A, 0);
-    write<std::uint32_t>(0x608F, 40'000, 1);
+    use_encoder();
     write<std::int16_t>(0x605A, 6);
     write<std::uint32_t>(0x6085, 10'000'000);
   }

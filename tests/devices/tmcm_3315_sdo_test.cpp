@@ -173,8 +173,7 @@ TEST_F(Tmcm3315WriteStates, SwitchOnDisabledOfTheOwnAxisAloneAllowsThem) {
 
 TEST_F(Tmcm3315WriteStates, FaultForbidsThemToo) {
   go_operational();
-  write<std::int16_t>(0x606A, 0);
-  write<std::uint32_t>(0x608F, 40'000, 1);
+  use_encoder();
   enable(0, 3);
   write<std::uint32_t>(0x6065, 10);
   device_->axis(0).plant().set_external_torque(-0.3);

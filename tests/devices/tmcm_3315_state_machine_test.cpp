@@ -21,8 +21,7 @@ class Tmcm3315States : public Tmcm3315Module {
 
   /// A fresh module in `state`; all sync managers are set as the next states need them.
   void start_in(AlState state) {
-    device_ = std::make_unique<Tmcm3315>(Tmcm3315Configuration{});
-    bus_ = std::make_unique<tests::TestBus>(*device_);
+    renew();
     bus_->bring_to(state == AlState::operational ? state : AlState::safe_operational);
     if (state == AlState::bootstrap) {
       bus_->request(AlState::init);

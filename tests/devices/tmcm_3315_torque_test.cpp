@@ -171,8 +171,7 @@ TEST_F(TorqueModule, ASoftwareLimitStopsAndHoldsTheAxisAndTheWayBackIsFree) {
 TEST_F(TorqueModule, ALimitSwitchStopsAndHoldsTheAxisAndTheWayBackIsFree) {
   Tmcm3315Configuration with_switch = configuration();
   with_switch.axes[0].right_switch = plant::PositionSwitch::right_at(0.5);
-  device_ = std::make_unique<Tmcm3315>(with_switch);
-  bus_ = std::make_unique<tests::TestBus>(*device_);
+  renew(with_switch);
   start();
   write<std::uint32_t>(0x2014, 512'000);
   torque(200);

@@ -32,16 +32,9 @@ class Cable final : public tmcl::SerialPort {
   std::vector<std::byte> from_device;
 };
 
-class Tmcm3315Usb : public Tmcm3315Module, public base::EventSink {
+class Tmcm3315Usb : public Tmcm3315Module {
  protected:
-  Tmcm3315Usb() {
-    device_ = std::make_unique<Tmcm3315>(Tmcm3315Configuration{}, base::EventReporter(this, 0));
-    bus_ = std::make_unique<tests::TestBus>(*device_);
-    EXPECT_TRUE(device_->connect_usb(&cable_));
-  }
-  void on_event(const base::Event& event) override {
-    sentences_.push_back(base::to_sentence(event));
-  }
+  Tmcm3315Usb() { EXPECT_TRUE(device_->connect_usb(&cable_)); }
   void put(const tmcl::Telegram& telegram, std::size_t length = tmcl::kTelegramLength) {
     cable_.to_device.insert(cable_.to_device.end(), telegram.begin(),
                             telegram.begin() + static_cast<std::ptrdiff_t>(length));
@@ -75,7 +68,6 @@ class Tmcm3315Usb : public Tmcm3315Module, public base::EventSink {
   Status status_of(const Request& request) { return answer(request).status; }
 
   Cable cable_;
-  std::vector<std::string> sentences_;
 };
 
 TEST_F(Tmcm3315Usb, ReadsPositionAndSpeedWhileTheBusMovesTheMotor) {
@@ -175,11 +167,11 @@ TEST_F(Tmcm3315Usb, NothingMovesOrChangesThroughIt) {
   for (const int command : {1,  2,  3,  4,  5,   7,   8,   9,   11,  12,  13,  14,
                             30, 31, 32, 39, 128, 129, 130, 131, 132, 133, 137, 255}) {
     SCOPED_TRACE(command);
-    sentences_.clear();
+    told_.all.clear();
     EXPECT_EQ(status_of({.command = static_cast<std::uint8_t>(command), .value = 12'800}),
               Status::command_not_available);
-    ASSERT_EQ(sentences_.size(), 1U);
-    EXPECT_NE(sentences_[0].find("moves or changes nothing"), std::string::npos);
+    ASSERT_EQ(told_.all.size(), 1U);
+    EXPECT_NE(told_.all[0].find("moves or changes nothing"), std::string::npos);
   }
   bus_->pass(100_ms);
   EXPECT_NEAR(shaft_microsteps(), 0.0, 5.0);
