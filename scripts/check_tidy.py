@@ -64,13 +64,21 @@ def clean_folders():
             if line.strip() and not line.startswith("#")]
 
 
+def included_headers(source):
+    """Names of the project's headers that `source` includes, also through others."""
+    found, left = set(), [ROOT / source]
+    while left:
+        text = left.pop().read_text(encoding="utf-8")
+        for name in set(re.findall(r'#include "([^"]+)"', text)) - found:
+            found.add(name)
+            left += [path for folder in ("src", "tests") if (path := ROOT / folder / name).exists()]
+    return found
+
+
 def sources_to_check(files, compiled):
     """Compiled sources that show every file of `files`: itself, or one source including the header."""
     chosen = {f for f in files if f in compiled}
-    includes = {}
-    for source in sorted(compiled):
-        text = (ROOT / source).read_text(encoding="utf-8")
-        includes[source] = set(re.findall(r'#include "([^"]+)"', text))
+    includes = {source: included_headers(source) for source in sorted(compiled)}
     unseen = []
     for header in (f for f in files if f.endswith(".hpp")):
         name = header.split("/", 1)[1] if "/" in header else header

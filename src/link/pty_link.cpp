@@ -9,7 +9,6 @@
 #include <utility>
 
 #include <fcntl.h>
-#include <poll.h>
 #include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
@@ -105,10 +104,7 @@ base::Expected<ReceiveWait::Taken, LinkError> PtyLink::take(std::span<std::byte>
     if (slept || wait <= base::SimDuration()) {
       return ReceiveWait::Taken{};
     }
-    pollfd waiting{.fd = master_.get(), .events = POLLIN, .revents = 0};
-    const std::int64_t nanoseconds = wait.nanoseconds();
-    const timespec time{nanoseconds / 1'000'000'000, nanoseconds % 1'000'000'000};
-    if (::ppoll(&waiting, 1, &time, nullptr) < 0 && errno == EINTR) {
+    if (!sleep_until_readable(master_.get(), wait)) {
       return ReceiveWait::Taken{.interrupted = true};
     }
   }

@@ -23,6 +23,9 @@ enum class WaitMode : std::uint8_t {
 /// Nanoseconds of the machine's monotonic clock.
 [[nodiscard]] std::int64_t monotonic_now();
 
+/// Sleeps at most `time` until `descriptor` can be read. False: a signal ended the sleep.
+[[nodiscard]] bool sleep_until_readable(int descriptor, base::SimDuration time);
+
 /// The waiting that all links on file descriptors share: three modes, ended by a frame, by the
 /// timeout, by a signal or by wake().
 class ReceiveWait {

@@ -10,7 +10,6 @@
 #include <net/if.h>
 #include <net/if_arp.h>
 #include <netinet/in.h>
-#include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -179,10 +178,7 @@ base::Expected<ReceiveWait::Taken, LinkError> TapLink::take(std::span<std::byte>
       return ReceiveWait::Taken{};
     }
     slept = true;
-    pollfd waiting{.fd = descriptor_.get(), .events = POLLIN, .revents = 0};
-    const std::int64_t nanoseconds = wait.nanoseconds();
-    const timespec time{nanoseconds / 1'000'000'000, nanoseconds % 1'000'000'000};
-    if (::ppoll(&waiting, 1, &time, nullptr) < 0 && errno == EINTR) {
+    if (!sleep_until_readable(descriptor_.get(), wait)) {
       return ReceiveWait::Taken{.interrupted = true};
     }
   }

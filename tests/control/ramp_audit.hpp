@@ -5,20 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
 #include "control/ramp_generator.hpp"
 
 namespace stator::control::tests {
-
-/// A number between `low` and `high`, every decade equally likely.
-inline double decades(base::Random& random, double low, double high) {
-  return low * std::pow(high / low, random.uniform());
-}
-
-inline std::int64_t random_target(base::Random& random) {
-  const auto magnitude = static_cast<std::int64_t>(decades(random, 1.0, 1e6));
-  return random.below(2) == 0 ? magnitude : -magnitude;
-}
 
 /// What a generator does when it is told to plan anew.
 struct Start {

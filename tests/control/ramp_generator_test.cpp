@@ -4,17 +4,16 @@
 
 #include <gtest/gtest.h>
 
+#include "control/random_ramps.hpp"
+
 namespace stator::control {
 namespace {
 
 using namespace base::literals;
+using tests::position_of;
 
 constexpr RampLimits kLimits{
     .velocity = 1'000.0, .acceleration = 10'000.0, .deceleration = 5'000.0};
-
-double position_of(const RampGenerator& ramp) {
-  return distance({0, 0.0}, ramp.position());
-}
 
 void run_to_rest(RampGenerator& ramp) {
   for (int tick = 0; tick < 10'000'000 && !ramp.at_rest(); ++tick) {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
 #include "control/ramp_generator.hpp"
+#include "control/random_ramps.hpp"
 
 // Properties of the trapezoid that hold for every start, target and limit, over seeded random
 // cases.
@@ -13,21 +13,15 @@ namespace stator::control {
 namespace {
 
 using namespace base::literals;
-
-/// A number between `low` and `high`, every decade equally likely.
-double decades(base::Random& random, double low, double high) {
-  return low * std::pow(high / low, random.uniform());
-}
+using tests::check_mirrored_traces;
+using tests::check_traces_of_any_tick;
+using tests::decades;
+using tests::random_target;
 
 RampLimits random_limits(base::Random& random) {
   return {.velocity = decades(random, 1e2, 1e6),
           .acceleration = decades(random, 1e3, 1e7),
           .deceleration = decades(random, 1e3, 1e7)};
-}
-
-std::int64_t random_target(base::Random& random) {
-  const auto magnitude = static_cast<std::int64_t>(decades(random, 1.0, 1e6));
-  return random.below(2) == 0 ? magnitude : -magnitude;
 }
 
 /// Duration of a trapezoid from rest over `length` microsteps.
@@ -151,46 +145,12 @@ TEST(RampProperties, ChangesInFlightNeverBreakLimitsAndTheLastTargetIsReachedExa
 
 TEST(RampProperties, TheTraceDoesNotDependOnTheTick) {
   base::Random random(13);
-  for (int i = 0; i < 500; ++i) {
-    const RampLimits limits = random_limits(random);
-    const std::int64_t first = random_target(random);
-    const std::int64_t second = random_target(random);
-    RampGenerator fine;
-    RampGenerator coarse;
-    for (const std::int64_t target : {first, second}) {
-      fine.move_to(target, limits);
-      coarse.move_to(target, limits);
-      for (int k = 0; k < 100; ++k) {
-        fine.advance(50_us);
-      }
-      coarse.advance(5_ms);
-      const double scale = 1.0 + std::fabs(distance({0, 0.0}, coarse.position()));
-      ASSERT_NEAR(distance(coarse.position(), fine.position()), 0.0, 1e-9 * scale) << "case " << i;
-      ASSERT_NEAR(coarse.velocity(), fine.velocity(), 1e-9 * limits.velocity) << "case " << i;
-    }
-  }
+  check_traces_of_any_tick(random, random_limits, {.position = 1e-9, .velocity = 1e-9});
 }
 
 TEST(RampProperties, MirroredCommandsGiveTheMirroredTrace) {
   base::Random random(14);
-  for (int i = 0; i < 500; ++i) {
-    RampGenerator ramp;
-    RampGenerator mirrored;
-    for (int change = 0; change < 5; ++change) {
-      const RampLimits limits = random_limits(random);
-      const std::int64_t target = random_target(random);
-      ramp.move_to(target, limits);
-      mirrored.move_to(-target, limits);
-      for (int tick = 0; tick < 20; ++tick) {
-        ramp.advance(1_ms);
-        mirrored.advance(1_ms);
-        const double here = distance({0, 0.0}, ramp.position());
-        const double there = distance({0, 0.0}, mirrored.position());
-        ASSERT_NEAR(here, -there, 1e-9 * (1.0 + std::fabs(here))) << "case " << i;
-        ASSERT_NEAR(ramp.velocity(), -mirrored.velocity(), 1e-6) << "case " << i;
-      }
-    }
-  }
+  check_mirrored_traces(random, 500, random_limits, {.position = 1e-9, .velocity = 1e-6});
 }
 
 TEST(RampProperties, FromRestTheApproachIsMonotone) {

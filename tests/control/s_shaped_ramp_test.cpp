@@ -6,13 +6,17 @@
 #include "control/ramp_audit.hpp"
 #include "control/ramp_generator.hpp"
 #include "control/ramp_profile.hpp"
+#include "control/random_ramps.hpp"
 
 namespace stator::control {
 namespace {
 
 using namespace base::literals;
 using tests::BowAudit;
+using tests::check_mirrored_traces;
+using tests::check_traces_of_any_tick;
 using tests::decades;
+using tests::position_of;
 using tests::random_target;
 using tests::Start;
 
@@ -31,10 +35,6 @@ RampLimits random_bows(base::Random& random) {
     jerk = decades(random, 1e3, 1e9);
   }
   return limits;
-}
-
-double position_of(const RampGenerator& ramp) {
-  return distance({0, 0.0}, ramp.position());
 }
 
 TEST(SShapedRamp, PassesTheInstantsOfItsFourBows) {
@@ -269,43 +269,12 @@ TEST(SShapedRampProperties, NoPlanBreaksALimitAndEveryTargetIsReachedExactly) {
 
 TEST(SShapedRampProperties, MirroredCommandsGiveTheMirroredTrace) {
   base::Random random(43);
-  for (int i = 0; i < 2'000; ++i) {
-    RampGenerator ramp;
-    RampGenerator mirrored;
-    for (int change = 0; change < 5; ++change) {
-      const RampLimits limits = random_bows(random);
-      const std::int64_t target = random_target(random);
-      ramp.move_to(target, limits);
-      mirrored.move_to(-target, limits);
-      for (int tick = 0; tick < 20; ++tick) {
-        ramp.advance(1_ms);
-        mirrored.advance(1_ms);
-        const double here = position_of(ramp);
-        ASSERT_NEAR(here, -position_of(mirrored), 1e-7 * (1.0 + std::fabs(here))) << "case " << i;
-        ASSERT_NEAR(ramp.velocity(), -mirrored.velocity(), 1e-4) << "case " << i;
-      }
-    }
-  }
+  check_mirrored_traces(random, 2'000, random_bows, {.position = 1e-7, .velocity = 1e-4});
 }
 
 TEST(SShapedRampProperties, TheTraceDoesNotDependOnTheTick) {
   base::Random random(44);
-  for (int i = 0; i < 500; ++i) {
-    const RampLimits limits = random_bows(random);
-    RampGenerator fine;
-    RampGenerator coarse;
-    for (const std::int64_t target : {random_target(random), random_target(random)}) {
-      fine.move_to(target, limits);
-      coarse.move_to(target, limits);
-      for (int k = 0; k < 100; ++k) {
-        fine.advance(50_us);
-      }
-      coarse.advance(5_ms);
-      const double scale = 1.0 + std::fabs(position_of(coarse));
-      ASSERT_NEAR(distance(coarse.position(), fine.position()), 0.0, 1e-8 * scale) << "case " << i;
-      ASSERT_NEAR(coarse.velocity(), fine.velocity(), 1e-8 * limits.velocity) << "case " << i;
-    }
-  }
+  check_traces_of_any_tick(random, random_bows, {.position = 1e-8, .velocity = 1e-8});
 }
 
 TEST(SShapedRampProperties, AChangeOfShapeInFlightArrivesExactly) {

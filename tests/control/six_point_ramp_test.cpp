@@ -4,15 +4,16 @@
 
 #include <gtest/gtest.h>
 
-#include "control/ramp_audit.hpp"
 #include "control/ramp_generator.hpp"
 #include "control/ramp_profile.hpp"
+#include "control/random_ramps.hpp"
 
 namespace stator::control {
 namespace {
 
 using namespace base::literals;
 using tests::decades;
+using tests::position_of;
 using tests::random_target;
 
 // From 100 pps with 1000 to 500 (0.4 s, 120), with 5000 to 1000 (0.1 s, 75); down with 10000 to 500
@@ -25,10 +26,6 @@ constexpr RampLimits kSixPoints{.velocity = 1'000.0,
                                 .break_velocity = 500.0,
                                 .final_deceleration = 2'000.0,
                                 .end_velocity = 200.0};
-
-double position_of(const RampGenerator& ramp) {
-  return distance({0, 0.0}, ramp.position());
-}
 
 TEST(SixPointRamp, PassesItsSixPoints) {
   RampGenerator ramp;

@@ -12,6 +12,8 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include "base/temporary_directory.hpp"
+
 namespace stator::link {
 namespace {
 
@@ -30,17 +32,6 @@ Bytes all_values() {
 
 class PtyLinkTest : public testing::Test {
  protected:
-  PtyLinkTest() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "stator-pty-XXXXXX").string();
-    EXPECT_NE(::mkdtemp(pattern.data()), nullptr);
-    directory_ = pattern;
-    path_ = (directory_ / "port").string();
-  }
-  ~PtyLinkTest() override {
-    link_.reset();
-    std::filesystem::remove_all(directory_);
-  }
-
   void open() {
     auto opened = PtyLink::open(path_);
     ASSERT_TRUE(opened) << opened.error().text;
@@ -86,8 +77,8 @@ class PtyLinkTest : public testing::Test {
     return bytes;
   }
 
-  std::filesystem::path directory_;
-  std::string path_;
+  tests::TemporaryDirectory directory_;
+  std::string path_ = directory_.path() + "/port";
   std::unique_ptr<PtyLink> link_;
 };
 

@@ -12,13 +12,13 @@
 #include <unistd.h>
 
 #include "base/random.hpp"
+#include "base/temporary_directory.hpp"
 #include "devices/test_bus.hpp"
 #include "devices/tmcm_3315/tmcm_3315.hpp"
 #include "ethercat/sii_interface.hpp"
 #include "rack/event_log.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/rack.hpp"
-#include "rack/temporary_directory.hpp"
 
 namespace stator::rack {
 namespace {

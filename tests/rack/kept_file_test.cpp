@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "base/random.hpp"
-#include "rack/temporary_directory.hpp"
+#include "base/temporary_directory.hpp"
 
 namespace stator::rack {
 namespace {

@@ -13,12 +13,12 @@
 #include <spdlog/sinks/ostream_sink.h>
 #include <unistd.h>
 
+#include "base/temporary_directory.hpp"
 #include "link/file_descriptor.hpp"
 #include "link/udp_ethernet_link.hpp"
 #include "rack/event_log.hpp"
 #include "rack/rack_file.hpp"
 #include "rack/runner.hpp"
-#include "rack/temporary_directory.hpp"
 #include "tmcl/telegram.hpp"
 
 namespace stator::rack {

@@ -12,7 +12,9 @@ TREE = {
     "src/base/event.hpp": "",
     "src/base/event.cpp": '#include "base/event.hpp"\n',
     "src/base/unused.hpp": "",
-    "tests/base/time_test.cpp": '#include "base/time.hpp"\n',
+    "src/base/span.hpp": "",
+    "tests/base/clock.hpp": '#include "base/span.hpp"\n',
+    "tests/base/time_test.cpp": '#include "base/time.hpp"\n#include "base/clock.hpp"\n',
 }
 COMPILED = {"src/base/event.cpp", "tests/base/time_test.cpp"}
 
@@ -32,6 +34,9 @@ class SourcesToCheck(unittest.TestCase):
 
     def test_a_header_alone_is_checked_through_a_source_that_includes_it(self):
         self.assertEqual(self.sources(["src/base/time.hpp"]), (["tests/base/time_test.cpp"], []))
+
+    def test_a_header_that_headers_include_is_checked_through_a_source_of_theirs(self):
+        self.assertEqual(self.sources(["src/base/span.hpp"]), (["tests/base/time_test.cpp"], []))
 
     def test_a_header_nobody_includes_is_named(self):
         self.assertEqual(self.sources(["src/base/unused.hpp"]), ([], ["src/base/unused.hpp"]))
