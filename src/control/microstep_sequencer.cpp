@@ -40,8 +40,8 @@ static_assert(kQuarterWave[0] == 0 && kQuarterWave[kQuarter] == MicrostepSequenc
 
 /// The quarter wave unrolled over a period and a quarter, so that sine and cosine are one look-up
 /// each.
-constexpr std::array<std::int16_t, 5 * kQuarter> make_wave() {
-  std::array<std::int16_t, 5 * kQuarter> table{};
+constexpr std::array<std::int16_t, std::size_t{5} * kQuarter> make_wave() {
+  std::array<std::int16_t, std::size_t{5} * kQuarter> table{};
   for (int i = 0; i < 5 * kQuarter; ++i) {
     const int within_half = i % (2 * kQuarter);
     const int within_quarter = within_half <= kQuarter ? within_half : 2 * kQuarter - within_half;

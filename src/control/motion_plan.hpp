@@ -62,6 +62,9 @@ class MotionPlan {
   MotionPlan(const MotionPlan& other) { *this = other; }
   /// Copies the segments in use only: the capacity is many times what most plans need.
   MotionPlan& operator=(const MotionPlan& other) {
+    if (this == &other) {
+      return *this;
+    }
     std::copy_n(other.segments_.begin(), other.size_, segments_.begin());
     size_ = other.size_;
     return *this;

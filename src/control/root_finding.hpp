@@ -92,7 +92,7 @@ template <typename Function>
   // A third of the exponent, and steps of Halley's iteration, each of which gives three times the
   // digits.
   constexpr std::uint64_t kBias = 0x2A9F7893782DA1CE;
-  double root = std::bit_cast<double>(std::bit_cast<std::uint64_t>(value) / 3 + kBias);
+  auto root = std::bit_cast<double>(std::bit_cast<std::uint64_t>(value) / 3 + kBias);
   for (int step = 0; step < 3; ++step) {
     const double cube = root * root * root;
     root *= (cube + 2.0 * value) / (2.0 * cube + value);

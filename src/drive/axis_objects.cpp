@@ -52,7 +52,7 @@ AxisObjects::AxisObjects(const dictionary::Dictionary& dictionary, std::uint16_t
   bind(homing_fast_speed, 0x6099, 1);
   bind(homing_slow_speed, 0x6099, 2);
   bind(homing_acceleration, 0x609A);
-  for (std::uint8_t i = 0; i < jerk.size(); ++i) {
+  for (std::size_t i = 0; i < jerk.size(); ++i) {
     bind(jerk[i], 0x60A4, static_cast<std::uint8_t>(i + 1));
   }
   bind(position_offset, 0x60B0);

@@ -40,7 +40,7 @@ void DriverChip::advance(const AxisSettings& settings, double velocity,
     }
     const double amplitude = std::sqrt(current_target_[0] * current_target_[0] +
                                        current_target_[1] * current_target_[1]);
-    const double microsteps = static_cast<double>(1U << (8U - settings.microstep_resolution));
+    const auto microsteps = static_cast<double>(1U << (8U - settings.microstep_resolution));
     actuation.voltage_mode = true;
     actuation.coil_duty = control::coil_duty(
         current_target_, control::stealth_chop_duty(driver.stealth_chop, speed * microsteps,

@@ -21,8 +21,8 @@ enum class HomeSignal : std::uint8_t {
 /// "positive" edge of a home switch (3, 19) is the one where it becomes active in positive
 /// direction, and is looked for on the way back.
 struct HomingMethod {
-  std::int8_t code;
-  HomeSignal signal;
+  std::int8_t code = 0;
+  HomeSignal signal = HomeSignal::release;
   int search_direction = 0;  ///< 1 or -1; without a switch the only direction
   ReferenceSwitch reference = ReferenceSwitch::home;
   /// A limit switch met on the way to the home switch turns the motion round; otherwise it stops

@@ -78,7 +78,7 @@ double StepperStage::torque_current(const std::array<double, 2>& coil_current) c
   }
   constexpr double kRadians = base::kTwoPi / control::MicrostepSequencer::kTableSize;
   const control::RotorObserver& rotor = closed_loop_.rotor();
-  const double within_period =
+  const auto within_period =
       static_cast<double>(rotor.base() % control::MicrostepSequencer::kTableSize);
   const base::SineCosine direction = base::sine_cosine((within_period + rotor.within()) * kRadians);
   return coil_current[1] * direction.cosine - coil_current[0] * direction.sine;

@@ -29,7 +29,9 @@ constexpr double kClearOfDetent = 3.0;
 
 }  // namespace
 
-constinit const std::span<const Option> kCoastDownOptions = kOptions;
+std::span<const Option> coast_down_options() {
+  return kOptions;
+}
 
 Result measure_coast_down(const BenchSetup& setup, const Values& values) {
   const plant::StepperAxisParameters axis = uncoupled(setup.axis);

@@ -12,25 +12,10 @@ namespace stator::experiment {
 
 namespace {
 
-const auto kExperiments = std::to_array<Experiment>({
-    {"free-acceleration", "torque-limited start of a free shaft: speed over time",
-     kFreeAccelerationOptions, measure_free_acceleration},
-    {"coast-down", "the motor let go at speed: friction alone slows it", kCoastDownOptions,
-     measure_coast_down},
-    {"pull-out", "largest load that loses no steps, over speed", kPullOutOptions, measure_pull_out},
-    {"resonance", "a step around a full step: natural frequency and damping of the rotor",
-     kResonanceOptions, measure_resonance},
-    {"stall-guard", "load measurement 2101h over load, at a constant speed", kStallGuardOptions,
-     measure_stall_guard},
-    {"standby", "run, boost and standby current during a move, and all current settings",
-     kStandbyOptions, measure_standby},
-    {"move", "a profile position move: position, velocity, current, load angle", kMoveOptions,
-     measure_move},
-});
-
 template <typename Range>
 std::string names_of(const Range& range) {
   std::vector<std::string_view> names;
+  names.reserve(range.size());
   for (const auto& item : range) {
     names.push_back(item.name);
   }
@@ -63,14 +48,30 @@ Result Experiment::run(const BenchSetup& setup, const Choices& choices) const {
 }
 
 std::span<const Experiment> experiments() {
-  return kExperiments;
+  static const auto table = std::to_array<Experiment>({
+      {"free-acceleration", "torque-limited start of a free shaft: speed over time",
+       free_acceleration_options(), measure_free_acceleration},
+      {"coast-down", "the motor let go at speed: friction alone slows it", coast_down_options(),
+       measure_coast_down},
+      {"pull-out", "largest load that loses no steps, over speed", pull_out_options(),
+       measure_pull_out},
+      {"resonance", "a step around a full step: natural frequency and damping of the rotor",
+       resonance_options(), measure_resonance},
+      {"stall-guard", "load measurement 2101h over load, at a constant speed",
+       stall_guard_options(), measure_stall_guard},
+      {"standby", "run, boost and standby current during a move, and all current settings",
+       standby_options(), measure_standby},
+      {"move", "a profile position move: position, velocity, current, load angle", move_options(),
+       measure_move},
+  });
+  return table;
 }
 
 const Experiment& require_experiment(std::string_view name) {
-  const auto found = std::ranges::find(kExperiments, name, &Experiment::name);
-  if (found == kExperiments.end()) {
+  const auto found = std::ranges::find(experiments(), name, &Experiment::name);
+  if (found == experiments().end()) {
     throw ExperimentError(
-        fmt::format("there is no experiment {}; there are: {}", name, names_of(kExperiments)));
+        fmt::format("there is no experiment {}; there are: {}", name, names_of(experiments())));
   }
   return *found;
 }

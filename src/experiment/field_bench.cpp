@@ -46,7 +46,8 @@ void FieldBench::build_up_current() {
   const plant::StepperMotorParameters& motor = plant_.parameters().motor;
   const double time = kTimeConstants * motor.inductance / motor.resistance;
   field_ = plant::turned(plant_.state().motor.angle, 0.5 * base::kPi);
-  for (double passed = 0.0; passed < time; passed += step()) {
+  const auto steps = static_cast<int>(std::ceil(time / step()));
+  for (int n = 0; n < steps; ++n) {
     drive(false);
   }
 }

@@ -47,7 +47,7 @@ class FieldBench {
   struct Snapshot {
     plant::StepperAxisState plant;
     plant::ElectricalAngle field;
-    double speed;
+    double speed = 0.0;
   };
   [[nodiscard]] Snapshot snapshot() const { return {plant_.state(), field_, speed_}; }
   void restore(const Snapshot& snapshot);

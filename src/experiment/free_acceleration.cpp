@@ -46,7 +46,9 @@ Trace mean_start(plant::StepperAxisParameters axis, double current, base::SimDur
 
 }  // namespace
 
-constinit const std::span<const Option> kFreeAccelerationOptions = kOptions;
+std::span<const Option> free_acceleration_options() {
+  return kOptions;
+}
 
 /// The shaft is held by a brake until the current flows, then let go; from there the field leads
 /// the rotor by a right angle all the time, as an ideal commutation would.

@@ -8,25 +8,25 @@ namespace stator::experiment {
 
 // What each experiment measures and with which options; experiment.cpp makes the table of them.
 
-extern const std::span<const Option> kFreeAccelerationOptions;
+[[nodiscard]] std::span<const Option> free_acceleration_options();
 [[nodiscard]] Result measure_free_acceleration(const BenchSetup& setup, const Values& values);
 
-extern const std::span<const Option> kCoastDownOptions;
+[[nodiscard]] std::span<const Option> coast_down_options();
 [[nodiscard]] Result measure_coast_down(const BenchSetup& setup, const Values& values);
 
-extern const std::span<const Option> kPullOutOptions;
+[[nodiscard]] std::span<const Option> pull_out_options();
 [[nodiscard]] Result measure_pull_out(const BenchSetup& setup, const Values& values);
 
-extern const std::span<const Option> kResonanceOptions;
+[[nodiscard]] std::span<const Option> resonance_options();
 [[nodiscard]] Result measure_resonance(const BenchSetup& setup, const Values& values);
 
-extern const std::span<const Option> kStandbyOptions;
+[[nodiscard]] std::span<const Option> standby_options();
 [[nodiscard]] Result measure_standby(const BenchSetup& setup, const Values& values);
 
-extern const std::span<const Option> kMoveOptions;
+[[nodiscard]] std::span<const Option> move_options();
 [[nodiscard]] Result measure_move(const BenchSetup& setup, const Values& values);
 
-extern const std::span<const Option> kStallGuardOptions;
+[[nodiscard]] std::span<const Option> stall_guard_options();
 [[nodiscard]] Result measure_stall_guard(const BenchSetup& setup, const Values& values);
 
 /// Options that several experiments have.

@@ -108,8 +108,13 @@ double ModuleBench::demand_revolutions() {
   return (static_cast<double>(position.microsteps) + position.fraction) / kMicrostepsPerRevolution;
 }
 
+double ModuleBench::demand_speed() {
+  return ramp().velocity() / kMicrostepsPerRevolution;
+}
+
 double current_of_setting(int setting, double full_scale) {
-  return full_scale * (setting / 8 + 1) / 32.0;
+  const int scale = setting / 8 + 1;
+  return full_scale * scale / 32.0;
 }
 
 }  // namespace stator::experiment

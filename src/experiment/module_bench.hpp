@@ -42,6 +42,8 @@ class ModuleBench {
   [[nodiscard]] double current_amplitude();  ///< A, of the current vector
   /// Of the set-point, revolutions since power-on.
   [[nodiscard]] double demand_revolutions();
+  /// Of the set-point, revolutions per second.
+  [[nodiscard]] double demand_speed();
 
  private:
   void set_acceleration(double revolutions);

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -30,6 +32,57 @@ constexpr double kAfter = 0.15;  // s shown after it
 constexpr int kSamples = 380;
 constexpr double kDegrees = 180.0 / base::kPi;
 
+/// One instant of the move.
+struct Sample {
+  double time = 0.0;                 ///< s since the move began
+  double position = 0.0;             ///< rev since then
+  double demand_position = 0.0;      ///< rev
+  double speed = 0.0;                ///< rev/s
+  double demand_speed = 0.0;         ///< rev/s
+  double current = 0.0;              ///< A
+  double load_angle = 0.0;           ///< electrical degrees
+  double expected_load_angle = 0.0;  ///< electrical degrees; not a number: none
+};
+
+/// Position, speed, current and load angle over time.
+std::vector<Panel> empty_panels() {
+  Panel position{"time", "s", "position", "rev", {}, {{"shaft", {}, {}}, {}}};
+  position.curves[1] = {"set-point", Curve::Style::equation, {}};
+  Panel speed{"time", "s", "speed", "rev/s", {}, {{"shaft", {}, {}}, {}}};
+  speed.curves[1] = {"set-point", Curve::Style::equation, {}};
+  Panel current{"time", "s", "current", "A", {}, {{"amplitude", {}, {}}}};
+  current.from_zero = true;
+  Panel angle{"time", "s", "load angle", "° electrical", {}, {{"measured", {}, {}}, {}}};
+  angle.curves[1] = {"asin(T / (Kt I))", Curve::Style::equation, {}};
+  return {position, speed, current, angle};
+}
+
+void append(std::vector<Panel>& panels, const Sample& sample) {
+  for (Panel& panel : panels) {
+    panel.x.push_back(sample.time);
+  }
+  panels[0].curves[0].values.push_back(sample.position);
+  panels[0].curves[1].values.push_back(sample.demand_position);
+  panels[1].curves[0].values.push_back(sample.speed);
+  panels[1].curves[1].values.push_back(sample.demand_speed);
+  panels[2].curves[0].values.push_back(sample.current);
+  panels[3].curves[0].values.push_back(sample.load_angle);
+  panels[3].curves[1].values.push_back(sample.expected_load_angle);
+}
+
+Comparison mean_load_angle(std::string_view when, double measured, double equation) {
+  return {.quantity = fmt::format("mean load angle, {}", when),
+          .unit = "°",
+          .measured = measured,
+          .equation = equation,
+          .scale = 90.0};
+}
+
+/// Sign of a number, 0 for 0.
+double sign_of(double value) {
+  return value > 0.0 ? 1.0 : value < 0.0 ? -1.0 : 0.0;
+}
+
 /// Mean load angle over the inner part of a stretch of the move, where swings have settled.
 class MeanOverStretch {
  public:
@@ -52,7 +105,9 @@ class MeanOverStretch {
 
 }  // namespace
 
-constinit const std::span<const Option> kMoveOptions = kOptions;
+std::span<const Option> move_options() {
+  return kOptions;
+}
 
 Result measure_move(const BenchSetup& setup, const Values& values) {
   const Equations equations(setup.axis);
@@ -81,15 +136,9 @@ Result measure_move(const BenchSetup& setup, const Values& values) {
     return std::asin(equations.load_angle_sine(torque, current)) * kDegrees;
   };
 
-  Panel position{"time", "s", "position", "rev", {}, {{"shaft", {}, {}}, {}}};
-  position.curves[1] = {"set-point", Curve::Style::equation, {}};
-  Panel velocity{"time", "s", "speed", "rev/s", {}, {{"shaft", {}, {}}, {}}};
-  velocity.curves[1] = {"set-point", Curve::Style::equation, {}};
-  Panel amperes{"time", "s", "current", "A", {}, {{"amplitude", {}, {}}}};
-  amperes.from_zero = true;
-  Panel angle{"time", "s", "load angle", "° electrical", {}, {{"measured", {}, {}}, {}}};
-  angle.curves[1] = {"asin(T / (Kt I))", Curve::Style::equation, {}};
-
+  Result result;
+  result.title = "Profile position move";
+  result.panels = empty_panels();
   MeanOverStretch accelerating(0.0, ramp);
   MeanOverStretch cruising(ramp, ramp + cruise);
   double arrival = std::nan("");
@@ -101,55 +150,41 @@ Result measure_move(const BenchSetup& setup, const Values& values) {
     const plant::StepperAxisObservation seen = bench.plant().observe();
     accelerating.take(time, seen.load_angle * kDegrees);
     cruising.take(time, seen.load_angle * kDegrees);
-    peak_speed = std::max(peak_speed, bench.ramp().velocity() / 51'200.0);
+    peak_speed = std::max(peak_speed, bench.demand_speed());
     if (std::isnan(arrival) && time > 0.5 * duration && bench.ramp().at_rest()) {
       arrival = time;
     }
     if (n % every == 0) {
-      const double setpoint = bench.ramp().velocity() / 51'200.0;
-      const double sign = bench.ramp().acceleration() > 0.0   ? 1.0
-                          : bench.ramp().acceleration() < 0.0 ? -1.0
-                                                              : 0.0;
-      for (Panel* panel : {&position, &velocity, &amperes, &angle}) {
-        panel->x.push_back(time);
-      }
-      position.curves[0].values.push_back(seen.shaft_revolutions - origin);
-      position.curves[1].values.push_back(bench.demand_revolutions() - demand_origin);
-      velocity.curves[0].values.push_back(seen.speed / base::kTwoPi);
-      velocity.curves[1].values.push_back(setpoint);
-      amperes.curves[0].values.push_back(bench.current_amplitude());
-      angle.curves[0].values.push_back(seen.load_angle * kDegrees);
-      angle.curves[1].values.push_back(
-          setpoint == 0.0
-              ? std::nan("")
-              : load_angle(sign * inertial + equations.running_torque(setpoint * base::kTwoPi)));
+      const double demand = bench.demand_speed();
+      const double torque = sign_of(bench.ramp().acceleration()) * inertial +
+                            equations.running_torque(demand * base::kTwoPi);
+      append(result.panels,
+             {.time = time,
+              .position = seen.shaft_revolutions - origin,
+              .demand_position = bench.demand_revolutions() - demand_origin,
+              .speed = seen.speed / base::kTwoPi,
+              .demand_speed = demand,
+              .current = bench.current_amplitude(),
+              .load_angle = seen.load_angle * kDegrees,
+              .expected_load_angle = demand == 0.0 ? std::nan("") : load_angle(torque)});
     }
     bench.step();
   }
 
-  Result result;
-  result.title = "Profile position move";
   result.comparisons.push_back({"distance travelled by the shaft", "rev",
                                 bench.plant().observe().shaft_revolutions - origin, distance});
   result.comparisons.push_back({"duration", "s", arrival, duration});
   result.comparisons.push_back({"highest speed of the set-point", "rev/s", peak_speed, speed});
-  result.comparisons.push_back({.quantity = "mean load angle, accelerating",
-                                .unit = "°",
-                                .measured = accelerating.value(),
-                                .equation = load_angle(inertial + half_speed_torque),
-                                .scale = 90.0});
+  result.comparisons.push_back(mean_load_angle("accelerating", accelerating.value(),
+                                               load_angle(inertial + half_speed_torque)));
   if (cruise > 0.0) {
-    result.comparisons.push_back({.quantity = "mean load angle, at constant speed",
-                                  .unit = "°",
-                                  .measured = cruising.value(),
-                                  .equation = load_angle(full_speed_torque),
-                                  .scale = 90.0});
+    result.comparisons.push_back(
+        mean_load_angle("at constant speed", cruising.value(), load_angle(full_speed_torque)));
   }
   result.remarks.push_back(
       fmt::format("TMCM-3315, {:.3g} A amplitude (setting {} of {:g} A); J = {:.3g} kg m². "
                   "Deviations of load angles are parts of 90°, where the motor pulls out.",
                   current, run, setup.full_scale_current, equations.inertia()));
-  result.panels = {position, velocity, amperes, angle};
   return result;
 }
 

@@ -105,8 +105,10 @@ class PullOutBench {
   }
 
   void approach(double load, double rate) {
-    for (double now = 0.0; now < load; now += rate * bench_.step()) {
-      turn(now);
+    const double change = rate * bench_.step();
+    const auto steps = static_cast<int>(std::ceil(load / change));
+    for (int n = 0; n < steps; ++n) {
+      turn(n * change);
     }
   }
 
@@ -177,7 +179,9 @@ void add_equations(Panel& panel, const Equations& equations, double current, dou
 
 }  // namespace
 
-constinit const std::span<const Option> kPullOutOptions = kOptions;
+std::span<const Option> pull_out_options() {
+  return kOptions;
+}
 
 Result measure_pull_out(const BenchSetup& setup, const Values& values) {
   const plant::StepperAxisParameters axis = uncoupled(setup.axis);

@@ -151,7 +151,9 @@ class DampedSwing {
 
 }  // namespace
 
-constinit const std::span<const Option> kResonanceOptions = kOptions;
+std::span<const Option> resonance_options() {
+  return kOptions;
+}
 
 Result measure_resonance(const BenchSetup& setup, const Values& values) {
   plant::StepperAxisParameters axis = uncoupled(setup.axis);
@@ -200,7 +202,7 @@ Result measure_resonance(const BenchSetup& setup, const Values& values) {
 
   Result result;
   result.title = "Oscillation of the rotor around a full step";
-  const double half_periods = static_cast<double>(extremes.size() - 1);
+  const auto half_periods = static_cast<double>(extremes.size() - 1);
   const double frequency = 0.5 * half_periods / (extremes.back().time - extremes.front().time);
   const double decay = equations.decay_rate();
   const double natural = equations.natural_frequency(current);

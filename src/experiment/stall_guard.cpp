@@ -79,14 +79,13 @@ class LoadedModule {
 
   double pass(double seconds, double load) {
     double sum = 0.0;
-    int samples = 0;
-    for (double passed = 0.0; passed < seconds; passed += ModuleBench::period()) {
+    const auto samples = static_cast<int>(std::lround(seconds / ModuleBench::period()));
+    for (int n = 0; n < samples; ++n) {
       // The damper's flywheel turns with the set-point: its torque is 0 but for oscillations.
-      const double flywheel = module_.ramp().velocity() / 51'200.0 * base::kTwoPi;
+      const double flywheel = module_.demand_speed() * base::kTwoPi;
       module_.plant().set_external_torque(damper_ * flywheel - load);
       module_.step();
       sum += static_cast<double>(module_.read(0x2101));
-      ++samples;
     }
     return sum / samples;
   }
@@ -98,7 +97,9 @@ class LoadedModule {
 
 }  // namespace
 
-constinit const std::span<const Option> kStallGuardOptions = kOptions;
+std::span<const Option> stall_guard_options() {
+  return kOptions;
+}
 
 Result measure_stall_guard(const BenchSetup& setup, const Values& values) {
   const BenchSetup bench{.axis = uncoupled(setup.axis),

@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 #include <string>
 
 #include <fmt/format.h>
@@ -37,10 +38,10 @@ constexpr int kSampleEvery = 100;                                          // st
 
 /// A stretch of the move in which the current ought to be constant.
 struct Stretch {
-  const char* name;
-  double from;  ///< s
-  double to;
-  double expected;  ///< A
+  const char* name = "";
+  double from = 0.0;  ///< s
+  double to = 0.0;
+  double expected = 0.0;  ///< A
   double sum = 0.0;
   int samples = 0;
 };
@@ -72,7 +73,9 @@ Panel all_settings(const BenchSetup& setup, Result& result) {
 
 }  // namespace
 
-constinit const std::span<const Option> kStandbyOptions = kOptions;
+std::span<const Option> standby_options() {
+  return kOptions;
+}
 
 Result measure_standby(const BenchSetup& setup, const Values& values) {
   ModuleBench bench(setup);
@@ -83,7 +86,7 @@ Result measure_standby(const BenchSetup& setup, const Values& values) {
   bench.write<std::uint8_t>(0x2003, static_cast<std::uint8_t>(run));
   bench.write<std::uint8_t>(0x204E, static_cast<std::uint8_t>(boost));
   bench.write<std::uint8_t>(0x2004, static_cast<std::uint8_t>(standby));
-  bench.write<std::uint16_t>(0x2089, static_cast<std::uint16_t>(delay * 100.0 + 0.5));
+  bench.write<std::uint16_t>(0x2089, static_cast<std::uint16_t>(std::lround(delay * 100.0)));
   bench.enable(kProfilePosition);
   bench.run(kBefore);
 

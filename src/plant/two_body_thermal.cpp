@@ -51,9 +51,9 @@ Matrix exponential_less_one(Matrix a) {
     add(sum, power, factor);
   }
   for (; doublings > 0; --doublings) {
-    Matrix squared = product(sum, sum);
-    add(squared, sum, 2.0);
-    sum = squared;
+    const Matrix square = product(sum, sum);
+    add(sum, sum, 1.0);
+    add(sum, square, 1.0);
   }
   return sum;
 }

@@ -28,7 +28,7 @@ ClosedLoopObjects::ClosedLoopObjects(const dictionary::Dictionary& dictionary,
 }
 
 void ClosedLoopObjects::configure(drive::AxisSettings& settings) const {
-  const double fine_steps = static_cast<double>(
+  const auto fine_steps = static_cast<double>(
       1U << (settings.microstep_resolution < 8U ? 8U - settings.microstep_resolution : 0U));
   const auto velocity = [&](std::uint32_t object) {
     return settings.units.velocity(object) * fine_steps;

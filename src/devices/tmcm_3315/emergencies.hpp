@@ -21,15 +21,15 @@ inline constexpr std::uint8_t kManufacturer = 1U << 7;
 /// One row of the emergency table (document L3756-L3779). Which bits of 1001h a code sets and which
 /// errors lead to the Fault state the document leaves open; this table decides.
 struct Emergency {
-  std::uint16_t code;
-  std::uint8_t detail;  ///< first additional byte
-  std::uint8_t register_bits;
+  std::uint16_t code = 0;
+  std::uint8_t detail = 0;  ///< first additional byte
+  std::uint8_t register_bits = 0;
 };
 
 struct AxisEmergency {
-  drive::AxisError error;
+  drive::AxisError error{};
   Emergency emergency;
-  drive::ErrorReaction reaction;
+  drive::ErrorReaction reaction{};
   bool whole_module = false;  ///< told once for all axes, with motor number 255
 };
 

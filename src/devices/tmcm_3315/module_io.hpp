@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -67,7 +68,7 @@ class ModuleIo {
     [[nodiscard]] double read_counts() const { return counts; }
     [[nodiscard]] double duty() const { return output / 255.0; }
     void set_level(double value) { level = value >= 0.5; }
-    void set_counts(double value) { counts = static_cast<std::uint16_t>(value + 0.5); }
+    void set_counts(double value) { counts = static_cast<std::uint16_t>(std::lround(value)); }
   };
 
   dictionary::Variable<std::uint32_t> digital_inputs_;                        // 2702h
