@@ -35,9 +35,17 @@ std::set<std::string> names_of(const std::map<std::string, T>& words) {
   return names;
 }
 
+std::map<std::string, devices::tmcm_3315::FirmwareVersion> firmware_versions() {
+  using enum devices::tmcm_3315::FirmwareVersion;
+  return {{"1.07", v1_07}, {"1.08", v1_08}, {"1.09", v1_09}};
+}
+
 void read_product(TomlSection& section, devices::Tmcm3315Configuration& configuration) {
   if (const auto alias = section.integer("alias", 0, 0xFFFF)) {
     configuration.station_alias = static_cast<std::uint16_t>(*alias);
+  }
+  if (const auto firmware = section.choice("firmware", names_of(firmware_versions()))) {
+    configuration.firmware = firmware_versions().at(*firmware);
   }
   configuration.emergencies = section.boolean("emergencies").value_or(configuration.emergencies);
   configuration.require_outputs =

@@ -258,6 +258,24 @@ TEST_F(ClosedLoopModule, RenamingThePositionDoesNotMoveTheMotor) {
   EXPECT_TRUE(initialised());
 }
 
+TEST_F(ClosedLoopModule, ALiveChangeOfResolutionDoesNotMoveTheMotor) {
+  go_operational();
+  start_closed_loop();
+  set_profile(0, 51'200, 512'000);
+  start_move(0, 12'345);
+  bus_->pass(1_s);
+  const double shaft = shaft_microsteps();
+  const auto actual = bus_->upload<std::int32_t>(0x6064);
+  write<std::uint8_t>(0x2000, 5);
+  for (int i = 0; i < 100; ++i) {
+    bus_->pass(1_ms);
+    ASSERT_NEAR(shaft_microsteps(), shaft, 10.0) << "no jolt either";
+  }
+  EXPECT_EQ(bus_->upload<std::int32_t>(0x6062), 12'345);
+  EXPECT_NEAR(bus_->upload<std::int32_t>(0x6064), actual, 1);
+  EXPECT_TRUE(initialised());
+}
+
 TEST_F(ClosedLoopModule, ABlockedShaftRaisesAFollowingError) {
   Tmcm3315Configuration configuration = with_encoder();
   configuration.axes[0].load.end_stop_maximum = 0.5;

@@ -1,5 +1,7 @@
 // Profile position with the real motor: windows, relative moves, software limits, resolution.
 
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -252,6 +254,22 @@ TEST_F(Tmcm3315Positioning, ALiveChangeOfResolutionRescalesNoPosition) {
   bus_->pass(2_s);
   EXPECT_NEAR(signal("axis0.shaft_position") - shaft, 1.0, 0.02) << "3200 are a revolution now";
   EXPECT_NEAR(bus_->upload<std::int32_t>(0x6064), 54'400, 20);
+}
+
+TEST_F(Tmcm3315Positioning, ALiveChangeOfResolutionLeavesTheCurrentVectorWhereItIs) {
+  enable(0, 1);
+  start_move(0, 12'345);
+  bus_->pass(1_s);
+  const std::array<double, 2> before = device_->axis(0).axis().driver().current_target();
+  ASSERT_GT(std::fabs(before[0]), 0.05);
+  ASSERT_GT(std::fabs(before[1]), 0.05);
+  for (const int resolution : {4, 0, 8, 3}) {
+    write<std::uint8_t>(0x2000, static_cast<std::uint8_t>(resolution));
+    bus_->pass(20_ms);
+    EXPECT_EQ(device_->axis(0).axis().driver().current_target(), before) << resolution;
+    EXPECT_EQ(demand(), 12'345) << "and the position is not rescaled";
+    EXPECT_EQ(bus_->upload<std::int32_t>(0x6064), 12'345);
+  }
 }
 
 }  // namespace

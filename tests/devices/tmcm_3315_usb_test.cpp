@@ -145,6 +145,17 @@ TEST_F(Tmcm3315Usb, TellsItsVersionAsTextAndAsNumber) {
   EXPECT_EQ(status_of({.command = 136, .type = 2}), Status::wrong_type);
 }
 
+TEST_F(Tmcm3315Usb, TellsTheVersionOfAnOlderFirmware) {
+  Tmcm3315Configuration configuration;
+  configuration.firmware = tmcm_3315::FirmwareVersion::v1_07;
+  device_ = std::make_unique<Tmcm3315>(configuration);
+  bus_ = std::make_unique<tests::TestBus>(*device_);
+  EXPECT_TRUE(device_->connect_usb(&cable_));
+  put(tmcl::encode(Request{.command = 136, .type = 0}));
+  EXPECT_EQ(raw_answer().back(), std::byte{'7'});
+  EXPECT_EQ(answer({.command = 136, .type = 1}).value, 0x0CF3'0107);
+}
+
 TEST_F(Tmcm3315Usb, ReadsGlobalParameters) {
   EXPECT_EQ(answer({.command = 10, .type = 66}).value, 1);
   EXPECT_EQ(answer({.command = 10, .type = 76}).value, 2);

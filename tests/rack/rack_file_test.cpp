@@ -54,6 +54,7 @@ require_outputs = true
 identification = 5
 firmware_erase_time = "200ms"
 home_offset_is_position = true
+firmware = "1.07"
 )",
                                                  "test.toml");
   EXPECT_EQ(rack.state, "kept");
@@ -62,6 +63,7 @@ home_offset_is_position = true
   EXPECT_EQ(module_of(rack).identification, 5);
   EXPECT_EQ(module_of(rack).firmware_erase_time, 200_ms);
   EXPECT_TRUE(module_of(rack).home_offset_is_position);
+  EXPECT_EQ(module_of(rack).firmware, devices::tmcm_3315::FirmwareVersion::v1_07);
   const RackConfiguration plain = parse_rack_file(kMinimal, "test.toml");
   EXPECT_EQ(plain.state, "");
   EXPECT_TRUE(module_of(plain).emergencies);
@@ -69,6 +71,7 @@ home_offset_is_position = true
   EXPECT_FALSE(module_of(plain).identification);
   EXPECT_EQ(module_of(plain).firmware_erase_time, 0_ms);
   EXPECT_FALSE(module_of(plain).home_offset_is_position);
+  EXPECT_EQ(module_of(plain).firmware, devices::tmcm_3315::FirmwareVersion::v1_09);
 }
 
 TEST(RackFile, BrakeAndOpenInputsArriveWhereTheyBelong) {

@@ -149,7 +149,7 @@ constexpr auto kSwitches = std::to_array<EntryDeclaration>({
      .drive_condition = DriveCondition::switch_on_disabled},
 });
 
-// Encoder (§4.2.8, §4.2.10).
+// Encoder (§4.2.8).
 constexpr auto kEncoder = std::to_array<EntryDeclaration>({
     inferred_highest_subindex(0x200B, array, 3, "Encoder parameters", "L775-L787"),
     {.index = 0x200B,
@@ -183,6 +183,10 @@ constexpr auto kEncoder = std::to_array<EntryDeclaration>({
      .source = "L785",
      .note = kOnlyInSwitchOnDisabled,
      .drive_condition = DriveCondition::switch_on_disabled},
+});
+
+// Latch of the encoder's N channel (§4.2.10).
+constexpr auto kLatch = std::to_array<EntryDeclaration>({
     inferred_highest_subindex(0x200F, record, 3, "Encoder N channel latch", "L809-L821"),
     {.index = 0x200F,
      .subindex = 1,
@@ -354,12 +358,15 @@ constexpr auto kMonitoring = std::to_array<EntryDeclaration>({
 }  // namespace
 
 void add_axis_motion_objects(dictionary::Dictionary& dictionary,
-                             const dictionary::Placement& placement) {
+                             const dictionary::Placement& placement, FirmwareVersion firmware) {
   dictionary.add(kResolution, placement);
   dictionary.add(kCurrent, placement);
   dictionary.add(kBrake, placement);
   dictionary.add(kSwitches, placement);
   dictionary.add(kEncoder, placement);
+  if (firmware >= FirmwareVersion::v1_08) {
+    dictionary.add(kLatch, placement);
+  }
   dictionary.add(kRamp, placement);
   dictionary.add(kUnits, placement);
   dictionary.add(kMonitoring, placement);

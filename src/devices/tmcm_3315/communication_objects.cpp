@@ -115,6 +115,21 @@ constexpr auto kIdentification = std::to_array<EntryDeclaration>({
              "00010009h computed here for firmware V1.09."},
 });
 
+/// The same with another firmware.
+constexpr auto identification_of(FirmwareVersion firmware, const char* version) {
+  auto rows = kIdentification;
+  for (EntryDeclaration& row : rows) {
+    if (row.index == 0x100A) {
+      row.default_value = version;
+    } else if (row.index == 0x1018 && row.subindex == 3) {
+      row.default_value = hex(revision_of(firmware));
+    }
+  }
+  return rows;
+}
+constexpr auto kIdentification107 = identification_of(FirmwareVersion::v1_07, "1.07");
+constexpr auto kIdentification108 = identification_of(FirmwareVersion::v1_08, "1.08");
+
 // What the one RPDO and the one TPDO carry (§3.1.7, §3.1.8).
 constexpr auto kPdoMapping = std::to_array<EntryDeclaration>({
     {.index = 0x1600,
@@ -263,8 +278,18 @@ constexpr auto kSyncManagers = std::to_array<EntryDeclaration>({
 
 }  // namespace
 
-void add_communication_objects(dictionary::Dictionary& dictionary) {
-  dictionary.add(kIdentification);
+void add_communication_objects(dictionary::Dictionary& dictionary, FirmwareVersion firmware) {
+  switch (firmware) {
+    case FirmwareVersion::v1_07:
+      dictionary.add(kIdentification107);
+      break;
+    case FirmwareVersion::v1_08:
+      dictionary.add(kIdentification108);
+      break;
+    case FirmwareVersion::v1_09:
+      dictionary.add(kIdentification);
+      break;
+  }
   dictionary.add(kPdoMapping);
   dictionary.add(kSyncManagers);
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "devices/tmcm_3315/objects.hpp"
 #include "dictionary/dictionary.hpp"
 
 namespace stator::devices::tmcm_3315 {
@@ -13,10 +14,10 @@ namespace stator::devices::tmcm_3315 {
 // Values the document leaves open are marked undocumented().
 
 /// 1000h-1FFFh: once for the module.
-void add_communication_objects(dictionary::Dictionary& dictionary);
+void add_communication_objects(dictionary::Dictionary& dictionary, FirmwareVersion firmware);
 /// 2000h-21FFh: resolution, current, brake, switches, encoder, ramp, units, monitoring.
 void add_axis_motion_objects(dictionary::Dictionary& dictionary,
-                             const dictionary::Placement& placement);
+                             const dictionary::Placement& placement, FirmwareVersion firmware);
 /// 2000h-21FFh: closed loop, chopper, CoolStep, StallGuard2, StealthChop.
 void add_axis_driver_objects(dictionary::Dictionary& dictionary,
                              const dictionary::Placement& placement);
@@ -24,7 +25,7 @@ void add_axis_driver_objects(dictionary::Dictionary& dictionary,
 void add_module_objects(dictionary::Dictionary& dictionary);
 /// 6000h-67FFh: power drive state machine, modes, sensor, homing, torque, inputs.
 void add_profile_drive_objects(dictionary::Dictionary& dictionary,
-                               const dictionary::Placement& placement);
+                               const dictionary::Placement& placement, FirmwareVersion firmware);
 /// 6000h-67FFh: position, velocity, motion profile, interpolation.
 void add_profile_motion_objects(dictionary::Dictionary& dictionary,
                                 const dictionary::Placement& placement);

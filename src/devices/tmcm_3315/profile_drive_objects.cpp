@@ -18,6 +18,7 @@ constexpr std::array<std::int64_t, 1> kOnlyOne{1};
 constexpr std::array<std::int64_t, 1> kOnlyTwo{2};
 constexpr std::array<std::int64_t, 4> kQuickStopOptions{1, 2, 5, 6};
 constexpr std::array<std::int64_t, 7> kLegalModes{0, 1, 3, 6, 8, 9, 10};
+constexpr std::array<std::int64_t, 6> kLegalModesWithoutCsv{0, 1, 3, 6, 8, 10};
 constexpr std::array<std::int64_t, 2> kSensorSelections{-1, 0};
 constexpr std::array<std::int64_t, 12> kHomingMethods{0, 1, 2, 3, 5, 17, 18, 19, 21, 33, 34, 35};
 
@@ -121,6 +122,19 @@ constexpr auto kModes = std::to_array<EntryDeclaration>({
      .source = "L1975-L2002",
      .note = "Document: depends on supported modes. 3A5h computed here = pp|pv|hm|csp|csv|cst."},
 });
+
+/// Of firmware 1.07.
+constexpr auto kModesWithoutCsv = [] {
+  auto rows = kModes;
+  for (EntryDeclaration& row : rows) {
+    if (row.index == 0x6060) {
+      row.legal_values = kLegalModesWithoutCsv;
+    } else if (row.index == 0x6502) {
+      row.default_value = hex(0x000002A5);
+    }
+  }
+  return rows;
+}();
 
 // Position sensor (§5.1.8, §5.1.9).
 constexpr auto kSensor = std::to_array<EntryDeclaration>({
@@ -254,9 +268,13 @@ constexpr auto kInputs = std::to_array<EntryDeclaration>({
 }  // namespace
 
 void add_profile_drive_objects(dictionary::Dictionary& dictionary,
-                               const dictionary::Placement& placement) {
+                               const dictionary::Placement& placement, FirmwareVersion firmware) {
   dictionary.add(kPowerStateMachine, placement);
-  dictionary.add(kModes, placement);
+  if (firmware >= FirmwareVersion::v1_08) {
+    dictionary.add(kModes, placement);
+  } else {
+    dictionary.add(kModesWithoutCsv, placement);
+  }
   dictionary.add(kSensor, placement);
   dictionary.add(kHoming, placement);
   dictionary.add(kTorque, placement);

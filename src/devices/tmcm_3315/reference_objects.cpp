@@ -29,6 +29,10 @@ ReferenceObjects::ReferenceObjects(dictionary::Dictionary& dictionary, std::uint
   };
   switches_ = dictionary.variable<std::uint32_t>(own(0x2005), 0);
   index_polarity_ = dictionary.variable<std::uint8_t>(own(0x200B), 1);
+  has_latch_ = dictionary.find(own(0x200F), 1) != nullptr;
+  if (!has_latch_) {
+    return;
+  }
   latch_mode_ = dictionary.variable<std::uint8_t>(own(0x200F), 1);
   latched_internal_ = dictionary.variable<std::int32_t>(own(0x200F), 2);
   latched_encoder_ = dictionary.variable<std::int32_t>(own(0x200F), 3);
@@ -46,6 +50,9 @@ void ReferenceObjects::configure(drive::ReferenceSettings& settings) const {
 }
 
 void ReferenceObjects::serve_latch(drive::Axis& axis) {
+  if (!has_latch_) {
+    return;
+  }
   if (latch_mode_written_) {
     latch_mode_written_ = false;
     axis.arm_index_latch(latch_mode_.get() != 0);

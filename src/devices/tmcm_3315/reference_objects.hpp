@@ -34,6 +34,7 @@ class ReferenceObjects {
   dictionary::Variable<std::uint8_t> latch_mode_;        // 200Fh:01
   dictionary::Variable<std::int32_t> latched_internal_;  // 200Fh:02
   dictionary::Variable<std::int32_t> latched_encoder_;   // 200Fh:03
+  bool has_latch_ = false;                               ///< firmware 1.07 has none
   bool latch_mode_written_ = false;
 };
 

@@ -44,7 +44,8 @@ ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration)
   description.vendor_id = kVendorId;
   description.vendor_name = "TRINAMIC Motion Control GmbH & Co. KG";
   description.product_code = configuration.product_code;
-  description.revision = configuration.revision;
+  description.revision =
+      configuration.revision.value_or(tmcm_3315::revision_of(configuration.firmware));
   description.serial_number = configuration.serial_number;
   description.order_code = "TMCM-3315";
   description.name = "TMCM-3315";
@@ -93,7 +94,7 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
       description_(describe(configuration)),
       controller_(ethercat::find_slave_controller_preset("tmcm-3315")->configuration),
       axes_([&] {
-        tmcm_3315::add_objects(dictionary_);
+        tmcm_3315::add_objects(dictionary_, configuration.firmware);
         std::array<std::unique_ptr<AxisUnit>, tmcm_3315::kAxisCount> axes;
         for (std::uint8_t n = 0; n < tmcm_3315::kAxisCount; ++n) {
           axes[n] = std::make_unique<AxisUnit>(
@@ -109,7 +110,7 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
              stack_options(configuration, firmware_)),
       error_register_(dictionary_.variable<std::uint8_t>(0x1001)),
       io_(dictionary_),
-      usb_(dictionary_, io_, kFirmwareCapacity, reporter) {
+      usb_(dictionary_, io_, configuration.firmware, kFirmwareCapacity, reporter) {
   using Query = dictionary::Dictionary::DriveStateQuery;
   dictionary_.set_drive_state_query(Query::bind<&Tmcm3315::drive_state>(*this));
   set_identity(configuration);
@@ -122,7 +123,7 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
 
 void Tmcm3315::set_identity(const Tmcm3315Configuration& configuration) {
   dictionary_.find(0x1018, 2)->set_value(configuration.product_code);
-  dictionary_.find(0x1018, 3)->set_value(configuration.revision);
+  dictionary_.find(0x1018, 3)->set_value(description_.revision);
 }
 
 const char* Tmcm3315::drive_state(std::uint8_t axis) {

@@ -27,10 +27,11 @@ struct Tmcm3315Configuration {
   /// A, peak of a coil for a current setting of 255. The document never states it; its worked
   /// example gives 1 A for 85.
   double full_scale_current = 3.0;
-  drive::DriverLimits driver_limits;    ///< where the driver chips warn and switch off
-  std::uint32_t product_code = 3315;    ///< 1018h:02; printed without h, hence decimal
-  std::uint32_t revision = 0x00010009;  ///< 1018h:03; firmware 1.09
-  std::uint32_t serial_number = 0;      ///< in the SII only, 1018h has no entry for it
+  drive::DriverLimits driver_limits;  ///< where the driver chips warn and switch off
+  tmcm_3315::FirmwareVersion firmware = tmcm_3315::FirmwareVersion::v1_09;
+  std::uint32_t product_code = 3315;      ///< 1018h:02; printed without h, hence decimal
+  std::optional<std::uint32_t> revision;  ///< 1018h:03; none: that of the firmware
+  std::uint32_t serial_number = 0;        ///< in the SII only, 1018h has no entry for it
   std::uint16_t station_alias = 0;
 
   bool emergencies = true;       ///< send CoE emergencies

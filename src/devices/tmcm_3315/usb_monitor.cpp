@@ -19,10 +19,12 @@ using tmcl::Status;
 
 constexpr std::uint8_t kModuleAddress = 1;
 constexpr std::uint8_t kHostAddress = 2;
-/// Firmware 1.09 of module 3315 as text and as a number.
-constexpr std::string_view kVersionText = "3315V109";
+/// Module 3315 and its firmware as a number; as text without the last digit of the version.
+constexpr std::int32_t version_number(FirmwareVersion firmware) {
+  return 3315 << 16 | 1 << 8 | static_cast<int>(firmware);
+}
+constexpr std::string_view kVersionText = "3315V10";
 constexpr std::string_view kBootLoaderText = "3315B100";
-constexpr std::int32_t kVersion = 3315 << 16 | 1 << 8 | 9;
 /// What command 242 must carry to start the boot loader.
 constexpr std::uint8_t kBootType = 0x81;
 constexpr std::uint8_t kBootMotor = 0x92;
@@ -142,8 +144,10 @@ std::span<const ReadableParameter> readable_parameters() {
 }
 
 UsbMonitor::UsbMonitor(const dictionary::Dictionary& dictionary, const ModuleIo& io,
-                       std::size_t firmware_capacity, base::EventReporter reporter)
+                       FirmwareVersion firmware, std::size_t firmware_capacity,
+                       base::EventReporter reporter)
     : io_(io),
+      firmware_(firmware),
       reporter_(reporter),
       receiver_(kGap),
       boot_loader_({.size = static_cast<std::uint32_t>(firmware_capacity)}) {
@@ -221,6 +225,9 @@ void UsbMonitor::send_version_text() {
   for (std::size_t i = 0; i < text.size(); ++i) {
     telegram[i + 1] = static_cast<std::byte>(text[i]);
   }
+  if (!in_boot_loader()) {
+    telegram.back() = static_cast<std::byte>('0' + static_cast<int>(firmware_));
+  }
   port_->send(telegram);
 }
 
@@ -259,7 +266,8 @@ UsbMonitor::Answer UsbMonitor::execute(const tmcl::Request& request, base::SimTi
     case Command::get_input:
       return get_input(request);
     case Command::get_firmware_version:
-      return request.type == 1 ? Answer{Status::success, kVersion} : Answer{Status::wrong_type};
+      return request.type == 1 ? Answer{Status::success, version_number(firmware_)}
+                               : Answer{Status::wrong_type};
     default:
       break;
   }

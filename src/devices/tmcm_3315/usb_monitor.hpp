@@ -39,7 +39,7 @@ struct ReadableParameter {
 class UsbMonitor {
  public:
   /// `dictionary` and `io` must outlive the monitor; `firmware_capacity`: of the memory, bytes.
-  UsbMonitor(const dictionary::Dictionary& dictionary, const ModuleIo& io,
+  UsbMonitor(const dictionary::Dictionary& dictionary, const ModuleIo& io, FirmwareVersion firmware,
              std::size_t firmware_capacity, base::EventReporter reporter);
   UsbMonitor(const UsbMonitor&) = delete;
   UsbMonitor& operator=(const UsbMonitor&) = delete;
@@ -79,6 +79,7 @@ class UsbMonitor {
   [[nodiscard]] static Answer get_global_parameter(const tmcl::Request& request, base::SimTime now);
 
   const ModuleIo& io_;
+  FirmwareVersion firmware_;
   base::EventReporter reporter_;
   /// In the order of readable_parameters(), for each axis.
   std::array<std::vector<const dictionary::Entry*>, kAxisCount> sources_;
