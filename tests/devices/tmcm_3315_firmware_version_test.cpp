@@ -17,8 +17,7 @@ class Tmcm3315Versions : public Tmcm3315Module {
   void power_up(FirmwareVersion firmware) {
     Tmcm3315Configuration configuration;
     configuration.firmware = firmware;
-    device_ = std::make_unique<Tmcm3315>(configuration);
-    bus_ = std::make_unique<tests::TestBus>(*device_);
+    renew(configuration);
     go_operational();
   }
 };

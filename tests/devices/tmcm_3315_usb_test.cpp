@@ -148,8 +148,7 @@ TEST_F(Tmcm3315Usb, TellsItsVersionAsTextAndAsNumber) {
 TEST_F(Tmcm3315Usb, TellsTheVersionOfAnOlderFirmware) {
   Tmcm3315Configuration configuration;
   configuration.firmware = tmcm_3315::FirmwareVersion::v1_07;
-  device_ = std::make_unique<Tmcm3315>(configuration);
-  bus_ = std::make_unique<tests::TestBus>(*device_);
+  renew(configuration);
   EXPECT_TRUE(device_->connect_usb(&cable_));
   put(tmcl::encode(Request{.command = 136, .type = 0}));
   EXPECT_EQ(raw_answer().back(), std::byte{'7'});
