@@ -30,8 +30,8 @@ constexpr std::array<EventRule, kAxisErrorCount> kErrorRules{{
      "direction only, or with the switch deactivated"},
     {"axis-stall", Severity::warning,
      "axis {0}: stopped at position {1}: the load measurement fell to 0 above the speed of the "
-     "stop "
-     "on stall; look for a blocked shaft, or raise current or stall threshold, then move again"},
+     "stop on stall; look for a blocked shaft, or raise current or stall threshold, then move "
+     "again"},
     {"axis-open-load-a", Severity::warning,
      "axis {0}: no current flows in phase A; look for a broken motor cable"},
     {"axis-open-load-b", Severity::warning,

@@ -105,6 +105,12 @@ TEST_F(Tmcm3315Usb, EveryParameterShowsItsObjectOnEveryAxis) {
   }
 }
 
+TEST_F(Tmcm3315Usb, NegativeValuesOfShortObjectsKeepTheirSign) {
+  bus_->bring_to(AlState::pre_operational);
+  write<std::int8_t>(0x209E, -5);
+  EXPECT_EQ(axis_parameter(174), -5);
+}
+
 TEST_F(Tmcm3315Usb, SwitchesAreReadByTheirBits) {
   bus_->bring_to(AlState::pre_operational);
   write<std::uint32_t>(0x2005, 0x2D);
