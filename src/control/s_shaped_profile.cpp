@@ -341,56 +341,54 @@ void Draft::gain_onto(const MicrostepPosition& end) {
   brake_onto(end);
 }
 
+/// Plans what `drafting` does with a draft and the cleaned limits. Without a deceleration there is
+/// no ramp to brake on: the axis rests where it is.
+template <typename Drafting>
+MotionPlan drafted(const MotionState& start, const RampLimits& limits, double end_jerk,
+                   Drafting drafting) {
+  const RampLimits allowed = limits.cleaned();
+  MotionPlan plan;
+  if (allowed.deceleration == 0.0) {
+    plan.rest(start.position);
+    return plan;
+  }
+  Draft draft(plan, start, end_jerk, allowed);
+  drafting(draft, allowed);
+  return plan;
+}
+
 }  // namespace
 
 MotionPlan positioning(const MotionState& start, std::int64_t target, const RampLimits& limits,
                        double end_jerk) {
-  const RampLimits allowed = limits.cleaned();
-  MotionPlan plan;
-  if (allowed.deceleration == 0.0) {
-    plan.rest(start.position);
-    return plan;
-  }
-  Draft draft(plan, start, end_jerk, allowed);
-  if (allowed.velocity == 0.0) {
-    draft.stop();
-  } else {
-    draft.position_on({target, 0.0});
-  }
-  draft.rest();
-  return plan;
+  return drafted(start, limits, end_jerk, [target](Draft& draft, const RampLimits& allowed) {
+    if (allowed.velocity == 0.0) {
+      draft.stop();
+    } else {
+      draft.position_on({target, 0.0});
+    }
+    draft.rest();
+  });
 }
 
 MotionPlan velocity(const MotionState& start, double velocity, const RampLimits& limits,
                     double end_jerk) {
-  const RampLimits allowed = limits.cleaned();
-  MotionPlan plan;
-  if (allowed.deceleration == 0.0) {
-    plan.rest(start.position);
-    return plan;
-  }
-  Draft draft(plan, start, end_jerk, allowed);
-  const double wanted = std::min(std::fabs(velocity), allowed.velocity);
-  if (wanted > 0.0 && velocity * draft.direction() < 0.0) {
-    draft.stop();
-    draft.turn();
-  }
-  draft.change_to(wanted);
-  draft.cruise();
-  return plan;
+  return drafted(start, limits, end_jerk, [velocity](Draft& draft, const RampLimits& allowed) {
+    const double wanted = std::min(std::fabs(velocity), allowed.velocity);
+    if (wanted > 0.0 && velocity * draft.direction() < 0.0) {
+      draft.stop();
+      draft.turn();
+    }
+    draft.change_to(wanted);
+    draft.cruise();
+  });
 }
 
 MotionPlan stop(const MotionState& start, const RampLimits& limits, double end_jerk) {
-  const RampLimits allowed = limits.cleaned();
-  MotionPlan plan;
-  if (allowed.deceleration == 0.0) {
-    plan.rest(start.position);
-    return plan;
-  }
-  Draft draft(plan, start, end_jerk, allowed);
-  draft.stop();
-  draft.rest();
-  return plan;
+  return drafted(start, limits, end_jerk, [](Draft& draft, const RampLimits& /*allowed*/) {
+    draft.stop();
+    draft.rest();
+  });
 }
 
 double braking_distance(const MotionState& start, const RampLimits& limits, double end_jerk) {
