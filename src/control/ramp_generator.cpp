@@ -81,6 +81,19 @@ void RampGenerator::set_position(std::int64_t microsteps) {
   stop_at_once();
 }
 
+void RampGenerator::shift(std::int64_t microsteps) {
+  if (microsteps == 0) {
+    return;
+  }
+  state_.origin -= microsteps;
+  state_.target_position += microsteps;
+  state_.now.position.microsteps += microsteps;
+  state_.playing.reference_position.microsteps += microsteps;
+  for (std::size_t i = 0; i < state_.plan.size(); ++i) {
+    state_.plan[i].reference_position.microsteps += microsteps;
+  }
+}
+
 double RampGenerator::end_jerk() const {
   const double acceleration = state_.now.acceleration;
   for (std::size_t i = state_.segment; i + 1 < state_.plan.size(); ++i) {

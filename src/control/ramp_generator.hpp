@@ -75,6 +75,10 @@ class RampGenerator {
   /// stopped at once.
   void set_position(std::int64_t microsteps);
 
+  /// Renames every position by adding `microsteps`, without moving the motor; a motion under way
+  /// goes on to where it was going.
+  void shift(std::int64_t microsteps);
+
   /// Lets `duration` pass (any length, not negative).
   void advance(base::SimDuration duration) {
     state_.segment_elapsed += duration;

@@ -6,6 +6,7 @@
 #include "base/trigonometry.hpp"
 #include "plant/mechanical_load.hpp"
 #include "plant/shaft_angle.hpp"
+#include "plant/shaft_mechanics.hpp"
 #include "plant/stepper_motor.hpp"
 
 namespace stator::plant {
@@ -29,14 +30,9 @@ struct HybridStepperInput {
 /// Two-phase hybrid stepper with its load:
 ///   L dia/dt = ua - R ia + p w psi sin(p th)      Te = p psi (ib cos(p th) - ia sin(p th))
 ///   L dib/dt = ub - R ib - p w psi cos(p th)      Tdetent = Td sin(4 p th)
-///   J dw/dt  = Te - Tdetent - Tfriction(w) - B w + Tload,   dth/dt = w
-/// Friction: sgn(w) (Tc + (Ts - Tc) / (1 + (w / ws)^2)) (Hess and Soom's form of the Stribeck
-/// curve, which needs no exponential function); at rest up to Ts against any torque.
+///   J dw/dt  = Te - Tdetent - Tfriction(w) - B w + Tload,   dth/dt = w   (ShaftMechanics)
 ///
-/// Integrated by fourth-order Runge-Kutta with the voltages held in the stator frame. The sign of
-/// dry friction is frozen over a step; a step that ends with the opposite sign of speed is
-/// corrected by the part of it after the crossing and sticks at exactly 0 if friction can hold the
-/// shaft.
+/// Integrated by fourth-order Runge-Kutta with the voltages held in the stator frame.
 class HybridStepper {
  public:
   HybridStepper(const StepperMotorParameters& motor, const MechanicalLoad& load);
@@ -63,9 +59,13 @@ class HybridStepper {
   /// Current vector ahead of the rotor, electrical rad, -pi..pi; pull-out lies at pi/2.
   [[nodiscard]] double load_angle(const HybridStepperState& state) const;
   /// Position of the shaft since the zero of its angle, revolutions.
-  [[nodiscard]] double revolutions(const HybridStepperState& state) const;
+  [[nodiscard]] double revolutions(const HybridStepperState& state) const {
+    return shaft_.revolutions(state.angle);
+  }
   /// The angle at which revolutions() is `revolutions`.
-  [[nodiscard]] ElectricalAngle angle_at(double revolutions) const;
+  [[nodiscard]] ElectricalAngle angle_at(double revolutions) const {
+    return shaft_.angle_at(revolutions);
+  }
 
   [[nodiscard]] const StepperMotorParameters& motor() const { return motor_; }
   /// Resistance of a phase from now on, ohm: a winding gets warm.
@@ -73,7 +73,7 @@ class HybridStepper {
   /// Kt = p psi, N m/A and V s/rad.
   [[nodiscard]] double torque_constant() const { return torque_constant_; }
   /// Rotor and load, kg m^2.
-  [[nodiscard]] double inertia() const { return motor_.rotor_inertia + load_.inertia; }
+  [[nodiscard]] double inertia() const { return shaft_.inertia(); }
 
  private:
   struct Derivative;
@@ -85,31 +85,15 @@ class HybridStepper {
                                       const std::array<double, 2>& current, double speed,
                                       const base::SineCosine& direction, double turned,
                                       double friction) const;
-  /// Magnitude of dry friction at `speed`, N m.
-  [[nodiscard]] double dry_friction(const StepConstants& frozen, double speed) const;
-  [[nodiscard]] double positional_torque(const StepConstants& frozen, double turned,
-                                         double speed) const;
   [[nodiscard]] double detent_torque(const base::SineCosine& direction) const;
-  void settle_friction(HybridStepperState& state, const StepConstants& frozen, double speed_before,
-                       double step) const;
   void step_at_rest(HybridStepperState& state, const HybridStepperInput& input, double step) const;
 
   StepperMotorParameters motor_;
-  MechanicalLoad load_;
+  ShaftMechanics shaft_;
   std::int64_t pole_pairs_;
-  double inverse_pole_pairs_;
   double torque_constant_;     ///< Kt = p psi, N m/A and V s/rad
   double inverse_inductance_;  ///< 1/H
-  double inverse_inertia_;     ///< 1/(kg m^2)
-  double viscous_friction_;    ///< motor and load, N m s/rad
-  double coulomb_friction_;    ///< motor and load, N m
-  double stribeck_rise_;       ///< Ts - Tc, N m
-  double inverse_stribeck_speed_;
-  double standstill_rate_;  ///< fastest_rate at speed 0, rad/s
-  bool has_end_stops_;
-  bool depends_on_position_;
-  ElectricalAngle end_stop_minimum_;
-  ElectricalAngle end_stop_maximum_;
+  double standstill_rate_;     ///< fastest_rate at speed 0, rad/s
 };
 
 }  // namespace stator::plant

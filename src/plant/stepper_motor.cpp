@@ -15,18 +15,9 @@ constexpr std::array kSheets{
     StepperMotorSheet{"QSH6018-86-28-310", 200, 2.8, 1.5, 6.8, 3.10, 0.100, 840, 1.4},
 };
 
-ThermalParameters thermal_parameters(const StepperMotorParameters& motor, double mass) {
-  constexpr double kRatedRise = 80.0;  // K
-  constexpr double kCopperShare = 0.15;
-  constexpr double kCopper = 385.0;  // J/(kg K)
-  constexpr double kSteel = 460.0;
-  const double loss = 2.0 * motor.resistance * motor.rated_current * motor.rated_current *
-                      (1.0 + motor.temperature_coefficient * kRatedRise);
-  const double resistance = kRatedRise / loss;
-  return {.inner_capacity = kCopperShare * mass * kCopper,
-          .outer_capacity = (1.0 - kCopperShare) * mass * kSteel,
-          .inner_to_outer = 0.25 * resistance,
-          .outer_to_ambient = 0.75 * resistance};
+double rated_loss_when_hot(const StepperMotorParameters& motor) {
+  return 2.0 * motor.resistance * motor.rated_current * motor.rated_current *
+         (1.0 + motor.temperature_coefficient * kClassBRise);
 }
 
 }  // namespace
@@ -46,7 +37,7 @@ StepperMotorParameters parameters_of(const StepperMotorSheet& sheet) {
   motor.detent_torque = sheet.detent_torque;
   motor.rotor_inertia = sheet.rotor_inertia * 1e-7;
   motor.rated_current = sheet.rated_current;
-  motor.thermal = thermal_parameters(motor, sheet.mass);
+  motor.thermal = class_b_motor(rated_loss_when_hot(motor), sheet.mass);
   return motor;
 }
 

@@ -12,6 +12,23 @@ struct ThermalParameters {
   double outer_to_ambient = 3.0;  ///< K/W
 };
 
+/// K by which a winding of insulation class B is warmer than the air at rated current.
+inline constexpr double kClassBRise = 80.0;
+
+/// An estimate for a motor of `mass` kg whose winding loses `rated_loss` W when hot, where the
+/// sheet has no thermal data: the winding settles 80 K above the air at rated current (insulation
+/// class B), a quarter of that between winding and housing; copper is 15 % of the mass.
+[[nodiscard]] constexpr ThermalParameters class_b_motor(double rated_loss, double mass) {
+  constexpr double kCopperShare = 0.15;
+  constexpr double kCopper = 385.0;  // J/(kg K)
+  constexpr double kSteel = 460.0;
+  const double resistance = kClassBRise / rated_loss;
+  return {.inner_capacity = kCopperShare * mass * kCopper,
+          .outer_capacity = (1.0 - kCopperShare) * mass * kSteel,
+          .inner_to_outer = 0.25 * resistance,
+          .outer_to_ambient = 0.75 * resistance};
+}
+
 struct ThermalState {
   double inner = 25.0;  ///< degree Celsius
   double outer = 25.0;

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "base/trigonometry.hpp"
+
+namespace stator::plant {
+
+/// Three digital Hall sensors 120 electrical degrees apart. Sensor k sees the magnet while it
+/// points within 90 degrees of phase k, so that the codes (bits 0, 1, 2 for H1, H2, H3) forward are
+///   001  011  010  110  100  101
+/// centred at the electrical angles 0, 60, 120, 180, 240, 300 degrees.
+struct HallSensorParameters {
+  bool fitted = true;     ///< else all three read low
+  bool inverted = false;  ///< open-collector outputs read the other way round
+  double offset = 0.0;    ///< electrical rad the board is turned forward
+  /// Electrical rad by which each sensor sits ahead of its place.
+  std::array<double, 3> placement_error{};
+  double hysteresis = 0.03;  ///< electrical rad from the middle to either switching point, < pi/2
+};
+
+/// What is wrong with one sensor's line.
+enum class HallFault : std::uint8_t { none, stuck_low, stuck_high };
+
+/// The comparators; their state is the levels they hold.
+class HallSensors {
+ public:
+  explicit HallSensors(const HallSensorParameters& parameters);
+
+  /// Levels after power-on with the magnet at `direction`, without hysteresis: bits 0, 1, 2.
+  [[nodiscard]] std::uint8_t power_on(const base::SineCosine& direction) const;
+
+  /// Levels of the comparators after `levels` with the magnet at `direction`.
+  [[nodiscard]] std::uint8_t next(std::uint8_t levels, const base::SineCosine& direction) const {
+    unsigned result = 0;
+    for (unsigned k = 0; k < 3; ++k) {
+      const double seen = axis_[k].cosine * direction.cosine + axis_[k].sine * direction.sine;
+      const double threshold = ((levels >> k) & 1U) != 0 ? -threshold_ : threshold_;
+      result |= static_cast<unsigned>(seen > threshold) << k;
+    }
+    return static_cast<std::uint8_t>(result);
+  }
+
+  /// Levels at the connector.
+  [[nodiscard]] std::uint8_t signal(std::uint8_t levels) const {
+    return static_cast<std::uint8_t>((levels ^ inversion_) & mask_);
+  }
+
+ private:
+  std::array<base::SineCosine, 3> axis_{};  ///< electrical angle each sensor looks at
+  double threshold_;
+  std::uint8_t inversion_;
+  std::uint8_t mask_;
+};
+
+}  // namespace stator::plant

@@ -1,0 +1,416 @@
+#include "plant/synchronous_motor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stator::plant {
+
+namespace {
+
+/// rad/s; no shaft of this kind survives it. Speed is cut here so that a torque set by mistake
+/// cannot make the number of steps, or the numbers, grow without bound.
+constexpr double kHighestSpeed = 1e4;
+
+constexpr double kSquareRootOfThree = 1.73205080756887729353;
+
+/// Two numbers a processor computes with at once, each as if it were alone: alpha and beta.
+using Pair = double __attribute__((vector_size(16)));
+
+Pair both(double x) {
+  return Pair{x, x};
+}
+
+double sum(Pair x) {
+  return x[0] + x[1];
+}
+
+/// Trapezoid with the zeros and the sign of sin(angle).
+double trapezoid(double angle, double inverse_ramp) {
+  constexpr double kRounder = 0x1.8p52;
+  const double turns = (angle * (1.0 / base::kTwoPi) + kRounder) - kRounder;
+  const double x = angle - turns * base::kTwoPi;  // -pi..pi
+  const double magnitude = std::fabs(x);
+  const double from_zero = std::min(magnitude, base::kPi - magnitude);
+  return std::copysign(std::min(from_zero * inverse_ramp, 1.0), x);
+}
+
+/// Unit vector of the axis of the phase that `connection` leaves out.
+base::SineCosine open_axis(WindingConnection connection) {
+  constexpr double kHalfSquareRootOfThree = 0.5 * kSquareRootOfThree;
+  switch (connection) {
+    case WindingConnection::without_v:
+      return {kHalfSquareRootOfThree, -0.5};
+    case WindingConnection::without_w:
+      return {-kHalfSquareRootOfThree, -0.5};
+    default:
+      return {0.0, 1.0};
+  }
+}
+
+}  // namespace
+
+/// EMF per electrical rad/s and flux linkage on the axes of the rotor.
+struct SynchronousMotor::Form {
+  double d = 0.0;
+  double q = 1.0;
+};
+
+struct SynchronousMotor::Slope {
+  double d;      ///< A/s
+  double q;      ///< A/s
+  double speed;  ///< electrical rad/s^2
+};
+
+/// Where a stage of the integration looks: currents, electrical speed, and the turn since the step
+/// began.
+struct SynchronousMotor::Stage {
+  double d;
+  double q;
+  double speed;
+};
+
+SynchronousMotor::SynchronousMotor(const ThreePhaseMotorParameters& motor,
+                                   const MechanicalLoad& load)
+    : motor_(motor),
+      shaft_({.inertia = motor.rotor_inertia,
+              .viscous_friction = motor.viscous_friction,
+              .coulomb_friction = motor.coulomb_friction,
+              .static_friction = motor.static_friction,
+              .stribeck_speed = motor.stribeck_speed,
+              .pole_pairs = motor.pole_pairs},
+             load),
+      cogging_(motor.cogging),
+      pole_pairs_(motor.pole_pairs),
+      inverse_pole_pairs_(1.0 / motor.pole_pairs),
+      inverse_direct_inductance_(1.0 / motor.direct_inductance),
+      inverse_quadrature_inductance_(1.0 / motor.quadrature_inductance),
+      saliency_(motor.direct_inductance - motor.quadrature_inductance),
+      inverse_ramp_(1.0 / std::max(0.5 * (base::kPi - motor.back_emf.flat_top), 0.01)),
+      shaped_(!motor.back_emf.sinusoidal()),
+      simple_(!shaped_ && saliency_ == 0.0),
+      mobility_(pole_pairs_ * shaft_.inverse_inertia()),
+      damping_(shaft_.viscous_friction() * shaft_.inverse_inertia()),
+      resistance_(motor.resistance),
+      flux_linkage_(motor.flux_linkage),
+      flux_rate_(flux_linkage_ * inverse_direct_inductance_),
+      flux_mobility_(mobility_ * (1.5 * pole_pairs_) * flux_linkage_) {
+  // With the voltage held in the stator frame the field holds the rotor like a spring.
+  const double stiffness = pole_pairs_ * motor.torque_constant() * motor.rated_current +
+                           pole_pairs_ * cogging_.stiffness();
+  const double electrical =
+      motor.resistance / std::min(motor.direct_inductance, motor.quadrature_inductance);
+  free_rate_ = std::max(electrical, shaft_.fastest_rate(stiffness, false));
+  stopped_rate_ = std::max(electrical, shaft_.fastest_rate(stiffness, true));
+}
+
+void SynchronousMotor::set_temperatures(double winding, double magnets) {
+  constexpr double kSheetTemperature = 25.0;
+  resistance_ =
+      motor_.resistance * (1.0 + motor_.resistance_coefficient * (winding - kSheetTemperature));
+  flux_linkage_ =
+      motor_.flux_linkage * (1.0 + motor_.flux_coefficient * (magnets - kSheetTemperature));
+  flux_rate_ = flux_linkage_ * inverse_direct_inductance_;
+  flux_mobility_ = mobility_ * (1.5 * pole_pairs_) * flux_linkage_;
+}
+
+double SynchronousMotor::fastest_rate(const SynchronousMotorState& state, double h) const {
+  const double speed = std::fabs(state.speed);
+  double rate = free_rate_;
+  if (shaft_.has_end_stops()) {
+    constexpr double kNear = 1e-3;  // mechanical rad
+    rate = shaft_.near_end_stop(state.angle, speed * h + kNear) ? stopped_rate_ : free_rate_;
+  }
+  return std::max(rate, speed * pole_pairs_);
+}
+
+SynchronousMotorState SynchronousMotor::at(double revolutions) const {
+  SynchronousMotorState state;
+  state.angle = shaft_.angle_at(revolutions);
+  refresh_direction(state);
+  return state;
+}
+
+SynchronousMotor::Form SynchronousMotor::form(double angle,
+                                              const base::SineCosine& direction) const {
+  constexpr double kThird = base::kTwoPi / 3.0;
+  const BackEmfShape& emf = motor_.back_emf;
+  Form result{0.0, 1.0};
+  if (emf.trapezoidal_share != 0.0) {
+    // Forward, the EMF of phase k is that of the flux cos(th - k 2 pi/3), falling.
+    const StatorVector flat =
+        stator_vector(-trapezoid(angle, inverse_ramp_), -trapezoid(angle - kThird, inverse_ramp_),
+                      -trapezoid(angle + kThird, inverse_ramp_));
+    const double d = direction.cosine * flat.alpha + direction.sine * flat.beta;
+    const double q = direction.cosine * flat.beta - direction.sine * flat.alpha;
+    result.d = emf.trapezoidal_share * d;
+    result.q += emf.trapezoidal_share * (q - 1.0);
+  }
+  if (emf.sixth_harmonic_d != 0.0 || emf.sixth_harmonic_q != 0.0) {
+    const double sixth = multiple(direction, 6).cosine;
+    result.d += emf.sixth_harmonic_d * sixth;
+    result.q += emf.sixth_harmonic_q * sixth;
+  }
+  return result;
+}
+
+double SynchronousMotor::electromagnetic_torque(const SynchronousMotorState& state) const {
+  const Form f = shaped_ ? form(state.angle.angle, state.direction) : Form{};
+  const double direct = state.direct_current();
+  const double quadrature = state.quadrature_current();
+  return 1.5 * pole_pairs_ *
+         (flux_linkage_ * (f.d * direct + f.q * quadrature) + saliency_ * direct * quadrature);
+}
+
+std::array<double, 3> SynchronousMotor::back_emf(const SynchronousMotorState& state) const {
+  const Form f = shaped_ ? form(state.angle.angle, state.direction) : Form{};
+  const base::SineCosine& z = state.direction;
+  const double amplitude = flux_linkage_ * state.speed * pole_pairs_;
+  return phase_values(
+      {amplitude * (z.cosine * f.d - z.sine * f.q), amplitude * (z.sine * f.d + z.cosine * f.q)});
+}
+
+double SynchronousMotor::largest_line_to_line_emf(const SynchronousMotorState& state) const {
+  const BackEmfShape& emf = motor_.back_emf;
+  const double form = 1.0 + 0.16 * emf.trapezoidal_share + std::fabs(emf.sixth_harmonic_d) +
+                      std::fabs(emf.sixth_harmonic_q);
+  return kSquareRootOfThree * form * flux_linkage_ * std::fabs(state.speed) * pole_pairs_;
+}
+
+void SynchronousMotor::arrive(SynchronousMotorState& state, const ShaftMechanics::Frozen& frozen,
+                              double speed, double angle, const base::SineCosine& direction,
+                              double h) const {
+  const double speed_before = state.speed;
+  state.speed = std::clamp(speed, -kHighestSpeed, kHighestSpeed);
+  state.angle = turned(state.angle, angle);
+  state.direction = normalised(direction);
+  if (shaft_.settle(state.speed, state.angle, frozen, speed_before, h)) [[unlikely]] {
+    refresh_direction(state);
+  }
+}
+
+const HeldForcing& SynchronousMotor::forcing(double h, double series_resistance) {
+  const double rate = (resistance_ + series_resistance) * inverse_direct_inductance_;
+  if (forcing_.step != h || forcing_.rate != rate) [[unlikely]] {
+    forcing_ = HeldForcing(h, rate);
+  }
+  return forcing_;
+}
+
+double SynchronousMotor::step_at_rest(SynchronousMotorState& state,
+                                      const SynchronousMotorInput& input, double h) {
+  const HeldForcing& weights = forcing(h, input.series_resistance);
+  const StatorVector before = state.current;
+  const StatorVector& u = input.voltage;
+  const double gain =
+      inverse_direct_inductance_ * ((weights.whole[0] + weights.whole[2]) + weights.whole[1]);
+  const double half_gain =
+      inverse_direct_inductance_ * ((weights.half[0] + weights.half[2]) + weights.half[1]);
+  state.current = {weights.decay * before.alpha + gain * u.alpha,
+                   weights.decay * before.beta + gain * u.beta};
+  const StatorVector middle{weights.half_decay * before.alpha + half_gain * u.alpha,
+                            weights.half_decay * before.beta + half_gain * u.beta};
+  return 0.25 * (u.alpha * ((before.alpha + state.current.alpha) + 4.0 * middle.alpha) +
+                 u.beta * ((before.beta + state.current.beta) + 4.0 * middle.beta));
+}
+
+double SynchronousMotor::step_in_stator_frame(SynchronousMotorState& state,
+                                              const SynchronousMotorInput& input,
+                                              const ShaftMechanics::Frozen& frozen, double h) {
+  const HeldForcing& weights = forcing(h, input.series_resistance);
+  const base::SineCosine z = state.direction;
+  const Pair i0{state.current.alpha, state.current.beta};
+  const Pair u{input.voltage.alpha, input.voltage.beta};
+  const Pair driven = u * both(inverse_direct_inductance_);
+  const double w0 = state.speed * pole_pairs_;
+  const double half_turn = weights.half_step * w0;
+  const NearbyCogging cogging =
+      std::fabs(half_turn) < 0.5 * cogging_.reach() ? cogging_.around(z) : NearbyCogging();
+  const auto acceleration = [&](double quadrature_current, double speed, double turned) {
+    const double dry =
+        frozen.friction_sign * shaft_.dry_friction(frozen, speed * inverse_pole_pairs_);
+    return (flux_mobility_ * quadrature_current - damping_ * speed) +
+           mobility_ * ((frozen.steady_torque - dry) + cogging.after(turned));
+  };
+
+  // The course of the speed: a parabola from torque and its derivative at the begin.
+  const Pair q0{-z.sine, z.cosine};
+  const Pair f0 = driven - q0 * both(flux_rate_ * w0);
+  const Pair d0 = f0 - both(weights.rate) * i0;
+  const double direct = z.cosine * i0[0] + z.sine * i0[1];
+  const double a0 = acceleration(sum(q0 * i0), w0, 0.0);
+  const double j0 = (flux_mobility_ * (sum(q0 * d0) - w0 * direct) - damping_ * a0) +
+                    mobility_ * (cogging.slope * w0);
+  const double wm = w0 + weights.half_step * a0 + (0.25 * weights.half_square) * j0;
+  const double w1 = w0 + h * a0 + weights.half_square * j0;
+  const double more_m = (0.25 * weights.half_square) * (a0 + weights.sixth * j0);
+  const double more_1 = weights.half_square * (a0 + weights.third * j0);
+
+  const base::SineCosine turn = small_turn(half_turn);
+  const base::SineCosine zm = plant::sum(z, nudged(turn, more_m));
+  const base::SineCosine z1 = plant::sum(z, nudged(doubled(turn), more_1));
+  const Pair qm{-zm.sine, zm.cosine};
+  const Pair q1{-z1.sine, z1.cosine};
+  const Pair fm = driven - qm * both(flux_rate_ * wm);
+  const Pair f1 = driven - q1 * both(flux_rate_ * w1);
+  const Pair im = (both(weights.half_decay) * i0 + both(weights.half[0]) * f0) +
+                  (both(weights.half[1]) * fm + both(weights.half[2]) * f1);
+  const Pair i1 = (both(weights.decay) * i0 + both(weights.whole[0]) * f0) +
+                  (both(weights.whole[1]) * fm + both(weights.whole[2]) * f1);
+
+  // Torque at begin, middle and end gives speed and angle by Simpson's rule.
+  const double turned_1 = 2.0 * half_turn + more_1;
+  const double am = acceleration(sum(qm * im), wm, half_turn + more_m);
+  const double a1 = acceleration(sum(q1 * i1), w1, turned_1);
+  const double w = w0 + weights.sixth * ((a0 + a1) + 4.0 * am);
+  const double correction = (weights.third * weights.half_step) * (a0 + 2.0 * am) - more_1;
+  state.current = {i1[0], i1[1]};
+  arrive(state, frozen, w * inverse_pole_pairs_, turned_1 + correction,
+         {z1.sine + correction * z1.cosine, z1.cosine - correction * z1.sine}, h);
+  return 0.25 * sum(u * ((i0 + i1) + both(4.0) * im));
+}
+
+template <WindingConnection kConnection>
+double SynchronousMotor::integrate(SynchronousMotorState& state, const SynchronousMotorInput& input,
+                                   const ShaftMechanics::Frozen& frozen, double h,
+                                   bool resting) const {
+  constexpr bool kOneOpen = kConnection == WindingConnection::without_u;
+  const base::SineCosine z = state.direction;
+  const StatorVector& u = input.voltage;
+  const double ud0 = z.cosine * u.alpha + z.sine * u.beta;
+  const double uq0 = z.cosine * u.beta - z.sine * u.alpha;
+  const base::SineCosine axis = kOneOpen ? open_axis(input.connection) : base::SineCosine{};
+  const double axis_d0 = z.cosine * axis.cosine + z.sine * axis.sine;
+  const double axis_q0 = z.cosine * axis.sine - z.sine * axis.cosine;
+
+  const double gd = inverse_direct_inductance_;
+  const double gq = inverse_quadrature_inductance_;
+  const double resistance = resistance_ + input.series_resistance;
+  const double rd = resistance * gd;
+  const double rq = resistance * gq;
+  const double cross_d = motor_.quadrature_inductance * gd;
+  const double cross_q = motor_.direct_inductance * gq;
+  const double flux_d = flux_linkage_ * gd;
+  const double flux_q = flux_linkage_ * gq;
+  // Torque into electrical acceleration; a shaft that rests has none.
+  const double mobility = resting ? 0.0 : mobility_;
+  const double by_flux = mobility * 1.5 * pole_pairs_ * flux_linkage_;
+  const double by_saliency = mobility * 1.5 * pole_pairs_ * saliency_;
+  const double by_speed = mobility * shaft_.viscous_friction() * inverse_pole_pairs_;
+  double power = 0.0;
+
+  // `turn`: electrical, since the step began; `rest`: acceleration by what does not depend on the
+  // stage's currents and speed.
+  const auto slope = [&](const Stage& at, const base::SineCosine& turn, double turned, double rest,
+                         double weight) {
+    const double ud = ud0 * turn.cosine + uq0 * turn.sine;
+    const double uq = uq0 * turn.cosine - ud0 * turn.sine;
+    power += weight * (ud * at.d + uq * at.q);
+    const Form f = shaped_ ? form(state.angle.angle + turned, sum(z, turn)) : Form{0.0, 1.0};
+    Slope result{};
+    if constexpr (kConnection != WindingConnection::none) {
+      result.d = (gd * ud - rd * at.d) + at.speed * (cross_d * at.q - flux_d * f.d);
+      result.q = (gq * uq - rq * at.q) - at.speed * (cross_q * at.d + flux_q * f.q);
+    }
+    if constexpr (kOneOpen) {
+      // The voltage along the axis of the open phase that keeps its current as it is.
+      const double ad = axis_d0 * turn.cosine + axis_q0 * turn.sine;
+      const double aq = axis_q0 * turn.cosine - axis_d0 * turn.sine;
+      const double missing =
+          -((result.d - at.speed * at.q) * ad + (result.q + at.speed * at.d) * aq) /
+          (ad * ad * gd + aq * aq * gq);
+      result.d += missing * ad * gd;
+      result.q += missing * aq * gq;
+    }
+    const double torque = by_flux * (f.d * at.d + f.q * at.q) + by_saliency * (at.d * at.q);
+    result.speed = (torque - by_speed * at.speed) + rest;
+    if (frozen.positional) {
+      result.speed += mobility * shaft_.positional_torque(frozen, turned * inverse_pole_pairs_,
+                                                          at.speed * inverse_pole_pairs_);
+    }
+    return result;
+  };
+  const auto ahead = [](const Stage& from, const Slope& by, double time) {
+    return Stage{from.d + time * by.d, from.q + time * by.q, from.speed + time * by.speed};
+  };
+  const NearbyCogging cogging = std::fabs(h * state.speed * pole_pairs_) < cogging_.reach()
+                                    ? cogging_.around(z)
+                                    : NearbyCogging();
+  const auto rest_at = [&](double turned, double speed) {
+    const double friction =
+        frozen.friction_sign * shaft_.dry_friction(frozen, speed * inverse_pole_pairs_);
+    return mobility * ((frozen.steady_torque - friction) + cogging.after(turned));
+  };
+
+  // Classical fourth-order Runge-Kutta; the angle's derivative is the speed of the stage before.
+  // Friction and cogging are taken where the first slope leads: they then run beside the stages
+  // and not between them. Turns after the first differ little from it and from twice it.
+  const double half = 0.5 * h;
+  const Stage start{state.direct_current(), state.quadrature_current(), state.speed * pole_pairs_};
+  const base::SineCosine none{0.0, 1.0};
+  const double turned2 = half * start.speed;
+  const base::SineCosine turn2 = small_turn(turned2);
+  const base::SineCosine twice = sum(turn2, turn2);
+  const Slope k1 = slope(start, none, 0.0, rest_at(0.0, start.speed), 1.0);
+  const double more3 = half * half * k1.speed;
+  const base::SineCosine turn3 = nudged(turn2, more3);
+  const double rest_halfway = rest_at(turned2 + more3, start.speed + half * k1.speed);
+  const Slope k2 = slope(ahead(start, k1, half), turn2, turned2, rest_halfway, 2.0);
+  const Slope k3 = slope(ahead(start, k2, half), turn3, turned2 + more3, rest_halfway, 2.0);
+  const double more4 = h * half * k2.speed;
+  const base::SineCosine turn4 = nudged(twice, more4);
+  const Slope k4 = slope(ahead(start, k3, h), turn4, 2.0 * turned2 + more4,
+                         rest_at(2.0 * turned2 + more4, start.speed + h * k1.speed), 1.0);
+
+  const double sixth = h * (1.0 / 6.0);
+  double direct = start.d + sixth * ((k1.d + k4.d) + 2.0 * (k2.d + k3.d));
+  double quadrature = start.q + sixth * ((k1.q + k4.q) + 2.0 * (k2.q + k3.q));
+  if (!resting) {
+    const double speed =
+        start.speed + sixth * ((k1.speed + k4.speed) + 2.0 * (k2.speed + k3.speed));
+    const double more = h * (sixth * (k1.speed + k2.speed + k3.speed));
+    arrive(state, frozen, speed * inverse_pole_pairs_, 2.0 * turned2 + more,
+           sum(z, nudged(twice, more)), h);
+  }
+  if constexpr (kOneOpen) {
+    const base::SineCosine& end = state.direction;
+    const double ad = end.cosine * axis.cosine + end.sine * axis.sine;
+    const double aq = end.cosine * axis.sine - end.sine * axis.cosine;
+    const double along = direct * ad + quadrature * aq;
+    direct -= along * ad;
+    quadrature -= along * aq;
+  }
+  state.set_current(direct, quadrature);
+  return power * (1.5 / 6.0);
+}
+
+double SynchronousMotor::step(SynchronousMotorState& state, const SynchronousMotorInput& input,
+                              double h) {
+  ShaftMechanics::Frozen frozen = shaft_.freeze(state.angle, input.torque, input.brake_engaged);
+  bool resting = false;
+  if (state.speed != 0.0) [[likely]] {
+    frozen.friction_sign = state.speed > 0.0 ? 1.0 : -1.0;
+  } else {
+    double torque = electromagnetic_torque(state) + cogging_torque(state) + frozen.steady_torque;
+    torque += frozen.positional ? shaft_.positional_torque(frozen, 0.0, 0.0) : 0.0;
+    const double holding = shaft_.holding_friction(frozen);
+    resting = holding > 0.0 && std::fabs(torque) <= holding;
+    frozen.friction_sign = resting ? 0.0 : (torque > 0.0 ? 1.0 : -1.0);
+  }
+  switch (input.connection) {
+    case WindingConnection::all:
+      if (simple_ && resting) {
+        return step_at_rest(state, input, h);
+      }
+      if (simple_ && !frozen.positional) [[likely]] {
+        return step_in_stator_frame(state, input, frozen, h);
+      }
+      return integrate<WindingConnection::all>(state, input, frozen, h, resting);
+    case WindingConnection::none:
+      state.current = {};
+      return integrate<WindingConnection::none>(state, input, frozen, h, resting);
+    default:
+      return integrate<WindingConnection::without_u>(state, input, frozen, h, resting);
+  }
+}
+
+}  // namespace stator::plant
