@@ -71,6 +71,8 @@ std::string_view to_text(AbortCode code) {
              "device state";
     case AbortCode::dictionary_missing:
       return "object dictionary dynamic generation fails or no object dictionary is present";
+    case AbortCode::no_data_available:
+      return "no data available";
   }
   return "unknown abort code";
 }

@@ -40,6 +40,7 @@ enum class AbortCode : std::uint32_t {
   local_control = 0x08000021,
   device_state = 0x08000022,
   dictionary_missing = 0x08000023,
+  no_data_available = 0x08000024,
 };
 
 /// The standard's wording for `code`; "unknown abort code" for any other number.

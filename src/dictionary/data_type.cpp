@@ -24,6 +24,8 @@ std::string_view to_text(DataType type) {
       return "VISIBLE_STRING";
     case DataType::octet_string:
       return "OCTET_STRING";
+    case DataType::domain:
+      return "DOMAIN";
     case DataType::real64:
       return "REAL64";
     case DataType::integer64:

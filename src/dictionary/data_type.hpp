@@ -19,6 +19,7 @@ enum class DataType : std::uint16_t {
   real32 = 0x0008,
   visible_string = 0x0009,
   octet_string = 0x000A,
+  domain = 0x000F,
   real64 = 0x0011,
   integer64 = 0x0015,
   unsigned64 = 0x001B,
@@ -27,7 +28,8 @@ enum class DataType : std::uint16_t {
 /// The standard's name, e.g. "UNSIGNED32"; "?" for a number that is no type.
 [[nodiscard]] std::string_view to_text(DataType type);
 
-/// Length of a value in bits; 0 for strings, whose length is the value's own.
+/// Length of a value in bits; 0 for strings and domains, whose length is the
+/// value's own.
 [[nodiscard]] constexpr std::size_t bit_length(DataType type) {
   switch (type) {
     case DataType::boolean:
@@ -48,6 +50,7 @@ enum class DataType : std::uint16_t {
       return 64;
     case DataType::visible_string:
     case DataType::octet_string:
+    case DataType::domain:
       return 0;
   }
   return 0;
@@ -58,8 +61,10 @@ enum class DataType : std::uint16_t {
   return (bit_length(type) + 7) / 8;
 }
 
+/// Values of any length, kept as text; a domain, a block of data such as a file (1021h), is one.
 [[nodiscard]] constexpr bool is_string(DataType type) {
-  return type == DataType::visible_string || type == DataType::octet_string;
+  return type == DataType::visible_string || type == DataType::octet_string ||
+         type == DataType::domain;
 }
 
 [[nodiscard]] constexpr bool is_signed(DataType type) {

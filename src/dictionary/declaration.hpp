@@ -11,7 +11,7 @@
 namespace stator::dictionary {
 
 /// Object codes (CiA 301 table 42, ETG.1000.6 table 66).
-enum class ObjectCode : std::uint8_t { variable = 7, array = 8, record = 9 };
+enum class ObjectCode : std::uint8_t { domain_object = 2, variable = 7, array = 8, record = 9 };
 
 enum class Access : std::uint8_t { read_only, read_write, write_only, constant };
 
@@ -102,6 +102,12 @@ struct EntryDeclaration {
   std::span<const std::int64_t> legal_values{};
   std::uint8_t write_states = kAllNetworkStates;  ///< NetworkState bits
   DriveCondition drive_condition = DriveCondition::none;
+  /// The node-ID of a CANopen device is added to the default (CiA 301 §7.5.2 "$NODEID+80h");
+  /// Dictionary::set_node_id() says which it is.
+  bool node_id_relative = false;
+  /// Shows something of the world or of the running firmware, so that no value is to be expected
+  /// after a reset; an EDS then names none.
+  bool live = false;
 };
 
 }  // namespace stator::dictionary

@@ -22,6 +22,8 @@ std::string decimal(DataType type, const Number& number) {
 
 std::string_view to_text(ObjectCode code) {
   switch (code) {
+    case ObjectCode::domain_object:
+      return "DOMAIN";
     case ObjectCode::variable:
       return "VAR";
     case ObjectCode::array:
@@ -67,6 +69,9 @@ std::string default_text(const Entry& entry) {
   }
   if (!value.documented) {
     return {};
+  }
+  if (entry.declaration().node_id_relative) {
+    return "0x" + hexadecimal(value.number.bits, 1) + "+NodeID";
   }
   if (value.number.hexadecimal) {
     return "0x" + hexadecimal(value.number.bits, 2 * byte_length(entry.type()));

@@ -13,7 +13,7 @@ struct EntryDescription {
   std::string index;          ///< four hexadecimal digits
   std::string subindex;       ///< two hexadecimal digits
   std::string name;           ///< with the axis in front where there are several
-  std::string object_type;    ///< VAR, ARRAY or RECORD
+  std::string object_type;    ///< VAR, ARRAY, RECORD or DOMAIN
   std::string data_type;      ///< e.g. UNSIGNED32
   std::string access;         ///< ro, rw, wo or const
   std::string pdo_mapping;    ///< no, rx (master to device), tx or rxtx

@@ -144,6 +144,7 @@ void Dictionary::link_values() {
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     Entry& entry = entries_[i];
     entry.value_ = &values_[i];
+    entry.default_ = entry.declaration().default_value.number.bits;
     if (i > 0 && entries_[i - 1].index() == entry.index() &&
         entries_[i - 1].subindex() == entry.subindex()) {
       reject_declaration(entry.index(), entry.subindex(), "declared twice");
@@ -181,10 +182,33 @@ void Dictionary::link_objects() {
 }
 
 void Dictionary::reset_values() {
+  reset_values(0x0000, 0xFFFF);
+}
+
+void Dictionary::reset_values(std::uint16_t first, std::uint16_t last) {
   for (Entry& entry : entries_) {
+    if (entry.index() < first || entry.index() > last) {
+      continue;
+    }
     entry.set_value(entry.default_bits());
     if (is_string(entry.type())) {
       entry.set_text(entry.declaration().default_value.text);
+    }
+  }
+}
+
+void Dictionary::set_default(std::uint16_t index, std::uint8_t subindex, std::uint64_t bits) {
+  Entry& entry = existing(index, subindex);
+  if (extend(entry.type(), bits) != bits) {
+    reject_declaration(index, subindex, "new default is no value of its type");
+  }
+  entry.default_ = bits;
+}
+
+void Dictionary::set_node_id(std::uint8_t node_id) {
+  for (Entry& entry : entries_) {
+    if (entry.declaration().node_id_relative) {
+      entry.default_ = entry.declaration().default_value.number.bits + node_id;
     }
   }
 }
@@ -245,6 +269,11 @@ void Dictionary::on_read(std::uint16_t index, std::uint8_t subindex, Entry::Read
   existing(index, subindex).read_ = hook;
 }
 
+void Dictionary::on_read_check(std::uint16_t index, std::uint8_t subindex,
+                               Entry::ReadCheckHook hook) {
+  existing(index, subindex).read_check_ = hook;
+}
+
 Verdict Dictionary::prepare_read(Entry& entry) const {
   if (!entry.readable()) {
     return refuse(AbortCode::write_only, rules::kWriteOnly, about(entry));
@@ -252,7 +281,7 @@ Verdict Dictionary::prepare_read(Entry& entry) const {
   if (entry.read_) {
     entry.read_(entry);
   }
-  return {};
+  return entry.read_check_ ? entry.read_check_(entry) : Verdict{};
 }
 
 Verdict Dictionary::read(Entry& entry, std::span<std::byte> out) const {
@@ -297,8 +326,8 @@ Verdict Dictionary::check_value(const Entry& entry, std::uint64_t bits) const {
   return entry.check_ ? entry.check_(entry, bits) : Verdict{};
 }
 
-Verdict Dictionary::write(Entry& entry, std::span<const std::byte> data,
-                          const AccessContext& context) const {
+Verdict Dictionary::prepare_write(const Entry& entry, std::optional<std::size_t> size,
+                                  const AccessContext& context) const {
   const EntryDeclaration& declaration = entry.declaration();
   if (!entry.writable()) {
     return refuse(AbortCode::read_only, rules::kReadOnly, about(entry));
@@ -308,15 +337,21 @@ Verdict Dictionary::write(Entry& entry, std::span<const std::byte> data,
                   about(entry, EventArgument(network_state_text(context.network_state)),
                         EventArgument(write_states_text(declaration.write_states))));
   }
+  if (size && !is_string(entry.type()) && *size != entry.size()) {
+    return refuse(*size > entry.size() ? AbortCode::length_too_high : AbortCode::length_too_low,
+                  rules::kLength, about(entry, EventArgument(*size), EventArgument(entry.size())));
+  }
+  return {};
+}
+
+Verdict Dictionary::write(Entry& entry, std::span<const std::byte> data,
+                          const AccessContext& context) const {
+  if (Verdict verdict = prepare_write(entry, data.size(), context); !verdict) {
+    return verdict;
+  }
   if (is_string(entry.type())) {
     entry.set_text({reinterpret_cast<const char*>(data.data()), data.size()});
   } else {
-    const std::size_t expected = entry.size();
-    if (data.size() != expected) {
-      return refuse(data.size() > expected ? AbortCode::length_too_high : AbortCode::length_too_low,
-                    rules::kLength,
-                    about(entry, EventArgument(data.size()), EventArgument(expected)));
-    }
     std::array<std::byte, 8> bytes{};
     std::ranges::copy(data, bytes.begin());
     const auto raw = base::load_le<std::uint64_t>(bytes);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,6 +28,8 @@ class Entry {
   /// Called before a value is read, to bring it up to date; must not change anything when called
   /// twice, because a transfer asks for the size first and reads then.
   using ReadHook = base::Delegate<void(Entry&)>;
+  /// Asked before a value is read; may refuse that.
+  using ReadCheckHook = base::Delegate<Verdict(const Entry&)>;
 
   [[nodiscard]] const EntryDeclaration& declaration() const { return *declaration_; }
   [[nodiscard]] std::uint16_t index() const { return index_; }
@@ -35,11 +38,8 @@ class Entry {
   [[nodiscard]] DataType type() const { return declaration_->type; }
   /// Which axis the entry belongs to; 0 for those of the whole device.
   [[nodiscard]] std::uint8_t axis() const { return axis_; }
-  /// The declared default as this placement has it (a mapping entry of axis 1 names axis 1's
-  /// object).
-  [[nodiscard]] std::uint64_t default_bits() const {
-    return declaration_->default_value.number.bits;
-  }
+  /// The value after a reset: the declared default, with the node-ID added where it is relative.
+  [[nodiscard]] std::uint64_t default_bits() const { return default_; }
 
   /// Length of the present value in bytes, as an SDO carries it.
   [[nodiscard]] std::size_t size() const {
@@ -53,6 +53,8 @@ class Entry {
   [[nodiscard]] std::uint64_t value() const { return *value_; }
   [[nodiscard]] std::int64_t signed_value() const { return static_cast<std::int64_t>(*value_); }
   [[nodiscard]] const std::string& text() const { return text_; }
+  /// A string's or domain's value where it lies, until it is next set: for reading it in parts.
+  [[nodiscard]] std::span<const std::byte> bytes() const { return std::as_bytes(std::span(text_)); }
 
   /// Stores without checks or hooks: for the code that owns the value.
   void set_value(std::uint64_t bits) { *value_ = bits; }
@@ -71,9 +73,11 @@ class Entry {
   std::string name_;
   std::string text_;
   std::uint64_t* value_ = nullptr;
+  std::uint64_t default_ = 0;
   CheckHook check_;
   WrittenHook written_;
   ReadHook read_;
+  ReadCheckHook read_check_;
 };
 
 /// A typed view of one entry's value for the code that owns it: no look-up, no checks, no hooks.
@@ -107,6 +111,10 @@ struct Object {
 
   /// The entry with `subindex`, or null.
   [[nodiscard]] Entry* find(std::uint8_t subindex) const;
+  /// It has one entry: a variable or a domain.
+  [[nodiscard]] bool single() const {
+    return code == ObjectCode::variable || code == ObjectCode::domain_object;
+  }
   /// Highest subindex; 0 for a variable.
   [[nodiscard]] std::uint8_t max_subindex() const { return entries.back().subindex(); }
 };
@@ -145,6 +153,17 @@ class Dictionary {
 
   /// Sets every value to its default, without hooks: what power-on does.
   void reset_values();
+  /// The same for the objects from `first` to `last`.
+  void reset_values(std::uint16_t first, std::uint16_t last);
+
+  /// Changes the default of one entry, for products that leave their box differently configured;
+  /// its value follows with the next reset. Throws std::logic_error if the entry does not exist or
+  /// `bits` is no value of its type.
+  void set_default(std::uint16_t index, std::uint8_t subindex, std::uint64_t bits);
+
+  /// Changes the defaults that count from the node-ID (EntryDeclaration::node_id_relative); their
+  /// values follow with the next reset. Before the first call the node-ID counts as 0.
+  void set_node_id(std::uint8_t node_id);
 
   [[nodiscard]] std::span<const Object> objects() const { return objects_; }
   [[nodiscard]] std::span<const Entry> entries() const { return entries_; }
@@ -169,6 +188,7 @@ class Dictionary {
   void on_check(std::uint16_t index, std::uint8_t subindex, Entry::CheckHook hook);
   void on_written(std::uint16_t index, std::uint8_t subindex, Entry::WrittenHook hook);
   void on_read(std::uint16_t index, std::uint8_t subindex, Entry::ReadHook hook);
+  void on_read_check(std::uint16_t index, std::uint8_t subindex, Entry::ReadCheckHook hook);
 
   /// Asks the axis' owner for the state of its power drive; needed for DriveCondition. Returns null
   /// when the axis is in Switch on disabled, else the state's name.
@@ -181,6 +201,10 @@ class Dictionary {
   /// Runs the read hook and checks readability; entry.size() is then the size of the value.
   [[nodiscard]] Verdict prepare_read(Entry& entry) const;
 
+  /// Checks what can be said before the data are there: access, network state and, if it is known,
+  /// the length in bytes.
+  [[nodiscard]] Verdict prepare_write(const Entry& entry, std::optional<std::size_t> size,
+                                      const AccessContext& context) const;
   /// Writes an entry as an SDO carries it; every check of the declaration, then the check hook,
   /// then the value, then the written hook. Texts have no range and no check hook.
   [[nodiscard]] Verdict write(Entry& entry, std::span<const std::byte> data,

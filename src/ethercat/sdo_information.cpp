@@ -111,6 +111,7 @@ std::uint16_t object_access(const Entry& entry) {
 /// Type of the elements for an array, of the whole for a record; 0 where the standard names none.
 std::uint16_t object_type(const Object& object) {
   switch (object.code) {
+    case dictionary::ObjectCode::domain_object:
     case dictionary::ObjectCode::variable:
       return static_cast<std::uint16_t>(object.entries.front().type());
     case dictionary::ObjectCode::array:

@@ -330,7 +330,7 @@ Expected<const Object*, Refusal> SdoServer::complete_object(const Target& target
         protocol_refusal(AbortCode::unsupported_access, rules::kSdoCompleteUnsupported)};
   }
   const Object* object = dictionary_.find(target.index);
-  if (object->code == dictionary::ObjectCode::variable) {
+  if (object->single()) {
     return Unexpected{protocol_refusal(AbortCode::unsupported_access, rules::kSdoCompleteVariable)};
   }
   if (target.subindex > 1) {

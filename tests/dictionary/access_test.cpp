@@ -73,6 +73,34 @@ TEST(DictionaryRead, GivesATextWithoutATerminator) {
   EXPECT_EQ(std::string_view(out.data(), out.size()), "TMCM-3315");
 }
 
+TEST(DictionaryWrite, SaysBeforeTheDataCameWhatItWouldRefuse) {
+  const auto dictionary = make_small_drive();
+  const AccessContext operational{.network_state = NetworkState::operational};
+  expect_refused(dictionary->prepare_write(*dictionary->find(0x1000, 0), {}, {}),
+                 AbortCode::read_only,
+                 "write to 1000h:00h \"Device type\" refused: the object is read-only");
+  EXPECT_EQ(dictionary->prepare_write(*dictionary->find(0x2003, 0), {}, operational).error().code,
+            AbortCode::device_state);
+  Entry& target = *dictionary->find(0x607A, 0);
+  EXPECT_EQ(dictionary->prepare_write(target, 5, {}).error().code, AbortCode::length_too_high);
+  EXPECT_EQ(dictionary->prepare_write(target, 3, {}).error().code, AbortCode::length_too_low);
+  EXPECT_TRUE(dictionary->prepare_write(target, {}, {}).has_value());
+  EXPECT_TRUE(dictionary->prepare_write(*dictionary->find(0x2001, 0), 500, {}).has_value());
+  EXPECT_EQ(target.signed_value(), -7);
+}
+
+TEST(DictionaryRead, LetsADomainBeReadInPartsWithoutACopy) {
+  const auto dictionary = make_small_drive();
+  Entry& eds = *dictionary->find(0x1021, 0);
+  ASSERT_TRUE(dictionary->find(0x1021)->single());
+  eds.set_text("[FileInfo]\n");
+  ASSERT_EQ(eds.size(), 11U);
+  const std::span<const std::byte> bytes = eds.bytes();
+  ASSERT_EQ(bytes.size(), 11U);
+  EXPECT_EQ(static_cast<const void*>(bytes.data()), eds.text().data());
+  EXPECT_EQ(bytes[1], std::byte{'F'});
+}
+
 TEST(DictionaryRead, OfAWriteOnlyObjectIsRefused) {
   const auto dictionary = make_small_drive();
   std::array<std::byte, 4> out{};

@@ -22,6 +22,7 @@ TEST(DataType, LengthsAreThoseOfTheStandard) {
 TEST(DataType, IndicesAreThoseOfTheStandard) {
   EXPECT_EQ(static_cast<int>(DataType::unsigned32), 0x0007);
   EXPECT_EQ(static_cast<int>(DataType::visible_string), 0x0009);
+  EXPECT_EQ(static_cast<int>(DataType::domain), 0x000F);
   EXPECT_EQ(static_cast<int>(DataType::integer64), 0x0015);
   EXPECT_EQ(static_cast<int>(DataType::unsigned64), 0x001B);
 }
@@ -36,6 +37,7 @@ TEST(DataType, OnlyTheIntegerTypesAreSigned) {
 TEST(DataType, NamesAreThoseOfTheStandard) {
   EXPECT_EQ(to_text(DataType::unsigned32), "UNSIGNED32");
   EXPECT_EQ(to_text(DataType::octet_string), "OCTET_STRING");
+  EXPECT_EQ(to_text(DataType::domain), "DOMAIN");
   EXPECT_EQ(to_text(static_cast<DataType>(0x7777)), "?");
 }
 

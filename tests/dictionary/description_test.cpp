@@ -25,6 +25,11 @@ TEST(EntryDescription, NamesEveryPropertyOfAnEntry) {
   EXPECT_EQ(target.maximum, "1000");
 }
 
+TEST(EntryDescription, TellsADomainFromAVariable) {
+  EXPECT_EQ(describe(0x1021).object_type, "DOMAIN");
+  EXPECT_EQ(describe(0x1021).data_type, "DOMAIN");
+}
+
 TEST(EntryDescription, ShowsADefaultAsItsDocumentDoes) {
   EXPECT_EQ(describe(0x1000).default_value, "0xFFFC0192");
   EXPECT_EQ(describe(0x1008).default_value, "TMCM-3315");

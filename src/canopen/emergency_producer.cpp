@@ -1,0 +1,258 @@
+#include "canopen/emergency_producer.hpp"
+
+#include <algorithm>
+
+#include "base/byte_order.hpp"
+
+namespace stator::canopen {
+
+namespace {
+
+using base::SimTime;
+using dictionary::AbortCode;
+using dictionary::Entry;
+using dictionary::Verdict;
+
+constexpr std::uint8_t kGenericError = 0x01;
+constexpr std::uint16_t kErrorReset = 0x0000;
+constexpr std::int64_t kNanosecondsPerInhibitUnit = 100'000;
+
+/// Codes 81xxh and 82xxh: communication, protocol (CiA 301 table 26).
+bool is_communication_error(std::uint16_t code) {
+  return code >= 0x8100 && code <= 0x82FF;
+}
+
+}  // namespace
+
+EmergencyProducer::EmergencyProducer(dictionary::Dictionary& dictionary,
+                                     can::Transmitter& transmitter, base::EventReporter reporter,
+                                     const EmergencyRules& limits)
+    : dictionary_(dictionary),
+      transmitter_(transmitter),
+      reporter_(reporter),
+      rules_(limits),
+      error_register_(dictionary.find(kErrorRegister, 0)),
+      history_(dictionary.find(kPredefinedErrorField)),
+      cob_id_(dictionary.find(kCobIdEmergency, 0)),
+      inhibit_time_(dictionary.find(kInhibitTimeEmergency, 0)) {
+  using Check = Entry::CheckHook;
+  if (cob_id_ != nullptr) {
+    dictionary_.on_check(kCobIdEmergency, 0,
+                         Check::bind<&EmergencyProducer::check_cob_id_written>(*this));
+  }
+  if (history_ != nullptr) {
+    dictionary_.on_check(kPredefinedErrorField, 0,
+                         Check::bind<&EmergencyProducer::check_history_written>(*this));
+    for (const Entry& entry : history_->entries.subspan(1)) {
+      dictionary_.on_read_check(
+          kPredefinedErrorField, entry.subindex(),
+          Entry::ReadCheckHook::bind<&EmergencyProducer::check_history_read>(*this));
+    }
+  }
+}
+
+void EmergencyProducer::start(SimTime now) {
+  inhibited_until_ = now;
+}
+
+void EmergencyProducer::begin_anew() {
+  message_count_ = 0;
+  const auto end =
+      std::remove_if(errors_.begin(), errors_.begin() + static_cast<std::ptrdiff_t>(error_count_),
+                     [](const Error& error) { return is_communication_error(error.code); });
+  error_count_ = static_cast<std::size_t>(end - errors_.begin());
+  update_register();
+}
+
+void EmergencyProducer::forget() {
+  error_count_ = 0;
+  update_register();
+}
+
+void EmergencyProducer::on_state(NmtState state, SimTime now) {
+  state_ = state;
+  if (state == NmtState::initialisation) {
+    begin_anew();
+  }
+  send_waiting(now);
+}
+
+Emergency EmergencyProducer::completed(const Emergency& emergency) const {
+  Emergency result = emergency;
+  const auto rule = std::ranges::find(rules_.codes, emergency.code, &EmergencyRule::code);
+  if (rule != rules_.codes.end()) {
+    result.error_register = rule->error_register;
+    for (std::size_t i = 0; i < result.information.size(); ++i) {
+      if (result.information[i] == 0) {
+        result.information[i] = rule->information[i];
+      }
+    }
+  }
+  result.error_register |= kGenericError;
+  return result;
+}
+
+EmergencyProducer::Error* EmergencyProducer::find(std::uint16_t code, std::uint8_t cause) {
+  const auto end = errors_.begin() + static_cast<std::ptrdiff_t>(error_count_);
+  const auto found = std::find_if(errors_.begin(), end, [=](const Error& error) {
+    return error.code == code && error.cause == cause;
+  });
+  return found == end ? nullptr : &*found;
+}
+
+bool EmergencyProducer::lasts(std::uint16_t code, std::uint8_t cause) const {
+  const auto end = errors_.begin() + static_cast<std::ptrdiff_t>(error_count_);
+  return std::any_of(errors_.begin(), end, [=](const Error& error) {
+    return error.code == code && error.cause == cause;
+  });
+}
+
+void EmergencyProducer::raise(const Emergency& emergency, SimTime now) {
+  const Emergency complete = completed(emergency);
+  if (add(complete, now)) {
+    queue(complete, now);
+  }
+}
+
+void EmergencyProducer::note(const Emergency& emergency, SimTime now) {
+  static_cast<void>(add(completed(emergency), now));
+}
+
+bool EmergencyProducer::add(const Emergency& emergency, SimTime now) {
+  if (find(emergency.code, emergency.cause) != nullptr) {
+    return false;
+  }
+  if (error_count_ < errors_.size()) {
+    errors_[error_count_++] = {emergency.code, emergency.cause, emergency.error_register};
+  }
+  update_register();
+  record(emergency);
+  reporter_.report(now, rules::kEmergencyRaised,
+                   {int{emergency.code}, error_register_->signed_value(),
+                    int{emergency.information[0]}, int{emergency.information[1]}});
+  return true;
+}
+
+bool EmergencyProducer::remove(std::uint16_t code, std::uint8_t cause) {
+  Error* error = find(code, cause);
+  if (error == nullptr) {
+    return false;
+  }
+  *error = errors_[--error_count_];
+  update_register();
+  return true;
+}
+
+void EmergencyProducer::clear(std::uint16_t code, std::uint8_t cause, SimTime now) {
+  if (!remove(code, cause)) {
+    return;
+  }
+  reporter_.report(now, rules::kEmergencyCleared, {int{code}, error_register_->signed_value()});
+  if (state_ != NmtState::initialisation) {
+    report_reset(now);
+  }
+}
+
+void EmergencyProducer::withdraw(std::uint16_t code, std::uint8_t cause) {
+  static_cast<void>(remove(code, cause));
+}
+
+void EmergencyProducer::report_reset(SimTime now) {
+  queue({.code = kErrorReset}, now);
+}
+
+void EmergencyProducer::update_register() {
+  std::uint8_t bits = 0;
+  for (std::size_t i = 0; i < error_count_; ++i) {
+    bits |= errors_[i].error_register;
+  }
+  error_register_->set_value(bits);
+}
+
+/// Puts the error in front of the others of 1003h (CiA 301 §7.5.2.4): the code below, the first two
+/// bytes of information above.
+void EmergencyProducer::record(const Emergency& emergency) {
+  if (history_ == nullptr) {
+    return;
+  }
+  const std::span<Entry> entries = history_->entries.subspan(1);
+  for (std::size_t i = entries.size(); i > 1; --i) {
+    entries[i - 1].set_value(entries[i - 2].value());
+  }
+  const auto additional =
+      static_cast<std::uint32_t>(emergency.information[0] | emergency.information[1] << 8);
+  entries.front().set_value(additional << 16 | emergency.code);
+  Entry& count = history_->entries.front();
+  count.set_value(std::min<std::uint64_t>(count.value() + 1, entries.size()));
+}
+
+void EmergencyProducer::queue(const Emergency& emergency, SimTime now) {
+  const bool valid = cob_id_ != nullptr && (cob_id_->value() & kCobIdInvalid) == 0;
+  if (!valid || message_count_ == messages_.size()) {
+    ++statistics_.dropped;
+    return;
+  }
+  can::Frame& frame = messages_[(first_message_ + message_count_) % messages_.size()];
+  frame = {.length = can::kMaximumData};
+  base::store_le(frame.data.data(), emergency.code);
+  frame.data[2] = static_cast<std::byte>(error_register_->value());
+  std::ranges::transform(emergency.information, frame.data.begin() + 3,
+                         [](std::uint8_t byte) { return std::byte{byte}; });
+  ++message_count_;
+  send_waiting(now);
+  deadline_changed();
+}
+
+bool EmergencyProducer::may_send() const {
+  return message_count_ > 0 &&
+         (state_ == NmtState::pre_operational || state_ == NmtState::operational);
+}
+
+void EmergencyProducer::send_waiting(SimTime now) {
+  while (may_send() && now >= inhibited_until_) {
+    can::Frame& frame = messages_[first_message_];
+    frame.identifier = can_id_of(cob_id_->value());
+    first_message_ = (first_message_ + 1) % messages_.size();
+    --message_count_;
+    const bool valid = (cob_id_->value() & kCobIdInvalid) == 0;
+    const bool sent = valid && transmitter_.send(frame);
+    statistics_.sent += sent ? 1U : 0U;
+    statistics_.dropped += sent ? 0U : 1U;
+    const std::int64_t inhibit = inhibit_time_ == nullptr ? 0 : inhibit_time_->signed_value();
+    inhibited_until_ = now + base::SimDuration(kNanosecondsPerInhibitUnit) * inhibit;
+  }
+}
+
+void EmergencyProducer::advance(SimTime now) {
+  send_waiting(now);
+}
+
+SimTime EmergencyProducer::next_deadline() const {
+  return may_send() ? inhibited_until_ : SimTime::never();
+}
+
+Verdict EmergencyProducer::check_cob_id_written(const Entry& entry, std::uint64_t value) {
+  return check_cob_id(entry, CobIdKind::emergency, value,
+                      {.change_valid_emergency = rules_.change_valid_cob_id});
+}
+
+Verdict EmergencyProducer::check_history_written(const Entry& entry, std::uint64_t value) {
+  if (value == 0) {
+    return {};
+  }
+  return dictionary::refuse(
+      AbortCode::value_range_exceeded, rules::kHistoryValue,
+      {int{entry.index()}, int{entry.subindex()}, std::string_view(entry.name()), value});
+}
+
+Verdict EmergencyProducer::check_history_read(const Entry& entry) {
+  const std::uint64_t count = history_->entries.front().value();
+  if (entry.subindex() <= count) {
+    return {};
+  }
+  return dictionary::refuse(
+      AbortCode::no_data_available, rules::kHistoryEmpty,
+      {int{entry.index()}, int{entry.subindex()}, std::string_view(entry.name()), count});
+}
+
+}  // namespace stator::canopen

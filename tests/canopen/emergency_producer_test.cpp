@@ -1,0 +1,147 @@
+#include "canopen/emergency_producer.hpp"
+
+#include <gtest/gtest.h>
+
+#include "canopen/service_bench.hpp"
+
+namespace stator::canopen {
+namespace {
+
+using namespace base::literals;
+using test::emergency_frame;
+using test::ServiceBench;
+
+constexpr Emergency kOvercurrent{.code = 0x2310, .error_register = 0x02, .information = {1, 2}};
+constexpr Emergency kOverheating{.code = 0x4310, .error_register = 0x08};
+
+TEST(EmergencyProducer, Error_IsSentOnceWithTheRegister) {
+  ServiceBench bench;
+  bench.emergencies.raise(kOvercurrent, bench.now);
+  bench.emergencies.raise(kOvercurrent, bench.now);
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x2310, 0x03, {1, 2})});
+  bench.emergencies.raise(kOverheating, bench.now);
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x4310, 0x0B)});
+  EXPECT_EQ(bench.value(0x1001), 0x0BU);
+}
+
+TEST(EmergencyProducer, Register_HoldsTheBitsOfErrorsThatLast) {
+  ServiceBench bench;
+  bench.emergencies.raise(kOvercurrent, bench.now);
+  bench.emergencies.raise(kOverheating, bench.now);
+  bench.take_sent();
+  bench.emergencies.clear(0x2310, 0, bench.now);
+  EXPECT_EQ(bench.value(0x1001), 0x09U);
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x0000, 0x09)});
+  bench.emergencies.clear(0x4310, 0, bench.now);
+  EXPECT_EQ(bench.value(0x1001), 0x00U);
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x0000, 0x00)});
+  bench.emergencies.clear(0x4310, 0, bench.now);
+  EXPECT_TRUE(bench.take_sent().empty()) << "it was gone already";
+}
+
+TEST(EmergencyProducer, SeveralErrors_CanBeReportedGoneWithOneMessage) {
+  ServiceBench bench;
+  bench.emergencies.raise(kOvercurrent, bench.now);
+  bench.emergencies.raise(kOverheating, bench.now);
+  bench.take_sent();
+  bench.emergencies.withdraw(0x2310, 0);
+  bench.emergencies.withdraw(0x4310, 0);
+  EXPECT_TRUE(bench.take_sent().empty());
+  bench.emergencies.report_reset(bench.now);
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x0000, 0x00)});
+}
+
+TEST(EmergencyProducer, TableOfTheProduct_GivesBitsAndInformation) {
+  constexpr std::array<EmergencyRule, 2> kRules{{{0x2310, 0x83, {}}, {0x8110, 0x11, {0, 255}}}};
+  ServiceBench bench({}, {kRules});
+  bench.emergencies.raise(kOvercurrent, bench.now);
+  bench.emergencies.clear(0x2310, 0, bench.now);
+  bench.emergencies.raise({.code = 0x8110, .information = {2}}, bench.now);
+  EXPECT_EQ(bench.take_sent(),
+            (std::vector{emergency_frame(0x2310, 0x83, {1, 2}), emergency_frame(0x0000, 0x00),
+                         emergency_frame(0x8110, 0x11, {2, 255})}));
+}
+
+TEST(EmergencyProducer, InhibitTime_KeepsMessagesApartAndInOrder) {
+  ServiceBench bench;
+  EXPECT_EQ(bench.write(0x1015, 0, 100), 0U);  // 10 ms
+  for (std::uint16_t code = 0x2310; code < 0x2313; ++code) {
+    bench.emergencies.raise({.code = code, .error_register = 0x02}, bench.now);
+  }
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x2310, 0x03)});
+  bench.wait(9'999_us);
+  EXPECT_TRUE(bench.take_sent().empty());
+  bench.wait(1_us);
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x2311, 0x03)});
+  bench.wait(10_ms);
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x2312, 0x03)});
+}
+
+TEST(EmergencyProducer, EightMessages_WaitAndAFurtherOneIsLost) {
+  ServiceBench bench;
+  bench.enter(NmtState::stopped);
+  for (std::uint16_t code = 0x2310; code < 0x2319; ++code) {
+    bench.emergencies.raise({.code = code}, bench.now);
+  }
+  EXPECT_TRUE(bench.take_sent().empty()) << "nothing in Stopped";
+  EXPECT_EQ(bench.emergencies.statistics().dropped, 1U);
+  bench.operational();
+  std::vector<can::Frame> sent = bench.take_sent();
+  std::erase_if(sent, [](const can::Frame& frame) { return frame.identifier != 0x85; });
+  ASSERT_EQ(sent.size(), 8U);
+  EXPECT_EQ(sent.front(), emergency_frame(0x2310, 0x01));
+  EXPECT_EQ(sent.back(), emergency_frame(0x2317, 0x01));
+}
+
+TEST(EmergencyProducer, InvalidCobId_SilencesIt) {
+  ServiceBench bench;
+  bench.write(0x1014, 0, 0x80000085);
+  bench.emergencies.raise(kOvercurrent, bench.now);
+  EXPECT_TRUE(bench.take_sent().empty());
+  EXPECT_EQ(bench.value(0x1001), 0x03U);
+  bench.write(0x1014, 0, 0x91);
+  bench.emergencies.raise(kOverheating, bench.now);
+  EXPECT_EQ(bench.take_count(0x91), 1U);
+}
+
+TEST(EmergencyProducer, History_HasTheNewestFirstAndTheMessagesFirstBytes) {
+  ServiceBench bench;
+  EXPECT_EQ(bench.read_refusal(0x1003, 1), 0x08000024U) << "no error yet";
+  bench.emergencies.raise(kOvercurrent, bench.now);
+  bench.emergencies.raise(kOverheating, bench.now);
+  EXPECT_EQ(bench.value(0x1003, 0), 2U);
+  EXPECT_EQ(bench.value(0x1003, 1), 0x00004310U);
+  EXPECT_EQ(bench.value(0x1003, 2), 0x02012310U);
+  EXPECT_EQ(bench.read_refusal(0x1003, 2), 0U);
+  EXPECT_EQ(bench.read_refusal(0x1003, 3), 0x08000024U);
+  for (std::uint16_t code = 0x5000; code < 0x5003; ++code) {
+    bench.emergencies.raise({.code = code}, bench.now);
+  }
+  EXPECT_EQ(bench.value(0x1003, 0), 4U) << "the oldest one falls out";
+  EXPECT_EQ(bench.value(0x1003, 4), 0x00004310U);
+}
+
+TEST(EmergencyProducer, History_IsClearedWithZeroOnly) {
+  ServiceBench bench;
+  bench.emergencies.raise(kOvercurrent, bench.now);
+  EXPECT_EQ(bench.write(0x1003, 0, 1), 0x06090030U);
+  EXPECT_EQ(bench.write(0x1003, 0, 0), 0U);
+  EXPECT_EQ(bench.read_refusal(0x1003, 1), 0x08000024U);
+  EXPECT_EQ(bench.value(0x1001), 0x03U) << "the error itself lasts";
+}
+
+TEST(EmergencyProducer, Reset_ForgetsCommunicationErrorsAndWhatWaits) {
+  ServiceBench bench;
+  bench.enter(NmtState::stopped);
+  bench.emergencies.raise(kOvercurrent, bench.now);
+  bench.emergencies.raise({.code = 0x8130, .error_register = 0x10}, bench.now);
+  EXPECT_EQ(bench.value(0x1001), 0x13U);
+  bench.start();
+  EXPECT_TRUE(bench.take_sent().empty());
+  EXPECT_EQ(bench.value(0x1001), 0x03U) << "the application's error lasts";
+  bench.emergencies.forget();
+  EXPECT_EQ(bench.value(0x1001), 0x00U);
+}
+
+}  // namespace
+}  // namespace stator::canopen
