@@ -41,10 +41,12 @@ PcapWriter::PcapWriter(std::string path, std::unique_ptr<File> file)
 
 PcapWriter::~PcapWriter() = default;
 
-base::Expected<std::unique_ptr<PcapWriter>, LinkError> PcapWriter::open(const std::string& path) {
+base::Expected<std::unique_ptr<PcapWriter>, LinkError> PcapWriter::open(const std::string& path,
+                                                                        CaptureKind kind) {
   auto file = std::make_unique<File>();
-  file->format =
-      pcap_open_dead_with_tstamp_precision(DLT_EN10MB, kSnapshotLength, PCAP_TSTAMP_PRECISION_NANO);
+  file->format = pcap_open_dead_with_tstamp_precision(
+      kind == CaptureKind::ethernet ? DLT_EN10MB : DLT_CAN_SOCKETCAN, kSnapshotLength,
+      PCAP_TSTAMP_PRECISION_NANO);
   std::FILE* const stream = std::fopen(path.c_str(), "wb");
   if (stream == nullptr) {
     return base::Unexpected{file_error(path, "create", errno)};

@@ -12,13 +12,17 @@
 
 namespace stator::link {
 
-/// Writes Ethernet frames to a capture file that Wireshark and tshark read (pcap with nanosecond
-/// time stamps, LINKTYPE_ETHERNET). Each frame is in the file before write() returns, so the file
-/// of a killed process is complete. One thread at a time.
+/// What the frames of a capture file are, for the program that reads it.
+enum class CaptureKind : std::uint8_t { ethernet, socketcan };
+
+/// Writes frames to a capture file that Wireshark and tshark read (pcap with nanosecond time
+/// stamps, LINKTYPE_ETHERNET or LINKTYPE_CAN_SOCKETCAN). Each frame is in the file before write()
+/// returns, so the file of a killed process is complete. One thread at a time.
 class PcapWriter {
  public:
   /// Creates the file, replacing one that exists.
-  static base::Expected<std::unique_ptr<PcapWriter>, LinkError> open(const std::string& path);
+  static base::Expected<std::unique_ptr<PcapWriter>, LinkError> open(
+      const std::string& path, CaptureKind kind = CaptureKind::ethernet);
   ~PcapWriter();
   PcapWriter(const PcapWriter&) = delete;
   PcapWriter& operator=(const PcapWriter&) = delete;

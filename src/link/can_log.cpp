@@ -1,0 +1,120 @@
+#include "link/can_log.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include <arpa/inet.h>
+
+#include "link/failure.hpp"
+#include "link/hexadecimal.hpp"
+#include "link/socketcan_frame.hpp"
+
+namespace stator::link {
+
+namespace {
+
+constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+
+base::Unexpected<LinkError> file_failure(const std::string& path, const char* what) {
+  const int error = errno != 0 ? errno : EIO;
+  return fail(LinkErrorCode::file, std::string("cannot ") + what + " log file " + in_quotes(path) +
+                                       ": " + std::strerror(error));
+}
+
+std::string line_begin(base::SimTime time, const std::string& interface) {
+  std::array<char, 48> text{};
+  const int length =
+      std::snprintf(text.data(), text.size(), "(%010lld.%06lld) ",
+                    static_cast<long long>(time.nanoseconds() / kNanosecondsPerSecond),
+                    static_cast<long long>(time.nanoseconds() % kNanosecondsPerSecond / 1'000));
+  return std::string(text.data(), static_cast<std::size_t>(length)) + interface + ' ';
+}
+
+void append_data(std::string& line, std::span<const std::byte> data) {
+  for (const std::byte each : data) {
+    append_hexadecimal(line, std::to_integer<unsigned>(each), 2);
+  }
+}
+
+/// The packet of LINKTYPE_CAN_SOCKETCAN: Linux's can_frame with the identifier in network order, as
+/// long as its data.
+base::Expected<void, LinkError> write_packet(PcapWriter& writer, base::SimTime time,
+                                             const can_frame& frame, std::size_t data) {
+  can_frame packet = frame;
+  packet.can_id = htonl(frame.can_id);
+  return writer.write(time,
+                      std::as_bytes(std::span(&packet, 1)).first(offsetof(can_frame, data) + data));
+}
+
+}  // namespace
+
+std::string candump_line(base::SimTime time, const std::string& interface,
+                         const can::Frame& frame) {
+  std::string line = line_begin(time, interface);
+  append_hexadecimal(line, frame.identifier, frame.extended ? 8 : 3);
+  line += '#';
+  if (frame.remote) {
+    line += 'R';
+    if (frame.length > 0) {
+      append_hexadecimal(line, frame.length, 1);
+    }
+  }
+  append_data(line, frame.payload());
+  return line;
+}
+
+std::string candump_line(base::SimTime time, const std::string& interface,
+                         const ErrorFrame& error) {
+  std::string line = line_begin(time, interface);
+  append_hexadecimal(line, CAN_ERR_FLAG | error.classes, 8);
+  line += '#';
+  append_data(line, error.data);
+  return line;
+}
+
+base::Expected<std::unique_ptr<CandumpLog>, LinkError> CandumpLog::open(
+    const std::string& path, const std::string& interface) {
+  errno = 0;
+  std::FILE* const file = std::fopen(path.c_str(), "w");
+  if (file == nullptr) {
+    return file_failure(path, "create");
+  }
+  return std::unique_ptr<CandumpLog>(new CandumpLog(path, interface, file));
+}
+
+base::Expected<void, LinkError> CandumpLog::write(base::SimTime time, const can::Frame& frame) {
+  return write_line(candump_line(time, interface_, frame));
+}
+
+base::Expected<void, LinkError> CandumpLog::write(base::SimTime time, const ErrorFrame& error) {
+  return write_line(candump_line(time, interface_, error));
+}
+
+base::Expected<void, LinkError> CandumpLog::write_line(const std::string& line) {
+  errno = 0;
+  if (std::fputs(line.c_str(), file_.get()) < 0 || std::fputc('\n', file_.get()) == EOF ||
+      std::fflush(file_.get()) != 0) {
+    return file_failure(path_, "write");
+  }
+  return {};
+}
+
+base::Expected<std::unique_ptr<CanCapture>, LinkError> CanCapture::open(const std::string& path) {
+  auto writer = PcapWriter::open(path, CaptureKind::socketcan);
+  if (!writer) {
+    return base::Unexpected{writer.error()};
+  }
+  return std::unique_ptr<CanCapture>(new CanCapture(std::move(*writer)));
+}
+
+base::Expected<void, LinkError> CanCapture::write(base::SimTime time, const can::Frame& frame) {
+  return write_packet(*writer_, time, to_socketcan(frame), frame.payload().size());
+}
+
+base::Expected<void, LinkError> CanCapture::write(base::SimTime time, const ErrorFrame& error) {
+  return write_packet(*writer_, time, to_socketcan(error), error.data.size());
+}
+
+}  // namespace stator::link

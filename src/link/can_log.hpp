@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "base/expected.hpp"
+#include "base/sim_time.hpp"
+#include "can/frame.hpp"
+#include "link/can_error_frame.hpp"
+#include "link/error.hpp"
+#include "link/pcap_writer.hpp"
+
+namespace stator::link {
+
+/// A line of candump's log format, without its end: "(0000000001.249713) can0 044#2A366C2B".
+[[nodiscard]] std::string candump_line(base::SimTime time, const std::string& interface,
+                                       const can::Frame& frame);
+[[nodiscard]] std::string candump_line(base::SimTime time, const std::string& interface,
+                                       const ErrorFrame& error);
+
+/// Writes frames to a text file as candump -L does; canplayer, log2asc, cantools and python-can
+/// read it. Each line is in the file before write() returns. One thread at a time.
+class CandumpLog {
+ public:
+  /// Creates the file, replacing one that exists; `interface` is what stands in each line.
+  static base::Expected<std::unique_ptr<CandumpLog>, LinkError> open(const std::string& path,
+                                                                     const std::string& interface);
+
+  /// `time` must not be negative; readers take it as one after 1970-01-01.
+  base::Expected<void, LinkError> write(base::SimTime time, const can::Frame& frame);
+  base::Expected<void, LinkError> write(base::SimTime time, const ErrorFrame& error);
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+
+  CandumpLog(std::string path, std::string interface, std::FILE* file)
+      : path_(std::move(path)), interface_(std::move(interface)), file_(file) {}
+  base::Expected<void, LinkError> write_line(const std::string& line);
+
+  std::string path_;
+  std::string interface_;
+  std::unique_ptr<std::FILE, Close> file_;
+};
+
+/// Writes frames to a capture file, which Wireshark decodes as CAN and CANopen.
+class CanCapture {
+ public:
+  static base::Expected<std::unique_ptr<CanCapture>, LinkError> open(const std::string& path);
+
+  base::Expected<void, LinkError> write(base::SimTime time, const can::Frame& frame);
+  base::Expected<void, LinkError> write(base::SimTime time, const ErrorFrame& error);
+
+ private:
+  explicit CanCapture(std::unique_ptr<PcapWriter> writer) : writer_(std::move(writer)) {}
+
+  std::unique_ptr<PcapWriter> writer_;
+};
+
+}  // namespace stator::link

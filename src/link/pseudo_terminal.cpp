@@ -1,0 +1,94 @@
+#include "link/pseudo_terminal.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include "link/failure.hpp"
+
+namespace stator::link {
+
+namespace {
+
+constexpr std::string_view kTerminals = "/dev/pts/";
+
+}  // namespace
+
+base::Expected<PseudoTerminal, LinkError> PseudoTerminal::open(const std::string& path) {
+  PseudoTerminal terminal(path);
+  if (const auto opened = terminal.open_terminal(); !opened) {
+    return base::Unexpected{opened.error()};
+  }
+  if (const auto placed = terminal.place_name(); !placed) {
+    return base::Unexpected{placed.error()};
+  }
+  return terminal;
+}
+
+PseudoTerminal& PseudoTerminal::operator=(PseudoTerminal&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(terminal_, other.terminal_);
+  std::swap(master_, other.master_);
+  std::swap(client_end_, other.client_end_);
+  return *this;
+}
+
+PseudoTerminal::~PseudoTerminal() {
+  if (!terminal_.empty() && name_leads_to() == terminal_) {
+    ::unlink(path_.c_str());
+  }
+}
+
+base::Expected<void, LinkError> PseudoTerminal::open_terminal() {
+  master_ = FileDescriptor(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK));
+  std::array<char, 64> name{};
+  if (!master_.is_open() || ::grantpt(master_.get()) != 0 || ::unlockpt(master_.get()) != 0 ||
+      ::ptsname_r(master_.get(), name.data(), name.size()) != 0) {
+    return system_failure("cannot make a pseudo-terminal for " + in_quotes(path_), errno);
+  }
+  client_end_ = FileDescriptor(::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+  termios settings{};
+  if (!client_end_.is_open() || ::tcgetattr(client_end_.get(), &settings) != 0) {
+    return system_failure("cannot open " + in_quotes(name.data()), errno);
+  }
+  ::cfmakeraw(&settings);
+  if (::tcsetattr(client_end_.get(), TCSANOW, &settings) != 0) {
+    return system_failure("cannot set up " + in_quotes(name.data()), errno);
+  }
+  terminal_ = name.data();
+  return {};
+}
+
+std::string PseudoTerminal::name_leads_to() const {
+  std::error_code ignored;
+  return std::filesystem::read_symlink(path_, ignored).string();
+}
+
+base::Expected<void, LinkError> PseudoTerminal::place_name() {
+  if (::symlink(terminal_.c_str(), path_.c_str()) == 0) {
+    return {};
+  }
+  if (errno == EEXIST && name_leads_to().starts_with(kTerminals) && ::unlink(path_.c_str()) == 0 &&
+      ::symlink(terminal_.c_str(), path_.c_str()) == 0) {
+    return {};
+  }
+  const int error = errno;
+  terminal_.clear();
+  if (error == EEXIST) {
+    return fail(LinkErrorCode::invalid_option,
+                in_quotes(path_) +
+                    " exists and is no pseudo-terminal; choose another name for the "
+                    "serial port or remove it");
+  }
+  return system_failure("cannot give a serial port the name " + in_quotes(path_), error);
+}
+
+}  // namespace stator::link
