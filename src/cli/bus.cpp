@@ -80,6 +80,12 @@ void Bus::build_rack(const BusOptions& options) {
   rack::RackConfiguration configuration = options.rack_file.empty()
                                               ? rack::single_device_rack(options.device)
                                               : rack::load_rack_file(options.rack_file);
+  if (configuration.segments.empty()) {
+    throw Failure(
+        "this command is an EtherCAT master, and there are only CAN devices; run them with "
+        "\"stator "
+        "run\" and talk to them with a CANopen master");
+  }
   if (!options.record.empty()) {
     const auto period = rack::parse_duration(options.record_period);
     if (!period) {

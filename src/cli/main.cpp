@@ -20,6 +20,7 @@ int run(int argc, char** argv) {
       "Examples:\n"
       "  stator demo                                        see three axes move, no set-up\n"
       "  stator run --device tmcm-3315 --link ethercat:eth1  a drive on an interface\n"
+      "  stator run --device tmcc160 --port slcan:/tmp/can0  a drive on a CAN bus\n"
       "  stator scan --link ethercat:eth2                    who is on that segment?\n"
       "  stator simulate pull-out --plot pull-out.svg        what can this motor do?\n"
       "  stator describe tmcm-3315 --format markdown         its object dictionary\n"
@@ -34,6 +35,7 @@ int run(int argc, char** argv) {
   stator::cli::add_move_command(app);
   stator::cli::add_simulate_command(app);
   stator::cli::add_demo_command(app);
+  stator::cli::add_can_exec_command(app);
 
   try {
     app.parse(argc, argv);

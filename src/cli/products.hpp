@@ -3,12 +3,12 @@
 #include <memory>
 #include <string>
 
-#include "devices/ethercat_device.hpp"
+#include "devices/device.hpp"
 
 namespace stator::cli {
 
 /// Builds the product `type` as it leaves its box; its events go nowhere. Throws Failure naming the
 /// products there are.
-[[nodiscard]] std::unique_ptr<devices::EtherCatDevice> build_product(const std::string& type);
+[[nodiscard]] std::unique_ptr<devices::Device> build_product(const std::string& type);
 
 }  // namespace stator::cli

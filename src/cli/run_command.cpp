@@ -1,5 +1,7 @@
 #include <cerrno>
+#include <charconv>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <ctime>
 #include <memory>
@@ -12,11 +14,14 @@
 #include <fmt/format.h>
 #include <spdlog/logger.h>
 
+#include "canopen/node.hpp"
 #include "cli/bus.hpp"
 #include "cli/commands.hpp"
 #include "cli/connection_hints.hpp"
 #include "cli/failure.hpp"
 #include "cli/logging.hpp"
+#include "link/can_link.hpp"
+#include "link/can_link_address.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/rack_file.hpp"
 #include "rack/runner.hpp"
@@ -32,6 +37,8 @@ struct RunOptions {
   std::string device;
   unsigned count = 1;
   std::string link;
+  std::vector<std::string> ports;
+  std::string bit_rate;
   std::string redundant;
   std::string wait;
   std::optional<unsigned> cpu;
@@ -54,6 +61,21 @@ base::SimDuration duration_option(const std::string& name, const std::string& te
   return *duration;
 }
 
+/// Devices of one kind on one bus have node-IDs in a row.
+void count_node_id(rack::ProductConfiguration& product, unsigned offset) {
+  std::visit(
+      [offset](auto& configuration) {
+        if constexpr (requires { configuration.node_id; }) {
+          if (configuration.node_id + offset > canopen::kMaximumNodeId) {
+            throw Failure(fmt::format("--count {}: a CAN bus has node-IDs up to {}", offset + 1,
+                                      canopen::kMaximumNodeId));
+          }
+          configuration.node_id = static_cast<std::uint8_t>(configuration.node_id + offset);
+        }
+      },
+      product);
+}
+
 rack::RackConfiguration base_configuration(const RunOptions& options) {
   if (!options.rack_file.empty()) {
     return rack::load_rack_file(options.rack_file);
@@ -61,13 +83,15 @@ rack::RackConfiguration base_configuration(const RunOptions& options) {
   if (options.device.empty()) {
     throw Failure(
         "nothing to run; name a rack file, or a product with --device and a link with "
-        "--link ethercat:INTERFACE");
+        "--link ethercat:INTERFACE (a CAN device: with --port slcan:/tmp/stator-can0)");
   }
   rack::RackConfiguration configuration = rack::single_device_rack(options.device);
-  auto& devices = configuration.segments.front().devices;
+  auto& devices = configuration.segments.empty() ? configuration.buses.front().devices
+                                                 : configuration.segments.front().devices;
   for (unsigned i = 1; i < options.count; ++i) {
     devices.push_back(devices.front());
     devices.back().name = fmt::format("{}-{}", devices.front().name, i + 1);
+    count_node_id(devices.back().product, i);
   }
   return configuration;
 }
@@ -75,15 +99,25 @@ rack::RackConfiguration base_configuration(const RunOptions& options) {
 void switch_emergencies_off(rack::RackConfiguration& configuration) {
   for (rack::SegmentConfiguration& segment : configuration.segments) {
     for (rack::DeviceConfiguration& device : segment.devices) {
-      std::visit([](auto& product) { product.emergencies = false; }, device.product);
+      std::visit(
+          [](auto& product) {
+            if constexpr (requires { product.emergencies; }) {
+              product.emergencies = false;
+            }
+          },
+          device.product);
     }
   }
 }
 
-/// The rack file's configuration with the command line's options on top.
-rack::RackConfiguration configuration_of(const RunOptions& options) {
-  rack::RackConfiguration configuration = base_configuration(options);
-  rack::SegmentConfiguration& segment = configuration.segments.front();
+/// An option that needs a segment or a bus which the rack has not.
+void refuse(bool given, const std::string& option, const std::string& reason) {
+  if (given) {
+    throw Failure(fmt::format("{} has no place here: {}", option, reason));
+  }
+}
+
+void apply_to_segment(const RunOptions& options, rack::SegmentConfiguration& segment) {
   if (!options.link.empty()) {
     segment.link = link_of(options.link);
   }
@@ -93,12 +127,62 @@ rack::RackConfiguration configuration_of(const RunOptions& options) {
   if (!options.wait.empty()) {
     segment.wait = rack::wait_modes().at(options.wait);
   }
-  if (options.cpu) {
-    segment.cpu = options.cpu;
+  if (segment.link.in_process()) {
+    throw Failure(
+        fmt::format("the rack has no link to a master; give it with --link as {}. To try Stator "
+                    "without any, run \"stator demo\"",
+                    link::kLinkForms));
   }
+}
+
+void apply_to_bus(const RunOptions& options, rack::BusConfiguration& bus) {
+  bus.ports.insert(bus.ports.end(), options.ports.begin(), options.ports.end());
+  if (options.bit_rate == "unlimited") {
+    bus.bit_rate = std::nullopt;
+  } else if (!options.bit_rate.empty()) {
+    std::uint32_t rate = 0;
+    const char* end = options.bit_rate.data() + options.bit_rate.size();
+    if (std::from_chars(options.bit_rate.data(), end, rate).ptr != end || rate < 5 || rate > 1000) {
+      throw Failure(fmt::format("--bit-rate is \"{}\"; write kbit/s, 5 to 1000, or \"unlimited\"",
+                                options.bit_rate));
+    }
+    bus.bit_rate = rate * 1000;
+  }
+  if (bus.ports.empty()) {
+    throw Failure(fmt::format("the bus has no port for programs; give it with --port as {}",
+                              link::kCanLinkForms));
+  }
+}
+
+/// Of the first segment, or of the first bus in a rack that has none.
+void apply_to_first_network(const RunOptions& options, rack::RackConfiguration& configuration) {
+  const bool on_bus = configuration.segments.empty();
   if (!options.capture.empty()) {
-    segment.capture = options.capture;
+    (on_bus ? configuration.buses.front().capture : configuration.segments.front().capture) =
+        options.capture;
   }
+  if (options.cpu) {
+    (on_bus ? configuration.buses.front().cpu : configuration.segments.front().cpu) = options.cpu;
+  }
+}
+
+/// The rack file's configuration with the command line's options on top.
+rack::RackConfiguration configuration_of(const RunOptions& options) {
+  rack::RackConfiguration configuration = base_configuration(options);
+  if (configuration.segments.empty()) {
+    refuse(!options.link.empty() || !options.redundant.empty(), "--link",
+           "the rack has only CAN buses, which are reached over --port");
+  } else {
+    apply_to_segment(options, configuration.segments.front());
+  }
+  if (configuration.buses.empty()) {
+    refuse(!options.ports.empty(), "--port",
+           "the rack has no CAN bus; EtherCAT devices are reached over --link");
+    refuse(!options.bit_rate.empty(), "--bit-rate", "the rack has no CAN bus");
+  } else {
+    apply_to_bus(options, configuration.buses.front());
+  }
+  apply_to_first_network(options, configuration);
   if (!options.clock.empty()) {
     configuration.clock = rack::clock_kinds().at(options.clock);
   }
@@ -118,13 +202,19 @@ rack::RackConfiguration configuration_of(const RunOptions& options) {
   if (options.no_emergencies) {
     switch_emergencies_off(configuration);
   }
-  if (segment.link.in_process()) {
-    throw Failure(
-        fmt::format("the rack has no link to a master; give it with --link as {}. To try Stator "
-                    "without any, run \"stator demo\"",
-                    link::kLinkForms));
-  }
   return configuration;
+}
+
+std::string node_id_text(const rack::ProductConfiguration& product) {
+  return std::visit(
+      [](const auto& configuration) -> std::string {
+        if constexpr (requires { configuration.node_id; }) {
+          return fmt::format(", node-ID {}", configuration.node_id);
+        } else {
+          return {};
+        }
+      },
+      product);
 }
 
 /// Blocks the signals that end the program in this and all later threads and waits for them here.
@@ -155,8 +245,25 @@ class StopSignals {
   sigset_t set_{};
 };
 
+void print_buses(const rack::RackConfiguration& configuration, rack::Runner& runner) {
+  for (std::size_t i = 0; i < configuration.buses.size(); ++i) {
+    const rack::BusConfiguration& bus = configuration.buses[i];
+    fmt::print("CAN bus {}, {}: {} device{}\n", bus.name,
+               bus.bit_rate ? fmt::format("{} kbit/s", *bus.bit_rate / 1000) : "unlimited",
+               bus.devices.size(), bus.devices.size() == 1 ? "" : "s");
+    for (const rack::DeviceConfiguration& device : bus.devices) {
+      fmt::print("  {}  ({}{})\n", device.name, rack::product_name(device.product),
+                 node_id_text(device.product));
+    }
+    for (std::size_t port = 0; port < runner.bus(i).ports(); ++port) {
+      fmt::print("Programs connect to {}:\n  {}\n", runner.bus(i).port(port).name(),
+                 runner.bus(i).port(port).usage());
+    }
+  }
+}
+
 void print_start(const rack::RackConfiguration& configuration, rack::Rack& rack,
-                 const rack::Runner& runner) {
+                 rack::Runner& runner) {
   for (std::size_t i = 0; i < configuration.segments.size(); ++i) {
     const rack::SegmentConfiguration& segment = configuration.segments[i];
     const std::string redundant =
@@ -169,11 +276,29 @@ void print_start(const rack::RackConfiguration& configuration, rack::Rack& rack,
     }
     fmt::print("{}", connection_hints(segment.link));
   }
+  print_buses(configuration, runner);
   fmt::print("Running; Ctrl-C ends it.\n");
   std::fflush(stdout);
 }
 
-void print_end(const rack::RackConfiguration& configuration, rack::Runner& runner) {
+void print_bus_end(const rack::CanNetwork& network, rack::BusThread& thread) {
+  const can::BusStatistics& wire = network.bus().statistics();
+  const rack::BusThreadStatistics statistics = thread.statistics();
+  fmt::print("{}: {} frames ({} from ports), {} error frames, {} overruns\n", network.name(),
+             wire.frames, statistics.frames_in, wire.error_frames, statistics.overruns);
+  for (std::size_t i = 0; i < thread.ports(); ++i) {
+    const link::CanLinkStatistics port = thread.port(i).statistics();
+    fmt::print("  {}: {} frames from programs, {} to programs, {} dropped, {} malformed\n",
+               thread.port(i).name(), port.frames_received, port.frames_sent, port.frames_dropped,
+               port.malformed);
+  }
+}
+
+void print_end(const rack::RackConfiguration& configuration, rack::Rack& rack,
+               rack::Runner& runner) {
+  for (std::size_t i = 0; i < configuration.buses.size(); ++i) {
+    print_bus_end(rack.bus(i), runner.bus(i));
+  }
   for (std::size_t i = 0; i < configuration.segments.size(); ++i) {
     const rack::SegmentStatistics statistics = runner.statistics(i);
     const double mean = statistics.frames == 0 ? 0.0
@@ -203,7 +328,7 @@ void run(const RunOptions& options) {
   runner.start();
   signals.wait(limit);
   runner.stop();
-  print_end(configuration, runner);
+  print_end(configuration, rack, runner);
   if (rack.recorder() && !rack.recorder()->good()) {
     throw Failure(
         fmt::format("recording to {} failed; is the disk full?", configuration.record->file));
@@ -218,11 +343,18 @@ void add_run_command(CLI::App& app) {
   auto* file = command->add_option("rack", options->rack_file, "Rack file (TOML)");
   command->add_option("--device", options->device, "Product to run instead of a rack file")
       ->excludes(file);
-  command->add_option("--count", options->count, "How many of --device, wired in line")
+  command
+      ->add_option("--count", options->count,
+                   "How many of --device, wired in line, or with node-IDs in a row")
       ->check(CLI::Range(1U, 500U))
       ->capture_default_str();
   command->add_option("--link", options->link,
                       "Link of the first segment: " + std::string(link::kLinkForms));
+  command->add_option(
+      "--port", options->ports,
+      "Port of the first CAN bus, as often as needed: " + std::string(link::kCanLinkForms));
+  command->add_option("--bit-rate", options->bit_rate,
+                      "Of the first CAN bus: kbit/s, or \"unlimited\"");
   command->add_option("--redundant", options->redundant,
                       "ethercat:INTERFACE at the end of the first segment, for cable redundancy");
   command
@@ -241,7 +373,7 @@ void add_run_command(CLI::App& app) {
   command->add_option("--signals", options->signals, "Signals to record, e.g. \"*.axis0.*\"");
   command->add_option("--duration", options->duration, "Stop after this time, e.g. 10s");
   command->add_option("--state", options->state,
-                      "Directory in which devices keep EEPROM content and firmware images");
+                      "Directory in which devices keep EEPROM content, parameters and firmware");
   command->add_flag("--no-emergencies", options->no_emergencies,
                     "Devices send no CoE emergencies, for masters that cannot take any");
   command->footer(
@@ -249,6 +381,7 @@ void add_run_command(CLI::App& app) {
       "  stator run racks/gantry.toml --link ethercat:eth1\n"
       "  stator run --device tmcm-3315 --link ethercat:eth1 --wait spin --cpu 1\n"
       "  stator run --device tmcm-3315 --link udp:0.0.0.0\n"
+      "  stator run --device tmcc160 --port slcan:/tmp/stator-can0 --port socketcand:29536\n"
       "  stator run --device tmcm-3315 --link ethercat:eth1 --record run.csv --signals "
       "\"*.axis0.*\"");
   command->callback([options] { run(*options); });

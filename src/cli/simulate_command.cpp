@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -6,6 +7,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -42,20 +45,27 @@ struct AxisChange {
   double minimum;
   double maximum;
   double& (*target)(plant::StepperAxisParameters&);
+  double& (*servo_target)(plant::ServoAxisParameters&);
 };
 
 using Axis = plant::StepperAxisParameters;
+using Servo = plant::ServoAxisParameters;
 constexpr std::array kAxisChanges{
     AxisChange{"supply", "V", "Supply of the power stage", 0.1, 100.0,
-               [](Axis& axis) -> double& { return axis.supply_voltage; }},
+               [](Axis& axis) -> double& { return axis.supply_voltage; },
+               [](Servo& axis) -> double& { return axis.supply_voltage; }},
     AxisChange{"inertia", "kg m2", "Inertia of the load, at the motor shaft", 0.0, 10.0,
-               [](Axis& axis) -> double& { return axis.load.inertia; }},
+               [](Axis& axis) -> double& { return axis.load.inertia; },
+               [](Servo& axis) -> double& { return axis.load.inertia; }},
     AxisChange{"viscous-friction", "N m s/rad", "Viscous friction of the load", 0.0, 10.0,
-               [](Axis& axis) -> double& { return axis.load.viscous_friction; }},
+               [](Axis& axis) -> double& { return axis.load.viscous_friction; },
+               [](Servo& axis) -> double& { return axis.load.viscous_friction; }},
     AxisChange{"coulomb-friction", "N m", "Dry friction of the load", 0.0, 1000.0,
-               [](Axis& axis) -> double& { return axis.load.coulomb_friction; }},
+               [](Axis& axis) -> double& { return axis.load.coulomb_friction; },
+               [](Servo& axis) -> double& { return axis.load.coulomb_friction; }},
     AxisChange{"load-torque", "N m", "Constant torque against forward motion", -1000.0, 1000.0,
-               [](Axis& axis) -> double& { return axis.load.constant_torque; }},
+               [](Axis& axis) -> double& { return axis.load.constant_torque; },
+               [](Servo& axis) -> double& { return axis.load.constant_torque; }},
 };
 
 /// The letters of a unit, so that "N m", "Nm" and "N*m" are the same.
@@ -85,48 +95,92 @@ double parse_quantity(const std::string& option, const std::string& text, std::s
   return value;
 }
 
-/// The axis of the rack file that is asked for.
-experiment::BenchSetup setup_from_rack(const SimulateOptions& options) {
+/// The axis of a device of the rack file.
+experiment::BenchSetup setup_of_device(const rack::DeviceConfiguration& device,
+                                       experiment::MotorKind kind, unsigned axis) {
+  experiment::BenchSetup setup;
+  if (kind == experiment::MotorKind::three_phase) {
+    const auto* servo = std::get_if<devices::Tmcc160Configuration>(&device.product);
+    if (servo == nullptr || axis != 0) {
+      throw Failure(fmt::format(
+          "{} has no axis {} with a three-phase motor; see \"stator devices\"", device.name, axis));
+    }
+    setup.servo = servo->axis;
+    return setup;
+  }
+  const auto* module = std::get_if<devices::Tmcm3315Configuration>(&device.product);
+  if (module == nullptr || axis >= module->axes.size()) {
+    throw Failure(fmt::format("{} has no axis {} with a stepper motor; see \"stator devices\"",
+                              device.name, axis));
+  }
+  setup.axis = module->axes[axis];
+  setup.full_scale_current = module->full_scale_current;
+  return setup;
+}
+
+/// The axis of the rack file that is asked for; without a name that of the first device on the
+/// network of its kind.
+experiment::BenchSetup setup_from_rack(const SimulateOptions& options, experiment::MotorKind kind) {
   const rack::RackConfiguration configuration = rack::load_rack_file(options.rack_file);
-  std::set<std::string> names;
+  std::vector<const rack::DeviceConfiguration*> devices;
   for (const rack::SegmentConfiguration& segment : configuration.segments) {
     for (const rack::DeviceConfiguration& device : segment.devices) {
-      names.insert(device.name);
-      if (!options.device.empty() && device.name != options.device) {
-        continue;
-      }
-      const auto* module = std::get_if<devices::Tmcm3315Configuration>(&device.product);
-      if (module == nullptr || options.axis >= module->axes.size()) {
-        throw Failure(fmt::format("{} has no axis {} with a stepper motor; see \"stator devices\"",
-                                  device.name, options.axis));
-      }
-      return {.axis = module->axes[options.axis], .full_scale_current = module->full_scale_current};
+      devices.push_back(&device);
+    }
+  }
+  const auto first_on_bus = static_cast<std::ptrdiff_t>(devices.size());
+  for (const rack::BusConfiguration& bus : configuration.buses) {
+    for (const rack::DeviceConfiguration& device : bus.devices) {
+      devices.push_back(&device);
+    }
+  }
+  if (kind == experiment::MotorKind::three_phase) {
+    std::rotate(devices.begin(), devices.begin() + first_on_bus, devices.end());
+  }
+  std::set<std::string> names;
+  for (const rack::DeviceConfiguration* device : devices) {
+    names.insert(device->name);
+    if (options.device.empty() || device->name == options.device) {
+      return setup_of_device(*device, kind, options.axis);
     }
   }
   throw Failure(fmt::format("{} has no device \"{}\"; it has: {}", options.rack_file,
                             options.device, fmt::join(names, ", ")));
 }
 
-void change_motor(const std::string& name, Axis& axis) {
-  const auto motor = plant::find_stepper_motor(name);
-  if (!motor) {
-    std::set<std::string> names;
-    for (const plant::StepperMotorSheet& sheet : plant::stepper_motor_sheets()) {
-      names.emplace(sheet.name);
-    }
-    const std::string guess = rack::closest_match(name, names);
-    throw Failure(fmt::format("motor \"{}\" is not known{}; the motors are: {}", name,
-                              guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
-                              fmt::join(names, ", ")));
+/// The motor called `name` of those on `sheets`.
+template <typename Sheets, typename Motor>
+Motor motor_named(const std::string& name, const Sheets& sheets,
+                  const std::optional<Motor>& motor) {
+  if (motor) {
+    return *motor;
   }
-  axis.motor = *motor;
+  std::set<std::string> names;
+  for (const auto& sheet : sheets) {
+    names.emplace(sheet.name);
+  }
+  const std::string guess = rack::closest_match(name, names);
+  throw Failure(fmt::format("motor \"{}\" is not known{}; the motors are: {}", name,
+                            guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
+                            fmt::join(names, ", ")));
 }
 
-experiment::BenchSetup setup_of(const SimulateOptions& options) {
+void change_motor(const std::string& name, experiment::MotorKind kind,
+                  experiment::BenchSetup& setup) {
+  if (kind == experiment::MotorKind::three_phase) {
+    setup.servo.motor =
+        motor_named(name, plant::three_phase_motor_sheets(), plant::find_three_phase_motor(name));
+  } else {
+    setup.axis.motor =
+        motor_named(name, plant::stepper_motor_sheets(), plant::find_stepper_motor(name));
+  }
+}
+
+experiment::BenchSetup setup_of(const SimulateOptions& options, experiment::MotorKind kind) {
   experiment::BenchSetup setup =
-      options.rack_file.empty() ? experiment::BenchSetup{} : setup_from_rack(options);
+      options.rack_file.empty() ? experiment::BenchSetup{} : setup_from_rack(options, kind);
   if (!options.motor.empty()) {
-    change_motor(options.motor, setup.axis);
+    change_motor(options.motor, kind, setup);
   }
   for (const AxisChange& change : kAxisChanges) {
     const auto written = options.changes.find(change.name);
@@ -139,7 +193,9 @@ experiment::BenchSetup setup_of(const SimulateOptions& options) {
                                 change.unit, change.minimum, change.maximum));
     }
     const bool against = std::string_view(change.name) == "load-torque";
-    change.target(setup.axis) = against ? -value : value;
+    const double signed_value = against ? -value : value;
+    change.target(setup.axis) = signed_value;
+    change.servo_target(setup.servo) = signed_value;
   }
   return setup;
 }
@@ -184,7 +240,7 @@ void simulate(const experiment::Experiment& experiment, const SimulateOptions& o
       choices.set(written->first, parse_quantity(written->first, written->second, option.unit));
     }
   }
-  const experiment::Result result = experiment.run(setup_of(options), choices);
+  const experiment::Result result = experiment.run(setup_of(options, experiment.motor), choices);
   print_comparisons(result);
   keep(result, options);
   const double worst = 100.0 * result.worst_deviation();
@@ -200,7 +256,8 @@ void add_axis_options(CLI::App& command, SimulateOptions& options) {
   command.add_option("rack", options.rack_file, "Rack file whose axis is put on the bench");
   command.add_option("--device", options.device, "Device of the rack file; else its first");
   command.add_option("-a,--axis", options.axis, "Axis of the device")->capture_default_str();
-  command.add_option("--motor", options.motor, "Motor, e.g. QSH5718-55-30-098");
+  command.add_option("--motor", options.motor,
+                     "Motor, e.g. QSH5718-55-30-098 or QBL4208-61-04-013");
   for (const AxisChange& change : kAxisChanges) {
     command.add_option(fmt::format("--{}", change.name), options.changes[change.name], change.help)
         ->option_text(change.unit);

@@ -1,6 +1,5 @@
 #include "drive/axis.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -10,20 +9,23 @@ namespace stator::drive {
 
 namespace {
 
-std::int16_t milliamperes(double amperes) {
-  return static_cast<std::int16_t>(std::clamp(std::floor(amperes * 1e3 + 0.5), -32768.0, 32767.0));
+std::int64_t milliamperes(double amperes) {
+  return static_cast<std::int64_t>(std::floor(amperes * 1e3 + 0.5));
+}
+
+int option(const IntegerObject& object) {
+  return static_cast<int>(object.get());
 }
 
 }  // namespace
 
 Axis::Axis(dictionary::Dictionary& dictionary, const AxisConfiguration& configuration,
            base::EventReporter reporter)
-    : configuration_(configuration),
-      reporter_(reporter),
+    : reporter_(reporter),
       objects_(dictionary, configuration.profile_offset),
       power_(reporter, configuration.number),
       motion_(objects_, settings_, conditions_, configuration.control_period),
-      closed_loop_conditions_(reporter, configuration.number) {
+      configuration_(configuration) {
   const auto at = [&](unsigned index) {
     return static_cast<std::uint16_t>(index + configuration.profile_offset);
   };
@@ -31,15 +33,15 @@ Axis::Axis(dictionary::Dictionary& dictionary, const AxisConfiguration& configur
   dictionary.on_written(at(0x6040), 0, Hook::bind<&Axis::note_controlword>(*this));
   dictionary.on_written(at(0x6060), 0, Hook::bind<&Axis::note_mode>(*this));
   for (const unsigned target : {0x6071U, 0x607AU, 0x60B0U, 0x60B1U, 0x60B2U, 0x60FFU}) {
-    dictionary.on_written(at(target), 0, Hook::bind<&Axis::note_target>(*this));
+    if (dictionary.find(at(target), 0) != nullptr) {
+      dictionary.on_written(at(target), 0, Hook::bind<&Axis::note_target>(*this));
+    }
   }
   for (std::size_t i = 0; i < kAxisErrorCount; ++i) {
     const auto error = static_cast<AxisError>(i);
     fault_errors_.set(error, is_fault(error));
     warning_errors_.set(error, reaction_to(error) == ErrorReaction::warning);
   }
-  update_feedback();
-  publish(base::SimTime());
 }
 
 void Axis::apply(base::SimTime now) {
@@ -92,6 +94,7 @@ void Axis::take_mode(base::SimTime now) {
 
 void Axis::enter_mode(base::SimTime now) {
   stalled_ = false;
+  motion_.hold_position();
   halted_ = halt_wanted();
   mode_->enter(context(now));
   if (!halted_) {
@@ -100,7 +103,8 @@ void Axis::enter_mode(base::SimTime now) {
 }
 
 bool Axis::halt_wanted() const {
-  return enabled_ && (controlword_ & controlword::kHalt) != 0 && mode_->code() != ModeCode::homing;
+  const bool halt = (controlword_ & controlword::kHalt) != 0 && mode_->code() != ModeCode::homing;
+  return enabled_ && (halt || !stage_status().ready);
 }
 
 OperatingMode& Axis::mode_of(ModeCode code) {
@@ -119,7 +123,7 @@ void Axis::follow_power_state(base::SimTime now) {
   if (power_.fault_resets() != fault_resets_) {
     fault_resets_ = power_.fault_resets();
     errors_ = causes_;
-    driver_.clear_shorts();
+    fault_was_reset();
   }
   // Transition 16: the bridge has been on all the time, the demand position still counts.
   const bool taken_back =
@@ -150,7 +154,7 @@ void Axis::follow_halt(base::SimTime now) {
   halted_ = wanted;
   if (halted_) {
     stalled_ = false;
-    motion_.brake(Braking::slow_down_ramp);
+    mode_->halt(context(now));
   } else if (enabled_) {
     mode_->resume(context(now));
   }
@@ -163,6 +167,15 @@ void Axis::network_left_operational(base::SimTime now) {
   publish_statusword(now);
 }
 
+void Axis::network_stopped(base::SimTime now) {
+  if (power_.state() == PowerState::operation_enabled) {
+    power_.raise_fault(power_input(now));
+    follow_power_state(now);
+  }
+  conditions_.network_operational = false;
+  publish_statusword(now);
+}
+
 void Axis::initialise_position() {
   if (objects_.uses_encoder() && settings_.position_from_encoder) {
     motion_.set_position(feedback_.position());
@@ -170,103 +183,23 @@ void Axis::initialise_position() {
 }
 
 void Axis::tick(base::SimTime now) {
-  update_feedback();
-  feedback_.update(encoder_count_, configuration_.control_period);
-  supervise_closed_loop(now);
+  begin_period(now);
   apply(now);
   supervise(now);
   power_.update(power_input(now));
   follow_power_state(now);
+  follow_halt(now);
   motion_.supervise();
   mode_->tick(context(now));
   publish(now);
+  end_period();
 }
 
-void Axis::supervise_closed_loop(base::SimTime now) {
-  stage_.configure(settings_.closed_loop, encoder_scale(objects_, settings_));
-  closed_loop_wanted_ = closed_loop_conditions_.fulfilled(objects_, settings_, now);
-  closed_loop_conditions_.explain_torque(enabled_ &&
-                                             mode_->code() == ModeCode::cyclic_synchronous_torque &&
-                                             !closed_loop_wanted_ && !stage_.closed_loop().active(),
-                                         now);
-  if (motion_.torque()) {
-    if (stage_.closed_loop().active()) {
-      follow_rotor();
-    } else {
-      motion_.brake(Braking::slow_down_ramp);
-    }
-  }
-}
-
-void Axis::follow_rotor() {
-  const unsigned shift =
-      settings_.microstep_resolution < 8 ? 8U - settings_.microstep_resolution : 0U;
-  const double microstep = 1.0 / static_cast<double>(1U << shift);
-  motion_.follow_rotor(stage_.closed_loop().deviation() * microstep,
-                       stage_.closed_loop().rotor().velocity() * microstep);
-}
-
-void Axis::update_feedback() {
-  feedback_.set_scale(objects_.encoder_increments.get(), settings_.microsteps_per_revolution,
-                      settings_.encoder_reversed);
-}
-
-base::AxisActuation Axis::step(base::SimDuration duration, const base::AxisSensing& sensing) {
-  encoder_count_ = sensing.encoder_count;
-  coil_current_ = sensing.coil_current;
-  if (homing_capture_.armed() || index_latch_.armed()) [[unlikely]] {
-    capture_positions(sensing);
-  }
-  if (sensing.left_switch != left_switch_ || sensing.right_switch != right_switch_) [[unlikely]] {
-    follow_limit_switches(sensing);
-  }
-  motion_.advance(duration);
-  settings_.currents.cool_step_reduction = driver_.current_reduction();
-  base::AxisActuation actuation = stage_.advance(motion_.ramp(), settings_, sensing,
-                                                 {.bridge_enabled = power_.bridge_enabled(),
-                                                  .brake_released = power_.brake_released(),
-                                                  .operation_enabled = enabled_,
-                                                  .closed_loop = closed_loop_wanted_,
-                                                  .torque = motion_.torque()},
-                                                 duration);
-  driver_.advance(settings_, motion_.velocity(), actuation, sensing);
-  if (driver_.take_stall()) {
-    stop_on_stall();
-  }
-  return actuation;
-}
-
-/// As a motion controller chip does, the axis stops at a limit switch at once; what its firmware
-/// has to say comes with the next control period.
-void Axis::follow_limit_switches(const base::AxisSensing& sensing) {
-  left_switch_ = sensing.left_switch;
-  right_switch_ = sensing.right_switch;
-  conditions_.set_switches(settings_.reference.switches.pressed(sensing));
+void Axis::follow_limit_switches(const SwitchLevels& levels) {
+  left_switch_ = levels.left;
+  right_switch_ = levels.right;
+  conditions_.set_switches(settings_.reference.switches.pressed(levels));
   motion_.obey_limit_switches();
-}
-
-void Axis::capture_positions(const base::AxisSensing& sensing) {
-  const std::int64_t motor = motion_.ramp().motor_microsteps();
-  for (PositionCapture* capture : {&homing_capture_, &index_latch_}) {
-    capture->observe(sensing, settings_.reference, objects_.uses_encoder(), motor);
-  }
-}
-
-void Axis::arm_index_latch(bool armed) {
-  if (armed) {
-    index_latch_.arm_index();
-  } else {
-    index_latch_.disarm();
-  }
-}
-
-std::optional<Axis::LatchedPositions> Axis::take_index_latch() {
-  const std::optional<CapturedPosition> captured = index_latch_.take();
-  if (!captured) {
-    return std::nullopt;
-  }
-  return LatchedPositions{.demand = motion_.position_of(captured->motor_microsteps),
-                          .encoder = feedback_.position_at(captured->encoder_count)};
 }
 
 PowerInput Axis::power_input(base::SimTime now) const {
@@ -274,47 +207,51 @@ PowerInput Axis::power_input(base::SimTime now) const {
           .operation_permitted = conditions_.network_operational,
           .at_rest = motion_.at_rest(),
           .fault_present = fault_present(),
-          .options = {.quick_stop = objects_.quick_stop_option.get(),
-                      .shutdown = objects_.shutdown_option.get(),
-                      .disable_operation = objects_.disable_operation_option.get(),
-                      .fault_reaction = objects_.fault_reaction_option.get()},
+          .options = {.quick_stop = option(objects_.quick_stop_option),
+                      .shutdown = option(objects_.shutdown_option),
+                      .disable_operation = option(objects_.disable_operation_option),
+                      .fault_reaction = option(objects_.fault_reaction_option)},
           .delays = settings_.delays};
 }
 
 ModeContext Axis::context(base::SimTime now) {
+  const StageStatus stage = stage_status();
   return {.objects = objects_,
           .settings = settings_,
           .conditions = conditions_,
           .motion = motion_,
           .feedback = feedback_,
           .capture = homing_capture_,
+          .reporter = reporter_,
+          .axis = configuration_.number,
           .now = now,
           .enabled = enabled_ && !halted_ && !mode_written_ && !stall_blocks(),
           .halted = halted_,
+          .ready = stage.ready,
           .following_error = errors_.has(AxisError::following_error),
-          .closed_loop = stage_.closed_loop().active()};
+          .closed_loop = stage.closed_loop,
+          .position_loop = stage.position_loop,
+          .motor_current = stage.current,
+          .actual_velocity = actual_velocity(),
+          .standstill = shown_velocity() == 0.0};
 }
 
 std::int64_t Axis::actual_position() const {
   return objects_.uses_encoder() ? feedback_.position() : motion_.position();
 }
 
-double Axis::actual_velocity() const {
-  return objects_.uses_encoder() ? feedback_.velocity() : motion_.velocity();
-}
-
 void Axis::publish(base::SimTime now) {
-  const auto actual = static_cast<std::int32_t>(actual_position());
-  objects_.position_demand.set(static_cast<std::int32_t>(motion_.position()));
+  const auto actual = static_cast<std::int32_t>(motion_.scaled(actual_position()));
+  objects_.position_demand.set(static_cast<std::int32_t>(motion_.scaled(motion_.position())));
   objects_.position_internal.set(actual);
   objects_.position_actual.set(actual);
   objects_.velocity_actual.set(settings_.units.velocity_object(actual_velocity()));
-  objects_.torque_actual.set(milliamperes(stage_.torque_current(coil_current_)));
+  objects_.torque_actual.set(milliamperes(torque_current()));
   publish_statusword(now);
 }
 
 void Axis::publish_statusword(base::SimTime now) {
-  const double velocity = motion_.velocity();
+  const double velocity = shown_velocity();
   if (velocity != 0.0) {
     negative_direction_ = velocity < 0.0;
   }
@@ -322,7 +259,7 @@ void Axis::publish_statusword(base::SimTime now) {
   const auto set = [&word](std::uint16_t bit, bool value) {
     word = static_cast<std::uint16_t>(value ? word | bit : word & ~bit);
   };
-  set(statusword::kVoltageEnabled, !driver_.flags().has(AxisError::undervoltage));
+  set(statusword::kVoltageEnabled, voltage_enabled());
   set(statusword::kRemote, conditions_.network_operational);
   set(statusword::kInternalLimit, motion_.limited() ||
                                       errors_.has(AxisError::positive_software_limit) ||

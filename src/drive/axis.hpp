@@ -2,9 +2,7 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 
-#include "base/axis_signals.hpp"
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
 #include "dictionary/dictionary.hpp"
@@ -12,15 +10,12 @@
 #include "drive/axis_motion.hpp"
 #include "drive/axis_objects.hpp"
 #include "drive/axis_settings.hpp"
-#include "drive/closed_loop_conditions.hpp"
 #include "drive/cyclic_modes.hpp"
-#include "drive/driver_chip.hpp"
 #include "drive/homing_mode.hpp"
 #include "drive/position_capture.hpp"
 #include "drive/position_feedback.hpp"
 #include "drive/power_state_machine.hpp"
 #include "drive/profile_modes.hpp"
-#include "drive/stepper_stage.hpp"
 #include "drive/torque_mode.hpp"
 
 namespace stator::drive {
@@ -32,20 +27,20 @@ struct AxisConfiguration {
   base::SimDuration control_period{1'000'000};  ///< between two calls of tick()
 };
 
-/// One CiA 402 stepper axis: power drive state machine, modes of operation, limits, supervision and
-/// the way from the set-point to coil currents.
+/// One CiA 402 axis without its power stage: power drive state machine, modes of operation, limits
+/// and supervision. StepperAxis and ServoAxis add the way from the set-point to currents, as
+/// final classes whose step() is called directly: nothing virtual happens more often than once
+/// per control period.
 ///
 /// Writes of controlword, mode and targets are noted by hooks of the dictionary and act in apply(),
 /// which the device calls when the bus has brought something: all objects of one process data frame
-/// are in place then, whatever their order in it. tick() is the firmware loop, step() the hardware.
+/// are in place then, whatever their order in it. tick() is the firmware loop, step() of the
+/// derived class the hardware.
 class Axis {
  public:
-  /// Binds the axis to its objects. Throws std::logic_error if one is missing.
-  Axis(dictionary::Dictionary& dictionary, const AxisConfiguration& configuration,
-       base::EventReporter reporter);
   Axis(const Axis&) = delete;
   Axis& operator=(const Axis&) = delete;
-  ~Axis() = default;
+  virtual ~Axis() = default;
 
   /// To be brought up to date before apply() and tick().
   [[nodiscard]] AxisSettings& settings() { return settings_; }
@@ -60,20 +55,13 @@ class Axis {
   void apply(base::SimTime now);
   /// One control period: supervision, automatic transitions, actual values.
   void tick(base::SimTime now);
-  /// Lets `duration` pass for ramp and driver; `sensing` is what the sensors told at its begin.
-  base::AxisActuation step(base::SimDuration duration, const base::AxisSensing& sensing);
 
-  /// Waits for the next index pulse of the encoder (not before 606Ah selects one), or no longer.
-  void arm_index_latch(bool armed);
-  struct LatchedPositions {
-    std::int64_t demand = 0;   ///< 6062h at the index pulse, microsteps
-    std::int64_t encoder = 0;  ///< 6064h by the encoder there, microsteps
-  };
-  /// What the latch holds, once.
-  [[nodiscard]] std::optional<LatchedPositions> take_index_latch();
-
-  /// The network has left its operational state: the motor stops, the drive is disabled.
+  /// The network has left its operational state, or the bus is lost: the motor stops on the quick
+  /// stop ramp, the drive is disabled.
   void network_left_operational(base::SimTime now);
+  /// NMT Stopped: an axis in Operation enabled goes to Fault with the reaction of 605Eh, in other
+  /// states nothing happens.
+  void network_stopped(base::SimTime now);
   /// Takes the encoder's position as demand position if 606Ah and the settings say so.
   void initialise_position();
 
@@ -82,19 +70,70 @@ class Axis {
   /// The brake sequence wants the brake open.
   [[nodiscard]] bool brake_released() const { return power_.brake_released(); }
   [[nodiscard]] const AxisMotion& motion() const { return motion_; }
-  [[nodiscard]] const DriverChip& driver() const { return driver_; }
   [[nodiscard]] const AxisObjects& objects() const { return objects_; }
   [[nodiscard]] ModeCode mode() const { return mode_->code(); }
+  /// A homing method runs.
+  [[nodiscard]] bool homing() const { return homing_.runs(); }
+  /// How often home was found.
+  [[nodiscard]] std::uint32_t homings() const { return homing_.completions(); }
   /// Errors that are present, and faults that were and wait for a fault reset.
   [[nodiscard]] AxisErrors errors() const { return errors_; }
   [[nodiscard]] std::uint32_t fault_resets() const { return power_.fault_resets(); }
-  [[nodiscard]] std::int64_t actual_position() const;  ///< 6064h in 64 bits, microsteps
-  [[nodiscard]] double actual_velocity() const;        ///< pps
-  [[nodiscard]] std::uint64_t step_count() const { return stage_.step_count(); }
-  [[nodiscard]] const control::ClosedLoopController& closed_loop() const {
-    return stage_.closed_loop();
+  [[nodiscard]] std::int64_t actual_position() const;        ///< 6064h in 64 bits, increments
+  [[nodiscard]] virtual double actual_velocity() const = 0;  ///< pps
+
+ protected:
+  /// Binds the axis to its objects. Throws std::logic_error if one is missing. A derived class
+  /// calls start() at the end of its own constructor.
+  Axis(dictionary::Dictionary& dictionary, const AxisConfiguration& configuration,
+       base::EventReporter reporter);
+  void start() { publish(base::SimTime()); }
+
+  /// What the modes must know of the stage.
+  struct StageStatus {
+    bool ready = true;           ///< false: set-points wait until it has found its commutation
+    bool closed_loop = false;    ///< the motor is commutated by its sensors
+    bool position_loop = false;  ///< demand and actual position have one coordinate
+    double current = 0.0;        ///< A, filtered, what homing on a hard stop looks at
+  };
+
+  /// Begin of a control period, before anything is obeyed: positions, state of the stage.
+  virtual void begin_period(base::SimTime now) = 0;
+  /// Watches what only this stage has.
+  virtual void supervise_stage(base::SimTime now) = 0;
+  /// Behind all that may have changed the set-point.
+  virtual void end_period() {}
+  [[nodiscard]] virtual StageStatus stage_status() const = 0;
+  virtual void fault_was_reset() {}
+  /// 6077h in A.
+  [[nodiscard]] virtual double torque_current() const = 0;
+  /// Statusword bit 4.
+  [[nodiscard]] virtual bool voltage_enabled() const = 0;
+  /// pps; its sign and whether it is 0 are bits 14 and 15 of the statusword.
+  [[nodiscard]] virtual double shown_velocity() const = 0;
+
+  /// Takes `error` up when it appears: event, reaction, fault.
+  void watch(AxisError error, bool present, base::SimTime now);
+  /// As a motion controller chip does, the axis stops at a limit switch at once; what its firmware
+  /// has to say comes with the next control period.
+  void follow_limit_switches(const SwitchLevels& levels);
+  [[nodiscard]] bool switches_changed(bool left, bool right) const {
+    return left != left_switch_ || right != right_switch_;
   }
-  void set_commutation_offset(std::int32_t offset) { stage_.set_commutation_offset(offset); }
+  [[nodiscard]] bool enabled() const { return enabled_; }
+  [[nodiscard]] const OperatingMode& operating_mode() const { return *mode_; }
+  [[nodiscard]] AxisErrors causes() const { return causes_; }
+  [[nodiscard]] const AxisConfiguration& configuration() const { return configuration_; }
+
+  base::EventReporter reporter_;
+  AxisObjects objects_;
+  AxisSettings settings_;
+  AxisConditions conditions_;
+  PowerStateMachine power_;
+  AxisMotion motion_;
+  PositionFeedback feedback_;
+  PositionCapture homing_capture_;
+  bool stalled_ = false;  ///< stopped by a stall and not moved since
 
  private:
   void note_controlword(const dictionary::Entry& /*entry*/) { controlword_written_ = true; }
@@ -115,34 +154,11 @@ class Axis {
   [[nodiscard]] bool fault_present() const;
   [[nodiscard]] bool warning_present() const;
   void supervise(base::SimTime now);
-  void supervise_driver(base::SimTime now);
-  void stop_on_stall();
   [[nodiscard]] bool stall_blocks() const;
-  void watch(AxisError error, bool present, base::SimTime now);
-  void update_feedback();
-  void follow_limit_switches(const base::AxisSensing& sensing);
-  void capture_positions(const base::AxisSensing& sensing);
-  void supervise_closed_loop(base::SimTime now);
-  void follow_rotor();
   void publish(base::SimTime now);
   void publish_statusword(base::SimTime now);
 
   AxisConfiguration configuration_;
-  base::EventReporter reporter_;
-  AxisObjects objects_;
-  AxisSettings settings_;
-  AxisConditions conditions_;
-
-  PowerStateMachine power_;
-  AxisMotion motion_;
-  PositionFeedback feedback_;
-  StepperStage stage_;
-  PositionCapture homing_capture_;
-  PositionCapture index_latch_;
-  ClosedLoopConditions closed_loop_conditions_;
-  bool closed_loop_wanted_ = false;  ///< and possible
-  DriverChip driver_;
-
   NoMode no_mode_{ModeCode::none};
   ProfilePosition profile_position_;
   ProfileVelocity profile_velocity_;
@@ -159,14 +175,11 @@ class Axis {
   std::uint16_t controlword_ = 0;  ///< as last obeyed
   bool enabled_ = false;           ///< as last told to the mode
   bool halted_ = false;
-  bool stalled_ = false;             ///< stopped by a stall and not moved since
   Braking braking_ = Braking::none;  ///< as last told to the motion
   bool negative_direction_ = false;
   std::uint32_t fault_resets_ = 0;  ///< of the state machine, as last seen
-  std::int64_t encoder_count_ = 0;
-  bool left_switch_ = false;  ///< levels in the step before
+  bool left_switch_ = false;        ///< levels in the step before
   bool right_switch_ = false;
-  std::array<double, 2> coil_current_{};
   AxisErrors fault_errors_;    ///< those that lead to Fault
   AxisErrors warning_errors_;  ///< those that set statusword bit 7
   AxisErrors causes_;          ///< present now

@@ -24,8 +24,16 @@ enum class AxisError : std::uint8_t {
   over_temperature,
   undervoltage,
   shutdown_switch,
+  // Of servo axes alone.
+  overcurrent_c,
+  overvoltage,
+  hall_error,            ///< the hall sensors show a state that does not exist
+  initialisation_error,  ///< the commutation could not be initialised
+  driver_error,          ///< the gate driver reports a fault of its own
+  overload,              ///< the I2t sum is above its limit
 };
-inline constexpr std::size_t kAxisErrorCount = 15;
+inline constexpr std::size_t kAxisErrorCount = 21;
+inline constexpr std::size_t kStepperErrorCount = 15;  ///< the first ones
 
 /// What an error does to the axis.
 enum class ErrorReaction : std::uint8_t {
@@ -50,7 +58,7 @@ class AxisErrors {
   [[nodiscard]] constexpr bool has(AxisError error) const { return (bits_ & bit(error)) != 0; }
   [[nodiscard]] constexpr bool empty() const { return bits_ == 0; }
   constexpr void set(AxisError error, bool present) {
-    bits_ = static_cast<std::uint16_t>(present ? bits_ | bit(error) : bits_ & ~bit(error));
+    bits_ = present ? bits_ | bit(error) : bits_ & ~bit(error);
   }
   /// Some error is in both sets.
   [[nodiscard]] constexpr bool any_of(AxisErrors others) const {
@@ -59,10 +67,8 @@ class AxisErrors {
   friend constexpr bool operator==(AxisErrors, AxisErrors) = default;
 
  private:
-  static constexpr std::uint16_t bit(AxisError error) {
-    return static_cast<std::uint16_t>(1U << static_cast<unsigned>(error));
-  }
-  std::uint16_t bits_ = 0;
+  static constexpr std::uint32_t bit(AxisError error) { return 1U << static_cast<unsigned>(error); }
+  std::uint32_t bits_ = 0;
 };
 
 }  // namespace stator::drive

@@ -25,11 +25,19 @@ constexpr std::int64_t within_counter(std::int64_t value) {
 }  // namespace
 
 std::int64_t AxisMotion::turn() const {
-  return position() - static_cast<std::int32_t>(position());
+  return scale_ == 1.0 ? position() - static_cast<std::int32_t>(position()) : 0;
+}
+
+std::int64_t AxisMotion::scaled(std::int64_t increments) const {
+  return scale_ == 1.0 ? increments : std::llround(static_cast<double>(increments) * scale_);
+}
+
+std::int64_t AxisMotion::unscaled(std::int64_t object) const {
+  return scale_ == 1.0 ? object : std::llround(static_cast<double>(object) / scale_);
 }
 
 std::int64_t AxisMotion::absolute(std::int32_t object) const {
-  return turn() + object;
+  return turn() + unscaled(object);
 }
 
 std::int64_t AxisMotion::cyclic(std::int32_t target, std::int32_t offset) const {
@@ -50,7 +58,7 @@ std::optional<std::int64_t> AxisMotion::lower_limit() const {
   }
   const std::int64_t minimum = objects_.minimum_position.get();
   const std::int64_t offset = minimum == kNoMinimum ? 0 : objects_.home_offset.get();
-  return turn() + within_counter(minimum - offset);
+  return turn() + unscaled(within_counter(minimum - offset));
 }
 
 std::optional<std::int64_t> AxisMotion::upper_limit() const {
@@ -59,7 +67,7 @@ std::optional<std::int64_t> AxisMotion::upper_limit() const {
   }
   const std::int64_t maximum = objects_.maximum_position.get();
   const std::int64_t offset = maximum == kNoMaximum ? 0 : objects_.home_offset.get();
-  return turn() + within_counter(maximum - offset);
+  return turn() + unscaled(within_counter(maximum - offset));
 }
 
 std::int64_t AxisMotion::clamped(std::int64_t target, std::int64_t lower, std::int64_t upper) {
@@ -80,12 +88,23 @@ bool AxisMotion::blocked_by_switch(double direction) {
 }
 
 void AxisMotion::stop_at_switch(double direction) {
+  const double deceleration =
+      velocity() * direction > 0.0 ? switch_deceleration() : velocity_limits().deceleration;
+  if (profile_ == Profile::immediate) {
+    rest_at(shaft_position_, shaft_velocity_);
+  }
   profile_ = Profile::none;
-  const double deceleration = velocity() * direction > 0.0 ? settings_.ramp.stop_deceleration
-                                                           : velocity_limits().deceleration;
   if (ramp_.mode() != control::RampMode::stop || deceleration <= 0.0) {
     ramp_.stop(deceleration);
   }
+}
+
+double AxisMotion::switch_deceleration() const {
+  if (!settings_.behaviour.slows_down_at_switches) {
+    return settings_.ramp.stop_deceleration;
+  }
+  return profile_ == Profile::search ? search_limits(0.0).deceleration
+                                     : velocity_limits().deceleration;
 }
 
 bool AxisMotion::limit_blocks(double direction) const {
@@ -97,17 +116,57 @@ bool AxisMotion::limit_blocks(double direction) const {
 
 control::RampLimits AxisMotion::profile_limits() const {
   control::RampLimits limits = velocity_limits();
-  limits.velocity = settings_.units.velocity(objects_.profile_velocity.get());
-  limits.end_velocity = settings_.units.velocity(objects_.end_velocity.get());
+  limits.velocity = profile_velocity();
+  limits.end_velocity = settings_.behaviour.end_velocity_goes_on ? 0.0 : end_velocity();
   limits.stop_deceleration = settings_.ramp.stop_deceleration;
   return limits;
+}
+
+double AxisMotion::profile_velocity() const {
+  const std::uint32_t object = objects_.profile_velocity.get();
+  return object == 0 && settings_.behaviour.zero_velocity_is_largest
+             ? settings_.units.maximum_velocity()
+             : settings_.units.velocity(object);
+}
+
+double AxisMotion::end_velocity() const {
+  return settings_.units.velocity(std::abs(static_cast<double>(objects_.end_velocity.get())));
+}
+
+/// How far behind a target the motor would come to rest that passes it with the end velocity.
+std::int64_t AxisMotion::overrun(double way) const {
+  const double deceleration = velocity_limits().deceleration;
+  const double velocity = end_velocity();
+  if (!settings_.behaviour.end_velocity_goes_on || clamped_ || velocity <= 0.0 ||
+      deceleration <= 0.0) {
+    return 0;
+  }
+  const std::int64_t distance = std::llround(velocity * velocity / (2.0 * deceleration));
+  return way < 0.0 ? -distance : distance;
+}
+
+/// On the way to a point behind the target the motor brakes until it has the end velocity, on the
+/// target, and keeps it.
+void AxisMotion::go_on_behind_target() {
+  const auto beyond = static_cast<double>(ramp_.target_position() - passed_target_);
+  if (beyond == 0.0 || ramp_.phase() != control::RampPhase::decelerating ||
+      velocity() * beyond <= 0.0) {
+    return;
+  }
+  const control::RampLimits limits = velocity_limits();
+  const double way = std::abs(static_cast<double>(ramp_.target_position() - position()));
+  if (way > ramp_.braking_distance(limits) + 1.0) {
+    return;  // it turns round first
+  }
+  ramp_.move_at_velocity(beyond < 0.0 ? -end_velocity() : end_velocity(), limits);
+  profile_ = Profile::velocity;
 }
 
 control::RampLimits AxisMotion::velocity_limits() const {
   const MotionUnits& units = settings_.units;
   const RampSettings& ramp = settings_.ramp;
   control::RampLimits limits{
-      .velocity = MotionUnits::kMaximumVelocity,
+      .velocity = units.maximum_velocity(),
       .acceleration = units.acceleration(objects_.profile_acceleration.get()),
       .deceleration = units.acceleration(objects_.profile_deceleration.get()),
       .shape = objects_.profile_type.get() == kSShaped ? control::RampShape::s_shaped
@@ -124,7 +183,7 @@ control::RampLimits AxisMotion::velocity_limits() const {
 
 control::RampLimits AxisMotion::search_limits(double velocity) const {
   const double acceleration = settings_.units.acceleration(objects_.homing_acceleration.get());
-  return {.velocity = std::min(velocity, MotionUnits::kMaximumVelocity),
+  return {.velocity = std::min(velocity, settings_.units.maximum_velocity()),
           .acceleration = acceleration,
           .deceleration = acceleration};
 }
@@ -139,20 +198,26 @@ control::RampLimits AxisMotion::limits_before_limit(bool on_profile) const {
 
 std::int64_t AxisMotion::move_to(std::int64_t target) {
   end_torque();
+  hold_position();
   const std::int64_t allowed =
       clamped(target, lower_limit().value_or(target), upper_limit().value_or(target));
   const auto way = static_cast<double>(allowed - position());
   if (blocked_by_switch(way)) {
     stop_at_switch(way);
-  } else {
-    ramp_.move_to(allowed, profile_limits());
+  } else if (settings_.ramp.active) {
+    passed_target_ = allowed;
+    ramp_.move_to(allowed + overrun(way), profile_limits());
     profile_ = Profile::positioning;
+  } else {
+    ramp_.follow_position(allowed, base::SimDuration(0));
+    profile_ = Profile::immediate;
   }
   return allowed;
 }
 
 void AxisMotion::follow_position(std::int64_t target) {
   end_torque();
+  hold_position();
   profile_ = Profile::none;
   const std::int64_t allowed = clamped(target, std::min(lower_limit().value_or(target), position()),
                                        std::max(upper_limit().value_or(target), position()));
@@ -174,21 +239,29 @@ void AxisMotion::follow_velocity(double velocity) {
 
 void AxisMotion::take_up(double velocity, bool on_profile) {
   end_torque();
-  wanted_velocity_ =
-      std::clamp(velocity, -MotionUnits::kMaximumVelocity, MotionUnits::kMaximumVelocity);
+  loop_without_torque_ = ControlLoop::velocity;
+  const double largest = settings_.units.maximum_velocity();
+  wanted_velocity_ = std::clamp(velocity, -largest, largest);
   clamped_ = wanted_velocity_ != velocity;
   if (blocked_by_switch(wanted_velocity_)) {
     stop_at_switch(wanted_velocity_);
     return;
   }
   const auto command = [&](control::RampGenerator& ramp) {
-    if (on_profile) {
+    if (on_profile && settings_.ramp.active) {
       ramp.move_at_velocity(wanted_velocity_, velocity_limits());
+    } else if (on_profile) {
+      ramp.follow_velocity(wanted_velocity_, base::SimDuration(0));
     } else {
       ramp.follow_velocity(wanted_velocity_, objects_.interpolation_period());
     }
   };
-  if (has_limits()) {
+  if (has_limits() && settings_.behaviour.stops_behind_software_limits) {
+    if (limit_blocks(wanted_velocity_)) {
+      stop_behind_limit(wanted_velocity_);
+      return;
+    }
+  } else if (has_limits()) {
     control::RampGenerator trial = ramp_;
     command(trial);
     const double direction =
@@ -245,8 +318,18 @@ void AxisMotion::travel_to_limit(double direction, bool on_profile) {
   }
 }
 
+void AxisMotion::stop_behind_limit(double direction) {
+  // Away from the limit the way is free: only what still leads outward is braked.
+  if (ramp_.mode() != control::RampMode::stop || velocity() * direction > 0.0) {
+    brake(Braking::slow_down_ramp);
+  }
+  profile_ = Profile::none;
+  clamped_ = true;
+}
+
 bool AxisMotion::search_blocked(double direction, const PassedSwitches& passed) {
   end_torque();
+  hold_position();
   profile_ = Profile::search;
   passed_ = passed;
   clamped_ = false;
@@ -261,7 +344,7 @@ bool AxisMotion::search_blocked(double direction, const PassedSwitches& passed) 
 
 void AxisMotion::search_at_velocity(double velocity, const PassedSwitches& passed) {
   if (!search_blocked(velocity, passed)) {
-    ramp_.move_at_velocity(velocity, search_limits(MotionUnits::kMaximumVelocity));
+    ramp_.move_at_velocity(velocity, search_limits(settings_.units.maximum_velocity()));
   }
 }
 
@@ -269,6 +352,11 @@ void AxisMotion::search_to(std::int64_t target, double velocity, const PassedSwi
   if (!search_blocked(static_cast<double>(target - position()), passed)) {
     ramp_.move_to(target, search_limits(velocity));
   }
+}
+
+void AxisMotion::push_at_velocity(double velocity, const PassedSwitches& passed) {
+  search_at_velocity(velocity, passed);
+  loop_without_torque_ = ControlLoop::velocity;
 }
 
 void AxisMotion::hold_against(double direction) {
@@ -292,6 +380,7 @@ void AxisMotion::apply_torque(double amperes) {
   clamped_ = false;
   blocked_direction_ = 0.0;
   profile_ = Profile::none;
+  loop_without_torque_ = ControlLoop::velocity;
   torque_ = amperes;
 }
 
@@ -303,7 +392,55 @@ void AxisMotion::follow_rotor(double deviation, double velocity) {
   ramp_.follow_velocity(stands ? 0.0 : velocity - deviation / kTimeConstant, base::SimDuration(0));
 }
 
+void AxisMotion::follow_shaft(std::int64_t position, double velocity, double standstill,
+                              bool free) {
+  shaft_position_ = position;
+  shaft_velocity_ = std::abs(velocity) < standstill ? 0.0 : velocity;
+  if (free) {
+    if (ramp_.position().microsteps != position || !at_rest()) {
+      ramp_.set_position(position);
+    }
+    return;
+  }
+  switch (loop()) {
+    case ControlLoop::position:
+      break;
+    case ControlLoop::velocity:
+      ramp_.shift(position - ramp_.position().microsteps);
+      break;
+    case ControlLoop::torque:
+      rest_at(position, shaft_velocity_);
+      break;
+  }
+}
+
+void AxisMotion::rest_at(std::int64_t position, double velocity) {
+  ramp_.set_position(position);
+  if (velocity != 0.0) {
+    ramp_.follow_velocity(velocity, base::SimDuration(0));
+  }
+}
+
+void AxisMotion::rest_at_shaft() {
+  end_torque();
+  hold_position();
+  profile_ = Profile::none;
+  ramp_.set_position(shaft_position_);
+}
+
 void AxisMotion::brake(Braking braking) {
+  if (profile_ == Profile::immediate && braking != Braking::none) {
+    rest_at(shaft_position_, shaft_velocity_);
+  }
+  const double deceleration =
+      braking == Braking::quick_stop_ramp
+          ? settings_.units.acceleration(objects_.quick_stop_deceleration.get())
+          : velocity_limits().deceleration;
+  if (torque_ && settings_.behaviour.stops_release_torque && deceleration <= 0.0 &&
+      braking != Braking::at_once && braking != Braking::none) {
+    torque_ = 0.0;  // there is no ramp to brake on: it coasts
+    return;
+  }
   const bool searches = profile_ == Profile::search;
   const bool on_profile = profile_ == Profile::positioning || profile_ == Profile::velocity;
   profile_ = Profile::none;
@@ -313,7 +450,7 @@ void AxisMotion::brake(Braking braking) {
       break;
     case Braking::slow_down_ramp:
       if (searches) {
-        ramp_.stop(search_limits(MotionUnits::kMaximumVelocity).deceleration);
+        ramp_.stop(search_limits(settings_.units.maximum_velocity()).deceleration);
       } else if (on_profile) {
         ramp_.stop(velocity_limits());
       } else {
@@ -332,6 +469,7 @@ void AxisMotion::brake(Braking braking) {
 void AxisMotion::supervise() {
   if (profile_ == Profile::positioning) {
     ramp_.set_limits(profile_limits());
+    go_on_behind_target();
   } else if (profile_ == Profile::velocity) {
     ramp_.set_limits(velocity_limits());
   }

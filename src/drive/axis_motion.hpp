@@ -16,17 +16,30 @@ struct PassedSwitches {
   bool positive_limit = false;
 };
 
+/// Which loop of a servo axis takes the set-point. A stepper axis turns every position into
+/// currents, whatever it was made from.
+enum class ControlLoop : std::uint8_t { position, velocity, torque };
+
 /// What the modes of operation may do with the motor: every set-point passes here, where software
 /// position limits (607Dh) and limit switches hold for all modes.
 ///
-/// Positions are 64-bit microsteps; the objects show the lower 32 bits. An absolute target means
-/// the position with these lower bits in the present turn of the 32-bit counter.
+/// Positions are 64-bit increments: microsteps of a stepper axis, encoder counts or hall steps of a
+/// servo axis; the objects show the lower 32 bits. An absolute target means the position with these
+/// lower bits in the present turn of the 32-bit counter. With a position scale (homing methods -5
+/// and -6) objects show scaled increments and the counter has one turn.
 class AxisMotion {
  public:
   /// Everything must outlive the object; `period` is the time between two calls of supervise().
   AxisMotion(const AxisObjects& objects, const AxisSettings& settings,
              const AxisConditions& conditions, base::SimDuration period)
       : objects_(objects), settings_(settings), conditions_(conditions), period_(period) {}
+
+  /// Scaled increments of position objects per increment of the position; more than 0.
+  void set_position_scale(double scale) { scale_ = scale; }
+  [[nodiscard]] double position_scale() const { return scale_; }
+  /// What a position object shows for `increments`, and the reverse; also for distances.
+  [[nodiscard]] std::int64_t scaled(std::int64_t increments) const;
+  [[nodiscard]] std::int64_t unscaled(std::int64_t object) const;
 
   /// Absolute target of profile position in 64 bits.
   [[nodiscard]] std::int64_t absolute(std::int32_t object) const;
@@ -36,11 +49,13 @@ class AxisMotion {
   [[nodiscard]] std::int64_t cyclic(std::int32_t target, std::int32_t offset) const;
 
   /// Travels on the profile of 6081h to 6084h, 6086h and 60A4h; the target is clamped to the
-  /// software limits. Returns the target in force.
+  /// software limits. Returns the target in force. Without RampSettings::active the set-point is on
+  /// the target at once.
   std::int64_t move_to(std::int64_t target);
   /// Takes up `velocity` (pps) with 6083h, 6084h, 6086h and 60A4h, as far as the ramp generator
   /// goes. One that would run into a software limit is not taken: the axis travels to the limit and
-  /// rests there, however often such velocities come.
+  /// rests there, however often such velocities come. With stops_behind_software_limits it is
+  /// stopped where the position has passed the limit.
   void move_at_velocity(double velocity);
   /// Interpolates to a cyclic target within 60C2h; clamped to the software limits. Outside them the
   /// axis may stay or return, it is not pulled back.
@@ -53,6 +68,8 @@ class AxisMotion {
   void search_at_velocity(double velocity, const PassedSwitches& passed);
   /// Homing: travels to `target` in the same way; `velocity` is not negative.
   void search_to(std::int64_t target, double velocity, const PassedSwitches& passed);
+  /// Homing: search_at_velocity() by the velocity loop of a servo axis, which may be held up.
+  void push_at_velocity(double velocity, const PassedSwitches& passed);
 
   /// cst: `amperes` of phase current (signed) at the largest load angle instead of a set-point. At
   /// a limit the axis brakes and holds its position until the torque points away from it.
@@ -64,8 +81,22 @@ class AxisMotion {
   /// Call every control period.
   void follow_rotor(double deviation, double velocity);
 
+  /// Of a servo axis: what its shaft does now, every control period. Outside the position loop,
+  /// and while the shaft is `free` of current, the demand follows it, so that whatever comes next
+  /// starts from there. `standstill`: pps below which the shaft counts as standing.
+  void follow_shaft(std::int64_t position, double velocity, double standstill, bool free);
+  /// The loop that the set-point is for.
+  [[nodiscard]] ControlLoop loop() const {
+    return torque_ ? ControlLoop::torque : loop_without_torque_;
+  }
+  /// The position loop takes over from where the demand is.
+  void hold_position() { loop_without_torque_ = ControlLoop::position; }
+  /// Gives a motion up that went wrong: the demand rests where the shaft of a servo axis is.
+  void rest_at_shaft();
+
   /// Brakes with 6084h (and the bows of a profile under way), after a homing motion with 609Ah, by
-  /// the quick stop ramp with 6085h, or at once.
+  /// the quick stop ramp with 6085h, or at once. A torque without a deceleration to brake with
+  /// ends in coasting.
   void brake(Braking braking);
   /// Renames the present position; a motion under way ends at once.
   void set_position(std::int64_t microsteps) { ramp_.set_position(microsteps); }
@@ -98,7 +129,14 @@ class AxisMotion {
  private:
   /// What is under way: a motion whose limits follow changed profile objects, or the way to a
   /// software limit instead of a velocity.
-  enum class Profile : std::uint8_t { none, positioning, velocity, search, to_limit };
+  enum class Profile : std::uint8_t {
+    none,
+    positioning,
+    velocity,
+    search,
+    to_limit,
+    immediate,  ///< to the target without a ramp; the shaft is still on its way
+  };
 
   [[nodiscard]] std::int64_t turn() const;
   [[nodiscard]] bool has_limits() const;
@@ -111,7 +149,14 @@ class AxisMotion {
   [[nodiscard]] control::RampLimits velocity_limits() const;
   [[nodiscard]] control::RampLimits search_limits(double velocity) const;
   [[nodiscard]] control::RampLimits limits_before_limit(bool on_profile) const;
+  [[nodiscard]] double switch_deceleration() const;
+  [[nodiscard]] double profile_velocity() const;
+  [[nodiscard]] double end_velocity() const;
+  [[nodiscard]] std::int64_t overrun(double way) const;
+  void go_on_behind_target();
+  void stop_behind_limit(double direction);
   [[nodiscard]] bool search_blocked(double direction, const PassedSwitches& passed);
+  void rest_at(std::int64_t position, double velocity);
   void take_up(double velocity, bool on_profile);
   [[nodiscard]] double limit_passed_by(const control::RampGenerator& ramp, bool on_profile) const;
   void travel_to_limit(double direction, bool on_profile);
@@ -136,6 +181,11 @@ class AxisMotion {
   double limit_direction_ = 0.0;    ///< in Profile::to_limit
   std::optional<double> torque_;    ///< A
   double held_direction_ = 0.0;     ///< of the torque that ran into a limit, 0 = none
+  ControlLoop loop_without_torque_ = ControlLoop::position;
+  double scale_ = 1.0;               ///< of position objects
+  std::int64_t shaft_position_ = 0;  ///< of a servo axis, as last told
+  double shaft_velocity_ = 0.0;      ///< pps, the same
+  std::int64_t passed_target_ = 0;   ///< of positioning with an end velocity
 };
 
 }  // namespace stator::drive

@@ -9,67 +9,88 @@
 namespace stator::drive {
 
 /// An object whose integer type differs from product to product (CiA 402 has INTEGER16 where some
-/// documents print UNSIGNED16).
-class OptionCode {
+/// documents print UNSIGNED16 or INTEGER32).
+class IntegerObject {
  public:
-  OptionCode() = default;
+  IntegerObject() = default;
   /// Throws std::logic_error if the object does not exist.
-  OptionCode(const dictionary::Dictionary& dictionary, std::uint16_t index);
-  [[nodiscard]] int get() const { return static_cast<int>(entry_->signed_value()); }
+  IntegerObject(const dictionary::Dictionary& dictionary, std::uint16_t index);
+  [[nodiscard]] std::int64_t get() const { return entry_->signed_value(); }
+  /// Stores `value`, saturated to what the object's type holds (up to 32 bits).
+  void set(std::int64_t value) const;
 
  private:
-  const dictionary::Entry* entry_ = nullptr;
+  dictionary::Entry* entry_ = nullptr;
+  std::int64_t minimum_ = 0;
+  std::int64_t maximum_ = 0;
+};
+
+/// An object that a product may lack: it reads as 0 then.
+template <typename T>
+class OptionalVariable {
+ public:
+  void bind(dictionary::Variable<T> variable) {
+    variable_ = variable;
+    exists_ = true;
+  }
+  [[nodiscard]] bool exists() const { return exists_; }
+  [[nodiscard]] T get() const { return exists_ ? variable_.get() : T{}; }
+
+ private:
+  dictionary::Variable<T> variable_;
+  bool exists_ = false;
 };
 
 /// The objects of CiA 402 that one axis works with, bound once. Index offset: 0 for the first axis,
-/// 800h for the second and so on (CiA 402-1).
+/// 800h for the second and so on (CiA 402-1). Optional ones read as 0 where a product lacks them.
 struct AxisObjects {
   AxisObjects(const dictionary::Dictionary& dictionary, std::uint16_t index_offset);
 
   dictionary::Variable<std::uint16_t> controlword;              // 6040h
   dictionary::Variable<std::uint16_t> statusword;               // 6041h
-  OptionCode quick_stop_option;                                 // 605Ah
-  OptionCode shutdown_option;                                   // 605Bh
-  OptionCode disable_operation_option;                          // 605Ch
-  OptionCode fault_reaction_option;                             // 605Eh
+  IntegerObject quick_stop_option;                              // 605Ah
+  IntegerObject shutdown_option;                                // 605Bh
+  IntegerObject disable_operation_option;                       // 605Ch
+  IntegerObject fault_reaction_option;                          // 605Eh
   dictionary::Variable<std::int8_t> mode;                       // 6060h
   dictionary::Variable<std::int8_t> mode_display;               // 6061h
   dictionary::Variable<std::int32_t> position_demand;           // 6062h
   dictionary::Variable<std::int32_t> position_internal;         // 6063h
   dictionary::Variable<std::int32_t> position_actual;           // 6064h
-  dictionary::Variable<std::uint32_t> following_window;         // 6065h
+  OptionalVariable<std::uint32_t> following_window;             // 6065h, 0 = not watched
   dictionary::Variable<std::uint32_t> position_window;          // 6067h
-  dictionary::Variable<std::uint16_t> position_window_time;     // 6068h, ms
-  dictionary::Variable<std::int16_t> sensor_selection;          // 606Ah, 0 = encoder
+  OptionalVariable<std::uint16_t> position_window_time;         // 6068h, ms
+  OptionalVariable<std::int16_t> sensor_selection;              // 606Ah, 0 = encoder
   dictionary::Variable<std::int32_t> velocity_actual;           // 606Ch
-  dictionary::Variable<std::int16_t> target_torque;             // 6071h, mA
-  dictionary::Variable<std::int16_t> torque_actual;             // 6077h, mA
+  IntegerObject target_torque;                                  // 6071h, mA
+  IntegerObject torque_actual;                                  // 6077h, mA
   dictionary::Variable<std::int32_t> target_position;           // 607Ah
   dictionary::Variable<std::int32_t> home_offset;               // 607Ch
   dictionary::Variable<std::int32_t> minimum_position;          // 607Dh:01
   dictionary::Variable<std::int32_t> maximum_position;          // 607Dh:02
   dictionary::Variable<std::uint32_t> profile_velocity;         // 6081h
-  dictionary::Variable<std::uint32_t> end_velocity;             // 6082h
+  IntegerObject end_velocity;                                   // 6082h, its magnitude counts
   dictionary::Variable<std::uint32_t> profile_acceleration;     // 6083h
   dictionary::Variable<std::uint32_t> profile_deceleration;     // 6084h
   dictionary::Variable<std::uint32_t> quick_stop_deceleration;  // 6085h
-  dictionary::Variable<std::uint16_t> profile_type;             // 6086h, 1 = S-shaped
+  OptionalVariable<std::uint16_t> profile_type;                 // 6086h, 1 = S-shaped
   dictionary::Variable<std::uint32_t> encoder_increments;       // 608Fh:01
   dictionary::Variable<std::int8_t> homing_method;              // 6098h
   dictionary::Variable<std::uint32_t> homing_fast_speed;        // 6099h:01
   dictionary::Variable<std::uint32_t> homing_slow_speed;        // 6099h:02
   dictionary::Variable<std::uint32_t> homing_acceleration;      // 609Ah
-  std::array<dictionary::Variable<std::uint32_t>, 4> jerk;      // 60A4h:01 to 04
-  dictionary::Variable<std::int32_t> position_offset;           // 60B0h
-  dictionary::Variable<std::int32_t> velocity_offset;           // 60B1h
-  dictionary::Variable<std::int16_t> torque_offset;             // 60B2h, mA
-  dictionary::Variable<std::uint8_t> interpolation_value;       // 60C2h:01
-  dictionary::Variable<std::int8_t> interpolation_index;        // 60C2h:02
-  dictionary::Variable<std::uint16_t> positioning_option;       // 60F2h
+  std::array<OptionalVariable<std::uint32_t>, 4> jerk;          // 60A4h:01 to 04
+  OptionalVariable<std::int32_t> position_offset;               // 60B0h
+  OptionalVariable<std::int32_t> velocity_offset;               // 60B1h
+  IntegerObject torque_offset;                                  // 60B2h, mA
+  OptionalVariable<std::uint8_t> interpolation_value;           // 60C2h:01
+  OptionalVariable<std::int8_t> interpolation_index;            // 60C2h:02
+  OptionalVariable<std::uint16_t> positioning_option;           // 60F2h
   dictionary::Variable<std::int32_t> target_velocity;           // 60FFh
 
   [[nodiscard]] bool uses_encoder() const { return sensor_selection.get() == 0; }
-  /// 60C2h: value * 10^index seconds; the value 0 counts as 1.
+  /// 60C2h: value * 10^index seconds; the value 0 counts as 1. Without 60C2h no time at all: a
+  /// set-point counts from the moment it comes.
   [[nodiscard]] base::SimDuration interpolation_period() const;
 };
 

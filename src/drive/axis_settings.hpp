@@ -1,11 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <optional>
 
 #include "base/sim_time.hpp"
-#include "control/closed_loop_controller.hpp"
-#include "control/coil_current_selector.hpp"
-#include "drive/driver_settings.hpp"
 #include "drive/motion_units.hpp"
 #include "drive/power_state_machine.hpp"
 #include "drive/reference_switches.hpp"
@@ -20,29 +19,60 @@ struct RampSettings {
   double final_deceleration = 0.0;
   double stop_deceleration = 0.0;  ///< after an end velocity and at limit switches; 0 = at once
   double bow_factor = 1.0;         ///< multiplies the jerks of 60A4h
+  bool active = true;              ///< false: targets of pp and pv are set-points at once
+};
+
+/// How products differ in what CiA 402 leaves open. The defaults are those of the TMCM-3315.
+struct ProfileBehaviour {
+  /// 6081h = 0 means the largest velocity there is; otherwise no motion.
+  bool zero_velocity_is_largest = false;
+  /// The motor goes on with 6082h behind the target; otherwise the deceleration of 6084h ends
+  /// there and the motor stops on the target.
+  bool end_velocity_goes_on = false;
+  /// A velocity or torque is stopped when the position has passed a software limit; otherwise the
+  /// axis brakes so that it comes to rest on the limit.
+  bool stops_behind_software_limits = false;
+  /// A limit switch stops the motor with 6084h (609Ah while homing); otherwise with
+  /// RampSettings::stop_deceleration.
+  bool slows_down_at_switches = false;
+  /// Halt in cst takes the torque away, and a stop without a deceleration to brake with ends in
+  /// coasting; otherwise both brake.
+  bool stops_release_torque = false;
+  /// A homing method that moves does not start with a speed of 0.
+  bool homing_needs_speeds = false;
+};
+
+/// Where positioning counts as finished if 6067h monitors nothing.
+struct PositionEnd {
+  std::int64_t distance = 0;  ///< of the actual position from the target, increments
+  double velocity = 0.0;      ///< pps, largest
+};
+
+/// What homing methods -1 to -6 work with.
+struct HardStopSettings {
+  double current = 0.0;                 ///< A, that tells a hard stop; 0: none is looked for
+  std::int64_t positive_clearance = 0;  ///< increments back from the stop in positive direction
+  std::int64_t negative_clearance = 0;  ///< and from the other one
 };
 
 /// What CiA 402 leaves to the manufacturer; the device fills it from its own objects and brings it
 /// up to date before each Axis::apply() and Axis::tick().
 struct AxisSettings {
   MotionUnits units;
-  std::int64_t microsteps_per_revolution = 51'200;
-  std::uint8_t microstep_resolution = 8;  ///< microsteps per full step as a power of two
   PowerDelays delays;
   RampSettings ramp;
-  bool encoder_reversed = false;      ///< the encoder counts against the motor
+  ProfileBehaviour behaviour;
   bool position_from_encoder = true;  ///< the demand position starts at the encoder's position
   ReferenceSettings reference;
-  control::CoilCurrentSettings currents;
-  control::ClosedLoopSettings closed_loop;
-  double full_scale_current = 3.0;  ///< A, peak of a coil at 100 %
-  bool chopper_enabled = true;      ///< false: the bridge stays off, the motor free-wheels
-  DriverSettings driver;
+  HardStopSettings hard_stop;
+  std::optional<PositionEnd> position_end;  ///< none: the demand rests on the target
+  /// pps that the actual velocity may differ from the target of pv for it to count as reached.
+  double velocity_window = std::numeric_limits<double>::infinity();
 };
 
 /// The surroundings of an axis, from the network and from inputs, as of now.
 struct AxisConditions {
-  bool network_operational = false;
+  bool network_operational = false;    ///< controlwords are obeyed
   bool negative_limit_switch = false;  ///< pressed, after polarity; false if not used
   bool positive_limit_switch = false;
   bool shutdown_switch = false;  ///< the enable signal of the power stages is missing

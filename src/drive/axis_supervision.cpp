@@ -1,4 +1,4 @@
-// What an axis watches: following error, limits, the driver chip; and what its errors lead to.
+// What every axis watches: following error and limits; and what its errors lead to.
 
 #include <array>
 #include <cstdlib>
@@ -55,21 +55,24 @@ constexpr std::array<EventRule, kAxisErrorCount> kErrorRules{{
     {"axis-shutdown-switch", Severity::fault,
      "axis {0}: the shutdown switch is active, the driver is switched off; release it, then reset "
      "the fault"},
+    {"axis-overcurrent-c", Severity::fault,
+     "axis {0}: overcurrent in bridge C, the driver is switched off; look for a short in motor or "
+     "cable, then reset the fault"},
+    {"axis-overvoltage", Severity::fault,
+     "axis {0}: the supply is too high; lower it, or let a brake chopper take what the motor feeds "
+     "back, then reset the fault"},
+    {"axis-hall-error", Severity::fault,
+     "axis {0}: the hall sensors show a state or a sequence that does not exist; look for a broken "
+     "wire, check their order and polarity, then reset the fault"},
+    {"axis-initialisation-error", Severity::fault,
+     "axis {0}: the commutation angle of the encoder was not found; check initialisation mode, "
+     "current and encoder, then reset the fault and enable again"},
+    {"axis-driver-error", Severity::fault,
+     "axis {0}: the gate driver reports a fault and has been switched off; reset the fault"},
+    {"axis-overload", Severity::warning,
+     "axis {0}: the I2t sum is above its limit, the motor gets no current until it has cooled down "
+     "and the flag is cleared; lower the load, or check time constant and limit"},
 }};
-
-/// Everything that supervise_driver() watches.
-constexpr AxisErrors kDriverErrors{
-    AxisError::open_load_a,           AxisError::open_load_b,
-    AxisError::overcurrent_a,         AxisError::overcurrent_b,
-    AxisError::overcurrent_high_side, AxisError::over_temperature_warning,
-    AxisError::over_temperature,      AxisError::undervoltage,
-    AxisError::shutdown_switch,       AxisError::stall};
-constexpr std::array kShorts{AxisError::overcurrent_a, AxisError::overcurrent_b,
-                             AxisError::overcurrent_high_side};
-/// Flags of the driver chip that last as long as their cause.
-constexpr std::array kDriverConditions{AxisError::open_load_a, AxisError::open_load_b,
-                                       AxisError::over_temperature_warning,
-                                       AxisError::over_temperature, AxisError::undervoltage};
 
 }  // namespace
 
@@ -90,33 +93,7 @@ void Axis::supervise(base::SimTime now) {
   watch(AxisError::negative_software_limit, lower && actual < *lower && !homes, now);
   watch(AxisError::positive_limit_switch, conditions_.positive_limit_switch && !homes, now);
   watch(AxisError::negative_limit_switch, conditions_.negative_limit_switch && !homes, now);
-  supervise_driver(now);
-}
-
-void Axis::supervise_driver(base::SimTime now) {
-  driver_.supervise(settings_.driver.limits);
-  if (motion_.velocity() != 0.0 || !power_.bridge_enabled()) {
-    stalled_ = false;
-  }
-  const AxisErrors flags = driver_.flags();
-  if (flags.empty() && !causes_.any_of(kDriverErrors) && !conditions_.shutdown_switch && !stalled_)
-      [[likely]] {
-    return;
-  }
-  for (const AxisError error : kDriverConditions) {
-    watch(error, flags.has(error), now);
-  }
-  // The chip remembers a short; its cause went away with the current and cannot hold up a reset.
-  for (const AxisError error : kShorts) {
-    watch(error, flags.has(error) && !errors_.has(error), now);
-  }
-  watch(AxisError::shutdown_switch, conditions_.shutdown_switch, now);
-  watch(AxisError::stall, stalled_, now);
-}
-
-void Axis::stop_on_stall() {
-  stalled_ = true;
-  motion_.brake(Braking::at_once);
+  supervise_stage(now);
 }
 
 bool Axis::stall_blocks() const {

@@ -34,7 +34,7 @@ constexpr EventRule kTorqueNeedsClosedLoop{
 
 }  // namespace
 
-control::EncoderScale encoder_scale(const AxisObjects& objects, const AxisSettings& settings) {
+control::EncoderScale encoder_scale(const AxisObjects& objects, const StepperSettings& settings) {
   const unsigned resolution = std::min<unsigned>(settings.microstep_resolution, 8);
   return {.counts_per_revolution = std::max<std::int64_t>(1, objects.encoder_increments.get()),
           .steps_per_revolution =
@@ -43,7 +43,7 @@ control::EncoderScale encoder_scale(const AxisObjects& objects, const AxisSettin
 }
 
 const EventRule* ClosedLoopConditions::problem(const AxisObjects& objects,
-                                               const AxisSettings& settings) const {
+                                               const StepperSettings& settings) const {
   const control::EncoderScale scale = encoder_scale(objects, settings);
   const std::int64_t lowest =
       scale.steps_per_revolution / kMicrostepsPerFullStep * kCountsPerFullStep;
@@ -57,7 +57,7 @@ const EventRule* ClosedLoopConditions::problem(const AxisObjects& objects,
   return settings.closed_loop.position_gain == 0 ? &kNoGain : nullptr;
 }
 
-bool ClosedLoopConditions::fulfilled(const AxisObjects& objects, const AxisSettings& settings,
+bool ClosedLoopConditions::fulfilled(const AxisObjects& objects, const StepperSettings& settings,
                                      base::SimTime now) {
   if (!settings.closed_loop.enabled) {
     told_ = nullptr;

@@ -4,7 +4,7 @@
 
 #include "base/event.hpp"
 #include "drive/axis_objects.hpp"
-#include "drive/axis_settings.hpp"
+#include "drive/stepper_settings.hpp"
 
 namespace stator::drive {
 
@@ -17,13 +17,13 @@ class ClosedLoopConditions {
   /// True if closed loop is wanted and 606Ah and 608Fh describe an encoder that can serve it:
   /// selected, with 4 counts per full step at least and 2^24 per revolution at most. Says once why
   /// not.
-  bool fulfilled(const AxisObjects& objects, const AxisSettings& settings, base::SimTime now);
+  bool fulfilled(const AxisObjects& objects, const StepperSettings& settings, base::SimTime now);
   /// Says once, until `missing` is false again, that a torque cannot be controlled in open loop.
   void explain_torque(bool missing, base::SimTime now);
 
  private:
   [[nodiscard]] const base::EventRule* problem(const AxisObjects& objects,
-                                               const AxisSettings& settings) const;
+                                               const StepperSettings& settings) const;
 
   base::EventReporter reporter_;
   std::uint8_t axis_;
@@ -33,6 +33,6 @@ class ClosedLoopConditions {
 
 /// The encoder as the axis knows it.
 [[nodiscard]] control::EncoderScale encoder_scale(const AxisObjects& objects,
-                                                  const AxisSettings& settings);
+                                                  const StepperSettings& settings);
 
 }  // namespace stator::drive

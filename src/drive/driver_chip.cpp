@@ -14,7 +14,7 @@ constexpr AxisErrors kStageOff{AxisError::overcurrent_a, AxisError::overcurrent_
 
 }  // namespace
 
-void DriverChip::advance(const AxisSettings& settings, double velocity,
+void DriverChip::advance(const StepperSettings& settings, double velocity,
                          base::AxisActuation& actuation, const base::AxisSensing& sensing) {
   supply_voltage_ = sensing.supply_voltage;
   temperature_ = sensing.driver_temperature;
@@ -53,7 +53,7 @@ void DriverChip::advance(const AxisSettings& settings, double velocity,
   }
 }
 
-void DriverChip::measure(const AxisSettings& settings, double velocity, double speed,
+void DriverChip::measure(const StepperSettings& settings, double velocity, double speed,
                          const base::AxisActuation& actuation, const base::AxisSensing& sensing) {
   const DriverSettings& driver = settings.driver;
   open_load_.advance(actuation.coil_current_target, sensing.coil_current);

@@ -7,7 +7,7 @@
 #include "control/open_load_detector.hpp"
 #include "control/stall_guard.hpp"
 #include "drive/axis_error.hpp"
-#include "drive/axis_settings.hpp"
+#include "drive/stepper_settings.hpp"
 
 namespace stator::drive {
 
@@ -20,7 +20,7 @@ class DriverChip {
  public:
   /// One step: completes what the sequencer wants while the set-point moves at `velocity` (pps).
   /// `sensing` is what was measured at its begin.
-  void advance(const AxisSettings& settings, double velocity, base::AxisActuation& actuation,
+  void advance(const StepperSettings& settings, double velocity, base::AxisActuation& actuation,
                const base::AxisSensing& sensing);
   /// Brings the flags of cables, temperature and supply up to date; once per control period.
   void supervise(const DriverLimits& limits);
@@ -50,7 +50,7 @@ class DriverChip {
  private:
   void detect_shorts(const base::AxisSensing& sensing);
   void switch_off();
-  void measure(const AxisSettings& settings, double velocity, double speed,
+  void measure(const StepperSettings& settings, double velocity, double speed,
                const base::AxisActuation& actuation, const base::AxisSensing& sensing);
   void stop_measuring();
 

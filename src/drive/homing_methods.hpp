@@ -9,10 +9,11 @@ namespace stator::drive {
 
 /// Where a homing method finds home.
 enum class HomeSignal : std::uint8_t {
-  present_position,  ///< no motion
-  index,             ///< the next index pulse in the direction of travel
-  release,           ///< where the switch is released
-  release_and_index  ///< at the next index pulse beyond that point
+  present_position,   ///< no motion
+  index,              ///< the next index pulse in the direction of travel
+  release,            ///< where the switch is released
+  release_and_index,  ///< at the next index pulse beyond that point
+  hard_stop,          ///< where the motor's current rises because the shaft is held up
 };
 
 /// One method of 6098h (CiA 402-2 §11.4) as a row. A method with a switch runs in
@@ -28,11 +29,19 @@ struct HomingMethod {
   /// A limit switch met on the way to the home switch turns the motion round; otherwise it stops
   /// the motor.
   bool reverses_at_limit_switch = false;
+  bool both_ends = false;  ///< hard stop: the other one is looked for as well
+  bool scales = false;     ///< and position objects are scaled to the way between them
 };
 
-/// Every method there is. A device refuses the codes its document does not list when 6098h is
-/// written.
+/// Every method there is; the negative ones are Trinamic's (TMCC160 CANopen manual L2668-L2795). A
+/// device refuses the codes its document does not list when 6098h is written.
 inline constexpr std::array kHomingMethods{
+    HomingMethod{-6, HomeSignal::hard_stop, -1, ReferenceSwitch::home, false, true, true},
+    HomingMethod{-5, HomeSignal::hard_stop, +1, ReferenceSwitch::home, false, true, true},
+    HomingMethod{-4, HomeSignal::hard_stop, -1, ReferenceSwitch::home, false, true},
+    HomingMethod{-3, HomeSignal::hard_stop, +1, ReferenceSwitch::home, false, true},
+    HomingMethod{-2, HomeSignal::hard_stop, -1},
+    HomingMethod{-1, HomeSignal::hard_stop, +1},
     HomingMethod{1, HomeSignal::release_and_index, -1, ReferenceSwitch::negative_limit},
     HomingMethod{2, HomeSignal::release_and_index, +1, ReferenceSwitch::positive_limit},
     HomingMethod{3, HomeSignal::release_and_index, +1, ReferenceSwitch::home},

@@ -6,9 +6,19 @@ namespace stator::drive {
 
 namespace {
 
-double slow_speed(const ModeContext& context) {
-  return context.settings.units.velocity(context.objects.homing_slow_speed.get());
-}
+using base::EventArgument;
+using base::EventRule;
+using base::Severity;
+
+// {0} axis, {1} homing method, {2} and {3} the speeds, {4} the threshold in mA.
+constexpr EventRule kNoSpeed{
+    "homing-no-speed", Severity::refusal,
+    "axis {0}: homing method {1} not started: 6099h is {2} and {3} rpm; a method that moves needs "
+    "speeds above 0 (a hard stop is searched with 6099h:02 alone)"};
+constexpr EventRule kNoThreshold{
+    "homing-no-current-threshold", Severity::refusal,
+    "axis {0}: homing method {1} not started: the current that tells a hard stop is {4} mA; write "
+    "one above that of the friction and below the torque limit"};
 
 }  // namespace
 
@@ -47,20 +57,50 @@ void Homing::begin(const ModeContext& context) {
     return;
   }
   if (method_->signal == HomeSignal::present_position) {
+    context.motion.set_position_scale(1.0);
     context.motion.set_position(0);
     context.feedback.set_position(0);
-    stage_ = Stage::done;
-    outcome_ = Outcome::attained;
+    attain();
     return;
   }
-  if (!context.enabled) {
+  outcome_ = Outcome::none;
+  if (!context.enabled || !may_start(context)) {
     return;
   }
+  context.motion.set_position_scale(1.0);
   outcome_ = Outcome::running;
+  if (method_->signal == HomeSignal::hard_stop) {
+    stage_ = Stage::pushing;
+    hard_stop_.begin(*method_);
+    return;
+  }
   direction_ = method_->search_direction;
   context.capture.disarm();
   stage_ = method_->signal == HomeSignal::index ? Stage::indexing : Stage::searching;
   tick(context);
+}
+
+bool Homing::may_start(const ModeContext& context) const {
+  const bool on_hard_stop = method_->signal == HomeSignal::hard_stop;
+  const bool has_speeds =
+      homing_slow_speed(context) > 0.0 && (on_hard_stop || homing_fast_speed(context) > 0.0);
+  const auto explain = [&](const EventRule& rule) {
+    context.reporter.report(
+        context.now, rule,
+        {EventArgument(int{context.axis}), EventArgument(int{method_->code}),
+         EventArgument(std::int64_t{context.objects.homing_fast_speed.get()}),
+         EventArgument(std::int64_t{context.objects.homing_slow_speed.get()}),
+         EventArgument(static_cast<std::int64_t>(context.settings.hard_stop.current * 1e3))});
+  };
+  if (!has_speeds && (on_hard_stop || context.settings.behaviour.homing_needs_speeds)) {
+    explain(kNoSpeed);
+    return false;
+  }
+  if (on_hard_stop && context.settings.hard_stop.current <= 0.0) {
+    explain(kNoThreshold);
+    return false;
+  }
+  return true;
 }
 
 void Homing::interrupt(const ModeContext& context) {
@@ -75,6 +115,12 @@ void Homing::tick(const ModeContext& context) {
   }
   if (!context.enabled) {
     interrupt(context);
+    return;
+  }
+  if (stage_ == Stage::pushing) {
+    if (hard_stop_.advance(context)) {
+      attain();
+    }
     return;
   }
   if (stage_ == Stage::searching) {
@@ -137,13 +183,11 @@ void Homing::command_motion(const ModeContext& context) const {
   const PassedSwitches passed{.negative_limit = passes(ReferenceSwitch::negative_limit),
                               .positive_limit = passes(ReferenceSwitch::positive_limit)};
   if (stage_ == Stage::returning) {
-    context.motion.search_to(captured_position(context), slow_speed(context), passed);
+    context.motion.search_to(captured_position(context), homing_slow_speed(context), passed);
     return;
   }
   const double speed =
-      stage_ == Stage::searching
-          ? context.settings.units.velocity(context.objects.homing_fast_speed.get())
-          : slow_speed(context);
+      stage_ == Stage::searching ? homing_fast_speed(context) : homing_slow_speed(context);
   context.motion.search_at_velocity(direction_ * speed, passed);
 }
 
@@ -152,8 +196,13 @@ void Homing::finish(const ModeContext& context) {
   const std::int64_t home = context.settings.reference.home_offset_is_position ? offset : -offset;
   context.motion.set_position(home);
   context.feedback.set_position_at(context.capture.captured()->encoder_count, home);
+  attain();
+}
+
+void Homing::attain() {
   stage_ = Stage::done;
   outcome_ = Outcome::attained;
+  ++completions_;
 }
 
 bool Homing::pressed(const ModeContext& context) const {
@@ -171,12 +220,12 @@ bool Homing::travels_forward(const ModeContext& context) const {
 
 bool Homing::slow_enough(const ModeContext& context) const {
   const double velocity = context.motion.velocity() * direction_;
-  return velocity >= 0.0 && velocity <= slow_speed(context);
+  return velocity >= 0.0 && velocity <= homing_slow_speed(context);
 }
 
 /// The point held, in the position's present coordinates.
 std::int64_t Homing::captured_position(const ModeContext& context) const {
-  return context.motion.position_of(context.capture.captured()->motor_microsteps);
+  return context.position_of(*context.capture.captured());
 }
 
 std::uint16_t Homing::status(const ModeContext& context) const {

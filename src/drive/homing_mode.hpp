@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "drive/hard_stop_search.hpp"
 #include "drive/homing_methods.hpp"
 #include "drive/operating_mode.hpp"
 
@@ -13,7 +14,8 @@ namespace stator::drive {
 /// The switch is searched with 6099h:01. Once it is pressed the motor turns round with 609Ah and
 /// leaves it with 6099h:02, where PositionCapture holds the point; an edge passed faster does not
 /// count, the switch is searched again. The motor then stops, goes back to the point and stands on
-/// home, and the positions become relative to it: -607Ch there.
+/// home, and the positions become relative to it: -607Ch there. Methods on hard stops are
+/// HardStopSearch's. Whatever method begins ends the scaling of positions by an earlier one.
 ///
 /// Statusword bits 10 and 12: both 0 while homing runs, both 1 on home, 10 alone when homing was
 /// stopped before and the motor stands.
@@ -26,6 +28,10 @@ class Homing final : public OperatingMode {
                       std::uint16_t present) override;
   void tick(const ModeContext& context) override;
   [[nodiscard]] std::uint16_t status(const ModeContext& context) const override;
+  /// How often home was found.
+  [[nodiscard]] std::uint32_t completions() const { return completions_; }
+  /// A method is under way.
+  [[nodiscard]] bool runs() const { return outcome_ == Outcome::running; }
 
  private:
   enum class Stage : std::uint8_t {
@@ -34,11 +40,11 @@ class Homing final : public OperatingMode {
     leaving,    ///< slowly, for the point where the switch is released, and for the index behind
     indexing,   ///< slowly, for the index alone
     returning,  ///< to the point held
+    pushing,    ///< against hard stops
     done,       ///< until bit 4 is 0
   };
   enum class Outcome : std::uint8_t { none, running, interrupted, attained };
 
-  [[nodiscard]] bool runs() const { return outcome_ == Outcome::running; }
   void begin(const ModeContext& context);
   void interrupt(const ModeContext& context);
   void search(const ModeContext& context);
@@ -46,6 +52,8 @@ class Homing final : public OperatingMode {
   void await_capture(const ModeContext& context);
   void command_motion(const ModeContext& context) const;
   void finish(const ModeContext& context);
+  void attain();
+  [[nodiscard]] bool may_start(const ModeContext& context) const;
 
   [[nodiscard]] bool pressed(const ModeContext& context) const;
   [[nodiscard]] bool limit_reached(const ModeContext& context) const;
@@ -58,6 +66,8 @@ class Homing final : public OperatingMode {
   Outcome outcome_ = Outcome::none;
   int direction_ = 0;         ///< of travel, 1 or -1
   bool was_pressed_ = false;  ///< leaving: in the control period before
+  HardStopSearch hard_stop_;
+  std::uint32_t completions_ = 0;
 };
 
 }  // namespace stator::drive

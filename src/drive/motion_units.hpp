@@ -6,13 +6,17 @@
 
 namespace stator::drive {
 
-/// The one place where velocity and acceleration objects meet pps and pps/s.
+/// The one place where velocity and acceleration objects meet pps and pps/s. A pulse is an
+/// increment of the position: a microstep of a stepper axis, an encoder count or hall step of a
+/// servo axis.
 ///
-/// 208Ch = 181 selects pps and pps/s. 208Ch = 0 selects "internal units", which the TMCM-3315's
-/// document does not define; taken as the TMC4361's registers: velocity with 8 and acceleration
-/// with 2 fractional bits. Jerks are whole pps/s^2 in both.
+/// Of a stepper axis, 208Ch = 181 selects pps and pps/s. 208Ch = 0 selects "internal units", which
+/// the TMCM-3315's document does not define; taken as the TMC4361's registers: velocity with 8 and
+/// acceleration with 2 fractional bits. Jerks are whole pps/s^2 in both. Servo axes count in rpm
+/// and rpm/s.
 ///
-/// Objects take what their ranges allow; what the ramp generator cannot hold is clipped here.
+/// Objects take what their ranges allow; what the ramp generator cannot hold, or a limit of the
+/// product forbids, is clipped here.
 class MotionUnits {
  public:
   // What the TMC4361 can hold in its frequency mode: 23 and 22 integer bits.
@@ -22,17 +26,29 @@ class MotionUnits {
   static constexpr double kMaximumJerk = 476.837e9;
 
   MotionUnits() = default;
-  static constexpr MotionUnits internal() { return {256.0, 4.0}; }
+  static constexpr MotionUnits internal() {
+    return {256.0, 4.0, kMaximumVelocity, kMaximumAcceleration};
+  }
+  /// rpm and rpm/s of a motor whose position has `resolution` (more than 0) increments per
+  /// revolution, with the largest velocity and acceleration that any ramp may use.
+  static constexpr MotionUnits rotational(double resolution, double maximum_rpm,
+                                          double maximum_rpm_per_second) {
+    const double scale = kSecondsPerMinute / resolution;
+    return {scale, scale, maximum_rpm / scale, maximum_rpm_per_second / scale};
+  }
+
+  [[nodiscard]] double maximum_velocity() const { return maximum_velocity_; }          ///< pps
+  [[nodiscard]] double maximum_acceleration() const { return maximum_acceleration_; }  ///< pps/s
 
   /// pps of a velocity object, more than the ramp generator can hold included.
   [[nodiscard]] double pps(double value) const { return value / velocity_scale_; }
   /// pps of a velocity object, clipped to what the ramp generator can hold.
   [[nodiscard]] double velocity(double value) const {
-    return std::clamp(pps(value), -kMaximumVelocity, kMaximumVelocity);
+    return std::clamp(pps(value), -maximum_velocity_, maximum_velocity_);
   }
   /// pps/s of an acceleration object.
   [[nodiscard]] double acceleration(double value) const {
-    return std::min(value / acceleration_scale_, kMaximumAcceleration);
+    return std::min(value / acceleration_scale_, maximum_acceleration_);
   }
   /// pps/s^2 of a jerk object multiplied by the bow scaling factor 2015h.
   [[nodiscard]] static double jerk(double value, double factor) {
@@ -48,11 +64,19 @@ class MotionUnits {
   }
 
  private:
-  constexpr MotionUnits(double velocity_scale, double acceleration_scale)
-      : velocity_scale_(velocity_scale), acceleration_scale_(acceleration_scale) {}
+  static constexpr double kSecondsPerMinute = 60.0;
+
+  constexpr MotionUnits(double velocity_scale, double acceleration_scale, double maximum_velocity,
+                        double maximum_acceleration)
+      : velocity_scale_(velocity_scale),
+        acceleration_scale_(acceleration_scale),
+        maximum_velocity_(maximum_velocity),
+        maximum_acceleration_(maximum_acceleration) {}
 
   double velocity_scale_ = 1.0;
   double acceleration_scale_ = 1.0;
+  double maximum_velocity_ = kMaximumVelocity;
+  double maximum_acceleration_ = kMaximumAcceleration;
 };
 
 }  // namespace stator::drive

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "base/event.hpp"
 #include "base/sim_time.hpp"
 #include "drive/axis_motion.hpp"
 #include "drive/axis_objects.hpp"
@@ -30,15 +31,28 @@ struct ModeContext {
   AxisMotion& motion;
   PositionFeedback& feedback;
   PositionCapture& capture;
+  base::EventReporter reporter;
+  std::uint8_t axis = 0;  ///< for events
   base::SimTime now;
   bool enabled = false;
   bool halted = false;
+  bool ready = true;  ///< false: halted because the stage looks for its commutation
   bool following_error = false;
-  bool closed_loop = false;  ///< the motor is commutated by its encoder
+  bool closed_loop = false;  ///< the motor is commutated by its sensors
+  /// Demand and actual position have one coordinate, as those of a servo axis.
+  bool position_loop = false;
+  double motor_current = 0.0;    ///< A, filtered, positive drives forward (servo axes)
+  double actual_velocity = 0.0;  ///< pps
+  bool standstill = true;        ///< as statusword bit 14 tells it
 
   /// 6064h in 64 bits: the encoder's position, or the demand where no encoder is used.
   [[nodiscard]] std::int64_t actual_position() const {
     return objects.uses_encoder() ? feedback.position() : motion.position();
+  }
+  /// The position to which the demand must go for the motor to stand where `captured` was held.
+  [[nodiscard]] std::int64_t position_of(const CapturedPosition& captured) const {
+    return position_loop ? feedback.position_at(captured.encoder_count)
+                         : motion.position_of(captured.motor_microsteps);
   }
 };
 
@@ -55,6 +69,8 @@ class OperatingMode {
   virtual void enter(const ModeContext& /*context*/) {}
   /// Set-points are obeyed from now on: follows enter(), at once or when halt ends.
   virtual void start(const ModeContext& /*context*/) {}
+  /// Halt was commanded, or the stage is not ready.
+  virtual void halt(const ModeContext& context) { context.motion.brake(Braking::slow_down_ramp); }
   /// Halt has been taken back.
   virtual void resume(const ModeContext& context) { start(context); }
   /// A controlword was written, also while the drive is not enabled.

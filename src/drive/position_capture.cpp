@@ -14,9 +14,9 @@ void PositionCapture::arm_index() {
   waits_for_ = Event::first_look_at_index;
 }
 
-void PositionCapture::observe(const base::AxisSensing& sensing, const ReferenceSettings& settings,
+void PositionCapture::observe(const ReferenceSignals& signals, const ReferenceSettings& settings,
                               bool index_used, std::int64_t motor_microsteps) {
-  const auto pressed = [&] { return settings.switches.pressed(sensing).of(switch_); };
+  const auto pressed = [&] { return settings.switches.pressed(signals.switches).of(switch_); };
   switch (waits_for_) {
     case Event::nothing:
       break;
@@ -30,19 +30,19 @@ void PositionCapture::observe(const base::AxisSensing& sensing, const ReferenceS
         break;
       }
       if (then_index_) {
-        look_at_index(sensing, settings.index_active_low);
+        look_at_index(signals, settings.index_active_low);
         waits_for_ = Event::index;
         break;
       }
-      captured_ = {motor_microsteps, sensing.encoder_count};
+      captured_ = {motor_microsteps, signals.encoder_count};
       waits_for_ = Event::nothing;
       break;
     case Event::first_look_at_index:
-      look_at_index(sensing, settings.index_active_low);
+      look_at_index(signals, settings.index_active_low);
       waits_for_ = Event::index;
       break;
     case Event::index:
-      if (const auto count = index_pulse(sensing, settings.index_active_low); count && index_used) {
+      if (const auto count = index_pulse(signals, settings.index_active_low); count && index_used) {
         captured_ = {motor_microsteps, *count};
         waits_for_ = Event::nothing;
       }
@@ -50,19 +50,19 @@ void PositionCapture::observe(const base::AxisSensing& sensing, const ReferenceS
   }
 }
 
-void PositionCapture::look_at_index(const base::AxisSensing& sensing, bool active_low) {
-  index_passages_ = sensing.encoder_index_passages;
-  index_active_ = sensing.encoder_index != active_low;
+void PositionCapture::look_at_index(const ReferenceSignals& signals, bool active_low) {
+  index_passages_ = signals.encoder_index_passages;
+  index_active_ = signals.encoder_index != active_low;
 }
 
 /// The count at which the N channel has become active since the last look.
-std::optional<std::int64_t> PositionCapture::index_pulse(const base::AxisSensing& sensing,
+std::optional<std::int64_t> PositionCapture::index_pulse(const ReferenceSignals& signals,
                                                          bool active_low) {
-  const bool met = sensing.encoder_index_passages != index_passages_;
+  const bool met = signals.encoder_index_passages != index_passages_;
   const bool was_active = index_active_;
-  look_at_index(sensing, active_low);
-  const std::int64_t mark = sensing.encoder_index_count;
-  const bool on_mark = sensing.encoder_count == mark;
+  look_at_index(signals, active_low);
+  const std::int64_t mark = signals.encoder_index_count;
+  const bool on_mark = signals.encoder_count == mark;
   if (index_active_ == on_mark) {
     return met ? std::optional(mark) : std::nullopt;
   }
@@ -71,7 +71,7 @@ std::optional<std::int64_t> PositionCapture::index_pulse(const base::AxisSensing
   if (on_mark || !(met || !was_active)) {
     return std::nullopt;
   }
-  return sensing.encoder_count > mark ? mark + 1 : mark - 1;
+  return signals.encoder_count > mark ? mark + 1 : mark - 1;
 }
 
 }  // namespace stator::drive

@@ -4,7 +4,6 @@
 #include <optional>
 #include <utility>
 
-#include "base/axis_signals.hpp"
 #include "drive/reference_switches.hpp"
 
 namespace stator::drive {
@@ -15,6 +14,24 @@ struct CapturedPosition {
   std::int64_t motor_microsteps = 0;
   std::int64_t encoder_count = 0;
 };
+
+/// What a latch looks at, of any stage.
+struct ReferenceSignals {
+  SwitchLevels switches;
+  std::int64_t encoder_count = 0;  ///< increments since power-on
+  bool encoder_index = false;      ///< N channel level
+  std::uint32_t encoder_index_passages = 0;
+  std::int64_t encoder_index_count = 0;
+};
+
+template <typename Sensing>
+[[nodiscard]] constexpr ReferenceSignals reference_signals(const Sensing& sensing) {
+  return {.switches = switch_levels(sensing),
+          .encoder_count = sensing.encoder_count,
+          .encoder_index = sensing.encoder_index,
+          .encoder_index_passages = sensing.encoder_index_passages,
+          .encoder_index_count = sensing.encoder_index_count};
+}
 
 /// The latch of a motion controller chip: holds the position at which a switch was released or the
 /// encoder's N channel became active. It looks at the signals in every step of the hardware, not
@@ -44,14 +61,14 @@ class PositionCapture {
 
   /// To be called in every step while armed. `index_used`: false if the axis has no encoder, whose
   /// N input is not looked at then.
-  void observe(const base::AxisSensing& sensing, const ReferenceSettings& settings, bool index_used,
+  void observe(const ReferenceSignals& signals, const ReferenceSettings& settings, bool index_used,
                std::int64_t motor_microsteps);
 
  private:
   enum class Event : std::uint8_t { nothing, press, release, first_look_at_index, index };
 
-  void look_at_index(const base::AxisSensing& sensing, bool active_low);
-  [[nodiscard]] std::optional<std::int64_t> index_pulse(const base::AxisSensing& sensing,
+  void look_at_index(const ReferenceSignals& signals, bool active_low);
+  [[nodiscard]] std::optional<std::int64_t> index_pulse(const ReferenceSignals& signals,
                                                         bool active_low);
 
   Event waits_for_ = Event::nothing;

@@ -1,5 +1,8 @@
 #include "drive/profile_modes.hpp"
 
+#include <cmath>
+#include <cstdlib>
+
 #include "drive/control_words.hpp"
 
 namespace stator::drive {
@@ -13,7 +16,7 @@ enum class RelativeTo : std::uint16_t { preceding_target = 0, demand = 1, actual
 
 /// The standard's reading of target reached during halt: the motor stands.
 std::uint16_t halted_status(const ModeContext& context) {
-  return context.motion.at_rest() ? statusword::kTargetReached : std::uint16_t{0};
+  return context.ready && context.motion.at_rest() ? statusword::kTargetReached : std::uint16_t{0};
 }
 
 }  // namespace
@@ -55,15 +58,16 @@ std::int64_t ProfilePosition::new_target(const ModeContext& context, bool relati
   if (!relative) {
     return context.motion.absolute(object);
   }
+  const std::int64_t way = context.motion.unscaled(object);
   switch (static_cast<RelativeTo>(context.objects.positioning_option.get() & 3U)) {
     case RelativeTo::demand:
-      return context.motion.position() + object;
+      return context.motion.position() + way;
     case RelativeTo::actual:
-      return context.actual_position() + object;
+      return context.actual_position() + way;
     case RelativeTo::preceding_target:
       break;
   }
-  return target_ + object;
+  return target_ + way;
 }
 
 void ProfilePosition::tick(const ModeContext& context) {
@@ -75,13 +79,18 @@ void ProfilePosition::tick(const ModeContext& context) {
 }
 
 bool ProfilePosition::within_window(const ModeContext& context) const {
-  const std::int64_t deviation = context.actual_position() - target_;
+  const std::int64_t deviation = context.motion.scaled(context.actual_position() - target_);
   const std::int64_t window = context.objects.position_window.get();
   return deviation <= window && deviation >= -window;
 }
 
 bool ProfilePosition::target_reached(const ModeContext& context) const {
   const std::uint32_t window = context.objects.position_window.get();
+  if (window == kWindowOff && context.settings.position_end) {
+    const PositionEnd& end = *context.settings.position_end;
+    return commanded_ && std::llabs(context.actual_position() - target_) <= end.distance &&
+           std::fabs(context.actual_velocity) <= end.velocity;
+  }
   if (window == 0 || window == kWindowOff) {
     return context.motion.at_rest() && context.motion.position() == target_;
   }
@@ -110,8 +119,10 @@ std::uint16_t ProfileVelocity::status(const ModeContext& context) const {
     return halted_status(context);
   }
   const double target = context.settings.units.velocity(context.objects.target_velocity.get());
-  return context.enabled && context.motion.velocity() == target ? statusword::kTargetReached
-                                                                : std::uint16_t{0};
+  const bool reached =
+      context.motion.velocity() == target &&
+      std::fabs(context.actual_velocity - target) <= context.settings.velocity_window;
+  return context.enabled && reached ? statusword::kTargetReached : std::uint16_t{0};
 }
 
 }  // namespace stator::drive

@@ -2,8 +2,6 @@
 
 #include <cstdint>
 
-#include "base/axis_signals.hpp"
-
 namespace stator::drive {
 
 /// The switches an axis finds its reference with.
@@ -39,16 +37,29 @@ struct SwitchInput {
   [[nodiscard]] constexpr bool pressed(bool level) const { return used && active(level); }
 };
 
+/// Levels of the switch inputs, true = high.
+struct SwitchLevels {
+  bool left = false;
+  bool right = false;
+  bool home = false;
+};
+
+/// The switch inputs in what the sensors of any stage tell.
+template <typename Sensing>
+[[nodiscard]] constexpr SwitchLevels switch_levels(const Sensing& sensing) {
+  return {sensing.left_switch, sensing.right_switch, sensing.home_switch};
+}
+
 /// How all switch inputs of an axis are read. Left is negative, right is positive.
 struct SwitchInputs {
   SwitchInput left;
   SwitchInput right;
   SwitchInput home;
 
-  [[nodiscard]] constexpr SwitchStates pressed(const base::AxisSensing& sensing) const {
-    return {.negative_limit = left.pressed(sensing.left_switch),
-            .positive_limit = right.pressed(sensing.right_switch),
-            .home = home.pressed(sensing.home_switch)};
+  [[nodiscard]] constexpr SwitchStates pressed(const SwitchLevels& levels) const {
+    return {.negative_limit = left.pressed(levels.left),
+            .positive_limit = right.pressed(levels.right),
+            .home = home.pressed(levels.home)};
   }
 };
 

@@ -9,7 +9,7 @@ namespace {
 using Phase = control::ClosedLoopController::Phase;
 
 /// 1/256 full steps per microstep.
-int fine_steps(const AxisSettings& settings) {
+int fine_steps(const StepperSettings& settings) {
   constexpr unsigned kFinest = 8;
   const unsigned resolution = settings.microstep_resolution;
   return 1 << (resolution < kFinest ? kFinest - resolution : 0U);
@@ -17,7 +17,8 @@ int fine_steps(const AxisSettings& settings) {
 
 }  // namespace
 
-void StepperStage::follow_ramp(const control::RampGenerator& ramp, const AxisSettings& settings) {
+void StepperStage::follow_ramp(const control::RampGenerator& ramp,
+                               const StepperSettings& settings) {
   const std::int64_t moved = ramp.motor_microsteps() - ramp_microsteps_;
   ramp_microsteps_ += moved;
   step_count_ += static_cast<std::uint64_t>(moved < 0 ? -moved : moved);
@@ -25,7 +26,7 @@ void StepperStage::follow_ramp(const control::RampGenerator& ramp, const AxisSet
 }
 
 base::AxisActuation StepperStage::advance(const control::RampGenerator& ramp,
-                                          const AxisSettings& settings,
+                                          const StepperSettings& settings,
                                           const base::AxisSensing& sensing,
                                           const StageCommand& command, base::SimDuration duration) {
   base::AxisActuation actuation;

@@ -10,7 +10,7 @@
 #include "control/coil_current_selector.hpp"
 #include "control/microstep_sequencer.hpp"
 #include "control/ramp_generator.hpp"
-#include "drive/axis_settings.hpp"
+#include "drive/stepper_settings.hpp"
 
 namespace stator::drive {
 
@@ -42,7 +42,7 @@ class StepperStage {
 
   /// Lets `duration` pass at the set-point the ramp has at its end; `sensing` is what the sensors
   /// told at its begin.
-  base::AxisActuation advance(const control::RampGenerator& ramp, const AxisSettings& settings,
+  base::AxisActuation advance(const control::RampGenerator& ramp, const StepperSettings& settings,
                               const base::AxisSensing& sensing, const StageCommand& command,
                               base::SimDuration duration);
 
@@ -56,7 +56,7 @@ class StepperStage {
   [[nodiscard]] double torque_current(const std::array<double, 2>& coil_current) const;
 
  private:
-  void follow_ramp(const control::RampGenerator& ramp, const AxisSettings& settings);
+  void follow_ramp(const control::RampGenerator& ramp, const StepperSettings& settings);
   void switch_closed_loop(bool wanted);
 
   control::MicrostepSequencer sequencer_;

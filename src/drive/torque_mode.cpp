@@ -14,9 +14,17 @@ void CyclicTorque::on_target(const ModeContext& context) {
   from_ = interpolated(context.now);
   since_ = context.now;
   period_ = context.objects.interpolation_period();
-  const int milliamperes =
-      int{context.objects.target_torque.get()} + context.objects.torque_offset.get();
-  target_ = milliamperes * 1e-3;
+  const std::int64_t milliamperes =
+      context.objects.target_torque.get() + context.objects.torque_offset.get();
+  target_ = static_cast<double>(milliamperes) * 1e-3;
+}
+
+void CyclicTorque::halt(const ModeContext& context) {
+  if (context.settings.behaviour.stops_release_torque) {
+    context.motion.apply_torque(0.0);
+  } else {
+    OperatingMode::halt(context);
+  }
 }
 
 double CyclicTorque::interpolated(base::SimTime now) const {

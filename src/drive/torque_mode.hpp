@@ -4,15 +4,17 @@
 
 namespace stator::drive {
 
-/// Cyclic synchronous torque (CiA 402-2 §15) of a stepper axis: 6071h + 60B2h, in mA, is the phase
-/// current at the largest load angle, its sign the direction. A new value is reached within 60C2h.
-/// Needs closed loop; without it the target is ignored and the motor stands still.
+/// Cyclic synchronous torque (CiA 402-2 §15): 6071h + 60B2h, in mA (peak), is the current that
+/// makes torque: of a stepper the phase current at the largest load angle, of a servo motor that of
+/// the q axis; its sign is the direction. A new value is reached within 60C2h. Needs closed loop;
+/// without it the target is ignored and the motor stands still.
 class CyclicTorque final : public OperatingMode {
  public:
   [[nodiscard]] ModeCode code() const override { return ModeCode::cyclic_synchronous_torque; }
   void start(const ModeContext& context) override;
   void on_target(const ModeContext& context) override;
   void tick(const ModeContext& context) override;
+  void halt(const ModeContext& context) override;
   [[nodiscard]] std::uint16_t status(const ModeContext& context) const override;
 
  private:

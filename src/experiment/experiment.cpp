@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
@@ -23,6 +24,10 @@ std::string names_of(const Range& range) {
 }
 
 }  // namespace
+
+base::SimDuration microseconds(double value) {
+  return base::SimDuration(std::llround(value * 1000.0));
+}
 
 std::optional<double> Choices::find(std::span<const Option> options, std::string_view name) const {
   if (const auto chosen = values_.find(name); chosen != values_.end()) {
@@ -63,6 +68,18 @@ std::span<const Experiment> experiments() {
        standby_options(), measure_standby},
       {"move", "a profile position move: position, velocity, current, load angle", move_options(),
        measure_move},
+      {"back-emf", "a three-phase motor let go at speed: its EMF, and friction alone",
+       back_emf_options(), measure_back_emf, MotorKind::three_phase},
+      {"torque-speed", "torque, torque constant, efficiency and no-load speed at a voltage",
+       torque_speed_options(), measure_torque_speed, MotorKind::three_phase},
+      {"current-step", "a step in the current loop of a servo drive, shaft locked",
+       current_step_options(), measure_current_step, MotorKind::three_phase},
+      {"velocity-step", "a step in its velocity loop", velocity_step_options(),
+       measure_velocity_step, MotorKind::three_phase},
+      {"position-step", "a step in its position loop", position_step_options(),
+       measure_position_step, MotorKind::three_phase},
+      {"regeneration", "the supply while a motor brakes, with and without brake chopper",
+       regeneration_options(), measure_regeneration, MotorKind::three_phase},
   });
   return table;
 }

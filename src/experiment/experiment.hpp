@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <span>
@@ -8,6 +9,7 @@
 #include <string_view>
 
 #include "experiment/result.hpp"
+#include "plant/servo_axis.hpp"
 #include "plant/stepper_axis.hpp"
 
 namespace stator::experiment {
@@ -44,10 +46,14 @@ class Choices {
   std::map<std::string, double, std::less<>> values_;
 };
 
-/// What stands on the bench.
+/// Which kind of motor an experiment measures.
+enum class MotorKind : std::uint8_t { two_phase, three_phase };
+
+/// What stands on the bench: a stepper axis, and a servo axis for experiments on that kind.
 struct BenchSetup {
   plant::StepperAxisParameters axis;
   double full_scale_current = 3.0;  ///< A, peak of a coil at setting 255 of a module
+  plant::ServoAxisParameters servo{};
 };
 
 /// The options of the experiment that runs, with every name checked.
@@ -80,6 +86,7 @@ struct Experiment {
   std::string_view summary;
   std::span<const Option> options;
   Result (*measure)(const BenchSetup& setup, const Values& values);
+  MotorKind motor = MotorKind::two_phase;
 
   /// Checks `choices` against the options and measures. Throws ExperimentError for an unknown
   /// option, a value out of range, or an axis on which this cannot be measured.

@@ -78,8 +78,4 @@ void FieldBench::restore(const Snapshot& snapshot) {
   speed_ = snapshot.speed;
 }
 
-base::SimDuration microseconds(double value) {
-  return base::SimDuration(std::llround(value * 1000.0));
-}
-
 }  // namespace stator::experiment

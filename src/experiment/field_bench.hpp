@@ -62,7 +62,4 @@ class FieldBench {
   plant::ElectricalAngle field_;
 };
 
-/// The step of an option in microseconds.
-[[nodiscard]] base::SimDuration microseconds(double value);
-
 }  // namespace stator::experiment

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "base/sim_time.hpp"
 #include "experiment/experiment.hpp"
 
 namespace stator::experiment {
@@ -29,6 +30,24 @@ namespace stator::experiment {
 [[nodiscard]] std::span<const Option> stall_guard_options();
 [[nodiscard]] Result measure_stall_guard(const BenchSetup& setup, const Values& values);
 
+[[nodiscard]] std::span<const Option> back_emf_options();
+[[nodiscard]] Result measure_back_emf(const BenchSetup& setup, const Values& values);
+
+[[nodiscard]] std::span<const Option> torque_speed_options();
+[[nodiscard]] Result measure_torque_speed(const BenchSetup& setup, const Values& values);
+
+[[nodiscard]] std::span<const Option> current_step_options();
+[[nodiscard]] Result measure_current_step(const BenchSetup& setup, const Values& values);
+
+[[nodiscard]] std::span<const Option> velocity_step_options();
+[[nodiscard]] Result measure_velocity_step(const BenchSetup& setup, const Values& values);
+
+[[nodiscard]] std::span<const Option> position_step_options();
+[[nodiscard]] Result measure_position_step(const BenchSetup& setup, const Values& values);
+
+[[nodiscard]] std::span<const Option> regeneration_options();
+[[nodiscard]] Result measure_regeneration(const BenchSetup& setup, const Values& values);
+
 /// Options that several experiments have.
 inline constexpr Option kCurrent{.name = "current",
                                  .unit = "A",
@@ -42,5 +61,8 @@ inline constexpr Option kStep{.name = "step",
                               .minimum = 1.0,
                               .maximum = 1000.0,
                               .preset = 50.0};
+
+/// The duration of an option in microseconds.
+[[nodiscard]] base::SimDuration microseconds(double value);
 
 }  // namespace stator::experiment

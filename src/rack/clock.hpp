@@ -1,11 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 
 #include "base/sim_time.hpp"
+#include "can/frame.hpp"
 #include "ethercat/frame.hpp"
 
 namespace stator::rack {
@@ -22,15 +24,16 @@ class RealClock {
 
 /// Simulated time that moves only when the master does.
 ///
-/// Each process-data exchange moves time by one bus cycle, every other frame by a small step, so a
-/// test runs as fast as the machine allows and two runs with the same frames are equal. A frame
-/// counts as a process-data exchange when its first logical datagram (LRD, LWR, LRW) has the
-/// command and address that opened the present cycle; so a master that needs several logical frames
-/// per cycle still gets one cycle. The opening datagram is learnt anew after kForgetAfter logical
-/// frames without it (the master was restarted with another mapping).
+/// On EtherCAT each process-data exchange moves time by one bus cycle, every other frame by a small
+/// step, so a test runs as fast as the machine allows and two runs with the same frames are equal.
+/// A frame counts as a process-data exchange when its first logical datagram (LRD, LWR, LRW) has
+/// the command and address that opened the present cycle; so a master that needs several logical
+/// frames per cycle still gets one cycle. The opening datagram is learnt anew after kForgetAfter
+/// logical frames without it (the master was restarted with another mapping).
 class LockstepClock {
  public:
   static constexpr int kForgetAfter = 16;
+  static constexpr std::uint32_t kSyncIdentifier = 0x80;
 
   LockstepClock(base::SimDuration cycle, base::SimDuration step) : cycle_(cycle), step_(step) {}
 
@@ -38,6 +41,15 @@ class LockstepClock {
 
   /// Moves time as `frame` demands and returns the moment at which it arrives.
   base::SimTime on_frame(std::span<std::byte> frame);
+
+  /// The same for a frame that comes to a CAN bus: a SYNC (CiA 301 §7.2.5, 80h) moves time by one
+  /// cycle, every other frame by the step.
+  base::SimTime on_frame(const can::Frame& frame) {
+    const bool sync = frame.identifier == kSyncIdentifier && !frame.extended && !frame.remote;
+    return now_ += sync ? cycle_ : step_;
+  }
+  /// Moves on to `moment`, at which the answer to a frame comes.
+  void advance_to(base::SimTime moment) { now_ = std::max(now_, moment); }
 
   /// Lets `duration` pass without a frame: a master inside the process that waits.
   void wait(base::SimDuration duration) { now_ += duration; }

@@ -7,6 +7,8 @@
 
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
+#include "canopen/non_volatile_memory.hpp"
+#include "devices/can_device.hpp"
 #include "devices/ethercat_device.hpp"
 #include "rack/background_writer.hpp"
 #include "rack/kept_file.hpp"
@@ -14,12 +16,13 @@
 namespace stator::rack {
 
 /// Keeps what real devices keep without power in files of a state directory: EEPROM content in
-/// NAME.eeprom, a firmware image in NAME.firmware.
+/// NAME.eeprom, a firmware image in NAME.firmware, stored CANopen parameters in NAME.parameters.
 ///
 /// Files are written in a background thread, so neither a frame nor firmware waits for the disk.
 /// A master writes an EEPROM word by word, hence its file follows when no word has come for
 /// kQuietTime: it holds the content before a series of writes or after it. A firmware image counts
-/// as stored, and the master gets its last acknowledge, when it is on the disk (confirm_firmware).
+/// as stored, and the master gets its last acknowledge, when it is on the disk (confirm_writes);
+/// stored parameters and the answer to the master's "save" likewise.
 ///
 /// Not thread-safe: called by who owns the devices.
 class DeviceStorage {
@@ -39,11 +42,13 @@ class DeviceStorage {
   /// damaged or belongs to another product.
   void attach(const std::string& name, devices::EtherCatDevice& device,
               base::EventReporter reporter);
+  void attach(const std::string& name, const std::string& product, devices::CanDevice& device,
+              base::EventReporter reporter);
 
-  /// True: firmware downloads end when they are on the disk; service() must then be called
-  /// regularly. False (initially): they end at once and the file follows, so that what a master
-  /// sees does not depend on the speed of a disk.
-  void confirm_firmware(bool confirm) { confirm_firmware_ = confirm; }
+  /// True: firmware downloads and orders to store parameters end when they are on the disk;
+  /// service() must then be called regularly. False (initially): they end at once and the file
+  /// follows, so that what a master sees does not depend on the speed of a disk.
+  void confirm_writes(bool confirm) { confirm_writes_ = confirm; }
 
   /// Looks for changes and for what has been written; cheap. `now` is the machine's time, as the
   /// real clock has it: in lockstep simulated time may stand still.
@@ -56,11 +61,14 @@ class DeviceStorage {
 
  private:
   class Member;
+  class DeviceMember;
+  class EtherCatMember;
+  class ParameterMember;
 
   void handle_results(base::SimTime now);
 
   StateDirectory directory_;
-  bool confirm_firmware_ = false;
+  bool confirm_writes_ = false;
   base::SimTime now_;
   std::vector<std::unique_ptr<Member>> members_;
   BackgroundWriter writer_;
@@ -78,6 +86,9 @@ inline constexpr base::EventRule kAliasOverruled{
 inline constexpr base::EventRule kFirmwareRestored{"storage-firmware-restored",
                                                    base::Severity::information,
                                                    "firmware image of {1} bytes taken from {0}"};
+inline constexpr base::EventRule kParametersRestored{
+    "storage-parameters-restored", base::Severity::information,
+    "stored parameters taken from {0}; delete the file to start with the defaults"};
 inline constexpr base::EventRule kNotWritten{"storage-not-written", base::Severity::fault, "{0}"};
 }  // namespace rules
 

@@ -16,7 +16,6 @@ using dictionary::DataType;
 using dictionary::Dictionary;
 using dictionary::Entry;
 using dictionary::Object;
-using dictionary::ObjectCode;
 using dictionary::PdoMapping;
 
 std::string hexadecimal(std::uint64_t value, int digits) {
@@ -55,6 +54,7 @@ std::string type_name(const Entry& entry) {
     case DataType::visible_string:
       return fmt::format("STRING({})", entry.text().size());
     case DataType::octet_string:
+    case DataType::domain:
       return fmt::format("ARRAY [0..{}] OF BYTE",
                          entry.text().empty() ? 0 : entry.text().size() - 1);
   }
@@ -62,8 +62,8 @@ std::string type_name(const Entry& entry) {
 }
 
 std::string object_type_name(const Object& object) {
-  return object.code == ObjectCode::variable ? type_name(object.entries.front())
-                                             : fmt::format("DT{:04X}", object.index);
+  return object.single() ? type_name(object.entries.front())
+                         : fmt::format("DT{:04X}", object.index);
 }
 
 const char* access_text(const Entry& entry) {
@@ -140,7 +140,7 @@ class OffsetCounter {
 };
 
 std::size_t object_bits(const Object& object) {
-  if (object.code == ObjectCode::variable) {
+  if (object.single()) {
     return object.entries.front().bits();
   }
   OffsetCounter offsets;
@@ -162,7 +162,7 @@ void add_data_types(pugi::xml_node types, const Dictionary& dictionary) {
     }
   }
   for (const Object& object : dictionary.objects()) {
-    if (object.code == ObjectCode::variable) {
+    if (object.single()) {
       continue;
     }
     pugi::xml_node type = types.append_child("DataType");
@@ -197,7 +197,7 @@ void add_objects(pugi::xml_node objects, const Dictionary& dictionary) {
     add(node, "Type", object_type_name(object));
     add(node, "BitSize", std::to_string(object_bits(object)));
     pugi::xml_node info = node.append_child("Info");
-    if (object.code == ObjectCode::variable) {
+    if (object.single()) {
       add_default(info, object.entries.front());
       add_flags(node, object.entries.front());
       continue;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "can/arbitration.hpp"
 #include "rack/input_names.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/text.hpp"
@@ -22,6 +23,20 @@ constexpr double kAnyValue = 1e12;  // the input's own range decides
 /// Simulated time between two steps of a ramp.
 constexpr base::SimDuration kRampStep = 1_ms;
 
+std::map<std::string, can::FrameFaultKind> frame_faults() {
+  using enum can::FrameFaultKind;
+  return {{"drop", drop}, {"corrupt", corrupt}, {"duplicate", duplicate}, {"delay", delay}};
+}
+
+std::set<std::string> action_names() {
+  std::set<std::string> names{"break", "heal",    "power-off",    "power-on",
+                              "set",   "bus-off", "error-passive"};
+  for (const auto& [name, kind] : frame_faults()) {
+    names.insert(name);
+  }
+  return names;
+}
+
 }  // namespace
 
 DeviceAddress EventSectionReader::read_target(TomlSection& section) const {
@@ -30,13 +45,24 @@ DeviceAddress EventSectionReader::read_target(TomlSection& section) const {
     section.fail("device", "\"device\" is missing; it names the device to which this happens");
   }
   std::set<std::string> names;
-  for (std::size_t s = 0; s < segments_.size(); ++s) {
-    for (std::size_t d = 0; d < segments_[s].devices.size(); ++d) {
-      if (segments_[s].devices[d].name == *name) {
-        return {s, d};
+  std::optional<DeviceAddress> found;
+  const auto look = [&](const std::vector<DeviceConfiguration>& devices, std::size_t network,
+                        NetworkKind kind) {
+    for (std::size_t i = 0; i < devices.size(); ++i) {
+      if (devices[i].name == *name) {
+        found = DeviceAddress{network, i, kind};
       }
-      names.insert(segments_[s].devices[d].name);
+      names.insert(devices[i].name);
     }
+  };
+  for (std::size_t i = 0; i < rack_.segments.size(); ++i) {
+    look(rack_.segments[i].devices, i, NetworkKind::segment);
+  }
+  for (std::size_t i = 0; i < rack_.buses.size(); ++i) {
+    look(rack_.buses[i].devices, i, NetworkKind::bus);
+  }
+  if (found) {
+    return *found;
   }
   const std::string guess = closest_match(*name, names);
   section.fail("device",
@@ -45,9 +71,26 @@ DeviceAddress EventSectionReader::read_target(TomlSection& section) const {
                            fmt::join(names, ", ")));
 }
 
+const DeviceConfiguration& EventSectionReader::device_at(DeviceAddress address) const {
+  return address.kind == NetworkKind::bus ? rack_.buses[address.network].devices[address.device]
+                                          : rack_.segments[address.network].devices[address.device];
+}
+
+DeviceAddress EventSectionReader::read_can_target(TomlSection& section) const {
+  const DeviceAddress target = read_target(section);
+  if (target.kind != NetworkKind::bus) {
+    section.fail("device", fmt::format("\"{}\" is on no CAN bus, so this cannot happen to it",
+                                       device_at(target).name));
+  }
+  return target;
+}
+
 RackEvent EventSectionReader::read_cable(TomlSection& section, bool intact) const {
   const DeviceAddress target = read_target(section);
-  const SegmentConfiguration& segment = segments_[target.segment];
+  if (target.kind == NetworkKind::bus) {
+    return CableEvent{target, 0, intact};
+  }
+  const SegmentConfiguration& segment = rack_.segments[target.network];
   const DeviceConfiguration& device = segment.devices[target.device];
   CableEvent event{target, device.wiring.entry_port, intact};
   if (const auto port = section.integer("port", 0, 3)) {
@@ -59,11 +102,51 @@ RackEvent EventSectionReader::read_cable(TomlSection& section, bool intact) cons
   return event;
 }
 
+std::size_t EventSectionReader::read_bus(TomlSection& section, const std::string& name) const {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < rack_.buses.size(); ++i) {
+    if (rack_.buses[i].name == name) {
+      return i;
+    }
+    names.insert(rack_.buses[i].name);
+  }
+  section.fail("bus",
+               fmt::format("\"bus\" is \"{}\"; the buses are: {}", name,
+                           names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+}
+
+RackEvent EventSectionReader::read_frame_fault(TomlSection& section,
+                                               can::FrameFaultKind kind) const {
+  FrameFaultEvent event;
+  event.fault.kind = kind;
+  if (const auto bus = section.text("bus")) {
+    event.bus = read_bus(section, *bus);
+  } else {
+    const DeviceAddress target = read_can_target(section);
+    event.bus = target.network;
+    event.device = target.device;
+  }
+  if (const auto frames = section.integer("frames", 1, 1'000'000)) {
+    event.fault.frames = static_cast<unsigned>(*frames);
+  }
+  if (const auto identifier = section.integer("identifier", 0, can::kExtendedIdentifierMask)) {
+    event.fault.identifier = static_cast<std::uint32_t>(*identifier);
+  }
+  if (kind == can::FrameFaultKind::delay) {
+    const auto delay = section.duration("delay", 1_us, 60_s);
+    if (!delay) {
+      section.fail("delay",
+                   "\"delay\" is missing; it says how long frames are held back, e.g. \"5ms\"");
+    }
+    event.fault.delay = *delay;
+  }
+  return event;
+}
+
 const EventSectionReader::Inputs& EventSectionReader::inputs_of(DeviceAddress device) {
-  const auto [place, is_new] = inputs_.try_emplace({device.segment, device.device});
+  const auto [place, is_new] = inputs_.try_emplace(device);
   if (is_new) {
-    place->second =
-        make_device(segments_[device.segment].devices[device.device].product, {})->inputs();
+    place->second = make_device(device_at(device).product, {})->inputs();
   }
   return place->second;
 }
@@ -110,17 +193,24 @@ void EventSectionReader::read(TomlSection& section, std::vector<EventConfigurati
   if (!at) {
     section.fail("at", "\"at\" is missing; it says when, e.g. \"5s\" after the rack's start");
   }
-  const auto action = section.choice("action", {"break", "heal", "power-off", "power-on", "set"});
+  const auto action = section.choice("action", action_names());
   if (!action) {
-    section.fail("action",
-                 "\"action\" is missing; it must be one of: break, heal, power-off, power-on, set");
+    section.fail("action", fmt::format("\"action\" is missing; it must be one of: {}",
+                                       fmt::join(action_names(), ", ")));
   }
   if (*action == "set") {
     read_set(section, *at, events);
   } else if (*action == "break" || *action == "heal") {
     events.push_back({*at, read_cable(section, *action == "heal")});
-  } else {
+  } else if (*action == "power-off" || *action == "power-on") {
     events.push_back({*at, PowerEvent{read_target(section), *action == "power-on"}});
+  } else if (*action == "bus-off" || *action == "error-passive") {
+    const bool off = *action == "bus-off";
+    events.push_back(
+        {*at, ErrorStateEvent{read_can_target(section),
+                              off ? can::ErrorState::bus_off : can::ErrorState::error_passive}});
+  } else {
+    events.push_back({*at, read_frame_fault(section, frame_faults().at(*action))});
   }
   section.finish();
 }

@@ -1,9 +1,11 @@
 #include "rack/product_catalogue.hpp"
 
+#include <algorithm>
 #include <array>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #include <fmt/format.h>
 
@@ -13,14 +15,43 @@ namespace stator::rack {
 
 namespace {
 
-constexpr std::array<Product, 1> kProducts{{
-    {"tmcm-3315", "three-axis stepper module, CiA 402, TMCM-3315", "EtherCAT (CoE, FoE)", 2,
+constexpr std::array<Product, 2> kProducts{{
+    {"tmcm-3315", "three-axis stepper module, CiA 402, TMCM-3315", "EtherCAT (CoE, FoE)",
+     NetworkKind::segment, 2,
      [] { return ProductConfiguration(devices::Tmcm3315Configuration{}); }},
+    {"tmcc160", "servo drive for a three-phase motor, CiA 402, TMCC160", "CAN (CANopen)",
+     NetworkKind::bus, 0, [] { return ProductConfiguration(devices::Tmcc160Configuration{}); }},
 }};
 
 std::unique_ptr<devices::EtherCatDevice> make(const devices::Tmcm3315Configuration& configuration,
                                               const base::EventReporter& reporter) {
   return std::make_unique<devices::Tmcm3315>(configuration, reporter);
+}
+
+std::unique_ptr<devices::CanDevice> make(const devices::Tmcc160Configuration& configuration,
+                                         const base::EventReporter& reporter) {
+  return std::make_unique<devices::Tmcc160>(configuration, reporter);
+}
+
+std::unique_ptr<devices::CanDevice> make(const OwnCanDevice& own,
+                                         const base::EventReporter& reporter) {
+  return own.make(reporter);
+}
+
+/// The device as the `Kind` of device it is asked for, or null if it is none.
+template <typename Kind>
+std::unique_ptr<Kind> make_kind(const ProductConfiguration& configuration,
+                                const base::EventReporter& reporter) {
+  return std::visit(
+      [&reporter](const auto& product) -> std::unique_ptr<Kind> {
+        if constexpr (std::is_convertible_v<decltype(make(product, reporter)),
+                                            std::unique_ptr<Kind>>) {
+          return make(product, reporter);
+        } else {
+          return nullptr;
+        }
+      },
+      configuration);
 }
 
 }  // namespace
@@ -52,17 +83,62 @@ const Product& require_product(std::string_view type) {
       guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess), fmt::join(types, ", ")));
 }
 
+const Product* product_of(const ProductConfiguration& configuration) {
+  const auto found = std::ranges::find_if(kProducts, [&configuration](const Product& product) {
+    return product.default_configuration().index() == configuration.index();
+  });
+  return found != kProducts.end() ? &*found : nullptr;
+}
+
+std::string product_name(const ProductConfiguration& configuration) {
+  const Product* product = product_of(configuration);
+  std::string name(product != nullptr ? product->type : "own device");
+  std::ranges::transform(name, name.begin(), [](char letter) {
+    return letter >= 'a' && letter <= 'z' ? static_cast<char>(letter - 'a' + 'A') : letter;
+  });
+  return name;
+}
+
+NetworkKind network_of(const ProductConfiguration& configuration) {
+  const Product* product = product_of(configuration);
+  return product != nullptr ? product->network : NetworkKind::bus;
+}
+
 RackConfiguration single_device_rack(std::string_view type) {
+  const Product& product = require_product(type);
+  const DeviceConfiguration device{std::string(type), product.default_configuration()};
   RackConfiguration configuration;
-  configuration.segments.emplace_back().devices.push_back(
-      {std::string(type), require_product(type).default_configuration()});
+  if (product.network == NetworkKind::segment) {
+    configuration.segments.emplace_back().devices.push_back(device);
+  } else {
+    configuration.buses.emplace_back().devices.push_back(device);
+  }
   return configuration;
 }
 
-std::unique_ptr<devices::EtherCatDevice> make_device(const ProductConfiguration& configuration,
-                                                     const base::EventReporter& reporter) {
-  return std::visit([&reporter](const auto& product) { return make(product, reporter); },
-                    configuration);
+std::unique_ptr<devices::Device> make_device(const ProductConfiguration& configuration,
+                                             const base::EventReporter& reporter) {
+  return make_kind<devices::Device>(configuration, reporter);
+}
+
+std::unique_ptr<devices::EtherCatDevice> make_ethercat_device(
+    const ProductConfiguration& configuration, const base::EventReporter& reporter) {
+  auto device = make_kind<devices::EtherCatDevice>(configuration, reporter);
+  if (device == nullptr) {
+    throw std::runtime_error(fmt::format("a {} is no EtherCAT device; it belongs on a [[bus]]",
+                                         product_name(configuration)));
+  }
+  return device;
+}
+
+std::unique_ptr<devices::CanDevice> make_can_device(const ProductConfiguration& configuration,
+                                                    const base::EventReporter& reporter) {
+  auto device = make_kind<devices::CanDevice>(configuration, reporter);
+  if (device == nullptr) {
+    throw std::runtime_error(fmt::format("a {} is no CAN device; it belongs into a [[segment]]",
+                                         product_name(configuration)));
+  }
+  return device;
 }
 
 }  // namespace stator::rack

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -12,6 +13,10 @@
 namespace stator::rack {
 
 namespace {
+
+/// Lockstep: how far time moves on at most until a bus is idle. Longer than a frame and its answer
+/// at the lowest bit rate, and an end to what would go on for ever.
+constexpr base::SimDuration kLongestSettling{100'000'000};
 
 constexpr base::EventRule kCableBroken{"cable-broken", base::Severity::information,
                                        "the cable at port {0} is broken"};
@@ -24,11 +29,34 @@ constexpr base::EventRule kInputSet{"input-set", base::Severity::information,
                                     "{0} is set to {1:d3} {2}"};
 constexpr base::EventRule kUnitlessInputSet{"input-set", base::Severity::information,
                                             "{0} is set to {1:d3}"};
+constexpr base::EventRule kDisconnected{"can-disconnected", base::Severity::information,
+                                        "its cable to the CAN bus is unplugged"};
+constexpr base::EventRule kConnected{"can-connected", base::Severity::information,
+                                     "its cable to the CAN bus is plugged in again"};
+constexpr base::EventRule kFrameFault{"can-frame-fault", base::Severity::information,
+                                      "{0} of the next {1} frames"};
+constexpr base::EventRule kFrameFaultOfIdentifier{
+    "can-frame-fault", base::Severity::information,
+    "{0} of the next {1} frames with the identifier {2:x3}"};
 constexpr base::EventRule kCarrierLost{
     "carrier-lost", base::Severity::warning,
     "the {0} network interface has no carrier: the other end is unplugged or switched off"};
 constexpr base::EventRule kCarrierBack{"carrier-back", base::Severity::information,
                                        "the {0} network interface has a carrier"};
+
+const char* to_text(can::FrameFaultKind kind) {
+  switch (kind) {
+    case can::FrameFaultKind::drop:
+      return "loss";
+    case can::FrameFaultKind::corrupt:
+      return "destruction";
+    case can::FrameFaultKind::duplicate:
+      return "doubling";
+    case can::FrameFaultKind::delay:
+      return "delay";
+  }
+  return "?";
+}
 
 }  // namespace
 
@@ -39,27 +67,10 @@ Rack::Rack(const RackConfiguration& configuration, EventLog& log)
     storage_ = std::make_unique<DeviceStorage>(configuration.state);
   }
   for (const SegmentConfiguration& segment : configuration.segments) {
-    SegmentMembers members;
-    members.segment = std::make_unique<ethercat::Segment>();
-    members.first_device = static_cast<std::uint16_t>(names.size());
-    for (const DeviceConfiguration& device : segment.devices) {
-      const base::EventReporter reporter(&log, static_cast<std::uint16_t>(names.size()));
-      names.push_back(device.name);
-      log.set_device_names(names);
-      members.devices.push_back({device.name, make_device(device.product, reporter)});
-      members.inputs.push_back(members.devices.back().device->inputs());
-      if (storage_ != nullptr) {
-        storage_->attach(device.name, *members.devices.back().device, reporter);
-      }
-      ethercat::SlaveController& controller = members.devices.back().device->controller();
-      if (device.forwarding_delay) {
-        controller.set_forwarding_delay(*device.forwarding_delay);
-      }
-      members.segment->add(controller);
-    }
-    connect(*members.segment, segment);
-    members.segment->set_carrier(ethercat::MasterInterface::secondary, false);
-    segments_.push_back(std::move(members));
+    add(segment, names);
+  }
+  for (const BusConfiguration& bus : configuration.buses) {
+    add(bus, names);
   }
   for (const EventConfiguration& event : configuration.events) {
     if (const auto* input = std::get_if<InputEvent>(&event.event)) {
@@ -71,6 +82,51 @@ Rack::Rack(const RackConfiguration& configuration, EventLog& log)
                       select_signals(signals(), configuration.record->signals),
                       configuration.record->period);
   }
+}
+
+void Rack::add(const SegmentConfiguration& segment, std::vector<std::string>& names) {
+  SegmentMembers members;
+  members.segment = std::make_unique<ethercat::Segment>();
+  members.first_device = static_cast<std::uint16_t>(names.size());
+  for (const DeviceConfiguration& device : segment.devices) {
+    const base::EventReporter reporter(&log_, static_cast<std::uint16_t>(names.size()));
+    names.push_back(device.name);
+    log_.set_device_names(names);
+    members.devices.push_back({device.name, make_ethercat_device(device.product, reporter)});
+    members.inputs.push_back(members.devices.back().device->inputs());
+    if (storage_ != nullptr) {
+      storage_->attach(device.name, *members.devices.back().device, reporter);
+    }
+    ethercat::SlaveController& controller = members.devices.back().device->controller();
+    if (device.forwarding_delay) {
+      controller.set_forwarding_delay(*device.forwarding_delay);
+    }
+    members.segment->add(controller);
+  }
+  connect(*members.segment, segment);
+  members.segment->set_carrier(ethercat::MasterInterface::secondary, false);
+  segments_.push_back(std::move(members));
+}
+
+void Rack::add(const BusConfiguration& bus, std::vector<std::string>& names) {
+  BusMembers members;
+  members.number = static_cast<std::uint16_t>(names.size() + bus.devices.size());
+  members.network = std::make_unique<CanNetwork>(bus, base::EventReporter(&log_, members.number));
+  members.first_device = static_cast<std::uint16_t>(names.size());
+  for (const DeviceConfiguration& device : bus.devices) {
+    const base::EventReporter reporter(&log_, static_cast<std::uint16_t>(names.size()));
+    names.push_back(device.name);
+    log_.set_device_names(names);
+    NamedCanDevice member{device.name, make_can_device(device.product, reporter)};
+    members.inputs.push_back(member.device->inputs());
+    if (storage_ != nullptr) {
+      storage_->attach(device.name, product_name(device.product), *member.device, reporter);
+    }
+    members.network->add(std::move(member), reporter);
+  }
+  names.push_back(bus.name);
+  log_.set_device_names(names);
+  buses_.push_back(std::move(members));
 }
 
 std::optional<ethercat::MasterInterface> Rack::process_frame(std::size_t segment,
@@ -106,6 +162,24 @@ void Rack::advance(base::SimTime now) {
   advance_devices(now);
 }
 
+base::SimTime Rack::next_bus_deadline() const {
+  base::SimTime next = timetable_.next();
+  for (const BusMembers& members : buses_) {
+    next = std::min(next, members.network->next_deadline());
+  }
+  return next;
+}
+
+void Rack::settle(std::size_t bus, LockstepClock& clock) {
+  advance(clock.now());
+  const can::Bus& wire = buses_[bus].network->bus();
+  const base::SimTime limit = clock.now() + kLongestSettling;
+  while (!wire.idle() && wire.next_deadline() <= limit) {
+    clock.advance_to(wire.next_deadline());
+    advance(clock.now());
+  }
+}
+
 void Rack::apply(const RackEvent& event, base::SimTime now) {
   if (const auto* cable = std::get_if<CableEvent>(&event)) {
     apply_cable(*cable, now);
@@ -113,15 +187,23 @@ void Rack::apply(const RackEvent& event, base::SimTime now) {
     apply_power(*power, now);
   } else if (const auto* input = std::get_if<InputEvent>(&event)) {
     apply_input(*input, now);
+  } else if (const auto* state = std::get_if<ErrorStateEvent>(&event)) {
+    apply_error_state(*state, now);
+  } else if (const auto* fault = std::get_if<FrameFaultEvent>(&event)) {
+    apply_frame_fault(*fault, now);
   }
 }
 
 const devices::Input& Rack::find_input(const InputEvent& event) const {
-  const SegmentMembers& members = segments_[event.device.segment];
-  const std::vector<devices::Input>& inputs = members.inputs[event.device.device];
+  const bool on_bus = event.device.kind == NetworkKind::bus;
+  const std::size_t network = event.device.network;
+  const std::vector<devices::Input>& inputs =
+      (on_bus ? buses_[network].inputs : segments_[network].inputs)[event.device.device];
   const std::string problem = input_problem(inputs, event.input, event.value);
   if (!problem.empty()) {
-    throw std::runtime_error(members.devices[event.device.device].name + ": " + problem);
+    const std::string& name = on_bus ? buses_[network].network->devices()[event.device.device].name
+                                     : segments_[network].devices[event.device.device].name;
+    throw std::runtime_error(name + ": " + problem);
   }
   return *std::ranges::find(inputs, event.input, &devices::Input::name);
 }
@@ -129,41 +211,77 @@ const devices::Input& Rack::find_input(const InputEvent& event) const {
 void Rack::apply_input(const InputEvent& event, base::SimTime now) {
   const devices::Input& input = find_input(event);
   if (event.logged) {
-    report(event.device, now, input.unit.empty() ? kUnitlessInputSet : kInputSet,
+    report(number_of(event.device), now, input.unit.empty() ? kUnitlessInputSet : kInputSet,
            {std::string_view(input.name), std::int64_t{std::llround(event.value * 1000.0)},
             std::string_view(input.unit)});
   }
   input.set(event.value);
+  if (event.device.kind == NetworkKind::bus) {
+    bus(event.device.network).touched(event.device.device);
+  }
 }
 
 void Rack::apply_cable(const CableEvent& event, base::SimTime now) {
-  report(event.device, now, event.intact ? kCableHealed : kCableBroken, {event.port});
-  segments_[event.device.segment].segment->set_cable({event.device.device, event.port},
+  const std::uint16_t number = number_of(event.device);
+  if (event.device.kind == NetworkKind::bus) {
+    report(number, now, event.intact ? kConnected : kDisconnected);
+    bus(event.device.network).set_connected(event.device.device, event.intact);
+    return;
+  }
+  report(number, now, event.intact ? kCableHealed : kCableBroken, {event.port});
+  segments_[event.device.network].segment->set_cable({event.device.device, event.port},
                                                      event.intact);
 }
 
 void Rack::apply_power(const PowerEvent& event, base::SimTime now) {
-  SegmentMembers& members = segments_[event.device.segment];
-  if (members.segment->powered(event.device.device) == event.on) {
+  const auto [network, device, kind] = event.device;
+  const bool powered = kind == NetworkKind::bus ? bus(network).powered(device)
+                                                : segments_[network].segment->powered(device);
+  if (powered == event.on) {
     return;
   }
-  report(event.device, now, event.on ? kPowerOn : kPowerOff);
-  members.segment->set_power(event.device.device, event.on);
-  members.devices[event.device.device].device->set_power(event.on, now);
+  report(number_of(event.device), now, event.on ? kPowerOn : kPowerOff);
+  if (kind == NetworkKind::bus) {
+    bus(network).set_power(device, event.on, now);
+    return;
+  }
+  segments_[network].segment->set_power(device, event.on);
+  segments_[network].devices[device].device->set_power(event.on, now);
+}
+
+void Rack::apply_error_state(const ErrorStateEvent& event, base::SimTime now) {
+  bus(event.device.network).set_error_state(event.device.device, event.state, now);
+}
+
+void Rack::apply_frame_fault(const FrameFaultEvent& event, base::SimTime now) {
+  const std::uint16_t number = event.device
+                                   ? number_of({event.bus, *event.device, NetworkKind::bus})
+                                   : buses_[event.bus].number;
+  const can::FrameFault& fault = event.fault;
+  report(number, now, fault.identifier ? kFrameFaultOfIdentifier : kFrameFault,
+         {to_text(fault.kind), fault.frames, fault.identifier.value_or(0)});
+  bus(event.bus).inject(event);
 }
 
 void Rack::set_carrier(std::size_t segment, ethercat::MasterInterface interface, bool up,
                        base::SimTime now) {
   const bool primary = interface == ethercat::MasterInterface::primary;
   const std::size_t at = primary ? 0 : segments_[segment].devices.size() - 1;
-  report({segment, at}, now, up ? kCarrierBack : kCarrierLost, {primary ? "primary" : "secondary"});
+  report(number_of({segment, at}), now, up ? kCarrierBack : kCarrierLost,
+         {primary ? "primary" : "secondary"});
   segments_[segment].segment->set_carrier(interface, up);
 }
 
-void Rack::report(DeviceAddress device, base::SimTime now, const base::EventRule& rule,
+std::uint16_t Rack::number_of(DeviceAddress device) const {
+  const std::size_t first = device.kind == NetworkKind::bus
+                                ? buses_[device.network].first_device
+                                : segments_[device.network].first_device;
+  return static_cast<std::uint16_t>(first + device.device);
+}
+
+void Rack::report(std::uint16_t number, base::SimTime now, const base::EventRule& rule,
                   const Arguments& arguments) {
-  const std::size_t number = segments_[device.segment].first_device + device.device;
-  log_.on_event({now, &rule, static_cast<std::uint16_t>(number), arguments});
+  log_.on_event({now, &rule, number, arguments});
 }
 
 void Rack::advance_devices(base::SimTime now) {
@@ -171,6 +289,9 @@ void Rack::advance_devices(base::SimTime now) {
     for (NamedDevice& member : members.devices) {
       member.device->advance(now);
     }
+  }
+  for (BusMembers& members : buses_) {
+    members.network->advance(now);
   }
 }
 
@@ -183,6 +304,15 @@ std::vector<devices::Signal> Rack::signals() {
         all.push_back(std::move(signal));
       }
     }
+  }
+  for (BusMembers& members : buses_) {
+    for (NamedCanDevice& member : members.network->devices()) {
+      for (devices::Signal signal : member.device->signals()) {
+        signal.name = member.name + "." + signal.name;
+        all.push_back(std::move(signal));
+      }
+    }
+    std::ranges::move(members.network->signals(), std::back_inserter(all));
   }
   return all;
 }

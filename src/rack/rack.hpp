@@ -12,6 +12,8 @@
 #include "base/sim_time.hpp"
 #include "devices/ethercat_device.hpp"
 #include "ethercat/segment.hpp"
+#include "rack/can_network.hpp"
+#include "rack/clock.hpp"
 #include "rack/device_storage.hpp"
 #include "rack/event_log.hpp"
 #include "rack/rack_configuration.hpp"
@@ -20,7 +22,7 @@
 
 namespace stator::rack {
 
-/// A device of the rack with the name people gave it.
+/// An EtherCAT device of the rack with the name people gave it.
 struct NamedDevice {
   std::string name;
   std::unique_ptr<devices::EtherCatDevice> device;
@@ -45,9 +47,17 @@ class Rack {
   /// Lets the firmware of the segment's devices take what its last frame brought.
   void handle_bus_events(std::size_t segment, base::SimTime now);
 
-  /// Brings every device to `now`, stopping at each event of the timetable and at each sampling
-  /// instant of the recording on the way.
+  /// Brings every device and bus to `now`, stopping at each event of the timetable and at each
+  /// sampling instant of the recording on the way.
   void advance(base::SimTime now);
+
+  /// The next moment at which something happens on a CAN bus on its own: a frame ends, a device
+  /// sends. advance() need not stop there, but what comes of it is to go out then.
+  [[nodiscard]] base::SimTime next_bus_deadline() const;
+
+  /// Lockstep: lets the frames pass that wait on the bus, and those that follow from them at once.
+  /// `clock` moves on as far as that takes, which is not at all on an unlimited bus.
+  void settle(std::size_t bus, LockstepClock& clock);
 
   /// Lets `event` happen at `now`, to which the rack has been brought. Throws std::runtime_error
   /// for an input that does not exist or a value it cannot have.
@@ -65,10 +75,17 @@ class Rack {
   [[nodiscard]] std::span<NamedDevice> devices(std::size_t segment) {
     return segments_[segment].devices;
   }
-  /// All signals of all devices, named "device.signal".
+  [[nodiscard]] std::size_t bus_count() const { return buses_.size(); }
+  [[nodiscard]] CanNetwork& bus(std::size_t index) { return *buses_[index].network; }
+  [[nodiscard]] const CanNetwork& bus(std::size_t index) const { return *buses_[index].network; }
+  /// For events of the bus itself and of its ports.
+  [[nodiscard]] base::EventReporter bus_reporter(std::size_t index) {
+    return base::EventReporter(&log_, buses_[index].number);
+  }
+  /// All signals of all devices, named "device.signal", and of all buses.
   [[nodiscard]] std::vector<devices::Signal> signals();
   [[nodiscard]] const std::optional<Recorder>& recorder() const { return recorder_; }
-  /// Where devices keep EEPROM and firmware; null if nothing is kept.
+  /// Where devices keep what outlives power; null if nothing is kept.
   [[nodiscard]] DeviceStorage* storage() { return storage_.get(); }
 
  private:
@@ -79,18 +96,31 @@ class Rack {
     std::uint16_t first_device = 0;  ///< number of its first device within the rack
   };
 
+  struct BusMembers {
+    std::unique_ptr<CanNetwork> network;
+    std::vector<std::vector<devices::Input>> inputs;  ///< by device
+    std::uint16_t first_device = 0;
+    std::uint16_t number = 0;  ///< under which the bus itself reports events
+  };
+
   using Arguments = std::array<base::EventArgument, 6>;
 
+  void add(const SegmentConfiguration& segment, std::vector<std::string>& names);
+  void add(const BusConfiguration& bus, std::vector<std::string>& names);
   void advance_devices(base::SimTime now);
   void apply_cable(const CableEvent& event, base::SimTime now);
   void apply_power(const PowerEvent& event, base::SimTime now);
   void apply_input(const InputEvent& event, base::SimTime now);
+  void apply_error_state(const ErrorStateEvent& event, base::SimTime now);
+  void apply_frame_fault(const FrameFaultEvent& event, base::SimTime now);
   [[nodiscard]] const devices::Input& find_input(const InputEvent& event) const;
-  void report(DeviceAddress device, base::SimTime now, const base::EventRule& rule,
+  [[nodiscard]] std::uint16_t number_of(DeviceAddress device) const;
+  void report(std::uint16_t number, base::SimTime now, const base::EventRule& rule,
               const Arguments& arguments = {});
 
   EventLog& log_;
   std::vector<SegmentMembers> segments_;
+  std::vector<BusMembers> buses_;
   Timetable timetable_;
   std::optional<Recorder> recorder_;
   std::unique_ptr<DeviceStorage> storage_;

@@ -2,13 +2,19 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "base/event.hpp"
 #include "base/sim_time.hpp"
+#include "can/error_counters.hpp"
+#include "can/frame_faults.hpp"
+#include "devices/can_device.hpp"
+#include "devices/tmcc160/tmcc160.hpp"
 #include "devices/tmcm_3315/tmcm_3315.hpp"
 #include "ethercat/segment.hpp"
 #include "link/link_address.hpp"
@@ -21,8 +27,15 @@ enum class ClockKind : std::uint8_t {
   lockstep,  ///< simulated time moves only with the master's frames
 };
 
+/// A CAN device that is none of the products: a class of one's own, in a program that uses Stator
+/// as a library.
+struct OwnCanDevice {
+  std::function<std::unique_ptr<devices::CanDevice>(const base::EventReporter&)> make;
+};
+
 /// Configuration of one product; a further product is a further alternative.
-using ProductConfiguration = std::variant<devices::Tmcm3315Configuration>;
+using ProductConfiguration =
+    std::variant<devices::Tmcm3315Configuration, devices::Tmcc160Configuration, OwnCanDevice>;
 
 /// The cable in front of a device, on the master's side of it. See wiring.hpp for the defaults.
 struct WiringConfiguration {
@@ -42,6 +55,7 @@ struct DeviceConfiguration {
   std::string eoe_interface{};  ///< TAP interface its EoE is bridged to; empty = no EoE
   std::string
       usb{};  ///< serial line its USB interface is, e.g. "pty:/tmp/module"; empty = no cable
+  std::string serial{};  ///< the same for the serial interface of a CAN device
 };
 
 /// EtherCAT slaves wired together behind one link, or two with cable redundancy.
@@ -60,22 +74,45 @@ struct SegmentConfiguration {
   [[nodiscard]] bool redundant() const { return !redundant_link.in_process(); }
 };
 
+/// CAN devices on one wire, and the ports through which masters reach it.
+struct BusConfiguration {
+  std::string name = "can0";  ///< unique within the rack
+  /// Bit/s, kept to in simulated time; nothing: unlimited, frames take no time.
+  std::optional<std::uint32_t> bit_rate{1'000'000};
+  bool ports_acknowledge = true;   ///< see can::BusSettings
+  std::vector<std::string> ports;  ///< e.g. "slcan:/tmp/stator-can0"; see link::kCanLinkForms
+  std::string log;                 ///< candump log of everything on the wire; empty = none
+  std::string capture;             ///< the same as pcap file
+  std::optional<unsigned> cpu;     ///< processor the bus's thread is tied to
+  std::vector<DeviceConfiguration> devices;
+};
+
 struct RecordConfiguration {
   std::string file;
   base::SimDuration period{1'000'000};
   std::vector<std::string> signals{"*"};
 };
 
-/// A device by its place in the rack.
-struct DeviceAddress {
-  std::size_t segment = 0;
-  std::size_t device = 0;
+/// What devices are wired with.
+enum class NetworkKind : std::uint8_t {
+  segment,  ///< EtherCAT
+  bus,      ///< CAN
 };
 
-/// The cable at a port of a device breaks or heals.
+/// A device by its place in the rack.
+struct DeviceAddress {
+  std::size_t network = 0;  ///< number of its segment or of its bus
+  std::size_t device = 0;
+  NetworkKind kind = NetworkKind::segment;
+
+  friend auto operator<=>(const DeviceAddress&, const DeviceAddress&) = default;
+};
+
+/// The cable at a port of an EtherCAT device breaks or heals; on a CAN bus the one with which the
+/// device is connected to it.
 struct CableEvent {
   DeviceAddress device;
-  unsigned port = 0;
+  unsigned port = 0;  ///< of an EtherCAT device
   bool intact = false;
 };
 
@@ -88,13 +125,27 @@ struct PowerEvent {
 /// Something around a device is set: a switch is pressed, a torque acts, a supply sags.
 struct InputEvent {
   DeviceAddress device;
-  std::string input;  ///< one of devices::EtherCatDevice::inputs()
+  std::string input;  ///< one of devices::Device::inputs()
   double value = 0.0;
   bool logged = true;  ///< false: one of the many small steps of a ramp
 };
 
+/// The CAN controller of a device gets into another error state.
+struct ErrorStateEvent {
+  DeviceAddress device;
+  can::ErrorState state = can::ErrorState::error_passive;  ///< or bus_off
+};
+
+/// Something is done to the next frames of a CAN bus.
+struct FrameFaultEvent {
+  std::size_t bus = 0;
+  std::optional<std::size_t> device{};  ///< only to frames this device of the bus sends
+  can::FrameFault fault{};              ///< its sender is filled in when it happens
+};
+
 /// What can happen to a rack; a further kind is a further alternative.
-using RackEvent = std::variant<CableEvent, PowerEvent, InputEvent>;
+using RackEvent =
+    std::variant<CableEvent, PowerEvent, InputEvent, ErrorStateEvent, FrameFaultEvent>;
 
 /// Something that happens at a fixed moment of simulated time.
 struct EventConfiguration {
@@ -105,11 +156,13 @@ struct EventConfiguration {
 /// Everything one process runs.
 struct RackConfiguration {
   ClockKind clock = ClockKind::real;
-  base::SimDuration cycle{1'000'000};  ///< lockstep: simulated time per process-data exchange
-  base::SimDuration step{50'000};      ///< lockstep: simulated time per other frame
+  /// Lockstep: simulated time per process-data exchange, on a CAN bus per SYNC.
+  base::SimDuration cycle{1'000'000};
+  base::SimDuration step{50'000};  ///< lockstep: simulated time per other frame
   std::vector<SegmentConfiguration> segments;
+  std::vector<BusConfiguration> buses;
   std::optional<RecordConfiguration> record;
-  std::string state;  ///< directory in which devices keep EEPROM and firmware; empty = nothing kept
+  std::string state;  ///< directory in which devices keep what outlives power; empty = nothing kept
   std::vector<EventConfiguration> events;  ///< in any order
 };
 

@@ -11,10 +11,9 @@
 #include <fmt/format.h>
 
 #include "link/link_address.hpp"
-#include "link/serial_link.hpp"
+#include "rack/bus_section.hpp"
+#include "rack/device_section.hpp"
 #include "rack/event_section.hpp"
-#include "rack/product_catalogue.hpp"
-#include "rack/stepper_axis_section.hpp"
 #include "rack/toml_section.hpp"
 #include "rack/wiring.hpp"
 #include "rack/wiring_section.hpp"
@@ -33,38 +32,6 @@ std::set<std::string> names_of(const std::map<std::string, T>& words) {
     names.insert(name);
   }
   return names;
-}
-
-std::map<std::string, devices::tmcm_3315::FirmwareVersion> firmware_versions() {
-  using enum devices::tmcm_3315::FirmwareVersion;
-  return {{"1.07", v1_07}, {"1.08", v1_08}, {"1.09", v1_09}};
-}
-
-void read_product(TomlSection& section, devices::Tmcm3315Configuration& configuration) {
-  if (const auto alias = section.integer("alias", 0, 0xFFFF)) {
-    configuration.station_alias = static_cast<std::uint16_t>(*alias);
-  }
-  if (const auto firmware = section.choice("firmware", names_of(firmware_versions()))) {
-    configuration.firmware = firmware_versions().at(*firmware);
-  }
-  configuration.emergencies = section.boolean("emergencies").value_or(configuration.emergencies);
-  configuration.require_outputs =
-      section.boolean("require_outputs").value_or(configuration.require_outputs);
-  if (const auto identification = section.integer("identification", 0, 0xFFFF)) {
-    configuration.identification = static_cast<std::uint16_t>(*identification);
-  }
-  configuration.firmware_erase_time = section.duration("firmware_erase_time", 0_us, 60_s)
-                                          .value_or(configuration.firmware_erase_time);
-  configuration.home_offset_is_position =
-      section.boolean("home_offset_is_position").value_or(configuration.home_offset_is_position);
-  std::vector<TomlSection> axes = section.sections("axis");
-  if (axes.size() > configuration.axes.size()) {
-    section.fail("axis", fmt::format("{} axes are given, the device has {}", axes.size(),
-                                     configuration.axes.size()));
-  }
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    read_stepper_axis(axes[i], configuration.axes[i]);
-  }
 }
 
 /// Switches Ethernet over EtherCAT on, bridged to a TAP interface.
@@ -88,41 +55,11 @@ void read_eoe(TomlSection& section, DeviceConfiguration& device) {
   std::visit(switch_on, device.product);
 }
 
-/// Connects the USB interface to a serial line.
-void read_usb(TomlSection& section, DeviceConfiguration& device) {
-  const std::optional<std::string> usb = section.text("usb");
-  if (!usb) {
-    return;
-  }
-  if (!link::is_serial_link(*usb)) {
-    section.fail("usb",
-                 fmt::format("\"usb\" is \"{}\"; write \"{}\"", *usb, link::kSerialLinkForms));
-  }
-  device.usb = *usb;
-}
-
-DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& names,
-                                std::span<const DeviceConfiguration> before) {
-  std::set<std::string> types;
-  for (const Product& product : products()) {
-    types.emplace(product.type);
-  }
-  const std::optional<std::string> type = section.choice("type", types);
-  if (!type) {
-    section.fail("type", "\"type\" is missing; it names the product, see \"stator devices\"");
-  }
-  DeviceConfiguration device;
-  device.name = section.text("name").value_or(*type);
-  device.product = find_product(*type)->default_configuration();
-  if (!names.insert(device.name).second) {
-    section.fail("name", fmt::format("the name \"{}\" is given twice; give each device its own "
-                                     "\"name\"",
-                                     device.name));
-  }
+DeviceConfiguration read_segment_device(TomlSection& section, std::set<std::string>& names,
+                                        std::span<const DeviceConfiguration> before) {
+  DeviceConfiguration device = read_device(section, names, NetworkKind::segment);
   read_eoe(section, device);
-  read_usb(section, device);
-  std::visit([&section](auto& configuration) { read_product(section, configuration); },
-             device.product);
+  read_serial_line(section, "usb", device.usb);
   read_wiring(section, before, device);
   section.finish();
   return device;
@@ -157,7 +94,7 @@ SegmentConfiguration read_segment(TomlSection& section, std::set<std::string>& n
   }
   segment.capture = section.text("capture").value_or("");
   for (TomlSection& device : section.sections("device")) {
-    segment.devices.push_back(read_device(device, names, segment.devices));
+    segment.devices.push_back(read_segment_device(device, names, segment.devices));
   }
   if (segment.devices.empty()) {
     section.fail("device", "a segment needs at least one [[segment.device]]");
@@ -192,13 +129,14 @@ RackConfiguration read_rack(TomlSection root) {
   for (TomlSection& segment : root.sections("segment")) {
     configuration.segments.push_back(read_segment(segment, device_names));
   }
-  if (configuration.segments.empty()) {
-    root.fail("segment", "a rack needs at least one [[segment]]");
+  read_buses(root, device_names, configuration.buses);
+  if (configuration.segments.empty() && configuration.buses.empty()) {
+    root.fail("segment", "a rack needs at least one [[segment]] or [[bus]]");
   }
   if (auto record = root.section("record")) {
     configuration.record = read_record(std::move(*record));
   }
-  EventSectionReader events(configuration.segments);
+  EventSectionReader events(configuration);
   for (TomlSection& event : root.sections("event")) {
     events.read(event, configuration.events);
   }

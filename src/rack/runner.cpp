@@ -23,8 +23,6 @@ namespace {
 constexpr base::SimDuration kBusyTick{1'000'000};
 constexpr base::SimDuration kIdleTick{10'000'000};
 constexpr base::SimDuration kIdleAfter{100'000'000};
-/// How often changes of EEPROM and firmware are looked for.
-constexpr base::SimDuration kKeepingPeriod{5'000'000};
 /// How often the carriers of the interfaces are looked at.
 constexpr base::SimDuration kCarrierPeriod{1'000'000};
 
@@ -90,18 +88,18 @@ struct Runner::SegmentThread {
 
 Runner::Runner(Rack& rack, const RackConfiguration& configuration,
                std::shared_ptr<spdlog::logger> logger)
-    : rack_(rack),
-      clock_kind_(configuration.clock),
-      lockstep_clock_(configuration.cycle, configuration.step),
-      logger_(std::move(logger)) {
+    : shared_(rack, configuration, std::move(logger)) {
   for (const SegmentConfiguration& segment : configuration.segments) {
     auto thread = std::make_unique<SegmentThread>();
     thread->index = segments_.size();
     open(*thread, segment);
     segments_.push_back(std::move(thread));
   }
-  eoe_bridges_.open(rack, configuration, logger_);
-  serial_bridges_.open(rack, configuration, logger_);
+  for (const BusConfiguration& bus : configuration.buses) {
+    buses_.push_back(std::make_unique<BusThread>(shared_, buses_.size(), bus, serial_bridges_));
+  }
+  eoe_bridges_.open(rack, configuration, shared_.logger);
+  serial_bridges_.open(rack, configuration, shared_.logger);
 }
 
 Runner::~Runner() {
@@ -138,33 +136,39 @@ void Runner::open(SegmentThread& segment, const SegmentConfiguration& configurat
 }
 
 void Runner::start() {
-  if (rack_.storage() != nullptr) {
-    rack_.storage()->confirm_firmware(clock_kind_ == ClockKind::real);
+  if (shared_.rack.storage() != nullptr) {
+    shared_.rack.storage()->confirm_writes(shared_.clock_kind == ClockKind::real);
   }
   for (auto& segment : segments_) {
     segment->thread = std::thread([this, &segment = *segment] { run(segment); });
   }
+  for (auto& bus : buses_) {
+    bus->start();
+  }
 }
 
 void Runner::stop() {
-  stopping_ = true;
+  shared_.stopping = true;
   for (auto& segment : segments_) {
     if (segment->thread.joinable()) {
       segment->wake();
       segment->thread.join();
     }
   }
+  for (auto& bus : buses_) {
+    bus->stop();
+  }
   eoe_bridges_.close();
   serial_bridges_.close();
 }
 
 base::SimTime Runner::now() {
-  const std::scoped_lock lock(mutex_);
-  return clock_kind_ == ClockKind::real ? real_clock_.now() : lockstep_clock_.now();
+  const std::scoped_lock lock(shared_.mutex);
+  return shared_.now();
 }
 
 SegmentStatistics Runner::statistics(std::size_t segment) {
-  const std::scoped_lock lock(mutex_);
+  const std::scoped_lock lock(shared_.mutex);
   return segments_[segment]->statistics;
 }
 
@@ -175,37 +179,35 @@ const link::EthernetLink& Runner::link(std::size_t segment, MasterInterface inte
 void Runner::run(SegmentThread& segment) {
   if (segment.cpu) {
     if (const auto pinned = link::pin_this_thread(*segment.cpu); !pinned) {
-      logger_->warn("{}", pinned.error().text);
+      shared_.logger->warn("{}", pinned.error().text);
     }
   }
   std::array<std::byte, link::kMaximumFrameLength> buffer{};
   base::SimTime last_frame;
-  while (!stopping_) {
-    const base::SimTime now = real_clock_.now();
+  while (!shared_.stopping) {
+    const base::SimTime now = shared_.real_clock.now();
     watch_carriers(segment, now);
     const bool busy = now - last_frame < kIdleAfter || serial_bridges_.any();
     const auto received = segment.receive(buffer, busy ? kBusyTick : kIdleTick);
     if (!received && received.error().code != link::LinkErrorCode::interface_down) {
-      logger_->error("{}; this segment stops", received.error().text);
+      shared_.logger->error("{}; this segment stops", received.error().text);
       return;
     }
     if (!received && !std::exchange(segment.interface_down_logged, true)) {
-      logger_->warn("{}", received.error().text);
+      shared_.logger->warn("{}", received.error().text);
     }
     if (received && received->length > 0) {
       if (!segment.carriers[static_cast<std::size_t>(received->entry)]) {
         segment.next_carrier_check = {};  // a frame is quicker than the next look
-        watch_carriers(segment, real_clock_.now());
+        watch_carriers(segment, shared_.real_clock.now());
       }
       answer(segment, std::span(buffer).first(received->length), received->entry);
-      last_frame = real_clock_.now();
+      last_frame = shared_.real_clock.now();
     }
-    if (clock_kind_ == ClockKind::real) {
+    if (shared_.clock_kind == ClockKind::real) {
       catch_up(segment);
     }
-    if (rack_.storage() != nullptr) {
-      keep_files();
-    }
+    shared_.keep_files();
   }
 }
 
@@ -219,32 +221,33 @@ void Runner::watch_carriers(SegmentThread& segment, base::SimTime now) {
     const bool up = segment.links[index] != nullptr && segment.links[index]->has_carrier();
     if (up != segment.carriers[index]) {
       segment.carriers[index] = up;
-      const std::scoped_lock lock(mutex_);
-      const base::SimTime moment = clock_kind_ == ClockKind::real ? now : lockstep_clock_.now();
-      rack_.set_carrier(segment.index, interface, up, moment);
+      const std::scoped_lock lock(shared_.mutex);
+      const base::SimTime moment =
+          shared_.clock_kind == ClockKind::real ? now : shared_.lockstep_clock.now();
+      shared_.rack.set_carrier(segment.index, interface, up, moment);
     }
   }
 }
 
 base::SimTime Runner::arrival_of(std::span<std::byte> frame) {
-  if (clock_kind_ == ClockKind::real) {
-    return real_clock_.now();
+  if (shared_.clock_kind == ClockKind::real) {
+    return shared_.real_clock.now();
   }
   // In lockstep the devices are brought to the frame before it passes: its time is the master's.
-  const base::SimTime arrival = lockstep_clock_.on_frame(frame);
-  rack_.advance(arrival);
+  const base::SimTime arrival = shared_.lockstep_clock.on_frame(frame);
+  shared_.rack.advance(arrival);
   return arrival;
 }
 
 void Runner::answer(SegmentThread& segment, std::span<std::byte> frame, MasterInterface entry) {
-  const base::SimTime received = real_clock_.now();
+  const base::SimTime received = shared_.real_clock.now();
   if (segment.capture != nullptr) {
     segment.captured_request.assign(frame.begin(), frame.end());
   }
-  std::unique_lock lock(mutex_);
+  std::unique_lock lock(shared_.mutex);
   const base::SimTime arrival = arrival_of(frame);
   const std::optional<MasterInterface> exit =
-      rack_.process_frame(segment.index, frame, arrival, entry);
+      shared_.rack.process_frame(segment.index, frame, arrival, entry);
   if (!exit) {
     ++segment.statistics.frames_ignored;
     return;
@@ -254,15 +257,15 @@ void Runner::answer(SegmentThread& segment, std::span<std::byte> frame, MasterIn
   link::EthernetLink& out = *segment.links[static_cast<std::size_t>(*exit)];
   if (const auto sent = out.send(frame); !sent && !segment.send_failure_logged) {
     segment.send_failure_logged = true;
-    logger_->warn("{}; further failures are only counted", sent.error().text);
+    shared_.logger->warn("{}; further failures are only counted", sent.error().text);
   }
 
   capture(segment, arrival, frame);
 
   lock.lock();
-  rack_.handle_bus_events(segment.index, arrival);
+  shared_.rack.handle_bus_events(segment.index, arrival);
   SegmentStatistics& statistics = segment.statistics;
-  const std::int64_t took = (real_clock_.now() - received).nanoseconds();
+  const std::int64_t took = (shared_.real_clock.now() - received).nanoseconds();
   ++statistics.frames;
   statistics.processing_ns += took;
   statistics.worst_processing_ns = std::max(statistics.worst_processing_ns, took);
@@ -277,35 +280,20 @@ void Runner::capture(SegmentThread& segment, base::SimTime arrival,
   for (const std::span<const std::byte> frame :
        {std::span<const std::byte>(segment.captured_request), answer}) {
     if (const auto written = segment.capture->write(arrival, frame); !written) {
-      logger_->error("{}; capturing ends", written.error().text);
+      shared_.logger->error("{}; capturing ends", written.error().text);
       segment.capture.reset();
       return;
     }
   }
 }
 
-void Runner::keep_files() {
-  const std::scoped_lock lock(mutex_);
-  const base::SimTime present = real_clock_.now();
-  if (present >= next_keeping_) {
-    next_keeping_ = present + kKeepingPeriod;
-    rack_.storage()->service(present);
-  }
-}
-
 void Runner::catch_up(SegmentThread& segment) {
-  const std::scoped_lock lock(mutex_);
-  const base::SimTime present = real_clock_.now();
-  rack_.advance(present);
-  const base::SimDuration lag = real_clock_.now() - present;
+  const std::scoped_lock lock(shared_.mutex);
+  const base::SimDuration lag = shared_.catch_up();
   SegmentStatistics& statistics = segment.statistics;
   statistics.worst_lag_ns = std::max(statistics.worst_lag_ns, lag.nanoseconds());
   if (lag > kOverrun) {
-    ++statistics.overruns;
-    logger_->warn(
-        "overrun {}: the rack was {:.1f} ms behind the machine's clock; run fewer devices "
-        "or a less loaded machine",
-        statistics.overruns, static_cast<double>(lag.nanoseconds()) * 1e-6);
+    shared_.log_overrun(++statistics.overruns, lag);
   }
 }
 

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <string>
 #include <thread>
@@ -12,9 +10,10 @@
 
 #include "link/ethernet_link.hpp"
 #include "link/pcap_writer.hpp"
-#include "rack/clock.hpp"
+#include "rack/bus_thread.hpp"
 #include "rack/eoe_bridge.hpp"
 #include "rack/rack.hpp"
+#include "rack/running_rack.hpp"
 #include "rack/serial_bridge.hpp"
 
 namespace spdlog {
@@ -33,14 +32,14 @@ struct SegmentStatistics {
   std::int64_t worst_processing_ns = 0;
 };
 
-/// Runs a rack on real links: one thread per segment that answers frames and keeps the devices at
-/// the present moment. The frame path comes first: a frame is answered, then firmware and physics
-/// catch up. With cable redundancy the thread serves both interfaces of its segment. An interface
-/// without carrier is a port without link.
+/// Runs a rack on real links: one thread per segment or bus that answers frames and keeps the
+/// devices at the present moment. The frame path comes first: a frame is answered, then firmware
+/// and physics catch up. With cable redundancy the thread serves both interfaces of its segment. An
+/// interface without carrier is a port without link.
 class Runner {
  public:
   /// Lag behind the machine's clock from which on an overrun is counted.
-  static constexpr base::SimDuration kOverrun{20'000'000};
+  static constexpr base::SimDuration kOverrun = RunningRack::kOverrun;
 
   /// Opens every link and capture. Throws std::runtime_error with the link's own explanation.
   /// `rack` must have been built from `configuration` and both outlive the runner.
@@ -56,6 +55,7 @@ class Runner {
   void stop();
 
   [[nodiscard]] base::SimTime now();
+  [[nodiscard]] BusThread& bus(std::size_t index) { return *buses_[index]; }
   [[nodiscard]] SegmentStatistics statistics(std::size_t segment);
   [[nodiscard]] const link::EthernetLink& link(
       std::size_t segment,
@@ -71,18 +71,11 @@ class Runner {
   void watch_carriers(SegmentThread& segment, base::SimTime now);
   void capture(SegmentThread& segment, base::SimTime arrival, std::span<const std::byte> answer);
   void catch_up(SegmentThread& segment);
-  void keep_files();
   base::SimTime arrival_of(std::span<std::byte> frame);
 
-  Rack& rack_;
-  ClockKind clock_kind_;
-  RealClock real_clock_;
-  LockstepClock lockstep_clock_;
-  std::shared_ptr<spdlog::logger> logger_;
-  std::mutex mutex_;  ///< guards rack_, lockstep_clock_, next_keeping_ and all statistics
-  base::SimTime next_keeping_;
-  std::atomic<bool> stopping_{false};
+  RunningRack shared_;
   std::vector<std::unique_ptr<SegmentThread>> segments_;
+  std::vector<std::unique_ptr<BusThread>> buses_;
   EoeBridges eoe_bridges_;
   SerialBridges serial_bridges_;
 };

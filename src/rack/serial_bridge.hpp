@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -11,7 +12,6 @@
 #include <thread>
 #include <vector>
 
-#include "devices/ethercat_device.hpp"
 #include "link/serial_link.hpp"
 #include "rack/rack.hpp"
 #include "tmcl/serial_port.hpp"
@@ -78,10 +78,15 @@ class SerialBridges {
   void close();
 
  private:
+  /// Connects a device to its line, or disconnects it (null). False: it has no such interface.
+  using Connect = std::function<bool(tmcl::SerialPort*)>;
   struct Connection {
-    devices::EtherCatDevice* device;
+    Connect connect;
     std::unique_ptr<SerialBridge> bridge;
   };
+
+  void open(const std::string& line, const std::string& device, const char* interface,
+            Connect connect, const std::shared_ptr<spdlog::logger>& logger);
 
   std::vector<Connection> connections_;
 };

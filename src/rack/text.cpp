@@ -27,6 +27,9 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+/// So many characters tell which long name is meant.
+constexpr std::size_t kBeginning = 4;
+
 }  // namespace
 
 std::optional<base::SimDuration> parse_duration(std::string_view text) {
@@ -60,6 +63,13 @@ std::string closest_match(std::string_view word, const std::set<std::string>& kn
     if (const std::size_t distance = edit_distance(word, candidate); distance < best_distance) {
       best = candidate;
       best_distance = distance;
+    }
+  }
+  if (best.empty() && word.size() >= kBeginning) {  // a part number cut short
+    for (const std::string& candidate : known) {
+      if (candidate.starts_with(word)) {
+        return candidate;
+      }
     }
   }
   return best;

@@ -21,6 +21,11 @@ const toml::node* TomlSection::find(const std::string& key) {
   return table_->get(key);
 }
 
+bool TomlSection::is_text(const std::string& key) const {
+  const toml::node* node = table_->get(key);
+  return node != nullptr && node->is_string();
+}
+
 void TomlSection::fail(const std::string& key, const std::string& reason) const {
   const toml::node* node = table_->get(key);
   const toml::source_position place = (node != nullptr ? node->source() : table_->source()).begin;

@@ -26,6 +26,8 @@ class TomlSection {
   [[nodiscard]] const std::string& path() const { return path_; }
 
   std::optional<std::string> text(const std::string& key);
+  /// Whether `key` is there and is a text, for keys that take a text or something else.
+  [[nodiscard]] bool is_text(const std::string& key) const;
   /// A text that must be one of `choices`.
   std::optional<std::string> choice(const std::string& key, const std::set<std::string>& choices);
   std::optional<bool> boolean(const std::string& key);

@@ -38,7 +38,8 @@ std::size_t read_after(TomlSection& section, const std::string& name,
 }
 
 unsigned ports_of(const DeviceConfiguration& device) {
-  return products()[device.product.index()].ports;
+  const Product* product = product_of(device.product);
+  return product != nullptr ? product->ports : 0;
 }
 
 void require_port(TomlSection& section, const char* key, unsigned port,

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -100,6 +101,57 @@ TEST(CommandLine, DescribeCsvEqualsTheObjectTable) {
   EXPECT_EQ(outcome.status, 0);
   EXPECT_TRUE(outcome.output == content(STATOR_TEST_DATA "/tmcm-3315/objects.csv"))
       << "stator describe tmcm-3315 --format csv differs from tests/data/tmcm-3315/objects.csv";
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+TEST(CommandLine, DescribeCsvOfTheTmcc160EqualsTheObjectTableButForTheValuesDecidedOtherwise) {
+  const Outcome outcome = stator("describe tmcc160 --format csv");
+  EXPECT_EQ(outcome.status, 0);
+  const auto described = lines_of(outcome.output);
+  const auto printed = lines_of(content(STATOR_TEST_DATA "/tmcc160/objects.csv"));
+  const std::string decided = content(STATOR_TEST_DATA "/tmcc160/effective_values.csv");
+  ASSERT_EQ(described.size(), printed.size());
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < printed.size(); ++i) {
+    const std::string address = printed[i].substr(0, 8);  // "2030,04,"
+    if (decided.find("\n" + address + "default,") == std::string::npos) {
+      EXPECT_EQ(described[i], printed[i]);
+    } else {
+      EXPECT_EQ(described[i].substr(0, 8), address);
+      different += described[i] != printed[i] ? 1U : 0U;
+    }
+  }
+  EXPECT_EQ(different, 16U);
+}
+
+TEST(CommandLine, TheDataSheetOfTheTmcc160PassesTheStrictCheck) {
+  const std::string path = temporary("tmcc160.eds");
+  EXPECT_EQ(stator("export eds tmcc160 -o " + path).status, 0);
+  const std::string command =
+      "python3 -B " + std::string(STATOR_SOURCE_DIR) + "/scripts/check_eds.py " + path;
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  std::array<char, 4096> buffer{};
+  const std::size_t length = std::fread(buffer.data(), 1, buffer.size(), pipe);
+  EXPECT_EQ(::pclose(pipe), 0);
+  EXPECT_THAT(std::string(buffer.data(), length), HasSubstr("0 errors, 0 warnings"));
+  std::filesystem::remove(path);
+}
+
+TEST(CommandLine, AProductHasTheFilesOfItsNetwork) {
+  const Outcome esi = stator("export esi tmcc160");
+  EXPECT_EQ(esi.status, 1);
+  EXPECT_THAT(esi.output, HasSubstr("is no EtherCAT device"));
+  const Outcome eds = stator("export eds tmcm-3315");
+  EXPECT_EQ(eds.status, 1);
+  EXPECT_THAT(eds.output, HasSubstr("is no CAN device"));
 }
 
 TEST(CommandLine, DescribeHasFourFormats) {

@@ -14,9 +14,9 @@ class Tmcm3315Units : public Tmcm3315Module {
       write<std::uint8_t>(of_motor(motor, 0x208C), 0);
     }
   }
-  const drive::AxisSettings& settings(unsigned motor) {
+  const drive::StepperSettings& settings(unsigned motor) {
     bus_->pass(2_ms);
-    return device_->axis(motor).axis().settings();
+    return device_->axis(motor).axis().stepper_settings();
   }
   const control::RampGenerator& ramp() { return device_->axis(0).axis().motion().ramp(); }
 };

@@ -103,8 +103,9 @@ constexpr ErrorReactions kReactions{ErrorReaction::fault, ErrorReaction::stop, E
 AxisBench::AxisBench() {
   dictionary.add(kObjects);
   dictionary.finish();
-  axis = std::make_unique<Axis>(dictionary, AxisConfiguration{.number = 0, .reactions = kReactions},
-                                base::EventReporter(this, 0));
+  axis = std::make_unique<StepperAxis>(dictionary,
+                                       AxisConfiguration{.number = 0, .reactions = kReactions},
+                                       base::EventReporter(this, 0));
   axis->conditions().network_operational = true;
   axis->tick(now);
 }
@@ -167,7 +168,8 @@ void AxisBench::read_switches() {
   sensing_.left_switch = on(left_switch);
   sensing_.right_switch = on(right_switch);
   sensing_.home_switch = on(home_switch);
-  axis->conditions().set_switches(axis->settings().reference.switches.pressed(sensing_));
+  axis->conditions().set_switches(
+      axis->settings().reference.switches.pressed(switch_levels(sensing_)));
 }
 
 void AxisBench::set_profile(std::int64_t velocity, std::int64_t acceleration,

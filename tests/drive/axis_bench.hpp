@@ -10,7 +10,7 @@
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
 #include "dictionary/dictionary.hpp"
-#include "drive/axis.hpp"
+#include "drive/stepper_axis.hpp"
 
 namespace stator::drive {
 
@@ -56,7 +56,7 @@ class AxisBench : public base::EventSink {
   [[nodiscard]] double velocity() const { return axis->motion().velocity(); }
 
   dictionary::Dictionary dictionary;
-  std::unique_ptr<Axis> axis;
+  std::unique_ptr<StepperAxis> axis;
   std::vector<std::string> sentences;
   base::SimTime now;
   bool blocked = false;  ///< the shaft does not turn

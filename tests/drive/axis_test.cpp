@@ -1,9 +1,8 @@
-#include "drive/axis.hpp"
-
 #include <gtest/gtest.h>
 
 #include "drive/axis_bench.hpp"
 #include "drive/control_words.hpp"
+#include "drive/stepper_axis.hpp"
 
 namespace stator::drive {
 namespace {
@@ -417,9 +416,9 @@ TEST_F(AxisTest, WithTheEncoderInUseDemandStartsAtItsPosition) {
 }
 
 TEST_F(AxisTest, CurrentFollowsRunBoostAndStandbySettings) {
-  control::CoilCurrentSettings& currents = bench_.axis->settings().currents;
+  control::CoilCurrentSettings& currents = bench_.axis->stepper_settings().currents;
   currents = {.run = 128, .standby = 8, .boost = 255, .standby_delay = 100_ms};
-  bench_.axis->settings().full_scale_current = 3.2;
+  bench_.axis->stepper_settings().full_scale_current = 3.2;
   const auto amplitude = [this] {
     const auto& target = bench_.actuation.coil_current_target;
     return target[0] * target[0] + target[1] * target[1];

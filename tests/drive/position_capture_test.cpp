@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "base/axis_signals.hpp"
+
 namespace stator::drive {
 namespace {
 
@@ -20,7 +22,7 @@ class PositionCaptureTest : public testing::Test {
       sensing_.encoder_index_count = kMark;
     }
     sensing_.encoder_index = (count == kMark) != active_low;
-    capture_.observe(sensing_, settings_, index_used_, 10 * count);
+    capture_.observe(reference_signals(sensing_), settings_, index_used_, 10 * count);
   }
   [[nodiscard]] std::int64_t count() const {
     return capture_.captured() ? capture_.captured()->encoder_count : -1;

@@ -25,7 +25,7 @@ void PrintTo(const Bench& bench, std::ostream* out) {
 }
 
 class Physics : public testing::TestWithParam<Bench> {
- protected:
+ public:
   [[nodiscard]] static BenchSetup setup() {
     BenchSetup setup;
     setup.axis.motor = *plant::find_stepper_motor(GetParam().motor);
@@ -112,6 +112,89 @@ TEST_P(Physics, AMoveTakesTheTimeOfItsTrapezoidAndTheLoadAngleOfItsTorque) {
   loaded.axis.load.viscous_friction = 2e-3;
   loaded.axis.load.coulomb_friction = 0.05;
   expect_as_equations("move", loaded, 5);
+}
+
+/// The same for three-phase motors.
+class ServoPhysics : public testing::TestWithParam<Bench> {
+ protected:
+  [[nodiscard]] static BenchSetup setup() {
+    BenchSetup setup;
+    setup.servo.motor = *plant::find_three_phase_motor(GetParam().motor);
+    setup.servo.supply_voltage = GetParam().supply;
+    return setup;
+  }
+  static Result expect_as_equations(const std::string& name, const BenchSetup& setup,
+                                    int quantities, const Choices& choices = {}) {
+    return Physics::expect_as_equations(name, setup, quantities, choices);
+  }
+};
+
+TEST_P(ServoPhysics, EmfIsThatOfTheFluxAndFrictionAloneSlowsTheShaft) {
+  BenchSetup loaded = setup();
+  loaded.servo.load.coulomb_friction = 0.01;
+  loaded.servo.load.viscous_friction = 1e-5;
+  loaded.servo.load.inertia = 1e-4;
+  expect_as_equations("back-emf", loaded, 8);
+}
+
+TEST_P(ServoPhysics, TorqueEfficiencyAndNoLoadSpeedFollowFromVoltage) {
+  expect_as_equations("torque-speed", setup(), 15, {{"points", 9}});
+}
+
+TEST_P(ServoPhysics, TorqueOfASalientMotorFollowsFromBothCurrents) {
+  BenchSetup salient = setup();
+  salient.servo.motor.quadrature_inductance *= 1.5;
+  expect_as_equations("torque-speed", salient, 15, {{"points", 9}});
+}
+
+TEST_P(ServoPhysics, CurrentLoopAnswersAStepAsTheLinearModel) {
+  expect_as_equations("current-step", setup(), 8);
+}
+
+TEST_P(ServoPhysics, VelocityLoopAnswersAStepAsTheLinearModel) {
+  expect_as_equations("velocity-step", setup(), 8);
+  BenchSetup loaded = setup();
+  loaded.servo.load.inertia = loaded.servo.motor.rotor_inertia;
+  expect_as_equations("velocity-step", loaded, 8);
+}
+
+TEST_P(ServoPhysics, PositionLoopAnswersAStepAsTheLinearModel) {
+  expect_as_equations("position-step", setup(), 8);
+}
+
+TEST_P(ServoPhysics, BrakingRaisesTheSupplyUntilTheChopperHoldsIt) {
+  BenchSetup loaded = setup();
+  loaded.servo.load.inertia = 1e-5;
+  const Result result = expect_as_equations("regeneration", loaded, 6);
+  EXPECT_GT(result.panels.front().curves.front().values.back(), 1.3 * GetParam().supply);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    TwoMotorsTwoSupplies, ServoPhysics,
+    testing::Values(Bench{"QBL4208-61-04-013", 24.0}, Bench{"QBL4208-61-04-013", 36.0},
+                    Bench{"EC45-flat-70W", 24.0}, Bench{"EC45-flat-70W", 36.0}),
+    [](const testing::TestParamInfo<Bench>& bench) {
+      std::string name = bench.param.motor;
+      std::erase(name, '-');
+      return name + "At" + std::to_string(static_cast<int>(bench.param.supply)) + "V";
+    });
+
+TEST(ServoExperiments, SayWhatCannotBeMeasuredAndWhatToChange) {
+  const auto refusal = [](const char* name, const Choices& choices) -> std::string {
+    try {
+      static_cast<void>(require_experiment(name).run({}, choices));
+    } catch (const ExperimentError& error) {
+      return error.what();
+    }
+    return "measured";
+  };
+  EXPECT_NE(refusal("back-emf", {{"initial-speed", 20'000.0}}).find("lower --initial-speed"),
+            std::string::npos);
+  EXPECT_NE(refusal("torque-speed", {{"voltage", 20.0}}).find("lower --voltage"),
+            std::string::npos);
+  EXPECT_NE(refusal("current-step", {{"step", 60.0}}).find("lower --step"), std::string::npos);
+  EXPECT_NE(refusal("regeneration", {{"current", 80.0}}).find("smaller --current"),
+            std::string::npos);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -216,7 +216,7 @@ TEST_F(DeviceStorageTest, UnfinishedDownload_IsGoneAfterARestart) {
 
 TEST_F(DeviceStorageTest, ConfirmedDownload_EndsWhenItIsOnTheDisk) {
   Process process(path_);
-  process.storage().confirm_firmware(true);
+  process.storage().confirm_writes(true);
   EXPECT_TRUE(process.download(Bytes(10, std::byte{1})).in_progress);
   EXPECT_TRUE(process.image().empty());
   process.storage().wait();
@@ -231,7 +231,7 @@ TEST_F(DeviceStorageTest, DownloadThatCannotBeKept_EndsWithDiskFullAndTheOldImag
   Process process(path_);
   process.download(Bytes(10, std::byte{1}));
   process.storage().flush(base::SimTime(1_s));
-  process.storage().confirm_firmware(true);
+  process.storage().confirm_writes(true);
   std::filesystem::create_directory(path_ + "/drive.firmware.new");
   EXPECT_TRUE(process.download(Bytes(20, std::byte{2})).in_progress);
   process.storage().wait();

@@ -113,7 +113,7 @@ TEST_F(EoeBridgeTest, AnAddressThatCannotBeSetIsTold) {
 TEST_F(EoeBridgeTest, ADeviceReachesTheMachineThroughIt) {
   devices::Tmcm3315Configuration configuration;
   configuration.ethernet_over_ethercat = true;
-  const auto device = make_device(configuration, base::EventReporter());
+  const auto device = make_ethercat_device(configuration, base::EventReporter());
   ASSERT_NE(device->eoe(), nullptr);
   EXPECT_TRUE(device->description().eoe) << "SII and ESI announce it";
   device->eoe()->connect(bridge_.get());

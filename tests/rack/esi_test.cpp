@@ -11,7 +11,7 @@ namespace {
 
 class EsiOfTmcm3315 : public ::testing::Test {
  protected:
-  EsiOfTmcm3315() : device_(make_device(devices::Tmcm3315Configuration{}, {})) {
+  EsiOfTmcm3315() : device_(make_ethercat_device(devices::Tmcm3315Configuration{}, {})) {
     const auto sii = ethercat::build_sii_image(device_->description(), device_->dictionary());
     const std::string text = esi_xml(device_->description(), device_->dictionary(), sii);
     parsed_ = document_.load_string(text.c_str());

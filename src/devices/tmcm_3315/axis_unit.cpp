@@ -119,31 +119,33 @@ std::int64_t AxisUnit::microsteps_per_revolution() const {
 
 void AxisUnit::configure() {
   drive::AxisSettings& settings = axis_->settings();
+  drive::StepperSettings& stepper = axis_->stepper_settings();
   settings.units = objects_.velocity_dimension.get() == kInternalUnits
                        ? drive::MotionUnits::internal()
                        : drive::MotionUnits();
-  settings.microsteps_per_revolution = microsteps_per_revolution();
-  settings.microstep_resolution = objects_.microstep_resolution.get();
+  stepper.microsteps_per_revolution = microsteps_per_revolution();
+  stepper.microstep_resolution = objects_.microstep_resolution.get();
   settings.delays = {.hold_current = milliseconds(objects_.enable_delay.get()),
                      .brake_release = milliseconds(objects_.brake_release_delay.get()),
                      .brake_apply = milliseconds(objects_.brake_apply_delay.get())};
   ramp_objects_.configure(settings);
-  settings.encoder_reversed = objects_.encoder_reversed.get() != 0;
+  stepper.encoder_reversed = objects_.encoder_reversed.get() != 0;
   settings.position_from_encoder = objects_.position_from_encoder.get() != 0;
-  settings.currents = {
+  stepper.currents = {
       .run = objects_.run_current.get(),
       .standby = objects_.standby_current.get(),
       .boost = objects_.boost_current.get(),
       .standby_delay = milliseconds(std::int64_t{10} * objects_.standby_delay.get())};
-  closed_loop_objects_.configure(settings);
-  settings.full_scale_current = configuration_.full_scale_current;
-  settings.chopper_enabled = objects_.chopper_off_time.get() != 0;
-  driver_objects_.configure(settings);
-  settings.driver.limits = configuration_.driver_limits;
+  closed_loop_objects_.configure(settings.units, stepper);
+  stepper.full_scale_current = configuration_.full_scale_current;
+  stepper.chopper_enabled = objects_.chopper_off_time.get() != 0;
+  driver_objects_.configure(settings.units, stepper.driver);
+  stepper.driver.limits = configuration_.driver_limits;
 
   reference_.configure(settings.reference);
   settings.reference.home_offset_is_position = configuration_.home_offset_is_position;
-  axis_->conditions().set_switches(settings.reference.switches.pressed(sensing_));
+  axis_->conditions().set_switches(
+      settings.reference.switches.pressed(drive::switch_levels(sensing_)));
 }
 
 bool AxisUnit::apply(base::SimTime now) {
@@ -259,7 +261,7 @@ control::ChopperCycle AxisUnit::chopper_cycle() const {
   }
   const double current = current_scale() * configuration_.full_scale_current;
   const double induced = current > 0.0 ? sensing_.converted_power / current : 0.0;
-  return control::chopper_cycle(axis_->settings().driver.chopper,
+  return control::chopper_cycle(axis_->stepper_settings().driver.chopper,
                                 {.supply = sensing_.supply_voltage,
                                  .resistance = plant_.resistance(),
                                  .inductance = plant_.parameters().motor.inductance,

@@ -16,7 +16,7 @@
 #include "devices/tmcm_3315/ramp_objects.hpp"
 #include "devices/tmcm_3315/reference_objects.hpp"
 #include "dictionary/dictionary.hpp"
-#include "drive/axis.hpp"
+#include "drive/stepper_axis.hpp"
 #include "plant/stepper_axis.hpp"
 
 namespace stator::devices::tmcm_3315 {
@@ -89,8 +89,8 @@ class AxisUnit {
     brake_coil_releases_ = plant_.parameters().brake.releases(duty);
   }
 
-  [[nodiscard]] drive::Axis& axis() { return *axis_; }
-  [[nodiscard]] const drive::Axis& axis() const { return *axis_; }
+  [[nodiscard]] drive::StepperAxis& axis() { return *axis_; }
+  [[nodiscard]] const drive::StepperAxis& axis() const { return *axis_; }
   [[nodiscard]] plant::StepperAxis& plant() { return plant_; }
   [[nodiscard]] const plant::StepperAxis& plant() const { return plant_; }
 
@@ -170,7 +170,7 @@ class AxisUnit {
   plant::StepperAxis plant_;
   const base::AxisSensing& sensing_;
   bool brake_coil_releases_ = false;  ///< set_brake_coil() says it with the first duty
-  std::optional<drive::Axis> axis_;
+  std::optional<drive::StepperAxis> axis_;
 };
 
 }  // namespace stator::devices::tmcm_3315

@@ -27,12 +27,11 @@ ClosedLoopObjects::ClosedLoopObjects(const dictionary::Dictionary& dictionary,
   bind(initialised_, 0x2120);
 }
 
-void ClosedLoopObjects::configure(drive::AxisSettings& settings) const {
+void ClosedLoopObjects::configure(const drive::MotionUnits& units,
+                                  drive::StepperSettings& settings) const {
   const auto fine_steps = static_cast<double>(
       1U << (settings.microstep_resolution < 8U ? 8U - settings.microstep_resolution : 0U));
-  const auto velocity = [&](std::uint32_t object) {
-    return settings.units.velocity(object) * fine_steps;
-  };
+  const auto velocity = [&](std::uint32_t object) { return units.velocity(object) * fine_steps; };
   settings.closed_loop = {.enabled = mode_.get() == 1,
                           .position_gain = position_gain_.get(),
                           .tolerance = tolerance_.get(),
@@ -50,7 +49,7 @@ void ClosedLoopObjects::configure(drive::AxisSettings& settings) const {
                           .catch_up_velocity = velocity(catch_up_velocity_.get())};
 }
 
-void ClosedLoopObjects::exchange(drive::Axis& axis) {
+void ClosedLoopObjects::exchange(drive::StepperAxis& axis) {
   if (offset_.get() != shown_offset_) {
     axis.set_commutation_offset(offset_.get());
   }

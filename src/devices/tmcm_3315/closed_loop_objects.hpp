@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "dictionary/dictionary.hpp"
-#include "drive/axis.hpp"
+#include "drive/stepper_axis.hpp"
 
 namespace stator::devices::tmcm_3315 {
 
@@ -13,9 +13,9 @@ class ClosedLoopObjects {
   ClosedLoopObjects(const dictionary::Dictionary& dictionary, std::uint16_t index_offset);
 
   /// Writes settings.closed_loop; settings.units and the microstep resolution must be there.
-  void configure(drive::AxisSettings& settings) const;
+  void configure(const drive::MotionUnits& units, drive::StepperSettings& settings) const;
   /// Takes an offset that was written and shows the axis's own values.
-  void exchange(drive::Axis& axis);
+  void exchange(drive::StepperAxis& axis);
 
  private:
   dictionary::Variable<std::uint8_t> mode_;                // 2020h

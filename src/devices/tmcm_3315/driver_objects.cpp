@@ -50,18 +50,18 @@ DriverObjects::DriverObjects(const dictionary::Dictionary& dictionary, std::uint
   bind(error_flags_, 0x2102);
 }
 
-void DriverObjects::configure(drive::AxisSettings& settings) const {
-  drive::DriverSettings& driver = settings.driver;
+void DriverObjects::configure(const drive::MotionUnits& units,
+                              drive::DriverSettings& driver) const {
   driver.stall_guard = {.threshold = stall_guard_threshold_.get(),
                         .filter = stall_guard_filter_.get() != 0};
-  driver.stall_velocity = settings.units.velocity(stop_on_stall_.get());
+  driver.stall_velocity = units.velocity(stop_on_stall_.get());
   driver.cool_step = {.minimum = cool_step_minimum_.get(),
                       .down_step = cool_step_down_.get(),
                       .up_step = cool_step_up_.get(),
                       .hysteresis = cool_step_hysteresis_.get(),
                       .hysteresis_start = cool_step_hysteresis_start_.get()};
-  driver.cool_step_velocity = settings.units.velocity(cool_step_threshold_.get());
-  driver.stealth_chop = {.threshold_velocity = settings.units.velocity(pwm_threshold_.get()),
+  driver.cool_step_velocity = units.velocity(cool_step_threshold_.get());
+  driver.stealth_chop = {.threshold_velocity = units.velocity(pwm_threshold_.get()),
                          .gradient = pwm_gradient_.get(),
                          .amplitude = pwm_amplitude_.get()};
   driver.chopper = {.blank_time = blank_time_.get(),

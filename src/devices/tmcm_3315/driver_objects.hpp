@@ -15,7 +15,7 @@ class DriverObjects {
   DriverObjects(const dictionary::Dictionary& dictionary, std::uint16_t index_offset);
 
   /// Writes the objects into `settings.driver`; settings.units must be up to date.
-  void configure(drive::AxisSettings& settings) const;
+  void configure(const drive::MotionUnits& units, drive::DriverSettings& driver) const;
   /// Brings 2101h and 2102h up to date.
   void publish(const drive::DriverChip& driver);
   [[nodiscard]] std::uint8_t flags() const { return error_flags_.get(); }  ///< 2102h

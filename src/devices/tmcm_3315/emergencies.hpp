@@ -94,6 +94,6 @@ constexpr drive::ErrorReactions error_reactions() {
   }
   return reactions;
 }
-static_assert(kAxisEmergencies.size() == drive::kAxisErrorCount);
+static_assert(kAxisEmergencies.size() == drive::kStepperErrorCount);
 
 }  // namespace stator::devices::tmcm_3315

@@ -49,7 +49,7 @@ void ReferenceObjects::configure(drive::ReferenceSettings& settings) const {
   settings.index_active_low = index_polarity_.get() != 0;
 }
 
-void ReferenceObjects::serve_latch(drive::Axis& axis) {
+void ReferenceObjects::serve_latch(drive::StepperAxis& axis) {
   if (!has_latch_) {
     return;
   }

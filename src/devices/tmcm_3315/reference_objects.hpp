@@ -4,8 +4,8 @@
 
 #include "base/axis_signals.hpp"
 #include "dictionary/dictionary.hpp"
-#include "drive/axis.hpp"
 #include "drive/reference_switches.hpp"
+#include "drive/stepper_axis.hpp"
 
 namespace stator::devices::tmcm_3315 {
 
@@ -20,7 +20,7 @@ class ReferenceObjects {
   /// What 2005h and 200Bh:01 say.
   void configure(drive::ReferenceSettings& settings) const;
   /// Arms the N-channel latch when 200Fh:01 was written, and shows what it holds.
-  void serve_latch(drive::Axis& axis);
+  void serve_latch(drive::StepperAxis& axis);
 
   /// Bits 0..2 of 60FDh: left, right, home switch, after inversion (CiA 402's allocation).
   [[nodiscard]] static std::uint32_t digital_inputs(const drive::SwitchInputs& switches,

@@ -317,7 +317,7 @@ void Tmcm3315::feed_brakes() {
 
 void Tmcm3315::report_errors(base::SimTime now) {
   for (std::uint8_t motor = 0; motor < tmcm_3315::kAxisCount; ++motor) {
-    const drive::Axis& axis = axes_[motor]->axis();
+    const drive::StepperAxis& axis = axes_[motor]->axis();
     const drive::AxisErrors before = reported_errors_[motor];
     if (axis.fault_resets() == reported_resets_[motor] && axis.errors() == before) {
       continue;

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <vector>
+
+#include "base/sim_time.hpp"
+#include "devices/firmware_memory.hpp"
+#include "devices/input.hpp"
+#include "devices/signal.hpp"
+#include "dictionary/dictionary.hpp"
+
+namespace stator::devices {
+
+/// A complete product, whatever network it is on: firmware, drives and plants. Passive: time comes
+/// in by advance(), what its network brings through the controller its kind of device adds.
+class Device {
+ public:
+  Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  virtual ~Device() = default;
+
+  [[nodiscard]] virtual const dictionary::Dictionary& dictionary() const = 0;
+
+  /// Brings firmware and plant to `now` in the device's own control periods. Time never goes back;
+  /// a `now` before the last one is ignored.
+  virtual void advance(base::SimTime now) = 0;
+
+  /// Lets the firmware take what the network has brought. Called after each frame; cheap when
+  /// nothing came.
+  virtual void handle_bus_events(base::SimTime now) = 0;
+
+  /// Where the device keeps a firmware image that came to it; null if it takes none.
+  [[nodiscard]] virtual FirmwareMemory* firmware() { return nullptr; }
+
+  /// Switches the device's supply at `now`. Off: its firmware stops with all it knew and its power
+  /// stages open; the mechanics go on. On: it starts as after a reset.
+  virtual void set_power(bool on, base::SimTime now) = 0;
+
+  /// Everything that can be recorded, with names unique within the device.
+  [[nodiscard]] virtual std::vector<Signal> signals() = 0;
+
+  /// Everything around the device that can be set while it runs.
+  [[nodiscard]] virtual std::vector<Input> inputs() { return {}; }
+};
+
+}  // namespace stator::devices

@@ -1,0 +1,45 @@
+#include "devices/tmcc160/parameter_memory.hpp"
+
+#include <bit>
+
+#include "base/byte_order.hpp"
+
+namespace stator::devices::tmcc160 {
+
+namespace {
+constexpr auto kMotor = static_cast<std::uint8_t>(Group::motor);
+constexpr auto kPositionScale = static_cast<std::uint8_t>(Group::position_scale);
+}  // namespace
+
+std::span<const std::byte> ParameterMemory::image(std::uint8_t group) const {
+  return connected_ != nullptr ? connected_->image(group)
+                               : std::span<const std::byte>(images_.at(group));
+}
+
+void ParameterMemory::store(std::uint8_t group, std::span<const std::byte> bytes) {
+  keep(group, bytes);
+  if (group == kMotor) {
+    std::array<std::byte, 8> scale{};
+    base::store_le(scale, 0, std::bit_cast<std::uint64_t>(scale_()));
+    keep(kPositionScale, bytes.empty() ? std::span<const std::byte>() : scale);
+  }
+}
+
+void ParameterMemory::keep(std::uint8_t group, std::span<const std::byte> bytes) {
+  if (connected_ != nullptr) {
+    connected_->store(group, bytes);
+  } else {
+    images_.at(group).assign(bytes.begin(), bytes.end());
+  }
+}
+
+double ParameterMemory::position_scale() const {
+  const std::span<const std::byte> bytes = image(kPositionScale);
+  if (bytes.size() != sizeof(double)) {
+    return 1.0;
+  }
+  const auto scale = std::bit_cast<double>(base::load_le<std::uint64_t>(bytes));
+  return scale > 0.0 && scale < 65536.0 ? scale : 1.0;
+}
+
+}  // namespace stator::devices::tmcc160

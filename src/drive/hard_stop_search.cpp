@@ -1,0 +1,108 @@
+#include "drive/hard_stop_search.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace stator::drive {
+
+namespace {
+
+constexpr PassedSwitches kAllPassed{.negative_limit = true, .positive_limit = true};
+
+/// 6099h:02, not above 6099h:01 if that is set.
+double search_speed(const ModeContext& context) {
+  const double fast = homing_fast_speed(context);
+  const double slow = homing_slow_speed(context);
+  return fast > 0.0 ? std::min(slow, fast) : slow;
+}
+
+double return_speed(const ModeContext& context) {
+  const double fast = homing_fast_speed(context);
+  return fast > 0.0 ? fast : homing_slow_speed(context);
+}
+
+}  // namespace
+
+double homing_fast_speed(const ModeContext& context) {
+  return context.settings.units.velocity(context.objects.homing_fast_speed.get());
+}
+
+double homing_slow_speed(const ModeContext& context) {
+  return context.settings.units.velocity(context.objects.homing_slow_speed.get());
+}
+
+void HardStopSearch::begin(const HomingMethod& method) {
+  method_ = &method;
+  stage_ = Stage::pushing;
+  direction_ = method.search_direction;
+  second_ = false;
+}
+
+bool HardStopSearch::advance(const ModeContext& context) {
+  if (stage_ == Stage::pushing) {
+    push(context);
+    return false;
+  }
+  context.motion.search_to(goal_, return_speed(context), kAllPassed);
+  return stands_on_goal(context) && arrived(context);
+}
+
+/// The shaft itself is there: a controller that has just pushed with all it may follows late.
+bool HardStopSearch::stands_on_goal(const ModeContext& context) const {
+  const std::int64_t tolerance =
+      context.settings.position_end ? context.settings.position_end->distance : 0;
+  return context.motion.at_rest() && context.motion.position() == goal_ && context.standstill &&
+         std::llabs(context.actual_position() - goal_) <= tolerance;
+}
+
+void HardStopSearch::push(const ModeContext& context) {
+  const double velocity = direction_ * search_speed(context);
+  context.motion.push_at_velocity(velocity, kAllPassed);
+  // The current that gains speed is no sign of a stop.
+  if (context.motion.velocity() != velocity ||
+      context.motor_current * direction_ < context.settings.hard_stop.current) {
+    return;
+  }
+  context.motion.rest_at_shaft();
+  const HardStopSettings& settings = context.settings.hard_stop;
+  goal_ = context.motion.position() -
+          direction_ * (direction_ > 0 ? settings.positive_clearance : settings.negative_clearance);
+  stage_ = Stage::returning;
+}
+
+bool HardStopSearch::arrived(const ModeContext& context) {
+  if (second_) {
+    const std::int64_t end = context.actual_position();
+    set_limit(context, end);
+    if (method_->scales) {
+      scale(context, end);
+    }
+    return true;
+  }
+  context.motion.set_position(0);
+  context.feedback.set_position(0);
+  set_limit(context, 0);
+  if (!method_->both_ends) {
+    return true;
+  }
+  second_ = true;
+  direction_ = -direction_;
+  stage_ = Stage::pushing;
+  return false;
+}
+
+void HardStopSearch::set_limit(const ModeContext& context, std::int64_t position) const {
+  dictionary::Variable<std::int32_t> limit =
+      direction_ > 0 ? context.objects.maximum_position : context.objects.minimum_position;
+  limit.set(static_cast<std::int32_t>(position));
+}
+
+void HardStopSearch::scale(const ModeContext& context, std::int64_t end) const {
+  if (end == 0) {
+    return;
+  }
+  context.motion.set_position_scale(kScaledRange / static_cast<double>(std::llabs(end)));
+  set_limit(context, context.motion.scaled(end));
+}
+
+}  // namespace stator::drive

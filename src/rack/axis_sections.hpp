@@ -1,0 +1,77 @@
+#pragma once
+
+#include <set>
+#include <string>
+
+#include "plant/holding_brake.hpp"
+#include "plant/incremental_encoder.hpp"
+#include "plant/mechanical_load.hpp"
+#include "plant/position_switch.hpp"
+#include "plant/supply.hpp"
+#include "plant/two_body_thermal.hpp"
+#include "rack/toml_section.hpp"
+
+namespace stator::rack {
+
+// The keys that axes of every kind of motor have, docs/rack-file.md. Each function reads a table
+// over the values its target has and throws RackFileError for unknown keys and values out of range.
+
+/// Beyond it a position is surely a mistake, revolutions.
+inline constexpr double kFarAway = 1e6;
+
+/// Replaces `target` by the number at `key`, if there is one.
+inline void set(TomlSection& section, const char* key, double minimum, double maximum,
+                double& target) {
+  target = section.number(key, minimum, maximum).value_or(target);
+}
+
+/// Says that `motor` is none of `names`, and which might be meant.
+[[noreturn]] void fail_for_motor(TomlSection& section, const std::string& motor,
+                                 const std::set<std::string>& names);
+
+void read_load(TomlSection section, plant::MechanicalLoad& load);
+void read_brake(TomlSection section, plant::HoldingBrake& brake);
+void read_supply(TomlSection section, plant::SupplyParameters& supply);
+void read_motor_thermal(TomlSection section, plant::ThermalParameters& thermal);
+void read_encoder(TomlSection section, plant::EncoderParameters& encoder);
+void read_switch(TomlSection section, plant::PositionSwitch& position_switch);
+
+/// What surrounds a motor: supply, load, brake, encoder and switches; `Parameters` is
+/// plant::StepperAxisParameters or plant::ServoAxisParameters.
+template <typename Parameters>
+void read_axis_surroundings(TomlSection& section, Parameters& parameters) {
+  set(section, "supply_voltage", 0.0, 100.0, parameters.supply_voltage);
+  set(section, "initial_position", -kFarAway, kFarAway, parameters.initial_revolutions);
+  set(section, "ambient_temperature", -50.0, 200.0, parameters.ambient_temperature);
+  if (auto supply = section.section("supply")) {
+    read_supply(*supply, parameters.supply);
+  }
+  if (auto load = section.section("load")) {
+    read_load(*load, parameters.load);
+  }
+  if (auto brake = section.section("brake")) {
+    if (parameters.load.brake_torque == 0.0) {
+      section.fail("brake", "a brake needs \"load.brake_torque\", the torque it holds with");
+    }
+    read_brake(*brake, parameters.brake);
+  }
+  if (const auto high = section.boolean("open_inputs_high")) {
+    parameters.left_switch.level_if_not_fitted = *high;
+    parameters.right_switch.level_if_not_fitted = *high;
+    parameters.home_switch.level_if_not_fitted = *high;
+  }
+  if (auto encoder = section.section("encoder")) {
+    read_encoder(*encoder, parameters.encoder);
+  }
+  if (auto left = section.section("left_switch")) {
+    read_switch(*left, parameters.left_switch);
+  }
+  if (auto right = section.section("right_switch")) {
+    read_switch(*right, parameters.right_switch);
+  }
+  if (auto home = section.section("home_switch")) {
+    read_switch(*home, parameters.home_switch);
+  }
+}
+
+}  // namespace stator::rack

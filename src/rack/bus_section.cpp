@@ -1,0 +1,70 @@
+#include "rack/bus_section.hpp"
+
+#include <cstdint>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "link/can_link_address.hpp"
+#include "rack/device_section.hpp"
+
+namespace stator::rack {
+
+namespace {
+
+/// "unlimited" or kbit/s.
+std::optional<std::uint32_t> read_bit_rate(TomlSection& section,
+                                           std::optional<std::uint32_t> otherwise) {
+  constexpr std::int64_t kSlowest = 5;
+  constexpr std::int64_t kFastest = 1000;
+  if (section.is_text("bit_rate")) {
+    section.choice("bit_rate", {"unlimited"});
+    return std::nullopt;
+  }
+  const auto rate = section.integer("bit_rate", kSlowest, kFastest);
+  return rate ? static_cast<std::uint32_t>(*rate * 1000) : otherwise;
+}
+
+BusConfiguration read_bus(TomlSection& section, std::size_t number, std::set<std::string>& names) {
+  BusConfiguration bus;
+  bus.name = section.text("name").value_or(fmt::format("can{}", number));
+  if (!names.insert(bus.name).second) {
+    section.fail("name", fmt::format("the name \"{}\" is given twice; give each bus and device its "
+                                     "own \"name\"",
+                                     bus.name));
+  }
+  bus.bit_rate = read_bit_rate(section, bus.bit_rate);
+  bus.ports_acknowledge = section.boolean("ports_acknowledge").value_or(bus.ports_acknowledge);
+  bus.ports = section.texts("ports").value_or(bus.ports);
+  for (const std::string& port : bus.ports) {
+    if (const auto address = link::parse_can_link_address(port); !address) {
+      section.fail("ports", address.error().text);
+    }
+  }
+  bus.log = section.text("log").value_or("");
+  bus.capture = section.text("capture").value_or("");
+  if (const auto cpu = section.integer("cpu", 0, 1023)) {
+    bus.cpu = static_cast<unsigned>(*cpu);
+  }
+  for (TomlSection& device : section.sections("device")) {
+    bus.devices.push_back(read_device(device, names, NetworkKind::bus));
+    read_serial_line(device, "serial", bus.devices.back().serial);
+    device.finish();
+  }
+  if (bus.devices.empty()) {
+    section.fail("device", "a bus needs at least one [[bus.device]]");
+  }
+  section.finish();
+  return bus;
+}
+
+}  // namespace
+
+void read_buses(TomlSection& root, std::set<std::string>& names,
+                std::vector<BusConfiguration>& buses) {
+  for (TomlSection& section : root.sections("bus")) {
+    buses.push_back(read_bus(section, buses.size(), names));
+  }
+}
+
+}  // namespace stator::rack

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/sim_time.hpp"
+#include "can/bus.hpp"
+#include "can/port.hpp"
+#include "devices/can_device.hpp"
+#include "devices/signal.hpp"
+#include "rack/can_tap.hpp"
+#include "rack/rack_configuration.hpp"
+
+namespace stator::rack {
+
+/// A device on a CAN bus with the name people gave it.
+struct NamedCanDevice {
+  std::string name;
+  std::unique_ptr<devices::CanDevice> device;
+};
+
+/// A CAN bus with its devices and ports. Passive: whoever feeds the ports brings the time.
+///
+/// On its way through time it stops wherever a frame ends or a device acts on its own. A device is
+/// brought to such a moment only if it gets a frame then, all others when the whole way is done:
+/// they run in periods of their own, so they do not notice.
+class CanNetwork {
+ public:
+  /// `reporter` is for events of the bus itself. Throws std::runtime_error when its log or capture
+  /// cannot be opened.
+  CanNetwork(const BusConfiguration& configuration, const base::EventReporter& reporter);
+
+  /// Adds a device, which becomes the next in devices(); `reporter` tells of its error states.
+  void add(NamedCanDevice device, const base::EventReporter& reporter);
+  /// Attaches a port until it is removed.
+  void add(can::Port& port) { bus_.add(port); }
+  void remove(const can::Port& port) { bus_.remove(port); }
+
+  /// Brings bus and devices to `now`.
+  void advance(base::SimTime now);
+  /// The next moment at which a frame ends or a device acts on its own.
+  [[nodiscard]] base::SimTime next_deadline() const {
+    return std::min(earliest_, bus_.next_deadline());
+  }
+
+  /// Does one of what the events of a rack can do to a device; `now` is where advance() has come.
+  void set_connected(std::size_t device, bool connected);
+  void set_power(std::size_t device, bool on, base::SimTime now);
+  [[nodiscard]] bool powered(std::size_t device) const { return bus_.powered(members_[device]); }
+  void set_error_state(std::size_t device, can::ErrorState state, base::SimTime now);
+  void inject(const FrameFaultEvent& event);
+  /// Something about the device was changed from outside.
+  void touched(std::size_t device) { refresh(device, now_); }
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const can::Bus& bus() const { return bus_; }
+  [[nodiscard]] std::span<NamedCanDevice> devices() { return devices_; }
+  [[nodiscard]] std::size_t member_of(std::size_t device) const { return members_[device]; }
+  /// What can be recorded of the bus itself: load, frames, error frames.
+  [[nodiscard]] std::vector<devices::Signal> signals();
+
+ private:
+  void serve_reached();
+  void serve(std::size_t device, base::SimTime now);
+  void refresh(std::size_t device, base::SimTime now);
+  void find_earliest();
+  double load() { return bus_.load(now_); }
+  double frames() { return static_cast<double>(bus_.statistics().frames); }
+  double error_frames() { return static_cast<double>(bus_.statistics().error_frames); }
+
+  std::string name_;
+  std::vector<NamedCanDevice> devices_;
+  std::vector<std::size_t> members_;      ///< by device: its number as a member of the bus
+  std::vector<std::size_t> device_of_;    ///< by member of the bus that is a device
+  std::vector<base::SimTime> deadlines_;  ///< by device
+  base::SimTime earliest_ = base::SimTime::never();  ///< of the deadlines
+  bool earliest_stale_ = false;                      ///< the earliest one may be later now
+  base::SimTime now_;
+  CanTap tap_;
+  can::Bus bus_;  ///< goes first: it knows the devices' controllers
+};
+
+}  // namespace stator::rack

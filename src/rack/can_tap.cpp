@@ -1,0 +1,50 @@
+#include "rack/can_tap.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+namespace stator::rack {
+
+namespace {
+
+template <typename Opened>
+auto require(Opened opened) {
+  if (!opened) {
+    throw std::runtime_error(opened.error().text);
+  }
+  return std::move(*opened);
+}
+
+}  // namespace
+
+CanTap::CanTap(const BusConfiguration& configuration, const base::EventReporter& reporter)
+    : reporter_(reporter) {
+  if (!configuration.log.empty()) {
+    log_ = require(link::CandumpLog::open(configuration.log, configuration.name));
+  }
+  if (!configuration.capture.empty()) {
+    capture_ = require(link::CanCapture::open(configuration.capture));
+  }
+}
+
+void CanTap::write(const can::TraceEntry& entry) {
+  write_to(log_, entry);
+  write_to(capture_, entry);
+}
+
+template <typename File>
+void CanTap::write_to(std::unique_ptr<File>& file, const can::TraceEntry& entry) {
+  if (file == nullptr) {
+    return;
+  }
+  const auto written = entry.kind == can::TraceEntry::Kind::frame
+                           ? file->write(entry.time, entry.frame)
+                           : file->write(entry.time, link::bus_error_frame());
+  if (!written) {
+    error_ = written.error().text;
+    reporter_.report(entry.time, rules::kCanTapFailed, {base::EventArgument(error_)});
+    file.reset();
+  }
+}
+
+}  // namespace stator::rack

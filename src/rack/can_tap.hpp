@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/event.hpp"
+#include "can/bus.hpp"
+#include "link/can_log.hpp"
+#include "rack/rack_configuration.hpp"
+
+namespace stator::rack {
+
+/// Writes what is on the wire of a CAN bus to the files its configuration names.
+class CanTap {
+ public:
+  /// Opens them; throws std::runtime_error with file and reason when that fails. `reporter` is told
+  /// when one cannot be written later.
+  CanTap(const BusConfiguration& configuration, const base::EventReporter& reporter);
+
+  /// There is nothing to write to.
+  [[nodiscard]] bool empty() const { return log_ == nullptr && capture_ == nullptr; }
+  void write(const can::TraceEntry& entry);
+
+ private:
+  template <typename File>
+  void write_to(std::unique_ptr<File>& file, const can::TraceEntry& entry);
+
+  base::EventReporter reporter_;
+  std::unique_ptr<link::CandumpLog> log_;
+  std::unique_ptr<link::CanCapture> capture_;
+  std::string error_;  ///< the event refers to it
+};
+
+namespace rules {
+inline constexpr base::EventRule kCanTapFailed{"can-tap-failed", base::Severity::warning,
+                                               "{0}; this file ends here"};
+}  // namespace rules
+
+}  // namespace stator::rack

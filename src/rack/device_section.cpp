@@ -1,0 +1,107 @@
+#include "rack/device_section.hpp"
+
+#include <map>
+#include <optional>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "link/serial_link.hpp"
+#include "rack/product_catalogue.hpp"
+#include "rack/stepper_axis_section.hpp"
+#include "rack/tmcc160_section.hpp"
+
+namespace stator::rack {
+
+namespace {
+
+using namespace base::literals;
+
+std::map<std::string, devices::tmcm_3315::FirmwareVersion> firmware_versions() {
+  using enum devices::tmcm_3315::FirmwareVersion;
+  return {{"1.07", v1_07}, {"1.08", v1_08}, {"1.09", v1_09}};
+}
+
+std::set<std::string> firmware_names() {
+  std::set<std::string> names;
+  for (const auto& [name, version] : firmware_versions()) {
+    names.insert(name);
+  }
+  return names;
+}
+
+void read_product(TomlSection& section, devices::Tmcm3315Configuration& configuration) {
+  if (const auto alias = section.integer("alias", 0, 0xFFFF)) {
+    configuration.station_alias = static_cast<std::uint16_t>(*alias);
+  }
+  if (const auto firmware = section.choice("firmware", firmware_names())) {
+    configuration.firmware = firmware_versions().at(*firmware);
+  }
+  configuration.emergencies = section.boolean("emergencies").value_or(configuration.emergencies);
+  configuration.require_outputs =
+      section.boolean("require_outputs").value_or(configuration.require_outputs);
+  if (const auto identification = section.integer("identification", 0, 0xFFFF)) {
+    configuration.identification = static_cast<std::uint16_t>(*identification);
+  }
+  configuration.firmware_erase_time = section.duration("firmware_erase_time", 0_us, 60_s)
+                                          .value_or(configuration.firmware_erase_time);
+  configuration.home_offset_is_position =
+      section.boolean("home_offset_is_position").value_or(configuration.home_offset_is_position);
+  std::vector<TomlSection> axes = section.sections("axis");
+  if (axes.size() > configuration.axes.size()) {
+    section.fail("axis", fmt::format("{} axes are given, the device has {}", axes.size(),
+                                     configuration.axes.size()));
+  }
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    read_stepper_axis(axes[i], configuration.axes[i]);
+  }
+}
+
+void read_product(TomlSection& section, devices::Tmcc160Configuration& configuration) {
+  read_tmcc160(section, configuration);
+}
+
+[[noreturn]] void read_product(TomlSection& section, OwnCanDevice& /*configuration*/) {
+  section.fail("type", "a device of one's own has no place in a rack file");
+}
+
+}  // namespace
+
+void read_serial_line(TomlSection& section, const char* key, std::string& line) {
+  const std::optional<std::string> text = section.text(key);
+  if (!text) {
+    return;
+  }
+  if (!link::is_serial_link(*text)) {
+    section.fail(key,
+                 fmt::format("\"{}\" is \"{}\"; write \"{}\"", key, *text, link::kSerialLinkForms));
+  }
+  line = *text;
+}
+
+DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& names,
+                                NetworkKind network) {
+  std::set<std::string> types;
+  for (const Product& product : products()) {
+    if (product.network == network) {
+      types.emplace(product.type);
+    }
+  }
+  const std::optional<std::string> type = section.choice("type", types);
+  if (!type) {
+    section.fail("type", "\"type\" is missing; it names the product, see \"stator devices\"");
+  }
+  DeviceConfiguration device;
+  device.name = section.text("name").value_or(*type);
+  device.product = find_product(*type)->default_configuration();
+  if (!names.insert(device.name).second) {
+    section.fail("name", fmt::format("the name \"{}\" is given twice; give each device its own "
+                                     "\"name\"",
+                                     device.name));
+  }
+  std::visit([&section](auto& configuration) { read_product(section, configuration); },
+             device.product);
+  return device;
+}
+
+}  // namespace stator::rack

@@ -1,0 +1,27 @@
+#include "rack/local_can_port.hpp"
+
+namespace stator::rack {
+
+LocalCanPort::LocalCanPort(Rack& rack, std::size_t bus, base::SimDuration cycle,
+                           base::SimDuration step)
+    : rack_(rack), bus_(bus), clock_(cycle, step) {
+  port_.set_lossy(true);  // one thread: nobody would take what the bus waits for
+  rack_.bus(bus_).add(port_);
+}
+
+LocalCanPort::~LocalCanPort() {
+  rack_.bus(bus_).remove(port_);
+}
+
+void LocalCanPort::send(const can::Frame& frame) {
+  rack_.advance(clock_.on_frame(frame));
+  port_.put(frame);
+  rack_.settle(bus_, clock_);
+}
+
+void LocalCanPort::wait(base::SimDuration duration) {
+  clock_.wait(duration);
+  rack_.advance(clock_.now());
+}
+
+}  // namespace stator::rack

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+
+#include "base/sim_time.hpp"
+#include "rack/clock.hpp"
+#include "rack/rack.hpp"
+
+namespace spdlog {
+class logger;
+}
+
+namespace stator::rack {
+
+/// What the threads of a runner share: one of them at a time touches the rack.
+struct RunningRack {
+  /// Lag behind the machine's clock from which on an overrun is counted.
+  static constexpr base::SimDuration kOverrun{20'000'000};
+
+  RunningRack(Rack& shared, const RackConfiguration& configuration,
+              std::shared_ptr<spdlog::logger> told)
+      : rack(shared),
+        clock_kind(configuration.clock),
+        lockstep_clock(configuration.cycle, configuration.step),
+        logger(std::move(told)) {}
+
+  /// Simulated time; the mutex must be held.
+  [[nodiscard]] base::SimTime now() const {
+    return clock_kind == ClockKind::real ? real_clock.now() : lockstep_clock.now();
+  }
+  /// Brings the rack to the machine's present and returns by how much it lagged; the mutex must be
+  /// held.
+  base::SimDuration catch_up() {
+    const base::SimTime present = real_clock.now();
+    rack.advance(present);
+    return real_clock.now() - present;
+  }
+  /// Looks now and then for what devices want to be kept; takes the mutex.
+  void keep_files();
+  /// Tells of the `count`th overrun, with the lag that was seen.
+  void log_overrun(std::uint64_t count, base::SimDuration lag) const;
+
+  Rack& rack;
+  ClockKind clock_kind;
+  RealClock real_clock;
+  LockstepClock lockstep_clock;
+  std::shared_ptr<spdlog::logger> logger;
+  std::mutex mutex;  ///< guards rack, lockstep_clock, next_keeping and all statistics
+  base::SimTime next_keeping;
+  std::atomic<bool> stopping{false};
+};
+
+}  // namespace stator::rack

@@ -1,0 +1,141 @@
+// A bus of a rack on a real port, as "stator run" runs it.
+
+#include "rack/bus_thread.hpp"
+
+#include <array>
+#include <string>
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <spdlog/logger.h>
+#include <spdlog/sinks/null_sink.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "link/file_descriptor.hpp"
+#include "rack/runner.hpp"
+#include "rack/test_can_device.hpp"
+
+namespace stator::rack {
+namespace {
+
+using stator::tests::rack_with_bus;
+using ::testing::HasSubstr;
+
+/// A program with the LAWICEL protocol over TCP.
+class SlcanProgram {
+ public:
+  explicit SlcanProgram(const std::string& port_name) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port =
+        htons(static_cast<std::uint16_t>(std::stoul(port_name.substr(port_name.rfind(':') + 1))));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address),
+              0);
+    send("O\r");
+  }
+
+  void send(const std::string& text) {
+    EXPECT_EQ(::write(socket_.get(), text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  }
+  /// What comes until it contains `end` or ten seconds have passed.
+  std::string read_until(const std::string& end) {
+    std::string text;
+    while (text.find(end) == std::string::npos) {
+      pollfd waiting{.fd = socket_.get(), .events = POLLIN, .revents = 0};
+      std::array<char, 4096> buffer{};
+      const ssize_t got =
+          ::poll(&waiting, 1, 10'000) > 0 ? ::read(socket_.get(), buffer.data(), buffer.size()) : 0;
+      if (got <= 0) {
+        ADD_FAILURE() << "only \"" << text << "\" came";
+        break;
+      }
+      text.append(buffer.data(), static_cast<std::size_t>(got));
+    }
+    return text;
+  }
+
+ private:
+  link::FileDescriptor socket_;
+};
+
+class BusThreadTest : public ::testing::Test {
+ protected:
+  explicit BusThreadTest(RackConfiguration configuration = rack_with_bus(2))
+      : configuration_(std::move(configuration)) {
+    configuration_.buses[0].ports = {"slcan-tcp:0"};
+  }
+  void start() {
+    rack_.emplace(configuration_, log_);
+    runner_.emplace(*rack_, configuration_, logger_);
+    runner_->start();
+  }
+  [[nodiscard]] std::string port() { return runner_->bus(0).port(0).name(); }
+
+  RackConfiguration configuration_;
+  EventLog log_;
+  std::shared_ptr<spdlog::logger> logger_ =
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::null_sink_mt>());
+  std::optional<Rack> rack_;
+  std::optional<Runner> runner_;
+};
+
+TEST_F(BusThreadTest, AProgramIsAnswered) {
+  for (const ClockKind clock : {ClockKind::real, ClockKind::lockstep}) {
+    configuration_.clock = clock;
+    runner_.reset();
+    start();
+    SlcanProgram program(port());
+    program.send("t60224011\r");
+    EXPECT_THAT(program.read_until("t58224011\r"), HasSubstr("t58224011\r"));
+    runner_->stop();
+    EXPECT_EQ(runner_->bus(0).statistics().frames_in, 1U);
+  }
+}
+
+TEST_F(BusThreadTest, OnAPacedBusAnswersComeWhenTheirTimeHasCome) {
+  configuration_ = rack_with_bus(2, 10'000);
+  configuration_.buses[0].ports = {"slcan-tcp:0"};
+  start();
+  SlcanProgram program(port());
+  program.send("t60281122334455667788\r");
+  program.read_until("t58281122334455667788\r");
+  runner_->stop();
+  EXPECT_GT(runner_->now(), base::SimTime(base::SimDuration(20'000'000))) << "20 ms on the wire";
+}
+
+TEST_F(BusThreadTest, AnUnpacedBurstLosesNoFrame) {
+  start();
+  SlcanProgram program(port());
+  SlcanProgram listener(port());
+  constexpr unsigned kFrames = 20'000;
+  std::string burst;
+  for (unsigned i = 0; i < kFrames; ++i) {
+    burst += "t6011" + std::string(1, "0123456789ABCDEF"[i % 16]) + "0\r";
+  }
+  std::thread sender([&] { program.send(burst + "t60213F\r"); });
+  const std::string answers = program.read_until("t58213F\r");
+  sender.join();
+  EXPECT_EQ(std::ranges::count(answers, 't'), kFrames + 1) << "each frame begins with a t";
+}
+
+TEST_F(BusThreadTest, InLockstepTimeMovesWithFramesOnly) {
+  configuration_.clock = ClockKind::lockstep;
+  start();
+  SlcanProgram program(port());
+  program.send("t0800\rt0800\rt6021AA\r");
+  program.read_until("t5821AA\r");
+  runner_->stop();
+  EXPECT_EQ(runner_->now(), base::SimTime(base::SimDuration(2'050'000)));
+}
+
+TEST_F(BusThreadTest, ABusWithoutPortsIsRefused) {
+  configuration_.buses[0].ports.clear();
+  EXPECT_THROW(start(), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace stator::rack
