@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/inotify.h>
 #include <termios.h>
 #include <unistd.h>
@@ -75,11 +76,18 @@ void SlcanPtyLink::on_readable(int descriptor) {
 }
 
 void SlcanPtyLink::on_idle() {
-  if (last_has_gone_) {
-    last_has_gone_ = false;
-    restart_client(*clients().front());
-    ::tcflush(terminal_.client_end(), TCIFLUSH);
+  if (!last_has_gone_) {
+    return;
   }
+  // The system hands over in the background what a program wrote: its last words can come after
+  // the news that it is gone. poll() waits for them; they are then read before anything else.
+  pollfd input{.fd = clients().front()->descriptor.get(), .events = POLLIN, .revents = 0};
+  if (::poll(&input, 1, 0) > 0) {
+    return;
+  }
+  last_has_gone_ = false;
+  restart_client(*clients().front());
+  ::tcflush(terminal_.client_end(), TCIFLUSH);
 }
 
 std::string SlcanPtyLink::usage() const {
