@@ -187,7 +187,7 @@ class Bus {
   void perform(base::SimTime now);
   void plan();
   void collect();
-  void refresh(std::size_t member);
+  void refresh(std::size_t index);
   void forget_vanished();
   void begin(base::SimTime now);
   [[nodiscard]] std::size_t arbitrate(base::SimTime now);

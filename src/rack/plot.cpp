@@ -66,7 +66,7 @@ bool every_panel_shares_its_axis(const Plot& plot) {
 /// Room for panels and for what is written around them; gnuplot wants fractions of the picture.
 std::string layout_of(const Plot& plot) {
   constexpr double kTitle = 50.0;       // pixels above the first panel
-  constexpr double kAxis = 55.0;        // below a panel with numbers and name of its axis
+  constexpr double kAxis = 70.0;        // below a panel with numbers and name of its axis
   constexpr double kSharedAxis = 40.0;  // below one without
   constexpr double kLegend = 30.0;      // above a panel
   const double height = height_of(plot);
