@@ -113,13 +113,13 @@ class Bus {
   // What happens to members; `now` is the moment to which the bus has been brought.
 
   /// Plugs a member's connector in or out.
-  void set_connected(std::size_t member, bool connected);
+  void set_connected(std::size_t number, bool connected);
   /// A node without supply is not there; one that is switched on begins with error counters of 0
   /// and empty buffers.
-  void set_power(std::size_t member, bool on);
-  void set_bit_rate(std::size_t member, std::uint32_t bit_rate);
-  void force_bus_off(std::size_t member, base::SimTime now);
-  void force_error_passive(std::size_t member, base::SimTime now);
+  void set_power(std::size_t number, bool on);
+  void set_bit_rate(std::size_t number, std::uint32_t bit_rate);
+  void force_bus_off(std::size_t number, base::SimTime now);
+  void force_error_passive(std::size_t number, base::SimTime now);
   void inject(const FrameFault& fault) { faults_.add(fault); }
 
   // What can be seen.
@@ -202,10 +202,10 @@ class Bus {
   void count_success(base::SimTime end);
   void destroy(Verdict verdict, base::SimTime end);
   void count_errors_of_others(base::SimTime end);
-  void update_state(std::size_t member, base::SimTime now);
+  void update_state(std::size_t number, base::SimTime now);
   void enter_bus_off(Member& member, base::SimTime now);
   void recover(base::SimTime now);
-  void membership_changed(std::size_t member);
+  void membership_changed(std::size_t number);
   void account(base::SimTime end, base::SimDuration duration);
   [[nodiscard]] bool mismatched(const Member& member) const;
   [[nodiscard]] bool is_sender(std::size_t member) const;

@@ -74,7 +74,7 @@ struct CobIdRules {
 /// (06090030h), and whether it may change now (08000022h): a CAN-ID changes only while its object
 /// does not exist, or ceases to.
 [[nodiscard]] dictionary::Verdict check_cob_id(const dictionary::Entry& entry, CobIdKind kind,
-                                               std::uint64_t value, const CobIdRules& rules);
+                                               std::uint64_t value, const CobIdRules& limits);
 
 /// The entry of another communication object that exists and uses `can_id`; null if there is none.
 [[nodiscard]] const dictionary::Entry* user_of_can_id(const dictionary::Dictionary& dictionary,

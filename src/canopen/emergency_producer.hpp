@@ -54,7 +54,7 @@ class EmergencyProducer final : public Service, public EmergencySink {
 
   /// 1001h must be declared; without 1014h nothing is sent.
   EmergencyProducer(dictionary::Dictionary& dictionary, can::Transmitter& transmitter,
-                    base::EventReporter reporter, const EmergencyRules& rules = {});
+                    base::EventReporter reporter, const EmergencyRules& limits = {});
 
   void raise(const Emergency& emergency, base::SimTime now) override;
   void clear(std::uint16_t code, std::uint8_t cause, base::SimTime now) override;

@@ -9,7 +9,6 @@ namespace stator::canopen {
 
 namespace {
 
-using base::EventArgument;
 using base::SimDuration;
 using base::SimTime;
 using dictionary::AbortCode;

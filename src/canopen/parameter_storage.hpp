@@ -55,7 +55,7 @@ class ParameterStorage final : public WriteCompletion {
  public:
   /// Every command's entry must be declared. `memory` must outlive the storage.
   ParameterStorage(dictionary::Dictionary& dictionary, NonVolatileMemory& memory,
-                   base::EventReporter reporter, const ParameterStorageRules& rules);
+                   base::EventReporter reporter, const ParameterStorageRules& limits);
 
   /// Gives every parameter that has been stored its stored value, without hooks; to be called after
   /// the defaults were set. A damaged image changes nothing and raises an event.

@@ -30,7 +30,7 @@ class PdoMapping {
 
   /// `object` is the mapping object, 16xxh or 1Axxh.
   PdoMapping(const dictionary::Dictionary& dictionary, const dictionary::Object& object,
-             PdoDirection direction, const PdoRules& rules);
+             PdoDirection direction, const PdoRules& limits);
 
   // Rules for writes (CiA 301 §7.5.2.36), without those about the state of the PDO.
 

@@ -27,7 +27,7 @@ struct SdoServerConfiguration {
   /// Segments per block the server asks for in a block download, 1 to 127.
   std::uint8_t block_size = 127;
   /// Longest text or domain in bytes a client may write, where the dictionary has one to write.
-  std::size_t longest_download = 16 * 1024;
+  std::size_t longest_download = 16'384;
 };
 
 struct SdoServerStatistics {
