@@ -19,7 +19,7 @@ class TransmitPdo {
  public:
   /// `number` counts from 0 for 1800h; both its objects must exist.
   TransmitPdo(const dictionary::Dictionary& dictionary, std::uint16_t number,
-              can::Transmitter& transmitter, const PdoRules& rules);
+              can::Transmitter& transmitter, const PdoRules& limits);
 
   /// Follows its objects anew.
   void configure();
