@@ -48,7 +48,7 @@ SdoServer::Answer SdoServer::block_upload(Request request, unsigned subcommand, 
   }
   if (subcommand == sdo::kEndBlock && transfer_ == Transfer::block_upload_end) {
     forget();
-    return Answer(std::nullopt);
+    return std::optional<Reply>();
   }
   return refuse(AbortCode::command_specifier_unknown, sdo::rules::kNoTransfer, command);
 }
@@ -75,7 +75,7 @@ SdoServer::Answer SdoServer::initiate_block_upload(Request request) {
   const unsigned crc = std::to_integer<unsigned>(request[0]) & sdo::kCrcSupported;
   block_.with_crc = crc != 0;
   transfer_ = Transfer::block_upload_begin;
-  return Answer(reply_to_initiate(
+  return std::optional(reply_to_initiate(
       sdo::kBlockUploadResponse | crc | sdo::kBlockSizeIndicated | sdo::kInitiateBlock,
       static_cast<std::uint32_t>(*size_)));
 }
@@ -104,7 +104,7 @@ SdoServer::Answer SdoServer::send_block(SimTime now) {
     offset_ += sent;
     send(segment);
   }
-  return Answer(std::nullopt);
+  return std::optional<Reply>();
 }
 
 SdoServer::Answer SdoServer::block_upload_acknowledged(Request request, SimTime now) {
@@ -122,7 +122,7 @@ SdoServer::Answer SdoServer::block_upload_acknowledged(Request request, SimTime 
     if (block_.with_crc) {
       base::store_le(reply, 1, crc16(upload_data()));
     }
-    return Answer(reply);
+    return std::optional(reply);
   }
   if (Verdict verdict = set_block_size(std::to_integer<unsigned>(request[2])); !verdict) {
     return Unexpected{verdict.error()};
@@ -161,7 +161,7 @@ SdoServer::Answer SdoServer::initiate_block_download(Request request) {
   block_.with_crc = crc != 0;
   block_.size = configuration_.block_size;
   transfer_ = Transfer::block_download;
-  return Answer(reply_to_initiate(sdo::kBlockDownloadResponse | crc | sdo::kInitiateBlock,
+  return std::optional(reply_to_initiate(sdo::kBlockDownloadResponse | crc | sdo::kInitiateBlock,
                                   std::uint32_t{block_.size}));
 }
 
@@ -204,7 +204,7 @@ SdoServer::Answer SdoServer::finish_block() {
   }
   block_.sequence = 0;
   block_.pending = false;
-  return Answer(reply);
+  return std::optional(reply);
 }
 
 SdoServer::Answer SdoServer::end_block_download(Request request, SimTime now) {

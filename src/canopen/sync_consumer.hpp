@@ -42,7 +42,7 @@ class SyncConsumer final : public Service {
 
   /// 1005h must be declared.
   SyncConsumer(dictionary::Dictionary& dictionary, EmergencySink& emergencies,
-               const SyncRules& rules = {});
+               const SyncRules& limits = {});
 
   /// Who is told of each SYNC, e.g. PdoService::on_sync.
   void set_listener(Listener listener) { listener_ = listener; }

@@ -36,6 +36,6 @@ constexpr std::array<base::SineCosine, 256> sine_table() {
 
 }  // namespace
 
-constinit const std::array<base::SineCosine, 256> kSineTable = sine_table();
+constinit const std::array<base::SineCosine, 256> SineTable::entries = sine_table();
 
 }  // namespace stator::control

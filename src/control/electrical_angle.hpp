@@ -38,14 +38,16 @@ inline constexpr ElectricalAngle kTwelfthTurn{357'913'941};
 }
 
 /// Sine and cosine of the 256 angles n / 256 turn.
-extern const std::array<base::SineCosine, 256> kSineTable;
+struct SineTable {
+  static const std::array<base::SineCosine, 256> entries;
+};
 
 /// Sine and cosine from a table of 256 entries and a second-order step from the nearest one. Error
 /// below 3.1e-7, a hundredth of a bit of Q15; same bits everywhere.
 [[nodiscard]] inline base::SineCosine sine_cosine(ElectricalAngle angle) {
   constexpr double kRadian = base::kTwoPi / 4294967296.0;
   const std::uint32_t nearest = angle.value + 0x0080'0000U;
-  const base::SineCosine& entry = kSineTable[nearest >> 24];
+  const base::SineCosine& entry = SineTable::entries[nearest >> 24];
   const double x =
       static_cast<double>(static_cast<std::int32_t>((nearest & 0x00FF'FFFFU) - 0x0080'0000U)) *
       kRadian;

@@ -2,6 +2,8 @@
 
 #include <cstdlib>
 
+#include "control/rounding.hpp"
+
 namespace stator::control {
 
 namespace {
@@ -108,7 +110,7 @@ void EncoderCommutation::place(ElectricalAngle angle) {
   const double ahead =
       static_cast<double>(angle.value) * static_cast<double>(steps_) / (4294967296.0 * pole_pairs_);
   reference_ = 0;
-  set_offset(static_cast<std::int64_t>(ahead + 0.5) - count_);
+  set_offset(nearest_integer(ahead) - count_);
 }
 
 void EncoderCommutation::set_offset(std::int64_t offset) {
