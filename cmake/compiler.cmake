@@ -1,26 +1,28 @@
 # Warnings, determinism and sanitizers: one interface target that every target of the project links.
 
-# What programs of others load links stator_plain_options: a sanitizer has to be in a program from
-# its start.
-add_library(stator_plain_options INTERFACE)
 add_library(stator_compile_options INTERFACE)
-target_link_libraries(stator_compile_options INTERFACE stator_plain_options)
 
-target_compile_options(stator_plain_options INTERFACE
+target_compile_options(stator_compile_options INTERFACE
   -Wall -Wextra -Wconversion -Wshadow -Wpedantic -Wnon-virtual-dtor -Woverloaded-virtual
   # Same inputs, same bits: a fused multiply-add rounds once where two operations round twice.
   -ffp-contract=off)
 if(STATOR_WARNINGS_AS_ERRORS)
-  target_compile_options(stator_plain_options INTERFACE -Werror)
+  target_compile_options(stator_compile_options INTERFACE -Werror)
 endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12's straight-line vectoriser emits fused operations even with contraction off.
-  target_compile_options(stator_plain_options INTERFACE -fno-tree-slp-vectorize)
+  target_compile_options(stator_compile_options INTERFACE -fno-tree-slp-vectorize)
   if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # GCC 12 sees overlaps in std::string's operator+ that are not there (GCC bug 105329).
-    target_compile_options(stator_plain_options INTERFACE -Wno-restrict)
+    target_compile_options(stator_compile_options INTERFACE -Wno-restrict)
   endif()
 endif()
+
+# What programs of others load takes the options so far: a sanitizer has to be in a program from its
+# start.
+get_target_property(plain_options stator_compile_options INTERFACE_COMPILE_OPTIONS)
+add_library(stator_plain_options INTERFACE)
+target_compile_options(stator_plain_options INTERFACE ${plain_options})
 
 if(STATOR_SANITIZE)
   target_compile_options(stator_compile_options INTERFACE
