@@ -22,6 +22,11 @@ struct NearbyCogging {
   [[nodiscard]] double after(double turned) const {
     return torque + turned * (slope + turned * (square + turned * cube));
   }
+  /// Its mean on the way there.
+  [[nodiscard]] double mean(double turned) const {
+    return torque +
+           turned * (0.5 * slope + turned * ((1.0 / 3.0) * square + turned * (0.25 * cube)));
+  }
 };
 
 /// The harmonics of a motor's cogging torque.
@@ -30,17 +35,19 @@ class Cogging {
   explicit Cogging(const std::array<CoggingHarmonic, 2>& harmonics) {
     for (const CoggingHarmonic& harmonic : harmonics) {
       if (harmonic.amplitude != 0.0) {
+        const base::SineCosine phase = base::sine_cosine(harmonic.phase);
         const double order = harmonic.order;
         harmonics_[count_++] = {
-            .order = harmonic.order,
-            .shifted = harmonic.phase != 0.0,
-            .phase = base::sine_cosine(harmonic.phase),
-            .torque = harmonic.amplitude,
-            .slope = harmonic.amplitude * order,
-            .square = -harmonic.amplitude * (order * order) / 2.0,
-            .cube = -harmonic.amplitude * (order * order * order) / 6.0,
+            .times = harmonic.order % 6 == 0 ? harmonic.order / 6 : harmonic.order,
+            .of_six = harmonic.order % 6 == 0,
+            .sine = harmonic.amplitude * phase.cosine,
+            .cosine = harmonic.amplitude * phase.sine,
+            .order = order,
+            .half_square = -0.5 * order * order,
+            .sixth_square = -order * order / 6.0,
         };
         reach_ = std::min(reach_, 1.0 / order);
+        stiffness_ += std::fabs(harmonic.amplitude * order);
       }
     }
   }
@@ -49,14 +56,18 @@ class Cogging {
   /// far that is.
   [[nodiscard]] NearbyCogging around(const base::SineCosine& direction) const {
     NearbyCogging nearby;
+    // Most motors have an order of 6 or 12.
+    const base::SineCosine six = doubled(tripled(direction));
     for (std::size_t n = 0; n < count_; ++n) {
       const Harmonic& harmonic = harmonics_[n];
-      base::SineCosine here = multiple(direction, harmonic.order);
-      here = harmonic.shifted ? sum(here, harmonic.phase) : here;
-      nearby.torque += harmonic.torque * here.sine;
-      nearby.slope += harmonic.slope * here.cosine;
-      nearby.square += harmonic.square * here.sine;
-      nearby.cube += harmonic.cube * here.cosine;
+      const base::SineCosine here = multiple(harmonic.of_six ? six : direction, harmonic.times);
+      const double torque = harmonic.sine * here.sine + harmonic.cosine * here.cosine;
+      const double slope =
+          harmonic.order * (harmonic.sine * here.cosine - harmonic.cosine * here.sine);
+      nearby.torque += torque;
+      nearby.slope += slope;
+      nearby.square += harmonic.half_square * torque;
+      nearby.cube += harmonic.sixth_square * slope;
     }
     return nearby;
   }
@@ -65,23 +76,22 @@ class Cogging {
   [[nodiscard]] double reach() const { return reach_; }
 
   /// N m/rad by the electrical angle, at most.
-  [[nodiscard]] double stiffness() const {
-    return std::fabs(harmonics_[0].slope) + std::fabs(harmonics_[1].slope);
-  }
+  [[nodiscard]] double stiffness() const { return stiffness_; }
 
  private:
   struct Harmonic {
-    int order = 1;
-    bool shifted = false;
-    base::SineCosine phase{0.0, 1.0};
-    double torque = 0.0;  ///< N m, factors of sine and cosine
-    double slope = 0.0;
-    double square = 0.0;
-    double cube = 0.0;
+    int times = 1;  ///< of the direction, or of six times it
+    bool of_six = false;
+    double sine = 0.0;  ///< N m, factors of sine and cosine
+    double cosine = 0.0;
+    double order = 1.0;
+    double half_square = 0.0;   ///< -order^2 / 2, torque into the square's coefficient
+    double sixth_square = 0.0;  ///< -order^2 / 6, slope into the cube's
   };
   std::array<Harmonic, 2> harmonics_{};
   std::size_t count_ = 0;
   double reach_ = 1.0;
+  double stiffness_ = 0.0;
 };
 
 }  // namespace stator::plant

@@ -3,7 +3,8 @@
 namespace stator::plant {
 
 HallSensors::HallSensors(const HallSensorParameters& parameters)
-    : threshold_(base::sine_cosine(parameters.hysteresis).sine),
+    : threshold_{base::sine_cosine(parameters.hysteresis).sine,
+                 -base::sine_cosine(parameters.hysteresis).sine},
       inversion_(parameters.inverted ? 7 : 0),
       mask_(parameters.fitted ? 7 : 0) {
   for (unsigned k = 0; k < 3; ++k) {

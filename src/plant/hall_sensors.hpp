@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 
 #include "base/trigonometry.hpp"
@@ -33,11 +34,12 @@ class HallSensors {
 
   /// Levels of the comparators after `levels` with the magnet at `direction`.
   [[nodiscard]] std::uint8_t next(std::uint8_t levels, const base::SineCosine& direction) const {
-    unsigned result = 0;
+    std::uint64_t result = 0;
     for (unsigned k = 0; k < 3; ++k) {
       const double seen = axis_[k].cosine * direction.cosine + axis_[k].sine * direction.sine;
-      const double threshold = ((levels >> k) & 1U) != 0 ? -threshold_ : threshold_;
-      result |= static_cast<unsigned>(seen > threshold) << k;
+      // The sign bit instead of a comparison: nobody can foretell three branches.
+      const double missing = threshold_[(levels >> k) & 1U] - seen;
+      result |= (std::bit_cast<std::uint64_t>(missing) >> 63) << k;
     }
     return static_cast<std::uint8_t>(result);
   }
@@ -49,7 +51,7 @@ class HallSensors {
 
  private:
   std::array<base::SineCosine, 3> axis_{};  ///< electrical angle each sensor looks at
-  double threshold_;
+  std::array<double, 2> threshold_;         ///< above which a low and a high output is high
   std::uint8_t inversion_;
   std::uint8_t mask_;
 };

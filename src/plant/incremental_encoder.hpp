@@ -40,20 +40,56 @@ class IncrementalEncoder {
   /// State of an encoder switched on with the shaft at `angle`.
   [[nodiscard]] EncoderState power_on(const ElectricalAngle& angle) const;
   /// Takes over a new shaft angle and notes the N pulses met on the way.
-  void update(EncoderState& state, const ElectricalAngle& angle) const;
+  void update(EncoderState& state, const ElectricalAngle& angle) const {
+    const std::int64_t cpr = parameters_.counts_per_revolution;
+    if (cpr <= 0) {
+      return;
+    }
+    const std::int64_t before = state.absolute;
+    state.absolute = locate(state, angle);
+    const std::int64_t above = state.absolute - state.index_below;
+    if (above <= 0 || above >= cpr) [[unlikely]] {
+      meet_marks(state, before);
+    }
+  }
 
   /// Counts since power-on, with the direction of the disc.
-  [[nodiscard]] std::int64_t count(const EncoderState& state) const;
+  [[nodiscard]] std::int64_t count(const EncoderState& state) const {
+    return directed(state.absolute - state.power_on);
+  }
   /// The same at the N pulse met last.
-  [[nodiscard]] std::int64_t index_count(const EncoderState& state) const;
+  [[nodiscard]] std::int64_t index_count(const EncoderState& state) const {
+    return directed(state.latest_index - state.power_on);
+  }
   /// Level of the N channel.
-  [[nodiscard]] bool index(const EncoderState& state) const;
+  [[nodiscard]] bool index(const EncoderState& state) const {
+    return parameters_.counts_per_revolution > 0 &&
+           (state.absolute == state.index_below) != parameters_.index_active_low;
+  }
 
  private:
-  [[nodiscard]] std::int64_t locate(EncoderState& state, const ElectricalAngle& angle) const;
+  [[nodiscard]] std::int64_t directed(std::int64_t counts) const {
+    return parameters_.reversed ? -counts : counts;
+  }
+  [[nodiscard]] std::int64_t locate(EncoderState& state, const ElectricalAngle& angle) const {
+    if (angle.periods != state.period) [[unlikely]] {
+      enter(state, angle.periods);
+    }
+    const double within = counts_per_revolution_ * (angle.angle * (1.0 / base::kTwoPi));
+    const double counts =
+        (static_cast<double>(state.period_remainder) + within) / divisor_ + parameters_.offset;
+    const auto whole = static_cast<std::int64_t>(counts);
+    return state.period_base + (counts < static_cast<double>(whole) ? whole - 1 : whole);
+  }
+  /// Begins an electrical period.
+  void enter(EncoderState& state, std::int64_t period) const;
+  /// Notes the N pulses between the count `before` and that of `state`.
+  void meet_marks(EncoderState& state, std::int64_t before) const;
 
   EncoderParameters parameters_;
   std::int64_t pole_pairs_;
+  double counts_per_revolution_;
+  double divisor_;  ///< p
 };
 
 }  // namespace stator::plant

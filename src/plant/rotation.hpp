@@ -44,6 +44,12 @@ namespace stator::plant {
   return {2.0 * (a.sine * a.cosine), a.cosine * a.cosine - a.sine * a.sine};
 }
 
+/// Of three times the angle.
+[[nodiscard]] constexpr base::SineCosine tripled(const base::SineCosine& a) {
+  const double square = 4.0 * (a.sine * a.sine);
+  return {a.sine * (3.0 - square), a.cosine * (1.0 - square)};
+}
+
 /// Of `order` times the angle; order >= 1.
 [[nodiscard]] constexpr base::SineCosine multiple(base::SineCosine direction, int order) {
   for (; (order & 1) == 0; order >>= 1) {

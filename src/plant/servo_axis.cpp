@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plant/diode_bridge.hpp"
-
 namespace stator::plant {
 
 namespace {
@@ -13,33 +11,10 @@ namespace {
 constexpr double kLargestTurn = 0.33;
 
 /// The fastest time constant of the thermal models is near a second.
-constexpr base::SimDuration kThermalPeriod{1'000'000};
-
-/// s, the longest step in which diodes carry current: they close and open at its ends only.
-constexpr double kDiodeStep = 5e-6;
-
-/// V at which a bridge that still wants power gets what the capacitor can give, not an infinite
-/// current.
-constexpr double kLowestVoltage = 1.0;
+constexpr base::SimDuration kThermalPeriod{10'000'000};
 
 double square(const StatorVector& vector) {
   return vector.alpha * vector.alpha + vector.beta * vector.beta;
-}
-
-WindingConnection connection_of(const std::array<bool, 3>& open) {
-  switch (static_cast<int>(open[0]) + 2 * static_cast<int>(open[1]) +
-          4 * static_cast<int>(open[2])) {
-    case 0:
-      return WindingConnection::all;
-    case 1:
-      return WindingConnection::without_u;
-    case 2:
-      return WindingConnection::without_v;
-    case 4:
-      return WindingConnection::without_w;
-    default:
-      return WindingConnection::none;
-  }
 }
 
 }  // namespace
@@ -71,7 +46,7 @@ ServoAxis::ServoAxis(const ServoAxisParameters& parameters)
 
 void ServoAxis::restore(const ServoAxisState& state) {
   state_ = state;
-  faulty_ = state.faults != ServoAxisFaults{};
+  note_faults();
   motor_.set_temperatures(state.motor_temperature.inner, state.motor_temperature.outer);
   settled_ = false;
   sensing_ = {};
@@ -128,27 +103,37 @@ void ServoAxis::step_and_settle(const base::ServoActuation& actuation, base::Sim
 
 void ServoAxis::pass(const base::ServoActuation& actuation, base::SimDuration duration) {
   parameters_.brake.advance(state_.brake, actuation.brake_released, duration);
-  double remaining = duration.seconds();
-  while (remaining > 0.0) {
-    const double turn = remaining * motor_.fastest_rate(state_.motor, remaining);
-    const double inner =
-        turn <= kLargestTurn ? remaining : remaining / std::ceil(turn / kLargestTurn);
-    if (actuation.bridge_enabled) [[likely]] {
-      drive(actuation, inner);
-    } else {
-      rectify(actuation.brake_chopper_on, inner);
-    }
-    encoder_.update(state_.encoder, state_.motor.angle);
-    state_.halls = halls_.next(state_.halls, state_.motor.direction);
-    remaining = inner == remaining ? 0.0 : remaining - inner;
+  const double step = duration.seconds();
+  if (plain_ && actuation.bridge_enabled && state_.motor.speed != 0.0 &&
+      step * motor_.fastest_rate(state_.motor, step) <= kLargestTurn) [[likely]] {
+    turn(actuation, step);
+    sense_angle();
+  } else {
+    pass_in_parts(actuation, step);
   }
-  if (state_.unheated >= kThermalPeriod) {
+  if (state_.unheated >= kThermalPeriod) [[unlikely]] {
     update_temperatures();
   }
   sense();
   if (faulty_ && actuation.bridge_enabled) [[unlikely]] {
     sensing_.overcurrent = state_.faults.shorted;
     sensing_.overcurrent_high_side = state_.faults.high_side;
+  }
+}
+
+void ServoAxis::pass_in_parts(const base::ServoActuation& actuation, double duration) {
+  double remaining = duration;
+  while (remaining > 0.0) {
+    const double turn = remaining * motor_.fastest_rate(state_.motor, remaining);
+    const double inner =
+        turn <= kLargestTurn ? remaining : remaining / std::ceil(turn / kLargestTurn);
+    if (actuation.bridge_enabled) {
+      drive(actuation, inner);
+    } else {
+      rectify(actuation.brake_chopper_on, inner);
+    }
+    sense_angle();
+    remaining = inner == remaining ? 0.0 : remaining - inner;
   }
 }
 
@@ -159,91 +144,21 @@ SynchronousMotorInput ServoAxis::motor_input() const {
   return input;
 }
 
-void ServoAxis::drive(const base::ServoActuation& actuation, double step) {
-  const InverterParameters& inverter = parameters_.inverter;
-  std::array<double, 3> duty{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    duty[k] = std::clamp(actuation.duty[k], 0.0, 1.0);
-  }
+void ServoAxis::turn(const base::ServoActuation& actuation, double step) {
   SynchronousMotorInput input = motor_input();
-  input.series_resistance = inverter.on_resistance;
-  if (faulty_) [[unlikely]] {
-    for (std::size_t k = 0; k < 3; ++k) {
-      duty[k] = state_.faults.shorted[k] || state_.faults.high_side ? 0.0 : duty[k];
-    }
-    input.connection = connection_of(state_.faults.open);
-  }
+  input.series_resistance = parameters_.inverter.on_resistance;
+  const StatorVector share =
+      stator_vector(within_period(actuation.duty[0]), within_period(actuation.duty[1]),
+                    within_period(actuation.duty[2]));
   const double supply = state_.supply.voltage;
-  const StatorVector share = stator_vector(duty[0], duty[1], duty[2]);
   input.voltage = {supply * share.alpha, supply * share.beta};
-  double lost_power = 0.0;
-  if (inverter.dead_time > 0.0) {
-    const StatorVector drop = dead_time_drop(state_.motor.current, step, lost_power);
-    input.voltage.alpha -= drop.alpha;
-    input.voltage.beta -= drop.beta;
-  }
-  const double power = motor_.step(state_.motor, input, step) + lost_power;
-  account(power, step, actuation.brake_chopper_on);
-}
-
-StatorVector ServoAxis::dead_time_drop(const StatorVector& current, double step,
-                                       double& lost_power) const {
-  const InverterParameters& inverter = parameters_.inverter;
-  const double supply = state_.supply.voltage;
-  const double share = inverter.dead_time * inverter.pwm_frequency;
-  const double by_diodes = 2.0 * share * inverter.diode_drop;
-  const double drop = supply * share + by_diodes;
-  // Within the ripple (Vb T / 8 L either way) the current changes its sign each period and the drop
-  // cancels. An explicit step bears no more than this resistance, drop / ripple.
-  const double inductance = parameters_.motor.direct_inductance;
-  const double ripple = std::max(supply / (8.0 * inductance * inverter.pwm_frequency),
-                                 4.0 * drop * step / inductance);
-  std::array<double, 3> voltage = phase_values(current);
-  for (double& phase : voltage) {
-    lost_power += by_diodes * std::fabs(phase);
-    phase = drop * std::clamp(phase / ripple, -1.0, 1.0);
-  }
-  return stator_vector(voltage[0], voltage[1], voltage[2]);
-}
-
-void ServoAxis::rectify(bool chopper_on, double step) {
-  SynchronousMotorInput input = motor_input();
-  SynchronousMotorState& motor = state_.motor;
-  const double drop = parameters_.inverter.diode_drop;
-  const bool currentless = motor.current == StatorVector{};
-  if (currentless && !faulty_ &&
-      motor_.largest_line_to_line_emf(motor) < state_.supply.voltage + 2.0 * drop) [[likely]] {
-    input.connection = WindingConnection::none;
-    motor_.step(motor, input, step);
-    account(0.0, step, chopper_on);
-    return;
-  }
-  BridgeTerminals bridge{
-      .diode_drop = drop, .open = state_.faults.open, .grounded = state_.faults.shorted};
-  const int parts = static_cast<int>(std::ceil(step / kDiodeStep));
-  const double part = step / parts;
-  for (int n = 0; n < parts; ++n) {
-    bridge.supply_voltage = state_.supply.voltage;
-    const std::array<double, 3> before = phase_values(motor.current);
-    const DiodeConduction conduction = diode_conduction(bridge, before, motor_.back_emf(motor));
-    input.connection = conduction.connection;
-    input.voltage = conduction.voltage;
-    double power = motor_.step(motor, input, part);
-    const std::array<double, 3> after =
-        without_reverse_current(bridge, conduction, phase_values(motor.current));
-    motor.current = stator_vector(after[0], after[1], after[2]);
-    for (std::size_t k = 0; k < 3; ++k) {
-      power += bridge.grounded[k] ? 0.0 : 0.5 * drop * (std::fabs(before[k]) + std::fabs(after[k]));
-    }
-    account(power, part, chopper_on);
-  }
+  account(motor_.turn(state_.motor, input, step), step, actuation.brake_chopper_on);
 }
 
 void ServoAxis::account(double power, double step, bool chopper_on) {
   state_.supply_power = power;
   state_.supplied_energy += power * step;
-  const double inverse_voltage = 1.0 / std::max(state_.supply.voltage, kLowestVoltage);
-  supply_.draw(state_.supply, power * inverse_voltage, step, chopper_on);
+  supply_.draw(state_.supply, power, step, chopper_on);
   state_.square_current += step * square(state_.motor.current);
   state_.heated_time += step;
 }
@@ -292,25 +207,18 @@ void ServoAxis::set_supply_voltage(double voltage) {
 
 void ServoAxis::set_faults(const ServoAxisFaults& faults) {
   state_.faults = faults;
-  faulty_ = faults != ServoAxisFaults{};
+  note_faults();
   settled_ = false;
+}
+
+void ServoAxis::note_faults() {
+  faulty_ = state_.faults != ServoAxisFaults{};
+  plain_ = !faulty_ && parameters_.inverter.dead_time <= 0.0 && motor_.may_turn_freely();
 }
 
 void ServoAxis::lose_encoder_counts(std::int64_t counts) {
   state_.lost_counts += counts;
   settled_ = false;
-}
-
-void ServoAxis::sense() {
-  sense_currents();
-  sense_encoder();
-  sensing_.halls = hall_signal();
-  if (has_switches_) {
-    sense_switches();
-  }
-  sensing_.supply_voltage = state_.supply.voltage;
-  sensing_.overcurrent = {};
-  sensing_.overcurrent_high_side = false;
 }
 
 void ServoAxis::sense_switches() {
@@ -325,6 +233,23 @@ void ServoAxis::press(bool& by_hand, bool pressed) {
   sense_switches();
 }
 
+void ServoAxis::sense_angle() {
+  encoder_.update(state_.encoder, state_.motor.angle);
+  state_.halls = halls_.next(state_.halls, state_.motor.direction);
+}
+
+void ServoAxis::sense() {
+  sense_currents();
+  sense_encoder();
+  sensing_.halls = hall_signal();
+  if (has_switches_) {
+    sense_switches();
+  }
+  sensing_.supply_voltage = state_.supply.voltage;
+  sensing_.overcurrent = {};
+  sensing_.overcurrent_high_side = false;
+}
+
 void ServoAxis::sense_currents() {
   const std::array<double, 3> current = phase_values(state_.motor.current);
   sensing_.phase_current =
@@ -333,16 +258,16 @@ void ServoAxis::sense_currents() {
 
 void ServoAxis::sense_encoder() {
   const std::int64_t count = encoder_.count(state_.encoder);
-  if (state_.faults.encoder_channel_lost) {
+  if (state_.faults.encoder_channel_lost) [[unlikely]] {
     state_.lost_counts = count - sensing_.encoder_count;
   }
   sensing_.encoder_count = count - state_.lost_counts;
   const bool index_lost = state_.faults.encoder_index_lost;
-  if (index_lost) {
+  if (index_lost) [[unlikely]] {
     state_.lost_passages = state_.encoder.index_passages - sensing_.encoder_index_passages;
   }
   const std::uint32_t passages = state_.encoder.index_passages - state_.lost_passages;
-  if (passages != sensing_.encoder_index_passages) {
+  if (passages != sensing_.encoder_index_passages) [[unlikely]] {
     sensing_.encoder_index_passages = passages;
     state_.index_count = encoder_.index_count(state_.encoder) - state_.lost_counts;
   }
@@ -366,37 +291,6 @@ std::uint8_t ServoAxis::hall_signal() const {
     }
   }
   return static_cast<std::uint8_t>(signal);
-}
-
-ServoAxisObservation ServoAxis::observe() const {
-  const SynchronousMotorState& motor = state_.motor;
-  const ShaftMechanics& shaft = motor_.shaft();
-  const ShaftMechanics::Frozen frozen =
-      shaft.freeze(motor.angle, state_.external_torque, !state_.brake.open);
-  ServoAxisObservation seen;
-  seen.shaft_revolutions = shaft.revolutions(motor.angle);
-  seen.shaft_angle = seen.shaft_revolutions * base::kTwoPi;
-  seen.electrical_angle = motor.angle.angle;
-  seen.speed = motor.speed;
-  seen.electromagnetic_torque = motor_.electromagnetic_torque(motor);
-  seen.cogging_torque = motor_.cogging_torque(motor);
-  seen.load_torque = frozen.steady_torque;
-  if (shaft.depends_on_position()) {
-    seen.load_torque += shaft.positional_torque(frozen, 0.0, motor.speed);
-    seen.end_stop_torque =
-        shaft.has_end_stops() ? shaft.end_stop_torque(frozen, 0.0, motor.speed) : 0.0;
-  }
-  seen.direct_current = motor.direct_current();
-  seen.quadrature_current = motor.quadrature_current();
-  seen.phase_current = phase_values(motor.current);
-  seen.back_emf = motor_.back_emf(motor);
-  seen.supply_voltage = state_.supply.voltage;
-  seen.supply_power = state_.supply_power;
-  seen.supplied_energy = state_.supplied_energy;
-  seen.winding_temperature = state_.motor_temperature.inner;
-  seen.housing_temperature = state_.motor_temperature.outer;
-  seen.driver_temperature = state_.stage_temperature.inner;
-  return seen;
 }
 
 }  // namespace stator::plant

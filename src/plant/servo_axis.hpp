@@ -110,7 +110,7 @@ struct ServoAxisObservation {
 /// The inverter is averaged over the step: the duties of the phases, dead time and on-resistance
 /// give the voltages. With the bridge disabled its diodes rectify: the current decays into the
 /// supply, and an EMF above the supply charges the capacitor and brakes the shaft. Temperatures
-/// advance every millisecond; resistance and flux follow them.
+/// advance every 10 ms; resistance and flux follow them.
 class ServoAxis {
  public:
   explicit ServoAxis(const ServoAxisParameters& parameters);
@@ -152,6 +152,14 @@ class ServoAxis {
   /// Advances a standing shaft and notes whether anything changed.
   void step_and_settle(const base::ServoActuation& actuation, base::SimDuration duration);
   void pass(const base::ServoActuation& actuation, base::SimDuration duration);
+  void pass_in_parts(const base::ServoActuation& actuation, double duration);
+  /// Share of the period that a half bridge makes of a duty.
+  [[nodiscard]] static double within_period(double duty) {
+    const double positive = duty < 0.0 ? 0.0 : duty;
+    return positive > 1.0 ? 1.0 : positive;
+  }
+  /// The bridge drives a motor that turns freely, nothing being wrong: what an axis does most.
+  void turn(const base::ServoActuation& actuation, double step);
   void drive(const base::ServoActuation& actuation, double step);
   void rectify(bool chopper_on, double step);
   void account(double power, double step, bool chopper_on);
@@ -160,6 +168,8 @@ class ServoAxis {
   /// (W) it loses in diodes.
   [[nodiscard]] StatorVector dead_time_drop(const StatorVector& current, double step,
                                             double& lost_power) const;
+  void note_faults();
+  void sense_angle();
   void sense();
   void sense_encoder();
   void sense_currents();
@@ -179,6 +189,7 @@ class ServoAxis {
   ServoAxisState state_;
   base::ServoSensing sensing_;
   bool faulty_ = false;  ///< state_.faults has any
+  bool plain_ = false;   ///< turn() will do while the shaft turns and the bridge drives it
 
   /// The last step changed nothing. The next one with the same inputs changes nothing either, for a
   /// step is a function of state and inputs: a shaft at rest costs no arithmetic.

@@ -51,7 +51,7 @@ class ShaftMechanics {
                               bool brake_engaged) const {
     Frozen frozen;
     frozen.steady_torque = load_.constant_torque + outside_torque;
-    frozen.coulomb_friction = coulomb_friction_ + (brake_engaged ? load_.brake_torque : 0.0);
+    frozen.coulomb_friction = coulomb_friction(brake_engaged);
     if (depends_on_position_) {
       locate(frozen, angle);
     }
@@ -60,12 +60,22 @@ class ShaftMechanics {
 
   /// Magnitude of dry friction at `speed`, N m.
   [[nodiscard]] double dry_friction(const Frozen& frozen, double speed) const {
+    return creeps(speed) ? frozen.coulomb_friction + stribeck_friction(speed)
+                         : frozen.coulomb_friction;
+  }
+  /// The part of it that does not depend on speed.
+  [[nodiscard]] double coulomb_friction(bool brake_engaged) const {
+    return brake_engaged ? coulomb_friction_ + load_.brake_torque : coulomb_friction_;
+  }
+  /// And the part by which it is larger at low speed.
+  [[nodiscard]] double stribeck_friction(double speed) const {
     const double ratio = speed * inverse_stribeck_speed_;
-    // Less than 1e-4 of the rise is left: not worth a division.
-    if (ratio * ratio > 1e4) [[likely]] {
-      return frozen.coulomb_friction;
-    }
-    return frozen.coulomb_friction + stribeck_rise_ / (1.0 + ratio * ratio);
+    return stribeck_rise_ / (1.0 + ratio * ratio);
+  }
+  /// Whether so much of that is left, 1e-4 of its value at rest, that it is worth a division.
+  [[nodiscard]] bool creeps(double speed) const {
+    const double ratio = speed * inverse_stribeck_speed_;
+    return ratio * ratio <= 1e4;
   }
   /// Torque friction holds a standing shaft with, N m.
   [[nodiscard]] double holding_friction(const Frozen& frozen) const {

@@ -166,7 +166,7 @@ void StepperAxis::observe_chopper(const std::array<double, 2>& induced,
   state_.square_current += step * (a * a + b * b);
   state_.heated_time += step;
   if (!supply_.ideal()) {
-    supply_.advance(state_.supply, input.voltage[0] * a + input.voltage[1] * b, step);
+    supply_.draw(state_.supply, input.voltage[0] * a + input.voltage[1] * b, step, false);
   }
 }
 

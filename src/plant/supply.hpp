@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
 
 namespace stator::plant {
@@ -36,14 +37,58 @@ class Supply {
   [[nodiscard]] bool ideal() const { return parameters_.capacitance <= 0.0; }
   /// Lets `seconds` pass in which the bridge takes `power` (W).
   void advance(SupplyState& state, double power, double seconds) const;
-  /// The same where the bridge takes `current` (A) and a drive switches the brake chopper.
-  void draw(SupplyState& state, double current, double seconds, bool chopper_on) const;
+  /// The same where a drive switches the brake chopper; faster when most calls have the same
+  /// `seconds`.
+  void draw(SupplyState& state, double power, double seconds, bool chopper_on) {
+    if (ideal()) {
+      state.voltage = state.source;
+      return;
+    }
+    switch_chopper(state, chopper_on);
+    if (share_.seconds != seconds || share_.conducts != state.chopper_conducts) [[unlikely]] {
+      share_ = share(seconds, state.chopper_conducts);
+    }
+    draw(state, power, share_);
+  }
 
  private:
+  /// V at which a bridge that still wants power gets what the capacitor can give, not an infinite
+  /// current.
+  static constexpr double kLowestVoltage = 1.0;
+
+  /// What a length of time and the chopper make of the voltage.
+  struct Share {
+    double seconds = -1.0;
+    bool conducts = false;
+    double of_current = 0.0;  ///< V/A
+    double alone = 1.0;       ///< factor of the voltage without the source
+    double feed = 0.0;        ///< factor of the source's voltage
+    double supplied = 1.0;    ///< and of the sum with it
+  };
+  [[nodiscard]] Share share(double seconds, bool conducts) const;
+
+  void switch_chopper(SupplyState& state, bool chopper_on) const {
+    if (state.voltage >= parameters_.chopper_voltage) {
+      state.chopper_by_itself = true;
+    } else if (state.voltage < parameters_.chopper_voltage - parameters_.chopper_hysteresis) {
+      state.chopper_by_itself = false;
+    }
+    state.chopper_conducts = state.chopper_by_itself || chopper_on;
+  }
+  static void draw(SupplyState& state, double power, const Share& share) {
+    const double current = power * (1.0 / std::max(state.voltage, kLowestVoltage));
+    const double charge = state.voltage - share.of_current * current;
+    // Without the source the voltage would end above it: its diode blocks.
+    const double alone = charge * share.alone;
+    const double supplied = (charge + share.feed * state.source) * share.supplied;
+    state.voltage = std::max(alone < state.source ? supplied : alone, 0.0);
+  }
+
   SupplyParameters parameters_;
   double inverse_capacitance_;  ///< 1/F; 0 for an ideal source
   double source_conductance_;   ///< 1/ohm
   double chopper_conductance_;
+  Share share_;  ///< of the latest step; follows from its length and the chopper
 };
 
 }  // namespace stator::plant

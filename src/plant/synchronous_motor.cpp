@@ -7,22 +7,7 @@ namespace stator::plant {
 
 namespace {
 
-/// rad/s; no shaft of this kind survives it. Speed is cut here so that a torque set by mistake
-/// cannot make the number of steps, or the numbers, grow without bound.
-constexpr double kHighestSpeed = 1e4;
-
 constexpr double kSquareRootOfThree = 1.73205080756887729353;
-
-/// Two numbers a processor computes with at once, each as if it were alone: alpha and beta.
-using Pair = double __attribute__((vector_size(16)));
-
-Pair both(double x) {
-  return Pair{x, x};
-}
-
-double sum(Pair x) {
-  return x[0] + x[1];
-}
 
 /// Trapezoid with the zeros and the sign of sin(angle).
 double trapezoid(double angle, double inverse_ramp) {
@@ -92,7 +77,7 @@ SynchronousMotor::SynchronousMotor(const ThreePhaseMotorParameters& motor,
       damping_(shaft_.viscous_friction() * shaft_.inverse_inertia()),
       resistance_(motor.resistance),
       flux_linkage_(motor.flux_linkage),
-      flux_rate_(flux_linkage_ * inverse_direct_inductance_),
+      flux_current_(flux_linkage_ * inverse_direct_inductance_),
       flux_mobility_(mobility_ * (1.5 * pole_pairs_) * flux_linkage_) {
   // With the voltage held in the stator frame the field holds the rotor like a spring.
   const double stiffness = pole_pairs_ * motor.torque_constant() * motor.rated_current +
@@ -109,18 +94,15 @@ void SynchronousMotor::set_temperatures(double winding, double magnets) {
       motor_.resistance * (1.0 + motor_.resistance_coefficient * (winding - kSheetTemperature));
   flux_linkage_ =
       motor_.flux_linkage * (1.0 + motor_.flux_coefficient * (magnets - kSheetTemperature));
-  flux_rate_ = flux_linkage_ * inverse_direct_inductance_;
+  flux_current_ = flux_linkage_ * inverse_direct_inductance_;
   flux_mobility_ = mobility_ * (1.5 * pole_pairs_) * flux_linkage_;
+  held_voltage_ = {};
 }
 
-double SynchronousMotor::fastest_rate(const SynchronousMotorState& state, double h) const {
-  const double speed = std::fabs(state.speed);
-  double rate = free_rate_;
-  if (shaft_.has_end_stops()) {
-    constexpr double kNear = 1e-3;  // mechanical rad
-    rate = shaft_.near_end_stop(state.angle, speed * h + kNear) ? stopped_rate_ : free_rate_;
-  }
-  return std::max(rate, speed * pole_pairs_);
+double SynchronousMotor::rate_by_end_stops(const SynchronousMotorState& state, double h) const {
+  constexpr double kNear = 1e-3;  // mechanical rad
+  const double reach = std::fabs(state.speed) * h + kNear;
+  return shaft_.near_end_stop(state.angle, reach) ? stopped_rate_ : free_rate_;
 }
 
 SynchronousMotorState SynchronousMotor::at(double revolutions) const {
@@ -180,93 +162,36 @@ void SynchronousMotor::arrive(SynchronousMotorState& state, const ShaftMechanics
                               double speed, double angle, const base::SineCosine& direction,
                               double h) const {
   const double speed_before = state.speed;
-  state.speed = std::clamp(speed, -kHighestSpeed, kHighestSpeed);
+  state.speed = survivable(speed);
   state.angle = turned(state.angle, angle);
   state.direction = normalised(direction);
-  if (shaft_.settle(state.speed, state.angle, frozen, speed_before, h)) [[unlikely]] {
-    refresh_direction(state);
+  if (state.speed * frozen.friction_sign < 0.0) [[unlikely]] {
+    settle(state, frozen, speed_before, h);
   }
 }
 
-const HeldForcing& SynchronousMotor::forcing(double h, double series_resistance) {
-  const double rate = (resistance_ + series_resistance) * inverse_direct_inductance_;
-  if (forcing_.step != h || forcing_.rate != rate) [[unlikely]] {
-    forcing_ = HeldForcing(h, rate);
-  }
-  return forcing_;
+void SynchronousMotor::settle(SynchronousMotorState& state, const ShaftMechanics::Frozen& frozen,
+                              double speed_before, double h) const {
+  shaft_.settle(state.speed, state.angle, frozen, speed_before, h);
+  refresh_direction(state);
+}
+
+void SynchronousMotor::renew_held_voltage(double h, double series_resistance) {
+  held_voltage_ =
+      HeldVoltage(h, motor_.direct_inductance, resistance_ + series_resistance, flux_linkage_);
+  held_voltage_.series_resistance = series_resistance;
 }
 
 double SynchronousMotor::step_at_rest(SynchronousMotorState& state,
                                       const SynchronousMotorInput& input, double h) {
-  const HeldForcing& weights = forcing(h, input.series_resistance);
+  const HeldVoltage& held = held_voltage(h, input.series_resistance);
   const StatorVector before = state.current;
   const StatorVector& u = input.voltage;
-  const double gain =
-      inverse_direct_inductance_ * ((weights.whole[0] + weights.whole[2]) + weights.whole[1]);
-  const double half_gain =
-      inverse_direct_inductance_ * ((weights.half[0] + weights.half[2]) + weights.half[1]);
-  state.current = {weights.decay * before.alpha + gain * u.alpha,
-                   weights.decay * before.beta + gain * u.beta};
-  const StatorVector middle{weights.half_decay * before.alpha + half_gain * u.alpha,
-                            weights.half_decay * before.beta + half_gain * u.beta};
-  return 0.25 * (u.alpha * ((before.alpha + state.current.alpha) + 4.0 * middle.alpha) +
-                 u.beta * ((before.beta + state.current.beta) + 4.0 * middle.beta));
-}
-
-double SynchronousMotor::step_in_stator_frame(SynchronousMotorState& state,
-                                              const SynchronousMotorInput& input,
-                                              const ShaftMechanics::Frozen& frozen, double h) {
-  const HeldForcing& weights = forcing(h, input.series_resistance);
-  const base::SineCosine z = state.direction;
-  const Pair i0{state.current.alpha, state.current.beta};
-  const Pair u{input.voltage.alpha, input.voltage.beta};
-  const Pair driven = u * both(inverse_direct_inductance_);
-  const double w0 = state.speed * pole_pairs_;
-  const double half_turn = weights.half_step * w0;
-  const NearbyCogging cogging =
-      std::fabs(half_turn) < 0.5 * cogging_.reach() ? cogging_.around(z) : NearbyCogging();
-  const auto acceleration = [&](double quadrature_current, double speed, double turned) {
-    const double dry =
-        frozen.friction_sign * shaft_.dry_friction(frozen, speed * inverse_pole_pairs_);
-    return (flux_mobility_ * quadrature_current - damping_ * speed) +
-           mobility_ * ((frozen.steady_torque - dry) + cogging.after(turned));
-  };
-
-  // The course of the speed: a parabola from torque and its derivative at the begin.
-  const Pair q0{-z.sine, z.cosine};
-  const Pair f0 = driven - q0 * both(flux_rate_ * w0);
-  const Pair d0 = f0 - both(weights.rate) * i0;
-  const double direct = z.cosine * i0[0] + z.sine * i0[1];
-  const double a0 = acceleration(sum(q0 * i0), w0, 0.0);
-  const double j0 = (flux_mobility_ * (sum(q0 * d0) - w0 * direct) - damping_ * a0) +
-                    mobility_ * (cogging.slope * w0);
-  const double wm = w0 + weights.half_step * a0 + (0.25 * weights.half_square) * j0;
-  const double w1 = w0 + h * a0 + weights.half_square * j0;
-  const double more_m = (0.25 * weights.half_square) * (a0 + weights.sixth * j0);
-  const double more_1 = weights.half_square * (a0 + weights.third * j0);
-
-  const base::SineCosine turn = small_turn(half_turn);
-  const base::SineCosine zm = plant::sum(z, nudged(turn, more_m));
-  const base::SineCosine z1 = plant::sum(z, nudged(doubled(turn), more_1));
-  const Pair qm{-zm.sine, zm.cosine};
-  const Pair q1{-z1.sine, z1.cosine};
-  const Pair fm = driven - qm * both(flux_rate_ * wm);
-  const Pair f1 = driven - q1 * both(flux_rate_ * w1);
-  const Pair im = (both(weights.half_decay) * i0 + both(weights.half[0]) * f0) +
-                  (both(weights.half[1]) * fm + both(weights.half[2]) * f1);
-  const Pair i1 = (both(weights.decay) * i0 + both(weights.whole[0]) * f0) +
-                  (both(weights.whole[1]) * fm + both(weights.whole[2]) * f1);
-
-  // Torque at begin, middle and end gives speed and angle by Simpson's rule.
-  const double turned_1 = 2.0 * half_turn + more_1;
-  const double am = acceleration(sum(qm * im), wm, half_turn + more_m);
-  const double a1 = acceleration(sum(q1 * i1), w1, turned_1);
-  const double w = w0 + weights.sixth * ((a0 + a1) + 4.0 * am);
-  const double correction = (weights.third * weights.half_step) * (a0 + 2.0 * am) - more_1;
-  state.current = {i1[0], i1[1]};
-  arrive(state, frozen, w * inverse_pole_pairs_, turned_1 + correction,
-         {z1.sine + correction * z1.cosine, z1.cosine - correction * z1.sine}, h);
-  return 0.25 * sum(u * ((i0 + i1) + both(4.0) * im));
+  // The field stands: phi - k z is the current, and no EMF acts on it.
+  state.current = {held.decay * before.alpha + held.gain * u.alpha,
+                   held.decay * before.beta + held.gain * u.beta};
+  return 1.5 * (u.alpha * (held.mean_begin * before.alpha + held.mean_end * state.current.alpha) +
+                u.beta * (held.mean_begin * before.beta + held.mean_end * state.current.beta));
 }
 
 template <WindingConnection kConnection>
@@ -385,6 +310,9 @@ double SynchronousMotor::integrate(SynchronousMotorState& state, const Synchrono
 
 double SynchronousMotor::step(SynchronousMotorState& state, const SynchronousMotorInput& input,
                               double h) {
+  if (turns_freely(state, input)) {
+    return turn(state, input, h);
+  }
   ShaftMechanics::Frozen frozen = shaft_.freeze(state.angle, input.torque, input.brake_engaged);
   bool resting = false;
   if (state.speed != 0.0) [[likely]] {
@@ -400,9 +328,6 @@ double SynchronousMotor::step(SynchronousMotorState& state, const SynchronousMot
     case WindingConnection::all:
       if (simple_ && resting) {
         return step_at_rest(state, input, h);
-      }
-      if (simple_ && !frozen.positional) [[likely]] {
-        return step_in_stator_frame(state, input, frozen, h);
       }
       return integrate<WindingConnection::all>(state, input, frozen, h, resting);
     case WindingConnection::none:

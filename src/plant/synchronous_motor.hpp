@@ -1,12 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "base/trigonometry.hpp"
 #include "plant/cogging.hpp"
-#include "plant/held_forcing.hpp"
+#include "plant/held_voltage.hpp"
 #include "plant/mechanical_load.hpp"
+#include "plant/rotation.hpp"
 #include "plant/shaft_angle.hpp"
 #include "plant/shaft_mechanics.hpp"
 #include "plant/three_phase_motor.hpp"
@@ -79,9 +82,10 @@ struct SynchronousMotorInput {
 /// (fd, fq) is the form of the EMF: (0, 1) for a sine. With an open phase k the voltage across it
 /// is the one that keeps ik at 0.
 ///
-/// Integrated by fourth-order Runge-Kutta with the voltage held in the stator frame; the stages
-/// turn it by small rotations, of which one is computed from a series and the others derived from
-/// it.
+/// The usual case, turns_freely(), is solved in the stator frame (HeldVoltage) with the torque of
+/// begin and end and its derivatives; everything else is integrated by fourth-order Runge-Kutta
+/// with the voltage held in the stator frame: the stages turn it by small rotations, of which one
+/// is computed from a series and the others derived from it.
 class SynchronousMotor {
  public:
   SynchronousMotor(const ThreePhaseMotorParameters& motor, const MechanicalLoad& load);
@@ -90,10 +94,25 @@ class SynchronousMotor {
   /// the mean power the terminals took, W.
   double step(SynchronousMotorState& state, const SynchronousMotorInput& input, double h);
 
+  /// Whether nothing but the motor itself acts on the turning shaft and all its windings conduct;
+  /// with an EMF that is sinusoidal and no saliency.
+  [[nodiscard]] bool turns_freely(const SynchronousMotorState& state,
+                                  const SynchronousMotorInput& input) const {
+    return may_turn_freely() && state.speed != 0.0 && input.connection == WindingConnection::all;
+  }
+  /// The part of it that never changes.
+  [[nodiscard]] bool may_turn_freely() const { return simple_ && !shaft_.depends_on_position(); }
+  /// step() of a motor that turns freely. Inline, for the period of a servo axis is hardly anything
+  /// else.
+  double turn(SynchronousMotorState& state, const SynchronousMotorInput& input, double h);
+
   /// The fastest of R/L, p |w|, and an end stop within reach in `h` seconds, rad/s. While this
   /// times the step is at most 0.33 the error stays below 1e-4 of rated values; it falls with the
   /// fourth power of the step.
-  [[nodiscard]] double fastest_rate(const SynchronousMotorState& state, double h) const;
+  [[nodiscard]] double fastest_rate(const SynchronousMotorState& state, double h) const {
+    const double rate = shaft_.has_end_stops() ? rate_by_end_stops(state, h) : free_rate_;
+    return std::max(rate, std::fabs(state.speed) * pole_pairs_);
+  }
 
   /// Standing with no current at `revolutions`.
   [[nodiscard]] SynchronousMotorState at(double revolutions) const;
@@ -123,17 +142,33 @@ class SynchronousMotor {
   struct Slope;
   struct Stage;
   double step_at_rest(SynchronousMotorState& state, const SynchronousMotorInput& input, double h);
-  double step_in_stator_frame(SynchronousMotorState& state, const SynchronousMotorInput& input,
-                              const ShaftMechanics::Frozen& frozen, double h);
   /// The weights for a step of `h` with `series_resistance` in the phases.
-  const HeldForcing& forcing(double h, double series_resistance);
+  const HeldVoltage& held_voltage(double h, double series_resistance) {
+    if (held_voltage_.step != h || held_voltage_.series_resistance != series_resistance)
+        [[unlikely]] {
+      renew_held_voltage(h, series_resistance);
+    }
+    return held_voltage_;
+  }
+  void renew_held_voltage(double h, double series_resistance);
+  [[nodiscard]] double rate_by_end_stops(const SynchronousMotorState& state, double h) const;
+  /// Corrects a step that ended with the shaft turning the other way.
+  void settle(SynchronousMotorState& state, const ShaftMechanics::Frozen& frozen,
+              double speed_before, double h) const;
   template <WindingConnection kConnection>
   double integrate(SynchronousMotorState& state, const SynchronousMotorInput& input,
                    const ShaftMechanics::Frozen& frozen, double h, bool resting) const;
   /// Takes over where a step leads: turned by `angle` electrical rad to `direction`.
   void arrive(SynchronousMotorState& state, const ShaftMechanics::Frozen& frozen, double speed,
               double angle, const base::SineCosine& direction, double h) const;
+  [[nodiscard]] static double survivable(double speed) {
+    return std::clamp(speed, -kHighestSpeed, kHighestSpeed);
+  }
   [[nodiscard]] Form form(double angle, const base::SineCosine& direction) const;
+
+  /// rad/s; no shaft of this kind survives it. Speed is cut here so that a torque set by mistake
+  /// cannot make the number of steps, or the numbers, grow without bound.
+  static constexpr double kHighestSpeed = 1e4;
 
   ThreePhaseMotorParameters motor_;
   ShaftMechanics shaft_;
@@ -152,9 +187,98 @@ class SynchronousMotor {
   double stopped_rate_;  ///< and at one
   double resistance_;
   double flux_linkage_;
-  double flux_rate_;      ///< psi / Ld, A
-  double flux_mobility_;  ///< 3/2 p psi times mobility, 1/(A s^2)
-  HeldForcing forcing_;   ///< of the latest step; derived from its length and the resistance
+  double flux_current_;       ///< psi / L, A
+  double flux_mobility_;      ///< 3/2 p psi times mobility, 1/(A s^2)
+  HeldVoltage held_voltage_;  ///< of the latest step; follows from its length and the temperatures
 };
+
+[[gnu::always_inline]] inline double SynchronousMotor::turn(SynchronousMotorState& state,
+                                                            const SynchronousMotorInput& input,
+                                                            double h) {
+  const HeldVoltage& held = held_voltage(h, input.series_resistance);
+  const base::SineCosine z = state.direction;
+  const StatorVector i0 = state.current;
+  const StatorVector u = input.voltage;
+  const double speed_before = state.speed;
+  const double w0 = speed_before * pole_pairs_;
+  const auto along = [](const base::SineCosine& axis, const StatorVector& vector) {
+    return axis.cosine * vector.alpha + axis.sine * vector.beta;
+  };
+  const auto across = [](const base::SineCosine& axis, const StatorVector& vector) {
+    return axis.cosine * vector.beta - axis.sine * vector.alpha;
+  };
+
+  // As if the speed stayed what it is. Nothing here waits for a torque.
+  const double x = h * w0;
+  const base::SineCosine z1 = sum(z, small_turn(x));
+  const double square = x * x;
+  const double both = square * (held.square + square * held.fourth);
+  const double by_begin = held.from_begin + both;
+  const double by_end = held.from_end + both;
+  const StatorVector i1{
+      (held.decay * i0.alpha + held.gain * u.alpha) + (by_begin * z.cosine + by_end * z1.cosine),
+      (held.decay * i0.beta + held.gain * u.beta) + (by_begin * z.sine + by_end * z1.sine)};
+  const double direct0 = along(z, i0);
+  const double direct1 = along(z1, i1);
+  const double quadrature0 = across(z, i0);
+  const double quadrature1 = across(z1, i1);
+  const double forward0 = across(z, u);
+  const double forward1 = across(z1, u);
+  const double quadrature = (held.mean_begin * quadrature0 + held.mean_end * quadrature1) +
+                            held.twelfth * (inverse_direct_inductance_ * (forward0 - forward1) +
+                                            w0 * (direct1 - direct0));
+
+  const NearbyCogging cogging =
+      std::fabs(x) < cogging_.reach() ? cogging_.around(z) : NearbyCogging();
+  const double sign = speed_before > 0.0 ? 1.0 : -1.0;
+  const double outside = shaft_.load().constant_torque + input.torque;
+  const double coulomb = shaft_.coulomb_friction(input.brake_engaged);
+  double steady = outside - sign * coulomb;
+  double rise = 0.0;
+  if (shaft_.creeps(speed_before)) {
+    rise = sign * shaft_.stribeck_friction(speed_before);
+  }
+  const double drag = damping_ * w0;
+  const double gained =
+      h * ((flux_mobility_ * quadrature0 - drag) + mobility_ * ((steady - rise) + cogging.torque));
+  const double rising = (inverse_direct_inductance_ * forward0 - held.rate * quadrature0) -
+                        w0 * (flux_current_ + direct0);
+  const double bend = held.bend * (flux_mobility_ * rising + mobility_ * cogging.slope * w0);
+  if (shaft_.creeps(speed_before)) {
+    rise = sign * shaft_.stribeck_friction((w0 + 0.5 * gained) * inverse_pole_pairs_);
+  }
+
+  // What the speed gained takes from the current, and so from the torque.
+  const double push = h * flux_mobility_;
+  const double opposition =
+      push * ((held.opposition + held.opposition_by_direct * direct1) -
+              held.opposition_by_rise *
+                  (w0 * quadrature1 + inverse_direct_inductance_ * along(z1, u))) +
+      0.5 * h * damping_;
+  const double evenly =
+      push * quadrature + h * (mobility_ * ((steady - rise) + cogging.mean(x)) - drag);
+  const double more_speed = evenly - gained * opposition;
+  // A cubic through both speeds with the first two derivatives at the begin.
+  const double further = held.quarter * (more_speed + gained) + bend;
+  const double shift = held.yield * further;
+  const double lift = further * (0.5 * flux_current_ * further + held.lift * x);
+  state.current = {i1.alpha + (shift * z1.sine + lift * z1.cosine),
+                   i1.beta - (shift * z1.cosine - lift * z1.sine)};
+  const double shorter = 1.0 - 0.5 * further * further;
+  state.direction = {shorter * z1.sine + further * z1.cosine,
+                     shorter * z1.cosine - further * z1.sine};
+  const double w1 = w0 + more_speed;
+  state.speed = survivable(w1 * inverse_pole_pairs_);
+  state.angle = turned(state.angle, x + further);
+  if (state.speed * sign < 0.0) [[unlikely]] {
+    ShaftMechanics::Frozen frozen = shaft_.freeze(state.angle, input.torque, input.brake_engaged);
+    frozen.friction_sign = sign;
+    settle(state, frozen, speed_before, h);
+  }
+  const double mean_alpha = held.mean_begin * i0.alpha + held.mean_end * state.current.alpha;
+  const double mean_beta = held.mean_begin * i0.beta + held.mean_end * state.current.beta;
+  return 1.5 * ((u.alpha * mean_alpha + u.beta * mean_beta) +
+                held.twelfth * flux_current_ * (w1 * forward1 - w0 * forward0));
+}
 
 }  // namespace stator::plant
