@@ -76,16 +76,14 @@ void Bus::perform(SimTime now) {
 void Bus::plan() {
   if (transmitting_) {
     due_ = current_.end;
-  } else if (pending_count_ == 0 || stalled_) {
+  } else if (contenders_.empty() || stalled_) {
     due_ = SimTime::never();
   } else if (last_hold_ <= std::max(idle_from_, now_)) {
     due_ = std::max(idle_from_, now_);
   } else {
     due_ = SimTime::never();
-    for (std::size_t i = 0; i < keys_.size(); ++i) {
-      if (keys_[i] != kNothing) {
-        due_ = std::min(due_, std::max(held_until_[i], std::max(idle_from_, now_)));
-      }
+    for (const Contenders::Entry& entry : contenders_.all()) {
+      due_ = std::min(due_, std::max(held_until_[entry.member], std::max(idle_from_, now_)));
     }
   }
   due_ = std::min(due_, next_recovery_);
@@ -102,39 +100,49 @@ void Bus::collect() {
 void Bus::refresh(std::size_t index) {
   const Member& member = members_[index];
   const Frame* frame = member.active() ? member.pending() : nullptr;
-  pending_count_ -= keys_[index] != kNothing ? 1U : 0U;
-  keys_[index] = frame != nullptr ? arbitration_field(*frame) : kNothing;
-  pending_count_ += keys_[index] != kNothing ? 1U : 0U;
+  const std::uint64_t key = frame != nullptr ? arbitration_field(*frame) : kNothing;
+  if (key == keys_[index]) {
+    return;
+  }
+  if (keys_[index] != kNothing) {
+    contenders_.erase(contender(index));
+  }
+  keys_[index] = key;
+  if (key != kNothing) {
+    contenders_.insert(contender(index));
+  }
+}
+
+Contenders::Entry Bus::contender(std::size_t index) const {
+  return {static_cast<std::uint32_t>(keys_[index]), static_cast<std::uint32_t>(index)};
 }
 
 // What was put in since the last look counts from the next one on, what was taken back is gone now.
 void Bus::forget_vanished() {
-  for (std::size_t i = 0; i < keys_.size(); ++i) {
+  noted_.look([this](std::size_t i) {
     const Frame* frame = members_[i].pending();
     if (keys_[i] != kNothing && (frame == nullptr || arbitration_field(*frame) != keys_[i])) {
       refresh(i);
     }
-  }
+  });
 }
 
 // Equal fields are served in turn.
 std::size_t Bus::arbitrate(SimTime now) {
   std::size_t winner = kNobody;
-  std::uint64_t best = kNothing;
   contested_ = false;
-  const auto look = [&](std::size_t first, std::size_t end) {
-    for (std::size_t i = first; i < end; ++i) {
-      if (keys_[i] > best || keys_[i] == kNothing || held_until_[i] > now) {
-        continue;
-      }
-      contested_ = keys_[i] == best;
-      winner = contested_ ? winner : i;
-      best = keys_[i];
+  for (const Contenders::Entry& entry : contenders_.all()) {
+    if (winner != kNobody && entry.field != keys_[winner]) {
+      break;
     }
-  };
-  const std::size_t next = std::min(last_winner_ + 1, keys_.size());
-  look(next, keys_.size());
-  look(0, next);
+    if (held_until_[entry.member] > now) {
+      continue;
+    }
+    contested_ = winner != kNobody;
+    if (!contested_ || (winner <= last_winner_ && entry.member > last_winner_)) {
+      winner = entry.member;
+    }
+  }
   return winner;
 }
 
@@ -406,12 +414,9 @@ bool Bus::is_sender(std::size_t member) const {
 
 // An unlimited bus is as fast as the slowest port, so that no frame is lost.
 bool Bus::blocked() const {
-  if (settings_.bit_rate || ports_ == 0) {
-    return false;
-  }
-  return std::ranges::any_of(listeners_, [](const Listener& listener) {
-    return listener.port != nullptr && listener.port->full() && !listener.port->lossy();
-  });
+  return !settings_.bit_rate && std::ranges::any_of(listening_ports_, [](const Port* port) {
+           return port->full() && !port->lossy();
+         });
 }
 
 SimDuration Bus::bits(unsigned count) const {

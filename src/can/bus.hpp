@@ -9,6 +9,7 @@
 #include "base/delegate.hpp"
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
+#include "can/contenders.hpp"
 #include "can/controller.hpp"
 #include "can/error_counters.hpp"
 #include "can/frame.hpp"
@@ -99,7 +100,7 @@ class Bus {
   /// The next moment at which advance() has something to do.
   [[nodiscard]] base::SimTime next_deadline() const;
   /// Nothing is on the wire and nobody has anything to send.
-  [[nodiscard]] bool idle() const { return !transmitting_ && pending_count_ == 0 && !noted_.any(); }
+  [[nodiscard]] bool idle() const { return !transmitting_ && contenders_.empty() && !noted_.any(); }
 
   /// Calls `look(member)` for each node that got a frame or another error state since the last
   /// call.
@@ -188,6 +189,7 @@ class Bus {
   void plan();
   void collect();
   void refresh(std::size_t index);
+  [[nodiscard]] Contenders::Entry contender(std::size_t member) const;
   void forget_vanished();
   void begin(base::SimTime now);
   [[nodiscard]] std::size_t arbitrate(base::SimTime now);
@@ -216,6 +218,7 @@ class Bus {
   BusSettings settings_;
   std::vector<Member> members_;
   std::vector<Listener> listeners_;
+  std::vector<const Port*> listening_ports_;  ///< those among the listeners
   std::vector<std::uint64_t> keys_;        ///< by member: arbitration field or kNothing
   std::vector<base::SimTime> held_until_;  ///< by member: it may not begin before
   std::vector<std::size_t> senders_;       ///< of the present transmission; several: same bits
@@ -226,7 +229,7 @@ class Bus {
   std::size_t taker_words_ = 0;       ///< per identifier
   std::uint64_t filter_changes_ = 0;  ///< counted by the filters
   std::uint64_t filter_changes_seen_ = 0;
-  std::size_t pending_count_ = 0;  ///< keys that are not kNothing
+  Contenders contenders_;             ///< members whose key is not kNothing
   base::SimTime last_hold_;        ///< no member is held after that
   std::size_t ports_ = 0;
   std::size_t mismatched_ = 0;   ///< members that hear only noise

@@ -24,6 +24,7 @@ std::size_t Bus::add(Controller& controller, const NodeSettings& settings) {
   keys_.push_back(kNothing);
   held_until_.emplace_back();
   senders_.reserve(members_.size());
+  contenders_.add_member();
   noted_.add_member();
   reached_.add_member();
   taker_words_ = (members_.size() + 63) / 64;
@@ -44,6 +45,7 @@ std::size_t Bus::add(Port& port) {
   keys_.push_back(kNothing);
   held_until_.emplace_back();
   senders_.reserve(members_.size());
+  contenders_.add_member();
   noted_.add_member();
   reached_.add_member();
   taker_words_ = (members_.size() + 63) / 64;
@@ -73,6 +75,7 @@ bool Bus::mismatched(const Member& member) const {
 
 void Bus::membership_changed(std::size_t number) {
   listeners_.clear();
+  listening_ports_.clear();
   ++filter_changes_;
   mismatched_ = 0;
   for (std::size_t i = 0; i < members_.size(); ++i) {
@@ -81,6 +84,9 @@ void Bus::membership_changed(std::size_t number) {
       ++mismatched_;
     } else if (member.active()) {
       listeners_.push_back({member.controller, member.port, i});
+      if (member.port != nullptr) {
+        listening_ports_.push_back(member.port);
+      }
     }
   }
   if (members_[number].active()) {

@@ -26,14 +26,26 @@ class PendingMembers {
   void take(Look look) {
     any_ = false;
     for (std::size_t i = 0; i < words_.size(); ++i) {
-      for (std::uint64_t word = words_[i]; word != 0; word &= word - 1) {
-        look(i * 64 + static_cast<std::size_t>(std::countr_zero(word)));
-      }
+      look_at(i, look);
       words_[i] = 0;
+    }
+  }
+  /// The same without forgetting them.
+  template <typename Look>
+  void look(Look look) const {
+    for (std::size_t i = 0; i < words_.size(); ++i) {
+      look_at(i, look);
     }
   }
 
  private:
+  template <typename Look>
+  void look_at(std::size_t i, Look& look) const {
+    for (std::uint64_t word = words_[i]; word != 0; word &= word - 1) {
+      look(i * 64 + static_cast<std::size_t>(std::countr_zero(word)));
+    }
+  }
+
   std::size_t members_ = 0;
   std::vector<std::uint64_t> words_;
   bool any_ = false;

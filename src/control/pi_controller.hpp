@@ -97,8 +97,7 @@ class PiController {
   int cut_ = 0;  ///< sign of what the limit took from the latest output
 };
 
-/// Torque and flux controllers: mA in, mV out. Velocity controller: 1/256 rpm in, mA out.
-using CurrentPiController = PiController<PiFormat{}>;
+/// 1/256 rpm in, mA out.
 using VelocityPiController = PiController<PiFormat{.error_bits = 8}>;
 
 }  // namespace stator::control

@@ -3,6 +3,8 @@
 #include <bit>
 #include <cstdint>
 
+#include "control/pair.hpp"
+
 namespace stator::control {
 
 /// Nearest integer, ties to even; |value| < 2^51. Adding 1.5 * 2^52 rounds without a library call,
@@ -10,6 +12,12 @@ namespace stator::control {
 [[nodiscard]] constexpr std::int64_t nearest_integer(double value) {
   constexpr double kRounder = 0x1.8p52;
   return std::bit_cast<std::int64_t>(value + kRounder) - std::bit_cast<std::int64_t>(kRounder);
+}
+
+/// The same of two, still as floating-point numbers.
+[[nodiscard]] inline Pair nearest_integers(Pair value) {
+  constexpr double kRounder = 0x1.8p52;
+  return (value + kRounder) - kRounder;
 }
 
 /// `value` within the range of an INTEGER32 object.

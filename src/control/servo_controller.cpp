@@ -47,8 +47,7 @@ void ServoController::configure(const ServoControllerSettings& settings) {
   halls_used_ = settings.commutation == ServoCommutation::hall ||
                 (settings.commutation == ServoCommutation::encoder &&
                  settings.init_mode == EncoderInitMode::hall);
-  torque_pi_.configure(settings.torque_p, settings.torque_i);
-  flux_pi_.configure(settings.torque_p, settings.torque_i);
+  current_pi_.configure(settings.torque_p, settings.torque_i);
   velocity_pi_.configure(settings.velocity_p, settings.velocity_i);
   const double increments = increments_per_revolution();
   rpm_of_rate_ = kPeriodsPerMinute / increments;
@@ -104,11 +103,11 @@ ElectricalAngle ServoController::commutation_angle() const {
 }
 
 std::int32_t ServoController::torque_error_sum() const {
-  return saturated(torque_pi_.sum());
+  return current_pi_.torque().sum;
 }
 
 std::int32_t ServoController::flux_error_sum() const {
-  return saturated(flux_pi_.sum());
+  return current_pi_.flux().sum;
 }
 
 std::int32_t ServoController::velocity_error() const {
@@ -190,8 +189,7 @@ void ServoController::begin(const ServoSetPoint& set_point, const base::ServoSen
   running_ = true;
   until_outer_loops_ = 1;  // the first duties come with the first targets
   loop_ = set_point.loop;
-  torque_pi_.preset(0);
-  flux_pi_.preset(0);
+  current_pi_.reset();
   velocity_pi_.preset(0);
   duty_ = {0.5, 0.5, 0.5};
   square_current_ = 0.0;
@@ -205,8 +203,7 @@ void ServoController::begin(const ServoSetPoint& set_point, const base::ServoSen
 void ServoController::end() {
   running_ = false;
   loop_ = ServoLoop::off;
-  torque_pi_.preset(0);
-  flux_pi_.preset(0);
+  current_pi_.reset();
   velocity_pi_.preset(0);
   target_current_ = 0;
   ramp_target_current_ = 0;
@@ -240,6 +237,10 @@ void ServoController::run_outer_loops(const ServoSetPoint& set_point,
   }
   run_loop(set_point);
   limit_torque_by_velocity();
+  targets_each_period_ = field_driven_ || loop_ == ServoLoop::torque || encoder_.failed();
+  if (!targets_each_period_) {
+    set_current_targets(set_point);
+  }
   // The voltage acts 1.5 periods after the angle it was computed for.
   advance_ = sine_cosine(field_driven_ ? times_one_and_a_half(open_loop_step_)
                                        : angle_of_turns(velocity_ * advance_of_rpm_));
@@ -265,8 +266,7 @@ void ServoController::initialise_encoder(const base::ServoSensing& sensing) {
   if (!encoder_.initialising()) {
     field_driven_ = false;
     open_loop_step_ = {};
-    torque_pi_.preset(0);
-    flux_pi_.preset(0);
+    current_pi_.reset();
     target_current_ = 0;  // what stays on view when it failed
     ramp_target_current_ = 0;
     actual_current_ = 0;
@@ -318,44 +318,42 @@ void ServoController::limit_torque_by_velocity() {
   }
 }
 
+void ServoController::set_current_targets(const ServoSetPoint& set_point) {
+  if (field_driven_) {
+    target_current_ = field_current_;
+    ramp_target_current_ = i2t_.exceeded() ? 0 : field_current_;
+    current_target_ = {static_cast<double>(ramp_target_current_), 0.0};
+    return;
+  }
+  target_current_ =
+      loop_ == ServoLoop::torque
+          ? static_cast<std::int32_t>(nearest_integer(
+                std::clamp(set_point.torque, -kLargestCurrent, kLargestCurrent) * kMilliamperes))
+          : outer_torque_;
+  ramp_target_current_ = std::clamp(target_current_, torque_lower_, torque_upper_);
+  current_target_ = {0.0, static_cast<double>(ramp_target_current_)};
+}
+
 void ServoController::control_currents(const ServoSetPoint& set_point,
                                        const base::ServoSensing& sensing) {
+  if (targets_each_period_) {
+    set_current_targets(set_point);
+  }
   const base::SineCosine angle = sine_cosine(commutation_angle());
   const RotorVector current = park(clarke(sensing.phase_current), angle);
   square_current_ += current.d * current.d + current.q * current.q;
-
-  std::int32_t flux_target = 0;
-  std::int32_t torque_target = 0;
-  if (field_driven_) {
-    target_current_ = field_current_;
-    flux_target = i2t_.exceeded() ? 0 : field_current_;
-    ramp_target_current_ = flux_target;
-  } else {
-    target_current_ =
-        loop_ == ServoLoop::torque
-            ? static_cast<std::int32_t>(nearest_integer(
-                  std::clamp(set_point.torque, -kLargestCurrent, kLargestCurrent) * kMilliamperes))
-            : outer_torque_;
-    torque_target = std::clamp(target_current_, torque_lower_, torque_upper_);
-    ramp_target_current_ = torque_target;
-  }
+  const Pair rounded = nearest_integers(Pair{current.d, current.q} * kMilliamperes);
+  actual_current_ = static_cast<std::int32_t>(static_cast<std::int64_t>(rounded[field_driven_ ? 0 : 1]));
 
   // Voltages in the unit of the controllers' outputs from here to the duties.
   constexpr double kUnitsPerVolt = kPiUnit / kMillivolt;
   const double supply = std::max(sensing.supply_voltage, kLeastSupply) * kUnitsPerVolt;
   const double inverse_supply = 1.0 / supply;
   const double limit = supply * kInverseSqrt3;
-  const auto pi_limit = static_cast<std::int64_t>(limit);
-  const auto d = static_cast<std::int32_t>(nearest_integer(current.d * kMilliamperes));
-  const auto q = static_cast<std::int32_t>(nearest_integer(current.q * kMilliamperes));
-  RotorVector voltage{static_cast<double>(flux_pi_.step(flux_target - d, pi_limit)),
-                      static_cast<double>(torque_pi_.step(torque_target - q, pi_limit))};
-  voltage_limited_ = flux_pi_.cut() != 0 || torque_pi_.cut() != 0;
-  if (limit_circle(voltage, limit)) {
-    torque_pi_.set_cut(voltage.q < 0.0 ? -1 : 1);
-    voltage_limited_ = true;
-  }
-  actual_current_ = field_driven_ ? d : q;
+  const Pair output =
+      current_pi_.step(Pair{current_target_.d, current_target_.q} - rounded, limit);
+  voltage_limited_ = current_pi_.cut();
+  const RotorVector voltage{output[0], output[1]};
   duty_ = space_vector_duties(inverse_park(voltage, turned(angle, advance_)), inverse_supply);
   open_loop_angle_ = open_loop_angle_ + open_loop_step_;
 }

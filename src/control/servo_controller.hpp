@@ -6,6 +6,7 @@
 #include "base/servo_signals.hpp"
 #include "base/sim_time.hpp"
 #include "control/brake_chopper.hpp"
+#include "control/current_controllers.hpp"
 #include "control/electrical_angle.hpp"
 #include "control/encoder_commutation.hpp"
 #include "control/hall_decoder.hpp"
@@ -60,9 +61,9 @@ class ServoController {
   [[nodiscard]] std::int32_t ramp_target_current() const {
     return ramp_target_current_;  // 2030h:03, what the controllers get
   }
-  [[nodiscard]] std::int32_t torque_error() const { return torque_pi_.error(); }
+  [[nodiscard]] std::int32_t torque_error() const { return current_pi_.torque().error; }
   [[nodiscard]] std::int32_t torque_error_sum() const;
-  [[nodiscard]] std::int32_t flux_error() const { return flux_pi_.error(); }
+  [[nodiscard]] std::int32_t flux_error() const { return current_pi_.flux().error; }
   [[nodiscard]] std::int32_t flux_error_sum() const;
 
   // Velocities, rpm.
@@ -130,7 +131,8 @@ class ServoController {
   void enter_loop(ServoLoop loop);
   void run_loop(const ServoSetPoint& set_point);
   void limit_torque_by_velocity();
-  void control_currents(const ServoSetPoint& set_point, const base::ServoSensing& sensing);
+  void set_current_targets(const ServoSetPoint& set_point);
+  inline void control_currents(const ServoSetPoint& set_point, const base::ServoSensing& sensing);
 
   ServoControllerSettings settings_;
 
@@ -169,12 +171,13 @@ class ServoController {
   double position_error_ = 0.0;
 
   VelocityPiController velocity_pi_;
-  CurrentPiController torque_pi_;
-  CurrentPiController flux_pi_;
+  CurrentControllers current_pi_;
   base::SineCosine advance_{0.0, 1.0};  ///< of the angle in 1.5 periods
   std::int32_t torque_upper_ = 0;       ///< mA, bounds of the q current at present
   std::int32_t torque_lower_ = 0;
   std::int32_t outer_torque_ = 0;  ///< mA, of the velocity loop
+  RotorVector current_target_;     ///< mA, what the controllers get
+  bool targets_each_period_ = true;  ///< otherwise the outer loops alone change them
   std::int32_t target_current_ = 0;
   std::int32_t ramp_target_current_ = 0;
   std::int32_t actual_current_ = 0;

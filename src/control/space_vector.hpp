@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/trigonometry.hpp"
-#include "control/rounding.hpp"
+#include "control/pair.hpp"
 
 namespace stator::control {
 
@@ -80,11 +80,12 @@ inline bool limit_circle(RotorVector& v, double limit) {
   const double centre = -0.5 * (std::max(std::max(phase[0], phase[1]), phase[2]) +
                                 std::min(std::min(phase[0], phase[1]), phase[2]));
   const double scale = kTimerSteps * inverse_supply;
-  const auto duty = [&](double voltage) {
-    const double steps = 0.5 * kTimerSteps + (voltage + centre) * scale;
+  const auto duty = [&](auto voltage) {
+    const auto steps = 0.5 * kTimerSteps + (voltage + centre) * scale;
     return ((steps + kRounder) - kRounder) * (1.0 / kTimerSteps);
   };
-  return {duty(phase[0]), duty(phase[1]), duty(phase[2])};
+  const Pair vw = duty(Pair{phase[1], phase[2]});
+  return {duty(phase[0]), vw[0], vw[1]};
 }
 
 }  // namespace stator::control

@@ -113,7 +113,16 @@ class Axis {
   [[nodiscard]] virtual double shown_velocity() const = 0;
 
   /// Takes `error` up when it appears: event, reaction, fault.
-  void watch(AxisError error, bool present, base::SimTime now);
+  void watch(AxisError error, bool present, base::SimTime now) {
+    if (present != causes_.has(error) || (!present && errors_.has(error))) [[unlikely]] {
+      take_up(error, present, now);
+    }
+  }
+  /// watch() would have nothing to do, were it asked for each of `watched` and found `present` of
+  /// them.
+  [[nodiscard]] bool nothing_new(AxisErrors watched, AxisErrors present) const {
+    return present == (causes_ & watched) && !errors_.without(causes_).any_of(watched);
+  }
   /// As a motion controller chip does, the axis stops at a limit switch at once; what its firmware
   /// has to say comes with the next control period.
   void follow_limit_switches(const SwitchLevels& levels);
@@ -154,6 +163,7 @@ class Axis {
   [[nodiscard]] bool fault_present() const;
   [[nodiscard]] bool warning_present() const;
   void supervise(base::SimTime now);
+  void take_up(AxisError error, bool present, base::SimTime now);
   [[nodiscard]] bool stall_blocks() const;
   void publish(base::SimTime now);
   void publish_statusword(base::SimTime now);

@@ -64,9 +64,20 @@ class AxisErrors {
   [[nodiscard]] constexpr bool any_of(AxisErrors others) const {
     return (bits_ & others.bits_) != 0;
   }
+  /// This set without `others`.
+  [[nodiscard]] constexpr AxisErrors without(AxisErrors others) const {
+    return AxisErrors(bits_ & ~others.bits_);
+  }
+  [[nodiscard]] friend constexpr AxisErrors operator&(AxisErrors a, AxisErrors b) {
+    return AxisErrors(a.bits_ & b.bits_);
+  }
+  [[nodiscard]] friend constexpr AxisErrors operator|(AxisErrors a, AxisErrors b) {
+    return AxisErrors(a.bits_ | b.bits_);
+  }
   friend constexpr bool operator==(AxisErrors, AxisErrors) = default;
 
  private:
+  explicit constexpr AxisErrors(std::uint32_t bits) : bits_(bits) {}
   static constexpr std::uint32_t bit(AxisError error) { return 1U << static_cast<unsigned>(error); }
   std::uint32_t bits_ = 0;
 };

@@ -101,7 +101,7 @@ bool Axis::stall_blocks() const {
   return stalled_ && (mode_ == &cyclic_position_ || mode_ == &cyclic_velocity_);
 }
 
-void Axis::watch(AxisError error, bool present, base::SimTime now) {
+void Axis::take_up(AxisError error, bool present, base::SimTime now) {
   const bool appears = present && !causes_.has(error);
   causes_.set(error, present);
   if (!present && !is_fault(error)) {

@@ -22,6 +22,12 @@ constexpr AxisErrors kShortErrors{AxisError::overcurrent_a, AxisError::overcurre
 constexpr std::array kStageConditions{AxisError::undervoltage, AxisError::overvoltage,
                                       AxisError::over_temperature_warning,
                                       AxisError::over_temperature, AxisError::hall_error};
+constexpr AxisErrors kStageConditionErrors{AxisError::undervoltage, AxisError::overvoltage,
+                                           AxisError::over_temperature_warning,
+                                           AxisError::over_temperature, AxisError::hall_error};
+constexpr AxisErrors kWatched = kStageConditionErrors | kShortErrors |
+                                AxisErrors{AxisError::initialisation_error, AxisError::overload,
+                                           AxisError::shutdown_switch};
 
 }  // namespace
 
@@ -31,24 +37,6 @@ ServoAxis::ServoAxis(dictionary::Dictionary& dictionary, const AxisConfiguration
   settings_.behaviour = kServoBehaviour;
   configure();
   start();
-}
-
-base::ServoActuation ServoAxis::step(const base::ServoSensing& sensing) {
-  supply_voltage_ = sensing.supply_voltage;
-  driver_temperature_ = sensing.driver_temperature;
-  if (sensing.overcurrent[0] || sensing.overcurrent[1] || sensing.overcurrent[2] ||
-      sensing.overcurrent_high_side) [[unlikely]] {
-    switch_off_on_overcurrent(sensing);
-  }
-  base::ServoActuation actuation = controller_.step(set_point_, sensing);
-  actuation.brake_released = power_.brake_released();
-  if (switches_changed(sensing.left_switch, sensing.right_switch)) [[unlikely]] {
-    follow_limit_switches(switch_levels(sensing));
-  }
-  if (homing()) [[unlikely]] {
-    observe_homing(sensing);
-  }
-  return actuation;
 }
 
 void ServoAxis::switch_off_on_overcurrent(const base::ServoSensing& sensing) {
@@ -121,19 +109,30 @@ void ServoAxis::begin_period(base::SimTime /*now*/) {
 
 void ServoAxis::supervise_stage(base::SimTime now) {
   update_conditions();
+  const auto init_failed = [this] { return power_.bridge_enabled() && controller_.init_error(); };
+  const auto shut_down = [this] {
+    return conditions_.shutdown_switch &&
+           (power_.bridge_enabled() || causes().has(AxisError::shutdown_switch));
+  };
+  // A short is remembered; its cause went away with the current and cannot hold up a reset.
+  AxisErrors present = (stage_errors_ & kStageConditionErrors) |
+                       (stage_errors_ & kShortErrors).without(errors());
+  present.set(AxisError::initialisation_error, init_failed());
+  present.set(AxisError::overload, controller_.i2t_exceeded());
+  present.set(AxisError::shutdown_switch, shut_down());
+  if (nothing_new(kWatched, present)) {
+    return;
+  }
+  // One by one: what the first leads to, the others see.
   for (const AxisError error : kStageConditions) {
     watch(error, stage_errors_.has(error), now);
   }
-  // A short is remembered; its cause went away with the current and cannot hold up a reset.
   for (const AxisError error : kShorts) {
     watch(error, stage_errors_.has(error) && !errors().has(error), now);
   }
-  watch(AxisError::initialisation_error, power_.bridge_enabled() && controller_.init_error(), now);
+  watch(AxisError::initialisation_error, init_failed(), now);
   watch(AxisError::overload, controller_.i2t_exceeded(), now);
-  watch(AxisError::shutdown_switch,
-        conditions_.shutdown_switch &&
-            (power_.bridge_enabled() || causes().has(AxisError::shutdown_switch)),
-        now);
+  watch(AxisError::shutdown_switch, shut_down(), now);
 }
 
 void ServoAxis::update_conditions() {

@@ -32,7 +32,23 @@ class ServoAxis final : public Axis {
   [[nodiscard]] const ServoSettings& servo_settings() const { return servo_settings_; }
 
   /// One period of the current loop; `sensing` is what the sensors told at its end.
-  base::ServoActuation step(const base::ServoSensing& sensing);
+  base::ServoActuation step(const base::ServoSensing& sensing) {
+    supply_voltage_ = sensing.supply_voltage;
+    driver_temperature_ = sensing.driver_temperature;
+    if (sensing.overcurrent[0] || sensing.overcurrent[1] || sensing.overcurrent[2] ||
+        sensing.overcurrent_high_side) [[unlikely]] {
+      switch_off_on_overcurrent(sensing);
+    }
+    base::ServoActuation actuation = controller_.step(set_point_, sensing);
+    actuation.brake_released = power_.brake_released();
+    if (switches_changed(sensing.left_switch, sensing.right_switch)) [[unlikely]] {
+      follow_limit_switches(switch_levels(sensing));
+    }
+    if (homing()) [[unlikely]] {
+      observe_homing(sensing);
+    }
+    return actuation;
+  }
   /// Between two control periods, while switched off and with sensors that tell what they told in
   /// the latest step(): as good as `periods` calls of it.
   void rest(int periods, const base::ServoSensing& sensing) { controller_.rest(periods, sensing); }

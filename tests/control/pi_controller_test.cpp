@@ -10,6 +10,8 @@
 namespace stator::control {
 namespace {
 
+using CurrentPiController = PiController<PiFormat{}>;
+
 constexpr std::int64_t kOne = 65536;  // of the output
 constexpr std::int64_t kLimit = 10'000 * kOne;
 

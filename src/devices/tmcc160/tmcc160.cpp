@@ -278,9 +278,7 @@ void Tmcc160::advance(SimTime now) {
 void Tmcc160::step_until(SimTime end) {
   plant::ServoAxis& plant = world_.plant();
   while (now_ + kCurrentPeriod <= end) {
-    base::ServoActuation actuation = axis_->step(plant.sensing());
-    actuation.brake_released = axis_->brake_released();
-    static_cast<void>(plant.step(actuation, kCurrentPeriod));
+    static_cast<void>(plant.step(axis_->step(plant.sensing()), kCurrentPeriod));
     now_ += kCurrentPeriod;
     // The first step after the firmware or a person did something is made; until one of them does
     // something again, a shaft at rest with the bridge off costs nothing.
