@@ -232,8 +232,7 @@ ModeContext Axis::context(base::SimTime now) {
           .closed_loop = stage.closed_loop,
           .position_loop = stage.position_loop,
           .motor_current = stage.current,
-          .actual_velocity = actual_velocity(),
-          .standstill = shown_velocity() == 0.0};
+          .actual_velocity = actual_velocity()};
 }
 
 std::int64_t Axis::actual_position() const {

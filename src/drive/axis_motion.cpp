@@ -478,11 +478,26 @@ void AxisMotion::supervise() {
   }
 }
 
+/// The profile under way leads against the present motion, so it begins with the slow down ramp.
+bool AxisMotion::turns_back() const {
+  switch (profile_) {
+    case Profile::positioning:
+      return static_cast<double>(passed_target_ - position()) * velocity() < 0.0;
+    case Profile::velocity:
+      return wanted_velocity_ * velocity() < 0.0;
+    default:
+      return false;
+  }
+}
+
 bool AxisMotion::obey_limit_switches() {
   if (!switch_blocks(velocity())) {
     if (!switch_blocks(blocked_direction_)) {
       blocked_direction_ = 0.0;
     }
+    return false;
+  }
+  if (settings_.behaviour.slows_down_at_switches && turns_back()) {
     return false;
   }
   blocked_direction_ = velocity();

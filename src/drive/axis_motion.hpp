@@ -104,7 +104,8 @@ class AxisMotion {
   /// Applies changed profile objects, software limits and limit switches. Call every control
   /// period.
   void supervise();
-  /// Stops a motion into a limit switch that is pressed now; returns whether there was one.
+  /// Stops a motion into a limit switch that is pressed now; returns whether there was one. A
+  /// target away from the switch that comes while the axis still slows down is kept.
   bool obey_limit_switches();
   void advance(base::SimDuration duration) { ramp_.advance(duration); }
 
@@ -156,6 +157,7 @@ class AxisMotion {
   void go_on_behind_target();
   void stop_behind_limit(double direction);
   [[nodiscard]] bool search_blocked(double direction, const PassedSwitches& passed);
+  [[nodiscard]] bool turns_back() const;
   void rest_at(std::int64_t position, double velocity);
   void take_up(double velocity, bool on_profile);
   [[nodiscard]] double limit_passed_by(const control::RampGenerator& ramp, bool on_profile) const;

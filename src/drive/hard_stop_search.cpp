@@ -1,6 +1,7 @@
 #include "drive/hard_stop_search.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 namespace stator::drive {
@@ -44,15 +45,16 @@ bool HardStopSearch::advance(const ModeContext& context) {
     return false;
   }
   context.motion.search_to(goal_, return_speed(context), kAllPassed);
-  return stands_on_goal(context) && arrived(context);
+  return is_on_goal(context) && arrived(context);
 }
 
-/// The shaft itself is there: a controller that has just pushed with all it may follows late.
-bool HardStopSearch::stands_on_goal(const ModeContext& context) const {
-  const std::int64_t tolerance =
-      context.settings.position_end ? context.settings.position_end->distance : 0;
-  return context.motion.at_rest() && context.motion.position() == goal_ && context.standstill &&
-         std::llabs(context.actual_position() - goal_) <= tolerance;
+/// The shaft itself is there: a controller that has just pushed with all it may follows late. It
+/// need not stand: cogging and friction can make a shaft swing about its goal for ever.
+bool HardStopSearch::is_on_goal(const ModeContext& context) const {
+  const PositionEnd end = context.settings.position_end.value_or(PositionEnd{});
+  return context.motion.at_rest() && context.motion.position() == goal_ &&
+         std::llabs(context.actual_position() - goal_) <= end.distance &&
+         std::fabs(context.actual_velocity) <= end.velocity;
 }
 
 void HardStopSearch::push(const ModeContext& context) {

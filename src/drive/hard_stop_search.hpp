@@ -26,7 +26,7 @@ class HardStopSearch {
   enum class Stage : std::uint8_t { pushing, returning };
 
   void push(const ModeContext& context);
-  [[nodiscard]] bool stands_on_goal(const ModeContext& context) const;
+  [[nodiscard]] bool is_on_goal(const ModeContext& context) const;
   [[nodiscard]] bool arrived(const ModeContext& context);
   void set_limit(const ModeContext& context, std::int64_t position) const;
   void scale(const ModeContext& context, std::int64_t end) const;

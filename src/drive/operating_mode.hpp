@@ -43,7 +43,6 @@ struct ModeContext {
   bool position_loop = false;
   double motor_current = 0.0;    ///< A, filtered, positive drives forward (servo axes)
   double actual_velocity = 0.0;  ///< pps
-  bool standstill = true;        ///< as statusword bit 14 tells it
 
   /// 6064h in 64 bits: the encoder's position, or the demand where no encoder is used.
   [[nodiscard]] std::int64_t actual_position() const {

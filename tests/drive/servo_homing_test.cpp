@@ -269,6 +269,22 @@ TEST_F(ServoHardStop, TheReturnUsesTheFastSpeed) {
   EXPECT_NEAR(slowest, -600.0, 1.0);
 }
 
+/// As one does whose magnets pull it away from the goal on either side.
+TEST_F(ServoHardStop, AShaftThatDoesNotComeToRestOnItsGoalEndsTheWayBackToo) {
+  begin(-1);
+  ASSERT_TRUE(bench_.pass_until([&] { return bench_.rpm() < -100.0; }, 20_s));
+  double phase = 0.0;
+  EXPECT_TRUE(bench_.pass_until(
+      [&] {
+        phase += 0.05;
+        bench_.motor.load = std::sin(phase) < 0.0 ? -0.1 : 0.1;
+        return home_bits() == kBoth;
+      },
+      10_s));
+  EXPECT_NEAR(bench_.motor.counts(), 9500.0, 50.0);
+  EXPECT_NEAR(bench_.motor.counts() - static_cast<double>(bench_.position()), 9500.0, 8.0);
+}
+
 TEST_F(ServoHardStop, SwitchesAreIgnored) {
   bench_.right_switch = 2000.0;
   begin(-1);

@@ -267,6 +267,31 @@ TEST_F(ServoProfilePosition, ALimitSwitchStopsOnTheRampAndBlocksItsDirectionOnly
   EXPECT_FALSE(bench_.axis->errors().has(AxisError::positive_limit_switch));
 }
 
+TEST_F(ServoProfilePosition, ATargetAwayFromTheSwitchIsTakenWhileTheMotorStillBrakes) {
+  bench_.right_switch = 20'000;
+  bench_.write(0x607A, 100'000);
+  bench_.start();
+  ASSERT_TRUE(bench_.pass_until([&] { return bench_.sensing.right_switch; }, 3_s));
+  bench_.pass(20_ms);
+  ASSERT_GT(bench_.rpm(), 500.0);
+  bench_.write(0x607A, 1000);
+  bench_.start();
+  EXPECT_TRUE(arrives_at(1000));
+}
+
+TEST_F(ServoProfilePosition, ATargetBehindTheSwitchIsNotTakenWhileTheMotorBrakes) {
+  bench_.right_switch = 20'000;
+  bench_.write(0x607A, 100'000);
+  bench_.start();
+  ASSERT_TRUE(bench_.pass_until([&] { return bench_.sensing.right_switch; }, 3_s));
+  bench_.pass(20_ms);
+  bench_.write(0x607A, 90'000);
+  bench_.start();
+  bench_.pass(3_s);
+  EXPECT_LT(bench_.position(), 50'000);
+  EXPECT_FALSE(bench_.status(statusword::kMotorActivity));
+}
+
 TEST_F(ServoProfilePosition, ASwitchThatIsNotUsedStopsNothing) {
   bench_.right_switch = 20'000;
   bench_.axis->settings().reference.switches.right.used = false;
@@ -280,6 +305,19 @@ class ServoProfileVelocity : public testing::Test {
   ServoProfileVelocity() { bench_.set_profile(0, 10'000, 5000); }
   ServoBench bench_;
 };
+
+TEST_F(ServoProfileVelocity, AVelocityAwayFromTheSwitchIsTakenWhileTheMotorStillBrakes) {
+  bench_.enable(ModeCode::profile_velocity);
+  bench_.right_switch = 20'000;
+  bench_.write(0x60FF, 2000);
+  ASSERT_TRUE(bench_.pass_until([&] { return bench_.sensing.right_switch; }, 3_s));
+  bench_.pass(20_ms);
+  ASSERT_GT(bench_.rpm(), 500.0);
+  bench_.write(0x60FF, -300);
+  EXPECT_TRUE(bench_.pass_until([&] { return std::abs(bench_.rpm() + 300.0) < 10.0; }, 2_s));
+  bench_.pass(5_s);
+  EXPECT_NEAR(bench_.rpm(), -300.0, 10.0);
+}
 
 TEST_F(ServoProfileVelocity, TakesUpTheTargetWrittenBeforeAndTellsItReached) {
   bench_.write(0x60FF, 2000);
