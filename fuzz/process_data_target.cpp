@@ -43,10 +43,16 @@ EntryDeclaration entry(unsigned index, unsigned subindex, DataType type, std::ui
           .default_value = value};
 }
 
-void add_pdo(std::vector<EntryDeclaration>& objects, unsigned communication, unsigned cob_id,
+EntryDeclaration cob_id(unsigned index, unsigned subindex, std::uint64_t value) {
+  EntryDeclaration declaration = entry(index, subindex, DataType::unsigned32, value);
+  declaration.node_id_relative = true;
+  return declaration;
+}
+
+void add_pdo(std::vector<EntryDeclaration>& objects, unsigned communication, unsigned identifier,
              std::uint64_t mapped) {
   objects.push_back(entry(communication, 0, DataType::unsigned8, 6));
-  objects.push_back(entry(communication, 1, DataType::unsigned32, cob_id));
+  objects.push_back(cob_id(communication, 1, identifier));
   objects.push_back(entry(communication, 2, DataType::unsigned8, 255));
   objects.push_back(entry(communication, 3, DataType::unsigned16));
   objects.push_back(entry(communication, 5, DataType::unsigned16));
@@ -65,7 +71,7 @@ std::vector<EntryDeclaration> objects() {
       entry(0x1005, 0, DataType::unsigned32, 0x80),
       entry(0x1006, 0, DataType::unsigned32),
       entry(0x1007, 0, DataType::unsigned32),
-      entry(0x1014, 0, DataType::unsigned32, 0x80),
+      cob_id(0x1014, 0, 0x80),
       entry(0x1015, 0, DataType::unsigned16),
       entry(0x1019, 0, DataType::unsigned8),
       entry(0x2000, 0, DataType::unsigned16, 0, kBoth),
@@ -181,7 +187,8 @@ class Session : private Objects {
  private:
   void reset_values(base::SimTime /*now*/) { dictionary.reset_values(); }
   void assign(std::uint8_t node_id, base::SimTime /*now*/) {
-    set_node_relative_defaults(dictionary, node_id);
+    dictionary.set_node_id(node_id);
+    dictionary.reset_values(0x1000, 0x1FFF);
   }
 
   Line line_;

@@ -373,6 +373,11 @@ void Bus::destroy(Verdict verdict, SimTime end) {
     update_state(sender, end);
   }
   count_errors_of_others(end);
+  for (const Listener& listener : listeners_) {
+    if (listener.port != nullptr) {
+      listener.port->deliver_error(current_.frame, end);
+    }
+  }
 }
 
 void Bus::count_errors_of_others(SimTime end) {

@@ -15,10 +15,11 @@ namespace stator::can {
 struct TimedFrame {
   base::SimTime time;
   Frame frame;
+  bool destroyed = false;  ///< by an error frame, which is what was on the bus in its place
 };
 
 /// An outside participant of a bus: frames of a master are put in, frames of the bus are taken out.
-/// It sees all frames but its own.
+/// It sees all frames but its own, and error frames if it asks for them.
 ///
 /// Nothing is lost while both sides look at what is full: who feeds a port leaves frames where they
 /// are while room() is 0, and an unlimited bus waits for a port whose frames nobody takes, unless
@@ -58,6 +59,8 @@ class Port {
   /// meanwhile.
   void set_lossy(bool lossy) { lossy_ = lossy; }
   [[nodiscard]] bool lossy() const { return lossy_; }
+  /// Whether error frames are taken out like frames, as TimedFrame::destroyed.
+  void set_hears_errors(bool hears) { hears_errors_ = hears; }
   /// Frames of the bus that found no room.
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
 
@@ -76,6 +79,12 @@ class Port {
   void deliver(const Frame& frame, base::SimTime time) {
     lost_ += receive_.push({time, frame}) ? 0U : 1U;
   }
+  /// `frame`, its own or another's, was destroyed by an error frame.
+  void deliver_error(const Frame& frame, base::SimTime time) {
+    if (hears_errors_) {
+      lost_ += receive_.push({time, frame, true}) ? 0U : 1U;
+    }
+  }
 
  private:
   void changed() {
@@ -87,6 +96,7 @@ class Port {
   BoundedQueue<Frame, kTransmitBuffer> transmit_;
   BoundedQueue<TimedFrame, kReceiveBuffer> receive_;
   bool lossy_ = false;
+  bool hears_errors_ = false;
   std::uint64_t lost_ = 0;
   PendingMembers* pending_ = nullptr;
   std::size_t member_ = 0;

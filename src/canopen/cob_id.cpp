@@ -14,19 +14,6 @@ using dictionary::Verdict;
 /// Bits that make up the CAN-ID and its length.
 constexpr std::uint64_t kIdentifierBits = 0x3FFFFFFF;
 
-struct NodeRelative {
-  std::uint16_t first = 0;
-  std::uint16_t last = 0;
-  std::uint8_t first_subindex = 0;
-  std::uint8_t last_subindex = 0;
-};
-constexpr std::array<NodeRelative, 4> kPredefinedConnectionSet{{
-    {0x1014, 0x1014, 0, 0},
-    {0x1200, 0x1200, 1, 2},
-    {0x1400, 0x1403, 1, 1},
-    {0x1800, 0x1803, 1, 1},
-}};
-
 /// Whether an object of `kind` with this value sends or takes messages whose CAN-ID is fixed by it.
 bool exists(CobIdKind kind, std::uint64_t value) {
   switch (kind) {
@@ -122,30 +109,6 @@ const Entry* user_of_can_id(const dictionary::Dictionary& dictionary, std::uint1
     }
   }
   return nullptr;
-}
-
-bool is_node_relative(std::uint16_t index, std::uint8_t subindex) {
-  return std::ranges::any_of(kPredefinedConnectionSet, [=](const NodeRelative& objects) {
-    return index >= objects.first && index <= objects.last && subindex >= objects.first_subindex &&
-           subindex <= objects.last_subindex;
-  });
-}
-
-void set_node_relative_defaults(dictionary::Dictionary& dictionary, std::uint8_t node_id) {
-  for (const NodeRelative& objects : kPredefinedConnectionSet) {
-    for (unsigned index = objects.first; index <= objects.last; ++index) {
-      for (unsigned subindex = objects.first_subindex; subindex <= objects.last_subindex;
-           ++subindex) {
-        Entry* entry =
-            dictionary.find(static_cast<std::uint16_t>(index), static_cast<std::uint8_t>(subindex));
-        if (entry == nullptr) {
-          continue;
-        }
-        const std::uint64_t declared = entry->default_bits();
-        entry->set_value(can_id_of(declared) == 0 ? declared : declared + node_id);
-      }
-    }
-  }
 }
 
 }  // namespace stator::canopen

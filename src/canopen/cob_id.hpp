@@ -81,14 +81,6 @@ struct CobIdRules {
                                                       std::uint16_t can_id,
                                                       const dictionary::Entry& except);
 
-/// Whether the entry's default has the node-ID added to its CAN-ID (CiA 301 §7.3.5, the pre-defined
-/// connection set): 1014h, 1200h, and the first four PDOs of each direction.
-[[nodiscard]] bool is_node_relative(std::uint16_t index, std::uint8_t subindex);
-
-/// Sets every COB-ID of the pre-defined connection set to its default for `node_id`; a declared
-/// default without a CAN-ID stays as it is. Hooks are not called.
-void set_node_relative_defaults(dictionary::Dictionary& dictionary, std::uint8_t node_id);
-
 // Arguments: {0} index, {1} subindex, {2} name, {3} the value that came, then what the rule adds.
 namespace rules {
 inline constexpr base::EventRule kCobIdExtendedFrame{

@@ -4,17 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "can/controller.hpp"
 #include "can/frame.hpp"
 
 namespace stator::link {
 
 /// Bits of ErrorFrame::classes (Linux, include/uapi/linux/can/error.h).
-inline constexpr std::uint32_t kControllerProblem = 0x004;
 inline constexpr std::uint32_t kProtocolViolation = 0x008;
-inline constexpr std::uint32_t kBusOff = 0x040;
 inline constexpr std::uint32_t kBusError = 0x080;
-inline constexpr std::uint32_t kRestarted = 0x100;
 
 /// What a CAN controller tells its program of errors, in the form that SocketCAN has for it and
 /// python-can, candump and Wireshark read: never a frame of the bus.
@@ -24,25 +20,6 @@ struct ErrorFrame {
 
   friend bool operator==(const ErrorFrame&, const ErrorFrame&) = default;
 };
-
-/// The error frame by which a controller tells that it is in `state` now.
-[[nodiscard]] inline ErrorFrame error_frame(can::ErrorState state) {
-  ErrorFrame frame;
-  switch (state) {
-    case can::ErrorState::error_active:
-      frame.classes = kControllerProblem;
-      frame.data[1] = std::byte{0x40};
-      break;
-    case can::ErrorState::error_passive:
-      frame.classes = kControllerProblem;
-      frame.data[1] = std::byte{0x30};  // in reception and in transmission
-      break;
-    case can::ErrorState::bus_off:
-      frame.classes = kBusOff;
-      break;
-  }
-  return frame;
-}
 
 /// The error frame of an active error flag on the bus, whose cause is not told.
 [[nodiscard]] inline ErrorFrame bus_error_frame() {

@@ -54,8 +54,8 @@ class CanLink {
   /// Queues `frame`, which was on the bus at `time`, for all programs; flush() or the next
   /// receive() hands it over.
   virtual void send(const can::Frame& frame, base::SimTime time) = 0;
-  /// The same for an error frame; transports that cannot carry one ignore it.
-  virtual void send_error(const ErrorFrame& /*error*/, base::SimTime /*time*/) {}
+  /// The same for an error frame, as far as the transport has them and a program wants them.
+  virtual void send_error(const ErrorFrame& error, base::SimTime time) = 0;
   /// Hands over what send() queued, as far as the programs take it; receive() does the rest.
   virtual void flush() = 0;
 

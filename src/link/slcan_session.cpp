@@ -19,9 +19,7 @@ constexpr std::int64_t kNanosecondsPerMillisecond = 1'000'000;
 constexpr std::int64_t kTimeStampPeriod = 60'000;
 
 // Status flags as F reads them (LAWICEL CANUSB, SJA1000's registers behind it).
-constexpr std::uint8_t kErrorWarning = 0x04;
 constexpr std::uint8_t kDataOverrun = 0x08;
-constexpr std::uint8_t kErrorPassive = 0x20;
 constexpr std::uint8_t kBusErrorFlag = 0x80;
 
 constexpr unsigned kStandardDigits = 3;
@@ -264,14 +262,11 @@ bool SlcanSession::put(const can::Frame& frame, base::SimTime time, std::string&
   return true;
 }
 
+// The protocol has no error frames; a program asks for the flag with "F".
 bool SlcanSession::put_error(const ErrorFrame& error, base::SimTime /*time*/,
                              std::string& /*out*/) {
-  if ((error.classes & (kProtocolViolation | kBusError)) != 0) {
+  if ((error.classes & kBusError) != 0) {
     flags_ |= kBusErrorFlag;
-  }
-  if ((error.classes & kBusOff) != 0 || ((error.classes & kControllerProblem) != 0 &&
-                                         (error.data[1] & std::byte{0x30}) != std::byte{})) {
-    flags_ |= kErrorWarning | kErrorPassive;
   }
   return false;
 }

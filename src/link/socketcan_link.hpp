@@ -22,6 +22,8 @@ class SocketCanLink final : public CanLink {
   base::Expected<std::size_t, LinkError> receive(std::span<can::Frame> frames,
                                                  base::SimTime now) override;
   void send(const can::Frame& frame, base::SimTime time) override;
+  /// Nothing: what is written to an interface is for its adapter to send, which has no way to.
+  void send_error(const ErrorFrame& /*error*/, base::SimTime /*time*/) override {}
   void flush() override;
   [[nodiscard]] CanLinkStatistics statistics() const override;
   [[nodiscard]] const std::string& name() const override { return name_; }

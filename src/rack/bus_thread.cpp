@@ -41,6 +41,7 @@ BusThread::BusThread(RunningRack& shared, std::size_t index, const BusConfigurat
       throw std::runtime_error(opened.error().text);
     }
     auto port = std::make_unique<OutsidePort>();
+    port->port.set_hears_errors(true);
     port->link = std::move(*opened);
     wait_.add(port->link->descriptor());
     ports_.push_back(std::move(port));
@@ -185,8 +186,12 @@ void BusThread::hand_out() {
 void BusThread::drain() {
   for (const auto& port : ports_) {
     while (const auto entry = port->port.take()) {
-      port->link->send(entry->frame, entry->time);
       port->to_flush = true;
+      if (entry->destroyed) {
+        port->link->send_error(link::bus_error_frame(), entry->time);
+        continue;
+      }
+      port->link->send(entry->frame, entry->time);
       ++statistics_.frames_out;
     }
   }

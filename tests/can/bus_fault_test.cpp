@@ -99,6 +99,29 @@ TEST_F(BusFaults, Corrupt_CostsAnErrorFrameAndTheFrameIsSentAgain) {
   EXPECT_EQ(bus->errors(b).receive(), 1U) << "1 and 1, less one";
 }
 
+TEST_F(BusFaults, Corrupt_IsHeardByPortsThatAskForIt_AlsoOfTheirOwnFrames) {
+  for (const BusSettings& settings : {BusSettings{.bit_rate = kRate}, BusSettings{}}) {
+    start(settings);
+    Port curious;
+    Port deaf;
+    curious.set_hears_errors(true);
+    bus->add(curious);
+    bus->add(deaf);
+    bus->inject({.kind = FrameFaultKind::corrupt, .frames = 2});
+    curious.put(data_frame(0x100, {}));
+    drive.send(data_frame(0x181, {1}));
+    run_for(10_ms);
+    std::vector<std::pair<unsigned, bool>> heard;
+    while (const auto entry = curious.take()) {
+      heard.emplace_back(entry->frame.identifier, entry->destroyed);
+    }
+    EXPECT_THAT(heard, ElementsAre(std::pair(0x100U, true), std::pair(0x100U, true),
+                                   std::pair(0x181U, false)));
+    EXPECT_EQ(deaf.waiting(), 2U) << "the frames only";
+    bus.reset();
+  }
+}
+
 TEST_F(BusFaults, Corrupt_AnErrorFrameOf14BitsTakesThePlaceOfTheEndOfFrame) {
   std::vector<base::SimTime> ends;
   struct Tap {

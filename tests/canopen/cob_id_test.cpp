@@ -9,7 +9,6 @@ namespace {
 
 using test::kTmcc160Pdos;
 using test::ServiceBench;
-using test::TestDictionary;
 
 constexpr std::uint32_t kRangeExceeded = 0x06090030;
 constexpr std::uint32_t kDeviceState = 0x08000022;
@@ -102,18 +101,6 @@ TEST(CobId, SyncCanId_OfAnotherServiceIsRefusedWhereTheProductSaysSo) {
   EXPECT_EQ(bench.write(0x1005, 0, 0x80), 0U);
   EXPECT_EQ(bench.write(0x1800, 1, 0x80000185), 0U);
   EXPECT_EQ(bench.write(0x1005, 0, 0x185), 0U) << "nobody uses it any more";
-}
-
-TEST(CobId, NodeRelativeDefaults_AreThePredefinedConnectionSet) {
-  TestDictionary device;
-  set_node_relative_defaults(device.dictionary, 0x7F);
-  EXPECT_EQ(device.value(0x1014), 0xFFU);
-  EXPECT_EQ(device.value(0x1200, 1), 0x67FU);
-  EXPECT_EQ(device.value(0x1200, 2), 0x5FFU);
-  EXPECT_EQ(device.value(0x1403, 1), 0x57FU);
-  EXPECT_EQ(device.value(0x1803, 1), 0x400004FFU);
-  EXPECT_EQ(device.value(0x1404, 1), 0x80000000U) << "the fifth PDO has no default CAN-ID";
-  EXPECT_EQ(device.value(0x1005), 0x80U);
 }
 
 }  // namespace

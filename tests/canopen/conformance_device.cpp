@@ -58,9 +58,6 @@ ConformanceDevice::ConformanceDevice()
   NodeHooks hooks;
   hooks.reset_application =
       base::Delegate<void(base::SimTime)>::bind<&ConformanceDevice::on_reset_application>(*this);
-  hooks.reset_communication =
-      base::Delegate<std::uint8_t(base::SimTime)>::bind<&ConformanceDevice::on_reset_communication>(
-          *this);
   hooks.assign_node_id = base::Delegate<void(
       std::uint8_t, base::SimTime)>::bind<&ConformanceDevice::on_assign_node_id>(*this);
   node.set_hooks(hooks);
@@ -78,17 +75,9 @@ ConformanceDevice::ConformanceDevice()
   reset_node();
 }
 
-std::uint8_t ConformanceDevice::on_reset_communication(base::SimTime /*time*/) {
-  for (const dictionary::Entry& entry : dictionary.entries()) {
-    if (entry.index() < 0x2000) {
-      set(entry.index(), entry.subindex(), entry.default_bits());
-    }
-  }
-  return kNodeId;
-}
-
 void ConformanceDevice::on_assign_node_id(std::uint8_t node_id, base::SimTime time) {
-  set_node_relative_defaults(dictionary, node_id);
+  dictionary.set_node_id(node_id);
+  dictionary.reset_values(0x1000, 0x1FFF);
   storage.load(time);
 }
 

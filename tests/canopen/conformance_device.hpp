@@ -86,7 +86,6 @@ class ConformanceDevice : public TestDictionary {
  private:
   void on_reset_application(base::SimTime /*now*/) { dictionary.reset_values(); }
   void on_assign_node_id(std::uint8_t node_id, base::SimTime time);
-  std::uint8_t on_reset_communication(base::SimTime /*now*/);
   NmtState node_state() { return node.state(); }
   void node_enter(NmtState state, base::SimTime time) { node.enter(state, time); }
 };

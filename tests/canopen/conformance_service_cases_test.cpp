@@ -32,9 +32,9 @@ TEST(ConformanceCase, Case4_02_08_EveryObject_HasItsDefaultAfterReset) {
     if (!entry.readable() || dictionary::is_string(entry.type()) || empty_history) {
       continue;
     }
-    const bool relative =
-        is_node_relative(entry.index(), entry.subindex()) && can_id_of(entry.default_bits()) != 0;
-    const auto expected = entry.default_bits() + (relative ? kNodeId : 0U);
+    const dictionary::EntryDeclaration& declared = entry.declaration();
+    const auto expected =
+        declared.default_value.number.bits + (declared.node_id_relative ? kNodeId : 0U);
     const std::size_t bits = 8 * entry.size();
     const std::uint64_t mask = bits >= 64 ? ~0ULL : (1ULL << bits) - 1;
     EXPECT_EQ(device.upload_number(entry.index(), entry.subindex()), expected & mask)

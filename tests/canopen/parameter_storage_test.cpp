@@ -31,7 +31,6 @@ struct CountingSink final : base::EventSink {
 struct Bench : test::TestDictionary {
   void reset_node() {
     dictionary.reset_values();
-    set_node_relative_defaults(dictionary, test::kNodeId);
     storage.load({});
   }
   std::optional<dictionary::Verdict> poll(std::uint16_t index, std::uint8_t subindex) {

@@ -37,7 +37,8 @@ class TestDictionary {
   TestDictionary() : declarations_(full_featured_objects()) {
     dictionary.add(declarations_);
     dictionary.finish();
-    set_node_relative_defaults(dictionary, kNodeId);
+    dictionary.set_node_id(kNodeId);
+    dictionary.reset_values();
   }
 
   /// Writes as an SDO does; 0 or the abort code.

@@ -37,6 +37,14 @@ EntryDeclaration count(std::uint16_t index, std::uint8_t highest, Access access 
   return declaration;
 }
 
+/// A COB-ID of the pre-defined connection set; without a CAN-ID it does not count from the node-ID.
+EntryDeclaration cob_id(std::uint16_t index, std::uint8_t subindex, const char* name, Access access,
+                        std::uint32_t value) {
+  EntryDeclaration declaration = entry(index, subindex, name, kU32, access, hex(value));
+  declaration.node_id_relative = (value & 0x7FFU) != 0;
+  return declaration;
+}
+
 EntryDeclaration mapped(EntryDeclaration declaration, PdoMapping mapping) {
   declaration.mapping = mapping;
   return declaration;
@@ -68,7 +76,7 @@ void add_communication_objects(Objects& objects) {
                      entry(0x100C, 0, "Guard time", kU16, kRw),
                      entry(0x100D, 0, "Life time factor", kU8, kRw),
                      entry(0x1012, 0, "COB-ID TIME", kU32, kRw, hex(0x80000100)),
-                     entry(0x1014, 0, "COB-ID EMCY", kU32, kRw, hex(0x80)),
+                     cob_id(0x1014, 0, "COB-ID EMCY", kRw, 0x80),
                      entry(0x1015, 0, "Inhibit time EMCY", kU16, kRw),
                      entry(0x1017, 0, "Producer heartbeat time", kU16, kRw),
                      entry(0x1019, 0, "Synchronous counter overflow value", kU8, kRw),
@@ -86,8 +94,8 @@ void add_communication_objects(Objects& objects) {
   objects.push_back(entry(0x1029, 1, "Communication error", kU8, kRw));
   objects.push_back(entry(0x1029, 2, "Application error", kU8, kRw, 1));
   objects.push_back(count(0x1200, 2));
-  objects.push_back(entry(0x1200, 1, "COB-ID client to server", kU32, kRo, hex(0x600)));
-  objects.push_back(entry(0x1200, 2, "COB-ID server to client", kU32, kRo, hex(0x580)));
+  objects.push_back(cob_id(0x1200, 1, "COB-ID client to server", kRo, 0x600));
+  objects.push_back(cob_id(0x1200, 2, "COB-ID server to client", kRo, 0x580));
 }
 
 void add_mapping(Objects& objects, std::uint16_t index, std::initializer_list<std::uint32_t> map) {
@@ -98,22 +106,22 @@ void add_mapping(Objects& objects, std::uint16_t index, std::initializer_list<st
   }
 }
 
-void add_receive_pdo(Objects& objects, unsigned number, std::uint32_t cob_id, std::uint8_t type,
+void add_receive_pdo(Objects& objects, unsigned number, std::uint32_t identifier, std::uint8_t type,
                      std::initializer_list<std::uint32_t> map) {
   const auto index = static_cast<std::uint16_t>(0x1400 + number);
   objects.push_back(count(index, 5));
-  objects.push_back(entry(index, 1, "COB-ID", kU32, kRw, hex(cob_id)));
+  objects.push_back(cob_id(index, 1, "COB-ID", kRw, identifier));
   objects.push_back(entry(index, 2, "Transmission type", kU8, kRw, type));
   objects.push_back(entry(index, 3, "Inhibit time", kU16, kRw));
   objects.push_back(entry(index, 5, "Event timer", kU16, kRw));
   add_mapping(objects, static_cast<std::uint16_t>(0x1600 + number), map);
 }
 
-void add_transmit_pdo(Objects& objects, unsigned number, std::uint32_t cob_id, std::uint8_t type,
-                      std::initializer_list<std::uint32_t> map) {
+void add_transmit_pdo(Objects& objects, unsigned number, std::uint32_t identifier,
+                      std::uint8_t type, std::initializer_list<std::uint32_t> map) {
   const auto index = static_cast<std::uint16_t>(0x1800 + number);
   objects.push_back(count(index, 6));
-  objects.push_back(entry(index, 1, "COB-ID", kU32, kRw, hex(cob_id)));
+  objects.push_back(cob_id(index, 1, "COB-ID", kRw, identifier));
   objects.push_back(entry(index, 2, "Transmission type", kU8, kRw, type));
   objects.push_back(entry(index, 3, "Inhibit time", kU16, kRw));
   objects.push_back(entry(index, 5, "Event timer", kU16, kRw));

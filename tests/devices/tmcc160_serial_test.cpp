@@ -1,7 +1,6 @@
 // The serial interface of the module: versions, and firmware through the boot loader.
 
 #include <algorithm>
-#include <deque>
 #include <string>
 #include <vector>
 
@@ -9,6 +8,7 @@
 
 #include "devices/tmcc160_module.hpp"
 #include "tmcl/command.hpp"
+#include "tmcl/serial_line.hpp"
 #include "tmcl/telegram.hpp"
 
 namespace stator::devices {
@@ -16,24 +16,6 @@ namespace {
 
 using tmcl::Request;
 using tmcl::Status;
-
-/// What a host has at its end of the line.
-class Line final : public tmcl::SerialPort {
- public:
-  std::size_t take(std::span<std::byte> buffer) override {
-    const std::size_t length = std::min(buffer.size(), to_device.size());
-    for (std::size_t i = 0; i < length; ++i) {
-      buffer[i] = to_device.front();
-      to_device.pop_front();
-    }
-    return length;
-  }
-  void send(std::span<const std::byte> bytes) override {
-    from_device.insert(from_device.end(), bytes.begin(), bytes.end());
-  }
-  std::deque<std::byte> to_device;
-  std::vector<std::byte> from_device;
-};
 
 constexpr Request kBoot{
     .command = 242, .type = 0x81, .motor = 0x92, .value = static_cast<std::int32_t>(0xA3B4C5D6)};
@@ -45,18 +27,13 @@ class Tmcc160Serial : public testing::Test {
     module_.boot();
   }
   void put(const Request& request) {
-    for (const std::byte byte : encode(request)) {
-      line_.to_device.push_back(byte);
-    }
+    line_.put(encode(request));
     module_.wait(2);
   }
   tmcl::Reply answer(const Request& request) {
     line_.from_device.clear();
     put(request);
-    tmcl::Telegram telegram{};
-    EXPECT_EQ(line_.from_device.size(), telegram.size());
-    std::copy_n(line_.from_device.begin(), std::min(line_.from_device.size(), telegram.size()),
-                telegram.begin());
+    const tmcl::Telegram telegram = line_.take_telegram();
     EXPECT_TRUE(tmcl::has_right_checksum(telegram));
     return tmcl::decode_reply(telegram);
   }
@@ -95,7 +72,7 @@ class Tmcc160Serial : public testing::Test {
               Status::success);
   }
 
-  Line line_;
+  tests::SerialLine line_;
   tests::Tmcc160Module module_;
 };
 

@@ -1,11 +1,11 @@
 // The USB interface of the module: binary TMCL that reads and moves nothing.
 
-#include <deque>
 #include <string>
 #include <vector>
 
 #include "devices/tmcm_3315_module.hpp"
 #include "tmcl/command.hpp"
+#include "tmcl/serial_line.hpp"
 #include "tmcl/telegram.hpp"
 
 namespace stator::devices {
@@ -14,39 +14,15 @@ namespace {
 using tmcl::Request;
 using tmcl::Status;
 
-/// What a host has at its end of the cable.
-class Cable final : public tmcl::SerialPort {
- public:
-  std::size_t take(std::span<std::byte> buffer) override {
-    const std::size_t length = std::min(buffer.size(), to_device.size());
-    for (std::size_t i = 0; i < length; ++i) {
-      buffer[i] = to_device.front();
-      to_device.pop_front();
-    }
-    return length;
-  }
-  void send(std::span<const std::byte> bytes) override {
-    from_device.insert(from_device.end(), bytes.begin(), bytes.end());
-  }
-  std::deque<std::byte> to_device;
-  std::vector<std::byte> from_device;
-};
-
 class Tmcm3315Usb : public Tmcm3315Module {
  protected:
   Tmcm3315Usb() { EXPECT_TRUE(device_->connect_usb(&cable_)); }
   void put(const tmcl::Telegram& telegram, std::size_t length = tmcl::kTelegramLength) {
-    cable_.to_device.insert(cable_.to_device.end(), telegram.begin(),
-                            telegram.begin() + static_cast<std::ptrdiff_t>(length));
+    cable_.put(telegram, length);
   }
   tmcl::Telegram raw_answer() {
     bus_->pass(1_ms);
-    tmcl::Telegram telegram{};
-    EXPECT_EQ(cable_.from_device.size(), telegram.size());
-    std::copy_n(cable_.from_device.begin(), std::min(cable_.from_device.size(), telegram.size()),
-                telegram.begin());
-    cable_.from_device.clear();
-    return telegram;
+    return cable_.take_telegram();
   }
   tmcl::Reply answer(const Request& request) {
     put(encode(request));
@@ -67,7 +43,7 @@ class Tmcm3315Usb : public Tmcm3315Module {
   }
   Status status_of(const Request& request) { return answer(request).status; }
 
-  Cable cable_;
+  tests::SerialLine cable_;
 };
 
 TEST_F(Tmcm3315Usb, ReadsPositionAndSpeedWhileTheBusMovesTheMotor) {

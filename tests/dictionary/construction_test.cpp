@@ -141,6 +141,24 @@ TEST(DictionaryReset, BringsBackNumbersAndTextsWithoutHooks) {
   EXPECT_EQ(dictionary->find(0x2001, 0)->text(), "nobody");
 }
 
+TEST(DictionaryReset, BringsDefaultsThatCountFromTheNodeIdWithTheNodeIdOfThen) {
+  const std::vector<EntryDeclaration> declarations{
+      {.index = 0x1005, .default_value = 0x80},
+      {.index = 0x1014, .default_value = 0x80, .node_id_relative = true}};
+  Dictionary dictionary;
+  dictionary.add(declarations);
+  dictionary.finish();
+  EXPECT_EQ(dictionary.find(0x1014, 0)->value(), 0x80U) << "no node-ID yet";
+  for (const std::uint8_t node_id : {std::uint8_t{5}, std::uint8_t{0x7F}}) {
+    const std::uint64_t before = dictionary.find(0x1014, 0)->value();
+    dictionary.set_node_id(node_id);
+    EXPECT_EQ(dictionary.find(0x1014, 0)->value(), before) << "the value waits for the reset";
+    dictionary.reset_values();
+    EXPECT_EQ(dictionary.find(0x1014, 0)->value(), 0x80U + node_id);
+    EXPECT_EQ(dictionary.find(0x1005, 0)->value(), 0x80U);
+  }
+}
+
 TEST(DictionaryVariable, SeesAndChangesTheValueOfItsEntry) {
   const auto dictionary = make_small_drive();
   auto target = dictionary->variable<std::int32_t>(0x607A);

@@ -12,6 +12,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <linux/can/error.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -361,13 +362,13 @@ TEST_F(CanExecLinkTest, FiltersAreAlternativesUnlessJoined) {
 
 TEST_F(CanExecLinkTest, ErrorFramesReachThoseWhoAskForTheirClass) {
   const CanExecProgram deaf(bus_);
-  const CanExecProgram alert(bus_, {.error_mask = kBusOff});
+  const CanExecProgram alert(bus_, {.error_mask = kProtocolViolation});
   serve();
-  link_->send_error(error_frame(can::ErrorState::bus_off), {});
-  link_->send_error(error_frame(can::ErrorState::error_passive), {});
+  link_->send_error(bus_error_frame(), {});
+  link_->send_error({.classes = CAN_ERR_RESTARTED}, {});
   link_->flush();
   EXPECT_THAT(deaf.heard(), testing::IsEmpty());
-  EXPECT_THAT(alert.heard(), ElementsAre(Heard{CAN_ERR_FLAG | kBusOff, 0}));
+  EXPECT_THAT(alert.heard(), ElementsAre(Heard{CAN_ERR_FLAG | CAN_ERR_PROT | CAN_ERR_BUSERROR, 0}));
 }
 
 TEST_F(CanExecLinkTest, NonsenseEndsOnlyWhoSendsIt) {

@@ -33,7 +33,7 @@ TEST(CandumpLine, IsThatOfCandump) {
   EXPECT_EQ(line(extended(can::data_frame(0x44, {1}))), begin + "00000044#01");
   EXPECT_EQ(line(can::remote_frame(0x701)), begin + "701#R");
   EXPECT_EQ(line(can::remote_frame(0x181, 8)), begin + "181#R8");
-  EXPECT_EQ(line(error_frame(can::ErrorState::error_passive)), begin + "20000004#0030000000000000");
+  EXPECT_EQ(line(bus_error_frame()), begin + "20000088#0000000000000000");
   EXPECT_EQ(candump_line(base::SimTime(1'500_ms), "can0", can::data_frame(1, {})),
             "(0000000001.500000) can0 001#");
 }

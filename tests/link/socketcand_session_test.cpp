@@ -111,8 +111,8 @@ TEST_F(SocketcandSessionTest, TheClientsNextMessageReleasesThemToo) {
 TEST_F(SocketcandSessionTest, ErrorFramesOfTheBusAreTold) {
   open_raw();
   std::string text;
-  EXPECT_TRUE(session_.put_error(error_frame(can::ErrorState::bus_off), kTime, text));
-  EXPECT_EQ(text, "\n< error 040 1000.023424 >");
+  EXPECT_TRUE(session_.put_error(bus_error_frame(), kTime, text));
+  EXPECT_EQ(text, "\n< error 088 1000.023424 >");
 }
 
 TEST_F(SocketcandSessionTest, WrongMessagesAreAnsweredWithAnErrorAndCounted) {

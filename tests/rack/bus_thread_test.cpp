@@ -24,10 +24,10 @@ namespace {
 using stator::tests::rack_with_bus;
 using ::testing::HasSubstr;
 
-/// A program with the LAWICEL protocol over TCP.
-class SlcanProgram {
+/// A program behind a TCP connection.
+class Program {
  public:
-  explicit SlcanProgram(const std::string& port_name) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+  explicit Program(const std::string& port_name) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port =
@@ -35,7 +35,6 @@ class SlcanProgram {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     EXPECT_EQ(::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address),
               0);
-    send("O\r");
   }
 
   void send(const std::string& text) {
@@ -60,6 +59,12 @@ class SlcanProgram {
 
  private:
   link::FileDescriptor socket_;
+};
+
+/// A program with the LAWICEL protocol.
+class SlcanProgram : public Program {
+ public:
+  explicit SlcanProgram(const std::string& port_name) : Program(port_name) { send("O\r"); }
 };
 
 class BusThreadTest : public ::testing::Test {
@@ -130,6 +135,24 @@ TEST_F(BusThreadTest, InLockstepTimeMovesWithFramesOnly) {
   program.read_until("t5821AA\r");
   runner_->stop();
   EXPECT_EQ(runner_->now(), base::SimTime(base::SimDuration(2'050'000)));
+}
+
+TEST_F(BusThreadTest, ErrorFramesReachProgramsInTheFormOfTheirPort) {
+  configuration_.clock = ClockKind::lockstep;
+  configuration_.buses[0].ports = {"slcan-tcp:0", "socketcand:0"};
+  configuration_.events = {
+      {base::SimDuration(0), FrameFaultEvent{0, {}, {.kind = can::FrameFaultKind::corrupt}}}};
+  start();
+  SlcanProgram flags(port());
+  Program frames(runner_->bus(0).port(1).name());
+  frames.send("< open can0 >< rawmode >< send 602 1 11 >");
+  const std::string told = frames.read_until("11 >");
+  EXPECT_THAT(told, HasSubstr("\n< error 088 0.000050 >\n< frame 582 "));
+  flags.read_until("t582111\r");
+  flags.send("F\r");
+  EXPECT_THAT(flags.read_until("F80\r"), HasSubstr("F80\r"));
+  runner_->stop();
+  EXPECT_EQ(runner_->bus(0).statistics().frames_out, 3U) << "the request to one, the answer to two";
 }
 
 TEST_F(BusThreadTest, ABusWithoutPortsIsRefused) {

@@ -13,25 +13,17 @@ namespace {
 using base::EventArgument;
 using base::EventRule;
 using base::Severity;
-using namespace base::literals;
 using tmcl::Command;
 using tmcl::Status;
 
-constexpr std::uint8_t kModuleAddress = 1;
-constexpr std::uint8_t kHostAddress = 2;
-/// Module 3315 and its firmware as a number; as text without the last digit of the version.
-constexpr std::int32_t version_number(FirmwareVersion firmware) {
-  return 3315 << 16 | 1 << 8 | static_cast<int>(firmware);
+/// Module 3315 and its firmware.
+tmcl::ModuleIdentity identity(FirmwareVersion firmware) {
+  const int minor = static_cast<int>(firmware);
+  return {.line = "USB",
+          .version_text = "3315V10" + std::to_string(minor),
+          .boot_loader_text = "3315B100",
+          .version_number = 3315 << 16 | 1 << 8 | minor};
 }
-constexpr std::string_view kVersionText = "3315V10";
-constexpr std::string_view kBootLoaderText = "3315B100";
-/// What command 242 must carry to start the boot loader.
-constexpr std::uint8_t kBootType = 0x81;
-constexpr std::uint8_t kBootMotor = 0x92;
-constexpr std::uint32_t kBootValue = 0xA3B4C5D6;
-/// Clients send the nine bytes of a telegram at once; the firmware looks for them every
-/// millisecond.
-constexpr base::SimDuration kGap = 100_ms;
 
 constexpr EventRule kReadsOnly{
     "tmcm3315-usb-reads-only", Severity::refusal,
@@ -41,19 +33,6 @@ constexpr EventRule kUnknownCommand{
     "tmcm3315-usb-unknown-command", Severity::refusal,
     "USB: TMCL command {0} refused with status 2: this interface knows GAP (6), GGP (10), GIO (15) "
     "and the firmware version (136)"};
-constexpr EventRule kWrongChecksum{
-    "tmcm3315-usb-checksum", Severity::refusal,
-    "USB: TMCL telegram refused with status 1: its last byte is {0:x2}, the sum of the others is "
-    "{1:x2}; after a pause of 100 ms the next byte begins a new telegram"};
-
-constexpr EventRule kNotStarted{
-    "tmcm3315-usb-no-firmware", Severity::refusal,
-    "USB: the boot loader was told to start the firmware, but the image is incomplete: length and "
-    "sum (command 208) must be those of what was written; load it again"};
-constexpr EventRule kBootLoader{
-    "tmcm3315-usb-boot-loader", Severity::information,
-    "USB: the boot loader was started; drives and EtherCAT firmware are at rest until it ends"};
-
 constexpr auto kParameters = std::to_array<ReadableParameter>({
     {0, "target position", 0x607A},
     {1, "actual position", 0x6064},
@@ -146,11 +125,9 @@ std::span<const ReadableParameter> readable_parameters() {
 UsbMonitor::UsbMonitor(const dictionary::Dictionary& dictionary, const ModuleIo& io,
                        FirmwareVersion firmware, std::size_t firmware_capacity,
                        base::EventReporter reporter)
-    : io_(io),
-      firmware_(firmware),
-      reporter_(reporter),
-      receiver_(kGap),
-      boot_loader_({.size = static_cast<std::uint32_t>(firmware_capacity)}) {
+    : ModuleInterface(identity(firmware), {.size = static_cast<std::uint32_t>(firmware_capacity)},
+                      reporter),
+      io_(io) {
   for (std::uint8_t axis = 0; axis < kAxisCount; ++axis) {
     for (const ReadableParameter& parameter : kParameters) {
       const unsigned offset =
@@ -166,97 +143,7 @@ UsbMonitor::UsbMonitor(const dictionary::Dictionary& dictionary, const ModuleIo&
   }
 }
 
-void UsbMonitor::restart() {
-  receiver_.reset();
-  boot_loader_.enter();
-  mode_ = Mode::monitor;
-}
-
-bool UsbMonitor::take_boot_request() {
-  if (mode_ != Mode::boot_requested) {
-    return false;
-  }
-  mode_ = Mode::boot_loader;
-  return true;
-}
-
-void UsbMonitor::answer_all(base::SimTime now) {
-  std::array<std::byte, 64> buffer{};
-  while (const std::size_t length = port_->take(buffer)) {
-    for (const std::byte byte : std::span(buffer).first(length)) {
-      if (const auto telegram = receiver_.take(byte, now)) {
-        answer(*telegram, now);
-      }
-    }
-  }
-}
-
-// The address is not looked at: one module is at the end of a USB cable.
-void UsbMonitor::answer(const tmcl::Telegram& telegram, base::SimTime now) {
-  const tmcl::Request request = tmcl::decode_request(telegram);
-  tmcl::Reply reply{.host_address = kHostAddress,
-                    .module_address = kModuleAddress,
-                    .status = Status::wrong_checksum,
-                    .command = request.command,
-                    .value = 0};
-  if (!tmcl::has_right_checksum(telegram)) {
-    reporter_.report(now, kWrongChecksum,
-                     {EventArgument(std::to_integer<int>(telegram.back())),
-                      EventArgument(int{tmcl::checksum(telegram)})});
-  } else if (static_cast<Command>(request.command) == Command::get_firmware_version &&
-             request.type == 0) {
-    send_version_text();
-    return;
-  } else if (obey_silently(request, now)) {
-    return;
-  } else {
-    const Answer answer = execute(request, now);
-    reply.status = answer.status;
-    reply.value = answer.value;
-  }
-  port_->send(tmcl::encode(reply));
-}
-
-// The only reply without checksum: host address and eight characters.
-void UsbMonitor::send_version_text() {
-  const std::string_view text = in_boot_loader() ? kBootLoaderText : kVersionText;
-  tmcl::Telegram telegram{};
-  telegram[0] = std::byte{kHostAddress};
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    telegram[i + 1] = static_cast<std::byte>(text[i]);
-  }
-  if (!in_boot_loader()) {
-    telegram.back() = static_cast<std::byte>('0' + static_cast<int>(firmware_));
-  }
-  port_->send(telegram);
-}
-
-// Modules restart with both commands and answer neither.
-bool UsbMonitor::obey_silently(const tmcl::Request& request, base::SimTime now) {
-  const auto command = static_cast<Command>(request.command);
-  if (command == Command::boot && request.type == kBootType && request.motor == kBootMotor &&
-      static_cast<std::uint32_t>(request.value) == kBootValue) {
-    if (!in_boot_loader()) {
-      reporter_.report(now, kBootLoader);
-      mode_ = Mode::boot_requested;
-    }
-    return true;
-  }
-  if (command == Command::boot_start_application && in_boot_loader()) {
-    if (!boot_loader_.erased() || boot_loader_.complete()) {
-      mode_ = Mode::start_requested;
-    } else {
-      reporter_.report(now, kNotStarted);
-    }
-    return true;
-  }
-  return false;
-}
-
 UsbMonitor::Answer UsbMonitor::execute(const tmcl::Request& request, base::SimTime now) {
-  if (in_boot_loader()) {
-    return boot_loader_.execute(request);
-  }
   const auto command = static_cast<Command>(request.command);
   switch (command) {
     case Command::get_axis_parameter:
@@ -265,19 +152,16 @@ UsbMonitor::Answer UsbMonitor::execute(const tmcl::Request& request, base::SimTi
       return get_global_parameter(request, now);
     case Command::get_input:
       return get_input(request);
-    case Command::get_firmware_version:
-      return request.type == 1 ? Answer{Status::success, version_number(firmware_)}
-                               : Answer{Status::wrong_type};
     default:
       break;
   }
   if (moves_or_changes(command)) {
-    reporter_.report(
+    reporter().report(
         now, kReadsOnly,
         {EventArgument(tmcl::name_of(request.command)), EventArgument(int{request.command})});
     return {Status::command_not_available};
   }
-  reporter_.report(now, kUnknownCommand, {EventArgument(int{request.command})});
+  reporter().report(now, kUnknownCommand, {EventArgument(int{request.command})});
   return {Status::invalid_command};
 }
 
