@@ -189,7 +189,7 @@ class Bus {
   void plan();
   void collect();
   void refresh(std::size_t index);
-  [[nodiscard]] Contenders::Entry contender(std::size_t member) const;
+  [[nodiscard]] Contenders::Entry contender(std::size_t index) const;
   void forget_vanished();
   void begin(base::SimTime now);
   [[nodiscard]] std::size_t arbitrate(base::SimTime now);
