@@ -82,8 +82,8 @@ void Bus::plan() {
     due_ = std::max(idle_from_, now_);
   } else {
     due_ = SimTime::never();
-    for (const Contenders::Entry& entry : contenders_.all()) {
-      due_ = std::min(due_, std::max(held_until_[entry.member], std::max(idle_from_, now_)));
+    for (const Contenders::Entry entry : contenders_.all()) {
+      due_ = std::min(due_, std::max(held_until_[entry.member()], std::max(idle_from_, now_)));
     }
   }
   due_ = std::min(due_, next_recovery_);
@@ -114,7 +114,7 @@ void Bus::refresh(std::size_t index) {
 }
 
 Contenders::Entry Bus::contender(std::size_t index) const {
-  return {static_cast<std::uint32_t>(keys_[index]), static_cast<std::uint32_t>(index)};
+  return {static_cast<std::uint32_t>(keys_[index]), index};
 }
 
 // What was put in since the last look counts from the next one on, what was taken back is gone now.
@@ -131,16 +131,16 @@ void Bus::forget_vanished() {
 std::size_t Bus::arbitrate(SimTime now) {
   std::size_t winner = kNobody;
   contested_ = false;
-  for (const Contenders::Entry& entry : contenders_.all()) {
-    if (winner != kNobody && entry.field != keys_[winner]) {
+  for (const Contenders::Entry entry : contenders_.all()) {
+    if (winner != kNobody && entry.field() != keys_[winner]) {
       break;
     }
-    if (held_until_[entry.member] > now) {
+    if (held_until_[entry.member()] > now) {
       continue;
     }
     contested_ = winner != kNobody;
-    if (!contested_ || (winner <= last_winner_ && entry.member > last_winner_)) {
-      winner = entry.member;
+    if (!contested_ || (winner <= last_winner_ && entry.member() > last_winner_)) {
+      winner = entry.member();
     }
   }
   return winner;
@@ -420,8 +420,8 @@ bool Bus::is_sender(std::size_t member) const {
 // An unlimited bus is as fast as the slowest port, so that no frame is lost.
 bool Bus::blocked() const {
   return !settings_.bit_rate && std::ranges::any_of(listening_ports_, [](const Port* port) {
-           return port->full() && !port->lossy();
-         });
+    return port->full() && !port->lossy();
+  });
 }
 
 SimDuration Bus::bits(unsigned count) const {

@@ -219,9 +219,9 @@ class Bus {
   std::vector<Member> members_;
   std::vector<Listener> listeners_;
   std::vector<const Port*> listening_ports_;  ///< those among the listeners
-  std::vector<std::uint64_t> keys_;        ///< by member: arbitration field or kNothing
-  std::vector<base::SimTime> held_until_;  ///< by member: it may not begin before
-  std::vector<std::size_t> senders_;       ///< of the present transmission; several: same bits
+  std::vector<std::uint64_t> keys_;           ///< by member: arbitration field or kNothing
+  std::vector<base::SimTime> held_until_;     ///< by member: it may not begin before
+  std::vector<std::size_t> senders_;          ///< of the present transmission; several: same bits
   /// For each 11-bit identifier the listeners that take data frames with it, one bit each in the
   /// order of listeners_: what the filters of all controllers say, asked for once.
   std::vector<std::uint64_t> takers_;
@@ -229,8 +229,8 @@ class Bus {
   std::size_t taker_words_ = 0;       ///< per identifier
   std::uint64_t filter_changes_ = 0;  ///< counted by the filters
   std::uint64_t filter_changes_seen_ = 0;
-  Contenders contenders_;             ///< members whose key is not kNothing
-  base::SimTime last_hold_;        ///< no member is held after that
+  Contenders contenders_;    ///< members whose key is not kNothing
+  base::SimTime last_hold_;  ///< no member is held after that
   std::size_t ports_ = 0;
   std::size_t mismatched_ = 0;   ///< members that hear only noise
   bool errors_counted_ = false;  ///< some error counter may not be 0

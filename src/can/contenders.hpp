@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -15,11 +16,19 @@ namespace stator::can {
 /// comes last, as the answers of many nodes to one SYNC do, so neither moves the others.
 class Contenders {
  public:
-  struct Entry {
-    std::uint32_t field;
-    std::uint32_t member;
+  /// Field and member in one number, so that comparing them is one comparison.
+  class Entry {
+   public:
+    constexpr Entry(std::uint32_t field, std::size_t member)
+        : rank_(std::uint64_t{field} << 32U | static_cast<std::uint32_t>(member)) {}
+    [[nodiscard]] constexpr std::uint32_t field() const {
+      return static_cast<std::uint32_t>(rank_ >> 32U);
+    }
+    [[nodiscard]] constexpr std::size_t member() const { return rank_ & 0xFFFF'FFFFU; }
+    friend constexpr auto operator<=>(Entry, Entry) = default;
 
-    friend auto operator<=>(const Entry&, const Entry&) = default;
+   private:
+    std::uint64_t rank_;
   };
 
   /// Makes room for one more.
@@ -29,14 +38,17 @@ class Contenders {
       entries_.erase(entries_.begin(), begin());
       first_ = 0;
     }
-    entries_.insert(std::upper_bound(begin(), entries_.end(), entry), entry);
+    if (entries_.empty() || entries_.back() < entry) [[likely]] {
+      entries_.push_back(entry);
+    } else {
+      entries_.insert(std::upper_bound(begin(), entries_.end(), entry), entry);
+    }
   }
   void erase(Entry entry) {
-    const auto found = std::lower_bound(begin(), entries_.end(), entry);
-    if (found == begin()) {
+    if (*begin() == entry) [[likely]] {
       ++first_;
     } else {
-      entries_.erase(found);
+      entries_.erase(std::lower_bound(begin(), entries_.end(), entry));
     }
     if (first_ == entries_.size()) {
       entries_.clear();

@@ -343,15 +343,15 @@ void ServoController::control_currents(const ServoSetPoint& set_point,
   const RotorVector current = park(clarke(sensing.phase_current), angle);
   square_current_ += current.d * current.d + current.q * current.q;
   const Pair rounded = nearest_integers(Pair{current.d, current.q} * kMilliamperes);
-  actual_current_ = static_cast<std::int32_t>(static_cast<std::int64_t>(rounded[field_driven_ ? 0 : 1]));
+  actual_current_ =
+      static_cast<std::int32_t>(static_cast<std::int64_t>(rounded[field_driven_ ? 0 : 1]));
 
   // Voltages in the unit of the controllers' outputs from here to the duties.
   constexpr double kUnitsPerVolt = kPiUnit / kMillivolt;
   const double supply = std::max(sensing.supply_voltage, kLeastSupply) * kUnitsPerVolt;
   const double inverse_supply = 1.0 / supply;
   const double limit = supply * kInverseSqrt3;
-  const Pair output =
-      current_pi_.step(Pair{current_target_.d, current_target_.q} - rounded, limit);
+  const Pair output = current_pi_.step(Pair{current_target_.d, current_target_.q} - rounded, limit);
   voltage_limited_ = current_pi_.cut();
   const RotorVector voltage{output[0], output[1]};
   duty_ = space_vector_duties(inverse_park(voltage, turned(angle, advance_)), inverse_supply);

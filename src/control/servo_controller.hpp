@@ -175,8 +175,8 @@ class ServoController {
   base::SineCosine advance_{0.0, 1.0};  ///< of the angle in 1.5 periods
   std::int32_t torque_upper_ = 0;       ///< mA, bounds of the q current at present
   std::int32_t torque_lower_ = 0;
-  std::int32_t outer_torque_ = 0;  ///< mA, of the velocity loop
-  RotorVector current_target_;     ///< mA, what the controllers get
+  std::int32_t outer_torque_ = 0;    ///< mA, of the velocity loop
+  RotorVector current_target_;       ///< mA, what the controllers get
   bool targets_each_period_ = true;  ///< otherwise the outer loops alone change them
   std::int32_t target_current_ = 0;
   std::int32_t ramp_target_current_ = 0;

@@ -25,9 +25,9 @@ constexpr std::array kStageConditions{AxisError::undervoltage, AxisError::overvo
 constexpr AxisErrors kStageConditionErrors{AxisError::undervoltage, AxisError::overvoltage,
                                            AxisError::over_temperature_warning,
                                            AxisError::over_temperature, AxisError::hall_error};
-constexpr AxisErrors kWatched = kStageConditionErrors | kShortErrors |
-                                AxisErrors{AxisError::initialisation_error, AxisError::overload,
-                                           AxisError::shutdown_switch};
+constexpr AxisErrors kWatched =
+    kStageConditionErrors | kShortErrors |
+    AxisErrors{AxisError::initialisation_error, AxisError::overload, AxisError::shutdown_switch};
 
 }  // namespace
 
@@ -115,8 +115,8 @@ void ServoAxis::supervise_stage(base::SimTime now) {
            (power_.bridge_enabled() || causes().has(AxisError::shutdown_switch));
   };
   // A short is remembered; its cause went away with the current and cannot hold up a reset.
-  AxisErrors present = (stage_errors_ & kStageConditionErrors) |
-                       (stage_errors_ & kShortErrors).without(errors());
+  AxisErrors present =
+      (stage_errors_ & kStageConditionErrors) | (stage_errors_ & kShortErrors).without(errors());
   present.set(AxisError::initialisation_error, init_failed());
   present.set(AxisError::overload, controller_.i2t_exceeded());
   present.set(AxisError::shutdown_switch, shut_down());

@@ -21,10 +21,10 @@ TEST(Contenders, StandInTheOrderOfFieldAndMember) {
   for (int i = 0; i < 4; ++i) {
     contenders.add_member();
   }
-  contenders.insert({.field = 7, .member = 3});
-  contenders.insert({.field = 2, .member = 0});
-  contenders.insert({.field = 7, .member = 1});
-  contenders.insert({.field = 5, .member = 2});
+  contenders.insert({7, 3});
+  contenders.insert({2, 0});
+  contenders.insert({7, 1});
+  contenders.insert({5, 2});
   const std::vector<Contenders::Entry> expected{{2, 0}, {5, 2}, {7, 1}, {7, 3}};
   EXPECT_EQ(entries_of(contenders), expected);
 }
@@ -40,7 +40,7 @@ TEST(Contenders, ComeAndGoInAnyOrder) {
   std::vector<Contenders::Entry> expected;
   for (int round = 0; round < 20'000; ++round) {
     const auto member = static_cast<std::uint32_t>((random.next() >> 16U) % kMembers);
-    const auto found = std::ranges::find(expected, member, &Contenders::Entry::member);
+    const auto found = std::ranges::find(expected, std::size_t{member}, &Contenders::Entry::member);
     if (found != expected.end()) {
       contenders.erase(*found);
       expected.erase(found);
