@@ -21,7 +21,7 @@ import tempfile
 import time
 import unittest
 
-from can_transports import can, enter_surroundings
+from can_transports import can, enter_surroundings, server_environment
 
 OPTIONS = argparse.Namespace(stator=None, library=None, interface=None)
 TIMEOUT = 20.0
@@ -196,13 +196,16 @@ class Transports(unittest.TestCase):
         with open(path, "w", encoding="ascii") as file:
             file.write(RACK.format(port=link))
         with subprocess.Popen([OPTIONS.stator, "run", path], stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, text=True) as stator:
+                              stderr=subprocess.STDOUT, text=True,
+                              env=server_environment()) as stator:
             try:
+                said = ""
                 for line in stator.stdout:
+                    said += line
                     if line.startswith("Running"):
                         break
                 else:
-                    self.fail("stator did not start")
+                    self.fail(f"stator did not start; it said:\n{said}")
                 os.set_blocking(stator.stdout.fileno(), False)
                 connection = can.Bus(**bus)
                 try:
