@@ -20,6 +20,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BEGIN = "<!-- conformance: made by scripts/device_pages.py -->"
 END = "<!-- end of conformance -->"
+SLAVE_CONTROLLERS = {"tmc8461", "tmc8670"}
 MARKS = {"done": "yes", "simplified": "simplified", "left-out": "not yet"}
 
 
@@ -112,7 +113,7 @@ def main():
         wanted = {page: device_page(device, page.read_text(encoding="utf-8"))}
         if device in with_objects:
             wanted[page.with_name(f"{device}-objects.md")] = objects_page(device, arguments.stator)
-        else:
+        elif device in SLAVE_CONTROLLERS:
             wanted[page.with_name(f"{device}-registers.md")] = registers_page(device,
                                                                              arguments.stator)
         for path, text in wanted.items():

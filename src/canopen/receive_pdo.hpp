@@ -24,7 +24,8 @@ class ReceivePdo {
   };
 
   /// `number` counts from 0 for 1400h; both its objects must exist.
-  ReceivePdo(const dictionary::Dictionary& dictionary, std::uint16_t number, const PdoRules& limits);
+  ReceivePdo(const dictionary::Dictionary& dictionary, std::uint16_t number,
+             const PdoRules& limits);
 
   /// Follows its objects anew. What waits for a SYNC is forgotten.
   void configure();

@@ -162,7 +162,7 @@ SdoServer::Answer SdoServer::initiate_block_download(Request request) {
   block_.size = configuration_.block_size;
   transfer_ = Transfer::block_download;
   return std::optional(reply_to_initiate(sdo::kBlockDownloadResponse | crc | sdo::kInitiateBlock,
-                                  std::uint32_t{block_.size}));
+                                         std::uint32_t{block_.size}));
 }
 
 /// Takes the segment that follows the last one taken; any other is lost until the client repeats it

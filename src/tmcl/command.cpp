@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "tmcl/command_set.hpp"
+
 namespace stator::tmcl {
 
 namespace {
@@ -14,37 +16,8 @@ struct CommandName {
 
 using enum Command;
 
+/// Of the boot loader and of what leads to it; the others are in the command set.
 constexpr std::array kNames{
-    CommandName{rotate_right, "ROR"},
-    CommandName{rotate_left, "ROL"},
-    CommandName{motor_stop, "MST"},
-    CommandName{move_to_position, "MVP"},
-    CommandName{set_axis_parameter, "SAP"},
-    CommandName{get_axis_parameter, "GAP"},
-    CommandName{store_axis_parameter, "STAP"},
-    CommandName{restore_axis_parameter, "RSAP"},
-    CommandName{set_global_parameter, "SGP"},
-    CommandName{get_global_parameter, "GGP"},
-    CommandName{store_global_parameter, "STGP"},
-    CommandName{restore_global_parameter, "RSGP"},
-    CommandName{reference_search, "RFS"},
-    CommandName{set_output, "SIO"},
-    CommandName{get_input, "GIO"},
-    CommandName{set_coordinate, "SCO"},
-    CommandName{get_coordinate, "GCO"},
-    CommandName{capture_coordinate, "CCO"},
-    CommandName{accumulator_to_coordinate, "ACO"},
-    CommandName{stop_application, "stop application"},
-    CommandName{run_application, "run application"},
-    CommandName{step_application, "step application"},
-    CommandName{reset_application, "reset application"},
-    CommandName{start_download, "start download"},
-    CommandName{quit_download, "quit download"},
-    CommandName{read_memory, "read memory"},
-    CommandName{get_application_status, "get application status"},
-    CommandName{get_firmware_version, "get firmware version"},
-    CommandName{restore_factory_settings, "restore factory settings"},
-    CommandName{enter_ascii_mode, "enter ASCII mode"},
     CommandName{boot_erase_all, "boot: erase all"},
     CommandName{boot_write_buffer, "boot: write buffer"},
     CommandName{boot_write_page, "boot: write page"},
@@ -60,6 +33,9 @@ constexpr std::array kNames{
 }  // namespace
 
 std::string_view name_of(std::uint8_t command) {
+  if (const CommandDeclaration* declared = classic_command_set().find(command)) {
+    return declared->mnemonic.empty() ? declared->name : declared->mnemonic;
+  }
   const auto row = std::ranges::find(kNames, static_cast<Command>(command), &CommandName::command);
   return row == kNames.end() ? std::string_view() : row->name;
 }
