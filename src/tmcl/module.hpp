@@ -8,6 +8,9 @@
 
 namespace stator::tmcl {
 
+/// Instead of a motor in SCO and GCO: copy coordinates between RAM and EEPROM (A63).
+inline constexpr std::uint8_t kCopyCoordinate = 255;
+
 /// What became of a command.
 struct Answer {
   Status status = Status::success;
@@ -85,12 +88,13 @@ class Module {
   /// @}
 
   /// @name Global parameters and user variables
-  /// Those that tell of the program and of time (numbers from 128 on in bank 0) do not come here.
+  /// Those that tell of the program, time and chance (128 to 133 in bank 0) do not come here.
   /// @{
 
   [[nodiscard]] virtual std::int32_t read_global_parameter(std::uint8_t bank,
                                                            std::uint8_t number) const = 0;
-  /// In bank 0 the EEPROM has the value at once, in other banks only after it was stored.
+  /// In bank 0 the EEPROM has the value at once, in other banks only after it was stored. The lock
+  /// (73) comes as 1 or 0.
   virtual void write_global_parameter(std::uint8_t bank, std::uint8_t number,
                                       std::int32_t value) = 0;
   virtual void store_global_parameter(std::uint8_t bank, std::uint8_t number) = 0;
