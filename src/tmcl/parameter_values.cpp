@@ -4,13 +4,23 @@
 
 namespace stator::tmcl {
 
-ParameterValues::ParameterValues(std::span<const ParameterDeclaration> declarations)
-    : declarations_(declarations) {
+namespace {
+
+std::vector<std::int32_t> initial_values(std::span<const ParameterDeclaration> declarations) {
+  std::vector<std::int32_t> values;
+  values.reserve(declarations.size());
   for (const ParameterDeclaration& declaration : declarations) {
-    ram_.push_back(declaration.initial);
+    values.push_back(declaration.initial);
   }
-  eeprom_ = ram_;
+  return values;
 }
+
+}  // namespace
+
+ParameterValues::ParameterValues(std::span<const ParameterDeclaration> declarations)
+    : declarations_(declarations),
+      ram_(initial_values(declarations)),
+      eeprom_(initial_values(declarations)) {}
 
 void ParameterValues::store(std::size_t place) {
   eeprom_[place] = ram_[place];

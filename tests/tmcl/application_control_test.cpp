@@ -158,6 +158,17 @@ TEST_F(ApplicationControl, DownloadStoresCommandsInsteadOfExecutingThem) {
   EXPECT_EQ(status(rotate_left, 0, 0, 1), Status::success) << "executed again";
 }
 
+// A host cannot read it meanwhile, since that command is stored; a program can.
+TEST_F(ApplicationControl, DownloadModeShowsInItsParameter) {
+  load({instruction(get_global_parameter, 129), instruction(Command::stop)});
+  EXPECT_EQ(status(step_application), Status::success);
+  EXPECT_EQ(registers().accumulator, 0);
+  EXPECT_EQ(status(reset_application), Status::success);
+  EXPECT_EQ(status(start_download, 0, 0, 100), Status::success);
+  EXPECT_EQ(status(step_application), Status::success);
+  EXPECT_EQ(registers().accumulator, 1);
+}
+
 TEST_F(ApplicationControl, ControlFunctionsAreExecutedInDownloadMode) {
   EXPECT_EQ(status(start_download), Status::success);
   EXPECT_EQ(status(get_application_status), Status::success);
