@@ -20,6 +20,16 @@ struct ModuleDescription {
   std::uint8_t axes = 1;
   std::size_t program_length = 2048;  ///< instructions its memory holds
   std::uint8_t coordinates = 21;      ///< from 0 on
+
+  std::string_view version_text{};  ///< eight characters, e.g. "142V4.45"
+  std::int32_t version_value = 0;   ///< as command 136 gives it in binary form
+
+  std::uint32_t digital_inputs = 0;  ///< bit n: input n exists
+  std::uint32_t analog_inputs = 0;   ///< bit n: channel n exists
+  std::uint32_t outputs = 0;         ///< bit n: output n exists
+  /// The bits of reading all digital inputs at once: modules differ in whether inputs beyond the
+  /// eighth show (A72).
+  std::uint32_t input_bits = 0xFFFF'FFFF;
 };
 
 }  // namespace stator::tmcl

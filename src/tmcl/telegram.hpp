@@ -22,6 +22,7 @@ enum class Status : std::uint8_t {
   command_not_available = 6,
   success = 100,
   loaded_into_eeprom = 101,
+  target_reached = 128,  ///< only in the second reply to command 138
 };
 
 /// From a host to a module.

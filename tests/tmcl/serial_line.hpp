@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <deque>
+#include <initializer_list>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -28,10 +31,26 @@ class SerialLine final : public tmcl::SerialPort {
     from_device.insert(from_device.end(), bytes.begin(), bytes.end());
   }
 
+  void write(std::span<const std::byte> bytes) {
+    to_device.insert(to_device.end(), bytes.begin(), bytes.end());
+  }
+  void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
   /// The first `length` bytes of a telegram go to the device.
   void put(const tmcl::Telegram& telegram, std::size_t length = tmcl::kTelegramLength) {
-    to_device.insert(to_device.end(), telegram.begin(),
-                     telegram.begin() + static_cast<std::ptrdiff_t>(length));
+    write(std::span(telegram).first(length));
+  }
+  /// What the device sent since the last call.
+  [[nodiscard]] std::vector<std::byte> read() {
+    std::vector<std::byte> bytes;
+    bytes.swap(from_device);
+    return bytes;
+  }
+  [[nodiscard]] std::string read_text() {
+    std::string text;
+    for (const std::byte byte : read()) {
+      text += static_cast<char>(byte);
+    }
+    return text;
   }
   /// The one telegram that came from the device; it is taken.
   tmcl::Telegram take_telegram() {
@@ -46,5 +65,13 @@ class SerialLine final : public tmcl::SerialPort {
   std::deque<std::byte> to_device;
   std::vector<std::byte> from_device;
 };
+
+inline std::vector<std::byte> bytes_of(std::initializer_list<unsigned> values) {
+  std::vector<std::byte> bytes;
+  for (const unsigned value : values) {
+    bytes.push_back(static_cast<std::byte>(value));
+  }
+  return bytes;
+}
 
 }  // namespace stator::tests

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "base/sim_time.hpp"
+#include "tmcl/firmware.hpp"
+
+namespace stator::tmcl {
+
+/// A frame that a module answers with: 11-bit identifier, data.
+struct CanReply {
+  std::uint16_t identifier = 0;
+  std::uint8_t length = 0;
+  std::array<std::byte, 8> data{};
+
+  [[nodiscard]] std::span<const std::byte> payload() const { return std::span(data).first(length); }
+};
+
+/// The CAN interface of a module (L464-L465, L549): telegrams without address and checksum, in data
+/// frames with 11-bit identifiers. Frames of seven bytes are what the manual describes; clients
+/// send eight, and want a reply as long as their request. Passive.
+///
+/// The eighth byte of a request means nothing; of a reply it is the last character of the version
+/// text (L5197-L5199), else the checksum that the reply would have on a serial line.
+class CanSession {
+ public:
+  /// `firmware` must outlive the session.
+  explicit CanSession(Firmware& firmware) : firmware_(firmware) {}
+
+  void power_on() { event_.reset(); }
+  /// Of frames on the bus: the module's own identifier or its second one (global parameters 71 and
+  /// 83).
+  [[nodiscard]] bool is_for_this(std::uint32_t identifier) const;
+  /// The reply to a data frame with an 11-bit identifier; nothing: it is for others or no command,
+  /// or the command has no reply.
+  [[nodiscard]] std::optional<CanReply> take(std::uint32_t identifier,
+                                             std::span<const std::byte> data, base::SimTime now);
+  /// The second reply to command 138, once the target is reached; to be asked after take() and
+  /// whenever time has passed.
+  [[nodiscard]] std::optional<CanReply> take_event();
+
+ private:
+  struct Event {
+    std::uint8_t mask = 0;
+    CanReply reply;
+  };
+
+  Firmware& firmware_;
+  std::optional<Event> event_;
+};
+
+}  // namespace stator::tmcl

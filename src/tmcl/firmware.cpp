@@ -1,0 +1,267 @@
+#include "tmcl/firmware.hpp"
+
+#include "tmcl/command.hpp"
+
+namespace stator::tmcl {
+
+namespace {
+
+using base::EventRule;
+using base::Severity;
+
+/// Types of 129 and 136.
+constexpr std::uint8_t kFromPresentAddress = 0;
+constexpr std::uint8_t kFromGivenAddress = 1;
+constexpr std::uint8_t kVersionText = 0;
+constexpr std::uint8_t kVersionValue = 1;
+
+/// What 137 must carry (L794-L798).
+constexpr std::int32_t kFactorySettings = 1234;
+
+constexpr EventRule kInvalidCommand{
+    "tmcl-invalid-command", Severity::refusal,
+    "TMCL: command {0} refused with status 2: this module has no command of that number"};
+constexpr EventRule kWrongType{
+    "tmcl-wrong-type", Severity::refusal,
+    "TMCL: {0} refused with status 3: type {1} (motor or bank {2}) is no parameter, port or "
+    "operation that this command may use; the module's tables list those there are"};
+constexpr EventRule kInvalidValue{
+    "tmcl-invalid-value", Severity::refusal,
+    "TMCL: {0} with type {1} refused with status 4: motor {2} or value {3} is out of range"};
+constexpr EventRule kLocked{
+    "tmcl-eeprom-locked", Severity::refusal,
+    "TMCL: {0} with type {1} refused with status 5: the configuration EEPROM is locked; SGP 73, 0, "
+    "4321 unlocks it"};
+constexpr EventRule kNotAvailable{
+    "tmcl-not-available", Severity::refusal,
+    "TMCL: {0} refused with status 6: not on this interface, not outside of a program, or kept "
+    "back by the code protection (global parameter 81)"};
+
+const EventRule* rule_of(Status status) {
+  switch (status) {
+    case Status::invalid_command:
+      return &kInvalidCommand;
+    case Status::wrong_type:
+      return &kWrongType;
+    case Status::invalid_value:
+      return &kInvalidValue;
+    case Status::eeprom_locked:
+      return &kLocked;
+    case Status::command_not_available:
+      return &kNotAvailable;
+    default:
+      return nullptr;
+  }
+}
+
+/// In download mode these are still executed, others are stored (A87).
+bool is_executed_in_download(std::uint8_t command) {
+  return command >= static_cast<std::uint8_t>(Command::stop_application) &&
+         command <= static_cast<std::uint8_t>(Command::restore_factory_settings);
+}
+
+bool is_control(std::uint8_t command) {
+  return command >= static_cast<std::uint8_t>(Command::stop_application);
+}
+
+}  // namespace
+
+Firmware::Firmware(const ModuleDescription& description, Module& module,
+                   const FirmwareSettings& settings, base::EventReporter reporter)
+    : description_(description),
+      module_(module),
+      memory_(description.program_length),
+      executor_(description, module, state_, memory_),
+      interpreter_(module, state_, memory_, executor_, settings.instruction_time, reporter),
+      reporter_(reporter) {
+  state_.random = base::Random(settings.seed);
+}
+
+void Firmware::power_on(base::SimTime now) {
+  interpreter_.reset();
+  const base::Random random = state_.random;
+  state_ = {};
+  state_.random = random;
+  state_.tick_origin = now;
+  if (configuration(GlobalParameter::auto_start) == 1) {
+    interpreter_.run_from(0, now);
+  }
+}
+
+HostAnswer Firmware::execute(const Instruction& instruction, Origin origin, base::SimTime now) {
+  const HostAnswer answer = dispatch(instruction, origin, now);
+  if (rule_of(answer.status) != nullptr) {
+    report(instruction, answer.status, now);
+  }
+  return answer;
+}
+
+HostAnswer Firmware::dispatch(const Instruction& instruction, Origin origin, base::SimTime now) {
+  if (state_.download && !is_executed_in_download(instruction.command)) {
+    return load_into_memory(instruction);
+  }
+  const Status admitted = executor_.admit(instruction.command, origin);
+  if (admitted != Status::success) {
+    return {.status = admitted, .value = instruction.value};
+  }
+  if (is_control(instruction.command)) {
+    return control(instruction, origin, now);
+  }
+  switch (static_cast<Command>(instruction.command)) {
+    case Command::compare:
+    case Command::jump_conditionally:
+    case Command::jump_always:
+    case Command::call_subroutine:
+    case Command::return_from_subroutine:
+    case Command::wait:
+    case Command::stop:
+    case Command::clear_error_flags:
+      // Whatever a module's table says: there is no program they could act on (A83).
+      return {.status = Status::command_not_available, .value = instruction.value};
+    default: {
+      const Answer answer = executor_.execute(instruction, origin, now);
+      return {.status = answer.status, .value = answer.value};
+    }
+  }
+}
+
+HostAnswer Firmware::load_into_memory(const Instruction& instruction) {
+  if (!memory_.contains(state_.download_address)) {
+    return {.status = Status::invalid_value, .value = instruction.value};
+  }
+  memory_.write(state_.download_address, instruction);
+  ++state_.download_address;
+  return {.status = Status::loaded_into_eeprom, .value = instruction.value};
+}
+
+HostAnswer Firmware::control(const Instruction& instruction, Origin origin, base::SimTime now) {
+  HostAnswer answer{.value = instruction.value};
+  switch (static_cast<Command>(instruction.command)) {
+    case Command::stop_application:
+      interpreter_.stop();
+      break;
+    case Command::run_application:
+      answer.status = run_application(instruction, now);
+      break;
+    case Command::step_application:
+      interpreter_.step(now);
+      break;
+    case Command::reset_application:
+      interpreter_.reset();
+      break;
+    case Command::start_download:
+      answer.status = start_download(instruction.value);
+      break;
+    case Command::quit_download:
+      state_.download = false;
+      break;
+    case Command::read_memory:
+      return read_memory(instruction);
+    case Command::get_application_status:
+      answer.value = static_cast<std::int32_t>(state_.application);
+      break;
+    case Command::get_firmware_version:
+      return version(instruction);
+    case Command::restore_factory_settings:
+      return restore_factory_settings(instruction);
+    case Command::request_target_reached_event:
+      answer.event_mask =
+          static_cast<std::uint8_t>(instruction.value & ((1 << description_.axes) - 1));
+      answer.value = answer.event_mask;
+      break;
+    case Command::enter_ascii_mode:
+      answer.enter_ascii = origin == Origin::serial;
+      answer.status = answer.enter_ascii ? Status::success : Status::command_not_available;
+      break;
+    default:
+      answer.status = Status::invalid_command;
+      break;
+  }
+  return answer;
+}
+
+Status Firmware::run_application(const Instruction& instruction, base::SimTime now) {
+  switch (instruction.type) {
+    case kFromPresentAddress:
+      interpreter_.run(now);
+      return Status::success;
+    case kFromGivenAddress:
+      if (!memory_.contains(instruction.value)) {
+        return Status::invalid_value;
+      }
+      interpreter_.run_from(static_cast<std::uint16_t>(instruction.value), now);
+      return Status::success;
+    default:
+      return Status::wrong_type;
+  }
+}
+
+// The program stops: its memory is about to change under it.
+Status Firmware::start_download(std::int32_t address) {
+  if (protected_from(kProtectedFromWriting)) {
+    return Status::command_not_available;  // A62
+  }
+  if (!memory_.contains(address)) {
+    return Status::invalid_value;
+  }
+  if (state_.application == ApplicationStatus::run) {
+    interpreter_.stop();
+  }
+  state_.download = true;
+  state_.download_address = static_cast<std::uint16_t>(address);
+  return Status::success;
+}
+
+HostAnswer Firmware::read_memory(const Instruction& instruction) const {
+  if (protected_from(kProtectedFromReading)) {
+    return {.status = Status::command_not_available, .value = instruction.value};  // A62
+  }
+  if (!memory_.contains(instruction.value)) {
+    return {.status = Status::invalid_value, .value = instruction.value};
+  }
+  return {.value = instruction.value,
+          .form = ReplyForm::instruction,
+          .instruction = memory_[static_cast<std::size_t>(instruction.value)]};
+}
+
+HostAnswer Firmware::version(const Instruction& instruction) const {
+  switch (instruction.type) {
+    case kVersionText:
+      return {.value = instruction.value, .form = ReplyForm::version_text};
+    case kVersionValue:
+      return {.value = description_.version_value};
+    default:
+      return {.status = Status::wrong_type, .value = instruction.value};
+  }
+}
+
+HostAnswer Firmware::restore_factory_settings(const Instruction& instruction) {
+  if (instruction.value != kFactorySettings) {
+    return {.status = Status::invalid_value, .value = instruction.value};  // A90
+  }
+  module_.restore_factory_settings();
+  return {.value = instruction.value, .form = ReplyForm::none};
+}
+
+bool Firmware::targets_reached(std::uint8_t mask) const {
+  for (std::uint8_t motor = 0; motor < description_.axes; ++motor) {
+    if ((mask >> motor & 1U) != 0 && !module_.position_reached(motor)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool Firmware::protected_from(std::uint32_t access) const {
+  return (static_cast<std::uint32_t>(configuration(GlobalParameter::code_protection)) & access) !=
+         0;
+}
+
+void Firmware::report(const Instruction& instruction, Status status, base::SimTime now) const {
+  const std::string_view name = name_of(instruction.command);
+  reporter_.report(now, *rule_of(status),
+                   {name.empty() ? base::EventArgument(int{instruction.command}) : name,
+                    int{instruction.type}, int{instruction.motor}, int{instruction.value}});
+}
+
+}  // namespace stator::tmcl

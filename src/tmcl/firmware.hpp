@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "base/event.hpp"
+#include "base/sim_time.hpp"
+#include "tmcl/command_executor.hpp"
+#include "tmcl/firmware_state.hpp"
+#include "tmcl/instruction.hpp"
+#include "tmcl/interpreter.hpp"
+#include "tmcl/module.hpp"
+#include "tmcl/module_description.hpp"
+#include "tmcl/program_memory.hpp"
+
+namespace stator::tmcl {
+
+/// What the reply to a host looks like.
+enum class ReplyForm : std::uint8_t {
+  normal,
+  none,          ///< of command 137
+  version_text,  ///< eight characters, of command 136
+  instruction,   ///< a cell of the program memory, of command 134 (A88)
+};
+
+/// What became of a host's command, and what its interface has to do.
+struct HostAnswer {
+  Status status = Status::success;
+  std::int32_t value = 0;
+  ReplyForm form = ReplyForm::normal;
+  Instruction instruction{};    ///< of ReplyForm::instruction
+  bool enter_ascii = false;     ///< after the reply (A92)
+  std::uint8_t event_mask = 0;  ///< motors whose reached targets are to be told (command 138)
+};
+
+struct FirmwareSettings {
+  /// From one instruction of a program to the next, at least 1 ns (A85).
+  base::SimDuration instruction_time{100'000};
+  /// Of the random numbers.
+  std::uint64_t seed = 0;
+};
+
+/// The firmware of a TMCL module, without its motion and its interfaces: direct mode, programs and
+/// their memory, download. The interfaces (SerialSession, CanSession) bring it the commands of
+/// hosts; all of them speak with the same module (M142-EXE-001).
+class Firmware {
+ public:
+  /// `description` and `module` must outlive it. Allocates; nothing else here does.
+  /// std::logic_error: the description contradicts itself.
+  Firmware(const ModuleDescription& description, Module& module,
+           const FirmwareSettings& settings = {}, base::EventReporter reporter = {});
+  Firmware(const Firmware&) = delete;
+  Firmware& operator=(const Firmware&) = delete;
+  ~Firmware() = default;
+
+  /// Registers and program begin anew; the memory keeps its program, which starts if global
+  /// parameter 77 says so. The module must have its values already.
+  void power_on(base::SimTime now);
+
+  /// Executes a host's command; advance() to `now` comes first. Never Origin::program.
+  [[nodiscard]] HostAnswer execute(const Instruction& instruction, Origin origin,
+                                   base::SimTime now);
+  /// Executes what is due of the program.
+  void advance(base::SimTime now) { interpreter_.advance(now); }
+  [[nodiscard]] base::SimTime next_deadline() const { return interpreter_.next_deadline(); }
+
+  /// Tells programs of an error (A80); it stays until CLE.
+  void raise(ErrorFlag flag) { state_.registers.raise(flag); }
+  /// RUN of the ASCII interface: from the first command on.
+  void start_program(base::SimTime now) { interpreter_.run_from(0, now); }
+  /// STOP of the ASCII interface.
+  void stop_program() { interpreter_.stop(); }
+  /// All motors of `mask` have reached their targets.
+  [[nodiscard]] bool targets_reached(std::uint8_t mask) const;
+
+  /// A parameter of bank 0, as configured; 0 if the module has none of that number.
+  [[nodiscard]] std::int32_t configuration(GlobalParameter parameter) const {
+    return executor_.configuration(parameter);
+  }
+  [[nodiscard]] const ModuleDescription& description() const { return description_; }
+  [[nodiscard]] const FirmwareState& state() const { return state_; }
+  [[nodiscard]] const ProgramMemory& memory() const { return memory_; }
+  /// Puts a program into the memory, as a download would.
+  void load_program(std::span<const Instruction> program) { memory_.load(program); }
+  [[nodiscard]] Interpreter& interpreter() { return interpreter_; }
+  [[nodiscard]] const Interpreter& interpreter() const { return interpreter_; }
+
+ private:
+  [[nodiscard]] HostAnswer dispatch(const Instruction& instruction, Origin origin,
+                                    base::SimTime now);
+  [[nodiscard]] HostAnswer control(const Instruction& instruction, Origin origin,
+                                   base::SimTime now);
+  [[nodiscard]] HostAnswer load_into_memory(const Instruction& instruction);
+  [[nodiscard]] Status run_application(const Instruction& instruction, base::SimTime now);
+  [[nodiscard]] Status start_download(std::int32_t address);
+  [[nodiscard]] HostAnswer read_memory(const Instruction& instruction) const;
+  [[nodiscard]] HostAnswer version(const Instruction& instruction) const;
+  [[nodiscard]] HostAnswer restore_factory_settings(const Instruction& instruction);
+  [[nodiscard]] bool protected_from(std::uint32_t access) const;
+  void report(const Instruction& instruction, Status status, base::SimTime now) const;
+
+  const ModuleDescription& description_;
+  Module& module_;
+  FirmwareState state_;
+  ProgramMemory memory_;
+  CommandExecutor executor_;
+  Interpreter interpreter_;
+  base::EventReporter reporter_;
+};
+
+}  // namespace stator::tmcl
