@@ -20,6 +20,11 @@ struct ModuleDescription {
   std::uint8_t axes = 1;
   std::size_t program_length = 2048;  ///< instructions its memory holds
   std::uint8_t coordinates = 21;      ///< from 0 on
+
+  /// The declaration of a parameter; null if the module has none of that number.
+  [[nodiscard]] const ParameterDeclaration* axis_parameter(std::uint8_t number) const;
+  [[nodiscard]] const ParameterDeclaration* global_parameter(std::uint8_t bank,
+                                                             std::uint8_t number) const;
 };
 
 }  // namespace stator::tmcl
