@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <system_error>
@@ -14,6 +15,9 @@
 namespace stator::cli {
 
 std::string read_file(const std::string& path) {
+  if (std::error_code ignored; std::filesystem::is_directory(path, ignored)) {
+    throw Failure(fmt::format("cannot read {}: it is a directory; name a file in it", path));
+  }
   std::ifstream file(path, std::ios::binary);
   std::ostringstream content;
   if (file) {

@@ -146,7 +146,8 @@ TEST(TmclCommand, FilesAndDevicesThatAreNotThereAreNamed) {
   EXPECT_EQ(missing.status, 1);
   EXPECT_THAT(missing.output,
               StartsWith("stator: cannot read /nonexistent.tmc: No such file or directory"));
-  EXPECT_THAT(stator("tmcl assemble /tmp").output, HasSubstr("cannot read /tmp: Is a directory"));
+  EXPECT_THAT(stator("tmcl assemble /tmp").output,
+              HasSubstr("cannot read /tmp: it is a directory"));
   const File text("device.tmc", "STOP\n");
   const Outcome device = stator("tmcl assemble --device tmcm-3315 " + text.path());
   EXPECT_EQ(device.status, 1);
