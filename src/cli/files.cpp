@@ -51,7 +51,11 @@ void write_output(const std::string& path, std::string_view content, bool binary
     throw Failure(
         fmt::format("{} is binary; give a file with --output, or redirect standard output", what));
   }
-  std::fwrite(content.data(), 1, content.size(), stdout);
+  if (std::fwrite(content.data(), 1, content.size(), stdout) != content.size() ||
+      std::fflush(stdout) != 0) {
+    throw Failure(
+        fmt::format("cannot write to standard output: {}", std::generic_category().message(errno)));
+  }
 }
 
 }  // namespace stator::cli

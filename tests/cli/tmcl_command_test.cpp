@@ -149,6 +149,8 @@ TEST(TmclCommand, FilesAndDevicesThatAreNotThereAreNamed) {
   EXPECT_THAT(stator("tmcl assemble /tmp").output,
               HasSubstr("cannot read /tmp: it is a directory"));
   const File text("device.tmc", "STOP\n");
+  EXPECT_THAT(stator("tmcl assemble " + text.path() + " -o /nonexistent/x").output,
+              HasSubstr("cannot write /nonexistent/x: No such file or directory"));
   const Outcome device = stator("tmcl assemble --device tmcm-3315 " + text.path());
   EXPECT_EQ(device.status, 1);
   EXPECT_THAT(
