@@ -1,7 +1,8 @@
 #include "tmcl/command_set.hpp"
 
 #include <algorithm>
-#include <cctype>
+
+#include "base/spelling.hpp"
 
 namespace stator::tmcl {
 
@@ -184,11 +185,6 @@ static_assert(ordered(kClassic) && kClassic.back().command == enter_ascii_mode);
 
 constexpr CommandSet kClassicSet{kClassic};
 
-bool same_word(std::string_view a, std::string_view b) {
-  const auto upper = [](char c) { return std::toupper(static_cast<unsigned char>(c)); };
-  return std::ranges::equal(a, b, {}, upper, upper);
-}
-
 }  // namespace
 
 const CommandDeclaration* CommandSet::find(std::uint8_t command) const {
@@ -200,7 +196,7 @@ const CommandDeclaration* CommandSet::find(std::uint8_t command) const {
 
 const CommandDeclaration* CommandSet::find(std::string_view mnemonic) const {
   const auto found = std::ranges::find_if(declarations_, [&](const CommandDeclaration& each) {
-    return !each.mnemonic.empty() && same_word(each.mnemonic, mnemonic);
+    return !each.mnemonic.empty() && base::same_word(each.mnemonic, mnemonic);
   });
   return found != declarations_.end() ? &*found : nullptr;
 }

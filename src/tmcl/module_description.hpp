@@ -30,6 +30,11 @@ struct ModuleDescription {
   /// The bits of reading all digital inputs at once: modules differ in whether inputs beyond the
   /// eighth show (A72).
   std::uint32_t input_bits = 0xFFFF'FFFF;
+
+  /// The declaration of a parameter; null if the module has none of that number.
+  [[nodiscard]] const ParameterDeclaration* axis_parameter(std::uint8_t number) const;
+  [[nodiscard]] const ParameterDeclaration* global_parameter(std::uint8_t bank,
+                                                             std::uint8_t number) const;
 };
 
 }  // namespace stator::tmcl
