@@ -117,6 +117,7 @@ void MotionController::advance(const base::AxisSensing& sensing, base::SimDurati
 
 /// Takes in the sensors, all of one moment.
 void MotionController::observe(const base::AxisSensing& sensing) {
+  observed_position_ = unwrapped_position();
   encoder_.sample(sensing);
   settings_.encoder.mode = encoder_.mode();
   if (switches_.sample(sensing.left_switch, sensing.right_switch)) {

@@ -94,7 +94,10 @@ class MotionController {
   [[nodiscard]] std::int32_t position() const { return ramp_.position(); }                // AP 1
   [[nodiscard]] std::int32_t target_velocity() const { return ramp_.target_velocity(); }  // AP 2
   [[nodiscard]] std::int32_t velocity() const { return ramp_.velocity(); }                // AP 3
+  /// Not cut to 32 bits.
   [[nodiscard]] std::int64_t unwrapped_position() const { return ramp_.unwrapped_position(); }
+  /// The same, where the sensors were taken in last.
+  [[nodiscard]] std::int64_t observed_position() const { return observed_position_; }
   [[nodiscard]] bool position_reached() const { return target_position() == position(); }  // AP 8
   [[nodiscard]] bool velocity_reached() const { return target_velocity() == velocity(); }  // AP 130
   /// The ramp's velocity is 0 and no motion is planned.
@@ -160,6 +163,7 @@ class MotionController {
   bool deviation_flag_ = false;
   bool encoder_warning_ = false;
   bool moving_ = false;
+  std::int64_t observed_position_ = 0;
   std::int32_t latched_position_ = 0;
   std::int64_t microsteps_ = 0;
   std::uint8_t current_scale_ = 0;

@@ -59,7 +59,7 @@ void ReferenceSearch::advance(MotionController& controller) {
     end(controller);
     return;
   }
-  const std::int64_t position = controller.unwrapped_position();
+  const std::int64_t position = controller.observed_position();
   const bool left = controller.left_switch();
   switch (state_) {
     case SearchState::to_right_switch:

@@ -79,7 +79,7 @@ class TrapezoidReference {
     const long double speed = std::fabs(velocity_);
     const long double length = direction * way;
     const long double braking = 0.5L * speed * speed / deceleration;
-    const long double rounding = 1e-17L * (braking + std::fabs(position_));
+    const long double rounding = 1e-17L * (braking + std::fabs(position_)) + 1e-15L;
     if (length < braking + rounding) {
       Phase phase = change_speed(0.0L, direction);
       phase.ends_on_target = length > braking - rounding;
