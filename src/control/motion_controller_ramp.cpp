@@ -62,6 +62,12 @@ void MotionControllerRamp::move_to(std::int32_t target) {
   replan();
 }
 
+void MotionControllerRamp::rotate(std::int32_t velocity) {
+  mode_ = Mode::velocity;
+  target_velocity_ = velocity;
+  replan();
+}
+
 void MotionControllerRamp::set_target_velocity(std::int32_t velocity) {
   target_velocity_ = velocity;
   if (mode_ == Mode::velocity) {
@@ -172,6 +178,7 @@ void MotionControllerRamp::replan() {
     return;
   }
   follow();
+  look_ahead(velocity);
 }
 
 void MotionControllerRamp::follow() {
@@ -195,11 +202,12 @@ void MotionControllerRamp::brake() {
 
 void MotionControllerRamp::advance(const StopConditions& stops, base::SimDuration period) {
   const double velocity = ramp_.velocity();
+  period_ = period;
   if (stops != stops_) {
     stops_ = stops;
     replan();
   } else if (velocity != 0.0) {
-    watch(velocity, period);
+    watch(velocity);
   } else if (braking_ || approaching_) {
     replan();  // what is wanted may lead the other way
   }
@@ -207,25 +215,28 @@ void MotionControllerRamp::advance(const StopConditions& stops, base::SimDuratio
 }
 
 /// What a plan does not know of: that its way back, its overshoot or its cruise leads into a stop.
-void MotionControllerRamp::watch(double velocity, base::SimDuration period) {
-  const bool right = velocity > 0.0;
-  if (!braking_ && (right ? stops_.right : stops_.left)) {
-    replan();
+void MotionControllerRamp::watch(double velocity) {
+  if (braking_) {
     return;
   }
-  if (limits_ignored_ || braking_ || !(right ? limits_.right_enabled : limits_.left_enabled)) {
+  const bool right = velocity > 0.0;
+  if (right ? right_blocked() : left_blocked()) {
+    replan();
+  } else if (!approaching_) {
+    look_ahead(velocity);
+  }
+}
+
+/// In velocity and hold mode: begins to approach a limit one period before braking must begin, at
+/// the velocity there will be then.
+void MotionControllerRamp::look_ahead(double velocity) {
+  const bool right = velocity > 0.0;
+  const bool limited = right ? limits_.right_enabled : limits_.left_enabled;
+  if (!limited || limits_ignored_ || mode_ == Mode::positioning || velocity == 0.0) {
     return;
   }
   const double room = right ? room_right() : room_left();
-  if (room <= 0.0) {
-    replan();
-    return;
-  }
-  if (mode_ == Mode::positioning || approaching_) {
-    return;
-  }
-  // To be seen one period before braking must begin, at the velocity there will be then.
-  const double seconds = period.seconds();
+  const double seconds = period_.seconds();
   const double next = std::fabs(velocity) + turning_.acceleration * seconds;
   const double deceleration = soft_stop_ ? stop_deceleration_ : kAtOnce;
   if (room <= 2.0 * seconds * next + 0.5 * next * next / deceleration) {

@@ -43,6 +43,8 @@ class MotionControllerRamp {
 
   /// AP 0: positioning mode, to `target`.
   void move_to(std::int32_t target);
+  /// ROR, ROL: velocity mode, to `velocity`.
+  void rotate(std::int32_t velocity);
   /// AP 2: has an effect in velocity mode only.
   void set_target_velocity(std::int32_t velocity);
   /// AP 128.
@@ -89,7 +91,8 @@ class MotionControllerRamp {
   void replan();
   void follow();
   void brake();
-  void watch(double velocity, base::SimDuration period);
+  void watch(double velocity);
+  void look_ahead(double velocity);
   void approach_limit(double velocity, double room);
 
   RampGenerator ramp_;
@@ -108,6 +111,7 @@ class MotionControllerRamp {
   double held_velocity_ = 0.0;  ///< pps
 
   StopConditions stops_;
+  base::SimDuration period_;  ///< the latest
   bool braking_ = false;      ///< because of a stop condition
   bool approaching_ = false;  ///< a limit, in velocity or hold mode
 };

@@ -160,6 +160,20 @@ TEST(MotionControllerLimits, VelocityModeEndsOnTheLimitSoftlyOrHard) {
   }
 }
 
+TEST(MotionControllerLimits, CommandsRepeatedWhileBrakingDoNotCarryTheMotorBeyond) {
+  const PositionLimits limits{.right = 40'000, .right_enabled = true};
+  MotionControllerRamp ramp;
+  for (int i = 0; i < 20'000; ++i) {
+    RampSettings settings = kSettings;
+    settings.acceleration += static_cast<std::uint32_t>(i % 2);
+    ramp.configure(settings, limits, true);
+    ramp.rotate(5'000'000);
+    ramp.advance(kFree, 100_us);
+    ASSERT_LE(ramp.position(), 40'000);
+  }
+  EXPECT_EQ(ramp.generator().position(), (MicrostepPosition{40'000, 0.0}));
+}
+
 TEST(MotionControllerLimits, HoldEveryRandomMotion) {
   base::Random random(53);
   for (int run = 0; run < 2'000; ++run) {
