@@ -1,11 +1,12 @@
 // The core of a TMCL module: any bytes on two serial lines, any CAN frames, in any mode, with
 // programs that were put together by chance, while time passes and the module changes. Every whole
-// telegram for the module is answered once; command 137 alone is not, and 138 twice when the target
-// is reached. Whatever came, switching on brings back a module that answers.
+// telegram and every line for the module is answered once; command 137 alone is not, and 138 twice
+// when the target is reached. Whatever came, switching on brings back a module that answers.
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "input.hpp"
@@ -68,6 +69,7 @@ class Rig {
   void write(std::size_t line, std::span<const std::byte> bytes) { lines_[line].write(bytes); }
   void change(Input& in);
   void check_telegram(std::size_t line, const Instruction& instruction, bool right_checksum);
+  void check_line(std::size_t line);
   void check_frame(const Instruction& instruction, std::size_t length);
   void erase_settings() {
     module_.restore_factory_settings();
@@ -114,6 +116,7 @@ void Rig::change(Input& in) {
 void Rig::check_telegram(std::size_t line, const Instruction& instruction, bool right_checksum) {
   settle();
   if (sessions_[line].in_ascii_mode()) {
+    check_line(line);
     return;
   }
   Telegram telegram = encode(
@@ -139,6 +142,22 @@ void Rig::check_telegram(std::size_t line, const Instruction& instruction, bool 
       right_checksum && !stored && (instruction.value & 1) != 0 &&
       static_cast<Command>(instruction.command) == Command::request_target_reached_event;
   require(length == kTelegramLength * (event ? 2 : 1));
+}
+
+/// Where a telegram would not be understood, a line of text is.
+void Rig::check_line(std::size_t line) {
+  lines_[line].write("\r");
+  settle();
+  const auto address = static_cast<std::uint8_t>(configured(GlobalParameter::serial_address));
+  if (!sessions_[line].in_ascii_mode() || letter_of(address) == '?') {
+    return;
+  }
+  const bool echo = echo_mode_of(configured(GlobalParameter::ascii_mode)) != EchoMode::none;
+  lines_[line].write(letter_of(address) + std::string(" GAP 1, 0\r"));
+  sessions_[line].serve(now_);
+  now_ += kLongPause;
+  sessions_[line].serve(now_);
+  require(std::ranges::count(lines_[line].read_text(), '\r') == (echo ? 2 : 1));
 }
 
 void Rig::check_frame(const Instruction& instruction, std::size_t length) {

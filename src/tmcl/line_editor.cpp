@@ -66,7 +66,7 @@ LineEditor::Event LineEditor::take(char character, std::uint8_t address, EchoMod
       const char letter = letter_of(address);
       addressed_ = letter != '?' && upper_case(character) == letter;
     }
-    if (addressed_ && stored_ == length_ && stored_ < kCapacity) {
+    if (addressed_ && stored_ < kCapacity) {
       characters_[stored_++] = character;
     }
     ++length_;

@@ -13,9 +13,9 @@ using tests::instruction;
 using ApplicationControl = tests::FirmwareFixture;
 
 const std::vector<Instruction>& counting_loop() {
-  static const std::vector<Instruction> kProgram{
+  static const std::vector<Instruction> program{
       instruction(calculate, 0, 0, 1), instruction(calculate, 0, 0, 1), instruction(jump_always)};
-  return kProgram;
+  return program;
 }
 
 TEST_F(ApplicationControl, StopKeepsThePlaceAndRunGoesOnThere) {

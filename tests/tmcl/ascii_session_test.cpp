@@ -128,6 +128,7 @@ TEST_F(AsciiSession, BackspaceTakesTheLatestCharacterAway) {
             "BA 100 0\r");
   EXPECT_EQ(exchange("B\bAMST 0\r"), "BA 100 0\r") << "also the letter";
   EXPECT_EQ(exchange("AX\b\bBMST 0\r"), "");
+  EXPECT_EQ(exchange("A\b\r"), "") << "nothing is left";
   EXPECT_EQ(exchange("\b\b\bAMST 0\r"), "BA 100 0\r") << "there is nothing to take away";
 }
 
@@ -157,6 +158,16 @@ TEST_F(AsciiSession, BinGoesBackToTelegramsAnd139ToText) {
   EXPECT_EQ(line_.read(), tests::bytes_of({2, 1, 0x64, 0x8B, 0, 0, 0, 0, 0xF2}))
       << "the reply is binary still";
   EXPECT_EQ(exchange("AMST 0\r"), "BA 100 0\r");
+}
+
+TEST_F(AsciiSession, TextModeCancelsTheEventThatWasAskedFor) {
+  exchange("ABIN\r");
+  module_.reached = false;
+  line_.write(encode(Request{.address = 1, .command = 138, .value = 1}));
+  line_.write(encode(Request{.address = 1, .command = 139}));
+  EXPECT_EQ(exchange("").size(), 18U);
+  module_.reached = true;
+  EXPECT_EQ(exchange(""), "");
 }
 
 TEST_F(AsciiSession, TheModuleStartsWithTelegramsUnlessToldOtherwise) {

@@ -193,6 +193,8 @@ TEST_F(DirectMode, RandomNumbersAreNewOnesAndNotNegative) {
     differs = differs || number != first;
   }
   EXPECT_TRUE(differs);
+  firmware_.power_on(now_);
+  EXPECT_NE(global(133), first) << "also after switching on";
 }
 
 TEST_F(DirectMode, CoordinatesAreSetReadAndCaptured) {

@@ -85,16 +85,16 @@ constexpr auto kGlobalParameters = [] {
 }  // namespace
 
 const tmcl::ModuleDescription& FakeModule::description() {
-  static const tmcl::ModuleDescription kDescription{.product = "fake",
-                                                    .commands = tmcl::classic_command_set(),
-                                                    .axis_parameters = kAxisParameters,
-                                                    .global_parameters = kGlobalParameters,
-                                                    .version_text = "142V4.45",
-                                                    .version_value = 4 << 8 | 45,
-                                                    .digital_inputs = 0x1FF,
-                                                    .analog_inputs = 0x7,
-                                                    .outputs = 0x87};
-  return kDescription;
+  static const tmcl::ModuleDescription description{.product = "fake",
+                                                   .commands = tmcl::classic_command_set(),
+                                                   .axis_parameters = kAxisParameters,
+                                                   .global_parameters = kGlobalParameters,
+                                                   .version_text = "142V4.45",
+                                                   .version_value = 4 << 8 | 45,
+                                                   .digital_inputs = 0x1FF,
+                                                   .analog_inputs = 0x7,
+                                                   .outputs = 0x87};
+  return description;
 }
 
 FakeModule::FakeModule()
