@@ -1,16 +1,10 @@
-#include <cerrno>
-#include <cstdio>
-#include <fstream>
 #include <memory>
 #include <string>
-#include <system_error>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
-#include <unistd.h>
 
 #include "cli/commands.hpp"
-#include "cli/failure.hpp"
+#include "cli/files.hpp"
 #include "ethercat/sii_image.hpp"
 #include "rack/esi.hpp"
 #include "rack/product_catalogue.hpp"
@@ -24,18 +18,6 @@ struct ExportOptions {
   std::string device;
   std::string output;
 };
-
-void write_file(const std::string& path, std::string_view content) {
-  std::ofstream file(path, std::ios::binary);
-  file.write(content.data(), static_cast<std::streamsize>(content.size()));
-  file.flush();
-  if (!file) {
-    throw Failure(
-        fmt::format("cannot write {}: {}; choose a file in a directory that exists and "
-                    "can be written",
-                    path, std::generic_category().message(errno)));
-  }
-}
 
 /// The file as a string of bytes. Throws std::runtime_error if the product has no such file.
 std::string file_of(const ExportOptions& options) {
@@ -51,15 +33,7 @@ std::string file_of(const ExportOptions& options) {
 }
 
 void export_file(const ExportOptions& options) {
-  const std::string content = file_of(options);
-  if (!options.output.empty()) {
-    write_file(options.output, content);
-    return;
-  }
-  if (options.kind == "sii" && ::isatty(STDOUT_FILENO) != 0) {
-    throw Failure("an SII image is binary; give a file with --output, or redirect standard output");
-  }
-  std::fwrite(content.data(), 1, content.size(), stdout);
+  write_output(options.output, file_of(options), options.kind == "sii", "an SII image");
 }
 
 }  // namespace

@@ -35,6 +35,7 @@ int run(int argc, char** argv) {
   stator::cli::add_move_command(app);
   stator::cli::add_simulate_command(app);
   stator::cli::add_demo_command(app);
+  stator::cli::add_tmcl_command(app);
   stator::cli::add_can_exec_command(app);
 
   try {

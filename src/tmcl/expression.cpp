@@ -1,6 +1,7 @@
 #include "tmcl/expression.hpp"
 
 #include <cstddef>
+#include <optional>
 #include <utility>
 
 namespace stator::tmcl {

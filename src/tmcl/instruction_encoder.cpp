@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "tmcl/objections.hpp"
 

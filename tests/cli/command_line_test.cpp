@@ -9,50 +9,23 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
+
+#include "cli/stator_program.hpp"
 
 namespace stator {
 namespace {
 
 using ::testing::HasSubstr;
-
-struct Outcome {
-  int status = -1;
-  std::string output;  ///< standard output and standard error
-};
-
-/// Runs the built program as a person would.
-Outcome stator(const std::string& arguments) {
-  const std::string command = std::string(STATOR_PROGRAM) + " " + arguments + " 2>&1 </dev/null";
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  Outcome outcome;
-  std::array<char, 4096> buffer{};
-  while (const std::size_t length = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
-    outcome.output.append(buffer.data(), length);
-  }
-  const int status = ::pclose(pipe);
-  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-  return outcome;
-}
-
-std::string content(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-std::string temporary(const std::string& name) {
-  const std::string unique = "stator-cli-" + std::to_string(getpid()) + "-" + name;
-  return (std::filesystem::path(::testing::TempDir()) / unique).string();
-}
+using tests::content;
+using tests::Outcome;
+using tests::stator;
+using tests::temporary;
 
 TEST(CommandLine, HelpNamesEveryCommandAndSucceeds) {
   const Outcome outcome = stator("--help");
   EXPECT_EQ(outcome.status, 0);
-  for (const char* command :
-       {"run", "devices", "describe", "export", "scan", "sdo", "move", "simulate", "demo"}) {
+  for (const char* command : {"run", "devices", "describe", "export", "scan", "sdo", "move",
+                              "simulate", "tmcl", "demo"}) {
     EXPECT_THAT(outcome.output, HasSubstr(command));
   }
 }

@@ -210,12 +210,12 @@ std::span<const ParameterDeclaration> global_parameters() {
 namespace stator::devices {
 
 const tmcl::ModuleDescription& tmcm_142_description() {
-  static const tmcl::ModuleDescription kDescription{
+  static const tmcl::ModuleDescription description{
       .product = "tmcm-142",
       .commands = tmcl::classic_command_set(),
       .axis_parameters = tmcm_142::axis_parameters(),
       .global_parameters = tmcm_142::global_parameters()};
-  return kDescription;
+  return description;
 }
 
 }  // namespace stator::devices
