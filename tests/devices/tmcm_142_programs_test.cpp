@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "devices/csv.hpp"
@@ -18,7 +17,6 @@
 namespace stator::devices {
 namespace {
 
-using ::testing::IsEmpty;
 using tmcl::Instruction;
 
 std::string content(const std::filesystem::path& path) {
@@ -47,7 +45,7 @@ std::vector<Instruction> assembled(const std::string& text) {
 }
 
 std::vector<Instruction> example(const std::string& name) {
-  const auto program = assembled(content(STATOR_SOURCE_DIR "/examples/tmcl/" + name));
+  auto program = assembled(content(STATOR_SOURCE_DIR "/examples/tmcl/" + name));
   EXPECT_FALSE(program.empty()) << name;
   return program;
 }
