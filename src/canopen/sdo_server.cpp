@@ -136,7 +136,7 @@ SdoServer::Answer SdoServer::dispatch(Request request, SimTime now) {
                         std::int64_t{base::load_le<std::uint32_t>(request, 4)}});
     }
     forget();
-    return Answer(std::nullopt);
+    return std::optional<Reply>();
   }
   if (transfer_ == Transfer::block_download) {
     return block_download_segment(request);
@@ -189,11 +189,11 @@ SdoServer::Answer SdoServer::answer_upload() {
     Reply reply = reply_to_initiate(sdo::kUploadResponse | unused << 2 | sdo::kExpedited |
                                     sdo::kSizeIndicated);
     std::ranges::copy(upload_data(), reply.begin() + 4);
-    return Answer(reply);
+    return std::optional(reply);
   }
   transfer_ = Transfer::segmented_upload;
-  return Answer(reply_to_initiate(sdo::kUploadResponse | sdo::kSizeIndicated,
-                                  static_cast<std::uint32_t>(size)));
+  return std::optional(reply_to_initiate(sdo::kUploadResponse | sdo::kSizeIndicated,
+                                         static_cast<std::uint32_t>(size)));
 }
 
 SdoServer::Answer SdoServer::upload_segment(unsigned command) {
@@ -218,7 +218,7 @@ SdoServer::Answer SdoServer::upload_segment(unsigned command) {
   if (last) {
     forget();
   }
-  return Answer(reply);
+  return std::optional(reply);
 }
 
 SdoServer::Answer SdoServer::initiate_download(Request request, SimTime now) {
@@ -234,7 +234,7 @@ SdoServer::Answer SdoServer::initiate_download(Request request, SimTime now) {
       return Unexpected{verdict.error()};
     }
     transfer_ = Transfer::segmented_download;
-    return Answer(reply);
+    return std::optional(reply);
   }
   const auto entry = dictionary_.require(multiplexer_.index, multiplexer_.subindex);
   if (!entry) {
@@ -267,7 +267,7 @@ SdoServer::Answer SdoServer::download_segment(Request request, SimTime now) {
   Reply reply{};
   reply[0] = static_cast<std::byte>(sdo::kDownloadSegmentResponse | (command & sdo::kToggle));
   if ((command & sdo::kLastSegment) == 0) {
-    return Answer(reply);
+    return std::optional(reply);
   }
   return complete_download(reply, now);
 }
@@ -362,7 +362,7 @@ SdoServer::Answer SdoServer::answer_when_complete(SimTime now) {
     const std::optional<Verdict> verdict = completion_->poll(*entry_, now);
     if (!verdict) {
       retry_ = now + kCompletionPoll;
-      return Answer(std::nullopt);
+      return std::optional<Reply>();
     }
     if (!*verdict) {
       return Unexpected{verdict->error()};
@@ -370,7 +370,7 @@ SdoServer::Answer SdoServer::answer_when_complete(SimTime now) {
   }
   const Reply reply = completion_reply_;
   forget();
-  return Answer(reply);
+  return std::optional(reply);
 }
 
 void SdoServer::advance(SimTime now) {

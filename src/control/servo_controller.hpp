@@ -144,9 +144,9 @@ class ServoController {
   double increments_of_rpm_ = 0.0;          ///< controlled: increments per rpm in one outer period
   double velocity_limit_ = 0.0;             ///< rpm
   double inverse_velocity_band_ = 0.0;      ///< of the torque's taper
-  std::int32_t torque_limit_ = 0;           ///< mA
+  std::int64_t velocity_output_limit_ = 0;  ///< 2^-16 of velocity_output_unit_
   std::int32_t velocity_output_unit_ = 1;   ///< mA
-  std::int64_t velocity_output_limit_ = 0;  ///< 2^-16 of that unit
+  std::int32_t torque_limit_ = 0;           ///< mA
   std::int32_t field_current_ = 0;          ///< mA, of an open-loop field
 
   std::uint32_t period_ = 0;
@@ -154,7 +154,9 @@ class ServoController {
   bool halls_used_ = true;  ///< to commutate, or to initialise the encoder
   bool placed_ = false;     ///< the sensors have been read once
   bool running_ = false;
-  bool field_driven_ = false;  ///< an imposed angle turns, not the rotor's
+  bool field_driven_ = false;        ///< an imposed angle turns, not the rotor's
+  bool targets_each_period_ = true;  ///< otherwise the outer loops alone change current_target_
+  bool voltage_limited_ = false;
   ServoLoop loop_ = ServoLoop::off;
 
   HallDecoder halls_;
@@ -173,17 +175,15 @@ class ServoController {
   VelocityPiController velocity_pi_;
   CurrentControllers current_pi_;
   base::SineCosine advance_{0.0, 1.0};  ///< of the angle in 1.5 periods
-  std::int32_t torque_upper_ = 0;       ///< mA, bounds of the q current at present
+  RotorVector current_target_;          ///< mA, what the controllers get
+  double square_current_ = 0.0;         ///< A^2, sum of the periods of this millisecond
+  std::array<double, 3> duty_{0.5, 0.5, 0.5};
+  std::int32_t torque_upper_ = 0;  ///< mA, bounds of the q current at present
   std::int32_t torque_lower_ = 0;
-  std::int32_t outer_torque_ = 0;    ///< mA, of the velocity loop
-  RotorVector current_target_;       ///< mA, what the controllers get
-  bool targets_each_period_ = true;  ///< otherwise the outer loops alone change them
+  std::int32_t outer_torque_ = 0;  ///< mA, of the velocity loop
   std::int32_t target_current_ = 0;
   std::int32_t ramp_target_current_ = 0;
   std::int32_t actual_current_ = 0;
-  double square_current_ = 0.0;  ///< A^2, sum of the periods of this millisecond
-  std::array<double, 3> duty_{0.5, 0.5, 0.5};
-  bool voltage_limited_ = false;
 
   I2tMonitor i2t_;
   BrakeChopper chopper_;

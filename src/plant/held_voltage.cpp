@@ -32,7 +32,8 @@ HeldVoltage::HeldVoltage(double of_step, double inductance, double resistance, d
     : step(of_step),
       twelfth(of_step / 12.0),
       quarter(0.25 * of_step),
-      bend(of_step * of_step * of_step / 24.0) {
+      bend(of_step * of_step * of_step / 24.0),
+      opposition_by_rise(0.5 * of_step * (of_step / 12.0)) {
   const double inverse_inductance = 1.0 / inductance;
   rate = resistance * inverse_inductance;
   const double z = step * rate;
@@ -49,12 +50,12 @@ HeldVoltage::HeldVoltage(double of_step, double inductance, double resistance, d
   yield = k * (1.0 - z * m.second);
   lift = k * z * (1.0 / 12.0);
   mean_begin = 0.5 - z * (1.0 / 12.0);
-  mean_end = 0.5 + z * (1.0 / 12.0);
+  const double end = 0.5 + z * (1.0 / 12.0);
+  mean_end = end;
   // z1 lies further on by half of h times the gain; the current at the end falls by that times
   // `yield` and the direct current. The derivative falls by k and the direct current.
-  opposition_by_direct = step * (0.5 * mean_end - 1.0 / 12.0);
-  opposition_by_rise = 0.5 * step * twelfth;
-  opposition = step * (0.5 * mean_end * yield - k * (1.0 / 12.0));
+  opposition_by_direct = step * (0.5 * end - 1.0 / 12.0);
+  opposition = step * (0.5 * end * yield - k * (1.0 / 12.0));
 }
 
 }  // namespace stator::plant

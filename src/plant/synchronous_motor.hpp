@@ -141,6 +141,30 @@ class SynchronousMotor {
   struct Form;
   struct Slope;
   struct Stage;
+  /// Where a step of turn() leads if the speed stays what it is: nothing in it waits for a torque.
+  /// Currents along (direct) and across (quadrature) the magnets at begin and end, A; the voltage
+  /// across them (forward), and along them at the end (outward), V.
+  struct EvenTurn {
+    double x;  ///< electrical rad
+    base::SineCosine direction;
+    StatorVector current;
+    double direct0;
+    double direct1;
+    double quadrature0;
+    double quadrature1;
+    double forward0;
+    double forward1;
+    double outward1;
+  };
+  /// What torque adds to it.
+  struct Gain {
+    double speed;  ///< electrical rad/s
+    double angle;  ///< electrical rad
+  };
+  [[nodiscard]] EvenTurn turn_evenly(const SynchronousMotorState& state, const StatorVector& u,
+                                     const HeldVoltage& held, double w0, double h) const;
+  [[nodiscard]] Gain gain(const SynchronousMotorState& state, const SynchronousMotorInput& input,
+                          const EvenTurn& even, const HeldVoltage& held, double w0, double h) const;
   double step_at_rest(SynchronousMotorState& state, const SynchronousMotorInput& input, double h);
   /// The weights for a step of `h` with `series_resistance` in the phases.
   const HeldVoltage& held_voltage(double h, double series_resistance) {
@@ -192,84 +216,104 @@ class SynchronousMotor {
   HeldVoltage held_voltage_;  ///< of the latest step; follows from its length and the temperatures
 };
 
-[[gnu::always_inline]] inline double SynchronousMotor::turn(SynchronousMotorState& state,
-                                                            const SynchronousMotorInput& input,
-                                                            double h) {
-  const HeldVoltage& held = held_voltage(h, input.series_resistance);
+[[gnu::always_inline]] inline SynchronousMotor::EvenTurn SynchronousMotor::turn_evenly(
+    const SynchronousMotorState& state, const StatorVector& u, const HeldVoltage& held, double w0,
+    double h) const {
   const base::SineCosine z = state.direction;
   const StatorVector i0 = state.current;
-  const StatorVector u = input.voltage;
-  const double speed_before = state.speed;
-  const double w0 = speed_before * pole_pairs_;
   const auto along = [](const base::SineCosine& axis, const StatorVector& vector) {
     return axis.cosine * vector.alpha + axis.sine * vector.beta;
   };
   const auto across = [](const base::SineCosine& axis, const StatorVector& vector) {
     return axis.cosine * vector.beta - axis.sine * vector.alpha;
   };
-
-  // As if the speed stayed what it is. Nothing here waits for a torque.
-  const double x = h * w0;
-  const base::SineCosine z1 = sum(z, small_turn(x));
-  const double square = x * x;
+  EvenTurn even{};
+  even.x = h * w0;
+  even.direction = sum(z, small_turn(even.x));
+  const base::SineCosine& z1 = even.direction;
+  const double square = even.x * even.x;
   const double both = square * (held.square + square * held.fourth);
   const double by_begin = held.from_begin + both;
   const double by_end = held.from_end + both;
-  const StatorVector i1{
+  even.current = {
       (held.decay * i0.alpha + held.gain * u.alpha) + (by_begin * z.cosine + by_end * z1.cosine),
       (held.decay * i0.beta + held.gain * u.beta) + (by_begin * z.sine + by_end * z1.sine)};
-  const double direct0 = along(z, i0);
-  const double direct1 = along(z1, i1);
-  const double quadrature0 = across(z, i0);
-  const double quadrature1 = across(z1, i1);
-  const double forward0 = across(z, u);
-  const double forward1 = across(z1, u);
-  const double quadrature = (held.mean_begin * quadrature0 + held.mean_end * quadrature1) +
-                            held.twelfth * (inverse_direct_inductance_ * (forward0 - forward1) +
-                                            w0 * (direct1 - direct0));
+  even.direct0 = along(z, i0);
+  even.direct1 = along(z1, even.current);
+  even.quadrature0 = across(z, i0);
+  even.quadrature1 = across(z1, even.current);
+  even.forward0 = across(z, u);
+  even.forward1 = across(z1, u);
+  even.outward1 = along(z1, u);
+  return even;
+}
 
+[[gnu::always_inline]] inline SynchronousMotor::Gain SynchronousMotor::gain(
+    const SynchronousMotorState& state, const SynchronousMotorInput& input, const EvenTurn& even,
+    const HeldVoltage& held, double w0, double h) const {
+  const double x = even.x;
+  const double quadrature =
+      (held.mean_begin * even.quadrature0 + held.mean_end * even.quadrature1) +
+      held.twelfth * (inverse_direct_inductance_ * (even.forward0 - even.forward1) +
+                      w0 * (even.direct1 - even.direct0));
   const NearbyCogging cogging =
-      std::fabs(x) < cogging_.reach() ? cogging_.around(z) : NearbyCogging();
-  const double sign = speed_before > 0.0 ? 1.0 : -1.0;
+      std::fabs(x) < cogging_.reach() ? cogging_.around(state.direction) : NearbyCogging();
+  const double sign = state.speed > 0.0 ? 1.0 : -1.0;
   const double outside = shaft_.load().constant_torque + input.torque;
-  const double coulomb = shaft_.coulomb_friction(input.brake_engaged);
-  double steady = outside - sign * coulomb;
+  const double steady = outside - sign * shaft_.coulomb_friction(input.brake_engaged);
   double rise = 0.0;
-  if (shaft_.creeps(speed_before)) {
-    rise = sign * shaft_.stribeck_friction(speed_before);
+  if (shaft_.creeps(state.speed)) {
+    rise = sign * shaft_.stribeck_friction(state.speed);
   }
   const double drag = damping_ * w0;
-  const double gained =
-      h * ((flux_mobility_ * quadrature0 - drag) + mobility_ * ((steady - rise) + cogging.torque));
-  const double rising = (inverse_direct_inductance_ * forward0 - held.rate * quadrature0) -
-                        w0 * (flux_current_ + direct0);
+  const double gained = h * ((flux_mobility_ * even.quadrature0 - drag) +
+                             mobility_ * ((steady - rise) + cogging.torque));
+  const double rising =
+      (inverse_direct_inductance_ * even.forward0 - held.rate * even.quadrature0) -
+      w0 * (flux_current_ + even.direct0);
   const double bend = held.bend * (flux_mobility_ * rising + mobility_ * cogging.slope * w0);
-  if (shaft_.creeps(speed_before)) {
+  if (shaft_.creeps(state.speed)) {
     rise = sign * shaft_.stribeck_friction((w0 + 0.5 * gained) * inverse_pole_pairs_);
   }
 
   // What the speed gained takes from the current, and so from the torque.
   const double push = h * flux_mobility_;
   const double opposition =
-      push * ((held.opposition + held.opposition_by_direct * direct1) -
+      push * ((held.opposition + held.opposition_by_direct * even.direct1) -
               held.opposition_by_rise *
-                  (w0 * quadrature1 + inverse_direct_inductance_ * along(z1, u))) +
+                  (w0 * even.quadrature1 + inverse_direct_inductance_ * even.outward1)) +
       0.5 * h * damping_;
   const double evenly =
       push * quadrature + h * (mobility_ * ((steady - rise) + cogging.mean(x)) - drag);
-  const double more_speed = evenly - gained * opposition;
+  const double speed = evenly - gained * opposition;
   // A cubic through both speeds with the first two derivatives at the begin.
-  const double further = held.quarter * (more_speed + gained) + bend;
+  return {.speed = speed, .angle = held.quarter * (speed + gained) + bend};
+}
+
+[[gnu::always_inline]] inline double SynchronousMotor::turn(SynchronousMotorState& state,
+                                                            const SynchronousMotorInput& input,
+                                                            double h) {
+  const HeldVoltage& held = held_voltage(h, input.series_resistance);
+  const StatorVector i0 = state.current;
+  const StatorVector u = input.voltage;
+  const double speed_before = state.speed;
+  const double w0 = speed_before * pole_pairs_;
+  const EvenTurn even = turn_evenly(state, u, held, w0, h);
+  const Gain gained = gain(state, input, even, held, w0, h);
+
+  const base::SineCosine& z1 = even.direction;
+  const double further = gained.angle;
   const double shift = held.yield * further;
-  const double lift = further * (0.5 * flux_current_ * further + held.lift * x);
-  state.current = {i1.alpha + (shift * z1.sine + lift * z1.cosine),
-                   i1.beta - (shift * z1.cosine - lift * z1.sine)};
+  const double lift = further * (0.5 * flux_current_ * further + held.lift * even.x);
+  state.current = {even.current.alpha + (shift * z1.sine + lift * z1.cosine),
+                   even.current.beta - (shift * z1.cosine - lift * z1.sine)};
   const double shorter = 1.0 - 0.5 * further * further;
   state.direction = {shorter * z1.sine + further * z1.cosine,
                      shorter * z1.cosine - further * z1.sine};
-  const double w1 = w0 + more_speed;
+  const double w1 = w0 + gained.speed;
   state.speed = survivable(w1 * inverse_pole_pairs_);
-  state.angle = turned(state.angle, x + further);
+  state.angle = turned(state.angle, even.x + further);
+  const double sign = speed_before > 0.0 ? 1.0 : -1.0;
   if (state.speed * sign < 0.0) [[unlikely]] {
     ShaftMechanics::Frozen frozen = shaft_.freeze(state.angle, input.torque, input.brake_engaged);
     frozen.friction_sign = sign;
@@ -278,7 +322,7 @@ class SynchronousMotor {
   const double mean_alpha = held.mean_begin * i0.alpha + held.mean_end * state.current.alpha;
   const double mean_beta = held.mean_begin * i0.beta + held.mean_end * state.current.beta;
   return 1.5 * ((u.alpha * mean_alpha + u.beta * mean_beta) +
-                held.twelfth * flux_current_ * (w1 * forward1 - w0 * forward0));
+                held.twelfth * flux_current_ * (w1 * even.forward1 - w0 * even.forward0));
 }
 
 }  // namespace stator::plant
