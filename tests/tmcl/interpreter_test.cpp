@@ -181,6 +181,7 @@ TEST_F(InterpreterTest, SubroutinesReturnBehindTheirCall) {
 
 TEST_F(InterpreterTest, TheNinthLevelOfSubroutinesIsPassedOver) {
   std::vector<Instruction> program;
+  program.reserve(10);
   for (int level = 0; level < 8; ++level) {
     program.push_back(instruction(call_subroutine, 0, 0, level + 1));
   }

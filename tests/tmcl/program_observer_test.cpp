@@ -16,8 +16,8 @@ using ProgramObserverTest = tests::FirmwareFixture;
 
 class Recorder : public ProgramObserver {
  public:
-  [[nodiscard]] bool may_execute(base::SimTime, std::uint16_t address,
-                                 const Instruction&) override {
+  [[nodiscard]] bool may_execute(base::SimTime /*now*/, std::uint16_t address,
+                                 const Instruction& /*instruction*/) override {
     return address != breakpoint;
   }
   void executed(const ProgramStep& step, const Registers& registers) override {
