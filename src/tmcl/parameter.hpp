@@ -27,7 +27,7 @@ struct ParameterDeclaration {
   std::uint8_t number = 0;
   std::uint8_t bank = 0;    ///< of a global parameter
   std::string_view name;    ///< as the document has it
-  std::string_view symbol;  ///< for programs, e.g. "MAX_CURRENT"; unique in its module
+  std::string_view symbol;  ///< for programs, e.g. "MAX_SPEED"; unique in its table
   bool writable = true;
   bool stored = false;  ///< can be kept in the EEPROM and comes back at power-on
   std::int32_t minimum = std::numeric_limits<std::int32_t>::min();
