@@ -66,8 +66,7 @@ void MotionController::move_to(std::int32_t target) {
 
 void MotionController::rotate(std::int32_t velocity) {
   begin_motion();
-  ramp_.set_mode(Mode::velocity);
-  ramp_.set_target_velocity(velocity);
+  ramp_.rotate(velocity);
 }
 
 void MotionController::set_target_velocity(std::int32_t velocity) {

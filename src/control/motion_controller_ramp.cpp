@@ -62,6 +62,12 @@ void MotionControllerRamp::move_to(std::int32_t target) {
   replan();
 }
 
+void MotionControllerRamp::rotate(std::int32_t velocity) {
+  mode_ = Mode::velocity;
+  target_velocity_ = velocity;
+  replan();
+}
+
 void MotionControllerRamp::set_target_velocity(std::int32_t velocity) {
   target_velocity_ = velocity;
   if (mode_ == Mode::velocity) {
@@ -198,7 +204,8 @@ void MotionControllerRamp::advance(const StopConditions& stops, base::SimDuratio
   if (stops != stops_) {
     stops_ = stops;
     replan();
-  } else if (velocity != 0.0) {
+  }
+  if (velocity != 0.0) {
     watch(velocity, period);
   } else if (braking_ || approaching_) {
     replan();  // what is wanted may lead the other way
@@ -208,23 +215,26 @@ void MotionControllerRamp::advance(const StopConditions& stops, base::SimDuratio
 
 /// What a plan does not know of: that its way back, its overshoot or its cruise leads into a stop.
 void MotionControllerRamp::watch(double velocity, base::SimDuration period) {
-  const bool right = velocity > 0.0;
-  if (!braking_ && (right ? stops_.right : stops_.left)) {
-    replan();
+  if (braking_) {
     return;
   }
-  if (limits_ignored_ || braking_ || !(right ? limits_.right_enabled : limits_.left_enabled)) {
+  const bool right = velocity > 0.0;
+  if (right ? right_blocked() : left_blocked()) {
+    replan();
+  } else if (!approaching_) {
+    look_ahead(velocity, period);
+  }
+}
+
+/// In velocity and hold mode: begins to approach a limit one period before braking must begin, at
+/// the velocity there will be then.
+void MotionControllerRamp::look_ahead(double velocity, base::SimDuration period) {
+  const bool right = velocity > 0.0;
+  const bool limited = right ? limits_.right_enabled : limits_.left_enabled;
+  if (!limited || limits_ignored_ || mode_ == Mode::positioning) {
     return;
   }
   const double room = right ? room_right() : room_left();
-  if (room <= 0.0) {
-    replan();
-    return;
-  }
-  if (mode_ == Mode::positioning || approaching_) {
-    return;
-  }
-  // To be seen one period before braking must begin, at the velocity there will be then.
   const double seconds = period.seconds();
   const double next = std::fabs(velocity) + turning_.acceleration * seconds;
   const double deceleration = soft_stop_ ? stop_deceleration_ : kAtOnce;

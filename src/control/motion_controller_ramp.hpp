@@ -43,6 +43,8 @@ class MotionControllerRamp {
 
   /// AP 0: positioning mode, to `target`.
   void move_to(std::int32_t target);
+  /// ROR, ROL: velocity mode, to `velocity`.
+  void rotate(std::int32_t velocity);
   /// AP 2: has an effect in velocity mode only.
   void set_target_velocity(std::int32_t velocity);
   /// AP 128.
@@ -90,6 +92,7 @@ class MotionControllerRamp {
   void follow();
   void brake();
   void watch(double velocity, base::SimDuration period);
+  void look_ahead(double velocity, base::SimDuration period);
   void approach_limit(double velocity, double room);
 
   RampGenerator ramp_;

@@ -16,9 +16,9 @@ using tests::decades;
 
 constexpr StopConditions kFree{};
 constexpr long double kClocksPerSecond = 16e6L;
-const long double kVelocityPerClock = std::pow(2.0L, -30.0L);
-const long double kAccelerationPerClock = std::pow(2.0L, -42.0L);
-const long double kBowPerClock = std::pow(2.0L, -50.0L);
+constexpr long double kVelocityPerClock = 0x1p-30L;
+constexpr long double kAccelerationPerClock = 0x1p-42L;
+constexpr long double kBowPerClock = 0x1p-50L;
 
 /// Position and velocity that constant jerks lead to; microsteps and clocks.
 struct JerkIntegral {

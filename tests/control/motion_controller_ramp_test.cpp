@@ -19,9 +19,8 @@ using tests::TrapezoidReference;
 constexpr StopConditions kFree{};
 
 /// The chip's units in microsteps and clocks, straight from A23 and A24.
-const long double kVelocityPerClock = std::pow(2.0L, -30.0L);
-const long double kAccelerationPerClock = std::pow(2.0L, -42.0L);
-const long double kBowPerClock = std::pow(2.0L, -50.0L);
+constexpr long double kVelocityPerClock = 0x1p-30L;
+constexpr long double kAccelerationPerClock = 0x1p-42L;
 
 long double clocks(base::SimDuration duration) {
   return static_cast<long double>(duration.nanoseconds()) / 62.5L;
@@ -105,8 +104,7 @@ class Pair {
     reference.deceleration = settings.deceleration * kAccelerationPerClock;
   }
   void rotate(std::int32_t velocity) {
-    ramp.set_mode(Mode::velocity);
-    ramp.set_target_velocity(velocity);
+    ramp.rotate(velocity);
     reference.rotate(velocity * kVelocityPerClock);
   }
   void move_by(std::int32_t way) {

@@ -61,6 +61,18 @@ TEST(MotionControllerStops, ASoftStopUsesTheStopDeceleration) {
   EXPECT_TRUE(ramp.at_rest());
 }
 
+TEST(MotionControllerStops, AfterASoftStopTheMotorGoesWhereItWasToldMeanwhile) {
+  MotionControllerRamp ramp = running(true, 5'000'000);
+  ramp.advance(kRight, 1_ms);
+  ramp.rotate(-1'000'000);
+  ramp.advance(kRight, 160_us);
+  EXPECT_EQ(ramp.velocity(), 5'000'000 - 1'160 * 40'000 / 256) << "still with AP 15";
+  for (int i = 0; i < 1'000; ++i) {
+    ramp.advance(kRight, 100_us);
+  }
+  EXPECT_EQ(ramp.velocity(), -1'000'000);
+}
+
 TEST(MotionControllerStops, TheMotionGoesOnWhenTheConditionGoes) {
   MotionControllerRamp ramp;
   ramp.configure(kSettings, {}, false);
@@ -158,6 +170,20 @@ TEST(MotionControllerLimits, VelocityModeEndsOnTheLimitSoftlyOrHard) {
       EXPECT_EQ(ramp.velocity(), velocity > 0 ? -6'250 : 6'250) << "away at once";
     }
   }
+}
+
+TEST(MotionControllerLimits, CommandsRepeatedWhileBrakingDoNotCarryTheMotorBeyond) {
+  const PositionLimits limits{.right = 40'000, .right_enabled = true};
+  MotionControllerRamp ramp;
+  for (int i = 0; i < 20'000; ++i) {
+    RampSettings settings = kSettings;
+    settings.acceleration += static_cast<std::uint32_t>(i % 2);
+    ramp.configure(settings, limits, true);
+    ramp.rotate(5'000'000);
+    ramp.advance(kFree, 100_us);
+    ASSERT_LE(ramp.position(), 40'000);
+  }
+  EXPECT_EQ(ramp.generator().position(), (MicrostepPosition{40'000, 0.0}));
 }
 
 TEST(MotionControllerLimits, HoldEveryRandomMotion) {

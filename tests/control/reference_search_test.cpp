@@ -147,8 +147,8 @@ TEST(ReferenceSearch, StartsOnASwitchAlreadyActive) {
 }
 
 TEST(ReferenceSearch, AutomaticStopsChangeNothing) {
-  std::int64_t places[2];
-  int periods[2];
+  std::int64_t places[2]{};
+  int periods[2]{};
   for (const bool disabled : {false, true}) {
     Search bench({.left_end = -20'000, .right_end = 30'000});
     Settings settings = bench.controller.settings();

@@ -13,7 +13,7 @@ TEST(WaveTable, AMicrostepIsAsManyEntriesAsItsResolutionSays) {
   for (std::uint8_t index = 0; index <= 11; ++index) {
     WaveTable table;
     table.load(index, 0);
-    const int microsteps = 2048 >> index;  // per full step, A26
+    const std::int64_t microsteps = 2048 >> index;  // per full step, A26
     table.advance(microsteps);
     EXPECT_EQ(table.position(), 2048) << int{index};
     table.advance(-2 * microsteps);
