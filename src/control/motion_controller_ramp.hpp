@@ -91,8 +91,13 @@ class MotionControllerRamp {
   void replan();
   void follow();
   void brake();
+<<<<<<< HEAD
   void watch(double velocity);
   void look_ahead(double velocity);
+=======
+  void watch(double velocity, base::SimDuration period);
+  void look_ahead(double velocity, base::SimDuration period);
+>>>>>>> work-h
   void approach_limit(double velocity, double room);
 
   RampGenerator ramp_;

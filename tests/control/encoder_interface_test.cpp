@@ -72,6 +72,16 @@ TEST(EncoderInterface, RemaindersNeverDrift) {
   }
 }
 
+TEST(EncoderInterface, AChangeOfTheBaseKeepsTheRemainder) {
+  Encoder encoder(0, 49'152);  // 3/4
+  encoder.turn_to(1);
+  EXPECT_EQ(encoder.interface.position(), 0);
+  encoder.interface.set_mode(kDecimal);
+  encoder.interface.set_constant(2'500);
+  encoder.turn_to(2);
+  EXPECT_EQ(encoder.interface.position(), 1);
+}
+
 TEST(EncoderInterface, ThePositionWraps) {
   Encoder encoder(0);
   encoder.interface.set_position(2'147'483'647);

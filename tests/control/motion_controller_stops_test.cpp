@@ -61,6 +61,18 @@ TEST(MotionControllerStops, ASoftStopUsesTheStopDeceleration) {
   EXPECT_TRUE(ramp.at_rest());
 }
 
+TEST(MotionControllerStops, AfterASoftStopTheMotorGoesWhereItWasToldMeanwhile) {
+  MotionControllerRamp ramp = running(true, 5'000'000);
+  ramp.advance(kRight, 1_ms);
+  ramp.rotate(-1'000'000);
+  ramp.advance(kRight, 160_us);
+  EXPECT_EQ(ramp.velocity(), 5'000'000 - 1'160 * 40'000 / 256) << "still with AP 15";
+  for (int i = 0; i < 1'000; ++i) {
+    ramp.advance(kRight, 100_us);
+  }
+  EXPECT_EQ(ramp.velocity(), -1'000'000);
+}
+
 TEST(MotionControllerStops, TheMotionGoesOnWhenTheConditionGoes) {
   MotionControllerRamp ramp;
   ramp.configure(kSettings, {}, false);

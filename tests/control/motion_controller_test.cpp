@@ -230,6 +230,28 @@ TEST(MotionController, TheRegulatorBringsTheEncoderToThePosition) {
   EXPECT_NEAR(bench.controller.encoder_position(), -10'000, 2);
 }
 
+TEST(MotionController, TheRegulatorRestsAfterAStopByDeviation) {
+  Bench bench;
+  bench.configure([](Settings& settings) {
+    settings.regulator = {.p = 1'000'000, .velocity_clip = 1'000'000, .enabled = true};
+    settings.encoder.maximum_deviation = 50;
+  });
+  bench.run(kPeriod);
+  bench.lost = 51;
+  bench.controller.move_to(10);
+  bench.run(kPeriod);
+  ASSERT_TRUE(bench.controller.stopped_by_deviation());
+  const std::int64_t microsteps = bench.controller.motor_microsteps();
+  bench.run(100_ms);
+  EXPECT_EQ(bench.controller.motor_microsteps(), microsteps);
+  EXPECT_EQ(bench.controller.pid_velocity(), 0);
+  EXPECT_LT(bench.controller.regulator_error(), -50) << "still told";
+  bench.lost = 40;
+  bench.controller.move_to(0);
+  bench.run(1_s);
+  EXPECT_NEAR(bench.controller.encoder_position(), 0, 1);
+}
+
 TEST(MotionController, PidVelocityIsRampAndRegulatorTogether) {
   Bench bench;
   bench.configure([](Settings& settings) {

@@ -124,6 +124,12 @@ TEST(PositionRegulator, ABlockIsItsUpdatesWithTheErrorGoingInAStraightLine) {
   }
 }
 
+TEST(PositionRegulator, ErrorsInBetweenAreRoundedToTheNearest) {
+  PositionRegulator regulator = with({.p = 256, .velocity_clip = 1'000});
+  regulator.advance(1, kUpdate * 9);  // 1/9, 2/9 ... from 5/9 on the error is 1
+  EXPECT_EQ(regulator.correction(), -5);
+}
+
 TEST(PositionRegulator, ZeroErrorIsTheSameInBlocksOfAnyLength) {
   for (const std::uint8_t divider : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{7}}) {
     const RegulatorSettings settings{
