@@ -178,7 +178,6 @@ void MotionControllerRamp::replan() {
     return;
   }
   follow();
-  look_ahead(velocity);
 }
 
 void MotionControllerRamp::follow() {
@@ -202,18 +201,12 @@ void MotionControllerRamp::brake() {
 
 void MotionControllerRamp::advance(const StopConditions& stops, base::SimDuration period) {
   const double velocity = ramp_.velocity();
-  period_ = period;
   if (stops != stops_) {
     stops_ = stops;
     replan();
-<<<<<<< HEAD
-  } else if (velocity != 0.0) {
-    watch(velocity);
-=======
   }
   if (velocity != 0.0) {
     watch(velocity, period);
->>>>>>> work-h
   } else if (braking_ || approaching_) {
     replan();  // what is wanted may lead the other way
   }
@@ -221,11 +214,7 @@ void MotionControllerRamp::advance(const StopConditions& stops, base::SimDuratio
 }
 
 /// What a plan does not know of: that its way back, its overshoot or its cruise leads into a stop.
-<<<<<<< HEAD
-void MotionControllerRamp::watch(double velocity) {
-=======
 void MotionControllerRamp::watch(double velocity, base::SimDuration period) {
->>>>>>> work-h
   if (braking_) {
     return;
   }
@@ -233,26 +222,12 @@ void MotionControllerRamp::watch(double velocity, base::SimDuration period) {
   if (right ? right_blocked() : left_blocked()) {
     replan();
   } else if (!approaching_) {
-<<<<<<< HEAD
-    look_ahead(velocity);
-=======
     look_ahead(velocity, period);
->>>>>>> work-h
   }
 }
 
 /// In velocity and hold mode: begins to approach a limit one period before braking must begin, at
 /// the velocity there will be then.
-<<<<<<< HEAD
-void MotionControllerRamp::look_ahead(double velocity) {
-  const bool right = velocity > 0.0;
-  const bool limited = right ? limits_.right_enabled : limits_.left_enabled;
-  if (!limited || limits_ignored_ || mode_ == Mode::positioning || velocity == 0.0) {
-    return;
-  }
-  const double room = right ? room_right() : room_left();
-  const double seconds = period_.seconds();
-=======
 void MotionControllerRamp::look_ahead(double velocity, base::SimDuration period) {
   const bool right = velocity > 0.0;
   const bool limited = right ? limits_.right_enabled : limits_.left_enabled;
@@ -261,7 +236,6 @@ void MotionControllerRamp::look_ahead(double velocity, base::SimDuration period)
   }
   const double room = right ? room_right() : room_left();
   const double seconds = period.seconds();
->>>>>>> work-h
   const double next = std::fabs(velocity) + turning_.acceleration * seconds;
   const double deceleration = soft_stop_ ? stop_deceleration_ : kAtOnce;
   if (room <= 2.0 * seconds * next + 0.5 * next * next / deceleration) {

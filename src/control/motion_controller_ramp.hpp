@@ -91,13 +91,8 @@ class MotionControllerRamp {
   void replan();
   void follow();
   void brake();
-<<<<<<< HEAD
-  void watch(double velocity);
-  void look_ahead(double velocity);
-=======
   void watch(double velocity, base::SimDuration period);
   void look_ahead(double velocity, base::SimDuration period);
->>>>>>> work-h
   void approach_limit(double velocity, double room);
 
   RampGenerator ramp_;
@@ -116,7 +111,6 @@ class MotionControllerRamp {
   double held_velocity_ = 0.0;  ///< pps
 
   StopConditions stops_;
-  base::SimDuration period_;  ///< the latest
   bool braking_ = false;      ///< because of a stop condition
   bool approaching_ = false;  ///< a limit, in velocity or hold mode
 };
