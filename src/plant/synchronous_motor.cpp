@@ -194,43 +194,47 @@ double SynchronousMotor::step_at_rest(SynchronousMotorState& state,
                 u.beta * (held.mean_begin * before.beta + held.mean_end * state.current.beta));
 }
 
+/// The equations in the rotor's frame during one step that begins at `state`.
 template <WindingConnection kConnection>
-double SynchronousMotor::integrate(SynchronousMotorState& state, const SynchronousMotorInput& input,
-                                   const ShaftMechanics::Frozen& frozen, double h,
-                                   bool resting) const {
-  constexpr bool kOneOpen = kConnection == WindingConnection::without_u;
-  const base::SineCosine z = state.direction;
-  const StatorVector& u = input.voltage;
-  const double ud0 = z.cosine * u.alpha + z.sine * u.beta;
-  const double uq0 = z.cosine * u.beta - z.sine * u.alpha;
-  const base::SineCosine axis = kOneOpen ? open_axis(input.connection) : base::SineCosine{};
-  const double axis_d0 = z.cosine * axis.cosine + z.sine * axis.sine;
-  const double axis_q0 = z.cosine * axis.sine - z.sine * axis.cosine;
+struct SynchronousMotor::RotorFrame {
+  static constexpr bool kOneOpen = kConnection == WindingConnection::without_u;
 
-  const double gd = inverse_direct_inductance_;
-  const double gq = inverse_quadrature_inductance_;
-  const double resistance = resistance_ + input.series_resistance;
-  const double rd = resistance * gd;
-  const double rq = resistance * gq;
-  const double cross_d = motor_.quadrature_inductance * gd;
-  const double cross_q = motor_.direct_inductance * gq;
-  const double flux_d = flux_linkage_ * gd;
-  const double flux_q = flux_linkage_ * gq;
-  // Torque into electrical acceleration; a shaft that rests has none.
-  const double mobility = resting ? 0.0 : mobility_;
-  const double by_flux = mobility * 1.5 * pole_pairs_ * flux_linkage_;
-  const double by_saliency = mobility * 1.5 * pole_pairs_ * saliency_;
-  const double by_speed = mobility * shaft_.viscous_friction() * inverse_pole_pairs_;
-  double power = 0.0;
+  RotorFrame(const SynchronousMotor& of, const SynchronousMotorState& state,
+             const SynchronousMotorInput& input, const ShaftMechanics::Frozen& during, double h,
+             bool resting)
+      : motor(of),
+        frozen(during),
+        z(state.direction),
+        angle(state.angle.angle),
+        ud0(z.cosine * input.voltage.alpha + z.sine * input.voltage.beta),
+        uq0(z.cosine * input.voltage.beta - z.sine * input.voltage.alpha),
+        axis(kOneOpen ? open_axis(input.connection) : base::SineCosine{}),
+        axis_d0(z.cosine * axis.cosine + z.sine * axis.sine),
+        axis_q0(z.cosine * axis.sine - z.sine * axis.cosine),
+        gd(of.inverse_direct_inductance_),
+        gq(of.inverse_quadrature_inductance_),
+        rd((of.resistance_ + input.series_resistance) * gd),
+        rq((of.resistance_ + input.series_resistance) * gq),
+        cross_d(of.motor_.quadrature_inductance * gd),
+        cross_q(of.motor_.direct_inductance * gq),
+        flux_d(of.flux_linkage_ * gd),
+        flux_q(of.flux_linkage_ * gq),
+        mobility(resting ? 0.0 : of.mobility_),
+        by_flux(mobility * 1.5 * of.pole_pairs_ * of.flux_linkage_),
+        by_saliency(mobility * 1.5 * of.pole_pairs_ * of.saliency_),
+        by_speed(mobility * of.shaft_.viscous_friction() * of.inverse_pole_pairs_),
+        cogging(std::fabs(h * state.speed * of.pole_pairs_) < of.cogging_.reach()
+                    ? of.cogging_.around(z)
+                    : NearbyCogging()) {}
 
-  // `turn`: electrical, since the step began; `rest`: acceleration by what does not depend on the
-  // stage's currents and speed.
-  const auto slope = [&](const Stage& at, const base::SineCosine& turn, double turned, double rest,
-                         double weight) {
+  /// `turn`: electrical, since the step began; `rest`: acceleration by what does not depend on the
+  /// stage's currents and speed. Adds `weight` of the power to `power`.
+  Slope slope(const Stage& at, const base::SineCosine& turn, double turned, double rest,
+              double weight) {
     const double ud = ud0 * turn.cosine + uq0 * turn.sine;
     const double uq = uq0 * turn.cosine - ud0 * turn.sine;
     power += weight * (ud * at.d + uq * at.q);
-    const Form f = shaped_ ? form(state.angle.angle + turned, sum(z, turn)) : Form{0.0, 1.0};
+    const Form f = motor.shaped_ ? motor.form(angle + turned, sum(z, turn)) : Form{0.0, 1.0};
     Slope result{};
     if constexpr (kConnection != WindingConnection::none) {
       result.d = (gd * ud - rd * at.d) + at.speed * (cross_d * at.q - flux_d * f.d);
@@ -249,21 +253,58 @@ double SynchronousMotor::integrate(SynchronousMotorState& state, const Synchrono
     const double torque = by_flux * (f.d * at.d + f.q * at.q) + by_saliency * (at.d * at.q);
     result.speed = (torque - by_speed * at.speed) + rest;
     if (frozen.positional) {
-      result.speed += mobility * shaft_.positional_torque(frozen, turned * inverse_pole_pairs_,
-                                                          at.speed * inverse_pole_pairs_);
+      result.speed +=
+          mobility * motor.shaft_.positional_torque(frozen, turned * motor.inverse_pole_pairs_,
+                                                    at.speed * motor.inverse_pole_pairs_);
     }
     return result;
-  };
+  }
+  [[nodiscard]] double rest_at(double turned, double speed) const {
+    const double friction =
+        frozen.friction_sign * motor.shaft_.dry_friction(frozen, speed * motor.inverse_pole_pairs_);
+    return mobility * ((frozen.steady_torque - friction) + cogging.after(turned));
+  }
+  /// Takes from the currents at the end of the step what rounding lets flow in the open phase.
+  void keep_open(const base::SineCosine& end, double& direct, double& quadrature) const {
+    const double ad = end.cosine * axis.cosine + end.sine * axis.sine;
+    const double aq = end.cosine * axis.sine - end.sine * axis.cosine;
+    const double along = direct * ad + quadrature * aq;
+    direct -= along * ad;
+    quadrature -= along * aq;
+  }
+
+  const SynchronousMotor& motor;
+  const ShaftMechanics::Frozen& frozen;
+  base::SineCosine z;     ///< direction at the begin
+  double angle;           ///< electrical rad at the begin
+  double ud0;             ///< V at the begin
+  double uq0;             ///< V at the begin
+  base::SineCosine axis;  ///< of the open phase
+  double axis_d0;         ///< and seen from the rotor at the begin
+  double axis_q0;
+  double gd;  ///< 1/H
+  double gq;
+  double rd;  ///< 1/s
+  double rq;
+  double cross_d;
+  double cross_q;
+  double flux_d;    ///< A
+  double flux_q;    ///< A
+  double mobility;  ///< torque into electrical acceleration; a shaft that rests has none
+  double by_flux;
+  double by_saliency;
+  double by_speed;
+  NearbyCogging cogging;
+  double power = 0.0;  ///< W, sum by the weights of the stages
+};
+
+template <WindingConnection kConnection>
+double SynchronousMotor::integrate(SynchronousMotorState& state, const SynchronousMotorInput& input,
+                                   const ShaftMechanics::Frozen& frozen, double h,
+                                   bool resting) const {
+  RotorFrame<kConnection> frame(*this, state, input, frozen, h, resting);
   const auto ahead = [](const Stage& from, const Slope& by, double time) {
     return Stage{from.d + time * by.d, from.q + time * by.q, from.speed + time * by.speed};
-  };
-  const NearbyCogging cogging = std::fabs(h * state.speed * pole_pairs_) < cogging_.reach()
-                                    ? cogging_.around(z)
-                                    : NearbyCogging();
-  const auto rest_at = [&](double turned, double speed) {
-    const double friction =
-        frozen.friction_sign * shaft_.dry_friction(frozen, speed * inverse_pole_pairs_);
-    return mobility * ((frozen.steady_torque - friction) + cogging.after(turned));
   };
 
   // Classical fourth-order Runge-Kutta; the angle's derivative is the speed of the stage before.
@@ -275,16 +316,17 @@ double SynchronousMotor::integrate(SynchronousMotorState& state, const Synchrono
   const double turned2 = half * start.speed;
   const base::SineCosine turn2 = small_turn(turned2);
   const base::SineCosine twice = sum(turn2, turn2);
-  const Slope k1 = slope(start, none, 0.0, rest_at(0.0, start.speed), 1.0);
+  const Slope k1 = frame.slope(start, none, 0.0, frame.rest_at(0.0, start.speed), 1.0);
   const double more3 = half * half * k1.speed;
   const base::SineCosine turn3 = nudged(turn2, more3);
-  const double rest_halfway = rest_at(turned2 + more3, start.speed + half * k1.speed);
-  const Slope k2 = slope(ahead(start, k1, half), turn2, turned2, rest_halfway, 2.0);
-  const Slope k3 = slope(ahead(start, k2, half), turn3, turned2 + more3, rest_halfway, 2.0);
+  const double rest_halfway = frame.rest_at(turned2 + more3, start.speed + half * k1.speed);
+  const Slope k2 = frame.slope(ahead(start, k1, half), turn2, turned2, rest_halfway, 2.0);
+  const Slope k3 = frame.slope(ahead(start, k2, half), turn3, turned2 + more3, rest_halfway, 2.0);
   const double more4 = h * half * k2.speed;
   const base::SineCosine turn4 = nudged(twice, more4);
-  const Slope k4 = slope(ahead(start, k3, h), turn4, 2.0 * turned2 + more4,
-                         rest_at(2.0 * turned2 + more4, start.speed + h * k1.speed), 1.0);
+  const Slope k4 =
+      frame.slope(ahead(start, k3, h), turn4, 2.0 * turned2 + more4,
+                  frame.rest_at(2.0 * turned2 + more4, start.speed + h * k1.speed), 1.0);
 
   const double sixth = h * (1.0 / 6.0);
   double direct = start.d + sixth * ((k1.d + k4.d) + 2.0 * (k2.d + k3.d));
@@ -294,18 +336,13 @@ double SynchronousMotor::integrate(SynchronousMotorState& state, const Synchrono
         start.speed + sixth * ((k1.speed + k4.speed) + 2.0 * (k2.speed + k3.speed));
     const double more = h * (sixth * (k1.speed + k2.speed + k3.speed));
     arrive(state, frozen, speed * inverse_pole_pairs_, 2.0 * turned2 + more,
-           sum(z, nudged(twice, more)), h);
+           sum(frame.z, nudged(twice, more)), h);
   }
-  if constexpr (kOneOpen) {
-    const base::SineCosine& end = state.direction;
-    const double ad = end.cosine * axis.cosine + end.sine * axis.sine;
-    const double aq = end.cosine * axis.sine - end.sine * axis.cosine;
-    const double along = direct * ad + quadrature * aq;
-    direct -= along * ad;
-    quadrature -= along * aq;
+  if constexpr (kConnection == WindingConnection::without_u) {
+    frame.keep_open(state.direction, direct, quadrature);
   }
   state.set_current(direct, quadrature);
-  return power * (1.5 / 6.0);
+  return frame.power * (1.5 / 6.0);
 }
 
 double SynchronousMotor::step(SynchronousMotorState& state, const SynchronousMotorInput& input,

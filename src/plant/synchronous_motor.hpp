@@ -141,6 +141,8 @@ class SynchronousMotor {
   struct Form;
   struct Slope;
   struct Stage;
+  template <WindingConnection kConnection>
+  struct RotorFrame;
   /// Where a step of turn() leads if the speed stays what it is: nothing in it waits for a torque.
   /// Currents along (direct) and across (quadrature) the magnets at begin and end, A; the voltage
   /// across them (forward), and along them at the end (outward), V.
