@@ -35,6 +35,7 @@ type = "tmcc160"
 name = "drive"
 node_id = 5
 friendly = true
+sdo_timeout = "10s"  # a loaded machine may take its time to pass a byte on
 
 [bus.device.axis]
 left_switch = {{ pressed_to = -2.0 }}
