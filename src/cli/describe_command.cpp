@@ -12,6 +12,7 @@
 
 #include "cli/cells.hpp"
 #include "cli/commands.hpp"
+#include "cli/failure.hpp"
 #include "cli/products.hpp"
 #include "cli/register_listing.hpp"
 #include "dictionary/description.hpp"
@@ -156,7 +157,13 @@ void describe(const DescribeOptions& options) {
   }
   const auto device = build_product(options.device);
   std::vector<EntryDescription> rows;
-  for (const dictionary::Entry& entry : device->dictionary().entries()) {
+  if (device->object_dictionary() == nullptr) {
+    throw Failure(
+        fmt::format("a {} has no object dictionary; --signals and --inputs list what can "
+                    "be recorded and set",
+                    options.device));
+  }
+  for (const dictionary::Entry& entry : device->object_dictionary()->entries()) {
     rows.push_back(dictionary::describe(entry));
   }
   if (options.format == "csv") {

@@ -5,7 +5,6 @@
 #include "can/controller.hpp"
 #include "canopen/non_volatile_memory.hpp"
 #include "devices/device.hpp"
-#include "tmcl/serial_port.hpp"
 
 namespace stator::devices {
 
@@ -34,10 +33,6 @@ class CanDevice : public Device {
 
   /// Its electronic data sheet, the text of an EDS file; empty if it has none.
   [[nodiscard]] virtual std::string_view eds() const { return {}; }
-
-  /// Connects the device's serial interface, a line of binary TMCL, or disconnects it (null).
-  /// False: it has none.
-  virtual bool connect_serial(tmcl::SerialPort* /*port*/) { return false; }
 };
 
 }  // namespace stator::devices

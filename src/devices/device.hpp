@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "base/sim_time.hpp"
@@ -7,6 +9,7 @@
 #include "devices/input.hpp"
 #include "devices/signal.hpp"
 #include "dictionary/dictionary.hpp"
+#include "tmcl/serial_port.hpp"
 
 namespace stator::devices {
 
@@ -19,7 +22,8 @@ class Device {
   Device& operator=(const Device&) = delete;
   virtual ~Device() = default;
 
-  [[nodiscard]] virtual const dictionary::Dictionary& dictionary() const = 0;
+  /// Null if it has none.
+  [[nodiscard]] virtual const dictionary::Dictionary* object_dictionary() const { return nullptr; }
 
   /// Brings firmware and plant to `now` in the device's own control periods. Time never goes back;
   /// a `now` before the last one is ignored.
@@ -28,6 +32,17 @@ class Device {
   /// Lets the firmware take what the network has brought. Called after each frame; cheap when
   /// nothing came.
   virtual void handle_bus_events(base::SimTime now) = 0;
+
+  /// The names of its serial interfaces, e.g. "usb": lines of TMCL.
+  [[nodiscard]] virtual std::span<const std::string_view> serial_interfaces() const { return {}; }
+  /// Connects a serial interface to a line, or disconnects it (null). False: the device has none of
+  /// that name.
+  virtual bool connect_serial(std::string_view /*interface*/, tmcl::SerialPort* /*port*/) {
+    return false;
+  }
+  /// Something may have come over a serial line: a device whose firmware looks there in every pass
+  /// of a fast loop answers it; others look in their next period.
+  virtual void handle_serial(base::SimTime /*now*/) {}
 
   /// Where the device keeps a firmware image that came to it; null if it takes none.
   [[nodiscard]] virtual FirmwareMemory* firmware() { return nullptr; }

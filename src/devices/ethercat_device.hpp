@@ -4,7 +4,6 @@
 #include "ethercat/device_description.hpp"
 #include "ethercat/eoe.hpp"
 #include "ethercat/slave_controller.hpp"
-#include "tmcl/serial_port.hpp"
 
 namespace stator::devices {
 
@@ -15,13 +14,13 @@ class EtherCatDevice : public Device {
  public:
   [[nodiscard]] virtual ethercat::SlaveController& controller() = 0;
   [[nodiscard]] virtual const ethercat::DeviceDescription& description() const = 0;
+  [[nodiscard]] virtual const dictionary::Dictionary& dictionary() const = 0;
+  [[nodiscard]] const dictionary::Dictionary* object_dictionary() const final {
+    return &dictionary();
+  }
 
   /// Ethernet over EtherCAT, or null if the device has none or it is switched off.
   [[nodiscard]] virtual ethercat::EoeServer* eoe() { return nullptr; }
-
-  /// Connects the device's USB interface, a serial line of binary TMCL, or disconnects it (null).
-  /// False: it has none. The device looks for bytes in its firmware's loop.
-  virtual bool connect_usb(tmcl::SerialPort* /*port*/) { return false; }
 };
 
 }  // namespace stator::devices

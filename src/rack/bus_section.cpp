@@ -48,7 +48,6 @@ BusConfiguration read_bus(TomlSection& section, std::size_t number, std::set<std
   }
   for (TomlSection& device : section.sections("device")) {
     bus.devices.push_back(read_device(device, names, NetworkKind::bus));
-    read_serial_line(device, "serial", bus.devices.back().serial);
     device.finish();
   }
   if (bus.devices.empty()) {

@@ -65,19 +65,23 @@ void read_product(TomlSection& section, devices::Tmcc160Configuration& configura
   section.fail("type", "a device of one's own has no place in a rack file");
 }
 
-}  // namespace
-
-void read_serial_line(TomlSection& section, const char* key, std::string& line) {
-  const std::optional<std::string> text = section.text(key);
-  if (!text) {
-    return;
+/// Reads the lines to which the serial interfaces of a product are connected.
+std::vector<SerialConnection> read_serial_lines(TomlSection& section, const Product& product) {
+  std::vector<SerialConnection> connections;
+  for (const std::string_view name : product.serial_interfaces) {
+    const std::string interface(name);
+    if (const std::optional<std::string> line = section.text(interface.c_str())) {
+      if (!link::is_serial_link(*line)) {
+        section.fail(interface, fmt::format("\"{}\" is \"{}\"; write \"{}\"", interface, *line,
+                                            link::kSerialLinkForms));
+      }
+      connections.push_back({interface, *line});
+    }
   }
-  if (!link::is_serial_link(*text)) {
-    section.fail(key,
-                 fmt::format("\"{}\" is \"{}\"; write \"{}\"", key, *text, link::kSerialLinkForms));
-  }
-  line = *text;
+  return connections;
 }
+
+}  // namespace
 
 DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& names,
                                 NetworkKind network) {
@@ -93,7 +97,9 @@ DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& nam
   }
   DeviceConfiguration device;
   device.name = section.text("name").value_or(*type);
-  device.product = find_product(*type)->default_configuration();
+  const Product& product = *find_product(*type);
+  device.product = product.default_configuration();
+  device.serial = read_serial_lines(section, product);
   if (!names.insert(device.name).second) {
     section.fail("name", fmt::format("the name \"{}\" is given twice; give each device its own "
                                      "\"name\"",

@@ -8,12 +8,9 @@
 
 namespace stator::rack {
 
-/// Reads what a device of every kind has: type, name and the keys of its product. The type must be
-/// one for `network`, the name becomes one of `names`. Throws RackFileError.
+/// Reads what a device of every kind has: type, name, serial lines and the keys of its product. The
+/// type must be one for `network`, the name becomes one of `names`. Throws RackFileError.
 [[nodiscard]] DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& names,
                                               NetworkKind network);
-
-/// Reads the serial line to which the interface `key` is connected, if there is one.
-void read_serial_line(TomlSection& section, const char* key, std::string& line);
 
 }  // namespace stator::rack

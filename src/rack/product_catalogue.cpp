@@ -17,10 +17,11 @@ namespace {
 
 constexpr std::array<Product, 2> kProducts{{
     {"tmcm-3315", "three-axis stepper module, CiA 402, TMCM-3315", "EtherCAT (CoE, FoE)",
-     NetworkKind::segment, 2,
+     NetworkKind::segment, 2, devices::Tmcm3315::kSerialInterfaces,
      [] { return ProductConfiguration(devices::Tmcm3315Configuration{}); }},
     {"tmcc160", "servo drive for a three-phase motor, CiA 402, TMCC160", "CAN (CANopen)",
-     NetworkKind::bus, 0, [] { return ProductConfiguration(devices::Tmcc160Configuration{}); }},
+     NetworkKind::bus, 0, devices::Tmcc160::kSerialInterfaces,
+     [] { return ProductConfiguration(devices::Tmcc160Configuration{}); }},
 }};
 
 std::unique_ptr<devices::EtherCatDevice> make(const devices::Tmcm3315Configuration& configuration,

@@ -19,7 +19,8 @@ struct Product {
   std::string_view summary;  ///< what it is, in half a line
   std::string_view reached_over;
   NetworkKind network;
-  unsigned ports;  ///< for EtherCAT cables, numbered from 0
+  unsigned ports;                                       ///< for EtherCAT cables, numbered from 0
+  std::span<const std::string_view> serial_interfaces;  ///< keys of a device in a rack file
   ProductConfiguration (*default_configuration)();
 };
 

@@ -46,16 +46,22 @@ struct WiringConfiguration {
   base::SimDuration cable_delay = ethercat::Segment::kDefaultCableDelay;
 };
 
+/// A serial interface of a device and the line it is connected to.
+struct SerialConnection {
+  std::string interface;  ///< one of devices::Device::serial_interfaces()
+  std::string line;       ///< e.g. "pty:/tmp/module"; see link::kSerialLinkForms
+
+  friend bool operator==(const SerialConnection&, const SerialConnection&) = default;
+};
+
 struct DeviceConfiguration {
   std::string name;  ///< unique within the rack; prefix of its signals
   ProductConfiguration product;
   WiringConfiguration wiring{};
   /// Of its slave controller, from port to port; default: the product's own.
   std::optional<base::SimDuration> forwarding_delay{};
-  std::string eoe_interface{};  ///< TAP interface its EoE is bridged to; empty = no EoE
-  std::string
-      usb{};  ///< serial line its USB interface is, e.g. "pty:/tmp/module"; empty = no cable
-  std::string serial{};  ///< the same for the serial interface of a CAN device
+  std::string eoe_interface{};             ///< TAP interface its EoE is bridged to; empty = no EoE
+  std::vector<SerialConnection> serial{};  ///< its serial interfaces that have a cable
 };
 
 /// EtherCAT slaves wired together behind one link, or two with cable redundancy.

@@ -59,7 +59,6 @@ DeviceConfiguration read_segment_device(TomlSection& section, std::set<std::stri
                                         std::span<const DeviceConfiguration> before) {
   DeviceConfiguration device = read_device(section, names, NetworkKind::segment);
   read_eoe(section, device);
-  read_serial_line(section, "usb", device.usb);
   read_wiring(section, before, device);
   section.finish();
   return device;

@@ -82,44 +82,38 @@ void SerialBridges::open(Rack& rack, const RackConfiguration& configuration,
   for (std::size_t segment = 0; segment < configuration.segments.size(); ++segment) {
     const std::vector<DeviceConfiguration>& devices = configuration.segments[segment].devices;
     for (std::size_t i = 0; i < devices.size(); ++i) {
-      devices::EtherCatDevice& device = *rack.devices(segment)[i].device;
-      open(
-          devices[i].usb, devices[i].name, "USB",
-          [&device](tmcl::SerialPort* port) { return device.connect_usb(port); }, logger);
+      open(devices[i], *rack.devices(segment)[i].device, logger);
     }
   }
   for (std::size_t bus = 0; bus < configuration.buses.size(); ++bus) {
     const std::vector<DeviceConfiguration>& devices = configuration.buses[bus].devices;
     for (std::size_t i = 0; i < devices.size(); ++i) {
-      devices::CanDevice& device = *rack.bus(bus).devices()[i].device;
-      open(
-          devices[i].serial, devices[i].name, "serial",
-          [&device](tmcl::SerialPort* port) { return device.connect_serial(port); }, logger);
+      open(devices[i], *rack.bus(bus).devices()[i].device, logger);
     }
   }
 }
 
-void SerialBridges::open(const std::string& line, const std::string& device, const char* interface,
-                         Connect connect, const std::shared_ptr<spdlog::logger>& logger) {
-  if (line.empty()) {
-    return;
+void SerialBridges::open(const DeviceConfiguration& configuration, devices::Device& device,
+                         const std::shared_ptr<spdlog::logger>& logger) {
+  for (const auto& [interface, line] : configuration.serial) {
+    auto opened = link::open_serial_link(line);
+    if (!opened) {
+      throw std::runtime_error(fmt::format("{}: {}", configuration.name, opened.error().text));
+    }
+    const std::string name = (*opened)->name();
+    auto bridge = std::make_unique<SerialBridge>(std::move(*opened), configuration.name, logger);
+    if (!device.connect_serial(interface, bridge.get())) {
+      throw std::runtime_error(
+          fmt::format("{} has no {} interface", configuration.name, interface));
+    }
+    connections_.push_back({device, interface, std::move(bridge)});
+    logger->info("{}: its {} interface is the serial port {}", configuration.name, interface, name);
   }
-  auto opened = link::open_serial_link(line);
-  if (!opened) {
-    throw std::runtime_error(fmt::format("{}: {}", device, opened.error().text));
-  }
-  const std::string name = (*opened)->name();
-  auto bridge = std::make_unique<SerialBridge>(std::move(*opened), device, logger);
-  if (!connect(bridge.get())) {
-    throw std::runtime_error(fmt::format("{} has no {} interface", device, interface));
-  }
-  connections_.push_back({std::move(connect), std::move(bridge)});
-  logger->info("{}: its {} interface is the serial port {}", device, interface, name);
 }
 
 void SerialBridges::close() {
   for (const Connection& connection : connections_) {
-    static_cast<void>(connection.connect(nullptr));
+    static_cast<void>(connection.device.connect_serial(connection.interface, nullptr));
   }
   connections_.clear();
 }

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -78,15 +77,14 @@ class SerialBridges {
   void close();
 
  private:
-  /// Connects a device to its line, or disconnects it (null). False: it has no such interface.
-  using Connect = std::function<bool(tmcl::SerialPort*)>;
   struct Connection {
-    Connect connect;
+    devices::Device& device;
+    std::string interface;
     std::unique_ptr<SerialBridge> bridge;
   };
 
-  void open(const std::string& line, const std::string& device, const char* interface,
-            Connect connect, const std::shared_ptr<spdlog::logger>& logger);
+  void open(const DeviceConfiguration& configuration, devices::Device& device,
+            const std::shared_ptr<spdlog::logger>& logger);
 
   std::vector<Connection> connections_;
 };

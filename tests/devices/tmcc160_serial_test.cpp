@@ -23,7 +23,7 @@ constexpr Request kBoot{
 class Tmcc160Serial : public testing::Test {
  protected:
   Tmcc160Serial() {
-    EXPECT_TRUE(module_.device->connect_serial(&line_));
+    EXPECT_TRUE(module_.device->connect_serial("serial", &line_));
     module_.boot();
   }
   void put(const Request& request) {

@@ -16,7 +16,7 @@ using tmcl::Status;
 
 class Tmcm3315Usb : public Tmcm3315Module {
  protected:
-  Tmcm3315Usb() { EXPECT_TRUE(device_->connect_usb(&cable_)); }
+  Tmcm3315Usb() { EXPECT_TRUE(device_->connect_serial("usb", &cable_)); }
   void put(const tmcl::Telegram& telegram, std::size_t length = tmcl::kTelegramLength) {
     cable_.put(telegram, length);
   }
@@ -131,7 +131,7 @@ TEST_F(Tmcm3315Usb, TellsTheVersionOfAnOlderFirmware) {
   Tmcm3315Configuration configuration;
   configuration.firmware = tmcm_3315::FirmwareVersion::v1_07;
   renew(configuration);
-  EXPECT_TRUE(device_->connect_usb(&cable_));
+  EXPECT_TRUE(device_->connect_serial("usb", &cable_));
   put(tmcl::encode(Request{.command = 136, .type = 0}));
   EXPECT_EQ(raw_answer().back(), std::byte{'7'});
   EXPECT_EQ(answer({.command = 136, .type = 1}).value, 0x0CF3'0107);

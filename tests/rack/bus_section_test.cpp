@@ -85,7 +85,7 @@ name = "other"
   EXPECT_EQ(bus.log, "can.log");
   EXPECT_EQ(bus.capture, "can.pcap");
   EXPECT_EQ(bus.cpu, 1U);
-  EXPECT_EQ(bus.devices.at(0).serial, "pty:/tmp/serial");
+  EXPECT_THAT(bus.devices.at(0).serial, ElementsAre(SerialConnection{"serial", "pty:/tmp/serial"}));
   const auto& drive = std::get<devices::Tmcc160Configuration>(bus.devices[0].product);
   EXPECT_EQ(drive.node_id, 5);
   EXPECT_EQ(drive.bit_rate, 250);

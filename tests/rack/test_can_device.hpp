@@ -30,7 +30,6 @@ class TestCanDevice final : public devices::CanDevice {
   [[nodiscard]] base::SimTime next_deadline() const override { return next_heartbeat_; }
   void connect_memory(canopen::NonVolatileMemory& memory) override { memory_ = &memory; }
 
-  [[nodiscard]] const dictionary::Dictionary& dictionary() const override { return dictionary_; }
   void advance(base::SimTime now) override {
     now_ = std::max(now_, now);
     while (powered_ && next_heartbeat_ <= now_) {
@@ -77,7 +76,6 @@ class TestCanDevice final : public devices::CanDevice {
   void set_level(double level) { level_ = level; }
 
   Settings settings_;
-  dictionary::Dictionary dictionary_;
   can::Controller controller_;
   canopen::NonVolatileMemory* memory_ = nullptr;
   base::SimTime now_;

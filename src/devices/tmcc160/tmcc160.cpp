@@ -254,7 +254,10 @@ SimTime Tmcc160::next_deadline() const {
   return serial_.in_boot_loader() ? next_tick_ : std::min(node_.next_deadline(), next_tick_);
 }
 
-bool Tmcc160::connect_serial(tmcl::SerialPort* port) {
+bool Tmcc160::connect_serial(std::string_view interface, tmcl::SerialPort* port) {
+  if (interface != kSerialInterfaces[0]) {
+    return false;
+  }
   serial_.connect(port);
   return true;
 }

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/event.hpp"
@@ -48,6 +50,8 @@ struct Tmcc160Configuration {
 class Tmcc160 final : public CanDevice {
  public:
   static constexpr base::SimDuration kCurrentPeriod = control::ServoController::kPeriod;
+  /// RS232 or RS485, as the module is made.
+  static constexpr std::array<std::string_view, 1> kSerialInterfaces{"serial"};
   static constexpr base::SimDuration kControlPeriod{1'000'000};
   /// Longest firmware image, bytes; the document names no limit.
   static constexpr std::size_t kFirmwareCapacity = std::size_t{1} << 20;
@@ -57,13 +61,19 @@ class Tmcc160 final : public CanDevice {
   [[nodiscard]] can::Controller& controller() override { return controller_; }
   [[nodiscard]] std::uint32_t bit_rate() const override { return bit_rate_; }
   [[nodiscard]] base::SimTime next_deadline() const override;
-  bool connect_serial(tmcl::SerialPort* port) override;
+  [[nodiscard]] std::span<const std::string_view> serial_interfaces() const override {
+    return kSerialInterfaces;
+  }
+  bool connect_serial(std::string_view interface, tmcl::SerialPort* port) override;
   void connect_memory(canopen::NonVolatileMemory& memory) override;
   [[nodiscard]] base::SimDuration bus_off_recovery() const override {
     return base::SimDuration(1'000'000'000);
   }
 
-  [[nodiscard]] const dictionary::Dictionary& dictionary() const override { return dictionary_; }
+  [[nodiscard]] const dictionary::Dictionary& dictionary() const { return dictionary_; }
+  [[nodiscard]] const dictionary::Dictionary* object_dictionary() const override {
+    return &dictionary_;
+  }
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;
   [[nodiscard]] FirmwareMemory* firmware() override { return &firmware_; }

@@ -211,6 +211,14 @@ void Tmcm3315::on_sync0(base::SimTime now) {
   stack_.publish_inputs(now);
 }
 
+bool Tmcm3315::connect_serial(std::string_view interface, tmcl::SerialPort* port) {
+  if (interface != kSerialInterfaces[0]) {
+    return false;
+  }
+  usb_.connect(port);
+  return true;
+}
+
 void Tmcm3315::set_power(bool on, base::SimTime now) {
   powered_ = on;
   // Without power the axes are what they are before the firmware has started: switched off.

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "base/event.hpp"
@@ -52,6 +54,7 @@ struct Tmcm3315Configuration {
 class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication {
  public:
   static constexpr base::SimDuration kPlantStep{50'000};
+  static constexpr std::array<std::string_view, 1> kSerialInterfaces{"usb"};
   static constexpr base::SimDuration kControlPeriod{1'000'000};
   /// Longest firmware image, bytes; the document names no limit.
   static constexpr std::size_t kFirmwareCapacity = std::size_t{2} << 20;
@@ -67,10 +70,10 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   void handle_bus_events(base::SimTime now) override;
   [[nodiscard]] FirmwareMemory* firmware() override { return &firmware_; }
   [[nodiscard]] ethercat::EoeServer* eoe() override { return stack_.eoe(); }
-  bool connect_usb(tmcl::SerialPort* port) override {
-    usb_.connect(port);
-    return true;
+  [[nodiscard]] std::span<const std::string_view> serial_interfaces() const override {
+    return kSerialInterfaces;
   }
+  bool connect_serial(std::string_view interface, tmcl::SerialPort* port) override;
   void set_power(bool on, base::SimTime now) override;
   [[nodiscard]] std::vector<Signal> signals() override;
   [[nodiscard]] std::vector<Input> inputs() override;
