@@ -90,11 +90,6 @@ struct SerialLinkAddress {
 /// forms there are.
 [[nodiscard]] base::Expected<SerialLinkAddress, LinkError> parse_serial_link(std::string_view text);
 
-/// `text` has one of the forms.
-[[nodiscard]] inline bool is_serial_link(std::string_view text) {
-  return parse_serial_link(text).has_value();
-}
-
 /// Opens a serial line as people write it. The error says what went wrong, or which forms there
 /// are.
 [[nodiscard]] base::Expected<std::unique_ptr<SerialLink>, LinkError> open_serial_link(

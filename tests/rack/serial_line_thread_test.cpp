@@ -1,16 +1,19 @@
-#include "rack/serial_bridge.hpp"
+#include "rack/serial_line_thread.hpp"
 
 #include <chrono>
 #include <filesystem>
 #include <sstream>
+#include <thread>
 #include <vector>
 
+#include <arpa/inet.h>
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <spdlog/logger.h>
 #include <spdlog/sinks/ostream_sink.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "base/temporary_directory.hpp"
@@ -19,6 +22,7 @@
 #include "rack/event_log.hpp"
 #include "rack/rack_file.hpp"
 #include "rack/runner.hpp"
+#include "rack/test_serial_device.hpp"
 #include "tmcl/telegram.hpp"
 
 namespace stator::rack {
@@ -26,16 +30,29 @@ namespace {
 
 using testing::HasSubstr;
 using Bytes = std::vector<std::byte>;
+using Settings = tests::TestSerialDevice::Settings;
 
-Bytes bytes_of(std::size_t length, unsigned seed = 0) {
-  Bytes bytes(length);
-  for (std::size_t i = 0; i < length; ++i) {
-    bytes[i] = static_cast<std::byte>(i * 7 + seed);
-  }
-  return bytes;
+constexpr std::uint8_t kGetGlobal = 10;
+constexpr std::uint8_t kOwnAddress = 66;
+
+Bytes question(std::uint8_t address) {
+  const tmcl::Telegram telegram =
+      tmcl::encode(tmcl::Request{.address = address, .command = kGetGlobal, .type = kOwnAddress});
+  return {telegram.begin(), telegram.end()};
 }
 
-class SerialBridgeTest : public testing::Test {
+Bytes answer(std::uint8_t address) {
+  const tmcl::Telegram telegram =
+      tmcl::encode(tmcl::Reply{.module_address = address, .command = kGetGlobal, .value = address});
+  return {telegram.begin(), telegram.end()};
+}
+
+Bytes operator+(Bytes left, const Bytes& right) {
+  left.insert(left.end(), right.begin(), right.end());
+  return left;
+}
+
+class SerialLineThreadTest : public testing::Test {
  protected:
   [[nodiscard]] std::string port() const { return directory_.path() + "/usb"; }
   [[nodiscard]] link::FileDescriptor program() const {
@@ -63,51 +80,29 @@ class SerialBridgeTest : public testing::Test {
     return bytes;
   }
 
+  void start(const std::vector<Settings>& devices) {
+    configuration_.buses = tests::rack_with_line(line_, devices).buses;
+    runner_.reset();
+    rack_ = std::make_unique<Rack>(configuration_, log_);
+    runner_ = std::make_unique<Runner>(*rack_, configuration_, logger_);
+    runner_->start();
+  }
+  [[nodiscard]] tests::TestSerialDevice& device(std::size_t index) {
+    return dynamic_cast<tests::TestSerialDevice&>(*rack_->bus(0).devices()[index].device);
+  }
+
   tests::TemporaryDirectory directory_;
+  std::string line_ = "pty:" + port();
+  RackConfiguration configuration_;
+  EventLog log_;
   std::ostringstream text_;
   std::shared_ptr<spdlog::logger> logger_ = std::make_shared<spdlog::logger>(
       "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_));
+  std::unique_ptr<Rack> rack_;
+  std::unique_ptr<Runner> runner_;
 };
 
-TEST_F(SerialBridgeTest, BytesPassBothWaysInTheirOrder) {
-  auto line = link::open_serial_link("pty:" + port());
-  ASSERT_TRUE(line) << line.error().text;
-  SerialBridge bridge(std::move(*line), "lift", logger_);
-  const link::FileDescriptor client = program();
-  program_sends(client, bytes_of(1000));
-  Bytes taken;
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (taken.size() < 1000 && std::chrono::steady_clock::now() < deadline) {
-    Bytes buffer(37);
-    const std::size_t length = bridge.take(buffer);
-    taken.insert(taken.end(), buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(length));
-    std::this_thread::yield();
-  }
-  EXPECT_EQ(taken, bytes_of(1000));
-  bridge.send(bytes_of(500, 3));
-  EXPECT_EQ(program_reads(client, 500), bytes_of(500, 3));
-}
-
-TEST_F(SerialBridgeTest, WhatDoesNotFitIntoTheQueueIsDropped) {
-  auto line = link::open_serial_link("pty:" + port());
-  ASSERT_TRUE(line) << line.error().text;
-  SerialBridge bridge(std::move(*line), "lift", logger_);
-  const link::FileDescriptor client = program();
-  for (int i = 0; i < 9; ++i) {
-    program_sends(client, bytes_of(500));  // a pty takes them as the bridge's thread reads them
-  }
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (bridge.bytes_dropped() < 4500 - SerialBridge::kQueuedBytes &&
-         std::chrono::steady_clock::now() < deadline) {
-    std::this_thread::yield();
-  }
-  EXPECT_EQ(bridge.bytes_dropped(), 4500 - SerialBridge::kQueuedBytes);
-  Bytes buffer(5000);
-  EXPECT_EQ(bridge.take(buffer), SerialBridge::kQueuedBytes);
-  EXPECT_EQ(bridge.take(buffer), 0U);
-}
-
-TEST_F(SerialBridgeTest, ARunningModuleAnswersAtItsPort) {
+TEST_F(SerialLineThreadTest, ARunningModuleAnswersAtItsPort) {
   RackConfiguration configuration = parse_rack_file(R"(
 [[segment]]
 [[segment.device]]
@@ -123,11 +118,10 @@ usb = "pty:)" + port() + R"("
     free_port = (*probe)->local_port();
   }
   configuration.segments[0].link = {link::LinkKind::udp, "127.0.0.1", free_port};
-  EventLog log;
-  Rack rack(configuration, log);
-  Runner runner(rack, configuration, logger_);
-  EXPECT_THAT(text_.str(), HasSubstr("lift: its USB interface is the serial port " + port()));
-  runner.start();
+  rack_ = std::make_unique<Rack>(configuration, log_);
+  runner_ = std::make_unique<Runner>(*rack_, configuration, logger_);
+  EXPECT_EQ(runner_->line(0).link().name(), port());
+  runner_->start();
   for (int round = 0; round < 2; ++round) {
     const link::FileDescriptor client = program();
     program_sends(client, tmcl::encode(tmcl::Request{.command = 6, .type = 140, .motor = 2}));
@@ -135,23 +129,133 @@ usb = "pty:)" + port() + R"("
     EXPECT_EQ(answer, (Bytes{std::byte{2}, std::byte{1}, std::byte{100}, std::byte{6}, std::byte{0},
                              std::byte{0}, std::byte{0}, std::byte{8}, std::byte{117}}));
   }
-  runner.stop();
+  runner_.reset();
   EXPECT_FALSE(std::filesystem::exists(std::filesystem::symlink_status(port())));
 }
 
-TEST_F(SerialBridgeTest, MistakesOfTheUsbKeyAreExplained) {
-  const auto refusal_of = [](const std::string& usb) -> std::string {
-    try {
-      static_cast<void>(parse_rack_file(
-          "[[segment]]\n[[segment.device]]\ntype = \"tmcm-3315\"\nusb = \"" + usb + "\"\n",
-          "test.toml"));
-    } catch (const RackFileError& error) {
-      return error.what();
+TEST_F(SerialLineThreadTest, ModulesOnALineAreReachedByAddressAndAnswerAtOnce) {
+  start({Settings{.address = 1}, Settings{.address = 2}});
+  const link::FileDescriptor client = program();
+  for (const std::uint8_t address : std::initializer_list<std::uint8_t>{1, 2, 2, 1}) {
+    program_sends(client, question(address));
+    EXPECT_EQ(program_reads(client, tmcl::kTelegramLength), answer(address));
+  }
+  runner_->stop();
+  const SerialLineThreadStatistics statistics = runner_->line(0).statistics();
+  EXPECT_EQ(statistics.line.bytes_in, 36U);
+  EXPECT_EQ(statistics.link.bytes_sent, 36U);
+  EXPECT_EQ(statistics.line.bytes_lost, 0U);
+}
+
+TEST_F(SerialLineThreadTest, AProgramMayCloseThePortAndOpenItAgain) {
+  start({Settings{}});
+  for (int i = 0; i < 3; ++i) {
+    const link::FileDescriptor client = program();
+    program_sends(client, question(1));
+    EXPECT_EQ(program_reads(client, tmcl::kTelegramLength), answer(1));
+  }
+}
+
+TEST_F(SerialLineThreadTest, AReplyThatIsHeldBackComesWithoutFurtherTraffic) {
+  for (const ClockKind clock : {ClockKind::real, ClockKind::lockstep}) {
+    configuration_.clock = clock;
+    start({Settings{.pause = 15}});
+    const link::FileDescriptor client = program();
+    program_sends(client, question(1));
+    EXPECT_EQ(program_reads(client, tmcl::kTelegramLength), answer(1));
+    EXPECT_GE(runner_->now(), base::SimTime(base::SimDuration(15'000'000)));
+    runner_.reset();
+  }
+}
+
+TEST_F(SerialLineThreadTest, ADeviceThatLooksInItsPeriodAnswersWithoutABusOrASegment) {
+  start({Settings{.at_once = false}});
+  const link::FileDescriptor client = program();
+  program_sends(client, question(1));
+  EXPECT_EQ(program_reads(client, tmcl::kTelegramLength), answer(1));
+}
+
+TEST_F(SerialLineThreadTest, ALineIsServedOverTcpToo) {
+  line_ = "tcp:0";
+  start({Settings{}});
+  const std::string& name = runner_->line(0).link().name();
+  EXPECT_THAT(name, testing::StartsWith("127.0.0.1:"));
+  for (int i = 0; i < 2; ++i) {
+    const link::FileDescriptor client(::socket(AF_INET, SOCK_STREAM, 0));
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(std::stoul(name.substr(10))));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    ASSERT_EQ(::connect(client.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address),
+              0);
+    program_sends(client, question(1));
+    EXPECT_EQ(program_reads(client, tmcl::kTelegramLength), answer(1));
+  }
+}
+
+TEST_F(SerialLineThreadTest, InLockstepEachTelegramMovesTimeByOneStepHoweverItComes) {
+  configuration_.clock = ClockKind::lockstep;
+  for (const std::size_t piece : {1U, 4U, 9U, 14U, 27U}) {
+    start({Settings{}});
+    const link::FileDescriptor client = program();
+    const Bytes all = question(1) + question(2) + question(1);
+    for (std::size_t i = 0; i < all.size(); i += piece) {
+      program_sends(client, std::span(all).subspan(i, std::min(piece, all.size() - i)));
     }
-    return "accepted";
-  };
-  EXPECT_THAT(refusal_of("/dev/ttyUSB0"), HasSubstr("write \"pty:PATH\""));
-  EXPECT_THAT(refusal_of("pty:"), HasSubstr("write \"pty:PATH\""));
+    EXPECT_EQ(program_reads(client, 18), answer(1) + answer(1));
+    runner_->stop();
+    EXPECT_EQ(runner_->now(), base::SimTime(base::SimDuration(150'000))) << piece;
+    EXPECT_EQ(device(0).served.back(), base::SimTime(base::SimDuration(100'000))) << piece;
+    runner_.reset();
+  }
+}
+
+TEST_F(SerialLineThreadTest, InLockstepAPacedLineMovesTimeUntilTheReplyHasPassed) {
+  configuration_.clock = ClockKind::lockstep;
+  SerialLineConfiguration line;
+  line.link = line_;
+  line.pacing = true;
+  configuration_.lines = {line};
+  start({Settings{.baud_rate = 115'200}});
+  const link::FileDescriptor client = program();
+  program_sends(client, question(1));
+  EXPECT_EQ(program_reads(client, tmcl::kTelegramLength), answer(1));
+  runner_->stop();
+  EXPECT_EQ(device(0).served.back() - base::SimTime(base::SimDuration(50'000)),
+            base::SimDuration(86'806) * 9 - base::SimDuration(50'000));
+}
+
+TEST_F(SerialLineThreadTest, InLockstepADeviceThatLooksInItsPeriodMovesNoTime) {
+  configuration_.clock = ClockKind::lockstep;
+  start({Settings{.at_once = false}});
+  const link::FileDescriptor client = program();
+  program_sends(client, question(1));
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (runner_->line(0).statistics().line.bytes_in < tmcl::kTelegramLength &&
+         std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::yield();
+  }
+  EXPECT_EQ(runner_->now(), base::SimTime());
+}
+
+TEST_F(SerialLineThreadTest, LostBytesAreToldOnce) {
+  configuration_.clock = ClockKind::lockstep;
+  start({Settings{.at_once = false}});
+  const link::FileDescriptor client = program();
+  for (int i = 0; i < 10; ++i) {
+    program_sends(client, Bytes(500));  // a pty takes them as the line's thread reads them
+  }
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (runner_->line(0).statistics().line.bytes_in < 5000 &&
+         std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::yield();
+  }
+  runner_->stop();
+  EXPECT_EQ(runner_->line(0).statistics().line.bytes_lost, 5000 - SerialLine::kQueuedBytes);
+  const std::string told = text_.str();
+  const std::size_t first = told.find("bytes were lost");
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_EQ(told.find("bytes were lost", first + 1), std::string::npos);
 }
 
 }  // namespace
