@@ -83,7 +83,7 @@ enum class ModuleParameter : std::uint8_t {
 };
 
 /// Axis parameters in the order of their numbers (TMCM-142 TMCL Firmware Manual, chapter 7,
-/// L5219-L5862), read with decisions A24, A27, A33, A34, A39, A48, A50, A52, A55 and A103.
+/// L5219-L5862), read with decisions A24, A27, A33, A34, A39, A48, A50, A52, A55, A56 and A103.
 ///
 /// What a row cannot say and the module has to do: 5 writes 16 and 17 (A22), any value written to
 /// 34 clears it (A33), 42 in decimal mode refuses low halves above 9999 (A35), 128 refuses 1 (A48).
