@@ -5,6 +5,8 @@
 #include <deque>
 #include <memory>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -16,7 +18,10 @@
 #include "tmcl/serial_port.hpp"
 #include "tmcl/telegram.hpp"
 
-namespace stator::devices {
+namespace stator::tests {
+
+using devices::Tmcm142;
+using devices::Tmcm142Configuration;
 
 /// The other end of a serial line.
 class SerialCable final : public tmcl::SerialPort {
@@ -56,10 +61,10 @@ struct Tmcm142Module {
                                    .value = static_cast<std::int32_t>(value)},
                                   tmcl::Origin::serial, now);
   }
-  tmcl::Status sap(tmcm_142::AxisParameter parameter, std::int64_t value) {
+  tmcl::Status sap(devices::tmcm_142::AxisParameter parameter, std::int64_t value) {
     return execute(tmcl::Command::set_axis_parameter, static_cast<int>(parameter), 0, value).status;
   }
-  std::int32_t gap(tmcm_142::AxisParameter parameter) {
+  std::int32_t gap(devices::tmcm_142::AxisParameter parameter) {
     const tmcl::HostAnswer answer =
         execute(tmcl::Command::get_axis_parameter, static_cast<int>(parameter), 0);
     EXPECT_EQ(answer.status, tmcl::Status::success) << "GAP " << static_cast<int>(parameter);
@@ -71,6 +76,9 @@ struct Tmcm142Module {
   std::int32_t ggp(int parameter, int bank = 0) {
     return execute(tmcl::Command::get_global_parameter, parameter, bank).value;
   }
+  [[nodiscard]] bool raised(tmcl::ErrorFlag flag) const {
+    return device->tmcl().state().registers.raised(flag);
+  }
   void run(base::SimDuration duration) {
     now += duration;
     device->advance(now);
@@ -78,10 +86,10 @@ struct Tmcm142Module {
   /// False: the target was not reached in time.
   [[nodiscard]] bool run_to_target(base::SimDuration limit) {
     const base::SimTime end = now + limit;
-    while (now < end && gap(tmcm_142::AxisParameter::position_reached) == 0) {
+    while (now < end && gap(devices::tmcm_142::AxisParameter::position_reached) == 0) {
       run(base::SimDuration(1'000'000));
     }
-    return gap(tmcm_142::AxisParameter::position_reached) == 1;
+    return gap(devices::tmcm_142::AxisParameter::position_reached) == 1;
   }
   void power_cycle() {
     device->set_power(false, now);
@@ -90,7 +98,7 @@ struct Tmcm142Module {
   }
   /// Sets something of the world around the module.
   void set(const std::string& input, double value) {
-    for (const Input& each : device->inputs()) {
+    for (const devices::Input& each : device->inputs()) {
       if (each.name == input) {
         each.set(value);
         return;
@@ -99,7 +107,7 @@ struct Tmcm142Module {
     FAIL() << "no input " << input;
   }
   [[nodiscard]] double signal(const std::string& name) {
-    for (const Signal& each : device->signals()) {
+    for (const devices::Signal& each : device->signals()) {
       if (each.name == name) {
         return each.read();
       }
@@ -113,4 +121,4 @@ struct Tmcm142Module {
   base::SimTime now;
 };
 
-}  // namespace stator::devices
+}  // namespace stator::tests
