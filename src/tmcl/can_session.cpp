@@ -28,13 +28,17 @@ Request request_in(std::span<const std::byte> data, std::uint8_t address) {
 
 }  // namespace
 
-bool CanSession::is_for_this(std::uint32_t identifier) const {
+std::array<std::uint32_t, 2> CanSession::identifiers() const {
   const auto configured = [this](GlobalParameter parameter) {
     return static_cast<std::uint32_t>(firmware_.configuration(parameter));
   };
-  const std::uint32_t second = configured(GlobalParameter::can_secondary_identifier);
-  return identifier == configured(GlobalParameter::can_identifier) ||
-         (second != 0 && identifier == second);
+  return {configured(GlobalParameter::can_identifier) + identifier_offset_,
+          configured(GlobalParameter::can_secondary_identifier)};
+}
+
+bool CanSession::is_for_this(std::uint32_t identifier) const {
+  const auto [own, second] = identifiers();
+  return identifier == own || (second != 0 && identifier == second);
 }
 
 std::optional<CanReply> CanSession::take(std::uint32_t identifier, std::span<const std::byte> data,

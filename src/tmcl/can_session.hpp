@@ -28,10 +28,14 @@ struct CanReply {
 /// text (L5197-L5199), else the checksum that the reply would have on a serial line.
 class CanSession {
  public:
-  /// `firmware` must outlive the session.
-  explicit CanSession(Firmware& firmware) : firmware_(firmware) {}
+  /// `firmware` must outlive the session. `identifier_offset`: is added to the module's own
+  /// identifier, as switches on a board do.
+  explicit CanSession(Firmware& firmware, std::uint16_t identifier_offset = 0)
+      : firmware_(firmware), identifier_offset_(identifier_offset) {}
 
   void power_on() { event_.reset(); }
+  /// The identifiers of requests: the module's own, and the second one, 0 if there is none.
+  [[nodiscard]] std::array<std::uint32_t, 2> identifiers() const;
   /// Of frames on the bus: the module's own identifier or its second one (global parameters 71 and
   /// 83).
   [[nodiscard]] bool is_for_this(std::uint32_t identifier) const;
@@ -42,6 +46,8 @@ class CanSession {
   /// The second reply to command 138, once the target is reached; to be asked after take() and
   /// whenever time has passed.
   [[nodiscard]] std::optional<CanReply> take_event();
+  /// There may be one to take.
+  [[nodiscard]] bool awaits_target() const { return event_.has_value(); }
 
  private:
   struct Event {
@@ -50,6 +56,7 @@ class CanSession {
   };
 
   Firmware& firmware_;
+  std::uint32_t identifier_offset_;
   std::optional<Event> event_;
 };
 

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "tmcl/calculation.hpp"
+#include "tmcl/ports.hpp"
 
 namespace stator::tmcl {
 
@@ -12,19 +13,6 @@ namespace {
 enum class Move : std::uint8_t { absolute = 0, relative = 1, to_coordinate = 2 };
 /// Types of RFS.
 enum class Search : std::uint8_t { start = 0, stop = 1, status = 2 };
-
-constexpr std::uint8_t kDigitalInputBank = 0;
-constexpr std::uint8_t kAnalogInputBank = 1;
-constexpr std::uint8_t kOutputBank = 2;
-/// Instead of a port: all of them.
-constexpr std::uint8_t kAllPorts = 255;
-/// Instead of a value of SIO: the accumulator.
-constexpr std::int32_t kFromAccumulator = -1;
-constexpr std::int32_t kOutputBits = 0xFF;
-
-bool has_port(std::uint32_t ports, std::uint8_t port) {
-  return port < 32 && (ports >> port & 1U) != 0;
-}
 
 /// "All TMCL commands that read a value store the result in the accumulator" (L669-L671).
 bool reads(const Instruction& instruction) {

@@ -15,9 +15,9 @@ struct Objection {
 };
 
 /// What `module` will refuse when it comes to `instruction`, a use of `declaration`: motors,
-/// parameters and coordinates it does not have, values out of their range, parameters that can only
-/// be read. Accelerations are not compared with their maximum, because the unit is chosen while the
-/// program runs.
+/// parameters, coordinates and ports it does not have, values out of their range, parameters that
+/// can only be read or are not kept. Accelerations are not compared with their maximum, because the
+/// unit is chosen while the program runs.
 [[nodiscard]] std::vector<Objection> objections_to(const Instruction& instruction,
                                                    const CommandDeclaration& declaration,
                                                    const ModuleDescription& module);

@@ -83,10 +83,10 @@ void SerialSession::power_on() {
 }
 
 SerialSession::Addresses SerialSession::addresses() const {
-  return {
-      .module = static_cast<std::uint8_t>(firmware_.configuration(GlobalParameter::serial_address)),
-      .host =
-          static_cast<std::uint8_t>(firmware_.configuration(GlobalParameter::serial_host_address))};
+  return {.module = static_cast<std::uint8_t>(
+              firmware_.configuration(GlobalParameter::serial_address) + settings_.address_offset),
+          .host = static_cast<std::uint8_t>(
+              firmware_.configuration(GlobalParameter::serial_host_address))};
 }
 
 void SerialSession::serve(base::SimTime now) {

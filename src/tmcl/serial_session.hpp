@@ -20,6 +20,8 @@ namespace stator::tmcl {
 struct SerialSessionSettings {
   /// A longer pause within a telegram makes it forgotten (A8).
   base::SimDuration gap{5'000'000};
+  /// Is added to the module's address, as switches on a board do (modulo 256).
+  std::uint8_t address_offset = 0;
   /// The telegram pause (global parameter 75) holds replies back; not on USB (A13).
   bool telegram_pause = true;
 };
@@ -53,6 +55,8 @@ class SerialSession {
     return reply_length_ != 0 ? reply_due_ : base::SimTime::never();
   }
   [[nodiscard]] bool in_ascii_mode() const { return ascii_; }
+  /// The second reply to command 138 is due once the target is reached: serve() sends it.
+  [[nodiscard]] bool awaits_target() const { return event_mask_ != 0; }
 
  private:
   /// An echo, a reply line and their ends.

@@ -165,6 +165,17 @@ TEST(Tmcm142Parameters, GlobalParametersAreThoseOfTheDocument) {
   }
 }
 
+TEST(Tmcm142Parameters, ThoseWithoutTheLetterEThatStapListsAreStorable) {
+  std::set<int> storable;
+  for (const ParameterDeclaration& each : tmcm_142::axis_parameters()) {
+    EXPECT_FALSE(each.storable && each.stored) << each.name;
+    if (each.storable) {
+      storable.insert(each.number);
+    }
+  }
+  EXPECT_EQ(storable, (std::set<int>{0, 1, 2, 3, 63, 128}));  // A56
+}
+
 TEST(Tmcm142Parameters, SymbolsAreUniqueSoThatAProgramMayUseThemAnywhere) {
   std::set<std::string_view> symbols;
   for (const auto& table : {tmcm_142::axis_parameters(), tmcm_142::global_parameters()}) {
@@ -192,6 +203,39 @@ TEST(Tmcm142Parameters, AreFoundByNumberAndBank) {
   EXPECT_EQ(module.global_parameter(2, 55)->name, "general purpose variable #55");
   EXPECT_EQ(module.global_parameter(2, 56), nullptr);
   EXPECT_EQ(module.global_parameter(1, 0), nullptr);
+}
+
+/// The ports of the pins of connector 3 whose column of TMCL names "GIO n,0" and the like.
+std::uint32_t pins_of(const std::string& command, const std::string& bank) {
+  std::uint32_t ports = 0;
+  for (const Line& line : documented("pins.csv")) {
+    const std::string& access = line.at("tmcl_access");
+    for (auto at = access.find(command); at != std::string::npos; at = access.find(command, at)) {
+      at += command.size() + 1;
+      const auto comma = access.find(',', at);
+      if (access.substr(comma + 1, 1) == bank) {
+        ports |= 1U << number_in(access.substr(at, comma - at));
+      }
+    }
+  }
+  return ports;
+}
+
+TEST(Tmcm142Description, HasThePortsOfItsConnectorsAndAnInternalOutput) {
+  const tmcl::ModuleDescription& module = tmcm_142_description();
+  constexpr std::uint32_t kInternalOutput = 1U << 7;  // A73
+  EXPECT_EQ(module.digital_inputs, pins_of("GIO", "0"));
+  EXPECT_EQ(module.analog_inputs, pins_of("GIO", "1"));
+  EXPECT_EQ(module.outputs, pins_of("SIO", "2") | kInternalOutput);
+  EXPECT_EQ(module.digital_inputs, 0x1FFU);
+  EXPECT_EQ(module.analog_inputs, 0x7U);
+  EXPECT_EQ(module.outputs, 0x87U);
+  EXPECT_EQ(module.input_bits, 0x1FFU) << "input 8 in bit 8 (A72)";
+}
+
+TEST(Tmcm142Description, TellsFirmware445) {
+  EXPECT_EQ(tmcm_142_description().version_text, "142V4.45");
+  EXPECT_EQ(tmcm_142_description().version_value, 0x0000'042D);
 }
 
 }  // namespace

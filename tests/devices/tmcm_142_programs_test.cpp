@@ -162,5 +162,17 @@ TEST(Tmcm142Programs, TheExampleOfTheDocumentWithACurrentOutOfRangeIsWarnedOf) {
             "axis parameter 6 (Max. current) takes 0..15; found 200");
 }
 
+TEST(Tmcm142Programs, PortsThatNoPinHasAreWarnedOf) {
+  const auto assembly =
+      tmcl::assemble("SIO 7, 2, 1\nSIO 3, 2, 1\nGIO 9, 0\nGIO 3, 1\nSTOP", tmcm_142_description());
+  EXPECT_TRUE(assembly.succeeded());
+  ASSERT_EQ(assembly.diagnostics.size(), 3U);
+  EXPECT_EQ(assembly.diagnostics[0].message,
+            "found output 3; the tmcm-142 has 0..2, 7, and 255 for all");
+  EXPECT_EQ(assembly.diagnostics[1].message,
+            "found digital input 9; the tmcm-142 has 0..8, and 255 for all");
+  EXPECT_EQ(assembly.diagnostics[2].message, "found analog input 3; the tmcm-142 has 0..2");
+}
+
 }  // namespace
 }  // namespace stator::devices

@@ -177,10 +177,82 @@ TEST(AssemblerWarnings, WhatTheModuleWillRefuseIsToldBeforehand) {
   EXPECT_EQ(message("WAIT TICKS, 0, -1"), "1:16: warning: found -1 ticks; a time is not negative");
 }
 
+TEST(AssemblerWarnings, ParametersThatAreNotKeptCannotBeStoredNorRestored) {
+  EXPECT_EQ(message("STAP 0, 0"),
+            "1:6: warning: axis parameter 0 (Target position) is not kept in the EEPROM");
+  EXPECT_EQ(message("RSAP 5, 1"),
+            "1:6: warning: axis parameter 5 (Max. acceleration) is not kept in the EEPROM");
+  EXPECT_EQ(message("STGP STATUS, 0"),
+            "1:6: warning: global parameter 128 in bank 0 (status) is not kept in the EEPROM");
+  EXPECT_EQ(message("RSGP VARIABLE_7, 2"),
+            "1:6: warning: global parameter 7 in bank 2 (variable 7) is not kept in the EEPROM");
+}
+
+TEST(AssemblerWarnings, TheLockOfTheEepromTakesItsTwoKeysOnly) {
+  for (const char* value : {"0", "1", "1233", "4320"}) {
+    EXPECT_EQ(message("SGP LOCK, 0, " + std::string(value)),
+              "1:14: warning: global parameter 73 in bank 0 (lock) takes 1234 to lock and 4321 to "
+              "unlock; found " +
+                  std::string(value));
+  }
+}
+
+TEST(AssemblerWarnings, PortsThatTheModuleLacksAreTold) {
+  EXPECT_EQ(message("SIO 3, 2, 1"),
+            "1:5: warning: found output 3; the test-2 has 0..2, 7, and 255 for all");
+  EXPECT_EQ(message("GIO 3, 2"), "1:5: warning: found output 3; the test-2 has 0..2, 7");
+  EXPECT_EQ(message("GIO 255, 2"), "1:5: warning: found output 255; the test-2 has 0..2, 7");
+  EXPECT_EQ(message("GIO 4, 0"),
+            "1:5: warning: found digital input 4; the test-2 has 0..3, and 255 for all");
+  EXPECT_EQ(message("GIO 1, 1"), "1:5: warning: found analog input 1; the test-2 has 0");
+  EXPECT_EQ(message("GIO 255, 1"), "1:5: warning: found analog input 255; the test-2 has 0");
+  EXPECT_EQ(message("GIO 32, 1"), "1:5: warning: found analog input 32; the test-2 has 0");
+  ModuleDescription without = tests::test_module();
+  without.analog_inputs = 0;
+  EXPECT_THAT(messages("GIO 0, 1\nSTOP", without),
+              ElementsAre("1:5: warning: found analog input 0; the test-2 has none"));
+  without.outputs = 0x8000'0001;
+  EXPECT_THAT(messages("SIO 30, 2, 1\nSTOP", without),
+              ElementsAre("1:5: warning: found output 30; the test-2 has 0, 31, and 255 for all"));
+}
+
+TEST(AssemblerWarnings, BanksWithoutPortsAndValuesThatAreNoneOfAnOutputAreTold) {
+  EXPECT_EQ(message("SIO 0, 0, 1"), "1:8: warning: found bank 0; outputs are in bank 2");
+  EXPECT_EQ(message("GIO 0, 3"),
+            "1:8: warning: found bank 3; digital inputs are in bank 0, analog ones in bank 1, "
+            "outputs in bank 2");
+  EXPECT_EQ(message("SIO 0, 2, 2"), "1:11: warning: an output takes 0..1; found 2");
+  EXPECT_EQ(message("SIO 0, 2, -1"), "1:11: warning: an output takes 0..1; found -1");
+  for (const char* value : {"256", "-2"}) {
+    EXPECT_EQ(message("SIO 255, 2, " + std::string(value)),
+              "1:13: warning: all outputs take 0..255, and -1 for the accumulator; found " +
+                  std::string(value));
+  }
+}
+
 TEST(AssemblerWarnings, WhatIsAllowedIsNotWarnedOf) {
-  for (const char* line :
-       {"SAP 5, 0, 500000000", "GAP 8, 0", "GGP STATUS, 0", "STAP 6, 0", "WAIT TICKS, 9, 1",
-        "SCO 1, 255, 0", "GCO 1, 255", "AAP 6, 1", "MVP ABS, 0, 99", "RAW 6, 77, 9, 0"}) {
+  for (const char* line : {"SAP 5, 0, 500000000",
+                           "GAP 8, 0",
+                           "GGP STATUS, 0",
+                           "STAP 6, 0",
+                           "WAIT TICKS, 9, 1",
+                           "SCO 1, 255, 0",
+                           "GCO 1, 255",
+                           "AAP 6, 1",
+                           "MVP ABS, 0, 99",
+                           "RAW 6, 77, 9, 0",
+                           "SGP LOCK, 0, 1234",
+                           "SGP LOCK, 0, 4321",
+                           "AGP LOCK, 0",
+                           "SGP VARIABLE_7, 2, 5",
+                           "SIO 7, 2, 1",
+                           "SIO 255, 2, -1",
+                           "SIO 255, 2, 255",
+                           "GIO 255, 0",
+                           "GIO 3, 0",
+                           "GIO 0, 1",
+                           "GIO 7, 2",
+                           "RAW 14, 40, 9, 9"}) {
     EXPECT_EQ(message(line), "") << line;
   }
 }

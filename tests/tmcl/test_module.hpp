@@ -14,8 +14,12 @@ inline constexpr std::array kAxisParameters{
                          .minimum = 1,
                          .maximum = 16777215,
                          .unit = ParameterUnit::acceleration},
-    ParameterDeclaration{
-        .number = 6, .name = "Max. current", .symbol = "MAX_CURRENT", .minimum = 0, .maximum = 15},
+    ParameterDeclaration{.number = 6,
+                         .name = "Max. current",
+                         .symbol = "MAX_CURRENT",
+                         .stored = true,
+                         .minimum = 0,
+                         .maximum = 15},
     ParameterDeclaration{
         .number = 8, .name = "Position reached", .symbol = "POSITION_REACHED", .writable = false},
 };
@@ -23,18 +27,23 @@ inline constexpr std::array kAxisParameters{
 inline constexpr std::array kGlobalParameters{
     ParameterDeclaration{
         .number = 65, .name = "baud rate", .symbol = "BAUD_RATE", .minimum = 0, .maximum = 11},
+    ParameterDeclaration{
+        .number = 73, .name = "lock", .symbol = "LOCK", .minimum = 0, .maximum = 4321},
     ParameterDeclaration{.number = 128, .name = "status", .symbol = "STATUS", .writable = false},
     ParameterDeclaration{.number = 7, .bank = 2, .name = "variable 7", .symbol = "VARIABLE_7"},
 };
 
-/// A module of two axes with few parameters and no more coordinates than 0 to 4.
+/// A module of two axes with few parameters and ports and no more coordinates than 0 to 4.
 inline ModuleDescription test_module() {
   return {.product = "test-2",
           .commands = classic_command_set(),
           .axis_parameters = kAxisParameters,
           .global_parameters = kGlobalParameters,
           .axes = 2,
-          .coordinates = 5};
+          .coordinates = 5,
+          .digital_inputs = 0x0F,
+          .analog_inputs = 0x01,
+          .outputs = 0x87};
 }
 
 }  // namespace stator::tmcl::tests

@@ -16,10 +16,13 @@ using enum tmcl::ParameterUnit;
 struct Access {
   bool writable;
   bool stored;
+  bool storable = false;
 };
 constexpr Access kR{.writable = false, .stored = false};
 constexpr Access kRW{.writable = true, .stored = false};
 constexpr Access kRWE{.writable = true, .stored = true};
+/// Listed for STAP and RSAP although the letter E is missing (A56).
+constexpr Access kRWListed{.writable = true, .stored = false, .storable = true};
 
 struct Range {
   std::int32_t minimum;
@@ -42,6 +45,7 @@ constexpr ParameterDeclaration row(std::uint8_t number, std::string_view name,
           .symbol = symbol,
           .writable = access.writable,
           .stored = access.stored,
+          .storable = access.storable,
           .minimum = range.minimum,
           .maximum = range.maximum,
           .initial = initial,
@@ -51,10 +55,10 @@ constexpr ParameterDeclaration row(std::uint8_t number, std::string_view name,
 
 // clang-format off
 constexpr std::array kAxisParameters{
-    row(0, "Target position", "TARGET_POSITION", kRW, kAny, 0, microsteps),
-    row(1, "Actual position", "ACTUAL_POSITION", kRW, kAny, 0, microsteps),
-    row(2, "Target speed", "TARGET_SPEED", kRW, kAny, 0, velocity),
-    row(3, "Actual speed", "ACTUAL_SPEED", kRW, kAny, 0, velocity),
+    row(0, "Target position", "TARGET_POSITION", kRWListed, kAny, 0, microsteps),
+    row(1, "Actual position", "ACTUAL_POSITION", kRWListed, kAny, 0, microsteps),
+    row(2, "Target speed", "TARGET_SPEED", kRWListed, kAny, 0, velocity),
+    row(3, "Actual speed", "ACTUAL_SPEED", kRWListed, kAny, 0, velocity),
     row(4, "Max. positioning speed", "MAX_POSITIONING_SPEED", kRWE, kNotNegative, 500000, velocity),
     row(5, "Max. acceleration and deceleration", "MAX_ACCELERATION_AND_DECELERATION", kRWE, kChipAcceleration, 50000, acceleration),
     row(6, "Max. current", "MAX_CURRENT", kRWE, {0, 15}, 8, current_scale),
@@ -102,9 +106,9 @@ constexpr std::array kAxisParameters{
     row(51, "Left position limit", "LEFT_POSITION_LIMIT", kRWE, kAny, 0, microsteps),
     row(52, "Right position limit enable", "RIGHT_POSITION_LIMIT_ENABLE", kRWE, kSwitch, 0, flag),
     row(53, "Left position limit enable", "LEFT_POSITION_LIMIT_ENABLE", kRWE, kSwitch, 0, flag),
-    row(63, "Microstep table position", "MICROSTEP_TABLE_POSITION", kRW, {0, 8191}, 0, other, "table entry"),
+    row(63, "Microstep table position", "MICROSTEP_TABLE_POSITION", kRWListed, {0, 8191}, 0, other, "table entry"),
     row(64, "Step pulse length", "STEP_PULSE_LENGTH", kRWE, {0, 255}, 0, other, "1/16 MHz = 62.5 ns"),
-    row(128, "Ramp mode", "RAMP_MODE", kRW, {0, 3}, 0, enumeration),
+    row(128, "Ramp mode", "RAMP_MODE", kRWListed, {0, 3}, 0, enumeration),
     row(129, "Status flags", "STATUS_FLAGS", kR, {0, 15}, 0, bits),
     row(130, "Velocity reached", "VELOCITY_REACHED", kR, kSwitch, 0, flag),
     row(193, "Reference search mode", "REFERENCE_SEARCH_MODE", kRWE, {1, 3}, 1, enumeration),
@@ -209,12 +213,31 @@ std::span<const ParameterDeclaration> global_parameters() {
 
 namespace stator::devices {
 
+namespace {
+
+/// Firmware 4.45: minor number in the lowest byte, major one in the next, the type number in the
+/// upper half is not used (L5201-L5216, A89).
+constexpr std::int32_t kVersionValue = 4 << 8 | 45;
+
+// Connector 3 (L254-L298); output 7 is an internal line (A73).
+constexpr std::uint32_t kDigitalInputs = 0x1FF;
+constexpr std::uint32_t kAnalogInputs = 0x007;
+constexpr std::uint32_t kOutputs = 0x087;
+
+}  // namespace
+
 const tmcl::ModuleDescription& tmcm_142_description() {
   static const tmcl::ModuleDescription description{
       .product = "tmcm-142",
       .commands = tmcl::classic_command_set(),
       .axis_parameters = tmcm_142::axis_parameters(),
-      .global_parameters = tmcm_142::global_parameters()};
+      .global_parameters = tmcm_142::global_parameters(),
+      .version_text = "142V4.45",
+      .version_value = kVersionValue,
+      .digital_inputs = kDigitalInputs,
+      .analog_inputs = kAnalogInputs,
+      .outputs = kOutputs,
+      .input_bits = kDigitalInputs};
   return description;
 }
 
