@@ -10,6 +10,7 @@
 #include "rack/serial_section.hpp"
 #include "rack/stepper_axis_section.hpp"
 #include "rack/tmcc160_section.hpp"
+#include "rack/tmcm_142_section.hpp"
 
 namespace stator::rack {
 
@@ -59,6 +60,10 @@ void read_product(TomlSection& section, devices::Tmcm3315Configuration& configur
 
 void read_product(TomlSection& section, devices::Tmcc160Configuration& configuration) {
   read_tmcc160(section, configuration);
+}
+
+void read_product(TomlSection& section, devices::Tmcm142Configuration& configuration) {
+  read_tmcm_142(section, configuration);
 }
 
 [[noreturn]] void read_product(TomlSection& section, OwnCanDevice& /*configuration*/) {

@@ -15,6 +15,7 @@
 #include "can/frame_faults.hpp"
 #include "devices/can_device.hpp"
 #include "devices/tmcc160/tmcc160.hpp"
+#include "devices/tmcm_142/tmcm_142.hpp"
 #include "devices/tmcm_3315/tmcm_3315.hpp"
 #include "ethercat/segment.hpp"
 #include "link/link_address.hpp"
@@ -35,7 +36,8 @@ struct OwnCanDevice {
 
 /// Configuration of one product; a further product is a further alternative.
 using ProductConfiguration =
-    std::variant<devices::Tmcm3315Configuration, devices::Tmcc160Configuration, OwnCanDevice>;
+    std::variant<devices::Tmcm3315Configuration, devices::Tmcc160Configuration,
+                 devices::Tmcm142Configuration, OwnCanDevice>;
 
 /// The cable in front of a device, on the master's side of it. See wiring.hpp for the defaults.
 struct WiringConfiguration {
