@@ -17,6 +17,21 @@ constexpr AxisErrors kDriverErrors{AxisError::overcurrent_a, AxisError::overcurr
                                    AxisError::overcurrent_high_side, AxisError::over_temperature,
                                    AxisError::undervoltage};
 
+constexpr double kSmallestEmf = 0.3;      // V, below which there is no load to be measured
+constexpr double kMeasurementEmf = 10.0;  // V, with which a measurement uses its whole range
+
+/// What the load measurement is to see: the share of the EMF that the load leaves unused, whatever
+/// the speed.
+base::AxisSensing normalised(const base::AxisSensing& sensing) {
+  base::AxisSensing measured = sensing;
+  const double amplitude =
+      sensing.induced_voltage < 0.0 ? -sensing.induced_voltage : sensing.induced_voltage;
+  const double gain = amplitude < kSmallestEmf ? 0.0 : kMeasurementEmf / amplitude;
+  measured.induced_voltage *= gain;
+  measured.converted_power *= gain;
+  return measured;
+}
+
 double with_minimum(double target, double minimum) {
   if (target > 0.0) {
     return std::max(target, minimum);
@@ -44,7 +59,7 @@ base::AxisActuation DriverStage::advance(const StageInput& input, const base::Ax
       target = with_minimum(target, std::min(minimum, current));
     }
   }
-  chip_.advance(settings_, input.full_steps_per_second, actuation, sensing);
+  chip_.advance(settings_, input.full_steps_per_second, actuation, normalised(sensing));
   since_supervision_ += period;
   since_retry_ += period;
   if (since_supervision_ >= kSupervisionPeriod) {

@@ -47,8 +47,8 @@ class DriverStage {
   /// As after power-on.
   void restart() { *this = DriverStage(); }
 
-  /// Parameter 25: 7 = low load, 0 = high load or nothing to measure; the upper three of the ten
-  /// bits that a stallGuard measurement has.
+  /// Parameter 25: 7 = low load, 0 = high load or nothing to measure; eighths of the EMF that the
+  /// load leaves unused, taken over a full step.
   [[nodiscard]] std::uint8_t load_value() const {
     return static_cast<std::uint8_t>(chip_.stall_guard() >> 7U);
   }

@@ -97,9 +97,6 @@ AxisEvents MotionAxis::step(base::SimTime now, base::SimDuration period,
 
 bool MotionAxis::at_limit() const {
   using control::motion_controller::PositionLimits;
-  if (search_.active()) {
-    return false;
-  }
   constexpr std::uint32_t kStopConditions = 0x30;  // of parameter 9
   const PositionLimits& limits = controller_.settings().limits;
   return (controller_.switch_status() & kStopConditions) != 0 ||
@@ -128,7 +125,8 @@ AxisEvents MotionAxis::look_for_events(base::SimTime now) {
     events.position_error = true;
     reporter_.report(now, kSearchFailed);
   }
-  if (rises(at_limit_, at_limit())) {
+  // Switches that a search meets are its own business.
+  if (rises(at_limit_, at_limit()) && !search_.active()) {
     events.position_error = true;
     reporter_.report(now, kLimit, {controller_.position()});
   }
