@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,6 +15,7 @@
 #include "cli/commands.hpp"
 #include "cli/failure.hpp"
 #include "cli/simulation_output.hpp"
+#include "cli/temporary_csv.hpp"
 #include "experiment/experiment.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/rack_file.hpp"
@@ -199,22 +199,6 @@ experiment::BenchSetup setup_of(const SimulateOptions& options, experiment::Moto
   }
   return setup;
 }
-
-/// A file for the plot's data that goes when the plot is drawn.
-class TemporaryCsv {
- public:
-  explicit TemporaryCsv(const std::string& beside) : path_(beside + ".csv.tmp") {}
-  TemporaryCsv(const TemporaryCsv&) = delete;
-  TemporaryCsv& operator=(const TemporaryCsv&) = delete;
-  ~TemporaryCsv() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-  }
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 void keep(const experiment::Result& result, const SimulateOptions& options) {
   if (!options.csv.empty()) {

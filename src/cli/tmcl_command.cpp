@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -11,6 +10,8 @@
 #include "cli/files.hpp"
 #include "cli/products.hpp"
 #include "cli/program_formats.hpp"
+#include "cli/tmcl_commands.hpp"
+#include "cli/tmcl_source.hpp"
 #include "tmcl/assembler.hpp"
 #include "tmcl/disassembler.hpp"
 
@@ -33,25 +34,10 @@ struct DisassembleOptions : TmclOptions {
   bool numbers = false;
 };
 
-/// Errors and warnings as compilers print them.
-void report(const tmcl::Assembly& assembly, const std::string& file) {
-  for (const tmcl::Diagnostic& each : assembly.diagnostics) {
-    const bool error = each.severity == tmcl::Severity::error;
-    fmt::print(stderr, "{}:{}:{}: {}: {}\n", file, each.line, each.column,
-               error ? "error" : "warning", each.message);
-  }
-  if (!assembly.succeeded()) {
-    const auto errors = std::ranges::count(assembly.diagnostics, tmcl::Severity::error,
-                                           &tmcl::Diagnostic::severity);
-    throw Failure(
-        fmt::format("{} has {} error{}; nothing is written", file, errors, errors == 1 ? "" : "s"));
-  }
-}
-
 void assemble(const AssembleOptions& options) {
   const std::string text = read_file(options.file);
   const tmcl::Assembly assembly = tmcl::assemble(text, tmcl_module(options.device));
-  report(assembly, options.file);
+  report_diagnostics(assembly, options.file, "nothing is written");
   const auto& program = assembly.program.instructions;
   const bool binary = options.format == "binary";
   const std::string content =
@@ -118,10 +104,14 @@ void add_disassemble_command(CLI::App& app) {
 }  // namespace
 
 void add_tmcl_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("tmcl", "Assemble and disassemble programs in TMCL");
+  CLI::App* command = app.add_subcommand(
+      "tmcl", "Write, run and debug programs in TMCL, and talk to their modules");
   command->require_subcommand(1);
   add_assemble_command(*command);
   add_disassemble_command(*command);
+  add_tmcl_run_command(*command);
+  add_tmcl_debug_command(*command);
+  add_tmcl_shell_command(*command);
 }
 
 }  // namespace stator::cli

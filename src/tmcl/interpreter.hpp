@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/event.hpp"
@@ -59,6 +60,10 @@ class Interpreter {
   [[nodiscard]] bool waiting() const { return wait_.active; }
   /// Subroutines the program is in.
   [[nodiscard]] std::size_t stack_depth() const { return depth_; }
+  /// Where they return to, the innermost last.
+  [[nodiscard]] std::span<const std::uint16_t> stack() const {
+    return std::span(stack_).first(depth_);
+  }
 
  private:
   /// Types of WAIT.

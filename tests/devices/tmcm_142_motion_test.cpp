@@ -106,6 +106,28 @@ TEST_F(Tmcm142Motion, TargetAndSpeedChangeOnTheFly) {
   EXPECT_EQ(module.gap(actual_position), 0);
 }
 
+TEST(Tmcm142Latches, AreReadAndClearedByTheirParameters) {
+  Tmcm142Configuration configuration;
+  configuration.axis.encoder.index_position = 10'000;
+  Tmcm142Module module(configuration);
+  ASSERT_EQ(module.sap(unit_conversion_mode, 1), Status::success);
+  ASSERT_EQ(module.sap(max_acceleration_and_deceleration, 2'000'000), Status::success);
+  ASSERT_EQ(module.sap(encoder_mode, 1 << 2 | 1 << 3 | 1 << 6), Status::success);
+  ASSERT_EQ(module.sap(switch_mode, 1 << 10), Status::success);
+  EXPECT_EQ(module.gap(encoder_status), 0);
+  ASSERT_EQ(module.execute(Command::rotate_right, 0, 0, 102'400).status, Status::success);
+  module.run(800_ms);
+  EXPECT_NEAR(module.gap(encoder_latch), 10'000, 1);
+  EXPECT_EQ(module.gap(encoder_status), 1);
+  EXPECT_EQ(module.gap(encoder_status), 0) << "cleared by reading";
+  const std::int32_t before = module.gap(actual_position);
+  module.set("axis0.right_switch", 1.0);
+  module.run(1_ms);
+  EXPECT_NEAR(module.gap(position_latch), before, 15);
+  EXPECT_EQ(module.gap(switch_status) & 0xC, 0x8) << "latch event of the right switch";
+  EXPECT_EQ(module.gap(switch_status) & 0xC, 0) << "cleared by reading";
+}
+
 TEST(Tmcm142Inertia, AHardStopAtSpeedLosesSteps) {
   Tmcm142Configuration configuration;
   configuration.axis.load.inertia = 2e-4;
