@@ -1,6 +1,6 @@
-// Complete TMCM-142 modules. Limits: a hundred of them in real time on one core, that is a real-time
-// factor of 1; 50,000 commands of a host per second, of which the module itself should take next to
-// nothing.
+// Complete TMCM-142 modules. Limits: a hundred of them in real time on one core, that is a
+// real-time factor of 1; 50,000 commands of a host per second, of which the module itself should
+// take next to nothing.
 
 #include <algorithm>
 #include <array>
@@ -37,10 +37,9 @@ enum class Work : std::uint8_t { at_rest, turning, turning_with_program };
 /// A hundred modules through 10 ms at a time, in the periods in which a rack brings them there.
 void run_hundred_modules(benchmark::State& bench, Work work) {
   constexpr std::size_t kModules = 100;
-  const std::vector<tmcl::Instruction> program{
-      instruction(tmcl::Command::get_axis_parameter, 1, 0),
-      instruction(tmcl::Command::compare, 0, 1'000'000),
-      instruction(tmcl::Command::jump_always, 0, 0)};
+  const std::vector<tmcl::Instruction> program{instruction(tmcl::Command::get_axis_parameter, 1, 0),
+                                               instruction(tmcl::Command::compare, 0, 1'000'000),
+                                               instruction(tmcl::Command::jump_always, 0, 0)};
   std::vector<std::unique_ptr<Tmcm142>> modules;
   for (std::size_t i = 0; i < kModules; ++i) {
     modules.push_back(std::make_unique<Tmcm142>(Tmcm142Configuration{}));
