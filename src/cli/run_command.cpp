@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <csignal>
@@ -7,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -14,14 +16,15 @@
 #include <fmt/format.h>
 #include <spdlog/logger.h>
 
-#include "canopen/node.hpp"
 #include "cli/bus.hpp"
 #include "cli/commands.hpp"
 #include "cli/connection_hints.hpp"
 #include "cli/failure.hpp"
 #include "cli/logging.hpp"
+#include "cli/serial_lines.hpp"
 #include "link/can_link.hpp"
 #include "link/can_link_address.hpp"
+#include "link/serial_link.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/rack_file.hpp"
 #include "rack/runner.hpp"
@@ -38,6 +41,7 @@ struct RunOptions {
   unsigned count = 1;
   std::string link;
   std::vector<std::string> ports;
+  std::vector<std::string> serial;
   std::string bit_rate;
   std::string redundant;
   std::string wait;
@@ -61,29 +65,25 @@ base::SimDuration duration_option(const std::string& name, const std::string& te
   return *duration;
 }
 
-/// Devices of one kind on one bus have node-IDs in a row.
-void count_node_id(rack::ProductConfiguration& product, unsigned offset) {
-  std::visit(
-      [offset](auto& configuration) {
-        if constexpr (requires { configuration.node_id; }) {
-          if (configuration.node_id + offset > canopen::kMaximumNodeId) {
-            throw Failure(fmt::format("--count {}: a CAN bus has node-IDs up to {}", offset + 1,
-                                      canopen::kMaximumNodeId));
-          }
-          configuration.node_id = static_cast<std::uint8_t>(configuration.node_id + offset);
-        }
-      },
-      product);
+/// An option that needs a segment or a bus which the rack has not.
+void refuse(bool given, const std::string& option, const std::string& reason) {
+  if (given) {
+    throw Failure(fmt::format("{} has no place here: {}", option, reason));
+  }
 }
 
 rack::RackConfiguration base_configuration(const RunOptions& options) {
   if (!options.rack_file.empty()) {
+    refuse(!options.serial.empty(), "--serial",
+           "a rack file names the serial lines of its devices");
     return rack::load_rack_file(options.rack_file);
   }
   if (options.device.empty()) {
     throw Failure(
         "nothing to run; name a rack file, or a product with --device and a link with "
-        "--link ethercat:INTERFACE (a CAN device: with --port slcan:/tmp/stator-can0)");
+        "--link ethercat:INTERFACE (a CAN device: with --port slcan:/tmp/stator-can0, a serial "
+        "one: "
+        "with --serial pty:/tmp/stator-serial)");
   }
   rack::RackConfiguration configuration = rack::single_device_rack(options.device);
   auto& devices = configuration.segments.empty() ? configuration.buses.front().devices
@@ -91,8 +91,9 @@ rack::RackConfiguration base_configuration(const RunOptions& options) {
   for (unsigned i = 1; i < options.count; ++i) {
     devices.push_back(devices.front());
     devices.back().name = fmt::format("{}-{}", devices.front().name, i + 1);
-    count_node_id(devices.back().product, i);
+    count_address(devices.back().product, i);
   }
+  connect_serial_lines(options.serial, configuration);
   return configuration;
 }
 
@@ -107,13 +108,6 @@ void switch_emergencies_off(rack::RackConfiguration& configuration) {
           },
           device.product);
     }
-  }
-}
-
-/// An option that needs a segment or a bus which the rack has not.
-void refuse(bool given, const std::string& option, const std::string& reason) {
-  if (given) {
-    throw Failure(fmt::format("{} has no place here: {}", option, reason));
   }
 }
 
@@ -135,6 +129,7 @@ void apply_to_segment(const RunOptions& options, rack::SegmentConfiguration& seg
   }
 }
 
+/// Without a port a bus whose devices have serial lines needs no wire.
 void apply_to_bus(const RunOptions& options, rack::BusConfiguration& bus) {
   bus.ports.insert(bus.ports.end(), options.ports.begin(), options.ports.end());
   if (options.bit_rate == "unlimited") {
@@ -148,15 +143,37 @@ void apply_to_bus(const RunOptions& options, rack::BusConfiguration& bus) {
     }
     bus.bit_rate = rate * 1000;
   }
-  if (bus.ports.empty()) {
-    throw Failure(fmt::format("the bus has no port for programs; give it with --port as {}",
-                              link::kCanLinkForms));
+  const bool serial = std::ranges::all_of(
+      bus.devices, [](const rack::DeviceConfiguration& each) { return !each.serial.empty(); });
+  if (bus.ports.empty() && serial && options.rack_file.empty()) {
+    refuse(!options.bit_rate.empty(), "--bit-rate", "the devices have serial lines only");
+    rack::BusConfiguration without_wire = rack::bus_without_wire();
+    without_wire.devices = std::move(bus.devices);
+    bus = std::move(without_wire);
+    return;
   }
+  if (bus.ports.empty()) {
+    throw Failure(fmt::format(
+        "the bus has no port for programs; give it with --port as {}{}", link::kCanLinkForms,
+        options.rack_file.empty()
+            ? fmt::format(", or a serial line with --serial as {}", link::kSerialLinkForms)
+            : ""));
+  }
+}
+
+/// Some device is on a CAN bus; buses without wire come last.
+bool has_wire(const rack::RackConfiguration& configuration) {
+  return !configuration.buses.empty() && configuration.buses.front().wire;
 }
 
 /// Of the first segment, or of the first bus in a rack that has none.
 void apply_to_first_network(const RunOptions& options, rack::RackConfiguration& configuration) {
   const bool on_bus = configuration.segments.empty();
+  if (on_bus && !has_wire(configuration)) {
+    refuse(!options.capture.empty(), "--capture", "serial lines cannot be captured");
+    refuse(options.cpu.has_value(), "--cpu", "name the processor in a [[line]] of a rack file");
+    return;
+  }
   if (!options.capture.empty()) {
     (on_bus ? configuration.buses.front().capture : configuration.segments.front().capture) =
         options.capture;
@@ -171,11 +188,11 @@ rack::RackConfiguration configuration_of(const RunOptions& options) {
   rack::RackConfiguration configuration = base_configuration(options);
   if (configuration.segments.empty()) {
     refuse(!options.link.empty() || !options.redundant.empty(), "--link",
-           "the rack has only CAN buses, which are reached over --port");
+           "the rack has no EtherCAT segment; CAN devices are reached over --port");
   } else {
     apply_to_segment(options, configuration.segments.front());
   }
-  if (configuration.buses.empty()) {
+  if (!has_wire(configuration)) {
     refuse(!options.ports.empty(), "--port",
            "the rack has no CAN bus; EtherCAT devices are reached over --link");
     refuse(!options.bit_rate.empty(), "--bit-rate", "the rack has no CAN bus");
@@ -203,18 +220,6 @@ rack::RackConfiguration configuration_of(const RunOptions& options) {
     switch_emergencies_off(configuration);
   }
   return configuration;
-}
-
-std::string node_id_text(const rack::ProductConfiguration& product) {
-  return std::visit(
-      [](const auto& configuration) -> std::string {
-        if constexpr (requires { configuration.node_id; }) {
-          return fmt::format(", node-ID {}", configuration.node_id);
-        } else {
-          return {};
-        }
-      },
-      product);
 }
 
 /// Blocks the signals that end the program in this and all later threads and waits for them here.
@@ -248,12 +253,15 @@ class StopSignals {
 void print_buses(const rack::RackConfiguration& configuration, rack::Runner& runner) {
   for (std::size_t i = 0; i < configuration.buses.size(); ++i) {
     const rack::BusConfiguration& bus = configuration.buses[i];
+    if (!bus.wire) {
+      continue;
+    }
     fmt::print("CAN bus {}, {}: {} device{}\n", bus.name,
                bus.bit_rate ? fmt::format("{} kbit/s", *bus.bit_rate / 1000) : "unlimited",
                bus.devices.size(), bus.devices.size() == 1 ? "" : "s");
     for (const rack::DeviceConfiguration& device : bus.devices) {
       fmt::print("  {}  ({}{})\n", device.name, rack::product_name(device.product),
-                 node_id_text(device.product));
+                 address_text(device.product));
     }
     for (std::size_t port = 0; port < runner.bus(i).ports(); ++port) {
       fmt::print("Programs connect to {}:\n  {}\n", runner.bus(i).port(port).name(),
@@ -277,6 +285,9 @@ void print_start(const rack::RackConfiguration& configuration, rack::Rack& rack,
     fmt::print("{}", connection_hints(segment.link));
   }
   print_buses(configuration, runner);
+  for (std::size_t i = 0; i < runner.line_count(); ++i) {
+    print_line(configuration, rack.line(i).configuration(), runner.line(i).link());
+  }
   fmt::print("Running; Ctrl-C ends it.\n");
   std::fflush(stdout);
 }
@@ -294,10 +305,24 @@ void print_bus_end(const rack::CanNetwork& network, rack::BusThread& thread) {
   }
 }
 
+void print_line_end(rack::SerialLineThread& thread) {
+  const rack::SerialLineThreadStatistics statistics = thread.statistics();
+  fmt::print(
+      "{}: {} bytes from programs, {} to programs, {} lost by devices, {} nobody read, {} "
+      "overruns\n",
+      thread.link().name(), statistics.line.bytes_in, statistics.link.bytes_sent,
+      statistics.line.bytes_lost, statistics.link.bytes_dropped, statistics.overruns);
+}
+
 void print_end(const rack::RackConfiguration& configuration, rack::Rack& rack,
                rack::Runner& runner) {
   for (std::size_t i = 0; i < configuration.buses.size(); ++i) {
-    print_bus_end(rack.bus(i), runner.bus(i));
+    if (configuration.buses[i].wire) {
+      print_bus_end(rack.bus(i), runner.bus(i));
+    }
+  }
+  for (std::size_t i = 0; i < runner.line_count(); ++i) {
+    print_line_end(runner.line(i));
   }
   for (std::size_t i = 0; i < configuration.segments.size(); ++i) {
     const rack::SegmentStatistics statistics = runner.statistics(i);
@@ -345,7 +370,7 @@ void add_run_command(CLI::App& app) {
       ->excludes(file);
   command
       ->add_option("--count", options->count,
-                   "How many of --device, wired in line, or with node-IDs in a row")
+                   "How many of --device, wired in line, or with node-IDs or addresses in a row")
       ->check(CLI::Range(1U, 500U))
       ->capture_default_str();
   command->add_option("--link", options->link,
@@ -353,6 +378,10 @@ void add_run_command(CLI::App& app) {
   command->add_option(
       "--port", options->ports,
       "Port of the first CAN bus, as often as needed: " + std::string(link::kCanLinkForms));
+  command->add_option(
+      "--serial", options->serial,
+      "[INTERFACE=]LINE: serial line of --device, as often as needed; all of --count share it: " +
+          std::string(link::kSerialLinkForms));
   command->add_option("--bit-rate", options->bit_rate,
                       "Of the first CAN bus: kbit/s, or \"unlimited\"");
   command->add_option("--redundant", options->redundant,
@@ -382,6 +411,7 @@ void add_run_command(CLI::App& app) {
       "  stator run --device tmcm-3315 --link ethercat:eth1 --wait spin --cpu 1\n"
       "  stator run --device tmcm-3315 --link udp:0.0.0.0\n"
       "  stator run --device tmcc160 --port slcan:/tmp/stator-can0 --port socketcand:29536\n"
+      "  stator run --device tmcm-142 --serial pty:/tmp/stator-serial\n"
       "  stator run --device tmcm-3315 --link ethercat:eth1 --record run.csv --signals "
       "\"*.axis0.*\"");
   command->callback([options] { run(*options); });

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -43,6 +45,13 @@ class Device {
   /// Something may have come over a serial line: a device whose firmware looks there in every pass
   /// of a fast loop answers it; others look in their next period.
   virtual void handle_serial(base::SimTime /*now*/) {}
+  /// When a reply is sent that a serial interface holds back, e.g. for its telegram pause.
+  [[nodiscard]] virtual base::SimTime next_serial_reply() const { return base::SimTime::never(); }
+  /// What a serial interface is set to, bit/s; nothing: it has none, as USB, or it does not matter.
+  [[nodiscard]] virtual std::optional<std::uint32_t> baud_rate(
+      std::string_view /*interface*/) const {
+    return std::nullopt;
+  }
 
   /// Where the device keeps a firmware image that came to it; null if it takes none.
   [[nodiscard]] virtual FirmwareMemory* firmware() { return nullptr; }

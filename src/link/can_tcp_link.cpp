@@ -13,14 +13,9 @@
 #include "link/slcan_session.hpp"
 #include "link/socket_options.hpp"
 #include "link/socketcand_session.hpp"
+#include "link/tcp_listener.hpp"
 
 namespace stator::link {
-
-namespace {
-
-constexpr int kWaitingConnections = 16;
-
-}  // namespace
 
 base::Expected<std::unique_ptr<CanLink>, LinkError> CanTcpLink::open(
     const CanLinkAddress& address, const CanLinkOptions& options) {
@@ -33,39 +28,11 @@ base::Expected<std::unique_ptr<CanLink>, LinkError> CanTcpLink::open(
 
 base::Expected<void, LinkError> CanTcpLink::listen() {
   const std::string wanted = to_text(address_);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(address_.port);
-  ::inet_pton(AF_INET, address_.name.c_str(), &address.sin_addr);
-  listener_ = FileDescriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (!listener_.is_open()) {
-    return system_failure("cannot open a TCP socket for " + in_quotes(wanted), errno);
+  auto listener = listen_at(address_.name, address_.port, wanted);
+  if (!listener) {
+    return base::Unexpected{listener.error()};
   }
-  set_socket_option(listener_.get(), SOL_SOCKET, SO_REUSEADDR, int{1});
-  if (::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-      ::listen(listener_.get(), kWaitingConnections) != 0) {
-    switch (errno) {
-      case EADDRINUSE:
-        return fail(LinkErrorCode::address_in_use,
-                    "another program listens at TCP port " + std::to_string(address_.port) +
-                        " of " + address_.name +
-                        "; end it (ss -ltnp shows it), or choose another port");
-      case EADDRNOTAVAIL:
-        return fail(LinkErrorCode::address_missing,
-                    address_.name +
-                        " is not an address of this machine (ip address lists them); 0.0.0.0 "
-                        "listens at all of them");
-      case EACCES:
-        return fail(LinkErrorCode::not_permitted,
-                    "TCP port " + std::to_string(address_.port) +
-                        " needs the privilege CAP_NET_BIND_SERVICE; use a port from 1024 on");
-      default:
-        return system_failure("cannot listen at " + in_quotes(wanted), errno);
-    }
-  }
-  socklen_t size = sizeof address;
-  ::getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&address), &size);
-  address_.port = ntohs(address.sin_port);
+  listener_ = std::move(*listener);
   if (const auto prepared = prepare(to_text(address_)); !prepared) {
     return prepared;
   }
@@ -96,13 +63,10 @@ void CanTcpLink::on_readable(int descriptor) {
     beacon_->send();
     return;
   }
-  FileDescriptor connection(
-      ::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  FileDescriptor connection = accept_connection(listener_);
   if (!connection.is_open()) {
     return;
   }
-  set_socket_option(connection.get(), IPPROTO_TCP, TCP_NODELAY, int{1});
-  set_socket_option(connection.get(), SOL_SOCKET, SO_KEEPALIVE, int{1});
   std::ignore = add_client(std::move(connection), make_session());
 }
 

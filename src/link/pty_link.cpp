@@ -17,12 +17,13 @@ constexpr int kUnread = 2048;
 
 }  // namespace
 
-base::Expected<std::unique_ptr<PtyLink>, LinkError> PtyLink::open(const std::string& path) {
+base::Expected<std::unique_ptr<PtyLink>, LinkError> PtyLink::open(
+    const std::string& path, const SerialLinkOptions& options) {
   auto terminal = PseudoTerminal::open(path);
   if (!terminal) {
     return base::Unexpected{terminal.error()};
   }
-  return std::unique_ptr<PtyLink>(new PtyLink(std::move(*terminal)));
+  return std::unique_ptr<PtyLink>(new PtyLink(std::move(*terminal), options));
 }
 
 base::Expected<std::size_t, LinkError> PtyLink::receive(std::span<std::byte> buffer,
@@ -35,6 +36,7 @@ base::Expected<ReceiveWait::Taken, LinkError> PtyLink::take(std::span<std::byte>
   for (bool slept = false;; slept = true) {
     const ssize_t length = ::read(terminal_.master(), buffer.data(), buffer.size());
     if (length > 0) {
+      count_received(static_cast<std::size_t>(length));
       return ReceiveWait::Taken{.length = static_cast<std::size_t>(length)};
     }
     if (length < 0 && errno != EAGAIN && errno != EINTR) {
@@ -52,14 +54,13 @@ base::Expected<ReceiveWait::Taken, LinkError> PtyLink::take(std::span<std::byte>
 base::Expected<void, LinkError> PtyLink::send(std::span<const std::byte> bytes) {
   // Asked before, because a write that finds the buffer nearly full takes a part.
   int unread = 0;
-  if (::ioctl(terminal_.client_end(), FIONREAD, &unread) == 0 && unread > kUnread) {
-    return fail(LinkErrorCode::queue_full,
-                "nobody reads the serial port " + in_quotes(name()) + "; bytes were dropped");
-  }
-  const ssize_t written = ::write(terminal_.master(), bytes.data(), bytes.size());
+  const bool full = ::ioctl(terminal_.client_end(), FIONREAD, &unread) == 0 && unread > kUnread;
+  const ssize_t written = full ? 0 : ::write(terminal_.master(), bytes.data(), bytes.size());
   if (written == static_cast<ssize_t>(bytes.size())) {
+    count_sent(bytes.size());
     return {};
   }
+  count_dropped(bytes.size());
   if (written >= 0 || errno == EAGAIN) {
     return fail(LinkErrorCode::queue_full,
                 "nobody reads the serial port " + in_quotes(name()) + "; bytes were dropped");

@@ -15,7 +15,8 @@ namespace stator::link {
 /// as pyserial does.
 class PtyLink final : public SerialLink {
  public:
-  static base::Expected<std::unique_ptr<PtyLink>, LinkError> open(const std::string& path);
+  static base::Expected<std::unique_ptr<PtyLink>, LinkError> open(
+      const std::string& path, const SerialLinkOptions& options = {});
 
   base::Expected<std::size_t, LinkError> receive(std::span<std::byte> buffer,
                                                  base::SimDuration timeout) override;
@@ -28,13 +29,14 @@ class PtyLink final : public SerialLink {
  private:
   friend ReceiveWait;
 
-  explicit PtyLink(PseudoTerminal terminal) : terminal_(std::move(terminal)) {}
+  PtyLink(PseudoTerminal terminal, const SerialLinkOptions& options)
+      : terminal_(std::move(terminal)), wait_(options.wait, options.spin_time) {}
 
   base::Expected<ReceiveWait::Taken, LinkError> take(std::span<std::byte> buffer,
                                                      base::SimDuration wait);
 
   PseudoTerminal terminal_;
-  ReceiveWait wait_{WaitMode::block, base::SimDuration()};
+  ReceiveWait wait_;
 };
 
 }  // namespace stator::link

@@ -10,6 +10,9 @@ namespace {
 /// Inner steps turn the fastest motion of the model by no more than this, rad.
 constexpr double kLargestTurn = 0.33;
 
+/// rad/s at which any rotor of this kind has burst: nothing turns faster, whatever drives it.
+constexpr double kBurstingSpeed = 1e4;
+
 /// The fastest time constant of the thermal models is near a second.
 constexpr base::SimDuration kThermalPeriod{1'000'000};
 
@@ -22,6 +25,7 @@ StepperAxis::StepperAxis(const StepperAxisParameters& parameters)
       supply_(parameters.supply),
       motor_thermal_(parameters.motor.thermal, kThermalPeriod.seconds()),
       driver_thermal_(parameters.driver.thermal, kThermalPeriod.seconds()),
+      electrical_per_torque_(parameters.motor.pole_pairs / motor_.inertia()),
       has_switches_(parameters.left_switch.fitted || parameters.right_switch.fitted ||
                     parameters.home_switch.fitted) {
   state_.motor.angle = motor_.angle_at(parameters.initial_revolutions);
@@ -52,7 +56,13 @@ const base::AxisSensing& StepperAxis::step(const base::AxisActuation& actuation,
   const double whole = duration.seconds();
   double remaining = whole;
   while (remaining > 0.0) {
-    const double turn = remaining * motor_.fastest_rate(state_.motor);
+    double turn = remaining * motor_.fastest_rate(state_.motor);
+    // A torque from outside that no motor of this size would make may spin the shaft up within the
+    // step.
+    if (const double spin = outside_acceleration() * remaining * remaining; spin > kLargestTurn)
+        [[unlikely]] {
+      turn += spin;
+    }
     const double inner =
         turn <= kLargestTurn ? remaining : remaining / std::ceil(turn / kLargestTurn);
     if (inner == remaining) [[likely]] {
@@ -60,6 +70,7 @@ const base::AxisSensing& StepperAxis::step(const base::AxisActuation& actuation,
     } else {
       regulate_and_integrate(on_the_way(actuation, (remaining - inner) / whole), inner);
     }
+    state_.motor.speed = std::clamp(state_.motor.speed, -kBurstingSpeed, kBurstingSpeed);
     encoder_.update(state_.encoder, state_.motor.angle);
     remaining = inner == remaining ? 0.0 : remaining - inner;
   }

@@ -102,6 +102,7 @@ struct StepperAxisObservation {
 /// target moves from one to the next in a straight line, as that of a sequencer does: a staircase
 /// would cost a saturated chopper up to a tenth of its torque. In voltage mode it applies the share
 /// of the supply it is told, and the current is what resistance, inductance and EMF make of it.
+/// No shaft turns faster than 10,000 rad/s: what would drive it there has broken it before.
 /// With the bridge disabled the diodes feed the coil current back into the supply until it is 0;
 /// then the coil is open. Temperatures advance every millisecond; the resistance follows that of
 /// the winding.
@@ -146,6 +147,11 @@ class StepperAxis {
   [[nodiscard]] double resistance() const { return motor_.motor().resistance; }
 
  private:
+  /// Electrical rad/s^2 that the torque from outside alone would cause.
+  [[nodiscard]] double outside_acceleration() const {
+    const double torque = state_.external_torque;
+    return (torque < 0.0 ? -torque : torque) * electrical_per_torque_;
+  }
   void press(bool& by_hand, bool pressed) {
     by_hand = pressed;
     settled_ = false;
@@ -171,6 +177,7 @@ class StepperAxis {
   Supply supply_;
   TwoBodyThermal motor_thermal_;
   TwoBodyThermal driver_thermal_;
+  double electrical_per_torque_;  ///< pole pairs over inertia
   bool has_switches_;
   StepperAxisState state_;
   base::AxisSensing sensing_;

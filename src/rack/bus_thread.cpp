@@ -10,7 +10,6 @@
 
 #include "link/can_link_address.hpp"
 #include "link/machine.hpp"
-#include "rack/serial_bridge.hpp"
 
 namespace stator::rack {
 
@@ -19,16 +18,13 @@ namespace {
 using base::SimDuration;
 using base::SimTime;
 
-// Longest sleep: how late devices without any bus traffic are brought to the present, and how soon
-// a program on a serial line is answered.
+// Longest sleep: how late devices without any bus traffic are brought to the present.
 constexpr SimDuration kIdleTick{10'000'000};
-constexpr SimDuration kSerialTick{1'000'000};
 
 }  // namespace
 
-BusThread::BusThread(RunningRack& shared, std::size_t index, const BusConfiguration& configuration,
-                     const SerialBridges& serial_bridges)
-    : shared_(shared), index_(index), serial_bridges_(serial_bridges), cpu_(configuration.cpu) {
+BusThread::BusThread(RunningRack& shared, std::size_t index, const BusConfiguration& configuration)
+    : shared_(shared), index_(index), cpu_(configuration.cpu) {
   if (configuration.ports.empty()) {
     throw std::runtime_error(
         fmt::format("the bus \"{}\" has no port to run on; give it ports = [\"...\"] with {}",
@@ -198,12 +194,11 @@ void BusThread::drain() {
 }
 
 SimDuration BusThread::time_to_sleep() {
-  const SimDuration longest = serial_bridges_.any() ? kSerialTick : kIdleTick;
   if (shared_.clock_kind == ClockKind::lockstep) {
-    return longest;
+    return kIdleTick;
   }
   const std::scoped_lock lock(shared_.mutex);
-  return std::min(longest, shared_.rack.next_bus_deadline() - shared_.real_clock.now());
+  return std::min(kIdleTick, shared_.rack.next_bus_deadline() - shared_.real_clock.now());
 }
 
 }  // namespace stator::rack

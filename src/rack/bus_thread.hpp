@@ -17,8 +17,6 @@
 
 namespace stator::rack {
 
-class SerialBridges;
-
 /// What one bus's thread did so far.
 struct BusThreadStatistics {
   std::uint64_t frames_in = 0;   ///< from programs onto the bus
@@ -36,8 +34,7 @@ struct BusThreadStatistics {
 class BusThread {
  public:
   /// Opens every port. Throws std::runtime_error with the link's own explanation.
-  BusThread(RunningRack& shared, std::size_t index, const BusConfiguration& configuration,
-            const SerialBridges& serial_bridges);
+  BusThread(RunningRack& shared, std::size_t index, const BusConfiguration& configuration);
   ~BusThread();
   BusThread(const BusThread&) = delete;
   BusThread& operator=(const BusThread&) = delete;
@@ -45,6 +42,9 @@ class BusThread {
   void start();
   /// Ends the thread and waits for it; may be called twice.
   void stop();
+
+  /// Lets the thread look again at when something happens on the bus. From any thread.
+  void wake() noexcept { wait_.wake(); }
 
   [[nodiscard]] BusThreadStatistics statistics();
   [[nodiscard]] std::size_t ports() const { return ports_.size(); }
@@ -74,7 +74,6 @@ class BusThread {
 
   RunningRack& shared_;
   std::size_t index_;
-  const SerialBridges& serial_bridges_;
   std::optional<unsigned> cpu_;
   std::vector<std::unique_ptr<OutsidePort>> ports_;
   link::DescriptorWait wait_;

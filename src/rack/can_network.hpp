@@ -47,6 +47,11 @@ class CanNetwork {
     return std::min(earliest_, bus_.next_deadline());
   }
 
+  /// The same of one device.
+  [[nodiscard]] base::SimTime deadline_of(std::size_t device) const { return deadlines_[device]; }
+  /// Where advance() has come, or is at present.
+  [[nodiscard]] base::SimTime now() const { return now_; }
+
   /// Does one of what the events of a rack can do to a device; `now` is where advance() has come.
   void set_connected(std::size_t device, bool connected);
   void set_power(std::size_t device, bool on, base::SimTime now);

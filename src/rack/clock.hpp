@@ -51,6 +51,9 @@ class LockstepClock {
   /// Moves on to `moment`, at which the answer to a frame comes.
   void advance_to(base::SimTime moment) { now_ = std::max(now_, moment); }
 
+  /// What comes over a serial line moves time by the step.
+  void on_telegram() { now_ += step_; }
+
   /// Lets `duration` pass without a frame: a master inside the process that waits.
   void wait(base::SimDuration duration) { now_ += duration; }
 

@@ -6,10 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "link/serial_link.hpp"
 #include "rack/product_catalogue.hpp"
+#include "rack/serial_section.hpp"
 #include "rack/stepper_axis_section.hpp"
 #include "rack/tmcc160_section.hpp"
+#include "rack/tmcm_142_section.hpp"
 
 namespace stator::rack {
 
@@ -61,24 +62,12 @@ void read_product(TomlSection& section, devices::Tmcc160Configuration& configura
   read_tmcc160(section, configuration);
 }
 
-[[noreturn]] void read_product(TomlSection& section, OwnCanDevice& /*configuration*/) {
-  section.fail("type", "a device of one's own has no place in a rack file");
+void read_product(TomlSection& section, devices::Tmcm142Configuration& configuration) {
+  read_tmcm_142(section, configuration);
 }
 
-/// Reads the lines to which the serial interfaces of a product are connected.
-std::vector<SerialConnection> read_serial_lines(TomlSection& section, const Product& product) {
-  std::vector<SerialConnection> connections;
-  for (const std::string_view name : product.serial_interfaces) {
-    const std::string interface(name);
-    if (const std::optional<std::string> line = section.text(interface.c_str())) {
-      if (!link::is_serial_link(*line)) {
-        section.fail(interface, fmt::format("\"{}\" is \"{}\"; write \"{}\"", interface, *line,
-                                            link::kSerialLinkForms));
-      }
-      connections.push_back({interface, *line});
-    }
-  }
-  return connections;
+[[noreturn]] void read_product(TomlSection& section, OwnCanDevice& /*configuration*/) {
+  section.fail("type", "a device of one's own has no place in a rack file");
 }
 
 }  // namespace
@@ -99,7 +88,7 @@ DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& nam
   device.name = section.text("name").value_or(*type);
   const Product& product = *find_product(*type);
   device.product = product.default_configuration();
-  device.serial = read_serial_lines(section, product);
+  device.serial = read_serial_connections(section, product);
   if (!names.insert(device.name).second) {
     section.fail("name", fmt::format("the name \"{}\" is given twice; give each device its own "
                                      "\"name\"",

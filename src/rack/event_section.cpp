@@ -78,7 +78,7 @@ const DeviceConfiguration& EventSectionReader::device_at(DeviceAddress address) 
 
 DeviceAddress EventSectionReader::read_can_target(TomlSection& section) const {
   const DeviceAddress target = read_target(section);
-  if (target.kind != NetworkKind::bus) {
+  if (target.kind != NetworkKind::bus || !rack_.buses[target.network].wire) {
     section.fail("device", fmt::format("\"{}\" is on no CAN bus, so this cannot happen to it",
                                        device_at(target).name));
   }
@@ -87,6 +87,10 @@ DeviceAddress EventSectionReader::read_can_target(TomlSection& section) const {
 
 RackEvent EventSectionReader::read_cable(TomlSection& section, bool intact) const {
   const DeviceAddress target = read_target(section);
+  if (target.kind == NetworkKind::bus && !rack_.buses[target.network].wire) {
+    section.fail("device", fmt::format("\"{}\" has serial lines only, whose cables do not break",
+                                       device_at(target).name));
+  }
   if (target.kind == NetworkKind::bus) {
     return CableEvent{target, 0, intact};
   }
@@ -105,6 +109,9 @@ RackEvent EventSectionReader::read_cable(TomlSection& section, bool intact) cons
 std::size_t EventSectionReader::read_bus(TomlSection& section, const std::string& name) const {
   std::set<std::string> names;
   for (std::size_t i = 0; i < rack_.buses.size(); ++i) {
+    if (!rack_.buses[i].wire) {
+      continue;
+    }
     if (rack_.buses[i].name == name) {
       return i;
     }

@@ -15,13 +15,17 @@ namespace stator::rack {
 
 namespace {
 
-constexpr std::array<Product, 2> kProducts{{
+constexpr std::array<Product, 3> kProducts{{
     {"tmcm-3315", "three-axis stepper module, CiA 402, TMCM-3315", "EtherCAT (CoE, FoE)",
      NetworkKind::segment, 2, devices::Tmcm3315::kSerialInterfaces,
      [] { return ProductConfiguration(devices::Tmcm3315Configuration{}); }},
     {"tmcc160", "servo drive for a three-phase motor, CiA 402, TMCC160", "CAN (CANopen)",
      NetworkKind::bus, 0, devices::Tmcc160::kSerialInterfaces,
      [] { return ProductConfiguration(devices::Tmcc160Configuration{}); }},
+    {"tmcm-142", "one-axis stepper module with programs, TMCL, TMCM-142",
+     "RS-232, RS-485, RS-422, USB, CAN (TMCL)", NetworkKind::bus, 0,
+     devices::Tmcm142::kSerialInterfaces,
+     [] { return ProductConfiguration(devices::Tmcm142Configuration{}); }},
 }};
 
 std::unique_ptr<devices::EtherCatDevice> make(const devices::Tmcm3315Configuration& configuration,
@@ -32,6 +36,11 @@ std::unique_ptr<devices::EtherCatDevice> make(const devices::Tmcm3315Configurati
 std::unique_ptr<devices::CanDevice> make(const devices::Tmcc160Configuration& configuration,
                                          const base::EventReporter& reporter) {
   return std::make_unique<devices::Tmcc160>(configuration, reporter);
+}
+
+std::unique_ptr<devices::CanDevice> make(const devices::Tmcm142Configuration& configuration,
+                                         const base::EventReporter& reporter) {
+  return std::make_unique<devices::Tmcm142>(configuration, reporter);
 }
 
 std::unique_ptr<devices::CanDevice> make(const OwnCanDevice& own,

@@ -18,6 +18,9 @@ namespace {
 /// at the lowest bit rate, and an end to what would go on for ever.
 constexpr base::SimDuration kLongestSettling{100'000'000};
 
+/// The same for a serial line: longer than 4096 bytes at 9600 bit/s.
+constexpr base::SimDuration kLongestReply{5'000'000'000};
+
 constexpr base::EventRule kCableBroken{"cable-broken", base::Severity::information,
                                        "the cable at port {0} is broken"};
 constexpr base::EventRule kCableHealed{"cable-healed", base::Severity::information,
@@ -61,7 +64,7 @@ const char* to_text(can::FrameFaultKind kind) {
 }  // namespace
 
 Rack::Rack(const RackConfiguration& configuration, EventLog& log)
-    : log_(log), timetable_(configuration.events) {
+    : log_(log), lines_(configuration.lines), timetable_(configuration.events) {
   std::vector<std::string> names;
   if (!configuration.state.empty()) {
     storage_ = std::make_unique<DeviceStorage>(configuration.state);
@@ -72,6 +75,7 @@ Rack::Rack(const RackConfiguration& configuration, EventLog& log)
   for (const BusConfiguration& bus : configuration.buses) {
     add(bus, names);
   }
+  connect_lines(configuration);
   for (const EventConfiguration& event : configuration.events) {
     if (const auto* input = std::get_if<InputEvent>(&event.event)) {
       static_cast<void>(find_input(*input));
@@ -110,6 +114,7 @@ void Rack::add(const SegmentConfiguration& segment, std::vector<std::string>& na
 
 void Rack::add(const BusConfiguration& bus, std::vector<std::string>& names) {
   BusMembers members;
+  members.wire = bus.wire;
   members.number = static_cast<std::uint16_t>(names.size() + bus.devices.size());
   members.network = std::make_unique<CanNetwork>(bus, base::EventReporter(&log_, members.number));
   members.first_device = static_cast<std::uint16_t>(names.size());
@@ -123,10 +128,26 @@ void Rack::add(const BusConfiguration& bus, std::vector<std::string>& names) {
       storage_->attach(device.name, product_name(device.product), *member.device, reporter);
     }
     members.network->add(std::move(member), reporter);
+    members.network->set_connected(members.inputs.size() - 1, bus.wire);
   }
   names.push_back(bus.name);
   log_.set_device_names(names);
   buses_.push_back(std::move(members));
+}
+
+void Rack::connect_lines(const RackConfiguration& configuration) {
+  for (std::size_t segment = 0; segment < segments_.size(); ++segment) {
+    for (std::size_t i = 0; i < segments_[segment].devices.size(); ++i) {
+      lines_.add(
+          {configuration.segments[segment].devices[i], *segments_[segment].devices[i].device});
+    }
+  }
+  for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
+    CanNetwork& network = *buses_[bus].network;
+    for (std::size_t i = 0; i < network.devices().size(); ++i) {
+      lines_.add({configuration.buses[bus].devices[i], *network.devices()[i].device, &network, i});
+    }
+  }
 }
 
 std::optional<ethercat::MasterInterface> Rack::process_frame(std::size_t segment,
@@ -149,9 +170,12 @@ void Rack::advance(base::SimTime now) {
   const auto next_sample = [this] {
     return recorder_ ? recorder_->next_sample() : base::SimTime::never();
   };
-  while (std::min(timetable_.next(), next_sample()) <= now) {
-    const base::SimTime instant = std::min(timetable_.next(), next_sample());
+  const auto next_instant = [this, &next_sample] {
+    return std::min({timetable_.next(), next_sample(), lines_.next_deadline()});
+  };
+  for (base::SimTime instant = next_instant(); instant <= now; instant = next_instant()) {
     advance_devices(instant);
+    lines_.advance(instant);
     while (timetable_.next() <= instant) {
       apply(timetable_.take(), instant);
     }
@@ -160,6 +184,9 @@ void Rack::advance(base::SimTime now) {
     }
   }
   advance_devices(now);
+  if (lines_.next_deadline() <= now) {
+    lines_.advance(now);  // bytes of what devices have sent on the last stretch
+  }
 }
 
 base::SimTime Rack::next_bus_deadline() const {
@@ -168,6 +195,20 @@ base::SimTime Rack::next_bus_deadline() const {
     next = std::min(next, members.network->next_deadline());
   }
   return next;
+}
+
+base::SimTime Rack::next_line_deadline(std::size_t line) const {
+  return std::min(
+      {timetable_.next(), lines_[line].next_deadline(), lines_[line].next_device_deadline()});
+}
+
+void Rack::settle_line(std::size_t line, LockstepClock& clock) {
+  const base::SimTime limit = clock.now() + kLongestReply;
+  for (base::SimTime next = lines_[line].next_reply(); next <= limit;) {
+    clock.advance_to(next);
+    advance(clock.now());
+    next = std::max(lines_[line].next_reply(), clock.now() + base::SimDuration(1));
+  }
 }
 
 void Rack::settle(std::size_t bus, LockstepClock& clock) {
@@ -241,6 +282,11 @@ void Rack::apply_power(const PowerEvent& event, base::SimTime now) {
     return;
   }
   report(number_of(event.device), now, event.on ? kPowerOn : kPowerOff);
+  const devices::Device& switched =
+      kind == NetworkKind::bus
+          ? static_cast<const devices::Device&>(*bus(network).devices()[device].device)
+          : *segments_[network].devices[device].device;
+  lines_.set_power(switched, event.on);
   if (kind == NetworkKind::bus) {
     bus(network).set_power(device, event.on, now);
     return;
@@ -312,7 +358,9 @@ std::vector<devices::Signal> Rack::signals() {
         all.push_back(std::move(signal));
       }
     }
-    std::ranges::move(members.network->signals(), std::back_inserter(all));
+    if (members.wire) {
+      std::ranges::move(members.network->signals(), std::back_inserter(all));
+    }
   }
   return all;
 }

@@ -18,6 +18,7 @@
 #include "rack/event_log.hpp"
 #include "rack/rack_configuration.hpp"
 #include "rack/recorder.hpp"
+#include "rack/serial_lines.hpp"
 #include "rack/timetable.hpp"
 
 namespace stator::rack {
@@ -34,8 +35,9 @@ class Rack {
  public:
   /// Builds every device. `log` gets their events and must outlive the rack. Throws
   /// std::runtime_error when the recording cannot be opened or names signals that do not exist,
-  /// when an event sets an input that does not exist or to a value it cannot have, or when the
-  /// state directory or a file in it cannot be used.
+  /// when an event sets an input that does not exist or to a value it cannot have, when a device
+  /// has no serial interface of a given name, or when the state directory or a file in it cannot be
+  /// used.
   Rack(const RackConfiguration& configuration, EventLog& log);
 
   /// Sends `frame` through the segment's slaves, in place, at `arrival`, from the master's
@@ -54,6 +56,14 @@ class Rack {
   /// The next moment at which something happens on a CAN bus on its own: a frame ends, a device
   /// sends. advance() need not stop there, but what comes of it is to go out then.
   [[nodiscard]] base::SimTime next_bus_deadline() const;
+
+  /// The next moment at which a serial line or one of its devices has something to send, or
+  /// something happens to the rack.
+  [[nodiscard]] base::SimTime next_line_deadline(std::size_t line) const;
+
+  /// Lockstep: lets the replies pass to what came over a serial line. `clock` moves on as far as
+  /// that takes.
+  void settle_line(std::size_t line, LockstepClock& clock);
 
   /// Lockstep: lets the frames pass that wait on the bus, and those that follow from them at once.
   /// `clock` moves on as far as that takes, which is not at all on an unlimited bus.
@@ -82,6 +92,10 @@ class Rack {
   [[nodiscard]] base::EventReporter bus_reporter(std::size_t index) {
     return base::EventReporter(&log_, buses_[index].number);
   }
+  [[nodiscard]] std::size_t line_count() const { return lines_.size(); }
+  /// Those the devices' configurations name, in the order in which they do.
+  [[nodiscard]] SerialLine& line(std::size_t index) { return lines_[index]; }
+  [[nodiscard]] const SerialLine& line(std::size_t index) const { return lines_[index]; }
   /// All signals of all devices, named "device.signal", and of all buses.
   [[nodiscard]] std::vector<devices::Signal> signals();
   [[nodiscard]] const std::optional<Recorder>& recorder() const { return recorder_; }
@@ -101,12 +115,14 @@ class Rack {
     std::vector<std::vector<devices::Input>> inputs;  ///< by device
     std::uint16_t first_device = 0;
     std::uint16_t number = 0;  ///< under which the bus itself reports events
+    bool wire = true;          ///< false: its devices are on serial lines only
   };
 
   using Arguments = std::array<base::EventArgument, 6>;
 
   void add(const SegmentConfiguration& segment, std::vector<std::string>& names);
   void add(const BusConfiguration& bus, std::vector<std::string>& names);
+  void connect_lines(const RackConfiguration& configuration);
   void advance_devices(base::SimTime now);
   void apply_cable(const CableEvent& event, base::SimTime now);
   void apply_power(const PowerEvent& event, base::SimTime now);
@@ -121,6 +137,7 @@ class Rack {
   EventLog& log_;
   std::vector<SegmentMembers> segments_;
   std::vector<BusMembers> buses_;
+  SerialLines lines_;  ///< go first: they know devices and buses
   Timetable timetable_;
   std::optional<Recorder> recorder_;
   std::unique_ptr<DeviceStorage> storage_;

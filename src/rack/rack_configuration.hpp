@@ -15,6 +15,7 @@
 #include "can/frame_faults.hpp"
 #include "devices/can_device.hpp"
 #include "devices/tmcc160/tmcc160.hpp"
+#include "devices/tmcm_142/tmcm_142.hpp"
 #include "devices/tmcm_3315/tmcm_3315.hpp"
 #include "ethercat/segment.hpp"
 #include "link/link_address.hpp"
@@ -35,7 +36,8 @@ struct OwnCanDevice {
 
 /// Configuration of one product; a further product is a further alternative.
 using ProductConfiguration =
-    std::variant<devices::Tmcm3315Configuration, devices::Tmcc160Configuration, OwnCanDevice>;
+    std::variant<devices::Tmcm3315Configuration, devices::Tmcc160Configuration,
+                 devices::Tmcm142Configuration, OwnCanDevice>;
 
 /// The cable in front of a device, on the master's side of it. See wiring.hpp for the defaults.
 struct WiringConfiguration {
@@ -52,6 +54,15 @@ struct SerialConnection {
   std::string line;       ///< e.g. "pty:/tmp/module"; see link::kSerialLinkForms
 
   friend bool operator==(const SerialConnection&, const SerialConnection&) = default;
+};
+
+/// How bytes pass over a serial line, and how its thread waits for them.
+struct SerialLineConfiguration {
+  std::string link;     ///< as in SerialConnection::line
+  bool pacing = false;  ///< bytes take the time of their bits, in simulated time
+  link::WaitMode wait = link::WaitMode::block;
+  base::SimDuration spin_time{200'000};  ///< of WaitMode::adaptive
+  std::optional<unsigned> cpu{};         ///< processor the line's thread is tied to
 };
 
 struct DeviceConfiguration {
@@ -82,7 +93,9 @@ struct SegmentConfiguration {
 
 /// CAN devices on one wire, and the ports through which masters reach it.
 struct BusConfiguration {
-  std::string name = "can0";  ///< unique within the rack
+  std::string name = "can0";  ///< unique within the rack; empty if there is no wire
+  /// False: no wire. Its devices are reached over serial lines only, and nobody sees a bus.
+  bool wire = true;
   /// Bit/s, kept to in simulated time; nothing: unlimited, frames take no time.
   std::optional<std::uint32_t> bit_rate{1'000'000};
   bool ports_acknowledge = true;   ///< see can::BusSettings
@@ -92,6 +105,15 @@ struct BusConfiguration {
   std::optional<unsigned> cpu;     ///< processor the bus's thread is tied to
   std::vector<DeviceConfiguration> devices;
 };
+
+/// A bus for devices that are reached over serial lines only.
+[[nodiscard]] inline BusConfiguration bus_without_wire() {
+  BusConfiguration bus;
+  bus.name.clear();
+  bus.wire = false;
+  bus.bit_rate = std::nullopt;
+  return bus;
+}
 
 struct RecordConfiguration {
   std::string file;
@@ -167,6 +189,8 @@ struct RackConfiguration {
   base::SimDuration step{50'000};  ///< lockstep: simulated time per other frame
   std::vector<SegmentConfiguration> segments;
   std::vector<BusConfiguration> buses;
+  /// Of serial lines that devices name; one that is not here is as SerialLineConfiguration says.
+  std::vector<SerialLineConfiguration> lines;
   std::optional<RecordConfiguration> record;
   std::string state;  ///< directory in which devices keep what outlives power; empty = nothing kept
   std::vector<EventConfiguration> events;  ///< in any order

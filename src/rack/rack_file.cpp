@@ -14,6 +14,7 @@
 #include "rack/bus_section.hpp"
 #include "rack/device_section.hpp"
 #include "rack/event_section.hpp"
+#include "rack/serial_section.hpp"
 #include "rack/toml_section.hpp"
 #include "rack/wiring.hpp"
 #include "rack/wiring_section.hpp"
@@ -129,9 +130,11 @@ RackConfiguration read_rack(TomlSection root) {
     configuration.segments.push_back(read_segment(segment, device_names));
   }
   read_buses(root, device_names, configuration.buses);
+  read_line_devices(root, device_names, configuration.buses);
   if (configuration.segments.empty() && configuration.buses.empty()) {
-    root.fail("segment", "a rack needs at least one [[segment]] or [[bus]]");
+    root.fail("segment", "a rack needs at least one [[segment]], [[bus]] or [[device]]");
   }
+  read_lines(root, configuration);
   if (auto record = root.section("record")) {
     configuration.record = read_record(std::move(*record));
   }

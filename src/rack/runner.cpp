@@ -18,8 +18,7 @@ namespace stator::rack {
 namespace {
 
 // How long a thread waits for a frame before devices are brought to the present: one firmware tick
-// while a master talks or a serial line is there, longer when nobody does, so that an idle rack
-// costs next to nothing.
+// while a master talks, longer when nobody does, so that an idle rack costs next to nothing.
 constexpr base::SimDuration kBusyTick{1'000'000};
 constexpr base::SimDuration kIdleTick{10'000'000};
 constexpr base::SimDuration kIdleAfter{100'000'000};
@@ -96,10 +95,12 @@ Runner::Runner(Rack& rack, const RackConfiguration& configuration,
     segments_.push_back(std::move(thread));
   }
   for (const BusConfiguration& bus : configuration.buses) {
-    buses_.push_back(std::make_unique<BusThread>(shared_, buses_.size(), bus, serial_bridges_));
+    buses_.push_back(bus.wire ? std::make_unique<BusThread>(shared_, buses_.size(), bus) : nullptr);
   }
   eoe_bridges_.open(rack, configuration, shared_.logger);
-  serial_bridges_.open(rack, configuration, shared_.logger);
+  for (std::size_t line = 0; line < rack.line_count(); ++line) {
+    lines_.push_back(std::make_unique<SerialLineThread>(shared_, line, buses_));
+  }
 }
 
 Runner::~Runner() {
@@ -143,7 +144,12 @@ void Runner::start() {
     segment->thread = std::thread([this, &segment = *segment] { run(segment); });
   }
   for (auto& bus : buses_) {
-    bus->start();
+    if (bus != nullptr) {
+      bus->start();
+    }
+  }
+  for (auto& line : lines_) {
+    line->start();
   }
 }
 
@@ -155,11 +161,15 @@ void Runner::stop() {
       segment->thread.join();
     }
   }
+  for (auto& line : lines_) {
+    line->stop();
+  }
   for (auto& bus : buses_) {
-    bus->stop();
+    if (bus != nullptr) {
+      bus->stop();
+    }
   }
   eoe_bridges_.close();
-  serial_bridges_.close();
 }
 
 base::SimTime Runner::now() {
@@ -187,7 +197,7 @@ void Runner::run(SegmentThread& segment) {
   while (!shared_.stopping) {
     const base::SimTime now = shared_.real_clock.now();
     watch_carriers(segment, now);
-    const bool busy = now - last_frame < kIdleAfter || serial_bridges_.any();
+    const bool busy = now - last_frame < kIdleAfter;
     const auto received = segment.receive(buffer, busy ? kBusyTick : kIdleTick);
     if (!received && received.error().code != link::LinkErrorCode::interface_down) {
       shared_.logger->error("{}; this segment stops", received.error().text);

@@ -14,7 +14,7 @@
 #include "rack/eoe_bridge.hpp"
 #include "rack/rack.hpp"
 #include "rack/running_rack.hpp"
-#include "rack/serial_bridge.hpp"
+#include "rack/serial_line_thread.hpp"
 
 namespace spdlog {
 class logger;
@@ -32,10 +32,10 @@ struct SegmentStatistics {
   std::int64_t worst_processing_ns = 0;
 };
 
-/// Runs a rack on real links: one thread per segment or bus that answers frames and keeps the
-/// devices at the present moment. The frame path comes first: a frame is answered, then firmware
-/// and physics catch up. With cable redundancy the thread serves both interfaces of its segment. An
-/// interface without carrier is a port without link.
+/// Runs a rack on real links: one thread per segment, bus or serial line that answers what comes
+/// and keeps the devices at the present moment. The frame path comes first: a frame is answered,
+/// then firmware and physics catch up. With cable redundancy the thread serves both interfaces of
+/// its segment. An interface without carrier is a port without link.
 class Runner {
  public:
   /// Lag behind the machine's clock from which on an overrun is counted.
@@ -55,7 +55,10 @@ class Runner {
   void stop();
 
   [[nodiscard]] base::SimTime now();
+  /// Of a bus with a wire.
   [[nodiscard]] BusThread& bus(std::size_t index) { return *buses_[index]; }
+  [[nodiscard]] std::size_t line_count() const { return lines_.size(); }
+  [[nodiscard]] SerialLineThread& line(std::size_t index) { return *lines_[index]; }
   [[nodiscard]] SegmentStatistics statistics(std::size_t segment);
   [[nodiscard]] const link::EthernetLink& link(
       std::size_t segment,
@@ -75,9 +78,9 @@ class Runner {
 
   RunningRack shared_;
   std::vector<std::unique_ptr<SegmentThread>> segments_;
-  std::vector<std::unique_ptr<BusThread>> buses_;
+  std::vector<std::unique_ptr<BusThread>> buses_;  ///< null without a wire
   EoeBridges eoe_bridges_;
-  SerialBridges serial_bridges_;
+  std::vector<std::unique_ptr<SerialLineThread>> lines_;
 };
 
 }  // namespace stator::rack

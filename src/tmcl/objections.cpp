@@ -164,13 +164,12 @@ class Examination {
 
   void examine_output_value() {
     const bool all = instruction_.type == kAllPorts;
-    const std::int32_t least = all ? kFromAccumulator : 0;
-    const std::int32_t most = all ? kOutputBits : 1;
-    if (instruction_.value < least || instruction_.value > most) {
+    const std::int32_t value = instruction_.value;
+    if (value < (all ? kFromAccumulator : 0) || value > (all ? kOutputBits : 1)) {
       object(Field::value,
-             (all ? "all outputs take " + interval(0, most) + ", and -1 for the accumulator"
-                  : "an output takes " + interval(least, most)) +
-                 "; found " + std::to_string(instruction_.value));
+             (all ? "all outputs take " + interval(0, kOutputBits) + ", and -1 for the accumulator"
+                  : "an output takes 0 or 1") +
+                 std::string("; found ") + std::to_string(value));
     }
   }
 

@@ -176,10 +176,8 @@ TEST(MotionControllerBow, ChangesInFlightKeepTheBowAndTheirIntegralToOneUnit) {
     }
     const RampState& planned = ramp.generator().state();
     const MotionPlan plan = planned.plan;
-    if (move % 10 == 0 && ramp.mode() == Mode::positioning) {
-      tests::BowAudit(start, plan, planned.limits).check();
-      ASSERT_FALSE(HasFailure()) << "move " << move;
-    }
+    tests::BowAudit(start, plan, planned.limits).check();
+    ASSERT_FALSE(HasFailure()) << "move " << move;
     const MicrostepPosition& from = start.state.position;
     const JerkIntegral begin{from.microsteps + static_cast<long double>(from.fraction),
                              start.state.velocity / kClocksPerSecond, 0.0L};

@@ -216,5 +216,22 @@ TEST(StepperAxis, RestoredStateContinuesIdentically) {
   }
 }
 
+// A hand, a script or a fuzzer may set any torque: the world stays finite.
+TEST(StepperAxis, ATorqueBeyondAllReasonEndsAtTheBurstingSpeed) {
+  StepperAxis axis(StepperAxisParameters{});
+  axis.set_external_torque(-1'000.0);
+  for (int n = 0; n < 200; ++n) {
+    axis.step({.bridge_enabled = true, .coil_current_target = {2.0, 0.0}}, 100_us);
+    ASSERT_TRUE(std::isfinite(axis.sensing().coil_current[0]));
+    ASSERT_GE(axis.observe().speed, -1e4);
+  }
+  EXPECT_EQ(axis.observe().speed, -1e4);
+  axis.set_external_torque(0.0);
+  for (int n = 0; n < 20'000; ++n) {
+    axis.step({}, 50_us);
+  }
+  EXPECT_GT(axis.observe().speed, -10.0) << "friction stops what is left alone";
+}
+
 }  // namespace
 }  // namespace stator::plant

@@ -100,7 +100,7 @@ name = "other"
 
 TEST(BusSection, MistakesAreExplained) {
   EXPECT_THAT(refusal_of("[[bus]]\n"), HasSubstr("needs at least one [[bus.device]]"));
-  EXPECT_THAT(refusal_of("clock = \"real\"\n"), HasSubstr("[[segment]] or [[bus]]"));
+  EXPECT_THAT(refusal_of("clock = \"real\"\n"), HasSubstr("[[segment]], [[bus]] or [[device]]"));
   const auto with = [](const std::string& keys) {
     return refusal_of("[[bus]]\n" + keys + "[[bus.device]]\ntype = \"tmcc160\"\n");
   };

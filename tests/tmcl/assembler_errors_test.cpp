@@ -221,8 +221,8 @@ TEST(AssemblerWarnings, BanksWithoutPortsAndValuesThatAreNoneOfAnOutputAreTold) 
   EXPECT_EQ(message("GIO 0, 3"),
             "1:8: warning: found bank 3; digital inputs are in bank 0, analog ones in bank 1, "
             "outputs in bank 2");
-  EXPECT_EQ(message("SIO 0, 2, 2"), "1:11: warning: an output takes 0..1; found 2");
-  EXPECT_EQ(message("SIO 0, 2, -1"), "1:11: warning: an output takes 0..1; found -1");
+  EXPECT_EQ(message("SIO 0, 2, 2"), "1:11: warning: an output takes 0 or 1; found 2");
+  EXPECT_EQ(message("SIO 0, 2, -1"), "1:11: warning: an output takes 0 or 1; found -1");
   for (const char* value : {"256", "-2"}) {
     EXPECT_EQ(message("SIO 255, 2, " + std::string(value)),
               "1:13: warning: all outputs take 0..255, and -1 for the accumulator; found " +

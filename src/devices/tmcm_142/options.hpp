@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -7,6 +8,14 @@
 #include "plant/stepper_axis.hpp"
 
 namespace stator::devices::tmcm_142 {
+
+/// Rates of the CAN bus by global parameter 69, from 1 on; bit/s (L5965-L5972).
+inline constexpr std::array<std::uint32_t, 8> kCanBitRates{10'000,  20'000,  50'000,  100'000,
+                                                           125'000, 250'000, 500'000, 1'000'000};
+/// Rates of the serial interfaces by global parameter 65, from 0 on; bit/s (L5943-L5954).
+inline constexpr std::array<std::uint32_t, 12> kBaudRates{9600,    14'400,  19'200,  28'800,
+                                                          38'400,  57'600,  76'800,  115'200,
+                                                          230'400, 250'000, 500'000, 1'000'000};
 
 /// Choices the document leaves open; the defaults are those of
 /// docs/devices/tmcm-142-decisions.md.

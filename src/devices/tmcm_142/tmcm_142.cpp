@@ -24,11 +24,6 @@ constexpr base::EventRule kShutDown{
     "tmcm142-shutdown", base::Severity::fault,
     "the shutdown pin is active (global parameter 80 is {0}): motor stopped, power stage off"};
 
-/// By global parameter 69, from 1 on; kbit/s (L5965-L5972).
-constexpr std::array<std::uint32_t, 8> kCanBitRates{10, 20, 50, 100, 125, 250, 500, 1000};
-/// By global parameter 65; bit/s (L5943-L5954).
-constexpr std::array<std::uint32_t, 12> kBaudRates{9600,  14400,  19200,  28800,  38400,  57600,
-                                                   76800, 115200, 230400, 250000, 500000, 1000000};
 constexpr std::uint8_t kMaximumDipAddress = 15;
 constexpr std::string_view kCan = "can";
 
@@ -150,12 +145,11 @@ void Tmcm142::power_on(SimTime now) {
     reporter_.report(now, kDefaultsRestored);
   }
   shut_down_ = false;
-  bit_rate_ =
-      kCanBitRates[static_cast<std::size_t>(module_.configuration(ModuleParameter::can_bit_rate)) -
-                   1] *
-      1000;
-  baud_rate_ =
-      kBaudRates[static_cast<std::size_t>(module_.configuration(ModuleParameter::baud_rate))];
+  bit_rate_ = tmcm_142::kCanBitRates[static_cast<std::size_t>(
+                                         module_.configuration(ModuleParameter::can_bit_rate)) -
+                                     1];
+  baud_rate_ = tmcm_142::kBaudRates[static_cast<std::size_t>(
+      module_.configuration(ModuleParameter::baud_rate))];
   firmware_.power_on(now);
   controller_.clear();
   can_session_.power_on();
@@ -182,6 +176,16 @@ void Tmcm142::set_power(bool on, SimTime now) {
 
 std::optional<std::uint32_t> Tmcm142::baud_rate(std::string_view interface) const {
   return interface == kSerialInterfaces[kUsb] ? std::nullopt : std::optional(baud_rate_);
+}
+
+SimTime Tmcm142::next_serial_reply() const {
+  SimTime next = SimTime::never();
+  for (const tmcl::SerialSession& session : sessions_) {
+    if (powered_ && session.connected()) {
+      next = std::min(next, session.next_deadline());
+    }
+  }
+  return next;
 }
 
 SimTime Tmcm142::next_deadline() const {
@@ -256,8 +260,8 @@ void Tmcm142::serve_due(SimTime now) {
 
 void Tmcm142::handle_serial(SimTime now) {
   advance(now);
+  discard_serial();
   if (!powered_) {
-    discard_serial();
     return;
   }
   for (tmcl::SerialSession& session : sessions_) {
@@ -266,11 +270,13 @@ void Tmcm142::handle_serial(SimTime now) {
   set_filter();
 }
 
-/// What comes while the supply is off is lost.
+/// What comes while the supply is off is lost, and what comes to an interface that the switches
+/// have turned off.
 void Tmcm142::discard_serial() {
   std::array<std::byte, 64> buffer{};
-  for (tmcl::SerialPort* port : ports_) {
-    while (port != nullptr && port->take(buffer) != 0) {
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    const bool heard = powered_ && sessions_[i].connected();
+    while (!heard && ports_[i] != nullptr && ports_[i]->take(buffer) != 0) {
     }
   }
 }

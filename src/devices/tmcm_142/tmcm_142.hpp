@@ -66,6 +66,7 @@ class Tmcm142 final : public CanDevice {
   }
   bool connect_serial(std::string_view interface, tmcl::SerialPort* port) override;
   void handle_serial(base::SimTime now) override;
+  [[nodiscard]] base::SimTime next_serial_reply() const override;
 
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;
@@ -75,7 +76,7 @@ class Tmcm142 final : public CanDevice {
 
   /// Bit/s of a serial interface, as it was set at the latest start (parameter 65, A59); nothing:
   /// it has none (USB).
-  [[nodiscard]] std::optional<std::uint32_t> baud_rate(std::string_view interface) const;
+  [[nodiscard]] std::optional<std::uint32_t> baud_rate(std::string_view interface) const override;
 
   /// Interpreter, program memory and direct mode, for tools that work without an interface.
   [[nodiscard]] tmcl::Firmware& tmcl() { return firmware_; }

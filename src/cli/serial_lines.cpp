@@ -1,0 +1,153 @@
+#include "cli/serial_lines.hpp"
+
+#include <algorithm>
+#include <string_view>
+#include <variant>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "canopen/node.hpp"
+#include "cli/failure.hpp"
+#include "rack/product_catalogue.hpp"
+
+namespace stator::cli {
+
+namespace {
+
+constexpr unsigned kSerialAddresses = 0x100;
+constexpr unsigned kCanIdentifiers = 0x800;
+constexpr std::string_view kShared = "rs485";
+
+void count_tmcl_address(devices::Tmcm142Configuration& configuration, unsigned offset) {
+  const unsigned address = configuration.serial_address + offset;
+  unsigned identifier = configuration.can_id + offset;
+  const unsigned reply = configuration.can_reply_id;
+  if (configuration.can_id < reply && identifier >= reply) {
+    ++identifier;
+  }
+  if (address >= kSerialAddresses || identifier >= kCanIdentifiers) {
+    throw Failure(fmt::format("--count {}: a serial line has addresses up to {}", offset + 1,
+                              kSerialAddresses - 1));
+  }
+  configuration.serial_address = static_cast<std::uint8_t>(address);
+  configuration.can_id = static_cast<std::uint16_t>(identifier);
+}
+
+/// The interface that a line without one means.
+std::string_view default_interface(const rack::Product& product, std::size_t devices) {
+  const auto& interfaces = product.serial_interfaces;
+  const bool shared = devices > 1 && std::ranges::find(interfaces, kShared) != interfaces.end();
+  return shared ? kShared : interfaces.front();
+}
+
+rack::SerialConnection connection_of(const std::string& text, const rack::Product& product,
+                                     std::size_t devices) {
+  const std::size_t equals = text.find('=');
+  const bool named = equals != std::string::npos && equals < text.find(':');
+  const std::string interface =
+      named ? text.substr(0, equals) : std::string(default_interface(product, devices));
+  if (std::ranges::find(product.serial_interfaces, interface) == product.serial_interfaces.end()) {
+    throw Failure(fmt::format("--serial {}: a {} has no interface \"{}\"; it has {}", text,
+                              product.type, interface, fmt::join(product.serial_interfaces, ", ")));
+  }
+  std::string line = named ? text.substr(equals + 1) : text;
+  if (const auto address = link::parse_serial_link(line); !address) {
+    throw Failure(address.error().text);
+  }
+  return {interface, std::move(line)};
+}
+
+/// What PyTrinamic needs to reach a module on the line; nothing for products without TMCL.
+std::string hints(const rack::SerialLineConfiguration& line, const link::SerialLink& link) {
+  const auto address = link::parse_serial_link(line.link);
+  if (address && address->kind == link::SerialLinkKind::tcp) {
+    return fmt::format(
+        "  ConnectionManager(\"--interface socket_serial_tmcl --port {0}\").connect()   # "
+        "PyTrinamic\n"
+        "  serial.serial_for_url(\"socket://{0}\")   # pyserial\n",
+        link.name());
+  }
+  return fmt::format(
+      "  ConnectionManager(\"--interface serial_tmcl --port {0} --data-rate 9600\").connect()   # "
+      "PyTrinamic\n"
+      "  serial.Serial(\"{0}\")   # pyserial\n",
+      link.name());
+}
+
+std::string serial_address_text(const rack::ProductConfiguration& product) {
+  const auto* const module = std::get_if<devices::Tmcm142Configuration>(&product);
+  return module != nullptr ? fmt::format(", address {}", module->serial_address) : "";
+}
+
+template <typename Visit>
+void for_each_device(const rack::RackConfiguration& configuration, const Visit& visit) {
+  for (const rack::SegmentConfiguration& segment : configuration.segments) {
+    std::ranges::for_each(segment.devices, visit);
+  }
+  for (const rack::BusConfiguration& bus : configuration.buses) {
+    std::ranges::for_each(bus.devices, visit);
+  }
+}
+
+}  // namespace
+
+void count_address(rack::ProductConfiguration& product, unsigned offset) {
+  std::visit(
+      [offset](auto& configuration) {
+        if constexpr (requires { configuration.node_id; }) {
+          if (configuration.node_id + offset > canopen::kMaximumNodeId) {
+            throw Failure(fmt::format("--count {}: a CAN bus has node-IDs up to {}", offset + 1,
+                                      canopen::kMaximumNodeId));
+          }
+          configuration.node_id = static_cast<std::uint8_t>(configuration.node_id + offset);
+        } else if constexpr (requires { configuration.serial_address; }) {
+          count_tmcl_address(configuration, offset);
+        }
+      },
+      product);
+}
+
+std::string address_text(const rack::ProductConfiguration& product) {
+  return std::visit(
+      [](const auto& configuration) -> std::string {
+        if constexpr (requires { configuration.node_id; }) {
+          return fmt::format(", node-ID {}", configuration.node_id);
+        } else if constexpr (requires { configuration.serial_address; }) {
+          return fmt::format(", identifier {}, replies to {}", configuration.can_id,
+                             configuration.can_reply_id);
+        } else {
+          return {};
+        }
+      },
+      product);
+}
+
+void connect_serial_lines(const std::vector<std::string>& lines,
+                          rack::RackConfiguration& configuration) {
+  for (const std::string& text : lines) {
+    auto& devices = configuration.segments.empty() ? configuration.buses.front().devices
+                                                   : configuration.segments.front().devices;
+    const rack::Product& product = *rack::product_of(devices.front().product);
+    const rack::SerialConnection connection = connection_of(text, product, devices.size());
+    for (rack::DeviceConfiguration& device : devices) {
+      device.serial.push_back(connection);
+    }
+  }
+}
+
+void print_line(const rack::RackConfiguration& configuration,
+                const rack::SerialLineConfiguration& line, const link::SerialLink& link) {
+  fmt::print("Serial line {}{}:\n", link.name(), line.pacing ? ", paced" : "");
+  for_each_device(configuration, [&line](const rack::DeviceConfiguration& device) {
+    for (const rack::SerialConnection& connection : device.serial) {
+      if (connection.line == line.link) {
+        fmt::print("  {}  ({}, {}{})\n", device.name, rack::product_name(device.product),
+                   connection.interface, serial_address_text(device.product));
+      }
+    }
+  });
+  fmt::print("Programs open it:\n{}", hints(line, link));
+}
+
+}  // namespace stator::cli

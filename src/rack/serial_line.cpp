@@ -1,0 +1,215 @@
+#include "rack/serial_line.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace stator::rack {
+
+using base::SimDuration;
+using base::SimTime;
+
+/// The end of the line at one device.
+class SerialLine::Member final : public tmcl::SerialPort {
+ public:
+  Member(SerialLine& line, devices::Device& device, std::string interface, CanNetwork* network,
+         std::size_t position)
+      : line_(line),
+        device_(device),
+        interface_(std::move(interface)),
+        network_(network),
+        position_(position) {}
+  ~Member() override { static_cast<void>(device_.connect_serial(interface_, nullptr)); }
+
+  [[nodiscard]] bool connect() { return device_.connect_serial(interface_, this); }
+
+  // The device's side.
+  [[nodiscard]] std::size_t take(std::span<std::byte> buffer) override {
+    return queue_.empty() ? 0 : queue_.pop(buffer);
+  }
+  void send(std::span<const std::byte> bytes) override { line_.send(*this, bytes); }
+
+  // The line's side.
+  /// Returns how many of the bytes it heard.
+  std::size_t hear(std::span<const std::byte> bytes) {
+    return powered_ ? queue_.push(bytes) : bytes.size();
+  }
+  void serve(SimTime now) {
+    device_.handle_serial(now);
+    if (network_ != nullptr) {
+      network_->touched(position_);
+    }
+  }
+  void set_power(bool on) {
+    powered_ = on;
+    queue_.clear();
+  }
+  [[nodiscard]] bool waits() const { return !queue_.empty(); }
+  [[nodiscard]] const devices::Device& device() const { return device_; }
+  [[nodiscard]] std::optional<std::uint32_t> baud_rate() const {
+    return device_.baud_rate(interface_);
+  }
+  [[nodiscard]] SimTime deadline() const {
+    return network_ != nullptr ? network_->deadline_of(position_) : SimTime::never();
+  }
+  [[nodiscard]] SimTime next_reply() const { return device_.next_serial_reply(); }
+  /// Where the device is on its way through time.
+  [[nodiscard]] SimTime now() const { return network_ != nullptr ? network_->now() : SimTime(); }
+
+ private:
+  SerialLine& line_;
+  devices::Device& device_;
+  std::string interface_;
+  CanNetwork* network_;
+  std::size_t position_;
+  bool powered_ = true;
+  Queue queue_;
+};
+
+SerialLine::SerialLine(SerialLineConfiguration configuration)
+    : configuration_(std::move(configuration)) {}
+
+SerialLine::~SerialLine() = default;
+
+bool SerialLine::add(devices::Device& device, const std::string& interface, CanNetwork* network,
+                     std::size_t position) {
+  auto member = std::make_unique<Member>(*this, device, interface, network, position);
+  if (!member->connect()) {
+    return false;
+  }
+  members_.push_back(std::move(member));
+  return true;
+}
+
+std::size_t SerialLine::room() const {
+  return speed() ? incoming_.room() : kQueuedBytes;
+}
+
+void SerialLine::put(std::span<const std::byte> bytes, SimTime now) {
+  now_ = std::max(now_, now);
+  statistics_.bytes_in += bytes.size();
+  if (!configuration_.pacing || !speed()) {
+    // Byte by byte, so that devices answer in the order in which they were asked.
+    const std::size_t piece = members_.size() > 1 ? 1 : bytes.size();
+    for (; !bytes.empty(); bytes = bytes.subspan(piece)) {
+      deliver(bytes.first(piece), now_);
+    }
+    return;
+  }
+  statistics_.bytes_lost += bytes.size() - incoming_.push(bytes);
+  if (next_arrival_ == SimTime::never() && !incoming_.empty()) {
+    next_arrival_ = now_ + byte_time();
+  }
+}
+
+void SerialLine::advance(SimTime now) {
+  while (next_deadline() <= now) {
+    now_ = std::max(now_, next_deadline());
+    if (next_departure_ <= now_) {
+      depart(now_);
+    }
+    if (next_arrival_ <= now_) {
+      arrive(now_);
+    }
+  }
+  now_ = std::max(now_, now);
+}
+
+void SerialLine::arrive(SimTime now) {
+  std::array<std::byte, 1> byte{};
+  static_cast<void>(incoming_.pop(byte));
+  deliver(byte, now);
+  next_arrival_ = incoming_.empty() ? SimTime::never() : now + byte_time();
+}
+
+void SerialLine::depart(SimTime now) {
+  std::array<std::byte, 1> byte{};
+  static_cast<void>(outgoing_.pop(byte));
+  hand_out(byte);
+  next_departure_ = outgoing_.empty() ? SimTime::never() : now + byte_time();
+}
+
+void SerialLine::deliver(std::span<const std::byte> bytes, SimTime now) {
+  const auto line_speed = configuration_.pacing ? speed() : std::nullopt;
+  for (const auto& member : members_) {
+    const auto rate = line_speed ? member->baud_rate() : std::nullopt;
+    const std::size_t heard = !rate || rate == line_speed ? member->hear(bytes) : 0;
+    statistics_.bytes_lost += bytes.size() - heard;
+  }
+  for (const auto& member : members_) {
+    member->serve(now);
+  }
+}
+
+void SerialLine::send(const Member& member, std::span<const std::byte> bytes) {
+  const auto line_speed = configuration_.pacing ? speed() : std::nullopt;
+  if (!line_speed) {
+    hand_out(bytes);
+    return;
+  }
+  const auto rate = member.baud_rate();
+  if (rate && rate != line_speed) {
+    statistics_.bytes_lost += bytes.size();
+    return;
+  }
+  statistics_.bytes_lost += bytes.size() - outgoing_.push(bytes);
+  if (next_departure_ == SimTime::never() && !outgoing_.empty()) {
+    next_departure_ = std::max(now_, member.now()) + byte_time();
+  }
+}
+
+void SerialLine::hand_out(std::span<const std::byte> bytes) {
+  statistics_.bytes_out += bytes.size();
+  if (output_) {
+    output_(bytes);
+  }
+}
+
+SimTime SerialLine::next_device_deadline() const {
+  SimTime next = SimTime::never();
+  for (const auto& member : members_) {
+    next = std::min(next, member->deadline());
+  }
+  return next;
+}
+
+SimTime SerialLine::next_reply() const {
+  SimTime next = next_deadline();
+  for (const auto& member : members_) {
+    next = std::min(next, member->next_reply());
+  }
+  return next;
+}
+
+bool SerialLine::waits() const {
+  return std::ranges::any_of(members_, [](const auto& member) { return member->waits(); });
+}
+
+void SerialLine::set_power(const devices::Device& device, bool on) {
+  for (const auto& member : members_) {
+    if (&member->device() == &device) {
+      member->set_power(on);
+    }
+  }
+}
+
+std::optional<std::uint32_t> SerialLine::speed() const {
+  if (!configuration_.pacing) {
+    return std::nullopt;
+  }
+  for (const auto& member : members_) {
+    if (const auto rate = member->baud_rate()) {
+      return rate;
+    }
+  }
+  return std::nullopt;
+}
+
+// To the nearest nanosecond; called only while the line has a speed, or had one when bytes came.
+SimDuration SerialLine::byte_time() const {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const auto rate = std::int64_t{speed().value_or(static_cast<std::uint32_t>(kSecond))};
+  return SimDuration((kBitsPerByte * kSecond + rate / 2) / rate);
+}
+
+}  // namespace stator::rack

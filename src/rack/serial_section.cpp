@@ -1,0 +1,120 @@
+#include "rack/serial_section.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "link/serial_link.hpp"
+#include "rack/device_section.hpp"
+#include "rack/rack_file.hpp"
+
+namespace stator::rack {
+
+namespace {
+
+using namespace base::literals;
+
+/// All lines that devices of the rack name.
+std::set<std::string> lines_of_devices(const RackConfiguration& configuration) {
+  std::set<std::string> lines;
+  const auto add = [&lines](const std::vector<DeviceConfiguration>& devices) {
+    for (const DeviceConfiguration& device : devices) {
+      for (const SerialConnection& connection : device.serial) {
+        lines.insert(connection.line);
+      }
+    }
+  };
+  for (const SegmentConfiguration& segment : configuration.segments) {
+    add(segment.devices);
+  }
+  for (const BusConfiguration& bus : configuration.buses) {
+    add(bus.devices);
+  }
+  return lines;
+}
+
+SerialLineConfiguration read_line(TomlSection& section) {
+  SerialLineConfiguration line;
+  const std::optional<std::string> link = section.text("link");
+  if (!link) {
+    section.fail("link", fmt::format("\"link\" is missing; it is the line as devices name it, {}",
+                                     link::kSerialLinkForms));
+  }
+  line.link = *link;
+  line.pacing = section.boolean("pacing").value_or(line.pacing);
+  std::set<std::string> waits;
+  for (const auto& [name, mode] : wait_modes()) {
+    waits.insert(name);
+  }
+  if (const auto wait = section.choice("wait", waits)) {
+    line.wait = wait_modes().at(*wait);
+  }
+  line.spin_time = section.duration("spin_time", 1_us, 1_s).value_or(line.spin_time);
+  if (const auto cpu = section.integer("cpu", 0, 1023)) {
+    line.cpu = static_cast<unsigned>(*cpu);
+  }
+  return line;
+}
+
+}  // namespace
+
+std::vector<SerialConnection> read_serial_connections(TomlSection& section,
+                                                      const Product& product) {
+  std::vector<SerialConnection> connections;
+  for (const std::string_view name : product.serial_interfaces) {
+    const std::string interface(name);
+    const std::optional<std::string> line = section.text(interface);
+    if (!line) {
+      continue;
+    }
+    if (const auto address = link::parse_serial_link(*line); !address) {
+      section.fail(interface, address.error().text);
+    }
+    connections.push_back({interface, *line});
+  }
+  return connections;
+}
+
+void read_line_devices(TomlSection& root, std::set<std::string>& names,
+                       std::vector<BusConfiguration>& buses) {
+  BusConfiguration bus = bus_without_wire();
+  for (TomlSection& section : root.sections("device")) {
+    bus.devices.push_back(read_device(section, names, NetworkKind::bus));
+    const DeviceConfiguration& device = bus.devices.back();
+    if (device.serial.empty()) {
+      const Product& product = *product_of(device.product);
+      section.fail("type",
+                   fmt::format("\"{}\" cannot be reached: a [[device]] needs a serial line; write "
+                               "{} = \"{}\", or put it on a [[bus]]",
+                               device.name, fmt::join(product.serial_interfaces, " or "),
+                               link::kSerialLinkForms));
+    }
+    section.finish();
+  }
+  if (!bus.devices.empty()) {
+    buses.push_back(std::move(bus));
+  }
+}
+
+void read_lines(TomlSection& root, RackConfiguration& configuration) {
+  const std::set<std::string> named = lines_of_devices(configuration);
+  for (TomlSection& section : root.sections("line")) {
+    SerialLineConfiguration line = read_line(section);
+    if (!named.contains(line.link)) {
+      section.fail("link", fmt::format("\"link\" is \"{}\", which no device names; {}", line.link,
+                                       named.empty() ? "give a device a serial line"
+                                                     : fmt::format("the lines are: {}",
+                                                                   fmt::join(named, ", "))));
+    }
+    if (std::ranges::find(configuration.lines, line.link, &SerialLineConfiguration::link) !=
+        configuration.lines.end()) {
+      section.fail("link", fmt::format("the line \"{}\" has two [[line]] tables", line.link));
+    }
+    configuration.lines.push_back(std::move(line));
+    section.finish();
+  }
+}
+
+}  // namespace stator::rack

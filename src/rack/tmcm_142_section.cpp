@@ -1,0 +1,163 @@
+#include "rack/tmcm_142_section.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "devices/tmcm_142/options.hpp"
+#include "devices/tmcm_142/parameters.hpp"
+#include "rack/stepper_axis_section.hpp"
+#include "tmcl/assembler.hpp"
+#include "tmcl/program_image.hpp"
+
+namespace stator::rack {
+
+namespace {
+
+using namespace base::literals;
+using devices::tmcm_142::Options;
+
+/// Keys of options that are on or off.
+struct Switch {
+  const char* key;
+  bool Options::*option;
+};
+constexpr std::array kSwitches{
+    Switch{"writable_encoder_position", &Options::writable_encoder_position},
+    Switch{"eight_input_bits", &Options::eight_input_bits},
+    Switch{"opto_bias", &Options::opto_bias},
+};
+
+/// An integer of its own range and type.
+template <typename Integer>
+void set_integer(TomlSection& section, const char* key, std::int64_t minimum, std::int64_t maximum,
+                 Integer& target) {
+  if (const auto value = section.integer(key, minimum, maximum)) {
+    target = static_cast<Integer>(*value);
+  }
+}
+
+/// A parameter that holds a rate by its place in a table, `first` being the place of the first one;
+/// rack files name the rate itself.
+template <std::size_t Size>
+void set_rate(TomlSection& section, const char* key, const char* unit,
+              const std::array<std::uint32_t, Size>& rates, std::uint32_t scale, std::size_t first,
+              std::uint8_t& index) {
+  const auto rate = section.integer(key, 0, std::numeric_limits<std::int32_t>::max());
+  if (!rate) {
+    return;
+  }
+  std::vector<std::uint32_t> named(rates.begin(), rates.end());
+  for (std::uint32_t& each : named) {
+    each /= scale;
+  }
+  const auto found = std::ranges::find(named, *rate);
+  if (found == named.end()) {
+    section.fail(key, fmt::format("\"{}\" is {} {}; the module knows {}", key, *rate, unit,
+                                  fmt::join(named, ", ")));
+  }
+  index = static_cast<std::uint8_t>(first + static_cast<std::size_t>(found - named.begin()));
+}
+
+std::string content_of(TomlSection& section, const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string content{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file.is_open() || file.bad()) {
+    section.fail("program", fmt::format("cannot read the program {}: {}; check the path and its "
+                                        "permissions",
+                                        path, std::generic_category().message(errno)));
+  }
+  return content;
+}
+
+std::vector<tmcl::Instruction> image_in(TomlSection& section, const std::string& path,
+                                        const std::string& content) {
+  auto program = tmcl::program_in(std::as_bytes(std::span(content)));
+  if (!program) {
+    section.fail("program", fmt::format("{} has {} bytes, which is no multiple of {}; make it with "
+                                        "\"stator tmcl assemble --format binary\"",
+                                        path, content.size(), tmcl::kInstructionLength));
+  }
+  return std::move(*program);
+}
+
+std::vector<tmcl::Instruction> assembled(TomlSection& section, const std::string& path,
+                                         const std::string& text) {
+  tmcl::Assembly assembly = tmcl::assemble(text, devices::tmcm_142_description());
+  const auto error =
+      std::ranges::find(assembly.diagnostics, tmcl::Severity::error, &tmcl::Diagnostic::severity);
+  if (error != assembly.diagnostics.end()) {
+    section.fail("program",
+                 fmt::format("{}:{}:{}: {}; \"stator tmcl assemble {}\" lists all errors", path,
+                             error->line, error->column, error->message, path));
+  }
+  return std::move(assembly.program.instructions);
+}
+
+void read_program(TomlSection& section, std::vector<tmcl::Instruction>& program) {
+  const auto path = section.text("program");
+  if (!path) {
+    return;
+  }
+  const std::string content = content_of(section, *path);
+  program = path->ends_with(".bin") ? image_in(section, *path, content)
+                                    : assembled(section, *path, content);
+  const std::size_t length = devices::tmcm_142_description().program_length;
+  if (program.size() > length) {
+    section.fail("program", fmt::format("{} has {} commands; the program memory holds {}", *path,
+                                        program.size(), length));
+  }
+}
+
+void read_dip_switches(TomlSection section, devices::tmcm_142::DipSwitches& switches) {
+  set_integer(section, "address", 0, 15, switches.address);
+  std::set<std::string> interfaces{"can"};
+  for (const std::string_view name : devices::Tmcm142::kSerialInterfaces) {
+    interfaces.emplace(name);
+  }
+  if (const auto interface = section.choice("interface", interfaces)) {
+    switches.interface = *interface;
+  }
+  section.finish();
+}
+
+}  // namespace
+
+void read_tmcm_142(TomlSection& section, devices::Tmcm142Configuration& configuration) {
+  set_integer(section, "address", 0, 0xFF, configuration.serial_address);
+  set_rate(section, "baud_rate", "bit/s", devices::tmcm_142::kBaudRates, 1, 0,
+           configuration.baud_rate);
+  set_integer(section, "can_id", 0, 0x7FF, configuration.can_id);
+  set_integer(section, "can_reply_id", 0, 0x7FF, configuration.can_reply_id);
+  set_rate(section, "bit_rate", "kbit/s", devices::tmcm_142::kCanBitRates, 1000, 1,
+           configuration.can_bit_rate);
+  configuration.auto_start = section.boolean("auto_start").value_or(configuration.auto_start);
+  read_program(section, configuration.program);
+  configuration.instruction_time =
+      section.duration("instruction_time", 1_ns, 1_s).value_or(configuration.instruction_time);
+  set_integer(section, "seed", 0, std::numeric_limits<std::int64_t>::max(), configuration.seed);
+  for (const Switch& entry : kSwitches) {
+    bool& option = configuration.options.*entry.option;
+    option = section.boolean(entry.key).value_or(option);
+  }
+  if (auto switches = section.section("dip_switches")) {
+    read_dip_switches(*switches, configuration.dip_switches);
+  }
+  if (auto axis = section.section("axis")) {
+    read_stepper_axis(*axis, configuration.axis);
+  }
+}
+
+}  // namespace stator::rack

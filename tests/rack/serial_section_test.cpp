@@ -1,0 +1,101 @@
+// Serial lines and the devices on them in rack files.
+
+#include "rack/serial_section.hpp"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "rack/event_log.hpp"
+#include "rack/rack.hpp"
+#include "rack/rack_file.hpp"
+
+namespace stator::rack {
+namespace {
+
+using namespace base::literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string refusal_of(const std::string& text) {
+  try {
+    static_cast<void>(parse_rack_file(text, "test.toml"));
+  } catch (const RackFileError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::string module_with_usb(const std::string& usb) {
+  return "[[segment]]\n[[segment.device]]\ntype = \"tmcm-3315\"\nusb = \"" + usb + "\"\n";
+}
+
+const std::string kDevice = "[[device]]\ntype = \"tmcc160\"\nserial = \"pty:/tmp/a\"\n";
+
+TEST(SerialSection, MistakesOfALineAreExplained) {
+  EXPECT_THAT(refusal_of(module_with_usb("/dev/ttyUSB0")),
+              HasSubstr("write pty:PATH or tcp:[ADDRESS:]PORT"));
+  EXPECT_THAT(refusal_of(module_with_usb("pty:")), HasSubstr("write pty:PATH"));
+  EXPECT_THAT(refusal_of(module_with_usb("tcp:host:1")), HasSubstr("IPv4 address"));
+  EXPECT_THAT(refusal_of(module_with_usb("tcp:70000")), HasSubstr("port from 1 to 65535"));
+  EXPECT_EQ(refusal_of(module_with_usb("tcp:4001")), "accepted");
+}
+
+TEST(SerialSection, DevicesOnSerialLinesOnlyAreOnNoBus) {
+  const RackConfiguration configuration =
+      parse_rack_file(kDevice + "[[bus]]\n[[bus.device]]\ntype = \"tmcc160\"\nname = \"b\"\n", "t");
+  ASSERT_EQ(configuration.buses.size(), 2U);
+  EXPECT_TRUE(configuration.buses[0].wire);
+  EXPECT_FALSE(configuration.buses[1].wire);
+  EXPECT_THAT(configuration.buses[1].devices[0].serial,
+              ElementsAre(SerialConnection{"serial", "pty:/tmp/a"}));
+  EventLog log;
+  Rack rack(configuration, log);
+  EXPECT_EQ(rack.line_count(), 1U);
+  EXPECT_FALSE(rack.bus(1).bus().connected(rack.bus(1).member_of(0)));
+}
+
+TEST(SerialSection, ADeviceWithoutAnyLineIsRefused) {
+  EXPECT_THAT(refusal_of("[[device]]\ntype = \"tmcc160\"\n"),
+              HasSubstr("\"tmcc160\" cannot be reached: a [[device]] needs a serial line"));
+  EXPECT_THAT(refusal_of("[[device]]\ntype = \"tmcm-3315\"\n"), HasSubstr("tmcm-3315"));
+}
+
+TEST(SerialSection, ItsNameIsUniqueAndItHasNoCable) {
+  EXPECT_THAT(refusal_of(kDevice + kDevice), HasSubstr("given twice"));
+  const std::string event = "[[event]]\nat = \"1s\"\ndevice = \"tmcc160\"\naction = ";
+  EXPECT_THAT(refusal_of(kDevice + event + "\"break\"\n"), HasSubstr("serial lines only"));
+  EXPECT_THAT(refusal_of(kDevice + event + "\"bus-off\"\n"), HasSubstr("on no CAN bus"));
+  EXPECT_EQ(refusal_of(kDevice + event + "\"power-off\"\n"), "accepted");
+}
+
+TEST(SerialSection, ALineHasSettingsOfItsOwn) {
+  const RackConfiguration configuration = parse_rack_file(kDevice + R"(
+[[line]]
+link = "pty:/tmp/a"
+pacing = true
+wait = "adaptive"
+spin_time = "50us"
+cpu = 1
+)",
+                                                          "t");
+  ASSERT_EQ(configuration.lines.size(), 1U);
+  const SerialLineConfiguration& line = configuration.lines[0];
+  EXPECT_EQ(line.link, "pty:/tmp/a");
+  EXPECT_TRUE(line.pacing);
+  EXPECT_EQ(line.wait, link::WaitMode::adaptive);
+  EXPECT_EQ(line.spin_time, 50_us);
+  EXPECT_EQ(line.cpu, 1U);
+}
+
+TEST(SerialSection, ALineThatNobodyNamesOrThatIsThereTwiceIsRefused) {
+  EXPECT_THAT(refusal_of(kDevice + "[[line]]\nlink = \"pty:/tmp/b\"\n"),
+              HasSubstr("which no device names; the lines are: pty:/tmp/a"));
+  EXPECT_THAT(refusal_of(kDevice + "[[line]]\npacing = true\n"), HasSubstr("\"link\" is missing"));
+  const std::string line = "[[line]]\nlink = \"pty:/tmp/a\"\n";
+  EXPECT_THAT(refusal_of(kDevice + line + line), HasSubstr("two [[line]] tables"));
+}
+
+}  // namespace
+}  // namespace stator::rack
