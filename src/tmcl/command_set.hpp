@@ -42,6 +42,7 @@ struct Operand {
 struct Symbol {
   std::string_view name;
   std::int32_t value = 0;
+  std::string_view source{};  ///< lines of the document, where it tells of each on its own
 };
 
 /// One command: from it follow its name, the syntax of assembler, disassembler and ASCII lines, and
@@ -55,6 +56,7 @@ struct CommandDeclaration {
   CommandUse use;
   std::array<Operand, kOperands> operands{};  ///< in the order of the text; unused ones at the end
   std::span<const Symbol> symbols{};          ///< of the operand with Meaning::symbol
+  std::string_view source{};                  ///< lines of the document
 
   [[nodiscard]] constexpr std::size_t operand_count() const {
     std::size_t count = 0;
