@@ -129,7 +129,7 @@ void read_lines(TomlSection& root, RackConfiguration& configuration) {
   for (TomlSection& section : root.sections("line")) {
     SerialLineConfiguration line = read_line(section);
     if (!named.contains(line.link)) {
-      section.fail("link", fmt::format("\"link\" is \"{}\", which no device names; {}", line.link,
+      section.fail("link", fmt::format(R"("link" is "{}", which no device names; {})", line.link,
                                        named.empty() ? "give a device a serial line"
                                                      : fmt::format("the lines are: {}",
                                                                    fmt::join(named, ", "))));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -107,16 +108,18 @@ std::vector<tmcl::Instruction> assembled(TomlSection& section, const std::string
 }
 
 void read_program(TomlSection& section, std::vector<tmcl::Instruction>& program) {
-  const auto path = section.text("program");
-  if (!path) {
+  const auto name = section.text("program");
+  if (!name) {
     return;
   }
-  const std::string content = content_of(section, *path);
-  program = path->ends_with(".bin") ? image_in(section, *path, content)
-                                    : assembled(section, *path, content);
+  const std::string path =
+      (std::filesystem::path(section.file()).parent_path() / *name).lexically_normal().string();
+  const std::string content = content_of(section, path);
+  program =
+      path.ends_with(".bin") ? image_in(section, path, content) : assembled(section, path, content);
   const std::size_t length = devices::tmcm_142_description().program_length;
   if (program.size() > length) {
-    section.fail("program", fmt::format("{} has {} commands; the program memory holds {}", *path,
+    section.fail("program", fmt::format("{} has {} commands; the program memory holds {}", path,
                                         program.size(), length));
   }
 }

@@ -24,6 +24,8 @@ class TomlSection {
       : file_(std::move(file)), path_(std::move(path)), table_(&table) {}
 
   [[nodiscard]] const std::string& path() const { return path_; }
+  /// The rack file, as it was named.
+  [[nodiscard]] const std::string& file() const { return file_; }
 
   std::optional<std::string> text(const std::string& key);
   /// Whether `key` is there and is a text, for keys that take a text or something else.

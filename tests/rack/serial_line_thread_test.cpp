@@ -28,7 +28,6 @@
 namespace stator::rack {
 namespace {
 
-using testing::HasSubstr;
 using Bytes = std::vector<std::byte>;
 using Settings = tests::TestSerialDevice::Settings;
 
@@ -221,8 +220,9 @@ TEST_F(SerialLineThreadTest, InLockstepAPacedLineMovesTimeUntilTheReplyHasPassed
   program_sends(client, question(1));
   EXPECT_EQ(program_reads(client, tmcl::kTelegramLength), answer(1));
   runner_->stop();
-  EXPECT_EQ(device(0).served.back() - base::SimTime(base::SimDuration(50'000)),
-            base::SimDuration(86'806) * 9 - base::SimDuration(50'000));
+  constexpr base::SimDuration kByteTime{86'806};
+  EXPECT_EQ(device(0).served.back(), base::SimTime(kByteTime * 9));
+  EXPECT_EQ(runner_->now(), base::SimTime(kByteTime * 18));
 }
 
 TEST_F(SerialLineThreadTest, InLockstepADeviceThatLooksInItsPeriodMovesNoTime) {

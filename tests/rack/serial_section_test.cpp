@@ -31,7 +31,9 @@ std::string module_with_usb(const std::string& usb) {
   return "[[segment]]\n[[segment.device]]\ntype = \"tmcm-3315\"\nusb = \"" + usb + "\"\n";
 }
 
-const std::string kDevice = "[[device]]\ntype = \"tmcc160\"\nserial = \"pty:/tmp/a\"\n";
+std::string device() {
+  return "[[device]]\ntype = \"tmcc160\"\nserial = \"pty:/tmp/a\"\n";
+}
 
 TEST(SerialSection, MistakesOfALineAreExplained) {
   EXPECT_THAT(refusal_of(module_with_usb("/dev/ttyUSB0")),
@@ -43,8 +45,8 @@ TEST(SerialSection, MistakesOfALineAreExplained) {
 }
 
 TEST(SerialSection, DevicesOnSerialLinesOnlyAreOnNoBus) {
-  const RackConfiguration configuration =
-      parse_rack_file(kDevice + "[[bus]]\n[[bus.device]]\ntype = \"tmcc160\"\nname = \"b\"\n", "t");
+  const RackConfiguration configuration = parse_rack_file(
+      device() + "[[bus]]\n[[bus.device]]\ntype = \"tmcc160\"\nname = \"b\"\n", "t");
   ASSERT_EQ(configuration.buses.size(), 2U);
   EXPECT_TRUE(configuration.buses[0].wire);
   EXPECT_FALSE(configuration.buses[1].wire);
@@ -63,11 +65,11 @@ TEST(SerialSection, ADeviceWithoutAnyLineIsRefused) {
 }
 
 TEST(SerialSection, ItsNameIsUniqueAndItHasNoCable) {
-  EXPECT_THAT(refusal_of(kDevice + kDevice), HasSubstr("given twice"));
+  EXPECT_THAT(refusal_of(device() + device()), HasSubstr("given twice"));
   const std::string event = "[[event]]\nat = \"1s\"\ndevice = \"tmcc160\"\naction = ";
-  EXPECT_THAT(refusal_of(kDevice + event + "\"break\"\n"), HasSubstr("serial lines only"));
-  EXPECT_THAT(refusal_of(kDevice + event + "\"bus-off\"\n"), HasSubstr("on no CAN bus"));
-  EXPECT_EQ(refusal_of(kDevice + event + "\"power-off\"\n"), "accepted");
+  EXPECT_THAT(refusal_of(device() + event + "\"break\"\n"), HasSubstr("serial lines only"));
+  EXPECT_THAT(refusal_of(device() + event + "\"bus-off\"\n"), HasSubstr("on no CAN bus"));
+  EXPECT_EQ(refusal_of(device() + event + "\"power-off\"\n"), "accepted");
 }
 
 TEST(SerialSection, OnlyRs485AndRs422ShareALine) {
@@ -81,8 +83,18 @@ TEST(SerialSection, OnlyRs485AndRs422ShareALine) {
   EXPECT_THAT(refusal_of(module("a", "rs232") + module("b", "rs232")), HasSubstr("a.rs232"));
 }
 
+TEST(SerialSection, RacksWithSerialLinesCanBeBuilt) {
+  for (const char* name : {"tmcl-module", "rs485-line"}) {
+    const RackConfiguration configuration =
+        load_rack_file(STATOR_SOURCE_DIR "/racks/" + std::string(name) + ".toml");
+    EventLog log;
+    const Rack rack(configuration, log);
+    EXPECT_EQ(rack.line_count(), 1U) << name;
+  }
+}
+
 TEST(SerialSection, ALineHasSettingsOfItsOwn) {
-  const RackConfiguration configuration = parse_rack_file(kDevice + R"(
+  const RackConfiguration configuration = parse_rack_file(device() + R"(
 [[line]]
 link = "pty:/tmp/a"
 pacing = true
@@ -101,11 +113,11 @@ cpu = 1
 }
 
 TEST(SerialSection, ALineThatNobodyNamesOrThatIsThereTwiceIsRefused) {
-  EXPECT_THAT(refusal_of(kDevice + "[[line]]\nlink = \"pty:/tmp/b\"\n"),
+  EXPECT_THAT(refusal_of(device() + "[[line]]\nlink = \"pty:/tmp/b\"\n"),
               HasSubstr("which no device names; the lines are: pty:/tmp/a"));
-  EXPECT_THAT(refusal_of(kDevice + "[[line]]\npacing = true\n"), HasSubstr("\"link\" is missing"));
+  EXPECT_THAT(refusal_of(device() + "[[line]]\npacing = true\n"), HasSubstr("\"link\" is missing"));
   const std::string line = "[[line]]\nlink = \"pty:/tmp/a\"\n";
-  EXPECT_THAT(refusal_of(kDevice + line + line), HasSubstr("two [[line]] tables"));
+  EXPECT_THAT(refusal_of(device() + line + line), HasSubstr("two [[line]] tables"));
 }
 
 }  // namespace

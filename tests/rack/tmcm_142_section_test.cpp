@@ -120,6 +120,14 @@ TEST_F(Tmcm142Program, ATextIsAssembledAndRuns) {
   EXPECT_EQ(module.module().read_global_parameter(2, 0), 4711);
 }
 
+TEST_F(Tmcm142Program, ItsPathBeginsAtTheRackFile) {
+  write("a.tmc", "STOP\n");
+  write("rack.toml", with("program = \"a.tmc\"\n"));
+  const RackConfiguration configuration = load_rack_file(path("rack.toml"));
+  const auto& product = configuration.buses.at(0).devices.at(0).product;
+  EXPECT_EQ(std::get<Tmcm142Configuration>(product).program.size(), 1U);
+}
+
 TEST_F(Tmcm142Program, AnImageIsTakenAsItIs) {
   write("a.bin", std::string("\x09\x00\x02\x00\x00\x12\x67", 7));
   const Tmcm142Configuration module = module_with(key("a.bin"));

@@ -1,0 +1,74 @@
+// stator run --serial
+
+#include "cli/serial_lines.hpp"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cli/failure.hpp"
+#include "cli/stator_program.hpp"
+#include "rack/product_catalogue.hpp"
+
+namespace stator {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using tests::Outcome;
+using tests::stator;
+
+TEST(SerialLines, ModulesHaveAddressesAndIdentifiersInARowWithoutThatOfReplies) {
+  for (unsigned offset = 0; offset < 4; ++offset) {
+    rack::ProductConfiguration product = devices::Tmcm142Configuration{};
+    cli::count_address(product, offset);
+    const auto& module = std::get<devices::Tmcm142Configuration>(product);
+    EXPECT_EQ(module.serial_address, 1 + offset);
+    EXPECT_EQ(module.can_id, offset == 0 ? 1U : 2 + offset);
+    EXPECT_EQ(module.can_reply_id, 2);
+  }
+  rack::ProductConfiguration product = devices::Tmcm142Configuration{};
+  EXPECT_THROW(cli::count_address(product, 255), cli::Failure);
+}
+
+TEST(SerialLines, OneModuleIsOnItsFirstInterfaceAndSeveralShareRs485) {
+  rack::RackConfiguration one = rack::single_device_rack("tmcm-142");
+  cli::connect_serial_lines({"pty:/tmp/a=b", "usb=tcp:4001"}, one);
+  EXPECT_THAT(one.buses[0].devices[0].serial,
+              ElementsAre(rack::SerialConnection{"rs232", "pty:/tmp/a=b"},
+                          rack::SerialConnection{"usb", "tcp:4001"}));
+  rack::RackConfiguration two = rack::single_device_rack("tmcm-142");
+  two.buses[0].devices.push_back(two.buses[0].devices[0]);
+  cli::connect_serial_lines({"pty:/tmp/a"}, two);
+  for (const rack::DeviceConfiguration& device : two.buses[0].devices) {
+    EXPECT_THAT(device.serial, ElementsAre(rack::SerialConnection{"rs485", "pty:/tmp/a"}));
+  }
+}
+
+TEST(SerialLines, MistakesAreExplained) {
+  const auto refusal_of = [](const std::string& options) {
+    return stator("run " + options).output;
+  };
+  EXPECT_THAT(refusal_of("--device tmcm-142 --serial serial=pty:/tmp/x"),
+              HasSubstr("no interface \"serial\"; it has rs232, rs485, rs422, usb"));
+  EXPECT_THAT(refusal_of("--device tmcm-142 --serial /dev/ttyS0"),
+              HasSubstr("write pty:PATH or tcp:[ADDRESS:]PORT"));
+  EXPECT_THAT(refusal_of("--device tmcm-142 --count 2 --serial usb=tcp:0"),
+              HasSubstr("2 devices cannot share the line of a usb"));
+  EXPECT_THAT(refusal_of("--device tmcm-142"), HasSubstr("or a serial line with --serial"));
+  EXPECT_THAT(refusal_of(STATOR_SOURCE_DIR "/racks/rs485-line.toml --serial tcp:0"),
+              HasSubstr("a rack file names the serial lines"));
+}
+
+TEST(SerialLines, RunSaysHowProgramsOpenThem) {
+  const Outcome outcome = stator("run --device tmcm-142 --count 2 --serial tcp:0 --duration 10ms");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.output, AllOf(HasSubstr("tmcm-142-2  (TMCM-142, rs485, address 2)"),
+                                    HasSubstr("socket_serial_tmcl --port 127.0.0.1:"),
+                                    HasSubstr("0 bytes from programs")));
+}
+
+}  // namespace
+}  // namespace stator
