@@ -80,6 +80,20 @@ constexpr std::array<Symbol, 6> kErrorFlags{{{"ALL", 0, "L4917"},
                                              {"EPO", 4, "L4923"},
                                              {"ESD", 5, "L4925"}}};
 
+constexpr std::array<CommandForm, 2> kOutputForms{
+    {{"SIO", CommandForm::kAny, 2, "L3538-L3573"}, {"SIO all", 255, 2, "L3574-L3592"}}};
+constexpr std::array<CommandForm, 4> kInputForms{
+    {{"GIO digital", CommandForm::kAny, 0, "L3593-L3689"},
+     {"GIO all digital", 255, 0, "L3677-L3688"},
+     {"GIO analogue", CommandForm::kAny, 1, "L3690-L3698"},
+     {"GIO output", CommandForm::kAny, 2, "L3700-L3708"}}};
+constexpr std::array<CommandForm, 2> kRunForms{
+    {{"run application (continue)", 0, CommandForm::kAny, "L767-L768;L5068-L5081"},
+     {"run application (from address)", 1, CommandForm::kAny, "L769-L771;L5075-L5083"}}};
+constexpr std::array<CommandForm, 2> kVersionForms{
+    {{"get firmware version (string)", 0, CommandForm::kAny, "L791-L793;L5144-L5199"},
+     {"get firmware version (binary)", 1, CommandForm::kAny, "L791-L793;L5201-L5216"}}};
+
 constexpr std::array<Operand, 3> kUserOperands{{kNumberInType, kNumberInMotor, kValue}};
 
 // TMCM-142 TMCL Firmware Manual, tables of chapter 6.
@@ -163,14 +177,16 @@ constexpr std::array<CommandDeclaration, 51> kClassic{{
      kEverywhere,
      {{kPort, kBank, kValue}},
      {},
-     "L3538-L3573;L3574-L3592"},
+     "L3538-L3573;L3574-L3592",
+     kOutputForms},
     {get_input,
      "GIO",
      "get input or output",
      kEverywhere,
      {{kPort, kBank}},
      {},
-     "L3593-L3689;L3677-L3688;L3690-L3698;L3700-L3708"},
+     "L3593-L3689;L3677-L3688;L3690-L3698;L3700-L3708",
+     kInputForms},
     {calculate,
      "CALC",
      "calculate with a constant",
@@ -269,12 +285,13 @@ constexpr std::array<CommandDeclaration, 51> kClassic{{
      kDirect,
      {},
      {},
-     "L767-L768;L5068-L5081;L769-L771;L5075-L5083"},
+     "L767-L768;L5068-L5081;L769-L771;L5075-L5083",
+     kRunForms},
     {step_application, "", "step application", kDirect, {}, {}, "L772-L773;L5085-L5094"},
     {reset_application, "", "reset application", kDirect, {}, {}, "L774-L777;L5096-L5107"},
-    {start_download, "", "start download", kDirect, {}, {}, "L778-L781;L5109-L5122"},
-    {quit_download, "", "quit download", kDirect, {}, {}, "L782-L783;L5124-L5134"},
-    {read_memory, "", "read memory", kDirect, {}, {}, "L784-L785;L5135-L5136"},
+    {start_download, "", "start download mode", kDirect, {}, {}, "L778-L781;L5109-L5122"},
+    {quit_download, "", "quit download mode", kDirect, {}, {}, "L782-L783;L5124-L5134"},
+    {read_memory, "", "read TMCL memory", kDirect, {}, {}, "L784-L785;L5135-L5136"},
     {get_application_status,
      "",
      "get application status",
@@ -288,7 +305,8 @@ constexpr std::array<CommandDeclaration, 51> kClassic{{
      kDirect,
      {},
      {},
-     "L791-L793;L5144-L5199;L5201-L5216"},
+     "L791-L793;L5144-L5199;L5201-L5216",
+     kVersionForms},
     {restore_factory_settings,
      "",
      "restore factory settings",
@@ -298,7 +316,7 @@ constexpr std::array<CommandDeclaration, 51> kClassic{{
      "L794-L800;L5158-L5172"},
     {request_target_reached_event,
      "",
-     "request target-reached event",
+     "request target position reached event",
      kDirect,
      {},
      {},

@@ -64,12 +64,16 @@ std::string ports_text(std::uint32_t bits) {
   return text;
 }
 
+/// The ports that a bank of SIO and GIO has.
+std::string ports_of_bank(const ModuleDescription& module, int bank) {
+  const std::uint32_t bits = bank == 0   ? module.digital_inputs
+                             : bank == 1 ? module.analog_inputs
+                                         : module.outputs;
+  return "port " + ports_text(bits);
+}
+
 std::string bank_text(const CommandDeclaration& command) {
   switch (command.command) {
-    case Command::set_output:
-      return "bank 2";
-    case Command::get_input:
-      return "bank 0 digital, 1 analogue, 2 output";
     case Command::store_global_parameter:
     case Command::restore_global_parameter:
       return "bank 2";
@@ -77,6 +81,8 @@ std::string bank_text(const CommandDeclaration& command) {
       return "bank 0 or 2";
   }
 }
+
+using CommandRow = std::array<std::string, kCommandColumns.size()>;
 
 std::string operand_text(const ModuleDescription& module, const CommandDeclaration& command,
                          Field field) {
@@ -96,9 +102,7 @@ std::string operand_text(const ModuleDescription& module, const CommandDeclarati
     case Meaning::coordinate:
       return "coordinate " + numbers_up_to(module.coordinates);
     case Meaning::port:
-      return "port " + (command.command == Command::set_output
-                            ? ports_text(module.outputs) + "; 255 all"
-                            : ports_text(module.digital_inputs) + "; 255 all");
+      return "port";
     case Meaning::address:
       return "address " + numbers_up_to(module.program_length);
     case Meaning::ticks:
@@ -108,6 +112,35 @@ std::string operand_text(const ModuleDescription& module, const CommandDeclarati
       break;
   }
   return "-2147483648..2147483647";
+}
+
+CommandRow row_of(const ModuleDescription& module, const CommandDeclaration& command,
+                  const Symbol* symbol) {
+  const std::string mnemonic(command.mnemonic.empty() ? command.name : command.mnemonic);
+  return {std::to_string(static_cast<int>(command.command)),
+          symbol != nullptr ? mnemonic + ' ' + std::string(symbol->name) : mnemonic,
+          symbol != nullptr ? std::to_string(symbol->value)
+                            : operand_text(module, command, Field::type),
+          operand_text(module, command, Field::motor),
+          operand_text(module, command, Field::value),
+          std::string(reply_text(command, symbol)),
+          std::string(symbol != nullptr ? symbol->source : command.source),
+          std::string(command.name)};
+}
+
+CommandRow row_of(const ModuleDescription& module, const CommandDeclaration& command,
+                  const CommandForm& form) {
+  CommandRow row = row_of(module, command, nullptr);
+  row[1] = form.name;
+  if (form.bank != CommandForm::kAny) {
+    row[2] = ports_of_bank(module, form.bank);
+    row[3] = "bank " + std::to_string(form.bank);
+  }
+  if (form.type != CommandForm::kAny) {
+    row[2] = std::to_string(form.type);
+  }
+  row[6] = form.source;
+  return row;
 }
 
 }  // namespace
@@ -164,25 +197,16 @@ std::vector<std::array<std::string, kGlobalParameterColumns.size()>> list_global
 
 std::vector<std::array<std::string, kCommandColumns.size()>> list_commands(
     const ModuleDescription& module) {
-  std::vector<std::array<std::string, kCommandColumns.size()>> rows;
-  const auto add = [&](const CommandDeclaration& command, const Symbol* symbol) {
-    const std::string_view mnemonic = command.mnemonic.empty() ? command.name : command.mnemonic;
-    rows.push_back(
-        {std::to_string(static_cast<int>(command.command)),
-         std::string(mnemonic) + (symbol != nullptr ? " " + std::string(symbol->name) : ""),
-         symbol != nullptr ? std::to_string(symbol->value)
-                           : operand_text(module, command, Field::type),
-         operand_text(module, command, Field::motor), operand_text(module, command, Field::value),
-         std::string(reply_text(command, symbol)),
-         std::string(symbol != nullptr ? symbol->source : command.source),
-         std::string(command.name)});
-  };
+  std::vector<CommandRow> rows;
   for (const CommandDeclaration& command : module.commands.all()) {
-    if (command.symbols.empty()) {
-      add(command, nullptr);
-    }
     for (const Symbol& symbol : command.symbols) {
-      add(command, &symbol);
+      rows.push_back(row_of(module, command, &symbol));
+    }
+    for (const CommandForm& form : command.forms) {
+      rows.push_back(row_of(module, command, form));
+    }
+    if (command.symbols.empty() && command.forms.empty()) {
+      rows.push_back(row_of(module, command, nullptr));
     }
   }
   return rows;
