@@ -90,6 +90,7 @@ struct ShellCommands {
     const std::int32_t count =
         text.empty() ? 20 : required_number(text, "how many commands to read");
     std::vector<tmcl::Instruction> program;
+    program.reserve(static_cast<std::size_t>(std::max(count, 0)));
     for (std::int32_t address = 0; address < count; ++address) {
       program.push_back(shell.send(Command::read_memory, 0, address).cell.value());
     }
