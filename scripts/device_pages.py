@@ -7,8 +7,8 @@
 A device page has text written by hand and, between two marker lines, its conformance: every
 requirement of tests/data/<device>/requirements.csv in words, block by block, with its status and
 tests from docs/conformance/<device>.csv. The table is what `stator describe` prints: the object
-dictionary of a product, <device>-objects.md, or the registers of a bare slave controller,
-<device>-registers.md.
+dictionary of a product, <device>-objects.md, its parameters and commands, <device>-parameters.md,
+or the registers of a bare slave controller, <device>-registers.md.
 """
 
 import argparse
@@ -77,17 +77,21 @@ def products(stator):
     return {line.split()[0] for line in listing.splitlines()[1:]}
 
 
-def objects_page(device, stator):
-    """The object dictionary of a product; None if it has none."""
+def product_page(device, stator):
+    """What the tables of a product are and their page; None if it has none."""
     try:
         table, command = describe(device, stator)
     except subprocess.CalledProcessError as error:
         if "has no object dictionary" not in error.stderr:
             raise
         return None
-    return (f"# Objects of the {device.upper()}\n\n"
-            f"Made by `{command} --format markdown`; the CSV and JSON formats\n"
-            f"also carry the place in the device's document and notes.\n\n{table}")
+    # An object dictionary is one table, a TMCL module has several with headings.
+    if table.startswith("## "):
+        return "parameters", (f"# Parameters and commands of the {device.upper()}\n\n"
+                              f"Made by `{command} --format markdown`.\n\n{table}")
+    return "objects", (f"# Objects of the {device.upper()}\n\n"
+                       f"Made by `{command} --format markdown`; the CSV and JSON formats\n"
+                       f"also carry the place in the device's document and notes.\n\n{table}")
 
 
 def registers_page(device, stator):
@@ -120,8 +124,9 @@ def main():
                      f"there; write what the device is, and the marker lines\n{BEGIN}\n{END}")
         wanted = {page: device_page(device, page.read_text(encoding="utf-8"))}
         if device in running:
-            if table := objects_page(device, arguments.stator):
-                wanted[page.with_name(f"{device}-objects.md")] = table
+            if made := product_page(device, arguments.stator):
+                kind, table = made
+                wanted[page.with_name(f"{device}-{kind}.md")] = table
         elif table := registers_page(device, arguments.stator):
             wanted[page.with_name(f"{device}-registers.md")] = table
         elif page.with_name(f"{device}-registers.md").exists():

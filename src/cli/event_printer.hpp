@@ -13,7 +13,7 @@ namespace stator::cli {
 
 /// One line per event, "0.001500 s, refusal: ...".
 [[nodiscard]] inline std::string event_line(const base::Event& event) {
-  constexpr auto word = [](base::Severity severity) -> std::string_view {
+  constexpr auto kWord = [](base::Severity severity) -> std::string_view {
     switch (severity) {
       case base::Severity::information:
         return "information";
@@ -26,7 +26,7 @@ namespace stator::cli {
     }
     return "";
   };
-  return fmt::format("{:.6f} s, {}: {}", event.time.seconds(), word(event.rule->severity),
+  return fmt::format("{:.6f} s, {}: {}", event.time.seconds(), kWord(event.rule->severity),
                      base::to_sentence(event));
 }
 

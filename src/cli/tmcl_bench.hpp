@@ -38,9 +38,8 @@ class TmclBench {
   ~TmclBench();
 
   [[nodiscard]] base::SimTime now() const { return now_; }
-  [[nodiscard]] devices::Device& device() { return *module_.device; }
-  [[nodiscard]] tmcl::Firmware& firmware() { return *module_.firmware; }
-  [[nodiscard]] const tmcl::Firmware& firmware() const { return *module_.firmware; }
+  [[nodiscard]] devices::Device& device() const { return *module_.device; }
+  [[nodiscard]] tmcl::Firmware& firmware() const { return *module_.firmware; }
 
   /// Puts `program` into the memory and starts it from its first command on.
   void start(std::span<const tmcl::Instruction> program);

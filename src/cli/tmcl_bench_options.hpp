@@ -8,7 +8,7 @@
 #include "cli/tmcl_bench.hpp"
 #include "tmcl/module_description.hpp"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's
 class App;
 }
 

@@ -39,8 +39,8 @@ class Session {
   /// False: the debugger is to end.
   bool obey(std::string_view line) {
     const DebugResponse response = console_.execute(line);
-    std::fputs(response.text.c_str(), response.failed ? stderr : stdout);
-    std::fflush(stdout);
+    fmt::print(response.failed ? stderr : stdout, "{}", response.text);
+    static_cast<void>(std::fflush(stdout));
     failures_ += response.failed ? 1 : 0;
     return !response.quit;
   }

@@ -30,8 +30,10 @@ struct DebugCommands {
     return static_cast<std::uint64_t>(value);
   }
 
-  static std::string run(Console& console, Words) { return console.told(console.debugger_.run()); }
-  static std::string start(Console& console, Words) {
+  static std::string run(Console& console, Words /*operands*/) {
+    return console.told(console.debugger_.run());
+  }
+  static std::string start(Console& console, Words /*operands*/) {
     console.debugger_.restart();
     return console.told({});
   }
@@ -41,7 +43,7 @@ struct DebugCommands {
   static std::string next(Console& console, Words text) {
     return console.told(console.debugger_.next(count(console, text)));
   }
-  static std::string finish(Console& console, Words) {
+  static std::string finish(Console& console, Words /*operands*/) {
     if (console.debugger_.depth() == 0) {
       throw Console::Refusal{"the program is in no subroutine"};
     }
@@ -126,7 +128,7 @@ struct DebugCommands {
   }
   static std::string catch_refusals(Console& console, Words text) {
     if (text != "refused" && text != "off") {
-      throw Console::Refusal{"expected \"catch refused\" or \"catch off\""};
+      throw Console::Refusal{R"(expected "catch refused" or "catch off")"};
     }
     console.debugger_.stop_on_refusal(text == "refused");
     return {};
@@ -230,7 +232,7 @@ struct DebugCommands {
     console.list_from_ = line;
     return listing;
   }
-  static std::string backtrace(Console& console, Words) {
+  static std::string backtrace(Console& console, Words /*operands*/) {
     const auto stack = console.debugger_.bench().firmware().interpreter().stack();
     std::string text = fmt::format("#0  {}\n", console.place(console.debugger_.address()));
     for (std::size_t i = stack.size(); i > 0; --i) {
@@ -275,9 +277,9 @@ struct DebugCommands {
     }
     return told;
   }
-  static std::string echo(Console&, Words text) { return std::string(text) + "\n"; }
-  static std::string quit(Console&, Words) { return {}; }
-  static std::string help(Console&, Words text) {
+  static std::string echo(Console& /*console*/, Words text) { return std::string(text) + "\n"; }
+  static std::string quit(Console& /*console*/, Words /*operands*/) { return {}; }
+  static std::string help(Console& /*console*/, Words text) {
     std::string told;
     for (const DebugCommand& each : debug_commands()) {
       if (text.empty() || each.name == text || each.short_name == text) {

@@ -33,7 +33,7 @@ base::Expected<const DebugCommand*, std::string> command_named(std::string_view 
     return found;
   }
   if (count > 1) {
-    return base::Unexpected{fmt::format("\"{}\" may be: {}", word, candidates)};
+    return base::Unexpected{fmt::format(R"("{}" may be: {})", word, candidates)};
   }
   std::vector<std::string_view> names;
   std::ranges::transform(debug_commands(), std::back_inserter(names), &DebugCommand::name);
@@ -240,7 +240,7 @@ StopPoint& TmclDebugConsole::stop_point(std::string_view number) {
       error == std::errc() && read == end ? debugger_.find_stop_point(found) : nullptr;
   if (point == nullptr) {
     throw Refusal{
-        fmt::format("there is no breakpoint \"{}\"; \"info breakpoints\" lists them", number)};
+        fmt::format(R"(there is no breakpoint "{}"; "info breakpoints" lists them)", number)};
   }
   return *point;
 }

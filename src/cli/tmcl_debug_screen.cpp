@@ -35,7 +35,8 @@ constexpr int kDelete = 127;
 class Terminal {
  public:
   Terminal() {
-    std::setlocale(LC_CTYPE, "");
+    // Before any thread exists.
+    static_cast<void>(std::setlocale(LC_CTYPE, ""));  // NOLINT(concurrency-mt-unsafe)
     ::initscr();
     ::cbreak();
     ::noecho();
@@ -288,7 +289,7 @@ class DebugScreen {
     const TmclSource& source = debugger_.source();
     const int width = COLS - kPanelWidth - 1;
     for (int row = 0; row < text_rows(); ++row) {
-      const auto line = static_cast<std::size_t>(first_line_ + row);
+      const auto line = static_cast<std::size_t>(first_line_) + static_cast<std::size_t>(row);
       if (line > source.lines().size()) {
         print(row, 0, width, "~", A_DIM);
         continue;

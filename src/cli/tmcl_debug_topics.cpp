@@ -25,7 +25,7 @@ tmcl::HostAnswer read(TmclDebugger& debugger, tmcl::Command command, std::uint8_
       tmcl::Origin::serial, debugger.bench().now());
 }
 
-std::string breakpoints(TmclDebugger& debugger, std::string_view) {
+std::string breakpoints(TmclDebugger& debugger, std::string_view /*pattern*/) {
   if (debugger.stop_points().empty()) {
     return "No breakpoints or watchpoints.\n";
   }
@@ -57,7 +57,7 @@ std::string_view application_text(tmcl::ApplicationStatus status) {
   return "";
 }
 
-std::string registers(TmclDebugger& debugger, std::string_view) {
+std::string registers(TmclDebugger& debugger, std::string_view /*pattern*/) {
   const tmcl::FirmwareState& state = debugger.bench().firmware().state();
   const tmcl::Interpreter& interpreter = debugger.bench().firmware().interpreter();
   return fmt::format(
@@ -72,7 +72,7 @@ std::string registers(TmclDebugger& debugger, std::string_view) {
       seconds_text(debugger.bench().now()));
 }
 
-std::string flags(TmclDebugger& debugger, std::string_view) {
+std::string flags(TmclDebugger& debugger, std::string_view /*pattern*/) {
   const tmcl::Registers& registers = debugger.bench().firmware().state().registers;
   const std::string text = flags_text(registers);
   return (text.empty() ? "no flag is set" : text) + "\n";
@@ -112,7 +112,7 @@ std::string globals(TmclDebugger& debugger, std::string_view pattern, bool varia
   return text;
 }
 
-std::string coordinates(TmclDebugger& debugger, std::string_view) {
+std::string coordinates(TmclDebugger& debugger, std::string_view /*pattern*/) {
   std::string text;
   for (unsigned number = 0; number < debugger.source().module().coordinates; ++number) {
     const auto answer =
@@ -148,7 +148,7 @@ std::string inputs(TmclDebugger& debugger, std::string_view pattern) {
   return text;
 }
 
-std::string outputs(TmclDebugger& debugger, std::string_view) {
+std::string outputs(TmclDebugger& debugger, std::string_view /*pattern*/) {
   return ports(debugger, "out", debugger.source().module().outputs, 2);
 }
 
@@ -162,7 +162,7 @@ std::string signals(TmclDebugger& debugger, std::string_view pattern) {
   return text.empty() ? fmt::format("no signal matches \"{}\"\n", pattern) : text;
 }
 
-std::string program(TmclDebugger& debugger, std::string_view) {
+std::string program(TmclDebugger& debugger, std::string_view /*pattern*/) {
   const TmclSource& source = debugger.source();
   std::string text =
       fmt::format("{}: {} of {} commands\n", source.file(), source.program().instructions.size(),

@@ -209,7 +209,7 @@ Number TmclDebugValues::evaluate(std::string_view text) const {
     if (place == std::string_view::npos) {
       continue;
     }
-    const Number left = sum(whole.substr(0, place));
+    Number left = sum(whole.substr(0, place));
     if (!left) {
       return left;
     }

@@ -30,7 +30,9 @@ namespace stator::cli {
 namespace {
 
 /// What a person wants to see first of a motion.
-const std::vector<std::string> kUsualSignals{"*position_actual", "*velocity_actual"};
+std::vector<std::string> usual_signals() {
+  return {"*position_actual", "*velocity_actual"};
+}
 
 struct RunOptions : TmclBenchOptions {
   std::string limit = "60s";
@@ -128,8 +130,9 @@ class ProgramRun {
         source_(load_tmcl_source(options.program, tmcl_module(options.device))),
         bench_(make_tmcl_module(options, base::EventReporter(&events_, 0))),
         limit_(duration_of("--for", options.limit)),
-        signals_(rack::select_signals(bench_.device().signals(),
-                                      options.signals.empty() ? kUsualSignals : options.signals)) {
+        signals_(rack::select_signals(bench_.device().signals(), options.signals.empty()
+                                                                     ? usual_signals()
+                                                                     : options.signals)) {
     for (const InputChange& change : input_changes(options)) {
       if (change.time == base::SimTime()) {
         bench_.set_input(change.input, change.value);

@@ -53,25 +53,25 @@ struct ShellCommands {
     }
     return "done\n";
   }
-  static std::string halt(TmclShell& shell, Words) {
+  static std::string halt(TmclShell& shell, Words /*operands*/) {
     shell.send(Command::stop_application);
     return "done\n";
   }
-  static std::string step(TmclShell& shell, Words) {
+  static std::string step(TmclShell& shell, Words /*operands*/) {
     shell.send(Command::step_application);
     return "done\n";
   }
-  static std::string reset(TmclShell& shell, Words) {
+  static std::string reset(TmclShell& shell, Words /*operands*/) {
     shell.send(Command::reset_application);
     return "done\n";
   }
-  static std::string status(TmclShell& shell, Words) {
+  static std::string status(TmclShell& shell, Words /*operands*/) {
     constexpr std::array<Words, 4> kStates{"stopped", "running", "stepping", "reset"};
     const auto state = static_cast<std::size_t>(shell.send(Command::get_application_status).value);
     return fmt::format("the program is {}\n",
                        state < kStates.size() ? kStates[state] : "in an unknown state");
   }
-  static std::string version(TmclShell& shell, Words) {
+  static std::string version(TmclShell& shell, Words /*operands*/) {
     const std::string text = shell.send(Command::get_firmware_version).version;
     const std::int32_t value = shell.send(Command::get_firmware_version, 1).value;
     return fmt::format("{} ({:08x}h)\n", text, static_cast<std::uint32_t>(value));
@@ -90,17 +90,18 @@ struct ShellCommands {
     const std::int32_t count =
         text.empty() ? 20 : required_number(text, "how many commands to read");
     std::vector<tmcl::Instruction> program;
+    program.reserve(static_cast<std::size_t>(std::max(count, 0)));
     for (std::int32_t address = 0; address < count; ++address) {
       program.push_back(shell.send(Command::read_memory, 0, address).cell.value());
     }
     return tmcl::disassemble(program, shell.module_);
   }
-  static std::string factory(TmclShell& shell, Words) {
+  static std::string factory(TmclShell& shell, Words /*operands*/) {
     constexpr std::int32_t kFactorySettings = 1234;
     shell.send(Command::restore_factory_settings, 0, kFactorySettings);
     return "done; felt at the next start\n";
   }
-  static std::string event(TmclShell& shell, Words) {
+  static std::string event(TmclShell& shell, Words /*operands*/) {
     shell.send(Command::request_target_reached_event, 0, 1);
     return "done; \"wait event\" waits for it\n";
   }
@@ -112,7 +113,7 @@ struct ShellCommands {
       return shell.connection_.pass(*duration) ? "the target was reached\n" : "";
     }
     if (text != "pos" && text != "event") {
-      throw TmclShell::Refusal{"expected a duration, e.g. 500ms, or \"pos\" or \"event\""};
+      throw TmclShell::Refusal{R"(expected a duration, e.g. 500ms, or "pos" or "event")"};
     }
     for (int look = 0; look < kLooks; ++look) {
       const bool told = shell.connection_.pass(kLook);
@@ -131,7 +132,7 @@ struct ShellCommands {
     return {};
   }
   static std::string help(TmclShell& shell, Words text);
-  static std::string quit(TmclShell&, Words) { return {}; }
+  static std::string quit(TmclShell& /*shell*/, Words /*operands*/) { return {}; }
 };
 
 namespace {

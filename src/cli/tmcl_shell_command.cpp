@@ -43,8 +43,8 @@ int converse(TmclShell& shell, const std::string& name, bool strict) {
   int refused = 0;
   while (const auto line = reader.read()) {
     const ShellResponse response = shell.execute(*line);
-    std::fputs(response.text.c_str(), stdout);
-    std::fflush(stdout);
+    fmt::print("{}", response.text);
+    static_cast<void>(std::fflush(stdout));
     refused += response.refused ? 1 : 0;
     if (response.quit || (strict && response.refused && !reader.interactive())) {
       break;

@@ -1,5 +1,6 @@
 #include "cli/tmcl_trace.hpp"
 
+#include <algorithm>
 #include <iterator>
 #include <string_view>
 #include <utility>
@@ -53,6 +54,9 @@ TmclTrace::TmclTrace(std::FILE* file, const TmclSource& source,
       signals_(std::move(signals)),
       options_(options),
       outcomes_(source.module().program_length) {
+  for (std::size_t address = 0; address < source.program().instructions.size(); ++address) {
+    command_width_ = std::max(command_width_, source.command_at(address).size());
+  }
   if (options_.csv) {
     std::string row = "time [s],address,line,command,accumulator,x,flags,status";
     for (const devices::Signal& signal : signals_) {
@@ -62,8 +66,8 @@ TmclTrace::TmclTrace(std::FILE* file, const TmclSource& source,
     return;
   }
   std::string row =
-      fmt::format("{:>12} {:>7} {:>5}  {:36} {:>11} {:>11}  {:11} {:>6}", "TIME [s]", "ADDRESS",
-                  "LINE", "COMMAND", "ACCUMULATOR", "X", "FLAGS", "STATUS");
+      fmt::format("{:>12} {:>7} {:>5}  {:{}} {:>11} {:>11}  {:11} {:>6}", "TIME [s]", "ADDRESS",
+                  "LINE", "COMMAND", command_width_, "ACCUMULATOR", "X", "FLAGS", "STATUS");
   for (const devices::Signal& signal : signals_) {
     fmt::format_to(std::back_inserter(row), "  {} [{}]", signal.name, signal.unit);
   }
@@ -96,8 +100,8 @@ void TmclTrace::executed(const tmcl::ProgramStep& step, const tmcl::Registers& r
                    flags_text(registers), status);
   } else {
     row =
-        fmt::format("{:>12} {:>7} {:>5}  {:36} {:>11} {:>11}  {:11} {:>6}", seconds_text(step.time),
-                    step.address, line_text, source_.command_at(step.address),
+        fmt::format("{:>12} {:>7} {:>5}  {:{}} {:>11} {:>11}  {:11} {:>6}", seconds_text(step.time),
+                    step.address, line_text, source_.command_at(step.address), command_width_,
                     registers.accumulator, registers.x, flags_text(registers), status);
   }
   for (const devices::Signal& signal : signals_) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <string>
@@ -56,6 +57,7 @@ class TmclTrace final : public tmcl::ProgramObserver {
   const TmclSource& source_;
   std::vector<devices::Signal> signals_;
   TraceOptions options_;
+  std::size_t command_width_ = 20;
   std::vector<Outcome> outcomes_;  ///< by address
   std::uint64_t era_ = 1;
   bool good_ = true;
