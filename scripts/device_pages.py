@@ -72,14 +72,19 @@ def describe(device, stator, *options):
 
 
 def products(stator):
-    """Names of the devices that run and have an object dictionary."""
+    """Names of the devices that run."""
     listing = subprocess.run([stator, "devices"], check=True, capture_output=True, text=True).stdout
     return {line.split()[0] for line in listing.splitlines()[1:]}
 
 
 def objects_page(device, stator):
-    """The object dictionary of a product."""
-    table, command = describe(device, stator)
+    """The object dictionary of a product; None if it has none."""
+    try:
+        table, command = describe(device, stator)
+    except subprocess.CalledProcessError as error:
+        if "has no object dictionary" not in error.stderr:
+            raise
+        return None
     return (f"# Objects of the {device.upper()}\n\n"
             f"Made by `{command} --format markdown`; the CSV and JSON formats\n"
             f"also carry the place in the device's document and notes.\n\n{table}")
@@ -106,7 +111,7 @@ def main():
                         help="the stator program (default: %(default)s)")
     arguments = parser.parse_args()
     stale = []
-    with_objects = products(arguments.stator)
+    running = products(arguments.stator)
     for status in sorted((ROOT / "docs/conformance").glob("*.csv")):
         device = status.stem
         page = ROOT / "docs/devices" / f"{device}.md"
@@ -114,8 +119,9 @@ def main():
             sys.exit(f"docs/devices/{device}.md is missing, but docs/conformance/{device}.csv is "
                      f"there; write what the device is, and the marker lines\n{BEGIN}\n{END}")
         wanted = {page: device_page(device, page.read_text(encoding="utf-8"))}
-        if device in with_objects:
-            wanted[page.with_name(f"{device}-objects.md")] = objects_page(device, arguments.stator)
+        if device in running:
+            if table := objects_page(device, arguments.stator):
+                wanted[page.with_name(f"{device}-objects.md")] = table
         elif table := registers_page(device, arguments.stator):
             wanted[page.with_name(f"{device}-registers.md")] = table
         elif page.with_name(f"{device}-registers.md").exists():

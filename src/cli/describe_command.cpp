@@ -15,6 +15,7 @@
 #include "cli/failure.hpp"
 #include "cli/products.hpp"
 #include "cli/register_listing.hpp"
+#include "cli/tmcl_module_listing.hpp"
 #include "dictionary/description.hpp"
 
 namespace stator::cli {
@@ -83,6 +84,8 @@ struct DescribeOptions {
   bool registers = false;
   bool signals = false;
   bool inputs = false;
+  std::string parameters;  ///< of a module with TMCL: axis or global
+  bool commands = false;   ///< of a module with TMCL
 };
 
 constexpr std::array<std::string_view, 2> kSignalColumns{"signal", "unit"};
@@ -155,6 +158,13 @@ void describe(const DescribeOptions& options) {
     list_inputs(options);
     return;
   }
+  if (const tmcl::ModuleDescription* module = find_tmcl_module(options.device)) {
+    list_tmcl_module(*module, {options.parameters, options.commands}, options.format);
+    return;
+  }
+  if (!options.parameters.empty() || options.commands) {
+    static_cast<void>(tmcl_module(options.device));
+  }
   const auto device = build_product(options.device);
   std::vector<EntryDescription> rows;
   if (device->object_dictionary() == nullptr) {
@@ -183,8 +193,8 @@ void add_describe_command(CLI::App& app) {
   auto options = std::make_shared<DescribeOptions>();
   CLI::App* command =
       app.add_subcommand("describe",
-                         "Print the object dictionary of a product, its registers, signals or "
-                         "inputs");
+                         "Print the object dictionary of a product or its parameters and "
+                         "commands, its registers, signals or inputs");
   command
       ->add_option("device", options->device,
                    "Product, see \"stator devices\"; with --registers also tmc8461, tmc8670")
@@ -202,10 +212,16 @@ void add_describe_command(CLI::App& app) {
       ->excludes(signals)
       ->excludes(registers);
   signals->excludes(registers);
+  command
+      ->add_option("--parameters", options->parameters,
+                   "Of a module with TMCL: only its axis or its global parameters")
+      ->check(CLI::IsMember({"axis", "global"}));
+  command->add_flag("--commands", options->commands, "Of a module with TMCL: only its commands");
   command->footer(
       "Examples:\n"
       "  stator describe tmcm-3315 --format csv > objects.csv\n"
       "  stator describe tmcm-3315 --inputs\n"
+      "  stator describe tmcm-142 --parameters axis --format csv\n"
       "  stator describe tmc8670 --registers --preset silicon --format csv");
   command->callback([options] { describe(*options); });
 }

@@ -12,13 +12,18 @@ std::unique_ptr<devices::Device> build_product(const std::string& type) {
   return rack::make_device(rack::require_product(type).default_configuration(), {});
 }
 
-const tmcl::ModuleDescription& tmcl_module(const std::string& type) {
+const tmcl::ModuleDescription* find_tmcl_module(const std::string& type) {
   const tmcl::ModuleDescription& only = devices::tmcm_142_description();
-  if (type != only.product) {
+  return type == only.product ? &only : nullptr;
+}
+
+const tmcl::ModuleDescription& tmcl_module(const std::string& type) {
+  const tmcl::ModuleDescription* module = find_tmcl_module(type);
+  if (module == nullptr) {
     throw Failure(fmt::format("\"{}\" runs no programs in TMCL; the device that does is {}", type,
-                              only.product));
+                              devices::tmcm_142_description().product));
   }
-  return only;
+  return *module;
 }
 
 }  // namespace stator::cli

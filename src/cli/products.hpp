@@ -12,6 +12,9 @@ namespace stator::cli {
 /// products there are.
 [[nodiscard]] std::unique_ptr<devices::Device> build_product(const std::string& type);
 
+/// Null if the product runs no programs in TMCL.
+[[nodiscard]] const tmcl::ModuleDescription* find_tmcl_module(const std::string& type);
+
 /// The module of that name for which programs in TMCL are written. Throws Failure naming those
 /// there are.
 [[nodiscard]] const tmcl::ModuleDescription& tmcl_module(const std::string& type);

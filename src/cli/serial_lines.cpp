@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 #include <variant>
 
 #include <fmt/format.h>
@@ -51,33 +52,17 @@ rack::SerialConnection connection_of(const std::string& text, const rack::Produc
     throw Failure(fmt::format("--serial {}: a {} has no interface \"{}\"; it has {}", text,
                               product.type, interface, fmt::join(product.serial_interfaces, ", ")));
   }
+  if (devices > 1 && interface != kShared && interface != "rs422") {
+    throw Failure(
+        fmt::format("--serial {}: {} devices cannot share the line of a {}; only rs485 and "
+                    "rs422 are shared, give the others a rack file",
+                    text, devices, interface));
+  }
   std::string line = named ? text.substr(equals + 1) : text;
   if (const auto address = link::parse_serial_link(line); !address) {
     throw Failure(address.error().text);
   }
   return {interface, std::move(line)};
-}
-
-/// What PyTrinamic needs to reach a module on the line; nothing for products without TMCL.
-std::string hints(const rack::SerialLineConfiguration& line, const link::SerialLink& link) {
-  const auto address = link::parse_serial_link(line.link);
-  if (address && address->kind == link::SerialLinkKind::tcp) {
-    return fmt::format(
-        "  ConnectionManager(\"--interface socket_serial_tmcl --port {0}\").connect()   # "
-        "PyTrinamic\n"
-        "  serial.serial_for_url(\"socket://{0}\")   # pyserial\n",
-        link.name());
-  }
-  return fmt::format(
-      "  ConnectionManager(\"--interface serial_tmcl --port {0} --data-rate 9600\").connect()   # "
-      "PyTrinamic\n"
-      "  serial.Serial(\"{0}\")   # pyserial\n",
-      link.name());
-}
-
-std::string serial_address_text(const rack::ProductConfiguration& product) {
-  const auto* const module = std::get_if<devices::Tmcm142Configuration>(&product);
-  return module != nullptr ? fmt::format(", address {}", module->serial_address) : "";
 }
 
 template <typename Visit>
@@ -88,6 +73,44 @@ void for_each_device(const rack::RackConfiguration& configuration, const Visit& 
   for (const rack::BusConfiguration& bus : configuration.buses) {
     std::ranges::for_each(bus.devices, visit);
   }
+}
+
+std::string serial_address_text(const rack::ProductConfiguration& product) {
+  const auto* const module = std::get_if<devices::Tmcm142Configuration>(&product);
+  return module != nullptr ? fmt::format(", address {}", module->serial_address) : "";
+}
+
+/// What programs set the line to, bit/s: TMCL's 9600, or what a paced line needs.
+std::uint32_t baud_rate_of(const rack::RackConfiguration& configuration,
+                           const rack::SerialLineConfiguration& line) {
+  std::uint32_t rate = devices::tmcm_142::kBaudRates.front();
+  for_each_device(configuration, [&](const rack::DeviceConfiguration& device) {
+    const auto* const module = std::get_if<devices::Tmcm142Configuration>(&device.product);
+    if (module != nullptr &&
+        std::ranges::find(device.serial, line.link, &rack::SerialConnection::line) !=
+            device.serial.end()) {
+      rate = devices::tmcm_142::kBaudRates.at(module->baud_rate);
+    }
+  });
+  return rate;
+}
+
+/// How programs open the line, ready to paste.
+std::string hints(const rack::RackConfiguration& configuration,
+                  const rack::SerialLineConfiguration& line, const link::SerialLink& link) {
+  const auto address = link::parse_serial_link(line.link);
+  if (address && address->kind == link::SerialLinkKind::tcp) {
+    return fmt::format(
+        "  ConnectionManager(\"--interface socket_serial_tmcl --port {0}\").connect()   # "
+        "PyTrinamic\n"
+        "  serial.serial_for_url(\"socket://{0}\")   # pyserial\n",
+        link.name());
+  }
+  return fmt::format(
+      "  ConnectionManager(\"--interface serial_tmcl --port {0} --data-rate {1}\").connect()   # "
+      "PyTrinamic\n"
+      "  serial.Serial(\"{0}\", {1})   # pyserial\n",
+      link.name(), baud_rate_of(configuration, line));
 }
 
 }  // namespace
@@ -147,7 +170,7 @@ void print_line(const rack::RackConfiguration& configuration,
       }
     }
   });
-  fmt::print("Programs open it:\n{}", hints(line, link));
+  fmt::print("Programs open it:\n{}", hints(configuration, line, link));
 }
 
 }  // namespace stator::cli

@@ -92,7 +92,7 @@ std::string script_for(const Plot& plot, const std::string& image_path) {
   auto out = std::back_inserter(script);
   fmt::format_to(out, "set output {}\n", quoted(image_path));
   fmt::format_to(out, "set datafile separator ','\n");
-  fmt::format_to(out, "set multiplot layout {},1 title {} font ',16' {}\n", plot.panels.size(),
+  fmt::format_to(out, "set multiplot layout {},1 title {} font ',16' noenhanced {}\n", plot.panels.size(),
                  quoted(plot.title), layout_of(plot));
   fmt::format_to(out,
                  "set grid lt 1 lw 0.6 lc rgb '#cfd6dc'\nset border lc rgb '#5a6470'\n"

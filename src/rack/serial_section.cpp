@@ -1,6 +1,7 @@
 #include "rack/serial_section.hpp"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 
 #include <fmt/format.h>
@@ -16,13 +17,20 @@ namespace {
 
 using namespace base::literals;
 
-/// All lines that devices of the rack name.
-std::set<std::string> lines_of_devices(const RackConfiguration& configuration) {
-  std::set<std::string> lines;
+/// One end of a line at a device.
+struct LineEnd {
+  std::string device;
+  std::string interface;
+};
+
+/// The lines that devices of the rack name, with their ends.
+std::map<std::string, std::vector<LineEnd>> lines_of_devices(
+    const RackConfiguration& configuration) {
+  std::map<std::string, std::vector<LineEnd>> lines;
   const auto add = [&lines](const std::vector<DeviceConfiguration>& devices) {
     for (const DeviceConfiguration& device : devices) {
       for (const SerialConnection& connection : device.serial) {
-        lines.insert(connection.line);
+        lines[connection.line].push_back({device.name, connection.interface});
       }
     }
   };
@@ -33,6 +41,20 @@ std::set<std::string> lines_of_devices(const RackConfiguration& configuration) {
     add(bus.devices);
   }
   return lines;
+}
+
+/// Only RS-485 and RS-422 take more than two ends: the program's and a device's.
+void check_ends(const TomlSection& root, const std::string& line,
+                const std::vector<LineEnd>& ends) {
+  const auto point_to_point = std::ranges::find_if(ends, [](const LineEnd& end) {
+    return end.interface != "rs485" && end.interface != "rs422";
+  });
+  if (ends.size() > 1 && point_to_point != ends.end()) {
+    root.fail("device",
+              fmt::format("the line \"{}\" of {}.{} is named {} times; only rs485 and "
+                          "rs422 share a line, so give each of the others its own",
+                          line, point_to_point->device, point_to_point->interface, ends.size()));
+  }
 }
 
 SerialLineConfiguration read_line(TomlSection& section) {
@@ -99,7 +121,11 @@ void read_line_devices(TomlSection& root, std::set<std::string>& names,
 }
 
 void read_lines(TomlSection& root, RackConfiguration& configuration) {
-  const std::set<std::string> named = lines_of_devices(configuration);
+  std::set<std::string> named;
+  for (const auto& [line, ends] : lines_of_devices(configuration)) {
+    check_ends(root, line, ends);
+    named.insert(line);
+  }
   for (TomlSection& section : root.sections("line")) {
     SerialLineConfiguration line = read_line(section);
     if (!named.contains(line.link)) {

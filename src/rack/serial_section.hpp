@@ -21,7 +21,8 @@ void read_line_devices(TomlSection& root, std::set<std::string>& names,
                        std::vector<BusConfiguration>& buses);
 
 /// Reads the [[line]] tables of a rack file, when all its devices are in `configuration`. Throws
-/// RackFileError, also for a line that no device names.
+/// RackFileError, also for a line that no device names and for one that several devices name with
+/// interfaces that cannot share it.
 void read_lines(TomlSection& root, RackConfiguration& configuration);
 
 }  // namespace stator::rack

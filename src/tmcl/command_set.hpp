@@ -42,6 +42,18 @@ struct Operand {
 struct Symbol {
   std::string_view name;
   std::int32_t value = 0;
+  std::string_view source{};  ///< lines of the document, where it tells of each on its own
+};
+
+/// One of several uses of a command that the document tells of on their own, as far as no symbol
+/// names it.
+struct CommandForm {
+  static constexpr int kAny = -1;
+
+  std::string_view name;
+  int type = kAny;
+  int bank = kAny;
+  std::string_view source{};  ///< lines of the document
 };
 
 /// One command: from it follow its name, the syntax of assembler, disassembler and ASCII lines, and
@@ -55,6 +67,8 @@ struct CommandDeclaration {
   CommandUse use;
   std::array<Operand, kOperands> operands{};  ///< in the order of the text; unused ones at the end
   std::span<const Symbol> symbols{};          ///< of the operand with Meaning::symbol
+  std::string_view source{};                  ///< lines of the document
+  std::span<const CommandForm> forms{};       ///< for lists
 
   [[nodiscard]] constexpr std::size_t operand_count() const {
     std::size_t count = 0;

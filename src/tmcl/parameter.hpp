@@ -47,6 +47,8 @@ struct ParameterDeclaration {
   std::int32_t initial = 0;  ///< factory default
   ParameterUnit unit = ParameterUnit::none;
   std::string_view unit_text{};  ///< in words, for people
+  std::string_view source{};     ///< lines of the module's document
+  std::string_view notes{};      ///< for people
 
   [[nodiscard]] constexpr ParameterRange range() const { return {minimum, maximum}; }
 };

@@ -20,7 +20,9 @@ struct Outcome {
 
 /// Runs the built program as a person would.
 inline Outcome stator(const std::string& arguments) {
-  const std::string command = std::string(STATOR_PROGRAM) + " " + arguments + " 2>&1 </dev/null";
+  std::string command = STATOR_PROGRAM " ";
+  command += arguments;
+  command += " 2>&1 </dev/null";
   std::FILE* pipe = ::popen(command.c_str(), "r");  // NOLINT(cert-env33-c): a shell as people use
   Outcome outcome;
   std::array<char, 4096> buffer{};

@@ -19,18 +19,18 @@ using tests::module_as_new;
 using tests::program;
 
 constexpr const char* kText =
-    "Far = 2 * 256\n"              // 1
-    "Loop:  MVP REL, 0, Far\n"     // 2, address 0
-    "       CSUB Settle\n"         // 3, address 1
-    "       GGP VARIABLE_0, 2\n"   // 4, address 2
-    "       CALC ADD, 1\n"         // 5, address 3
-    "       AGP VARIABLE_0, 2\n"   // 6, address 4
-    "       COMP 3\n"              // 7, address 5
-    "       JC LT, Loop\n"         // 8, address 6
-    "       STOP\n"                // 9, address 7
-    "Settle: WAIT POS, 0, 0\n"     // 10, address 8
-    "       WAIT TICKS, 0, 5\n"    // 11, address 9
-    "       RSUB\n";               // 12, address 10
+    "Far = 2 * 256\n"             // 1
+    "Loop:  MVP REL, 0, Far\n"    // 2, address 0
+    "       CSUB Settle\n"        // 3, address 1
+    "       GGP VARIABLE_0, 2\n"  // 4, address 2
+    "       CALC ADD, 1\n"        // 5, address 3
+    "       AGP VARIABLE_0, 2\n"  // 6, address 4
+    "       COMP 3\n"             // 7, address 5
+    "       JC LT, Loop\n"        // 8, address 6
+    "       STOP\n"               // 9, address 7
+    "Settle: WAIT POS, 0, 0\n"    // 10, address 8
+    "       WAIT TICKS, 0, 5\n"   // 11, address 9
+    "       RSUB\n";              // 12, address 10
 
 class TmclDebugConsole : public testing::Test {
  protected:

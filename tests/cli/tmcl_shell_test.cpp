@@ -104,7 +104,7 @@ TEST_F(TmclShell, HelpTellsWhatACommandTakes) {
 
 TEST(TmclReply, IsReadFromTheBytesOfATelegram) {
   const tmcl::Instruction gap{.command = 6, .type = 1, .motor = 0, .value = 0};
-  const std::array reply{std::byte{1}, std::byte{100}, std::byte{6},    std::byte{0},
+  const std::array reply{std::byte{1}, std::byte{100},  std::byte{6},    std::byte{0},
                          std::byte{0}, std::byte{0x27}, std::byte{0x10}, std::byte{0xA5}};
   EXPECT_EQ(cli::reply_in(reply, gap).value, 10000);
   EXPECT_EQ(cli::reply_in(std::span(reply).first(7), gap).value, 10000) << "a short CAN frame";

@@ -70,6 +70,17 @@ TEST(SerialSection, ItsNameIsUniqueAndItHasNoCable) {
   EXPECT_EQ(refusal_of(kDevice + event + "\"power-off\"\n"), "accepted");
 }
 
+TEST(SerialSection, OnlyRs485AndRs422ShareALine) {
+  const auto module = [](const std::string& name, const std::string& interface) {
+    return "[[device]]\ntype = \"tmcm-142\"\nname = \"" + name + "\"\n" + interface +
+           " = \"tcp:4001\"\n";
+  };
+  EXPECT_EQ(refusal_of(module("a", "rs485") + module("b", "rs485")), "accepted");
+  EXPECT_THAT(refusal_of(module("a", "rs485") + module("b", "usb")),
+              HasSubstr("the line \"tcp:4001\" of b.usb is named 2 times; only rs485 and rs422"));
+  EXPECT_THAT(refusal_of(module("a", "rs232") + module("b", "rs232")), HasSubstr("a.rs232"));
+}
+
 TEST(SerialSection, ALineHasSettingsOfItsOwn) {
   const RackConfiguration configuration = parse_rack_file(kDevice + R"(
 [[line]]
