@@ -7,8 +7,8 @@
 A device page has text written by hand and, between two marker lines, its conformance: every
 requirement of tests/data/<device>/requirements.csv in words, block by block, with its status and
 tests from docs/conformance/<device>.csv. The table is what `stator describe` prints: the object
-dictionary of a product, <device>-objects.md, or the registers of a bare slave controller,
-<device>-registers.md.
+dictionary of a product, <device>-objects.md, the parameters and commands of a TMCL module,
+<device>-parameters.md, or the registers of a bare slave controller, <device>-registers.md.
 """
 
 import argparse
@@ -77,17 +77,21 @@ def products(stator):
     return {line.split()[0] for line in listing.splitlines()[1:]}
 
 
-def objects_page(device, stator):
-    """The object dictionary of a product; None if it has none."""
+def product_page(device, stator):
+    """What a product has to be set and read, as the end of the page's name and its text: an object
+    dictionary, or the parameters and commands of a TMCL module. None if it has neither."""
     try:
         table, command = describe(device, stator)
     except subprocess.CalledProcessError as error:
         if "has no object dictionary" not in error.stderr:
             raise
         return None
-    return (f"# Objects of the {device.upper()}\n\n"
-            f"Made by `{command} --format markdown`; the CSV and JSON formats\n"
-            f"also carry the place in the device's document and notes.\n\n{table}")
+    parameters = table.lstrip().startswith("## ")
+    kind = "parameters" if parameters else "objects"
+    title = "Parameters and commands" if parameters else "Objects"
+    return kind, (f"# {title} of the {device.upper()}\n\n"
+                  f"Made by `{command} --format markdown`; the CSV and JSON formats\n"
+                  f"also carry the place in the device's document and notes.\n\n{table.lstrip()}")
 
 
 def registers_page(device, stator):
@@ -120,8 +124,8 @@ def main():
                      f"there; write what the device is, and the marker lines\n{BEGIN}\n{END}")
         wanted = {page: device_page(device, page.read_text(encoding="utf-8"))}
         if device in running:
-            if table := objects_page(device, arguments.stator):
-                wanted[page.with_name(f"{device}-objects.md")] = table
+            if table := product_page(device, arguments.stator):
+                wanted[page.with_name(f"{device}-{table[0]}.md")] = table[1]
         elif table := registers_page(device, arguments.stator):
             wanted[page.with_name(f"{device}-registers.md")] = table
         elif page.with_name(f"{device}-registers.md").exists():
