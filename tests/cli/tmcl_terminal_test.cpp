@@ -135,6 +135,7 @@ TEST(TmclTerminal, ADebuggerOfLinesIsInterruptedByCtrlC) {
   EXPECT_TRUE(terminal.shows("run"));
   EXPECT_TRUE(terminal.shows("\n")) << "the line was taken";
   EXPECT_TRUE(terminal.shows_after_pressing("\x03", "Interrupted"));
+  EXPECT_TRUE(terminal.shows("(stator)"));
   terminal.type("q\r");
   EXPECT_EQ(terminal.exit_status(), 0);
 }
@@ -144,8 +145,10 @@ TEST(TmclTerminal, TheShellCompletesWordsAndRecallsLines) {
   EXPECT_TRUE(terminal.shows("tmcl>"));
   terminal.type("gap max_cu\t 0\r");
   EXPECT_TRUE(terminal.shows("MAX_CURRENT (axis parameter 6) = 8"));
+  EXPECT_TRUE(terminal.shows("tmcl>")) << "before that, keys mean other things";
   terminal.type("\x10\r");  // the line before
   EXPECT_TRUE(terminal.shows("MAX_CURRENT (axis parameter 6) = 8"));
+  EXPECT_TRUE(terminal.shows("tmcl>"));
   terminal.type("\x04");
   EXPECT_EQ(terminal.exit_status(), 0);
 }
