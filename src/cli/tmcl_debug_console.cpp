@@ -39,7 +39,7 @@ base::Expected<const DebugCommand*, std::string> command_named(std::string_view 
   std::ranges::transform(debug_commands(), std::back_inserter(names), &DebugCommand::name);
   const std::string_view guess = base::closest_match(word, names);
   return base::Unexpected{
-      fmt::format("there is no command \"{}\"{}; \"help\" lists them", word,
+      fmt::format(R"(there is no command "{}"{}; "help" lists them)", word,
                   guess.empty() ? std::string() : fmt::format(" (did you mean \"{}\"?)", guess))};
 }
 
