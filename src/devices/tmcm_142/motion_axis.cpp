@@ -81,7 +81,7 @@ AxisEvents MotionAxis::step(base::SimTime now, base::SimDuration period,
     shown_pulses_ += pulses - seen_pulses_;
   }
   seen_pulses_ = pulses;
-  const double microsteps = static_cast<double>(2048 >> controller_.microstep_resolution());
+  const auto microsteps = static_cast<double>(2048 >> controller_.microstep_resolution());
   const StageInput input{
       .enabled = !shut_down_,
       .phases = controller_.table_phases(),
