@@ -32,8 +32,24 @@ struct SupplyState {
 /// its own threshold, or as long as a drive tells it to.
 class Supply {
  public:
+  /// V at which a bridge that still wants power gets what the capacitor can give, not an infinite
+  /// current.
+  static constexpr double kLowestVoltage = 1.0;
+
+  /// What a length of time and the chopper make of the voltage.
+  struct Share {
+    double seconds = -1.0;
+    bool conducts = false;
+    double of_current = 0.0;  ///< V/A
+    double alone = 1.0;       ///< factor of the voltage without the source
+    double feed = 0.0;        ///< factor of the source's voltage
+    double supplied = 1.0;    ///< and of the sum with it
+  };
+  [[nodiscard]] Share share(double seconds, bool conducts) const;
+
   explicit Supply(const SupplyParameters& parameters);
 
+  [[nodiscard]] const SupplyParameters& parameters() const { return parameters_; }
   [[nodiscard]] bool ideal() const { return parameters_.capacitance <= 0.0; }
   /// Lets `seconds` pass in which the bridge takes `power` (W).
   void advance(SupplyState& state, double power, double seconds) const;
@@ -52,21 +68,6 @@ class Supply {
   }
 
  private:
-  /// V at which a bridge that still wants power gets what the capacitor can give, not an infinite
-  /// current.
-  static constexpr double kLowestVoltage = 1.0;
-
-  /// What a length of time and the chopper make of the voltage.
-  struct Share {
-    double seconds = -1.0;
-    bool conducts = false;
-    double of_current = 0.0;  ///< V/A
-    double alone = 1.0;       ///< factor of the voltage without the source
-    double feed = 0.0;        ///< factor of the source's voltage
-    double supplied = 1.0;    ///< and of the sum with it
-  };
-  [[nodiscard]] Share share(double seconds, bool conducts) const;
-
   void switch_chopper(SupplyState& state, bool chopper_on) const {
     if (state.voltage >= parameters_.chopper_voltage) {
       state.chopper_by_itself = true;
