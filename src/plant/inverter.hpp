@@ -9,7 +9,7 @@
 
 namespace stator::plant {
 
-/// Three half bridges, averaged over a PWM period. The defaults are those of a 10 A stage with
+/// The half bridges of a power stage. The defaults are those of a 10 A stage with
 /// N-channel transistors on a small board.
 struct InverterParameters {
   double on_resistance = 0.01;    ///< ohm of a transistor
@@ -25,26 +25,29 @@ struct InverterParameters {
                             .outer_to_ambient = 12.0};
 };
 
-/// What dead time takes from the phases, averaged over a PWM period.
+/// What dead time takes from the terminals, averaged over a PWM period.
+template <std::size_t kBridges>
 struct DeadTimeDrop {
-  std::array<double, 3> voltage{};  ///< V
-  double lost_power = 0.0;          ///< W in diodes
+  std::array<double, kBridges> voltage{};  ///< V
+  double lost_power = 0.0;                 ///< W in diodes
 };
 
-/// Of half bridges at `supply` volts with the phase currents `current` (A) in windings of
-/// `inductance` (H), for a motor that is integrated in steps of `step` seconds. Within the ripple
-/// (Vb T / 8 L either way) the current changes its sign each period and the drop cancels; an
-/// explicit step bears no more than the resistance drop / ripple.
-[[nodiscard]] inline DeadTimeDrop dead_time_drop(const InverterParameters& inverter, double supply,
-                                                 const std::array<double, 3>& current,
-                                                 double inductance, double step) {
+/// Of half bridges at `supply` volts with the currents `current` (A) in windings of `inductance`
+/// (H), for a motor that is integrated in steps of `step` seconds. Within the ripple (Vb T / 8 L
+/// either way) the current changes its sign each period and the drop cancels; an explicit step
+/// bears no more than the resistance drop / ripple.
+template <std::size_t kBridges>
+[[nodiscard]] DeadTimeDrop<kBridges> dead_time_drop(const InverterParameters& inverter,
+                                                    double supply,
+                                                    const std::array<double, kBridges>& current,
+                                                    double inductance, double step) {
   const double share = inverter.dead_time * inverter.pwm_frequency;
   const double by_diodes = 2.0 * share * inverter.diode_drop;
   const double drop = supply * share + by_diodes;
   const double ripple = std::max(supply / (8.0 * inductance * inverter.pwm_frequency),
                                  4.0 * drop * step / inductance);
-  DeadTimeDrop result;
-  for (std::size_t k = 0; k < current.size(); ++k) {
+  DeadTimeDrop<kBridges> result;
+  for (std::size_t k = 0; k < kBridges; ++k) {
     result.lost_power += by_diodes * std::fabs(current[k]);
     result.voltage[k] = drop * std::clamp(current[k] / ripple, -1.0, 1.0);
   }

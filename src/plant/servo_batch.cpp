@@ -235,7 +235,7 @@ void ServoBatch<Number>::step_lane(Block& block, Signals& signals, std::size_t l
     input.voltage = {supply.voltage * share.alpha, supply.voltage * share.beta};
     double lost_power = 0.0;
     if (inverter.dead_time > 0.0) {
-      const DeadTimeDrop dead =
+      const DeadTimeDrop<3> dead =
           dead_time_drop(inverter, supply.voltage, phase_values(state.current),
                          parameters_.motor.direct_inductance, inner);
       lost_power = dead.lost_power;

@@ -66,8 +66,31 @@ class Supply {
     }
     draw(state, power, share_);
   }
+  /// Lets `seconds` pass in which the bridge takes `current` (A), by the trapezoidal rule: the
+  /// energy that leaves the capacitor is the current times halfway(). For the segments of a PWM
+  /// period.
+  void flow(SupplyState& state, double current, double seconds, bool chopper_on) {
+    switch_chopper(state, chopper_on);
+    state.voltage = after(state, current, seconds);
+  }
+  /// Voltage in the middle of that time.
+  [[nodiscard]] double halfway(const SupplyState& state, double current, double seconds) const {
+    return 0.5 * (state.voltage + after(state, current, seconds));
+  }
 
  private:
+  [[nodiscard]] double after(const SupplyState& state, double current, double seconds) const {
+    if (ideal()) {
+      return state.source;
+    }
+    const double share = seconds * inverse_capacitance_;
+    const double feed = state.voltage < state.source ? share * source_conductance_ : 0.0;
+    const double burn = state.chopper_conducts ? share * chopper_conductance_ : 0.0;
+    const double half = 0.5 * (feed + burn);
+    const double voltage =
+        (state.voltage * (1.0 - half) + (feed * state.source - share * current)) / (1.0 + half);
+    return std::max(voltage, 0.0);
+  }
   void switch_chopper(SupplyState& state, bool chopper_on) const {
     if (state.voltage >= parameters_.chopper_voltage) {
       state.chopper_by_itself = true;

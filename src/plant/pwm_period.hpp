@@ -1,0 +1,85 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+
+#include "plant/inverter.hpp"
+
+namespace stator::plant {
+
+/// What half bridges do within one centre-aligned PWM period of T seconds: all begin low, half
+/// bridge k goes high at T/2 (1 - d_k) and low again at T/2 (1 + d_k).
+///
+/// During the dead time td after either command both transistors are off and the current chooses:
+/// one that flows into the motor keeps the node a diode's drop below ground, one that flows out of
+/// it a drop above the supply. So a rising edge comes late for a current into the motor and a
+/// falling one for a current out of it. The diode's drop Vd counts as a shift of the edge by td Vd
+/// / Vb, which takes the same voltage over time. A current that reverses within a dead time is
+/// taken to have had its sign from the begin; edges that would lie outside the period fall on its
+/// border.
+template <std::size_t kBridges>
+class PwmPeriod {
+ public:
+  using Values = std::array<double, kBridges>;
+
+  PwmPeriod(const InverterParameters& inverter, double supply_voltage, const Values& duty,
+            double period)
+      : period_(period) {
+    const double shift = inverter.dead_time * inverter.diode_drop / supply_voltage;
+    early_ = inverter.dead_time > 0.0 ? -shift : 0.0;
+    late_ = inverter.dead_time + shift;
+    for (std::size_t k = 0; k < kBridges; ++k) {
+      const double half = 0.5 * period * duty[k];
+      const bool switches = duty[k] > 0.0 && duty[k] < 1.0;
+      next_[k] = switches ? 0.5 * period - half : kNever;
+      falls_[k] = switches ? 0.5 * period + half : kNever;
+      high_[k] = duty[k] >= 1.0 ? 1.0 : 0.0;
+    }
+  }
+
+  [[nodiscard]] double time() const { return time_; }  ///< s since the begin
+  /// Whether each half bridge connects its terminal to the supply (1) or to ground (0).
+  [[nodiscard]] const Values& high() const { return high_; }
+  [[nodiscard]] bool over() const { return time_ >= period_; }
+
+  /// The time until the next edge, s, where the half bridges carry `current` (A, positive into the
+  /// motor), which changes by `slope` (A/s). pass() makes that edge happen.
+  double until_edge(const Values& current, const Values& slope) {
+    double soonest = period_;
+    edge_ = kBridges;
+    for (std::size_t k = 0; k < kBridges; ++k) {
+      const double then = current[k] + slope[k] * (next_[k] - time_);
+      const bool against = (then > 0.0) == (high_[k] == 0.0);
+      const double at = next_[k] + (against ? late_ : early_);
+      edge_ = at < soonest ? k : edge_;
+      soonest = at < soonest ? at : soonest;
+    }
+    next_time_ = soonest < time_ ? time_ : soonest;
+    return next_time_ - time_;
+  }
+  /// Returns the half bridge that switched, kBridges at the end of the period.
+  std::size_t pass() {
+    time_ = next_time_;
+    if (edge_ < kBridges) {
+      high_[edge_] = 1.0 - high_[edge_];
+      next_[edge_] = high_[edge_] == 1.0 ? falls_[edge_] : kNever;
+    }
+    return edge_;
+  }
+
+ private:
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
+
+  double period_;
+  double time_ = 0.0;
+  double next_time_ = 0.0;
+  double early_;
+  double late_;
+  std::size_t edge_ = kBridges;
+  Values next_{};   ///< s; when each half bridge is told to switch next
+  Values falls_{};  ///< s
+  Values high_{};
+};
+
+}  // namespace stator::plant
