@@ -1,10 +1,13 @@
 #include <cstddef>
-#include <string>
+#include <cstdint>
 
 #include <benchmark/benchmark.h>
 
 #include "base/instruction_set.hpp"
+#include "control/current_controllers.hpp"
 #include "control/current_loop_batch.hpp"
+#include "control/space_vector.hpp"
+#include "plant/pwm_axis.hpp"
 #include "plant/servo_batch.hpp"
 
 namespace {
@@ -80,5 +83,73 @@ void Batch_Float(benchmark::State& bench) {
   batch<float>(bench, 110e6);
 }
 BENCHMARK(Batch_Float)->ArgsProduct({{64, 250, 1024}, {3}})->ArgsProduct({{256}, {0, 1, 2}});
+
+/// A current loop of the control room's blocks on raw values of converter and encoder, as a chip or
+/// a firmware would have it.
+class CurrentLoop {
+ public:
+  CurrentLoop(double proportional, double integral) {
+    controllers_.configure(static_cast<std::uint16_t>(256.0 * proportional),
+                           static_cast<std::uint16_t>(65536.0 * integral));
+  }
+
+  plant::PwmActuation step(const plant::PwmSensing& seen, double target) {
+    const double u = seen.converter.currents[0] - 32'768.0;  // mA
+    const double w = seen.converter.currents[1] - 32'768.0;
+    const control::StatorVector current = control::clarke({u, -u - w, w});
+    constexpr double kPerCount = base::kTwoPi * 4.0 / 4096.0;
+    const auto count = static_cast<double>(seen.encoders[0].count & 1023);
+    const base::SineCosine angle = base::sine_cosine((count + 0.5) * kPerCount);
+    const control::RotorVector rotor = control::park(current, angle);
+    const control::Pair error{static_cast<double>(static_cast<std::int64_t>(-rotor.d)),
+                              static_cast<double>(static_cast<std::int64_t>(target - rotor.q))};
+    const control::Pair voltage = controllers_.step(error, 13.8e3 * 65'536.0);
+    const auto duty = control::space_vector_duties(
+        control::inverse_park({voltage[0], voltage[1]}, angle), 1.0 / (24e3 * 65'536.0));
+    return {.bridge_enabled = true, .duty = {duty[0], duty[1], duty[2], 0.0}};
+  }
+
+ private:
+  control::CurrentControllers controllers_;
+};
+
+/// One drive by itself: raw values with noise, current loop, inverter with dead time, supply with
+/// capacitor, motor with cogging and friction, halls and encoder.
+void single(benchmark::State& bench, plant::InverterModel model, double dead_time, double limit) {
+  const plant::ServoAxisParameters equal = drive();
+  plant::PwmAxisParameters parameters;
+  parameters.motor = equal.motor;
+  parameters.load = equal.load;
+  parameters.inverter = equal.inverter;
+  parameters.inverter.dead_time = dead_time;
+  parameters.inverter_model = model;
+  parameters.converter.currents[0].noise = 5.0;
+  parameters.converter.currents[1].noise = 5.0;
+  plant::PwmAxis axis(parameters);
+  CurrentLoop loop(0.6e-3 * 1e4, 0.36 * 1e4 * kPeriod.seconds());
+  for (int n = 0; n < 20'000; ++n) {
+    axis.step(loop.step(axis.sensing(), 1500.0), kPeriod);
+  }
+  for (auto _ : bench) {
+    benchmark::DoNotOptimize(axis.step(loop.step(axis.sensing(), 1500.0), kPeriod));
+  }
+  bench.counters["rpm"] = axis.speed() * 9.5493;
+  count(bench, static_cast<double>(bench.iterations()), limit);
+}
+
+void Single_Averaged(benchmark::State& bench) {
+  single(bench, plant::InverterModel::averaged, 100e-9, 10e6);
+}
+BENCHMARK(Single_Averaged);
+
+void Single_Switched(benchmark::State& bench) {
+  single(bench, plant::InverterModel::switched, 100e-9, 4e6);
+}
+BENCHMARK(Single_Switched);
+
+void Single_SwitchedWithoutDeadTime(benchmark::State& bench) {
+  single(bench, plant::InverterModel::switched, 0.0, 4e6);
+}
+BENCHMARK(Single_SwitchedWithoutDeadTime);
 
 }  // namespace

@@ -6,7 +6,8 @@ namespace stator::plant {
 
 CurrentConverter::CurrentConverter(const ConverterParameters& parameters)
     : parameters_(parameters),
-      step_(static_cast<double>(1U << static_cast<unsigned>(16 - parameters.bits))) {}
+      step_(static_cast<double>(1U << static_cast<unsigned>(16 - parameters.bits))),
+      inverse_step_(1.0 / step_) {}
 
 std::uint16_t CurrentConverter::convert(const ConverterChannel& channel, double value,
                                         double temperature, base::Random& random) const {
@@ -17,7 +18,7 @@ std::uint16_t CurrentConverter::convert(const ConverterChannel& channel, double 
   if (channel.noise > 0.0) {
     counts += channel.noise * random.bell();
   }
-  const double whole = ((counts / step_ + kRounder) - kRounder) * step_;
+  const double whole = ((counts * inverse_step_ + kRounder) - kRounder) * step_;
   return static_cast<std::uint16_t>(std::clamp(whole, 0.0, 65'536.0 - step_));
 }
 
@@ -26,7 +27,7 @@ ConverterSample CurrentConverter::sample(ConverterState& state,
                                          double temperature, double period,
                                          base::Random& random) const {
   ConverterSample result;
-  const double back = std::min(parameters_.delay / period, 1.0);
+  const double back = parameters_.delay > 0.0 ? std::min(parameters_.delay / period, 1.0) : 0.0;
   for (std::size_t k = 0; k < current.size(); ++k) {
     const double delayed = current[k] + back * (state.earlier[k] - current[k]);
     result.currents[k] = convert(parameters_.currents[k], delayed, temperature, random);

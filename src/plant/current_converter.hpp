@@ -53,7 +53,8 @@ class CurrentConverter {
                                       double temperature, base::Random& random) const;
 
   ConverterParameters parameters_;
-  double step_;  ///< counts between neighbouring values
+  double step_;  ///< counts between neighbouring values, a power of 2
+  double inverse_step_;
 };
 
 }  // namespace stator::plant

@@ -1,8 +1,11 @@
 #include "plant/pwm_axis.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <type_traits>
 
 #include "plant/switched_inverter.hpp"
+#include "plant/switched_turn.hpp"
 
 namespace stator::plant {
 
@@ -75,6 +78,14 @@ double PwmAxis::pass(Of& winding, const PwmActuation& actuation, double period) 
     duty[k] = std::clamp(actuation.duty[k], 0.0, 1.0);
   }
   if (parameters_.inverter_model == InverterModel::switched) {
+    if constexpr (std::is_same_v<Of, ThreePhaseWinding>) {
+      const std::optional<double> energy =
+          turn_switched(winding, parameters_.inverter, supply_, supply_state_, duty, shaft_,
+                        actuation.brake_chopper_on, period);
+      if (energy) [[likely]] {
+        return *energy;
+      }
+    }
     return switch_period(winding, parameters_.inverter, supply_, supply_state_, duty, shaft_,
                          actuation.brake_chopper_on, period);
   }

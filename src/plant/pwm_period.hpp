@@ -58,6 +58,17 @@ class PwmPeriod {
     next_time_ = soonest < time_ ? time_ : soonest;
     return next_time_ - time_;
   }
+  /// The same where there is no dead time.
+  double until_edge() {
+    double soonest = period_;
+    edge_ = kBridges;
+    for (std::size_t k = 0; k < kBridges; ++k) {
+      edge_ = next_[k] < soonest ? k : edge_;
+      soonest = next_[k] < soonest ? next_[k] : soonest;
+    }
+    next_time_ = soonest;
+    return next_time_ - time_;
+  }
   /// Returns the half bridge that switched, kBridges at the end of the period.
   std::size_t pass() {
     time_ = next_time_;

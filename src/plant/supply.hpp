@@ -66,31 +66,36 @@ class Supply {
     }
     draw(state, power, share_);
   }
-  /// Lets `seconds` pass in which the bridge takes `current` (A), by the trapezoidal rule: the
-  /// energy that leaves the capacitor is the current times halfway(). For the segments of a PWM
-  /// period.
-  void flow(SupplyState& state, double current, double seconds, bool chopper_on) {
-    switch_chopper(state, chopper_on);
-    state.voltage = after(state, current, seconds);
-  }
-  /// Voltage in the middle of that time.
-  [[nodiscard]] double halfway(const SupplyState& state, double current, double seconds) const {
-    return 0.5 * (state.voltage + after(state, current, seconds));
-  }
-
- private:
-  [[nodiscard]] double after(const SupplyState& state, double current, double seconds) const {
+  /// A stretch of time for the trapezoidal rule: the energy that leaves the capacitor in it is the
+  /// bridge's current times the voltage halfway. For the segments of a PWM period.
+  struct Stretch {
+    double begin = 0.0;  ///< V, part of the voltage at its end that does not depend on the current
+    double of_current = 0.0;  ///< V/A
+    double voltage = 0.0;     ///< V at its begin
+    /// V in the middle while the bridge takes `current` (A).
+    [[nodiscard]] double halfway(double current) const { return 0.5 * (voltage + end(current)); }
+    [[nodiscard]] double end(double current) const { return begin - of_current * current; }
+  };
+  [[nodiscard]] Stretch stretch(const SupplyState& state, double seconds) const {
     if (ideal()) {
-      return state.source;
+      return {.begin = state.source, .voltage = state.source};
     }
     const double share = seconds * inverse_capacitance_;
     const double feed = state.voltage < state.source ? share * source_conductance_ : 0.0;
     const double burn = state.chopper_conducts ? share * chopper_conductance_ : 0.0;
     const double half = 0.5 * (feed + burn);
-    const double voltage =
-        (state.voltage * (1.0 - half) + (feed * state.source - share * current)) / (1.0 + half);
-    return std::max(voltage, 0.0);
+    const double whole = 1.0 / (1.0 + half);
+    return {.begin = (state.voltage * (1.0 - half) + feed * state.source) * whole,
+            .of_current = share * whole,
+            .voltage = state.voltage};
   }
+  /// Takes over the end of a stretch in which the bridge took `current` (A).
+  void flow(SupplyState& state, const Stretch& stretch, double current, bool chopper_on) const {
+    switch_chopper(state, chopper_on);
+    state.voltage = std::max(stretch.end(current), 0.0);
+  }
+
+ private:
   void switch_chopper(SupplyState& state, bool chopper_on) const {
     if (state.voltage >= parameters_.chopper_voltage) {
       state.chopper_by_itself = true;

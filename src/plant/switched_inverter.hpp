@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -39,10 +40,12 @@ double switch_period(Winding& winding, const InverterParameters& inverter, Suppl
     }
     const double h = pwm.until_edge(current, winding.slopes(terminals(pwm.high(), state.voltage)));
     if (h > 0.0) {
-      const double voltage = supply.halfway(state, drawn, h);
+      const Supply::Stretch stretch = supply.stretch(state, h);
+      const double voltage = stretch.halfway(drawn);
       const double energy = winding.pass(terminals(pwm.high(), voltage), shaft, h) + lost;
       taken += energy;
-      supply.flow(state, energy / (std::max(voltage, Supply::kLowestVoltage) * h), h, chopper_on);
+      supply.flow(state, stretch, energy / (std::max(voltage, Supply::kLowestVoltage) * h),
+                  chopper_on);
       lost = 0.0;
     }
     const std::size_t edge = pwm.pass();
