@@ -44,12 +44,13 @@ template <std::size_t kBridges>
   const double share = inverter.dead_time * inverter.pwm_frequency;
   const double by_diodes = 2.0 * share * inverter.diode_drop;
   const double drop = supply * share + by_diodes;
-  const double ripple = std::max(supply / (8.0 * inductance * inverter.pwm_frequency),
-                                 4.0 * drop * step / inductance);
+  const double by_supply = 1.0 / (8.0 * inductance * inverter.pwm_frequency);
+  const double by_drop = 4.0 * step / inductance;
+  const double share_of_ripple = 1.0 / std::max(supply * by_supply, drop * by_drop);
   DeadTimeDrop<kBridges> result;
   for (std::size_t k = 0; k < kBridges; ++k) {
     result.lost_power += by_diodes * std::fabs(current[k]);
-    result.voltage[k] = drop * std::clamp(current[k] / ripple, -1.0, 1.0);
+    result.voltage[k] = drop * std::clamp(current[k] * share_of_ripple, -1.0, 1.0);
   }
   return result;
 }

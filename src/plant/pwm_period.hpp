@@ -72,9 +72,12 @@ class PwmPeriod {
   /// Returns the half bridge that switched, kBridges at the end of the period.
   std::size_t pass() {
     time_ = next_time_;
-    if (edge_ < kBridges) {
-      high_[edge_] = 1.0 - high_[edge_];
-      next_[edge_] = high_[edge_] == 1.0 ? falls_[edge_] : kNever;
+    // Selections instead of an index, so that all of it can live in registers.
+    for (std::size_t k = 0; k < kBridges; ++k) {
+      const bool switches = k == edge_;
+      const double next = high_[k] == 0.0 ? falls_[k] : kNever;
+      next_[k] = switches ? next : next_[k];
+      high_[k] = switches ? 1.0 - high_[k] : high_[k];
     }
     return edge_;
   }

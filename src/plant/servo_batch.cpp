@@ -21,8 +21,8 @@ Number number(double x) {
 }
 
 template <typename Number>
-void set_motor(ServoBatchConstants<Number>& k, const FreeTurn& turn, double step) {
-  const HeldVoltage& held = turn.held;
+void set_motor(ServoBatchConstants<Number>& k, const FreeTurn& turn, const HeldVoltage& held,
+               double step) {
   const auto n = number<Number>;
   k.h = n(step);
   k.largest_speed = n(kLargestTurn / (step * turn.pole_pairs));
@@ -87,8 +87,8 @@ void set_stage(ServoBatchConstants<Number>& k, const ServoAxisParameters& parame
   k.dead_time = inverter.dead_time > 0.0;
   k.dead_share = n(share);
   k.drop_by_diodes = n(2.0 * share * inverter.diode_drop);
-  k.ripple_divisor = n(8.0 * inductance * inverter.pwm_frequency);
-  k.inductance = n(inductance);
+  k.ripple_by_supply = n(1.0 / (8.0 * inductance * inverter.pwm_frequency));
+  k.ripple_by_drop = n(4.0 * step / inductance);
   const Supply::Share alone = supply.share(step, false);
   const Supply::Share chopping = supply.share(step, true);
   k.ideal_supply = supply.ideal();
@@ -140,8 +140,9 @@ ServoBatch<Number>::ServoBatch(const ServoAxisParameters& parameters, std::size_
       blocks_((axes + kLanes - 1) / kLanes),
       signals_(blocks_.size()) {
   const double seconds = step.seconds();
-  plant::set_motor(constants_, motor_.free_turn(seconds, parameters.inverter.on_resistance),
-                   seconds);
+  const double series_resistance = parameters.inverter.on_resistance;
+  plant::set_motor(constants_, motor_.free_turn(series_resistance),
+                   motor_.held_voltage(seconds, series_resistance), seconds);
   if (!motor_.may_turn_freely()) {
     constants_.largest_speed = number<Number>(-1.0);
   }

@@ -61,10 +61,10 @@ struct ServoBatchConstants {
   Number cogging_reach{};
 
   bool dead_time = false;
-  Number dead_share{};      ///< of the period
-  Number drop_by_diodes{};  ///< V
-  Number ripple_divisor{};  ///< ohm, 8 L f
-  Number inductance{};
+  Number dead_share{};        ///< of the period
+  Number drop_by_diodes{};    ///< V
+  Number ripple_by_supply{};  ///< A/V
+  Number ripple_by_drop{};    ///< A/V
 
   bool ideal_supply = false;
   Number lowest_voltage{};

@@ -266,14 +266,16 @@ template <typename L, typename N>
     const ServoBatchConstants<N>& k, Begin<L>& begin, const typename L::Value& supply) {
   using V = typename L::Value;
   const V drop = supply * k.dead_share + k.drop_by_diodes;
-  const V ripple = base::larger(supply / k.ripple_divisor, N(4.0) * drop * k.h / k.inductance);
+  const V share_of_ripple =
+      N(1.0) / base::larger(supply * k.ripple_by_supply, drop * k.ripple_by_drop);
   const V half = N(0.5) * begin.current_alpha;
   const V side = N(0.86602540378443864676) * begin.current_beta;
   V phases[3] = {begin.current_alpha, side - half, -side - half};
   V lost{};
   for (V& phase : phases) {
     lost += k.drop_by_diodes * base::select(phase < N(0.0), -phase, phase);
-    phase = drop * base::within(phase / ripple, base::all<L>(N(-1.0)), base::all<L>(N(1.0)));
+    phase =
+        drop * base::within(phase * share_of_ripple, base::all<L>(N(-1.0)), base::all<L>(N(1.0)));
   }
   begin.voltage_alpha -= (N(2.0) * phases[0] - phases[1] - phases[2]) * N(1.0 / 3.0);
   begin.voltage_beta -= (phases[1] - phases[2]) * N(0.57735026918962576451);

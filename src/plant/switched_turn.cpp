@@ -44,7 +44,7 @@ Node node(double x, const base::SineCosine& z, const StatorVector& phi, double k
 Node follow(const FreeTurn& turn, const Node& from, double x, const base::SineCosine& z,
             const StatorVector& u, double h) {
   const double k = turn.flux_current;
-  const double rate = turn.held.rate * h;
+  const double rate = turn.rate * h;
   const double first =
       0.5 - rate * (1.0 / 6.0 - rate * (1.0 / 24.0 - rate * (1.0 / 120.0 - rate * (1.0 / 720.0))));
   const double zeroth = 1.0 - rate * first;
@@ -63,7 +63,7 @@ Node follow(const FreeTurn& turn, const Node& from, double x, const base::SineCo
 /// Means over a stretch by values and derivatives at its ends (Hermite).
 Stretch between(const FreeTurn& turn, const Node& a, const Node& b, const StatorVector& u, double w,
                 double h) {
-  const double r = turn.held.rate;
+  const double r = turn.rate;
   const double twelfth = h * (1.0 / 12.0);
   const double sines = a.z.sine - b.z.sine;
   const double cosines = a.z.cosine - b.z.cosine;
@@ -82,7 +82,7 @@ Stretch between(const FreeTurn& turn, const Node& a, const Node& b, const Stator
 /// dphases/dt, A/s.
 ThreePhaseWinding::Values slopes(const FreeTurn& turn, const Node& at, const StatorVector& u,
                                  double w) {
-  const double r = turn.held.rate;
+  const double r = turn.rate;
   const double kw = turn.flux_current * w;
   return phase_values({turn.inverse_inductance * u.alpha - r * at.current.alpha + kw * at.z.sine,
                        turn.inverse_inductance * u.beta - r * at.current.beta - kw * at.z.cosine});
@@ -101,7 +101,7 @@ std::optional<double> turn_switched(ThreePhaseWinding& winding, const InverterPa
       period * motor.fastest_rate(state, period) > kLargestTurn) {
     return std::nullopt;
   }
-  const FreeTurn turn = motor.free_turn(period, inverter.on_resistance);
+  const FreeTurn turn = motor.free_turn(inverter.on_resistance);
   const double w = state.speed * turn.pole_pairs;
   const double k = turn.flux_current;
   const base::SineCosine z0 = state.direction;
@@ -164,7 +164,9 @@ std::optional<double> turn_switched(ThreePhaseWinding& winding, const InverterPa
     const std::size_t edge = pwm.pass();
     if (dead) {
       current = phase_values(at.current);
-      lost += edge < current.size() ? loss_per_ampere * std::fabs(current[edge]) : 0.0;
+      for (std::size_t n = 0; n < current.size(); ++n) {
+        lost += n == edge ? loss_per_ampere * std::fabs(current[n]) : 0.0;
+      }
     }
   }
 

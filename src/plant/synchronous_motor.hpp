@@ -75,8 +75,8 @@ struct SynchronousMotorInput {
 
 /// What a step of a motor that turns freely calculates with.
 struct FreeTurn {
-  HeldVoltage held;
   double pole_pairs;
+  double rate;                ///< R / L, 1/s; transistors included
   double inverse_inductance;  ///< 1/H
   double flux_current;        ///< psi / L, A
   double mobility;            ///< torque into electrical acceleration, 1/(kg m^2)
@@ -142,10 +142,18 @@ class SynchronousMotor {
     return cogging_.around(state.direction).torque;
   }
 
-  /// Of steps of `h` seconds with `series_resistance` ohm in the phases.
-  [[nodiscard]] FreeTurn free_turn(double h, double series_resistance) {
-    return {.held = held_voltage(h, series_resistance),
-            .pole_pairs = pole_pairs_,
+  /// The weights for a step of `h` with `series_resistance` ohm in the phases.
+  const HeldVoltage& held_voltage(double h, double series_resistance) {
+    if (held_voltage_.step != h || held_voltage_.series_resistance != series_resistance)
+        [[unlikely]] {
+      renew_held_voltage(h, series_resistance);
+    }
+    return held_voltage_;
+  }
+  /// What else such a step needs.
+  [[nodiscard]] FreeTurn free_turn(double series_resistance) const {
+    return {.pole_pairs = pole_pairs_,
+            .rate = (resistance_ + series_resistance) * inverse_direct_inductance_,
             .inverse_inductance = inverse_direct_inductance_,
             .flux_current = flux_current_,
             .mobility = mobility_,
@@ -153,7 +161,6 @@ class SynchronousMotor {
             .damping = damping_,
             .free_rate = free_rate_};
   }
-
   [[nodiscard]] const ShaftMechanics& shaft() const { return shaft_; }
   [[nodiscard]] const Cogging& cogging() const { return cogging_; }
   [[nodiscard]] const ThreePhaseMotorParameters& motor() const { return motor_; }
@@ -193,14 +200,6 @@ class SynchronousMotor {
   [[nodiscard]] Gain gain(const SynchronousMotorState& state, const SynchronousMotorInput& input,
                           const EvenTurn& even, const HeldVoltage& held, double w0, double h) const;
   double step_at_rest(SynchronousMotorState& state, const SynchronousMotorInput& input, double h);
-  /// The weights for a step of `h` with `series_resistance` in the phases.
-  const HeldVoltage& held_voltage(double h, double series_resistance) {
-    if (held_voltage_.step != h || held_voltage_.series_resistance != series_resistance)
-        [[unlikely]] {
-      renew_held_voltage(h, series_resistance);
-    }
-    return held_voltage_;
-  }
   void renew_held_voltage(double h, double series_resistance);
   [[nodiscard]] double rate_by_end_stops(const SynchronousMotorState& state, double h) const;
   /// Corrects a step that ended with the shaft turning the other way.

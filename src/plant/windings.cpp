@@ -59,7 +59,11 @@ double ThreePhaseWinding::pass(const Values& voltage, const ShaftInput& shaft, d
   input.series_resistance = inverter_.on_resistance;
   input.torque = shaft.torque;
   input.brake_engaged = shaft.brake_engaged;
-  const int parts = parts_of(h * motor_.fastest_rate(state_, h));
+  const double turn = h * motor_.fastest_rate(state_, h);
+  if (turn <= kLargestTurn && motor_.turns_freely(state_, input)) [[likely]] {
+    return motor_.turn(state_, input, h) * h;
+  }
+  const int parts = parts_of(turn);
   const double part = h / parts;
   double energy = 0.0;
   for (int n = 0; n < parts; ++n) {

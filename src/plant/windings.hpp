@@ -158,7 +158,7 @@ double average_period(Winding& winding, const InverterParameters& inverter, Supp
     lost = dead.lost_power * period;
   }
   const double energy = winding.pass(voltage, shaft, period) + lost;
-  supply.draw(state, energy / period, period, chopper_on);
+  supply.draw(state, energy * (1.0 / period), period, chopper_on);
   return energy;
 }
 
