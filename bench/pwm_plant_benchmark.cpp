@@ -1,3 +1,4 @@
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -91,15 +92,16 @@ class CurrentLoop {
   CurrentLoop(double proportional, double integral) {
     controllers_.configure(static_cast<std::uint16_t>(256.0 * proportional),
                            static_cast<std::uint16_t>(65536.0 * integral));
+    for (std::size_t n = 0; n < table_.size(); ++n) {
+      table_[n] = base::sine_cosine((static_cast<double>(n) + 0.5) * base::kTwoPi / 1024.0);
+    }
   }
 
   plant::PwmActuation step(const plant::PwmSensing& seen, double target) {
     const double u = seen.converter.currents[0] - 32'768.0;  // mA
     const double w = seen.converter.currents[1] - 32'768.0;
     const control::StatorVector current = control::clarke({u, -u - w, w});
-    constexpr double kPerCount = base::kTwoPi * 4.0 / 4096.0;
-    const auto count = static_cast<double>(seen.encoders[0].count & 1023);
-    const base::SineCosine angle = base::sine_cosine((count + 0.5) * kPerCount);
+    const base::SineCosine& angle = table_[static_cast<std::size_t>(seen.encoders[0].count & 1023)];
     const control::RotorVector rotor = control::park(current, angle);
     const control::Pair error{static_cast<double>(static_cast<std::int64_t>(-rotor.d)),
                               static_cast<double>(static_cast<std::int64_t>(target - rotor.q))};
@@ -111,6 +113,8 @@ class CurrentLoop {
 
  private:
   control::CurrentControllers controllers_;
+  /// An electrical period has 1024 counts.
+  std::array<base::SineCosine, 1024> table_{};
 };
 
 /// One drive by itself: raw values with noise, current loop, inverter with dead time, supply with

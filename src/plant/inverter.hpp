@@ -32,27 +32,42 @@ struct DeadTimeDrop {
   double lost_power = 0.0;                 ///< W in diodes
 };
 
-/// Of half bridges at `supply` volts with the currents `current` (A) in windings of `inductance`
-/// (H), for a motor that is integrated in steps of `step` seconds. Within the ripple (Vb T / 8 L
-/// either way) the current changes its sign each period and the drop cancels; an explicit step
-/// bears no more than the resistance drop / ripple.
-template <std::size_t kBridges>
-[[nodiscard]] DeadTimeDrop<kBridges> dead_time_drop(const InverterParameters& inverter,
-                                                    double supply,
-                                                    const std::array<double, kBridges>& current,
-                                                    double inductance, double step) {
-  const double share = inverter.dead_time * inverter.pwm_frequency;
-  const double by_diodes = 2.0 * share * inverter.diode_drop;
-  const double drop = supply * share + by_diodes;
-  const double by_supply = 1.0 / (8.0 * inductance * inverter.pwm_frequency);
-  const double by_drop = 4.0 * step / inductance;
-  const double share_of_ripple = 1.0 / std::max(supply * by_supply, drop * by_drop);
-  DeadTimeDrop<kBridges> result;
-  for (std::size_t k = 0; k < kBridges; ++k) {
-    result.lost_power += by_diodes * std::fabs(current[k]);
-    result.voltage[k] = drop * std::clamp(current[k] * share_of_ripple, -1.0, 1.0);
+/// Half bridges at windings of `inductance` (H) of a motor that is integrated in steps of `step`
+/// seconds. Within the ripple (Vb T / 8 L either way) the current changes its sign each period and
+/// the drop cancels; an explicit step bears no more than the resistance drop / ripple.
+class DeadTime {
+ public:
+  DeadTime(const InverterParameters& inverter, double inductance, double step)
+      : share_(inverter.dead_time * inverter.pwm_frequency),
+        by_diodes_(2.0 * share_ * inverter.diode_drop),
+        ripple_by_supply_(1.0 / (8.0 * inductance * inverter.pwm_frequency)),
+        ripple_by_drop_(4.0 * step / inductance) {}
+
+  /// At `supply` volts with the currents `current` (A) into the terminals.
+  template <std::size_t kBridges>
+  [[nodiscard]] DeadTimeDrop<kBridges> drop(double supply,
+                                            const std::array<double, kBridges>& current) const {
+    const double drop = supply * share_ + by_diodes_;
+    const double share_of_ripple =
+        1.0 / std::max(supply * ripple_by_supply_, drop * ripple_by_drop_);
+    DeadTimeDrop<kBridges> result;
+    for (std::size_t k = 0; k < kBridges; ++k) {
+      result.lost_power += by_diodes_ * std::fabs(current[k]);
+      result.voltage[k] = drop * std::clamp(current[k] * share_of_ripple, -1.0, 1.0);
+    }
+    return result;
   }
-  return result;
-}
+
+  [[nodiscard]] double share() const { return share_; }                        ///< of a period
+  [[nodiscard]] double by_diodes() const { return by_diodes_; }                ///< V
+  [[nodiscard]] double ripple_by_supply() const { return ripple_by_supply_; }  ///< A/V
+  [[nodiscard]] double ripple_by_drop() const { return ripple_by_drop_; }      ///< A/V
+
+ private:
+  double share_;
+  double by_diodes_;
+  double ripple_by_supply_;
+  double ripple_by_drop_;
+};
 
 }  // namespace stator::plant

@@ -44,6 +44,7 @@ PwmAxis::PwmAxis(const PwmAxisParameters& p)
       supply_state_{.source = p.supply_voltage, .voltage = p.supply_voltage},
       converter_(p.converter),
       halls_(p.halls),
+      dead_time_(p.inverter, 1.0, 1.0),
       analog_halls_(p.analog_halls, pole_pairs_of(p.motor)),
       analog_encoder_(p.analog_encoder, pole_pairs_of(p.motor)),
       encoders_{IncrementalEncoder(p.encoders[0], pole_pairs_of(p.motor)),
@@ -89,14 +90,24 @@ double PwmAxis::pass(Of& winding, const PwmActuation& actuation, double period) 
     return switch_period(winding, parameters_.inverter, supply_, supply_state_, duty, shaft_,
                          actuation.brake_chopper_on, period);
   }
-  return average_period(winding, parameters_.inverter, supply_, supply_state_, duty, shaft_,
-                        actuation.brake_chopper_on, period);
+  return average_period(winding, parameters_.inverter.dead_time > 0.0 ? &dead_time_ : nullptr,
+                        supply_, supply_state_, duty, shaft_, actuation.brake_chopper_on, period);
+}
+
+void PwmAxis::set_period(base::SimDuration period) {
+  const double inductance =
+      std::visit([](const auto& winding) { return winding.inductance(); }, winding_);
+  dead_time_ = DeadTime(parameters_.inverter, inductance, period.seconds());
+  dead_time_period_ = period;
 }
 
 const PwmSensing& PwmAxis::step(const PwmActuation& actuation, base::SimDuration period) {
   parameters_.brake.advance(brake_, actuation.brake_released, period);
   shaft_.brake_engaged = !brake_.open;
   unrefreshed_ += period;
+  if (period != dead_time_period_) [[unlikely]] {
+    set_period(period);
+  }
   const bool refresh = unrefreshed_ >= kRefreshPeriod;
   std::visit(
       [&](auto& winding) {

@@ -104,6 +104,7 @@ class PwmAxis {
   using Winding = std::variant<ThreePhaseWinding, TwoPhaseWinding, DcWinding>;
 
   static Winding winding_of(const PwmAxisParameters& parameters);
+  void set_period(base::SimDuration period);
   template <typename Of>
   double pass(Of& winding, const PwmActuation& actuation, double period);
   template <typename Of>
@@ -120,6 +121,8 @@ class PwmAxis {
   ConverterState converter_state_;
   HallSensors halls_;
   std::uint8_t hall_levels_ = 0;
+  DeadTime dead_time_;  ///< for periods of the length below
+  base::SimDuration dead_time_period_;
   AnalogPositionSensor analog_halls_;
   AnalogPositionSensor analog_encoder_;
   std::array<IncrementalEncoder, 2> encoders_;

@@ -58,7 +58,18 @@ class PwmPeriod {
     next_time_ = soonest < time_ ? time_ : soonest;
     return next_time_ - time_;
   }
-  /// The same where there is no dead time.
+  /// Shifts all edges as dead time does for currents that keep the sign of `current` for the whole
+  /// period; until_edge() without currents then finds them.
+  void keep_signs(const Values& current) {
+    for (std::size_t k = 0; k < kBridges; ++k) {
+      const bool into = current[k] > 0.0;
+      const double rise = next_[k] + (into ? late_ : early_);
+      const double fall = falls_[k] + (into ? early_ : late_);
+      next_[k] = rise < 0.0 ? 0.0 : rise;
+      falls_[k] = fall < next_[k] ? next_[k] : fall;
+    }
+  }
+  /// The same where there is no dead time, or keep_signs() has dealt with it.
   double until_edge() {
     double soonest = period_;
     edge_ = kBridges;

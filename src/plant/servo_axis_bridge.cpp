@@ -52,9 +52,8 @@ void ServoAxis::drive(const base::ServoActuation& actuation, double step) {
   input.voltage = {supply * share.alpha, supply * share.beta};
   double lost_power = 0.0;
   if (inverter.dead_time > 0.0) {
-    const DeadTimeDrop<3> dead =
-        dead_time_drop(inverter, supply, phase_values(state_.motor.current),
-                       parameters_.motor.direct_inductance, step);
+    const DeadTimeDrop<3> dead = DeadTime(inverter, parameters_.motor.direct_inductance, step)
+                                     .drop(supply, phase_values(state_.motor.current));
     lost_power = dead.lost_power;
     const StatorVector drop = stator_vector(dead.voltage[0], dead.voltage[1], dead.voltage[2]);
     input.voltage.alpha -= drop.alpha;

@@ -82,13 +82,12 @@ void set_stage(ServoBatchConstants<Number>& k, const ServoAxisParameters& parame
                const Supply& supply, double step) {
   const auto n = number<Number>;
   const InverterParameters& inverter = parameters.inverter;
-  const double inductance = parameters.motor.direct_inductance;
-  const double share = inverter.dead_time * inverter.pwm_frequency;
+  const DeadTime dead(inverter, parameters.motor.direct_inductance, step);
   k.dead_time = inverter.dead_time > 0.0;
-  k.dead_share = n(share);
-  k.drop_by_diodes = n(2.0 * share * inverter.diode_drop);
-  k.ripple_by_supply = n(1.0 / (8.0 * inductance * inverter.pwm_frequency));
-  k.ripple_by_drop = n(4.0 * step / inductance);
+  k.dead_share = n(dead.share());
+  k.drop_by_diodes = n(dead.by_diodes());
+  k.ripple_by_supply = n(dead.ripple_by_supply());
+  k.ripple_by_drop = n(dead.ripple_by_drop());
   const Supply::Share alone = supply.share(step, false);
   const Supply::Share chopping = supply.share(step, true);
   k.ideal_supply = supply.ideal();
@@ -236,9 +235,8 @@ void ServoBatch<Number>::step_lane(Block& block, Signals& signals, std::size_t l
     input.voltage = {supply.voltage * share.alpha, supply.voltage * share.beta};
     double lost_power = 0.0;
     if (inverter.dead_time > 0.0) {
-      const DeadTimeDrop<3> dead =
-          dead_time_drop(inverter, supply.voltage, phase_values(state.current),
-                         parameters_.motor.direct_inductance, inner);
+      const DeadTimeDrop<3> dead = DeadTime(inverter, parameters_.motor.direct_inductance, inner)
+                                       .drop(supply.voltage, phase_values(state.current));
       lost_power = dead.lost_power;
       const StatorVector drop = stator_vector(dead.voltage[0], dead.voltage[1], dead.voltage[2]);
       input.voltage.alpha -= drop.alpha;

@@ -69,25 +69,30 @@ class Supply {
   /// A stretch of time for the trapezoidal rule: the energy that leaves the capacitor in it is the
   /// bridge's current times the voltage halfway. For the segments of a PWM period.
   struct Stretch {
-    double begin = 0.0;  ///< V, part of the voltage at its end that does not depend on the current
+    double begin = 0.0;       ///< V at its begin
+    double alone = 0.0;       ///< V at its end while the bridge takes nothing
     double of_current = 0.0;  ///< V/A
-    double voltage = 0.0;     ///< V at its begin
+
     /// V in the middle while the bridge takes `current` (A).
-    [[nodiscard]] double halfway(double current) const { return 0.5 * (voltage + end(current)); }
-    [[nodiscard]] double end(double current) const { return begin - of_current * current; }
+    [[nodiscard]] double halfway(double current) const {
+      return 0.5 * (begin + alone) - 0.5 * of_current * current;
+    }
+    [[nodiscard]] double end(double current) const { return alone - of_current * current; }
   };
   [[nodiscard]] Stretch stretch(const SupplyState& state, double seconds) const {
     if (ideal()) {
-      return {.begin = state.source, .voltage = state.source};
+      return {.begin = state.source, .alone = state.source};
     }
     const double share = seconds * inverse_capacitance_;
     const double feed = state.voltage < state.source ? share * source_conductance_ : 0.0;
     const double burn = state.chopper_conducts ? share * chopper_conductance_ : 0.0;
     const double half = 0.5 * (feed + burn);
     const double whole = 1.0 / (1.0 + half);
-    return {.begin = (state.voltage * (1.0 - half) + feed * state.source) * whole,
-            .of_current = share * whole,
-            .voltage = state.voltage};
+    const double kept = (1.0 - half) * whole;
+    const double fed = feed * whole;
+    return {.begin = state.voltage,
+            .alone = kept * state.voltage + fed * state.source,
+            .of_current = share * whole};
   }
   /// Takes over the end of a stretch in which the bridge took `current` (A).
   void flow(SupplyState& state, const Stretch& stretch, double current, bool chopper_on) const {

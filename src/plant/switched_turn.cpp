@@ -13,40 +13,38 @@ namespace {
 /// A period must not turn the fastest motion of the model by more than this, rad.
 constexpr double kLargestTurn = 0.33;
 
-double dot(const base::SineCosine& z, const StatorVector& v) {
-  return z.cosine * v.alpha + z.sine * v.beta;
+/// Two numbers a processor computes with at once: alpha and beta, or cosine and sine.
+using Pair = double __attribute__((vector_size(16)));
+
+double dot(const Pair& a, const Pair& b) {
+  const Pair product = a * b;
+  return product[0] + product[1];
 }
-double cross(const base::SineCosine& z, const StatorVector& v) {
-  return z.cosine * v.beta - z.sine * v.alpha;
+double cross(const Pair& a, const Pair& b) {
+  const Pair product = a * Pair{b[1], b[0]};
+  return product[0] - product[1];
 }
 
-/// The winding between two edges; see HeldVoltage for the formulas.
-struct Stretch {
-  StatorVector mean_current;  ///< A
-  double torque;              ///< mean of the quadrature current, A
-  double torque_rise;         ///< A, of the quadrature current from begin to end
-};
-
-/// Where the winding stands at an edge.
+/// Where the winding stands at an edge; see HeldVoltage for the formulas.
 struct Node {
-  double x;            ///< electrical rad since the begin of the period
-  base::SineCosine z;  ///< direction of the magnets
-  StatorVector phi;    ///< A
-  StatorVector current;
+  double x;  ///< electrical rad since the begin of the period
+  Pair z;    ///< direction of the magnets
+  Pair phi;  ///< A
+  Pair current;
   double quadrature;  ///< A
   double direct;      ///< A, of phi
 };
 
-Node node(double x, const base::SineCosine& z, const StatorVector& phi, double k) {
-  return {x, z, phi, {phi.alpha - k * z.cosine, phi.beta - k * z.sine}, cross(z, phi), dot(z, phi)};
+Node node(double x, const Pair& z, const Pair& phi, double k) {
+  return {x, z, phi, phi - k * z, cross(z, phi), dot(z, phi)};
 }
 
-Node follow(const FreeTurn& turn, const Node& from, double x, const base::SineCosine& z,
-            const StatorVector& u, double h) {
+/// The winding after `h` seconds with the voltage `u`, the magnets at `z` then.
+Node follow(const FreeTurn& turn, const Node& from, double x, const Pair& z, const Pair& u,
+            double h) {
   const double k = turn.flux_current;
   const double rate = turn.rate * h;
-  const double first =
-      0.5 - rate * (1.0 / 6.0 - rate * (1.0 / 24.0 - rate * (1.0 / 120.0 - rate * (1.0 / 720.0))));
+  const double first = 0.5 - rate * (1.0 / 6.0 - rate * (1.0 / 24.0 - rate * (1.0 / 120.0)));
   const double zeroth = 1.0 - rate * first;
   const double decay = 1.0 - rate * zeroth;
   const double gain = h * turn.inverse_inductance * zeroth;
@@ -54,39 +52,177 @@ Node follow(const FreeTurn& turn, const Node& from, double x, const base::SineCo
   const double weight = k * rate * (1.0 + turned * turned * (1.0 / 12.0));
   const double by_end = weight * first;
   const double by_begin = weight * (zeroth - first);
-  const StatorVector phi{
-      (decay * from.phi.alpha + gain * u.alpha) + (by_begin * from.z.cosine + by_end * z.cosine),
-      (decay * from.phi.beta + gain * u.beta) + (by_begin * from.z.sine + by_end * z.sine)};
-  return node(x, z, phi, k);
+  return node(x, z, (decay * from.phi + (by_begin * from.z + by_end * z)) + gain * u, k);
 }
 
-/// Means over a stretch by values and derivatives at its ends (Hermite).
-Stretch between(const FreeTurn& turn, const Node& a, const Node& b, const StatorVector& u, double w,
-                double h) {
-  const double r = turn.rate;
-  const double twelfth = h * (1.0 / 12.0);
-  const double sines = a.z.sine - b.z.sine;
-  const double cosines = a.z.cosine - b.z.cosine;
+/// Mean current between two nodes, by values and derivatives at its ends (Hermite).
+Pair mean_current(const FreeTurn& turn, const Node& a, const Node& b, double w, double h) {
+  const Pair turned = a.z - b.z;
   const double kw = turn.flux_current * w;
-  const double slope_alpha = kw * sines - r * (a.current.alpha - b.current.alpha);
-  const double slope_beta = -kw * cosines - r * (a.current.beta - b.current.beta);
-  const double slope = (turn.inverse_inductance * (cosines * u.beta - sines * u.alpha) -
-                        r * (a.quadrature - b.quadrature)) -
-                       w * (a.direct - b.direct);
-  return {{0.5 * (a.current.alpha + b.current.alpha) + twelfth * slope_alpha,
-           0.5 * (a.current.beta + b.current.beta) + twelfth * slope_beta},
-          0.5 * (a.quadrature + b.quadrature) + twelfth * slope,
-          b.quadrature - a.quadrature};
+  const Pair slope =
+      Pair{turned[1], turned[0]} * Pair{kw, -kw} - turn.rate * (a.current - b.current);
+  return 0.5 * (a.current + b.current) + h * (1.0 / 12.0) * slope;
 }
 
-/// dphases/dt, A/s.
-ThreePhaseWinding::Values slopes(const FreeTurn& turn, const Node& at, const StatorVector& u,
-                                 double w) {
-  const double r = turn.rate;
-  const double kw = turn.flux_current * w;
-  return phase_values({turn.inverse_inductance * u.alpha - r * at.current.alpha + kw * at.z.sine,
-                       turn.inverse_inductance * u.beta - r * at.current.beta - kw * at.z.cosine});
+/// And mean quadrature current.
+double mean_torque(const FreeTurn& turn, const Node& a, const Node& b, const Pair& u, double w,
+                   double h) {
+  const double slope =
+      (turn.inverse_inductance * cross(a.z - b.z, u) - turn.rate * (a.quadrature - b.quadrature)) -
+      w * (a.direct - b.direct);
+  return 0.5 * (a.quadrature + b.quadrature) + h * (1.0 / 12.0) * slope;
 }
+
+ThreePhaseWinding::Values phases(const Pair& v) {
+  return phase_values({v[0], v[1]});
+}
+
+/// di/dt, A/s.
+Pair slope(const FreeTurn& turn, const Node& at, const Pair& u, double w) {
+  const double kw = turn.flux_current * w;
+  return (turn.inverse_inductance * u - turn.rate * at.current) +
+         Pair{at.z[1], at.z[0]} * Pair{kw, -kw};
+}
+
+/// How the rotor turns as far as the begin of a period promises.
+struct Course {
+  double w = 0.0;              ///< electrical rad/s at the begin
+  double rest = 0.0;           ///< electrical rad/s^2 by all but the current
+  double half_promised = 0.0;  ///< half of the acceleration at the begin
+};
+
+Course course_of(const SynchronousMotor& motor, const SynchronousMotorState& state,
+                 const ShaftInput& shaft, const FreeTurn& turn, double quadrature, double period) {
+  const ShaftMechanics& mechanics = motor.shaft();
+  Course course;
+  course.w = state.speed * turn.pole_pairs;
+  const double reach = period * course.w;
+  const double cogs = std::fabs(reach) < motor.cogging().reach()
+                          ? motor.cogging().around(state.direction).mean(reach)
+                          : 0.0;
+  const double sign = state.speed > 0.0 ? 1.0 : -1.0;
+  const double steady = mechanics.load().constant_torque + shaft.torque + cogs -
+                        sign * mechanics.coulomb_friction(shaft.brake_engaged);
+  course.rest = turn.mobility * steady - turn.damping * course.w;
+  if (mechanics.creeps(state.speed)) {
+    const double gain = period * (turn.flux_mobility * quadrature + course.rest);
+    course.rest -= turn.mobility * sign *
+                   mechanics.stribeck_friction((course.w + 0.5 * gain) / turn.pole_pairs);
+  }
+  course.half_promised = 0.5 * (turn.flux_mobility * quadrature + course.rest);
+  return course;
+}
+
+/// What a period adds up to.
+struct Sums {
+  double taken = 0.0;    ///< J by the bridge
+  double impulse = 0.0;  ///< A s: integral of the quadrature current
+  double reached = 0.0;  ///< A s^2: and of that
+};
+
+/// One period of the inverter with the winding that begins at `at`.
+class Passage {
+ public:
+  Passage(const FreeTurn& turn, const Course& course, const InverterParameters& inverter,
+          const Supply& supply, const SupplyState& link, const Node& at, double period)
+      : turn_(turn),
+        course_(course),
+        supply_(supply),
+        link_(link),
+        at_(at),
+        magnets_{at.z[1], at.z[0]},
+        period_(period),
+        dead_(inverter.dead_time > 0.0),
+        loss_per_ampere_(inverter.dead_time * inverter.diode_drop) {}
+
+  void pass(PwmPeriod<3>& pwm, const ThreePhaseWinding::Values& duty, bool chopper_on) {
+    current_ = phases(at_.current);
+    const bool predict = dead_ && signs_may_change(duty);
+    if (dead_ && !predict) {
+      pwm.keep_signs(current_);
+    }
+    while (!pwm.over()) {
+      const ThreePhaseWinding::Values& high = pwm.high();
+      const StatorVector share = stator_vector(high[0], high[1], high[2]);
+      const Pair terminals{share.alpha, share.beta};
+      const double h =
+          predict ? pwm.until_edge(current_,
+                                   phases(slope(turn_, at_, link_.voltage * terminals, course_.w)))
+                  : pwm.until_edge();
+      if (h > 0.0) {
+        go(pwm.time(), h, terminals, chopper_on);
+      }
+      const std::size_t edge = pwm.pass();
+      if (dead_) {
+        current_ = phases(at_.current);
+        for (std::size_t n = 0; n < current_.size(); ++n) {
+          lost_ += n == edge ? loss_per_ampere_ * std::fabs(current_[n]) : 0.0;
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] const Node& at() const { return at_; }
+  [[nodiscard]] const Sums& sums() const { return sums_; }
+  [[nodiscard]] const SupplyState& link() const { return link_; }
+
+ private:
+  /// Whether a phase may have a current of either sign within the period.
+  [[nodiscard]] bool signs_may_change(const ThreePhaseWinding::Values& duty) const {
+    // No phase strays further from its mean course than this.
+    const double ripple = 0.25 * link_.voltage * period_ * turn_.inverse_inductance;
+    const StatorVector mean = stator_vector(duty[0], duty[1], duty[2]);
+    const ThreePhaseWinding::Values way =
+        phases(slope(turn_, at_, link_.voltage * Pair{mean.alpha, mean.beta}, course_.w));
+    bool may = false;
+    for (std::size_t n = 0; n < current_.size(); ++n) {
+      may = may || std::fabs(current_[n]) < ripple + period_ * std::fabs(way[n]);
+    }
+    return may;
+  }
+
+  /// From `begin` (s) `h` seconds on with the terminals' shares of the supply.
+  void go(double begin, double h, const Pair& share, bool chopper_on) {
+    const Supply::Stretch stretch = supply_.stretch(link_, h);
+    const bool active = share[0] != 0.0 || share[1] != 0.0;
+    const double drawn = active ? 1.5 * dot(share, at_.current) : 0.0;
+    const double voltage = stretch.halfway(drawn);
+    const Pair u = voltage * share;
+    const double end = begin + h;
+    const double x = end * (course_.w + course_.half_promised * end);
+    const base::SineCosine z = sum(magnets_, small_turn(x));
+    const Node next = follow(turn_, at_, x, Pair{z.cosine, z.sine}, u, h);
+    const double torque = mean_torque(turn_, at_, next, u, course_.w, h);
+    const double left = period_ - begin - 0.5 * h;
+    sums_.impulse += h * torque;
+    sums_.reached += h * (left * torque - h * (1.0 / 12.0) * (next.quadrature - at_.quadrature));
+    double mean = 0.0;
+    if (active) {
+      mean = 1.5 * dot(share, mean_current(turn_, at_, next, course_.w, h));
+      sums_.taken += voltage * mean * h;
+    }
+    if (dead_) {
+      sums_.taken += lost_;
+      mean += lost_ / (std::max(voltage, Supply::kLowestVoltage) * h);
+      lost_ = 0.0;
+    }
+    supply_.flow(link_, stretch, mean, chopper_on);
+    at_ = next;
+  }
+
+  const FreeTurn& turn_;
+  const Course& course_;
+  const Supply& supply_;
+  SupplyState link_;
+  Node at_;
+  base::SineCosine magnets_;  ///< at the begin
+  double period_;
+  bool dead_;
+  double loss_per_ampere_;  ///< J/A in diodes at an edge
+  double lost_ = 0.0;       ///< J at edges that no stretch has paid for
+  ThreePhaseWinding::Values current_{};
+  Sums sums_;
+};
 
 }  // namespace
 
@@ -94,96 +230,38 @@ std::optional<double> turn_switched(ThreePhaseWinding& winding, const InverterPa
                                     Supply& supply, SupplyState& supply_state,
                                     const ThreePhaseWinding::Values& duty, const ShaftInput& shaft,
                                     bool chopper_on, double period) {
-  SynchronousMotor& motor = winding.motor();
+  const SynchronousMotor& motor = winding.motor();
   SynchronousMotorState& state = winding.state();
-  const ShaftMechanics& mechanics = motor.shaft();
   if (!motor.may_turn_freely() || state.speed == 0.0 ||
       period * motor.fastest_rate(state, period) > kLargestTurn) {
     return std::nullopt;
   }
   const FreeTurn turn = motor.free_turn(inverter.on_resistance);
-  const double w = state.speed * turn.pole_pairs;
   const double k = turn.flux_current;
-  const base::SineCosine z0 = state.direction;
-  Node at =
-      node(0.0, z0, {state.current.alpha + k * z0.cosine, state.current.beta + k * z0.sine}, k);
-  const Cogging& cogging = motor.cogging();
-  const double reach = period * w;
-  const double cogs = std::fabs(reach) < cogging.reach() ? cogging.around(z0).mean(reach) : 0.0;
-  const double sign = state.speed > 0.0 ? 1.0 : -1.0;
-  const double steady = mechanics.load().constant_torque + shaft.torque + cogs -
-                        sign * mechanics.coulomb_friction(shaft.brake_engaged);
-  double rest = turn.mobility * steady - turn.damping * w;
-  if (mechanics.creeps(state.speed)) {
-    const double gain = period * (turn.flux_mobility * at.quadrature + rest);
-    rest -= turn.mobility * sign * mechanics.stribeck_friction((w + 0.5 * gain) / turn.pole_pairs);
-  }
-  const double half_promised = 0.5 * (turn.flux_mobility * at.quadrature + rest);
+  const Pair magnets{state.direction.cosine, state.direction.sine};
+  const Node begin =
+      node(0.0, magnets, Pair{state.current.alpha, state.current.beta} + k * magnets, k);
+  const Course course = course_of(motor, state, shaft, turn, begin.quadrature, period);
+  PwmPeriod<3> pwm(inverter, std::max(supply_state.voltage, Supply::kLowestVoltage), duty, period);
+  Passage passage(turn, course, inverter, supply, supply_state, begin, period);
+  passage.pass(pwm, duty, chopper_on);
 
-  SupplyState link = supply_state;
-  const bool dead = inverter.dead_time > 0.0;
-  const double loss_per_ampere = inverter.dead_time * inverter.diode_drop;
-  PwmPeriod<3> pwm(inverter, std::max(link.voltage, Supply::kLowestVoltage), duty, period);
-  double taken = 0.0;
-  double lost = 0.0;
-  double impulse = 0.0;  // A s: integral of the quadrature current
-  double reached = 0.0;  // A s^2: and of that
-  ThreePhaseWinding::Values current = phase_values(at.current);
-  while (!pwm.over()) {
-    const ThreePhaseWinding::Values& high = pwm.high();
-    const StatorVector share = stator_vector(high[0], high[1], high[2]);
-    const double drawn = 1.5 * (share.alpha * at.current.alpha + share.beta * at.current.beta);
-    double h = 0.0;
-    if (dead) {
-      const StatorVector now{link.voltage * share.alpha, link.voltage * share.beta};
-      h = pwm.until_edge(current, slopes(turn, at, now, w));
-    } else {
-      h = pwm.until_edge();
-    }
-    if (h > 0.0) {
-      const Supply::Stretch link_stretch = supply.stretch(link, h);
-      const double voltage = link_stretch.halfway(drawn);
-      const StatorVector u{voltage * share.alpha, voltage * share.beta};
-      const double begin = pwm.time();
-      const double end = begin + h;
-      const double x = end * (w + half_promised * end);
-      const Node next = follow(turn, at, x, sum(z0, small_turn(x)), u, h);
-      const Stretch stretch = between(turn, at, next, u, w, h);
-      const double left = period - begin - 0.5 * h;
-      impulse += h * stretch.torque;
-      reached += h * (left * stretch.torque - h * (1.0 / 12.0) * stretch.torque_rise);
-      const double mean =
-          1.5 * (share.alpha * stretch.mean_current.alpha + share.beta * stretch.mean_current.beta);
-      const double energy = voltage * mean * h;
-      taken += energy + lost;
-      const double by_loss = dead ? lost / (std::max(voltage, Supply::kLowestVoltage) * h) : 0.0;
-      supply.flow(link, link_stretch, mean + by_loss, chopper_on);
-      lost = 0.0;
-      at = next;
-    }
-    const std::size_t edge = pwm.pass();
-    if (dead) {
-      current = phase_values(at.current);
-      for (std::size_t n = 0; n < current.size(); ++n) {
-        lost += n == edge ? loss_per_ampere * std::fabs(current[n]) : 0.0;
-      }
-    }
-  }
-
-  const double gained = turn.flux_mobility * impulse + rest * period;
-  const double w1 = w + gained * (1.0 - 0.5 * turn.damping * period);
-  if (w1 * w <= 0.0) {
+  const Sums& sums = passage.sums();
+  const double gained = turn.flux_mobility * sums.impulse + course.rest * period;
+  const double w1 = course.w + gained * (1.0 - 0.5 * turn.damping * period);
+  if (w1 * course.w <= 0.0) {
     return std::nullopt;
   }
-  const double turned_by = w * period + turn.flux_mobility * reached + 0.5 * rest * period * period;
-  state.direction = nudged(at.z, turned_by - at.x);
-  state.current = {at.phi.alpha - k * state.direction.cosine,
-                   at.phi.beta - k * state.direction.sine};
+  const double turned_by =
+      course.w * period + turn.flux_mobility * sums.reached + 0.5 * course.rest * period * period;
+  const Node& at = passage.at();
+  state.direction = nudged({at.z[1], at.z[0]}, turned_by - at.x);
+  state.current = {at.phi[0] - k * state.direction.cosine, at.phi[1] - k * state.direction.sine};
   state.angle = turned(state.angle, turned_by);
   constexpr double kHighestSpeed = 1e4;  // rad/s, as SynchronousMotor has it
   state.speed = std::clamp(w1 / turn.pole_pairs, -kHighestSpeed, kHighestSpeed);
-  supply_state = link;
-  return taken;
+  supply_state = passage.link();
+  return sums.taken;
 }
 
 }  // namespace stator::plant

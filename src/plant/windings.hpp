@@ -138,10 +138,10 @@ class DcWinding {
   DcMotorState state_;
 };
 
-/// Lets one PWM period pass with the duties averaged over it. Returns the energy (J) the bridge
-/// took.
+/// Lets one PWM period pass with the duties averaged over it; `dead_time` may be missing. Returns
+/// the energy (J) the bridge took.
 template <typename Winding>
-double average_period(Winding& winding, const InverterParameters& inverter, Supply& supply,
+double average_period(Winding& winding, const DeadTime* dead_time, Supply& supply,
                       SupplyState& state, const typename Winding::Values& duty,
                       const ShaftInput& shaft, bool chopper_on, double period) {
   typename Winding::Values voltage{};
@@ -149,9 +149,8 @@ double average_period(Winding& winding, const InverterParameters& inverter, Supp
     voltage[k] = state.voltage * duty[k];
   }
   double lost = 0.0;
-  if (inverter.dead_time > 0.0) {
-    const auto dead =
-        dead_time_drop(inverter, state.voltage, winding.currents(), winding.inductance(), period);
+  if (dead_time != nullptr) {
+    const auto dead = dead_time->drop(state.voltage, winding.currents());
     for (std::size_t k = 0; k < Winding::kBridges; ++k) {
       voltage[k] -= dead.voltage[k];
     }

@@ -77,6 +77,7 @@ double unbalanced(const Motor& motor, InverterModel model, std::uint64_t seed) {
   Supply supply({.capacitance = 470e-6, .source_resistance = 0.05});
   SupplyState state;
   base::Random random(seed);
+  const DeadTime dead_time(stage(), winding.inductance(), kPeriod);
   const double before = LedgerOf::stored(winding);
   double u = 0.0;
   double v = 0.0;
@@ -91,7 +92,7 @@ double unbalanced(const Motor& motor, InverterModel model, std::uint64_t seed) {
     if (model == InverterModel::switched) {
       switch_period(winding, stage(), supply, state, duty, shaft, false, kPeriod);
     } else {
-      average_period(winding, stage(), supply, state, duty, shaft, false, kPeriod);
+      average_period(winding, &dead_time, supply, state, duty, shaft, false, kPeriod);
     }
     winding.refresh();
   }

@@ -143,7 +143,7 @@ TEST(SwitchedInverter, SampledCurrentsAreThoseOfTheAveragedInverter) {
   for (int n = 0; n < 10'000; ++n) {
     const auto duty = commutated(averaged, 8.0);
     switch_period(switched, inverter, supply, state, duty, {}, false, kPeriod);
-    average_period(averaged, inverter, supply, state, duty, {}, false, kPeriod);
+    average_period(averaged, nullptr, supply, state, duty, {}, false, kPeriod);
     worst = std::max(worst, std::fabs(switched.currents()[0] - averaged.currents()[0]));
   }
   EXPECT_GT(switched.speed(), 200.0);
