@@ -20,7 +20,7 @@ template <typename L>
     const typename L::Value& angle) {
   using V = typename L::Value;
   using Number = typename ElementOf<V>::Type;
-  constexpr auto n = [](double x) { return static_cast<Number>(x); };
+  const auto n = [](double x) { return static_cast<Number>(x); };
   const V quadrant = whole<V>(angle * n(0.63661977236758134308));
   V s;
   V c;

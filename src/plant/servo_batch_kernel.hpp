@@ -239,23 +239,24 @@ template <typename L, typename N>
   return lost;
 }
 
-/// One step of the lanes from `at` on; the result holds for those that need more.
+/// Shares of the period that a half bridge makes of the duties from there on.
+template <typename V, typename N>
+[[nodiscard]] [[gnu::always_inline]] inline V duty_at(const N* from) {
+  return base::within(base::load<V>(from), V{}, V{} + N(1.0));
+}
+
+/// What a step of the lanes from `at` on begins with; `supply` in V.
 template <typename L, typename N>
-[[gnu::always_inline]] inline typename L::Mask step_lanes(const ServoBatchConstants<N>& k,
-                                                          ServoBatchBlock<N>& block,
-                                                          base::ServoLanes<N>& signals,
-                                                          std::size_t at) {
+[[nodiscard]] [[gnu::always_inline]] inline Begin<L> begin_of(const ServoBatchBlock<N>& block,
+                                                              const base::ServoLanes<N>& signals,
+                                                              std::size_t at,
+                                                              const typename L::Value& supply) {
   using V = typename L::Value;
-  using I = typename L::Integers;
-  const auto duty = [&signals, at ](std::size_t n) __attribute__((always_inline)) {
-    return base::within(base::load<V>(&signals.duty[n][at]), V{}, base::all<L>(N(1.0)));
-  };
-  const V u = duty(0);
-  const V v = duty(1);
-  const V w = duty(2);
+  const V u = duty_at<V>(&signals.duty[0][at]);
+  const V v = duty_at<V>(&signals.duty[1][at]);
+  const V w = duty_at<V>(&signals.duty[2][at]);
   const V share_alpha = (N(2.0) * u - v - w) * N(1.0 / 3.0);
   const V share_beta = (v - w) * N(0.57735026918962576451);
-  const V supply = base::load<V>(&block.supply_voltage[at]);
   Begin<L> begin;
   begin.current_alpha = base::load<V>(&block.current_alpha[at]);
   begin.current_beta = base::load<V>(&block.current_beta[at]);
@@ -265,6 +266,19 @@ template <typename L, typename N>
   begin.voltage_alpha = supply * share_alpha;
   begin.voltage_beta = supply * share_beta;
   begin.torque = base::load<V>(&block.torque[at]);
+  return begin;
+}
+
+/// One step of the lanes from `at` on; the result holds for those that need more.
+template <typename L, typename N>
+[[gnu::always_inline]] inline typename L::Mask step_lanes(const ServoBatchConstants<N>& k,
+                                                          ServoBatchBlock<N>& block,
+                                                          base::ServoLanes<N>& signals,
+                                                          std::size_t at) {
+  using V = typename L::Value;
+  using I = typename L::Integers;
+  const V supply = base::load<V>(&block.supply_voltage[at]);
+  Begin<L> begin = begin_of<L, N>(block, signals, at, supply);
   V lost_power{};
   if (k.dead_time) {
     lost_power = drop_voltage<L, N>(k, begin, supply);
