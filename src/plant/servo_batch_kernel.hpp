@@ -73,7 +73,7 @@ template <typename L, typename N>
   const Turn<L>& z = at.direction;
   const V& ua = at.voltage_alpha;
   const V& ub = at.voltage_beta;
-  Even<L> even;
+  Even<L> even{};
   even.x = k.h * w0;
   even.direction = sum<L>(z, small_turn<L, N>(even.x));
   const Turn<L>& z1 = even.direction;
@@ -257,7 +257,7 @@ template <typename L, typename N>
   const V w = duty_at<V>(&signals.duty[2][at]);
   const V share_alpha = (N(2.0) * u - v - w) * N(1.0 / 3.0);
   const V share_beta = (v - w) * N(0.57735026918962576451);
-  Begin<L> begin;
+  Begin<L> begin{};
   begin.current_alpha = base::load<V>(&block.current_alpha[at]);
   begin.current_beta = base::load<V>(&block.current_beta[at]);
   begin.speed = base::load<V>(&block.speed[at]);

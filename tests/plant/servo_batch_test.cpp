@@ -62,6 +62,7 @@ std::vector<base::InstructionSet> sets() {
 
 TEST(ServoBatch, EachLaneHasTheBitsOfAServoAxis) {
   constexpr std::size_t kAxes = 11;
+  constexpr std::size_t kLanes = ServoBatch<double>::kLanes;
   for (const base::InstructionSet set : sets()) {
     const ServoAxisParameters parameters = drive();
     ServoBatch<double> batch(parameters, kAxes, kStep, set);
@@ -78,9 +79,9 @@ TEST(ServoBatch, EachLaneHasTheBitsOfAServoAxis) {
           axes[n].set_external_torque(torque);
           batch.set_external_torque(n, torque);
         }
-        auto& signals = batch.signals()[n / batch.kLanes];
+        auto& signals = batch.signals()[n / kLanes];
         for (std::size_t k = 0; k < 3; ++k) {
-          signals.duty[k][n % batch.kLanes] = actuation.duty[k];
+          signals.duty[k][n % kLanes] = actuation.duty[k];
         }
         axes[n].step(actuation, kStep);
       }
@@ -89,9 +90,9 @@ TEST(ServoBatch, EachLaneHasTheBitsOfAServoAxis) {
         const ServoAxisState& expected = axes[n].state();
         ASSERT_EQ(batch.motor(n), expected.motor) << "axis " << n << ", step " << step;
         ASSERT_EQ(batch.supply_voltage(n), expected.supply.voltage) << step;
-        const auto& signals = batch.signals()[n / batch.kLanes];
+        const auto& signals = batch.signals()[n / kLanes];
         for (std::size_t k = 0; k < 3; ++k) {
-          ASSERT_EQ(signals.phase_current[k][n % batch.kLanes], axes[n].sensing().phase_current[k]);
+          ASSERT_EQ(signals.phase_current[k][n % kLanes], axes[n].sensing().phase_current[k]);
         }
         lowest[n] = std::min(lowest[n], expected.motor.speed);
         chopped = chopped || expected.supply.chopper_conducts;
