@@ -13,6 +13,16 @@ function(stator_room name)
   target_link_libraries(stator_${name} PRIVATE ${ROOM_LIBRARIES})
 endfunction()
 
+# Sources of a room that are compiled for processors with AVX2 or AVX-512 and run on those only. They
+# include nothing with code of its own but what is always inline.
+function(stator_vector_sources name)
+  cmake_parse_arguments(VECTOR "" "" "AVX2;AVX512" ${ARGN})
+  target_sources(stator_${name} PRIVATE ${VECTOR_AVX2} ${VECTOR_AVX512})
+  set_source_files_properties(${VECTOR_AVX2} PROPERTIES COMPILE_OPTIONS "-mavx2")
+  set_source_files_properties(${VECTOR_AVX512} PROPERTIES
+    COMPILE_OPTIONS "-mavx512f;-mavx512dq;-mavx512vl;-mavx512bw")
+endfunction()
+
 # One GoogleTest program per room: tests/<room>/*.cpp, registered case by case with CTest.
 function(stator_test_suite name)
   cmake_parse_arguments(SUITE "" "" "SOURCES;USES;LIBRARIES" ${ARGN})

@@ -23,6 +23,16 @@ class Random {
   /// A number in [0, 1) with 53 random bits.
   constexpr double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
 
+  /// A bell-shaped random number of variance 1, within +-3.5: the sum of four equally distributed
+  /// ones.
+  constexpr double bell() {
+    const std::uint64_t bits = next();
+    const std::uint64_t sum =
+        (bits & 0xFFFF) + ((bits >> 16) & 0xFFFF) + ((bits >> 32) & 0xFFFF) + (bits >> 48);
+    constexpr double kSquareRootOfThree = 1.73205080756887729353;
+    return (static_cast<double>(sum) * 0x1p-16 - (2.0 - 0x1p-15)) * kSquareRootOfThree;
+  }
+
   /// A whole number in [0, bound); `bound` must not be 0.
   constexpr std::uint64_t below(std::uint64_t bound) { return next() % bound; }
 

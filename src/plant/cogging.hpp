@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "base/trigonometry.hpp"
 #include "plant/rotation.hpp"
@@ -32,6 +33,17 @@ struct NearbyCogging {
 /// The harmonics of a motor's cogging torque.
 class Cogging {
  public:
+  /// What around() needs of one of them.
+  struct Harmonic {
+    int times = 1;  ///< of the direction, or of six times it
+    bool of_six = false;
+    double sine = 0.0;  ///< N m, factors of sine and cosine
+    double cosine = 0.0;
+    double order = 1.0;
+    double half_square = 0.0;   ///< -order^2 / 2, torque into the square's coefficient
+    double sixth_square = 0.0;  ///< -order^2 / 6, slope into the cube's
+  };
+
   explicit Cogging(const std::array<CoggingHarmonic, 2>& harmonics) {
     for (const CoggingHarmonic& harmonic : harmonics) {
       if (harmonic.amplitude != 0.0) {
@@ -75,19 +87,12 @@ class Cogging {
   /// teeth pass before the shaft follows any, and cogging may be left away.
   [[nodiscard]] double reach() const { return reach_; }
 
+  [[nodiscard]] std::span<const Harmonic> harmonics() const { return {harmonics_.data(), count_}; }
+
   /// N m/rad by the electrical angle, at most.
   [[nodiscard]] double stiffness() const { return stiffness_; }
 
  private:
-  struct Harmonic {
-    int times = 1;  ///< of the direction, or of six times it
-    bool of_six = false;
-    double sine = 0.0;  ///< N m, factors of sine and cosine
-    double cosine = 0.0;
-    double order = 1.0;
-    double half_square = 0.0;   ///< -order^2 / 2, torque into the square's coefficient
-    double sixth_square = 0.0;  ///< -order^2 / 6, slope into the cube's
-  };
   std::array<Harmonic, 2> harmonics_{};
   std::size_t count_ = 0;
   double reach_ = 1.0;

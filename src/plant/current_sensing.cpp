@@ -12,16 +12,6 @@ double rounded(double x) {
   return (x + kRounder) - kRounder;
 }
 
-/// A bell-shaped random number of variance 1, within +-3.5: the sum of four equally distributed
-/// ones.
-double bell(base::Random& random) {
-  const std::uint64_t bits = random.next();
-  const std::uint64_t sum =
-      (bits & 0xFFFF) + ((bits >> 16) & 0xFFFF) + ((bits >> 32) & 0xFFFF) + (bits >> 48);
-  constexpr double kSquareRootOfThree = 1.73205080756887729353;
-  return (static_cast<double>(sum) * 0x1p-16 - (2.0 - 0x1p-15)) * kSquareRootOfThree;
-}
-
 }  // namespace
 
 CurrentSensing::CurrentSensing(const CurrentSensingParameters& parameters)
@@ -37,7 +27,7 @@ std::array<double, 3> CurrentSensing::measure(const std::array<double, 3>& curre
   for (std::size_t k = 0; k < 3; ++k) {
     double value = parameters_.gain[k] * (current[k] + parameters_.offset[k]);
     if (noisy()) {
-      value += parameters_.noise * bell(random);
+      value += parameters_.noise * random.bell();
     }
     value = std::clamp(value, -parameters_.range, parameters_.range);
     if (parameters_.resolution > 0.0) {

@@ -164,10 +164,6 @@ class ServoAxis {
   void rectify(bool chopper_on, double step);
   void account(double power, double step, bool chopper_on);
   [[nodiscard]] SynchronousMotorInput motor_input() const;
-  /// Voltage the dead time of the half bridges takes from the phases with `current`, and the power
-  /// (W) it loses in diodes.
-  [[nodiscard]] StatorVector dead_time_drop(const StatorVector& current, double step,
-                                            double& lost_power) const;
   void note_faults();
   void sense_angle();
   void sense();

@@ -52,32 +52,15 @@ void ServoAxis::drive(const base::ServoActuation& actuation, double step) {
   input.voltage = {supply * share.alpha, supply * share.beta};
   double lost_power = 0.0;
   if (inverter.dead_time > 0.0) {
-    const StatorVector drop = dead_time_drop(state_.motor.current, step, lost_power);
+    const DeadTimeDrop<3> dead = DeadTime(inverter, parameters_.motor.direct_inductance, step)
+                                     .drop(supply, phase_values(state_.motor.current));
+    lost_power = dead.lost_power;
+    const StatorVector drop = stator_vector(dead.voltage[0], dead.voltage[1], dead.voltage[2]);
     input.voltage.alpha -= drop.alpha;
     input.voltage.beta -= drop.beta;
   }
   const double power = motor_.step(state_.motor, input, step) + lost_power;
   account(power, step, actuation.brake_chopper_on);
-}
-
-StatorVector ServoAxis::dead_time_drop(const StatorVector& current, double step,
-                                       double& lost_power) const {
-  const InverterParameters& inverter = parameters_.inverter;
-  const double supply = state_.supply.voltage;
-  const double share = inverter.dead_time * inverter.pwm_frequency;
-  const double by_diodes = 2.0 * share * inverter.diode_drop;
-  const double drop = supply * share + by_diodes;
-  // Within the ripple (Vb T / 8 L either way) the current changes its sign each period and the drop
-  // cancels. An explicit step bears no more than this resistance, drop / ripple.
-  const double inductance = parameters_.motor.direct_inductance;
-  const double ripple = std::max(supply / (8.0 * inductance * inverter.pwm_frequency),
-                                 4.0 * drop * step / inductance);
-  std::array<double, 3> voltage = phase_values(current);
-  for (double& phase : voltage) {
-    lost_power += by_diodes * std::fabs(phase);
-    phase = drop * std::clamp(phase / ripple, -1.0, 1.0);
-  }
-  return stator_vector(voltage[0], voltage[1], voltage[2]);
 }
 
 void ServoAxis::rectify(bool chopper_on, double step) {

@@ -32,8 +32,24 @@ struct SupplyState {
 /// its own threshold, or as long as a drive tells it to.
 class Supply {
  public:
+  /// V at which a bridge that still wants power gets what the capacitor can give, not an infinite
+  /// current.
+  static constexpr double kLowestVoltage = 1.0;
+
+  /// What a length of time and the chopper make of the voltage.
+  struct Share {
+    double seconds = -1.0;
+    bool conducts = false;
+    double of_current = 0.0;  ///< V/A
+    double alone = 1.0;       ///< factor of the voltage without the source
+    double feed = 0.0;        ///< factor of the source's voltage
+    double supplied = 1.0;    ///< and of the sum with it
+  };
+  [[nodiscard]] Share share(double seconds, bool conducts) const;
+
   explicit Supply(const SupplyParameters& parameters);
 
+  [[nodiscard]] const SupplyParameters& parameters() const { return parameters_; }
   [[nodiscard]] bool ideal() const { return parameters_.capacitance <= 0.0; }
   /// Lets `seconds` pass in which the bridge takes `power` (W).
   void advance(SupplyState& state, double power, double seconds) const;
@@ -50,23 +66,41 @@ class Supply {
     }
     draw(state, power, share_);
   }
+  /// A stretch of time for the trapezoidal rule: the energy that leaves the capacitor in it is the
+  /// bridge's current times the voltage halfway. For the segments of a PWM period.
+  struct Stretch {
+    double begin = 0.0;       ///< V at its begin
+    double alone = 0.0;       ///< V at its end while the bridge takes nothing
+    double of_current = 0.0;  ///< V/A
+
+    /// V in the middle while the bridge takes `current` (A).
+    [[nodiscard]] double halfway(double current) const {
+      return 0.5 * (begin + alone) - 0.5 * of_current * current;
+    }
+    [[nodiscard]] double end(double current) const { return alone - of_current * current; }
+  };
+  [[nodiscard]] Stretch stretch(const SupplyState& state, double seconds) const {
+    if (ideal()) {
+      return {.begin = state.source, .alone = state.source};
+    }
+    const double share = seconds * inverse_capacitance_;
+    const double feed = state.voltage < state.source ? share * source_conductance_ : 0.0;
+    const double burn = state.chopper_conducts ? share * chopper_conductance_ : 0.0;
+    const double half = 0.5 * (feed + burn);
+    const double whole = 1.0 / (1.0 + half);
+    const double kept = (1.0 - half) * whole;
+    const double fed = feed * whole;
+    return {.begin = state.voltage,
+            .alone = kept * state.voltage + fed * state.source,
+            .of_current = share * whole};
+  }
+  /// Takes over the end of a stretch in which the bridge took `current` (A).
+  void flow(SupplyState& state, const Stretch& stretch, double current, bool chopper_on) const {
+    switch_chopper(state, chopper_on);
+    state.voltage = std::max(stretch.end(current), 0.0);
+  }
 
  private:
-  /// V at which a bridge that still wants power gets what the capacitor can give, not an infinite
-  /// current.
-  static constexpr double kLowestVoltage = 1.0;
-
-  /// What a length of time and the chopper make of the voltage.
-  struct Share {
-    double seconds = -1.0;
-    bool conducts = false;
-    double of_current = 0.0;  ///< V/A
-    double alone = 1.0;       ///< factor of the voltage without the source
-    double feed = 0.0;        ///< factor of the source's voltage
-    double supplied = 1.0;    ///< and of the sum with it
-  };
-  [[nodiscard]] Share share(double seconds, bool conducts) const;
-
   void switch_chopper(SupplyState& state, bool chopper_on) const {
     if (state.voltage >= parameters_.chopper_voltage) {
       state.chopper_by_itself = true;

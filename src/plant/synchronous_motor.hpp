@@ -73,6 +73,18 @@ struct SynchronousMotorInput {
   bool brake_engaged = false;
 };
 
+/// What a step of a motor that turns freely calculates with.
+struct FreeTurn {
+  double pole_pairs;
+  double rate;                ///< R / L, 1/s; transistors included
+  double inverse_inductance;  ///< 1/H
+  double flux_current;        ///< psi / L, A
+  double mobility;            ///< torque into electrical acceleration, 1/(kg m^2)
+  double flux_mobility;       ///< 3/2 p psi times mobility, 1/(A s^2)
+  double damping;             ///< 1/s
+  double free_rate;           ///< the fastest rate at speed 0, rad/s
+};
+
 /// Three-phase permanent-magnet motor in star connection with its load, in coordinates of the
 /// rotor; we = p w, th = electrical angle:
 ///   Ld did/dt = ud - R id + we Lq iq - we psi fd(th)
@@ -130,7 +142,27 @@ class SynchronousMotor {
     return cogging_.around(state.direction).torque;
   }
 
+  /// The weights for a step of `h` with `series_resistance` ohm in the phases.
+  const HeldVoltage& held_voltage(double h, double series_resistance) {
+    if (held_voltage_.step != h || held_voltage_.series_resistance != series_resistance)
+        [[unlikely]] {
+      renew_held_voltage(h, series_resistance);
+    }
+    return held_voltage_;
+  }
+  /// What else such a step needs.
+  [[nodiscard]] FreeTurn free_turn(double series_resistance) const {
+    return {.pole_pairs = pole_pairs_,
+            .rate = (resistance_ + series_resistance) * inverse_direct_inductance_,
+            .inverse_inductance = inverse_direct_inductance_,
+            .flux_current = flux_current_,
+            .mobility = mobility_,
+            .flux_mobility = flux_mobility_,
+            .damping = damping_,
+            .free_rate = free_rate_};
+  }
   [[nodiscard]] const ShaftMechanics& shaft() const { return shaft_; }
+  [[nodiscard]] const Cogging& cogging() const { return cogging_; }
   [[nodiscard]] const ThreePhaseMotorParameters& motor() const { return motor_; }
   /// Resistance and flux from now on: a winding and a magnet get warm (degree Celsius).
   void set_temperatures(double winding, double magnets);
@@ -168,14 +200,6 @@ class SynchronousMotor {
   [[nodiscard]] Gain gain(const SynchronousMotorState& state, const SynchronousMotorInput& input,
                           const EvenTurn& even, const HeldVoltage& held, double w0, double h) const;
   double step_at_rest(SynchronousMotorState& state, const SynchronousMotorInput& input, double h);
-  /// The weights for a step of `h` with `series_resistance` in the phases.
-  const HeldVoltage& held_voltage(double h, double series_resistance) {
-    if (held_voltage_.step != h || held_voltage_.series_resistance != series_resistance)
-        [[unlikely]] {
-      renew_held_voltage(h, series_resistance);
-    }
-    return held_voltage_;
-  }
   void renew_held_voltage(double h, double series_resistance);
   [[nodiscard]] double rate_by_end_stops(const SynchronousMotorState& state, double h) const;
   /// Corrects a step that ended with the shaft turning the other way.
