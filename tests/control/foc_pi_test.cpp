@@ -42,8 +42,7 @@ TEST(FocPi, GivesTheDocumentsExampleOfTheAdvancedStructure) {
   }
   EXPECT_EQ(output, 500);
   EXPECT_EQ(pi.error_sum(), 500);
-  EXPECT_TRUE(pi.state().integral_limited);
-  EXPECT_TRUE(pi.state().output_limited);
+  EXPECT_EQ(pi.state().clipped, kSumClipped | kOutputClipped);
 }
 
 TEST(FocPi, OfPositionHasTwelveBitsBehindThePoint) {

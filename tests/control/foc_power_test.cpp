@@ -186,12 +186,16 @@ TEST(FocPwm, TwoPhaseMotorsDriveTwoFullBridges) {
   PwmEngine two = engine(3999, false, MotorType::two_phase);
   two.set(StatorVector{16384, -8192});
   EXPECT_EQ(two.next(), (std::array<std::int32_t, 4>{3000, 1000, 1500, 2500}));
-  EXPECT_EQ(two.begin().half_bridges, 4);
+  PwmPeriod pwm;
+  two.begin(pwm);
+  EXPECT_EQ(pwm.half_bridges, 4);
+  EXPECT_EQ(pwm.on_time, two.next());
   PwmEngine one = engine(3999, false, MotorType::direct_current);
   one.set(-16384);
   EXPECT_EQ(one.next()[0], 1000);
   EXPECT_EQ(one.next()[1], 3000);
-  EXPECT_EQ(one.begin().half_bridges, 2);
+  one.begin(pwm);
+  EXPECT_EQ(pwm.half_bridges, 2);
 }
 
 /// Ticks of a period in which the low and the high side of half bridge 0 conduct.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <string_view>
 
 namespace stator::control::foc {
 namespace {
@@ -37,16 +36,13 @@ BiquadCoefficients coefficients(const RegisterFile& registers, const std::array<
           registers.get(f[3]), registers.get(f[4]), registers.get_unsigned(f[5]) != 0};
 }
 
-/// value, cut to low..high; tells whether it was.
-std::int32_t cut(std::int64_t value, std::int64_t low, std::int64_t high, bool& clipped) {
-  clipped = value < low || value > high;
-  return static_cast<std::int32_t>(value < low ? low : (value > high ? high : value));
+/// A cut that fits into a word of 32 bits.
+std::int32_t cut_word(std::int64_t value, std::int64_t low, std::int64_t high) {
+  return static_cast<std::int32_t>(cut(value, low, high));
 }
 
-std::uint32_t bits(const ClipFlags& flags, unsigned first) {
-  return ((flags.target ? 1U : 0U) | (flags.target_rate ? 2U : 0U) | (flags.error_sum ? 4U : 0U) |
-          (flags.output ? 8U : 0U))
-         << first;
+std::uint32_t clipped_if(bool condition, std::uint32_t bit) {
+  return condition ? bit : 0;
 }
 
 }  // namespace
@@ -99,7 +95,7 @@ void ControlCascade::reset(const Targets& targets) {
   torque_axis_.filter.preset(0);
   flux_axis_.filter.preset(0);
   torque_axis_.slewed = flux_axis_.slewed = 0;
-  torque_axis_.flags = flux_axis_.flags = {};
+  torque_axis_.clipped = flux_axis_.clipped = 0;
   input_ = {};
   limited_ = {};
   reset_outer(targets);
@@ -108,7 +104,7 @@ void ControlCascade::reset(const Targets& targets) {
 void ControlCascade::reset_outer(const Targets& targets) {
   velocity_.reset();
   position_.reset();
-  velocity_flags_ = position_flags_ = {};
+  velocity_clipped_ = position_clipped_ = 0;
   position_filter_.preset(targets.position);
   velocity_ahead_.reset();
   torque_ahead_.reset();
@@ -134,7 +130,8 @@ void ControlCascade::step_outer(Loop loop, const Targets& targets, std::int32_t 
   std::int32_t velocity_target = targets.velocity;
   if (loop == Loop::position) {
     input_.position = targets.position;
-    const std::int32_t target = cut(wanted, position_low_, position_high_, position_flags_.target);
+    const std::int32_t target = cut_word(wanted, position_low_, position_high_);
+    position_clipped_ = clipped_if(target != wanted, kTargetClipped);
     limited_.position = target;
     const std::int32_t error = saturate_s32(std::int64_t{target} - position);
     velocity_target = position_.step(error, passed);
@@ -144,16 +141,14 @@ void ControlCascade::step_outer(Loop loop, const Targets& targets, std::int32_t 
       velocity_target = saturate_s32(std::int64_t{velocity_target} + ahead_velocity_);
     }
     last_position_target_ = target;
-    position_flags_.error_sum = position_.state().integral_limited;
-    position_flags_.output = position_.state().output_limited;
   }
   step_velocity(velocity_target, velocity, passed);
 }
 
 void ControlCascade::step_velocity(std::int32_t target, std::int32_t velocity, std::int64_t ticks) {
   input_.velocity = target;
-  const std::int32_t limited =
-      cut(target, -velocity_limit_, velocity_limit_, velocity_flags_.target);
+  const std::int32_t limited = cut_word(target, -velocity_limit_, velocity_limit_);
+  velocity_clipped_ = clipped_if(limited != target, kTargetClipped);
   const std::int32_t wanted = saturate_s32(std::int64_t{limited} + velocity_offset_);
   limited_.velocity = wanted;
   torque_target_ = velocity_.step(saturate_s32(std::int64_t{wanted} - velocity), ticks);
@@ -163,15 +158,16 @@ void ControlCascade::step_velocity(std::int32_t target, std::int32_t velocity, s
     torque_target_ = saturate_s16(std::int64_t{torque_target_} + ahead_torque_);
   }
   last_velocity_target_ = wanted;
-  velocity_flags_.error_sum = velocity_.state().integral_limited;
-  velocity_flags_.output = velocity_.state().output_limited;
 }
 
 std::int32_t ControlCascade::prepared(CurrentTarget& axis, std::int32_t target) const {
   const std::int32_t filtered = axis.filter.step(target);
-  axis.slewed =
-      cut(filtered, axis.slewed - rate_limit_, axis.slewed + rate_limit_, axis.flags.target_rate);
-  const std::int32_t limited = cut(axis.slewed, -current_limit_, current_limit_, axis.flags.target);
+  const std::int32_t slewed =
+      cut_word(filtered, axis.slewed - rate_limit_, axis.slewed + rate_limit_);
+  axis.slewed = slewed;
+  const std::int32_t limited = cut_word(slewed, -current_limit_, current_limit_);
+  axis.clipped =
+      clipped_if(slewed != filtered, kRateClipped) | clipped_if(limited != slewed, kTargetClipped);
   return limited + axis.offset;
 }
 
@@ -180,8 +176,6 @@ RotorVector ControlCascade::step_inner(bool outer, const Targets& targets,
   input_.flux = targets.flux;
   limited_.flux = prepared(flux_axis_, targets.flux);
   const std::int32_t ud = flux_.step(saturate_s16(limited_.flux - current.d), ticks);
-  flux_axis_.flags.error_sum = flux_.state().integral_limited;
-  flux_axis_.flags.output = flux_.state().output_limited;
   return {ud, step_torque(outer, targets, current.q, ticks)};
 }
 
@@ -190,16 +184,7 @@ std::int32_t ControlCascade::step_torque(bool outer, const Targets& targets, std
   input_.torque = outer_torque(outer, targets);
   limited_.torque = prepared(torque_axis_, input_.torque);
   const std::int32_t uq = torque_.step(saturate_s16(limited_.torque - current), ticks);
-  torque_axis_.flags.error_sum = torque_.state().integral_limited;
-  torque_axis_.flags.output = torque_.state().output_limited;
   return uq;
-}
-
-std::uint32_t ControlCascade::flags() const {
-  return bits(position_flags_, field("PID_X_TARGET_LIMIT").low) |
-         bits(velocity_flags_, field("PID_V_TARGET_LIMIT").low) |
-         bits(flux_axis_.flags, field("PID_ID_TARGET_LIMIT").low) |
-         bits(torque_axis_.flags, field("PID_IQ_TARGET_LIMIT").low);
 }
 
 }  // namespace stator::control::foc

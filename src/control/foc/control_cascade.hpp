@@ -56,14 +56,6 @@ class FeedForward {
   std::int64_t value_ = 0;  ///< 2^-16
 };
 
-/// What the status flags say of one controller.
-struct ClipFlags {
-  bool target = false;
-  bool target_rate = false;
-  bool error_sum = false;
-  bool output = false;
-};
-
 /// Position P(I) over velocity PI over torque and flux PI, with filters, limits, offsets and
 /// feed-forward. For each controller: target, filter, limit, plus offset, minus actual, PI, limit
 /// (A-04; L998). Velocity and position are evaluated in every (MODE_PID_SMPL + 1)-th period.
@@ -96,7 +88,12 @@ class ControlCascade {
   [[nodiscard]] std::int32_t velocity_feed_forward() const { return ahead_velocity_; }
   [[nodiscard]] std::int32_t torque_feed_forward() const { return ahead_torque_; }
   /// Bits 0..15 of STATUS_FLAGS, of the latest evaluation.
-  [[nodiscard]] std::uint32_t flags() const;
+  [[nodiscard]] std::uint32_t flags() const {
+    return (position_clipped_ | position_.state().clipped) << field("PID_X_TARGET_LIMIT").low |
+           (velocity_clipped_ | velocity_.state().clipped) << field("PID_V_TARGET_LIMIT").low |
+           (flux_axis_.clipped | flux_.state().clipped) << field("PID_ID_TARGET_LIMIT").low |
+           (torque_axis_.clipped | torque_.state().clipped) << field("PID_IQ_TARGET_LIMIT").low;
+  }
 
  private:
   /// Everything between a current target and its error.
@@ -104,7 +101,7 @@ class ControlCascade {
     Biquad filter;
     std::int32_t offset = 0;
     std::int32_t slewed = 0;
-    ClipFlags flags;
+    std::uint32_t clipped = 0;
   };
 
   [[nodiscard]] std::int32_t prepared(CurrentTarget& axis, std::int32_t target) const;
@@ -137,8 +134,8 @@ class ControlCascade {
   std::int32_t ahead_velocity_ = 0;
   std::int32_t ahead_torque_ = 0;
   std::int32_t torque_target_ = 0;
-  ClipFlags velocity_flags_;
-  ClipFlags position_flags_;
+  std::uint32_t velocity_clipped_ = 0;
+  std::uint32_t position_clipped_ = 0;
   Targets input_;
   Targets limited_;
 };

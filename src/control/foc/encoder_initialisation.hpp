@@ -45,18 +45,21 @@ class HallInitialisation {
   std::int32_t aenc_angle_offset_ = 0;
 };
 
-/// Initialisation with minimal movement (L897, reading A-60). U_D rises by 1 per period up to
-/// UD_EXT; whatever the encoder moves meanwhile turns the field the other way, 15 times as far, so
-/// that the field comes to the rotor instead of the rotor to the field. A rotor more than 90
-/// degrees off the first field angle 0 thus moves by about a sixteenth of that; one exactly
-/// opposite to it does not move at all and is taken for aligned, as with any method that looks for
-/// movement.
+/// Initialisation with minimal movement (L897, reading A-60). U_D rises by 1 in 8 periods up
+/// to UD_EXT; whatever the encoder moves meanwhile turns the field the other way, several times as
+/// far, so that the field comes to the rotor instead of the rotor to the field. A quick movement
+/// counts more than a slow one, which keeps the rotor from swinging. One that stands exactly
+/// opposite to the first field angle 0 does not move at all and is taken for aligned, as with any
+/// method that looks for movement.
 class MinimalMovement {
  public:
   void start() {
     status_ = InitialisationStatus::running;
     voltage_ = 0;
+    waited_ = 0;
     field_ = 0;
+    moved_ = 0;
+    slow_ = 0;
   }
   void stop() {
     if (status_ == InitialisationStatus::running) {
@@ -65,13 +68,19 @@ class MinimalMovement {
   }
   /// One period: the encoder's electrical angle has moved by `moved` (s16). True when done.
   bool step(std::int32_t moved, std::int32_t final_voltage) {
-    constexpr std::int32_t kStiffness = 15;
+    constexpr std::int64_t kStiffness = 3;
+    constexpr std::int64_t kLead = 3;       // of what is quicker than 32 periods
+    constexpr std::int64_t kSlowness = 32;  // periods
     if (status_ != InitialisationStatus::running) {
       return false;
     }
-    field_ = wrap_s16(field_ - std::int64_t{kStiffness} * moved);
+    moved_ += moved;
+    slow_ += moved_ - slow_ / kSlowness;
+    field_ = wrap_s16(-kStiffness * (moved_ + kLead * (moved_ - slow_ / kSlowness)));
     if (voltage_ < final_voltage) {
-      ++voltage_;
+      constexpr std::int32_t kPeriodsPerStep = 8;
+      waited_ = (waited_ + 1) % kPeriodsPerStep;
+      voltage_ += waited_ == 0 ? 1 : 0;
       return false;
     }
     status_ = InitialisationStatus::done;
@@ -85,7 +94,10 @@ class MinimalMovement {
  private:
   InitialisationStatus status_ = InitialisationStatus::idle;
   std::int32_t voltage_ = 0;
+  std::int32_t waited_ = 0;
   std::int32_t field_ = 0;
+  std::int64_t moved_ = 0;  ///< electrical angle since the start
+  std::int64_t slow_ = 0;   ///< the same, smoothed, times kSlowness
 };
 
 }  // namespace stator::control::foc

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 
 namespace stator::control::foc {
@@ -13,12 +12,25 @@ inline constexpr std::int32_t kS16Max = 32767;
 inline constexpr std::int64_t kS32Min = INT32_MIN;
 inline constexpr std::int64_t kS32Max = INT32_MAX;
 
+/// value, cut to low..high. A branch that is rarely taken instead of a choice, so that what follows
+/// need not wait for the comparison: these limits lie in a chain that is as long as the period's
+/// whole computation.
+[[nodiscard]] constexpr std::int64_t cut(std::int64_t value, std::int64_t low, std::int64_t high) {
+  if (value < low) [[unlikely]] {
+    return low;
+  }
+  if (value > high) [[unlikely]] {
+    return high;
+  }
+  return value;
+}
+
 [[nodiscard]] constexpr std::int32_t saturate_s16(std::int64_t value) {
-  return static_cast<std::int32_t>(std::clamp(value, std::int64_t{kS16Min}, std::int64_t{kS16Max}));
+  return static_cast<std::int32_t>(cut(value, kS16Min, kS16Max));
 }
 
 [[nodiscard]] constexpr std::int32_t saturate_s32(std::int64_t value) {
-  return static_cast<std::int32_t>(std::clamp(value, kS32Min, kS32Max));
+  return static_cast<std::int32_t>(cut(value, kS32Min, kS32Max));
 }
 
 /// The lower 16 bits with their sign: angles, which wrap.

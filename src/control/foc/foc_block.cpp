@@ -13,30 +13,7 @@ FocBlock::FocBlock() {
   configure();
 }
 
-const Outputs& FocBlock::step(const Inputs& inputs) {
-  const std::int32_t passed = outputs_.pwm.period;
-  inputs_ = inputs;
-  outputs_.pwm = pwm_.begin();
-  adc_.step(inputs);
-  sensors_.step(inputs, adc_.encoder_group(inputs), outputs_.pwm, passed);
-  if (hall_initialisation_.due(sensors_.hall().edges())) [[unlikely]] {
-    initialise_by_halls();
-  }
-  if (mode_.loop == Loop::mini_move) [[unlikely]] {
-    move_minimally();
-  }
-  take_steps(inputs);
-  const std::int32_t angle =
-      mode_.loop == Loop::mini_move ? minimal_movement_.field() : sensors_.phi_e();
-  const SineCosine direction = sine_cosine(static_cast<std::uint16_t>(angle));
-  measure(direction);
-  wanted_voltage_ = wanted_voltage(inputs);
-  apply(direction);
-  supervise(inputs);
-  return outputs_;
-}
-
-void FocBlock::take_steps(const Inputs& inputs) {
+inline void FocBlock::take_steps(const Inputs& inputs) {
   const auto steps = static_cast<std::int32_t>(inputs.steps - steps_seen_);
   if (steps == 0) {
     return;
@@ -47,11 +24,8 @@ void FocBlock::take_steps(const Inputs& inputs) {
   registers_.set(field("PID_POSITION_TARGET"), targets_.position);
 }
 
-Targets FocBlock::targets(const Inputs& inputs) {
+Targets FocBlock::other_targets(const Inputs& inputs) {
   Targets result = targets_;
-  if (mode_.source == TargetSource::registers) {
-    return result;
-  }
   if (mode_.source == TargetSource::noise_flux) {
     result.flux = saturate_s16(noise_.step());
   } else if (mode_.source == TargetSource::noise) {
@@ -71,7 +45,7 @@ Targets FocBlock::targets(const Inputs& inputs) {
   return result;
 }
 
-void FocBlock::measure(const SineCosine& direction) {
+inline void FocBlock::measure(const SineCosine& direction) {
   const PhaseVector& phase = adc_.phase();
   if (pwm_.motor() == MotorType::direct_current) {
     stator_current_ = {phase.u, 0};
@@ -83,7 +57,7 @@ void FocBlock::measure(const SineCosine& direction) {
   current_ = park(stator_current_, direction);
 }
 
-RotorVector FocBlock::wanted_voltage(const Inputs& inputs) {
+inline RotorVector FocBlock::wanted_voltage(const Inputs& inputs) {
   const Loop loop = mode_.loop;
   if (loop < Loop::torque) {
     switch (loop) {
@@ -95,7 +69,11 @@ RotorVector FocBlock::wanted_voltage(const Inputs& inputs) {
         return {};
     }
   }
-  const Targets wanted = targets(inputs);
+  Targets other;
+  if (mode_.source != TargetSource::registers) [[unlikely]] {
+    other = other_targets(inputs);
+  }
+  const Targets& wanted = mode_.source == TargetSource::registers ? targets_ : other;
   const std::int32_t ticks = pwm_.period();
   const bool outer = loop != Loop::torque;
   if (outer) {
@@ -107,9 +85,13 @@ RotorVector FocBlock::wanted_voltage(const Inputs& inputs) {
   return cascade_.step_inner(outer, wanted, current_, ticks);
 }
 
-void FocBlock::apply(const SineCosine& direction) {
-  const LimitedVoltage limited = limit_circle(wanted_voltage_, voltage_limit_);
-  voltage_ = limited.voltage;
+inline void FocBlock::apply(const RotorVector& wanted, const SineCosine& direction) {
+  const LimitedVoltage limited = limit_circle(wanted, voltage_limit_);
+  // Word by word: a pair that is copied while its halves are still being stored has to wait.
+  wanted_voltage_.d = wanted.d;
+  wanted_voltage_.q = wanted.q;
+  voltage_.d = limited.voltage.d;
+  voltage_.q = limited.voltage.q;
   flags_ |= bit_if(limited.d_limited, field("IPARK_CIRLIM_LIMIT_U_D")) |
             bit_if(limited.q_limited, field("IPARK_CIRLIM_LIMIT_U_Q")) |
             bit_if(limited.d_limited || limited.q_limited, field("IPARK_CIRLIM_LIMIT_U_R"));
@@ -156,7 +138,7 @@ void FocBlock::move_minimally() {
   sensors_.configure(registers_, hall_filter_);
 }
 
-void FocBlock::supervise(const Inputs& inputs) {
+inline void FocBlock::supervise(const Inputs& inputs) {
   outputs_.brake_chopper = brake_chopper_.step(adc_.raw().motor_supply);
   switches_.step(inputs, sensors_.position());
   const unsigned active = switches_.status();
@@ -170,6 +152,29 @@ void FocBlock::supervise(const Inputs& inputs) {
       bit_if(sensors_.abn_2().n_event(), field("ENC_2_N"));
   outputs_.status = (flags_ & status_mask_) != 0;
   outputs_.enable = inputs.enable;
+}
+
+const Outputs& FocBlock::step(const Inputs& inputs) {
+  const std::int32_t passed = outputs_.pwm.period;
+  pins_ = inputs;
+  adc_.step(inputs);
+  sensors_.step(inputs, adc_.encoder_group(inputs), outputs_.pwm, passed);
+  if (hall_initialisation_.due(sensors_.hall().edges())) [[unlikely]] {
+    initialise_by_halls();
+  }
+  if (mode_.loop == Loop::mini_move) [[unlikely]] {
+    move_minimally();
+  }
+  take_steps(inputs);
+  const std::int32_t angle =
+      mode_.loop == Loop::mini_move ? minimal_movement_.field() : sensors_.phi_e();
+  const SineCosine direction = sine_cosine(static_cast<std::uint16_t>(angle));
+  measure(direction);
+  const RotorVector wanted = wanted_voltage(inputs);
+  pwm_.begin(outputs_.pwm);
+  apply(wanted, direction);
+  supervise(inputs);
+  return outputs_;
 }
 
 }  // namespace stator::control::foc

@@ -66,10 +66,10 @@ class FocBlock {
   void configure_motion();
 
   void take_steps(const Inputs& inputs);
-  [[nodiscard]] Targets targets(const Inputs& inputs);
+  [[nodiscard]] Targets other_targets(const Inputs& inputs);
   void measure(const SineCosine& direction);
   [[nodiscard]] RotorVector wanted_voltage(const Inputs& inputs);
-  void apply(const SineCosine& direction);
+  void apply(const RotorVector& wanted, const SineCosine& direction);
   void initialise_by_halls();
   void move_minimally();
   void supervise(const Inputs& inputs);
@@ -103,7 +103,7 @@ class FocBlock {
   RotorVector voltage_;
   StatorVector stator_voltage_;
   PhaseVector phase_voltage_;
-  Inputs inputs_;
+  PinLevels pins_;
   Outputs outputs_;
 };
 

@@ -55,7 +55,7 @@ std::uint32_t FocBlock::read_view(std::uint8_t address, std::int16_t view) const
       return pwm_.gate_levels(outputs_.pwm, outputs_.enable, 0);
     case field("GPI").address:
       return (registers_.word(address) & ~mask(field("GPI"))) |
-             placed(inputs_.general_inputs, field("GPI"));
+             placed(pins_.general_inputs, field("GPI"));
     case field("ENC_N").address:
       return flags_;
     case field("SINGLE_PIN_IF_CFG").address: {
@@ -221,7 +221,7 @@ std::uint32_t FocBlock::read_initialisation(std::int16_t view) const {
 std::uint32_t FocBlock::read_inputs() const {
   const unsigned abn = sensors_.abn().levels();
   const unsigned abn_2 = sensors_.abn_2().levels();
-  const unsigned halls = inputs_.halls & 7U;
+  const unsigned halls = pins_.halls & 7U;
   const unsigned filtered = sensors_.hall().filtered();
   return placed(abn & 1U, field("A_OF_ABN_RAW")) | placed(abn >> 1U, field("B_OF_ABN_RAW")) |
          placed(abn >> 2U, field("N_OF_ABN_RAW")) | placed(abn_2 & 1U, field("A_OF_ABN_2_RAW")) |
@@ -233,13 +233,13 @@ std::uint32_t FocBlock::read_inputs() const {
          placed(filtered & 1U, field("HALL_UX_FILT")) |
          placed(filtered >> 1U, field("HALL_V_FILT")) |
          placed(filtered >> 2U, field("HALL_WY_FILT")) |
-         placed_if(inputs_.right_switch, field("REF_SW_R_RAW")) |
-         placed_if(inputs_.home_switch, field("REF_SW_H_RAW")) |
-         placed_if(inputs_.left_switch, field("REF_SW_L_RAW")) |
-         placed_if(inputs_.enable, field("ENABLE_IN_RAW")) |
-         placed((inputs_.steps & 1U), field("STP_OF_DIRSTP_RAW")) |
-         placed_if(inputs_.direction, field("DIR_OF_DIRSTP_RAW")) |
-         placed_if(inputs_.pwm_in.level, field("PWM_IN_RAW"));
+         placed_if(pins_.right_switch, field("REF_SW_R_RAW")) |
+         placed_if(pins_.home_switch, field("REF_SW_H_RAW")) |
+         placed_if(pins_.left_switch, field("REF_SW_L_RAW")) |
+         placed_if(pins_.enable, field("ENABLE_IN_RAW")) |
+         placed((pins_.steps & 1U), field("STP_OF_DIRSTP_RAW")) |
+         placed_if(pins_.direction, field("DIR_OF_DIRSTP_RAW")) |
+         placed_if(pins_.pwm_in.level, field("PWM_IN_RAW"));
 }
 
 }  // namespace stator::control::foc

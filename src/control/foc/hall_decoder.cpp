@@ -19,15 +19,15 @@ void HallDecoder::configure(const HallSettings& settings) {
   slowest_sector_ = kTicksAt60Rpm / (6 * std::int64_t{std::max(settings.pole_pairs, 1)});
   if (sector_ >= 0) {
     phi_e_ = placed(settings_.position[static_cast<std::size_t>(sector_)]);
+    active_ = active_ && settings_.interpolated;
     interpolated_ = active_ ? interpolated_ : phi_e_;
   }
+  update_mechanical();
 }
 
-std::int32_t HallDecoder::phi_m() const {
+void HallDecoder::update_mechanical() {
   const std::int64_t pole_pairs = std::max(settings_.pole_pairs, 1);
-  std::int64_t within = turned_ % (pole_pairs << 16);
-  within += within < 0 ? pole_pairs << 16 : 0;
-  return wrap_s16(within / pole_pairs + settings_.phi_m_offset);
+  phi_m_ = wrap_s16(floor_division(turned_, pole_pairs) + settings_.phi_m_offset);
 }
 
 std::int32_t HallDecoder::longest_calm(const PwmPeriod& pwm) {
@@ -67,13 +67,14 @@ void HallDecoder::enter(int sector) {
   if (first) {
     phi_e_ = border_ = interpolated_ = position;
     turned_ = position;
+    update_mechanical();
     return;
   }
   const std::int32_t turned = wrap_s16(std::int64_t{position} - phi_e_);
   const std::int32_t border = wrap_s16(phi_e_ + turned / 2);
   const int direction = turned < 0 ? -1 : 1;
   // Only a sector crossed from border to border tells a speed.
-  active_ = direction == direction_ && since_edge_ < slowest_sector_;
+  active_ = settings_.interpolated && direction == direction_ && since_edge_ < slowest_sector_;
   if (active_) {
     increment_ = std::int64_t{wrap_s16(std::int64_t{border} - border_)} * (std::int64_t{1} << 32) /
                  since_edge_;
@@ -85,6 +86,7 @@ void HallDecoder::enter(int sector) {
   turned_ += turned;
   phi_e_ = position;
   interpolated_ = position;
+  update_mechanical();
 }
 
 void HallDecoder::interpolate() {

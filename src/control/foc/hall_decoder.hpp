@@ -54,14 +54,14 @@ class HallDecoder {
   [[nodiscard]] std::uint8_t filtered() const { return filtered_; }
   /// HALL_PHI_E: electrical angle with offset, in steps of 60 degrees. s16
   [[nodiscard]] std::int32_t phi_e() const { return phi_e_; }
-  /// HALL_PHI_E_INTERPOLATED; equals phi_e() while interpolation rests. s16
+  /// HALL_PHI_E_INTERPOLATED; equals phi_e() while interpolation rests or is off. s16
   [[nodiscard]] std::int32_t phi_e_interpolated() const { return interpolated_; }
   /// Electrical angle for commutation: which of the two HALL_INTERPOLATION chooses.
   [[nodiscard]] std::int32_t phi_e_used() const {
     return settings_.interpolated ? interpolated_ : phi_e_;
   }
   /// HALL_PHI_M: electrical revolutions counted since power-on, divided by the pole pairs. s16
-  [[nodiscard]] std::int32_t phi_m() const;
+  [[nodiscard]] std::int32_t phi_m() const { return phi_m_; }
   /// Interpolation is at work.
   [[nodiscard]] bool interpolating() const { return active_; }
   /// Sectors entered so far, modulo 2^32.
@@ -80,6 +80,7 @@ class HallDecoder {
   void accept(std::uint8_t levels);
   void enter(int sector);
   void interpolate();
+  void update_mechanical();
   [[nodiscard]] std::int32_t placed(std::int32_t position) const {
     return wrap_s16((settings_.reversed ? -position : position) + settings_.phi_e_offset);
   }
@@ -97,6 +98,7 @@ class HallDecoder {
   std::int32_t border_ = 0;
   std::int32_t phi_e_ = 0;
   std::int32_t interpolated_ = 0;
+  std::int32_t phi_m_ = 0;
   bool active_ = false;
   std::uint32_t edges_ = 0;
   std::int64_t turned_ = 0;  ///< electrical angle since power-on, not wrapped, of phi_e_

@@ -16,13 +16,18 @@ struct PiParameters {
   std::int64_t limit = 0;  ///< of output and integral, >= 0, < 2^32
 };
 
+/// Bits of PiState::clipped, in the order of the status flags.
+inline constexpr std::uint32_t kTargetClipped = 1;
+inline constexpr std::uint32_t kRateClipped = 2;
+inline constexpr std::uint32_t kSumClipped = 4;
+inline constexpr std::uint32_t kOutputClipped = 8;
+
 /// What a controller remembers.
 struct PiState {
   std::int32_t error = 0;
   /// Classic: sum of errors times 10 ns. Advanced: integrator with all its bits behind the point.
   std::int64_t integral = 0;
-  bool integral_limited = false;  ///< in the latest period
-  bool output_limited = false;
+  std::uint32_t clipped = 0;  ///< in the latest evaluation: kSumClipped, kOutputClipped
 };
 
 /// One PI controller in the chip's integers; `p_bits` stand behind the point of P (8 for flux,
@@ -60,14 +65,13 @@ class PiController {
     const std::int64_t proportional = std::int64_t{p_} * error;
     std::int64_t integral = state_.integral;
     integral += structure_ == PiStructure::advanced ? proportional * i_ : error * ticks;
-    state_.integral_limited = integral > integral_limit_ || integral < -integral_limit_;
-    integral = integral > integral_limit_ ? integral_limit_ : integral;
-    integral = integral < -integral_limit_ ? -integral_limit_ : integral;
-    state_.integral = integral;
-    const std::int64_t output = (proportional >> p_bits) + integral_part();
-    state_.output_limited = output > limit_ || output < -limit_;
-    return static_cast<std::int32_t>(output > limit_ ? limit_
-                                                     : (output < -limit_ ? -limit_ : output));
+    const std::int64_t within = cut(integral, -integral_limit_, integral_limit_);
+    state_.integral = within;
+    const std::int64_t wanted = (proportional >> p_bits) + integral_part();
+    const std::int64_t output = cut(wanted, -limit_, limit_);
+    state_.clipped =
+        (within != integral ? kSumClipped : 0) | (output != wanted ? kOutputClipped : 0);
+    return static_cast<std::int32_t>(output);
   }
 
   /// Forgets error and integral.

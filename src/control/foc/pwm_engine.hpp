@@ -54,24 +54,32 @@ class PwmEngine {
     } else {
       next_ = {on_time(u.u), on_time(u.v), on_time(u.w), 0};
     }
+    shortest_ = std::min(std::min(next_[0], next_[1]), next_[2]);
+    longest_ = std::max(std::max(next_[0], next_[1]), next_[2]);
   }
   /// Two full bridges, X and Y.
   void set(const StatorVector& u) {
     next_ = {on_time(u.a), on_time(-u.a), on_time(u.b), on_time(-u.b)};
+    shortest_ = std::min(std::min(next_[0], next_[1]), std::min(next_[2], next_[3]));
+    longest_ = std::max(std::max(next_[0], next_[1]), std::max(next_[2], next_[3]));
   }
   /// One full bridge, X.
-  void set(std::int32_t u) { next_ = {on_time(u), on_time(-u), 0, 0}; }
+  void set(std::int32_t u) {
+    next_ = {on_time(u), on_time(-u), 0, 0};
+    shortest_ = std::min(next_[0], next_[1]);
+    longest_ = std::max(next_[0], next_[1]);
+  }
 
   /// The period that begins now: with what was set before, at the rate valid now.
-  [[nodiscard]] PwmPeriod begin() {
-    settings_.on_time = next_;
-    return settings_;
+  void begin(PwmPeriod& pwm) const {
+    pwm = settings_;
+    pwm.on_time = next_;
   }
   /// On-times set for the next period.
   [[nodiscard]] const std::array<std::int32_t, 4>& next() const { return next_; }
   /// One of the half bridges in use is at an end of its range.
-  [[nodiscard]] bool at_minimum() const { return any(0); }
-  [[nodiscard]] bool at_maximum() const { return any(settings_.period); }
+  [[nodiscard]] bool at_minimum() const { return shortest_ == 0; }
+  [[nodiscard]] bool at_maximum() const { return longest_ == settings_.period; }
 
   /// When the switches of a half bridge (0..3: U/X1, V/X2, W/Y1, Y2) conduct in a period: the
   /// switch that comes on waits for the pause of its side.
@@ -83,8 +91,7 @@ class PwmEngine {
 
  private:
   [[nodiscard]] std::int32_t within(std::int64_t ticks) const {
-    const std::int64_t positive = ticks < 0 ? 0 : ticks;
-    return static_cast<std::int32_t>(positive > settings_.period ? settings_.period : positive);
+    return static_cast<std::int32_t>(cut(ticks, 0, settings_.period));
   }
   [[nodiscard]] std::int32_t on_time(std::int32_t u) const {
     return within(rounded_shift(std::int64_t{settings_.period} * (u + 32768), 16));
@@ -96,13 +103,6 @@ class PwmEngine {
     return within(
         rounded_shift(std::int64_t{settings_.period} * (twice * kInverseSqrt3Q24 + kHalf), 40));
   }
-  [[nodiscard]] bool any(std::int32_t ticks) const {
-    bool result = false;
-    for (unsigned k = 0; k < settings_.half_bridges; ++k) {
-      result |= next_[k] == ticks;
-    }
-    return result;
-  }
 
   PwmPeriod settings_;
   MotorType motor_ = MotorType::none;
@@ -110,6 +110,8 @@ class PwmEngine {
   std::uint8_t low_polarity_ = 0;
   std::uint8_t high_polarity_ = 0;
   std::array<std::int32_t, 4> next_{};
+  std::int32_t shortest_ = 0;  ///< of those in use
+  std::int32_t longest_ = 0;
 };
 
 }  // namespace stator::control::foc

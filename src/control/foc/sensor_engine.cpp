@@ -83,6 +83,7 @@ void SensorEngine::configure(const RegisterFile& r, std::int32_t hall_filter) {
   analog_.configure(analog_settings(r));
   open_loop_.configure(r);
   external_ = r.get(field("PHI_E_EXT"));
+  note_angles();
   velocity_filter_.configure({r.get(field("BIQUAD_V_A_1")), r.get(field("BIQUAD_V_A_2")),
                               r.get(field("BIQUAD_V_B_0")), r.get(field("BIQUAD_V_B_1")),
                               r.get(field("BIQUAD_V_B_2")),
@@ -93,45 +94,17 @@ void SensorEngine::configure(const RegisterFile& r, std::int32_t hall_filter) {
   // The second encoder and mechanical angles do not commutate (L637): codes above 7 give angle 0.
   const AngleSource commutation = source(r.get(field("PHI_E_SELECTION")));
   phi_e_source_ = commutation <= AngleSource::phi_a_analog ? commutation : AngleSource::phi_e;
-  phi_e_ = phi_e_source_ == AngleSource::phi_e ? 0 : angle(phi_e_source_);
+  phi_e_ = angle(phi_e_source_);
   const AngleSource velocity = source(r.get(field("VELOCITY_SELECTION")));
   if (velocity != velocity_source_) {
     velocity_source_ = velocity;
-    velocity_angle_ = angle(velocity);
+    velocity_angle_ = velocity == AngleSource::phi_e ? phi_e_ : angle(velocity);
   }
   const AngleSource position = source(r.get(field("POSITION_SELECTION")));
   if (position != position_source_) {
     position_source_ = position;
-    position_angle_ = angle(position);
+    position_angle_ = position == AngleSource::phi_e ? phi_e_ : angle(position);
   }
-}
-
-std::int32_t SensorEngine::angle(AngleSource source) const {
-  switch (source) {
-    case AngleSource::phi_e:
-      return phi_e_;
-    case AngleSource::phi_e_external:
-      return external_;
-    case AngleSource::phi_e_open_loop:
-      return static_cast<std::int16_t>(open_loop_.phi());
-    case AngleSource::phi_e_abn:
-      return abn_.phi_e();
-    case AngleSource::phi_e_hall:
-      return hall_.phi_e_used();
-    case AngleSource::phi_e_analog:
-      return analog_.phi_e();
-    case AngleSource::phi_a_analog:
-      return analog_.phi_a();
-    case AngleSource::phi_m_abn:
-      return abn_.phi_m();
-    case AngleSource::phi_m_abn_2:
-      return abn_2_.phi_m();
-    case AngleSource::phi_m_analog:
-      return analog_.phi_m();
-    case AngleSource::phi_m_hall:
-      return hall_.phi_m();
-  }
-  return 0;  // a reserved code
 }
 
 }  // namespace stator::control::foc

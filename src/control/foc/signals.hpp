@@ -40,24 +40,28 @@ struct PulseSignal {
   bool level = false;
 };
 
+/// Digital inputs without decoder of their own.
+struct PinLevels {
+  std::uint8_t halls = 7;   ///< bits 0, 1, 2: levels of UX, V, WY; open inputs read 1
+  bool left_switch = true;  ///< levels of the reference switches; open inputs read 1
+  bool home_switch = true;
+  bool right_switch = true;
+  bool enable = true;               ///< the power stage enable of the drive
+  bool direction = false;           ///< level of DIR: high counts steps down
+  std::uint8_t general_inputs = 0;  ///< GPI
+  std::uint32_t steps = 0;          ///< pulses at STEP since any moment, modulo 2^32
+  PulseSignal pwm_in;
+};
+
 /// What comes to the pins of the FOC block, once per PWM period: the moment at which a period
 /// begins and the currents are sampled.
-struct Inputs {
+struct Inputs : PinLevels {
   CurrentGroup delta_sigma_a;
   EncoderGroup delta_sigma_b;
   CurrentGroup spi_a;
   EncoderGroup spi_b;
   AbnSignals abn;
   AbnSignals abn_2;
-  std::uint8_t halls = 7;   ///< bits 0, 1, 2: levels of UX, V, WY; open inputs read 1
-  bool left_switch = true;  ///< levels of the reference switches; open inputs read 1
-  bool home_switch = true;
-  bool right_switch = true;
-  bool enable = true;       ///< the power stage enable of the drive
-  std::uint32_t steps = 0;  ///< pulses at STEP since any moment, modulo 2^32
-  bool direction = false;   ///< level of DIR: high counts steps down
-  PulseSignal pwm_in;
-  std::uint8_t general_inputs = 0;  ///< GPI
 };
 
 /// How the half bridges are driven: PWM_CHOP.
