@@ -156,7 +156,7 @@ inline void FocBlock::supervise(const Inputs& inputs) {
 
 const Outputs& FocBlock::step(const Inputs& inputs) {
   const std::int32_t passed = outputs_.pwm.period;
-  pins_ = inputs;
+  pins_ = static_cast<const PinLevels&>(inputs);
   adc_.step(inputs);
   sensors_.step(inputs, adc_.encoder_group(inputs), outputs_.pwm, passed);
   if (hall_initialisation_.due(sensors_.hall().edges())) [[unlikely]] {

@@ -7,7 +7,7 @@ namespace stator::control::foc {
 namespace {
 
 /// Sector 0..5 of the levels UX, V, WY (bits 0, 1, 2); -1 for the two that cannot be.
-constexpr std::array<std::int8_t, 8> kSectors{-1, 0, 2, 1, 4, 5, 3, -1};
+constexpr std::array<int, 8> kSectors{-1, 0, 2, 1, 4, 5, 3, -1};
 
 }  // namespace
 

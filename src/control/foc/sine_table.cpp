@@ -20,9 +20,14 @@ consteval double series(double x, double first, int order) {
   return sum;
 }
 
+/// The nearest integer.
+consteval std::int32_t to_word(double value) {
+  const double half = value < 0.0 ? -0.5 : 0.5;
+  return static_cast<std::int32_t>(value + half);
+}
+
 consteval std::int32_t to_q30(double value) {
-  const double scaled = value * 1073741824.0;
-  return static_cast<std::int32_t>(scaled < 0.0 ? scaled - 0.5 : scaled + 0.5);
+  return to_word(value * 1073741824.0);
 }
 
 consteval SineTables make_sine_tables() {
@@ -49,7 +54,7 @@ consteval std::array<std::int32_t, kSteps + 2> make_arc_table() {
       const double cosine = series(angle, 1.0, 0);
       angle -= (sine - slope * cosine) / (cosine + slope * sine);
     }
-    result[k] = static_cast<std::int32_t>(angle / kTwoPi * 4294967296.0 + 0.5);
+    result[k] = to_word(angle / kTwoPi * 4294967296.0);
   }
   return result;
 }
@@ -61,8 +66,8 @@ constexpr auto kArcTangent = make_arc_table();
 constinit const SineTables kSineTables = make_sine_tables();
 
 std::uint16_t arc_tangent(std::int32_t y, std::int32_t x) {
-  const std::uint32_t ax = static_cast<std::uint32_t>(x < 0 ? -x : x);
-  const std::uint32_t ay = static_cast<std::uint32_t>(y < 0 ? -y : y);
+  const auto ax = static_cast<std::uint32_t>(x < 0 ? -x : x);
+  const auto ay = static_cast<std::uint32_t>(y < 0 ? -y : y);
   const std::uint32_t longer = ax > ay ? ax : ay;
   if (longer == 0) {
     return 0;
