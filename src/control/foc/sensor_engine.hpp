@@ -1,0 +1,116 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "control/foc/abn_decoder.hpp"
+#include "control/foc/analog_decoder.hpp"
+#include "control/foc/biquad.hpp"
+#include "control/foc/hall_decoder.hpp"
+#include "control/foc/open_loop_generator.hpp"
+#include "control/foc/register_file.hpp"
+#include "control/foc/velocity_meter.hpp"
+
+namespace stator::control::foc {
+
+/// Codes of PHI_E_SELECTION, VELOCITY_SELECTION and POSITION_SELECTION.
+enum class AngleSource : std::uint8_t {
+  phi_e = 0,  ///< what PHI_E_SELECTION chooses; for velocity and position only
+  phi_e_external = 1,
+  phi_e_open_loop = 2,
+  phi_e_abn = 3,
+  phi_e_hall = 5,
+  phi_e_analog = 6,
+  phi_a_analog = 7,
+  phi_m_abn = 9,
+  phi_m_abn_2 = 10,
+  phi_m_analog = 11,
+  phi_m_hall = 12,
+};
+
+/// All decoders, the choice of angles, and velocity and position made of them.
+class SensorEngine {
+ public:
+  void configure(const RegisterFile& registers, std::int32_t hall_filter);
+
+  /// `ticks` of 10 ns have passed; `pwm` is the period that ended.
+  void step(const Inputs& inputs, const EncoderGroup& analog, const PwmPeriod& pwm,
+            std::int32_t ticks) {
+    abn_.step(inputs.abn);
+    abn_2_.step(inputs.abn_2);
+    hall_.step(inputs.halls, pwm, ticks);
+    analog_.step(analog);
+    open_loop_.step(ticks);
+    note_angles();
+    phi_e_ = angle(phi_e_source_);
+    const std::int32_t position =
+        position_source_ == AngleSource::phi_e ? phi_e_ : angle(position_source_);
+    position_ =
+        wrap_s32(std::int64_t{position_} + wrap_s16(std::int64_t{position} - position_angle_));
+    position_angle_ = position;
+    const std::int32_t velocity =
+        velocity_source_ == AngleSource::phi_e ? phi_e_ : angle(velocity_source_);
+    const std::int32_t turned = wrap_s16(std::int64_t{velocity} - velocity_angle_);
+    velocity_angle_ = velocity;
+    velocity_ = velocity_filter_.step(meter_.step(turned, ticks));
+  }
+
+  /// Electrical angle for commutation, s16.
+  [[nodiscard]] std::int32_t phi_e() const { return phi_e_; }
+  [[nodiscard]] std::int32_t velocity() const { return velocity_; }  ///< rpm
+  [[nodiscard]] std::int32_t position() const { return position_; }  ///< 65536 per revolution
+  void set_position(std::int32_t position) { position_ = position; }
+
+  [[nodiscard]] AbnDecoder& abn() { return abn_; }
+  [[nodiscard]] const AbnDecoder& abn() const { return abn_; }
+  [[nodiscard]] AbnDecoder& abn_2() { return abn_2_; }
+  [[nodiscard]] const AbnDecoder& abn_2() const { return abn_2_; }
+  [[nodiscard]] const HallDecoder& hall() const { return hall_; }
+  [[nodiscard]] AnalogDecoder& analog() { return analog_; }
+  [[nodiscard]] const AnalogDecoder& analog() const { return analog_; }
+  [[nodiscard]] OpenLoopGenerator& open_loop() { return open_loop_; }
+  [[nodiscard]] const OpenLoopGenerator& open_loop() const { return open_loop_; }
+  [[nodiscard]] const VelocityMeter& meter() const { return meter_; }
+
+ private:
+  /// Lays the angles of all sources side by side, so that choosing needs no branches.
+  void note_angles() {
+    const auto set = [this](AngleSource source, std::int32_t value) {
+      angles_[static_cast<unsigned>(source)] = value;
+    };
+    set(AngleSource::phi_e_external, external_);
+    set(AngleSource::phi_e_open_loop, static_cast<std::int16_t>(open_loop_.phi()));
+    set(AngleSource::phi_e_abn, abn_.phi_e());
+    set(AngleSource::phi_e_hall, hall_.phi_e_used());
+    set(AngleSource::phi_e_analog, analog_.phi_e());
+    set(AngleSource::phi_a_analog, analog_.phi_a());
+    set(AngleSource::phi_m_abn, abn_.phi_m());
+    set(AngleSource::phi_m_abn_2, abn_2_.phi_m());
+    set(AngleSource::phi_m_analog, analog_.phi_m());
+    set(AngleSource::phi_m_hall, hall_.phi_m());
+  }
+  /// Angle of a source, s16; 0 of phi_e and of reserved codes.
+  [[nodiscard]] std::int32_t angle(AngleSource source) const {
+    return angles_[static_cast<unsigned>(source)];
+  }
+
+  AbnDecoder abn_;
+  AbnDecoder abn_2_;
+  HallDecoder hall_;
+  AnalogDecoder analog_;
+  OpenLoopGenerator open_loop_;
+  VelocityMeter meter_;
+  Biquad velocity_filter_;
+  AngleSource phi_e_source_ = AngleSource::phi_e;
+  AngleSource velocity_source_ = AngleSource::phi_e;
+  AngleSource position_source_ = AngleSource::phi_e;
+  std::int32_t external_ = 0;  ///< PHI_E_EXT
+  std::array<std::int32_t, 13> angles_{};
+  std::int32_t phi_e_ = 0;
+  std::int32_t velocity_angle_ = 0;
+  std::int32_t velocity_ = 0;
+  std::int32_t position_angle_ = 0;
+  std::int32_t position_ = 0;
+};
+
+}  // namespace stator::control::foc
