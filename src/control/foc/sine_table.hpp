@@ -17,7 +17,7 @@ struct SineTables {
   SineCosine coarse[256];
   SineCosine fine[256];
 };
-extern const SineTables kSineTables;
+extern const SineTables kSineTables;  // NOLINT(readability-identifier-naming): a constant
 
 /// Sine and cosine of a 16-bit angle, 65536 = one revolution. Error: below 2 LSB of 2^30; rounded
 /// to Q15 below 0.5001 LSB.

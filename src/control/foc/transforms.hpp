@@ -53,7 +53,7 @@ inline constexpr std::int64_t kHalfSqrt3Q30 = 929887697;
 
 [[nodiscard]] constexpr PhaseVector inverse_clarke(const StatorVector& u) {
   const std::int64_t half = std::int64_t{u.a} << (kSineBits - 1);
-  const std::int32_t v =
+  const auto v =
       static_cast<std::int32_t>(rounded_shift(std::int64_t{u.b} * kHalfSqrt3Q30 - half, kSineBits));
   return {u.a, v, -u.a - v};
 }
