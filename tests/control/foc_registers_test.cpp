@@ -1,8 +1,8 @@
 #include <cstdint>
 #include <fstream>
 #include <iterator>
-#include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -52,13 +52,35 @@ TEST(FocRegisterMap, HoldsTheRegistersOfTheReferenceList) {
   }
 }
 
+/// "NAME[7:0]" or "NAME[7:0]s" of the reference list; other words have no bracket.
+struct ListedField {
+  std::string name;
+  std::uint8_t high = 0;
+  std::uint8_t low = 0;
+  bool is_signed = false;
+};
+std::vector<ListedField> listed_fields(const std::string& text) {
+  std::vector<ListedField> fields;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const std::size_t open = word.find('[');
+    const std::size_t colon = word.find(':');
+    if (open == std::string::npos || colon == std::string::npos) {
+      continue;
+    }
+    fields.push_back({word.substr(0, open),
+                      static_cast<std::uint8_t>(std::stoi(word.substr(open + 1))),
+                      static_cast<std::uint8_t>(std::stoi(word.substr(colon + 1))),
+                      word.find("]s") != std::string::npos});
+  }
+  return fields;
+}
+
 TEST(FocRegisterMap, HoldsTheFieldsOfTheReferenceList) {
-  const std::regex pattern(R"((\w+)\[(\d+):(\d+)\](s?))");
   int compared = 0;
   for (const auto& [address, name, text] : reference_list()) {
-    for (auto it = std::sregex_iterator(text.begin(), text.end(), pattern);
-         it != std::sregex_iterator(); ++it) {
-      const std::string field_name = (*it)[1];
+    for (const ListedField& listed : listed_fields(text)) {
+      const std::string& field_name = listed.name;
       const FieldDescription* found = nullptr;
       for (const FieldDescription& candidate : fields()) {
         found = candidate.name == field_name ? &candidate : found;
@@ -67,9 +89,8 @@ TEST(FocRegisterMap, HoldsTheFieldsOfTheReferenceList) {
       // Equation 1 of the datasheet adds a signed offset; the list has the TMC4671's unsigned one.
       const bool analog_offset = field_name.starts_with("AENC_") &&
                                  field_name.ends_with("_OFFSET") && name.ends_with("SCALE_OFFSET");
-      const Field expected{address, kPlain, static_cast<std::uint8_t>(std::stoi((*it)[3])),
-                           static_cast<std::uint8_t>(std::stoi((*it)[2])),
-                           analog_offset || (*it)[4] == "s"};
+      const Field expected{address, kPlain, listed.low, listed.high,
+                           analog_offset || listed.is_signed};
       EXPECT_EQ(found->field, expected) << field_name;
       ++compared;
     }
