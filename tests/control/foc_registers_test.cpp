@@ -1,4 +1,5 @@
 #include <cstdint>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <set>
@@ -24,7 +25,7 @@ struct Reference {
 };
 
 std::vector<Reference> reference_list() {
-  std::ifstream file(std::string(STATOR_TEST_DATA) + "/tmc8670/foc_registers_reference.csv");
+  std::ifstream file(STATOR_TEST_DATA "/tmc8670/foc_registers_reference.csv");
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   std::vector<Reference> result;
   for (const tests::CsvRow& row : tests::parse_csv(text)) {
@@ -68,10 +69,11 @@ std::vector<ListedField> listed_fields(const std::string& text) {
     if (open == std::string::npos || colon == std::string::npos) {
       continue;
     }
-    fields.push_back({word.substr(0, open),
-                      static_cast<std::uint8_t>(std::stoi(word.substr(open + 1))),
-                      static_cast<std::uint8_t>(std::stoi(word.substr(colon + 1))),
-                      word.find("]s") != std::string::npos});
+    ListedField& field = fields.emplace_back();
+    field.name.assign(word, 0, open);
+    field.high = static_cast<std::uint8_t>(std::atoi(word.c_str() + open + 1));
+    field.low = static_cast<std::uint8_t>(std::atoi(word.c_str() + colon + 1));
+    field.is_signed = word.ends_with("]s");
   }
   return fields;
 }
