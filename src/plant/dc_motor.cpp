@@ -13,10 +13,21 @@ DcMotor::DcMotor(const DcMotorParameters& motor, const MechanicalLoad& load)
               .stribeck_speed = motor.stribeck_speed,
               .pole_pairs = 1},
              load),
-      inverse_inductance_(1.0 / motor.inductance) {
+      inverse_inductance_(1.0 / motor.inductance),
+      resistance_(motor.resistance),
+      torque_constant_(motor.torque_constant) {
   const double coupling = motor.torque_constant * motor.torque_constant * inverse_inductance_;
   fastest_rate_ = std::max(motor.resistance * inverse_inductance_,
                            shaft_.fastest_rate(coupling, shaft_.has_end_stops()));
+}
+
+void DcMotor::set_temperatures(double winding, double magnets) {
+  constexpr double kSheetTemperature = 25.0;
+  resistance_ =
+      motor_.resistance * (1.0 + motor_.resistance_coefficient * (winding - kSheetTemperature));
+  torque_constant_ =
+      motor_.torque_constant * (1.0 + motor_.flux_coefficient * (magnets - kSheetTemperature));
+  transition_.step = -1.0;
 }
 
 DcMotorState DcMotor::at(double revolutions) const {
@@ -36,12 +47,12 @@ void DcMotor::renew(double h, double series_resistance, bool open) {
   t.step = h;
   t.series_resistance = series_resistance;
   t.open = open;
-  const double rate = (motor_.resistance + series_resistance) * inverse_inductance_;
+  const double rate = (resistance_ + series_resistance) * inverse_inductance_;
   const double mobility = shaft_.inverse_inertia();
-  const Matrix a =
-      open ? Matrix{.d = -shaft_.viscous_friction() * mobility}
-           : Matrix{-rate, -motor_.torque_constant * inverse_inductance_,
-                    motor_.torque_constant * mobility, -shaft_.viscous_friction() * mobility};
+  const Matrix a = open
+                       ? Matrix{.d = -shaft_.viscous_friction() * mobility}
+                       : Matrix{-rate, -torque_constant_ * inverse_inductance_,
+                                torque_constant_ * mobility, -shaft_.viscous_friction() * mobility};
   // Power series; the step is short against all time constants.
   constexpr int kTerms = 18;
   Matrix power{1.0, 0.0, 0.0, 1.0};
@@ -92,7 +103,7 @@ double DcMotor::step(DcMotorState& state, const DcMotorInput& input, double h) {
   }
   const double speed_before = state.speed;
   if (speed_before == 0.0) {
-    const double torque = motor_.torque_constant * state.current + load;
+    const double torque = torque_constant_ * state.current + load;
     if (std::fabs(torque) <= shaft_.holding_friction(frozen)) {
       return step_at_rest(state, input, h);
     }

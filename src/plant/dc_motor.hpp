@@ -6,11 +6,12 @@
 #include "plant/mechanical_load.hpp"
 #include "plant/shaft_angle.hpp"
 #include "plant/shaft_mechanics.hpp"
+#include "plant/two_body_thermal.hpp"
 
 namespace stator::plant {
 
 /// A brushed DC motor with permanent magnets, SI units. The defaults are those of a small 24 V
-/// motor of 60 W.
+/// motor of 60 W and 0.4 kg.
 struct DcMotorParameters {
   double resistance = 0.6;          ///< R, ohm
   double inductance = 0.2e-3;       ///< L, H
@@ -21,6 +22,14 @@ struct DcMotorParameters {
   double static_friction = 3.6e-3;  ///< Ts, N m, at least Tc
   double stribeck_speed = 0.5;      ///< rad/s at which half of Ts - Tc is left
   double rated_current = 3.0;       ///< A
+  /// 1/K of the winding's resistance, which is `resistance` at 25 degree Celsius; copper.
+  double resistance_coefficient = 0.00393;
+  /// 1/K of the magnets' flux and so of `torque_constant`; ferrite. Magnets are as warm as the
+  /// housing.
+  double flux_coefficient = -0.002;
+  /// Winding inside, housing outside: 80 K above the air at rated current, where 0.6 ohm have
+  /// become 0.79.
+  ThermalParameters thermal = class_b_motor(7.1, 0.4);
 };
 
 struct DcMotorState {
@@ -59,13 +68,20 @@ class DcMotor {
   /// di/dt with `voltage` at the terminals, A/s.
   [[nodiscard]] double current_slope(const DcMotorState& state, double voltage,
                                      double series_resistance) const {
-    return ((voltage - (motor_.resistance + series_resistance) * state.current) -
-            motor_.torque_constant * state.speed) *
+    return ((voltage - (resistance_ + series_resistance) * state.current) -
+            torque_constant_ * state.speed) *
            inverse_inductance_;
   }
   /// Standing with no current at `revolutions`.
   [[nodiscard]] DcMotorState at(double revolutions) const;
 
+  /// Resistance and torque constant from now on: winding and magnets get warm (degree Celsius).
+  void set_temperatures(double winding, double magnets);
+  /// ShaftMechanics::jam().
+  void jam(double torque) { shaft_.jam(torque); }
+
+  [[nodiscard]] double resistance() const { return resistance_; }            ///< ohm, now
+  [[nodiscard]] double torque_constant() const { return torque_constant_; }  ///< N m/A, now
   [[nodiscard]] const DcMotorParameters& motor() const { return motor_; }
   [[nodiscard]] const ShaftMechanics& shaft() const { return shaft_; }
 
@@ -95,8 +111,10 @@ class DcMotor {
   DcMotorParameters motor_;
   ShaftMechanics shaft_;
   double inverse_inductance_;
+  double resistance_;
+  double torque_constant_;
   double fastest_rate_;
-  Transition transition_;  ///< of the latest step; follows from its length
+  Transition transition_;  ///< of the latest step; follows from its length and the temperatures
 };
 
 }  // namespace stator::plant

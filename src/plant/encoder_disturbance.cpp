@@ -4,10 +4,7 @@
 
 namespace stator::plant {
 
-ElectricalAngle EncoderDisturbance::seen(const ElectricalAngle& angle) const {
-  if (parameters_.eccentricity == 0.0) {
-    return angle;
-  }
+ElectricalAngle EncoderDisturbance::seen_off_centre(const ElectricalAngle& angle) const {
   const auto pole_pairs = static_cast<double>(pole_pairs_);
   const std::int64_t period = angle.periods % pole_pairs_;
   const double shaft = (static_cast<double>(period) * base::kTwoPi + angle.angle) / pole_pairs;
@@ -16,15 +13,10 @@ ElectricalAngle EncoderDisturbance::seen(const ElectricalAngle& angle) const {
   return turned(angle, error * pole_pairs);
 }
 
-std::int64_t EncoderDisturbance::update(EncoderDisturbanceState& state, std::int64_t count,
-                                        double seconds) const {
-  const std::int64_t change = count - state.counted;
-  state.counted = count;
+void EncoderDisturbance::lose(EncoderDisturbanceState& state, std::int64_t change,
+                              double seconds) const {
   const std::int64_t direction = change < 0 ? -1 : 1;
   const std::int64_t edges = change * direction;
-  if (edges == 0) {
-    return count - state.lost;
-  }
   const double possible = parameters_.highest_frequency * seconds;
   std::int64_t unseen = 0;
   if (static_cast<double>(edges) > possible) {
@@ -42,7 +34,6 @@ std::int64_t EncoderDisturbance::update(EncoderDisturbanceState& state, std::int
     }
   }
   state.lost += direction * unseen;
-  return count - state.lost;
 }
 
 }  // namespace stator::plant

@@ -24,6 +24,22 @@ struct HallSensorParameters {
 /// What is wrong with one sensor's line.
 enum class HallFault : std::uint8_t { none, stuck_low, stuck_high };
 
+/// What arrives of the levels `signal` (bits 0, 1, 2) where the wires of H1 and H2 may be swapped
+/// and lines of the drive are stuck.
+[[nodiscard]] constexpr std::uint8_t through_cable(std::uint8_t signal, bool swapped,
+                                                   const std::array<HallFault, 3>& lines) {
+  unsigned seen = signal;
+  if (swapped) {
+    seen = (seen & 4U) | ((seen & 1U) << 1) | ((seen >> 1) & 1U);
+  }
+  for (unsigned k = 0; k < lines.size(); ++k) {
+    if (lines[k] != HallFault::none) {
+      seen = (seen & ~(1U << k)) | (static_cast<unsigned>(lines[k] == HallFault::stuck_high) << k);
+    }
+  }
+  return static_cast<std::uint8_t>(seen);
+}
+
 /// The comparators; their state is the levels they hold.
 class HallSensors {
  public:

@@ -70,6 +70,8 @@ class HybridStepper {
   [[nodiscard]] const StepperMotorParameters& motor() const { return motor_; }
   /// Resistance of a phase from now on, ohm: a winding gets warm.
   void set_resistance(double resistance) { motor_.resistance = resistance; }
+  /// ShaftMechanics::jam().
+  void jam(double torque) { shaft_.jam(torque); }
   /// Kt = p psi, N m/A and V s/rad.
   [[nodiscard]] double torque_constant() const { return torque_constant_; }
   /// Rotor and load, kg m^2.

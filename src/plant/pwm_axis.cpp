@@ -1,6 +1,7 @@
 #include "plant/pwm_axis.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <type_traits>
 
@@ -11,8 +12,14 @@ namespace stator::plant {
 
 namespace {
 
-/// Rounding errors of the small rotations are removed so often.
-constexpr base::SimDuration kRefreshPeriod{10'000'000};
+/// Temperatures advance, and rounding errors of small rotations are removed, so often; the fastest
+/// time constant of the thermal models is near a second.
+constexpr base::SimDuration kThermalPeriod{10'000'000};
+
+const ThermalParameters& thermal_of(const MotorParameters& motor) {
+  return std::visit([](const auto& kind) -> const ThermalParameters& { return kind.thermal; },
+                    motor);
+}
 
 int pole_pairs_of(const MotorParameters& motor) {
   if (const auto* three_phase = std::get_if<ThreePhaseMotorParameters>(&motor)) {
@@ -42,8 +49,15 @@ PwmAxis::PwmAxis(const PwmAxisParameters& p)
       winding_(winding_of(p)),
       supply_(p.supply),
       supply_state_{.source = p.supply_voltage, .voltage = p.supply_voltage},
+      motor_thermal_(thermal_of(p.motor), kThermalPeriod.seconds()),
+      stage_thermal_(p.inverter.thermal, kThermalPeriod.seconds()),
+      motor_temperature_{p.ambient_temperature, p.ambient_temperature},
+      stage_temperature_{p.ambient_temperature, p.ambient_temperature},
+      ambient_temperature_(p.ambient_temperature),
+      has_switches_(p.left_switch.fitted || p.right_switch.fitted || p.home_switch.fitted),
       converter_(p.converter),
       halls_(p.halls),
+      inverter_(p.inverter),
       dead_time_(p.inverter, 1.0, 1.0),
       analog_halls_(p.analog_halls, pole_pairs_of(p.motor)),
       analog_encoder_(p.analog_encoder, pole_pairs_of(p.motor)),
@@ -54,9 +68,11 @@ PwmAxis::PwmAxis(const PwmAxisParameters& p)
       converter_noise_(p.noise_seed),
       angle_noise_(p.noise_seed + 1) {
   brake_.open = p.brake.closed_by_current;
+  sensing_.driver_temperature = sensing_.winding_temperature = p.ambient_temperature;
   constexpr double kAnyPeriod = 1.0;
   std::visit(
-      [&](const auto& winding) {
+      [&](auto& winding) {
+        winding.set_temperatures(motor_temperature_);
         for (std::size_t k = 0; k < encoders_.size(); ++k) {
           disturbance_states_[k].random = base::Random(p.noise_seed + 2 + k);
           encoder_states_[k] = encoders_[k].power_on(disturbances_[k].seen(winding.angle()));
@@ -65,10 +81,12 @@ PwmAxis::PwmAxis(const PwmAxisParameters& p)
         sense(winding, kAnyPeriod);
       },
       winding_);
+  sense_switches();
 }
 
 template <typename Of>
-double PwmAxis::pass(Of& winding, const PwmActuation& actuation, double period) {
+[[gnu::always_inline]] inline double PwmAxis::pass(Of& winding, const PwmActuation& actuation,
+                                                   double period) {
   if (!actuation.bridge_enabled) {
     const double energy = winding.coast(supply_state_.voltage, shaft_, period);
     supply_.draw(supply_state_, energy / period, period, actuation.brake_chopper_on);
@@ -78,63 +96,101 @@ double PwmAxis::pass(Of& winding, const PwmActuation& actuation, double period) 
   for (std::size_t k = 0; k < Of::kBridges; ++k) {
     duty[k] = std::clamp(actuation.duty[k], 0.0, 1.0);
   }
+  if (faulty_) [[unlikely]] {
+    for (std::size_t k = 0; k < Of::kBridges; ++k) {
+      duty[k] = faults_.terminals.grounded[k] || faults_.high_side ? 0.0 : duty[k];
+    }
+  }
   if (parameters_.inverter_model == InverterModel::switched) {
     if constexpr (std::is_same_v<Of, ThreePhaseWinding>) {
       const std::optional<double> energy =
-          turn_switched(winding, parameters_.inverter, supply_, supply_state_, duty, shaft_,
+          turn_switched(winding, inverter_, supply_, supply_state_, duty, shaft_,
                         actuation.brake_chopper_on, period);
       if (energy) [[likely]] {
         return *energy;
       }
     }
-    return switch_period(winding, parameters_.inverter, supply_, supply_state_, duty, shaft_,
+    return switch_period(winding, inverter_, supply_, supply_state_, duty, shaft_,
                          actuation.brake_chopper_on, period);
   }
-  return average_period(winding, parameters_.inverter.dead_time > 0.0 ? &dead_time_ : nullptr,
-                        supply_, supply_state_, duty, shaft_, actuation.brake_chopper_on, period);
+  return average_period(winding, inverter_.dead_time > 0.0 ? &dead_time_ : nullptr, supply_,
+                        supply_state_, duty, shaft_, actuation.brake_chopper_on, period);
 }
 
-void PwmAxis::set_period(base::SimDuration period) {
+void PwmAxis::set_period(base::SimDuration period, double dead_time) {
   const double inductance =
       std::visit([](const auto& winding) { return winding.inductance(); }, winding_);
-  dead_time_ = DeadTime(parameters_.inverter, inductance, period.seconds());
-  dead_time_period_ = period;
+  period_ = period;
+  period_seconds_ = period.seconds();
+  commanded_dead_time_ = dead_time;
+  inverter_.pwm_frequency = 1.0 / period_seconds_;
+  inverter_.dead_time = std::max(parameters_.inverter.dead_time, dead_time);
+  dead_time_ = DeadTime(inverter_, inductance, period_seconds_);
 }
 
 const PwmSensing& PwmAxis::step(const PwmActuation& actuation, base::SimDuration period) {
   parameters_.brake.advance(brake_, actuation.brake_released, period);
   shaft_.brake_engaged = !brake_.open;
-  unrefreshed_ += period;
-  if (period != dead_time_period_) [[unlikely]] {
-    set_period(period);
+  unheated_ += period;
+  if (period != period_ || actuation.dead_time != commanded_dead_time_) [[unlikely]] {
+    set_period(period, actuation.dead_time);
   }
-  const bool refresh = unrefreshed_ >= kRefreshPeriod;
+  const double seconds = period_seconds_;
   std::visit(
       [&](auto& winding) {
-        bridge_energy_ += pass(winding, actuation, period.seconds());
-        if (refresh) {
+        period_energy_ = pass(winding, actuation, seconds);
+        bridge_energy_ += period_energy_;
+        square_current_ += seconds * winding.square_current();
+        if (unheated_ >= kThermalPeriod) [[unlikely]] {
+          update_temperatures(winding);
           winding.refresh();
         }
-        sense(winding, period.seconds());
+        sense(winding, seconds);
       },
       winding_);
-  if (refresh) {
-    unrefreshed_ = {};
+  if (has_switches_) {
+    sense_switches();
+  }
+  if (faulty_) [[unlikely]] {
+    sense_faults(actuation.bridge_enabled);
   }
   return sensing_;
 }
 
 template <typename Of>
-void PwmAxis::sense(const Of& winding, double period) {
+void PwmAxis::update_temperatures(Of& winding) {
+  const double mean_square = square_current_ / unheated_.seconds();
+  const InverterParameters& inverter = parameters_.inverter;
+  const double of_terminals = Of::kTerminalsPerPhase * mean_square;
+  const double stage_loss = inverter.on_resistance * of_terminals + inverter.switching_share *
+                                                                        supply_state_.voltage *
+                                                                        std::sqrt(of_terminals);
+  for (; unheated_ >= kThermalPeriod; unheated_ = unheated_ - kThermalPeriod) {
+    motor_thermal_.advance(motor_temperature_, winding.resistance() * mean_square,
+                           ambient_temperature_);
+    stage_thermal_.advance(stage_temperature_, stage_loss, ambient_temperature_);
+  }
+  // What is left of the time belongs to the mean that has just been used.
+  square_current_ = mean_square * unheated_.seconds();
+  winding.set_temperatures(motor_temperature_);
+  sensing_.driver_temperature = stage_temperature_.inner;
+  sensing_.winding_temperature = motor_temperature_.inner;
+}
+
+template <typename Of>
+[[gnu::always_inline]] inline void PwmAxis::sense(const Of& winding, double period) {
   const typename Of::Values current = winding.currents();
   const double second = Of::kBridges > 2 ? current[Of::kBridges > 2 ? 2 : 0] : 0.0;
   sensing_.converter =
       converter_.sample(converter_state_, {current[0], second}, supply_state_.voltage,
-                        parameters_.temperature, period, converter_noise_);
+                        stage_temperature_.outer, period, converter_noise_);
   if (parameters_.halls.fitted) {
     hall_levels_ = halls_.next(hall_levels_, winding.direction());
   }
   sensing_.halls = halls_.signal(hall_levels_);
+  if (faulty_) [[unlikely]] {
+    sensing_.halls = through_cable(sensing_.halls, faults_.halls_swapped, faults_.halls);
+  }
   if (analog_halls_.fitted()) {
     sensing_.analog_halls = analog_halls_.read(winding.angle(), angle_noise_);
   }
@@ -144,7 +200,8 @@ void PwmAxis::sense(const Of& winding, double period) {
   sense_encoders(winding.angle(), period);
 }
 
-void PwmAxis::sense_encoders(const ElectricalAngle& angle, double period) {
+[[gnu::always_inline]] inline void PwmAxis::sense_encoders(const ElectricalAngle& angle,
+                                                           double period) {
   for (std::size_t k = 0; k < encoders_.size(); ++k) {
     if (parameters_.encoders[k].counts_per_revolution <= 0) {
       continue;
@@ -152,48 +209,26 @@ void PwmAxis::sense_encoders(const ElectricalAngle& angle, double period) {
     EncoderState& state = encoder_states_[k];
     encoders_[k].update(state, disturbances_[k].seen(angle));
     EncoderReading& reading = sensing_.encoders[k];
-    reading.count =
+    const EncoderCableFaults& fault = faults_.encoders[k];
+    const std::int64_t count =
         disturbances_[k].update(disturbance_states_[k], encoders_[k].count(state), period);
-    if (state.index_passages != reading.index_passages) {
-      reading.index_passages = state.index_passages;
+    if (fault.channel_lost) [[unlikely]] {
+      disturbance_states_[k].lost += count - reading.count;
+    } else {
+      reading.count = count;
+    }
+    if (fault.index_lost) [[unlikely]] {
+      reading.index = parameters_.encoders[k].index_active_low;
+      lost_passages_[k] = state.index_passages - reading.index_passages;
+      continue;
+    }
+    const std::uint32_t passages = state.index_passages - lost_passages_[k];
+    if (passages != reading.index_passages) {
+      reading.index_passages = passages;
       reading.index_count = encoders_[k].index_count(state) - disturbance_states_[k].lost;
     }
     reading.index = encoders_[k].index(state);
   }
-}
-
-void PwmAxis::set_supply_voltage(double voltage) {
-  supply_state_.source = voltage;
-  if (supply_.ideal()) {
-    supply_state_.voltage = voltage;
-  }
-}
-
-std::array<double, 4> PwmAxis::currents() const {
-  std::array<double, 4> result{};
-  std::visit(
-      [&result](const auto& winding) {
-        const auto current = winding.currents();
-        std::copy(current.begin(), current.end(), result.begin());
-      },
-      winding_);
-  return result;
-}
-
-double PwmAxis::speed() const {
-  return std::visit([](const auto& winding) { return winding.speed(); }, winding_);
-}
-
-double PwmAxis::revolutions() const {
-  return std::visit(
-      [](const auto& winding) {
-        return electrical_radians(winding.angle()) / (base::kTwoPi * winding.pole_pairs());
-      },
-      winding_);
-}
-
-double PwmAxis::electromagnetic_torque() const {
-  return std::visit([](const auto& winding) { return winding.torque(); }, winding_);
 }
 
 }  // namespace stator::plant

@@ -35,12 +35,15 @@ class PwmPeriod {
       next_[k] = switches ? 0.5 * period - half : kNever;
       falls_[k] = switches ? 0.5 * period + half : kNever;
       high_[k] = duty[k] >= 1.0 ? 1.0 : 0.0;
+      high_sides_ |= duty[k] >= 1.0 ? 1U << k : 0U;
     }
   }
 
   [[nodiscard]] double time() const { return time_; }  ///< s since the begin
   /// Whether each half bridge connects its terminal to the supply (1) or to ground (0).
   [[nodiscard]] const Values& high() const { return high_; }
+  /// The same as bits: bit k for half bridge k.
+  [[nodiscard]] unsigned high_sides() const { return high_sides_; }
   [[nodiscard]] bool over() const { return time_ >= period_; }
 
   /// The time until the next edge, s, where the half bridges carry `current` (A, positive into the
@@ -83,12 +86,11 @@ class PwmPeriod {
   /// Returns the half bridge that switched, kBridges at the end of the period.
   std::size_t pass() {
     time_ = next_time_;
-    // Selections instead of an index, so that all of it can live in registers.
-    for (std::size_t k = 0; k < kBridges; ++k) {
-      const bool switches = k == edge_;
-      const double next = high_[k] == 0.0 ? falls_[k] : kNever;
-      next_[k] = switches ? next : next_[k];
-      high_[k] = switches ? 1.0 - high_[k] : high_[k];
+    if (edge_ < kBridges) {
+      next_[edge_] = falls_[edge_];
+      falls_[edge_] = kNever;
+      high_[edge_] = 1.0 - high_[edge_];
+      high_sides_ ^= 1U << edge_;
     }
     return edge_;
   }
@@ -105,6 +107,7 @@ class PwmPeriod {
   Values next_{};   ///< s; when each half bridge is told to switch next
   Values falls_{};  ///< s
   Values high_{};
+  unsigned high_sides_ = 0;
 };
 
 }  // namespace stator::plant

@@ -277,20 +277,11 @@ void ServoAxis::sense_encoder() {
 }
 
 std::uint8_t ServoAxis::hall_signal() const {
-  unsigned signal = halls_.signal(state_.halls);
-  if (faulty_) [[unlikely]] {
-    if (state_.faults.halls_swapped) {
-      signal = (signal & 4U) | ((signal & 1U) << 1) | ((signal >> 1) & 1U);
-    }
-    for (unsigned k = 0; k < 3; ++k) {
-      const HallFault fault = state_.faults.halls[k];
-      if (fault != HallFault::none) {
-        signal =
-            (signal & ~(1U << k)) | (static_cast<unsigned>(fault == HallFault::stuck_high) << k);
-      }
-    }
+  const std::uint8_t signal = halls_.signal(state_.halls);
+  if (!faulty_) [[likely]] {
+    return signal;
   }
-  return static_cast<std::uint8_t>(signal);
+  return through_cable(signal, state_.faults.halls_swapped, state_.faults.halls);
 }
 
 }  // namespace stator::plant

@@ -1,7 +1,9 @@
 #include "plant/switched_turn.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "plant/pwm_period.hpp"
 #include "plant/rotation.hpp"
@@ -9,9 +11,6 @@
 namespace stator::plant {
 
 namespace {
-
-/// A period must not turn the fastest motion of the model by more than this, rad.
-constexpr double kLargestTurn = 0.33;
 
 /// Two numbers a processor computes with at once: alpha and beta, or cosine and sine.
 using Pair = double __attribute__((vector_size(16)));
@@ -113,6 +112,16 @@ Course course_of(const SynchronousMotor& motor, const SynchronousMotorState& sta
   return course;
 }
 
+/// Shares of the supply by the terminals that are high: bits 0, 1, 2 for U, V, W.
+constexpr std::array<Pair, 8> kTerminals = [] {
+  std::array<Pair, 8> result{};
+  for (unsigned n = 0; n < result.size(); ++n) {
+    const StatorVector share = stator_vector(n & 1U, (n >> 1U) & 1U, n >> 2U);
+    result[n] = Pair{share.alpha, share.beta};
+  }
+  return result;
+}();
+
 /// What a period adds up to.
 struct Sums {
   double taken = 0.0;    ///< J by the bridge
@@ -142,21 +151,20 @@ class Passage {
       pwm.keep_signs(current_);
     }
     while (!pwm.over()) {
-      const ThreePhaseWinding::Values& high = pwm.high();
-      const StatorVector share = stator_vector(high[0], high[1], high[2]);
-      const Pair terminals{share.alpha, share.beta};
+      const unsigned high = pwm.high_sides();
+      const Pair terminals = kTerminals[high];
       const double h =
           predict ? pwm.until_edge(current_,
                                    phases(slope(turn_, at_, link_.voltage * terminals, course_.w)))
                   : pwm.until_edge();
       if (h > 0.0) {
-        go(pwm.time(), h, terminals, chopper_on);
+        go(pwm.time(), h, terminals, high != 0 && high != 7, chopper_on);
       }
       const std::size_t edge = pwm.pass();
       if (dead_) {
         current_ = phases(at_.current);
-        for (std::size_t n = 0; n < current_.size(); ++n) {
-          lost_ += n == edge ? loss_per_ampere_ * std::fabs(current_[n]) : 0.0;
+        if (edge < current_.size()) {
+          lost_ += loss_per_ampere_ * std::fabs(current_[edge]);
         }
       }
     }
@@ -181,10 +189,10 @@ class Passage {
     return may;
   }
 
-  /// From `begin` (s) `h` seconds on with the terminals' shares of the supply.
-  void go(double begin, double h, const Pair& share, bool chopper_on) {
+  /// From `begin` (s) `h` seconds on with the terminals' shares of the supply; `active`: which are
+  /// not all the same.
+  void go(double begin, double h, const Pair& share, bool active, bool chopper_on) {
     const Supply::Stretch stretch = supply_.stretch(link_, h);
-    const bool active = share[0] != 0.0 || share[1] != 0.0;
     const double drawn = active ? 1.5 * dot(share, at_.current) : 0.0;
     const double voltage = stretch.halfway(drawn);
     const Pair u = voltage * share;
@@ -232,7 +240,7 @@ std::optional<double> turn_switched(ThreePhaseWinding& winding, const InverterPa
                                     bool chopper_on, double period) {
   const SynchronousMotor& motor = winding.motor();
   SynchronousMotorState& state = winding.state();
-  if (!motor.may_turn_freely() || state.speed == 0.0 ||
+  if (!motor.may_turn_freely() || !winding.connected() || state.speed == 0.0 ||
       period * motor.fastest_rate(state, period) > kLargestTurn) {
     return std::nullopt;
   }

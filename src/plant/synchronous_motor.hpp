@@ -166,6 +166,8 @@ class SynchronousMotor {
   [[nodiscard]] const ThreePhaseMotorParameters& motor() const { return motor_; }
   /// Resistance and flux from now on: a winding and a magnet get warm (degree Celsius).
   void set_temperatures(double winding, double magnets);
+  /// ShaftMechanics::jam().
+  void jam(double torque) { shaft_.jam(torque); }
   [[nodiscard]] double resistance() const { return resistance_; }      ///< ohm, now
   [[nodiscard]] double flux_linkage() const { return flux_linkage_; }  ///< V s, now
 

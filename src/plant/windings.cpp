@@ -8,9 +8,6 @@ namespace stator::plant {
 
 namespace {
 
-/// Parts of a step turn the fastest motion of the model by no more than this, rad.
-constexpr double kLargestTurn = 0.33;
-
 /// s, the longest step in which diodes carry current: they close and open at its ends only.
 constexpr double kDiodeStep = 5e-6;
 
@@ -18,27 +15,54 @@ int parts_of(double turn) {
   return turn <= kLargestTurn ? 1 : static_cast<int>(std::ceil(turn / kLargestTurn));
 }
 
-/// A winding between two half bridges whose transistors are off: its voltage, V, and whether it
-/// blocks.
-struct Freewheel {
-  double voltage = 0.0;
-  bool blocks = false;
-};
-Freewheel freewheel(double current, double induced, double supply_voltage, double diode_drop) {
-  const double reverse = supply_voltage + 2.0 * diode_drop;
-  if (current != 0.0) {
-    return {.voltage = current > 0.0 ? -reverse : reverse};
-  }
-  if (std::fabs(induced) <= reverse) {
-    return {.blocks = true};
-  }
-  return {.voltage = induced > 0.0 ? reverse : -reverse};
-}
+/// A winding between two half bridges whose transistors are off, or whose terminals are shorted to
+/// ground. A current into the first terminal flows through its lower diode and the second one's
+/// upper diode.
+class Freewheel {
+ public:
+  Freewheel(double supply_voltage, double diode_drop, bool first_grounded, bool second_grounded)
+      : forward_((first_grounded ? 0.0 : -diode_drop) -
+                 (second_grounded ? 0.0 : supply_voltage + diode_drop)),
+        backward_((first_grounded ? 0.0 : supply_voltage + diode_drop) +
+                  (second_grounded ? 0.0 : diode_drop)),
+        into_supply_forward_(second_grounded ? 0.0 : supply_voltage),
+        into_supply_backward_(first_grounded ? 0.0 : supply_voltage) {}
 
-/// `after` unless diodes would have had to let the current turn round.
-double without_reversal(double before, double after, double induced) {
-  const double direction = before != 0.0 ? before : -induced;
-  return direction * after < 0.0 ? 0.0 : after;
+  /// Whether the winding carries no current, and goes on so.
+  [[nodiscard]] bool blocks(double current, double induced) const {
+    return current == 0.0 && induced >= forward_ && induced <= backward_ && forward_ < backward_;
+  }
+  /// V at the winding.
+  [[nodiscard]] double voltage(double current, double induced) const {
+    return forward(current, induced) ? forward_ : backward_;
+  }
+  /// V of the supply that its current flows against.
+  [[nodiscard]] double into_supply(double current, double induced) const {
+    return forward(current, induced) ? into_supply_forward_ : into_supply_backward_;
+  }
+  /// `after` unless diodes would have had to let the current turn round.
+  [[nodiscard]] double without_reversal(double before, double after, double induced) const {
+    const double direction = forward(before, induced) ? 1.0 : -1.0;
+    return forward_ < backward_ && direction * after < 0.0 ? 0.0 : after;
+  }
+
+ private:
+  [[nodiscard]] static bool forward(double current, double induced) {
+    return current != 0.0 ? current > 0.0 : induced < 0.0;
+  }
+
+  double forward_;   ///< V while the current is positive
+  double backward_;  ///< and negative
+  double into_supply_forward_;
+  double into_supply_backward_;
+};
+
+WindingConnection connection_of(const std::array<bool, 4>& open) {
+  constexpr std::array kConnections{WindingConnection::all,       WindingConnection::without_u,
+                                    WindingConnection::without_v, WindingConnection::none,
+                                    WindingConnection::without_w, WindingConnection::none,
+                                    WindingConnection::none,      WindingConnection::none};
+  return kConnections[(open[0] ? 1U : 0U) + (open[1] ? 2U : 0U) + (open[2] ? 4U : 0U)];
 }
 
 }  // namespace
@@ -53,16 +77,7 @@ ThreePhaseWinding::Values ThreePhaseWinding::slopes(const Values& voltage) const
        (u.beta - resistance * state_.current.beta - emf * state_.direction.cosine) * per_henry});
 }
 
-double ThreePhaseWinding::pass(const Values& voltage, const ShaftInput& shaft, double h) {
-  SynchronousMotorInput input;
-  input.voltage = stator_vector(voltage[0], voltage[1], voltage[2]);
-  input.series_resistance = inverter_.on_resistance;
-  input.torque = shaft.torque;
-  input.brake_engaged = shaft.brake_engaged;
-  const double turn = h * motor_.fastest_rate(state_, h);
-  if (turn <= kLargestTurn && motor_.turns_freely(state_, input)) [[likely]] {
-    return motor_.turn(state_, input, h) * h;
-  }
+double ThreePhaseWinding::pass_in_parts(const SynchronousMotorInput& input, double turn, double h) {
   const int parts = parts_of(turn);
   const double part = h / parts;
   double energy = 0.0;
@@ -78,7 +93,7 @@ double ThreePhaseWinding::coast(double supply_voltage, const ShaftInput& shaft, 
   input.brake_engaged = shaft.brake_engaged;
   const double drop = inverter_.diode_drop;
   const double rate = motor_.fastest_rate(state_, h);
-  if (state_.current == StatorVector{} &&
+  if (state_.current == StatorVector{} && faults_ == TerminalFaults{} &&
       motor_.largest_line_to_line_emf(state_) < supply_voltage + 2.0 * drop) {
     input.connection = WindingConnection::none;
     const int parts = parts_of(h * rate);
@@ -90,7 +105,9 @@ double ThreePhaseWinding::coast(double supply_voltage, const ShaftInput& shaft, 
   const int parts = std::max(parts_of(h * rate), static_cast<int>(std::ceil(h / kDiodeStep)));
   const double part = h / parts;
   double energy = 0.0;
-  const BridgeTerminals bridge{.supply_voltage = supply_voltage, .diode_drop = drop};
+  BridgeTerminals bridge{.supply_voltage = supply_voltage, .diode_drop = drop};
+  std::copy_n(faults_.open.begin(), kBridges, bridge.open.begin());
+  std::copy_n(faults_.grounded.begin(), kBridges, bridge.grounded.begin());
   for (int n = 0; n < parts; ++n) {
     const Values before = currents();
     const DiodeConduction conduction = diode_conduction(bridge, before, motor_.back_emf(state_));
@@ -100,18 +117,43 @@ double ThreePhaseWinding::coast(double supply_voltage, const ShaftInput& shaft, 
     const Values after = without_reverse_current(bridge, conduction, currents());
     state_.current = stator_vector(after[0], after[1], after[2]);
     for (std::size_t k = 0; k < kBridges; ++k) {
-      energy += 0.5 * drop * (std::fabs(before[k]) + std::fabs(after[k])) * part;
+      energy += bridge.grounded[k]
+                    ? 0.0
+                    : 0.5 * drop * (std::fabs(before[k]) + std::fabs(after[k])) * part;
     }
   }
   return energy;
 }
 
+void ThreePhaseWinding::set_faults(const TerminalFaults& faults) {
+  faults_ = faults;
+  connection_ = connection_of(faults.open);
+}
+
 TwoPhaseWinding::TwoPhaseWinding(const StepperMotorParameters& motor, const MechanicalLoad& load,
                                  const InverterParameters& inverter, double revolutions)
-    : inverter_(inverter), motor_(motor, load) {
-  motor_.set_resistance(motor.resistance + 2.0 * inverter.on_resistance);
+    : inverter_(inverter),
+      motor_(motor, load),
+      cold_resistance_(motor.resistance),
+      resistance_(motor.resistance) {
+  motor_.set_resistance(resistance_ + kTerminalsPerPhase * inverter.on_resistance);
   state_.angle = motor_.angle_at(revolutions);
   direction_ = base::sine_cosine(state_.angle.angle);
+}
+
+void TwoPhaseWinding::set_temperatures(const ThermalState& motor) {
+  constexpr double kSheetTemperature = 25.0;
+  resistance_ = cold_resistance_ *
+                (1.0 + motor_.motor().temperature_coefficient * (motor.inner - kSheetTemperature));
+  motor_.set_resistance(resistance_ + kTerminalsPerPhase * inverter_.on_resistance);
+}
+
+void TwoPhaseWinding::set_faults(const TerminalFaults& faults) {
+  faults_ = faults;
+  for (std::size_t k = 0; k < 2; ++k) {
+    open_[k] = faults.open[2 * k] || faults.open[2 * k + 1];
+    state_.current[k] = open_[k] ? 0.0 : state_.current[k];
+  }
 }
 
 std::array<double, 2> TwoPhaseWinding::current_slope(const std::array<double, 2>& voltage) const {
@@ -150,6 +192,7 @@ double TwoPhaseWinding::pass_part(const HybridStepperInput& input, double h) {
 double TwoPhaseWinding::pass(const Values& voltage, const ShaftInput& shaft, double h) {
   HybridStepperInput input;
   input.voltage = {voltage[0] - voltage[1], voltage[2] - voltage[3]};
+  input.open = open_;
   input.torque = shaft.torque;
   input.brake_engaged = shaft.brake_engaged;
   const int parts = parts_of(h * motor_.fastest_rate(state_));
@@ -167,22 +210,25 @@ double TwoPhaseWinding::coast(double supply_voltage, const ShaftInput& shaft, do
   const int parts = std::max(parts_of(h * motor_.fastest_rate(state_)),
                              static_cast<int>(std::ceil(h / kDiodeStep)));
   const double part = h / parts;
+  const auto wheel = [&](std::size_t first) {
+    return Freewheel(supply_voltage, inverter_.diode_drop, faults_.grounded[first],
+                     faults_.grounded[first + 1]);
+  };
+  const std::array<Freewheel, 2> wheels{wheel(0), wheel(2)};
   double energy = 0.0;
   for (int n = 0; n < parts; ++n) {
     const std::array<double, 2> before = state_.current;
     const std::array<double, 2> induced = motor_.induced_voltage(direction_, state_.speed);
     for (std::size_t k = 0; k < 2; ++k) {
-      const Freewheel wheel =
-          freewheel(before[k], induced[k], supply_voltage, inverter_.diode_drop);
-      input.voltage[k] = wheel.voltage;
-      input.open[k] = wheel.blocks;
+      input.voltage[k] = wheels[k].voltage(before[k], induced[k]);
+      input.open[k] = open_[k] || wheels[k].blocks(before[k], induced[k]);
     }
     pass_part(input, part);
     for (std::size_t k = 0; k < 2; ++k) {
-      state_.current[k] = without_reversal(before[k], state_.current[k], induced[k]);
+      state_.current[k] = wheels[k].without_reversal(before[k], state_.current[k], induced[k]);
       // Into the supply, against which the diodes' drop is not.
       const double flowed = 0.5 * part * (std::fabs(before[k]) + std::fabs(state_.current[k]));
-      energy -= supply_voltage * flowed;
+      energy -= wheels[k].into_supply(before[k], induced[k]) * flowed;
     }
   }
   return energy;
@@ -190,8 +236,9 @@ double TwoPhaseWinding::coast(double supply_voltage, const ShaftInput& shaft, do
 
 double DcWinding::pass(const Values& voltage, const ShaftInput& shaft, double h) {
   const DcMotorInput input{.voltage = voltage[0] - voltage[1],
-                           .series_resistance = resistance(),
+                           .series_resistance = series_resistance(),
                            .torque = shaft.torque,
+                           .open = open(),
                            .brake_engaged = shaft.brake_engaged};
   const int parts = parts_of(h * motor_.fastest_rate());
   double energy = 0.0;
@@ -207,15 +254,17 @@ double DcWinding::coast(double supply_voltage, const ShaftInput& shaft, double h
       std::max(parts_of(h * motor_.fastest_rate()), static_cast<int>(std::ceil(h / kDiodeStep)));
   const double part = h / parts;
   double energy = 0.0;
+  const Freewheel wheel(supply_voltage, inverter_.diode_drop, faults_.grounded[0],
+                        faults_.grounded[1]);
   for (int n = 0; n < parts; ++n) {
     const double before = state_.current;
-    const double induced = motor_.motor().torque_constant * state_.speed;
-    const Freewheel wheel = freewheel(before, induced, supply_voltage, inverter_.diode_drop);
-    input.voltage = wheel.voltage;
-    input.open = wheel.blocks;
+    const double induced = motor_.torque_constant() * state_.speed;
+    input.voltage = wheel.voltage(before, induced);
+    input.open = open() || wheel.blocks(before, induced);
     motor_.step(state_, input, part);
-    state_.current = without_reversal(before, state_.current, induced);
-    energy -= supply_voltage * 0.5 * part * (std::fabs(before) + std::fabs(state_.current));
+    state_.current = wheel.without_reversal(before, state_.current, induced);
+    energy -= wheel.into_supply(before, induced) * 0.5 * part *
+              (std::fabs(before) + std::fabs(state_.current));
   }
   return energy;
 }

@@ -11,6 +11,7 @@ void AbnDecoder::configure(const AbnSettings& settings) {
   // below 2^-23 of an LSB: the quotient is exact while 1 / PPR is larger than that.
   constexpr std::uint32_t kExactBelow = 1U << 22U;
   exact_division_ = settings_.ppr >= kExactBelow;
+  reversed_ = settings_.reversed != (settings_.a_inverted != settings_.b_inverted);
   reciprocal_ = ((1ULL << 63U) - 1) / settings_.ppr + 1;
   if (count_ >= settings_.ppr) {
     count_ %= settings_.ppr;
@@ -23,22 +24,16 @@ void AbnDecoder::set_angle(std::int32_t phi_m) {
   set_count(static_cast<std::uint32_t>((angle * settings_.ppr + 0x8000U) >> 16U));
 }
 
-void AbnDecoder::update_angles() {
-  const std::uint64_t angle = exact_division_ ? (std::uint64_t{count_} << 16U) / settings_.ppr
-                                              : (count_ * reciprocal_) >> 47U;
-  phi_m_ = wrap_s16(static_cast<std::int64_t>(angle) + settings_.phi_m_offset);
-  phi_e_ = wrap_s16(std::int64_t{phi_m_} * settings_.pole_pairs + settings_.phi_e_offset);
+std::uint64_t AbnDecoder::exact_angle() const {
+  return (std::uint64_t{count_} << 16U) / settings_.ppr;
 }
 
-void AbnDecoder::count_by(std::int64_t steps) {
+void AbnDecoder::wrap_count(std::int64_t count) {
   const std::int64_t ppr = settings_.ppr;
-  std::int64_t count = count_ + steps;
+  count += count < 0 ? ppr : -ppr;
   if (count >= ppr || count < 0) {
-    count += count < 0 ? ppr : -ppr;
-    if (count >= ppr || count < 0) [[unlikely]] {
-      count %= ppr;
-      count += count < 0 ? ppr : 0;
-    }
+    count %= ppr;
+    count += count < 0 ? ppr : 0;
   }
   count_ = static_cast<std::uint32_t>(count);
 }
@@ -73,20 +68,18 @@ bool AbnDecoder::find_event(const AbnSignals& signals, bool forward, std::int64_
   return false;
 }
 
-void AbnDecoder::turn(const AbnSignals& signals) {
+void AbnDecoder::pass_index(const AbnSignals& signals) {
   if (!started_) {
     started_ = true;
     input_ = signals;
     return;
   }
-  const bool reversed = settings_.reversed != (settings_.a_inverted != settings_.b_inverted);
-  const std::int64_t sign = reversed ? -1 : 1;
+  const std::int64_t sign = reversed_ ? -1 : 1;
   const std::int64_t moved = signals.count - input_.count;
-  const bool passed = signals.passages != input_.passages;
   input_ = signals;
   count_by(sign * moved);
   std::int64_t where = 0;
-  if (passed && find_event(signals, moved >= 0, where)) {
+  if (find_event(signals, moved >= 0, where)) {
     n_event_ = true;
     const std::int64_t since = sign * (signals.count - where);
     if (settings_.write_back) {

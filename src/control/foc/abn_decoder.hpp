@@ -35,8 +35,10 @@ class AbnDecoder {
   /// Takes over what arrived since the last step.
   void step(const AbnSignals& signals) {
     n_event_ = false;
-    if (signals.count != input_.count || signals.passages != input_.passages || !started_) {
-      turn(signals);
+    if (signals.passages != input_.passages || !started_) [[unlikely]] {
+      pass_index(signals);
+    } else if (signals.count != input_.count) {
+      turn(signals.count);
     }
     input_.n = signals.n;
   }
@@ -64,16 +66,39 @@ class AbnDecoder {
     const auto quadrant = static_cast<unsigned>(count) & 3U;
     return quadrant ^ (quadrant >> 1U);
   }
-  void turn(const AbnSignals& signals);
+  /// The count at the pins has changed, and no N pulse was met.
+  void turn(std::int64_t count) {
+    const std::int64_t moved = count - input_.count;
+    input_.count = count;
+    count_by(reversed_ ? -moved : moved);
+    update_angles();
+  }
+  /// An N pulse was met, or this is the first step.
+  void pass_index(const AbnSignals& signals);
   /// Input count at which the N event of a passage lies; false if there is none.
   bool find_event(const AbnSignals& signals, bool forward, std::int64_t& where) const;
   [[nodiscard]] bool both_high(std::int64_t count) const;
-  void count_by(std::int64_t steps);
-  void update_angles();
+  void count_by(std::int64_t steps) {
+    const std::int64_t ppr = settings_.ppr;
+    const std::int64_t count = count_ + steps;
+    if (count >= ppr || count < 0) [[unlikely]] {
+      wrap_count(count);
+    } else {
+      count_ = static_cast<std::uint32_t>(count);
+    }
+  }
+  void wrap_count(std::int64_t count);
+  void update_angles() {
+    const std::uint64_t angle = exact_division_ ? exact_angle() : (count_ * reciprocal_) >> 47U;
+    phi_m_ = wrap_s16(static_cast<std::int64_t>(angle) + settings_.phi_m_offset);
+    phi_e_ = wrap_s16(std::int64_t{phi_m_} * settings_.pole_pairs + settings_.phi_e_offset);
+  }
+  [[nodiscard]] std::uint64_t exact_angle() const;
 
   AbnSettings settings_;
   std::uint64_t reciprocal_ = 1ULL << 47U;  ///< 2^63 / PPR, rounded up
   bool exact_division_ = false;             ///< PPR too large for the reciprocal
+  bool reversed_ = false;                   ///< by its setting or by one inverted channel
   AbnSignals input_;
   bool started_ = false;  ///< the first step only learns where the counts stand
   std::uint32_t count_ = 0;

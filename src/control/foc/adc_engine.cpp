@@ -33,6 +33,7 @@ void AdcEngine::configure(const RegisterFile& registers) {
   phase_source_ = {static_cast<std::uint8_t>(registers.get(field("ADC_I_UX_SELECT"))),
                    static_cast<std::uint8_t>(registers.get(field("ADC_I_V_SELECT"))),
                    static_cast<std::uint8_t>(registers.get(field("ADC_I_WY_SELECT")))};
+  usual_phases_ = phase_source_ == std::array<std::uint8_t, 3>{0, 2, 1};
 }
 
 void AdcEngine::coarsen() {

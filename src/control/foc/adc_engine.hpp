@@ -36,23 +36,30 @@ class AdcEngine {
   void configure(const RegisterFile& registers);
 
   void step(const Inputs& inputs) {
-    a_ = delta_sigma_a_ ? inputs.delta_sigma_a : inputs.spi_a;
+    const CurrentGroup& chosen = delta_sigma_a_ ? inputs.delta_sigma_a : inputs.spi_a;
+    // Word by word: what has just been written as words cannot be read as more at once for a while.
+    a_.current[0] = chosen.current[0];
+    a_.current[1] = chosen.current[1];
+    a_.motor_supply = chosen.motor_supply;
+    a_.general_a = chosen.general_a;
+    a_.general_b = chosen.general_b;
     if (coarse_) [[unlikely]] {
       coarsen();
     }
-    const std::array<std::int32_t, 4> source{a_.current[0], a_.current[1], external_[0],
-                                             external_[1]};
-    std::array<std::int32_t, 4> current{};
     clipped_ = false;
-    for (unsigned k = 0; k < 2; ++k) {
-      const std::int32_t raw = source[source_[k]];
-      const std::int64_t exact = unsaturated_current(raw, scaler_[k]);
-      current[k] = saturate_s16(exact);
-      clipped_ |= current[k] != exact || raw == 0 || raw == 0xFFFF;
+    const std::int32_t first = scaled(source(source_[0]), scaler_[0]);
+    const std::int32_t second = scaled(source(source_[1]), scaler_[1]);
+    const std::int32_t third = saturate_s16(-(std::int64_t{first} + second));
+    channel_[0] = first;
+    channel_[1] = second;
+    if (usual_phases_) [[likely]] {
+      phase_.u = first;
+      phase_.v = third;
+      phase_.w = second;
+    } else {
+      const std::array<std::int32_t, 4> current{first, second, third, 0};
+      phase_ = {current[phase_source_[0]], current[phase_source_[1]], current[phase_source_[2]]};
     }
-    current[2] = saturate_s16(-(std::int64_t{current[0]} + current[1]));
-    channel_ = {current[0], current[1]};
-    phase_ = {current[phase_source_[0]], current[phase_source_[1]], current[phase_source_[2]]};
   }
 
   /// Raw values of the analog encoder from the converter in use.
@@ -74,6 +81,18 @@ class AdcEngine {
 
  private:
   void coarsen();
+  [[nodiscard]] std::int32_t source(unsigned selection) const {
+    return selection < 2 ? a_.current[selection] : external_[selection - 2];
+  }
+  [[nodiscard]] std::int32_t scaled(std::int32_t raw, const Scaler& scaler) {
+    const std::int64_t exact = unsaturated_current(raw, scaler);
+    const std::int32_t current = saturate_s16(exact);
+    // 0 and 65535 at once.
+    if (static_cast<std::uint16_t>(raw + 1) <= 1 || current != exact) [[unlikely]] {
+      clipped_ = true;
+    }
+    return current;
+  }
 
   bool delta_sigma_a_ = true;
   bool delta_sigma_b_ = true;
@@ -83,6 +102,7 @@ class AdcEngine {
   std::array<std::int32_t, 2> external_{};
   std::array<std::uint8_t, 2> source_{0, 1};
   std::array<std::uint8_t, 3> phase_source_{0, 2, 1};
+  bool usual_phases_ = true;  ///< phase_source_ is as above
   CurrentGroup a_;
   PhaseVector phase_;
   std::array<std::int32_t, 2> channel_{};

@@ -28,21 +28,9 @@ constexpr std::array<MotionMode, 16> kMotionModes{{
     {position, pwm_pin},
 }};
 
-constexpr std::uint8_t kVelocityAhead = 1;
-constexpr std::uint8_t kTorqueAhead = 2;
-
 BiquadCoefficients coefficients(const RegisterFile& registers, const std::array<Field, 6>& f) {
   return {registers.get(f[0]), registers.get(f[1]), registers.get(f[2]),
           registers.get(f[3]), registers.get(f[4]), registers.get_unsigned(f[5]) != 0};
-}
-
-/// A cut that fits into a word of 32 bits.
-std::int32_t cut_word(std::int64_t value, std::int64_t low, std::int64_t high) {
-  return static_cast<std::int32_t>(cut(value, low, high));
-}
-
-std::uint32_t clipped_if(bool condition, std::uint32_t bit) {
-  return condition ? bit : 0;
 }
 
 }  // namespace
@@ -113,78 +101,6 @@ void ControlCascade::reset_outer(const Targets& targets) {
   ahead_velocity_ = ahead_torque_ = torque_target_ = 0;
   waited_ = 0;
   waited_ticks_ = 0;
-}
-
-void ControlCascade::step_outer(Loop loop, const Targets& targets, std::int32_t velocity,
-                                std::int32_t position, std::int32_t ticks) {
-  const std::int32_t wanted =
-      loop == Loop::position ? position_filter_.step(targets.position) : targets.position;
-  waited_ticks_ += ticks;
-  if (waited_ != 0) {
-    --waited_;
-    return;
-  }
-  waited_ = static_cast<std::uint8_t>(decimation_ - 1);
-  const std::int64_t passed = waited_ticks_;
-  waited_ticks_ = 0;
-  std::int32_t velocity_target = targets.velocity;
-  if (loop == Loop::position) {
-    input_.position = targets.position;
-    const std::int32_t target = cut_word(wanted, position_low_, position_high_);
-    position_clipped_ = clipped_if(target != wanted, kTargetClipped);
-    limited_.position = target;
-    const std::int32_t error = saturate_s32(std::int64_t{target} - position);
-    velocity_target = position_.step(error, passed);
-    if ((feed_forward_ & kVelocityAhead) != 0) {
-      ahead_velocity_ =
-          velocity_ahead_.step(wrap_s32(std::int64_t{target} - last_position_target_));
-      velocity_target = saturate_s32(std::int64_t{velocity_target} + ahead_velocity_);
-    }
-    last_position_target_ = target;
-  }
-  step_velocity(velocity_target, velocity, passed);
-}
-
-void ControlCascade::step_velocity(std::int32_t target, std::int32_t velocity, std::int64_t ticks) {
-  input_.velocity = target;
-  const std::int32_t limited = cut_word(target, -velocity_limit_, velocity_limit_);
-  velocity_clipped_ = clipped_if(limited != target, kTargetClipped);
-  const std::int32_t wanted = saturate_s32(std::int64_t{limited} + velocity_offset_);
-  limited_.velocity = wanted;
-  torque_target_ = velocity_.step(saturate_s32(std::int64_t{wanted} - velocity), ticks);
-  if ((feed_forward_ & kTorqueAhead) != 0) {
-    ahead_torque_ = saturate_s16(
-        torque_ahead_.step(saturate_s32(std::int64_t{wanted} - last_velocity_target_)));
-    torque_target_ = saturate_s16(std::int64_t{torque_target_} + ahead_torque_);
-  }
-  last_velocity_target_ = wanted;
-}
-
-std::int32_t ControlCascade::prepared(CurrentTarget& axis, std::int32_t target) const {
-  const std::int32_t filtered = axis.filter.step(target);
-  const std::int32_t slewed =
-      cut_word(filtered, axis.slewed - rate_limit_, axis.slewed + rate_limit_);
-  axis.slewed = slewed;
-  const std::int32_t limited = cut_word(slewed, -current_limit_, current_limit_);
-  axis.clipped =
-      clipped_if(slewed != filtered, kRateClipped) | clipped_if(limited != slewed, kTargetClipped);
-  return limited + axis.offset;
-}
-
-RotorVector ControlCascade::step_inner(bool outer, const Targets& targets,
-                                       const RotorVector& current, std::int32_t ticks) {
-  input_.flux = targets.flux;
-  limited_.flux = prepared(flux_axis_, targets.flux);
-  const std::int32_t ud = flux_.step(saturate_s16(limited_.flux - current.d), ticks);
-  return {ud, step_torque(outer, targets, current.q, ticks)};
-}
-
-std::int32_t ControlCascade::step_torque(bool outer, const Targets& targets, std::int32_t current,
-                                         std::int32_t ticks) {
-  input_.torque = outer_torque(outer, targets);
-  limited_.torque = prepared(torque_axis_, input_.torque);
-  const std::int32_t uq = torque_.step(saturate_s16(limited_.torque - current), ticks);
-  return uq;
 }
 
 }  // namespace stator::control::foc

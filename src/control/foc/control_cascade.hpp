@@ -104,6 +104,9 @@ class ControlCascade {
     std::uint32_t clipped = 0;
   };
 
+  static constexpr std::uint8_t kVelocityAhead = 1;  ///< of MODE_FF
+  static constexpr std::uint8_t kTorqueAhead = 2;
+
   [[nodiscard]] std::int32_t prepared(CurrentTarget& axis, std::int32_t target) const;
   void step_velocity(std::int32_t target, std::int32_t velocity, std::int64_t ticks);
   [[nodiscard]] std::int32_t outer_torque(bool outer, const Targets& targets) const {
@@ -139,5 +142,87 @@ class ControlCascade {
   Targets input_;
   Targets limited_;
 };
+
+// Inline, for one PWM period after the other goes through all of it.
+
+inline void ControlCascade::step_outer(Loop loop, const Targets& targets, std::int32_t velocity,
+                                       std::int32_t position, std::int32_t ticks) {
+  const std::int32_t wanted =
+      loop == Loop::position ? position_filter_.step(targets.position) : targets.position;
+  waited_ticks_ += ticks;
+  if (waited_ != 0) {
+    --waited_;
+    return;
+  }
+  waited_ = static_cast<std::uint8_t>(decimation_ - 1);
+  const std::int64_t passed = waited_ticks_;
+  waited_ticks_ = 0;
+  std::int32_t velocity_target = targets.velocity;
+  if (loop == Loop::position) {
+    input_.position = targets.position;
+    const auto target = static_cast<std::int32_t>(cut(wanted, position_low_, position_high_));
+    position_clipped_ = target != wanted ? kTargetClipped : 0;
+    limited_.position = target;
+    const std::int32_t error = wrap_s32(std::int64_t{target} - position);
+    velocity_target = position_.step(error, passed);
+    if ((feed_forward_ & kVelocityAhead) != 0) {
+      ahead_velocity_ =
+          velocity_ahead_.step(wrap_s32(std::int64_t{target} - last_position_target_));
+      velocity_target = saturate_s32(std::int64_t{velocity_target} + ahead_velocity_);
+    }
+    last_position_target_ = target;
+  }
+  step_velocity(velocity_target, velocity, passed);
+}
+
+inline void ControlCascade::step_velocity(std::int32_t target, std::int32_t velocity,
+                                          std::int64_t ticks) {
+  input_.velocity = target;
+  std::int64_t limited = target;
+  velocity_clipped_ = 0;
+  if (!within(limited, velocity_limit_)) [[unlikely]] {
+    limited = limited < 0 ? -velocity_limit_ : velocity_limit_;
+    velocity_clipped_ = kTargetClipped;
+  }
+  const std::int32_t wanted = saturate_s32(limited + velocity_offset_);
+  limited_.velocity = wanted;
+  torque_target_ = velocity_.step(saturate_s32(std::int64_t{wanted} - velocity), ticks);
+  if ((feed_forward_ & kTorqueAhead) != 0) {
+    ahead_torque_ = saturate_s16(
+        torque_ahead_.step(saturate_s32(std::int64_t{wanted} - last_velocity_target_)));
+    torque_target_ = saturate_s16(std::int64_t{torque_target_} + ahead_torque_);
+  }
+  last_velocity_target_ = wanted;
+}
+
+inline std::int32_t ControlCascade::prepared(CurrentTarget& axis, std::int32_t target) const {
+  std::int64_t wanted = axis.filter.step(target);
+  axis.clipped = 0;
+  if (!within(wanted - axis.slewed, rate_limit_)) [[unlikely]] {
+    wanted = axis.slewed + (wanted < axis.slewed ? -rate_limit_ : rate_limit_);
+    axis.clipped = kRateClipped;
+  }
+  axis.slewed = static_cast<std::int32_t>(wanted);
+  if (!within(wanted, current_limit_)) [[unlikely]] {
+    wanted = wanted < 0 ? -current_limit_ : current_limit_;
+    axis.clipped |= kTargetClipped;
+  }
+  return static_cast<std::int32_t>(wanted) + axis.offset;
+}
+
+inline RotorVector ControlCascade::step_inner(bool outer, const Targets& targets,
+                                              const RotorVector& current, std::int32_t ticks) {
+  input_.flux = targets.flux;
+  limited_.flux = prepared(flux_axis_, targets.flux);
+  const std::int32_t ud = flux_.step(saturate_s16(limited_.flux - current.d), ticks);
+  return {ud, step_torque(outer, targets, current.q, ticks)};
+}
+
+inline std::int32_t ControlCascade::step_torque(bool outer, const Targets& targets,
+                                                std::int32_t current, std::int32_t ticks) {
+  input_.torque = outer_torque(outer, targets);
+  limited_.torque = prepared(torque_axis_, input_.torque);
+  return torque_.step(saturate_s16(limited_.torque - current), ticks);
+}
 
 }  // namespace stator::control::foc

@@ -26,11 +26,25 @@ inline constexpr std::int64_t kS32Max = INT32_MAX;
 }
 
 [[nodiscard]] constexpr std::int32_t saturate_s16(std::int64_t value) {
-  return static_cast<std::int32_t>(cut(value, kS16Min, kS16Max));
+  const auto word = static_cast<std::int16_t>(value);
+  if (word != value) [[unlikely]] {
+    return static_cast<std::int32_t>(value < 0 ? kS16Min : kS16Max);
+  }
+  return word;
 }
 
 [[nodiscard]] constexpr std::int32_t saturate_s32(std::int64_t value) {
-  return static_cast<std::int32_t>(cut(value, kS32Min, kS32Max));
+  const auto word = static_cast<std::int32_t>(value);
+  if (word != value) [[unlikely]] {
+    return static_cast<std::int32_t>(value < 0 ? kS32Min : kS32Max);
+  }
+  return word;
+}
+
+/// Whether `value` lies within -limit..limit, by one comparison. 0 <= limit; |value| + 2 limit
+/// < 2^63.
+[[nodiscard]] constexpr bool within(std::int64_t value, std::int64_t limit) {
+  return static_cast<std::uint64_t>(value + limit) <= static_cast<std::uint64_t>(2 * limit);
 }
 
 /// The lower 16 bits with their sign: angles, which wrap.

@@ -57,7 +57,7 @@ inline void FocBlock::measure(const SineCosine& direction) {
   current_ = park(stator_current_, direction);
 }
 
-inline RotorVector FocBlock::wanted_voltage(const Inputs& inputs) {
+[[gnu::always_inline]] inline RotorVector FocBlock::wanted_voltage(const Inputs& inputs) {
   const Loop loop = mode_.loop;
   if (loop < Loop::torque) {
     switch (loop) {
@@ -92,9 +92,11 @@ inline void FocBlock::apply(const RotorVector& wanted, const SineCosine& directi
   wanted_voltage_.q = wanted.q;
   voltage_.d = limited.voltage.d;
   voltage_.q = limited.voltage.q;
-  flags_ |= bit_if(limited.d_limited, field("IPARK_CIRLIM_LIMIT_U_D")) |
-            bit_if(limited.q_limited, field("IPARK_CIRLIM_LIMIT_U_Q")) |
-            bit_if(limited.d_limited || limited.q_limited, field("IPARK_CIRLIM_LIMIT_U_R"));
+  if (limited.d_limited || limited.q_limited) [[unlikely]] {
+    flags_ |= bit_if(limited.d_limited, field("IPARK_CIRLIM_LIMIT_U_D")) |
+              bit_if(limited.q_limited, field("IPARK_CIRLIM_LIMIT_U_Q")) |
+              bit_if(true, field("IPARK_CIRLIM_LIMIT_U_R"));
+  }
   if (pwm_.motor() == MotorType::direct_current) {
     stator_voltage_ = {voltage_.q, 0};
     phase_voltage_ = {voltage_.q, 0, 0};
@@ -138,25 +140,32 @@ void FocBlock::move_minimally() {
   sensors_.configure(registers_, hall_filter_);
 }
 
+void FocBlock::note_events() {
+  flags_ |= bit_if(pwm_.at_minimum(), field("PWM_MIN")) |
+            bit_if(pwm_.at_maximum(), field("PWM_MAX")) |
+            bit_if(adc_.clipped(), field("ADC_I_CLIPPED")) |
+            bit_if(sensors_.analog().clipped(), field("AENC_CLIPPED")) |
+            bit_if(sensors_.abn().n_event(), field("ENC_N")) |
+            bit_if(sensors_.abn_2().n_event(), field("ENC_2_N"));
+}
+
 inline void FocBlock::supervise(const Inputs& inputs) {
   outputs_.brake_chopper = brake_chopper_.step(adc_.raw().motor_supply);
   switches_.step(inputs, sensors_.position());
   const unsigned active = switches_.status();
-  flags_ |=
-      cascade_.flags() | bit_if((active & 1U) != 0, field("REF_SW_H")) |
-      bit_if((active & 2U) != 0, field("REF_SW_L")) |
-      bit_if((active & 4U) != 0, field("REF_SW_R")) | bit_if(pwm_.at_minimum(), field("PWM_MIN")) |
-      bit_if(pwm_.at_maximum(), field("PWM_MAX")) | bit_if(adc_.clipped(), field("ADC_I_CLIPPED")) |
-      bit_if(sensors_.analog().clipped(), field("AENC_CLIPPED")) |
-      bit_if(sensors_.abn().n_event(), field("ENC_N")) |
-      bit_if(sensors_.abn_2().n_event(), field("ENC_2_N"));
+  flags_ |= cascade_.flags() | bit_if((active & 1U) != 0, field("REF_SW_H")) |
+            bit_if((active & 2U) != 0, field("REF_SW_L")) |
+            bit_if((active & 4U) != 0, field("REF_SW_R"));
+  if (pwm_.at_minimum() || pwm_.at_maximum() || adc_.clipped() || sensors_.analog().clipped() ||
+      sensors_.abn().n_event() || sensors_.abn_2().n_event()) [[unlikely]] {
+    note_events();
+  }
   outputs_.status = (flags_ & status_mask_) != 0;
   outputs_.enable = inputs.enable;
 }
 
 const Outputs& FocBlock::step(const Inputs& inputs) {
   const std::int32_t passed = outputs_.pwm.period;
-  pins_ = static_cast<const PinLevels&>(inputs);
   adc_.step(inputs);
   sensors_.step(inputs, adc_.encoder_group(inputs), outputs_.pwm, passed);
   if (hall_initialisation_.due(sensors_.hall().edges())) [[unlikely]] {
@@ -174,6 +183,8 @@ const Outputs& FocBlock::step(const Inputs& inputs) {
   pwm_.begin(outputs_.pwm);
   apply(wanted, direction);
   supervise(inputs);
+  // Last, when what the caller has just written need not be waited for.
+  pins_ = static_cast<const PinLevels&>(inputs);
   return outputs_;
 }
 

@@ -72,6 +72,8 @@ class FocBlock {
   void apply(const RotorVector& wanted, const SineCosine& direction);
   void initialise_by_halls();
   void move_minimally();
+  /// Sets the status flags of what happens rarely.
+  void note_events();
   void supervise(const Inputs& inputs);
 
   RegisterFile registers_;

@@ -63,15 +63,14 @@ class PiController {
   std::int32_t step(std::int32_t error, std::int64_t ticks) {
     state_.error = error;
     const std::int64_t proportional = std::int64_t{p_} * error;
-    std::int64_t integral = state_.integral;
-    integral += structure_ == PiStructure::advanced ? proportional * i_ : error * ticks;
-    const std::int64_t within = cut(integral, -integral_limit_, integral_limit_);
-    state_.integral = within;
+    state_.clipped = 0;
+    if (structure_ == PiStructure::advanced) [[likely]] {
+      state_.integral = limited(state_.integral + proportional * i_, integral_limit_, kSumClipped);
+    } else {
+      state_.integral = limited(state_.integral + error * ticks, integral_limit_, kSumClipped);
+    }
     const std::int64_t wanted = (proportional >> p_bits) + integral_part();
-    const std::int64_t output = cut(wanted, -limit_, limit_);
-    state_.clipped =
-        (within != integral ? kSumClipped : 0) | (output != wanted ? kOutputClipped : 0);
-    return static_cast<std::int32_t>(output);
+    return static_cast<std::int32_t>(limited(wanted, limit_, kOutputClipped));
   }
 
   /// Forgets error and integral.
@@ -90,6 +89,14 @@ class PiController {
   static constexpr int kClassicBits = 15 + 8;  ///< of I, and the division by 256
   static constexpr std::int64_t kTicksPerUs = 100;
 
+  /// value, cut to -limit..limit; if that takes anything, `flag` says so.
+  std::int64_t limited(std::int64_t value, std::int64_t limit, std::uint32_t flag) {
+    if (!within(value, limit)) [[unlikely]] {
+      state_.clipped |= flag;
+      return value < 0 ? -limit : limit;
+    }
+    return value;
+  }
   [[nodiscard]] std::int64_t integral_part() const {
     if (structure_ == PiStructure::advanced) {
       return state_.integral >> (p_bits + kIBits);

@@ -76,6 +76,27 @@ AngleSource source(std::int32_t selection) {
 
 }  // namespace
 
+std::int32_t SensorEngine::rarer_angle(AngleSource source) const {
+  switch (source) {
+    case AngleSource::phi_e_external:
+      return external_;
+    case AngleSource::phi_e_open_loop:
+      return static_cast<std::int16_t>(open_loop_.phi());
+    case AngleSource::phi_e_analog:
+      return analog_.phi_e();
+    case AngleSource::phi_a_analog:
+      return analog_.phi_a();
+    case AngleSource::phi_m_abn_2:
+      return abn_2_.phi_m();
+    case AngleSource::phi_m_analog:
+      return analog_.phi_m();
+    case AngleSource::phi_m_hall:
+      return hall_.phi_m();
+    default:
+      return 0;
+  }
+}
+
 void SensorEngine::configure(const RegisterFile& r, std::int32_t hall_filter) {
   abn_.configure(abn_settings(r));
   abn_2_.configure(abn_2_settings(r));
@@ -83,7 +104,6 @@ void SensorEngine::configure(const RegisterFile& r, std::int32_t hall_filter) {
   analog_.configure(analog_settings(r));
   open_loop_.configure(r);
   external_ = r.get(field("PHI_E_EXT"));
-  note_angles();
   velocity_filter_.configure({r.get(field("BIQUAD_V_A_1")), r.get(field("BIQUAD_V_A_2")),
                               r.get(field("BIQUAD_V_B_0")), r.get(field("BIQUAD_V_B_1")),
                               r.get(field("BIQUAD_V_B_2")),

@@ -41,15 +41,16 @@ class SensorEngine {
     hall_.step(inputs.halls, pwm, ticks);
     analog_.step(analog);
     open_loop_.step(ticks);
-    note_angles();
     phi_e_ = angle(phi_e_source_);
     const std::int32_t position =
         position_source_ == AngleSource::phi_e ? phi_e_ : angle(position_source_);
     position_ =
         wrap_s32(std::int64_t{position_} + wrap_s16(std::int64_t{position} - position_angle_));
     position_angle_ = position;
-    const std::int32_t velocity =
-        velocity_source_ == AngleSource::phi_e ? phi_e_ : angle(velocity_source_);
+    std::int32_t velocity = position;
+    if (velocity_source_ != position_source_) {
+      velocity = velocity_source_ == AngleSource::phi_e ? phi_e_ : angle(velocity_source_);
+    }
     const std::int32_t turned = wrap_s16(std::int64_t{velocity} - velocity_angle_);
     velocity_angle_ = velocity;
     velocity_ = velocity_filter_.step(meter_.step(turned, ticks));
@@ -73,26 +74,20 @@ class SensorEngine {
   [[nodiscard]] const VelocityMeter& meter() const { return meter_; }
 
  private:
-  /// Lays the angles of all sources side by side, so that choosing needs no branches.
-  void note_angles() {
-    const auto set = [this](AngleSource source, std::int32_t value) {
-      angles_[static_cast<unsigned>(source)] = value;
-    };
-    set(AngleSource::phi_e_external, external_);
-    set(AngleSource::phi_e_open_loop, static_cast<std::int16_t>(open_loop_.phi()));
-    set(AngleSource::phi_e_abn, abn_.phi_e());
-    set(AngleSource::phi_e_hall, hall_.phi_e_used());
-    set(AngleSource::phi_e_analog, analog_.phi_e());
-    set(AngleSource::phi_a_analog, analog_.phi_a());
-    set(AngleSource::phi_m_abn, abn_.phi_m());
-    set(AngleSource::phi_m_abn_2, abn_2_.phi_m());
-    set(AngleSource::phi_m_analog, analog_.phi_m());
-    set(AngleSource::phi_m_hall, hall_.phi_m());
-  }
   /// Angle of a source, s16; 0 of phi_e and of reserved codes.
   [[nodiscard]] std::int32_t angle(AngleSource source) const {
-    return angles_[static_cast<unsigned>(source)];
+    switch (source) {
+      case AngleSource::phi_e_abn:
+        return abn_.phi_e();
+      case AngleSource::phi_m_abn:
+        return abn_.phi_m();
+      case AngleSource::phi_e_hall:
+        return hall_.phi_e_used();
+      default:
+        return rarer_angle(source);
+    }
   }
+  [[nodiscard]] std::int32_t rarer_angle(AngleSource source) const;
 
   AbnDecoder abn_;
   AbnDecoder abn_2_;
@@ -105,7 +100,6 @@ class SensorEngine {
   AngleSource velocity_source_ = AngleSource::phi_e;
   AngleSource position_source_ = AngleSource::phi_e;
   std::int32_t external_ = 0;  ///< PHI_E_EXT
-  std::array<std::int32_t, 13> angles_{};
   std::int32_t phi_e_ = 0;
   std::int32_t velocity_angle_ = 0;
   std::int32_t velocity_ = 0;
