@@ -118,7 +118,9 @@ bool SlaveController::accepts_clock_write(Side side, Effect effect, std::size_t 
 void SlaveController::after_clock_write(Side side, EffectSet effects, std::uint32_t address,
                                         std::span<const std::byte> data) {
   const auto has = [effects](Effect effect) { return any_of(effects, set_of(effect)); };
-  if (has(Effect::system_time)) {
+  if (has(Effect::system_time) && side == Side::host) {
+    take_host_system_time(address, data);
+  } else if (has(Effect::system_time)) {
     take_system_time(address, data);
     if (effects == set_of(Effect::system_time)) {
       return;  // what a cycle of a master does; the rest follows at the end of the frame
@@ -171,6 +173,23 @@ void SlaveController::take_system_time(std::uint32_t address, std::span<const st
     received_system_time_ = base::load_le<std::uint32_t>(bytes);
   }
   frame_work_ |= FrameWork::kCompareSystemTime;
+}
+
+/// Only where the host controls the time. Its interface may bring the bytes one by one; the last
+/// one sets off the comparison, with zeros for those that have not come since the one before.
+void SlaveController::take_host_system_time(std::uint32_t address,
+                                            std::span<const std::byte> data) {
+  for (std::size_t i = 0; i < sizeof received_system_time_; ++i) {
+    if (touches(address, data.size(), kSystemTime + i)) {
+      const auto byte = std::to_integer<std::uint32_t>(data[kSystemTime + i - address]);
+      received_system_time_ = (received_system_time_ & ~(0xFFU << 8 * i)) | byte << 8 * i;
+    }
+  }
+  if (touches(address, data.size(), kSystemTime + sizeof received_system_time_ - 1)) {
+    advance_sync();
+    clock_.compare_latched(std::exchange(received_system_time_, 0), latch_.rising_edge(0), now_);
+    schedule_sync();
+  }
 }
 
 void SlaveController::take_start_time(Side side, std::uint32_t address, std::size_t length) {

@@ -192,6 +192,7 @@ void DcSupervision::set_operational(bool operational, SimTime now) {
   outputs_seen_ = false;
   outputs_ = 0;
   sync_errors_ = 0;
+  missed_outputs_ = operational ? 0 : missed_outputs_;
   surplus_outputs_ = 0;
   differences_ = 0;
   give_up_at_ = SimTime::never();
@@ -235,6 +236,7 @@ AlStatusCode DcSupervision::count_outputs(SimTime now) {
   const unsigned outputs = outputs_;
   outputs_ = 0;
   outputs_seen_ = outputs_seen_ || outputs != 0;
+  missed_outputs_ += outputs_seen_ && outputs == 0 ? 1 : 0;
   if (capabilities_.sync_error_limit == 0 || !outputs_seen_) {
     return AlStatusCode::no_error;
   }

@@ -49,6 +49,15 @@ class DcSupervision {
   /// Process data taken over at SYNC0; otherwise when they come (SM-synchronous) as without clocks.
   [[nodiscard]] bool synchronous() const { return synchronous_; }
 
+  /// Changes DcCapabilities::sync_error_limit, for devices whose master sets it (10F1h:02).
+  void set_sync_error_limit(unsigned limit) { capabilities_.sync_error_limit = limit; }
+  /// The error counter (ETG.1020, 1C32h:20h tells whether it has passed the limit).
+  [[nodiscard]] unsigned sync_errors() const { return sync_errors_; }
+  /// SYNC0 pulses in Operational without new outputs before them, since it was entered.
+  [[nodiscard]] std::uint32_t missed_outputs() const { return missed_outputs_; }
+  /// SYNC0 cycle time while synchronous().
+  [[nodiscard]] base::SimDuration cycle() const { return cycle_; }
+
   /// Pre-Operational to Safe-Operational: chooses the mode by what the master has configured, or
   /// says what is wrong with it.
   [[nodiscard]] AlStatusCode permit_safe_operational(base::SimTime now);
@@ -98,6 +107,7 @@ class DcSupervision {
   bool outputs_seen_ = false;  ///< since Operational: before, the watchdog alone supervises them
   unsigned outputs_ = 0;       ///< since the last SYNC0
   unsigned sync_errors_ = 0;
+  std::uint32_t missed_outputs_ = 0;
   unsigned surplus_outputs_ = 0;  ///< since the error counter was 0
   unsigned differences_ = 0;      ///< in a row
 };

@@ -30,6 +30,7 @@ struct DeviceDescription {
   std::uint16_t station_alias = 0;     ///< SII word 4
   std::uint16_t pdi_control = 0x0005;  ///< SII word 0: PDI type, 05h = SPI slave
 
+  std::uint8_t pdi_configuration = 0;  ///< SII word 1 low byte, register 0x0150
   /// SII word 1 high byte, register 0x0151: what the pins SYNC0/LATCH0 and SYNC1/LATCH1 do and
   /// whether they raise AL events. The units themselves are switched on by bits 10 and 11 of
   /// pdi_control.

@@ -118,9 +118,22 @@ void DistributedClock::latch_receive_times(const FrameTiming& timing) {
 
 void DistributedClock::compare(std::uint32_t received, base::SimTime t) {
   const std::int64_t elapsed = (t - start_).nanoseconds();
-  const std::int64_t corrected = restart_line(t) << (kDifferenceFraction - kLineFraction);
+  const std::int64_t corrected = restart_line(t);
   const auto copy = static_cast<std::uint32_t>(start_time_ + offset_ - delay_);
-  const auto difference = std::int64_t{static_cast<std::int32_t>(copy - received)}
+  take_difference(copy - received, elapsed, corrected);
+}
+
+void DistributedClock::compare_latched(std::uint32_t received, std::uint64_t latched,
+                                       base::SimTime t) {
+  const std::int64_t elapsed = (t - start_).nanoseconds();
+  const std::int64_t corrected = restart_line(t);
+  take_difference(static_cast<std::uint32_t>(latched) - received, elapsed, corrected);
+}
+
+void DistributedClock::take_difference(std::uint32_t difference_ns, std::int64_t elapsed,
+                                       std::int64_t slewed_by) {
+  const std::int64_t corrected = slewed_by << (kDifferenceFraction - kLineFraction);
+  const auto difference = std::int64_t{static_cast<std::int32_t>(difference_ns)}
                           << kDifferenceFraction;
   if (primed_) {
     // What the loop itself has corrected since is no news; only the rest says something of phase

@@ -53,6 +53,9 @@ class DistributedClock {
   /// reached this slave at `t`: measures the difference, shows its mean in 0x092C and corrects
   /// phase and rate, both within what the speed counter allows.
   void compare(std::uint32_t received, base::SimTime t);
+  /// The host wrote `received` at `t`: the time by the reference clock (its low 32 bits) at which
+  /// the system time here was `latched`. Measures and corrects as compare().
+  void compare_latched(std::uint32_t received, std::uint64_t latched, base::SimTime t);
 
   /// 0x0920 or 0x0928 has been written.
   void take_settings();
@@ -75,6 +78,9 @@ class DistributedClock {
   /// Begins a new straight line at `t`, where the present ones have led; returns what has been
   /// slewed.
   std::int64_t restart_line(base::SimTime t);
+  /// Takes a difference of local time less reference in ns, `elapsed` ns after the one before;
+  /// since then the loop has slewed by `slewed_by`, 1/2^10 ns.
+  void take_difference(std::uint32_t difference_ns, std::int64_t elapsed, std::int64_t slewed_by);
   void set_trim(std::int64_t trim);
   void learn_rate(std::int64_t innovation, std::int64_t elapsed);
   void show_difference();

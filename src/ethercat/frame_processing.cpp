@@ -27,6 +27,9 @@ void SlaveController::process(std::span<DatagramView> datagrams, const FrameTimi
   if (frame_work_ != 0) [[unlikely]] {
     begin_frame_work();
   }
+  if (partner_ != nullptr) [[unlikely]] {
+    partner_->start_of_frame(now_);
+  }
   for (DatagramView& datagram : datagrams) {
     switch (datagram.command) {
       case Command::lrd:
@@ -44,6 +47,9 @@ void SlaveController::process(std::span<DatagramView> datagrams, const FrameTimi
   }
   if (frame_work_ != 0) [[unlikely]] {
     end_frame_work(timing);
+  }
+  if (partner_ != nullptr) [[unlikely]] {
+    partner_->end_of_frame(now_);
   }
 }
 

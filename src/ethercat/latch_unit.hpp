@@ -24,6 +24,11 @@ class LatchUnit {
   /// The level at an input is `level` from system time `now` on.
   void set_input(std::size_t input, bool level, std::uint64_t now);
 
+  /// System time of the last rising edge at an input, as 0x09B0 and 0x09C0 show it.
+  [[nodiscard]] std::uint64_t rising_edge(std::size_t input) const {
+    return inputs_[input].times[0];
+  }
+
   /// 0x09A8 or 0x09A9 has been written: continuous mode keeps no event.
   void take_control();
 

@@ -200,7 +200,8 @@ void SlaveController::compile_mappings() {
   read_mapping_count_ = 0;
   logical_first_ = 0xFFFFFFFF;
   logical_last_ = 0;
-  direct_only_ = loaded_ && !register_bit(kEscWriteProtection, 0);
+  // A memory partner is told of each access, which the direct path does not do.
+  direct_only_ = loaded_ && !register_bit(kEscWriteProtection, 0) && partner_ == nullptr;
   for (std::size_t i = 0; i < configuration_.fmmu_count; ++i) {
     const auto fmmu = Fmmu::decode(
         registers().subspan(kFmmus + i * Fmmu::kRegisterLength).first<Fmmu::kRegisterLength>());

@@ -70,6 +70,9 @@ bool SlaveController::read_memory(Side side, std::uint32_t address, std::span<st
     } else {
       const Piece piece = piece_at(address, std::min(out.size(), memory_.size() - address));
       count = piece.length;
+      if (side == Side::bus && partner_ != nullptr) [[unlikely]] {
+        partner_->before_bus_read(now_, static_cast<std::uint16_t>(address), count);
+      }
       if (piece.channel == kNoChannel) {
         std::copy_n(memory_.begin() + address, count, out.begin());
         any = true;
@@ -108,6 +111,7 @@ bool SlaveController::write_memory(Side side, std::uint32_t address,
     } else if (piece.channel == kNoChannel) {
       store_masked(memory_.data() + address, part, first_mask, last);
       any = true;
+      tell_partner_of_write(side, address, count);
     } else {
       any |= write_area(side, piece.channel, address, part, first_mask, last);
     }
@@ -284,6 +288,7 @@ bool SlaveController::write_area(Side side, std::size_t channel, std::uint32_t a
   if (manager.condition() == SyncManager::Condition::watchdog_trigger) {
     store_masked(memory_.data() + address, data, first_mask, last_mask);
     trigger_process_data_watchdog();
+    tell_partner_of_write(side, address, data.size());
     return true;
   }
   const bool is_writer = manager.bus_writes() == (side == Side::bus);
@@ -300,7 +305,16 @@ bool SlaveController::write_area(Side side, std::size_t channel, std::uint32_t a
     latch_buffer_event(side, channel, offset == 0, complete);
   }
   publish_sync_manager(channel);
+  if (complete) {
+    tell_partner_of_write(side, manager.start(), manager.length());
+  }
   return true;
+}
+
+void SlaveController::tell_partner_of_write(Side side, std::uint32_t address, std::size_t length) {
+  if (side == Side::bus && partner_ != nullptr) [[unlikely]] {
+    partner_->after_bus_write(now_, static_cast<std::uint16_t>(address), length);
+  }
 }
 
 }  // namespace stator::ethercat

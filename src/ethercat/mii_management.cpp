@@ -1,5 +1,6 @@
 #include "ethercat/mii_management.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "base/byte_order.hpp"
@@ -30,67 +31,22 @@ constexpr unsigned kShowPort = 0x80;
 // Bits of 0x0518..0x051B.
 constexpr unsigned kPhyLink = 0x01;
 constexpr unsigned kUsableLink = 0x02;
+constexpr unsigned kLinkInhibited = 0x04;
 constexpr unsigned kPortReadError = 0x08;
+constexpr unsigned kPartnerError = 0x10;
+constexpr unsigned kConfigurationUpdated = 0x20;
 
-// Registers of IEEE 802.3 clause 22.
-enum PhyRegister : unsigned {
-  kBasicControl = 0,
-  kBasicStatus = 1,
-  kIdentifierHigh = 2,
-  kIdentifierLow = 3,
-  kAdvertisement = 4,
-  kPartnerAbility = 5,
-  kExpansion = 6,
-};
-/// Reset and restart of negotiation are done as soon as they are written.
-constexpr std::uint16_t kSelfClearing = 0x8200;
-constexpr std::uint16_t kControlReset = 0x8000;
-/// 10 and 100 Mbit/s in both duplex modes, short preambles, negotiation, extended registers.
-constexpr std::uint16_t kStatusAbilities = 0x7849;
-constexpr std::uint16_t kStatusLink = 0x0004;
-constexpr std::uint16_t kStatusNegotiated = 0x0020;
-/// A partner that has acknowledged and can do what this PHY can.
-constexpr std::uint16_t kPartner = 0x41E1;
-constexpr std::uint16_t kPartnerNegotiates = 0x0001;
+constexpr int kShiftStep = 10;  // ns
+constexpr int kLargestShift = 3;
 
 }  // namespace
 
-void Phy::reset() {
-  control_ = kControlAfterReset;
-  advertisement_ = kAbilities;
-}
-
-std::uint16_t Phy::read(unsigned number, bool link) const {
-  switch (number) {
-    case kBasicControl:
-      return control_;
-    case kBasicStatus:
-      return link ? kStatusAbilities | kStatusLink | kStatusNegotiated : kStatusAbilities;
-    case kIdentifierHigh:
-      return static_cast<std::uint16_t>(identifier_ >> 16);
-    case kIdentifierLow:
-      return static_cast<std::uint16_t>(identifier_);
-    case kAdvertisement:
-      return advertisement_;
-    case kPartnerAbility:
-      return link ? kPartner : std::uint16_t{0};
-    case kExpansion:
-      return link ? kPartnerNegotiates : std::uint16_t{0};
-    default:
-      return 0xFFFF;
-  }
-}
-
-void Phy::write(unsigned number, std::uint16_t value) {
-  if (number == kBasicControl) {
-    if ((value & kControlReset) != 0) {
-      reset();
-    } else {
-      control_ = static_cast<std::uint16_t>(value & ~unsigned{kSelfClearing});
-    }
-  } else if (number == kAdvertisement) {
-    advertisement_ = value;
-  }
+base::SimDuration transmit_delay(const MiiSettings& settings, unsigned port) {
+  const int late = settings.transmit_clock_phase[port];
+  const int steps = settings.automatic_transmit_shift
+                        ? std::min((late + kShiftStep - 1) / kShiftStep, kLargestShift)
+                        : settings.transmit_shift[port] & kLargestShift;
+  return base::SimDuration(std::int64_t{steps} * kShiftStep);
 }
 
 MiiManagement::MiiManagement(std::span<std::byte, kRegisterSpace> registers,
@@ -98,14 +54,17 @@ MiiManagement::MiiManagement(std::span<std::byte, kRegisterSpace> registers,
     : registers_(registers),
       settings_(settings),
       detects_links_(detects_links),
-      phys_{Phy(settings.phy_identifier), Phy(settings.phy_identifier)} {}
+      phys_{Phy(settings.phy_identifier, settings.phy_control[0]),
+            Phy(settings.phy_identifier, settings.phy_control[1])} {}
 
 void MiiManagement::reset() {
   deadline_ = base::SimTime::never();
   command_ = Command::idle;
   for (std::size_t port = 0; port < kPortCount; ++port) {
     phys_[port].reset();
-    read_error_[port] = port_at(static_cast<unsigned>(port) + settings_.phy_offset) != port;
+    read_error_[port] = !finds(port);
+    configuration_updated_[port] = false;
+    check_configuration(port);
   }
   update_port_address();
 }
@@ -160,7 +119,7 @@ void MiiManagement::start_of_frame() {
   }
 }
 
-void MiiManagement::finish(base::SimTime now, unsigned links) {
+void MiiManagement::finish(base::SimTime now) {
   if (now < deadline_) {
     return;
   }
@@ -172,21 +131,38 @@ void MiiManagement::finish(base::SimTime now, unsigned links) {
   const std::size_t port = port_at(address);
   const bool answers = port < kPortCount && Phy::has_register(number);
   if (command == Command::read) {
-    const bool link = (links >> port & 1U) != 0;
-    store_le(registers_, kPhyData,
-             answers ? phys_[port].read(number, link) : std::uint16_t{0xFFFF});
+    store_le(registers_, kPhyData, answers ? phys_[port].read(number) : std::uint16_t{0xFFFF});
     set_status(0, answers ? std::uint16_t{0} : kReadError);
-  } else if (answers) {
-    phys_[port].write(number, load_le<std::uint16_t>(registers_, kPhyData));
+  } else if (answers && phys_[port].write(number, load_le<std::uint16_t>(registers_, kPhyData))) {
+    check_configuration(port);
   }
 }
 
-void MiiManagement::show_port_status(unsigned links) {
+void MiiManagement::set_carrier(unsigned port, bool carrier) {
+  phys_[port].set_carrier(carrier);
+  check_configuration(port);
+}
+
+void MiiManagement::set_partner(unsigned port, LinkPartner partner) {
+  phys_[port].set_partner(partner);
+  check_configuration(port);
+}
+
+void MiiManagement::check_configuration(std::size_t port) {
+  if (detects_links_ && finds(port) && !phys_[port].configured()) {
+    phys_[port].configure();
+    configuration_updated_[port] = true;
+  }
+}
+
+void MiiManagement::show_port_status() {
   for (std::size_t port = 0; port < kPortCount; ++port) {
+    const Phy& phy = phys_[port];
     unsigned status = read_error_[port] ? kPortReadError : 0U;
-    const bool found = port_at(static_cast<unsigned>(port) + settings_.phy_offset) == port;
-    if (found && (links >> port & 1U) != 0) {
-      status |= kPhyLink | kUsableLink;
+    status |= configuration_updated_[port] ? kConfigurationUpdated : 0U;
+    if (finds(port) && phy.link()) {
+      status |= kPhyLink | (phy.usable() ? kUsableLink : kLinkInhibited);
+      status |= phy.partner_error() ? kPartnerError : 0U;
     }
     registers_[kPhyPortStatus + port] = static_cast<std::byte>(detects_links_ ? status : 0U);
   }
@@ -194,6 +170,7 @@ void MiiManagement::show_port_status(unsigned links) {
 
 void MiiManagement::clear_port_errors() {
   read_error_.fill(false);
+  configuration_updated_.fill(false);
 }
 
 std::size_t MiiManagement::port_at(unsigned address) const {

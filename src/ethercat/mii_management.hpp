@@ -6,6 +6,7 @@
 #include <span>
 
 #include "base/sim_time.hpp"
+#include "ethercat/phy.hpp"
 #include "ethercat/register_table.hpp"
 
 namespace stator::ethercat {
@@ -15,37 +16,29 @@ struct MiiSettings {
   std::uint8_t phy_offset = 0;                      ///< pin PHY_OFFSET: port n is at n + offset
   std::array<std::uint8_t, 2> phy_addresses{0, 1};  ///< where the PHYs of ports 0 and 1 really are
   std::uint32_t phy_identifier = 0x00221560;        ///< registers 2 and 3: a Micrel KSZ8081
+  /// Register 0 of each PHY after a reset, as its pins are strapped.
+  std::array<std::uint16_t, 2> phy_control{Phy::kControlAfterReset, Phy::kControlAfterReset};
+  std::array<bool, 2> phy_link_active_high{};  ///< polarity of the PHYs' link pins
+  /// Straps MIIx_TX_SHIFT, 0..3: steps of 10 ns by which ports 0 and 1 send later, so that the PHY
+  /// finds the signals stable at its clock.
+  std::array<std::uint8_t, 2> transmit_shift{};
+  /// Pins MIIx_TXCLK are connected: the controller finds the steps itself and the straps are idle.
+  bool automatic_transmit_shift = false;
+  /// ns by which the PHYs' transmit clocks are late against the controller's, 0..30.
+  std::array<std::uint8_t, 2> transmit_clock_phase{};
   /// One transfer on the management bus: 64 bits at 2.5 MHz (IEEE 802.3 clause 22).
   base::SimDuration transfer = base::SimDuration(25'600);
 };
 
-/// A PHY as the management bus shows it: registers 0..6 of IEEE 802.3 clause 22.
-class Phy {
- public:
-  explicit Phy(std::uint32_t identifier = 0) : identifier_(identifier) {}
-
-  void reset();
-  [[nodiscard]] static bool has_register(unsigned number) { return number <= 6; }
-  /// Value of register `number` while the link is up or down.
-  [[nodiscard]] std::uint16_t read(unsigned number, bool link) const;
-  void write(unsigned number, std::uint16_t value);
-
- private:
-  static constexpr std::uint16_t kControlAfterReset =
-      0x3100;                                          ///< 100 Mbit/s full duplex, negotiates
-  static constexpr std::uint16_t kAbilities = 0x01E1;  ///< 10 and 100 Mbit/s, half and full
-
-  std::uint32_t identifier_;
-  std::uint16_t control_ = kControlAfterReset;
-  std::uint16_t advertisement_ = kAbilities;
-};
+/// What a strapped or found shift adds to everything that leaves port 0 or 1.
+[[nodiscard]] base::SimDuration transmit_delay(const MiiSettings& settings, unsigned port);
 
 /// Registers 0x0510..0x051B, through which master or host reads and writes the PHYs (ETG.1000.4
 /// §6.6; TMC8461 datasheet "MII management"). Works on the controller's register memory. Busy is a
 /// deadline; finish() completes what is due.
 ///
-/// The ports' links are what the controller knows of them; a PHY's link bit shows the present link
-/// and does not hold a short interruption.
+/// With link detection the controller configures PHYs that would not negotiate 100 Mbit/s full
+/// duplex, whenever these settle their link anew, and shows that in the port status.
 class MiiManagement {
  public:
   MiiManagement(std::span<std::byte, kRegisterSpace> registers, const MiiSettings& settings,
@@ -81,12 +74,19 @@ class MiiManagement {
   /// A new frame begins: the bus's write enable of an earlier frame is over.
   void start_of_frame();
 
-  /// Completes the transfer if it is due. Bit n of `links`: port n has a link.
-  void finish(base::SimTime now, unsigned links);
+  /// Completes the transfer if it is due.
+  void finish(base::SimTime now);
   [[nodiscard]] base::SimTime deadline() const { return deadline_; }
 
+  // The cables of ports 0 and 1; of other ports nothing is known here.
+  void set_carrier(unsigned port, bool carrier);
+  void set_partner(unsigned port, LinkPartner partner);
+  /// What has come over the management bus or a cable lets the port exchange frames.
+  [[nodiscard]] bool usable(unsigned port) const { return phys_[port].usable(); }
+  [[nodiscard]] static bool has_phy(unsigned port) { return port < kPortCount; }
+
   /// Writes the port status registers as they are to be read now.
-  void show_port_status(unsigned links);
+  void show_port_status();
   /// After a write to any of them: the sticky bits of all are cleared.
   void clear_port_errors();
 
@@ -97,12 +97,19 @@ class MiiManagement {
   void set_status(std::uint16_t clear, std::uint16_t set);
   /// Port whose PHY answers at `address`; kPortCount if none does.
   [[nodiscard]] std::size_t port_at(unsigned address) const;
+  /// The PHY of the port answers where link detection looks for it.
+  [[nodiscard]] bool finds(std::size_t port) const {
+    return port_at(static_cast<unsigned>(port) + settings_.phy_offset) == port;
+  }
+  /// After the PHY has settled its link: configures it if that could not give a usable one.
+  void check_configuration(std::size_t port);
 
   std::span<std::byte, kRegisterSpace> registers_;
   MiiSettings settings_;
   bool detects_links_;
   std::array<Phy, kPortCount> phys_;
   std::array<bool, kPortCount> read_error_{};  ///< link detection did not find the port's PHY
+  std::array<bool, kPortCount> configuration_updated_{};
   base::SimTime deadline_ = base::SimTime::never();
   Command command_ = Command::idle;
 };

@@ -45,6 +45,49 @@ void SlaveController::count_receive_error(unsigned port, ReceiveError error) {
 
 void SlaveController::set_link(unsigned port, bool up) {
   up = up && has_port(port);
+  if (ports_[port].carrier == up) {
+    return;
+  }
+  ports_[port].carrier = up;
+  if (MiiManagement::has_phy(port)) {
+    mii_.set_carrier(port, up);
+  }
+  note_topology_change();
+  update_link(port);
+}
+
+void SlaveController::set_link_partner(unsigned port, LinkPartner partner) {
+  if (MiiManagement::has_phy(port)) {
+    mii_.set_partner(port, partner);
+    note_topology_change();
+    update_link(port);
+  }
+}
+
+void SlaveController::hold_link_pin(unsigned port, std::optional<bool> level) {
+  ports_[port].pin = level;
+  update_link(port);
+}
+
+bool SlaveController::passes_bits(unsigned port) const {
+  return ports_[port].carrier && !held_in_reset_ &&
+         (!MiiManagement::has_phy(port) || mii_.usable(port));
+}
+
+bool SlaveController::link_pin(unsigned port) const {
+  const bool active_high = MiiManagement::has_phy(port)
+                               ? configuration_.mii.phy_link_active_high[port]
+                               : configuration_.link_active_high;
+  return ports_[port].pin.value_or(passes_bits(port) == active_high);
+}
+
+void SlaveController::update_link(unsigned port) {
+  // The pin alone would do; with link detection the PHY's registers must agree.
+  const bool detected =
+      !has_feature(configuration_.features, ControllerFeature::mii_link_detection) ||
+      passes_bits(port);
+  const bool up = has_port(port) && !held_in_reset_ && detected &&
+                  link_pin(port) == configuration_.link_active_high;
   if (ports_[port].link == up) {
     return;
   }
@@ -82,20 +125,18 @@ void SlaveController::update_ports(bool loop_control_written) {
   update_dl_status();
 }
 
-unsigned SlaveController::links() const {
-  unsigned links = 0;
-  for (unsigned port = 0; port < kPorts; ++port) {
-    links |= ports_[port].link ? 1U << port : 0U;
-  }
-  return links;
-}
-
 SlaveForwarding SlaveController::forwarding() const {
   SlaveForwarding forwarding;
   for (unsigned i = 0; i < kPorts; ++i) {
     forwarding.open_ports |= static_cast<std::uint8_t>((ports_[i].open ? 1U : 0U) << i);
-    forwarding.links |= static_cast<std::uint8_t>((ports_[i].link ? 1U : 0U) << i);
+    forwarding.links |=
+        static_cast<std::uint8_t>((ports_[i].link && passes_bits(i) ? 1U : 0U) << i);
   }
+  for (unsigned i = 0; i < configuration_.mii.transmit_shift.size(); ++i) {
+    forwarding.transmit_delay[i] = transmit_delay(configuration_.mii, i);
+  }
+  forwarding.clock_deviation_ppb = configuration_.clock_deviation_ppb;
+  forwarding.fifo_size = std::to_integer<std::uint8_t>(memory_[kReceiveFifoSize]) & 7U;
   const unsigned setting = loop_control_ & 3U;
   forwarding.marks_circulating = !ports_[0].link && (setting == kAuto || setting == kAutoClose);
   forwarding.delay = forwarding_delay();

@@ -53,11 +53,12 @@ enum class Effect : std::uint8_t {
   latch_status,
   latch_time,
   buffer_event_time,
+  parameter_ram,
 };
 
 /// Effects that one access touches, one bit each.
 using EffectSet = std::uint64_t;
-static_assert(static_cast<unsigned>(Effect::buffer_event_time) < 64);
+static_assert(static_cast<unsigned>(Effect::parameter_ram) < 64);
 
 /// The set of the effects given.
 template <typename... Effects>

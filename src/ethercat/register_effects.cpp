@@ -55,7 +55,7 @@ void SlaveController::before_read(EffectSet effects) {
         show_leds();
         break;
       case Effect::mii_port_status:
-        mii_.show_port_status(links());
+        mii_.show_port_status();
         break;
       default:
         break;
@@ -235,6 +235,11 @@ void SlaveController::after_write(Effect effect, std::uint32_t address, std::siz
     case Effect::mii_port_status:
       mii_.clear_port_errors();
       break;
+    case Effect::parameter_ram:
+      if (partner_ != nullptr) {
+        partner_->parameters_changed(now_);
+      }
+      break;
     default:
       break;
   }
@@ -260,6 +265,9 @@ void SlaveController::change_al_status() {
       memory_[kErrorLedOverride] &= std::byte{0x0F};
     }
     set_ecat_event(ecat_event::kAlStatus, true);
+    if (partner_ != nullptr) {
+      partner_->al_status_changed(now_, status);
+    }
   }
 }
 

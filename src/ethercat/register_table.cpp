@@ -1,7 +1,9 @@
 #include "ethercat/register_table.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "ethercat/register_addresses.hpp"
 #include "ethercat/register_rows.hpp"
 
 namespace stator::ethercat {
@@ -95,6 +97,24 @@ void RegisterMap::add_register(const RegisterDeclaration& declaration, std::size
     byte.more = declared.more & 7;
     byte.effect = built ? declaration.effect : Effect::none;
   }
+}
+
+void RegisterMap::give_time_loop_to_host() {
+  constexpr EffectSet kTimeLoop =
+      set_of(Effect::system_time, Effect::time_setting, Effect::time_loop, Effect::time_filter,
+             Effect::speed_filter);
+  for (Byte& byte : bytes_) {
+    if (any_of(set_of(byte.effect), kTimeLoop)) {
+      std::swap(byte.bus_stores, byte.host_stores);
+      const bool bus_writes = byte.bus_writes;
+      byte.bus_writes = byte.host_writes;
+      byte.host_writes = bus_writes;
+    }
+  }
+  // The unit that latches what the host compares with is the host's for good.
+  constexpr std::uint8_t kLatch0OfHost = 0x10;
+  Byte& control = bytes_[register_address::kCyclicUnitControl];
+  control.bus_stores = static_cast<std::uint8_t>(control.bus_stores & ~kLatch0OfHost);
 }
 
 void RegisterMap::reset(std::span<std::byte, kRegisterSpace> registers) const {

@@ -167,6 +167,9 @@ class RegisterMap {
 
   [[nodiscard]] const Byte& operator[](std::size_t address) const { return bytes_[address]; }
 
+  /// Exchanges the rights of bus and host to write what steers the system time (0x0910..0x0935).
+  void give_time_loop_to_host();
+
   /// True if the register is built or at least answers.
   [[nodiscard]] bool answers(const RegisterDeclaration& declaration) const {
     return has_feature(features_ | answered_features_, declaration.feature);

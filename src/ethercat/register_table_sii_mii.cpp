@@ -69,9 +69,9 @@ constexpr RegisterRow kRows[] = {
     {4, 4, "link_partner_error", r, r, 0, {4742, 2030}},
     {5, 5, "phy_config_updated", rw_clear, rw_clear, 0, {4748, 2031}},
     {7, 6, "reserved", r, r, 0, {4766, 2032}},
-    {0x0580, 784, "ESC Parameter RAM - MFC IO configuration", E::none, F::parameter_ram},
+    {0x0580, 784, "ESC Parameter RAM - MFC IO configuration", E::parameter_ram, F::parameter_ram},
     {783, 0, "mfc_config_vector", rw, rw, 0, {4431, 0}},
-    {0x05E2, 240, "ESC Parameter RAM - rest", E::none, F::parameter_ram},
+    {0x05E2, 240, "ESC Parameter RAM - rest", E::parameter_ram, F::parameter_ram},
     {239, 0, "parameter_ram_unused", rw, rw, 0, {2247, 0}},
 };
 

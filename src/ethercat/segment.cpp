@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace stator::ethercat {
 
@@ -45,7 +46,7 @@ std::size_t Segment::append(SlaveController& slave, base::SimDuration cable_dela
 }
 
 std::size_t Segment::add(SlaveController& slave) {
-  stations_.push_back({&slave, {}, true});
+  stations_.push_back({&slave});
   slave.watch_topology(&topology_changed_);
   reserve_plans();
   const std::size_t index = wiring_.add_slave();
@@ -60,6 +61,7 @@ void Segment::reserve_plans() {
   planner_.reserve(slaves);
   for (Way& way : ways_) {
     way.route.visits.reserve(slaves);
+    way.route.receptions.reserve(slaves * kPortsPerSlave);
     way.stops.reserve(slaves);
   }
 }
@@ -124,13 +126,14 @@ void Segment::set_power(std::size_t index, bool on) {
 
 bool Segment::has_link(SlavePort port) const {
   const Station& station = stations_[port.slave];
-  if (!station.powered || station.cable_broken[port.port]) {
+  const auto runs = [](const Station& one) { return one.powered && !one.held_in_reset; };
+  if (!runs(station) || station.cable_broken[port.port]) {
     return false;
   }
   const Wiring::Peer& peer = wiring_.peer(port);
   switch (peer.kind) {
     case Wiring::Peer::Kind::slave:
-      return stations_[peer.slave_port.slave].powered;
+      return runs(stations_[peer.slave_port.slave]);
     case Wiring::Peer::Kind::master:
       return carriers_[static_cast<std::size_t>(peer.interface)];
     default:
@@ -147,7 +150,20 @@ void Segment::update_links() {
   topology_changed_ = true;
 }
 
+/// Slaves that their supply has put into reset or let go since the last time.
+void Segment::take_resets() {
+  bool changed = false;
+  for (Station& station : stations_) {
+    const bool held = station.slave->held_in_reset();
+    changed = std::exchange(station.held_in_reset, held) != held || changed;
+  }
+  if (changed) {
+    update_links();
+  }
+}
+
 void Segment::plan() {
+  take_resets();
   topology_changed_ = false;
   forwarding_.clear();
   for (const Station& station : stations_) {
@@ -166,6 +182,26 @@ void Segment::plan(MasterInterface entry) {
     way.stops.push_back({stations_[visit.slave].slave, visit.times.processing_unit, &visit.times,
                          visit.marks_circulating});
   }
+  way.longest_frame = kMaximumFrameLength;
+  for (const Reception& reception : way.route.receptions) {
+    way.longest_frame = std::min(way.longest_frame, reception.longest_frame);
+  }
+}
+
+/// The frame is torn in a receive FIFO on its way. Returns how many slaves have processed it
+/// before; those behind see that it is broken and process nothing.
+std::size_t Segment::tear(const Way& way, std::size_t length) {
+  const std::vector<Reception>& receptions = way.route.receptions;
+  const auto torn_at = std::ranges::find_if(
+      receptions, [length](const Reception& at) { return at.longest_frame < length; });
+  ReceiveError error = ReceiveError::invalid_frame;
+  for (auto reception = torn_at; reception != receptions.end(); ++reception) {
+    const SlavePort at = reception->at;
+    stations_[at.slave].slave->count_receive_error(at.port, error);
+    error = ReceiveError::forwarded_error;  // the first one marks the frame
+  }
+  ++statistics_.torn;
+  return torn_at->visits;
 }
 
 const Segment::Way& Segment::way(MasterInterface entry) {
@@ -205,12 +241,20 @@ std::optional<MasterInterface> Segment::process(std::span<std::byte> frame, base
     frame[kSourceMacOffset] |= kLocallyAdministered;
   }
   const std::span<DatagramView> active = std::span(datagrams_).first(count);
-  for (const Stop& stop : way.stops) {
+  const bool torn = frame.size() > way.longest_frame;
+  std::span<const Stop> stops = way.stops;
+  if (torn) [[unlikely]] {
+    stops = stops.first(tear(way, frame.size()));
+  }
+  for (const Stop& stop : stops) {
     if (stop.marks_circulating && !mark_circulating(active)) [[unlikely]] {
       ++statistics_.destroyed;
       return std::nullopt;
     }
     stop.slave->process(active, {arrival, arrival + stop.processing_unit, *stop.arrivals});
+  }
+  if (torn) [[unlikely]] {
+    return std::nullopt;
   }
   for (const DatagramView& datagram : active) {
     datagram.store();
@@ -233,6 +277,10 @@ std::optional<MasterInterface> Segment::pass_foreign(std::span<std::byte> frame,
   const auto destroys = [](const Stop& stop) { return stop.slave->destroys_foreign_frames(); };
   if (std::ranges::any_of(way.stops, destroys)) {
     ++statistics_.destroyed;
+    return std::nullopt;
+  }
+  if (frame.size() > way.longest_frame) {
+    static_cast<void>(tear(way, frame.size()));
     return std::nullopt;
   }
   if (way.route.entered) {

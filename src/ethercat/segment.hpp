@@ -21,6 +21,7 @@ struct SegmentStatistics {
   std::uint64_t foreign = 0;    ///< no EtherCAT datagrams in them: passed on or destroyed
   std::uint64_t malformed = 0;  ///< too short, or with a datagram that runs past the frame
   std::uint64_t lost = 0;       ///< ended at an open port without cable or at a closed one
+  std::uint64_t torn = 0;       ///< too long for a receive FIFO between clocks that far apart
   std::uint64_t destroyed = 0;  ///< circulating ones, and foreign ones the forwarding rule forbids
 };
 
@@ -98,6 +99,7 @@ class Segment {
     SlaveController* slave = nullptr;
     std::array<bool, kPortsPerSlave> cable_broken{};
     bool powered = true;
+    bool held_in_reset = false;
   };
 
   /// A slave that a frame passes: what the frame path needs, close together.
@@ -109,16 +111,19 @@ class Segment {
   };
   struct Way {
     Route route;
-    std::vector<Stop> stops;  ///< the visits of the route
+    std::vector<Stop> stops;                          ///< the visits of the route
+    std::size_t longest_frame = kMaximumFrameLength;  ///< one beyond is torn on the way
   };
 
   void reserve_plans();
   void require_free(SlavePort port) const;
   [[nodiscard]] bool has_link(SlavePort port) const;
   void update_links();
+  void take_resets();
   [[nodiscard]] const Way& way(MasterInterface entry);
   void plan();
   void plan(MasterInterface entry);
+  std::size_t tear(const Way& way, std::size_t length);
   [[nodiscard]] std::optional<MasterInterface> leave(const Route& route);
   [[nodiscard]] std::optional<MasterInterface> pass_foreign(std::span<std::byte> frame,
                                                             const Way& way);

@@ -7,6 +7,7 @@
 #include "ethercat/pdo_configuration.hpp"
 #include "ethercat/register_addresses.hpp"
 #include "ethercat/sii_interface.hpp"
+#include "ethercat/sii_writer.hpp"
 
 namespace stator::ethercat {
 
@@ -15,6 +16,8 @@ namespace {
 using dictionary::Dictionary;
 using dictionary::Entry;
 using dictionary::Object;
+using Writer = SiiWriter;
+using StringTable = SiiStringTable;
 
 // Bits of the mailbox protocols word.
 constexpr unsigned kProtocolEoe = 0x02;
@@ -44,67 +47,6 @@ constexpr std::uint8_t kFmmuMailboxState = 3;
 constexpr std::uint8_t kFmmuUnused = 0xFF;
 
 constexpr std::uint8_t kNotAssigned = 0xFF;
-
-/// Collects little-endian values.
-class Writer {
- public:
-  template <typename T>
-  void put(T value) {
-    const std::size_t end = bytes_.size();
-    bytes_.resize(end + sizeof value);
-    base::store_le(bytes_, end, value);
-  }
-  void put_text(std::string_view text) {
-    const auto bytes = std::as_bytes(std::span(text));
-    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
-  }
-  /// Appends a category with its header; an odd length is padded.
-  void put_category(SiiCategory type, const Writer& body) {
-    const std::size_t words = (body.bytes_.size() + 1) / 2;
-    put(static_cast<std::uint16_t>(type));
-    put(static_cast<std::uint16_t>(words));
-    bytes_.insert(bytes_.end(), body.bytes_.begin(), body.bytes_.end());
-    bytes_.resize(bytes_.size() + words * 2 - body.bytes_.size());
-  }
-  [[nodiscard]] std::vector<std::byte>& bytes() { return bytes_; }
-  [[nodiscard]] bool empty() const { return bytes_.empty(); }
-
- private:
-  std::vector<std::byte> bytes_;
-};
-
-/// The strings category: texts are named by their number, equal ones are stored once.
-class StringTable {
- public:
-  /// Number of `text`, 0 for the empty one.
-  std::uint8_t number(std::string_view text) {
-    if (text.empty()) {
-      return 0;
-    }
-    text = text.substr(0, 255);
-    auto found = std::ranges::find(texts_, text);
-    if (found == texts_.end()) {
-      if (texts_.size() == 255) {
-        throw std::logic_error("SII image: more than 255 strings");
-      }
-      texts_.emplace_back(text);
-      return static_cast<std::uint8_t>(texts_.size());
-    }
-    return static_cast<std::uint8_t>(found - texts_.begin() + 1);
-  }
-  [[nodiscard]] Writer category() const {
-    Writer body;
-    body.put(static_cast<std::uint8_t>(texts_.size()));
-    for (const std::string& text : texts_) {
-      body.put(static_cast<std::uint8_t>(text.size()));
-      body.put_text(text);
-    }
-    return body;
-  }
-
- private:
-  std::vector<std::string> texts_;
-};
 
 /// Value of an entry as after power-on.
 std::uint64_t default_of(const Object& object, std::uint8_t subindex) {
@@ -255,25 +197,6 @@ Writer sync_manager_category(const DeviceDescription& description, const Diction
   return body;
 }
 
-/// Two operation modes of distributed clocks: off, and SYNC0 at the bus cycle.
-Writer distributed_clock_category(StringTable& strings) {
-  const auto put_mode = [](Writer& body, std::uint16_t activate, std::uint8_t name) {
-    body.put(std::uint32_t{0});  // cycle time 0: the master's
-    body.put(std::uint32_t{0});  // shift time 0
-    body.put(std::uint32_t{0});  // shift time 1
-    body.put(std::int16_t{0});   // SYNC1 cycle factor
-    body.put(activate);
-    body.put(std::int16_t{1});  // SYNC0 cycle factor
-    body.put(name);
-    body.put(std::uint8_t{0});
-    body.put(std::uint32_t{0});
-  };
-  Writer body;
-  put_mode(body, 0x0000, strings.number("Synchron"));
-  put_mode(body, 0x0300, strings.number("DcSync"));
-  return body;
-}
-
 void store_mailbox(std::span<std::byte> image, std::size_t word, const MailboxArea& receive,
                    const MailboxArea& transmit) {
   base::store_le(image, word * 2, receive.offset);
@@ -288,6 +211,7 @@ void store_fixed_part(std::span<std::byte> image, const DeviceDescription& descr
                              (description.coe ? kProtocolCoe : 0U) |
                              (description.foe ? kProtocolFoe : 0U);
   base::store_le(image, kPdiControl * 2, description.pdi_control);
+  image[kPdiConfiguration * 2] = std::byte{description.pdi_configuration};
   image[kPdiConfiguration * 2 + 1] = std::byte{description.sync_latch_configuration};
   base::store_le(image, kSyncPulseLength * 2, description.sync_pulse_length);
   base::store_le(image, kStationAlias * 2, description.station_alias);
@@ -314,7 +238,7 @@ std::vector<std::byte> build_sii_image(const DeviceDescription& description,
   const Writer tx_pdos = pdo_category(dictionary, PdoDirection::transmit, strings);
   const Writer rx_pdos = pdo_category(dictionary, PdoDirection::receive, strings);
   const Writer clock =
-      description.distributed_clocks ? distributed_clock_category(strings) : Writer();
+      description.distributed_clocks ? sii_distributed_clock_category(strings) : Writer();
 
   Writer image;
   image.bytes().resize(sii_word::kFirstCategory * 2);

@@ -38,6 +38,7 @@ inline constexpr std::size_t kFirstCategory = 0x40;
 
 /// Category types (ETG.2010 table 4).
 enum class SiiCategory : std::uint16_t {
+  parameter_ram = 1,  ///< of the TMC8461: copied to 0x0580 if it is the first
   strings = 10,
   general = 30,
   fmmu = 40,
@@ -90,6 +91,10 @@ struct SiiContents {
   std::uint32_t revision = 0;
   std::uint32_t serial_number = 0;
   std::uint16_t station_alias = 0;
+  std::uint16_t pdi_control = 0;        ///< word 0
+  std::uint16_t pdi_configuration = 0;  ///< word 1
+  std::uint16_t sync_pulse_length = 0;  ///< word 2, 10 ns
+  std::uint16_t size_kbit = 16;         ///< of the EEPROM
   MailboxArea receive_mailbox;
   MailboxArea transmit_mailbox;
   MailboxArea bootstrap_receive_mailbox;
@@ -104,7 +109,13 @@ struct SiiContents {
   std::vector<SiiSyncManager> sync_managers;
   std::vector<SiiPdo> tx_pdos;
   std::vector<SiiPdo> rx_pdos;
+  std::vector<std::byte> parameter_ram;  ///< category 1
+  bool distributed_clocks = false;       ///< has operation modes with them
 };
+
+/// The image with these contents, padded with FFh to the EEPROM's size; `strings` follows from the
+/// names. Throws std::logic_error if they do not fit size_kbit, naming both sizes.
+[[nodiscard]] std::vector<std::byte> compose_sii_image(const SiiContents& contents);
 
 /// Reads an image; empty if it is truncated, its checksum is wrong or a category leaves it.
 [[nodiscard]] std::optional<SiiContents> parse_sii_image(std::span<const std::byte> image);

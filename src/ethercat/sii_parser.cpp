@@ -90,6 +90,12 @@ bool parse_pdos(Bytes body, const SiiContents& contents, std::vector<SiiPdo>& pd
 
 bool parse_category(SiiCategory type, Bytes body, SiiContents& contents) {
   switch (type) {
+    case SiiCategory::parameter_ram:
+      contents.parameter_ram.assign(body.begin(), body.end());
+      return true;
+    case SiiCategory::distributed_clock:
+      contents.distributed_clocks = true;
+      return true;
     case SiiCategory::strings:
       return parse_strings(body, contents);
     case SiiCategory::general:
@@ -119,6 +125,11 @@ std::optional<SiiContents> parse_sii_image(Bytes image) {
     return std::nullopt;
   }
   SiiContents contents;
+  contents.pdi_control = base::load_le<std::uint16_t>(image, kPdiControl * 2);
+  contents.pdi_configuration = base::load_le<std::uint16_t>(image, kPdiConfiguration * 2);
+  contents.sync_pulse_length = base::load_le<std::uint16_t>(image, kSyncPulseLength * 2);
+  contents.size_kbit =
+      static_cast<std::uint16_t>(base::load_le<std::uint16_t>(image, kSize * 2) + 1);
   contents.station_alias = base::load_le<std::uint16_t>(image, kStationAlias * 2);
   contents.vendor_id = base::load_le<std::uint32_t>(image, kVendorId * 2);
   contents.product_code = base::load_le<std::uint32_t>(image, kProductCode * 2);

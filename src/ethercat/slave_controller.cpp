@@ -40,6 +40,7 @@ constexpr ConfigurationWord kConfigurationWords[] = {
     {3, 1, kExtendedPdiConfiguration + 1},
 };
 constexpr std::size_t kAliasWord = 4;
+constexpr std::size_t kReceiveFifoWord = 5;
 constexpr std::size_t kChecksumWord = 7;
 constexpr std::size_t kFirstCategoryWord = 0x40;
 constexpr std::uint16_t kParameterRamCategory = 1;
@@ -61,6 +62,9 @@ SlaveController::SlaveController(const SlaveControllerConfiguration& configurati
       mii_(registers(), configuration.mii,
            has_feature(configuration.features, ControllerFeature::mii_link_detection)),
       clock_(registers(), configuration.clock_deviation_ppb) {
+  if (configuration.host_controls_time) {
+    register_map_.give_time_loop_to_host();
+  }
   power_on_reset();
 }
 
@@ -76,6 +80,7 @@ void SlaveController::power_on_reset() {
   ecat_event_mask_ = 0;
   interrupt_ = 0;
   frame_work_ = 0;
+  received_system_time_ = 0;
   for (SyncManager& manager : sync_managers_) {
     manager = SyncManager();
   }
@@ -97,8 +102,23 @@ void SlaveController::power_on_reset() {
   process_data_watchdog_.stop();
   host_watchdog_.stop();
   update_watchdog_times();
+  if (partner_ != nullptr) {
+    partner_->controller_reset(now_);
+  }
   load_configuration_area(true);
+  for (unsigned port = 0; port < kPorts; ++port) {
+    update_link(port);  // the PHYs have been reset too
+  }
   update_ports(true);
+}
+
+void SlaveController::hold_reset(bool hold) {
+  if (held_in_reset_ == hold) {
+    return;
+  }
+  held_in_reset_ = hold;
+  restore_power();
+  note_topology_change();
 }
 
 void SlaveController::restore_power() {
@@ -121,8 +141,7 @@ void SlaveController::take_reset_key(Side side, std::uint8_t key) {
   reset_key_seen_ = from_bus && matches;
   if (progress == std::size(kResetKey)) {
     if (!from_bus) {
-      reset_requested_ = true;
-      power_on_reset();
+      request_reset();
     }
     return;  // from the bus, at the end of the frame
   }
@@ -136,11 +155,22 @@ void SlaveController::finish_reset_key() {
   }
   reset_key_seen_ = false;
   if (bus_reset_progress_ == std::size(kResetKey)) {
-    reset_requested_ = true;
-    power_on_reset();
+    request_reset();
   } else if (bus_reset_progress_ != 0) {
     frame_work_ |= FrameWork::kResetKey;
   }
+}
+
+void SlaveController::request_reset() {
+  reset_requested_ = true;
+  if (!configuration_.reset_by_board) {
+    power_on_reset();
+    return;
+  }
+  bus_reset_progress_ = 0;
+  host_reset_progress_ = 0;
+  memory_[kResetByBus] = std::byte{0};
+  memory_[kResetByHost] = std::byte{0};
 }
 
 void SlaveController::load_sii(std::span<const std::byte> image) {
@@ -170,6 +200,11 @@ void SlaveController::load_configuration_area(bool first) {
       base::store_le(registers(), kStationAlias, station_alias_);
       constexpr std::byte kAnyPort{0xF2};
       enhanced_link_detection_ = (memory_[kEscConfiguration] & kAnyPort) != std::byte{0};
+      // Inverted, so that an EEPROM that says nothing leaves the reset value.
+      const auto word = base::load_le<std::uint16_t>(content, 2 * kReceiveFifoWord);
+      memory_[kReceiveFifoSize] = (memory_[kReceiveFifoSize] & std::byte{0xF8}) |
+                                  static_cast<std::byte>(~unsigned{word} >> 9 & 7U);
+      note_topology_change();
     }
     load_parameter_ram();
   }
@@ -183,6 +218,9 @@ void SlaveController::load_configuration_area(bool first) {
     const unsigned state = loaded_ ? configured : 0x00U;
     memory_[kPdiInformation] =
         static_cast<std::byte>(state | (configuration_.acknowledge_by_write ? 1U : 0U));
+  }
+  if (partner_ != nullptr) {
+    partner_->parameters_changed(now_);
   }
   compile_mappings();
   update_dl_status();
@@ -231,7 +269,11 @@ void SlaveController::expire(base::SimTime now) {
   if (sii_.finish(now) == SiiInterface::Completion::reload) {
     load_configuration_area(false);
   }
-  mii_.finish(now, links());
+  if (now >= mii_.deadline()) {
+    mii_.finish(now);
+    update_link(0);
+    update_link(1);
+  }
   if (now >= sync_deadline_) {
     advance_sync();
     schedule_sync();

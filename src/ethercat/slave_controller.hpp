@@ -14,10 +14,13 @@
 #include "ethercat/ecat_event.hpp"
 #include "ethercat/fmmu.hpp"
 #include "ethercat/frame.hpp"
+#include "ethercat/frame_work.hpp"
 #include "ethercat/latch_unit.hpp"
 #include "ethercat/led.hpp"
+#include "ethercat/memory_partner.hpp"
 #include "ethercat/mii_management.hpp"
 #include "ethercat/process_data_interface.hpp"
+#include "ethercat/receive_error.hpp"
 #include "ethercat/register_addresses.hpp"
 #include "ethercat/register_table.hpp"
 #include "ethercat/sii_interface.hpp"
@@ -29,13 +32,6 @@
 #include "ethercat/watchdog.hpp"
 
 namespace stator::ethercat {
-
-/// Receive errors a port can count (0x0300..0x030B).
-enum class ReceiveError : std::uint8_t {
-  invalid_frame,    ///< wrong check sequence
-  physical,         ///< the PHY reported an error
-  forwarded_error,  ///< already marked as wrong by an earlier slave
-};
 
 /// An EtherCAT slave controller: the chip between bus and host (ETG.1000.4; TMC8461 and TMC8670
 /// datasheets). The bus side is process(), called by Segment for each frame that passes; the host
@@ -75,10 +71,19 @@ class SlaveController final : public ProcessDataInterface {
   /// What the status LEDs show, with or without override (0x0138, 0x0139).
   [[nodiscard]] LedCode run_led() const;
   [[nodiscard]] LedCode error_led() const;
+  /// What the link/activity LED of a port shows (ETG.1300): off without link, on with one,
+  /// flickering while frames pass.
+  [[nodiscard]] LedCode link_led(unsigned port) const;
 
-  /// The physical link of `port` came up or went down.
+  /// A cable with a powered device at its other end came to `port` or went. Whether that gives a
+  /// link is up to the PHY, its link pin, and the controller.
   void set_link(unsigned port, bool up);
   [[nodiscard]] bool link(unsigned port) const { return ports_[port].link; }
+  /// What the device at the other end of the cable of port 0 or 1 can do.
+  void set_link_partner(unsigned port, LinkPartner partner);
+  /// Holds the link pin of `port` at a level; nothing: the PHY drives it again.
+  void hold_link_pin(unsigned port, std::optional<bool> level);
+  [[nodiscard]] bool link_pin(unsigned port) const;
   /// A frame leaves through the port; false: it is turned back inside (loop closed).
   [[nodiscard]] bool port_open(unsigned port) const { return ports_[port].open; }
   /// The chip has this port (0x0007).
@@ -115,6 +120,12 @@ class SlaveController final : public ProcessDataInterface {
   /// from now on only real accesses restart the watchdog.
   void set_host_polling(bool polling);
 
+  // Logic on the same chip and its view of the process memory, see MemoryPartner; null: none.
+  void set_memory_partner(MemoryPartner* partner);
+  void read_process_data(std::uint16_t address, std::span<std::byte> out) const;
+  void write_process_data(std::uint16_t address, std::span<const std::byte> data);
+  void finish_process_data(std::uint16_t address, std::size_t length);
+
   /// Puts an EEPROM with this SII image on the board and loads from it as after power-on: PDI
   /// configuration, station alias, SYNC pulse length. Without a valid one the process memory is
   /// closed (DL status bit 0). Allocates.
@@ -148,14 +159,25 @@ class SlaveController final : public ProcessDataInterface {
   /// Sets the level at latch input 0 or 1 from now() on; call advance() first.
   void set_latch_input(unsigned input, bool level);
 
+  /// The pin PDI_WDSTATE: false once the process data watchdog has expired.
+  [[nodiscard]] bool process_data_watchdog_state() const {
+    return !process_data_watchdog_.expired();
+  }
+  /// Counts what restarted that watchdog: pulses at the pin PDI_WDTRIGGER.
+  [[nodiscard]] std::uint32_t process_data_watchdog_triggers() const { return watchdog_triggers_; }
+
   /// Power-on reset: all registers to their reset values, EEPROM loaded again, links as they are.
   void power_on_reset();
   /// Power comes back after a failure: power_on_reset() with an empty process memory, and a request
   /// to the board to start its firmware again.
   void restore_power();
   /// True once after master or host have completed the reset sequence (0x0040, 0x0041), or after
-  /// restore_power(). The controller has then been reset; the board resets its firmware too.
+  /// restore_power(). The controller has then been reset; the board resets its firmware too. With
+  /// SlaveControllerConfiguration::reset_by_board it waits for the board's power_on_reset().
   [[nodiscard]] bool take_reset_request();
+  /// Holds the chip in reset, or lets it go with restore_power(). Meanwhile no port has a link.
+  void hold_reset(bool hold);
+  [[nodiscard]] bool held_in_reset() const { return held_in_reset_; }
 
   /// Copies memory as it is, with no rights and no effects, for displays and tests; addresses
   /// outside the memory read 0. Registers computed at each access (event requests, watchdog status,
@@ -169,18 +191,10 @@ class SlaveController final : public ProcessDataInterface {
  private:
   using Side = AccessSide;
   struct Port {
+    bool carrier = false;  ///< a cable with somebody at its other end
     bool link = false;
     bool open = false;
-  };
-  /// What has to be done before or after the datagrams of a frame; 0 nearly always.
-  struct FrameWork {
-    static constexpr std::uint8_t kClearWriteEnables = 1U << 0;  ///< SII, MII: at the next frame
-    static constexpr std::uint8_t kLockRegisters = 1U << 1;      ///< 0x0020, 0x0030: at the end
-    static constexpr std::uint8_t kLatchReceiveTimes = 1U << 2;
-    static constexpr std::uint8_t kCompareSystemTime = 1U << 3;
-    static constexpr std::uint8_t kApplyLoopControl = 1U << 4;
-    static constexpr std::uint8_t kResetKey = 1U << 5;
-    static constexpr std::uint8_t kTakeStartTime = 1U << 6;
+    std::optional<bool> pin;  ///< level that somebody else than the PHY gives the link pin
   };
   // slave_controller.cpp: life, time, host accesses
   void load_configuration_area(bool first);
@@ -190,6 +204,7 @@ class SlaveController final : public ProcessDataInterface {
   void update_deadline();
   void take_reset_key(Side side, std::uint8_t key);
   void finish_reset_key();
+  void request_reset();
 
   // frame_processing.cpp
   void begin_frame_work();
@@ -203,8 +218,10 @@ class SlaveController final : public ProcessDataInterface {
   void update_ports(bool loop_control_written);
   void update_dl_status();
   void apply_loop_control();
-  /// Bit n: port n has a link.
-  [[nodiscard]] unsigned links() const;
+  /// Makes ports_[port].link what PHY, pin and controller say together.
+  void update_link(unsigned port);
+  /// Bits sent at the port are understood at the other end of its cable and the other way round.
+  [[nodiscard]] bool passes_bits(unsigned port) const;
   void note_topology_change() {
     if (topology_changed_ != nullptr) {
       *topology_changed_ = true;
@@ -221,6 +238,7 @@ class SlaveController final : public ProcessDataInterface {
   bool read_area(Side side, std::size_t channel, std::uint32_t address, std::span<std::byte> out);
   bool write_area(Side side, std::size_t channel, std::uint32_t address,
                   std::span<const std::byte> data, std::uint8_t first_mask, std::uint8_t last_mask);
+  void tell_partner_of_write(Side side, std::uint32_t address, std::size_t length);
   struct Piece {
     std::size_t channel;  ///< sync manager in charge, kNoChannel for plain memory
     std::size_t length;
@@ -281,6 +299,7 @@ class SlaveController final : public ProcessDataInterface {
   [[nodiscard]] bool accepts_clock_write(Side side, Effect effect, std::size_t address) const;
   void acknowledge_clock(Side side, EffectSet effects, std::uint32_t address, std::size_t length);
   void take_system_time(std::uint32_t address, std::span<const std::byte> data);
+  void take_host_system_time(std::uint32_t address, std::span<const std::byte> data);
   void take_start_time(Side side, std::uint32_t address, std::size_t length);
   void finish_start_time();
   void report_activation(SyncUnit::Activation activation);
@@ -303,6 +322,7 @@ class SlaveController final : public ProcessDataInterface {
     }
   }
   void trigger_process_data_watchdog() {
+    ++watchdog_triggers_;
     process_data_watchdog_.trigger(now_);
     next_deadline_ = std::min(next_deadline_, process_data_watchdog_.deadline());
   }
@@ -363,8 +383,10 @@ class SlaveController final : public ProcessDataInterface {
   std::array<std::optional<base::SimTime>, SyncUnit::kOutputs> sync_edges_{};
   std::uint8_t start_time_bytes_ = 0;  ///< of 0x0990 that this frame has written
   Watchdog host_watchdog_;
+  std::uint32_t watchdog_triggers_ = 0;
   base::EventReporter reporter_;
 
+  MemoryPartner* partner_ = nullptr;
   bool* topology_changed_ = nullptr;  ///< see watch_topology()
   std::array<Port, kPorts> ports_{};
   base::SimTime loop_control_expires_ = base::SimTime::never();
@@ -386,6 +408,7 @@ class SlaveController final : public ProcessDataInterface {
   bool controller_unlocked_ = false;  ///< by 0x0030
   bool reset_key_seen_ = false;       ///< this frame held a valid step of the key
   bool reset_requested_ = false;
+  bool held_in_reset_ = false;
 };
 
 }  // namespace stator::ethercat

@@ -31,6 +31,9 @@ void write_build_registers(const SlaveControllerConfiguration& configuration,
     base::store_le(registers, kProductId, configuration.product_id);
     base::store_le(registers, kVendorId, configuration.vendor_id);
   }
+  if (configuration.host_controls_time && built(ControllerFeature::distributed_clocks)) {
+    registers[kCyclicUnitControl] = std::byte{0x10};  // latch unit 0 is the host's
+  }
   registers[kSyncLatchConfiguration] = std::byte{configuration.sync_latch_reset};
   if (built(ControllerFeature::mii_management)) {
     // The host may take the interface; links are detected through it.

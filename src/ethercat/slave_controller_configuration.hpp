@@ -37,8 +37,15 @@ struct SlaveControllerConfiguration {
   ControllerFeature answered_features = ControllerFeature::always;
   std::uint8_t sync_latch_reset = 0x66;  ///< 0x0151 until the EEPROM is loaded
 
-  bool device_emulation = false;      ///< pin PDI_EMULATION: AL status follows AL control
+  bool device_emulation = false;  ///< pin PDI_EMULATION: AL status follows AL control
+  /// A completed reset sequence (0x0040, 0x0041) only raises RESET_OUT; the board leads it back to
+  /// NRESET, which is power_on_reset(). False: that loop is closed inside.
+  bool reset_by_board = false;
   bool acknowledge_by_write = false;  ///< host acknowledges events by writing (0x014E bit 0)
+  /// "System time PDI controlled": the host instead of the bus writes 0x0910..0x0935, and what it
+  /// writes to 0x0910 is the time at which a reference clock gave the edge at latch input 0.
+  bool host_controls_time = false;
+  bool link_active_high = false;  ///< strap LINK_POLARITY, of the link pins of all ports
 
   /// From receiving at one port to sending at the next open one, with the default receive FIFO.
   base::SimDuration forwarding_delay = base::SimDuration(300);

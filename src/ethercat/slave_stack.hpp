@@ -72,6 +72,10 @@ class SlaveStack final : private AlActions {
   /// Safe-Operational or Operational was entered.
   [[nodiscard]] bool synchronous() const { return clocks_.synchronous(); }
 
+  /// See DcSupervision.
+  void set_sync_error_limit(unsigned limit) { clocks_.set_sync_error_limit(limit); }
+  [[nodiscard]] const DcSupervision& clocks() const { return clocks_; }
+
   /// Brings the inputs up to date for the master; nothing in Init, Pre-Operational and Bootstrap.
   /// Call at each control tick.
   void publish_inputs(base::SimTime now);

@@ -29,6 +29,17 @@ LedCode SlaveController::error_led() const {
                          !loaded_, host_watchdog_.expired()});
 }
 
+LedCode SlaveController::link_led(unsigned port) const {
+  if (!ports_[port].link) {
+    return LedCode::off;
+  }
+  // As long as a flicker takes, the light goes on with it.
+  constexpr base::SimDuration kActivity{100'000'000};
+  const bool traffic =
+      ports_[port].open && frame_start_ != base::SimTime() && now_ - frame_start_ < kActivity;
+  return traffic ? LedCode::flickering : LedCode::on;
+}
+
 void SlaveController::show_leds() {
   const auto show = [this](std::size_t address, LedCode code) {
     memory_[address] = (memory_[address] & std::byte{kOverride}) | static_cast<std::byte>(code);

@@ -101,6 +101,10 @@ class SyncManager {
   }
   /// Memory address of the reader's buffer.
   [[nodiscard]] std::uint32_t read_base() const { return start_ + buffer_offset_[reading_]; }
+  /// Memory address of the newest complete buffer, taken by the reader or not.
+  [[nodiscard]] std::uint32_t newest_base() const {
+    return start_ + buffer_offset_[fresh_ ? latest_ : reading_];
+  }
   /// The reading side has read up to byte `end` (exclusive). True: the buffer was read completely.
   bool end_read(std::uint32_t end) {
     if (end != length_) {

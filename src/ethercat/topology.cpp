@@ -1,5 +1,7 @@
 #include "ethercat/topology.hpp"
 
+#include <algorithm>
+
 namespace stator::ethercat {
 
 namespace {
@@ -7,7 +9,26 @@ namespace {
 /// Where a frame goes next inside a slave, by port; the processing unit lies behind port 0.
 constexpr std::array<unsigned, kPortsPerSlave> kNextPort{3, 2, 0, 1};
 
+/// Of a frame with VLAN tag and check sequence; no frame is longer.
+constexpr std::int64_t kLongestFrame = 1522;
+constexpr std::int64_t kCheckSequence = 4;
+/// What FIFOs of size 0 and 7 cope with between two clocks for the longest frame, ppb.
+constexpr std::int64_t kSmallestFifoCopes = 2 * 25'000;
+constexpr std::int64_t kLargestFifoCopes = 2 * 100'000;
+constexpr std::int64_t kLargestFifo = 7;
+
 }  // namespace
+
+std::size_t longest_frame(unsigned fifo_size, std::int64_t difference_ppb) {
+  const std::int64_t copes =
+      kSmallestFifoCopes + (kLargestFifoCopes - kSmallestFifoCopes) * fifo_size / kLargestFifo;
+  const std::int64_t difference = difference_ppb < 0 ? -difference_ppb : difference_ppb;
+  if (difference <= copes) {
+    return static_cast<std::size_t>(kLongestFrame);
+  }
+  return static_cast<std::size_t>(
+      std::max<std::int64_t>(kLongestFrame * copes / difference - kCheckSequence, 0));
+}
 
 std::size_t Wiring::add_slave() {
   peers_.emplace_back();
@@ -31,6 +52,7 @@ struct RoutePlanner::Way {
   Route& route;
   SlavePort at;
   base::SimDuration time;
+  std::int64_t sender_ppb = 0;  ///< deviation of the clock the frame is sent with
 };
 
 /// From the port at which the frame comes in to the one through which it leaves. It comes in
@@ -40,6 +62,10 @@ void RoutePlanner::pass_slave(Way& way) {
   ArrivalTimes& arrivals = way.arrivals[way.at.slave];
   arrivals.port[way.at.port] = way.time;
   arrivals.ports = static_cast<std::uint8_t>(arrivals.ports | 1U << way.at.port);
+  way.route.receptions.push_back(
+      {way.at, way.route.visits.size(),
+       longest_frame(slave.fifo_size, slave.clock_deviation_ppb - way.sender_ppb)});
+  way.sender_ppb = slave.clock_deviation_ppb;
   unsigned port = way.at.port;
   do {
     if (port == 0) {
@@ -49,13 +75,14 @@ void RoutePlanner::pass_slave(Way& way) {
     port = kNextPort[port];
   } while ((slave.open_ports >> port & 1U) == 0);
   way.at.port = port;
-  way.time += slave.delay;
+  way.time += slave.delay + slave.transmit_delay[port];
 }
 
 void RoutePlanner::plan(const Wiring& wiring, std::span<const SlaveForwarding> slaves,
                         MasterInterface interface, Route& route) {
   arrivals_.assign(slaves.size(), {});
   route.visits.clear();
+  route.receptions.clear();
   route.entered = false;
   route.exit.reset();
   route.blocked_at.reset();
@@ -82,6 +109,9 @@ void RoutePlanner::plan(const Wiring& wiring, std::span<const SlaveForwarding> s
       way.at = peer.slave_port;
       if (peer.kind == Wiring::Peer::Kind::master) {
         route.exit = peer.interface;
+      } else {
+        // The cable is there for both ends, but the receiving one may not accept the link.
+        connected = has(slaves[way.at.slave].links, way.at.port);
       }
     }
   }

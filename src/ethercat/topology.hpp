@@ -31,6 +31,9 @@ struct SlaveForwarding {
   std::uint8_t links = 0;       ///< bit n: what leaves port n reaches the other end of the cable
   bool marks_circulating = false;  ///< no link at port 0 and its loop closed by itself
   base::SimDuration delay;         ///< from receiving at one port to sending at the next open one
+  std::array<base::SimDuration, kPortsPerSlave> transmit_delay{};  ///< more of what leaves a port
+  std::int32_t clock_deviation_ppb = 0;
+  std::uint8_t fifo_size = 7;  ///< of the receive FIFOs, 0x0102
 };
 
 /// Which port is connected to which. Fixed as long as nobody plugs a cable into another port.
@@ -69,6 +72,21 @@ struct ArrivalTimes {
   std::uint8_t ports = 0;  ///< bit n: the frame is received at port n
 };
 
+/// A frame comes in at a port: what its receive FIFO makes of it.
+struct Reception {
+  SlavePort at;
+  std::size_t visits = 0;  ///< processing units passed before
+  /// Bytes of a frame without its check sequence; a longer one is torn, because the FIFO runs
+  /// empty or over while the clocks of sender and receiver drift apart.
+  std::size_t longest_frame = 0;
+};
+
+/// Longest frame (as in Reception) that a receive FIFO of this size (0..7, register 0x0102) copes
+/// with when the clocks of both ends differ by so much. By the document (TMC8670 L1419) frames of
+/// 1522 bytes need clocks of 100 ppm at size 7 and of 25 ppm at size 0, each against the nominal
+/// frequency: twice that between two. In between and with the length in proportion (F-126).
+[[nodiscard]] std::size_t longest_frame(unsigned fifo_size, std::int64_t difference_ppb);
+
 /// The way a frame takes from one of the master's interfaces: the processing units it passes, in
 /// order, and where it ends.
 struct Route {
@@ -78,6 +96,7 @@ struct Route {
     ArrivalTimes times;
   };
   std::vector<Visit> visits;
+  std::vector<Reception> receptions;    ///< in order
   bool entered = false;                 ///< the first slave takes the frame
   std::optional<MasterInterface> exit;  ///< nothing: the frame is lost on the way
   std::optional<SlavePort> blocked_at;  ///< lost because this port is closed

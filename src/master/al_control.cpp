@@ -96,6 +96,17 @@ Error refusal(const Station& station, AlState wanted, const AlStatus& status) {
               "; it is in " + std::string(ethercat::to_text(status.state))};
 }
 
+/// Whether the slave controller itself copies AL control to AL status, as without a host. What
+/// looks like an error is then the acknowledgement that was written, and goes with the next
+/// request.
+Result<bool> follows_by_itself(Bus& bus, const Station& station) {
+  const auto configuration = bus.read_number<std::uint8_t>(station, registers::kEscConfiguration);
+  if (!configuration) {
+    return base::Unexpected{configuration.error()};
+  }
+  return (*configuration & 1U) != 0;
+}
+
 Result<void> acknowledge_error(Bus& bus, const Station& station, base::SimTime deadline,
                                const Idle& idle) {
   while (true) {
@@ -105,6 +116,12 @@ Result<void> acknowledge_error(Bus& bus, const Station& station, base::SimTime d
     }
     if (!status->error) {
       return {};
+    }
+    if (status->code == AlStatusCode::no_error) {
+      const auto echo = follows_by_itself(bus, station);
+      if (!echo || *echo) {
+        return echo ? Result<void>() : Result<void>(base::Unexpected{echo.error()});
+      }
     }
     if (bus.port().now() >= deadline) {
       return fail(ErrorCode::state_timeout,

@@ -270,6 +270,36 @@ TEST_F(Sii, EnhancedLinkDetection_IsTakenAtTheFirstLoadOnly) {
   EXPECT_EQ(number(bus.read(0, 0x0110, 1).data) & 4U, 4U);
 }
 
+TEST_F(Sii, ReceiveFifoSize_ComesInvertedFromWord5) {
+  EXPECT_EQ(number(bus.read(0, 0x0102, 1).data), 7U) << "word 5 is 0";
+  for (unsigned size = 0; size < 8; ++size) {
+    Bytes image = valid_sii();
+    image[11] = static_cast<std::byte>((~size & 7U) << 1 | 0xF1);
+    image[14] = std::byte{sii_checksum(image)};
+    slave.load_sii(image);
+    EXPECT_EQ(number(bus.read(0, 0x0102, 1).data), size);
+    const std::int64_t gain = size <= 3 ? 40 : 0;
+    EXPECT_EQ(slave.forwarding_delay().nanoseconds(), 300 - gain);
+  }
+}
+
+TEST_F(Sii, ReceiveFifoSize_IsTakenAtTheFirstLoadOnly) {
+  bus.write(0, 0x0502, bytes({0x81, 0x02, 0x05, 0x00, 0, 0, 0x00, 0x0A}));
+  finished_status();
+  const unsigned checksum = sii_checksum(slave.sii());
+  bus.write(0, 0x0502, bytes({0x81, 0x02, 0x07, 0x00, 0, 0, checksum, 0x00}));
+  finished_status();
+  bus.write(0, 0x0502, command(0x0400, 0, 6));
+  EXPECT_EQ(finished_status() & 0x7800U, 0U);
+  EXPECT_EQ(number(bus.read(0, 0x0102, 1).data), 7U) << "as it was";
+  slave.power_on_reset();
+  EXPECT_EQ(number(bus.read(0, 0x0102, 1).data), 2U);
+  bus.write(0, 0x0102, bytes({0x06}));
+  bus.write(0, 0x0502, command(0x0400, 0, 6));
+  finished_status();
+  EXPECT_EQ(number(bus.read(0, 0x0102, 1).data), 6U) << "what the master set";
+}
+
 TEST_F(Sii, NoCommandRaisesTheEventOfEepromEmulation) {
   for (const unsigned code : {0x0100U, 0x0201U, 0x0300U, 0x0400U}) {
     bus.write(0, 0x0502, command(code, 0x20, 6));
