@@ -9,10 +9,6 @@ namespace stator::drive {
 
 namespace {
 
-std::int64_t milliamperes(double amperes) {
-  return static_cast<std::int64_t>(std::floor(amperes * 1e3 + 0.5));
-}
-
 int option(const IntegerObject& object) {
   return static_cast<int>(object.get());
 }
@@ -108,9 +104,14 @@ bool Axis::halt_wanted() const {
 }
 
 OperatingMode& Axis::mode_of(ModeCode code) {
-  const std::array<OperatingMode*, 6> modes{&profile_position_, &profile_velocity_,
-                                            &homing_,           &cyclic_position_,
-                                            &cyclic_velocity_,  &cyclic_torque_};
+  const std::array<OperatingMode*, 7> modes{
+      &profile_position_, &profile_velocity_, &profile_torque_, &homing_,
+      &cyclic_position_,  &cyclic_velocity_,  &cyclic_torque_};
+  const std::uint32_t number = static_cast<std::uint32_t>(code) - 1U;  // of the bit in 6502h
+  if (objects_.supported_modes.exists() &&
+      (number > 31 || (objects_.supported_modes.get() >> number & 1U) == 0)) {
+    return no_mode_;
+  }
   for (OperatingMode* mode : modes) {
     if (mode->code() == code) {
       return *mode;
@@ -244,8 +245,12 @@ void Axis::publish(base::SimTime now) {
   objects_.position_demand.set(static_cast<std::int32_t>(motion_.scaled(motion_.position())));
   objects_.position_internal.set(actual);
   objects_.position_actual.set(actual);
-  objects_.velocity_actual.set(settings_.units.velocity_object(actual_velocity()));
-  objects_.torque_actual.set(milliamperes(torque_current()));
+  objects_.following_error.set(static_cast<std::int32_t>(motion_.scaled(motion_.position()) -
+                                                         motion_.scaled(actual_position())));
+  objects_.velocity_demand.set(settings_.velocity_object(motion_.velocity()));
+  objects_.velocity_actual.set(settings_.velocity_object(actual_velocity()));
+  objects_.torque_actual.set(static_cast<std::int64_t>(
+      std::floor(torque_current() * settings_.torque_unit.per_ampere + 0.5)));
   publish_statusword(now);
 }
 

@@ -105,7 +105,7 @@ class Axis {
   virtual void end_period() {}
   [[nodiscard]] virtual StageStatus stage_status() const = 0;
   virtual void fault_was_reset() {}
-  /// 6077h in A.
+  /// A, for 6077h.
   [[nodiscard]] virtual double torque_current() const = 0;
   /// Statusword bit 4.
   [[nodiscard]] virtual bool voltage_enabled() const = 0;
@@ -163,6 +163,7 @@ class Axis {
   [[nodiscard]] bool fault_present() const;
   [[nodiscard]] bool warning_present() const;
   void supervise(base::SimTime now);
+  [[nodiscard]] bool following_error(std::int64_t deviation, base::SimTime now);
   void take_up(AxisError error, bool present, base::SimTime now);
   [[nodiscard]] bool stall_blocks() const;
   void publish(base::SimTime now);
@@ -176,6 +177,7 @@ class Axis {
   CyclicPosition cyclic_position_;
   CyclicVelocity cyclic_velocity_;
   CyclicTorque cyclic_torque_;
+  ProfileTorque profile_torque_;
   OperatingMode* mode_ = &no_mode_;
 
   bool controlword_written_ = false;
@@ -187,6 +189,8 @@ class Axis {
   bool halted_ = false;
   Braking braking_ = Braking::none;  ///< as last told to the motion
   bool negative_direction_ = false;
+  bool follows_badly_ = false;  ///< the deviation is above 6065h
+  base::SimTime follows_badly_since_;
   std::uint32_t fault_resets_ = 0;  ///< of the state machine, as last seen
   bool left_switch_ = false;        ///< levels in the step before
   bool right_switch_ = false;

@@ -94,6 +94,7 @@ void AxisMotion::stop_at_switch(double direction) {
     rest_at(shaft_position_, shaft_velocity_);
   }
   profile_ = Profile::none;
+  ahead_ = {};
   if (ramp_.mode() != control::RampMode::stop || deceleration <= 0.0) {
     ramp_.stop(deceleration);
   }
@@ -380,6 +381,7 @@ void AxisMotion::apply_torque(double amperes) {
   clamped_ = false;
   blocked_direction_ = 0.0;
   profile_ = Profile::none;
+  ahead_ = {};
   loop_without_torque_ = ControlLoop::velocity;
   torque_ = amperes;
 }

@@ -16,6 +16,12 @@ struct PassedSwitches {
   bool positive_limit = false;
 };
 
+/// What reaches the loops inside beside what the outer ones ask for.
+struct FeedForward {
+  double velocity = 0.0;  ///< pps
+  double torque = 0.0;    ///< A
+};
+
 /// Which loop of a servo axis takes the set-point. A stepper axis turns every position into
 /// currents, whatever it was made from.
 enum class ControlLoop : std::uint8_t { position, velocity, torque };
@@ -63,6 +69,10 @@ class AxisMotion {
   /// Interpolates to `velocity` (pps) within 60C2h; at a software limit as move_at_velocity(), with
   /// 6084h.
   void follow_velocity(double velocity);
+  /// Accompanies the cyclic set-point that was followed just now, until anything else is commanded;
+  /// one that is held back at a limit goes without.
+  void feed_forward(const FeedForward& ahead) { ahead_ = limited() ? FeedForward{} : ahead; }
+  [[nodiscard]] const FeedForward& feed_forward() const { return ahead_; }
   /// Homing: takes up `velocity` (pps) with 609Ah. Software limits do not hold, for the position
   /// means nothing yet; a limit switch that may not be passed stops the motor.
   void search_at_velocity(double velocity, const PassedSwitches& passed);
@@ -166,6 +176,7 @@ class AxisMotion {
   void end_torque() {
     torque_.reset();
     held_direction_ = 0.0;
+    ahead_ = {};
   }
   /// A limit ends the torque in force.
   void hold_against(double direction);
@@ -183,6 +194,7 @@ class AxisMotion {
   double limit_direction_ = 0.0;    ///< in Profile::to_limit
   std::optional<double> torque_;    ///< A
   double held_direction_ = 0.0;     ///< of the torque that ran into a limit, 0 = none
+  FeedForward ahead_;
   ControlLoop loop_without_torque_ = ControlLoop::position;
   double scale_ = 1.0;               ///< of position objects
   std::int64_t shaft_position_ = 0;  ///< of a servo axis, as last told

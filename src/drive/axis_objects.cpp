@@ -10,10 +10,19 @@ IntegerObject::IntegerObject(const dictionary::Dictionary& dictionary, std::uint
   if (entry_ == nullptr) {
     throw std::logic_error("an object of CiA 402 is missing in the dictionary");
   }
+  constexpr unsigned kLongest = 32;
   const auto bits = static_cast<unsigned>(entry_->bits());
+  if (bits > kLongest) {
+    throw std::logic_error("an object of CiA 402 is longer than 32 bits");
+  }
   const bool is_signed = dictionary::is_signed(entry_->type());
   minimum_ = is_signed ? -(std::int64_t{1} << (bits - 1)) : 0;
   maximum_ = (std::int64_t{1} << (is_signed ? bits - 1 : bits)) - 1;
+}
+
+IntegerObject IntegerObject::optional(const dictionary::Dictionary& dictionary,
+                                      std::uint16_t index) {
+  return dictionary.find(index, 0) != nullptr ? IntegerObject(dictionary, index) : IntegerObject();
 }
 
 void IntegerObject::set(std::int64_t value) const {
@@ -35,11 +44,15 @@ AxisObjects::AxisObjects(const dictionary::Dictionary& dictionary, std::uint16_t
     }
   };
   const auto integer = [&](unsigned index) { return IntegerObject(dictionary, at(index)); };
+  const auto optional_integer = [&](unsigned index) {
+    return IntegerObject::optional(dictionary, at(index));
+  };
   bind(controlword, 0x6040);
   bind(statusword, 0x6041);
   quick_stop_option = integer(0x605A);
   shutdown_option = integer(0x605B);
   disable_operation_option = integer(0x605C);
+  halt_option = optional_integer(0x605D);
   fault_reaction_option = integer(0x605E);
   bind(mode, 0x6060);
   bind(mode_display, 0x6061);
@@ -47,9 +60,11 @@ AxisObjects::AxisObjects(const dictionary::Dictionary& dictionary, std::uint16_t
   bind(position_internal, 0x6063);
   bind(position_actual, 0x6064);
   bind_optional(following_window, 0x6065);
+  bind_optional(following_time_out, 0x6066);
   bind(position_window, 0x6067);
   bind_optional(position_window_time, 0x6068);
   bind_optional(sensor_selection, 0x606A);
+  bind_optional(velocity_demand, 0x606B);
   bind(velocity_actual, 0x606C);
   target_torque = integer(0x6071);
   torque_actual = integer(0x6077);
@@ -58,11 +73,12 @@ AxisObjects::AxisObjects(const dictionary::Dictionary& dictionary, std::uint16_t
   bind(minimum_position, 0x607D, 1);
   bind(maximum_position, 0x607D, 2);
   bind(profile_velocity, 0x6081);
-  end_velocity = integer(0x6082);
+  end_velocity = optional_integer(0x6082);
   bind(profile_acceleration, 0x6083);
   bind(profile_deceleration, 0x6084);
   bind(quick_stop_deceleration, 0x6085);
-  bind_optional(profile_type, 0x6086);
+  profile_type = optional_integer(0x6086);
+  bind_optional(torque_slope, 0x6087);
   bind(encoder_increments, 0x608F, 1);
   bind(homing_method, 0x6098);
   bind(homing_fast_speed, 0x6099, 1);
@@ -77,7 +93,9 @@ AxisObjects::AxisObjects(const dictionary::Dictionary& dictionary, std::uint16_t
   bind_optional(interpolation_value, 0x60C2, 1);
   bind_optional(interpolation_index, 0x60C2, 2);
   bind_optional(positioning_option, 0x60F2);
+  bind_optional(following_error, 0x60F4);
   bind(target_velocity, 0x60FF);
+  bind_optional(supported_modes, 0x6502);
 }
 
 base::SimDuration AxisObjects::interpolation_period() const {

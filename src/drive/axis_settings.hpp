@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -40,6 +41,22 @@ struct ProfileBehaviour {
   bool stops_release_torque = false;
   /// A homing method that moves does not start with a speed of 0.
   bool homing_needs_speeds = false;
+  /// 60B1h in csp and 60B2h in csp and csv go to the loops inside as feed-forward; otherwise they
+  /// mean nothing there.
+  bool offsets_feed_forward = false;
+};
+
+/// What torque objects (6071h, 6077h, 60B2h) count in: current that makes torque.
+struct TorqueUnit {
+  double amperes = 1e-3;     ///< A (peak) of one unit: mA
+  double per_ampere = 1000;  ///< its inverse
+
+  /// Thousandths of a rated current of `milliamperes` RMS; more than 0.
+  [[nodiscard]] static constexpr TorqueUnit per_mille_of(double milliamperes) {
+    constexpr double kPeak = 1.4142135623730951;  // of a sine with the RMS value 1
+    const double amperes = milliamperes * 1e-6 * kPeak;
+    return {.amperes = amperes, .per_ampere = 1.0 / amperes};
+  }
 };
 
 /// Where positioning counts as finished if 6067h monitors nothing.
@@ -68,6 +85,28 @@ struct AxisSettings {
   std::optional<PositionEnd> position_end;  ///< none: the demand rests on the target
   /// pps that the actual velocity may differ from the target of pv for it to count as reached.
   double velocity_window = std::numeric_limits<double>::infinity();
+  base::SimDuration velocity_window_time;  ///< for which it has to stay that near
+  /// pps above which the motor counts as turning in pv; none: statusword bit 12 stays 0 there.
+  std::optional<double> velocity_threshold;
+  base::SimDuration velocity_threshold_time;  ///< for which it has to be above
+  TorqueUnit torque_unit;
+  double maximum_torque = std::numeric_limits<double>::infinity();  ///< A, of any torque target
+  /// Velocity objects count against the direction of positions (607Eh).
+  bool velocity_reversed = false;
+
+  /// pps of 60FFh or 60B1h.
+  [[nodiscard]] double velocity_of(std::int64_t object) const {
+    return units.pps(static_cast<double>(velocity_reversed ? -object : object));
+  }
+  /// 606Bh or 606Ch of `pps`.
+  [[nodiscard]] std::int32_t velocity_object(double pps) const {
+    return units.velocity_object(velocity_reversed ? -pps : pps);
+  }
+  /// A of 6071h or of its sum with 60B2h, clipped to the largest torque.
+  [[nodiscard]] double torque_of(std::int64_t object) const {
+    return std::clamp(static_cast<double>(object) * torque_unit.amperes, -maximum_torque,
+                      maximum_torque);
+  }
 };
 
 /// The surroundings of an axis, from the network and from inputs, as of now.

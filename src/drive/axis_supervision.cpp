@@ -78,13 +78,7 @@ constexpr std::array<EventRule, kAxisErrorCount> kErrorRules{{
 
 void Axis::supervise(base::SimTime now) {
   const std::int64_t actual = actual_position();
-  const std::int64_t deviation = actual - motion_.position();
-  const std::int64_t window = objects_.following_window.get();
-  const bool under_power = power_.bridge_enabled();
-  watch(AxisError::following_error,
-        under_power && objects_.uses_encoder() && window > 0 && !motion_.torque() &&
-            std::abs(deviation) > window,
-        now);
+  watch(AxisError::following_error, following_error(actual - motion_.position(), now), now);
 
   const bool homes = mode_->code() == ModeCode::homing;  // no limit means anything yet
   const auto upper = motion_.upper_limit();
@@ -94,6 +88,18 @@ void Axis::supervise(base::SimTime now) {
   watch(AxisError::positive_limit_switch, conditions_.positive_limit_switch && !homes, now);
   watch(AxisError::negative_limit_switch, conditions_.negative_limit_switch && !homes, now);
   supervise_stage(now);
+}
+
+bool Axis::following_error(std::int64_t deviation, base::SimTime now) {
+  const std::int64_t window = objects_.following_window.get();
+  const bool outside = power_.bridge_enabled() && objects_.uses_encoder() && window > 0 &&
+                       !motion_.torque() && std::abs(deviation) > window;
+  if (outside && !follows_badly_) {
+    follows_badly_since_ = now;
+  }
+  follows_badly_ = outside;
+  const base::SimDuration time_out(std::int64_t{objects_.following_time_out.get()} * 1'000'000);
+  return outside && now - follows_badly_since_ >= time_out;
 }
 
 bool Axis::stall_blocks() const {

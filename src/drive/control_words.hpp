@@ -22,11 +22,12 @@ namespace statusword {
 inline constexpr std::uint16_t kVoltageEnabled = 1U << 4;
 inline constexpr std::uint16_t kWarning = 1U << 7;
 inline constexpr std::uint16_t kRemote = 1U << 9;
-inline constexpr std::uint16_t kTargetReached = 1U << 10;  ///< pp, pv, hm
+inline constexpr std::uint16_t kTargetReached = 1U << 10;  ///< pp, pv, tq, hm
 inline constexpr std::uint16_t kInternalLimit = 1U << 11;
 inline constexpr std::uint16_t kSetPointAcknowledge = 1U << 12;  ///< pp
 inline constexpr std::uint16_t kHomeAttained = 1U << 12;         ///< hm
 inline constexpr std::uint16_t kTargetUsed = 1U << 12;           ///< csp, csv, cst
+inline constexpr std::uint16_t kSpeedZero = 1U << 12;            ///< pv
 inline constexpr std::uint16_t kFollowingError = 1U << 13;       ///< csp
 inline constexpr std::uint16_t kMotorActivity = 1U << 14;        ///< 1 = rotates
 inline constexpr std::uint16_t kNegativeDirection = 1U << 15;  ///< 1 = negative, also the last one

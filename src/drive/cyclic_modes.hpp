@@ -5,6 +5,7 @@
 namespace stator::drive {
 
 /// Cyclic synchronous position (CiA 402-2 §13): 607Ah + 60B0h, reached within 60C2h; no ramps.
+/// 60B1h and 60B2h are feed-forward where ProfileBehaviour says so.
 class CyclicPosition final : public OperatingMode {
  public:
   [[nodiscard]] ModeCode code() const override { return ModeCode::cyclic_synchronous_position; }
@@ -14,6 +15,7 @@ class CyclicPosition final : public OperatingMode {
 };
 
 /// Cyclic synchronous velocity (CiA 402-2 §14): 60FFh + 60B1h, reached within 60C2h; no ramps.
+/// 60B2h is feed-forward where ProfileBehaviour says so.
 class CyclicVelocity final : public OperatingMode {
  public:
   [[nodiscard]] ModeCode code() const override { return ModeCode::cyclic_synchronous_velocity; }

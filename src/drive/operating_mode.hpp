@@ -17,6 +17,7 @@ enum class ModeCode : std::int8_t {
   none = 0,
   profile_position = 1,
   profile_velocity = 3,
+  profile_torque = 4,
   homing = 6,
   cyclic_synchronous_position = 8,
   cyclic_synchronous_velocity = 9,
@@ -48,6 +49,19 @@ struct ModeContext {
   [[nodiscard]] std::int64_t actual_position() const {
     return objects.uses_encoder() ? feedback.position() : motion.position();
   }
+  /// How 605Dh lets halt stop the motor. 3 and 4, at the limits of current and voltage, stop the
+  /// set-point at once: the loops give all they have.
+  [[nodiscard]] Braking halt_braking() const {
+    switch (objects.halt_option.get()) {
+      case 2:
+        return Braking::quick_stop_ramp;
+      case 3:
+      case 4:
+        return Braking::at_once;
+      default:
+        return Braking::slow_down_ramp;
+    }
+  }
   /// The position to which the demand must go for the motor to stand where `captured` was held.
   [[nodiscard]] std::int64_t position_of(const CapturedPosition& captured) const {
     return position_loop ? feedback.position_at(captured.encoder_count)
@@ -69,7 +83,7 @@ class OperatingMode {
   /// Set-points are obeyed from now on: follows enter(), at once or when halt ends.
   virtual void start(const ModeContext& /*context*/) {}
   /// Halt was commanded, or the stage is not ready.
-  virtual void halt(const ModeContext& context) { context.motion.brake(Braking::slow_down_ramp); }
+  virtual void halt(const ModeContext& context) { context.motion.brake(context.halt_braking()); }
   /// Halt has been taken back.
   virtual void resume(const ModeContext& context) { start(context); }
   /// A controlword was written, also while the drive is not enabled.

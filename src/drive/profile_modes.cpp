@@ -1,5 +1,6 @@
 #include "drive/profile_modes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -111,18 +112,44 @@ std::uint16_t ProfilePosition::status(const ModeContext& context) const {
 
 void ProfileVelocity::on_target(const ModeContext& context) {
   context.motion.move_at_velocity(
-      context.settings.units.pps(context.objects.target_velocity.get()));
+      context.settings.velocity_of(context.objects.target_velocity.get()));
+}
+
+void ProfileVelocity::tick(const ModeContext& context) {
+  const bool inside = within_window(context);
+  if (inside && !in_window_) {
+    window_entered_ = context.now;
+  }
+  in_window_ = inside;
+  const bool above = context.settings.velocity_threshold &&
+                     std::fabs(context.actual_velocity) > *context.settings.velocity_threshold;
+  if (above && !above_threshold_) {
+    threshold_passed_ = context.now;
+  }
+  above_threshold_ = above;
+  turns_ = above && context.now - threshold_passed_ >= context.settings.velocity_threshold_time;
+}
+
+bool ProfileVelocity::within_window(const ModeContext& context) const {
+  const MotionUnits& units = context.settings.units;
+  const double wanted = context.settings.velocity_of(context.objects.target_velocity.get());
+  const double target = std::clamp(wanted, -units.maximum_velocity(), units.maximum_velocity());
+  return context.motion.velocity() == target &&
+         std::fabs(context.actual_velocity - target) <= context.settings.velocity_window;
 }
 
 std::uint16_t ProfileVelocity::status(const ModeContext& context) const {
+  const std::uint16_t speed =
+      context.settings.velocity_threshold && !turns_ ? statusword::kSpeedZero : std::uint16_t{0};
   if (context.halted) {
-    return halted_status(context);
+    return static_cast<std::uint16_t>(halted_status(context) | speed);
   }
-  const double target = context.settings.units.velocity(context.objects.target_velocity.get());
+  const base::SimDuration time = context.settings.velocity_window_time;
   const bool reached =
-      context.motion.velocity() == target &&
-      std::fabs(context.actual_velocity - target) <= context.settings.velocity_window;
-  return context.enabled && reached ? statusword::kTargetReached : std::uint16_t{0};
+      within_window(context) &&
+      (time == base::SimDuration(0) || (in_window_ && context.now - window_entered_ >= time));
+  return static_cast<std::uint16_t>((context.enabled && reached ? statusword::kTargetReached : 0U) |
+                                    speed);
 }
 
 }  // namespace stator::drive

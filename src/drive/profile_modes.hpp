@@ -28,13 +28,24 @@ class ProfilePosition final : public OperatingMode {
   base::SimTime window_entered_;
 };
 
-/// Profile velocity (CiA 402-2 §16): 60FFh with 6083h and 6084h.
+/// Profile velocity (CiA 402-2 §16): 60FFh with 6083h and 6084h. Target reached and speed 0 are
+/// what AxisSettings calls so.
 class ProfileVelocity final : public OperatingMode {
  public:
   [[nodiscard]] ModeCode code() const override { return ModeCode::profile_velocity; }
   void start(const ModeContext& context) override { on_target(context); }
   void on_target(const ModeContext& context) override;
+  void tick(const ModeContext& context) override;
   [[nodiscard]] std::uint16_t status(const ModeContext& context) const override;
+
+ private:
+  [[nodiscard]] bool within_window(const ModeContext& context) const;
+
+  bool in_window_ = false;
+  base::SimTime window_entered_;
+  bool above_threshold_ = false;
+  base::SimTime threshold_passed_;
+  bool turns_ = false;  ///< above the threshold for long enough
 };
 
 }  // namespace stator::drive
