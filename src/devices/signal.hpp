@@ -1,17 +1,10 @@
 #pragma once
 
-#include <string>
-
-#include "base/delegate.hpp"
+#include "base/signal.hpp"
 
 namespace stator::devices {
 
-/// A named, unit-carrying value of a device that can be recorded or plotted,
-/// e.g. "axis0.position_actual" in "microstep".
-struct Signal {
-  std::string name;
-  std::string unit;
-  base::Delegate<double()> read;
-};
+/// Its name is unique within the device.
+using base::Signal;
 
 }  // namespace stator::devices
