@@ -3,7 +3,6 @@
 #include <string_view>
 
 #include "can/controller.hpp"
-#include "canopen/non_volatile_memory.hpp"
 #include "devices/device.hpp"
 
 namespace stator::devices {
@@ -25,11 +24,6 @@ class CanDevice : public Device {
   /// How long the controller stays bus-off before it takes part again; the standard's 128 x 11
   /// recessive bits at least.
   [[nodiscard]] virtual base::SimDuration bus_off_recovery() const { return {}; }
-
-  /// Gives the device memory for its parameters that outlives the supply. Called once at most,
-  /// before the first advance(): what is in the memory counts from power-on at 0 on. Without it
-  /// what is stored is lost with the device.
-  virtual void connect_memory(canopen::NonVolatileMemory& /*memory*/) {}
 
   /// Its electronic data sheet, the text of an EDS file; empty if it has none.
   [[nodiscard]] virtual std::string_view eds() const { return {}; }

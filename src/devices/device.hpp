@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/sim_time.hpp"
+#include "canopen/non_volatile_memory.hpp"
 #include "devices/firmware_memory.hpp"
 #include "devices/input.hpp"
 #include "devices/signal.hpp"
@@ -52,6 +53,13 @@ class Device {
       std::string_view /*interface*/) const {
     return std::nullopt;
   }
+
+  /// Gives the device memory for its parameters that outlives the supply. Called once at most,
+  /// before the first advance(): what is in the memory counts from power-on at 0 on. Without it
+  /// what is stored is lost with the device.
+  virtual void connect_memory(canopen::NonVolatileMemory& /*memory*/) {}
+  /// It stores parameters on command, in such a memory.
+  [[nodiscard]] virtual bool stores_parameters() const { return false; }
 
   /// Where the device keeps a firmware image that came to it; null if it takes none.
   [[nodiscard]] virtual FirmwareMemory* firmware() { return nullptr; }

@@ -1,8 +1,13 @@
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "devices/device.hpp"
+#include "devices/host_port.hpp"
 #include "ethercat/device_description.hpp"
 #include "ethercat/eoe.hpp"
+#include "ethercat/sii_image.hpp"
 #include "ethercat/slave_controller.hpp"
 
 namespace stator::devices {
@@ -14,10 +19,18 @@ class EtherCatDevice : public Device {
  public:
   [[nodiscard]] virtual ethercat::SlaveController& controller() = 0;
   [[nodiscard]] virtual const ethercat::DeviceDescription& description() const = 0;
+  /// What masters are told of its objects by SII image and ESI file. Without CoE these are only the
+  /// names of its process data.
   [[nodiscard]] virtual const dictionary::Dictionary& dictionary() const = 0;
   [[nodiscard]] const dictionary::Dictionary* object_dictionary() const final {
-    return &dictionary();
+    return description().coe ? &dictionary() : nullptr;
   }
+  /// The EEPROM's content as the device leaves its box.
+  [[nodiscard]] virtual std::vector<std::byte> sii_image() const {
+    return ethercat::build_sii_image(description(), dictionary());
+  }
+  /// What a controller beside a chip is wired to; null for a device that has its own firmware.
+  [[nodiscard]] virtual HostPort* host_port() { return nullptr; }
 
   /// Ethernet over EtherCAT, or null if the device has none or it is switched off.
   [[nodiscard]] virtual ethercat::EoeServer* eoe() { return nullptr; }

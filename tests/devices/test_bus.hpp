@@ -50,6 +50,18 @@ class TestBus {
   Bytes read(std::uint16_t address, std::size_t length) {
     return transfer(ethercat::Command::aprd, address, Bytes(length));
   }
+  /// A frame comes back, and the device has answered it.
+  bool answers() {
+    std::array<std::byte, ethercat::kMaximumFrameLength> buffer{};
+    ethercat::FrameBuilder builder(buffer, {2, 0, 0, 0, 0, 1});
+    builder.append(ethercat::Command::brd, 0, ethercat::physical_address(0, 0), Bytes(1));
+    const auto frame = builder.finish();
+    now_ += base::SimDuration(10'000);
+    device_.advance(now_);
+    const bool returned = segment_.process(frame, now_);
+    device_.handle_bus_events(now_);
+    return returned && ethercat::DatagramCursor(frame).next()->working_counter == 1;
+  }
   /// False if the working counter stayed 0.
   bool write(std::uint16_t address, const Bytes& data) {
     transfer(ethercat::Command::apwr, address, data);
@@ -72,7 +84,7 @@ class TestBus {
       return;
     }
     configure(2, d.output_offset, output_length_, 0x64);
-    configure(3, d.input_offset, kProcessData, 0x20);
+    configure(3, d.input_offset, input_length_, 0x20);
     EXPECT_EQ(request(safe_operational), static_cast<std::uint16_t>(safe_operational));
     if (state == safe_operational) {
       return;
@@ -85,7 +97,7 @@ class TestBus {
   void exchange() {
     write(device_.description().output_offset,
           Bytes(outputs.begin(), outputs.begin() + output_length_));
-    const Bytes read_back = read(device_.description().input_offset, kProcessData);
+    const Bytes read_back = read(device_.description().input_offset, input_length_);
     std::ranges::copy(read_back, inputs.begin());
   }
 
@@ -134,7 +146,9 @@ class TestBus {
   /// Length of the outputs for a mapping of the test's own.
   void set_output_length(std::uint8_t length) { output_length_ = length; }
 
-  static constexpr std::size_t kProcessData = 30;
+  void set_input_length(std::uint8_t length) { input_length_ = length; }
+
+  static constexpr std::size_t kProcessData = 80;
   std::array<std::byte, kProcessData> outputs{};
   std::array<std::byte, kProcessData> inputs{};
 
@@ -197,7 +211,8 @@ class TestBus {
   base::SimTime now_;
   std::uint16_t working_counter_ = 0;
   std::uint8_t counter_ = 0;
-  std::uint8_t output_length_ = kProcessData;
+  std::uint8_t output_length_ = 30;
+  std::uint8_t input_length_ = 30;
   std::vector<Emergency> emergencies_;
 };
 

@@ -1,5 +1,6 @@
 #include "devices/tmcc160/parameter_memory.hpp"
 
+#include <array>
 #include <bit>
 
 #include "base/byte_order.hpp"
@@ -11,25 +12,12 @@ constexpr auto kMotor = static_cast<std::uint8_t>(Group::motor);
 constexpr auto kPositionScale = static_cast<std::uint8_t>(Group::position_scale);
 }  // namespace
 
-std::span<const std::byte> ParameterMemory::image(std::uint8_t group) const {
-  return connected_ != nullptr ? connected_->image(group)
-                               : std::span<const std::byte>(images_.at(group));
-}
-
 void ParameterMemory::store(std::uint8_t group, std::span<const std::byte> bytes) {
-  keep(group, bytes);
+  ParameterImages::store(group, bytes);
   if (group == kMotor) {
     std::array<std::byte, 8> scale{};
     base::store_le(scale, 0, std::bit_cast<std::uint64_t>(scale_()));
-    keep(kPositionScale, bytes.empty() ? std::span<const std::byte>() : scale);
-  }
-}
-
-void ParameterMemory::keep(std::uint8_t group, std::span<const std::byte> bytes) {
-  if (connected_ != nullptr) {
-    connected_->store(group, bytes);
-  } else {
-    images_.at(group).assign(bytes.begin(), bytes.end());
+    ParameterImages::store(kPositionScale, bytes.empty() ? std::span<const std::byte>() : scale);
   }
 }
 

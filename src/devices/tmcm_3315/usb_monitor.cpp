@@ -1,19 +1,12 @@
 #include "devices/tmcm_3315/usb_monitor.hpp"
 
-#include <algorithm>
-#include <stdexcept>
+#include <array>
 #include <string>
-
-#include "tmcl/command.hpp"
 
 namespace stator::devices::tmcm_3315 {
 
 namespace {
 
-using base::EventArgument;
-using base::EventRule;
-using base::Severity;
-using tmcl::Command;
 using tmcl::Status;
 
 /// Module 3315 and its firmware.
@@ -25,14 +18,11 @@ tmcl::ModuleIdentity identity(FirmwareVersion firmware) {
           .version_number = 3315 << 16 | 1 << 8 | minor};
 }
 
-constexpr EventRule kReadsOnly{
-    "tmcm3315-usb-reads-only", Severity::refusal,
-    "USB: {0} (TMCL command {1}) refused with status 6: this interface reads values and moves or "
-    "changes nothing; use EtherCAT"};
-constexpr EventRule kUnknownCommand{
-    "tmcm3315-usb-unknown-command", Severity::refusal,
-    "USB: TMCL command {0} refused with status 2: this interface knows GAP (6), GGP (10), GIO (15) "
-    "and the firmware version (136)"};
+constexpr std::array<UsbMonitor::IndexOffsets, kAxisCount> kAxes{
+    {{0, 0},
+     {kManufacturerAxisOffset, kProfileAxisOffset},
+     {2 * kManufacturerAxisOffset, 2 * kProfileAxisOffset}}};
+
 constexpr auto kParameters = std::to_array<ReadableParameter>({
     {0, "target position", 0x607A},
     {1, "actual position", 0x6064},
@@ -83,39 +73,6 @@ constexpr auto kParameters = std::to_array<ReadableParameter>({
     {214, "standby delay", 0x2089},
 });
 
-/// Commands that exist on modules of this family and would move or change something.
-constexpr bool moves_or_changes(Command command) {
-  switch (command) {
-    case Command::rotate_right:
-    case Command::rotate_left:
-    case Command::motor_stop:
-    case Command::move_to_position:
-    case Command::set_axis_parameter:
-    case Command::store_axis_parameter:
-    case Command::restore_axis_parameter:
-    case Command::set_global_parameter:
-    case Command::store_global_parameter:
-    case Command::restore_global_parameter:
-    case Command::reference_search:
-    case Command::set_output:
-    case Command::set_coordinate:
-    case Command::get_coordinate:
-    case Command::capture_coordinate:
-    case Command::accumulator_to_coordinate:
-    case Command::stop_application:
-    case Command::run_application:
-    case Command::step_application:
-    case Command::reset_application:
-    case Command::start_download:
-    case Command::quit_download:
-    case Command::restore_factory_settings:
-    case Command::software_reset:
-      return true;
-    default:
-      return false;
-  }
-}
-
 }  // namespace
 
 std::span<const ReadableParameter> readable_parameters() {
@@ -125,79 +82,9 @@ std::span<const ReadableParameter> readable_parameters() {
 UsbMonitor::UsbMonitor(const dictionary::Dictionary& dictionary, const ModuleIo& io,
                        FirmwareVersion firmware, std::size_t firmware_capacity,
                        base::EventReporter reporter)
-    : ModuleInterface(identity(firmware), {.size = static_cast<std::uint32_t>(firmware_capacity)},
-                      reporter),
-      io_(io) {
-  for (std::uint8_t axis = 0; axis < kAxisCount; ++axis) {
-    for (const ReadableParameter& parameter : kParameters) {
-      const unsigned offset =
-          axis * (parameter.index < 0x6000 ? kManufacturerAxisOffset : kProfileAxisOffset);
-      const dictionary::Entry* source =
-          dictionary.find(static_cast<std::uint16_t>(parameter.index + offset), parameter.subindex);
-      if (source == nullptr) {
-        throw std::logic_error("TMCL axis parameter " + std::to_string(parameter.number) +
-                               " shows an object that does not exist");
-      }
-      sources_[axis].push_back(source);
-    }
-  }
-}
-
-UsbMonitor::Answer UsbMonitor::execute(const tmcl::Request& request, base::SimTime now) {
-  const auto command = static_cast<Command>(request.command);
-  switch (command) {
-    case Command::get_axis_parameter:
-      return get_axis_parameter(request);
-    case Command::get_global_parameter:
-      return get_global_parameter(request, now);
-    case Command::get_input:
-      return get_input(request);
-    default:
-      break;
-  }
-  if (moves_or_changes(command)) {
-    reporter().report(
-        now, kReadsOnly,
-        {EventArgument(tmcl::name_of(request.command)), EventArgument(int{request.command})});
-    return {Status::command_not_available};
-  }
-  reporter().report(now, kUnknownCommand, {EventArgument(int{request.command})});
-  return {Status::invalid_command};
-}
-
-UsbMonitor::Answer UsbMonitor::get_axis_parameter(const tmcl::Request& request) const {
-  const auto parameter = std::ranges::find(kParameters, request.type, &ReadableParameter::number);
-  if (parameter == kParameters.end()) {
-    return {Status::wrong_type};
-  }
-  if (request.motor >= kAxisCount) {
-    return {Status::invalid_value};
-  }
-  const auto position = static_cast<std::size_t>(parameter - kParameters.begin());
-  const std::uint64_t value = sources_[request.motor][position]->value() >> parameter->first_bit;
-  const std::uint64_t mask = (std::uint64_t{1} << parameter->bits) - 1;
-  return {Status::success, static_cast<std::int32_t>(value & mask)};
-}
-
-UsbMonitor::Answer UsbMonitor::get_global_parameter(const tmcl::Request& request,
-                                                    base::SimTime now) {
-  constexpr std::uint8_t kOwnSerialAddress = 66;
-  constexpr std::uint8_t kSerialHostAddress = 76;
-  constexpr std::uint8_t kTickTimer = 132;
-  if (request.motor != 0) {
-    return {Status::invalid_value};
-  }
-  switch (request.type) {
-    case kOwnSerialAddress:
-      return {Status::success, kModuleAddress};
-    case kSerialHostAddress:
-      return {Status::success, kHostAddress};
-    case kTickTimer:
-      return {Status::success, static_cast<std::int32_t>(now.nanoseconds() / 1'000'000)};
-    default:
-      return {Status::wrong_type};
-  }
-}
+    : TmclMonitor(dictionary, kParameters, kAxes, identity(firmware),
+                  {.size = static_cast<std::uint32_t>(firmware_capacity)}, reporter),
+      io_(io) {}
 
 UsbMonitor::Answer UsbMonitor::get_input(const tmcl::Request& request) const {
   constexpr std::uint8_t kDigitalInputs = 0;

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "board/board_configuration.hpp"
+
+namespace stator::devices {
+
+/// What surrounds a TMC8461 on its board: EEPROM and configuration pins.
+struct Tmc8461Configuration {
+  /// The EEPROM's content. Empty: it is made from what follows.
+  std::vector<std::byte> sii{};
+
+  std::uint32_t vendor_id = 0x0286;
+  std::uint32_t product_code = 0x8461;
+  std::uint32_t revision = 1;
+  std::uint32_t serial_number = 0;
+  std::uint16_t station_alias = 0;
+  std::string name = "TMC8461";
+
+  /// Process data of a fixed size in sync managers 2 and 3, bytes, 0..128 each.
+  std::uint16_t output_bytes = 4;
+  std::uint16_t input_bytes = 4;
+  /// Where they begin, 0x1000..0x4FFF.
+  std::uint16_t output_address = 0x1100;
+  std::uint16_t input_address = 0x1400;
+  /// Length of each mailbox (sync managers 0 and 1, from 0x1000 on); 0: the firmware has none.
+  std::uint16_t mailbox_bytes = 0;
+  bool coe = false;  ///< the firmware has an object dictionary behind its mailbox
+
+  std::uint8_t pdi_configuration = 0x03;  ///< 0x0150: SPI mode 3, interrupt and chip select low
+  /// 0x0151: both SYNC pins are outputs, push-pull, active high.
+  std::uint8_t sync_latch_configuration = 0x44;
+  std::uint16_t sync_pulse_length = 1000;  ///< 0x0982, 10 ns; 0: the host ends a pulse
+
+  // Configuration pins.
+  bool device_emulation = false;  ///< PDI_EMULATION: the AL state follows the master's request
+  bool shared_bus = false;        ///< PDI_SHARED_BUS: both SPI slaves on the pins of one
+  bool phy_offset = false;        ///< PHY_OFFSET
+  bool large_eeprom = false;      ///< PROM_SIZE: 32 kbit instead of 16 kbit
+  /// RESET_OUT leads back to NRESET through an inverter, as the document asks for. Without it a
+  /// reset by register is only shown (L522).
+  bool reset_loop = true;
+  bool emergency_released = true;  ///< MFC_NES is driven high; open it reads low (L644)
+
+  board::BoardConfiguration board{};  ///< what is wired to the pins of the I/O block
+
+  bool acknowledge_by_write = false;  ///< the host acknowledges events by writing (0x014E bit 0)
+};
+
+}  // namespace stator::devices
