@@ -6,6 +6,8 @@
 #include <benchmark/benchmark.h>
 
 #include "control/foc/foc_block.hpp"
+#include "devices/tmc8670/servo_stage.hpp"
+#include "plant/pwm_axis.hpp"
 #include "plant/servo_axis.hpp"
 
 namespace {
@@ -16,6 +18,7 @@ using foc::field;
 
 constexpr double kLimit = 45e-9;        // s per PWM period of the FOC block
 constexpr double kDriveLimit = 100e-9;  // s per PWM period with inverter and motor
+constexpr double kSwitchedLimit = 250e-9;
 
 plant::ServoAxisParameters axis_parameters() {
   plant::ServoAxisParameters result;
@@ -134,7 +137,15 @@ BENCHMARK_CAPTURE(FocBlock_Step, encoder_velocity, 3, 2);
 BENCHMARK_CAPTURE(FocBlock_Step, encoder_position, 3, 3);
 BENCHMARK_CAPTURE(FocBlock_Step, hall_velocity, 5, 2);
 
-/// The same with the averaged inverter, the motor and its sensors, at 20 us. Target: 100 ns.
+void count_drive(benchmark::State& bench, double limit) {
+  using benchmark::Counter;
+  const auto steps = static_cast<double>(bench.iterations());
+  bench.counters["steps"] = Counter(steps, Counter::kIsRate);
+  bench.counters["of_limit"] = Counter(steps * limit, Counter::kIsRate | Counter::kInvert);
+}
+
+/// The same with the averaged inverter, the motor and its sensors as a servo axis has them, at
+/// 20 us. Target: 100 ns.
 void FocDrive_Step(benchmark::State& bench) {
   plant::ServoAxis axis(axis_parameters());
   foc::FocBlock block = tuned(3, 3);
@@ -143,11 +154,40 @@ void FocDrive_Step(benchmark::State& bench) {
     axis.step(actuation_of(block.step(inputs)), base::SimDuration(20'000));
     inputs = inputs_of(axis.sensing());
   }
-  using benchmark::Counter;
-  bench.counters["steps"] = Counter(static_cast<double>(bench.iterations()), Counter::kIsRate);
-  bench.counters["of_limit"] = Counter(static_cast<double>(bench.iterations()) * kDriveLimit,
-                                       Counter::kIsRate | Counter::kInvert);
+  count_drive(bench, kDriveLimit);
 }
 BENCHMARK(FocDrive_Step);
+
+/// The drive of a TMC8670: the block at a plant at PWM rate with converters, halls and encoder.
+/// Targets: 100 ns with the averaged inverter, 250 ns with the switched one.
+void ServoStage_Step(benchmark::State& bench, int mode, plant::InverterModel model,
+                     double dead_time) {
+  const plant::ServoAxisParameters equal = axis_parameters();
+  plant::PwmAxisParameters parameters;
+  parameters.motor = equal.motor;
+  parameters.load = equal.load;
+  parameters.inverter.pwm_frequency = 50e3;
+  parameters.inverter.dead_time = dead_time;
+  parameters.inverter_model = model;
+  devices::tmc8670::ServoStage stage(parameters);
+  stage.block() = tuned(3, mode);
+  stage.block().set(field("PWM_BBM_H"), 0);  // the dead time is that of the stage
+  stage.block().set(field("PWM_BBM_L"), 0);
+  stage.set_enable(true);
+  stage.set_brake_released(true);
+  for (int n = 0; n < 20'000; ++n) {
+    stage.step();
+  }
+  for (auto _ : bench) {
+    stage.step();
+  }
+  bench.counters["rpm"] = stage.block().get(field("PID_VELOCITY_ACTUAL"));
+  count_drive(bench, model == plant::InverterModel::switched ? kSwitchedLimit : kDriveLimit);
+}
+BENCHMARK_CAPTURE(ServoStage_Step, torque, 1, plant::InverterModel::averaged, 0.0);
+BENCHMARK_CAPTURE(ServoStage_Step, velocity, 2, plant::InverterModel::averaged, 0.0);
+BENCHMARK_CAPTURE(ServoStage_Step, position, 3, plant::InverterModel::averaged, 0.0);
+BENCHMARK_CAPTURE(ServoStage_Step, position_dead_time, 3, plant::InverterModel::averaged, 100e-9);
+BENCHMARK_CAPTURE(ServoStage_Step, position_switched, 3, plant::InverterModel::switched, 100e-9);
 
 }  // namespace

@@ -39,6 +39,7 @@ struct Panel {
   std::vector<double> x;
   std::vector<Curve> curves;
   bool from_zero = false;  ///< drawn with axes that begin at 0
+  bool logarithmic_x = false;
 };
 
 /// What an experiment gives back: numbers for a table, curves for a picture.
