@@ -17,8 +17,10 @@ void add_scan_command(CLI::App& app);
 void add_sdo_command(CLI::App& app);
 void add_move_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
+void add_tune_command(CLI::App& app);
 void add_demo_command(CLI::App& app);
 void add_tmcl_command(CLI::App& app);
 void add_can_exec_command(CLI::App& app);
+void add_mfc_command(CLI::App& app);
 
 }  // namespace stator::cli

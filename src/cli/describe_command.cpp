@@ -13,6 +13,8 @@
 #include "cli/cells.hpp"
 #include "cli/commands.hpp"
 #include "cli/failure.hpp"
+#include "cli/mfc_listing.hpp"
+#include "cli/peripheral_listing.hpp"
 #include "cli/products.hpp"
 #include "cli/register_listing.hpp"
 #include "cli/tmcl_module_listing.hpp"
@@ -82,6 +84,8 @@ struct DescribeOptions {
   std::string format = "table";
   std::string preset;
   bool registers = false;
+  bool mfc = false;
+  bool peripherals = false;
   bool signals = false;
   bool inputs = false;
   std::string parameters;  ///< of a module with TMCL: axis or global
@@ -145,7 +149,23 @@ void list_inputs(const DescribeOptions& options) {
   print_names(kInputColumns, rows, options.format);
 }
 
+void list_io_block(const DescribeOptions& options) {
+  if (options.device != "tmc8461") {
+    throw Failure(
+        fmt::format("a {} has no multi-function I/O block; a tmc8461 has one", options.device));
+  }
+  if (options.mfc) {
+    list_mfc_fields(options.format);
+  } else {
+    list_peripherals(options.format);
+  }
+}
+
 void describe(const DescribeOptions& options) {
+  if (options.mfc || options.peripherals) {
+    list_io_block(options);
+    return;
+  }
   if (options.registers) {
     list_registers(options.device, options.preset, options.format);
     return;
@@ -206,6 +226,17 @@ void add_describe_command(CLI::App& app) {
                                              "The slave controller's registers, field by field");
   command->add_option("--preset", options->preset, "Reading of the device: document or silicon")
       ->needs(registers);
+  CLI::Option* mfc =
+      command
+          ->add_flag(
+              "--mfc", options->mfc,
+              "Of the tmc8461: the registers of its multi-function I/O block, field by field")
+          ->excludes(registers);
+  command
+      ->add_flag("--peripherals", options->peripherals,
+                 "Of the tmc8461: what a rack file can wire to its pins")
+      ->excludes(registers)
+      ->excludes(mfc);
   CLI::Option* signals =
       command->add_flag("--signals", options->signals, "What of it can be recorded");
   command->add_flag("--inputs", options->inputs, "What around it a rack file's [[event]] can set")
@@ -222,6 +253,7 @@ void add_describe_command(CLI::App& app) {
       "  stator describe tmcm-3315 --format csv > objects.csv\n"
       "  stator describe tmcm-3315 --inputs\n"
       "  stator describe tmcm-142 --parameters axis --format csv\n"
+      "  stator describe tmc8461 --mfc --format csv\n"
       "  stator describe tmc8670 --registers --preset silicon --format csv");
   command->callback([options] { describe(*options); });
 }

@@ -5,7 +5,6 @@
 
 #include "cli/commands.hpp"
 #include "cli/files.hpp"
-#include "ethercat/sii_image.hpp"
 #include "rack/esi.hpp"
 #include "rack/product_catalogue.hpp"
 
@@ -27,7 +26,7 @@ std::string file_of(const ExportOptions& options) {
     return std::string(rack::make_can_device(product, {})->eds());
   }
   const auto device = rack::make_ethercat_device(product, {});
-  const auto sii = ethercat::build_sii_image(device->description(), device->dictionary());
+  const auto sii = device->sii_image();
   return options.kind == "sii" ? std::string(reinterpret_cast<const char*>(sii.data()), sii.size())
                                : rack::esi_xml(device->description(), device->dictionary(), sii);
 }

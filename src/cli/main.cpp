@@ -34,9 +34,11 @@ int run(int argc, char** argv) {
   stator::cli::add_sdo_command(app);
   stator::cli::add_move_command(app);
   stator::cli::add_simulate_command(app);
+  stator::cli::add_tune_command(app);
   stator::cli::add_demo_command(app);
   stator::cli::add_tmcl_command(app);
   stator::cli::add_can_exec_command(app);
+  stator::cli::add_mfc_command(app);
 
   try {
     app.parse(argc, argv);

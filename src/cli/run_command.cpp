@@ -51,6 +51,8 @@ struct RunOptions {
   std::string record;
   std::string record_period;
   std::vector<std::string> signals;
+  std::string trace;
+  std::vector<std::string> trace_pins;
   std::string duration;
   std::string state;
   bool no_emergencies = false;
@@ -183,6 +185,26 @@ void apply_to_first_network(const RunOptions& options, rack::RackConfiguration& 
   }
 }
 
+/// "[DEVICE=]FILE".
+rack::TraceConfiguration trace_of(const std::string& text) {
+  const std::size_t sign = text.find('=');
+  if (sign == std::string::npos) {
+    return {.file = text, .device = {}};
+  }
+  return {.file = text.substr(sign + 1), .device = text.substr(0, sign)};
+}
+
+void print_trace_end(const rack::PinTrace& trace, const std::string& file) {
+  fmt::print("{}: {} edges and words", file, trace.written());
+  if (trace.dropped() != 0) {
+    fmt::print(", {} lost because they came faster than they could be written", trace.dropped());
+  }
+  fmt::print("\n");
+  if (!trace.good()) {
+    throw Failure(fmt::format("tracing to {} failed; is the disk full?", file));
+  }
+}
+
 /// The rack file's configuration with the command line's options on top.
 rack::RackConfiguration configuration_of(const RunOptions& options) {
   rack::RackConfiguration configuration = base_configuration(options);
@@ -212,6 +234,10 @@ rack::RackConfiguration configuration_of(const RunOptions& options) {
   }
   if (configuration.record && !options.signals.empty()) {
     configuration.record->signals = options.signals;
+  }
+  if (!options.trace.empty()) {
+    configuration.trace = trace_of(options.trace);
+    configuration.trace->pins = options.trace_pins;
   }
   if (!options.state.empty()) {
     configuration.state = options.state;
@@ -288,6 +314,9 @@ void print_start(const rack::RackConfiguration& configuration, rack::Rack& rack,
   for (std::size_t i = 0; i < runner.line_count(); ++i) {
     print_line(configuration, rack.line(i).configuration(), runner.line(i).link());
   }
+  for (std::size_t i = 0; i < runner.chip_count(); ++i) {
+    fmt::print("Firmware of a chip connects to {}\n", runner.chip(i).name());
+  }
   fmt::print("Running; Ctrl-C ends it.\n");
   std::fflush(stdout);
 }
@@ -354,6 +383,10 @@ void run(const RunOptions& options) {
   signals.wait(limit);
   runner.stop();
   print_end(configuration, rack, runner);
+  if (rack.trace() != nullptr) {
+    rack.trace()->finish(runner.now());
+    print_trace_end(*rack.trace(), configuration.trace->file);
+  }
   if (rack.recorder() && !rack.recorder()->good()) {
     throw Failure(
         fmt::format("recording to {} failed; is the disk full?", configuration.record->file));
@@ -400,6 +433,16 @@ void add_run_command(CLI::App& app) {
   command->add_option("--record-period", options->record_period,
                       "Simulated time between two rows, e.g. 1ms");
   command->add_option("--signals", options->signals, "Signals to record, e.g. \"*.axis0.*\"");
+  auto* trace =
+      command->add_option("--trace", options->trace,
+                          "[DEVICE=]FILE: write the edges at the pins of a TMC8461 to this value "
+                          "change dump, for GTKWave");
+  command
+      ->add_option(
+          "--trace-pins", options->trace_pins,
+          "Pins to trace, e.g. MFCIO04,MFC_HV0; without it those wired to something, but for DAC0")
+      ->delimiter(',')
+      ->needs(trace);
   command->add_option("--duration", options->duration, "Stop after this time, e.g. 10s");
   command->add_option("--state", options->state,
                       "Directory in which devices keep EEPROM content, parameters and firmware");

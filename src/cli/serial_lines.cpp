@@ -80,37 +80,53 @@ std::string serial_address_text(const rack::ProductConfiguration& product) {
   return module != nullptr ? fmt::format(", address {}", module->serial_address) : "";
 }
 
-/// What programs set the line to, bit/s: TMCL's 9600, or what a paced line needs.
-std::uint32_t baud_rate_of(const rack::RackConfiguration& configuration,
-                           const rack::SerialLineConfiguration& line) {
-  std::uint32_t rate = devices::tmcm_142::kBaudRates.front();
+/// How programs talk over a line.
+struct LineUse {
+  std::string_view class_name = "serial_tmcl";  ///< PyTrinamic's name of it
+  std::uint32_t baud_rate = devices::tmcm_142::kBaudRates.front();
+};
+
+/// What the interface at the line speaks, and how fast: that of the last device named on it.
+LineUse use_of(const rack::RackConfiguration& configuration,
+               const rack::SerialLineConfiguration& line) {
+  LineUse use;
   for_each_device(configuration, [&](const rack::DeviceConfiguration& device) {
-    const auto* const module = std::get_if<devices::Tmcm142Configuration>(&device.product);
-    if (module != nullptr &&
-        std::ranges::find(device.serial, line.link, &rack::SerialConnection::line) !=
-            device.serial.end()) {
-      rate = devices::tmcm_142::kBaudRates.at(module->baud_rate);
+    const auto found = std::ranges::find(device.serial, line.link, &rack::SerialConnection::line);
+    if (found == device.serial.end()) {
+      return;
+    }
+    if (const auto* module = std::get_if<devices::Tmcm142Configuration>(&device.product)) {
+      use.baud_rate = devices::tmcm_142::kBaudRates.at(module->baud_rate);
+    } else if (std::holds_alternative<devices::Tmc8670Configuration>(device.product)) {
+      const bool registers = found->interface == devices::Tmc8670::kSerialInterfaces[1];
+      use = registers ? LineUse{"uart_ic", devices::tmc8670::HardwareUart::kDefaultBaudRate}
+                      : LineUse{"serial_tmcl", devices::tmc8670::McuUart::kBaudRate};
     }
   });
-  return rate;
+  return use;
 }
 
 /// How programs open the line, ready to paste.
 std::string hints(const rack::RackConfiguration& configuration,
                   const rack::SerialLineConfiguration& line, const link::SerialLink& link) {
+  const LineUse use = use_of(configuration, line);
   const auto address = link::parse_serial_link(line.link);
   if (address && address->kind == link::SerialLinkKind::tcp) {
-    return fmt::format(
-        "  ConnectionManager(\"--interface socket_serial_tmcl --port {0}\").connect()   # "
-        "PyTrinamic\n"
-        "  serial.serial_for_url(\"socket://{0}\")   # pyserial\n",
-        link.name());
+    const std::string trinamic =
+        use.class_name == LineUse{}.class_name
+            ? fmt::format(
+                  "  ConnectionManager(\"--interface socket_serial_tmcl --port {}\").connect()   # "
+                  "PyTrinamic\n",
+                  link.name())
+            : "";
+    return fmt::format("{1}  serial.serial_for_url(\"socket://{0}\")   # pyserial\n", link.name(),
+                       trinamic);
   }
   return fmt::format(
-      "  ConnectionManager(\"--interface serial_tmcl --port {0} --data-rate {1}\").connect()   # "
+      "  ConnectionManager(\"--interface {2} --port {0} --data-rate {1}\").connect()   # "
       "PyTrinamic\n"
       "  serial.Serial(\"{0}\", {1})   # pyserial\n",
-      link.name(), baud_rate_of(configuration, line));
+      link.name(), use.baud_rate, use.class_name);
 }
 
 }  // namespace

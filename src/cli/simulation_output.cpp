@@ -133,6 +133,7 @@ void draw(const Result& result, const std::string& csv_path, const std::string& 
     rack::PlotPanel drawn;
     drawn.label = labelled(panel.name, panel.unit);
     drawn.from_zero = panel.from_zero;
+    drawn.logarithmic_x = panel.logarithmic_x;
     drawn.x_label = labelled(panel.x_name, panel.x_unit);
     std::size_t measured = 0;
     std::size_t equations = 0;

@@ -36,10 +36,10 @@ void read_motor_thermal(TomlSection section, plant::ThermalParameters& thermal);
 void read_encoder(TomlSection section, plant::EncoderParameters& encoder);
 void read_switch(TomlSection section, plant::PositionSwitch& position_switch);
 
-/// What surrounds a motor: supply, load, brake, encoder and switches; `Parameters` is
-/// plant::StepperAxisParameters or plant::ServoAxisParameters.
+/// What surrounds a motor: supply, load, brake and switches; `Parameters` is
+/// plant::StepperAxisParameters, plant::ServoAxisParameters or plant::PwmAxisParameters.
 template <typename Parameters>
-void read_axis_surroundings(TomlSection& section, Parameters& parameters) {
+void read_axis_mechanics(TomlSection& section, Parameters& parameters) {
   set(section, "supply_voltage", 0.0, 100.0, parameters.supply_voltage);
   set(section, "initial_position", -kFarAway, kFarAway, parameters.initial_revolutions);
   set(section, "ambient_temperature", -50.0, 200.0, parameters.ambient_temperature);
@@ -60,9 +60,6 @@ void read_axis_surroundings(TomlSection& section, Parameters& parameters) {
     parameters.right_switch.level_if_not_fitted = *high;
     parameters.home_switch.level_if_not_fitted = *high;
   }
-  if (auto encoder = section.section("encoder")) {
-    read_encoder(*encoder, parameters.encoder);
-  }
   if (auto left = section.section("left_switch")) {
     read_switch(*left, parameters.left_switch);
   }
@@ -71,6 +68,15 @@ void read_axis_surroundings(TomlSection& section, Parameters& parameters) {
   }
   if (auto home = section.section("home_switch")) {
     read_switch(*home, parameters.home_switch);
+  }
+}
+
+/// The same with the encoder of an axis that has one.
+template <typename Parameters>
+void read_axis_surroundings(TomlSection& section, Parameters& parameters) {
+  read_axis_mechanics(section, parameters);
+  if (auto encoder = section.section("encoder")) {
+    read_encoder(*encoder, parameters.encoder);
   }
 }
 

@@ -9,6 +9,8 @@
 #include "rack/product_catalogue.hpp"
 #include "rack/serial_section.hpp"
 #include "rack/stepper_axis_section.hpp"
+#include "rack/tmc8461_section.hpp"
+#include "rack/tmc8670_section.hpp"
 #include "rack/tmcc160_section.hpp"
 #include "rack/tmcm_142_section.hpp"
 
@@ -58,12 +60,20 @@ void read_product(TomlSection& section, devices::Tmcm3315Configuration& configur
   }
 }
 
+void read_product(TomlSection& section, devices::Tmc8670Configuration& configuration) {
+  read_tmc8670(section, configuration);
+}
+
 void read_product(TomlSection& section, devices::Tmcc160Configuration& configuration) {
   read_tmcc160(section, configuration);
 }
 
 void read_product(TomlSection& section, devices::Tmcm142Configuration& configuration) {
   read_tmcm_142(section, configuration);
+}
+
+void read_product(TomlSection& section, devices::Tmc8461Configuration& configuration) {
+  read_tmc8461(section, configuration);
 }
 
 [[noreturn]] void read_product(TomlSection& section, OwnCanDevice& /*configuration*/) {

@@ -250,6 +250,9 @@ DeviceStorage::~DeviceStorage() {
 
 void DeviceStorage::attach(const std::string& name, devices::EtherCatDevice& device,
                            base::EventReporter reporter) {
+  if (device.stores_parameters()) {
+    attach_parameters(name, device.description().order_code, device, reporter);
+  }
   auto member = std::make_unique<EtherCatMember>(*this, name, device, reporter);
   member->restore_eeprom();
   member->restore_firmware();
@@ -258,13 +261,18 @@ void DeviceStorage::attach(const std::string& name, devices::EtherCatDevice& dev
 
 void DeviceStorage::attach(const std::string& name, const std::string& product,
                            devices::CanDevice& device, base::EventReporter reporter) {
+  attach_parameters(name, product, device, reporter);
+  auto member = std::make_unique<DeviceMember>(*this, name, product, device, reporter);
+  member->restore_firmware();
+  members_.push_back(std::move(member));
+}
+
+void DeviceStorage::attach_parameters(const std::string& name, const std::string& product,
+                                      devices::Device& device, base::EventReporter reporter) {
   auto parameters = std::make_unique<ParameterMember>(*this, name, product, reporter);
   parameters->restore();
   device.connect_memory(parameters->memory());
   members_.push_back(std::move(parameters));
-  auto member = std::make_unique<DeviceMember>(*this, name, product, device, reporter);
-  member->restore_firmware();
-  members_.push_back(std::move(member));
 }
 
 void DeviceStorage::service(base::SimTime now) {

@@ -16,7 +16,7 @@
 namespace stator::rack {
 
 /// Keeps what real devices keep without power in files of a state directory: EEPROM content in
-/// NAME.eeprom, a firmware image in NAME.firmware, stored CANopen parameters in NAME.parameters.
+/// NAME.eeprom, a firmware image in NAME.firmware, stored parameters in NAME.parameters.
 ///
 /// Files are written in a background thread, so neither a frame nor firmware waits for the disk.
 /// A master writes an EEPROM word by word, hence its file follows when no word has come for
@@ -65,6 +65,8 @@ class DeviceStorage {
   class EtherCatMember;
   class ParameterMember;
 
+  void attach_parameters(const std::string& name, const std::string& product,
+                         devices::Device& device, base::EventReporter reporter);
   void handle_results(base::SimTime now);
 
   StateDirectory directory_;

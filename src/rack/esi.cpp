@@ -342,6 +342,17 @@ void add_eeprom(pugi::xml_node device, const ethercat::DeviceDescription& descri
   }
 }
 
+void add_profile(pugi::xml_node device, const Dictionary& dictionary) {
+  pugi::xml_node profile = device.append_child("Profile");
+  if (const Entry* device_type = dictionary.find(0x1000, 0); device_type != nullptr) {
+    add(profile, "ProfileNo", std::to_string(device_type->default_bits() & 0xFFFF));
+    add(profile, "AddInfo", std::to_string((device_type->default_bits() >> 16) & 0xFFFF));
+  }
+  pugi::xml_node content = profile.append_child("Dictionary");
+  add_data_types(content.append_child("DataTypes"), dictionary);
+  add_objects(content.append_child("Objects"), dictionary);
+}
+
 void add_device(pugi::xml_node devices, const ethercat::DeviceDescription& description,
                 const Dictionary& dictionary, std::span<const std::byte> sii) {
   pugi::xml_node device = devices.append_child("Device");
@@ -359,18 +370,14 @@ void add_device(pugi::xml_node devices, const ethercat::DeviceDescription& descr
   name.append_child(pugi::node_pcdata).set_value(description.name.c_str());
   add(device, "GroupType", description.group);
 
-  pugi::xml_node profile = device.append_child("Profile");
-  if (const Entry* device_type = dictionary.find(0x1000, 0); device_type != nullptr) {
-    add(profile, "ProfileNo", std::to_string(device_type->default_bits() & 0xFFFF));
-    add(profile, "AddInfo", std::to_string((device_type->default_bits() >> 16) & 0xFFFF));
+  if (description.coe) {
+    add_profile(device, dictionary);
   }
-  pugi::xml_node content = profile.append_child("Dictionary");
-  add_data_types(content.append_child("DataTypes"), dictionary);
-  add_objects(content.append_child("Objects"), dictionary);
-
   add_process_data_interfaces(device, description, dictionary);
   add_pdos(device, dictionary);
-  add_mailbox(device, description);
+  if (description.receive_mailbox.length != 0) {
+    add_mailbox(device, description);
+  }
   if (description.distributed_clocks) {
     pugi::xml_node mode = device.append_child("Dc").append_child("OpMode");
     add(mode, "Name", "SM_Sync");

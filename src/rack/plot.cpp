@@ -116,6 +116,7 @@ std::string script_for(const Plot& plot, const std::string& image_path) {
     if (!panel.window) {
       fmt::format_to(out, "set xrange [{}:*]\n", panel.from_zero ? "0" : "*");
     }
+    fmt::format_to(out, "{} logscale x\n", panel.logarithmic_x ? "set" : "unset");
     const std::uint64_t thinning = panel.window ? 1 : 1 + plot.rows / kPointsShown;
     std::string separator = "plot ";
     for (const PlotCurve& curve : panel.curves) {

@@ -31,6 +31,7 @@ struct PlotPanel {
   std::optional<std::pair<double, double>> window;  ///< x shown; all there is if empty
   std::string x_label = "time / s";
   bool from_zero = false;  ///< both axes begin at 0
+  bool logarithmic_x = false;
 };
 
 /// A picture of one recording or series of measurements: panels above each other.

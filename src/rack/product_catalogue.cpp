@@ -15,10 +15,13 @@ namespace stator::rack {
 
 namespace {
 
-constexpr std::array<Product, 3> kProducts{{
+constexpr std::array<Product, 5> kProducts{{
     {"tmcm-3315", "three-axis stepper module, CiA 402, TMCM-3315", "EtherCAT (CoE, FoE)",
      NetworkKind::segment, 2, devices::Tmcm3315::kSerialInterfaces,
      [] { return ProductConfiguration(devices::Tmcm3315Configuration{}); }},
+    {"tmc8670", "servo drive in a chip, field-oriented control, CiA 402, TMC8670",
+     "EtherCAT (CoE, FoE)", NetworkKind::segment, 2, devices::Tmc8670::kSerialInterfaces,
+     [] { return ProductConfiguration(devices::Tmc8670Configuration{}); }},
     {"tmcc160", "servo drive for a three-phase motor, CiA 402, TMCC160", "CAN (CANopen)",
      NetworkKind::bus, 0, devices::Tmcc160::kSerialInterfaces,
      [] { return ProductConfiguration(devices::Tmcc160Configuration{}); }},
@@ -26,11 +29,28 @@ constexpr std::array<Product, 3> kProducts{{
      "RS-232, RS-485, RS-422, USB, CAN (TMCL)", NetworkKind::bus, 0,
      devices::Tmcm142::kSerialInterfaces,
      [] { return ProductConfiguration(devices::Tmcm142Configuration{}); }},
+    {"tmc8461",
+     "slave controller chip with multi-function I/O, TMC8461",
+     "EtherCAT; SPI (socket)",
+     NetworkKind::segment,
+     2,
+     {},
+     [] { return ProductConfiguration(devices::Tmc8461Configuration{}); }},
 }};
 
 std::unique_ptr<devices::EtherCatDevice> make(const devices::Tmcm3315Configuration& configuration,
                                               const base::EventReporter& reporter) {
   return std::make_unique<devices::Tmcm3315>(configuration, reporter);
+}
+
+std::unique_ptr<devices::EtherCatDevice> make(const devices::Tmc8670Configuration& configuration,
+                                              const base::EventReporter& reporter) {
+  return std::make_unique<devices::Tmc8670>(configuration, reporter);
+}
+
+std::unique_ptr<devices::EtherCatDevice> make(const devices::Tmc8461Configuration& configuration,
+                                              const base::EventReporter& reporter) {
+  return std::make_unique<devices::Tmc8461>(configuration, reporter);
 }
 
 std::unique_ptr<devices::CanDevice> make(const devices::Tmcc160Configuration& configuration,

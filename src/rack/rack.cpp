@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -81,11 +82,36 @@ Rack::Rack(const RackConfiguration& configuration, EventLog& log)
       static_cast<void>(find_input(*input));
     }
   }
+  if (configuration.trace) {
+    begin_trace(*configuration.trace, configuration.clock);
+  }
   if (configuration.record) {
     recorder_.emplace(configuration.record->file,
                       select_signals(signals(), configuration.record->signals),
                       configuration.record->period);
   }
+}
+
+void Rack::begin_trace(const TraceConfiguration& configuration, ClockKind clock) {
+  std::set<std::string> names;
+  for (SegmentMembers& members : segments_) {
+    for (NamedDevice& member : members.devices) {
+      auto* chip = dynamic_cast<devices::Tmc8461*>(member.device.get());
+      if (chip != nullptr &&
+          (configuration.device.empty() || configuration.device == member.name)) {
+        trace_ = std::make_unique<PinTrace>(*chip, configuration, clock);
+        return;
+      }
+      if (chip != nullptr) {
+        names.insert(member.name);
+      }
+    }
+  }
+  if (names.empty()) {
+    throw std::runtime_error("there is nothing to trace: the rack has no TMC8461");
+  }
+  throw std::runtime_error("there is no TMC8461 \"" + configuration.device +
+                           "\" to trace; there is \"" + *names.begin() + "\"");
 }
 
 void Rack::add(const SegmentConfiguration& segment, std::vector<std::string>& names) {

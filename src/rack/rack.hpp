@@ -16,6 +16,7 @@
 #include "rack/clock.hpp"
 #include "rack/device_storage.hpp"
 #include "rack/event_log.hpp"
+#include "rack/pin_trace.hpp"
 #include "rack/rack_configuration.hpp"
 #include "rack/recorder.hpp"
 #include "rack/serial_lines.hpp"
@@ -35,7 +36,8 @@ class Rack {
  public:
   /// Builds every device. `log` gets their events and must outlive the rack. Throws
   /// std::runtime_error when the recording cannot be opened or names signals that do not exist,
-  /// when an event sets an input that does not exist or to a value it cannot have, when a device
+  /// when an event sets an input that does not exist or to a value it cannot have, when there is no
+  /// chip or pin to trace, when a device
   /// has no serial interface of a given name, or when the state directory or a file in it cannot be
   /// used.
   Rack(const RackConfiguration& configuration, EventLog& log);
@@ -99,6 +101,8 @@ class Rack {
   /// All signals of all devices, named "device.signal", and of all buses.
   [[nodiscard]] std::vector<devices::Signal> signals();
   [[nodiscard]] const std::optional<Recorder>& recorder() const { return recorder_; }
+  /// The logic analyser; null without one.
+  [[nodiscard]] PinTrace* trace() { return trace_.get(); }
   /// Where devices keep what outlives power; null if nothing is kept.
   [[nodiscard]] DeviceStorage* storage() { return storage_.get(); }
 
@@ -134,7 +138,10 @@ class Rack {
   void report(std::uint16_t number, base::SimTime now, const base::EventRule& rule,
               const Arguments& arguments = {});
 
+  void begin_trace(const TraceConfiguration& configuration, ClockKind clock);
+
   EventLog& log_;
+  std::unique_ptr<PinTrace> trace_;  ///< outlives the chip it looks at
   std::vector<SegmentMembers> segments_;
   std::vector<BusMembers> buses_;
   SerialLines lines_;  ///< go first: they know devices and buses

@@ -14,6 +14,8 @@
 #include "can/error_counters.hpp"
 #include "can/frame_faults.hpp"
 #include "devices/can_device.hpp"
+#include "devices/tmc8461/tmc8461.hpp"
+#include "devices/tmc8670/tmc8670.hpp"
 #include "devices/tmcc160/tmcc160.hpp"
 #include "devices/tmcm_142/tmcm_142.hpp"
 #include "devices/tmcm_3315/tmcm_3315.hpp"
@@ -37,7 +39,8 @@ struct OwnCanDevice {
 /// Configuration of one product; a further product is a further alternative.
 using ProductConfiguration =
     std::variant<devices::Tmcm3315Configuration, devices::Tmcc160Configuration,
-                 devices::Tmcm142Configuration, OwnCanDevice>;
+                 devices::Tmcm142Configuration, devices::Tmc8670Configuration,
+                 devices::Tmc8461Configuration, OwnCanDevice>;
 
 /// The cable in front of a device, on the master's side of it. See wiring.hpp for the defaults.
 struct WiringConfiguration {
@@ -71,7 +74,8 @@ struct DeviceConfiguration {
   WiringConfiguration wiring{};
   /// Of its slave controller, from port to port; default: the product's own.
   std::optional<base::SimDuration> forwarding_delay{};
-  std::string eoe_interface{};             ///< TAP interface its EoE is bridged to; empty = no EoE
+  std::string eoe_interface{};  ///< TAP interface its EoE is bridged to; empty = no EoE
+  std::string host_link{};      ///< socket for the firmware beside a chip; see link::kChipLinkForms
   std::vector<SerialConnection> serial{};  ///< its serial interfaces that have a cable
 };
 
@@ -119,6 +123,14 @@ struct RecordConfiguration {
   std::string file;
   base::SimDuration period{1'000'000};
   std::vector<std::string> signals{"*"};
+};
+
+/// A logic analyser at the pins of a TMC8461.
+struct TraceConfiguration {
+  std::string file;                 ///< value change dump to write
+  std::string device;               ///< empty: the first one of the rack
+  std::vector<std::string> pins{};  ///< "MFCIO00".."MFC_HV7"; empty: those wired to something
+  std::size_t queue = std::size_t{1} << 18U;  ///< edges that wait for the disk at most, from 64 on
 };
 
 /// What devices are wired with.
@@ -192,6 +204,7 @@ struct RackConfiguration {
   /// Of serial lines that devices name; one that is not here is as SerialLineConfiguration says.
   std::vector<SerialLineConfiguration> lines;
   std::optional<RecordConfiguration> record;
+  std::optional<TraceConfiguration> trace;
   std::string state;  ///< directory in which devices keep what outlives power; empty = nothing kept
   std::vector<EventConfiguration> events;  ///< in any order
 };

@@ -60,6 +60,7 @@ DeviceConfiguration read_segment_device(TomlSection& section, std::set<std::stri
                                         std::span<const DeviceConfiguration> before) {
   DeviceConfiguration device = read_device(section, names, NetworkKind::segment);
   read_eoe(section, device);
+  device.host_link = section.text("spi").value_or("");
   read_wiring(section, before, device);
   section.finish();
   return device;

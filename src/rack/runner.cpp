@@ -98,6 +98,15 @@ Runner::Runner(Rack& rack, const RackConfiguration& configuration,
     buses_.push_back(bus.wire ? std::make_unique<BusThread>(shared_, buses_.size(), bus) : nullptr);
   }
   eoe_bridges_.open(rack, configuration, shared_.logger);
+  for (std::size_t segment = 0; segment < configuration.segments.size(); ++segment) {
+    const auto& devices = configuration.segments[segment].devices;
+    for (std::size_t device = 0; device < devices.size(); ++device) {
+      if (!devices[device].host_link.empty()) {
+        chips_.push_back(std::make_unique<ChipThread>(
+            shared_, DeviceAddress{segment, device, NetworkKind::segment}, devices[device]));
+      }
+    }
+  }
   for (std::size_t line = 0; line < rack.line_count(); ++line) {
     lines_.push_back(std::make_unique<SerialLineThread>(shared_, line, buses_));
   }
@@ -151,6 +160,9 @@ void Runner::start() {
   for (auto& line : lines_) {
     line->start();
   }
+  for (auto& chip : chips_) {
+    chip->start();
+  }
 }
 
 void Runner::stop() {
@@ -160,6 +172,9 @@ void Runner::stop() {
       segment->wake();
       segment->thread.join();
     }
+  }
+  for (auto& chip : chips_) {
+    chip->stop();
   }
   for (auto& line : lines_) {
     line->stop();

@@ -11,6 +11,7 @@
 #include "link/ethernet_link.hpp"
 #include "link/pcap_writer.hpp"
 #include "rack/bus_thread.hpp"
+#include "rack/chip_thread.hpp"
 #include "rack/eoe_bridge.hpp"
 #include "rack/rack.hpp"
 #include "rack/running_rack.hpp"
@@ -59,6 +60,9 @@ class Runner {
   [[nodiscard]] BusThread& bus(std::size_t index) { return *buses_[index]; }
   [[nodiscard]] std::size_t line_count() const { return lines_.size(); }
   [[nodiscard]] SerialLineThread& line(std::size_t index) { return *lines_[index]; }
+  /// Sockets for firmware beside chips, in the order in which the devices stand in the rack.
+  [[nodiscard]] std::size_t chip_count() const { return chips_.size(); }
+  [[nodiscard]] ChipThread& chip(std::size_t index) { return *chips_[index]; }
   [[nodiscard]] SegmentStatistics statistics(std::size_t segment);
   [[nodiscard]] const link::EthernetLink& link(
       std::size_t segment,
@@ -80,6 +84,7 @@ class Runner {
   std::vector<std::unique_ptr<SegmentThread>> segments_;
   std::vector<std::unique_ptr<BusThread>> buses_;  ///< null without a wire
   EoeBridges eoe_bridges_;
+  std::vector<std::unique_ptr<ChipThread>> chips_;
   std::vector<std::unique_ptr<SerialLineThread>> lines_;
 };
 

@@ -30,7 +30,21 @@ void set_degrees(TomlSection& section, const char* key, double limit, double& ta
   }
 }
 
-void read_motor(TomlSection section, plant::ThreePhaseMotorParameters& motor) {
+void read_current_sensing(TomlSection section, plant::CurrentSensingParameters& sensing) {
+  constexpr std::array kPhases{"u", "v", "w"};
+  for (std::size_t k = 0; k < 3; ++k) {
+    set(section, (std::string("gain_") + kPhases[k]).c_str(), 0.0, 2.0, sensing.gain[k]);
+    set(section, (std::string("offset_") + kPhases[k]).c_str(), -100.0, 100.0, sensing.offset[k]);
+  }
+  set(section, "noise", 0.0, 100.0, sensing.noise);
+  set(section, "resolution", 0.0, 100.0, sensing.resolution);
+  set(section, "range", 1e-3, 1e6, sensing.range);
+  section.finish();
+}
+
+}  // namespace
+
+void read_three_phase_motor(TomlSection section, plant::ThreePhaseMotorParameters& motor) {
   motor.pole_pairs =
       static_cast<int>(section.integer("pole_pairs", 1, 100).value_or(motor.pole_pairs));
   set(section, "resistance", 1e-3, 1e3, motor.resistance);
@@ -83,26 +97,12 @@ void read_halls(TomlSection section, plant::HallSensorParameters& halls) {
   section.finish();
 }
 
-void read_current_sensing(TomlSection section, plant::CurrentSensingParameters& sensing) {
-  constexpr std::array kPhases{"u", "v", "w"};
-  for (std::size_t k = 0; k < 3; ++k) {
-    set(section, (std::string("gain_") + kPhases[k]).c_str(), 0.0, 2.0, sensing.gain[k]);
-    set(section, (std::string("offset_") + kPhases[k]).c_str(), -100.0, 100.0, sensing.offset[k]);
-  }
-  set(section, "noise", 0.0, 100.0, sensing.noise);
-  set(section, "resolution", 0.0, 100.0, sensing.resolution);
-  set(section, "range", 1e-3, 1e6, sensing.range);
-  section.finish();
-}
-
-}  // namespace
-
 void read_servo_axis(TomlSection& section, plant::ServoAxisParameters& parameters) {
   if (const auto name = section.text("motor")) {
     parameters.motor = motor_named(section, *name);
   }
   if (auto motor = section.section("motor_data")) {
-    read_motor(*motor, parameters.motor);
+    read_three_phase_motor(*motor, parameters.motor);
   }
   if (auto thermal = section.section("motor_thermal")) {
     read_motor_thermal(*thermal, parameters.motor.thermal);

@@ -9,4 +9,9 @@ namespace stator::rack {
 /// RackFileError for unknown keys and values out of range.
 void read_servo_axis(TomlSection& section, plant::ServoAxisParameters& parameters);
 
+// Tables below that of an axis which axes of other products have as well.
+void read_three_phase_motor(TomlSection section, plant::ThreePhaseMotorParameters& motor);
+void read_inverter(TomlSection section, plant::InverterParameters& inverter);
+void read_halls(TomlSection section, plant::HallSensorParameters& halls);
+
 }  // namespace stator::rack

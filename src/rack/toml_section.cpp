@@ -26,6 +26,11 @@ bool TomlSection::is_text(const std::string& key) const {
   return node != nullptr && node->is_string();
 }
 
+bool TomlSection::is_boolean(const std::string& key) const {
+  const toml::node* node = table_->get(key);
+  return node != nullptr && node->is_boolean();
+}
+
 void TomlSection::fail(const std::string& key, const std::string& reason) const {
   const toml::node* node = table_->get(key);
   const toml::source_position place = (node != nullptr ? node->source() : table_->source()).begin;
@@ -139,6 +144,31 @@ std::optional<std::vector<std::string>> TomlSection::texts(const std::string& ke
   return values;
 }
 
+std::optional<std::vector<std::int64_t>> TomlSection::integers(const std::string& key,
+                                                               std::size_t count,
+                                                               std::int64_t minimum,
+                                                               std::int64_t maximum) {
+  const toml::node* node = find(key);
+  if (node == nullptr) {
+    return std::nullopt;
+  }
+  const std::string expected = fmt::format(
+      "\"{}\" must be a list of {} whole numbers from {} to {}", key, count, minimum, maximum);
+  const toml::array* array = node->as_array();
+  if (array == nullptr || array->size() != count) {
+    fail(key, expected);
+  }
+  std::vector<std::int64_t> numbers;
+  for (const toml::node& element : *array) {
+    if (!element.is_integer() || element.as_integer()->get() < minimum ||
+        element.as_integer()->get() > maximum) {
+      fail(key, expected);
+    }
+    numbers.push_back(element.as_integer()->get());
+  }
+  return numbers;
+}
+
 std::optional<TomlSection> TomlSection::section(const std::string& key) {
   const toml::node* node = find(key);
   if (node == nullptr) {
@@ -165,6 +195,14 @@ std::vector<TomlSection> TomlSection::sections(const std::string& key) {
                         *element.as_table());
   }
   return result;
+}
+
+std::vector<std::string> TomlSection::keys() const {
+  std::vector<std::string> keys;
+  for (const auto& [key, node] : *table_) {
+    keys.emplace_back(key.str());
+  }
+  return keys;
 }
 
 void TomlSection::finish() const {

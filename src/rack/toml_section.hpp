@@ -30,6 +30,8 @@ class TomlSection {
   std::optional<std::string> text(const std::string& key);
   /// Whether `key` is there and is a text, for keys that take a text or something else.
   [[nodiscard]] bool is_text(const std::string& key) const;
+  /// The same for keys that take a truth value or something else.
+  [[nodiscard]] bool is_boolean(const std::string& key) const;
   /// A text that must be one of `choices`.
   std::optional<std::string> choice(const std::string& key, const std::set<std::string>& choices);
   std::optional<bool> boolean(const std::string& key);
@@ -41,10 +43,16 @@ class TomlSection {
   std::optional<base::SimDuration> duration(const std::string& key, base::SimDuration minimum,
                                             base::SimDuration maximum);
   std::optional<std::vector<std::string>> texts(const std::string& key);
+  /// A list of `count` whole numbers in [minimum, maximum].
+  std::optional<std::vector<std::int64_t>> integers(const std::string& key, std::size_t count,
+                                                    std::int64_t minimum, std::int64_t maximum);
   /// The table below `key`.
   std::optional<TomlSection> section(const std::string& key);
   /// The tables of the array of tables below `key`; empty if there is none.
   std::vector<TomlSection> sections(const std::string& key);
+
+  /// All keys of the table, for tables whose keys are no fixed names.
+  [[nodiscard]] std::vector<std::string> keys() const;
 
   /// Throws for the first key that no call above asked for, and says which exist.
   void finish() const;

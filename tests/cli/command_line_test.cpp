@@ -25,7 +25,7 @@ TEST(CommandLine, HelpNamesEveryCommandAndSucceeds) {
   const Outcome outcome = stator("--help");
   EXPECT_EQ(outcome.status, 0);
   for (const char* command : {"run", "devices", "describe", "export", "scan", "sdo", "move",
-                              "simulate", "tmcl", "demo"}) {
+                              "simulate", "tune", "tmcl", "demo"}) {
     EXPECT_THAT(outcome.output, HasSubstr(command));
   }
 }

@@ -1,0 +1,109 @@
+#include "rack/board_section.hpp"
+
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "board/block_pins.hpp"
+#include "board/board.hpp"
+#include "board/peripheral_types.hpp"
+#include "mfc/signal.hpp"
+#include "rack/text.hpp"
+
+namespace stator::rack {
+
+namespace {
+
+using board::PeripheralConfiguration;
+using board::PeripheralType;
+
+const PeripheralType& read_type(TomlSection& section) {
+  std::set<std::string> types;
+  for (const PeripheralType* type : board::peripheral_types()) {
+    types.emplace(type->name);
+  }
+  const auto name = section.choice("type", types);
+  if (!name) {
+    section.fail("type",
+                 fmt::format("\"type\" is missing; it says what kind of peripheral it is: {}",
+                             fmt::join(types, ", ")));
+  }
+  return *board::find_peripheral_type(*name);
+}
+
+std::optional<unsigned> read_line(TomlSection& section, const std::string& pin) {
+  if (!section.is_text(pin)) {
+    const auto number = section.integer(pin, 0, std::int64_t{board::kLines} - 1);
+    return number ? std::optional(static_cast<unsigned>(*number)) : std::nullopt;
+  }
+  const std::set<std::string> names(mfc::kLineNames.begin(), mfc::kLineNames.end());
+  const std::string name = *section.choice(pin, names);
+  unsigned line = 0;
+  while (mfc::kLineNames[line] != name) {
+    ++line;
+  }
+  return line;
+}
+
+void read_wires(TomlSection section, PeripheralConfiguration& peripheral) {
+  for (const board::PinDeclaration& pin : peripheral.type->pins) {
+    if (const auto line = read_line(section, std::string(pin.name))) {
+      peripheral.wire(pin.name, *line);
+    }
+  }
+  section.finish();
+}
+
+void read_parameter(TomlSection& section, const board::ParameterDeclaration& parameter,
+                    board::Settings& settings) {
+  const std::string key(parameter.name);
+  if (parameter.is_text) {
+    if (const auto text = section.text(key)) {
+      settings.set(parameter.name, *text);
+    }
+  } else if (section.is_boolean(key) && parameter.minimum == 0.0 && parameter.maximum == 1.0) {
+    settings.set(parameter.name, *section.boolean(key) ? 1.0 : 0.0);
+  } else if (const auto number = section.number(key, parameter.minimum, parameter.maximum)) {
+    settings.set(parameter.name, *number);
+  }
+}
+
+PeripheralConfiguration read_peripheral(TomlSection& section, const std::string& name) {
+  PeripheralConfiguration peripheral(name, read_type(section));
+  if (auto wires = section.section("wires")) {
+    read_wires(std::move(*wires), peripheral);
+  }
+  for (const board::ParameterDeclaration& parameter : peripheral.type->parameters) {
+    read_parameter(section, parameter, peripheral.settings);
+  }
+  for (const board::ConnectionDeclaration& connection : peripheral.type->connections) {
+    if (const auto other = section.text(std::string(connection.name))) {
+      peripheral.connect(connection.name, *other);
+    }
+  }
+  section.finish();
+  return peripheral;
+}
+
+}  // namespace
+
+void read_board(TomlSection& section, board::BoardConfiguration& configuration) {
+  for (const std::string& name : section.keys()) {
+    auto table = section.section(name);
+    configuration.peripherals.push_back(read_peripheral(*table, name));
+  }
+  section.finish();
+  try {
+    // Wired once to try, so that what is wrong is told with its place in the file.
+    mfc::Block block;
+    board::BlockPins pins(block);
+    const board::Board trial(configuration, pins, base::SimTime());
+  } catch (const board::BoardError& error) {
+    section.fail(error.peripheral(), fmt::format("\"{}\": {}", error.peripheral(), error.what()));
+  }
+}
+
+}  // namespace stator::rack

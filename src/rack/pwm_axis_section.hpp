@@ -1,0 +1,12 @@
+#pragma once
+
+#include "plant/pwm_axis.hpp"
+#include "rack/toml_section.hpp"
+
+namespace stator::rack {
+
+/// Reads the table of one axis whose PWM periods are simulated (docs/rack-file.md) over the values
+/// `parameters` has. Throws RackFileError for unknown keys and values out of range.
+void read_pwm_axis(TomlSection& section, plant::PwmAxisParameters& parameters);
+
+}  // namespace stator::rack

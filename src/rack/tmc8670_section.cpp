@@ -1,0 +1,162 @@
+#include "rack/tmc8670_section.hpp"
+
+#include <array>
+#include <charconv>
+#include <limits>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "base/byte_order.hpp"
+#include "base/event.hpp"
+#include "devices/tmc8670/objects.hpp"
+#include "dictionary/dictionary.hpp"
+#include "rack/pwm_axis_section.hpp"
+
+namespace stator::rack {
+
+namespace {
+
+using namespace base::literals;
+using devices::tmc8670::ObjectValue;
+
+std::optional<unsigned> hexadecimal(std::string_view digits, unsigned maximum) {
+  unsigned value = 0;
+  const auto [end, error] =
+      std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
+  if (digits.empty() || error != std::errc() || end != digits.data() + digits.size() ||
+      value > maximum) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+/// What the dictionary says against the value; empty if it takes it.
+std::string objection(const dictionary::Dictionary& dictionary, const ObjectValue& object) {
+  dictionary::Entry* entry = dictionary.find(object.index, object.subindex);
+  if (entry == nullptr) {
+    return "the device has no such object; see \"stator describe tmc8670\"";
+  }
+  if (dictionary::is_string(entry->type())) {
+    return "it is a text";
+  }
+  std::array<std::byte, 8> bytes{};
+  base::store_le(bytes, 0, object.bits);
+  const std::size_t size = entry->size();
+  const auto written = dictionary.write(*entry, std::span(bytes).first(size), {});
+  if (!written) {
+    const dictionary::Refusal& refusal = written.error();
+    return refusal.rule != nullptr ? base::to_sentence({{}, refusal.rule, 0, refusal.arguments})
+                                   : std::string(dictionary::to_text(refusal.code));
+  }
+  // What does not fit the type was cut off.
+  if (entry->value() != object.bits) {
+    return fmt::format("{} does not fit {}", static_cast<std::int64_t>(object.bits),
+                       dictionary::to_text(entry->type()));
+  }
+  return {};
+}
+
+void read_objects(TomlSection section, std::vector<ObjectValue>& objects) {
+  dictionary::Dictionary dictionary;
+  devices::tmc8670::add_objects(dictionary);
+  for (const std::string& key : section.keys()) {
+    std::optional<ObjectValue> object = object_named(key);
+    if (!object) {
+      section.fail(key, fmt::format("\"{}\" names no object; write index and subindex in "
+                                    "hexadecimal, e.g. \"6065\" or \"2030:03\"",
+                                    key));
+    }
+    const auto value = section.integer(key, std::numeric_limits<std::int32_t>::min(),
+                                       std::numeric_limits<std::uint32_t>::max());
+    object->bits = static_cast<std::uint64_t>(*value);
+    if (const std::string reason = objection(dictionary, *object); !reason.empty()) {
+      section.fail(key, fmt::format("\"{}\" cannot be {}: {}", key, *value, reason));
+    }
+    objects.push_back(*object);
+  }
+  section.finish();
+}
+
+/// A list of two small numbers, one for each port.
+std::optional<std::array<std::uint8_t, 2>> of_ports(TomlSection& section, const std::string& key,
+                                                    std::int64_t maximum) {
+  const auto numbers = section.integers(key, 2, 0, maximum);
+  if (!numbers) {
+    return std::nullopt;
+  }
+  return std::array<std::uint8_t, 2>{static_cast<std::uint8_t>((*numbers)[0]),
+                                     static_cast<std::uint8_t>((*numbers)[1])};
+}
+
+/// How chip and PHYs are connected, and who steers the clock.
+void read_straps(TomlSection& section, devices::Tmc8670Configuration& configuration) {
+  if (section.is_text("tx_shift")) {
+    static_cast<void>(section.choice("tx_shift", {"automatic"}));
+    configuration.tx_shift.reset();
+  } else if (const auto steps = of_ports(section, "tx_shift", 3)) {
+    configuration.tx_shift = *steps;
+  }
+  configuration.tx_clock_phase =
+      of_ports(section, "tx_clock_phase", 30).value_or(configuration.tx_clock_phase);
+  const std::set<std::string> levels{"low", "high"};
+  if (const auto polarity = section.choice("link_polarity", levels)) {
+    configuration.link_polarity = *polarity == "high";
+  }
+  if (const auto polarity = section.choice("phy_link_polarity", levels)) {
+    configuration.phy_link_active_high.fill(*polarity == "high");
+  }
+  configuration.host_controls_time =
+      section.boolean("host_controls_time").value_or(configuration.host_controls_time);
+}
+
+}  // namespace
+
+std::optional<ObjectValue> object_named(std::string_view key) {
+  const std::size_t colon = key.find(':');
+  std::string_view index = key.substr(0, colon);
+  if (index.ends_with('h')) {
+    index.remove_suffix(1);
+  }
+  const auto number = hexadecimal(index, 0xFFFF);
+  const auto subindex = colon == std::string_view::npos ? std::optional<unsigned>(0)
+                                                        : hexadecimal(key.substr(colon + 1), 0xFF);
+  if (!number || !subindex) {
+    return std::nullopt;
+  }
+  return ObjectValue{static_cast<std::uint16_t>(*number), static_cast<std::uint8_t>(*subindex)};
+}
+
+void read_tmc8670(TomlSection& section, devices::Tmc8670Configuration& configuration) {
+  if (const auto alias = section.integer("alias", 0, 0xFFFF)) {
+    configuration.station_alias = static_cast<std::uint16_t>(*alias);
+  }
+  if (const auto number = section.integer("serial_number", 0, 0xFFFFFFFF)) {
+    configuration.serial_number = static_cast<std::uint32_t>(*number);
+  }
+  configuration.controller =
+      section.choice("controller", {"document", "silicon"}).value_or(configuration.controller);
+  if (const auto deviation = section.integer("clock_deviation_ppb", -1'000'000, 1'000'000)) {
+    configuration.clock_deviation_ppb = static_cast<std::int32_t>(*deviation);
+  }
+  read_straps(section, configuration);
+  configuration.emergencies = section.boolean("emergencies").value_or(configuration.emergencies);
+  configuration.require_outputs =
+      section.boolean("require_outputs").value_or(configuration.require_outputs);
+  if (const auto identification = section.integer("identification", 0, 0xFFFF)) {
+    configuration.identification = static_cast<std::uint16_t>(*identification);
+  }
+  configuration.firmware_erase_time = section.duration("firmware_erase_time", 0_us, 60_s)
+                                          .value_or(configuration.firmware_erase_time);
+  if (auto axis = section.section("axis")) {
+    read_pwm_axis(*axis, configuration.axis);
+  }
+  if (auto objects = section.section("objects")) {
+    read_objects(*objects, configuration.objects);
+  }
+}
+
+}  // namespace stator::rack
