@@ -8,7 +8,8 @@ A device page has text written by hand and, between two marker lines, its confor
 requirement of tests/data/<device>/requirements.csv in words, block by block, with its status and
 tests from docs/conformance/<device>.csv. The table is what `stator describe` prints: the object
 dictionary of a product, <device>-objects.md, its parameters and commands, <device>-parameters.md,
-or the registers of a bare slave controller, <device>-registers.md.
+the registers of a bare slave controller, <device>-registers.md, or what can be wired to the pins of
+an I/O chip, <device>-peripherals.md.
 """
 
 import argparse
@@ -127,10 +128,20 @@ def main():
             if made := product_page(device, arguments.stator):
                 kind, table = made
                 wanted[page.with_name(f"{device}-{kind}.md")] = table
-        elif table := registers_page(device, arguments.stator):
-            wanted[page.with_name(f"{device}-registers.md")] = table
-        elif page.with_name(f"{device}-registers.md").exists():
-            sys.exit(f"stator describe {device} --registers fails, but its page is there")
+        # Of a product that is a slave controller itself the registers have a page beside the objects.
+        registers = page.with_name(f"{device}-registers.md")
+        if device not in running or registers.exists():
+            if table := registers_page(device, arguments.stator):
+                wanted[registers] = table
+            elif registers.exists():
+                sys.exit(f"stator describe {device} --registers fails, but its page is there")
+        peripherals = page.with_name(f"{device}-peripherals.md")
+        if peripherals.exists():
+            table, command = describe(device, arguments.stator, "--peripherals")
+            wanted[peripherals] = (
+                f"# Peripherals at the pins of a {device.upper()}\n\n"
+                f"Made by `{command} --format markdown`. "
+                f"[How to wire them](../how-to/board-at-the-pins.md).\n\n{table}")
         for path, text in wanted.items():
             if path.exists() and path.read_text(encoding="utf-8") == text:
                 continue

@@ -39,6 +39,13 @@ class DevicePages(unittest.TestCase):
         self.assertEqual(sorted(pages), ["chip-objects.md", "chip.md"])
         self.assertIn("table of describe chip --format markdown", pages["chip-objects.md"])
 
+    def test_peripherals_of_an_io_chip_are_made_again(self):
+        tree = {**TREE, "docs/devices/chip-peripherals.md": "old"}
+        with mock.patch.dict(TREE, tree):
+            pages = self.run_script(products="chip  a product")
+        self.assertIn("table of describe chip --peripherals --format markdown",
+                      pages["chip-peripherals.md"])
+
     def test_a_bare_controller_gets_its_registers(self):
         pages = self.run_script()
         self.assertEqual(sorted(pages), ["chip-registers.md", "chip.md"])
