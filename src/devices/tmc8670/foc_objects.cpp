@@ -7,7 +7,6 @@ namespace stator::devices::tmc8670 {
 namespace {
 
 using dictionary::EntryDeclaration;
-using dictionary::hex;
 using enum dictionary::DataType;
 using enum dictionary::ObjectCode;
 using enum dictionary::Access;

@@ -16,9 +16,9 @@ namespace stator::experiment::tuning {
 
 /// A gain as calculated and as its register takes it.
 struct Gain {
-  const char* name;    ///< e.g. "P torque"
-  const char* format;  ///< q8.8, q0.15 or q4.12
-  control::foc::Field field;
+  const char* name = "";    ///< e.g. "P torque"
+  const char* format = "";  ///< q8.8, q0.15 or q4.12
+  control::foc::Field field{};
   double wanted = 0.0;     ///< in steps of the register
   std::int32_t value = 0;  ///< rounded and cut to 0..32767
   /// What rounding or cutting changes, as a share of what was wanted.
