@@ -107,6 +107,19 @@ void Segment::set_cable(SlavePort port, bool intact) {
   update_links();
 }
 
+void Segment::inject(const FrameFault& fault) {
+  if (!has_cable(fault.port)) {
+    throw std::logic_error("port " + std::to_string(fault.port.port) + " of slave " +
+                           std::to_string(fault.port.slave) + " has no cable");
+  }
+  std::optional<SlavePort> at = fault.port;
+  if (fault.leaving) {
+    const Wiring::Peer& peer = wiring_.peer(fault.port);
+    at = peer.kind == Wiring::Peer::Kind::slave ? std::optional(peer.slave_port) : std::nullopt;
+  }
+  faults_.add(fault.kind, at, fault.frames);
+}
+
 void Segment::set_carrier(MasterInterface interface, bool up) {
   carriers_[static_cast<std::size_t>(interface)] = up;
   update_links();
@@ -188,20 +201,45 @@ void Segment::plan(MasterInterface entry) {
   }
 }
 
-/// The frame is torn in a receive FIFO on its way. Returns how many slaves have processed it
-/// before; those behind see that it is broken and process nothing.
-std::size_t Segment::tear(const Way& way, std::size_t length) {
-  const std::vector<Reception>& receptions = way.route.receptions;
-  const auto torn_at = std::ranges::find_if(
-      receptions, [length](const Reception& at) { return at.longest_frame < length; });
-  ReceiveError error = ReceiveError::invalid_frame;
-  for (auto reception = torn_at; reception != receptions.end(); ++reception) {
-    const SlavePort at = reception->at;
-    stations_[at.slave].slave->count_receive_error(at.port, error);
-    error = ReceiveError::forwarded_error;  // the first one marks the frame
+/// Looks for the place where a frame of this length is torn in a receive FIFO or hit by a fault.
+/// Returns how many slaves have processed it before; those behind process nothing. Nothing: it
+/// passes.
+std::optional<std::size_t> Segment::interrupt(const Way& way, std::size_t length) {
+  const std::span<const Reception> receptions = way.route.receptions;
+  for (std::size_t i = 0; i < receptions.size(); ++i) {
+    if (receptions[i].longest_frame < length) {
+      ++statistics_.torn;
+      count_broken_frame(receptions.subspan(i));
+      return receptions[i].visits;
+    }
+    if (const std::optional<FrameFaultKind> fault = faults_.hit(receptions[i].at)) {
+      if (*fault == FrameFaultKind::corrupt) {
+        ++statistics_.corrupted;
+        count_broken_frame(receptions.subspan(i));
+      } else {
+        ++statistics_.dropped;
+      }
+      return receptions[i].visits;
+    }
   }
-  ++statistics_.torn;
-  return torn_at->visits;
+  if (!way.route.exit) {
+    return std::nullopt;
+  }
+  if (const std::optional<FrameFaultKind> fault = faults_.hit(std::nullopt)) {
+    ++(*fault == FrameFaultKind::corrupt ? statistics_.corrupted : statistics_.dropped);
+    return way.stops.size();
+  }
+  return std::nullopt;
+}
+
+/// A frame whose check sequence fails at the first of these receptions. The slave there marks it,
+/// so that those behind count an error that is not their own.
+void Segment::count_broken_frame(std::span<const Reception> receptions) {
+  ReceiveError error = ReceiveError::invalid_frame;
+  for (const Reception& reception : receptions) {
+    stations_[reception.at.slave].slave->count_receive_error(reception.at.port, error);
+    error = ReceiveError::forwarded_error;
+  }
 }
 
 const Segment::Way& Segment::way(MasterInterface entry) {
@@ -241,10 +279,11 @@ std::optional<MasterInterface> Segment::process(std::span<std::byte> frame, base
     frame[kSourceMacOffset] |= kLocallyAdministered;
   }
   const std::span<DatagramView> active = std::span(datagrams_).first(count);
-  const bool torn = frame.size() > way.longest_frame;
   std::span<const Stop> stops = way.stops;
-  if (torn) [[unlikely]] {
-    stops = stops.first(tear(way, frame.size()));
+  std::optional<std::size_t> processed;
+  if (frame.size() > way.longest_frame || !faults_.empty()) [[unlikely]] {
+    processed = interrupt(way, frame.size());
+    stops = stops.first(processed.value_or(stops.size()));
   }
   for (const Stop& stop : stops) {
     if (stop.marks_circulating && !mark_circulating(active)) [[unlikely]] {
@@ -253,7 +292,7 @@ std::optional<MasterInterface> Segment::process(std::span<std::byte> frame, base
     }
     stop.slave->process(active, {arrival, arrival + stop.processing_unit, *stop.arrivals});
   }
-  if (torn) [[unlikely]] {
+  if (processed) [[unlikely]] {
     return std::nullopt;
   }
   for (const DatagramView& datagram : active) {
@@ -279,8 +318,7 @@ std::optional<MasterInterface> Segment::pass_foreign(std::span<std::byte> frame,
     ++statistics_.destroyed;
     return std::nullopt;
   }
-  if (frame.size() > way.longest_frame) {
-    static_cast<void>(tear(way, frame.size()));
+  if ((frame.size() > way.longest_frame || !faults_.empty()) && interrupt(way, frame.size())) {
     return std::nullopt;
   }
   if (way.route.entered) {

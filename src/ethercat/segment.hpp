@@ -9,6 +9,7 @@
 
 #include "base/sim_time.hpp"
 #include "ethercat/frame.hpp"
+#include "ethercat/frame_faults.hpp"
 #include "ethercat/slave_controller.hpp"
 #include "ethercat/topology.hpp"
 
@@ -22,6 +23,8 @@ struct SegmentStatistics {
   std::uint64_t malformed = 0;  ///< too short, or with a datagram that runs past the frame
   std::uint64_t lost = 0;       ///< ended at an open port without cable or at a closed one
   std::uint64_t torn = 0;       ///< too long for a receive FIFO between clocks that far apart
+  std::uint64_t dropped = 0;    ///< by inject(): did not arrive
+  std::uint64_t corrupted = 0;  ///< by inject(): arrived with wrong bits
   std::uint64_t destroyed = 0;  ///< circulating ones, and foreign ones the forwarding rule forbids
 };
 
@@ -65,6 +68,10 @@ class Segment {
   void set_cable(SlavePort port, bool intact);
   /// Breaks or heals the cable at port 0 of the slave with this index.
   void set_link(std::size_t index, bool up) { set_cable({index, 0}, up); }
+  /// Lets a fault hit the next frames at a port, after those asked for earlier at the same place. A
+  /// port without a cable, which no frame passes, is a mistake in a declaration: std::logic_error.
+  /// Allocates.
+  void inject(const FrameFault& fault);
   /// The master's interface is switched on or off; at the start both are on.
   void set_carrier(MasterInterface interface, bool up);
   /// Power of one slave. Off: its controller loses all state and its neighbours their links. On: it
@@ -123,7 +130,8 @@ class Segment {
   [[nodiscard]] const Way& way(MasterInterface entry);
   void plan();
   void plan(MasterInterface entry);
-  std::size_t tear(const Way& way, std::size_t length);
+  [[nodiscard]] std::optional<std::size_t> interrupt(const Way& way, std::size_t length);
+  void count_broken_frame(std::span<const Reception> receptions);
   [[nodiscard]] std::optional<MasterInterface> leave(const Route& route);
   [[nodiscard]] std::optional<MasterInterface> pass_foreign(std::span<std::byte> frame,
                                                             const Way& way);
@@ -135,6 +143,7 @@ class Segment {
   std::vector<SlaveForwarding> forwarding_;  ///< of each slave, while planning
   std::array<Way, kMasterInterfaces> ways_;
   bool topology_changed_ = false;  ///< ways_ are out of date; slaves set it too
+  FrameFaults faults_;
   SegmentStatistics statistics_;
   /// Of the frame in process(), and one for the look behind the last.
   std::array<DatagramView, kMaximumDatagrams + 1> datagrams_{};

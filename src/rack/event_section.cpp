@@ -20,6 +20,8 @@ using namespace base::literals;
 constexpr base::SimDuration kLatest(std::int64_t{1'000'000'000} * 86'400 * 365);
 
 constexpr double kAnyValue = 1e12;  // the input's own range decides
+/// That one fault hits.
+constexpr std::int64_t kMostFrames = 1'000'000;
 /// Simulated time between two steps of a ramp.
 constexpr base::SimDuration kRampStep = 1_ms;
 
@@ -76,13 +78,31 @@ const DeviceConfiguration& EventSectionReader::device_at(DeviceAddress address) 
                                           : rack_.segments[address.network].devices[address.device];
 }
 
-DeviceAddress EventSectionReader::read_can_target(TomlSection& section) const {
-  const DeviceAddress target = read_target(section);
+void EventSectionReader::require_can(TomlSection& section, DeviceAddress target) const {
   if (target.kind != NetworkKind::bus || !rack_.buses[target.network].wire) {
     section.fail("device", fmt::format("\"{}\" is on no CAN bus, so this cannot happen to it",
                                        device_at(target).name));
   }
+}
+
+DeviceAddress EventSectionReader::read_can_target(TomlSection& section) const {
+  const DeviceAddress target = read_target(section);
+  require_can(section, target);
   return target;
+}
+
+/// A port of an EtherCAT device with a cable, by default the one it is reached through.
+unsigned EventSectionReader::read_port(TomlSection& section, DeviceAddress target) const {
+  const SegmentConfiguration& segment = rack_.segments[target.network];
+  const DeviceConfiguration& device = segment.devices[target.device];
+  unsigned port = device.wiring.entry_port;
+  if (const auto given = section.integer("port", 0, 3)) {
+    port = static_cast<unsigned>(*given);
+  }
+  if (!has_cable(segment, target.device, port)) {
+    section.fail("port", fmt::format("port {} of \"{}\" has no cable", port, device.name));
+  }
+  return port;
 }
 
 RackEvent EventSectionReader::read_cable(TomlSection& section, bool intact) const {
@@ -94,16 +114,7 @@ RackEvent EventSectionReader::read_cable(TomlSection& section, bool intact) cons
   if (target.kind == NetworkKind::bus) {
     return CableEvent{target, 0, intact};
   }
-  const SegmentConfiguration& segment = rack_.segments[target.network];
-  const DeviceConfiguration& device = segment.devices[target.device];
-  CableEvent event{target, device.wiring.entry_port, intact};
-  if (const auto port = section.integer("port", 0, 3)) {
-    event.port = static_cast<unsigned>(*port);
-  }
-  if (!has_cable(segment, target.device, event.port)) {
-    section.fail("port", fmt::format("port {} of \"{}\" has no cable", event.port, device.name));
-  }
-  return event;
+  return CableEvent{target, read_port(section, target), intact};
 }
 
 std::size_t EventSectionReader::read_bus(TomlSection& section, const std::string& name) const {
@@ -122,6 +133,24 @@ std::size_t EventSectionReader::read_bus(TomlSection& section, const std::string
                            names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
+RackEvent EventSectionReader::read_segment_fault(TomlSection& section, DeviceAddress target,
+                                                 can::FrameFaultKind kind) const {
+  using ethercat::FrameFaultKind;
+  if (kind != can::FrameFaultKind::drop && kind != can::FrameFaultKind::corrupt) {
+    section.fail("action",
+                 fmt::format("\"{}\" is on EtherCAT, where frames can be hit by \"drop\" and "
+                             "\"corrupt\" only",
+                             device_at(target).name));
+  }
+  SegmentFaultEvent event{target.network, {}};
+  event.fault.kind =
+      kind == can::FrameFaultKind::drop ? FrameFaultKind::drop : FrameFaultKind::corrupt;
+  event.fault.port = {target.device, read_port(section, target)};
+  event.fault.leaving = section.choice("direction", {"in", "out"}) == "out";
+  event.fault.frames = static_cast<unsigned>(section.integer("frames", 1, kMostFrames).value_or(1));
+  return event;
+}
+
 RackEvent EventSectionReader::read_frame_fault(TomlSection& section,
                                                can::FrameFaultKind kind) const {
   FrameFaultEvent event;
@@ -129,11 +158,15 @@ RackEvent EventSectionReader::read_frame_fault(TomlSection& section,
   if (const auto bus = section.text("bus")) {
     event.bus = read_bus(section, *bus);
   } else {
-    const DeviceAddress target = read_can_target(section);
+    const DeviceAddress target = read_target(section);
+    if (target.kind == NetworkKind::segment) {
+      return read_segment_fault(section, target, kind);
+    }
+    require_can(section, target);
     event.bus = target.network;
     event.device = target.device;
   }
-  if (const auto frames = section.integer("frames", 1, 1'000'000)) {
+  if (const auto frames = section.integer("frames", 1, kMostFrames)) {
     event.fault.frames = static_cast<unsigned>(*frames);
   }
   if (const auto identifier = section.integer("identifier", 0, can::kExtendedIdentifierMask)) {

@@ -25,8 +25,12 @@ class EventSectionReader {
 
   [[nodiscard]] DeviceAddress read_target(TomlSection& section) const;
   [[nodiscard]] DeviceAddress read_can_target(TomlSection& section) const;
+  void require_can(TomlSection& section, DeviceAddress target) const;
+  [[nodiscard]] unsigned read_port(TomlSection& section, DeviceAddress target) const;
   [[nodiscard]] RackEvent read_cable(TomlSection& section, bool intact) const;
   [[nodiscard]] RackEvent read_frame_fault(TomlSection& section, can::FrameFaultKind kind) const;
+  [[nodiscard]] RackEvent read_segment_fault(TomlSection& section, DeviceAddress target,
+                                             can::FrameFaultKind kind) const;
   [[nodiscard]] std::size_t read_bus(TomlSection& section, const std::string& name) const;
   void read_set(TomlSection& section, base::SimDuration at,
                 std::vector<EventConfiguration>& events);

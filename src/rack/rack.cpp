@@ -42,6 +42,8 @@ constexpr base::EventRule kFrameFault{"can-frame-fault", base::Severity::informa
 constexpr base::EventRule kFrameFaultOfIdentifier{
     "can-frame-fault", base::Severity::information,
     "{0} of the next {1} frames with the identifier {2:x3}"};
+constexpr base::EventRule kSegmentFault{"ethercat-frame-fault", base::Severity::information,
+                                        "{0} of the next {1} frames that {2} port {3}"};
 constexpr base::EventRule kCarrierLost{
     "carrier-lost", base::Severity::warning,
     "the {0} network interface has no carrier: the other end is unplugged or switched off"};
@@ -258,6 +260,8 @@ void Rack::apply(const RackEvent& event, base::SimTime now) {
     apply_error_state(*state, now);
   } else if (const auto* fault = std::get_if<FrameFaultEvent>(&event)) {
     apply_frame_fault(*fault, now);
+  } else if (const auto* segment_fault = std::get_if<SegmentFaultEvent>(&event)) {
+    apply_segment_fault(*segment_fault, now);
   }
 }
 
@@ -333,6 +337,15 @@ void Rack::apply_frame_fault(const FrameFaultEvent& event, base::SimTime now) {
   report(number, now, fault.identifier ? kFrameFaultOfIdentifier : kFrameFault,
          {to_text(fault.kind), fault.frames, fault.identifier.value_or(0)});
   bus(event.bus).inject(event);
+}
+
+void Rack::apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now) {
+  const ethercat::FrameFault& fault = event.fault;
+  const std::size_t slave = fault.port.slave;
+  report(number_of({event.segment, slave, NetworkKind::segment}), now, kSegmentFault,
+         {fault.kind == ethercat::FrameFaultKind::drop ? "loss" : "destruction", fault.frames,
+          fault.leaving ? "leave" : "arrive at", std::int64_t{fault.port.port}});
+  segments_[event.segment].segment->inject(fault);
 }
 
 void Rack::set_carrier(std::size_t segment, ethercat::MasterInterface interface, bool up,

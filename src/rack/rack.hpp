@@ -133,6 +133,7 @@ class Rack {
   void apply_input(const InputEvent& event, base::SimTime now);
   void apply_error_state(const ErrorStateEvent& event, base::SimTime now);
   void apply_frame_fault(const FrameFaultEvent& event, base::SimTime now);
+  void apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now);
   [[nodiscard]] const devices::Input& find_input(const InputEvent& event) const;
   [[nodiscard]] std::uint16_t number_of(DeviceAddress device) const;
   void report(std::uint16_t number, base::SimTime now, const base::EventRule& rule,

@@ -183,9 +183,15 @@ struct FrameFaultEvent {
   can::FrameFault fault{};              ///< its sender is filled in when it happens
 };
 
+/// Something is done to the next frames of a segment that pass a port of a device.
+struct SegmentFaultEvent {
+  std::size_t segment = 0;
+  ethercat::FrameFault fault{};
+};
+
 /// What can happen to a rack; a further kind is a further alternative.
-using RackEvent =
-    std::variant<CableEvent, PowerEvent, InputEvent, ErrorStateEvent, FrameFaultEvent>;
+using RackEvent = std::variant<CableEvent, PowerEvent, InputEvent, ErrorStateEvent, FrameFaultEvent,
+                               SegmentFaultEvent>;
 
 /// Something that happens at a fixed moment of simulated time.
 struct EventConfiguration {

@@ -63,6 +63,9 @@ class Bench {
     ADD_FAILURE() << "no signal " << name;
     return 0.0;
   }
+  [[nodiscard]] const ethercat::SegmentStatistics& statistics() const {
+    return rack_.segment(0).statistics();
+  }
   /// Lets simulated time pass up to `moment` after the start.
   void wait_until(base::SimDuration moment) { port.wait(base::SimTime(moment) - port.now()); }
 
@@ -112,6 +115,33 @@ port = 1
   EXPECT_EQ(bench.log.count("cable-healed"), 0U);
   bench.wait_until(20_s);
   EXPECT_EQ(bench.scan(), 2U) << "both events act on the same cable";
+}
+
+TEST(Events, DroppedAndCorruptFramesOfASegment_AreMissedAndCounted) {
+  Bench bench(R"(
+[[event]]
+at = "10 s"
+action = "drop"
+device = "left"
+frames = 1
+[[event]]
+at = "20 s"
+action = "corrupt"
+device = "left"
+port = 1
+direction = "out"
+)");
+  bench.wait_until(9_s);
+  EXPECT_EQ(bench.scan(), 2U);
+  bench.wait_until(10_s);
+  EXPECT_EQ(bench.scan(), 2U) << "the master repeats what got lost";
+  EXPECT_EQ(bench.statistics().dropped, 1U);
+  bench.wait_until(20_s);
+  EXPECT_EQ(bench.scan(), 2U);
+  EXPECT_EQ(bench.statistics().corrupted, 1U);
+  EXPECT_EQ(bench.log.count("ethercat-frame-fault"), 2U);
+  EXPECT_THAT(bench.log.line(bench.log.events().back()),
+              HasSubstr("destruction of the next 1 frames that leave port 1"));
 }
 
 TEST(Events, AreInForceForTheFirstFrameThatComesAfterThem) {
@@ -259,6 +289,14 @@ TEST(Events, MistakesAreExplained) {
   EXPECT_THAT(
       refusal_of("[[event]]\nat = \"1s\"\naction = \"power-on\"\ndevice = \"right\"\nport = 1\n"),
       HasSubstr("unknown key \"port\""));
+  EXPECT_THAT(
+      refusal_of("[[event]]\nat = \"1s\"\naction = \"drop\"\ndevice = \"right\"\nport = 1\n"),
+      HasSubstr("port 1 of \"right\" has no cable"));
+  EXPECT_THAT(refusal_of("[[event]]\nat = \"1s\"\naction = \"delay\"\ndevice = \"right\"\n"),
+              HasSubstr("is on EtherCAT, where frames can be hit by"));
+  EXPECT_THAT(refusal_of("[[event]]\nat = \"1s\"\naction = \"drop\"\ndevice = \"right\"\n"
+                         "direction = \"up\"\n"),
+              HasSubstr("\"direction\""));
 }
 
 }  // namespace
