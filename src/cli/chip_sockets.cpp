@@ -31,4 +31,25 @@ void connect_chip(const std::string& link, rack::RackConfiguration& configuratio
   device.host_link = link;
 }
 
+void print_chip(const std::string& socket) {
+  fmt::print(
+      "Firmware of a chip connects to {0}\n"
+      "  stator_chip_open(\"{0}\", error, sizeof error)   # C, clients/c\n",
+      socket);
+}
+
+void print_chips_without_firmware(const rack::RackConfiguration& configuration) {
+  for (const rack::SegmentConfiguration& segment : configuration.segments) {
+    for (const rack::DeviceConfiguration& device : segment.devices) {
+      const auto* chip = std::get_if<devices::Tmc8461Configuration>(&device.product);
+      if (chip != nullptr && !chip->device_emulation && device.host_link.empty()) {
+        fmt::print(
+            "{} has no firmware, so it stays in Init: give it a socket with --spi or \"spi\" in a "
+            "rack file, or none with device_emulation = true\n",
+            device.name);
+      }
+    }
+  }
+}
+
 }  // namespace stator::cli

@@ -313,15 +313,16 @@ void print_start(const rack::RackConfiguration& configuration, rack::Rack& rack,
     for (const rack::NamedDevice& member : rack.devices(i)) {
       fmt::print("  {}  ({})\n", member.name, member.device->description().name);
     }
-    fmt::print("{}", connection_hints(segment.link));
+    fmt::print("{}", connection_hints(segment));
   }
   print_buses(configuration, runner);
   for (std::size_t i = 0; i < runner.line_count(); ++i) {
     print_line(configuration, rack.line(i).configuration(), runner.line(i).link());
   }
   for (std::size_t i = 0; i < runner.chip_count(); ++i) {
-    fmt::print("Firmware of a chip connects to {}\n", runner.chip(i).name());
+    print_chip(runner.chip(i).name());
   }
+  print_chips_without_firmware(configuration);
   fmt::print("Running; Ctrl-C ends it.\n");
   std::fflush(stdout);
 }

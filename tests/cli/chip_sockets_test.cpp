@@ -1,11 +1,15 @@
-// stator run --spi
+// stator run: sockets of chips, and how masters reach them
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "cli/connection_hints.hpp"
 #include "cli/stator_program.hpp"
+#include "link/link_address.hpp"
 #include "link/udp_ethernet_link.hpp"
 
 namespace stator {
@@ -30,10 +34,48 @@ TEST(ChipSockets, RunOpensTheSocketOfOneChip) {
   const Outcome outcome =
       stator("run --device tmc8461 --duration 10ms --spi unix:" + path + link());
   EXPECT_EQ(outcome.status, 0) << outcome.output;
-  EXPECT_THAT(outcome.output, HasSubstr("Firmware of a chip connects to unix:" + path + "\n"));
+  EXPECT_THAT(outcome.output,
+              AllOf(HasSubstr("Firmware of a chip connects to unix:" + path + "\n"),
+                    HasSubstr("stator_chip_open(\"unix:" + path), Not(HasSubstr("no firmware"))));
   const Outcome none = stator("run --device tmc8461 --duration 10ms" + link());
   EXPECT_EQ(none.status, 0) << none.output;
-  EXPECT_THAT(none.output, Not(HasSubstr("connects to")));
+  EXPECT_THAT(none.output, AllOf(Not(HasSubstr("connects to")),
+                                 HasSubstr("tmc8461 has no firmware, so it stays in Init")));
+}
+
+TEST(ChipSockets, AChipThatFollowsTheMasterNeedsNoFirmware) {
+  const Outcome outcome =
+      stator("run --duration 10ms " STATOR_SOURCE_DIR "/racks/io-board.toml" + link());
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, Not(HasSubstr("firmware")));
+}
+
+TEST(ConnectionHints, NameWhatTheSegmentHas) {
+  const auto hints = [](std::vector<rack::ProductConfiguration> products, const char* link) {
+    rack::SegmentConfiguration segment;
+    segment.link = *link::parse_link_address(link);
+    for (rack::ProductConfiguration& product : products) {
+      segment.devices.push_back({.name = "device", .product = std::move(product)});
+    }
+    return cli::connection_hints(segment);
+  };
+  const devices::Tmc8461Configuration chip;
+  devices::Tmc8461Configuration chip_with_objects;
+  chip_with_objects.mailbox_bytes = 128;
+  chip_with_objects.coe = true;
+  const devices::Tmcm3315Configuration drive;
+  for (const std::string link : {"udp:127.0.0.1", "ethercat:nosuch0"}) {
+    const char* text = link.c_str();
+    EXPECT_THAT(hints({chip}, text), AllOf(HasSubstr("stator scan --link"), Not(HasSubstr("move")),
+                                           Not(HasSubstr("-sdo"))));
+    EXPECT_THAT(hints({drive}, text),
+                AllOf(HasSubstr("stator move --link"), HasSubstr("--revolutions"),
+                      Not(HasSubstr("--position"))));
+    EXPECT_THAT(hints({chip, chip, drive, drive}, text), HasSubstr("--position 2 --revolutions"));
+  }
+  EXPECT_THAT(hints({chip}, "ethercat:nosuch0"), HasSubstr("slaveinfo INTERFACE -map"));
+  EXPECT_THAT(hints({chip_with_objects}, "ethercat:nosuch0"), HasSubstr("-sdo -map"));
+  EXPECT_THAT(hints({drive}, "ethercat:nosuch0"), HasSubstr("-sdo -map"));
 }
 
 TEST(ChipSockets, MistakesAreExplained) {
