@@ -22,8 +22,10 @@ class SpiSlave : public mfc::SpiSlave {
   /// Modes 1 and 2 take data at the falling edge of SCK, 0 and 3 at the rising one.
   [[nodiscard]] virtual bool samples_falling_edge() const { return false; }
 
-  /// A bit the slave does not drive reads as 0. A master that works at the other edges of SCK sees
-  /// each bit one period early, and the slave those of the master one period late.
+  /// A bit the slave does not drive reads as 0. Where the master works at the other edges of SCK,
+  /// one side changes its line at the edge at which the other one looks, and that one still sees
+  /// the bit before: with clock phase 0 the master, with clock phase 1 the slave. The first bit the
+  /// master sees of a further transfer of a datagram is then the present one.
   std::uint64_t exchange(const mfc::SpiTransfer& transfer) override {
     return clock_word(*this, transfer);
   }
@@ -47,20 +49,21 @@ class SpiSlave : public mfc::SpiSlave {
 
 template <typename Slave>
 std::uint64_t SpiSlave::clock_word(Slave& slave, const mfc::SpiTransfer& transfer) {
-  const bool master_falling = transfer.clock_polarity != transfer.clock_phase;
-  const bool agree = master_falling == slave.samples_falling_edge();
-  base::SimTime now = first_sample(transfer);
+  const bool at_first_edge = transfer.clock_polarity == slave.samples_falling_edge();
+  const bool agree = at_first_edge != transfer.clock_phase;
+  const bool takes_late = !agree && transfer.clock_phase;
+  const bool shows_late = !agree && !transfer.clock_phase;
+  const base::SimDuration half(transfer.clock_period.nanoseconds() / 2);
+  base::SimTime now = transfer.start + half * (at_first_edge ? 1 : 2);
+  bool shown = slave.output() == Drive::high;
   std::uint64_t received = 0;
   for (unsigned k = transfer.bits; k-- > 0;) {
-    const bool bit = ((transfer.sent >> k) & 1U) != 0;
     SpiSlave& base = slave;
-    if (!agree) {
-      slave.take(now, base.late_bit_);
-    }
-    received = received << 1U | (slave.output() == Drive::high ? 1U : 0U);
-    if (agree) {
-      slave.take(now, bit);
-    }
+    const bool bit = ((transfer.sent >> k) & 1U) != 0;
+    const bool output = slave.output() == Drive::high;
+    received = received << 1U | ((shows_late ? shown : output) ? 1U : 0U);
+    shown = output;
+    slave.take(now, takes_late ? base.late_bit_ : bit);
     base.late_bit_ = bit;
     now += transfer.clock_period;
   }

@@ -1,11 +1,13 @@
 #include "cli/connection_hints.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 #include <sstream>
 #include <string_view>
+#include <variant>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -54,8 +56,41 @@ bool installed(std::string_view program) {
   return false;
 }
 
+bool is_chip(const rack::DeviceConfiguration& device) {
+  return std::holds_alternative<devices::Tmc8461Configuration>(device.product);
+}
+
+/// " --position N" of the first device with an axis, where it is not the first; nothing if there is
+/// none: a slave controller chip has an I/O block and no CiA 402.
+std::optional<std::string> position_of_axis(const rack::SegmentConfiguration& segment) {
+  const auto found = std::ranges::find_if_not(segment.devices, is_chip);
+  if (found == segment.devices.end()) {
+    return std::nullopt;
+  }
+  const auto position = found - segment.devices.begin();
+  return position == 0 ? "" : fmt::format(" --position {}", position);
+}
+
+/// Some device has objects that slaveinfo can list.
+bool has_objects(const rack::SegmentConfiguration& segment) {
+  return std::ranges::any_of(segment.devices, [](const rack::DeviceConfiguration& device) {
+    const auto* chip = std::get_if<devices::Tmc8461Configuration>(&device.product);
+    return chip == nullptr || (chip->mailbox_bytes > 0 && chip->coe);
+  });
+}
+
+std::string stator_hints(const rack::SegmentConfiguration& segment, const std::string& sudo,
+                         const std::string& link) {
+  std::string text = fmt::format("  {}stator scan --link {}\n", sudo, link);
+  if (const auto position = position_of_axis(segment)) {
+    text += fmt::format("  {}stator move --link {}{} --revolutions 10\n", sudo, link, *position);
+  }
+  return text;
+}
+
 /// Masters that send datagrams: ours; those that open interfaces cannot.
-std::string udp_hints(const link::LinkAddress& link) {
+std::string udp_hints(const rack::SegmentConfiguration& segment) {
+  const link::LinkAddress& link = segment.link;
   link::LinkAddress there = link;
   std::string text;
   if (link.name == "0.0.0.0") {
@@ -64,16 +99,15 @@ std::string udp_hints(const link::LinkAddress& link) {
   } else {
     text = fmt::format("Masters send to {}:\n", link.name);
   }
-  text += fmt::format("  stator scan --link {}\n", link::to_text(there));
-  text += fmt::format("  stator move --link {} --revolutions 10\n", link::to_text(there));
-  return text;
+  return text + stator_hints(segment, "", link::to_text(there));
 }
 
 }  // namespace
 
-std::string connection_hints(const link::LinkAddress& link) {
+std::string connection_hints(const rack::SegmentConfiguration& segment) {
+  const link::LinkAddress& link = segment.link;
   if (link.kind == link::LinkKind::udp) {
-    return udp_hints(link);
+    return udp_hints(segment);
   }
   const std::string& interface = link.name;
   const std::optional<std::string> peer = veth_peer(interface);
@@ -93,9 +127,9 @@ std::string connection_hints(const link::LinkAddress& link) {
         "Masters use the interface at the other end of the cable on {} (here: INTERFACE):\n",
         interface);
   }
-  text += fmt::format("  {}stator scan --link ethercat:{}\n", sudo, there);
-  text += fmt::format("  {}stator move --link ethercat:{} --revolutions 10\n", sudo, there);
-  text += fmt::format("  {}slaveinfo {} -sdo -map            # SOEM\n", sudo, there);
+  text += stator_hints(segment, sudo, "ethercat:" + there);
+  text += fmt::format("  {}slaveinfo {}{} -map            # SOEM\n", sudo, there,
+                      has_objects(segment) ? " -sdo" : "");
   text += fmt::format(
       "  {}ec_sample {} 1000                 # SOEM 2, process data every 1000 us\n", sudo, there);
   if (installed("ethercat")) {

@@ -2,12 +2,13 @@
 
 #include <string>
 
-#include "link/link_address.hpp"
+#include "rack/rack_configuration.hpp"
 
 namespace stator::cli {
 
-/// How known masters reach what runs on `link`, ready to paste, chosen by what this machine has:
-/// the other end of a veth pair if there is one, the installed masters, and whether root is needed.
-[[nodiscard]] std::string connection_hints(const link::LinkAddress& link);
+/// How known masters reach a segment, ready to paste, chosen by what it contains and what this
+/// machine has: an axis to move, objects to list, the other end of a veth pair, the installed
+/// masters, and whether root is needed.
+[[nodiscard]] std::string connection_hints(const rack::SegmentConfiguration& segment);
 
 }  // namespace stator::cli

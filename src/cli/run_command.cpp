@@ -17,6 +17,7 @@
 #include <spdlog/logger.h>
 
 #include "cli/bus.hpp"
+#include "cli/chip_sockets.hpp"
 #include "cli/commands.hpp"
 #include "cli/connection_hints.hpp"
 #include "cli/failure.hpp"
@@ -24,6 +25,7 @@
 #include "cli/serial_lines.hpp"
 #include "link/can_link.hpp"
 #include "link/can_link_address.hpp"
+#include "link/chip_server.hpp"
 #include "link/serial_link.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/rack_file.hpp"
@@ -42,6 +44,7 @@ struct RunOptions {
   std::string link;
   std::vector<std::string> ports;
   std::vector<std::string> serial;
+  std::string spi;
   std::string bit_rate;
   std::string redundant;
   std::string wait;
@@ -78,6 +81,7 @@ rack::RackConfiguration base_configuration(const RunOptions& options) {
   if (!options.rack_file.empty()) {
     refuse(!options.serial.empty(), "--serial",
            "a rack file names the serial lines of its devices");
+    refuse(!options.spi.empty(), "--spi", "a rack file names the sockets of its chips");
     return rack::load_rack_file(options.rack_file);
   }
   if (options.device.empty()) {
@@ -96,6 +100,7 @@ rack::RackConfiguration base_configuration(const RunOptions& options) {
     count_address(devices.back().product, i);
   }
   connect_serial_lines(options.serial, configuration);
+  connect_chip(options.spi, configuration);
   return configuration;
 }
 
@@ -308,15 +313,16 @@ void print_start(const rack::RackConfiguration& configuration, rack::Rack& rack,
     for (const rack::NamedDevice& member : rack.devices(i)) {
       fmt::print("  {}  ({})\n", member.name, member.device->description().name);
     }
-    fmt::print("{}", connection_hints(segment.link));
+    fmt::print("{}", connection_hints(segment));
   }
   print_buses(configuration, runner);
   for (std::size_t i = 0; i < runner.line_count(); ++i) {
     print_line(configuration, rack.line(i).configuration(), runner.line(i).link());
   }
   for (std::size_t i = 0; i < runner.chip_count(); ++i) {
-    fmt::print("Firmware of a chip connects to {}\n", runner.chip(i).name());
+    print_chip(runner.chip(i).name());
   }
+  print_chips_without_firmware(configuration);
   fmt::print("Running; Ctrl-C ends it.\n");
   std::fflush(stdout);
 }
@@ -415,6 +421,9 @@ void add_run_command(CLI::App& app) {
       "--serial", options->serial,
       "[INTERFACE=]LINE: serial line of --device, as often as needed; all of --count share it: " +
           std::string(link::kSerialLinkForms));
+  command->add_option("--spi", options->spi,
+                      "Socket for the firmware beside a chip given with --device: " +
+                          std::string(link::kChipLinkForms));
   command->add_option("--bit-rate", options->bit_rate,
                       "Of the first CAN bus: kbit/s, or \"unlimited\"");
   command->add_option("--redundant", options->redundant,
@@ -455,6 +464,7 @@ void add_run_command(CLI::App& app) {
       "  stator run --device tmcm-3315 --link udp:0.0.0.0\n"
       "  stator run --device tmcc160 --port slcan:/tmp/stator-can0 --port socketcand:29536\n"
       "  stator run --device tmcm-142 --serial pty:/tmp/stator-serial\n"
+      "  stator run --device tmc8461 --link ethercat:eth1 --spi unix:/tmp/stator-chip\n"
       "  stator run --device tmcm-3315 --link ethercat:eth1 --record run.csv --signals "
       "\"*.axis0.*\"");
   command->callback([options] { run(*options); });

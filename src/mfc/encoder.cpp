@@ -37,6 +37,7 @@ void Encoder::set_mapped(const SignalSet& mapped) {
   a_.differential = mapped.contains(Signal::an);
   b_.differential = mapped.contains(Signal::bn);
   n_.differential = mapped.contains(Signal::nn);
+  n_has_pin_ = mapped.contains_any({Signal::n, Signal::nn});
   a_.settle();
   b_.settle();
   n_.settle();
@@ -91,10 +92,14 @@ void Encoder::count(bool upwards) {
 }
 
 bool Encoder::event_condition() const {
-  const bool n_active = n_.level == ((mode_ & kPolarityN) != 0);
+  const bool n_active = n_has_pin_ && n_.level == ((mode_ & kPolarityN) != 0);
   const bool a_and_b_match =
       a_.level == ((mode_ & kPolarityA) != 0) && b_.level == ((mode_ & kPolarityB) != 0);
   return n_active && ((mode_ & kIgnoreAB) != 0 || a_and_b_match);
+}
+
+bool Encoder::event_goes_on() const {
+  return condition_ && level_sensitive(mode_);
 }
 
 void Encoder::update_event(base::SimTime time, SignalSink& sink) {
@@ -138,7 +143,7 @@ void Encoder::write_position(std::int32_t position) {
 
 std::uint8_t Encoder::read_status() {
   const std::uint8_t value = status();
-  n_event_ = condition_ && level_sensitive(mode_);
+  n_event_ = event_goes_on();
   return value;
 }
 

@@ -13,7 +13,8 @@ namespace stator::mfc {
 class Encoder {
  public:
   /// Tells which of the signals A, An, B, Bn, N, Nn have a pin. A signal without its negative uses
-  /// its own level; with it, the pair decides: equal levels keep the previous value.
+  /// its own level; with it, the pair decides: equal levels keep the previous value. Where
+  /// neither N nor Nn has a pin there are no N events (G-07). Initially all but the negatives have.
   void set_mapped(const SignalSet& mapped);
   /// The pin of `signal` (one of A to Nn) has `level` from `time` on. Times do not decrease.
   void input(base::SimTime time, Signal signal, bool level, SignalSink& sink);
@@ -30,11 +31,12 @@ class Encoder {
   /// ENC_LATCH, register 5: X_ENC at the last N event that latched.
   [[nodiscard]] std::int32_t latch() const { return latch_; }
 
-  /// ENC_STATUS, register 1: bit 0 tells of an N event since the last read. This read clears it,
-  /// unless a level-sensitive event is still going on.
+  /// ENC_STATUS, register 1: bit 0 tells of an N event since the last read, or of a level-sensitive
+  /// one that is going on, as from power-on where ENC_MODE is 0 and A, B, N are low. This read
+  /// clears it, unless the event goes on.
   std::uint8_t read_status();
   /// The same without clearing.
-  [[nodiscard]] std::uint8_t status() const { return n_event_ ? 1 : 0; }
+  [[nodiscard]] std::uint8_t status() const { return n_event_ || event_goes_on() ? 1 : 0; }
 
  private:
   /// Levels of a signal and its negative, and what they mean.
@@ -52,17 +54,19 @@ class Encoder {
   template <std::int64_t unit>
   void count_by(bool upwards);
   [[nodiscard]] bool event_condition() const;
+  [[nodiscard]] bool event_goes_on() const;
   /// Looks at A, B, N after a change of theirs or of the mode.
   void update_event(base::SimTime time, SignalSink& sink);
   void n_event(base::SimTime time, SignalSink& sink);
 
   Pair a_, b_, n_;
+  bool n_has_pin_ = true;
   std::uint16_t mode_ = 0;
   std::uint32_t constant_ = 0x10000;
   std::int32_t position_ = 0;
   std::uint32_t fraction_ = 0;  ///< in 1/65536 or 1/10000 counts, upwards from position_
   std::int32_t latch_ = 0;
-  bool condition_ = false;  ///< A, B, N are as ENC_MODE requires
+  bool condition_ = true;  ///< A, B, N are as ENC_MODE requires: all low
   bool once_armed_ = false;
   bool n_event_ = false;
 };

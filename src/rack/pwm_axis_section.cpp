@@ -1,9 +1,11 @@
 #include "rack/pwm_axis_section.hpp"
 
+#include <algorithm>
 #include <array>
 #include <set>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "base/trigonometry.hpp"
 #include "rack/axis_sections.hpp"
@@ -155,9 +157,25 @@ void read_encoders(TomlSection& section, plant::PwmAxisParameters& parameters) {
   }
 }
 
+void read_inverter(TomlSection section, double pwm_period, plant::PwmAxisParameters& parameters) {
+  if (const auto model = section.choice("model", {"averaged", "switched"})) {
+    parameters.inverter_model =
+        *model == "switched" ? plant::InverterModel::switched : plant::InverterModel::averaged;
+  }
+  constexpr const char* kFrequency = "pwm_frequency";
+  const std::vector<std::string> keys = section.keys();
+  if (std::ranges::find(keys, kFrequency) != keys.end()) {
+    section.fail(
+        kFrequency,
+        "\"pwm_frequency\" is not the inverter's here: the chip makes the PWM; set it with "
+        "[segment.device.objects], \"2001:01\" = 3999 for 25 kHz");
+  }
+  read_half_bridges(section, pwm_period, parameters.inverter);
+}
+
 }  // namespace
 
-void read_pwm_axis(TomlSection& section, plant::PwmAxisParameters& parameters) {
+void read_pwm_axis(TomlSection& section, double pwm_period, plant::PwmAxisParameters& parameters) {
   if (const auto name = section.text("motor")) {
     parameters.motor = motor_named(section, *name);
   }
@@ -169,11 +187,7 @@ void read_pwm_axis(TomlSection& section, plant::PwmAxisParameters& parameters) {
   }
   read_axis_mechanics(section, parameters);
   if (auto inverter = section.section("inverter")) {
-    if (const auto model = inverter->choice("model", {"averaged", "switched"})) {
-      parameters.inverter_model =
-          *model == "switched" ? plant::InverterModel::switched : plant::InverterModel::averaged;
-    }
-    read_inverter(*inverter, parameters.inverter);
+    read_inverter(*inverter, pwm_period, parameters);
   }
   if (auto halls = section.section("halls")) {
     read_halls(*halls, parameters.halls);

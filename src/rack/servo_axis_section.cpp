@@ -4,6 +4,8 @@
 #include <set>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "base/trigonometry.hpp"
 #include "rack/axis_sections.hpp"
 
@@ -12,6 +14,8 @@ namespace stator::rack {
 namespace {
 
 constexpr double kDegree = base::kPi / 180.0;
+/// A limit that is not exact in binary is still in range itself.
+constexpr double kRounding = 1e-9;
 
 plant::ThreePhaseMotorParameters motor_named(TomlSection& section, const std::string& name) {
   if (const auto motor = plant::find_three_phase_motor(name)) {
@@ -42,6 +46,11 @@ void read_current_sensing(TomlSection section, plant::CurrentSensingParameters& 
   section.finish();
 }
 
+void read_inverter(TomlSection section, plant::InverterParameters& inverter) {
+  set(section, "pwm_frequency", 1e3, 1e6, inverter.pwm_frequency);
+  read_half_bridges(section, 1.0 / inverter.pwm_frequency, inverter);
+}
+
 }  // namespace
 
 void read_three_phase_motor(TomlSection section, plant::ThreePhaseMotorParameters& motor) {
@@ -69,17 +78,21 @@ void read_three_phase_motor(TomlSection section, plant::ThreePhaseMotorParameter
   section.finish();
 }
 
-void read_inverter(TomlSection section, plant::InverterParameters& inverter) {
+void read_half_bridges(TomlSection& section, double pwm_period,
+                       plant::InverterParameters& inverter) {
   set(section, "on_resistance", 0.0, 10.0, inverter.on_resistance);
-  set(section, "pwm_frequency", 1e3, 1e6, inverter.pwm_frequency);
   set(section, "dead_time", 0.0, 1e-5, inverter.dead_time);
   set(section, "diode_drop", 0.0, 5.0, inverter.diode_drop);
   set(section, "chip_capacity", 1e-3, 1e6, inverter.thermal.inner_capacity);
   set(section, "board_capacity", 1e-3, 1e6, inverter.thermal.outer_capacity);
   set(section, "chip_to_board", 1e-3, 1e3, inverter.thermal.inner_to_outer);
   set(section, "board_to_ambient", 1e-3, 1e3, inverter.thermal.outer_to_ambient);
-  if (inverter.dead_time * inverter.pwm_frequency > 0.1) {
-    section.fail("dead_time", "\"dead_time\" must not exceed a tenth of the PWM period");
+  const double longest = 0.1 * pwm_period;
+  if (inverter.dead_time > longest * (1.0 + kRounding)) {
+    section.fail("dead_time",
+                 fmt::format("\"dead_time\" must not exceed a tenth of the PWM period, "
+                             "{:.3g} s here",
+                             longest));
   }
   section.finish();
 }

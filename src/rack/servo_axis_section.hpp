@@ -11,7 +11,9 @@ void read_servo_axis(TomlSection& section, plant::ServoAxisParameters& parameter
 
 // Tables below that of an axis which axes of other products have as well.
 void read_three_phase_motor(TomlSection section, plant::ThreePhaseMotorParameters& motor);
-void read_inverter(TomlSection section, plant::InverterParameters& inverter);
+/// All of an inverter but its PWM frequency; it switches with a period of `pwm_period` seconds.
+void read_half_bridges(TomlSection& section, double pwm_period,
+                       plant::InverterParameters& inverter);
 void read_halls(TomlSection section, plant::HallSensorParameters& halls);
 
 }  // namespace stator::rack

@@ -81,6 +81,21 @@ void read_objects(TomlSection section, std::vector<ObjectValue>& objects) {
   section.finish();
 }
 
+/// Seconds of a PWM period as the chip is delivered: 2001h:01 counts from 0, in steps of 10 ns.
+double pwm_period(const std::vector<ObjectValue>& objects) {
+  constexpr std::uint16_t kPwm = 0x2001;
+  constexpr std::uint8_t kMaximumCount = 1;
+  dictionary::Dictionary dictionary;
+  devices::tmc8670::add_objects(dictionary);
+  std::uint64_t maximum = dictionary.find(kPwm, kMaximumCount)->value();
+  for (const ObjectValue& object : objects) {
+    if (object.index == kPwm && object.subindex == kMaximumCount) {
+      maximum = object.bits;
+    }
+  }
+  return 1e-8 * static_cast<double>(maximum + 1);
+}
+
 /// A list of two small numbers, one for each port.
 std::optional<std::array<std::uint8_t, 2>> of_ports(TomlSection& section, const std::string& key,
                                                     std::int64_t maximum) {
@@ -151,11 +166,11 @@ void read_tmc8670(TomlSection& section, devices::Tmc8670Configuration& configura
   }
   configuration.firmware_erase_time = section.duration("firmware_erase_time", 0_us, 60_s)
                                           .value_or(configuration.firmware_erase_time);
-  if (auto axis = section.section("axis")) {
-    read_pwm_axis(*axis, configuration.axis);
-  }
   if (auto objects = section.section("objects")) {
     read_objects(*objects, configuration.objects);
+  }
+  if (auto axis = section.section("axis")) {
+    read_pwm_axis(*axis, pwm_period(configuration.objects), configuration.axis);
   }
 }
 

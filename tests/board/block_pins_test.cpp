@@ -36,6 +36,64 @@ TEST(BlockPins, ServesSpiByWordsAndByEdgesAlike) {
   }
 }
 
+TEST(BlockPins, AdcMeasuresTheSameByWordsAndByEdgesInEveryMode) {
+  // A voltage that moves within a datagram, so that codes tell when the sample was taken.
+  const auto parts = [] {
+    PeripheralConfiguration adc = on_spi("adc", kSpiAdc);
+    adc.connect("channel0", "filter");
+    adc.connect("channel5", "pot");
+    return std::vector<PeripheralConfiguration>{
+        part("filter", kRcFilter, {{"line", 7}}, {{"resistance", 1000}, {"capacitance", 10}}),
+        part("pot", kPotentiometer, {}, {{"position", 0.3}}), std::move(adc)};
+  };
+  const std::initializer_list<std::pair<unsigned, Signal>> connections{{kSckLine, Signal::sck},
+                                                                       {kMosiLine, Signal::sdo},
+                                                                       {kMisoLine, Signal::sdi},
+                                                                       {kCsLine, Signal::cs0},
+                                                                       {7, Signal::dac0}};
+  Collector collector;
+  LogicTrace trace(1U << kMisoLine, {}, 4096, collector.sink());
+  Chip by_words(connections, parts());
+  Chip by_edges(connections, parts(), &trace);
+  EXPECT_TRUE(by_words.pins.serves(*by_words.board->find("adc")->spi()));
+  EXPECT_FALSE(by_edges.pins.serves(*by_edges.board->find("adc")->spi()));
+  std::array<std::uint64_t, 4> measured{};  // by mode, datagrams with a code
+  std::uint64_t random = 3;
+  for (unsigned round = 0; round < 800; ++round) {
+    random = random * 6364136223846793005U + 1442695040888963407U;
+    // SCK does not change its rest within a datagram.
+    const unsigned mode = round / 8 % 4;
+    const unsigned time = static_cast<unsigned>((random >> 50U) % 40);
+    const bool lsb_first = (random >> 47U) % 8 == 0;
+    const bool keep = mode != 2 && round % 8 != 7 && (random >> 43U) % 4 == 0;
+    // Start, single or pair, channel 0, 1, 4 or 5, behind 0 to 7 zeros; then as many clocks as
+    // come.
+    const unsigned bits = 18 + static_cast<unsigned>((random >> 37U) % 24);
+    const std::uint64_t header = 0x10U | ((random >> 30U) & 0xDU);
+    const std::uint64_t word = header << (bits - 5 - (random >> 33U) % 8);
+    const unsigned dac = static_cast<unsigned>(random >> 14U) & 0xFFFFU;
+    const auto transfer = [&](Chip& chip) {
+      chip.set(kDacVal, dac);
+      chip.set(kSpiTime, time);
+      chip.set(kSpiLength, bits - 1);
+      chip.set(kSpiConf, (keep ? 8U : 0U) | (lsb_first ? 0x10U : 0U) |
+                             (mode % 2 == 1 ? 0x20U : 0U) | (mode >= 2 ? 0x40U : 0U));
+      chip.set(kSpiTxData, word);
+      chip.wait(base::SimDuration(80 * (2 + std::int64_t{time}) * (bits + 2)));
+      EXPECT_EQ(chip.get(kSpiStatus) & 1U, 1U) << "complete";
+      return chip.get(kSpiRxData) & ((std::uint64_t{1} << bits) - 1);
+    };
+    const std::uint64_t expected = transfer(by_edges);
+    ASSERT_EQ(transfer(by_words), expected)
+        << "round " << round << " mode " << mode << " bits " << bits << " LSB first " << lsb_first;
+    ASSERT_EQ(by_words.signal("adc.code"), by_edges.signal("adc.code")) << "round " << round;
+    measured[mode] += expected != 0 ? 1U : 0U;
+  }
+  for (const std::uint64_t datagrams : measured) {
+    EXPECT_GT(datagrams, 50U) << "the comparison is of codes and not of nothing";
+  }
+}
+
 TEST(BlockPins, ClocksASlaveFromGeneralPurposeOutputs) {
   // The lines carry GPO0..2 and GPI0: the host makes the edges.
   Chip chip({{kSckLine, Signal::gpo0},

@@ -209,6 +209,52 @@ TEST(EncoderNEvent, OfALevelGoesOnWhileItIsActive) {
   EXPECT_EQ(shaft.encoder.latch(), 5);
 }
 
+TEST(EncoderNEvent, OfALevelGoesOnFromPowerOnWithModeZero) {
+  // ENC_MODE 0: an event while A, B and N are low (L6450-L6504).
+  Shaft shaft;
+  EXPECT_EQ(shaft.encoder.status(), 1);
+  EXPECT_EQ(shaft.encoder.read_status(), 1);
+  EXPECT_EQ(shaft.encoder.read_status(), 1);
+  EXPECT_EQ(shaft.sink.count(IrqSource::enc_n_event), 0U) << "nothing has begun";
+  shaft.set(Signal::n, true);
+  EXPECT_EQ(shaft.encoder.read_status(), 1) << "there was one since the last read";
+  EXPECT_EQ(shaft.encoder.read_status(), 0);
+  shaft.turn(4);
+  EXPECT_EQ(shaft.encoder.status(), 0) << "N is not active";
+  shaft.set(Signal::n, false);
+  EXPECT_EQ(shaft.sink.count(IrqSource::enc_n_event), 1U);
+  EXPECT_EQ(shaft.encoder.status(), 1);
+  EXPECT_EQ(shaft.encoder.latch(), 0) << "mode 0 latches nothing";
+  // With A and B in another quarter the level ends too, without N.
+  shaft.encoder.read_status();
+  shaft.turn(1);
+  EXPECT_EQ(shaft.encoder.read_status(), 1);
+  EXPECT_EQ(shaft.encoder.read_status(), 0);
+}
+
+TEST(EncoderNEvent, NeedsAPinForN) {
+  for (const Signal pin : {Signal::n, Signal::nn}) {
+    Shaft shaft;
+    shaft.encoder.set_mapped({Signal::a, Signal::b});
+    EXPECT_EQ(shaft.encoder.status(), 0);
+    shaft.mode(kLatchAlways);
+    shaft.turn(8);
+    EXPECT_EQ(shaft.encoder.read_status(), 0);
+    EXPECT_EQ(shaft.encoder.latch(), 0);
+    shaft.encoder.set_mapped({Signal::a, Signal::b, pin});
+    EXPECT_EQ(shaft.encoder.read_status(), 1);
+    EXPECT_EQ(shaft.encoder.read_status(), 1);
+  }
+}
+
+TEST(EncoderNEvent, OfEdgesLeavesNothingOfTheLevelAtPowerOn) {
+  for (const unsigned edges : {unsigned{kOnActive}, unsigned{kOnInactive}}) {
+    Shaft shaft;
+    shaft.mode(edges);
+    EXPECT_EQ(shaft.encoder.status(), 0);
+  }
+}
+
 TEST(EncoderNEvent, LatchesAlwaysOnceOrNever) {
   for (const unsigned latching : {0U, unsigned{kLatchAlways}, unsigned{kLatchOnce}}) {
     Shaft shaft;

@@ -71,6 +71,7 @@ TEST(ServoAxisSection, RefusalsNameTheKeyAndWhatIsPossible) {
             std::string::npos);
   EXPECT_NE(refusal("inverter = { dead_time = 1e-5 }").find("a tenth of the PWM period"),
             std::string::npos);
+  EXPECT_EQ(refusal("inverter = { dead_time = 5e-6, pwm_frequency = 20e3 }"), "accepted");
   EXPECT_NE(refusal("brake = { output = 0 }").find("load.brake_torque"), std::string::npos);
 }
 

@@ -172,6 +172,25 @@ TEST(Tmc8670Section, ObjectsThatDoNotExistOrDoNotTakeTheValueAreRefusedWithTheir
   }
 }
 
+TEST(Tmc8670Section, ThePwmFrequencyIsTheChipsAndNoKeyOfTheInverter) {
+  const std::string said = refusal("[axis.inverter]\non_resistance = 0.02\npwm_frequency = 50e3");
+  EXPECT_NE(said.find("the chip makes the PWM"), std::string::npos) << said;
+  EXPECT_NE(said.find("2001:01"), std::string::npos) << said;
+  EXPECT_NE(said.find("3:"), std::string::npos) << said;
+}
+
+TEST(Tmc8670Section, DeadTimeIsAtMostATenthOfThePeriodTheChipIsDeliveredWith) {
+  const auto dead_time = [](const char* text) { return parsed(text).axis.inverter.dead_time; };
+  EXPECT_EQ(dead_time("axis.inverter.dead_time = 4e-6"), 4e-6) << "25 kHz";
+  EXPECT_NE(refusal("axis.inverter.dead_time = 4.1e-6").find("PWM period, 4e-06 s"),
+            std::string::npos);
+  // 50 kHz by object, wherever it stands in the file.
+  EXPECT_EQ(dead_time("axis.inverter.dead_time = 2e-6\nobjects = { \"2001:01\" = 1999 }"), 2e-6);
+  EXPECT_NE(refusal("axis.inverter.dead_time = 2.1e-6\nobjects = { \"2001:1\" = 1999 }")
+                .find("PWM period, 2e-06 s"),
+            std::string::npos);
+}
+
 TEST(Tmc8670Section, TheReadyRackFileIsRead) {
   const RackConfiguration rack = load_rack_file(STATOR_SOURCE_DIR "/racks/ethercat-servo.toml");
   ASSERT_EQ(rack.segments.size(), 1U);
