@@ -77,6 +77,32 @@ TEST(Tmc8461Chip, HeldInResetItsSpiIsSilentAndItsLinesAreLow) {
   EXPECT_TRUE(board.high(HostLine::eeprom_loaded));
 }
 
+TEST(Tmc8461Chip, HeldInResetItPassesNoFramesAndStartsInInitWhenLetGo) {
+  ChipBoard board({.device_emulation = true});
+  board.watch({HostLine::reset_out});
+  board.bus.request(AlState::pre_operational);
+  board.chip.set_pin(HostPin::reset, false);
+  EXPECT_FALSE(board.bus.answers());
+  EXPECT_FALSE(board.chip.controller().link(0)) << "nor does a neighbour see a link";
+  board.chip.set_pin(HostPin::reset, true);
+  EXPECT_TRUE(board.bus.answers());
+  EXPECT_EQ(board.bus_read(0x0130), 1U);
+  EXPECT_THAT(board.rises(HostLine::reset_out), IsEmpty()) << "that was no register's doing";
+  EXPECT_EQ(board.chip.reset_requests(), 0U);
+}
+
+TEST(Tmc8461Chip, PowerThatComesBackDoesNotEndItsReset) {
+  ChipBoard board;
+  board.chip.set_power(false, board.bus.now());
+  board.chip.set_pin(HostPin::reset, false);
+  board.chip.controller().restore_power();
+  board.chip.set_power(true, board.bus.now());
+  EXPECT_FALSE(board.bus.answers());
+  EXPECT_EQ(board.chip.levels(), host_line(HostLine::power));
+  board.chip.set_pin(HostPin::reset, true);
+  EXPECT_TRUE(board.bus.answers());
+}
+
 TEST(Tmc8461Chip, ResetInTheMiddleOfADatagramEndsIt) {
   ChipBoard board;
   const auto head = ChipBoard::bytes({0x80, 0x04});

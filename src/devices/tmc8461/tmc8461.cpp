@@ -164,11 +164,22 @@ void Tmc8461::take_reset_request() {
 }
 
 void Tmc8461::reset() {
+  controller_.power_on_reset();
+  reset_host_side();
+}
+
+// NRESET low resets the whole device (L497): it forwards no frames, and starts when the pin rises.
+void Tmc8461::hold_reset(bool hold) {
+  controller_.hold_reset(hold);
+  static_cast<void>(controller_.take_reset_request());  // of the pin, no register
+  reset_host_side();
+}
+
+void Tmc8461::reset_host_side() {
   reset_out_ = false;
   for (ethercat::SpiSlavePort& port : ports_) {
     port.reset();
   }
-  controller_.power_on_reset();
   if (host_seen_) {
     controller_.set_host_polling(false);
   }
@@ -233,12 +244,11 @@ void Tmc8461::deselect(HostSpi spi, unsigned surplus_clocks) {
   publish();
 }
 
-// NRESET low: the chip is as after power-on, and silent; it starts when the pin rises.
 void Tmc8461::set_pin(HostPin pin, bool level) {
   const bool before = pins_[index(pin)];
   pins_[index(pin)] = level;
-  if (pin == HostPin::reset && before != level && powered_) {
-    reset();
+  if (pin == HostPin::reset && before != level) {
+    hold_reset(!level);
   } else if (pin == HostPin::latch0 || pin == HostPin::latch1) {
     halves_.set_latch_input(static_cast<unsigned>(pin), level);
   } else if (pin == HostPin::emergency) {

@@ -98,6 +98,9 @@ class Tmc8461 final : public EtherCatDevice, public HostPort, private mfc::PinLi
   [[nodiscard]] base::SimTime next_led_edge() const;
   void take_reset_request();
   void reset();
+  void hold_reset(bool hold);
+  /// What a reset does beside the slave controller's own.
+  void reset_host_side();
   /// Tells the sink what has changed since last time; `pulses` rose and fell in between.
   void publish(HostLines pulses = 0);
   [[nodiscard]] HostLines sync_pulses();

@@ -220,5 +220,19 @@ TEST_F(Standalone, WithoutFramesTheWatchdogPutsPinsIntoTheirSafeState) {
   EXPECT_EQ(block.pin(0), mfc::PinState::high);
 }
 
+TEST_F(Standalone, WithoutTheBlocksWatchdogOutputsOutliveTheOneOfProcessData) {
+  map_process_data();
+  request(2);
+  request(4);
+  request(8);
+  outputs(0, 1, 1);
+  EXPECT_TRUE(chip.process_data_watchdog_state());
+  bus.wait(base::SimDuration(200'000'000));
+  halves.advance(bus.now());
+  EXPECT_FALSE(chip.process_data_watchdog_state());
+  EXPECT_EQ(bus.read(0, 0x0130, 1).data, bytes({8})) << "nobody leaves Operational for it";
+  EXPECT_EQ(block.pin(0), mfc::PinState::high);
+}
+
 }  // namespace
 }  // namespace stator::devices::tmc8461
