@@ -119,6 +119,14 @@ static int process_data_configured(slave *s) {
          (sm[8] | sm[9] << 8) == INPUTS && (sm[10] | sm[11] << 8) == LENGTH && (sm[14] & 1) != 0;
 }
 
+/* Sync managers 2 and 3 answer the master, or not: then its working counter tells it what buffers
+ * with old content would hide. */
+static void open_process_data(slave *s, int open) {
+  const uint8_t deactivate = open ? 0 : 1;
+  esc_write(s, SYNC_MANAGERS + 8 * 2 + 7, &deactivate, 1);
+  esc_write(s, SYNC_MANAGERS + 8 * 3 + 7, &deactivate, 1);
+}
+
 static void write_inputs(slave *s, const uint8_t *outputs) {
   const uint8_t inputs[LENGTH] = {outputs[0], outputs[1], (uint8_t)s->frames,
                                   (uint8_t)(s->frames >> 8)};
@@ -142,6 +150,11 @@ static void answer_state_request(slave *s) {
              !process_data_configured(s)) {
     show(s, s->state, INVALID_SYNC_MANAGERS);
   } else {
+    if (target < SAFE_OPERATIONAL) {
+      open_process_data(s, 0);
+    } else if (s->state == PRE_OPERATIONAL) {
+      open_process_data(s, 1);
+    }
     if (target == SAFE_OPERATIONAL) {
       s->frames = 0;
       write_inputs(s, nothing);
@@ -159,11 +172,12 @@ static void take_outputs(slave *s) {
   }
 }
 
+/* A program before this one may have left the chip Operational, and the master believes that. */
 static void start(slave *s) {
   const uint8_t mask[4] = {EVENTS & 0xFF, EVENTS >> 8 & 0xFF, 0, 0};
-  s->state = INIT;
-  s->failed = 0;
   esc_write(s, AL_EVENT_MASK, mask, sizeof mask);
+  open_process_data(s, 0);
+  show(s, INIT, 0);
 }
 
 static void look_at_sync_managers(slave *s) {

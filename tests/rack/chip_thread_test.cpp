@@ -105,7 +105,8 @@ class IoSlave {
 };
 
 void wait_for_program(Plant& plant) {
-  for (int i = 0; i < 500 && plant.runner.chip(0).statistics().requests < 5; ++i) {
+  const std::uint64_t enough = plant.runner.chip(0).statistics().requests + 5;
+  for (int i = 0; i < 500 && plant.runner.chip(0).statistics().requests < enough; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
 }
@@ -144,6 +145,30 @@ TEST(FirmwareOnASocket, ExampleReachesOperationalWithProcessData) {
 
 TEST(FirmwareOnASocket, InLockstepToo) {
   Plant plant(ClockKind::lockstep);
+  bring_io_slave_to_operational(plant);
+}
+
+TEST(FirmwareOnASocket, ExampleStartedAnewTakesTheMasterBackToInit) {
+  Plant plant;
+  bring_io_slave_to_operational(plant);
+  master::Master& master = *plant.master;
+  const auto left = master.al_status(0);
+  ASSERT_TRUE(left);
+  EXPECT_EQ(left->state, AlState::operational) << "nobody is there to change it";
+  {
+    const IoSlave slave(plant.socket());
+    AlState state = left->state;
+    for (int i = 0; i < 500 && state != AlState::init; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      const auto status = master.al_status(0);
+      ASSERT_TRUE(status);
+      state = status->state;
+    }
+    EXPECT_EQ(state, AlState::init);
+    const auto exchanged = master.exchange_process_data();
+    ASSERT_FALSE(exchanged) << "process data must not pass for those of a live program";
+    EXPECT_EQ(exchanged.error().code, master::ErrorCode::working_counter);
+  }
   bring_io_slave_to_operational(plant);
 }
 
