@@ -44,6 +44,12 @@ void watch_over(int socket) {
   set_socket_option(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, int{20'000});
 }
 
+/// The other end has closed the connection; something it sent may still be there.
+bool hung_up(int socket) {
+  pollfd state{.fd = socket, .events = POLLRDHUP, .revents = 0};
+  return ::poll(&state, 1, 0) > 0 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
+}
+
 std::vector<std::byte> refusal_message(std::uint8_t tag, chip_protocol::Refusal refusal,
                                        std::string_view sentence) {
   std::vector<std::byte> body{std::byte{static_cast<std::uint8_t>(refusal)}};
@@ -175,6 +181,11 @@ std::optional<ChipServer::News> ChipServer::read() {
 }
 
 void ChipServer::accept_program() {
+  // A program that is started anew comes right after the one before has ended: it waits in the
+  // queue until what that one sent last has been read.
+  if (client_.is_open() && hung_up(client_.get())) {
+    return;
+  }
   FileDescriptor connection = accept_connection(listener_);
   if (!connection.is_open()) {
     return;

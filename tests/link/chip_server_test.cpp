@@ -107,6 +107,22 @@ TEST_F(ChipServerAtPath, SecondProgramIsToldWhyAndTheFirstGoesOn) {
   EXPECT_EQ(server->statistics().turned_away, 1U);
 }
 
+TEST_F(ChipServerAtPath, ProgramStartedAnewWaitsUntilTheLastWordsOfTheOneBeforeAreRead) {
+  FileDescriptor first = connect_to(path);
+  EXPECT_EQ(next(*server, message), News::connected);
+  write(first, request(3, 5));
+  first = FileDescriptor();
+  const FileDescriptor second = connect_to(path);
+  EXPECT_EQ(next(*server, message), News::message);
+  EXPECT_EQ(message.body.size(), 5U);
+  EXPECT_EQ(next(*server, message), News::left);
+  EXPECT_EQ(next(*server, message), News::connected);
+  write(second, request(4));
+  EXPECT_EQ(next(*server, message), News::message);
+  EXPECT_EQ(message.kind, 4U);
+  EXPECT_EQ(server->statistics().turned_away, 0U);
+}
+
 TEST_F(ChipServerAtPath, MessageThatIsTooLongEndsTheConnection) {
   const FileDescriptor program = connect_to(path);
   EXPECT_EQ(next(*server, message), News::connected);
