@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -27,5 +28,8 @@ void print_csv_row(const Columns& columns) {
 
 /// `text` with the character that ends a cell of a Markdown table written so that it does not.
 [[nodiscard]] std::string markdown_cell(std::string_view text);
+
+/// The fields of one line of CSV, with quotes taken off; a field contains no line ends.
+[[nodiscard]] std::vector<std::string> csv_fields(std::string_view line);
 
 }  // namespace stator::cli

@@ -22,5 +22,6 @@ void add_demo_command(CLI::App& app);
 void add_tmcl_command(CLI::App& app);
 void add_can_exec_command(CLI::App& app);
 void add_mfc_command(CLI::App& app);
+void add_conformance_command(CLI::App& app);
 
 }  // namespace stator::cli

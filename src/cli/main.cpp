@@ -29,6 +29,7 @@ int run(int argc, char** argv) {
   stator::cli::add_run_command(app);
   stator::cli::add_devices_command(app);
   stator::cli::add_describe_command(app);
+  stator::cli::add_conformance_command(app);
   stator::cli::add_export_command(app);
   stator::cli::add_scan_command(app);
   stator::cli::add_sdo_command(app);
