@@ -1,8 +1,6 @@
 #include "drive/axis_bench.hpp"
 
-#include <array>
 #include <memory>
-#include <span>
 
 #include <gtest/gtest.h>
 
@@ -100,7 +98,7 @@ constexpr ErrorReactions kReactions{ErrorReaction::fault, ErrorReaction::stop, E
 
 }  // namespace
 
-AxisBench::AxisBench() {
+AxisBench::AxisBench() : ObjectBench(kStep * kStepsPerTick) {
   dictionary.add(kObjects);
   dictionary.finish();
   axis = std::make_unique<StepperAxis>(dictionary,
@@ -115,14 +113,7 @@ void AxisBench::place(std::uint16_t index, std::int64_t value) {
   ASSERT_TRUE(dictionary.write_from_pdo(entry, static_cast<std::uint64_t>(value)));
 }
 
-void AxisBench::write(std::uint16_t index, std::uint8_t subindex, std::int64_t value) {
-  std::array<std::byte, 8> data{};
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    data[i] = static_cast<std::byte>(static_cast<std::uint64_t>(value) >> (8 * i));
-  }
-  dictionary::Entry& entry = *dictionary.find(index, subindex);
-  ASSERT_TRUE(dictionary.write(entry, std::span(data).first(entry.size()),
-                               {dictionary::NetworkState::operational}));
+void AxisBench::obey() {
   read_switches();
   axis->apply(now);
 }
@@ -172,18 +163,8 @@ void AxisBench::read_switches() {
       axis->settings().reference.switches.pressed(switch_levels(sensing_)));
 }
 
-void AxisBench::set_profile(std::int64_t velocity, std::int64_t acceleration,
-                            std::int64_t deceleration) {
-  write(0x6081, velocity);
-  write(0x6083, acceleration);
-  write(0x6084, deceleration);
-}
-
 void AxisBench::enable(ModeCode mode) {
-  write(0x6060, static_cast<std::int64_t>(mode));
-  for (const int controlword : {6, 7, 15}) {
-    write(0x6040, controlword);
-  }
+  request_operation(mode);
 }
 
 }  // namespace stator::drive

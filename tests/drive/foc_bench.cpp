@@ -1,9 +1,7 @@
 #include "drive/foc_bench.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <span>
 
 #include <gtest/gtest.h>
 
@@ -173,7 +171,8 @@ plant::PwmAxisParameters linear_foc_plant() {
   return result;
 }
 
-FocBench::FocBench(const plant::PwmAxisParameters& parameters) : plant(parameters) {
+FocBench::FocBench(const plant::PwmAxisParameters& parameters)
+    : ObjectBench(base::SimDuration(kPwmPeriod * kPeriodsPerTick)), plant(parameters) {
   dictionary.add(kObjects);
   dictionary.finish();
   configure_block();
@@ -188,7 +187,7 @@ FocBench::FocBench(const plant::PwmAxisParameters& parameters) : plant(parameter
       plant.revolutions() * std::get<plant::ThreePhaseMotorParameters>(parameters.motor).pole_pairs,
       1.0);
   block.set(field("ABN_DECODER_PHI_E_OFFSET"), std::lround(electrical * 65536.0));
-  pass(2_ms);
+  FocBench::pass(2_ms);
 }
 
 void FocBench::configure_block() {
@@ -222,23 +221,6 @@ void FocBench::configure_block() {
   set(field("PID_VELOCITY_P"), 820);
   set(field("PID_VELOCITY_I"), 41);
   set(field("PID_POSITION_P"), 187);
-}
-
-bool FocBench::told(const std::string& text) const {
-  return std::any_of(sentences.begin(), sentences.end(), [&](const std::string& sentence) {
-    return sentence.find(text) != std::string::npos;
-  });
-}
-
-void FocBench::write(std::uint16_t index, std::uint8_t subindex, std::int64_t value) const {
-  std::array<std::byte, 8> data{};
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    data[i] = static_cast<std::byte>(static_cast<std::uint64_t>(value) >> (8 * i));
-  }
-  dictionary::Entry& entry = *dictionary.find(index, subindex);
-  ASSERT_TRUE(dictionary.write(entry, std::span(data).first(entry.size()),
-                               {dictionary::NetworkState::operational}));
-  axis->apply(now);
 }
 
 control::foc::Inputs FocBench::inputs() const {
@@ -282,18 +264,8 @@ void FocBench::pass(base::SimDuration duration) {
 }
 
 void FocBench::enable(ModeCode mode) {
-  write(0x6060, static_cast<std::int64_t>(mode));
-  for (const int controlword : {6, 7, 15}) {
-    write(0x6040, controlword);
-  }
+  request_operation(mode);
   pass(1_ms);
-}
-
-void FocBench::set_profile(std::int64_t velocity, std::int64_t acceleration,
-                           std::int64_t deceleration) const {
-  write(0x6081, velocity);
-  write(0x6083, acceleration);
-  write(0x6084, deceleration);
 }
 
 double FocBench::rpm() const {

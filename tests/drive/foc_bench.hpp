@@ -4,14 +4,11 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string>
-#include <vector>
 
-#include "base/event.hpp"
 #include "base/sim_time.hpp"
 #include "control/foc/foc_block.hpp"
-#include "dictionary/dictionary.hpp"
 #include "drive/foc_axis.hpp"
+#include "drive/object_bench.hpp"
 #include "plant/pwm_axis.hpp"
 
 namespace stator::drive {
@@ -24,7 +21,7 @@ namespace stator::drive {
 
 /// A CiA 402 axis on a FOC block with a motor behind it: PWM at 40 kHz, five periods for each of
 /// the axis, the objects that a TMC8670 has. Torque 1000 is 1 A RMS.
-class FocBench : public base::EventSink {
+class FocBench : public ObjectBench {
  public:
   static constexpr std::int64_t kTurn = 65536;                ///< position units
   static constexpr std::int64_t kPwmPeriod = 25'000;          ///< ns
@@ -32,44 +29,10 @@ class FocBench : public base::EventSink {
 
   explicit FocBench(const plant::PwmAxisParameters& parameters = foc_plant());
 
-  void on_event(const base::Event& event) override {
-    sentences.push_back(base::to_sentence(event));
-  }
-  [[nodiscard]] bool told(const std::string& text) const;
-
-  /// Writes an object as an SDO does and lets the axis obey.
-  void write(std::uint16_t index, std::int64_t value) const { write(index, 0, value); }
-  void write(std::uint16_t index, std::uint8_t subindex, std::int64_t value) const;
-  [[nodiscard]] std::int64_t read(std::uint16_t index, std::uint8_t subindex = 0) const {
-    return dictionary.find(index, subindex)->signed_value();
-  }
-  [[nodiscard]] bool status(std::uint16_t bit) const {
-    return (static_cast<std::uint16_t>(read(0x6041)) & bit) != 0;
-  }
-
   void step();
-  void pass(base::SimDuration duration);
-  /// Passes time until `done` or for `longest`; returns whether it was done.
-  template <typename Condition>
-  bool pass_until(Condition done, base::SimDuration longest) {
-    for (const base::SimTime end = now + longest; now < end;) {
-      pass(base::SimDuration(125'000));
-      if (done()) {
-        return true;
-      }
-    }
-    return false;
-  }
+  void pass(base::SimDuration duration) override;
   /// 6060h, then 6, 7, 15.
   void enable(ModeCode mode);
-  /// 6081h (rpm), 6083h, 6084h (rpm/s).
-  void set_profile(std::int64_t velocity, std::int64_t acceleration,
-                   std::int64_t deceleration) const;
-  /// Controlword 15, then with bit 4.
-  void start() const {
-    write(0x6040, 0x0F);
-    write(0x6040, 0x1F);
-  }
   [[nodiscard]] double rpm() const;
   [[nodiscard]] double revolutions() const { return plant.revolutions(); }
   [[nodiscard]] std::int64_t position() const { return read(0x6064); }
@@ -77,12 +40,9 @@ class FocBench : public base::EventSink {
   /// Electrical degrees by which PHI_E is ahead of the rotor.
   [[nodiscard]] double commutation_error() const;
 
-  dictionary::Dictionary dictionary;
   control::foc::FocBlock block;
   plant::PwmAxis plant;
   std::unique_ptr<FocAxis> axis;
-  std::vector<std::string> sentences;
-  base::SimTime now;
 
   /// Pressed (low) at and beyond these revolutions, home between two of them.
   std::optional<double> left_switch;
@@ -92,6 +52,7 @@ class FocBench : public base::EventSink {
   std::optional<std::uint8_t> halls;  ///< instead of what the sensors tell
 
  private:
+  void obey() override { axis->apply(now); }
   void configure_block();
   [[nodiscard]] control::foc::Inputs inputs() const;
   std::int64_t periods_ = 0;

@@ -1,8 +1,6 @@
 #include "drive/servo_bench.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <span>
 
 #include <gtest/gtest.h>
 
@@ -153,7 +151,7 @@ void ServoMotor::read(base::ServoSensing& sensing) const {
   sensing.encoder_count = static_cast<std::int64_t>(std::floor(counts()));
 }
 
-ServoBench::ServoBench() {
+ServoBench::ServoBench() : ObjectBench(control::ServoController::kPeriod * kStepsPerTick) {
   dictionary.add(kObjects);
   dictionary.finish();
   axis = std::make_unique<ServoAxis>(dictionary,
@@ -165,23 +163,6 @@ ServoBench::ServoBench() {
   settings.maximum_acceleration = 100'000;
   motor.read(sensing);
   axis->tick(now);
-}
-
-void ServoBench::write(std::uint16_t index, std::uint8_t subindex, std::int64_t value) {
-  std::array<std::byte, 8> data{};
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    data[i] = static_cast<std::byte>(static_cast<std::uint64_t>(value) >> (8 * i));
-  }
-  dictionary::Entry& entry = *dictionary.find(index, subindex);
-  ASSERT_TRUE(dictionary.write(entry, std::span(data).first(entry.size()),
-                               {dictionary::NetworkState::operational}));
-  axis->apply(now);
-}
-
-bool ServoBench::told(const std::string& text) const {
-  return std::any_of(sentences.begin(), sentences.end(), [&](const std::string& sentence) {
-    return sentence.find(text) != std::string::npos;
-  });
 }
 
 void ServoBench::pass(base::SimDuration duration) {
@@ -206,18 +187,8 @@ void ServoBench::read_switches() {
 }
 
 void ServoBench::enable(ModeCode mode) {
-  write(0x6060, static_cast<std::int64_t>(mode));
-  for (const int controlword : {6, 7, 15}) {
-    write(0x6040, controlword);
-  }
+  request_operation(mode);
   pass(2_ms);  // the commutation is found
-}
-
-void ServoBench::set_profile(std::int64_t velocity, std::int64_t acceleration,
-                             std::int64_t deceleration) {
-  write(0x6081, velocity);
-  write(0x6083, acceleration);
-  write(0x6084, deceleration);
 }
 
 }  // namespace stator::drive
