@@ -349,6 +349,14 @@ void print_line_end(rack::SerialLineThread& thread) {
       statistics.line.bytes_lost, statistics.link.bytes_dropped, statistics.overruns);
 }
 
+/// Says what got lost between slaves, if anything did.
+void print_lost_frames(const ethercat::SegmentStatistics& statistics) {
+  if (statistics.dropped + statistics.corrupted + statistics.torn > 0) {
+    fmt::print("  {} frames dropped and {} corrupted by events, {} torn between clocks\n",
+               statistics.dropped, statistics.corrupted, statistics.torn);
+  }
+}
+
 void print_end(const rack::RackConfiguration& configuration, rack::Rack& rack,
                rack::Runner& runner) {
   for (std::size_t i = 0; i < configuration.buses.size(); ++i) {
@@ -365,11 +373,12 @@ void print_end(const rack::RackConfiguration& configuration, rack::Rack& rack,
                                                : static_cast<double>(statistics.processing_ns) /
                                                      static_cast<double>(statistics.frames) * 1e-3;
     fmt::print(
-        "{}: {} frames answered in {:.1f} us on average (worst {:.1f} us), {} others "
-        "ignored, {} dropped by the system, {} overruns\n",
+        "{}: {} frames answered in {:.1f} us on average (worst {:.1f} us), {} not "
+        "answered, {} dropped by the system, {} overruns\n",
         runner.link(i).name(), statistics.frames, mean,
-        static_cast<double>(statistics.worst_processing_ns) * 1e-3, statistics.frames_ignored,
+        static_cast<double>(statistics.worst_processing_ns) * 1e-3, statistics.frames_unanswered,
         runner.link(i).statistics().frames_dropped, statistics.overruns);
+    print_lost_frames(rack.segment(i).statistics());
   }
 }
 

@@ -32,13 +32,15 @@ master::Result<std::size_t> LocalPort::exchange(std::span<const std::byte> frame
   if (auto captured = capture(frame); !captured) {
     return captured;
   }
-  if (rack_.process_frame(segment_, answer, arrival) != ethercat::MasterInterface::primary) {
+  const bool returns =
+      rack_.process_frame(segment_, answer, arrival) == ethercat::MasterInterface::primary;
+  // A frame that does not return may have got lost behind slaves that have taken what it brought.
+  rack_.handle_bus_events(segment_, arrival);
+  if (!returns) {
     wait(timeout);
     return std::size_t{0};
   }
-  auto captured = capture(answer);
-  rack_.handle_bus_events(segment_, arrival);
-  return captured;
+  return capture(answer);
 }
 
 void LocalPort::wait(base::SimDuration duration) {

@@ -274,7 +274,11 @@ void Runner::answer(SegmentThread& segment, std::span<std::byte> frame, MasterIn
   const std::optional<MasterInterface> exit =
       shared_.rack.process_frame(segment.index, frame, arrival, entry);
   if (!exit) {
-    ++segment.statistics.frames_ignored;
+    ++segment.statistics.frames_unanswered;
+    // It may have got lost behind slaves that have taken what it brought.
+    shared_.rack.handle_bus_events(segment.index, arrival);
+    lock.unlock();
+    capture(segment, arrival, {});
     return;
   }
   lock.unlock();
@@ -297,6 +301,7 @@ void Runner::answer(SegmentThread& segment, std::span<std::byte> frame, MasterIn
 }
 
 // Both directions are written once the answer is out, so that a capture costs the master no time.
+// Of a frame that does not come back, `answer` is empty.
 void Runner::capture(SegmentThread& segment, base::SimTime arrival,
                      std::span<const std::byte> answer) {
   if (segment.capture == nullptr) {
@@ -304,6 +309,9 @@ void Runner::capture(SegmentThread& segment, base::SimTime arrival,
   }
   for (const std::span<const std::byte> frame :
        {std::span<const std::byte>(segment.captured_request), answer}) {
+    if (frame.empty()) {
+      return;
+    }
     if (const auto written = segment.capture->write(arrival, frame); !written) {
       shared_.logger->error("{}; capturing ends", written.error().text);
       segment.capture.reset();

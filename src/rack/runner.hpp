@@ -25,11 +25,11 @@ namespace stator::rack {
 
 /// What one segment's thread did so far.
 struct SegmentStatistics {
-  std::uint64_t frames = 0;          ///< answered
-  std::uint64_t frames_ignored = 0;  ///< came, but are no EtherCAT
-  std::uint64_t overruns = 0;        ///< times the rack lagged behind the clock by > kOverrun
-  std::int64_t worst_lag_ns = 0;     ///< longest lag seen
-  std::int64_t processing_ns = 0;    ///< sum over frames from received to sent
+  std::uint64_t frames = 0;             ///< answered
+  std::uint64_t frames_unanswered = 0;  ///< came, but are no EtherCAT or got lost on their way
+  std::uint64_t overruns = 0;           ///< times the rack lagged behind the clock by > kOverrun
+  std::int64_t worst_lag_ns = 0;        ///< longest lag seen
+  std::int64_t processing_ns = 0;       ///< sum over frames from received to sent
   std::int64_t worst_processing_ns = 0;
 };
 

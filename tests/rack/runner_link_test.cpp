@@ -1,7 +1,15 @@
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <thread>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <spdlog/sinks/null_sink.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "link/open_link.hpp"
 #include "link/udp_ethernet_link.hpp"
@@ -44,6 +52,42 @@ TEST(RunnerOverUdp, AMasterScansTheRack) {
   EXPECT_EQ(master.slaves()[0].information.identity.vendor_id, 0x286U);
   runner.stop();
   EXPECT_GT(runner.statistics(0).frames, 0U);
+}
+
+TEST(RunnerOverUdp, AFrameThatGetsLostIsCountedAndCaptured) {
+  const std::string capture = ::testing::TempDir() + "/stator-lost-" + std::to_string(::getpid());
+  RackConfiguration configuration = single_device_rack("tmcm-3315");
+  configuration.segments[0].link = {link::LinkKind::udp, "127.0.0.1", free_port()};
+  configuration.segments[0].capture = capture;
+  configuration.events.push_back(
+      {base::SimDuration(0),
+       SegmentFaultEvent{0, {.kind = ethercat::FrameFaultKind::drop, .port = {0, 0}}}});
+  constexpr std::uintmax_t kFileHeader = 24;
+  constexpr std::uintmax_t kRecordHeader = 16;
+  std::uintmax_t captured = kFileHeader + kRecordHeader;
+  EventLog log;
+  Rack rack(configuration, log);
+  {
+    Runner runner(rack, configuration, no_log());
+    runner.start();
+    const auto opened = link::open_link(configuration.segments[0].link, link::LinkEnd::master, {});
+    ASSERT_TRUE(opened) << opened.error().text;
+    std::array<std::byte, 64> buffer{};
+    ethercat::FrameBuilder builder(buffer, {2, 0, 0, 0, 0, 1});
+    builder.append(ethercat::Command::brd, 0, 0, std::size_t{1});
+    const std::span<std::byte> frame = builder.finish();
+    ASSERT_TRUE((*opened)->send(frame));
+    captured += frame.size();
+    for (int i = 0; i < 500 && runner.statistics(0).frames_unanswered == 0; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    runner.stop();
+    EXPECT_EQ(runner.statistics(0).frames_unanswered, 1U);
+    EXPECT_EQ(runner.statistics(0).frames, 0U);
+  }
+  EXPECT_EQ(rack.segment(0).statistics().dropped, 1U);
+  EXPECT_EQ(std::filesystem::file_size(capture), captured) << "the request only";
+  std::filesystem::remove(capture);
 }
 
 TEST(RunnerLinks, ASegmentWithoutALinkIsToldTheFormsThereAre) {

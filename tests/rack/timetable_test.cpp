@@ -2,6 +2,9 @@
 
 #include "rack/timetable.hpp"
 
+#include <array>
+#include <span>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -142,6 +145,37 @@ direction = "out"
   EXPECT_EQ(bench.log.count("ethercat-frame-fault"), 2U);
   EXPECT_THAT(bench.log.line(bench.log.events().back()),
               HasSubstr("destruction of the next 1 frames that leave port 1"));
+}
+
+TEST(Events, AFrameLostOnItsWayBackHasBroughtItsRequestsToTheFirmware) {
+  Bench bench(R"(
+[[event]]
+at = "10 s"
+action = "drop"
+device = "left"
+direction = "out"
+)");
+  bench.wait_until(9_s);
+  ASSERT_EQ(bench.scan(), 2U);
+  bench.wait_until(10_s);
+  std::array<std::byte, 64> buffer{};
+  std::array<std::byte, 64> reply{};
+  const auto exchange = [&](ethercat::Command command, std::uint16_t address, std::uint8_t value) {
+    ethercat::FrameBuilder builder(buffer, {2, 0, 0, 0, 0, 1});
+    const std::array<std::byte, 1> data{std::byte{value}};
+    builder.append(command, 0, ethercat::physical_address(0, address),
+                   std::span<const std::byte>(data));
+    const auto length = bench.port.exchange(builder.finish(), reply, 0_ns);
+    EXPECT_TRUE(length);
+    return *length;
+  };
+  constexpr std::uint8_t kOperational = 8;  // which is refused in Init
+  EXPECT_EQ(exchange(ethercat::Command::bwr, 0x0120, kOperational), 0U);
+  EXPECT_EQ(bench.statistics().dropped, 1U);
+  const std::size_t length = exchange(ethercat::Command::aprd, 0x0130, 0);
+  const auto datagram = ethercat::DatagramCursor(std::span(reply).first(length)).next();
+  ASSERT_TRUE(datagram);
+  EXPECT_EQ(std::to_integer<unsigned>(datagram->bytes()[0]), 0x11U) << "before its next tick";
 }
 
 TEST(Events, AreInForceForTheFirstFrameThatComesAfterThem) {
