@@ -85,7 +85,7 @@ std::optional<Response> Guard::check_token(const Request& request, bool writes, 
     return std::nullopt;
   }
   constexpr std::size_t kSchemeLength = 7;
-  const std::string& field = request.authorization ? *request.authorization : std::string();
+  const std::string field = request.authorization.value_or("");
   const std::string_view authorization(field);
   if (!token_.empty() && is_bearer(authorization.substr(0, kSchemeLength)) &&
       equal_tokens(authorization.substr(kSchemeLength), token_)) {

@@ -209,7 +209,8 @@ std::variant<Match, Response> find_route(const Request& request) {
     return problem(400, "the request's target must be a path, e.g. /api/v1/rack");
   }
   const std::vector<std::string_view> parts = segments(path);
-  const std::string_view method = request.method == "HEAD" ? "GET" : request.method;
+  const std::string_view method =
+      request.method == "HEAD" ? std::string_view("GET") : std::string_view(request.method);
   Match match;
   std::string allowed;
   for (const Route& route : kRoutes) {
