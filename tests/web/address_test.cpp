@@ -21,8 +21,8 @@ TEST(WebAddress, IsThisMachineUnlessToldOtherwise) {
 }
 
 TEST(WebAddress, RefusesWhatIsNone) {
-  for (const char* text : {"", "x", "65536", ":80", "localhost:80", "127.0.0.1", "127.0.0.1:",
-                           "::1:80", "[::1]80", "[::1", "127.0.0.1:80x", "-1"}) {
+  for (const char* text : {"", "x", "65536", ":80", "localhost:80", "127.0.0.1",
+                           "127.0.0.1:", "::1:80", "[::1]80", "[::1", "127.0.0.1:80x", "-1"}) {
     EXPECT_THROW(static_cast<void>(parse_address(text)), std::runtime_error) << text;
   }
 }

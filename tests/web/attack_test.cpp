@@ -1,4 +1,5 @@
-// What a hostile page or program would try. Each test also shows that the server serves others after.
+// What a hostile page or program would try. Each test also shows that the server serves others
+// after.
 #include <chrono>
 #include <memory>
 #include <vector>
@@ -43,13 +44,15 @@ TEST_F(WebAttack, OfAnotherOriginIsRefused) {
   HttpClient client(rack.port());
   for (const char* origin : {"http://evil.example", "null", "https://127.0.0.1", "http://localhost",
                              "http://127.0.0.1:1"}) {
-    EXPECT_EQ(client.request("GET", "/api/v1/rack", {}, fmt::format("Origin: {}\r\n", origin)).status,
-              403)
+    EXPECT_EQ(
+        client.request("GET", "/api/v1/rack", {}, fmt::format("Origin: {}\r\n", origin)).status,
+        403)
         << origin;
   }
   const std::string own = fmt::format("Origin: http://127.0.0.1:{}\r\n", rack.port());
   EXPECT_EQ(client.request("GET", "/api/v1/rack", {}, own).status, 200);
-  EXPECT_EQ(client.request("GET", "/api/v1/rack", {}, "Sec-Fetch-Site: cross-site\r\n").status, 403);
+  EXPECT_EQ(client.request("GET", "/api/v1/rack", {}, "Sec-Fetch-Site: cross-site\r\n").status,
+            403);
   HttpClient writer(rack.port());
   EXPECT_EQ(writer
                 .request("PUT", kInput, R"({"value": 1})",
@@ -68,17 +71,18 @@ TEST_F(WebAttack, ByAReboundNameIsRefused) {
   EXPECT_EQ(raw("GET /api/v1/rack HTTP/1.1\r\nHost: evil.example\r\n\r\n").status, 421);
   EXPECT_EQ(raw("GET /api/v1/rack HTTP/1.1\r\nHost: 192.0.2.1\r\n\r\n").status, 421);
   EXPECT_EQ(raw("GET /api/v1/rack HTTP/1.1\r\nHost: localhost.evil.example\r\n\r\n").status, 421);
-  EXPECT_EQ(raw("GET /api/v1/rack HTTP/1.1\r\nHost: localhost\r\nHost: evil.example\r\n\r\n").status,
-            400);
+  EXPECT_EQ(
+      raw("GET /api/v1/rack HTTP/1.1\r\nHost: localhost\r\nHost: evil.example\r\n\r\n").status,
+      400);
   EXPECT_EQ(raw("GET /api/v1/rack HTTP/1.1\r\n\r\n").status, 400);
   EXPECT_EQ(raw("GET /api/v1/rack HTTP/1.1\r\nHost: LocalHost:99\r\n\r\n").status, 200);
 }
 
 TEST_F(WebAttack, WithoutTheTokenWritesNothing) {
   const std::string body = R"({"value": 1})";
-  for (const std::string& field :
-       {std::string(), token_field("wrong"), token_field(""), token_field(std::string(kToken) + "x"),
-        "Authorization: Basic " + std::string(kToken) + "\r\n"}) {
+  for (const std::string& field : {std::string(), token_field("wrong"), token_field(""),
+                                   token_field(std::string(kToken) + "x"),
+                                   "Authorization: Basic " + std::string(kToken) + "\r\n"}) {
     HttpClient client(rack.port());
     EXPECT_EQ(client.request("PUT", kInput, body, field).status, 401) << field;
   }
@@ -124,9 +128,9 @@ TEST_F(WebAttack, WithAHugeBodyIsRefusedWithoutReadingIt) {
 }
 
 TEST_F(WebAttack, WithAHugeHeadIsRefused) {
-  EXPECT_EQ(raw("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(20000, 'x') + "\r\n\r\n")
-                .status,
-            431);
+  EXPECT_EQ(
+      raw("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(20000, 'x') + "\r\n\r\n").status,
+      431);
   EXPECT_EQ(raw("GET /" + std::string(20000, 'x') + " HTTP/1.1\r\nHost: localhost\r\n\r\n").status,
             431);
 }
@@ -218,10 +222,9 @@ TEST_F(WebAttack, ByManyStreamsIsBounded) {
   std::vector<std::unique_ptr<HttpClient>> clients;
   for (int i = 0; i < 8; ++i) {
     clients.push_back(std::make_unique<HttpClient>(rack.port()));
-    EXPECT_EQ(clients.back()
-                  ->request("GET", "/api/v1/signals", {}, HttpClient::upgrade_fields())
-                  .status,
-              101);
+    EXPECT_EQ(
+        clients.back()->request("GET", "/api/v1/signals", {}, HttpClient::upgrade_fields()).status,
+        101);
   }
   HttpClient one_more(rack.port());
   EXPECT_EQ(one_more.request("GET", "/api/v1/signals", {}, HttpClient::upgrade_fields()).status,

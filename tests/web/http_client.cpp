@@ -85,8 +85,8 @@ Answer HttpClient::receive(bool head) {
 
 Answer HttpClient::request(const std::string& method, const std::string& target,
                            const std::string& body, const std::string& fields) {
-  std::string text = fmt::format("{} {} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n{}", method, target, port_,
-                                 fields);
+  std::string text =
+      fmt::format("{} {} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n{}", method, target, port_, fields);
   if (!body.empty()) {
     text += fmt::format("Content-Type: application/json\r\nContent-Length: {}\r\n", body.size());
   }

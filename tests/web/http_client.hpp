@@ -12,7 +12,7 @@ namespace stator::web {
 
 /// An answer as it came over the wire.
 struct Answer {
-  int status = 0;  ///< 0: the connection ended without one
+  int status = 0;                              ///< 0: the connection ended without one
   std::map<std::string, std::string> headers;  ///< names in lower case
   std::string body;
 
@@ -34,8 +34,8 @@ class HttpClient {
   /// Reads one answer; `head`: it has no body.
   Answer receive(bool head = false);
   /// Sends a request with Host and, if there is a body, its length and type.
-  Answer request(const std::string& method, const std::string& target,
-                 const std::string& body = {}, const std::string& fields = {});
+  Answer request(const std::string& method, const std::string& target, const std::string& body = {},
+                 const std::string& fields = {});
   /// The server ended the connection: nothing more comes.
   bool ended();
 

@@ -53,8 +53,7 @@ Families read(const std::string& text) {
         fail("the unit ends the name", line);
       }
     } else if (std::regex_match(line, part, kSample)) {
-      const std::string expected =
-          families.types[family] == "counter" ? family + "_total" : family;
+      const std::string expected = families.types[family] == "counter" ? family + "_total" : family;
       if (part[1] != expected) {
         fail("a sample of another family", line);
       }
@@ -72,10 +71,11 @@ Families read(const std::string& text) {
 TEST(OpenMetricsReader, IsStrict) {
   EXPECT_EQ(read("# TYPE a counter\na_total{b=\"c\\\"\",d=\"\"} 1e+06\n# EOF\n").problem, "");
   for (const char* wrong :
-       {"# TYPE a counter\na 1\n# EOF\n", "# TYPE a gauge\na 1\n", "# TYPE a gauge\na{b=c} 1\n# EOF\n",
-        "# TYPE a gauge\na{b=\"c\",} 1\n# EOF\n", "# TYPE a gauge\na nan\n# EOF\n",
-        "# TYPE a gauge\na 1\na 1\n# EOF\n", "# TYPE a gauge\n# UNIT a seconds\na 1\n# EOF\n",
-        "a 1\n# EOF\n", "# TYPE a gauge\n\na 1\n# EOF\n"}) {
+       {"# TYPE a counter\na 1\n# EOF\n", "# TYPE a gauge\na 1\n",
+        "# TYPE a gauge\na{b=c} 1\n# EOF\n", "# TYPE a gauge\na{b=\"c\",} 1\n# EOF\n",
+        "# TYPE a gauge\na nan\n# EOF\n", "# TYPE a gauge\na 1\na 1\n# EOF\n",
+        "# TYPE a gauge\n# UNIT a seconds\na 1\n# EOF\n", "a 1\n# EOF\n",
+        "# TYPE a gauge\n\na 1\n# EOF\n"}) {
     EXPECT_NE(read(wrong).problem, "") << wrong;
   }
 }
@@ -93,10 +93,11 @@ TEST(WebMetrics, AreOpenMetricsText) {
   EXPECT_EQ(families.types.at("stator_events"), "counter");
   EXPECT_EQ(families.samples.at("stator_events_total{severity=\"information\"}"), 1);
   EXPECT_EQ(families.samples.at("stator_http_answers_total{status=\"404\"}"), 1);
-  EXPECT_EQ(families.samples.at("stator_device_powered{device=\"drive\",product=\"TMCM-3315\"}"), 1);
+  EXPECT_EQ(families.samples.at("stator_device_powered{device=\"drive\",product=\"TMCM-3315\"}"),
+            1);
   EXPECT_GT(families.samples.at("stator_simulated_time_seconds"), 0);
-  EXPECT_TRUE(families.samples.contains(
-      "stator_signal{signal=\"drive.axis0.coil_current_a\",unit=\"A\"}"));
+  EXPECT_TRUE(
+      families.samples.contains("stator_signal{signal=\"drive.axis0.coil_current_a\",unit=\"A\"}"));
 }
 
 }  // namespace

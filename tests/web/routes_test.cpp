@@ -15,8 +15,7 @@ std::variant<Match, Response> find(const std::string& method, const std::string&
 TEST(Routes, DecodeParametersAfterSplittingThePath) {
   const auto found = find("GET", "/api/v1/devices/a%2Fb%20c/objects/6041/00");
   ASSERT_TRUE(std::holds_alternative<Match>(found));
-  EXPECT_EQ(std::get<Match>(found).parameters,
-            (std::vector<std::string>{"a/b c", "6041", "00"}));
+  EXPECT_EQ(std::get<Match>(found).parameters, (std::vector<std::string>{"a/b c", "6041", "00"}));
 }
 
 TEST(Routes, TakeTheirOwnParameterOfAQuery) {

@@ -28,7 +28,8 @@ inline std::uint16_t free_udp_port() {
 /// A TMCM-3315 "drive" behind UDP, a TMCC160 "servo" on a CAN bus, and a server for both.
 class ServedRack {
  public:
-  explicit ServedRack(const ServerLimits& limits = {}, rack::ClockKind clock = rack::ClockKind::real,
+  explicit ServedRack(const ServerLimits& limits = {},
+                      rack::ClockKind clock = rack::ClockKind::real,
                       const std::string& address = "127.0.0.1", const std::string& record = {})
       : configuration_(configuration(clock, record)),
         rack_(configuration_, log_),
