@@ -42,8 +42,8 @@ class HandOverQueue {
  private:
   static_assert((Capacity & (Capacity - 1)) == 0, "indices run over at a power of two");
   std::array<T, Capacity> items_{};
-  alignas(64) std::atomic<std::size_t> pushed_{0};
-  alignas(64) std::atomic<std::size_t> popped_{0};
+  std::atomic<std::size_t> pushed_{0};
+  std::atomic<std::size_t> popped_{0};
 };
 
 }  // namespace stator::rack

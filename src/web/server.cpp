@@ -217,6 +217,7 @@ class Server::Implementation::Stream : public std::enable_shared_from_this<Strea
     timeout.idle_timeout = server_.limits_.stream_idle_time;
     timeout.keep_alive_pings = true;
     socket_.set_option(timeout);
+    socket_.auto_fragment(false);  // the messages are short, and one frame each is easier to read
     socket_.read_message_max(server_.limits_.message_bytes);
     socket_.set_option(websocket::stream_base::decorator(
         [chosen = std::string(protocol)](websocket::response_type& response) {
@@ -380,15 +381,15 @@ class Server::Implementation::Connection : public std::enable_shared_from_this<C
     const auto& message = parser_->get();
     request_ = request_of(message);
     keep_alive_ = message.keep_alive();
-    auto found = find_route(request_);
+    const auto found = find_route(request_);
+    const auto* nowhere = std::get_if<Response>(&found);
     auto refused = server_.guard_.check_source(request_);
-    if (!refused && std::holds_alternative<Response>(found)) {
+    if (!refused && nowhere != nullptr) {
       // Also what does not exist is told only to those who may ask.
-      refused = server_.guard_.check_token(request_, false, false);
-      refused = refused ? std::move(refused) : std::get<Response>(std::move(found));
+      refused = server_.guard_.check_token(request_, false, false).value_or(*nowhere);
     }
     if (!refused) {
-      match_ = std::get<Match>(std::move(found));
+      match_ = std::get<Match>(found);
       refused = server_.guard_.check_token(request_, match_.route->writes(), match_.route->open);
     }
     if (!refused && match_.route->writes() && !is_json(request_)) {
@@ -645,7 +646,10 @@ bool Server::Implementation::post(std::unique_ptr<Job> job,
 
 void Server::Implementation::tap(const std::shared_ptr<Stream>& stream,
                                  const Subscription& subscription) {
-  taps_.push_back({.task = std::make_unique<TapTask>(state_, subscription), .stream = stream});
+  Tap added;
+  added.task = std::make_unique<TapTask>(state_, subscription);
+  added.stream = stream;
+  taps_.push_back(std::move(added));
   wake();
 }
 

@@ -23,7 +23,8 @@ struct Answer {
 /// most.
 class HttpClient {
  public:
-  explicit HttpClient(std::uint16_t port);
+  /// `receive_buffer`: bytes that the system takes while nobody reads; 0: as many as it likes.
+  explicit HttpClient(std::uint16_t port, int receive_buffer = 0);
   ~HttpClient();
   HttpClient(const HttpClient&) = delete;
   HttpClient& operator=(const HttpClient&) = delete;

@@ -214,6 +214,32 @@ TEST(WebStream, SendsWhatWasSubscribedAtItsPeriod) {
   EXPECT_TRUE(client.receive_message("subscribed")["signals"].empty());
 }
 
+TEST(WebStream, OfAClientThatDoesNotReadLosesTheOldestAndCountsThem) {
+  ServedRack rack;
+  HttpClient client(rack.port(), 4096);
+  ASSERT_EQ(client.request("GET", "/api/v1/signals", {}, HttpClient::upgrade_fields()).status, 101);
+  client.send_frame(
+      1, R"({"signals": ["drive.axis0.coil_*", "drive.axis1.coil_*", "drive.axis2.coil_*"],)"
+         R"( "period": "50us"})");
+  HttpClient observer(rack.port());
+  const auto dropped = [&observer] {
+    const std::string metrics = observer.request("GET", "/metrics").body;
+    const std::string name = "\nstator_stream_rows_dropped_total ";
+    return std::stoul(metrics.substr(metrics.find(name) + name.size()));
+  };
+  const auto begin = std::chrono::steady_clock::now();
+  while (dropped() == 0 && std::chrono::steady_clock::now() - begin < std::chrono::seconds(60)) {
+  }
+  EXPECT_GT(dropped(), 0U);
+  EXPECT_EQ(observer.request("GET", "/healthz").status, 200);
+  // What is left of the queue still comes, and tells of the loss.
+  nlohmann::json samples;
+  do {
+    samples = client.receive_message("samples");
+    ASSERT_TRUE(samples.is_object());
+  } while (samples["dropped"] == 0);
+}
+
 TEST(WebStream, SaysWhatIsWrongWithASubscription) {
   ServedRack rack;
   HttpClient client(rack.port());
