@@ -68,7 +68,7 @@ class Text {
 
 void add_networks(Text& text, const Snapshot& snapshot) {
   const auto labels = [](const NetworkRecord& network) {
-    return fmt::format("network=\"{}\",kind=\"{}\"", escaped(network.name), network.kind);
+    return fmt::format(R"(network="{}",kind="{}")", escaped(network.name), network.kind);
   };
   text.family("stator_network_received", "counter",
               "Frames of masters and programs that came; bytes on serial lines.");
@@ -118,7 +118,7 @@ std::string openmetrics(const State& state, const Snapshot& snapshot) {
   for (std::size_t i = 0; i < state.devices().size(); ++i) {
     const DeviceRecord& device = state.devices()[i];
     text.sample(
-        fmt::format("device=\"{}\",product=\"{}\"", escaped(device.name), escaped(device.product)),
+        fmt::format(R"(device="{}",product="{}")", escaped(device.name), escaped(device.product)),
         snapshot.devices[i].powered ? 1 : 0);
   }
   text.family("stator_events", "counter", "Events of the rack by severity.");
@@ -129,9 +129,8 @@ std::string openmetrics(const State& state, const Snapshot& snapshot) {
   text.family("stator_signal", "gauge", "Present value of a signal in its unit.");
   for (std::size_t i = 0; i < state.signals().size(); ++i) {
     const devices::Signal& signal = state.signals()[i];
-    text.sample(
-        fmt::format("signal=\"{}\",unit=\"{}\"", escaped(signal.name), escaped(signal.unit)),
-        number(snapshot.signals[i]));
+    text.sample(fmt::format(R"(signal="{}",unit="{}")", escaped(signal.name), escaped(signal.unit)),
+                number(snapshot.signals[i]));
   }
   add_server(text, state.counters);
   return std::move(text).finish();

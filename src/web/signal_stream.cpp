@@ -64,7 +64,8 @@ std::variant<Subscription, Response> parse_subscription(std::string_view text, c
     }
     const auto& name = pattern.get_ref<const std::string&>();
     if (state.matching(name).empty()) {
-      return problem(404, fmt::format("no signal matches \"{}\"; /api/v1/signals lists all", name));
+      return problem(404,
+                     fmt::format(R"(no signal matches "{}"; /api/v1/signals lists all)", name));
     }
     patterns += (patterns.empty() ? "" : ",") + name;
   }
