@@ -83,7 +83,7 @@ std::variant<Subscription, Response> parse_subscription(std::string_view text, c
                             : std::nullopt;
   if (!duration || *duration < kShortestPeriod || *duration > kLongestPeriod ||
       *duration % kShortestPeriod != base::SimDuration(0)) {
-    return problem(422, "\"period\" is a multiple of 50us, 10s at most, e.g. \"1ms\"");
+    return problem(422, R"("period" is a multiple of 50us, 10s at most, e.g. "1ms")");
   }
   subscription.period = *duration;
   if (subscription.values_per_second() > values_left) {
