@@ -23,6 +23,7 @@
 #include "cli/failure.hpp"
 #include "cli/logging.hpp"
 #include "cli/serial_lines.hpp"
+#include "cli/web_server.hpp"
 #include "link/can_link.hpp"
 #include "link/can_link_address.hpp"
 #include "link/chip_server.hpp"
@@ -59,6 +60,7 @@ struct RunOptions {
   std::string duration;
   std::string state;
   bool no_emergencies = false;
+  WebOptions web;
 };
 
 base::SimDuration duration_option(const std::string& name, const std::string& text) {
@@ -301,8 +303,8 @@ void print_buses(const rack::RackConfiguration& configuration, rack::Runner& run
   }
 }
 
-void print_start(const rack::RackConfiguration& configuration, rack::Rack& rack,
-                 rack::Runner& runner) {
+void print_networks(const rack::RackConfiguration& configuration, rack::Rack& rack,
+                    rack::Runner& runner) {
   for (std::size_t i = 0; i < configuration.segments.size(); ++i) {
     const rack::SegmentConfiguration& segment = configuration.segments[i];
     const std::string redundant =
@@ -323,8 +325,6 @@ void print_start(const rack::RackConfiguration& configuration, rack::Rack& rack,
     print_chip(runner.chip(i).name());
   }
   print_chips_without_firmware(configuration);
-  fmt::print("Running; Ctrl-C ends it.\n");
-  std::fflush(stdout);
 }
 
 void print_bus_end(const rack::CanNetwork& network, rack::BusThread& thread) {
@@ -392,10 +392,20 @@ void run(const RunOptions& options) {
   const auto logger = make_logger();
   rack::EventLog log(logger);
   rack::Rack rack(configuration, log);
+  std::unique_ptr<web::Server> server;  // goes after the runner, which may have tasks of it
   rack::Runner runner(rack, configuration, logger);
-  print_start(configuration, rack, runner);
+  print_networks(configuration, rack, runner);
+  server = open_web_server(options.web, rack, configuration, log, runner);
+  fmt::print("Running; Ctrl-C ends it.\n");
+  std::fflush(stdout);
   runner.start();
+  if (server != nullptr) {
+    server->start();
+  }
   signals.wait(limit);
+  if (server != nullptr) {
+    server->stop();
+  }
   runner.stop();
   print_end(configuration, rack, runner);
   if (rack.trace() != nullptr) {
@@ -466,11 +476,20 @@ void add_run_command(CLI::App& app) {
                       "Directory in which devices keep EEPROM content, parameters and firmware");
   command->add_flag("--no-emergencies", options->no_emergencies,
                     "Devices send no CoE emergencies, for masters that cannot take any");
+  auto* http = command->add_option(
+      "--http", options->web.http,
+      "[ADDRESS:]PORT of a web server with REST, signals and metrics; without ADDRESS this machine "
+      "only");
+  command
+      ->add_option("--http-token", options->web.token_file,
+                   "File with the token that writes need, and from other machines all access")
+      ->needs(http);
   command->footer(
       "Examples:\n"
       "  stator run racks/gantry.toml --link ethercat:eth1\n"
       "  stator run --device tmcm-3315 --link ethercat:eth1 --wait spin --cpu 1\n"
       "  stator run --device tmcm-3315 --link udp:0.0.0.0\n"
+      "  stator run racks/gantry.toml --http 8080\n"
       "  stator run --device tmcc160 --port slcan:/tmp/stator-can0 --port socketcand:29536\n"
       "  stator run --device tmcm-142 --serial pty:/tmp/stator-serial\n"
       "  stator run --device tmc8461 --link ethercat:eth1 --spi unix:/tmp/stator-chip\n"

@@ -14,6 +14,11 @@ class CanDevice : public Device {
  public:
   [[nodiscard]] virtual can::Controller& controller() = 0;
 
+  /// What its NMT state means for writes of its objects.
+  [[nodiscard]] virtual dictionary::NetworkState network_state() const {
+    return dictionary::NetworkState::pre_operational;
+  }
+
   /// The bit rate its controller is set to, bit/s. It changes with a reset at most.
   [[nodiscard]] virtual std::uint32_t bit_rate() const = 0;
 

@@ -28,6 +28,10 @@ class Device {
   /// Null if it has none.
   [[nodiscard]] virtual const dictionary::Dictionary* object_dictionary() const { return nullptr; }
 
+  /// Its firmware acts on objects that were written otherwise than over its network, as it does on
+  /// those an SDO wrote.
+  virtual void objects_written(base::SimTime now) { handle_bus_events(now); }
+
   /// Brings firmware and plant to `now` in the device's own control periods. Time never goes back;
   /// a `now` before the last one is ignored.
   virtual void advance(base::SimTime now) = 0;

@@ -88,6 +88,7 @@ void BusThread::run() {
       hand_out();
     }
     shared_.keep_files();
+    shared_.serve_desk();
   }
 }
 

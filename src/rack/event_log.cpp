@@ -30,6 +30,7 @@ void EventLog::on_event(const base::Event& event) {
   if (event.rule == nullptr) {
     return;
   }
+  ++total_;
   ++counts_[event.rule->id];
   events_.push_back(event);
   if (events_.size() > kKept) {
@@ -46,11 +47,13 @@ std::uint64_t EventLog::count(std::string_view rule_id) const {
   return found == counts_.end() ? 0 : found->second;
 }
 
+std::string EventLog::device_name(const base::Event& event) const {
+  return event.device < device_names_.size() ? device_names_[event.device]
+                                             : fmt::format("device {}", event.device);
+}
+
 std::string EventLog::line(const base::Event& event) const {
-  const std::string device = event.device < device_names_.size()
-                                 ? device_names_[event.device]
-                                 : fmt::format("device {}", event.device);
-  return device + ": " + base::to_sentence(event);
+  return device_name(event) + ": " + base::to_sentence(event);
 }
 
 }  // namespace stator::rack

@@ -34,6 +34,10 @@ class EventLog final : public base::EventSink {
 
   /// The newest events, oldest first.
   [[nodiscard]] const std::deque<base::Event>& events() const { return events_; }
+  /// How many events there were since the rack started: the number of the newest, counted from 1.
+  [[nodiscard]] std::uint64_t total() const { return total_; }
+  /// Of the device or bus that raised it.
+  [[nodiscard]] std::string device_name(const base::Event& event) const;
   /// How often `rule_id` was raised since the rack started.
   [[nodiscard]] std::uint64_t count(std::string_view rule_id) const;
 
@@ -45,6 +49,7 @@ class EventLog final : public base::EventSink {
   std::vector<std::string> device_names_;
   std::deque<base::Event> events_;
   std::map<std::string_view, std::uint64_t> counts_;
+  std::uint64_t total_ = 0;
 };
 
 }  // namespace stator::rack

@@ -199,7 +199,7 @@ void Rack::advance(base::SimTime now) {
     return recorder_ ? recorder_->next_sample() : base::SimTime::never();
   };
   const auto next_instant = [this, &next_sample] {
-    return std::min({timetable_.next(), next_sample(), lines_.next_deadline()});
+    return std::min({timetable_.next(), next_sample(), next_tap(), lines_.next_deadline()});
   };
   for (base::SimTime instant = next_instant(); instant <= now; instant = next_instant()) {
     advance_devices(instant);
@@ -210,6 +210,7 @@ void Rack::advance(base::SimTime now) {
     if (next_sample() <= instant) {
       recorder_->sample(instant);
     }
+    sample_taps(instant);
   }
   advance_devices(now);
   if (lines_.next_deadline() <= now) {

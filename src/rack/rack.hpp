@@ -20,6 +20,7 @@
 #include "rack/rack_configuration.hpp"
 #include "rack/recorder.hpp"
 #include "rack/serial_lines.hpp"
+#include "rack/signal_tap.hpp"
 #include "rack/timetable.hpp"
 
 namespace stator::rack {
@@ -98,6 +99,28 @@ class Rack {
   /// Those the devices' configurations name, in the order in which they do.
   [[nodiscard]] SerialLine& line(std::size_t index) { return lines_[index]; }
   [[nodiscard]] const SerialLine& line(std::size_t index) const { return lines_[index]; }
+  /// Every device, those of segments first, in the order of their numbers in events of one network.
+  [[nodiscard]] std::vector<DeviceAddress> addresses() const;
+  [[nodiscard]] const std::string& name_of(DeviceAddress device);
+  [[nodiscard]] devices::Device& device(DeviceAddress device);
+  [[nodiscard]] const std::vector<devices::Input>& inputs(DeviceAddress device) const;
+  [[nodiscard]] bool powered(DeviceAddress device) const;
+  /// What the device's objects are protected by; pre_operational also stands for states below.
+  [[nodiscard]] dictionary::NetworkState network_state(DeviceAddress device);
+
+  /// Reads an entry of the device's object dictionary as an SDO would; `value` gets its bytes.
+  [[nodiscard]] dictionary::Verdict read_object(DeviceAddress device, dictionary::Entry& entry,
+                                                std::vector<std::byte>& value);
+  /// Writes one as an SDO would, with all its checks, and lets the firmware act on it at `now`, to
+  /// which the rack has been brought. What was written is an event.
+  [[nodiscard]] dictionary::Verdict write_object(DeviceAddress device, dictionary::Entry& entry,
+                                                 std::span<const std::byte> value,
+                                                 base::SimTime now);
+
+  /// Samples the tap's signals from `now` on, until it is removed.
+  void add(SignalTap& tap, base::SimTime now);
+  void remove(const SignalTap& tap);
+
   /// All signals of all devices, named "device.signal", and of all buses.
   [[nodiscard]] std::vector<devices::Signal> signals();
   [[nodiscard]] const std::optional<Recorder>& recorder() const { return recorder_; }
@@ -139,6 +162,8 @@ class Rack {
   void report(std::uint16_t number, base::SimTime now, const base::EventRule& rule,
               const Arguments& arguments = {});
 
+  [[nodiscard]] base::SimTime next_tap() const;
+  void sample_taps(base::SimTime now);
   void begin_trace(const TraceConfiguration& configuration, ClockKind clock);
 
   EventLog& log_;
@@ -148,6 +173,7 @@ class Rack {
   SerialLines lines_;  ///< go first: they know devices and buses
   Timetable timetable_;
   std::optional<Recorder> recorder_;
+  std::vector<SignalTap*> taps_;
   std::unique_ptr<DeviceStorage> storage_;
 };
 

@@ -197,6 +197,10 @@ SegmentStatistics Runner::statistics(std::size_t segment) {
   return segments_[segment]->statistics;
 }
 
+SegmentStatistics Runner::segment_in_task(std::size_t segment) const {
+  return segments_[segment]->statistics;
+}
+
 const link::EthernetLink& Runner::link(std::size_t segment, MasterInterface interface) const {
   return *segments_[segment]->links[static_cast<std::size_t>(interface)];
 }
@@ -233,6 +237,7 @@ void Runner::run(SegmentThread& segment) {
       catch_up(segment);
     }
     shared_.keep_files();
+    shared_.serve_desk();
   }
 }
 

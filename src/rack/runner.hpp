@@ -58,12 +58,19 @@ class Runner {
   [[nodiscard]] base::SimTime now();
   /// Of a bus with a wire.
   [[nodiscard]] BusThread& bus(std::size_t index) { return *buses_[index]; }
+  [[nodiscard]] const BusThread& bus(std::size_t index) const { return *buses_[index]; }
   [[nodiscard]] std::size_t line_count() const { return lines_.size(); }
   [[nodiscard]] SerialLineThread& line(std::size_t index) { return *lines_[index]; }
+  [[nodiscard]] const SerialLineThread& line(std::size_t index) const { return *lines_[index]; }
   /// Sockets for firmware beside chips, in the order in which the devices stand in the rack.
   [[nodiscard]] std::size_t chip_count() const { return chips_.size(); }
   [[nodiscard]] ChipThread& chip(std::size_t index) { return *chips_[index]; }
   [[nodiscard]] SegmentStatistics statistics(std::size_t segment);
+  /// Where somebody outside hands in tasks for the running rack.
+  [[nodiscard]] Desk& desk() { return shared_.desk; }
+  [[nodiscard]] ClockKind clock_kind() const { return shared_.clock_kind; }
+  /// As statistics(), for tasks of the desk, which run while the rack is held.
+  [[nodiscard]] SegmentStatistics segment_in_task(std::size_t segment) const;
   [[nodiscard]] const link::EthernetLink& link(
       std::size_t segment,
       ethercat::MasterInterface interface = ethercat::MasterInterface::primary) const;

@@ -24,6 +24,18 @@ void RunningRack::keep_files() {
   }
 }
 
+void RunningRack::serve_desk() {
+  if (!desk.waiting()) {
+    return;
+  }
+  const std::scoped_lock lock(mutex);
+  const base::SimTime present = now();
+  if (clock_kind == ClockKind::real) {
+    rack.advance(present);
+  }
+  desk.serve(rack, present);
+}
+
 void RunningRack::log_overrun(std::uint64_t count, base::SimDuration lag) const {
   logger->warn(
       "overrun {}: the rack was {:.1f} ms behind the machine's clock; run fewer devices "

@@ -6,6 +6,7 @@
 
 #include "base/sim_time.hpp"
 #include "rack/clock.hpp"
+#include "rack/desk.hpp"
 #include "rack/rack.hpp"
 
 namespace spdlog {
@@ -39,6 +40,9 @@ struct RunningRack {
   }
   /// Looks now and then for what devices want to be kept; takes the mutex.
   void keep_files();
+  /// Does a few of the tasks that wait at the desk, if there are any; takes the mutex. For a thread
+  /// that has answered what came.
+  void serve_desk();
   /// Tells of the `count`th overrun, with the lag that was seen.
   void log_overrun(std::uint64_t count, base::SimDuration lag) const;
 
@@ -50,6 +54,7 @@ struct RunningRack {
   std::mutex mutex;  ///< guards rack, lockstep_clock, next_keeping and all statistics
   base::SimTime next_keeping;
   std::atomic<bool> stopping{false};
+  Desk desk;
 };
 
 }  // namespace stator::rack

@@ -71,6 +71,12 @@ SerialLineThreadStatistics SerialLineThread::statistics() {
   return statistics;
 }
 
+SerialLineThreadStatistics SerialLineThread::statistics_in_task() const {
+  SerialLineThreadStatistics statistics = statistics_;
+  statistics.line = line_.statistics();
+  return statistics;
+}
+
 void SerialLineThread::run() {
   if (const auto cpu = line_.configuration().cpu) {
     if (const auto pinned = link::pin_this_thread(*cpu); !pinned) {
@@ -102,6 +108,7 @@ void SerialLineThread::run() {
       plan();
     }
     shared_.keep_files();
+    shared_.serve_desk();
   }
 }
 

@@ -59,6 +59,19 @@ TEST(CommandLine, AMissingInterfaceIsNamed) {
   EXPECT_THAT(outcome.output, HasSubstr("nosuch0"));
 }
 
+TEST(CommandLine, AWebServerOpenToOthersNeedsATokenOfOnesOwn) {
+  const std::string run =
+      "run --device tmcm-3315 --link udp:127.0.0.1:34997 --duration 10ms --http ";
+  const Outcome open = stator(run + "0.0.0.0:0");
+  EXPECT_EQ(open.status, 1);
+  EXPECT_THAT(open.output, HasSubstr("--http-token"));
+  const Outcome here = stator(run + "0");
+  EXPECT_EQ(here.status, 0) << here.output;
+  EXPECT_THAT(here.output, HasSubstr("Web server at http://127.0.0.1:"));
+  EXPECT_THAT(here.output, HasSubstr("Authorization: Bearer "));
+  EXPECT_EQ(stator(run + "localhost:80").status, 1);
+}
+
 TEST(CommandLine, ARackFileWithATypoIsRefusedWithItsLine) {
   const std::string path = temporary("typo.toml");
   std::ofstream(path) << "[[segment]]\n[[segment.device]]\ntype = \"tmcm-3315\"\nnmae = \"x\"\n";

@@ -60,6 +60,12 @@ class Tmcc160 final : public CanDevice {
 
   [[nodiscard]] can::Controller& controller() override { return controller_; }
   [[nodiscard]] std::uint32_t bit_rate() const override { return bit_rate_; }
+  [[nodiscard]] dictionary::NetworkState network_state() const override {
+    return node_.state() == canopen::NmtState::operational
+               ? dictionary::NetworkState::operational
+               : dictionary::NetworkState::pre_operational;
+  }
+  void objects_written(base::SimTime now) override { apply_commands(now); }
   [[nodiscard]] base::SimTime next_deadline() const override;
   [[nodiscard]] std::span<const std::string_view> serial_interfaces() const override {
     return kSerialInterfaces;

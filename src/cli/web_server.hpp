@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "rack/runner.hpp"
+#include "web/server.hpp"
+
+namespace stator::cli {
+
+/// What of the web server is asked for on the command line.
+struct WebOptions {
+  std::string http;        ///< "[ADDRESS:]PORT"; empty: no server
+  std::string token_file;  ///< empty: a new token, on loopback only
+};
+
+/// Opens the server that was asked for and tells how to reach it; null: none was. Throws Failure or
+/// std::runtime_error.
+[[nodiscard]] std::unique_ptr<web::Server> open_web_server(
+    const WebOptions& options, rack::Rack& rack, const rack::RackConfiguration& configuration,
+    const rack::EventLog& log, rack::Runner& runner);
+
+}  // namespace stator::cli

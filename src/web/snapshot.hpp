@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "base/sim_time.hpp"
+#include "dictionary/declaration.hpp"
+#include "web/state.hpp"
+
+namespace stator::web {
+
+/// The rack at one moment. Everything has its room before a task fills it.
+struct Snapshot {
+  struct DeviceState {
+    bool powered = false;
+    dictionary::NetworkState network_state = dictionary::NetworkState::pre_operational;
+  };
+
+  explicit Snapshot(const State& state)
+      : networks(state.networks()),
+        devices(state.devices().size()),
+        signals(state.signals().size()) {}
+
+  base::SimTime time;
+  std::vector<NetworkRecord> networks;
+  std::vector<DeviceState> devices;
+  std::vector<double> signals;
+};
+
+/// The snapshot and the server's own counters as OpenMetrics text.
+[[nodiscard]] std::string openmetrics(const State& state, const Snapshot& snapshot);
+
+}  // namespace stator::web

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/event.hpp"
+#include "rack/runner.hpp"
+
+namespace stator::web {
+
+/// What a server did so far, and does at present.
+struct ServerCounters {
+  std::map<unsigned, std::uint64_t> answers;  ///< by status
+  std::uint64_t connections_refused = 0;      ///< there were too many
+  std::size_t connections = 0;
+  std::size_t streams = 0;
+  std::uint64_t stream_rows_sent = 0;
+  std::uint64_t stream_rows_dropped = 0;  ///< of clients that were too slow
+};
+
+/// A device of the rack: what does not change while it runs.
+struct DeviceRecord {
+  std::string name;
+  std::string product;
+  std::string network;  ///< name of its bus, "segment 0"
+  rack::DeviceAddress address;
+  const dictionary::Dictionary* objects = nullptr;  ///< null: it has none
+  const std::vector<devices::Input>* inputs = nullptr;
+};
+
+/// An event as clients get it.
+struct EventRecord {
+  std::uint64_t number = 0;  ///< from 1, in the order in which they were raised
+  base::SimTime time;
+  std::string device;
+  std::string_view rule;
+  base::Severity severity = base::Severity::information;
+  std::string text;
+};
+
+[[nodiscard]] std::string_view to_text(base::Severity severity);
+
+/// What one network has done so far.
+struct NetworkRecord {
+  std::string name;
+  std::string_view kind;     ///< "ethercat", "can" or "serial"
+  std::uint64_t frames = 0;  ///< answered, or from programs; bytes of a serial line
+  std::uint64_t overruns = 0;
+  std::int64_t worst_lag_ns = 0;
+};
+
+/// The rack as the server's thread knows it: what never changes, the events that came, and itself.
+class State {
+ public:
+  /// Before the runner is started. All must outlive the state.
+  State(rack::Rack& rack, const rack::RackConfiguration& configuration, const rack::EventLog& log,
+        const rack::Runner& runner);
+
+  [[nodiscard]] const std::vector<DeviceRecord>& devices() const { return devices_; }
+  /// Null: there is none.
+  [[nodiscard]] const DeviceRecord* find_device(std::string_view name) const;
+  [[nodiscard]] const std::vector<devices::Signal>& signals() const { return signals_; }
+  /// The signals that match one of comma-separated `patterns`, in which "*" stands for any run of
+  /// characters.
+  [[nodiscard]] std::vector<std::size_t> matching(std::string_view patterns) const;
+  [[nodiscard]] std::string_view clock() const;
+
+  /// The newest, oldest first.
+  [[nodiscard]] const std::deque<EventRecord>& events() const { return events_; }
+  /// All that have come, by severity.
+  [[nodiscard]] std::uint64_t event_count(base::Severity severity) const {
+    return event_counts_[static_cast<std::size_t>(severity)];
+  }
+  void take_event(std::uint64_t number, const base::Event& event);
+
+  // For tasks of the desk, which hold the rack.
+
+  [[nodiscard]] const rack::EventLog& log() const { return log_; }
+  /// Number of the newest event that a task has fetched.
+  [[nodiscard]] std::uint64_t& fetched() { return fetched_; }
+  void read_networks(std::vector<NetworkRecord>& networks) const;
+
+  [[nodiscard]] const std::vector<NetworkRecord>& networks() const { return networks_; }
+  ServerCounters counters;
+
+ private:
+  const rack::EventLog& log_;
+  const rack::Runner& runner_;
+  std::vector<DeviceRecord> devices_;
+  std::vector<devices::Signal> signals_;
+  std::vector<NetworkRecord> networks_;  ///< names only
+  std::vector<std::size_t> wires_;       ///< numbers of the buses that have one
+  std::deque<EventRecord> events_;
+  std::array<std::uint64_t, 4> event_counts_{};
+  std::uint64_t fetched_ = 0;
+};
+
+/// `name` matches `pattern`, in time that grows with the product of their lengths.
+[[nodiscard]] bool matches(std::string_view pattern, std::string_view name);
+
+}  // namespace stator::web

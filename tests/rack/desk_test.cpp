@@ -1,0 +1,97 @@
+#include "rack/desk.hpp"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "rack/product_catalogue.hpp"
+#include "rack/rack.hpp"
+
+namespace stator::rack {
+namespace {
+
+using namespace base::literals;
+
+class CountingTask final : public DeskTask {
+ public:
+  explicit CountingTask(int parts) : parts_(parts) {}
+  bool run(Rack& /*rack*/, base::SimTime now) override {
+    seen = now;
+    return ++calls == parts_;
+  }
+  int calls = 0;
+  base::SimTime seen;
+
+ private:
+  int parts_;
+};
+
+class DeskTest : public testing::Test {
+ protected:
+  EventLog log;
+  Rack rack{single_device_rack("tmcm-3315"), log};
+  Desk desk;
+};
+
+TEST_F(DeskTest, DoesTasksInTheirOrderAndGivesThemBack) {
+  CountingTask first(1);
+  CountingTask second(1);
+  EXPECT_FALSE(desk.waiting());
+  ASSERT_TRUE(desk.post(first));
+  ASSERT_TRUE(desk.post(second));
+  EXPECT_TRUE(desk.waiting());
+  EXPECT_EQ(desk.take_done(), nullptr);
+  desk.serve(rack, base::SimTime(3_ms));
+  EXPECT_EQ(first.seen, base::SimTime(3_ms));
+  EXPECT_FALSE(desk.waiting());
+  EXPECT_EQ(desk.take_done(), &first);
+  EXPECT_EQ(desk.take_done(), &second);
+  EXPECT_EQ(desk.take_done(), nullptr);
+}
+
+TEST_F(DeskTest, SpendsFewCallsInOneLook) {
+  CountingTask task(10);
+  ASSERT_TRUE(desk.post(task));
+  desk.serve(rack, {});
+  EXPECT_EQ(task.calls, Desk::kCallsPerLook);
+  desk.serve(rack, {});
+  desk.serve(rack, {});
+  EXPECT_EQ(task.calls, 10);
+  EXPECT_EQ(desk.take_done(), &task);
+}
+
+TEST_F(DeskTest, RefusesMoreThanItsCapacityUntilTasksAreFetched) {
+  std::vector<std::unique_ptr<CountingTask>> tasks;
+  for (std::size_t i = 0; i <= Desk::kCapacity; ++i) {
+    tasks.push_back(std::make_unique<CountingTask>(1));
+    EXPECT_EQ(desk.post(*tasks.back()), i < Desk::kCapacity);
+  }
+  desk.serve(rack, {});
+  EXPECT_FALSE(desk.post(*tasks.back())) << "done, but nobody has fetched it";
+  EXPECT_NE(desk.take_done(), nullptr);
+  EXPECT_TRUE(desk.post(*tasks.back()));
+}
+
+TEST_F(DeskTest, OfARackSamplesTapsAtMultiplesOfTheirPeriodOnItsWay) {
+  SignalTap tap(rack.signals(), 250_us, 8);
+  rack.advance(base::SimTime(1100_us));
+  rack.add(tap, base::SimTime(1100_us));
+  rack.advance(base::SimTime(2_ms));
+  ASSERT_EQ(tap.size(), 4U);
+  EXPECT_EQ(tap.time(0), base::SimTime(1250_us));
+  EXPECT_EQ(tap.time(3), base::SimTime(2_ms));
+  EXPECT_EQ(tap.values(0).size(), rack.signals().size());
+  tap.release(2);
+  EXPECT_EQ(tap.time(0), base::SimTime(1750_us));
+  rack.advance(base::SimTime(4_ms));
+  EXPECT_EQ(tap.size(), 8U);
+  EXPECT_EQ(tap.lost(), 2U) << "the ring is full";
+  EXPECT_EQ(tap.time(7), base::SimTime(3500_us));
+  rack.remove(tap);
+  tap.release(8);
+  rack.advance(base::SimTime(5_ms));
+  EXPECT_EQ(tap.size(), 0U);
+}
+
+}  // namespace
+}  // namespace stator::rack

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <spdlog/sinks/null_sink.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "link/udp_ethernet_link.hpp"
+#include "rack/product_catalogue.hpp"
+#include "rack/runner.hpp"
+#include "web/http_client.hpp"
+#include "web/server.hpp"
+
+namespace stator::web {
+
+inline constexpr const char* kToken = "a-token-for-tests-0123456789";
+
+inline std::uint16_t free_udp_port() {
+  const auto probe = link::UdpEthernetLink::listen({.address = "127.0.0.1", .port = 0});
+  return probe ? (*probe)->local_port() : std::uint16_t{0};
+}
+
+/// A TMCM-3315 "drive" behind UDP, a TMCC160 "servo" on a CAN bus, and a server for both.
+class ServedRack {
+ public:
+  explicit ServedRack(const ServerLimits& limits = {},
+                      rack::ClockKind clock = rack::ClockKind::real,
+                      const std::string& address = "127.0.0.1", const std::string& record = {})
+      : configuration_(configuration(clock, record)),
+        rack_(configuration_, log_),
+        runner_(rack_, configuration_,
+                std::make_shared<spdlog::logger>("test",
+                                                 std::make_shared<spdlog::sinks::null_sink_mt>())) {
+    server_ = std::make_unique<Server>(
+        ServerConfiguration{.address = {address, 0}, .token = kToken, .limits = limits}, rack_,
+        configuration_, log_, runner_);
+    runner_.start();
+    server_->start();
+  }
+  ~ServedRack() {
+    runner_.stop();
+    server_.reset();
+  }
+  ServedRack(const ServedRack&) = delete;
+  ServedRack& operator=(const ServedRack&) = delete;
+
+  [[nodiscard]] std::uint16_t port() const { return server_->address().port; }
+  [[nodiscard]] const rack::RackConfiguration& configuration() const { return configuration_; }
+  [[nodiscard]] rack::Runner& runner() { return runner_; }
+
+  Answer get(const std::string& target) { return HttpClient(port()).request("GET", target); }
+  Answer put(const std::string& target, const std::string& body) {
+    return HttpClient(port()).request("PUT", target, body,
+                                      "Authorization: Bearer " + std::string(kToken) + "\r\n");
+  }
+
+  static rack::RackConfiguration configuration(rack::ClockKind clock, const std::string& record) {
+    rack::RackConfiguration configuration = rack::single_device_rack("tmcm-3315");
+    configuration.clock = clock;
+    configuration.segments[0].link = {link::LinkKind::udp, "127.0.0.1", free_udp_port()};
+    configuration.segments[0].devices[0].name = "drive";
+    configuration.buses = rack::single_device_rack("tmcc160").buses;
+    configuration.buses[0].devices[0].name = "servo";
+    configuration.buses[0].ports = {"slcan:" + ::testing::TempDir() + "stator-web-" +
+                                    std::to_string(::getpid())};
+    if (!record.empty()) {
+      configuration.record.emplace();
+      configuration.record->file = record;
+    }
+    return configuration;
+  }
+
+ private:
+  rack::RackConfiguration configuration_;
+  rack::EventLog log_;
+  rack::Rack rack_;
+  std::unique_ptr<Server> server_;
+  rack::Runner runner_;
+};
+
+}  // namespace stator::web
