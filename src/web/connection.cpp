@@ -189,8 +189,8 @@ class Connection final : public Waiter, public std::enable_shared_from_this<Conn
                      Guard::chosen_protocol(request_), make_session());
   }
 
-  [[nodiscard]] std::shared_ptr<StreamSession> make_session() {
-    return std::make_shared<SignalSession>(server_.state, server_.access);
+  [[nodiscard]] std::unique_ptr<StreamSession> make_session() {
+    return std::make_unique<SignalSession>(server_.state, server_.access);
   }
 
   /// The request could not be read.
