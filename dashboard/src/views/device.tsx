@@ -1,0 +1,1 @@
+export function DeviceView(_: Record<string, unknown>) { return <p class="empty">…</p>; }
