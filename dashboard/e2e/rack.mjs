@@ -81,14 +81,25 @@ export class Rack {
 
   /// A master that turns the first axis for a while.
   move(revolutions) {
-    const master = spawn(
-      this.stator,
-      ["move", "--link", `udp:127.0.0.1:${this.udp}`, "--revolutions", String(revolutions)],
-      { stdio: "ignore" },
-    );
+    let ended = false;
+    let master;
+    let way = revolutions;
+    const next = () => {
+      master = spawn(this.stator, ["move", "--link", `udp:127.0.0.1:${this.udp}`, "--revolutions", String(way)], {
+        stdio: "ignore",
+      });
+      way = -way;
+      master.once("exit", () => {
+        if (!ended) {
+          setTimeout(() => ended || next(), 100);
+        }
+      });
+    };
+    next();
     return {
       stop: async () => {
-        if (master.exitCode === null) {
+        ended = true;
+        if (master.exitCode === null && master.signalCode === null) {
           const ended = new Promise((done) => master.once("exit", done));
           master.kill("SIGTERM");
           await ended;

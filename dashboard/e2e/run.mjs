@@ -96,7 +96,7 @@ try {
     }
   };
   const proxy = `http://127.0.0.1:${proxyPort}`;
-  master = rack.move(4000);
+  master = rack.move(60);
   await new Promise((done) => setTimeout(done, 1500));
 
   for (const view of views) {

@@ -206,7 +206,9 @@ function ActiveFaults({ faults, reload }: { faults: readonly Fault[]; reload: ()
               <th>Where</th>
               <th>State</th>
               <th>Remaining</th>
-              <th />
+              <th>
+                <span class="hidden-text">Clear</span>
+              </th>
             </tr>
           </thead>
           <tbody>
