@@ -36,12 +36,22 @@ const axis = (name, state) => ({
 const panels = {
   gantry: {
     leds: [
-      { name: "RUN", colour: "green", pattern: "blinking" },
-      { name: "ERR", colour: "red", pattern: "single flash" },
+      { name: "RUN", colour: "green", pattern: "on" },
+      { name: "ERR", colour: "red", pattern: "off" },
     ],
-    network: { machine: "esm", state: "Pre-operational", status_code: 0x1b, status_text: "Sync manager watchdog" },
+    network: { machine: "esm", state: "Operational", status_code: 0, status_text: "no error" },
     axes: [axis("axis0", "Operation enabled"), axis("axis1", "Switch on disabled"), axis("axis2", "Fault")],
     last_refusal: refusal,
+    program: false,
+  },
+  servo: {
+    leds: [
+      { name: "RUN", colour: "green", pattern: "single flash" },
+      { name: "ERR", colour: "red", pattern: "double flash" },
+    ],
+    network: { machine: "esm", state: "Safe-operational", status_code: 0x1b, status_text: "Sync manager watchdog" },
+    axes: [axis("axis0", "Switch on disabled")],
+    last_refusal: null,
     program: false,
   },
   spindle: {
