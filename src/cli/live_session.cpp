@@ -14,14 +14,17 @@
 namespace stator::cli {
 
 base::SimTime LiveSession::go_to(const RecordingPlace& from, RecordedRack& recorded,
-                                 rack::Rack& rack, const rack::RackConfiguration& configuration,
-                                 const rack::EventLog& log) {
-  replay::Player player(recorded.reader(), rack, configuration);
+                                 rack::Rack& rack, const rack::EventLog& log) {
+  replay::Player player(recorded.reader(), rack, recorded.configuration());
   if (const auto difference = player.play(from.time, from.mark)) {
     throw Failure(fmt::format("{} cannot be restored: {}", from.path, explain(*difference, log)));
   }
   if (!from.mark.empty() && !player.at_mark()) {
     throw Failure(fmt::format("there is no snapshot \"{}\" in {}", from.mark, from.path));
+  }
+  const bool timed = from.mark.empty() && from.time != base::SimTime::never();
+  if (timed && !player.reached()) {
+    throw Failure(fmt::format("{} ends at {:.6f} s already", from.path, player.now().seconds()));
   }
   if (rack::Journal* journal = rack.journal(); journal != nullptr) {
     journal->ports_replaced();  // the player's go, those of the run come
@@ -50,7 +53,7 @@ bool LiveSession::take_snapshot(const std::string& name) {
     return false;
   }
   recorder_->mark(name);
-  return true;
+  return recorder_->broken_off() == base::SimTime::never();
 }
 
 bool LiveSession::restore(const std::string& name) {
@@ -59,7 +62,7 @@ bool LiveSession::restore(const std::string& name) {
     return false;
   }
   const std::scoped_lock lock(mutex_);
-  wished_ = RecordingPlace{.path = recorder_->path(), .mark = name};
+  wished_ = RecordingPlace{.path = recorder_->path(), .mark = name, .state = state_};
   ::kill(::getpid(), SIGUSR1);  // wakes who waits for the end of the run
   return true;
 }
@@ -94,7 +97,42 @@ std::string next_branch(const std::string& path) {
       number = 1;
     }
   }
-  return fmt::format("{}-{}.stator", stem, number + 1);
+  std::string next;
+  do {
+    next = fmt::format("{}-{}.stator", stem, ++number);
+  } while (std::filesystem::exists(next));
+  return next;
+}
+
+std::filesystem::path state_for(const RecordingPlace& from, const RunOptions& given) {
+  namespace fs = std::filesystem;
+  const fs::path state = from.state.empty() ? given.state : from.state;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(state, error)) {
+    if (!entry.is_regular_file()) {
+      continue;
+    }
+    if (from.state.empty()) {
+      throw Failure(fmt::format(
+          "--state {} has files, but the kept files are to be those of the recording; name an "
+          "empty directory",
+          given.state));
+    }
+    fs::remove(entry.path(), error);
+  }
+  return state;
+}
+
+void require_same_ports(const rack::RackConfiguration& configuration,
+                        const rack::RackConfiguration& recorded) {
+  for (std::size_t i = 0; i < configuration.buses.size(); ++i) {
+    const std::size_t count = recorded.buses[i].ports.size();
+    if (configuration.buses[i].ports.size() != count) {
+      throw Failure(
+          fmt::format("CAN bus {} had {} ports when it was recorded; name as many, not {}",
+                      recorded.buses[i].name, count, configuration.buses[i].ports.size()));
+    }
+  }
 }
 
 RunOptions continued(RunOptions given, const RunOptions& recorded) {

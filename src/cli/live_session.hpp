@@ -1,8 +1,10 @@
 #pragma once
 
+#include <filesystem>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/recorded_run.hpp"
@@ -14,11 +16,13 @@ namespace stator::cli {
 /// What "stator run" records, and the wish to go on from an earlier moment of it.
 class LiveSession final : public web::SessionControl {
  public:
-  /// Goes on from `from`: does to `rack`, which was built from `recorded`, what was done to it
+  /// `state`: directory of the run's kept files; empty: there is none.
+  explicit LiveSession(std::string state) : state_(std::move(state)) {}
+
+  /// Goes on from `from`: does to `rack`, which was built as `recorded` says, what was done to it
   /// until then. Returns the time of that place. Throws Failure when it is not there or when
   /// something else comes out than was recorded.
   static base::SimTime go_to(const RecordingPlace& from, RecordedRack& recorded, rack::Rack& rack,
-                             const rack::RackConfiguration& configuration,
                              const rack::EventLog& log);
 
   /// Starts to record.
@@ -39,12 +43,22 @@ class LiveSession final : public web::SessionControl {
   void finish();
 
  private:
+  std::string state_;
   std::optional<replay::SessionRecorder> recorder_;
   std::mutex mutex_;  ///< guards wished_
   std::optional<RecordingPlace> wished_;
 };
 
-/// The file after `path` for a run that went back: "run.stator", "run-2.stator", "run-3.stator".
+/// The directory for the kept files of a run that goes on from `from`, as they were at power-on;
+/// empty: they go with the run. Throws Failure if a directory that was named for it has files.
+[[nodiscard]] std::filesystem::path state_for(const RecordingPlace& from, const RunOptions& given);
+
+/// Throws Failure if a bus has more or fewer ports than when it was recorded.
+void require_same_ports(const rack::RackConfiguration& configuration,
+                        const rack::RackConfiguration& recorded);
+
+/// The file after `path` for a run that went back: "run.stator", "run-2.stator", "run-3.stator". No
+/// file of its name exists.
 [[nodiscard]] std::string next_branch(const std::string& path);
 
 /// The options of a run that goes on from a recording: what `given` says of links and files, and

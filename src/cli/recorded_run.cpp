@@ -37,10 +37,10 @@ RecordedRack::RecordedRack(const std::string& path, const std::filesystem::path&
 
 RecordingPlace parse_place(const std::string& text) {
   const std::size_t sign = text.rfind('@');
-  RecordingPlace place{.path = text.substr(0, sign), .mark = {}};
-  if (sign == std::string::npos) {
-    return place;
+  if (sign == std::string::npos || std::filesystem::exists(text)) {
+    return {.path = text};
   }
+  RecordingPlace place{.path = text.substr(0, sign)};
   const std::string rest = text.substr(sign + 1);
   if (const auto time = rack::parse_duration(rest)) {
     place.time = base::SimTime(*time);

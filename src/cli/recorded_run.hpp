@@ -37,9 +37,11 @@ class RecordedRack {
 
 /// Where in a recording: "run.stator", "run.stator@12.5s" or "run.stator@NAME".
 struct RecordingPlace {
-  std::string path;
+  std::string path{};
   base::SimTime time = base::SimTime::never();  ///< never: the end
-  std::string mark;                             ///< empty: a time is meant
+  std::string mark{};                           ///< empty: a time is meant
+  /// Kept files of a run that goes back itself: they go back as well. Empty: there are none.
+  std::string state{};
 };
 [[nodiscard]] RecordingPlace parse_place(const std::string& text);
 

@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -47,17 +49,20 @@ class StopSignals {
     ::pthread_sigmask(SIG_BLOCK, &set_, nullptr);
   }
 
-  /// Returns when a signal came or `limit` (if any) has passed.
-  void wait(std::optional<base::SimDuration> limit) const {
+  /// Returns when a signal came or `limit` (if any) has passed; the signal, or 0. SIGUSR1 is what
+  /// the program sends itself.
+  int wait(std::optional<base::SimDuration> limit) const {
+    int signal = 0;
     if (!limit) {
-      int signal = 0;
       ::sigwait(&set_, &signal);
-      return;
+      return signal;
     }
     const std::int64_t nanoseconds = limit->nanoseconds();
     const timespec time{nanoseconds / 1'000'000'000, nanoseconds % 1'000'000'000};
-    while (::sigtimedwait(&set_, nullptr, &time) < 0 && errno == EINTR) {
-    }
+    do {
+      signal = ::sigtimedwait(&set_, nullptr, &time);
+    } while (signal < 0 && errno == EINTR);
+    return std::max(signal, 0);
   }
 
  private:
@@ -73,24 +78,27 @@ std::optional<RecordingPlace> run_rack(const RunOptions& given,
   std::optional<RecordedRack> recorded;
   RunOptions options = given;
   if (from) {
-    recorded.emplace(from->path, given.state);
+    recorded.emplace(from->path, state_for(*from, given));
     options = continued(given, recorded->options());
   }
   const rack::RackConfiguration configuration = configuration_of(options);
+  if (from) {
+    require_same_ports(configuration, recorded->configuration());
+  }
   const auto logger = make_logger();
   rack::EventLog log(from ? nullptr : logger);
-  LiveSession session;
   std::optional<replay::RecordingHeader> header;
   if (is_session(options.record)) {
     header = header_of(options, configuration);  // kept files are those of power-on
   }
   rack::Rack rack(configuration, log);
+  LiveSession session(configuration.state);
   if (header) {
     session.record(rack, options.record, std::move(*header));
   }
   base::SimTime start;
   if (from) {
-    start = LiveSession::go_to(*from, *recorded, rack, configuration, log);
+    start = LiveSession::go_to(*from, *recorded, rack, log);
     log.set_logger(logger);
     fmt::print("Going on from {:.6f} s of {}\n", start.seconds(), from->path);
   }
@@ -105,7 +113,8 @@ std::optional<RecordingPlace> run_rack(const RunOptions& given,
   if (server != nullptr) {
     server->start();
   }
-  signals.wait(limit);
+  while (signals.wait(limit) == SIGUSR1 && !session.wished()) {
+  }
   if (server != nullptr) {
     server->stop();
   }
@@ -132,10 +141,15 @@ void run(RunOptions options) {
   std::optional<RecordingPlace> from;
   if (!options.restore.empty()) {
     from = parse_place(options.restore);
+    if (is_session(options.record) && std::filesystem::exists(options.record)) {
+      throw Failure(
+          fmt::format("{} exists; name another file for the run that goes on", options.record));
+    }
   }
   while ((from = run_rack(options, from, signals, limit))) {
     options.rack_file.clear();
     options.device.clear();
+    options.state.clear();
     options.record = next_branch(options.record);
   }
 }

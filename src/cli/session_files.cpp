@@ -25,7 +25,7 @@ using replay::RecordingHeader;
 constexpr std::string_view kRackFolder = "rack/";
 constexpr std::string_view kStateFolder = "state/";
 /// Keys of a rack file whose values are files beside it.
-constexpr std::array<std::string_view, 2> kFileKeys{"sii", "mfc"};
+constexpr std::array<std::string_view, 3> kFileKeys{"sii", "mfc", "program"};
 
 /// The options that decide what a rack does, in both directions.
 template <typename Options, typename Text, typename List>

@@ -77,6 +77,10 @@ std::optional<Difference> Player::play(base::SimTime until, const std::string& m
   at_mark_ = false;
   while (!difference_) {
     if (!std::exchange(step_waits_, false) && !recording_.next(step_)) {
+      if (recording_.damage().empty() && !outputs_.empty()) {
+        differ(fmt::format("serial line {}", outputs_.front().line), "nothing",
+               to_hex(outputs_.front().bytes));
+      }
       break;
     }
     if (step_.time > until) {

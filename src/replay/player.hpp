@@ -50,6 +50,8 @@ class Player {
 
   /// Time of the last step.
   [[nodiscard]] base::SimTime now() const { return now_; }
+  /// The recording goes beyond the moment up to which was played.
+  [[nodiscard]] bool reached() const { return step_waits_; }
   /// The mark was reached.
   [[nodiscard]] bool at_mark() const { return at_mark_; }
   [[nodiscard]] const PlayerCounts& counts() const { return counts_; }

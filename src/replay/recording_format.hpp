@@ -47,10 +47,10 @@ enum class StepKind : std::uint8_t {
 struct RecordingHeader {
   using Texts = std::vector<std::pair<std::string, std::string>>;
 
-  std::string program;                    ///< version that recorded it
-  Texts options;                          ///< of whoever built the rack, by name
-  Texts files;                            ///< content by path, of rack file, images, kept files
-  std::vector<std::string> signal_names;  ///< in the order of their numbers in steps
+  std::string program{};                    ///< version that recorded it
+  Texts options{};                          ///< of whoever built the rack, by name
+  Texts files{};                            ///< content by path, of rack file, images, kept files
+  std::vector<std::string> signal_names{};  ///< in the order of their numbers in steps
 
   /// Of the first option of this name; empty: there is none.
   [[nodiscard]] std::string_view option(std::string_view name) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <stdexcept>
 #include <utility>
 
 #include "replay/byte_delta.hpp"
@@ -14,6 +15,9 @@ namespace {
 
 /// Numbers of a step take no more, whatever their values.
 constexpr std::size_t kNumbers = 128;
+/// A step with all of them fits into a chunk.
+constexpr std::size_t kBytesOfASignal = sizeof(double) + 4;
+constexpr std::size_t kMostSignals = (kMaximumChunk - kNumbers) / kBytesOfASignal;
 
 RecordingHeader with_signals(RecordingHeader header, const std::vector<devices::Signal>& signals) {
   header.signal_names = names_of(signals);
@@ -38,6 +42,9 @@ SessionRecorder::SessionRecorder(rack::Rack& rack, const std::string& path, Reco
       values_(signals_.size()),
       file_(path, with_signals(std::move(header), signals_)),
       last_frames_(rack.segment_count()) {
+  if (signals_.size() > kMostSignals) {
+    throw std::runtime_error("the rack has too many signals for a recording");
+  }
   rack_.set_journal(this);
 }
 
@@ -94,6 +101,7 @@ void SessionRecorder::mark(const std::string& name) {
   if (begin(StepKind::mark, name.size())) {
     writer().text(name);
     marks_.push_back({name, time_});
+    flush();  // who marks a moment wants to have it, even if nothing comes any more
   }
 }
 
@@ -111,7 +119,7 @@ void SessionRecorder::advanced(base::SimTime now) {
 }
 
 void SessionRecorder::record_signals() {
-  const std::size_t most = signals_.size() * (sizeof(double) + 4);
+  const std::size_t most = signals_.size() * kBytesOfASignal;
   if (!begin(StepKind::signals, most)) {
     return;
   }

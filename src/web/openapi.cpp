@@ -49,7 +49,7 @@ constexpr const char* kSchemas = R"({
   "SnapshotName": {
     "type": "object",
     "required": ["name"],
-    "properties": {"name": {"type": "string", "pattern": "^[A-Za-z0-9_-]{1,64}$"}}
+    "properties": {"name": {"type": "string", "pattern": "^[A-Za-z_-][A-Za-z0-9_-]{0,63}$"}}
   },
   "Done": {
     "type": "object",

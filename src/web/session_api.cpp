@@ -47,7 +47,8 @@ class SessionJob final : public Job {
     switch (operation_) {
       case Operation::take_snapshot:
         return done_ ? json_response({{"time_ns", time_.nanoseconds()}})
-                     : problem(409, "there is a snapshot of this name; take another name");
+                     : problem(409,
+                               "there is a snapshot of this name, or the recording has broken off");
       case Operation::restore_snapshot:
         return done_ ? json_response({{"time_ns", time_.nanoseconds()}})
                      : problem(404, "there is no such snapshot; /api/v1/snapshots lists all");
@@ -77,10 +78,12 @@ class SessionJob final : public Job {
 };
 
 bool is_name(const std::string& text) {
-  return !text.empty() && text.size() <= kLongestName && std::ranges::all_of(text, [](char letter) {
-    return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
-           (letter >= '0' && letter <= '9') || letter == '-' || letter == '_';
-  });
+  const bool digit = !text.empty() && text.front() >= '0' && text.front() <= '9';  // "5s" is a time
+  return !text.empty() && !digit && text.size() <= kLongestName &&
+         std::ranges::all_of(text, [](char letter) {
+           return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
+                  (letter >= '0' && letter <= '9') || letter == '-' || letter == '_';
+         });
 }
 
 }  // namespace
@@ -100,7 +103,8 @@ Answer answer_session(const Match& match, const Request& request, SessionControl
     name = given.is_string() ? given.get<std::string>() : std::string();
     if (!is_name(name)) {
       return problem(422,
-                     "a snapshot's name has 1 to 64 letters of ASCII, digits, \"-\" and \"_\"");
+                     "a snapshot's name has 1 to 64 letters of ASCII, digits, \"-\" and \"_\", no "
+                     "digit first");
     }
   } else if (operation == Operation::restore_snapshot) {
     name = match.parameters[0];

@@ -30,6 +30,8 @@ rack::RackConfiguration mixed_rack(double load = 0.1) {
   configuration.segments[0].devices[0].name = "drive";
   configuration.buses = rack::single_device_rack("tmcc160").buses;
   configuration.buses[0].devices[0].name = "servo";
+  std::get<devices::Tmcc160Configuration>(configuration.buses[0].devices[0].product).boot_time =
+      5_ms;
   configuration.buses[0].ports = {"slcan:/tmp/none"};
   rack::BusConfiguration lines = rack::bus_without_wire();
   lines.devices = rack::single_device_rack("tmcm-142").buses[0].devices;
