@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/program_version.hpp"
 
 namespace {
 
@@ -14,7 +15,7 @@ constexpr int kUsage = 2;
 int run(int argc, char** argv) {
   CLI::App app{"Virtual motion-control devices that real masters cannot tell from the hardware."};
   app.name("stator");
-  app.set_version_flag("--version", "stator " STATOR_VERSION);
+  app.set_version_flag("--version", "stator " + stator::cli::program_version());
   app.require_subcommand(1);
   app.footer(
       "Examples:\n"
@@ -28,6 +29,7 @@ int run(int argc, char** argv) {
 
   stator::cli::add_run_command(app);
   stator::cli::add_check_command(app);
+  stator::cli::add_replay_command(app);
   stator::cli::add_devices_command(app);
   stator::cli::add_describe_command(app);
   stator::cli::add_conformance_command(app);

@@ -1,11 +1,14 @@
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -13,6 +16,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/failure.hpp"
+#include "cli/live_session.hpp"
 #include "cli/logging.hpp"
 #include "cli/run_options.hpp"
 #include "cli/run_report.hpp"
@@ -41,47 +45,76 @@ class StopSignals {
     ::sigaddset(&set_, SIGINT);
     ::sigaddset(&set_, SIGTERM);
     ::sigaddset(&set_, SIGHUP);
+    ::sigaddset(&set_, SIGUSR1);
     ::pthread_sigmask(SIG_BLOCK, &set_, nullptr);
   }
 
-  /// Returns when a signal came or `limit` (if any) has passed.
-  void wait(std::optional<base::SimDuration> limit) const {
+  /// Returns when a signal came or `limit` (if any) has passed; the signal, or 0. SIGUSR1 is what
+  /// the program sends itself.
+  int wait(std::optional<base::SimDuration> limit) const {
+    int signal = 0;
     if (!limit) {
-      int signal = 0;
       ::sigwait(&set_, &signal);
-      return;
+      return signal;
     }
     const std::int64_t nanoseconds = limit->nanoseconds();
     const timespec time{nanoseconds / 1'000'000'000, nanoseconds % 1'000'000'000};
-    while (::sigtimedwait(&set_, nullptr, &time) < 0 && errno == EINTR) {
-    }
+    do {
+      signal = ::sigtimedwait(&set_, nullptr, &time);
+    } while (signal < 0 && errno == EINTR);
+    return std::max(signal, 0);
   }
 
  private:
   sigset_t set_{};
 };
 
-void run(const RunOptions& options) {
-  const rack::RackConfiguration configuration = configuration_of(options);
-  std::optional<base::SimDuration> limit;
-  if (!options.duration.empty()) {
-    limit = duration_option("--duration", options.duration);
+/// One rack from its start, or from a place of a recording, until a signal comes, `limit` has
+/// passed or somebody wishes to go back; then returns where to.
+std::optional<RecordingPlace> run_rack(const RunOptions& given,
+                                       const std::optional<RecordingPlace>& from,
+                                       const StopSignals& signals,
+                                       std::optional<base::SimDuration> limit) {
+  std::optional<RecordedRack> recorded;
+  RunOptions options = given;
+  if (from) {
+    recorded.emplace(from->path, state_for(*from, given));
+    options = continued(given, recorded->options());
   }
-  const StopSignals signals;
+  const rack::RackConfiguration configuration = configuration_of(options);
+  if (from) {
+    require_same_ports(configuration, recorded->configuration());
+  }
   const auto logger = make_logger();
-  rack::EventLog log(logger);
+  rack::EventLog log(from ? nullptr : logger);
+  std::optional<replay::RecordingHeader> header;
+  if (is_session(options.record)) {
+    header = header_of(options, configuration);  // kept files are those of power-on
+  }
   rack::Rack rack(configuration, log);
+  LiveSession session(configuration.state);
+  if (header) {
+    session.record(rack, options.record, std::move(*header));
+  }
+  base::SimTime start;
+  if (from) {
+    start = LiveSession::go_to(*from, *recorded, rack, log);
+    log.set_logger(logger);
+    fmt::print("Going on from {:.6f} s of {}\n", start.seconds(), from->path);
+  }
   std::unique_ptr<web::Server> server;  // goes after the runner, which may have tasks of it
-  rack::Runner runner(rack, configuration, logger);
+  rack::Runner runner(rack, configuration, logger, start);
   print_networks(configuration, rack, runner);
-  server = open_web_server(options.web, rack, configuration, log, runner);
+  server = open_web_server(options.web, rack, configuration, log, runner,
+                           session.recorder() != nullptr ? &session : nullptr);
   fmt::print("Running; Ctrl-C ends it.\n");
   std::fflush(stdout);
   runner.start();
   if (server != nullptr) {
     server->start();
   }
-  signals.wait(limit);
+  while (signals.wait(limit) == SIGUSR1 && !session.wished()) {
+  }
   if (server != nullptr) {
     server->stop();
   }
@@ -94,6 +127,30 @@ void run(const RunOptions& options) {
   if (rack.recorder() && !rack.recorder()->good()) {
     throw Failure(
         fmt::format("recording to {} failed; is the disk full?", configuration.record->file));
+  }
+  session.finish();
+  return session.wished();
+}
+
+void run(RunOptions options) {
+  std::optional<base::SimDuration> limit;
+  if (!options.duration.empty()) {
+    limit = duration_option("--duration", options.duration);
+  }
+  const StopSignals signals;
+  std::optional<RecordingPlace> from;
+  if (!options.restore.empty()) {
+    from = parse_place(options.restore);
+    if (is_session(options.record) && std::filesystem::exists(options.record)) {
+      throw Failure(
+          fmt::format("{} exists; name another file for the run that goes on", options.record));
+    }
+  }
+  while ((from = run_rack(options, from, signals, limit))) {
+    options.rack_file.clear();
+    options.device.clear();
+    options.state.clear();
+    options.record = next_branch(options.record);
   }
 }
 

@@ -180,7 +180,7 @@ rack::RackConfiguration configuration_of(const RunOptions& options) {
   if (!options.clock.empty()) {
     configuration.clock = rack::clock_kinds().at(options.clock);
   }
-  if (!options.record.empty()) {
+  if (!options.record.empty() && !is_session(options.record)) {
     configuration.record.emplace();
     configuration.record->file = options.record;
   }

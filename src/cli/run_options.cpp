@@ -9,6 +9,10 @@
 
 namespace stator::cli {
 
+bool is_session(const std::string& path) {
+  return path.ends_with(".stator");
+}
+
 void add_run_options(CLI::App& command, RunOptions& options) {
   auto* file = command.add_option("rack", options.rack_file, "Rack file (TOML)");
   command.add_option("--device", options.device, "Product to run instead of a rack file")
@@ -44,7 +48,13 @@ void add_run_options(CLI::App& command, RunOptions& options) {
                   "real: the machine's time; lockstep: time moves only with the master's frames")
       ->check(CLI::IsMember({"real", "lockstep"}));
   command.add_option("--capture", options.capture, "Write all frames to this pcap file");
-  command.add_option("--record", options.record, "Write signals to this CSV file");
+  command.add_option("--record", options.record,
+                     "Write signals to this CSV file; NAME.stator: record all that masters do, for "
+                     "\"stator replay\"");
+  command
+      .add_option("--restore", options.restore,
+                  "FILE.stator[@TIME|@SNAPSHOT]: go on from that place of a recording")
+      ->excludes(file);
   command.add_option("--record-period", options.record_period,
                      "Simulated time between two rows, e.g. 1ms");
   command.add_option("--signals", options.signals, "Signals to record, e.g. \"*.axis0.*\"");

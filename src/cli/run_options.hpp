@@ -29,7 +29,8 @@ struct RunOptions {
   std::optional<unsigned> cpu;
   std::string clock;
   std::string capture;
-  std::string record;
+  std::string record;   ///< a table of signals, or a recording of everything if is_session()
+  std::string restore;  ///< place in such a recording from which to go on
   std::string record_period;
   std::vector<std::string> signals;
   std::string trace;
@@ -39,6 +40,9 @@ struct RunOptions {
   bool no_emergencies = false;
   WebOptions web;
 };
+
+/// `path` is that of a recording of everything, not of a table of signals.
+[[nodiscard]] bool is_session(const std::string& path);
 
 /// Adds the options of "stator run" to `command`; `options` must outlive it.
 void add_run_options(CLI::App& command, RunOptions& options);

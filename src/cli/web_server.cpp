@@ -8,11 +8,13 @@ namespace stator::cli {
 
 std::unique_ptr<web::Server> open_web_server(const WebOptions& options, rack::Rack& rack,
                                              const rack::RackConfiguration& configuration,
-                                             const rack::EventLog& log, rack::Runner& runner) {
+                                             const rack::EventLog& log, rack::Runner& runner,
+                                             web::SessionControl* session) {
   if (options.http.empty()) {
     return nullptr;
   }
-  web::ServerConfiguration server{.address = web::parse_address(options.http), .token = {}};
+  web::ServerConfiguration server{
+      .address = web::parse_address(options.http), .token = {}, .session = session};
   if (!options.token_file.empty()) {
     server.token = web::read_token(options.token_file);
   } else if (server.address.loopback()) {

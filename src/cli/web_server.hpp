@@ -14,10 +14,10 @@ struct WebOptions {
   std::string token_file;  ///< empty: a new token, on loopback only
 };
 
-/// Opens the server that was asked for and tells how to reach it; null: none was. Throws Failure or
-/// std::runtime_error.
+/// Opens the server that was asked for and tells how to reach it; null: none was. `session` is the
+/// recording of the run, null without one. Throws Failure or std::runtime_error.
 [[nodiscard]] std::unique_ptr<web::Server> open_web_server(
     const WebOptions& options, rack::Rack& rack, const rack::RackConfiguration& configuration,
-    const rack::EventLog& log, rack::Runner& runner);
+    const rack::EventLog& log, rack::Runner& runner, web::SessionControl* session);
 
 }  // namespace stator::cli

@@ -37,6 +37,7 @@ BusThread::BusThread(RunningRack& shared, std::size_t index, const BusConfigurat
       throw std::runtime_error(opened.error().text);
     }
     auto port = std::make_unique<OutsidePort>();
+    port->number = ports_.size();
     port->port.set_hears_errors(true);
     port->link = std::move(*opened);
     wait_.add(port->link->descriptor());
@@ -112,7 +113,7 @@ bool BusThread::take_frames() {
     }
     shared_.rack.advance(shared_.real_clock.now());
     for (const can::Frame& frame : frames) {
-      port->port.put(frame);
+      shared_.rack.put(index_, port->number, port->port, frame);
     }
   }
   return more;
@@ -152,7 +153,7 @@ void BusThread::put_in_lockstep(OutsidePort& port, std::span<const can::Frame> f
   for (const can::Frame& frame : frames) {
     const SimTime arrival = shared_.lockstep_clock.on_frame(frame);
     shared_.rack.advance(arrival);
-    port.port.put(frame);
+    shared_.rack.put(index_, port.number, port.port, frame);
     shared_.rack.settle(index_, shared_.lockstep_clock);
     drain();
   }
@@ -182,7 +183,7 @@ void BusThread::hand_out() {
 
 void BusThread::drain() {
   for (const auto& port : ports_) {
-    while (const auto entry = port->port.take()) {
+    while (const auto entry = shared_.rack.take(index_, port->number, port->port)) {
       port->to_flush = true;
       if (entry->destroyed) {
         port->link->send_error(link::bus_error_frame(), entry->time);

@@ -58,6 +58,7 @@ class BusThread {
 
   struct OutsidePort {
     std::unique_ptr<link::CanLink> link;
+    std::size_t number = 0;  ///< among the ports of the bus
     can::Port port;
     bool minded = true;  ///< the thread wakes when it can be read
     bool to_flush = false;

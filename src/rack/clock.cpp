@@ -19,7 +19,7 @@ bool is_logical(ethercat::Command command) {
 
 }  // namespace
 
-RealClock::RealClock() : start_(monotonic_nanoseconds()) {}
+RealClock::RealClock(base::SimTime start) : start_(monotonic_nanoseconds() - start.nanoseconds()) {}
 
 base::SimTime RealClock::now() const {
   return base::SimTime(base::SimDuration(monotonic_nanoseconds() - start_));

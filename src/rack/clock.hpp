@@ -12,10 +12,11 @@
 
 namespace stator::rack {
 
-/// Simulated time that follows the machine's monotonic clock from the moment of construction on.
+/// Simulated time that follows the machine's monotonic clock from the moment of construction on,
+/// which is `start`.
 class RealClock {
  public:
-  RealClock();
+  explicit RealClock(base::SimTime start = {});
   [[nodiscard]] base::SimTime now() const;
 
  private:

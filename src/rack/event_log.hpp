@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/event.hpp"
@@ -26,6 +27,9 @@ class EventLog final : public base::EventSink {
 
   /// Logs through `logger`, which may be null: then events are only kept and counted.
   explicit EventLog(std::shared_ptr<spdlog::logger> logger = nullptr);
+
+  /// Logs through another logger from now on; null: through none.
+  void set_logger(std::shared_ptr<spdlog::logger> logger) { logger_ = std::move(logger); }
 
   /// Names the devices by their position, for the log lines.
   void set_device_names(std::vector<std::string> names) { device_names_ = std::move(names); }

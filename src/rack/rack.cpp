@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "rack/input_names.hpp"
+#include "rack/journal.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/wiring.hpp"
 
@@ -182,19 +183,45 @@ std::optional<ethercat::MasterInterface> Rack::process_frame(std::size_t segment
                                                              std::span<std::byte> frame,
                                                              base::SimTime arrival,
                                                              ethercat::MasterInterface entry) {
+  if (journal_ == nullptr) [[likely]] {
+    return pass_frame(segment, frame, arrival, entry);
+  }
+  journal_->frame_comes(segment, entry, arrival, frame);
+  const auto exit = pass_frame(segment, frame, arrival, entry);
+  journal_->frame_leaves(exit, frame);
+  return exit;
+}
+
+std::optional<ethercat::MasterInterface> Rack::pass_frame(std::size_t segment,
+                                                          std::span<std::byte> frame,
+                                                          base::SimTime arrival,
+                                                          ethercat::MasterInterface entry) {
   if (timetable_.next() <= arrival) [[unlikely]] {
-    advance(arrival);
+    advance_to(arrival);
   }
   return segments_[segment].segment->process(frame, arrival, entry);
 }
 
 void Rack::handle_bus_events(std::size_t segment, base::SimTime now) {
+  if (journal_ != nullptr) [[unlikely]] {
+    journal_->bus_events(segment, now);
+  }
   for (NamedDevice& member : segments_[segment].devices) {
     member.device->handle_bus_events(now);
   }
 }
 
 void Rack::advance(base::SimTime now) {
+  if (journal_ == nullptr) [[likely]] {
+    advance_to(now);
+    return;
+  }
+  journal_->advance(now);
+  advance_to(now);
+  journal_->advanced(now);
+}
+
+void Rack::advance_to(base::SimTime now) {
   const auto next_sample = [this] {
     return recorder_ ? recorder_->next_sample() : base::SimTime::never();
   };
@@ -205,7 +232,7 @@ void Rack::advance(base::SimTime now) {
     advance_devices(instant);
     lines_.advance(instant);
     while (timetable_.next() <= instant) {
-      apply(timetable_.take(), instant);
+      happen(timetable_.take(), instant);
     }
     if (next_sample() <= instant) {
       recorder_->sample(instant);
@@ -250,7 +277,36 @@ void Rack::settle(std::size_t bus, LockstepClock& clock) {
   }
 }
 
+bool Rack::put(std::size_t bus, std::size_t number, can::Port& port, const can::Frame& frame) {
+  if (journal_ != nullptr) {
+    journal_->can_frame_comes(bus, number, frame);
+  }
+  return port.put(frame);
+}
+
+std::optional<can::TimedFrame> Rack::take(std::size_t bus, std::size_t number, can::Port& port) {
+  const auto frame = port.take();
+  if (journal_ != nullptr && frame) {
+    journal_->can_frame_leaves(bus, number, *frame);
+  }
+  return frame;
+}
+
+void Rack::put(std::size_t line, std::span<const std::byte> bytes, base::SimTime now) {
+  if (journal_ != nullptr) {
+    journal_->bytes_come(line, bytes, now);
+  }
+  lines_[line].put(bytes, now);
+}
+
 void Rack::apply(const RackEvent& event, base::SimTime now) {
+  if (journal_ != nullptr) {
+    journal_->event(event, now);
+  }
+  happen(event, now);
+}
+
+void Rack::happen(const RackEvent& event, base::SimTime now) {
   if (const auto* cable = std::get_if<CableEvent>(&event)) {
     apply_cable(*cable, now);
   } else if (const auto* power = std::get_if<PowerEvent>(&event)) {
@@ -351,6 +407,9 @@ void Rack::apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now
 
 void Rack::set_carrier(std::size_t segment, ethercat::MasterInterface interface, bool up,
                        base::SimTime now) {
+  if (journal_ != nullptr) {
+    journal_->carrier(segment, interface, up, now);
+  }
   const bool primary = interface == ethercat::MasterInterface::primary;
   const std::size_t at = primary ? 0 : segments_[segment].devices.size() - 1;
   report(number_of({segment, at}), now, up ? kCarrierBack : kCarrierLost,

@@ -25,6 +25,8 @@
 
 namespace stator::rack {
 
+class Journal;
+
 /// An EtherCAT device of the rack with the name people gave it.
 struct NamedDevice {
   std::string name;
@@ -75,6 +77,17 @@ class Rack {
   /// Lets `event` happen at `now`, to which the rack has been brought. Throws std::runtime_error
   /// for an input that does not exist or a value it cannot have.
   void apply(const RackEvent& event, base::SimTime now);
+
+  /// Hands a frame of a program to a bus through its `number`th port. False: the port has no room.
+  bool put(std::size_t bus, std::size_t number, can::Port& port, const can::Frame& frame);
+  /// Takes the oldest frame that waits at a port.
+  std::optional<can::TimedFrame> take(std::size_t bus, std::size_t number, can::Port& port);
+  /// Bytes of a program come over a serial line at `now`, to which the rack has been brought.
+  void put(std::size_t line, std::span<const std::byte> bytes, base::SimTime now);
+
+  /// Tells `journal` of all that is done to the rack from now on; null: nobody.
+  void set_journal(Journal* journal) { journal_ = journal; }
+  [[nodiscard]] Journal* journal() { return journal_; }
 
   /// A network interface of the segment's master got or lost its carrier. At the start the primary
   /// has one, the secondary has none.
@@ -147,6 +160,12 @@ class Rack {
 
   using Arguments = std::array<base::EventArgument, 6>;
 
+  std::optional<ethercat::MasterInterface> pass_frame(std::size_t segment,
+                                                      std::span<std::byte> frame,
+                                                      base::SimTime arrival,
+                                                      ethercat::MasterInterface entry);
+  void advance_to(base::SimTime now);
+  void happen(const RackEvent& event, base::SimTime now);
   void add(const SegmentConfiguration& segment, std::vector<std::string>& names);
   void add(const BusConfiguration& bus, std::vector<std::string>& names);
   void connect_lines(const RackConfiguration& configuration);
@@ -175,6 +194,7 @@ class Rack {
   std::optional<Recorder> recorder_;
   std::vector<SignalTap*> taps_;
   std::unique_ptr<DeviceStorage> storage_;
+  Journal* journal_ = nullptr;
 };
 
 }  // namespace stator::rack

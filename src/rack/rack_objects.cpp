@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "rack/journal.hpp"
 #include "rack/rack.hpp"
 
 namespace stator::rack {
@@ -74,6 +75,9 @@ dictionary::NetworkState Rack::network_state(DeviceAddress device) {
 
 dictionary::Verdict Rack::read_object(DeviceAddress address, dictionary::Entry& entry,
                                       std::vector<std::byte>& value) {
+  if (journal_ != nullptr) {
+    journal_->object_read(address, entry.index(), entry.subindex());
+  }
   const dictionary::Dictionary& objects = *device(address).object_dictionary();
   if (dictionary::Verdict verdict = objects.prepare_read(entry); !verdict) {
     return verdict;
@@ -84,6 +88,9 @@ dictionary::Verdict Rack::read_object(DeviceAddress address, dictionary::Entry& 
 
 dictionary::Verdict Rack::write_object(DeviceAddress address, dictionary::Entry& entry,
                                        std::span<const std::byte> value, base::SimTime now) {
+  if (journal_ != nullptr) {
+    journal_->object_written(address, entry.index(), entry.subindex(), value, now);
+  }
   devices::Device& written = device(address);
   const dictionary::Verdict verdict =
       written.object_dictionary()->write(entry, value, {network_state(address)});

@@ -86,8 +86,8 @@ struct Runner::SegmentThread {
 };
 
 Runner::Runner(Rack& rack, const RackConfiguration& configuration,
-               std::shared_ptr<spdlog::logger> logger)
-    : shared_(rack, configuration, std::move(logger)) {
+               std::shared_ptr<spdlog::logger> logger, base::SimTime start)
+    : shared_(rack, configuration, std::move(logger), start) {
   for (const SegmentConfiguration& segment : configuration.segments) {
     auto thread = std::make_unique<SegmentThread>();
     thread->index = segments_.size();
@@ -147,7 +147,9 @@ void Runner::open(SegmentThread& segment, const SegmentConfiguration& configurat
 
 void Runner::start() {
   if (shared_.rack.storage() != nullptr) {
-    shared_.rack.storage()->confirm_writes(shared_.clock_kind == ClockKind::real);
+    // A recording has to give the same answers on another disk.
+    shared_.rack.storage()->confirm_writes(shared_.clock_kind == ClockKind::real &&
+                                           shared_.rack.journal() == nullptr);
   }
   for (auto& segment : segments_) {
     segment->thread = std::thread([this, &segment = *segment] { run(segment); });
@@ -212,7 +214,7 @@ void Runner::run(SegmentThread& segment) {
     }
   }
   std::array<std::byte, link::kMaximumFrameLength> buffer{};
-  base::SimTime last_frame;
+  base::SimTime last_frame = shared_.real_clock.now();
   while (!shared_.stopping) {
     const base::SimTime now = shared_.real_clock.now();
     watch_carriers(segment, now);

@@ -43,9 +43,10 @@ class Runner {
   static constexpr base::SimDuration kOverrun = RunningRack::kOverrun;
 
   /// Opens every link and capture. Throws std::runtime_error with the link's own explanation.
-  /// `rack` must have been built from `configuration` and both outlive the runner.
-  Runner(Rack& rack, const RackConfiguration& configuration,
-         std::shared_ptr<spdlog::logger> logger);
+  /// `rack` must have been built from `configuration` and both outlive the runner. `start` is where
+  /// the rack stands in simulated time.
+  Runner(Rack& rack, const RackConfiguration& configuration, std::shared_ptr<spdlog::logger> logger,
+         base::SimTime start = {});
   ~Runner();
   Runner(const Runner&) = delete;
   Runner& operator=(const Runner&) = delete;

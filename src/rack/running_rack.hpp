@@ -20,12 +20,17 @@ struct RunningRack {
   /// Lag behind the machine's clock from which on an overrun is counted.
   static constexpr base::SimDuration kOverrun{20'000'000};
 
+  /// `start`: where the rack stands in simulated time.
   RunningRack(Rack& shared, const RackConfiguration& configuration,
-              std::shared_ptr<spdlog::logger> told)
+              std::shared_ptr<spdlog::logger> told, base::SimTime start)
       : rack(shared),
         clock_kind(configuration.clock),
+        real_clock(start),
         lockstep_clock(configuration.cycle, configuration.step),
-        logger(std::move(told)) {}
+        logger(std::move(told)),
+        next_keeping(start) {
+    lockstep_clock.advance_to(start);
+  }
 
   /// Simulated time; the mutex must be held.
   [[nodiscard]] base::SimTime now() const {

@@ -11,6 +11,7 @@
 #include <spdlog/logger.h>
 
 #include "link/machine.hpp"
+#include "rack/journal.hpp"
 #include "tmcl/telegram.hpp"
 
 namespace stator::rack {
@@ -119,7 +120,7 @@ void SerialLineThread::take(std::span<const std::byte> bytes) {
   } else {
     const SimTime now = shared_.real_clock.now();
     shared_.rack.advance(now);
-    line_.put(bytes, now);
+    shared_.rack.put(index_, bytes, now);
   }
   wake_buses(before);
 }
@@ -127,7 +128,7 @@ void SerialLineThread::take(std::span<const std::byte> bytes) {
 void SerialLineThread::put_in_lockstep(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const std::size_t length = std::min(bytes.size(), tmcl::kTelegramLength - bytes_in_step_);
-    line_.put(bytes.first(length), shared_.lockstep_clock.now());
+    shared_.rack.put(index_, bytes.first(length), shared_.lockstep_clock.now());
     bytes = bytes.subspan(length);
     bytes_in_step_ = (bytes_in_step_ + length) % tmcl::kTelegramLength;
     if (line_.waits()) {
@@ -178,6 +179,9 @@ void SerialLineThread::plan() {
 }
 
 void SerialLineThread::send(std::span<const std::byte> bytes) {
+  if (Journal* journal = shared_.rack.journal(); journal != nullptr) {
+    journal->bytes_leave(index_, bytes);
+  }
   if (const auto sent = link_->send(bytes); !sent && !std::exchange(send_failure_logged_, true)) {
     shared_.logger->warn("{}; further losses are only counted", sent.error().text);
   }

@@ -12,6 +12,7 @@
 #include "web/input_api.hpp"
 #include "web/object_api.hpp"
 #include "web/problem.hpp"
+#include "web/session_api.hpp"
 #include "web/snapshot_job.hpp"
 
 namespace stator::web {
@@ -78,6 +79,11 @@ Answer answer(const Match& match, const Request& request, State& state) {
       return answer_device(match, request, state);
     case Operation::events:
       return answer_events(match, state);
+    case Operation::recording:
+    case Operation::snapshots:
+    case Operation::take_snapshot:
+    case Operation::restore_snapshot:
+      return answer_session(match, request, state.session);
   }
   return problem(500, "a route without an answer");
 }

@@ -93,7 +93,7 @@ Answer answer_inputs(const Match& match, const Request& request, const State& st
   if (match.route->operation == Operation::input) {
     return json_response(input_json(*address.device, *address.input));
   }
-  const auto value = value_of(request);
+  const auto value = member_of(request, "value");
   if (const auto* wrong = std::get_if<Response>(&value)) {
     return *wrong;
   }

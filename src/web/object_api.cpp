@@ -170,7 +170,7 @@ Answer answer_entries(const Match& match, const Request& request, const DeviceRe
   if (!match.route->writes()) {
     return std::make_unique<ReadEntriesJob>(device, std::span(*entry, 1), false);
   }
-  const auto value = value_of(request);
+  const auto value = member_of(request, "value");
   if (const auto* wrong = std::get_if<Response>(&value)) {
     return *wrong;
   }

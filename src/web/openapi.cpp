@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -25,6 +26,30 @@ constexpr const char* kSchemas = R"({
       "abort_code": {"type": "string", "examples": ["0x06090031"]},
       "abort_text": {"type": "string"}
     }
+  },
+  "Recording": {
+    "type": "object",
+    "required": ["file", "time_ns", "bytes", "complete"],
+    "properties": {
+      "file": {"type": "string"},
+      "time_ns": {"type": "integer", "description": "Simulated time up to which it goes"},
+      "bytes": {"type": "integer", "description": "Written so far"},
+      "complete": {"type": "boolean", "description": "false: it ended because the disk was too slow or is full"}
+    }
+  },
+  "Snapshots": {
+    "type": "object",
+    "required": ["snapshots"],
+    "properties": {"snapshots": {"type": "array", "items": {
+      "type": "object",
+      "required": ["name", "time_ns"],
+      "properties": {"name": {"type": "string"}, "time_ns": {"type": "integer"}}
+    }}}
+  },
+  "SnapshotName": {
+    "type": "object",
+    "required": ["name"],
+    "properties": {"name": {"type": "string", "pattern": "^[A-Za-z_-][A-Za-z0-9_-]{0,63}$"}}
   },
   "Done": {
     "type": "object",
@@ -257,7 +282,9 @@ std::string openapi_document() {
                  {{"schemas", Json::parse(kSchemas)},
                   {"securitySchemes", {{"token", {{"type", "http"}, {"scheme", "bearer"}}}}}}}};
   for (const Route& route : routes()) {
-    std::string method(route.method == "GET" ? "get" : "put");
+    std::string method(route.method);
+    std::ranges::transform(method, method.begin(),
+                           [](char letter) { return static_cast<char>(letter | 0x20); });
     document["paths"][std::string(route.path)][method] = operation_of(route);
   }
   return document.dump(2) + "\n";

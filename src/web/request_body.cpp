@@ -6,12 +6,13 @@
 
 namespace stator::web {
 
-std::variant<nlohmann::ordered_json, Response> value_of(const Request& request) {
+std::variant<nlohmann::ordered_json, Response> member_of(const Request& request,
+                                                         const std::string& name) {
   const auto body = nlohmann::ordered_json::parse(request.body, nullptr, false);
-  if (!body.is_object() || body.size() != 1 || !body.contains("value")) {
-    return problem(400, "the body must be a JSON object with the one member \"value\"");
+  if (!body.is_object() || body.size() != 1 || !body.contains(name)) {
+    return problem(400, "the body must be a JSON object with the one member \"" + name + "\"");
   }
-  return body["value"];
+  return body[name];
 }
 
 }  // namespace stator::web

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <variant>
 
 #include <nlohmann/json_fwd.hpp>
@@ -8,7 +9,8 @@
 
 namespace stator::web {
 
-/// The member "value" of a body, or the answer that says what is wrong with it.
-[[nodiscard]] std::variant<nlohmann::ordered_json, Response> value_of(const Request& request);
+/// The one member that a body has, or the answer that says what is wrong with it.
+[[nodiscard]] std::variant<nlohmann::ordered_json, Response> member_of(const Request& request,
+                                                                       const std::string& name);
 
 }  // namespace stator::web

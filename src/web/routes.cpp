@@ -13,7 +13,7 @@ namespace stator::web {
 
 namespace {
 
-constexpr std::array<Route, 17> kRoutes{{
+constexpr std::array<Route, 21> kRoutes{{
     {.operation = Operation::page,
      .method = "GET",
      .path = "/",
@@ -128,6 +128,31 @@ constexpr std::array<Route, 17> kRoutes{{
      .summary = "The newest events, oldest first",
      .schema = "Events",
      .query = {"after", "integer", "Only events with a higher number"}},
+    {.operation = Operation::recording,
+     .method = "GET",
+     .path = "/api/v1/recording",
+     .id = "getRecording",
+     .summary = "The recording of this run",
+     .schema = "Recording"},
+    {.operation = Operation::snapshots,
+     .method = "GET",
+     .path = "/api/v1/snapshots",
+     .id = "listSnapshots",
+     .summary = "Moments of the recording that can be restored",
+     .schema = "Snapshots"},
+    {.operation = Operation::take_snapshot,
+     .method = "POST",
+     .path = "/api/v1/snapshots",
+     .id = "takeSnapshot",
+     .summary = "Gives the present moment a name",
+     .schema = "Done",
+     .request_schema = "SnapshotName"},
+    {.operation = Operation::restore_snapshot,
+     .method = "POST",
+     .path = "/api/v1/snapshots/{snapshot}/restore",
+     .id = "restoreSnapshot",
+     .summary = "Has the rack go on from a snapshot; links and this server are gone meanwhile",
+     .schema = "Done"},
 }};
 
 std::optional<unsigned> hex_digit(char letter) {

@@ -30,6 +30,10 @@ enum class Operation : std::uint8_t {
   entry,
   write_entry,
   events,
+  recording,
+  snapshots,
+  take_snapshot,
+  restore_snapshot,
 };
 
 struct QueryParameter {

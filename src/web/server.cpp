@@ -56,6 +56,7 @@ class Server::Implementation {
         acceptor_(context_),
         accept_pause_(context_),
         tick_(context_) {
+    server_.state.session = configuration.session;
     if (configuration.token.empty() && !address_.loopback()) {
       throw std::runtime_error(fmt::format(
           "a web server at {} is open to other machines and needs a token: name a file with "

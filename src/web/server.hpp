@@ -6,6 +6,7 @@
 #include "rack/runner.hpp"
 #include "web/address.hpp"
 #include "web/server_limits.hpp"
+#include "web/session_control.hpp"
 
 namespace stator::web {
 
@@ -13,6 +14,7 @@ struct ServerConfiguration {
   Address address;
   std::string token;  ///< empty only on loopback: nobody may write then
   ServerLimits limits{};
+  SessionControl* session = nullptr;  ///< the recording of the run; outlives the server
 };
 
 /// Serves a running rack to browsers and programs: REST, a stream of signals, metrics. One thread,

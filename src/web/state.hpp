@@ -10,6 +10,7 @@
 
 #include "base/event.hpp"
 #include "rack/runner.hpp"
+#include "web/session_control.hpp"
 
 namespace stator::web {
 
@@ -87,6 +88,7 @@ class State {
 
   [[nodiscard]] const std::vector<NetworkRecord>& networks() const { return networks_; }
   ServerCounters counters;
+  SessionControl* session = nullptr;  ///< null: nothing is recorded
 
  private:
   const rack::EventLog& log_;

@@ -1,0 +1,87 @@
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "cli/commands.hpp"
+#include "cli/failure.hpp"
+#include "cli/recorded_run.hpp"
+
+namespace stator::cli {
+
+namespace {
+
+struct ReplayOptions {
+  std::string recording;
+  std::string until;
+  std::string csv;
+  std::string period = "1ms";
+  std::vector<std::string> signals{"*"};
+};
+
+void print_end(const ReplayOptions& options, const replay::Player& player,
+               std::chrono::duration<double> took) {
+  const replay::PlayerCounts& counts = player.counts();
+  const double simulated = player.now().seconds();
+  fmt::print("{}: {:.3f} s with {} EtherCAT frames, {} CAN frames and {} serial bytes of masters\n",
+             options.recording, simulated, counts.frames, counts.can_frames, counts.bytes);
+  fmt::print(
+      "everything that came out is the same to the last bit; replayed in {:.2f} s, {:.1f} "
+      "times real time\n",
+      took.count(), simulated / std::max(took.count(), 1e-9));
+}
+
+void run_replay(const ReplayOptions& options) {
+  base::SimTime until = base::SimTime::never();
+  if (!options.until.empty()) {
+    until = base::SimTime(duration_option("--until", options.until));
+  }
+  RecordedRack recorded(options.recording);
+  if (!options.csv.empty()) {
+    recorded.configuration().record = {.file = options.csv,
+                                       .period = duration_option("--period", options.period),
+                                       .signals = options.signals};
+  }
+  rack::EventLog log;
+  rack::Rack rack(recorded.configuration(), log);
+  replay::Player player(recorded.reader(), rack, recorded.configuration());
+  const auto began = std::chrono::steady_clock::now();
+  if (const auto difference = player.play(until)) {
+    throw Failure(fmt::format("{}: {}", options.recording, explain(*difference, log)));
+  }
+  print_end(options, player, std::chrono::steady_clock::now() - began);
+  if (rack.recorder() && !rack.recorder()->good()) {
+    throw Failure(fmt::format("writing {} failed; is the disk full?", options.csv));
+  }
+  if (!recorded.reader().damage().empty()) {
+    throw Failure(fmt::format("{}: all that was read is the same, but {}", options.recording,
+                              recorded.reader().damage()));
+  }
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app) {
+  auto options = std::make_shared<ReplayOptions>();
+  CLI::App* command = app.add_subcommand(
+      "replay", "Do again what \"stator run --record NAME.stator\" recorded, and compare");
+  command->add_option("recording", options->recording, "File of the recording")->required();
+  command->add_option("--until", options->until, "Simulated time at which to stop, e.g. 12.5s");
+  auto* csv = command->add_option("--csv", options->csv, "Write signals to this CSV file");
+  command->add_option("--period", options->period, "Simulated time between two rows of it")
+      ->needs(csv)
+      ->capture_default_str();
+  command->add_option("--signals", options->signals, "Signals of it, e.g. \"*.axis0.*\"")
+      ->needs(csv);
+  command->footer(
+      "Examples:\n"
+      "  stator run racks/gantry.toml --link ethercat:eth1 --record run.stator\n"
+      "  stator replay run.stator\n"
+      "  stator replay run.stator --until 3s --csv run.csv --period 100us");
+  command->callback([options] { run_replay(*options); });
+}
+
+}  // namespace stator::cli

@@ -1,0 +1,202 @@
+#include "replay/recording_reader.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <span>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "base/byte_order.hpp"
+#include "base/crc32.hpp"
+#include "replay/byte_delta.hpp"
+#include "replay/can_frame_coding.hpp"
+#include "replay/event_coding.hpp"
+
+namespace stator::replay {
+
+namespace {
+
+/// More segments than any rack has: a number above is damage.
+constexpr std::size_t kMostSegments = 4096;
+
+}  // namespace
+
+RecordingReader::RecordingReader(const std::string& path) : file_(std::fopen(path.c_str(), "rb")) {
+  if (file_ == nullptr) {
+    throw std::runtime_error(
+        fmt::format("cannot read recording \"{}\": {}", path, std::strerror(errno)));
+  }
+  std::array<char, kMagic.size()> magic{};
+  if (std::fread(magic.data(), 1, magic.size(), file_.get()) != magic.size() ||
+      std::string_view(magic.data(), magic.size()) != kMagic) {
+    throw std::runtime_error(fmt::format(
+        "\"{}\" is no recording; \"stator run RACK --record NAME.stator\" makes one", path));
+  }
+  std::uint64_t version = 0;
+  if (read_chunk(kMaximumHeader) != ChunkResult::chunk) {
+    throw std::runtime_error(fmt::format("\"{}\" is damaged within its first chunk", path));
+  }
+  if (!decode(chunk_, header_, version)) {
+    throw std::runtime_error(
+        version == kFormatVersion
+            ? fmt::format("\"{}\" is damaged within its first chunk", path)
+            : fmt::format("\"{}\" has version {} of the format, this program reads version {}; "
+                          "replay it with the program that recorded it",
+                          path, version, kFormatVersion));
+  }
+  chunk_.clear();
+}
+
+RecordingReader::ChunkResult RecordingReader::read_chunk(std::size_t limit) {
+  std::array<std::byte, kChunkHead> head{};
+  const std::size_t got = std::fread(head.data(), 1, head.size(), file_.get());
+  if (got == 0) {
+    return ChunkResult::end_of_file;
+  }
+  const auto length = base::load_le<std::uint32_t>(std::span<const std::byte>(head), 0);
+  if (got != head.size() || length > limit) {
+    return ChunkResult::damaged;
+  }
+  chunk_.resize(length);
+  if (std::fread(chunk_.data(), 1, length, file_.get()) != length ||
+      base::crc32(chunk_) != base::load_le<std::uint32_t>(std::span<const std::byte>(head), 4)) {
+    return ChunkResult::damaged;
+  }
+  return ChunkResult::chunk;
+}
+
+bool RecordingReader::next(Step& step) {
+  if (finished_) {
+    return false;
+  }
+  while (rest_.at_end()) {
+    switch (read_chunk(kMaximumChunk)) {
+      case ChunkResult::chunk:
+        rest_ = ByteReader(chunk_);
+        break;
+      case ChunkResult::end_of_file:
+        finished_ = true;
+        damage_ = "the recording was not ended, e.g. because the program was killed";
+        return false;
+      case ChunkResult::damaged:
+        finished_ = true;
+        damage_ = "the file is damaged or cut off behind this place";
+        return false;
+    }
+  }
+  step.number = ++number_;
+  if (!read_step(rest_, step) || !rest_.good()) {
+    finished_ = true;
+    damage_ = fmt::format("step {} makes no sense; the file was made by another program", number_);
+    return false;
+  }
+  finished_ = step.kind == StepKind::end;
+  return !finished_;
+}
+
+base::SimTime RecordingReader::read_time(ByteReader& reader) {
+  return time_ += base::SimDuration(reader.signed_number());
+}
+
+bool RecordingReader::read_step(ByteReader& reader, Step& step) {
+  step.kind = static_cast<StepKind>(reader.byte());
+  switch (step.kind) {
+    case StepKind::advance:
+      read_time(reader);
+      break;
+    case StepKind::frame_comes:
+      step.network = static_cast<std::size_t>(reader.number());
+      step.interface = static_cast<ethercat::MasterInterface>(reader.byte());
+      read_time(reader);
+      if (step.network >= kMostSegments) {
+        return false;
+      }
+      last_frames_.resize(std::max(last_frames_.size(), step.network + 1));
+      if (!read_delta(reader, last_frames_[step.network], kMaximumBytes, step.bytes)) {
+        return false;
+      }
+      last_frames_[step.network] = step.bytes;
+      request_ = step.bytes;
+      break;
+    case StepKind::frame_leaves: {
+      const unsigned exit = reader.byte();
+      step.exit = exit == 0 ? std::nullopt
+                            : std::optional(static_cast<ethercat::MasterInterface>(exit - 1));
+      return read_delta(reader, request_, kMaximumBytes, step.bytes);
+    }
+    case StepKind::bus_events:
+      step.network = static_cast<std::size_t>(reader.number());
+      read_time(reader);
+      break;
+    case StepKind::carrier:
+      step.network = static_cast<std::size_t>(reader.number());
+      step.interface = static_cast<ethercat::MasterInterface>(reader.byte());
+      step.up = reader.byte() != 0;
+      read_time(reader);
+      break;
+    case StepKind::can_frame_comes:
+      step.network = static_cast<std::size_t>(reader.number());
+      step.port = static_cast<std::size_t>(reader.number());
+      step.can.frame = read_can_frame(reader);
+      break;
+    case StepKind::can_frame_leaves:
+      step.network = static_cast<std::size_t>(reader.number());
+      step.port = static_cast<std::size_t>(reader.number());
+      step.can.time = base::SimTime(base::SimDuration(reader.signed_number()));
+      step.can.destroyed = reader.byte() != 0;
+      step.can.frame = read_can_frame(reader);
+      break;
+    case StepKind::bytes_come:
+    case StepKind::bytes_leave: {
+      step.network = static_cast<std::size_t>(reader.number());
+      if (step.kind == StepKind::bytes_come) {
+        read_time(reader);
+      }
+      const auto bytes = reader.bytes();
+      step.bytes.assign(bytes.begin(), bytes.end());
+      break;
+    }
+    case StepKind::event:
+      read_time(reader);
+      step.event = read_event(reader);
+      if (!step.event) {
+        return false;
+      }
+      break;
+    case StepKind::object_read:
+    case StepKind::object_written:
+      step.device = read_device(reader);
+      step.index = static_cast<std::uint16_t>(reader.number());
+      step.subindex = static_cast<std::uint8_t>(reader.byte());
+      if (step.kind == StepKind::object_written) {
+        read_time(reader);
+        const auto bytes = reader.bytes();
+        step.bytes.assign(bytes.begin(), bytes.end());
+      }
+      break;
+    case StepKind::signals: {
+      step.values.clear();
+      std::size_t next = 0;
+      for (std::uint64_t skip = reader.number(); skip != 0 && reader.good();
+           skip = reader.number()) {
+        next += static_cast<std::size_t>(skip - 1);
+        step.values.emplace_back(next++, reader.real());
+      }
+      break;
+    }
+    case StepKind::mark:
+      step.name = reader.text();
+      break;
+    case StepKind::ports_replaced:
+    case StepKind::end:
+      break;
+    default:
+      return false;
+  }
+  step.time = time_;
+  return true;
+}
+
+}  // namespace stator::replay

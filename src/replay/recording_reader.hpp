@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/sim_time.hpp"
+#include "can/port.hpp"
+#include "ethercat/topology.hpp"
+#include "rack/rack_configuration.hpp"
+#include "replay/byte_coding.hpp"
+#include "replay/recording_format.hpp"
+
+namespace stator::replay {
+
+/// One step of a recording. Which members mean something depends on its kind.
+struct Step {
+  StepKind kind = StepKind::end;
+  std::uint64_t number = 0;  ///< from 1
+  base::SimTime time;        ///< of the step, or of the last one that had a time
+  std::size_t network = 0;   ///< segment, bus or serial line
+  std::size_t port = 0;      ///< of a CAN bus
+  ethercat::MasterInterface interface = ethercat::MasterInterface::primary;
+  std::optional<ethercat::MasterInterface> exit{};
+  bool up = false;
+  std::vector<std::byte> bytes{};  ///< frame, bytes of a line, value of an object
+  can::TimedFrame can{};
+  std::optional<rack::RackEvent> event{};
+  rack::DeviceAddress device{};
+  std::uint16_t index = 0;
+  std::uint8_t subindex = 0;
+  std::vector<std::pair<std::size_t, double>> values{};  ///< signals that have changed
+  std::string name{};                                    ///< of a mark
+};
+
+/// Reads a recording from the front.
+class RecordingReader {
+ public:
+  /// Throws std::runtime_error with file, reason and remedy when it cannot be read, is no
+  /// recording, or one of another format.
+  explicit RecordingReader(const std::string& path);
+
+  [[nodiscard]] const RecordingHeader& header() const { return header_; }
+
+  /// Reads the next step into `step`. False: there is none; damage() tells whether the recording
+  /// was ended properly.
+  bool next(Step& step);
+  /// Why there is no next step; empty: the recording was finished.
+  [[nodiscard]] const std::string& damage() const { return damage_; }
+
+ private:
+  enum class ChunkResult : std::uint8_t { chunk, end_of_file, damaged };
+  ChunkResult read_chunk(std::size_t limit);
+  bool read_step(ByteReader& reader, Step& step);
+  base::SimTime read_time(ByteReader& reader);
+
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+
+  std::unique_ptr<std::FILE, Close> file_;
+  RecordingHeader header_;
+  std::vector<std::byte> chunk_;
+  ByteReader rest_{{}};
+  std::vector<std::vector<std::byte>> last_frames_;
+  std::vector<std::byte> request_;
+  base::SimTime time_;
+  std::uint64_t number_ = 0;
+  bool finished_ = false;
+  std::string damage_;
+};
+
+}  // namespace stator::replay

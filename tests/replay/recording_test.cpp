@@ -1,0 +1,287 @@
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "can/port.hpp"
+#include "master/master.hpp"
+#include "rack/local_port.hpp"
+#include "rack/product_catalogue.hpp"
+#include "replay/player.hpp"
+#include "replay/session_recorder.hpp"
+
+namespace stator::replay {
+namespace {
+
+using namespace base::literals;
+using base::SimTime;
+using ::testing::HasSubstr;
+
+constexpr const char* kLine = "pty:/tmp/none";
+
+/// A stepper drive on a segment, a servo on a CAN bus with one port, a module on a serial line, and
+/// a load that comes at 30 ms.
+rack::RackConfiguration mixed_rack(double load = 0.1) {
+  rack::RackConfiguration configuration = rack::single_device_rack("tmcm-3315");
+  configuration.segments[0].devices[0].name = "drive";
+  configuration.buses = rack::single_device_rack("tmcc160").buses;
+  configuration.buses[0].devices[0].name = "servo";
+  std::get<devices::Tmcc160Configuration>(configuration.buses[0].devices[0].product).boot_time =
+      5_ms;
+  configuration.buses[0].ports = {"slcan:/tmp/none"};
+  rack::BusConfiguration lines = rack::bus_without_wire();
+  lines.devices = rack::single_device_rack("tmcm-142").buses[0].devices;
+  lines.devices[0].name = "module";
+  lines.devices[0].serial = {{.interface = "rs485", .line = kLine}};
+  configuration.buses.push_back(lines);
+  configuration.events.push_back(
+      {30_ms, rack::InputEvent{.device = {}, .input = "axis0.load_torque", .value = load}});
+  return configuration;
+}
+
+/// One run of a rack with its masters.
+class Bench {
+ public:
+  explicit Bench(const rack::RackConfiguration& configuration)
+      : configuration_(configuration), rack_(configuration_, log_) {}
+
+  rack::Rack& rack() { return rack_; }
+  rack::EventLog& log() { return log_; }
+  const rack::RackConfiguration& configuration() const { return configuration_; }
+
+ private:
+  rack::RackConfiguration configuration_;
+  rack::EventLog log_;
+  rack::Rack rack_;
+};
+
+/// The masters of a bench, all of them.
+class Masters {
+ public:
+  explicit Masters(rack::Rack& rack)
+      : rack_(rack), segment_(rack, 0, 1_ms, 50_us), master_(segment_) {
+    port_.set_hears_errors(true);
+    rack_.bus(0).add(port_);
+    rack_.line(0).connect(rack::SerialLine::Output::bind<&Masters::hear>(*this));
+  }
+  ~Masters() {
+    rack_.bus(0).remove(port_);
+    rack_.line(0).connect({});
+  }
+
+  void start() {
+    ASSERT_TRUE(master_.scan());
+    ASSERT_EQ(master_.slaves().size(), 1U);
+  }
+  /// A bit of everything, for 20 ms.
+  void talk() {
+    const SimTime begin = segment_.now();
+    ASSERT_TRUE(master_.scan());
+    ask_servo(0x6041);
+    send({std::byte{1}, std::byte{6}, std::byte{1}, std::byte{0}, std::byte{0}, std::byte{0},
+          std::byte{0}, std::byte{0}, std::byte{8}});  // GAP 1, 0 of module 1
+    rack_.apply(
+        rack::InputEvent{
+            .device = {0, 0, rack::NetworkKind::bus}, .input = "axis0.load_torque", .value = 0.01},
+        segment_.now());
+    dictionary::Entry* mode = rack_.device({}).object_dictionary()->find(0x6060, 0);
+    ASSERT_NE(mode, nullptr);
+    const std::vector<std::byte> value{std::byte{3}};
+    ASSERT_TRUE(rack_.write_object({}, *mode, value, segment_.now()));
+    while (segment_.now() < begin + 20_ms) {
+      segment_.wait(300_us);
+      while (rack_.take(0, 0, port_)) {
+        ++can_frames_;
+      }
+    }
+  }
+  [[nodiscard]] std::size_t can_frames() const { return can_frames_; }
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+
+ private:
+  void ask_servo(unsigned index) {
+    const can::Frame ask =
+        can::data_frame(0x601, {0x40, index & 0xFFU, index >> 8U, 0x00, 0x00, 0x00, 0x00, 0x00});
+    ASSERT_TRUE(rack_.put(0, 0, port_, ask));
+  }
+  void send(const std::vector<std::byte>& bytes) { rack_.put(0, bytes, segment_.now()); }
+  void hear(std::span<const std::byte> bytes) {
+    bytes_ += bytes.size();
+    if (rack::Journal* journal = rack_.journal(); journal != nullptr) {
+      journal->bytes_leave(0, bytes);
+    }
+  }
+
+  rack::Rack& rack_;
+  rack::LocalPort segment_;
+  master::Master master_;
+  can::Port port_;
+  std::size_t can_frames_ = 0;
+  std::size_t bytes_ = 0;
+};
+
+class RecordingTest : public ::testing::Test {
+ protected:
+  RecordingTest()
+      : path_(::testing::TempDir() + "recording-" + std::to_string(::getpid()) + ".stator") {}
+  ~RecordingTest() override {
+    std::filesystem::remove(path_);
+    std::filesystem::remove(path_ + "2");
+  }
+
+  /// Records three talks with a mark after the second.
+  void record(const std::string& path) {
+    Bench bench(mixed_rack());
+    SessionRecorder recorder(bench.rack(), path, {.program = "test"});
+    {
+      Masters masters(bench.rack());
+      ASSERT_NO_FATAL_FAILURE(masters.start());
+      for (int i = 0; i < 3; ++i) {
+        ASSERT_NO_FATAL_FAILURE(masters.talk());
+        if (i == 1) {
+          recorder.mark("middle");
+        }
+      }
+      EXPECT_GT(masters.can_frames(), 2U);  // boot-up and answers
+      EXPECT_GE(masters.bytes(), 27U);
+    }
+    recorder.finish();
+    EXPECT_EQ(recorder.broken_off(), SimTime::never());
+  }
+
+  /// Plays all of `path` on a rack with this load.
+  static std::optional<Difference> play(const std::string& path, double load = 0.1) {
+    Bench bench(mixed_rack(load));
+    RecordingReader reader(path);
+    Player player(reader, bench.rack(), bench.configuration());
+    auto difference = player.play(SimTime::never());
+    if (!difference) {
+      EXPECT_EQ(reader.damage(), "");
+      EXPECT_GT(player.counts().frames, 100U);
+      EXPECT_EQ(player.counts().can_frames, 3U);
+      EXPECT_EQ(player.counts().bytes, 27U);
+    }
+    return difference;
+  }
+
+  std::string path_;
+};
+
+TEST_F(RecordingTest, PlaysTheSameToTheLastBit) {
+  ASSERT_NO_FATAL_FAILURE(record(path_));
+  const auto difference = play(path_);
+  EXPECT_FALSE(difference) << difference->place << ": " << difference->expected << " / "
+                           << difference->got;
+}
+
+TEST_F(RecordingTest, TellsTheFirstDifference) {
+  ASSERT_NO_FATAL_FAILURE(record(path_));
+  const auto difference = play(path_, 0.2);
+  ASSERT_TRUE(difference);
+  EXPECT_GE(difference->time, SimTime(30_ms));
+  EXPECT_NE(difference->expected, difference->got);
+}
+
+TEST_F(RecordingTest, ARestoredSnapshotGoesOnAlike) {
+  ASSERT_NO_FATAL_FAILURE(record(path_));
+  Bench bench(mixed_rack());
+  RecordingReader reader(path_);
+  {
+    Player player(reader, bench.rack(), bench.configuration());
+    ASSERT_FALSE(player.play(SimTime::never(), "middle"));
+    EXPECT_TRUE(player.at_mark());
+    const SimTime middle = player.now();
+    EXPECT_FALSE(player.play(SimTime::never()));
+    EXPECT_GT(player.now(), middle);
+  }
+  EXPECT_EQ(reader.damage(), "");
+}
+
+TEST_F(RecordingTest, ABranchHasItsOwnRecordingFromPowerOn) {
+  ASSERT_NO_FATAL_FAILURE(record(path_));
+  const std::string branch = path_ + "2";
+  {
+    Bench bench(mixed_rack());
+    SessionRecorder recorder(bench.rack(), branch, {.program = "test"});
+    RecordingReader reader(path_);
+    {
+      Player player(reader, bench.rack(), bench.configuration());
+      ASSERT_FALSE(player.play(SimTime::never(), "middle"));
+    }
+    recorder.ports_replaced();
+    const SimTime middle = recorder.time();
+    can::Port port;
+    port.set_hears_errors(true);
+    bench.rack().bus(0).add(port);
+    for (int i = 1; i <= 50; ++i) {
+      bench.rack().put(0, 0, port, can::data_frame(0x601, {0x40, 0x64, 0x60, 0, 0, 0, 0, 0}));
+      bench.rack().advance(middle + 1_ms * i);
+      while (bench.rack().take(0, 0, port)) {
+      }
+    }
+    bench.rack().bus(0).remove(port);
+    recorder.finish();
+  }
+  Bench bench(mixed_rack());
+  RecordingReader reader(branch);
+  Player player(reader, bench.rack(), bench.configuration());
+  const auto difference = player.play(SimTime::never());
+  EXPECT_FALSE(difference) << difference->place << ": " << difference->expected << " / "
+                           << difference->got;
+  EXPECT_EQ(player.counts().can_frames, 52U);
+}
+
+TEST_F(RecordingTest, AFileThatIsCutOffIsGoodUpToThere) {
+  ASSERT_NO_FATAL_FAILURE(record(path_));
+  std::filesystem::resize_file(path_, std::filesystem::file_size(path_) - 7);
+  Bench bench(mixed_rack());
+  RecordingReader reader(path_);
+  Player player(reader, bench.rack(), bench.configuration());
+  EXPECT_FALSE(player.play(SimTime::never()));
+  EXPECT_THAT(reader.damage(), HasSubstr("cut off"));
+}
+
+TEST_F(RecordingTest, AChangedByteIsFound) {
+  ASSERT_NO_FATAL_FAILURE(record(path_));
+  {
+    std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(-40, std::ios::end);
+    file.put('?');
+  }
+  Bench bench(mixed_rack());
+  RecordingReader reader(path_);
+  Player player(reader, bench.rack(), bench.configuration());
+  EXPECT_FALSE(player.play(SimTime::never()));
+  EXPECT_THAT(reader.damage(), HasSubstr("damaged"));
+}
+
+TEST_F(RecordingTest, OtherFilesAndVersionsAreRefused) {
+  const auto refusal = [this](const std::string& content) -> std::string {
+    std::ofstream(path_, std::ios::binary) << content;
+    try {
+      RecordingReader reader(path_);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  EXPECT_THAT(refusal("time,axis0\n"), HasSubstr("is no recording"));
+  EXPECT_THAT(refusal("StatorRn"), HasSubstr("damaged within its first chunk"));
+  const std::string version_2("\x01\x00\x00\x00\xA1\x8E\x0C\x3C\x02", 9);
+  EXPECT_THAT(refusal("StatorRn" + version_2), HasSubstr("version 2"));
+  EXPECT_THROW(RecordingReader("/no/such.stator"), std::runtime_error);
+}
+
+TEST_F(RecordingTest, AnotherRackIsRefused) {
+  ASSERT_NO_FATAL_FAILURE(record(path_));
+  Bench bench(rack::single_device_rack("tmcm-3315"));
+  RecordingReader reader(path_);
+  EXPECT_THROW(Player(reader, bench.rack(), bench.configuration()), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace stator::replay
