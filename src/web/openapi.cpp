@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "web/panel_schemas.hpp"
 #include "web/routes.hpp"
 
 namespace stator::web {
@@ -281,10 +282,11 @@ std::string openapi_document() {
                 {"components",
                  {{"schemas", Json::parse(kSchemas)},
                   {"securitySchemes", {{"token", {{"type", "http"}, {"scheme", "bearer"}}}}}}}};
+  document["components"]["schemas"].update(Json::parse(kPanelSchemas));
   for (const Route& route : routes()) {
     std::string method(route.method);
     std::ranges::transform(method, method.begin(),
-                           [](char letter) { return static_cast<char>(letter | 0x20); });
+                           [](char letter) { return static_cast<char>(letter - 'A' + 'a'); });
     document["paths"][std::string(route.path)][method] = operation_of(route);
   }
   return document.dump(2) + "\n";

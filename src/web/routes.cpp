@@ -13,7 +13,7 @@ namespace stator::web {
 
 namespace {
 
-constexpr std::array<Route, 21> kRoutes{{
+constexpr auto kRoutes = std::to_array<Route>({
     {.operation = Operation::page,
      .method = "GET",
      .path = "/",
@@ -153,8 +153,38 @@ constexpr std::array<Route, 21> kRoutes{{
      .id = "restoreSnapshot",
      .summary = "Has the rack go on from a snapshot; links and this server are gone meanwhile",
      .schema = "Done"},
-}};
-
+    {.operation = Operation::wiring,
+     .method = "GET",
+     .path = "/api/v1/wiring",
+     .id = "getWiring",
+     .summary = "How devices are wired, which links are up, and what ports have counted",
+     .schema = "Wiring"},
+    {.operation = Operation::panel,
+     .method = "GET",
+     .path = "/api/v1/devices/{device}/panel",
+     .id = "getPanel",
+     .summary = "What a device shows: LEDs, state machines, what it refused last",
+     .schema = "Panel"},
+    {.operation = Operation::state_machines,
+     .method = "GET",
+     .path = "/api/v1/state-machines",
+     .id = "listStateMachines",
+     .summary = "States and transitions of the state machines that panels name",
+     .schema = "StateMachines"},
+    {.operation = Operation::program,
+     .method = "GET",
+     .path = "/api/v1/devices/{device}/program",
+     .id = "getProgram",
+     .summary = "The TMCL program of a device, and where it stands",
+     .schema = "Program"},
+    {.operation = Operation::traffic,
+     .method = "GET",
+     .path = "/api/v1/traffic",
+     .id = "watchTraffic",
+     .summary = "As a WebSocket: what passes over the networks, in words",
+     .schema = "Any",
+     .stream = true},
+});
 std::optional<unsigned> hex_digit(char letter) {
   if (letter >= '0' && letter <= '9') {
     return static_cast<unsigned>(letter - '0');

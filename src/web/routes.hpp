@@ -34,6 +34,11 @@ enum class Operation : std::uint8_t {
   snapshots,
   take_snapshot,
   restore_snapshot,
+  wiring,
+  panel,
+  state_machines,
+  program,
+  traffic,
 };
 
 struct QueryParameter {
