@@ -54,7 +54,7 @@ export function Overview({ device, panel }: { device: DeviceInfo; panel: Panel |
           <MachinePanel machine={power} state={axisPanel.state} title={`${axisPanel.name}: ${power.title}`} refusal={axisPanel.last_refusal} />
         ) : null}
         {network && panel?.network ? (
-          <MachinePanel machine={network} state={panel.network.state} title={network.title} refusal={panel.last_refusal} />
+          <MachinePanel machine={network} state={panel.network.state} title={network.title} refusal={panel.last_refusal?.number === axisPanel?.last_refusal?.number ? null : panel.last_refusal} />
         ) : null}
         {power || network ? null : <DeviceEvents name={device.name} />}
       </div>
