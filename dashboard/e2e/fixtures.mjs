@@ -126,7 +126,7 @@ export function fixture(method, path, body) {
           ],
         },
       ],
-      buses: [{ name: "can0", bit_rate: 1000, load: 0.23, ports: ["slcan:/tmp/stator-can0"], devices: ["spindle"] }],
+      buses: [{ name: "can0", bit_rate: 1_000_000, load: 0.23, ports: ["slcan:/tmp/stator-can0"], devices: ["spindle"] }],
       lines: [{ link: "pty:/tmp/stator-rs485", devices: ["feeder"] }],
     };
   }
@@ -170,6 +170,9 @@ export function fixture(method, path, body) {
             ["10", "Switched on", "Switch on disabled", "disable voltage"],
             ["11", "Operation enabled", "Quick stop active", "quick stop"],
             ["12", "Quick stop active", "Switch on disabled", "disable voltage"],
+            ...["Not ready to switch on", "Switch on disabled", "Ready to switch on", "Switched on", "Operation enabled", "Quick stop active"].map(
+              (from) => ["13", from, "Fault reaction active", "fault"],
+            ),
             ["14", "Fault reaction active", "Fault", "automatic"],
             ["15", "Fault", "Switch on disabled", "fault reset"],
             ["16", "Quick stop active", "Operation enabled", "enable operation"],

@@ -104,7 +104,7 @@ export interface Port {
 export interface SegmentDevice {
   readonly name: string;
   readonly after: string | null;
-  readonly port: number;
+  readonly port: number | null;
   readonly entry_port: number;
   readonly ports: readonly Port[];
 }
@@ -119,7 +119,7 @@ export interface Segment {
 
 export interface Bus {
   readonly name: string;
-  readonly bit_rate: number | null;
+  readonly bit_rate: number | null; ///< bit/s; null: unlimited
   readonly load: number;
   readonly ports: readonly string[];
   readonly devices: readonly string[];
@@ -144,8 +144,8 @@ export interface Led {
 
 export interface AxisPanel {
   readonly name: string;
-  readonly machine: string;
-  readonly state: string;
+  readonly machine: string | null; ///< null: it is none of CiA 402
+  readonly state: string | null;
   readonly mode?: number | null;
   readonly mode_name?: string | null;
   readonly signals: Readonly<Record<string, string>>;

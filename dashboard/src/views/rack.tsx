@@ -175,7 +175,7 @@ function BusPanel({ bus, shafts, width }: Drawn & { bus: Bus }) {
       <header>
         <h2>{bus.name}</h2>
         <span class="badge">CAN</span>
-        {bus.bit_rate === null ? null : <span class="soft">{quantityText(bus.bit_rate, "")} kbit/s</span>}
+        <span class="soft">{bus.bit_rate === null ? "unlimited" : `${quantityText(bus.bit_rate / 1000, "")} kbit/s`}</span>
         <span class="soft mono">{bus.ports.join(", ")}</span>
         <span class="spacer" />
         <label class="load">
@@ -265,7 +265,7 @@ function DeviceCard({ card, shafts, ports }: { card: Card; shafts: readonly Shaf
         const axis = panel.data?.axes.find((each) => each.name === shaft.name);
         return (
           <g key={shaft.signal}>
-            <title>{axis ? `${shaft.name}: ${axis.state}${axis.mode_name ? `, ${axis.mode_name}` : ""}` : shaft.name}</title>
+            <title>{axis ? `${shaft.name}: ${axis.state ?? ""}${axis.mode_name ? `, ${axis.mode_name}` : ""}` : shaft.name}</title>
             <ShaftDial signal={shaft.signal} x={card.x + place.x} y={card.y + place.y} radius={kShaftRadius} />
             <ShaftSpeed shaft={shaft} x={card.x + place.x} y={card.y + place.y + kShaftRadius + 14} />
           </g>
