@@ -9,10 +9,15 @@
 #include "base/sim_time.hpp"
 #include "canopen/non_volatile_memory.hpp"
 #include "devices/firmware_memory.hpp"
+#include "devices/indicator.hpp"
 #include "devices/input.hpp"
 #include "devices/signal.hpp"
 #include "dictionary/dictionary.hpp"
 #include "tmcl/serial_port.hpp"
+
+namespace stator::tmcl {
+class Firmware;
+}
 
 namespace stator::devices {
 
@@ -71,6 +76,13 @@ class Device {
   /// Switches the device's supply at `now`. Off: its firmware stops with all it knew and its power
   /// stages open; the mechanics go on. On: it starts as after a reset.
   virtual void set_power(bool on, base::SimTime now) = 0;
+
+  /// What its status LEDs show while it has supply.
+  [[nodiscard]] virtual Indicators indicators() { return {}; }
+  /// Where its network's state machine stands while it has supply.
+  [[nodiscard]] virtual NetworkStatus network_status() { return {}; }
+  /// What runs TMCL programs in it; null: nothing does.
+  [[nodiscard]] virtual const tmcl::Firmware* tmcl_firmware() const { return nullptr; }
 
   /// Everything that can be recorded, with names unique within the device.
   [[nodiscard]] virtual std::vector<Signal> signals() = 0;

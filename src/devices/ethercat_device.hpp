@@ -25,6 +25,10 @@ class EtherCatDevice : public Device {
   [[nodiscard]] const dictionary::Dictionary* object_dictionary() const final {
     return description().coe ? &dictionary() : nullptr;
   }
+  /// RUN and ERR as ETG.1300 has them, and a link/activity LED for each port.
+  [[nodiscard]] Indicators indicators() override;
+  [[nodiscard]] NetworkStatus network_status() override;
+
   /// The EEPROM's content as the device leaves its box.
   [[nodiscard]] virtual std::vector<std::byte> sii_image() const {
     return ethercat::build_sii_image(description(), dictionary());

@@ -74,6 +74,9 @@ class Segment {
   void inject(const FrameFault& fault);
   /// The master's interface is switched on or off; at the start both are on.
   void set_carrier(MasterInterface interface, bool up);
+  [[nodiscard]] bool carrier(MasterInterface interface) const {
+    return carriers_[static_cast<std::size_t>(interface)];
+  }
   /// Power of one slave. Off: its controller loses all state and its neighbours their links. On: it
   /// starts as after a reset and asks its firmware to do the same (take_reset_request()).
   void set_power(std::size_t index, bool on);

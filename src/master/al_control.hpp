@@ -4,6 +4,7 @@
 
 #include "base/delegate.hpp"
 #include "ethercat/al_state.hpp"
+#include "ethercat/al_status_text.hpp"
 #include "master/bus.hpp"
 
 namespace stator::master {
@@ -14,10 +15,6 @@ struct AlStatus {
   bool error = false;
   ethercat::AlStatusCode code = ethercat::AlStatusCode::no_error;
 };
-
-/// The standard's wording for an AL status code (ETG.1020 table 15); "unknown AL status code" for
-/// any other number.
-[[nodiscard]] std::string_view to_text(ethercat::AlStatusCode code);
 
 /// What the master does while it waits: lets time pass or keeps process data running.
 using Idle = base::Delegate<Result<void>()>;

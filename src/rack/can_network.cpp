@@ -21,9 +21,17 @@ CanNetwork::CanNetwork(const BusConfiguration& configuration, const base::EventR
       tap_(configuration, reporter),
       bus_({.bit_rate = configuration.bit_rate,
             .ports_acknowledge = configuration.ports_acknowledge}) {
-  if (!tap_.empty()) {
-    bus_.set_trace(base::Delegate<void(const can::TraceEntry&)>::bind<&CanTap::write>(tap_));
-  }
+  look_at_wire();
+}
+
+void CanNetwork::watch_traffic(TrafficTap* tap, std::uint16_t network) {
+  tap_.watch(tap, network);
+  look_at_wire();
+}
+
+void CanNetwork::look_at_wire() {
+  using Tap = base::Delegate<void(const can::TraceEntry&)>;
+  bus_.set_trace(tap_.empty() ? Tap() : Tap::bind<&CanTap::write>(tap_));
 }
 
 void CanNetwork::add(NamedCanDevice device, const base::EventReporter& reporter) {

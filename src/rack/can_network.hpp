@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -14,6 +15,7 @@
 #include "devices/signal.hpp"
 #include "rack/can_tap.hpp"
 #include "rack/rack_configuration.hpp"
+#include "rack/traffic_tap.hpp"
 
 namespace stator::rack {
 
@@ -58,6 +60,8 @@ class CanNetwork {
   [[nodiscard]] bool powered(std::size_t device) const { return bus_.powered(members_[device]); }
   void set_error_state(std::size_t device, can::ErrorState state, base::SimTime now);
   void inject(const FrameFaultEvent& event);
+  /// Copies all that is on the wire into `tap` as `network`; null: nothing.
+  void watch_traffic(TrafficTap* tap, std::uint16_t network);
   /// Something about the device was changed from outside.
   void touched(std::size_t device) { refresh(device, now_); }
 
@@ -69,6 +73,7 @@ class CanNetwork {
   [[nodiscard]] std::vector<devices::Signal> signals();
 
  private:
+  void look_at_wire();
   void serve_reached();
   void serve(std::size_t device, base::SimTime now);
   void refresh(std::size_t device, base::SimTime now);

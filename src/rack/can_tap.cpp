@@ -30,6 +30,12 @@ CanTap::CanTap(const BusConfiguration& configuration, const base::EventReporter&
 void CanTap::write(const can::TraceEntry& entry) {
   write_to(log_, entry);
   write_to(capture_, entry);
+  if (traffic_ != nullptr) {
+    using Direction = TrafficTap::Direction;
+    traffic_->put(network_,
+                  entry.kind == can::TraceEntry::Kind::frame ? Direction::bus : Direction::error,
+                  entry.time, entry.frame);
+  }
 }
 
 template <typename File>

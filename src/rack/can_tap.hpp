@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -7,10 +8,12 @@
 #include "can/bus.hpp"
 #include "link/can_log.hpp"
 #include "rack/rack_configuration.hpp"
+#include "rack/traffic_tap.hpp"
 
 namespace stator::rack {
 
-/// Writes what is on the wire of a CAN bus to the files its configuration names.
+/// Writes what is on the wire of a CAN bus to the files its configuration names, and to who
+/// watches.
 class CanTap {
  public:
   /// Opens them; throws std::runtime_error with file and reason when that fails. `reporter` is told
@@ -18,7 +21,14 @@ class CanTap {
   CanTap(const BusConfiguration& configuration, const base::EventReporter& reporter);
 
   /// There is nothing to write to.
-  [[nodiscard]] bool empty() const { return log_ == nullptr && capture_ == nullptr; }
+  [[nodiscard]] bool empty() const {
+    return log_ == nullptr && capture_ == nullptr && traffic_ == nullptr;
+  }
+  /// Also copies it for somebody who watches, as `network`; null: nobody.
+  void watch(TrafficTap* traffic, std::uint16_t network) {
+    traffic_ = traffic;
+    network_ = network;
+  }
   void write(const can::TraceEntry& entry);
 
  private:
@@ -28,6 +38,8 @@ class CanTap {
   base::EventReporter reporter_;
   std::unique_ptr<link::CandumpLog> log_;
   std::unique_ptr<link::CanCapture> capture_;
+  TrafficTap* traffic_ = nullptr;
+  std::uint16_t network_ = 0;
   std::string error_;  ///< the event refers to it
 };
 

@@ -38,6 +38,8 @@ class ChipThread {
   void start();
   /// Ends the thread and waits for it; may be called twice.
   void stop();
+  /// Lets the thread look at once at what there is to do. From any thread.
+  void wake() noexcept { server_->wake(); }
 
   /// What programs connect to.
   [[nodiscard]] const std::string& name() const { return server_->name(); }

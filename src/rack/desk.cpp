@@ -18,14 +18,17 @@ DeskTask* Desk::take_done() {
   return task;
 }
 
-void Desk::serve(Rack& rack, base::SimTime now) {
+bool Desk::serve(Rack& rack, base::SimTime now) {
+  bool changed = false;
   for (int call = 0; call < kCallsPerLook && !posted_.empty(); ++call) {
     DeskTask* task = posted_.front();
+    changed |= task->changes();
     if (task->run(rack, now)) {
       posted_.pop();
       done_.push(task);
     }
   }
+  return changed;
 }
 
 }  // namespace stator::rack

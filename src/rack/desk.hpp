@@ -1,6 +1,9 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <functional>
+#include <utility>
 
 #include "base/sim_time.hpp"
 #include "rack/hand_over_queue.hpp"
@@ -22,6 +25,8 @@ class DeskTask {
   /// `now`. Takes some microseconds at most and must not throw; a long task does a part in each
   /// call and returns false until it is done.
   virtual bool run(Rack& rack, base::SimTime now) = 0;
+  /// False: it only looks, so that nobody needs to act sooner because of it.
+  [[nodiscard]] virtual bool changes() const { return true; }
 };
 
 /// Where tasks for a running rack are handed in and fetched again. Nobody waits here: the threads
@@ -39,14 +44,31 @@ class Desk {
   /// A task that is done; null: none.
   [[nodiscard]] DeskTask* take_done();
 
+  /// Wakes threads that sleep, so that one of them does what waits.
+  void wake_rack() const {
+    if (waker_) {
+      waker_();
+    }
+  }
+  /// Somebody is there who may post at any moment: threads that cannot be woken sleep shorter.
+  void attend(bool attended) { attended_.store(attended, std::memory_order_relaxed); }
+
+  // For the threads of the rack.
+
+  [[nodiscard]] bool attended() const { return attended_.load(std::memory_order_relaxed); }
+  /// `waker` is called by wake_rack(), in whatever thread that is.
+  void set_waker(std::function<void()> waker) { waker_ = std::move(waker); }
   /// There is something to do; costs next to nothing.
   [[nodiscard]] bool waiting() const { return !posted_.empty(); }
-  /// For the thread that holds the rack.
-  void serve(Rack& rack, base::SimTime now);
+  /// For the thread that holds the rack. True: something has changed because of which other threads
+  /// may have to act sooner.
+  bool serve(Rack& rack, base::SimTime now);
 
  private:
   HandOverQueue<DeskTask*, kCapacity> posted_;
   HandOverQueue<DeskTask*, kCapacity> done_;
+  std::function<void()> waker_;
+  std::atomic<bool> attended_{false};
   std::size_t under_way_ = 0;  ///< of the posting thread; bounds both queues
 };
 

@@ -30,6 +30,7 @@ void EventLog::on_event(const base::Event& event) {
   if (event.rule == nullptr) {
     return;
   }
+  const std::scoped_lock lock(mutex_);
   ++total_;
   ++counts_[event.rule->id];
   events_.push_back(event);
@@ -43,6 +44,7 @@ void EventLog::on_event(const base::Event& event) {
 }
 
 std::uint64_t EventLog::count(std::string_view rule_id) const {
+  const std::scoped_lock lock(mutex_);
   const auto found = counts_.find(rule_id);
   return found == counts_.end() ? 0 : found->second;
 }

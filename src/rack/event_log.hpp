@@ -1,10 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,7 +20,8 @@ class logger;
 namespace stator::rack {
 
 /// Where a rack's events go: one line each in the log, the newest kept for whoever asks, and a
-/// count per rule that never forgets.
+/// count per rule that never forgets. Takes events from any thread: links raise some while nobody
+/// holds the rack.
 class EventLog final : public base::EventSink {
  public:
   /// How many events are kept; older ones are dropped, their counts stay.
@@ -32,10 +35,25 @@ class EventLog final : public base::EventSink {
 
   void on_event(const base::Event& event) override;
 
-  /// The newest events, oldest first.
+  /// The newest events, oldest first; only while nobody raises any.
   [[nodiscard]] const std::deque<base::Event>& events() const { return events_; }
+  /// Calls `look(number, event)` for the kept events with a higher number than `after`, the oldest
+  /// first, until it returns false. Safe while others raise events, which wait meanwhile.
+  template <typename Look>
+  void visit(std::uint64_t after, Look look) const {
+    const std::scoped_lock lock(mutex_);
+    const std::uint64_t before = total_ - events_.size();
+    for (std::uint64_t i = std::max(after, before); i < total_; ++i) {
+      if (!look(i + 1, events_[i - before])) {
+        return;
+      }
+    }
+  }
   /// How many events there were since the rack started: the number of the newest, counted from 1.
-  [[nodiscard]] std::uint64_t total() const { return total_; }
+  [[nodiscard]] std::uint64_t total() const {
+    const std::scoped_lock lock(mutex_);
+    return total_;
+  }
   /// Of the device or bus that raised it.
   [[nodiscard]] std::string device_name(const base::Event& event) const;
   /// How often `rule_id` was raised since the rack started.
@@ -45,6 +63,7 @@ class EventLog final : public base::EventSink {
   [[nodiscard]] std::string line(const base::Event& event) const;
 
  private:
+  mutable std::mutex mutex_;  ///< of all below but the names
   std::shared_ptr<spdlog::logger> logger_;
   std::vector<std::string> device_names_;
   std::deque<base::Event> events_;

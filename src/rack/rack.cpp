@@ -185,7 +185,23 @@ std::optional<ethercat::MasterInterface> Rack::process_frame(std::size_t segment
   if (timetable_.next() <= arrival) [[unlikely]] {
     advance(arrival);
   }
+  if (traffic_ != nullptr) [[unlikely]] {
+    return process_watched(segment, frame, arrival, entry);
+  }
   return segments_[segment].segment->process(frame, arrival, entry);
+}
+
+std::optional<ethercat::MasterInterface> Rack::process_watched(std::size_t segment,
+                                                               std::span<std::byte> frame,
+                                                               base::SimTime arrival,
+                                                               ethercat::MasterInterface entry) {
+  const auto network = static_cast<std::uint16_t>(segment);
+  traffic_->put(network, TrafficTap::Direction::request, arrival, frame);
+  const auto exit = segments_[segment].segment->process(frame, arrival, entry);
+  if (exit) {
+    traffic_->put(network, TrafficTap::Direction::answer, arrival, frame);
+  }
+  return exit;
 }
 
 void Rack::handle_bus_events(std::size_t segment, base::SimTime now) {

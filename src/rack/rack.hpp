@@ -22,6 +22,7 @@
 #include "rack/serial_lines.hpp"
 #include "rack/signal_tap.hpp"
 #include "rack/timetable.hpp"
+#include "rack/traffic_tap.hpp"
 
 namespace stator::rack {
 
@@ -120,6 +121,8 @@ class Rack {
   /// Samples the tap's signals from `now` on, until it is removed.
   void add(SignalTap& tap, base::SimTime now);
   void remove(const SignalTap& tap);
+  /// Copies all that passes over the networks into `tap` from now on; null: nothing.
+  void watch_traffic(TrafficTap* tap);
 
   /// All signals of all devices, named "device.signal", and of all buses.
   [[nodiscard]] std::vector<devices::Signal> signals();
@@ -162,6 +165,10 @@ class Rack {
   void report(std::uint16_t number, base::SimTime now, const base::EventRule& rule,
               const Arguments& arguments = {});
 
+  std::optional<ethercat::MasterInterface> process_watched(std::size_t segment,
+                                                           std::span<std::byte> frame,
+                                                           base::SimTime arrival,
+                                                           ethercat::MasterInterface entry);
   [[nodiscard]] base::SimTime next_tap() const;
   void sample_taps(base::SimTime now);
   void begin_trace(const TraceConfiguration& configuration, ClockKind clock);
@@ -174,6 +181,7 @@ class Rack {
   Timetable timetable_;
   std::optional<Recorder> recorder_;
   std::vector<SignalTap*> taps_;
+  TrafficTap* traffic_ = nullptr;
   std::unique_ptr<DeviceStorage> storage_;
 };
 

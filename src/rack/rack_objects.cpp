@@ -110,6 +110,13 @@ void Rack::remove(const SignalTap& tap) {
   std::erase(taps_, &tap);
 }
 
+void Rack::watch_traffic(TrafficTap* tap) {
+  traffic_ = tap;
+  for (std::size_t i = 0; i < buses_.size(); ++i) {
+    buses_[i].network->watch_traffic(tap, static_cast<std::uint16_t>(segments_.size() + i));
+  }
+}
+
 base::SimTime Rack::next_tap() const {
   base::SimTime next = base::SimTime::never();
   for (const SignalTap* tap : taps_) {

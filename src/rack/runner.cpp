@@ -21,6 +21,8 @@ namespace {
 // while a master talks, longer when nobody does, so that an idle rack costs next to nothing.
 constexpr base::SimDuration kBusyTick{1'000'000};
 constexpr base::SimDuration kIdleTick{10'000'000};
+/// The same while somebody may hand in tasks: links of segments notice a call to wake up late.
+constexpr base::SimDuration kAttendedTick{2'000'000};
 constexpr base::SimDuration kIdleAfter{100'000'000};
 /// How often the carriers of the interfaces are looked at.
 constexpr base::SimDuration kCarrierPeriod{1'000'000};
@@ -107,6 +109,7 @@ Runner::Runner(Rack& rack, const RackConfiguration& configuration,
       }
     }
   }
+  shared_.desk.set_waker([this] { wake(); });
   for (std::size_t line = 0; line < rack.line_count(); ++line) {
     lines_.push_back(std::make_unique<SerialLineThread>(shared_, line, buses_));
   }
@@ -165,6 +168,23 @@ void Runner::start() {
   }
 }
 
+void Runner::wake() const {
+  for (const auto& segment : segments_) {
+    segment->wake();
+  }
+  for (const auto& bus : buses_) {
+    if (bus != nullptr) {
+      bus->wake();
+    }
+  }
+  for (const auto& line : lines_) {
+    line->wake();
+  }
+  for (const auto& chip : chips_) {
+    chip->wake();
+  }
+}
+
 void Runner::stop() {
   shared_.stopping = true;
   for (auto& segment : segments_) {
@@ -217,7 +237,8 @@ void Runner::run(SegmentThread& segment) {
     const base::SimTime now = shared_.real_clock.now();
     watch_carriers(segment, now);
     const bool busy = now - last_frame < kIdleAfter;
-    const auto received = segment.receive(buffer, busy ? kBusyTick : kIdleTick);
+    const base::SimDuration idle = shared_.desk.attended() ? kAttendedTick : kIdleTick;
+    const auto received = segment.receive(buffer, busy ? kBusyTick : idle);
     if (!received && received.error().code != link::LinkErrorCode::interface_down) {
       shared_.logger->error("{}; this segment stops", received.error().text);
       return;

@@ -55,6 +55,9 @@ class Runner {
   /// Ends the threads and waits for them; may be called twice.
   void stop();
 
+  /// Has all threads look at once at what there is to do. From any thread.
+  void wake() const;
+
   [[nodiscard]] base::SimTime now();
   /// Of a bus with a wire.
   [[nodiscard]] BusThread& bus(std::size_t index) { return *buses_[index]; }

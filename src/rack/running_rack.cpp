@@ -28,12 +28,18 @@ void RunningRack::serve_desk() {
   if (!desk.waiting()) {
     return;
   }
-  const std::scoped_lock lock(mutex);
-  const base::SimTime present = now();
-  if (clock_kind == ClockKind::real) {
-    rack.advance(present);
+  bool changed = false;
+  {
+    const std::scoped_lock lock(mutex);
+    const base::SimTime present = now();
+    if (clock_kind == ClockKind::real) {
+      rack.advance(present);
+    }
+    changed = desk.serve(rack, present);
   }
-  desk.serve(rack, present);
+  if (changed) {
+    desk.wake_rack();
+  }
 }
 
 void RunningRack::log_overrun(std::uint64_t count, base::SimDuration lag) const {

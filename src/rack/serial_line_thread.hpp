@@ -43,6 +43,8 @@ class SerialLineThread {
   void start();
   /// Ends the thread and waits for it; may be called twice.
   void stop();
+  /// Lets the thread look at once at what there is to do. From any thread.
+  void wake() noexcept { link_->wake(); }
 
   /// What programs open.
   [[nodiscard]] const link::SerialLink& link() const { return *link_; }

@@ -11,8 +11,12 @@
 #include "web/events_job.hpp"
 #include "web/input_api.hpp"
 #include "web/object_api.hpp"
+#include "web/panel_api.hpp"
 #include "web/problem.hpp"
+#include "web/program_job.hpp"
 #include "web/snapshot_job.hpp"
+#include "web/state_machines.hpp"
+#include "web/wiring_job.hpp"
 
 namespace stator::web {
 
@@ -27,6 +31,12 @@ Answer answer_device(const Match& match, const Request& request, const State& st
   if (operation == Operation::device) {
     return make_snapshot_job(state, operation, {},
                              static_cast<std::size_t>(device - state.devices().data()));
+  }
+  if (operation == Operation::panel) {
+    return make_panel_job(state, *device);
+  }
+  if (operation == Operation::program) {
+    return make_program_job(*device);
   }
   return answer_objects(match, request, *device);
 }
@@ -70,7 +80,15 @@ Answer answer(const Match& match, const Request& request, State& state) {
     case Operation::input:
     case Operation::set_input:
       return answer_inputs(match, request, state);
+    case Operation::wiring:
+      return make_wiring_job(state);
+    case Operation::state_machines:
+      return describe_state_machines();
+    case Operation::traffic:
+      return problem(426, "what passes over the networks comes over a WebSocket at this path");
     case Operation::device:
+    case Operation::panel:
+    case Operation::program:
     case Operation::objects:
     case Operation::object:
     case Operation::entry:

@@ -18,6 +18,7 @@
 #include "web/problem.hpp"
 #include "web/routes.hpp"
 #include "web/signal_session.hpp"
+#include "web/traffic_session.hpp"
 #include "web/web_socket.hpp"
 
 namespace stator::web {
@@ -190,6 +191,9 @@ class Connection final : public Waiter, public std::enable_shared_from_this<Conn
   }
 
   [[nodiscard]] std::unique_ptr<StreamSession> make_session() {
+    if (match_.route->operation == Operation::traffic) {
+      return std::make_unique<TrafficSession>(server_.traffic);
+    }
     return std::make_unique<SignalSession>(server_.state, server_.access);
   }
 

@@ -25,19 +25,26 @@ class EventsJob final : public Job {
   }
 
   bool run(rack::Rack& /*rack*/, base::SimTime /*now*/) override {
-    const auto& kept = state_.log().events();
-    const std::uint64_t total = state_.log().total();
-    const std::uint64_t first_kept = total - kept.size() + 1;
     std::uint64_t& fetched = state_.fetched();
-    for (std::uint64_t i = 0; i < kEventsAtOnce && fetched < total; ++i) {
-      if (events_.size() == events_.capacity()) {
-        return true;
+    std::uint64_t left = kEventsAtOnce;
+    bool all = true;
+    state_.log().visit(fetched, [&](std::uint64_t number, const base::Event& event) {
+      if (left == 0) {
+        all = false;
+        return false;
       }
-      fetched = std::max(fetched + 1, first_kept);
-      events_.emplace_back(fetched, kept[fetched - first_kept]);
-    }
-    return fetched == total;
+      if (events_.size() == events_.capacity()) {
+        return false;
+      }
+      --left;
+      fetched = number;
+      events_.emplace_back(number, event);
+      return true;
+    });
+    return all;
   }
+
+  [[nodiscard]] bool changes() const override { return false; }
 
   Response response() override {
     for (const auto& [number, event] : events_) {
@@ -46,12 +53,7 @@ class EventsJob final : public Job {
     Json all = Json::array();
     for (const EventRecord& event : state_.events()) {
       if (event.number > after_) {
-        all.push_back({{"number", event.number},
-                       {"time_ns", event.time.nanoseconds()},
-                       {"device", event.device},
-                       {"rule", event.rule},
-                       {"severity", to_text(event.severity)},
-                       {"text", event.text}});
+        all.push_back(to_json(event));
       }
     }
     return json_response({{"events", std::move(all)}});

@@ -107,11 +107,15 @@ std::optional<Response> Guard::check_token(const Request& request, bool writes, 
 }
 
 std::string_view Guard::chosen_protocol(const Request& request) {
-  const bool offered = request.websocket_protocol &&
-                       any_element(*request.websocket_protocol, [](std::string_view element) {
-                         return element == kStreamProtocol;
-                       });
-  return offered ? kStreamProtocol : std::string_view();
+  std::string_view chosen;
+  if (request.websocket_protocol) {
+    any_element(*request.websocket_protocol, [&chosen](std::string_view element) {
+      const auto found = std::ranges::find(kStreamProtocols, element);
+      chosen = found != kStreamProtocols.end() ? *found : std::string_view();
+      return !chosen.empty();
+    });
+  }
+  return chosen;
 }
 
 }  // namespace stator::web

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -35,8 +36,9 @@ class Guard {
   std::string machine_;  ///< its host name, by which others may call it
 };
 
-/// The subprotocol of the stream of signals. Browsers, which cannot add header fields to a
-/// WebSocket, offer the token beside it, as "token.TOKEN".
-inline constexpr std::string_view kStreamProtocol = "stator.signals.v1";
+/// The subprotocols of WebSockets, for signals and for traffic. Browsers, which cannot add header
+/// fields to a WebSocket, offer the token beside one of them, as "token.TOKEN".
+inline constexpr std::array<std::string_view, 2> kStreamProtocols{"stator.signals.v1",
+                                                                  "stator.traffic.v1"};
 
 }  // namespace stator::web

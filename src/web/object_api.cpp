@@ -64,6 +64,8 @@ class ReadEntriesJob final : public Job {
     return read_ == entries_.size();
   }
 
+  [[nodiscard]] bool changes() const override { return false; }
+
   Response response() override {
     if (!powered_) {
       return switched_off(device_);

@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
+#include "web/panel_schemas.hpp"
 #include "web/routes.hpp"
 
 namespace stator::web {
@@ -256,8 +258,11 @@ std::string openapi_document() {
                 {"components",
                  {{"schemas", Json::parse(kSchemas)},
                   {"securitySchemes", {{"token", {{"type", "http"}, {"scheme", "bearer"}}}}}}}};
+  document["components"]["schemas"].update(Json::parse(kPanelSchemas));
   for (const Route& route : routes()) {
-    std::string method(route.method == "GET" ? "get" : "put");
+    std::string method(route.method);
+    std::ranges::transform(method, method.begin(),
+                           [](char letter) { return static_cast<char>(letter - 'A' + 'a'); });
     document["paths"][std::string(route.path)][method] = operation_of(route);
   }
   return document.dump(2) + "\n";

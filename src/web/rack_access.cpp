@@ -64,6 +64,11 @@ void RackAccess::tick(Clock::time_point now) {
   }
   drop_late(now);
   serve_taps();
+  // Threads of networks with traffic look at the desk anyway; others sleep.
+  if (posted_before_tick_ && desk_.waiting()) {
+    desk_.wake_rack();
+  }
+  posted_before_tick_ = desk_.waiting();
   if (now >= next_collect_) {
     next_collect_ = now + kStreamPeriod;
     collect();

@@ -94,6 +94,7 @@ class RackAccess {
   std::function<void()> wake_;
   std::deque<Waiting> waiting_;
   std::deque<Tap> taps_;
+  bool posted_before_tick_ = false;  ///< what waits at the desk has been there for a tick
   Clock::time_point next_collect_;
   Clock::time_point next_fetch_;
 };

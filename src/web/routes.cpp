@@ -13,7 +13,7 @@ namespace stator::web {
 
 namespace {
 
-constexpr std::array<Route, 17> kRoutes{{
+constexpr std::array<Route, 22> kRoutes{{
     {.operation = Operation::page,
      .method = "GET",
      .path = "/",
@@ -128,6 +128,37 @@ constexpr std::array<Route, 17> kRoutes{{
      .summary = "The newest events, oldest first",
      .schema = "Events",
      .query = {"after", "integer", "Only events with a higher number"}},
+    {.operation = Operation::wiring,
+     .method = "GET",
+     .path = "/api/v1/wiring",
+     .id = "getWiring",
+     .summary = "How devices are wired, which links are up, and what ports have counted",
+     .schema = "Wiring"},
+    {.operation = Operation::panel,
+     .method = "GET",
+     .path = "/api/v1/devices/{device}/panel",
+     .id = "getPanel",
+     .summary = "What a device shows: LEDs, state machines, what it refused last",
+     .schema = "Panel"},
+    {.operation = Operation::state_machines,
+     .method = "GET",
+     .path = "/api/v1/state-machines",
+     .id = "listStateMachines",
+     .summary = "States and transitions of the state machines that panels name",
+     .schema = "StateMachines"},
+    {.operation = Operation::program,
+     .method = "GET",
+     .path = "/api/v1/devices/{device}/program",
+     .id = "getProgram",
+     .summary = "The TMCL program of a device, and where it stands",
+     .schema = "Program"},
+    {.operation = Operation::traffic,
+     .method = "GET",
+     .path = "/api/v1/traffic",
+     .id = "watchTraffic",
+     .summary = "As a WebSocket: what passes over the networks, in words",
+     .schema = "Any",
+     .stream = true},
 }};
 
 std::optional<unsigned> hex_digit(char letter) {

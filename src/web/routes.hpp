@@ -30,6 +30,11 @@ enum class Operation : std::uint8_t {
   entry,
   write_entry,
   events,
+  wiring,
+  panel,
+  state_machines,
+  program,
+  traffic,
 };
 
 struct QueryParameter {

@@ -49,10 +49,12 @@ class Server::Implementation {
                  const rack::RackConfiguration& rack_configuration, const rack::EventLog& log,
                  rack::Runner& runner)
       : address_(configuration.address),
+        desk_(runner.desk()),
         server_{configuration.limits, Guard(configuration.address.loopback(), configuration.token),
                 State(rack, rack_configuration, log, runner),
                 RackAccess(server_.state, runner.desk(), configuration.limits.rack_time,
-                           [this] { tick_.cancel(); })},
+                           [this] { tick_.cancel(); }),
+                TrafficHub(server_.state, server_.access)},
         acceptor_(context_),
         accept_pause_(context_),
         tick_(context_) {
@@ -91,6 +93,7 @@ class Server::Implementation {
   void tick();
 
   Address address_;
+  rack::Desk& desk_;
   ServerContext server_;
   std::string too_many_ = refusal_of_connection();
   asio::io_context context_{1};  // destroys connections, which use all above
@@ -142,7 +145,10 @@ void Server::Implementation::take(tcp::socket socket) {
 }
 
 void Server::Implementation::tick() {
-  server_.access.tick(RackAccess::Clock::now());
+  desk_.attend(server_.state.counters.connections > 0);
+  const auto now = RackAccess::Clock::now();
+  server_.access.tick(now);
+  server_.traffic.tick(now);
   tick_.expires_after(server_.access.busy() ? kBusyPeriod : kIdlePeriod);
   tick_.async_wait([this](Error) { tick(); });
 }

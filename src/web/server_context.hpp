@@ -4,6 +4,7 @@
 #include "web/rack_access.hpp"
 #include "web/server_limits.hpp"
 #include "web/state.hpp"
+#include "web/traffic_hub.hpp"
 
 namespace stator::web {
 
@@ -13,6 +14,7 @@ struct ServerContext {
   Guard guard;
   State state;
   RackAccess access;
+  TrafficHub traffic;
 };
 
 }  // namespace stator::web

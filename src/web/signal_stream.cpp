@@ -135,9 +135,7 @@ void StreamQueue::collect(rack::SignalTap& tap) {
 }
 
 std::string StreamQueue::take() {
-  Message message = std::move(messages_.front());
-  messages_.pop_front();
-  bytes_ -= message.text.size();
+  MessageQueue::Message message = messages_.take();
   counters_.stream_rows_sent += message.rows;
   return std::move(message.text);
 }
@@ -146,20 +144,16 @@ void StreamQueue::forget_tap() {
   dropped_ += std::exchange(tap_lost_, 0);
 }
 
-void StreamQueue::push(Message message) {
-  bytes_ += message.text.size();
-  messages_.push_back(std::move(message));
-  while (bytes_ > kMostBytes && messages_.size() > 1) {
-    bytes_ -= messages_.front().text.size();
-    dropped_ += messages_.front().rows;
-    counters_.stream_rows_dropped += messages_.front().rows;
-    messages_.pop_front();
-  }
+void StreamQueue::push(MessageQueue::Message message) {
+  const std::size_t dropped = messages_.push(std::move(message));
+  dropped_ += dropped;
+  counters_.stream_rows_dropped += dropped;
 }
 
-StreamQueue::Message StreamQueue::batch(const rack::SignalTap& tap, std::size_t rows) const {
-  Message message{.text = fmt::format(R"({{"type":"samples","dropped":{},"time_ns":[)", dropped()),
-                  .rows = rows};
+MessageQueue::Message StreamQueue::batch(const rack::SignalTap& tap, std::size_t rows) const {
+  MessageQueue::Message message{
+      .text = fmt::format(R"({{"type":"samples","dropped":{},"time_ns":[)", dropped()),
+      .rows = rows};
   const auto out = std::back_inserter(message.text);
   for (std::size_t row = 0; row < rows; ++row) {
     fmt::format_to(out, "{}{}", row == 0 ? "" : ",", tap.time(row).nanoseconds());

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -13,6 +12,7 @@
 #include "rack/desk.hpp"
 #include "rack/signal_tap.hpp"
 #include "web/message.hpp"
+#include "web/message_queue.hpp"
 #include "web/state.hpp"
 
 namespace stator::web {
@@ -44,6 +44,7 @@ class TapTask final : public rack::DeskTask {
   TapTask(const State& state, const Subscription& subscription);
 
   bool run(rack::Rack& rack, base::SimTime now) override;
+  [[nodiscard]] bool changes() const override { return false; }
   [[nodiscard]] rack::SignalTap& tap() { return tap_; }
 
  private:
@@ -55,7 +56,7 @@ class TapTask final : public rack::DeskTask {
 /// of rows lost with them is told in each later message.
 class StreamQueue {
  public:
-  static constexpr std::size_t kMostBytes = std::size_t{1} << 20U;
+  static constexpr std::size_t kMostBytes = MessageQueue::kMostBytes;
 
   explicit StreamQueue(ServerCounters& counters) : counters_(counters) {}
 
@@ -66,7 +67,7 @@ class StreamQueue {
   void collect(rack::SignalTap& tap);
 
   [[nodiscard]] bool empty() const { return messages_.empty(); }
-  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+  [[nodiscard]] std::size_t bytes() const { return messages_.bytes(); }
   /// The oldest message, which is on its way then: it cannot be dropped any more.
   [[nodiscard]] std::string take();
   [[nodiscard]] std::uint64_t dropped() const { return dropped_ + tap_lost_; }
@@ -74,17 +75,11 @@ class StreamQueue {
   void forget_tap();
 
  private:
-  struct Message {
-    std::string text;
-    std::size_t rows = 0;
-  };
-
-  void push(Message message);
-  [[nodiscard]] Message batch(const rack::SignalTap& tap, std::size_t rows) const;
+  [[nodiscard]] MessageQueue::Message batch(const rack::SignalTap& tap, std::size_t rows) const;
+  void push(MessageQueue::Message message);
 
   ServerCounters& counters_;
-  std::deque<Message> messages_;
-  std::size_t bytes_ = 0;
+  MessageQueue messages_;
   std::uint64_t dropped_ = 0;   ///< rows
   std::uint64_t tap_lost_ = 0;  ///< of the present tap
 };

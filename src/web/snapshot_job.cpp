@@ -64,6 +64,8 @@ class SnapshotJob final : public Job {
     return true;
   }
 
+  [[nodiscard]] bool changes() const override { return false; }
+
   Response response() override {
     switch (operation_) {
       case Operation::health:

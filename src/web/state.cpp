@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "rack/product_catalogue.hpp"
 
@@ -22,9 +23,31 @@ std::string_view to_text(base::Severity severity) {
   return "?";
 }
 
+nlohmann::ordered_json to_json(const EventRecord& event) {
+  return {{"number", event.number}, {"time_ns", event.time.nanoseconds()}, {"device", event.device},
+          {"rule", event.rule},     {"severity", to_text(event.severity)}, {"text", event.text}};
+}
+
+namespace {
+
+/// Rules about one axis say so with "axis {4}".
+std::optional<std::int64_t> axis_of(const base::Event& event) {
+  constexpr std::string_view kMark = "axis {";
+  const std::size_t at = event.rule->text.find(kMark);
+  if (at == std::string_view::npos || at + kMark.size() >= event.rule->text.size()) {
+    return std::nullopt;
+  }
+  const auto argument = static_cast<std::size_t>(event.rule->text[at + kMark.size()] - '0');
+  return argument < event.arguments.size() && !event.arguments[argument].is_text()
+             ? std::optional(event.arguments[argument].number())
+             : std::nullopt;
+}
+
+}  // namespace
+
 State::State(rack::Rack& rack, const rack::RackConfiguration& configuration,
              const rack::EventLog& log, const rack::Runner& runner)
-    : log_(log), runner_(runner), signals_(rack.signals()) {
+    : configuration_(configuration), log_(log), runner_(runner), signals_(rack.signals()) {
   for (std::size_t i = 0; i < configuration.segments.size(); ++i) {
     networks_.push_back({.name = fmt::format("segment {}", i), .kind = "ethercat"});
   }
@@ -86,10 +109,22 @@ void State::take_event(std::uint64_t number, const base::Event& event) {
                      .device = log_.device_name(event),
                      .rule = event.rule->id,
                      .severity = event.rule->severity,
-                     .text = base::to_sentence(event)});
+                     .text = base::to_sentence(event),
+                     .axis = axis_of(event)});
   if (events_.size() > rack::EventLog::kKept) {
     events_.pop_front();
   }
+}
+
+const EventRecord* State::last_refusal(std::string_view device,
+                                       std::optional<std::int64_t> axis) const {
+  for (auto event = events_.rbegin(); event != events_.rend(); ++event) {
+    if (event->severity == base::Severity::refusal && event->device == device &&
+        (!axis || event->axis == axis)) {
+      return &*event;
+    }
+  }
+  return nullptr;
 }
 
 void State::read_networks(std::vector<NetworkRecord>& networks) const {

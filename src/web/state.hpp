@@ -4,9 +4,12 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "base/event.hpp"
 #include "rack/runner.hpp"
@@ -41,7 +44,11 @@ struct EventRecord {
   std::string_view rule;
   base::Severity severity = base::Severity::information;
   std::string text;
+  std::optional<std::int64_t> axis{};  ///< of the device, if the event is about one
 };
+
+/// As the list of events has it.
+[[nodiscard]] nlohmann::ordered_json to_json(const EventRecord& event);
 
 [[nodiscard]] std::string_view to_text(base::Severity severity);
 
@@ -77,6 +84,10 @@ class State {
     return event_counts_[static_cast<std::size_t>(severity)];
   }
   void take_event(std::uint64_t number, const base::Event& event);
+  /// The newest refusal of `device`, of one axis if `axis` is given; null: none is kept.
+  [[nodiscard]] const EventRecord* last_refusal(std::string_view device,
+                                                std::optional<std::int64_t> axis = {}) const;
+  [[nodiscard]] const rack::RackConfiguration& configuration() const { return configuration_; }
 
   // For tasks of the desk, which hold the rack.
 
@@ -89,6 +100,7 @@ class State {
   ServerCounters counters;
 
  private:
+  const rack::RackConfiguration& configuration_;
   const rack::EventLog& log_;
   const rack::Runner& runner_;
   std::vector<DeviceRecord> devices_;

@@ -38,6 +38,10 @@ void watch(std::uint16_t port, const std::atomic<bool>& stopping, std::atomic<in
   HttpClient stream(port);
   EXPECT_EQ(stream.request("GET", "/api/v1/signals", {}, HttpClient::upgrade_fields()).status, 101);
   stream.send_frame(1, R"({"signals": ["drive.axis0.*"], "period": "150us"})");
+  HttpClient traffic(port);
+  EXPECT_EQ(traffic.request("GET", "/api/v1/traffic", {}, HttpClient::upgrade_fields()).status,
+            101);
+  traffic.send_frame(1, R"({"networks": []})");
   HttpClient client(port);
   while (!stopping) {
     for (const char* device : {"drive", "servo"}) {
@@ -56,7 +60,10 @@ void watch(std::uint16_t port, const std::atomic<bool>& stopping, std::atomic<in
         return;
       }
     }
-    client.request("GET", "/metrics");
+    for (const char* target : {"/metrics", "/api/v1/wiring", "/api/v1/devices/drive/panel",
+                               "/api/v1/devices/servo/panel"}) {
+      EXPECT_EQ(client.request("GET", target).status, 200);
+    }
   }
 }
 

@@ -4,6 +4,9 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <spdlog/sinks/null_sink.h>
@@ -31,7 +34,10 @@ class ServedRack {
   explicit ServedRack(const ServerLimits& limits = {},
                       rack::ClockKind clock = rack::ClockKind::real,
                       const std::string& address = "127.0.0.1", const std::string& record = {})
-      : configuration_(configuration(clock, record)),
+      : ServedRack(configuration(clock, record), limits, address) {}
+  explicit ServedRack(rack::RackConfiguration configuration, const ServerLimits& limits = {},
+                      const std::string& address = "127.0.0.1")
+      : configuration_(std::move(configuration)),
         rack_(configuration_, log_),
         runner_(rack_, configuration_,
                 std::make_shared<spdlog::logger>("test",
@@ -72,6 +78,17 @@ class ServedRack {
       configuration.record.emplace();
       configuration.record->file = record;
     }
+    return configuration;
+  }
+
+  /// One TMCL module "module" on a CAN bus, with a program in its memory.
+  static rack::RackConfiguration module_with(std::vector<tmcl::Instruction> program) {
+    rack::RackConfiguration configuration = rack::single_device_rack("tmcm-142");
+    rack::DeviceConfiguration& device = configuration.buses[0].devices[0];
+    device.name = "module";
+    std::get<devices::Tmcm142Configuration>(device.product).program = std::move(program);
+    configuration.buses[0].ports = {"slcan:" + ::testing::TempDir() + "stator-web-tmcl-" +
+                                    std::to_string(::getpid())};
     return configuration;
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "canopen/eds.hpp"
+#include "canopen/indicators.hpp"
 #include "devices/tmcc160/eds.hpp"
 #include "devices/tmcc160/emergencies.hpp"
 #include "devices/tmcc160/objects.hpp"
@@ -437,6 +438,26 @@ std::vector<Input> Tmcc160::inputs() {
   inputs.push_back(
       {"analog_input_1", "count", 0.0, 4095.0, Set::bind<&Tmcc160::input_analog<1>>(*this)});
   return inputs;
+}
+
+Indicators Tmcc160::indicators() {
+  bool event = false;
+  for (unsigned cause = 0; cause <= canopen::kMaximumNodeId; ++cause) {
+    event |= emergencies_.lasts(canopen::kLifeGuardOrHeartbeatError,
+                                static_cast<std::uint8_t>(cause));
+  }
+  const can::ErrorState state = controller_.error_state();
+  Indicators all;
+  all.add({"RUN", Indicator::Colour::green, canopen::run_led(node_.state())});
+  all.add({"ERR", Indicator::Colour::red,
+           canopen::error_led({.bus_off = state == can::ErrorState::bus_off,
+                               .error_control_event = event,
+                               .warning_limit_reached = state != can::ErrorState::error_active})});
+  return all;
+}
+
+NetworkStatus Tmcc160::network_status() {
+  return {.machine = "nmt", .state = to_text(node_.state())};
 }
 
 }  // namespace stator::devices

@@ -80,6 +80,9 @@ class Tmcc160 final : public CanDevice {
   [[nodiscard]] const dictionary::Dictionary* object_dictionary() const override {
     return &dictionary_;
   }
+  /// The document describes no LEDs: RUN and ERR as CiA 303-3 has them.
+  [[nodiscard]] Indicators indicators() override;
+  [[nodiscard]] NetworkStatus network_status() override;
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;
   [[nodiscard]] FirmwareMemory* firmware() override { return &firmware_; }

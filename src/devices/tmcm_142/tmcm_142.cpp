@@ -336,4 +336,11 @@ std::vector<Input> Tmcm142::inputs() {
   return inputs;
 }
 
+Indicators Tmcm142::indicators() {
+  Indicators all;
+  all.add({"POWER", Indicator::Colour::green,
+           powered_ ? base::LedPattern::on : base::LedPattern::off});
+  return all;
+}
+
 }  // namespace stator::devices

@@ -73,6 +73,9 @@ class Tmcm142 final : public CanDevice {
   void set_power(bool on, base::SimTime now) override;
   [[nodiscard]] std::vector<Signal> signals() override;
   [[nodiscard]] std::vector<Input> inputs() override;
+  /// The power LED is the only one the document describes (M142-HW-014).
+  [[nodiscard]] Indicators indicators() override;
+  [[nodiscard]] const tmcl::Firmware* tmcl_firmware() const override { return &firmware_; }
 
   /// Bit/s of a serial interface, as it was set at the latest start (parameter 65, A59); nothing:
   /// it has none (USB).
