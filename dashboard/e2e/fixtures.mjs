@@ -75,7 +75,7 @@ const kinds = [
     parameters: [
       { name: "probability", type: "number", unit: "", minimum: 0, maximum: 1, default: 1, summary: "of each frame" },
       { name: "count", type: "integer", unit: "", minimum: 1, maximum: 1_000_000, default: null, summary: "ends after so many frames" },
-      { name: "at", type: "duration", unit: "", minimum: null, maximum: null, default: "0s", summary: "when it begins" },
+      { name: "direction", type: "choice", unit: "", minimum: null, maximum: null, default: "in", choices: ["in", "out"], summary: "frames that arrive or leave" },
     ],
   },
   {
@@ -126,7 +126,7 @@ export function fixture(method, path, body) {
           ],
         },
       ],
-      buses: [{ name: "can0", bit_rate: 1000, load: 0.23, ports: ["slcan:/tmp/stator-can0"], devices: ["spindle"] }],
+      buses: [{ name: "can0", bit_rate: 1_000_000, load: 0.23, ports: ["slcan:/tmp/stator-can0"], devices: ["spindle"] }],
       lines: [{ link: "pty:/tmp/stator-rs485", devices: ["feeder"] }],
     };
   }
@@ -170,6 +170,9 @@ export function fixture(method, path, body) {
             ["10", "Switched on", "Switch on disabled", "disable voltage"],
             ["11", "Operation enabled", "Quick stop active", "quick stop"],
             ["12", "Quick stop active", "Switch on disabled", "disable voltage"],
+            ...["Not ready to switch on", "Switch on disabled", "Ready to switch on", "Switched on", "Operation enabled", "Quick stop active"].map(
+              (from) => ["13", from, "Fault reaction active", "fault"],
+            ),
             ["14", "Fault reaction active", "Fault", "automatic"],
             ["15", "Fault", "Switch on disabled", "fault reset"],
             ["16", "Quick stop active", "Operation enabled", "enable operation"],
@@ -211,10 +214,17 @@ export function fixture(method, path, body) {
     };
   }
   if (path === "/api/v1/faults/kinds") {
-    return { kinds };
+    return {
+      kinds,
+      common: [
+        { name: "at", type: "duration", unit: "s", minimum: 0, maximum: 1e6, choices: [], default: "", needed: false, summary: "begins at this simulated time" },
+        { name: "for", type: "duration", unit: "s", minimum: 0, maximum: 1e6, choices: [], default: "", needed: false, summary: "ends after this time" },
+      ],
+      when: [{ name: "cycles", type: "whole number", unit: "", minimum: 1, maximum: 1e9, choices: [], default: "", needed: false, summary: "so many healthy cycles" }],
+    };
   }
   if (path === "/api/v1/faults" && method === "POST") {
-    faults.push({ id: nextFault++, kind: body.action, target: String(body.device ?? body.bus), state: "armed", remaining: null });
+    faults.push({ id: nextFault++, kind: body.kind, target: String(body.device ?? body.bus), state: "armed", remaining: null });
     return { id: nextFault - 1 };
   }
   if (path.startsWith("/api/v1/faults") && method === "DELETE") {

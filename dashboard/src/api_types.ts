@@ -104,7 +104,7 @@ export interface Port {
 export interface SegmentDevice {
   readonly name: string;
   readonly after: string | null;
-  readonly port: number;
+  readonly port: number | null;
   readonly entry_port: number;
   readonly ports: readonly Port[];
 }
@@ -119,7 +119,7 @@ export interface Segment {
 
 export interface Bus {
   readonly name: string;
-  readonly bit_rate: number | null;
+  readonly bit_rate: number | null; ///< bit/s; null: unlimited
   readonly load: number;
   readonly ports: readonly string[];
   readonly devices: readonly string[];
@@ -144,8 +144,8 @@ export interface Led {
 
 export interface AxisPanel {
   readonly name: string;
-  readonly machine: string;
-  readonly state: string;
+  readonly machine: string | null; ///< null: it is none of CiA 402
+  readonly state: string | null;
   readonly mode?: number | null;
   readonly mode_name?: string | null;
   readonly signals: Readonly<Record<string, string>>;
@@ -203,8 +203,11 @@ export interface FaultParameter {
   readonly unit: string;
   readonly minimum: number | null;
   readonly maximum: number | null;
+  /// As a rack file would say it; empty: none.
   readonly default: unknown;
   readonly summary: string;
+  readonly choices?: readonly string[];
+  readonly needed?: boolean;
 }
 
 export interface FaultKind {
@@ -212,6 +215,20 @@ export interface FaultKind {
   readonly summary: string;
   readonly applies_to: string;
   readonly parameters: readonly FaultParameter[];
+  /// What the master sees.
+  readonly effect?: string;
+  /// What "count" counts; empty: it takes none.
+  readonly counts?: string;
+  /// Over as soon as it has begun.
+  readonly momentary?: boolean;
+}
+
+export interface FaultKinds {
+  readonly kinds: readonly FaultKind[];
+  /// Keys that faults of every kind have: name, begin, end.
+  readonly common?: readonly FaultParameter[];
+  /// Keys of "when", the milestone at which one begins.
+  readonly when?: readonly FaultParameter[];
 }
 
 export interface Fault {
@@ -219,7 +236,9 @@ export interface Fault {
   readonly kind: string;
   readonly target: string;
   readonly state: string;
+  readonly name?: string;
   readonly remaining?: unknown;
+  readonly hits?: number;
 }
 
 export interface SubscribedMessage {

@@ -7,13 +7,26 @@ interface Rhythm {
   readonly edges: readonly number[];
 }
 
-const kRhythms: Readonly<Record<string, Rhythm>> = {
-  flickering: { period: 100, edges: [0, 50] },
-  blinking: { period: 400, edges: [0, 200] },
-  "single flash": { period: 1200, edges: [0, 200] },
-  "double flash": { period: 1600, edges: [0, 200, 400, 600] },
-  "triple flash": { period: 2000, edges: [0, 200, 400, 600, 800, 1000] },
-};
+/// So many flashes of 200 ms, 200 ms apart, then a second of darkness.
+function flashes(count: number): Rhythm {
+  return { period: count * 400 + 800, edges: Array.from({ length: count * 2 }, (_, i) => i * 200) };
+}
+
+const kCounts: Readonly<Record<string, number>> = { single: 1, double: 2, triple: 3, quadruple: 4 };
+
+function rhythmOf(name: string): Rhythm | null {
+  switch (name) {
+    case "flickering":
+      return { period: 100, edges: [0, 50] };
+    case "blinking":
+      return { period: 400, edges: [0, 200] };
+    default: {
+      const [, word = ""] = /^(\w+) flash(?:es)?$/.exec(name) ?? [];
+      const count = kCounts[word] ?? Number(word);
+      return count >= 1 ? flashes(count) : null;
+    }
+  }
+}
 
 /// "inverted single flash" is dark where "single flash" is lit.
 export function ledLit(pattern: string, milliseconds: number): boolean {
@@ -22,7 +35,7 @@ export function ledLit(pattern: string, milliseconds: number): boolean {
     return true;
   }
   const inverted = name.startsWith("inverted");
-  const rhythm = kRhythms[inverted ? name.replace(/^inverted ?/, "") || "single flash" : name];
+  const rhythm = rhythmOf(inverted ? name.replace(/^inverted ?/, "") || "single flash" : name);
   if (!rhythm) {
     return false;
   }

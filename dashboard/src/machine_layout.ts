@@ -9,7 +9,8 @@ export interface Box {
 }
 
 export interface Arrow {
-  readonly from: string;
+  /// Several states where a transition leads from nearly everywhere.
+  readonly from: readonly string[];
   readonly to: string;
   readonly path: string;
   readonly label: string;
@@ -97,11 +98,30 @@ export function layOut(machine: StateMachine): Layout {
     return { state, x: left + kBoxWidth / 2 + column * kColumn, y: 8 + kBoxHeight / 2 + row * kRow };
   });
   const boxOf = (state: string) => boxes.find((box) => sameState(box.state, state));
+  // What leads from many states to the same one is drawn once, as an arrow from nowhere.
+  const kMany = 3;
+  const sources = new Map<string, string[]>();
+  for (const { from, to, number } of machine.transitions) {
+    const key = `${to}\n${number}`;
+    sources.set(key, [...(sources.get(key) ?? []), from]);
+  }
+  const stubs = new Map<string, { to: Box; from: Set<string>; numbers: string[]; events: string[] }>();
   const joined = new Map<string, { from: Box; to: Box; numbers: string[]; events: string[] }>();
   for (const transition of machine.transitions) {
     const from = boxOf(transition.from);
     const to = boxOf(transition.to);
     if (!from || !to || from === to) {
+      continue;
+    }
+    const many = sources.get(`${transition.to}\n${transition.number}`) ?? [];
+    if (many.length >= kMany) {
+      const stub = stubs.get(to.state) ?? { to, from: new Set(), numbers: [], events: [] };
+      stub.from.add(from.state);
+      if (!stub.numbers.includes(transition.number)) {
+        stub.numbers.push(transition.number);
+        stub.events.push(`${transition.number} ${transition.event}`.trim());
+      }
+      stubs.set(to.state, stub);
       continue;
     }
     const key = `${from.state}>${to.state}`;
@@ -118,7 +138,7 @@ export function layOut(machine: StateMachine): Layout {
     const label = numbers.filter((number) => number !== "").join(", ");
     const title = `${from.state} → ${to.state}: ${events.join("; ")}`;
     const down = to.y > from.y;
-    const common = { from: from.state, to: to.state, label, title };
+    const common = { from: [from.state], to: to.state, label, title };
     const lane = passing.findIndex((each) => each.from === from && each.to === to);
     if (lane >= 0) {
       const side = from.x > left + kColumn / 2 ? 1 : -1;
@@ -131,11 +151,26 @@ export function layOut(machine: StateMachine): Layout {
       }Q${out} ${y2} ${out - side * 5} ${y2}H${edge}`;
       return { ...common, path, x: out, y: (y1 + y2) / 2 };
     }
-    const shift = down ? -16 : 16;
+    const shift = down || (to.y === from.y && to.x > from.x) ? -16 : 16;
     const [x1, y1] = border(from, to, shift);
     const [x2, y2] = border(to, from, shift);
-    return { ...common, path: `M${x1} ${y1}L${x2} ${y2}`, x: (x1 + x2) / 2, y: (y1 + y2) / 2 };
+    // Labels of slanted ways there and back would meet in the middle.
+    const part = from.x === to.x ? 0.5 : 0.36;
+    return { ...common, path: `M${x1} ${y1}L${x2} ${y2}`, x: x1 + (x2 - x1) * part, y: y1 + (y2 - y1) * part };
   });
+  for (const { to, from, numbers, events } of stubs.values()) {
+    const right = to.x + kBoxWidth / 2;
+    const label = numbers.join(", ");
+    arrows.push({
+      from: [...from],
+      to: to.state,
+      label,
+      title: `${[...from].join(", ")} → ${to.state}: ${events.join("; ")}`,
+      path: `M${right + 34} ${to.y}H${right}`,
+      x: right + 38 + label.length * 3,
+      y: to.y,
+    });
+  }
   const width = Math.max(...boxes.map((box) => box.x + kBoxWidth / 2)) + (boxes.some((box) => box.x > left + kColumn) ? 56 : 16);
   const height = Math.max(...boxes.map((box) => box.y + kBoxHeight / 2)) + 8;
   return { width, height, boxes, arrows };

@@ -66,7 +66,7 @@ export function rows(
   return { cards, height: Math.max(0, y - kGapY) };
 }
 
-function portOf(device: SegmentDevice | undefined, number: number): Port | undefined {
+function portOf(device: SegmentDevice | undefined, number: number | null): Port | undefined {
   return device?.ports.find((port) => port.number === number);
 }
 

@@ -20,6 +20,10 @@ describe("an indicator", () => {
     expect(film("single flash", 1200)).toBe("####" + ".".repeat(20)));
   it("flashes twice", () => expect(film("double flash", 1600)).toBe("####....####" + ".".repeat(20)));
   it("flashes three times", () => expect(film("triple flash", 2000)).toBe("####....####....####" + ".".repeat(20)));
+  it("counts further flashes", () => {
+    expect(film("quadruple flash", 2400)).toBe("####....####....####....####" + ".".repeat(20));
+    expect(film("5 flashes", 2800)).toBe("####....####....####....####....####" + ".".repeat(20));
+  });
   it("is the opposite when inverted", () => {
     expect(film("inverted single flash", 1200)).toBe("...." + "#".repeat(20));
     expect(film("inverted", 1200)).toBe("...." + "#".repeat(20));

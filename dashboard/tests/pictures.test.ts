@@ -105,6 +105,11 @@ describe("the picture of a state machine", () => {
   it("leaves out ways to states it does not have", () => {
     expect(layout.arrows.map(({ label }) => label)).toEqual(["4", "5", "8", "9", "10"]);
   });
+  it("draws once what leads from many states to one", () => {
+    const many = ["Switched on", "Operation enabled", "Quick stop active"].map((from) => ({ from, to: "Fault reaction active", number: "13", event: "fault" }));
+    const drawn = layOut({ ...machine, transitions: many }).arrows;
+    expect(drawn.map(({ label, from }) => [label, from.length])).toEqual([["13", 3]]);
+  });
   it("joins transitions with the same ends", () => {
     const twice = { ...machine, transitions: [...machine.transitions, { from: "Switched on", to: "Operation enabled", number: "4b", event: "" }] };
     expect(layOut(twice).arrows[0]?.label).toBe("4, 4b");

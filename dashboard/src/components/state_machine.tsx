@@ -36,9 +36,9 @@ export function StateMachinePicture({ machine, state }: { machine: StateMachine;
         ))}
       </defs>
       {layout.arrows.map((arrow) => {
-        const lit = sameState(arrow.from, state);
+        const lit = arrow.from.some((each) => sameState(each, state));
         return (
-          <g key={`${arrow.from}>${arrow.to}`} class={lit ? "arrow lit" : "arrow"}>
+          <g key={`${arrow.from.join()}>${arrow.to}`} class={lit ? "arrow lit" : "arrow"}>
             <title>{arrow.title}</title>
             <path d={arrow.path} marker-end={`url(#${id}${lit ? "-lit" : ""})`} />
             <text x={arrow.x} y={arrow.y + 3.5}>
@@ -60,7 +60,7 @@ export function StateMachinePicture({ machine, state }: { machine: StateMachine;
               rx="4"
             />
             <text x={box.x} y={box.y + 4}>
-              {box.state}
+              {box.state.charAt(0).toUpperCase() + box.state.slice(1)}
             </text>
           </g>
         );

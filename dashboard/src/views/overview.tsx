@@ -14,6 +14,7 @@ import { sameState } from "../machine_layout";
 import { href } from "../router";
 import { controlwordBits, errorCodeText, errorRegisterBits, modeText, powerState, statuswordBits, type Bit } from "../words";
 import { EventRows } from "./events";
+import { ProgramView } from "./program";
 
 const kObjectPeriod = 500;
 const kEventsShown = 8;
@@ -31,7 +32,7 @@ export function Overview({ device, panel }: { device: DeviceInfo; panel: Panel |
   );
   const axis = axes[Math.min(chosen, axes.length - 1)];
   const axisPanel = panel?.axes.find((each) => each.name === axis?.name) ?? null;
-  const machineOf = (name: string | undefined) => machines.data?.machines.find((each) => each.name === name);
+  const machineOf = (name: string | null | undefined) => machines.data?.machines.find((each) => each.name === name);
   const network = machineOf(panel?.network?.machine);
   const power = machineOf(axisPanel?.machine);
   return (
@@ -50,12 +51,13 @@ export function Overview({ device, panel }: { device: DeviceInfo; panel: Panel |
         <Inputs device={device} signals={signals.data} first={axis?.name ?? ""} />
       </div>
       <div class="stack">
-        {power && axisPanel ? (
+        {power && axisPanel?.state ? (
           <MachinePanel machine={power} state={axisPanel.state} title={`${axisPanel.name}: ${power.title}`} refusal={axisPanel.last_refusal} />
         ) : null}
         {network && panel?.network ? (
-          <MachinePanel machine={network} state={panel.network.state} title={network.title} refusal={panel.last_refusal} />
+          <MachinePanel machine={network} state={panel.network.state} title={network.title} refusal={panel.last_refusal?.number === axisPanel?.last_refusal?.number ? null : panel.last_refusal} />
         ) : null}
+        {panel?.program && store.offers("/api/v1/devices/{device}/program") ? <ProgramView device={device} /> : null}
         {power || network ? null : <DeviceEvents name={device.name} />}
       </div>
       <div class="stack last">
@@ -88,7 +90,7 @@ function AxisValues({ axis, panel }: { axis: AxisSignals; panel: AxisPanel | nul
     <section class="panel">
       <header>
         <h2>{axis.name}</h2>
-        {panel ? <span class="badge accent">{panel.state}</span> : null}
+        {panel?.state ? <span class="badge accent">{panel.state}</span> : null}
         {panel?.mode_name ? <span class="soft">{panel.mode_name}</span> : null}
       </header>
       <div class="body gauges">

@@ -3,7 +3,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { segment, type DeviceInfo, type Program } from "../api";
 import { useResource } from "../hooks";
 
-const kPeriod = 250;
+const kPeriod = 400;
 
 /// A module's TMCL program with the line it is at.
 export function ProgramView({ device }: { device: DeviceInfo }) {

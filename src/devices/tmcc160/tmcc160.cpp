@@ -443,8 +443,8 @@ std::vector<Input> Tmcc160::inputs() {
 Indicators Tmcc160::indicators() {
   bool event = false;
   for (unsigned cause = 0; cause <= canopen::kMaximumNodeId; ++cause) {
-    event |= emergencies_.lasts(canopen::kLifeGuardOrHeartbeatError,
-                                static_cast<std::uint8_t>(cause));
+    event |=
+        emergencies_.lasts(canopen::kLifeGuardOrHeartbeatError, static_cast<std::uint8_t>(cause));
   }
   const can::ErrorState state = controller_.error_state();
   Indicators all;

@@ -338,8 +338,8 @@ std::vector<Input> Tmcm142::inputs() {
 
 Indicators Tmcm142::indicators() {
   Indicators all;
-  all.add({"POWER", Indicator::Colour::green,
-           powered_ ? base::LedPattern::on : base::LedPattern::off});
+  all.add(
+      {"POWER", Indicator::Colour::green, powered_ ? base::LedPattern::on : base::LedPattern::off});
   return all;
 }
 
