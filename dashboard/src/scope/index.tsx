@@ -1,0 +1,6 @@
+import type { Api } from "../api";
+
+/// The oscilloscope.
+export function Scope(_: { api: Api }) {
+  return <p class="empty">The oscilloscope is not part of this build.</p>;
+}
