@@ -45,6 +45,8 @@ constexpr std::chrono::milliseconds kDeskPeriod{2};
 constexpr std::chrono::milliseconds kStreamPeriod{20};
 /// How often events are fetched: far more often than the log forgets them.
 constexpr std::chrono::milliseconds kEventPeriod{250};
+/// The same while a stream waits for them, as an oscilloscope's trigger does.
+constexpr std::chrono::milliseconds kStreamedEventPeriod{50};
 /// How long to wait after the system had no descriptor for a connection.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 /// Jobs of requests under way at most; the rest of the desk is for streams.
@@ -186,6 +188,7 @@ class Server::Implementation {
   std::vector<Tap> taps_;
   Clock::time_point next_fill_;
   Clock::time_point next_fetch_;
+  bool events_streamed_ = false;
   std::chrono::milliseconds tick_period_{kDeskPeriod};
   asio::io_context context_{1};
   tcp::acceptor acceptor_;
@@ -227,7 +230,6 @@ class Server::Implementation::Stream : public std::enable_shared_from_this<Strea
         }));
     socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
       if (!error) {
-        self->socket_.text(true);
         self->read();
       }
     });
@@ -240,6 +242,15 @@ class Server::Implementation::Stream : public std::enable_shared_from_this<Strea
     write();
   }
   void forget_tap() { queue_.forget_tap(); }
+  /// Whether the client wants events; those that came since are on their way then.
+  bool collect_events() {
+    if (ended_ || !queue_.wants_events()) {
+      return false;
+    }
+    queue_.collect_events(server_.state_);
+    write();
+    return true;
+  }
 
   std::int64_t values_per_second = 0;
 
@@ -289,8 +300,9 @@ class Server::Implementation::Stream : public std::enable_shared_from_this<Strea
       return;
     }
     writing_ = true;
-    text_ = queue_.take();
-    socket_.async_write(asio::buffer(text_),
+    message_ = queue_.take();
+    socket_.text(!message_.binary);
+    socket_.async_write(asio::buffer(message_.payload),
                         [self = shared_from_this()](beast::error_code error, std::size_t) {
                           self->writing_ = false;
                           if (error) {
@@ -316,7 +328,7 @@ class Server::Implementation::Stream : public std::enable_shared_from_this<Strea
   websocket::stream<beast::tcp_stream> socket_;
   beast::flat_buffer buffer_;
   StreamQueue queue_;
-  std::string text_;  ///< on its way
+  StreamQueue::Message message_;  ///< on its way
   bool writing_ = false;
   bool ended_ = false;
 };
@@ -555,7 +567,7 @@ void Server::Implementation::tick() {
     fill_streams();
   }
   if (now >= next_fetch_) {
-    next_fetch_ = now + kEventPeriod;
+    next_fetch_ = now + (events_streamed_ ? kStreamedEventPeriod : kEventPeriod);
     static_cast<void>(post(fetch_events(state_), nullptr));
   }
   const bool busy = !waiting_.empty() ||
@@ -617,6 +629,12 @@ void Server::Implementation::fill_streams() {
     if (each.inside && each.stream != nullptr) {
       const std::shared_ptr<Stream> stream = each.stream;
       stream->collect(each.task->tap());
+    }
+  }
+  events_streamed_ = false;
+  for (const auto& each : streams_) {
+    if (const std::shared_ptr<Stream> stream = each.lock()) {
+      events_streamed_ |= stream->collect_events();
     }
   }
 }

@@ -9,8 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "rack/text.hpp"
+#include "web/event_object.hpp"
 #include "web/json_text.hpp"
 #include "web/problem.hpp"
+#include "web/sample_batch.hpp"
 
 namespace stator::web {
 
@@ -57,6 +59,14 @@ std::variant<Subscription, Response> parse_subscription(std::string_view text, c
       message["signals"].size() > kMostPatterns) {
     return problem(400, form);
   }
+  const Json format = message.value("format", Json("json"));
+  if (format != "json" && format != "binary") {
+    return problem(422, R"("format" of samples is "json" or "binary")");
+  }
+  const Json events = message.value("events", Json(false));
+  if (!events.is_boolean()) {
+    return problem(422, R"("events" is true or false)");
+  }
   std::string patterns;
   for (const Json& pattern : message["signals"]) {
     if (!pattern.is_string()) {
@@ -69,7 +79,9 @@ std::variant<Subscription, Response> parse_subscription(std::string_view text, c
     }
     patterns += (patterns.empty() ? "" : ",") + name;
   }
-  Subscription subscription{.signals = state.matching(patterns)};
+  Subscription subscription{.signals = state.matching(patterns),
+                            .binary = format == "binary",
+                            .events = events.get<bool>()};
   if (subscription.signals.empty()) {
     return subscription;
   }
@@ -109,12 +121,20 @@ bool TapTask::run(rack::Rack& rack, base::SimTime now) {
 }
 
 void StreamQueue::push_subscribed(const State& state, const Subscription& subscription) {
+  binary_ = subscription.binary;
+  if (!subscription.events) {
+    newest_event_.reset();
+  } else if (!newest_event_) {
+    newest_event_ = state.events().empty() ? 0 : state.events().back().number;
+  }
   Json signals = Json::array();
   for (const std::size_t i : subscription.signals) {
     signals.push_back({{"name", state.signals()[i].name}, {"unit", state.signals()[i].unit}});
   }
   push({text_of({{"type", "subscribed"},
                  {"period_ns", subscription.period.nanoseconds()},
+                 {"format", subscription.binary ? "binary" : "json"},
+                 {"events", subscription.events},
                  {"signals", signals}})});
 }
 
@@ -134,12 +154,26 @@ void StreamQueue::collect(rack::SignalTap& tap) {
   }
 }
 
-std::string StreamQueue::take() {
+void StreamQueue::collect_events(const State& state) {
+  if (!newest_event_ || state.events().empty() || state.events().back().number <= *newest_event_) {
+    return;
+  }
+  Json events = Json::array();
+  for (const EventRecord& event : state.events()) {
+    if (event.number > *newest_event_) {
+      events.push_back(to_json(event));
+    }
+  }
+  newest_event_ = state.events().back().number;
+  push({text_of({{"type", "events"}, {"events", std::move(events)}})});
+}
+
+StreamQueue::Message StreamQueue::take() {
   Message message = std::move(messages_.front());
   messages_.pop_front();
-  bytes_ -= message.text.size();
+  bytes_ -= message.payload.size();
   counters_.stream_rows_sent += message.rows;
-  return std::move(message.text);
+  return message;
 }
 
 void StreamQueue::forget_tap() {
@@ -147,38 +181,46 @@ void StreamQueue::forget_tap() {
 }
 
 void StreamQueue::push(Message message) {
-  bytes_ += message.text.size();
+  bytes_ += message.payload.size();
   messages_.push_back(std::move(message));
   while (bytes_ > kMostBytes && messages_.size() > 1) {
-    bytes_ -= messages_.front().text.size();
-    dropped_ += messages_.front().rows;
-    counters_.stream_rows_dropped += messages_.front().rows;
-    messages_.pop_front();
+    // Samples first: what a client must know of its subscription and the events are short and rare.
+    auto victim =
+        std::ranges::find_if(messages_, [](const Message& each) { return each.rows > 0; });
+    victim = victim == messages_.end() ? messages_.begin() : victim;
+    bytes_ -= victim->payload.size();
+    dropped_ += victim->rows;
+    counters_.stream_rows_dropped += victim->rows;
+    messages_.erase(victim);
   }
 }
 
 StreamQueue::Message StreamQueue::batch(const rack::SignalTap& tap, std::size_t rows) const {
-  Message message{.text = fmt::format(R"({{"type":"samples","dropped":{},"time_ns":[)", dropped()),
-                  .rows = rows};
-  const auto out = std::back_inserter(message.text);
+  if (binary_) {
+    return {.payload = sample_batch(tap, rows, dropped()), .rows = rows, .binary = true};
+  }
+  Message message{
+      .payload = fmt::format(R"({{"type":"samples","dropped":{},"time_ns":[)", dropped()),
+      .rows = rows};
+  const auto out = std::back_inserter(message.payload);
   for (std::size_t row = 0; row < rows; ++row) {
     fmt::format_to(out, "{}{}", row == 0 ? "" : ",", tap.time(row).nanoseconds());
   }
-  message.text += "],\"values\":[";
+  message.payload += "],\"values\":[";
   for (std::size_t signal = 0; signal < tap.signals().size(); ++signal) {
-    message.text += signal == 0 ? "[" : ",[";
+    message.payload += signal == 0 ? "[" : ",[";
     for (std::size_t row = 0; row < rows; ++row) {
       const double value = tap.values(row)[signal];
-      message.text += row == 0 ? "" : ",";
+      message.payload += row == 0 ? "" : ",";
       if (std::isfinite(value)) {
         fmt::format_to(out, "{}", value);
       } else {
-        message.text += "null";
+        message.payload += "null";
       }
     }
-    message.text += ']';
+    message.payload += ']';
   }
-  message.text += "]}";
+  message.payload += "]}";
   return message;
 }
 
