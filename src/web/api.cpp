@@ -15,6 +15,7 @@
 
 #include "dictionary/description.hpp"
 #include "rack/input_names.hpp"
+#include "web/assets.hpp"
 #include "web/json_text.hpp"
 #include "web/object_value.hpp"
 #include "web/problem.hpp"
@@ -482,6 +483,10 @@ Answer answer_events(const Match& match, State& state) {
 
 Answer answer(const Match& match, const Request& request, State& state) {
   switch (const Operation operation = match.route->operation) {
+    case Operation::page:
+      return answer_asset(request, "/");
+    case Operation::asset:
+      return answer_asset(request, "/assets/" + match.parameters[0]);
     case Operation::openapi:
       return Response{.body = openapi_document()};
     case Operation::metrics:

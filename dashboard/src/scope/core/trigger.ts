@@ -114,7 +114,7 @@ export function makeDetector(source: TriggerSource): Detector | null {
   }
 }
 
-const kSeverities: readonly string[] = ["debug", "information", "warning", "error"];
+const kSeverities: readonly string[] = ["information", "refusal", "warning", "fault"];
 
 /// Whether an event is one that triggers.
 export function eventTriggers(
