@@ -10,7 +10,7 @@ export interface AxisSignals {
 
 const kRows: readonly [string, string, readonly string[]][] = [
   ["position", "Position", ["position_actual", "shaft_position", "position", "count"]],
-  ["position_demand", "Demand", ["position_demand", "position_target"]],
+  ["position_demand", "Position demand", ["position_demand", "position_target"]],
   ["following_error", "Following error", ["following_error"]],
   ["velocity", "Velocity", ["velocity_actual", "shaft_speed", "speed"]],
   ["shaft_speed", "Shaft speed", ["shaft_speed"]],

@@ -35,6 +35,9 @@ const kPlain: Readonly<Record<string, string>> = {
   "rev/s": "rev/s",
 };
 
+/// Units of what is measured, not counted: decimals even where they happen to be 0.
+const kContinuous: ReadonlySet<string> = new Set(["degC", "deg", "degree", "rad", "rev", "rev/s", "1/min"]);
+
 export interface Quantity {
   readonly value: string;
   readonly unit: string;
@@ -74,7 +77,7 @@ export function quantity(value: number | null | undefined, unit: string, digits 
     const [factor, prefix] = size < 1e-9 ? [1, ""] : (kPrefixes.find(([f]) => size >= f * 0.99995) ?? [1e-9, "n"]);
     return { value: significant(value / factor, digits, digits - 1), unit: prefix + base };
   }
-  if (Number.isInteger(value)) {
+  if (Number.isInteger(value) && !kContinuous.has(unit)) {
     return { value: grouped(value.toFixed(0)), unit: plain };
   }
   return { value: significant(value, digits, 3), unit: plain };

@@ -79,17 +79,14 @@ function placesOf(machine: StateMachine): Map<string, readonly [number, number]>
   return places;
 }
 
-/// The point of a box's border on the way to another box, moved aside by `shift`.
+/// The point of a box's border on the way to another box. Ways there and back keep to their right side.
 function border(from: Box, to: Box, shift: number): [number, number] {
   const dx = to.x - from.x;
   const dy = to.y - from.y;
-  if (Math.abs(dy) < 1) {
-    return [from.x + (Math.sign(dx) * kBoxWidth) / 2, from.y + shift * 0.5];
-  }
   if (Math.abs(dx) < 1) {
     return [from.x + shift, from.y + (Math.sign(dy) * kBoxHeight) / 2];
   }
-  return [from.x + (Math.sign(dx) * kBoxWidth) / 2, from.y + Math.sign(dy) * Math.min(6, kBoxHeight / 2) + shift * 0.3];
+  return [from.x + (Math.sign(dx) * kBoxWidth) / 2, from.y + shift * 0.4];
 }
 
 export function layOut(machine: StateMachine): Layout {
@@ -113,25 +110,26 @@ export function layOut(machine: StateMachine): Layout {
     found.events.push(`${transition.number} ${transition.event}`.trim());
     joined.set(key, found);
   }
-  const lanes: number[] = [];
+  // Ways past other boxes take lanes at the side, the longest outermost.
+  const passing = [...joined.values()]
+    .filter(({ from, to }) => from.x === to.x && Math.abs(to.y - from.y) > kRow * 1.01)
+    .sort((a, b) => Math.abs(a.to.y - a.from.y) - Math.abs(b.to.y - b.from.y) || a.from.y - b.from.y);
   const arrows = [...joined.values()].map(({ from, to, numbers, events }): Arrow => {
     const label = numbers.filter((number) => number !== "").join(", ");
     const title = `${from.state} → ${to.state}: ${events.join("; ")}`;
     const down = to.y > from.y;
-    const rows = Math.abs(to.y - from.y) / kRow;
     const common = { from: from.state, to: to.state, label, title };
-    if (from.x === to.x && rows > 1.01) {
-      // Past the boxes between: a lane at the side, the longest outermost.
+    const lane = passing.findIndex((each) => each.from === from && each.to === to);
+    if (lane >= 0) {
       const side = from.x > left + kColumn / 2 ? 1 : -1;
-      const lane = 14 + rows * 13 + (down ? 6 : 0);
-      lanes.push(lane);
+      const distance = 16 + lane * 17;
       const edge = from.x + (side * kBoxWidth) / 2;
-      const out = edge + side * lane;
+      const out = edge + side * distance;
       const [y1, y2] = [from.y + (down ? 6 : -6), to.y + (down ? -6 : 6)];
       const path = `M${edge} ${y1}H${out + -side * 5}Q${out} ${y1} ${out} ${y1 + Math.sign(y2 - y1) * 5}V${
         y2 - Math.sign(y2 - y1) * 5
       }Q${out} ${y2} ${out - side * 5} ${y2}H${edge}`;
-      return { ...common, path, x: out, y: y1 + (y2 - y1) * 0.34 };
+      return { ...common, path, x: out, y: (y1 + y2) / 2 };
     }
     const shift = down ? -16 : 16;
     const [x1, y1] = border(from, to, shift);

@@ -35,7 +35,7 @@ export function FaultsView() {
               onInput={(event) => setWords(event.currentTarget.value)}
             />
           </header>
-          <div class="scroller tall">
+          <div class="scroller tall" role="region" aria-label="Kinds of faults">
             <ul class="choice">
               {list.map((each) => (
                 <li key={each.name}>
@@ -206,7 +206,9 @@ function ActiveFaults({ faults, reload }: { faults: readonly Fault[]; reload: ()
               <th>Where</th>
               <th>State</th>
               <th>Remaining</th>
-              <th />
+              <th>
+                <span class="hidden-text">Clear</span>
+              </th>
             </tr>
           </thead>
           <tbody>

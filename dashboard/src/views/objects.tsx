@@ -82,7 +82,7 @@ function shown(entry: EntryDeclaration, value: EntryValue | undefined): { text: 
   return { text: String(value), hex };
 }
 
-const kMostShown = 300;
+const kPage = 150;
 
 export function Objects({ device, search }: { device: DeviceInfo; search: string }) {
   const list = useResource<EntryList>(`/api/v1/devices/${segment(device.name)}/objects`);
@@ -98,7 +98,8 @@ export function Objects({ device, search }: { device: DeviceInfo; search: string
         .filter((entry) => !onlyMapped || entry.pdo !== "no"),
     [list.data, words, onlyWritable, onlyMapped],
   );
-  const rows = found.slice(0, kMostShown);
+  const [most, setMost] = useState(kPage);
+  const rows = found.slice(0, most);
   const { values, watch, put } = useVisibleValues(device.name, rows);
   return (
     <section class="panel">
@@ -121,7 +122,6 @@ export function Objects({ device, search }: { device: DeviceInfo; search: string
         </label>
         <span class="spacer" />
         <span class="soft">
-          {found.length > rows.length ? `first ${rows.length} of ` : ""}
           {found.length} of {list.data?.entries.length ?? 0} entries
         </span>
       </header>
@@ -200,6 +200,13 @@ export function Objects({ device, search }: { device: DeviceInfo; search: string
         ) : (
           <p class="empty">{list.data ? "No entry fits." : (list.error?.message ?? "…")}</p>
         )}
+        {found.length > rows.length ? (
+          <p class="empty">
+            <button type="button" onClick={() => setMost(most + kPage)}>
+              Show {Math.min(kPage, found.length - rows.length)} more
+            </button>
+          </p>
+        ) : null}
       </div>
     </section>
   );

@@ -6,7 +6,7 @@ import { axesOf, axisIndex, axisNumber, type AxisSignals } from "../axes";
 import { Gauge, rangeFor } from "../components/gauge";
 import { InputRow } from "../components/input_row";
 import { StateMachinePicture } from "../components/state_machine";
-import { addressText, hexText, timeText } from "../format";
+import { addressText, hexText, quantity, timeText } from "../format";
 import { useResource, useSignals, useStore } from "../hooks";
 import { groupInputs } from "../inputs";
 import type { Live } from "../live";
@@ -47,26 +47,20 @@ export function Overview({ device, panel }: { device: DeviceInfo; panel: Panel |
           </div>
         ) : null}
         {axis ? <AxisValues key={axis.name} axis={axis} panel={axisPanel} /> : null}
+        <Inputs device={device} signals={signals.data} first={axis?.name ?? ""} />
+      </div>
+      <div class="stack">
         {power && axisPanel ? (
           <MachinePanel machine={power} state={axisPanel.state} title={`${axisPanel.name}: ${power.title}`} refusal={axisPanel.last_refusal} />
         ) : null}
         {network && panel?.network ? (
           <MachinePanel machine={network} state={panel.network.state} title={network.title} refusal={panel.last_refusal} />
         ) : null}
-        {!axis && !network ? (
-          <section class="panel">
-            <p class="empty">
-              This device has no axis. <a href={href("device", [device.name, "signals"])}>Its signals</a>
-            </p>
-          </section>
-        ) : null}
+        {power || network ? null : <DeviceEvents name={device.name} />}
       </div>
-      <div class="stack">
+      <div class="stack last">
         {device.objects > 0 && device.powered ? <MasterSees device={device} axis={axisNumber(axis?.name ?? "")} /> : null}
-        <DeviceEvents name={device.name} />
-      </div>
-      <div class="stack">
-        <Inputs device={device} signals={signals.data} first={axis?.name ?? ""} />
+        {power || network ? <DeviceEvents name={device.name} /> : null}
       </div>
     </div>
   );
@@ -246,7 +240,7 @@ function Seen({ index, value, unit, mode }: { index: number; value: number; unit
     default:
       return (
         <>
-          {value} <span class="soft">{unit}</span>
+          {quantity(value, "").value} <span class="soft">{unit}</span>
         </>
       );
   }

@@ -28,7 +28,7 @@ export function ProgramView({ device }: { device: DeviceInfo }) {
             return (
               <li
                 key={each.address}
-                ref={here ? current : undefined}
+                ref={here ? current : null}
                 class={here ? "here" : ""}
                 aria-current={here ? "step" : undefined}
               >

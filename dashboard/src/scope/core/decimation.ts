@@ -40,8 +40,9 @@ export function envelopeOf(ring: SampleRing, column: number, bounds: Float64Arra
       continue;
     }
     ring.extremes(column, from, to, result);
-    envelope.low[x] = before < result.low ? before : result.low;
-    envelope.high[x] = before > result.high ? before : result.high;
+    const some = result.low <= result.high;
+    envelope.low[x] = some && before < result.low ? before : result.low;
+    envelope.high[x] = some && before > result.high ? before : result.high;
     before = ring.value(column, to - 1);
   }
 }

@@ -45,7 +45,7 @@ export function fitted(low: number, high: number, present: Range | null): Range 
   if (flat && present !== null && low > present.from && high < present.to && present.to - present.from <= 20 * span) {
     return present;
   }
-  const step = niceStep(span / 8);
+  const step = niceStep(span / 16);
   const kMargin = 0.04;
   const margin = flat ? span / 2 : kMargin * span;
   return { from: Math.floor((low - margin) / step) * step, to: Math.ceil((high + margin) / step) * step };
