@@ -72,9 +72,6 @@ function Instrument({ scope }: { scope: Oscilloscope }) {
             <Plot scope={scope} onPicture={setPicture} />
           </section>
           {setup.spectrum.shown && picture !== null ? <SpectrumPanel scope={scope} picture={picture} attempt={attempt} /> : null}
-          <section class="panel" aria-label="Channels and measurements">
-            <ChannelTable scope={scope} attempt={attempt} />
-          </section>
         </div>
         <div class="scope-side">
           <Section title="Trigger" open>
@@ -93,6 +90,9 @@ function Instrument({ scope }: { scope: Oscilloscope }) {
             <AxisTable scope={scope} attempt={attempt} />
           </Section>
         </div>
+        <section class="panel scope-table" aria-label="Channels and measurements">
+          <ChannelTable scope={scope} attempt={attempt} />
+        </section>
       </div>
     </div>
   );

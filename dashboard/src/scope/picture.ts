@@ -235,7 +235,7 @@ export class Picture {
         context.strokeStyle = colours.grid;
         line(context, box.left, y, box.right, y);
       }
-      if (y > box.top + 14 && y < box.bottom - 2) {
+      if (y > box.top + 20 && y < box.bottom - 2) {
         context.fillStyle = colours.soft;
         context.fillText(tickText(level, step), gutter.right - 5, y);
       }

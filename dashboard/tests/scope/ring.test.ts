@@ -7,7 +7,7 @@ describe("SampleRing", () => {
   it("keeps the newest rows and says how many bytes they take", () => {
     const ring = new SampleRing(2, 100);
     expect(ring.capacity).toBe(128);
-    expect(ring.bytes).toBe(8 * (128 * 3 + 2 * 2 * 2));
+    expect(ring.bytes).toBe(8 * (128 * 3 + 2 * 2 * 4));
     for (let i = 0; i < 50; ++i) {
       ring.append(Float64Array.of(10 * i, 10 * i + 5), [Float64Array.of(i, i + 0.5), null], 2);
     }
@@ -31,7 +31,7 @@ describe("SampleRing", () => {
   it("never takes more memory than allowed", () => {
     for (const columns of [0, 1, 10, 64]) {
       const rows = SampleRing.rowsWithin(64 * 2 ** 20, columns);
-      const bytes = 8 * (rows * (1 + columns) + (2 * columns * rows) / 64);
+      const bytes = 8 * (rows * (1 + columns) + (2 * columns * rows) / 32);
       expect(bytes).toBeLessThanOrEqual(64 * 2 ** 20);
       expect(bytes).toBeGreaterThan(63 * 2 ** 20);
     }

@@ -2,7 +2,7 @@
 
 /// Rows of one block, of which minimum and maximum are kept so that a long record is drawn without
 /// looking at each of its samples.
-const kBlock = 64;
+const kBlock = 32;
 
 /// A row is addressed by its number since the ring was made: `first` is the oldest that is kept,
 /// `end` the one that comes next. Times are nanoseconds and grow from row to row.
@@ -147,21 +147,28 @@ export class SampleRing {
   /// -Infinity if all are NaN. Looks at each row only at the ends of the range.
   extremes(column: number, from: number, to: number, result: { low: number; high: number }): void {
     const data = this.data[column]!;
+    const lows = this.low[column]!;
+    const highs = this.high[column]!;
     let low = Infinity;
     let high = -Infinity;
-    for (let row = from; row < to; ) {
-      const slot = row % this.capacity;
-      if (slot % kBlock === 0 && row + kBlock <= to) {
+    let slot = from % this.capacity;
+    for (let left = to - from; left > 0; ) {
+      if (slot % kBlock === 0 && left >= kBlock) {
         const block = slot / kBlock;
-        low = this.low[column]![block]! < low ? this.low[column]![block]! : low;
-        high = this.high[column]![block]! > high ? this.high[column]![block]! : high;
-        row += kBlock;
+        low = lows[block]! < low ? lows[block]! : low;
+        high = highs[block]! > high ? highs[block]! : high;
+        slot += kBlock;
+        left -= kBlock;
       } else {
-        const value = data[slot]!;
-        low = value < low ? value : low;
-        high = value > high ? value : high;
-        ++row;
+        const count = Math.min(left, kBlock - (slot % kBlock)); // the ring ends with a block
+        for (const end = slot + count; slot < end; ++slot) {
+          const value = data[slot]!;
+          low = value < low ? value : low;
+          high = value > high ? value : high;
+        }
+        left -= count;
       }
+      slot = slot === this.capacity ? 0 : slot;
     }
     result.low = low;
     result.high = high;

@@ -40,7 +40,7 @@ export function fitted(low: number, high: number, present: Range | null): Range 
     return present;
   }
   const least = Math.max(Math.abs(low), Math.abs(high)) * 1e-6;
-  const span = high - low > least ? high - low : Math.max(Math.abs(high) * 0.2, 1e-3);
+  const span = high - low > least ? high - low : Math.abs(high) * 0.2 || 2;
   const flat = high - low <= least;
   if (flat && present !== null && low > present.from && high < present.to && present.to - present.from <= 20 * span) {
     return present;
