@@ -53,7 +53,7 @@ export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt:
             const reading = times === null ? null : readChannel(ring, i, times);
             const number = (value: number | undefined) => <td class="number mono">{numberText(value ?? NaN)}</td>;
             return (
-              <tr key={channel.name}>
+              <tr key={channel.name} data-channel={channel.name}>
                 <th scope="row">
                   <label class="check" title={channel.expression ?? undefined}>
                     <input type="checkbox" checked={channel.visible} onChange={(event) => attempt(() => scope.changeChannel(channel.name, { visible: event.currentTarget.checked }))} />

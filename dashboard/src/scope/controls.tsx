@@ -57,7 +57,7 @@ export function Controls({ scope, attempt }: { scope: Oscilloscope; attempt: (ac
       </span>
       <label>
         Sampling{" "}
-        <select value={setup.period} onChange={(event) => attempt(() => scope.change({ period: Number(event.currentTarget.value) }))}>
+        <select aria-label="Sampling" value={setup.period} onChange={(event) => attempt(() => scope.change({ period: Number(event.currentTarget.value) }))}>
           {withPresent(kPeriods, setup.period).map((period) => (
             <option key={period} value={period}>
               {timeText(period * 1e-9)}
@@ -67,7 +67,7 @@ export function Controls({ scope, attempt }: { scope: Oscilloscope; attempt: (ac
       </label>
       <label>
         Shown{" "}
-        <select value={setup.span} onChange={(event) => attempt(() => scope.change({ span: Number(event.currentTarget.value) }))}>
+        <select aria-label="Shown" value={setup.span} onChange={(event) => attempt(() => scope.change({ span: Number(event.currentTarget.value) }))}>
           {withPresent(kSpans, setup.span).map((span) => (
             <option key={span} value={span}>
               {timeText(span * 1e-9)}
@@ -77,7 +77,7 @@ export function Controls({ scope, attempt }: { scope: Oscilloscope; attempt: (ac
       </label>
       <label title={`${numberText(record.ring.capacity)} rows, ${numberText(record.ring.bytes / 2 ** 20, 3)} MiB`}>
         Memory{" "}
-        <select value={setup.memory} onChange={(event) => attempt(() => scope.change({ memory: Number(event.currentTarget.value) }))}>
+        <select aria-label="Memory" value={setup.memory} onChange={(event) => attempt(() => scope.change({ memory: Number(event.currentTarget.value) }))}>
           {withPresent(kMemories.map((each) => each * 2 ** 20), setup.memory).map((bytes) => (
             <option key={bytes} value={bytes}>
               {bytes / 2 ** 20} MiB{bytes === setup.memory ? ` = ${timeText(record.depth * 1e-9, 3)}` : ""}

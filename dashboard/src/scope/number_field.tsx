@@ -29,6 +29,7 @@ export function NumberField({ label, value, onValue, optional, hideLabel, minimu
       <span class="with-unit">
         <input
           class="number"
+          aria-label={label}
           inputMode="decimal"
           value={text ?? (value === null ? "" : String(Number(value.toPrecision(9))))}
           aria-invalid={!valid}

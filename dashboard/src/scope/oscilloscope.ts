@@ -226,6 +226,8 @@ export class Oscilloscope implements ConnectionListener {
     this.held = null;
     this.cursors = { times: null, levels: null };
     this.change(setup);
+    this.record.clear();
+    this.arm();
   }
 
   addSignals(signals: readonly { readonly name: string; readonly unit: string }[]): void {

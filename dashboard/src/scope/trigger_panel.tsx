@@ -1,4 +1,5 @@
 import { useStore } from "../hooks";
+import { seconds } from "./core/csv";
 import type { TriggerSettings, TriggerSource } from "./core/trigger";
 import { NumberField } from "./number_field";
 import type { Oscilloscope } from "./oscilloscope";
@@ -109,7 +110,10 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
             <input type="range" min="0" max="100" value={Math.round(trigger.before * 100)} onInput={(event) => change({ before: Number(event.currentTarget.value) / 100 })} />
           </label>
           <NumberField label="Hold-off" unit="s" minimum={0} value={trigger.holdOff * 1e-9} onValue={(value) => change({ holdOff: (value ?? 0) * 1e9 })} />
-          <p class="soft wide">{scope.acquisition.count} triggers</p>
+          <p class="soft wide">
+            {scope.acquisition.count} triggers
+            {scope.acquisition.frame === null ? "" : `, the last at ${seconds(scope.acquisition.frame.trigger)} s`}
+          </p>
         </>
       )}
     </div>
