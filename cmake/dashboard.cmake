@@ -28,7 +28,7 @@ function(stator_dashboard_source variable)
     file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${root}/src/*)
     list(FILTER sources EXCLUDE REGEX "\\.test\\.tsx?$")
     add_custom_command(OUTPUT ${built}
-      COMMAND ${CMAKE_COMMAND} -DROOT=${root} -DOUTPUT=${pages} -DNPM=${STATOR_NPM}
+      COMMAND ${CMAKE_COMMAND} -DROOT=${root} -DOUTPUT=${pages} -DNPM=${STATOR_NPM} -DNODE=${STATOR_NODE}
         -P ${PROJECT_SOURCE_DIR}/cmake/build_dashboard.cmake
       DEPENDS ${sources} ${root}/index.html ${root}/package.json ${root}/package-lock.json
         ${root}/vite.config.ts ${root}/tsconfig.json ${PROJECT_SOURCE_DIR}/cmake/build_dashboard.cmake

@@ -19,6 +19,7 @@ export default defineConfig({
   server: {
     // The server refuses pages of other origins, so requests are passed on without one.
     proxy: {
+      "/openapi.json": rack,
       "/api": {
         target: rack,
         changeOrigin: true,

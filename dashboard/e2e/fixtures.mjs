@@ -36,12 +36,22 @@ const axis = (name, state) => ({
 const panels = {
   gantry: {
     leds: [
-      { name: "RUN", colour: "green", pattern: "blinking" },
-      { name: "ERR", colour: "red", pattern: "single flash" },
+      { name: "RUN", colour: "green", pattern: "on" },
+      { name: "ERR", colour: "red", pattern: "off" },
     ],
-    network: { machine: "esm", state: "Pre-operational", status_code: 0x1b, status_text: "Sync manager watchdog" },
+    network: { machine: "esm", state: "Operational", status_code: 0, status_text: "no error" },
     axes: [axis("axis0", "Operation enabled"), axis("axis1", "Switch on disabled"), axis("axis2", "Fault")],
     last_refusal: refusal,
+    program: false,
+  },
+  servo: {
+    leds: [
+      { name: "RUN", colour: "green", pattern: "single flash" },
+      { name: "ERR", colour: "red", pattern: "double flash" },
+    ],
+    network: { machine: "esm", state: "Safe-operational", status_code: 0x1b, status_text: "Sync manager watchdog" },
+    axes: [axis("axis0", "Switch on disabled")],
+    last_refusal: null,
     program: false,
   },
   spindle: {
@@ -65,7 +75,7 @@ const kinds = [
     parameters: [
       { name: "probability", type: "number", unit: "", minimum: 0, maximum: 1, default: 1, summary: "of each frame" },
       { name: "count", type: "integer", unit: "", minimum: 1, maximum: 1_000_000, default: null, summary: "ends after so many frames" },
-      { name: "at", type: "duration", unit: "", minimum: null, maximum: null, default: "0s", summary: "when it begins" },
+      { name: "direction", type: "choice", unit: "", minimum: null, maximum: null, default: "in", choices: ["in", "out"], summary: "frames that arrive or leave" },
     ],
   },
   {
@@ -201,10 +211,17 @@ export function fixture(method, path, body) {
     };
   }
   if (path === "/api/v1/faults/kinds") {
-    return { kinds };
+    return {
+      kinds,
+      common: [
+        { name: "at", type: "duration", unit: "s", minimum: 0, maximum: 1e6, choices: [], default: "", needed: false, summary: "begins at this simulated time" },
+        { name: "for", type: "duration", unit: "s", minimum: 0, maximum: 1e6, choices: [], default: "", needed: false, summary: "ends after this time" },
+      ],
+      when: [{ name: "cycles", type: "whole number", unit: "", minimum: 1, maximum: 1e9, choices: [], default: "", needed: false, summary: "so many healthy cycles" }],
+    };
   }
   if (path === "/api/v1/faults" && method === "POST") {
-    faults.push({ id: nextFault++, kind: body.action, target: String(body.device ?? body.bus), state: "armed", remaining: null });
+    faults.push({ id: nextFault++, kind: body.kind, target: String(body.device ?? body.bus), state: "armed", remaining: null });
     return { id: nextFault - 1 };
   }
   if (path.startsWith("/api/v1/faults") && method === "DELETE") {

@@ -52,7 +52,7 @@ async function rowsAtLeast(page, rows) {
   return statistics(page);
 }
 
-const state = (page, text) => page.locator(".scope-state", { hasText: text }).waitFor({ timeout: 30_000 });
+const state = (page, text) => page.locator(".scope-state", { hasText: text }).waitFor({ timeout: 15_000 });
 
 /// What the table says of a channel, by the titles of its columns.
 async function measured(page, name) {
@@ -76,7 +76,24 @@ const kStallChannels = [
   channel("demand", "full step", `${kAxis}.position_demand / 256`),
   channel("shaft", "full step", `${kAxis}.shaft_position * 200`),
   channel("lost", "steps", "demand - shaft"),
+  channel("fours", "steps", "4 * round(lost / 4)"),
 ];
+export const stallSetup = setupOf({
+  span: 5e9,
+  channels: kStallChannels,
+  trigger: { mode: "auto", source: { kind: "state", channel: "fours", mask: null, value: null }, before: 0.3, holdOff: 0 },
+});
+
+async function saved(page, name) {
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name, exact: true }).click()]);
+  return readFile(await download.path());
+}
+
+/// How often an angle in degrees went from one end of its range to the other, forward less backward.
+function turns(angles) {
+  const kJump = 240;
+  return angles.slice(1).reduce((sum, angle, i) => sum + (angles[i] - angle > kJump ? 1 : angle - angles[i] > kJump ? -1 : 0), 0);
+}
 
 export const behaviours = [
   {
@@ -127,20 +144,13 @@ export const behaviours = [
     path: "/scope",
     test: async (page, { rack, out }) => {
       await page.setViewportSize({ width: 1600, height: 1000 });
-      await load(
-        page,
-        setupOf({
-          span: 5e9,
-          channels: kStallChannels,
-          trigger: { mode: "auto", source: { kind: "level", channel: "lost", level: 2.2, hysteresis: 0.5, edge: "rising" }, before: 0.4, holdOff: 0 },
-        }),
-      );
+      await load(page, stallSetup);
       const master = spawn(rack.stator, ["move", "--link", `udp:127.0.0.1:${rack.udp}`, "--revolutions", "20", "--velocity", "51200"], { stdio: "ignore" });
       try {
         await rowsAtLeast(page, 40_000);
         await page.getByRole("combobox", { name: "Input", exact: true }).selectOption(`${kAxis}.load_torque`);
+        await page.getByLabel("Shown", { exact: true }).selectOption(String(20e6));
         await page.getByLabel("Trigger mode").selectOption("single");
-        await page.getByLabel("Shown", { exact: true }).selectOption(String(50e6));
         await state(page, "waiting for trigger");
         const slider = page.locator(".scope-inputs input[type=range]");
         await slider.focus();
@@ -155,10 +165,19 @@ export const behaviours = [
         if (out) {
           await page.screenshot({ path: join(out, "stall.png") });
         }
-        const lost = await measured(page, "lost");
-        assert.ok(lost.Minimum < 1.5 && lost.Maximum > 4, JSON.stringify(lost));
         const angle = await measured(page, `${kAxis}.load_angle`);
         assert.ok(angle.Minimum < -150 && angle.Maximum > 150, "the load angle goes round");
+        // Each time it goes round, four full steps are lost: exactly one electrical period.
+        await page.getByLabel("SI units").uncheck();
+        const lines = (await saved(page, "CSV")).toString().trimEnd().split("\r\n").map((line) => line.split(","));
+        const column = (name) => lines.slice(1).map((line) => Number(line[lines[0].findIndex((title) => title.startsWith(name))]));
+        const fours = column("fours");
+        const rounds = turns(column(`${kAxis}.load_angle`));
+        console.log(`        ${fours.at(-1) - fours[0]} full steps in ${rounds} rounds of the load angle, in ${lines.length - 1} samples`);
+        assert.ok(rounds >= 3);
+        assert.equal(fours.at(-1) - fours[0], 4 * rounds);
+        const jumps = new Set(fours.slice(1).map((value, i) => value - fours[i]));
+        assert.deepEqual([...jumps].sort(), [0, 4]);
         // Without the load the rotor is caught again, some electrical periods behind.
         await page.getByLabel("Shown", { exact: true }).selectOption(String(1e9));
         await page.getByLabel("Trigger on").selectOption("none");
@@ -215,18 +234,14 @@ export const behaviours = [
       await load(page, setupOf({ channels }));
       await rowsAtLeast(page, 4000);
       await page.getByRole("button", { name: "Stop", exact: true }).click();
-      const saved = async (name) => {
-        const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name, exact: true }).click()]);
-        return readFile(await download.path());
-      };
       await page.getByLabel("Rows to export").selectOption("all");
-      const lines = (await saved("CSV")).toString().trimEnd().split("\r\n");
+      const lines = (await saved(page, "CSV")).toString().trimEnd().split("\r\n");
       assert.equal(lines[0], `time [s],${kAxis}.load_angle [rad],twice [rad]`);
       assert.ok(lines.length > 4000);
       const times = lines.slice(1).map((line) => BigInt(line.split(",")[0].replace(".", "")));
       times.slice(1).forEach((time, i) => assert.equal(time - times[i], 50_000n));
-      assert.equal((await saved("PNG")).subarray(1, 4).toString(), "PNG");
-      assert.deepEqual(JSON.parse((await saved("Save setup")).toString()).channels, channels);
+      assert.equal((await saved(page, "PNG")).subarray(1, 4).toString(), "PNG");
+      assert.deepEqual(JSON.parse((await saved(page, "Save setup")).toString()).channels, channels);
       await page.getByLabel("Setup file").setInputFiles({ name: "x.json", mimeType: "application/json", buffer: Buffer.from('{"form":"other"}') });
       await page.getByText('form must be one of stator-scope, not "other"').waitFor();
     },

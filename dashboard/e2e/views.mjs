@@ -19,7 +19,7 @@ export const views = [
   { name: "spindle", path: "/device/spindle", needs: [kPanel, "/api/v1/state-machines"], ready: text("spindle", "6041h") },
   { name: "io", path: "/device/io", needs: [kPanel], ready: text("io", "Inputs") },
   { name: "feeder", path: "/device/feeder", needs: [kPanel], ready: text("feeder", "Shaft speed") },
-  { name: "objects", path: "/device/gantry/objects", ready: text("gantry", "Statusword") },
+  { name: "objects", path: "/device/gantry/objects", ready: text("gantry", "Device type") },
   { name: "signals", path: "/device/gantry/signals", ready: text("gantry", "axis0.torque") },
   {
     name: "program",

@@ -203,8 +203,11 @@ export interface FaultParameter {
   readonly unit: string;
   readonly minimum: number | null;
   readonly maximum: number | null;
+  /// As a rack file would say it; empty: none.
   readonly default: unknown;
   readonly summary: string;
+  readonly choices?: readonly string[];
+  readonly needed?: boolean;
 }
 
 export interface FaultKind {
@@ -212,6 +215,20 @@ export interface FaultKind {
   readonly summary: string;
   readonly applies_to: string;
   readonly parameters: readonly FaultParameter[];
+  /// What the master sees.
+  readonly effect?: string;
+  /// What "count" counts; empty: it takes none.
+  readonly counts?: string;
+  /// Over as soon as it has begun.
+  readonly momentary?: boolean;
+}
+
+export interface FaultKinds {
+  readonly kinds: readonly FaultKind[];
+  /// Keys that faults of every kind have: name, begin, end.
+  readonly common?: readonly FaultParameter[];
+  /// Keys of "when", the milestone at which one begins.
+  readonly when?: readonly FaultParameter[];
 }
 
 export interface Fault {
@@ -219,7 +236,9 @@ export interface Fault {
   readonly kind: string;
   readonly target: string;
   readonly state: string;
+  readonly name?: string;
   readonly remaining?: unknown;
+  readonly hits?: number;
 }
 
 export interface SubscribedMessage {

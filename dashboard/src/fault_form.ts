@@ -1,56 +1,114 @@
 // From a fault's declaration to the fields of a form, and from these to the request.
 
-import type { FaultKind, FaultParameter, Wiring } from "./api";
+import type { FaultKind, FaultKinds, FaultParameter, Wiring } from "./api";
+import { parseInteger } from "./object_search";
 
-export type Field = "number" | "text" | "switch";
+export type Field = "whole" | "number" | "text" | "switch" | "choice";
+export type Values = Readonly<Record<string, string>>;
 
 export function fieldOf(parameter: FaultParameter): Field {
   const type = parameter.type.toLowerCase();
+  if ((parameter.choices ?? []).length > 0) {
+    return "choice";
+  }
   if (type.startsWith("bool")) {
     return "switch";
   }
-  return /^(int|uint|integer|unsigned|number|float|double|real)/.test(type) ? "number" : "text";
+  if (/^(whole|int|uint|unsigned)/.test(type)) {
+    return "whole";
+  }
+  return /^(number|float|double|real)/.test(type) ? "number" : "text";
 }
 
-export function defaultsOf(kind: FaultKind): Record<string, string> {
-  const values: Record<string, string> = {};
-  for (const parameter of kind.parameters) {
-    const { default: value } = parameter;
-    values[parameter.name] = value === null || value === undefined ? "" : String(value);
+function defaultText(parameter: FaultParameter): string {
+  const { default: value } = parameter;
+  return value === null || value === undefined ? "" : String(value);
+}
+
+export function defaultsOf(parameters: readonly FaultParameter[]): Record<string, string> {
+  return Object.fromEntries(parameters.map((parameter) => [parameter.name, defaultText(parameter)]));
+}
+
+/// Begin, end and chance, as far as they make sense with the kind.
+export function timingOf(kind: FaultKind, kinds: FaultKinds): FaultParameter[] {
+  const left = new Set(["when"]);
+  if (kind.counts === "") {
+    left.add("count").add("probability").add("seed");
   }
-  return values;
+  if (kind.momentary) {
+    left.add("for").add("count");
+  }
+  return (kinds.common ?? []).filter(({ name }) => !left.has(name));
+}
+
+function numberOf(field: Field, text: string): number | null {
+  const whole = parseInteger(text);
+  if (whole !== null) {
+    return Number(whole);
+  }
+  return field === "number" && Number.isFinite(Number(text)) ? Number(text) : null;
 }
 
 /// What is wrong with a value; empty: nothing.
 export function fieldProblem(parameter: FaultParameter, text: string): string {
-  if (fieldOf(parameter) !== "number" || text.trim() === "") {
+  const field = fieldOf(parameter);
+  if (text.trim() === "") {
+    return parameter.needed ? "needed" : "";
+  }
+  if (field !== "number" && field !== "whole") {
     return "";
   }
-  const value = Number(text);
-  if (!Number.isFinite(value)) {
-    return "a number is needed";
+  const value = numberOf(field, text);
+  if (value === null) {
+    return field === "whole" ? "a whole number is needed" : "a number is needed";
   }
-  if (parameter.minimum !== null && parameter.minimum !== undefined && value < parameter.minimum) {
+  if (parameter.minimum !== null && value < parameter.minimum) {
     return `at least ${parameter.minimum}`;
   }
-  if (parameter.maximum !== null && parameter.maximum !== undefined && value > parameter.maximum) {
+  if (parameter.maximum !== null && value > parameter.maximum) {
     return `at most ${parameter.maximum}`;
   }
   return "";
 }
 
-/// The body of the request, with the keys of an [[event]] table of a rack file. Empty fields are left out.
-export function faultRequest(kind: FaultKind, target: Readonly<Record<string, unknown>>, values: Readonly<Record<string, string>>): Record<string, unknown> {
-  const body: Record<string, unknown> = { action: kind.name, ...target };
-  for (const parameter of kind.parameters) {
+/// The keys that differ from what is the case without them.
+export function filledIn(parameters: readonly FaultParameter[], values: Values): Record<string, unknown> {
+  const keys: Record<string, unknown> = {};
+  for (const parameter of parameters) {
     const text = (values[parameter.name] ?? "").trim();
-    if (text === "") {
+    if (text === "" || text === defaultText(parameter)) {
       continue;
     }
     const field = fieldOf(parameter);
-    body[parameter.name] = field === "number" ? Number(text) : field === "switch" ? text === "true" : text;
+    keys[parameter.name] =
+      field === "number" || field === "whole" ? numberOf(field, text) : field === "switch" ? text === "true" : text;
+  }
+  return keys;
+}
+
+/// The body of the request: the keys of a [[fault]] of a rack file.
+export function faultRequest(
+  kind: FaultKind,
+  target: Readonly<Record<string, unknown>>,
+  keys: Readonly<Record<string, unknown>>,
+  when: Readonly<Record<string, unknown>>,
+): Record<string, unknown> {
+  const body: Record<string, unknown> = { kind: kind.name, ...target, ...keys };
+  if (Object.keys(when).length > 0) {
+    body["when"] = when;
   }
   return body;
+}
+
+/// A range worth telling: bounds that only keep numbers sane are not.
+export function rangeText(parameter: FaultParameter): string {
+  const field = fieldOf(parameter);
+  const { minimum, maximum } = parameter;
+  if ((field !== "number" && field !== "whole") || (minimum === null && maximum === null)) {
+    return "";
+  }
+  const bound = (value: number | null, sign: string) => (value === null || Math.abs(value) >= 1e9 ? `${sign}∞` : String(value));
+  return `${bound(minimum, "−")} … ${bound(maximum, "")}`;
 }
 
 export interface Target {
@@ -61,25 +119,41 @@ export interface Target {
 /// What a fault of a kind can be put on.
 export function targetsOf(
   appliesTo: string,
-  rack: { devices: readonly string[]; axes: readonly { device: string; axis: string }[]; wiring: Wiring | null; networks: readonly { name: string; kind: string }[] },
+  rack: {
+    devices: readonly string[];
+    axes: readonly { device: string; axis: string }[];
+    wiring: Wiring | null;
+    networks: readonly { name: string; kind: string }[];
+  },
 ): Target[] {
   switch (appliesTo) {
-    case "port":
-      return (rack.wiring?.segments ?? []).flatMap((segment) =>
-        segment.devices.flatMap((device) =>
+    case "port": {
+      const slaves = (rack.wiring?.segments ?? []).flatMap((segment) => segment.devices);
+      const nodes = (rack.wiring?.buses ?? []).flatMap((bus) => bus.devices.map((device) => ({ device, bus: bus.name })));
+      return [
+        ...slaves.flatMap((device) =>
           device.ports.map((port) => ({
             label: `${device.name}, port ${port.number}${port.neighbour ? ` (to ${port.neighbour})` : ""}`,
             keys: { device: device.name, port: port.number },
           })),
         ),
-      );
+        ...nodes.map(({ device, bus }) => ({ label: `${device} (at ${bus})`, keys: { device } })),
+      ];
+    }
     case "axis":
-      return rack.axes.map(({ device, axis }) => ({
-        label: `${device}, ${axis}`,
-        keys: { device, axis: Number(/\d+$/.exec(axis)?.[0] ?? 0) },
-      }));
+      return rack.axes
+        .filter(({ axis }) => /\d$/.test(axis))
+        .map(({ device, axis }) => ({
+          label: `${device}, ${axis}`,
+          keys: { device, axis: Number(/\d+$/.exec(axis)?.[0] ?? 0) },
+        }));
     case "bus":
-      return rack.networks.filter(({ kind }) => kind === "can").map(({ name }) => ({ label: name, keys: { bus: name } }));
+      return [
+        ...rack.networks.filter(({ kind }) => kind === "can").map(({ name }) => ({ label: `${name}: all frames`, keys: { bus: name } })),
+        ...(rack.wiring?.buses ?? []).flatMap((bus) =>
+          bus.devices.map((device) => ({ label: `${bus.name}: what ${device} sends`, keys: { device } })),
+        ),
+      ];
     case "line":
       return rack.networks.filter(({ kind }) => kind === "serial").map(({ name }) => ({ label: name, keys: { line: name } }));
     default:

@@ -131,10 +131,12 @@ export function layOut(machine: StateMachine): Layout {
       }Q${out} ${y2} ${out - side * 5} ${y2}H${edge}`;
       return { ...common, path, x: out, y: (y1 + y2) / 2 };
     }
-    const shift = down ? -16 : 16;
+    const shift = down || (to.y === from.y && to.x > from.x) ? -16 : 16;
     const [x1, y1] = border(from, to, shift);
     const [x2, y2] = border(to, from, shift);
-    return { ...common, path: `M${x1} ${y1}L${x2} ${y2}`, x: (x1 + x2) / 2, y: (y1 + y2) / 2 };
+    // Labels of slanted ways there and back would meet in the middle.
+    const part = from.x === to.x ? 0.5 : 0.36;
+    return { ...common, path: `M${x1} ${y1}L${x2} ${y2}`, x: x1 + (x2 - x1) * part, y: y1 + (y2 - y1) * part };
   });
   const width = Math.max(...boxes.map((box) => box.x + kBoxWidth / 2)) + (boxes.some((box) => box.x > left + kColumn) ? 56 : 16);
   const height = Math.max(...boxes.map((box) => box.y + kBoxHeight / 2)) + 8;

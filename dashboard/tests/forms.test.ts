@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 
-import type { EventInfo, FaultKind, InputInfo } from "../src/api";
-import { defaultsOf, faultRequest, fieldProblem, targetsOf } from "../src/fault_form";
+import type { EventInfo, FaultKind, FaultParameter, InputInfo } from "../src/api";
+import { defaultsOf, faultRequest, fieldProblem, filledIn, targetsOf, timingOf } from "../src/fault_form";
 import { hexDump } from "../src/hex_dump";
 import { controlOf, firstSpan, groupInputs, niceStep, spansOf } from "../src/inputs";
 import { matchingEvents } from "../src/views/events";
@@ -35,37 +35,55 @@ describe("an input", () => {
   });
 });
 
+const parameter = (name: string, type: string, rest: Partial<FaultParameter> = {}): FaultParameter => ({
+  name,
+  type,
+  unit: "",
+  minimum: null,
+  maximum: null,
+  default: "",
+  summary: "",
+  ...rest,
+});
+
 const kind: FaultKind = {
   name: "ethercat-drop",
   summary: "",
   applies_to: "port",
+  counts: "frames",
+  momentary: false,
   parameters: [
-    { name: "probability", type: "number", unit: "", minimum: 0, maximum: 1, default: 1, summary: "" },
-    { name: "count", type: "integer", unit: "", minimum: 1, maximum: null, default: null, summary: "" },
-    { name: "silent", type: "boolean", unit: "", minimum: null, maximum: null, default: false, summary: "" },
-    { name: "at", type: "duration", unit: "", minimum: null, maximum: null, default: "0s", summary: "" },
+    parameter("direction", "choice", { choices: ["in", "out"], default: "in" }),
+    parameter("code", "whole number", { minimum: 0, maximum: 65535, default: "0x0001" }),
+    parameter("probability", "number", { minimum: 0, maximum: 1, default: "1" }),
+    parameter("delay", "duration", { needed: true, minimum: 1e-6, maximum: 60 }),
   ],
 };
 
 describe("the form of a fault", () => {
-  it("starts with the defaults and sends what is filled in, with its type", () => {
-    const values = defaultsOf(kind);
-    expect(values).toEqual({ probability: "1", count: "", silent: "false", at: "0s" });
-    expect(faultRequest(kind, { device: "servo", port: 0 }, values)).toEqual({
-      action: "ethercat-drop",
-      device: "servo",
-      port: 0,
-      probability: 1,
-      silent: false,
-      at: "0s",
-    });
+  it("starts with the defaults and sends what differs from them, with its type", () => {
+    const values = defaultsOf(kind.parameters);
+    expect(values).toEqual({ direction: "in", code: "0x0001", probability: "1", delay: "" });
+    const keys = filledIn(kind.parameters, { ...values, code: "1Bh", probability: "0.5", delay: "20ms" });
+    expect(keys).toEqual({ code: 27, probability: 0.5, delay: "20ms" });
+    expect(faultRequest(kind, { device: "servo", port: 0 }, keys, {})).toEqual({ kind: "ethercat-drop", device: "servo", port: 0, ...keys });
+    expect(faultRequest(kind, {}, {}, { cycles: 1000 })).toEqual({ kind: "ethercat-drop", when: { cycles: 1000 } });
   });
-  it("says what is out of range", () => {
-    const [probability] = kind.parameters;
-    if (!probability) throw new Error("no parameter");
-    expect(fieldProblem(probability, "0.5")).toBe("");
-    expect(fieldProblem(probability, "2")).toBe("at most 1");
-    expect(fieldProblem(probability, "x")).toBe("a number is needed");
+  it("says what is missing, no number or out of range", () => {
+    const problem = (i: number, text: string) => fieldProblem(kind.parameters[i] ?? parameter("", ""), text);
+    expect(problem(2, "0.5")).toBe("");
+    expect(problem(2, "2")).toBe("at most 1");
+    expect(problem(2, "x")).toBe("a number is needed");
+    expect(problem(1, "1.5")).toBe("a whole number is needed");
+    expect(problem(1, "0xFFFF")).toBe("");
+    expect(problem(3, "")).toBe("needed");
+  });
+  it("asks for begin and end as far as the kind has them", () => {
+    const kinds = { kinds: [kind], common: ["name", "at", "when", "for", "count", "probability"].map((name) => parameter(name, "text")) };
+    const asked = (rest: Partial<FaultKind>) => timingOf({ ...kind, ...rest }, kinds).map(({ name }) => name);
+    expect(asked({})).toEqual(["name", "at", "for", "count", "probability"]);
+    expect(asked({ counts: "" })).toEqual(["name", "at", "for"]);
+    expect(asked({ momentary: true })).toEqual(["name", "at", "probability"]);
   });
   it("offers what the kind applies to", () => {
     const rack = {
@@ -78,7 +96,7 @@ describe("the form of a fault", () => {
       ],
     };
     expect(targetsOf("axis", rack)).toEqual([{ label: "servo, axis2", keys: { device: "servo", axis: 2 } }]);
-    expect(targetsOf("bus", rack)).toEqual([{ label: "can0", keys: { bus: "can0" } }]);
+    expect(targetsOf("bus", rack)).toEqual([{ label: "can0: all frames", keys: { bus: "can0" } }]);
     expect(targetsOf("device", rack)).toEqual([{ label: "servo", keys: { device: "servo" } }]);
     expect(targetsOf("port", rack)).toEqual([]);
   });

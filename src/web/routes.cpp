@@ -73,7 +73,7 @@ constexpr std::array<Route, 17> kRoutes{{
      .method = "GET",
      .path = "/api/v1/signals",
      .id = "listSignals",
-     .summary = "Signals with their present values; as a WebSocket: a stream of samples",
+     .summary = "Signals with their present values; as a WebSocket: a stream of samples and events",
      .schema = "Signals",
      .query = {"names", "string", "Patterns separated by commas, * for any run of characters"},
      .stream = true},

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "rack/text.hpp"
-#include "web/event_object.hpp"
 #include "web/json_text.hpp"
 #include "web/problem.hpp"
 #include "web/sample_batch.hpp"
@@ -168,12 +167,12 @@ void StreamQueue::collect_events(const State& state) {
   push({text_of({{"type", "events"}, {"events", std::move(events)}})});
 }
 
-StreamQueue::Message StreamQueue::take() {
+std::string StreamQueue::take() {
   Message message = std::move(messages_.front());
   messages_.pop_front();
-  bytes_ -= message.payload.size();
+  bytes_ -= message.text.size();
   counters_.stream_rows_sent += message.rows;
-  return message;
+  return std::move(message.text);
 }
 
 void StreamQueue::forget_tap() {
@@ -181,14 +180,14 @@ void StreamQueue::forget_tap() {
 }
 
 void StreamQueue::push(Message message) {
-  bytes_ += message.payload.size();
+  bytes_ += message.text.size();
   messages_.push_back(std::move(message));
   while (bytes_ > kMostBytes && messages_.size() > 1) {
     // Samples first: what a client must know of its subscription and the events are short and rare.
     auto victim =
         std::ranges::find_if(messages_, [](const Message& each) { return each.rows > 0; });
     victim = victim == messages_.end() ? messages_.begin() : victim;
-    bytes_ -= victim->payload.size();
+    bytes_ -= victim->text.size();
     dropped_ += victim->rows;
     counters_.stream_rows_dropped += victim->rows;
     messages_.erase(victim);
@@ -197,30 +196,29 @@ void StreamQueue::push(Message message) {
 
 StreamQueue::Message StreamQueue::batch(const rack::SignalTap& tap, std::size_t rows) const {
   if (binary_) {
-    return {.payload = sample_batch(tap, rows, dropped()), .rows = rows, .binary = true};
+    return {.text = sample_batch(tap, rows, dropped()), .rows = rows, .binary = true};
   }
-  Message message{
-      .payload = fmt::format(R"({{"type":"samples","dropped":{},"time_ns":[)", dropped()),
-      .rows = rows};
-  const auto out = std::back_inserter(message.payload);
+  Message message{.text = fmt::format(R"({{"type":"samples","dropped":{},"time_ns":[)", dropped()),
+                  .rows = rows};
+  const auto out = std::back_inserter(message.text);
   for (std::size_t row = 0; row < rows; ++row) {
     fmt::format_to(out, "{}{}", row == 0 ? "" : ",", tap.time(row).nanoseconds());
   }
-  message.payload += "],\"values\":[";
+  message.text += "],\"values\":[";
   for (std::size_t signal = 0; signal < tap.signals().size(); ++signal) {
-    message.payload += signal == 0 ? "[" : ",[";
+    message.text += signal == 0 ? "[" : ",[";
     for (std::size_t row = 0; row < rows; ++row) {
       const double value = tap.values(row)[signal];
-      message.payload += row == 0 ? "" : ",";
+      message.text += row == 0 ? "" : ",";
       if (std::isfinite(value)) {
         fmt::format_to(out, "{}", value);
       } else {
-        message.payload += "null";
+        message.text += "null";
       }
     }
-    message.payload += ']';
+    message.text += ']';
   }
-  message.payload += "]}";
+  message.text += "]}";
   return message;
 }
 

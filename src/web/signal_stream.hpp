@@ -61,12 +61,6 @@ class StreamQueue {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{1} << 20U;
 
-  struct Message {
-    std::string payload;
-    std::size_t rows = 0;  ///< 0: not of samples
-    bool binary = false;   ///< else it is text
-  };
-
   explicit StreamQueue(ServerCounters& counters) : counters_(counters) {}
 
   /// The answer to a subscription.
@@ -81,12 +75,20 @@ class StreamQueue {
   [[nodiscard]] bool empty() const { return messages_.empty(); }
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
   /// The oldest message, which is on its way then: it cannot be dropped any more.
-  [[nodiscard]] Message take();
+  [[nodiscard]] std::string take();
+  /// It is a batch of samples in binary form; everything else is text.
+  [[nodiscard]] bool front_is_binary() const { return messages_.front().binary; }
   [[nodiscard]] std::uint64_t dropped() const { return dropped_ + tap_lost_; }
   /// The tap that was collected from is no more.
   void forget_tap();
 
  private:
+  struct Message {
+    std::string text;
+    std::size_t rows = 0;
+    bool binary = false;
+  };
+
   void push(Message message);
   [[nodiscard]] Message batch(const rack::SignalTap& tap, std::size_t rows) const;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "rack/product_catalogue.hpp"
 
@@ -20,6 +21,11 @@ std::string_view to_text(base::Severity severity) {
       return "fault";
   }
   return "?";
+}
+
+nlohmann::ordered_json to_json(const EventRecord& event) {
+  return {{"number", event.number}, {"time_ns", event.time.nanoseconds()}, {"device", event.device},
+          {"rule", event.rule},     {"severity", to_text(event.severity)}, {"text", event.text}};
 }
 
 State::State(rack::Rack& rack, const rack::RackConfiguration& configuration,

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "base/event.hpp"
 #include "rack/runner.hpp"
 
@@ -42,6 +44,9 @@ struct EventRecord {
   base::Severity severity = base::Severity::information;
   std::string text;
 };
+
+/// As the list of events has it.
+[[nodiscard]] nlohmann::ordered_json to_json(const EventRecord& event);
 
 [[nodiscard]] std::string_view to_text(base::Severity severity);
 

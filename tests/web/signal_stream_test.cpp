@@ -53,7 +53,7 @@ class StreamQueueTest : public testing::Test {
 TEST_F(StreamQueueTest, MakesMessagesOfRows) {
   sample(3);
   queue.collect(tap);
-  const auto message = nlohmann::json::parse(queue.take().payload);
+  const auto message = nlohmann::json::parse(queue.take());
   EXPECT_EQ(message["type"], "samples");
   EXPECT_EQ(message["dropped"], 0);
   EXPECT_EQ(message["time_ns"], (nlohmann::json{0, 1'000'000, 2'000'000}));
@@ -79,7 +79,7 @@ TEST_F(StreamQueueTest, DropsTheOldestOfASlowClientAndCountsThem) {
   std::uint64_t got = 0;
   double last = -1;
   while (!queue.empty()) {
-    const auto message = nlohmann::json::parse(queue.take().payload);
+    const auto message = nlohmann::json::parse(queue.take());
     told = message["dropped"];
     got += message["time_ns"].size();
     EXPECT_GT(message["values"][0][0], last) << "not in order";
@@ -168,13 +168,13 @@ TEST_F(SubscriptionTest, GetsTheEventsThatComeAfterItOnce) {
   };
   raise(1);
   queue.push_subscribed(state, {.signals = {}, .events = true});
-  EXPECT_EQ(nlohmann::json::parse(queue.take().payload)["events"], true);
+  EXPECT_EQ(nlohmann::json::parse(queue.take())["events"], true);
   queue.collect_events(state);
   EXPECT_TRUE(queue.empty()) << "what was before";
   raise(2);
   raise(3);
   queue.collect_events(state);
-  const auto message = nlohmann::json::parse(queue.take().payload);
+  const auto message = nlohmann::json::parse(queue.take());
   EXPECT_EQ(message["type"], "events");
   ASSERT_EQ(message["events"].size(), 2U);
   EXPECT_EQ(message["events"][0]["number"], 2);
@@ -183,7 +183,7 @@ TEST_F(SubscriptionTest, GetsTheEventsThatComeAfterItOnce) {
   queue.collect_events(state);
   EXPECT_TRUE(queue.empty());
   queue.push_subscribed(state, {});
-  EXPECT_FALSE(queue.take().binary);
+  EXPECT_FALSE(queue.take().empty());
   raise(4);
   queue.collect_events(state);
   EXPECT_TRUE(queue.empty()) << "no longer wanted";
@@ -207,9 +207,10 @@ TEST_F(SubscriptionTest, AndItsEventsOutliveSamplesThatGiveWay) {
     }
     queue.collect(tap);
   }
-  EXPECT_FALSE(queue.take().binary);
-  EXPECT_EQ(nlohmann::json::parse(queue.take().payload)["type"], "events");
-  EXPECT_TRUE(queue.take().binary);
+  EXPECT_FALSE(queue.front_is_binary());
+  EXPECT_EQ(nlohmann::json::parse(queue.take())["type"], "subscribed");
+  EXPECT_EQ(nlohmann::json::parse(queue.take())["type"], "events");
+  EXPECT_TRUE(queue.front_is_binary());
 }
 
 }  // namespace

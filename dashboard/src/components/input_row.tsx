@@ -63,7 +63,7 @@ export function InputRow({ input, label, present }: { input: InputInfo; label: s
     setText(null);
   };
   return (
-    <div class="input-row">
+    <div class={`input-row ${control.kind}`}>
       {control.kind === "switch" ? (
         <label class="check wide">
           <input
@@ -92,6 +92,7 @@ export function InputRow({ input, label, present }: { input: InputInfo; label: s
           <input
             id={id}
             type="range"
+            class={value === null ? "unknown" : ""}
             min={control.minimum}
             max={control.maximum}
             step={control.step}

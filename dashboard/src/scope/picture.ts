@@ -1,11 +1,13 @@
-// Draws the record. A canvas of its own: per column of pixels a vertical line from minimum to maximum
-// is drawn straight from the envelope, without paths or arrays of points in between.
+// Draws the record on a canvas of its own. Ten dense traces as paths, which is what plotting libraries
+// make of them, take a browser without a graphics processor several times as long as their pixels.
 import { themeColour } from "../theme";
 import { columnBounds, envelopeOf, makeEnvelope, type Envelope } from "./core/decimation";
+import { pixelOf } from "./core/raster";
 import { tickText, ticks, timeText } from "./core/numbers";
 import type { ChannelSetup } from "./core/setup";
 import { type Range, fitted } from "./core/view";
 import { type Oscilloscope, axisKey } from "./oscilloscope";
+import { TraceLayer } from "./trace_layer";
 
 export interface Box {
   readonly left: number;
@@ -67,6 +69,8 @@ export class Picture {
   colours: Colours;
   private readonly ranges = new Map<string, Range>();
   private envelope: Envelope = makeEnvelope(0);
+  private readonly layer = new TraceLayer();
+  private ratio = 1;
   private readonly context: CanvasRenderingContext2D;
   private readonly extremes = { low: 0, high: 0 };
 
@@ -105,6 +109,7 @@ export class Picture {
   draw(): void {
     const { context, canvas, colours } = this;
     const ratio = window.devicePixelRatio || 1;
+    this.ratio = ratio;
     const width = canvas.clientWidth;
     const height = canvas.clientHeight;
     if (width < kGutter * 2 || height < kTop + kBottom + 20) {
@@ -122,14 +127,22 @@ export class Picture {
     this.layOut(width, height);
     this.drawGrid();
     this.drawGaps();
-    const bounds = columnBounds(this.scope.record.ring, this.shown.from, this.shown.to, Math.max(1, Math.round(this.plot.right - this.plot.left)));
+    const columns = Math.max(1, Math.round((this.plot.right - this.plot.left) * ratio));
+    const bounds = columnBounds(this.scope.record.ring, this.shown.from, this.shown.to, columns);
+    const dense = bounds[columns]! - bounds[0]! > columns;
+    if (dense) {
+      this.drawEnvelopes(bounds);
+    }
     for (const scale of this.scales) {
       context.save();
       context.beginPath();
       context.rect(scale.box.left, scale.box.top, scale.box.right - scale.box.left, scale.box.bottom - scale.box.top);
       context.clip();
-      for (const channel of scale.channels) {
-        this.drawTrace(scale, channel, bounds);
+      for (const channel of dense ? [] : scale.channels) {
+        const { slope, zero } = this.placed(scale, channel);
+        context.strokeStyle = this.colour(channel);
+        context.fillStyle = this.colour(channel);
+        this.drawSamples(channel, bounds[0]!, bounds[columns]!, slope, zero);
       }
       context.restore();
     }
@@ -256,41 +269,34 @@ export class Picture {
     return this.colours.series[channel % kSeries]!;
   }
 
-  private drawTrace(scale: Scale, channel: number, bounds: Float64Array): void {
-    const { context } = this;
+  /// y = value * slope + zero
+  private placed(scale: Scale, channel: number): { readonly slope: number; readonly zero: number } {
     const { gain, offset } = this.scope.setup.channels[channel]!;
-    const from = bounds[0]!;
-    const to = bounds[bounds.length - 1]!;
     const { range, box } = scale;
-    const slope = ((box.top - box.bottom) / (range.to - range.from)) * gain;
-    const zero = box.bottom + ((offset - range.from) * (box.top - box.bottom)) / (range.to - range.from);
-    context.strokeStyle = this.colour(channel);
-    context.fillStyle = this.colour(channel);
-    if (to - from > bounds.length) {
-      this.drawEnvelope(channel, bounds, slope, zero);
-    } else {
-      this.drawSamples(channel, from, to, slope, zero);
-    }
+    const perUnit = (box.top - box.bottom) / (range.to - range.from);
+    return { slope: perUnit * gain, zero: box.bottom + (offset - range.from) * perUnit };
   }
 
-  private drawEnvelope(channel: number, bounds: Float64Array, slope: number, zero: number): void {
+  private drawEnvelopes(bounds: Float64Array): void {
+    const { plot, ratio, context } = this;
     const width = bounds.length - 1;
     if (this.envelope.low.length !== width) {
       this.envelope = makeEnvelope(width);
     }
-    const { low, high } = this.envelope;
-    envelopeOf(this.scope.record.ring, channel, bounds, this.envelope);
-    const kThick = 1.5;
-    const { left } = this.plot;
-    const { context } = this;
-    for (let x = 0; x < width; ++x) {
-      if (low[x]! <= high[x]!) {
-        const a = low[x]! * slope + zero;
-        const b = high[x]! * slope + zero;
-        const top = (a < b ? a : b) - kThick / 2;
-        context.fillRect(left + x, top, 1, (a < b ? b : a) - top + kThick / 2);
+    this.layer.begin(width, Math.max(1, Math.round((plot.bottom - plot.top) * ratio)));
+    for (const scale of this.scales) {
+      const top = Math.round((scale.box.top - plot.top) * ratio);
+      const bottom = Math.round((scale.box.bottom - plot.top) * ratio);
+      for (const channel of scale.channels) {
+        const { slope, zero } = this.placed(scale, channel);
+        envelopeOf(this.scope.record.ring, channel, bounds, this.envelope);
+        this.layer.trace(this.envelope, slope * ratio, (zero - plot.top) * ratio, top, bottom, pixelOf(this.colour(channel)), ratio);
       }
     }
+    context.save();
+    context.resetTransform();
+    this.layer.end(context, Math.round(plot.left * ratio), Math.round(plot.top * ratio));
+    context.restore();
   }
 
   private drawSamples(channel: number, from: number, to: number, slope: number, zero: number): void {

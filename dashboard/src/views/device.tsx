@@ -7,6 +7,7 @@ import "../styles/device.css";
 import { Objects } from "./objects";
 import { Overview } from "./overview";
 import { ProgramView } from "./program";
+import { networkState } from "./rack";
 import { DeviceSignals } from "./signals";
 
 const kPanelPeriod = 400;
@@ -73,9 +74,10 @@ function PowerAndState({ device, panel }: { device: DeviceInfo; panel: Panel | n
     return <span class="badge warning">switched off</span>;
   }
   const code = panel?.network?.status_code ?? 0;
+  const state = networkState(device, panel);
   return (
     <>
-      <span class="badge accent">{panel?.network?.state ?? device.state}</span>
+      {state === "" ? null : <span class="badge accent">{state}</span>}
       {code ? (
         <span class="badge bad">
           {code.toString(16).toUpperCase().padStart(4, "0")}h {panel?.network?.status_text}

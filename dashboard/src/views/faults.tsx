@@ -1,14 +1,24 @@
 import { useMemo, useState } from "preact/hooks";
 
-import type { Fault, FaultKind, FaultParameter, Signals, Wiring } from "../api";
+import type { Fault, FaultKind, FaultKinds, FaultParameter, Signals, Wiring } from "../api";
 import { segment } from "../api";
-import { defaultsOf, faultRequest, fieldOf, fieldProblem, targetsOf } from "../fault_form";
+import {
+  defaultsOf,
+  faultRequest,
+  fieldOf,
+  fieldProblem,
+  filledIn,
+  rangeText,
+  targetsOf,
+  timingOf,
+  type Values,
+} from "../fault_form";
 import { unitText } from "../format";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
 import { shaftsOf } from "../shafts";
 
 export function FaultsView() {
-  const kinds = useResource<{ kinds: FaultKind[] }>("/api/v1/faults/kinds");
+  const kinds = useResource<FaultKinds>("/api/v1/faults/kinds");
   const active = useResource<{ faults: Fault[] }>("/api/v1/faults", 1000);
   const [name, setName] = useState("");
   const [words, setWords] = useState("");
@@ -51,8 +61,8 @@ export function FaultsView() {
           </div>
         </section>
         <div class="stack">
-          {kind ? (
-            <FaultForm key={kind.name} kind={kind} done={active.reload} />
+          {kind && kinds.data ? (
+            <FaultForm key={kind.name} kind={kind} kinds={kinds.data} done={active.reload} />
           ) : (
             <section class="panel">
               <p class="empty">Choose a kind of fault.</p>
@@ -65,45 +75,73 @@ export function FaultsView() {
   );
 }
 
-function Parameter({ parameter, value, change }: { parameter: FaultParameter; value: string; change: (text: string) => void }) {
+function Parameter({ parameter, value, group, change }: {
+  parameter: FaultParameter;
+  value: string;
+  group: string;
+  change: (text: string) => void;
+}) {
   const field = fieldOf(parameter);
   const wrong = fieldProblem(parameter, value);
-  const id = `parameter-${parameter.name}`;
-  const range =
-    parameter.minimum === null && parameter.maximum === null
-      ? ""
-      : `${parameter.minimum ?? "−∞"} … ${parameter.maximum ?? "∞"}`;
+  const id = `${group}-${parameter.name}`;
+  const choices = field === "switch" ? ["false", "true"] : (parameter.choices ?? []);
+  const missing = wrong === "needed";
   return (
     <div class="field">
       <label htmlFor={id}>
-        {parameter.name} {parameter.unit ? <span class="soft">in {unitText(parameter.unit)}</span> : null}
+        {parameter.name.replace(/_/g, " ")} {parameter.unit && field !== "text" ? <span class="soft">in {unitText(parameter.unit)}</span> : null}
       </label>
-      {field === "switch" ? (
-        <select id={id} value={value || "false"} onChange={(event) => change(event.currentTarget.value)}>
-          <option value="false">no</option>
-          <option value="true">yes</option>
+      {choices.length > 0 ? (
+        <select id={id} value={value} aria-describedby={`${id}-help`} onChange={(event) => change(event.currentTarget.value)}>
+          {choices.includes(value) ? null : <option value={value}>{value}</option>}
+          {choices.map((choice) => (
+            <option key={choice}>{choice}</option>
+          ))}
         </select>
       ) : (
         <input
           id={id}
           value={value}
-          inputMode={field === "number" ? "decimal" : "text"}
-          aria-invalid={wrong !== ""}
+          placeholder={parameter.type === "duration" ? "e.g. 20ms" : ""}
+          aria-invalid={wrong !== "" && !missing}
+          aria-required={parameter.needed ?? false}
           aria-describedby={`${id}-help`}
           onInput={(event) => change(event.currentTarget.value)}
         />
       )}
-      <span id={`${id}-help`} class={wrong === "" ? "soft help" : "help wrong"}>
-        {wrong !== "" ? wrong : [parameter.summary, range].filter(Boolean).join("; ")}
+      <span id={`${id}-help`} class={wrong === "" || missing ? "soft help" : "help wrong"}>
+        {wrong !== "" && !missing ? wrong : [missing ? "needed" : "", parameter.summary, rangeText(parameter)].filter(Boolean).join("; ")}
       </span>
     </div>
   );
 }
 
-function FaultForm({ kind, done }: { kind: FaultKind; done: () => void }) {
+/// Values of a group of fields.
+function useFields(parameters: readonly FaultParameter[], group: string) {
+  const [values, setValues] = useState<Values>(() => defaultsOf(parameters));
+  const fields = parameters.map((parameter) => (
+    <Parameter
+      key={parameter.name}
+      parameter={parameter}
+      group={group}
+      value={values[parameter.name] ?? ""}
+      change={(text) => setValues((old) => ({ ...old, [parameter.name]: text }))}
+    />
+  ));
+  return {
+    fields,
+    wrong: parameters.some((parameter) => fieldProblem(parameter, values[parameter.name] ?? "") !== ""),
+    keys: () => filledIn(parameters, values),
+    reset: () => setValues(defaultsOf(parameters)),
+  };
+}
+
+function FaultForm({ kind, kinds, done }: { kind: FaultKind; kinds: FaultKinds; done: () => void }) {
   const { api } = useWorld();
   const store = useStore();
-  const [values, setValues] = useState(() => defaultsOf(kind));
+  const what = useFields(kind.parameters, "what");
+  const timing = useFields(timingOf(kind, kinds), "timing");
+  const milestone = useFields(kinds.when ?? [], "when");
   const [chosen, setChosen] = useState(0);
   const { busy, error, run } = useAction();
   const signals = useResource<Signals>(kind.applies_to === "axis" ? "/api/v1/signals" : null);
@@ -119,11 +157,14 @@ function FaultForm({ kind, done }: { kind: FaultKind; done: () => void }) {
       }),
     [kind, signals.data, wiring.data, devices.join("\n")],
   );
-  const wrong = kind.parameters.some((parameter) => fieldProblem(parameter, values[parameter.name] ?? "") !== "");
+  const wrong = what.wrong || timing.wrong || milestone.wrong;
   const target = targets[Math.min(chosen, targets.length - 1)];
   const put = async () => {
-    if (target && (await run(() => api.send("POST", "/api/v1/faults", faultRequest(kind, target.keys, values))))) {
-      done();
+    if (target) {
+      const body = faultRequest(kind, target.keys, { ...what.keys(), ...timing.keys() }, milestone.keys());
+      if (await run(() => api.send("POST", "/api/v1/faults", body))) {
+        done();
+      }
     }
   };
   return (
@@ -139,8 +180,9 @@ function FaultForm({ kind, done }: { kind: FaultKind; done: () => void }) {
           void put();
         }}
       >
+        {kind.effect ? <p class="wide">What the master sees: {kind.effect}</p> : null}
         <div class="field">
-          <label htmlFor="fault-target">Where</label>
+          <label htmlFor="fault-target">where</label>
           <select id="fault-target" value={chosen} onChange={(event) => setChosen(Number(event.currentTarget.value))}>
             {targets.map((each, i) => (
               <option key={each.label} value={i}>
@@ -150,14 +192,19 @@ function FaultForm({ kind, done }: { kind: FaultKind; done: () => void }) {
           </select>
           <span class="soft help">{targets.length === 0 ? `the rack has no ${kind.applies_to}` : `a ${kind.applies_to}`}</span>
         </div>
-        {kind.parameters.map((parameter) => (
-          <Parameter
-            key={parameter.name}
-            parameter={parameter}
-            value={values[parameter.name] ?? ""}
-            change={(text) => setValues((old) => ({ ...old, [parameter.name]: text }))}
-          />
-        ))}
+        {what.fields}
+        {timing.fields.length > 0 ? (
+          <details class="wide">
+            <summary>Begin and end{kind.counts ? `; counts ${kind.counts}` : ""}</summary>
+            <div class="fault-form">{timing.fields}</div>
+          </details>
+        ) : null}
+        {milestone.fields.length > 0 ? (
+          <details class="wide">
+            <summary>Begin at a milestone</summary>
+            <div class="fault-form">{milestone.fields}</div>
+          </details>
+        ) : null}
         {error === "" ? null : (
           <p class="notice bad wide" role="alert">
             {error}
@@ -167,7 +214,14 @@ function FaultForm({ kind, done }: { kind: FaultKind; done: () => void }) {
           <button type="submit" class="primary" disabled={busy || wrong || !target}>
             Put it there
           </button>
-          <button type="button" onClick={() => setValues(defaultsOf(kind))}>
+          <button
+            type="button"
+            onClick={() => {
+              what.reset();
+              timing.reset();
+              milestone.reset();
+            }}
+          >
             Defaults
           </button>
         </div>
@@ -205,6 +259,7 @@ function ActiveFaults({ faults, reload }: { faults: readonly Fault[]; reload: ()
               <th>Kind</th>
               <th>Where</th>
               <th>State</th>
+              <th class="number">Hits</th>
               <th>Remaining</th>
               <th>
                 <span class="hidden-text">Clear</span>
@@ -215,11 +270,15 @@ function ActiveFaults({ faults, reload }: { faults: readonly Fault[]; reload: ()
             {faults.map((fault) => (
               <tr key={fault.id}>
                 <td class="number">{fault.id}</td>
-                <td>{fault.kind}</td>
+                <td>
+                  {fault.kind}
+                  {fault.name ? <span class="soft"> {fault.name}</span> : null}
+                </td>
                 <td>{fault.target}</td>
                 <td>
                   <span class={`badge ${kStates[fault.state] ?? ""}`}>{fault.state}</span>
                 </td>
+                <td class="number">{fault.hits ?? ""}</td>
                 <td>{fault.remaining === null || fault.remaining === undefined ? "" : String(fault.remaining)}</td>
                 <td class="number">
                   <button

@@ -14,6 +14,7 @@ import { sameState } from "../machine_layout";
 import { href } from "../router";
 import { controlwordBits, errorCodeText, errorRegisterBits, modeText, powerState, statuswordBits, type Bit } from "../words";
 import { EventRows } from "./events";
+import { ProgramView } from "./program";
 
 const kObjectPeriod = 500;
 const kEventsShown = 8;
@@ -54,8 +55,9 @@ export function Overview({ device, panel }: { device: DeviceInfo; panel: Panel |
           <MachinePanel machine={power} state={axisPanel.state} title={`${axisPanel.name}: ${power.title}`} refusal={axisPanel.last_refusal} />
         ) : null}
         {network && panel?.network ? (
-          <MachinePanel machine={network} state={panel.network.state} title={network.title} refusal={panel.last_refusal} />
+          <MachinePanel machine={network} state={panel.network.state} title={network.title} refusal={panel.last_refusal?.number === axisPanel?.last_refusal?.number ? null : panel.last_refusal} />
         ) : null}
+        {panel?.program && store.offers("/api/v1/devices/{device}/program") ? <ProgramView device={device} /> : null}
         {power || network ? null : <DeviceEvents name={device.name} />}
       </div>
       <div class="stack last">

@@ -14,6 +14,8 @@ import "../styles/rack.css";
 const kPanelPeriod = 500;
 const kWiringPeriod = 1000;
 const kShaftRadius = 19;
+/// From this width on buses and lines stand side by side.
+const kTwoColumns = 1400;
 
 /// What a server without /wiring still tells: which devices hang at which network.
 function wiringOf(devices: readonly DeviceInfo[], kinds: ReadonlyMap<string, string>): Wiring {
@@ -56,6 +58,8 @@ export function RackView() {
   );
   const kinds = new Map(store.rack?.networks.map((network) => [network.name, network.kind]));
   const shown = wiring.data ?? (store.offers("/api/v1/wiring") ? null : wiringOf(store.devices, kinds));
+  const halves = width >= kTwoColumns;
+  const narrow = halves ? (width - 12) / 2 - 26 : width - 26;
   const ready = shown !== null && signals.data !== null && width > 0;
   return (
     <>
@@ -68,15 +72,15 @@ export function RackView() {
       {wiring.error && !wiring.data ? <p class="notice bad">{wiring.error.message}</p> : null}
       <div ref={attach} class="rack-width" />
       {ready ? (
-        <div class="rack">
+        <div class={halves ? "rack halves" : "rack"}>
           {shown.segments.map((each) => (
             <SegmentPanel key={each.name} segment={each} shafts={shafts} width={width - 26} />
           ))}
           {shown.buses.map((each) => (
-            <BusPanel key={each.name} bus={each} shafts={shafts} width={width - 26} />
+            <BusPanel key={each.name} bus={each} shafts={shafts} width={narrow} />
           ))}
           {shown.lines.map((each) => (
-            <LinePanel key={each.link} line={each} shafts={shafts} width={width - 26} />
+            <LinePanel key={each.link} line={each} shafts={shafts} width={narrow} />
           ))}
           <Networks />
         </div>
@@ -99,7 +103,7 @@ function SegmentPanel({ segment, shafts, width }: Drawn & { segment: Segment }) 
   const first = picture.cards[0];
   const broken = picture.cables.filter((cable) => cable.state === "broken").length;
   return (
-    <section class="panel">
+    <section class="panel whole">
       <header>
         <h2>{segment.name}</h2>
         <span class="badge">EtherCAT</span>
@@ -202,6 +206,14 @@ function LinePanel({ line, shafts, width }: Drawn & { line: Line }) {
   );
 }
 
+/// A device at no network has no state there; a module that only talks TMCL is one.
+export function networkState(device: DeviceInfo | undefined, panel: Panel | null): string {
+  if (panel) {
+    return panel.network?.state ?? "";
+  }
+  return device && device.network !== "" ? device.state : "";
+}
+
 function DeviceCard({ card, shafts, ports }: { card: Card; shafts: readonly Shaft[]; ports: Segment["devices"][number]["ports"] }) {
   const store = useStore();
   const device = store.devices.find((each) => each.name === card.name);
@@ -209,7 +221,7 @@ function DeviceCard({ card, shafts, ports }: { card: Card; shafts: readonly Shaf
   const panel = useResource<Panel>(offered ? `/api/v1/devices/${pathSegment(card.name)}/panel` : null, kPanelPeriod);
   const own = shafts.filter((shaft) => shaft.device === card.name);
   const powered = device?.powered ?? true;
-  const network = panel.data?.network?.state ?? device?.state ?? "";
+  const network = networkState(device, panel.data);
   const errors = ports.reduce((sum, port) => sum + port.invalid_frames + port.rx_errors + port.lost_links, 0);
   const leds = powered ? (panel.data?.leds ?? []) : [];
   return (
@@ -277,7 +289,7 @@ function ShaftSpeed({ shaft, x, y }: { shaft: Shaft; x: number; y: number }) {
 function Networks() {
   const { rack } = useStore();
   return (
-    <section class="panel">
+    <section class="panel whole">
       <header>
         <h2>Networks</h2>
       </header>
