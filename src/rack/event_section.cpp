@@ -67,10 +67,10 @@ DeviceAddress EventSectionReader::read_target(TomlSection& section) const {
     return *found;
   }
   const std::string guess = closest_match(*name, names);
-  section.fail("device",
-               fmt::format("\"device\" is \"{}\"{}; the devices are: {}", *name,
-                           guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
-                           fmt::join(names, ", ")));
+  section.fail_for_reference(
+      "device", fmt::format("\"device\" is \"{}\"{}; the devices are: {}", *name,
+                            guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
+                            fmt::join(names, ", ")));
 }
 
 const DeviceConfiguration& EventSectionReader::device_at(DeviceAddress address) const {
@@ -100,7 +100,7 @@ unsigned EventSectionReader::read_port(TomlSection& section, DeviceAddress targe
     port = static_cast<unsigned>(*given);
   }
   if (!has_cable(segment, target.device, port)) {
-    section.fail("port", fmt::format("port {} of \"{}\" has no cable", port, device.name));
+    section.refuse("port", fmt::format("port {} of \"{}\" has no cable", port, device.name));
   }
   return port;
 }
@@ -137,10 +137,10 @@ RackEvent EventSectionReader::read_segment_fault(TomlSection& section, DeviceAdd
                                                  can::FrameFaultKind kind) const {
   using ethercat::FrameFaultKind;
   if (kind != can::FrameFaultKind::drop && kind != can::FrameFaultKind::corrupt) {
-    section.fail("action",
-                 fmt::format("\"{}\" is on EtherCAT, where frames can be hit by \"drop\" and "
-                             "\"corrupt\" only",
-                             device_at(target).name));
+    section.refuse("action",
+                   fmt::format("\"{}\" is on EtherCAT, where frames can be hit by \"drop\" and "
+                               "\"corrupt\" only",
+                               device_at(target).name));
   }
   SegmentFaultEvent event{target.network, {}};
   event.fault.kind =
@@ -201,21 +201,27 @@ void EventSectionReader::read_set(TomlSection& section, base::SimDuration at,
                  "\"set\" needs \"input\", which names what is set, and \"value\"; \"stator "
                  "describe DEVICE --inputs\" lists the inputs");
   }
+  if (section.collects_errors() && !section.errors()->list.empty()) {
+    // A device with errors may not be there to be asked.
+    static_cast<void>(section.number("from", -kAnyValue, kAnyValue));
+    static_cast<void>(section.duration("over", kRampStep, 60_s));
+    return;
+  }
   if (const std::string problem = input_problem(inputs_of(target), *input, *value);
       !problem.empty()) {
-    section.fail("value", problem);
+    section.refuse("value", problem);
   }
   const std::optional<double> from = section.number("from", -kAnyValue, kAnyValue);
   const std::optional<base::SimDuration> over = section.duration("over", kRampStep, 60_s);
   if (from.has_value() != over.has_value()) {
-    section.fail(from ? "from" : "over",
-                 "a ramp needs both: \"from\", the value it starts at, and \"over\", how long it "
-                 "takes");
+    section.refuse(from ? "from" : "over",
+                   "a ramp needs both: \"from\", the value it starts at, and \"over\", how long it "
+                   "takes");
   }
-  if (over) {
+  if (over && from) {
     if (const std::string problem = input_problem(inputs_of(target), *input, *from);
         !problem.empty()) {
-      section.fail("from", problem);
+      section.refuse("from", problem);
     }
     const std::int64_t steps = *over / kRampStep;
     for (std::int64_t i = 0; i < steps; ++i) {

@@ -51,6 +51,7 @@ export class Oscilloscope implements ConnectionListener {
   statistics: Statistics = { received: 0, expected: 0, droppedByServer: 0, droppedByPage: 0, fps: 0, slowest: 0 };
   private droppedByServer = 0;
   private droppedByPage = 0;
+  private isLoading = false;
   private detector: Detector | null = null;
   private detectorColumn = -1;
   private armedAt = -Infinity;
@@ -90,6 +91,11 @@ export class Oscilloscope implements ConnectionListener {
 
   subscribed(message: SubscribedMessage): void {
     this.record.subscribed(message.signals.map(({ name }) => name));
+    if (this.isLoading) {
+      this.isLoading = false;
+      this.record.clear();
+      this.arm();
+    }
     if (this.problem.startsWith("The rack: ")) {
       this.problem = "";
     }
@@ -226,8 +232,10 @@ export class Oscilloscope implements ConnectionListener {
     this.held = null;
     this.cursors = { times: null, levels: null };
     this.change(setup);
+    this.isLoading = true; // rows of the subscription before may still come
     this.record.clear();
     this.arm();
+    this.subscribe();
   }
 
   addSignals(signals: readonly { readonly name: string; readonly unit: string }[]): void {
