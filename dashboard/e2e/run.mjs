@@ -145,7 +145,7 @@ try {
       const page = await open(base, behaviour.path ?? "/rack");
       await page.setViewportSize(kSizes[0]);
       try {
-        await behaviour.test(page, { rack, link, origin: base });
+        await behaviour.test(page, { rack, link, origin: base, out: options.out });
         quiet(behaviour.allowed);
       } finally {
         await page.close();

@@ -1,6 +1,8 @@
 // What is looked at, and what is done there as a person would.
 import assert from "node:assert/strict";
 
+import * as scope from "./scope.mjs";
+
 const heading = (name) => async (page) => page.getByRole("heading", { level: 1, name, exact: true }).waitFor();
 const text = (name, found) => async (page) => {
   await heading(name)(page);
@@ -29,7 +31,7 @@ export const views = [
   { name: "traffic", path: "/traffic", needs: ["/api/v1/traffic"], ready: text("Traffic", /LRW|FPRD|BRD|LWR|LRD/) },
   { name: "faults", path: "/faults", needs: ["/api/v1/faults/kinds", "/api/v1/faults"], ready: text("Faults", "Kinds") },
   { name: "recording", path: "/recording", needs: ["/api/v1/recording", "/api/v1/snapshots"], ready: heading("Recording") },
-  { name: "scope", path: "/scope", ready: async (page) => page.locator("main").waitFor() },
+  { name: "scope", path: "/scope", ready: scope.ready },
 ];
 
 const put = (page, address) => page.getByRole("button", { name: `Write ${address}`, exact: true });
@@ -210,4 +212,5 @@ export const behaviours = [
       await page.locator("a.card", { hasText: "feeder" }).waitFor();
     },
   },
+  ...scope.behaviours,
 ];

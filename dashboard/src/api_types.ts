@@ -79,7 +79,7 @@ export interface EntryList<E = EntryDeclaration> {
   readonly entries: readonly E[];
 }
 
-export type Severity = "information" | "warning" | "error" | string;
+export type Severity = "information" | "refusal" | "warning" | "fault" | string;
 
 export interface EventInfo {
   readonly number: number;
@@ -244,6 +244,8 @@ export interface Fault {
 export interface SubscribedMessage {
   readonly type: "subscribed";
   readonly period_ns: number;
+  readonly format?: "json" | "binary";
+  readonly events?: boolean;
   readonly signals: readonly { readonly name: string; readonly unit: string }[];
 }
 
@@ -259,4 +261,9 @@ export interface ProblemMessage {
   readonly problem: Problem;
 }
 
-export type SignalMessage = SubscribedMessage | SamplesMessage | ProblemMessage;
+export interface EventsMessage {
+  readonly type: "events";
+  readonly events: readonly EventInfo[];
+}
+
+export type SignalMessage = SubscribedMessage | SamplesMessage | EventsMessage | ProblemMessage;

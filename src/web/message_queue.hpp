@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -8,7 +9,8 @@
 
 namespace stator::web {
 
-/// Messages that wait for a client, a megabyte at most: the oldest give way.
+/// Messages that wait for a client, a megabyte at most. The oldest samples or frames give way first:
+/// what a client must know beside them is short and rare.
 class MessageQueue {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{1} << 20U;
@@ -16,6 +18,7 @@ class MessageQueue {
   struct Message {
     std::string text;
     std::size_t rows = 0;  ///< samples or frames in it
+    bool binary = false;
   };
 
   /// Returns how many rows had to give way.
@@ -24,15 +27,19 @@ class MessageQueue {
     messages_.push_back(std::move(message));
     std::size_t dropped = 0;
     while (bytes_ > kMostBytes && messages_.size() > 1) {
-      dropped += messages_.front().rows;
-      bytes_ -= messages_.front().text.size();
-      messages_.pop_front();
+      auto victim =
+          std::ranges::find_if(messages_, [](const Message& each) { return each.rows > 0; });
+      victim = victim == messages_.end() ? messages_.begin() : victim;
+      dropped += victim->rows;
+      bytes_ -= victim->text.size();
+      messages_.erase(victim);
     }
     return dropped;
   }
   [[nodiscard]] bool empty() const { return messages_.empty(); }
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
   /// The oldest message; there must be one.
+  [[nodiscard]] const Message& front() const { return messages_.front(); }
   [[nodiscard]] Message take() {
     Message message = std::move(messages_.front());
     messages_.pop_front();

@@ -14,6 +14,8 @@ namespace {
 constexpr std::chrono::milliseconds kStreamPeriod{20};
 /// How often events are fetched: far more often than the log forgets them.
 constexpr std::chrono::milliseconds kEventPeriod{250};
+/// The same while somebody watches them, as an oscilloscope's trigger does.
+constexpr std::chrono::milliseconds kWatchedEventPeriod{50};
 /// Jobs of requests under way at most; the rest of the desk is for streams.
 constexpr std::size_t kMostJobs = rack::Desk::kCapacity / 2;
 
@@ -49,6 +51,17 @@ void RackAccess::untap(const TapOwner& owner) {
   }
 }
 
+void RackAccess::watch_events(std::weak_ptr<TapOwner> owner) {
+  event_watchers_.push_back(std::move(owner));
+}
+
+void RackAccess::unwatch_events(const TapOwner& owner) {
+  std::erase_if(event_watchers_, [&owner](const std::weak_ptr<TapOwner>& each) {
+    const std::shared_ptr<TapOwner> watcher = each.lock();
+    return watcher == nullptr || watcher.get() == &owner;
+  });
+}
+
 std::int64_t RackAccess::values_left(const TapOwner& asking) const {
   std::int64_t left = kMostValuesPerSecond;
   for (const Tap& each : taps_) {
@@ -74,7 +87,7 @@ void RackAccess::tick(Clock::time_point now) {
     collect();
   }
   if (now >= next_fetch_) {
-    next_fetch_ = now + kEventPeriod;
+    next_fetch_ = now + (event_watchers_.empty() ? kEventPeriod : kWatchedEventPeriod);
     static_cast<void>(post(make_events_job(state_, UINT64_MAX), nullptr));
   }
 }
@@ -137,6 +150,12 @@ void RackAccess::collect() {
     if (each.inside && each.owner != nullptr) {
       const std::shared_ptr<TapOwner> owner = each.owner;
       owner->collect(each.task->tap());
+    }
+  }
+  const std::vector<std::weak_ptr<TapOwner>> watchers = event_watchers_;  // may change meanwhile
+  for (const auto& each : watchers) {
+    if (const std::shared_ptr<TapOwner> owner = each.lock()) {
+      owner->collect_events();
     }
   }
 }

@@ -26,7 +26,7 @@ class Waiter {
   virtual void answer(Response response) = 0;
 };
 
-/// Somebody for whom the rack samples signals.
+/// Somebody for whom the rack samples signals and fetches events.
 class TapOwner {
  public:
   TapOwner() = default;
@@ -38,6 +38,8 @@ class TapOwner {
   virtual void tapped() = 0;
   /// Time to take the rows that wait.
   virtual void collect(rack::SignalTap& tap) = 0;
+  /// Time to look for events, if they are watched.
+  virtual void collect_events() = 0;
 };
 
 /// The way of the server's thread into the rack, which is the desk: jobs under way, and taps inside
@@ -57,6 +59,9 @@ class RackAccess {
   void tap(std::shared_ptr<TapOwner> owner, const Subscription& subscription);
   /// Ends all its taps.
   void untap(const TapOwner& owner);
+  /// Has events fetched often, until `owner` no longer wants them.
+  void watch_events(std::weak_ptr<TapOwner> owner);
+  void unwatch_events(const TapOwner& owner);
   /// Values per second that others than `asking` leave of kMostValuesPerSecond.
   [[nodiscard]] std::int64_t values_left(const TapOwner& asking) const;
 
@@ -95,6 +100,7 @@ class RackAccess {
   std::deque<Waiting> waiting_;
   std::deque<Tap> taps_;
   bool posted_before_tick_ = false;  ///< what waits at the desk has been there for a tick
+  std::vector<std::weak_ptr<TapOwner>> event_watchers_;
   Clock::time_point next_collect_;
   Clock::time_point next_fetch_;
 };

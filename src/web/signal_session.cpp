@@ -18,6 +18,10 @@ void SignalSession::take(std::string_view message) {
   queue_.forget_tap();
   queue_.push_subscribed(state_, subscription);
   access_.untap(*this);
+  access_.unwatch_events(*this);
+  if (subscription.events) {
+    access_.watch_events(shared<TapOwner>(this));
+  }
   if (!subscription.signals.empty()) {
     ready_ = false;
     access_.tap(shared<TapOwner>(this), subscription);
@@ -27,6 +31,7 @@ void SignalSession::take(std::string_view message) {
 void SignalSession::end() {
   if (!std::exchange(ended_, true)) {
     access_.untap(*this);
+    access_.unwatch_events(*this);
   }
 }
 
@@ -37,6 +42,11 @@ void SignalSession::tapped() {
 
 void SignalSession::collect(rack::SignalTap& tap) {
   queue_.collect(tap);
+  tell();
+}
+
+void SignalSession::collect_events() {
+  queue_.collect_events(state_);
   tell();
 }
 

@@ -19,10 +19,12 @@ class SignalSession final : public StreamSession, public TapOwner {
   [[nodiscard]] bool ready() const override { return ready_; }
   [[nodiscard]] bool empty() const override { return queue_.empty(); }
   [[nodiscard]] std::string next() override { return queue_.take(); }
+  [[nodiscard]] bool next_is_binary() const override { return queue_.front_is_binary(); }
   void end() override;
 
   void tapped() override;
   void collect(rack::SignalTap& tap) override;
+  void collect_events() override;
 
  private:
   State& state_;

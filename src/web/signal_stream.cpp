@@ -11,6 +11,7 @@
 #include "rack/text.hpp"
 #include "web/json_text.hpp"
 #include "web/problem.hpp"
+#include "web/sample_batch.hpp"
 
 namespace stator::web {
 
@@ -57,6 +58,14 @@ std::variant<Subscription, Response> parse_subscription(std::string_view text, c
       message["signals"].size() > kMostPatterns) {
     return problem(400, form);
   }
+  const Json format = message.value("format", Json("json"));
+  if (format != "json" && format != "binary") {
+    return problem(422, R"("format" of samples is "json" or "binary")");
+  }
+  const Json events = message.value("events", Json(false));
+  if (!events.is_boolean()) {
+    return problem(422, R"("events" is true or false)");
+  }
   std::string patterns;
   for (const Json& pattern : message["signals"]) {
     if (!pattern.is_string()) {
@@ -69,7 +78,9 @@ std::variant<Subscription, Response> parse_subscription(std::string_view text, c
     }
     patterns += (patterns.empty() ? "" : ",") + name;
   }
-  Subscription subscription{.signals = state.matching(patterns)};
+  Subscription subscription{.signals = state.matching(patterns),
+                            .binary = format == "binary",
+                            .events = events.get<bool>()};
   if (subscription.signals.empty()) {
     return subscription;
   }
@@ -109,12 +120,20 @@ bool TapTask::run(rack::Rack& rack, base::SimTime now) {
 }
 
 void StreamQueue::push_subscribed(const State& state, const Subscription& subscription) {
+  binary_ = subscription.binary;
+  if (!subscription.events) {
+    newest_event_.reset();
+  } else if (!newest_event_) {
+    newest_event_ = state.events().empty() ? 0 : state.events().back().number;
+  }
   Json signals = Json::array();
   for (const std::size_t i : subscription.signals) {
     signals.push_back({{"name", state.signals()[i].name}, {"unit", state.signals()[i].unit}});
   }
   push({text_of({{"type", "subscribed"},
                  {"period_ns", subscription.period.nanoseconds()},
+                 {"format", subscription.binary ? "binary" : "json"},
+                 {"events", subscription.events},
                  {"signals", signals}})});
 }
 
@@ -134,6 +153,20 @@ void StreamQueue::collect(rack::SignalTap& tap) {
   }
 }
 
+void StreamQueue::collect_events(const State& state) {
+  if (!newest_event_ || state.events().empty() || state.events().back().number <= *newest_event_) {
+    return;
+  }
+  Json events = Json::array();
+  for (const EventRecord& event : state.events()) {
+    if (event.number > *newest_event_) {
+      events.push_back(to_json(event));
+    }
+  }
+  newest_event_ = state.events().back().number;
+  push({text_of({{"type", "events"}, {"events", std::move(events)}})});
+}
+
 std::string StreamQueue::take() {
   MessageQueue::Message message = messages_.take();
   counters_.stream_rows_sent += message.rows;
@@ -151,6 +184,9 @@ void StreamQueue::push(MessageQueue::Message message) {
 }
 
 MessageQueue::Message StreamQueue::batch(const rack::SignalTap& tap, std::size_t rows) const {
+  if (binary_) {
+    return {.text = sample_batch(tap, rows, dropped()), .rows = rows, .binary = true};
+  }
   MessageQueue::Message message{
       .text = fmt::format(R"({{"type":"samples","dropped":{},"time_ns":[)", dropped()),
       .rows = rows};

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -28,11 +29,14 @@ inline constexpr std::int64_t kMostValuesPerSecond = 400'000;
 struct Subscription {
   std::vector<std::size_t> signals;  ///< numbers in State::signals(); none: the end of it
   base::SimDuration period{};
+  bool binary = false;  ///< samples as in sample_batch.hpp, not as JSON
+  bool events = false;  ///< also what the rack's devices tell
 
   [[nodiscard]] std::int64_t values_per_second() const;
 };
 
-/// Reads {"signals": ["gantry.axis0.*"], "period": "1ms"}, or gives the answer that says what is
+/// Reads {"signals": ["gantry.axis0.*"], "period": "1ms", "format": "binary", "events": true}, of
+/// which the last three may be left out, or gives the answer that says what is
 /// wrong. `values_left` is what other streams leave of kMostValuesPerSecond.
 [[nodiscard]] std::variant<Subscription, Response> parse_subscription(std::string_view text,
                                                                       const State& state,
@@ -65,11 +69,16 @@ class StreamQueue {
   void push_problem(const Response& problem);
   /// Turns the rows that wait in `tap` into messages.
   void collect(rack::SignalTap& tap);
+  /// The events that `state` got since the last call, if the subscription asked for them.
+  void collect_events(const State& state);
+  [[nodiscard]] bool wants_events() const { return newest_event_.has_value(); }
 
   [[nodiscard]] bool empty() const { return messages_.empty(); }
   [[nodiscard]] std::size_t bytes() const { return messages_.bytes(); }
   /// The oldest message, which is on its way then: it cannot be dropped any more.
   [[nodiscard]] std::string take();
+  /// It is a batch of samples in binary form; everything else is text.
+  [[nodiscard]] bool front_is_binary() const { return messages_.front().binary; }
   [[nodiscard]] std::uint64_t dropped() const { return dropped_ + tap_lost_; }
   /// The tap that was collected from is no more.
   void forget_tap();
@@ -80,8 +89,10 @@ class StreamQueue {
 
   ServerCounters& counters_;
   MessageQueue messages_;
-  std::uint64_t dropped_ = 0;   ///< rows
-  std::uint64_t tap_lost_ = 0;  ///< of the present tap
+  std::uint64_t dropped_ = 0;                  ///< rows
+  std::uint64_t tap_lost_ = 0;                 ///< of the present tap
+  bool binary_ = false;                        ///< samples of the present subscription
+  std::optional<std::uint64_t> newest_event_;  ///< the number sent last; none: not subscribed
 };
 
 }  // namespace stator::web

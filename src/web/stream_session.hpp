@@ -26,6 +26,8 @@ class StreamSession {
   [[nodiscard]] virtual bool empty() const = 0;
   /// The oldest message that waits, which is on its way then.
   [[nodiscard]] virtual std::string next() = 0;
+  /// It is binary and no text.
+  [[nodiscard]] virtual bool next_is_binary() const { return false; }
 
   /// The client is gone.
   virtual void end() = 0;

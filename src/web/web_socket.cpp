@@ -57,7 +57,6 @@ class WebSocket : public std::enable_shared_from_this<WebSocket> {
         return;
       }
       self->open_ = true;
-      self->socket_.text(true);
       self->read();
       self->write();
     });
@@ -101,8 +100,9 @@ class WebSocket : public std::enable_shared_from_this<WebSocket> {
       return;
     }
     writing_ = true;
-    text_ = session_->next();
-    socket_.async_write(asio::buffer(text_),
+    socket_.binary(session_->next_is_binary());
+    message_ = session_->next();
+    socket_.async_write(asio::buffer(message_),
                         [self = shared_from_this()](beast::error_code error, std::size_t) {
                           self->writing_ = false;
                           if (error) {
@@ -122,7 +122,7 @@ class WebSocket : public std::enable_shared_from_this<WebSocket> {
   websocket::stream<beast::tcp_stream> socket_;
   beast::flat_buffer buffer_;
   std::unique_ptr<StreamSession> session_;
-  std::string text_;  ///< on its way
+  std::string message_;  ///< on its way
   bool open_ = false;
   bool reading_ = false;
   bool writing_ = false;

@@ -1,8 +1,11 @@
 #include "web/server.hpp"
 
+#include <span>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/byte_order.hpp"
 #include "web/routes.hpp"
 #include "web/served_rack.hpp"
 
@@ -220,6 +223,44 @@ TEST(WebStream, SendsWhatWasSubscribedAtItsPeriod) {
   }
   client.send_frame(1, R"({"signals": []})");
   EXPECT_TRUE(client.receive_message("subscribed")["signals"].empty());
+}
+
+TEST(WebStream, SendsSamplesInBinaryAndEventsAsText) {
+  ServedRack rack;
+  HttpClient client(rack.port());
+  ASSERT_EQ(client.request("GET", "/api/v1/signals", {}, HttpClient::upgrade_fields()).status, 101);
+  client.send_frame(1, R"({"signals": ["drive.axis0.load_torque"], "period": "50us",)"
+                       R"( "format": "binary", "events": true})");
+  const auto subscribed = client.receive_message("subscribed");
+  EXPECT_EQ(subscribed["format"], "binary");
+  EXPECT_EQ(subscribed["events"], true);
+  EXPECT_EQ(rack.put("/api/v1/inputs/drive.axis0.load_torque", R"({"value": 0.25})").status, 200);
+  std::int64_t event_time = -1;
+  std::int64_t step_time = -1;
+  while (event_time < 0 || step_time < 0) {
+    const auto frame = client.receive_frame();
+    ASSERT_TRUE(frame);
+    const std::string& payload = frame->payload;
+    if (frame->opcode == 1) {
+      const auto message = nlohmann::json::parse(payload);
+      ASSERT_EQ(message["type"], "events");
+      for (const auto& event : message["events"]) {
+        if (event["rule"] == "input-set") {
+          event_time = event["time_ns"];
+        }
+      }
+      continue;
+    }
+    const auto bytes = std::as_bytes(std::span(payload));
+    ASSERT_EQ(payload.substr(0, 4), "SSB1");
+    const auto rows = base::load_le<std::uint32_t>(bytes, 8);
+    for (std::size_t row = 0; row < rows && step_time < 0; ++row) {
+      if (base::load_le<double>(bytes, 24 + (rows + row) * 8) == 0.25) {
+        step_time = base::load_le<std::int64_t>(bytes, 24 + row * 8);
+      }
+    }
+  }
+  EXPECT_GE(step_time, event_time);
 }
 
 TEST(WebStream, OfAClientThatDoesNotReadLosesTheOldestAndCountsThem) {

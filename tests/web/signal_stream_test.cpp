@@ -1,7 +1,15 @@
 #include "web/signal_stream.hpp"
 
+#include <cmath>
+#include <limits>
+#include <span>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include "base/byte_order.hpp"
+#include "web/sample_batch.hpp"
+#include "web/served_rack.hpp"
 
 namespace stator::web {
 namespace {
@@ -89,6 +97,120 @@ TEST_F(StreamQueueTest, CountsRowsThatTheTapLost) {
   EXPECT_EQ(counters.stream_rows_dropped, 5000U - 4096U);
   queue.forget_tap();
   EXPECT_EQ(queue.dropped(), 5000U - 4096U);
+}
+
+TEST(SampleBatch, HasTimesAndColumnsWhereTheHeaderSays) {
+  Ramp ramp;
+  Ramp other{.value = std::numeric_limits<double>::quiet_NaN()};
+  rack::SignalTap tap({{"ramp", "rev", base::Delegate<double()>::bind<&Ramp::read>(ramp)},
+                       {"gap", "", base::Delegate<double()>::bind<&Ramp::read>(other)}},
+                      50_us, 8);
+  tap.begin({});
+  for (int i = 0; i < 3; ++i) {
+    tap.sample(tap.next_sample());
+  }
+  tap.release(1);
+  const std::string message = sample_batch(tap, 2, 7);
+  const auto bytes = std::as_bytes(std::span(message));
+  ASSERT_EQ(message.size(), 24U + 3U * 2U * 8U);
+  EXPECT_EQ(message.substr(0, 4), "SSB1");
+  EXPECT_EQ(base::load_le<std::uint32_t>(bytes, 4), 24U);
+  EXPECT_EQ(base::load_le<std::uint32_t>(bytes, 8), 2U);
+  EXPECT_EQ(base::load_le<std::uint32_t>(bytes, 12), 2U);
+  EXPECT_EQ(base::load_le<std::uint64_t>(bytes, 16), 7U);
+  EXPECT_EQ(base::load_le<std::int64_t>(bytes, 24), 50'000);
+  EXPECT_EQ(base::load_le<std::int64_t>(bytes, 32), 100'000);
+  EXPECT_EQ(base::load_le<double>(bytes, 40), 1.0);
+  EXPECT_EQ(base::load_le<double>(bytes, 48), 2.0);
+  EXPECT_TRUE(std::isnan(base::load_le<double>(bytes, 56)));
+}
+
+// A rack, since a subscription names its signals.
+class SubscriptionTest : public testing::Test {
+ protected:
+  SubscriptionTest()
+      : configuration(ServedRack::configuration(rack::ClockKind::lockstep, {})),
+        rack(configuration, log),
+        runner(rack, configuration, nullptr),
+        state(rack, configuration, log, runner) {}
+
+  std::variant<Subscription, Response> parse(const std::string& text) {
+    return parse_subscription(text, state, kMostValuesPerSecond);
+  }
+
+  rack::RackConfiguration configuration;
+  rack::EventLog log;
+  rack::Rack rack;
+  rack::Runner runner;
+  State state;
+};
+
+TEST_F(SubscriptionTest, IsTextWithoutEventsUnlessAskedOtherwise) {
+  const auto plain = parse(R"({"signals": ["drive.axis0.torque"]})");
+  EXPECT_FALSE(std::get<Subscription>(plain).binary);
+  EXPECT_FALSE(std::get<Subscription>(plain).events);
+  const auto asked =
+      parse(R"({"signals": ["drive.axis0.torque"], "format": "binary", "events": true})");
+  EXPECT_TRUE(std::get<Subscription>(asked).binary);
+  EXPECT_TRUE(std::get<Subscription>(asked).events);
+  EXPECT_EQ(std::get<Response>(parse(R"({"signals": [], "format": "xml"})")).status, 422U);
+  EXPECT_EQ(std::get<Response>(parse(R"({"signals": [], "format": 1})")).status, 422U);
+  EXPECT_EQ(std::get<Response>(parse(R"({"signals": [], "events": 1})")).status, 422U);
+}
+
+TEST_F(SubscriptionTest, GetsTheEventsThatComeAfterItOnce) {
+  static constexpr base::EventRule kRule{
+      .id = "test", .severity = base::Severity::fault, .text = "it broke"};
+  ServerCounters counters;
+  StreamQueue queue(counters);
+  const auto raise = [this](std::uint64_t number) {
+    state.take_event(number, {.time = base::SimTime{} + 7_ms, .rule = &kRule});
+  };
+  raise(1);
+  queue.push_subscribed(state, {.signals = {}, .events = true});
+  EXPECT_EQ(nlohmann::json::parse(queue.take())["events"], true);
+  queue.collect_events(state);
+  EXPECT_TRUE(queue.empty()) << "what was before";
+  raise(2);
+  raise(3);
+  queue.collect_events(state);
+  const auto message = nlohmann::json::parse(queue.take());
+  EXPECT_EQ(message["type"], "events");
+  ASSERT_EQ(message["events"].size(), 2U);
+  EXPECT_EQ(message["events"][0]["number"], 2);
+  EXPECT_EQ(message["events"][0]["time_ns"], 7'000'000);
+  EXPECT_EQ(message["events"][0]["severity"], "fault");
+  queue.collect_events(state);
+  EXPECT_TRUE(queue.empty());
+  queue.push_subscribed(state, {});
+  EXPECT_FALSE(queue.take().empty());
+  raise(4);
+  queue.collect_events(state);
+  EXPECT_TRUE(queue.empty()) << "no longer wanted";
+}
+
+TEST_F(SubscriptionTest, AndItsEventsOutliveSamplesThatGiveWay) {
+  static constexpr base::EventRule kRule{
+      .id = "test", .severity = base::Severity::fault, .text = "it broke"};
+  Ramp ramp;
+  rack::SignalTap tap({{"ramp", "rev", base::Delegate<double()>::bind<&Ramp::read>(ramp)}}, 1_ms,
+                      4096);
+  tap.begin({});
+  ServerCounters counters;
+  StreamQueue queue(counters);
+  queue.push_subscribed(state, {.signals = {}, .binary = true, .events = true});
+  state.take_event(1, {.time = {}, .rule = &kRule});
+  queue.collect_events(state);
+  while (queue.dropped() < 100'000) {
+    for (int i = 0; i < 4096; ++i) {
+      tap.sample(tap.next_sample());
+    }
+    queue.collect(tap);
+  }
+  EXPECT_FALSE(queue.front_is_binary());
+  EXPECT_EQ(nlohmann::json::parse(queue.take())["type"], "subscribed");
+  EXPECT_EQ(nlohmann::json::parse(queue.take())["type"], "events");
+  EXPECT_TRUE(queue.front_is_binary());
 }
 
 }  // namespace

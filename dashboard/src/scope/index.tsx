@@ -1,11 +1,192 @@
+import { useCallback, useEffect, useMemo, useRef, useState } from "preact/hooks";
+
 import type { Api } from "../api";
+import { AxisTable, ChannelTable, ExpressionForm } from "./channel_table";
+import { Controls } from "./controls";
+import { CursorPanel } from "./cursor_panel";
+import { type CsvRange, loadSetup, recallSetup, rememberSetup, saveCsv, savePng, saveSetup } from "./files";
+import { InputsPanel } from "./inputs_panel";
+import { Oscilloscope } from "./oscilloscope";
+import type { Picture } from "./picture";
+import { Plot } from "./plot";
+import "./scope.css";
+import { SignalTree } from "./signal_tree";
+import { SpectrumPanel } from "./spectrum_panel";
+import { TriggerPanel } from "./trigger_panel";
+import { useScope } from "./use_scope";
 
 /// The oscilloscope.
-export function Scope(_: { api: Api }) {
+export function Scope({ api }: { api: Api }) {
+  const [scope, setScope] = useState<Oscilloscope | null>(null);
+  useEffect(() => {
+    const made = new Oscilloscope(api);
+    recallSetup(made);
+    setScope(made);
+    return () => {
+      rememberSetup(made);
+      made.close();
+    };
+  }, [api]);
+  return scope === null ? null : <Instrument scope={scope} />;
+}
+
+function Instrument({ scope }: { scope: Oscilloscope }) {
+  useScope(scope);
+  const [picture, setPicture] = useState<Picture | null>(null);
+  const [wrong, setWrong] = useState("");
+  const attempt = useCallback((action: () => void) => {
+    try {
+      action();
+      setWrong("");
+    } catch (error) {
+      setWrong((error as Error).message);
+    }
+  }, []);
+  const { setup } = scope;
+  useEffect(() => rememberSetup(scope), [scope, setup]);
+  const problem = wrong || scope.problem;
+  const side = useMemo(() => <SignalTree scope={scope} attempt={attempt} />, [scope, attempt, setup.channels]);
   return (
-    <>
-      <h1>Oscilloscope</h1>
-      <p class="empty">The oscilloscope is not part of this build.</p>
-    </>
+    <div class="scope">
+      <h1 class="hidden-text">Oscilloscope</h1>
+      <Controls scope={scope} attempt={attempt} />
+      {problem === "" ? null : (
+        <p class="notice bad" role="alert">
+          {problem}{" "}
+          <button
+            type="button"
+            onClick={() => {
+              setWrong("");
+              scope.problem = "";
+            }}
+          >
+            Dismiss
+          </button>
+        </p>
+      )}
+      <div class="scope-body">
+        {side}
+        <div class="scope-centre">
+          <section class="panel" aria-label="Picture">
+            <ViewBar scope={scope} picture={picture} attempt={attempt} />
+            <Plot scope={scope} onPicture={setPicture} />
+          </section>
+          {setup.spectrum.shown && picture !== null ? <SpectrumPanel scope={scope} picture={picture} attempt={attempt} /> : null}
+        </div>
+        <div class="scope-side">
+          <Section title="Trigger" open>
+            <TriggerPanel scope={scope} attempt={attempt} />
+          </Section>
+          <Section title="Cursors" open>
+            <CursorPanel scope={scope} picture={picture} />
+          </Section>
+          <Section title="Input to turn" open>
+            <InputsPanel />
+          </Section>
+          <Section title="Calculated channel">
+            <ExpressionForm scope={scope} />
+          </Section>
+          <Section title="Scales">
+            <AxisTable scope={scope} attempt={attempt} />
+          </Section>
+        </div>
+        <section class="panel scope-table" aria-label="Channels and measurements">
+          <ChannelTable scope={scope} attempt={attempt} />
+        </section>
+      </div>
+    </div>
+  );
+}
+
+function Section({ title, open, children }: { title: string; open?: boolean; children: preact.ComponentChildren }) {
+  return (
+    <details class="panel" open={open}>
+      <summary>
+        <h2>{title}</h2>
+      </summary>
+      <div class="body">{children}</div>
+    </details>
+  );
+}
+
+/// Zoom and files.
+function ViewBar({ scope, picture, attempt }: { scope: Oscilloscope; picture: Picture | null; attempt: (action: () => void) => void }) {
+  const [range, setRange] = useState<CsvRange>("shown");
+  const [si, setSi] = useState(true);
+  const file = useRef<HTMLInputElement>(null);
+  const middle = () => {
+    const { from, to } = scope.shown();
+    return (from + to) / 2;
+  };
+  return (
+    <header>
+      <button type="button" aria-pressed={scope.held === null} onClick={() => scope.follow()} title="Show what is being recorded (Home, double click)">
+        Follow
+      </button>
+      <button type="button" aria-label="Zoom in" title="Zoom in (+, wheel)" onClick={() => scope.zoom(0.5, middle())}>
+        +
+      </button>
+      <button type="button" aria-label="Zoom out" title="Zoom out (−, wheel)" onClick={() => scope.zoom(2, middle())}>
+        −
+      </button>
+      <button type="button" aria-label="Earlier" title="Earlier (arrow left, drag)" onClick={() => scope.pan(-0.5)}>
+        ‹
+      </button>
+      <button type="button" aria-label="Later" title="Later (arrow right, drag)" onClick={() => scope.pan(0.5)}>
+        ›
+      </button>
+      <button
+        type="button"
+        disabled={scope.record.ring.size === 0}
+        onClick={() => scope.hold({ from: scope.record.ring.oldest, to: scope.record.ring.newest })}
+      >
+        All
+      </button>
+      <span class="spacer" />
+      <label>
+        <span class="hidden-text">Rows to export</span>
+        <select value={range} onChange={(event) => setRange(event.currentTarget.value as CsvRange)}>
+          <option value="shown">what is shown</option>
+          <option value="cursors" disabled={scope.cursors.times === null}>
+            between A and B
+          </option>
+          <option value="all">all that is recorded</option>
+        </select>
+      </label>
+      <label class="check" title="Angles in rad, currents in A, temperatures in K …; microsteps and counts stay">
+        <input type="checkbox" checked={si} onChange={(event) => setSi(event.currentTarget.checked)} />
+        SI units
+      </label>
+      <button type="button" onClick={() => saveCsv(scope, range, si)}>
+        CSV
+      </button>
+      <button type="button" disabled={picture === null} onClick={() => picture && savePng(scope, picture.canvas, picture.colours.series, picture.colours.text, picture.colours.surface)}>
+        PNG
+      </button>
+      <button type="button" onClick={() => saveSetup(scope)}>
+        Save setup
+      </button>
+      <button type="button" onClick={() => file.current?.click()}>
+        Load setup
+      </button>
+      <input
+        ref={file}
+        type="file"
+        accept="application/json,.json"
+        class="hidden-text"
+        tabIndex={-1}
+        aria-label="Setup file"
+        onChange={(event) => {
+          const chosen = event.currentTarget.files?.[0];
+          event.currentTarget.value = "";
+          if (chosen) {
+            loadSetup(scope, chosen).then(
+              () => attempt(() => undefined),
+              (error: Error) => attempt(() => { throw error; }),
+            );
+          }
+        }}
+      />
+    </header>
   );
 }

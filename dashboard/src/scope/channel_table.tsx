@@ -1,0 +1,215 @@
+import { useState } from "preact/hooks";
+
+import { frequencyText, numberText, timeText } from "./core/numbers";
+import { kFunctions } from "./core/expression";
+import { readChannel } from "./core/cursors";
+import { NumberField } from "./number_field";
+import { type Oscilloscope, axisKey } from "./oscilloscope";
+import { seriesColour } from "./picture";
+
+type Attempt = (action: () => void) => void;
+
+/// Channels with their scales and measurements.
+export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt: Attempt }) {
+  const { channels } = scope.setup;
+  const { ring } = scope.record;
+  const { times } = scope.cursors;
+  if (channels.length === 0) {
+    return <p class="empty">Choose signals on the left.</p>;
+  }
+  return (
+    <div class="scroller">
+      <table class="scope-channels">
+        <thead>
+          <tr>
+            <th scope="col">Channel</th>
+            <th scope="col" class="number">Value</th>
+            <th scope="col" class="number">Minimum</th>
+            <th scope="col" class="number">Maximum</th>
+            <th scope="col" class="number">Peak-peak</th>
+            <th scope="col" class="number">Mean</th>
+            <th scope="col" class="number">RMS</th>
+            <th scope="col" class="number">Period</th>
+            <th scope="col" class="number">Frequency</th>
+            {times === null ? null : (
+              <>
+                <th scope="col" class="number">at A</th>
+                <th scope="col" class="number">at B</th>
+                <th scope="col" class="number">B − A</th>
+                <th scope="col" class="number">Slope</th>
+              </>
+            )}
+            <th scope="col">Gain</th>
+            <th scope="col">Offset</th>
+            <th scope="col">Axis</th>
+            <th scope="col">
+              <span class="hidden-text">Remove</span>
+            </th>
+          </tr>
+        </thead>
+        <tbody>
+          {channels.map((channel, i) => {
+            const measured = scope.measurements[i];
+            const reading = times === null ? null : readChannel(ring, i, times);
+            const number = (value: number | undefined) => <td class="number mono">{numberText(value ?? NaN)}</td>;
+            return (
+              <tr key={channel.name} data-channel={channel.name}>
+                <th scope="row">
+                  <label class="check" title={channel.expression ?? undefined}>
+                    <input type="checkbox" checked={channel.visible} onChange={(event) => attempt(() => scope.changeChannel(channel.name, { visible: event.currentTarget.checked }))} />
+                    <span class="swatch" style={{ background: seriesColour(i) }} />
+                    <span>{channel.name}</span>
+                    <span class="soft unit">{channel.unit}</span>
+                  </label>
+                </th>
+                {number(ring.size > 0 ? ring.value(i, ring.end - 1) : NaN)}
+                {number(measured?.minimum)}
+                {number(measured?.maximum)}
+                {number(measured?.peakToPeak)}
+                {number(measured?.mean)}
+                {number(measured?.rms)}
+                <td class="number mono">{timeText(measured?.period ?? NaN)}</td>
+                <td class="number mono">{frequencyText(measured?.frequency ?? NaN)}</td>
+                {reading === null ? null : (
+                  <>
+                    {number(reading.a)}
+                    {number(reading.b)}
+                    {number(reading.difference)}
+                    <td class="number mono">{numberText(reading.slope)} /s</td>
+                  </>
+                )}
+                <td>
+                  <NumberField label={`Gain of ${channel.name}`} hideLabel value={channel.gain} onValue={(gain) => attempt(() => scope.changeChannel(channel.name, { gain: gain ?? 1 }))} />
+                </td>
+                <td>
+                  <NumberField label={`Offset of ${channel.name}`} hideLabel value={channel.offset} onValue={(offset) => attempt(() => scope.changeChannel(channel.name, { offset: offset ?? 0 }))} />
+                </td>
+                <td>
+                  <select
+                    aria-label={`Axis of ${channel.name}`}
+                    value={channel.own ? "own" : "unit"}
+                    onChange={(event) => attempt(() => scope.changeChannel(channel.name, { own: event.currentTarget.value === "own" }))}
+                  >
+                    <option value="unit">of its unit</option>
+                    <option value="own">its own</option>
+                  </select>
+                </td>
+                <td>
+                  <button type="button" aria-label={`Remove ${channel.name}`} title="Remove" onClick={() => attempt(() => scope.removeChannel(channel.name))}>
+                    ×
+                  </button>
+                </td>
+              </tr>
+            );
+          })}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+/// Scales that do not set themselves.
+export function AxisTable({ scope, attempt }: { scope: Oscilloscope; attempt: Attempt }) {
+  const keys = [...new Set(scope.setup.channels.map(axisKey))];
+  return (
+    <ul class="scope-axes">
+      {keys.map((key) => {
+        const { range } = scope.axis(key);
+        const name = key === "" ? "without unit" : key.replace(/^=/, "");
+        const set = (patch: { from?: number; to?: number }) => {
+          const next = { from: 0, to: 1, ...range, ...patch };
+          attempt(() => {
+            if (!(next.from < next.to)) {
+              throw new Error(`The scale ${name} must end above its begin, ${next.from}`);
+            }
+            scope.changeAxis(key, next);
+          });
+        };
+        return (
+          <li key={key}>
+            <span class="name">{name}</span>
+            <label class="check">
+              <input type="checkbox" checked={range === null} onChange={(event) => attempt(() => scope.changeAxis(key, event.currentTarget.checked ? null : { from: -1, to: 1 }))} />
+              auto
+            </label>
+            {range === null ? null : (
+              <>
+                <NumberField label={`Lower end of ${name}`} hideLabel value={range.from} onValue={(from) => set({ from: from ?? 0 })} />
+                <NumberField label={`Upper end of ${name}`} hideLabel value={range.to} onValue={(to) => set({ to: to ?? 1 })} />
+              </>
+            )}
+          </li>
+        );
+      })}
+    </ul>
+  );
+}
+
+/// A channel that is calculated from others.
+export function ExpressionForm({ scope }: { scope: Oscilloscope }) {
+  const [name, setName] = useState("");
+  const [expression, setExpression] = useState("");
+  const [unit, setUnit] = useState("");
+  const [error, setError] = useState("");
+  const add = (event: Event) => {
+    event.preventDefault();
+    try {
+      scope.addExpression(name, expression, unit);
+      setName("");
+      setExpression("");
+      setUnit("");
+      setError("");
+    } catch (wrong) {
+      setError((wrong as Error).message);
+    }
+  };
+  return (
+    <form class="scope-form" onSubmit={add}>
+      <label class="field">
+        <span>Name</span>
+        <input value={name} required onInput={(event) => setName(event.currentTarget.value)} />
+      </label>
+      <label class="field wide">
+        <span>Expression</span>
+        <input
+          class="mono"
+          value={expression}
+          required
+          spellcheck={false}
+          list="scope-channel-names"
+          aria-invalid={error !== ""}
+          aria-describedby="scope-expression-help"
+          onInput={(event) => setExpression(event.currentTarget.value)}
+        />
+        <datalist id="scope-channel-names">
+          {scope.setup.channels.map((channel) => (
+            <option key={channel.name} value={channel.name} />
+          ))}
+        </datalist>
+      </label>
+      <label class="field">
+        <span>Unit</span>
+        <input class="short" value={unit} placeholder="follows" onInput={(event) => setUnit(event.currentTarget.value)} />
+      </label>
+      <button type="submit">Add</button>
+      {error === "" ? null : (
+        <p class="notice bad wide" role="alert">
+          {error}
+        </p>
+      )}
+      <details id="scope-expression-help" class="wide soft">
+        <summary>How to write one</summary>
+        <p>
+          Channels by name, numbers, + − * / and parentheses; names with other characters than letters, digits, _ and . in double quotes. Functions:
+        </p>
+        <ul>
+          {Object.entries(kFunctions).map(([key, { summary }]) => (
+            <li key={key}>
+              <code>{key}</code> {summary}
+            </li>
+          ))}
+        </ul>
+      </details>
+    </form>
+  );
+}

@@ -1,0 +1,29 @@
+import { useState } from "preact/hooks";
+
+import type { InputInfo } from "../api";
+import { InputRow } from "../components/input_row";
+import { useResource } from "../hooks";
+
+/// An input of the rack beside the picture of what it does.
+export function InputsPanel() {
+  const { data } = useResource<{ readonly inputs: readonly InputInfo[] }>("/api/v1/inputs");
+  const [name, setName] = useState("");
+  const inputs = data?.inputs ?? [];
+  const chosen = inputs.find((input) => input.name === name);
+  return (
+    <div class="scope-inputs">
+      <label class="field">
+        <span>Input</span>
+        <select value={name} onChange={(event) => setName(event.currentTarget.value)}>
+          <option value="">none</option>
+          {inputs.map((input) => (
+            <option key={input.name} value={input.name}>
+              {input.name}
+            </option>
+          ))}
+        </select>
+      </label>
+      {chosen === undefined ? null : <InputRow key={chosen.name} input={chosen} label={chosen.name} present={chosen.value ?? null} />}
+    </div>
+  );
+}

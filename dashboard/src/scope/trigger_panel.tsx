@@ -1,0 +1,121 @@
+import { useStore } from "../hooks";
+import { seconds } from "./core/csv";
+import type { TriggerSettings, TriggerSource } from "./core/trigger";
+import { NumberField } from "./number_field";
+import type { Oscilloscope } from "./oscilloscope";
+
+function sourceOf(kind: TriggerSource["kind"], channel: string): TriggerSource {
+  switch (kind) {
+    case "level":
+      return { kind, channel, level: 0, hysteresis: 0, edge: "rising" };
+    case "state":
+      return { kind, channel, mask: null, value: null };
+    case "event":
+      return { kind, severity: "fault", device: "", rule: "" };
+    case "none":
+      return { kind };
+  }
+}
+
+/// What starts a picture.
+export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt: (action: () => void) => void }) {
+  const store = useStore();
+  const { trigger, channels } = scope.setup;
+  const { source } = trigger;
+  const change = (patch: Partial<TriggerSettings>) => attempt(() => scope.change({ trigger: { ...trigger, ...patch } }));
+  const channelField = (present: string, set: (channel: string) => void) => (
+    <label class="field wide">
+      <span>Channel</span>
+      <select value={present} onChange={(event) => set(event.currentTarget.value)}>
+        {channels.some(({ name }) => name === present) ? null : <option value={present}>{present || "none"}</option>}
+        {channels.map(({ name }) => (
+          <option key={name} value={name}>
+            {name}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+  return (
+    <div class="scope-form">
+      <label class="field">
+        <span>Trigger on</span>
+        <select
+          value={source.kind}
+          onChange={(event) =>
+            change({ source: sourceOf(event.currentTarget.value as TriggerSource["kind"], "channel" in source ? source.channel : (channels[0]?.name ?? "")) })
+          }
+        >
+          <option value="none">nothing</option>
+          <option value="level">level</option>
+          <option value="state">state change</option>
+          <option value="event">event or fault</option>
+        </select>
+      </label>
+      {source.kind === "level" ? (
+        <>
+          {channelField(source.channel, (channel) => change({ source: { ...source, channel } }))}
+          <label class="field">
+            <span>Edge</span>
+            <select value={source.edge} onChange={(event) => change({ source: { ...source, edge: event.currentTarget.value as "rising" | "falling" | "either" } })}>
+              <option value="rising">rising</option>
+              <option value="falling">falling</option>
+              <option value="either">either</option>
+            </select>
+          </label>
+          <NumberField label="Level" value={source.level} onValue={(level) => change({ source: { ...source, level: level ?? 0 } })} />
+          <NumberField label="Hysteresis" minimum={0} value={source.hysteresis} onValue={(hysteresis) => change({ source: { ...source, hysteresis: hysteresis ?? 0 } })} />
+        </>
+      ) : null}
+      {source.kind === "state" ? (
+        <>
+          {channelField(source.channel, (channel) => change({ source: { ...source, channel } }))}
+          <NumberField label="Bits that count (mask)" optional placeholder="all" minimum={0} value={source.mask} onValue={(mask) => change({ source: { ...source, mask } })} />
+          <NumberField label="Into state" optional placeholder="any" value={source.value} onValue={(value) => change({ source: { ...source, value } })} />
+        </>
+      ) : null}
+      {source.kind === "event" ? (
+        <>
+          <label class="field">
+            <span>At least</span>
+            <select value={source.severity} onChange={(event) => change({ source: { ...source, severity: event.currentTarget.value } })}>
+              {["information", "refusal", "warning", "fault"].map((each) => (
+                <option key={each} value={each}>
+                  {each}
+                </option>
+              ))}
+            </select>
+          </label>
+          <label class="field">
+            <span>Device</span>
+            <select value={source.device} onChange={(event) => change({ source: { ...source, device: event.currentTarget.value } })}>
+              <option value="">any</option>
+              {store.devices.map(({ name }) => (
+                <option key={name} value={name}>
+                  {name}
+                </option>
+              ))}
+            </select>
+          </label>
+          <label class="field">
+            <span>Rule</span>
+            <input value={source.rule} placeholder="any" onChange={(event) => change({ source: { ...source, rule: event.currentTarget.value.trim() } })} />
+          </label>
+        </>
+      ) : null}
+      {source.kind === "none" ? null : (
+        <>
+          <label class="field">
+            <span>Shown before the trigger: {Math.round(trigger.before * 100)} %</span>
+            <input type="range" min="0" max="100" value={Math.round(trigger.before * 100)} onInput={(event) => change({ before: Number(event.currentTarget.value) / 100 })} />
+          </label>
+          <NumberField label="Hold-off" unit="s" minimum={0} value={trigger.holdOff * 1e-9} onValue={(value) => change({ holdOff: (value ?? 0) * 1e9 })} />
+          <p class="soft wide">
+            {scope.acquisition.count} triggers
+            {scope.acquisition.frame === null ? "" : `, the last at ${seconds(scope.acquisition.frame.trigger)} s`}
+          </p>
+        </>
+      )}
+    </div>
+  );
+}
