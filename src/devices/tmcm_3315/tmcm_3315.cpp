@@ -3,6 +3,7 @@
 #include <span>
 #include <utility>
 
+#include "devices/clock_drift_input.hpp"
 #include "ethercat/sii_image.hpp"
 #include "ethercat/slave_controller_presets.hpp"
 
@@ -390,6 +391,7 @@ std::vector<Input> Tmcm3315::inputs() {
   io_.append_inputs(inputs);
   inputs.push_back({"shutdown_switch", "", 0.0, 1.0,
                     base::Delegate<void(double)>::bind<&Tmcm3315::input_shutdown_switch>(*this)});
+  inputs.push_back(clock_drift_input(controller_));
   return inputs;
 }
 
