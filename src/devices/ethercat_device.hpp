@@ -9,6 +9,7 @@
 #include "ethercat/eoe.hpp"
 #include "ethercat/sii_image.hpp"
 #include "ethercat/slave_controller.hpp"
+#include "ethercat/slave_stack.hpp"
 
 namespace stator::devices {
 
@@ -29,6 +30,8 @@ class EtherCatDevice : public Device {
   [[nodiscard]] virtual std::vector<std::byte> sii_image() const {
     return ethercat::build_sii_image(description(), dictionary());
   }
+  /// The slave stack of its firmware; null if it has no firmware of its own.
+  [[nodiscard]] virtual ethercat::SlaveStack* slave_stack() { return nullptr; }
   /// What a controller beside a chip is wired to; null for a device that has its own firmware.
   [[nodiscard]] virtual HostPort* host_port() { return nullptr; }
 

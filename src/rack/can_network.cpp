@@ -21,8 +21,22 @@ CanNetwork::CanNetwork(const BusConfiguration& configuration, const base::EventR
       tap_(configuration, reporter),
       bus_({.bit_rate = configuration.bit_rate,
             .ports_acknowledge = configuration.ports_acknowledge}) {
+  observe({});
+}
+
+// A bus that nobody looks at has no trace.
+void CanNetwork::observe(base::Delegate<void(const can::TraceEntry&)> observer) {
+  using Trace = base::Delegate<void(const can::TraceEntry&)>;
+  observer_ = observer;
+  bus_.set_trace(observer_ || !tap_.empty() ? Trace::bind<&CanNetwork::trace>(*this) : Trace());
+}
+
+void CanNetwork::trace(const can::TraceEntry& entry) {
   if (!tap_.empty()) {
-    bus_.set_trace(base::Delegate<void(const can::TraceEntry&)>::bind<&CanTap::write>(tap_));
+    tap_.write(entry);
+  }
+  if (observer_) {
+    observer_(entry);
   }
 }
 
@@ -112,12 +126,12 @@ void CanNetwork::set_error_state(std::size_t device, can::ErrorState state, base
   serve_reached();
 }
 
-void CanNetwork::inject(const FrameFaultEvent& event) {
+std::uint64_t CanNetwork::inject(const FrameFaultEvent& event) {
   can::FrameFault fault = event.fault;
   if (event.device) {
     fault.sender = members_[*event.device];
   }
-  bus_.inject(fault);
+  return bus_.inject(fault);
 }
 
 std::vector<devices::Signal> CanNetwork::signals() {

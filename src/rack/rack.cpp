@@ -92,6 +92,12 @@ Rack::Rack(const RackConfiguration& configuration, EventLog& log)
                       select_signals(signals(), configuration.record->signals),
                       configuration.record->period);
   }
+  faults_ = std::make_unique<Faults>(*this);
+  for (const FaultConfiguration& fault : configuration.faults) {
+    if (const auto armed = faults_->inject(fault, base::SimTime()); !armed) {
+      throw std::runtime_error(fault.target.text + ": " + armed.error());
+    }
+  }
 }
 
 void Rack::begin_trace(const TraceConfiguration& configuration, ClockKind clock) {
@@ -182,7 +188,7 @@ std::optional<ethercat::MasterInterface> Rack::process_frame(std::size_t segment
                                                              std::span<std::byte> frame,
                                                              base::SimTime arrival,
                                                              ethercat::MasterInterface entry) {
-  if (timetable_.next() <= arrival) [[unlikely]] {
+  if (std::min(timetable_.next(), faults_->next()) <= arrival) [[unlikely]] {
     advance(arrival);
   }
   return segments_[segment].segment->process(frame, arrival, entry);
@@ -192,6 +198,21 @@ void Rack::handle_bus_events(std::size_t segment, base::SimTime now) {
   for (NamedDevice& member : segments_[segment].devices) {
     member.device->handle_bus_events(now);
   }
+  if (faults_->looking()) {
+    faults_->act(now);
+  }
+}
+
+std::optional<ethercat::Segment::Released> Rack::release_frame(std::size_t segment,
+                                                               base::SimTime now,
+                                                               std::span<std::byte> buffer) {
+  ethercat::Segment& wires = *segments_[segment].segment;
+  if (wires.next_release() > now) {
+    return std::nullopt;
+  }
+  const auto released = wires.release(now, buffer);
+  handle_bus_events(segment, now);
+  return released;
 }
 
 void Rack::advance(base::SimTime now) {
@@ -199,13 +220,17 @@ void Rack::advance(base::SimTime now) {
     return recorder_ ? recorder_->next_sample() : base::SimTime::never();
   };
   const auto next_instant = [this, &next_sample] {
-    return std::min({timetable_.next(), next_sample(), next_tap(), lines_.next_deadline()});
+    return std::min(
+        {timetable_.next(), faults_->next(), next_sample(), next_tap(), lines_.next_deadline()});
   };
   for (base::SimTime instant = next_instant(); instant <= now; instant = next_instant()) {
     advance_devices(instant);
     lines_.advance(instant);
     while (timetable_.next() <= instant) {
       apply(timetable_.take(), instant);
+    }
+    if (faults_->next() <= instant) {
+      faults_->act(instant);
     }
     if (next_sample() <= instant) {
       recorder_->sample(instant);
@@ -216,10 +241,13 @@ void Rack::advance(base::SimTime now) {
   if (lines_.next_deadline() <= now) {
     lines_.advance(now);  // bytes of what devices have sent on the last stretch
   }
+  if (faults_->looking()) {
+    faults_->act(now);
+  }
 }
 
 base::SimTime Rack::next_bus_deadline() const {
-  base::SimTime next = timetable_.next();
+  base::SimTime next = std::min(timetable_.next(), faults_->next());
   for (const BusMembers& members : buses_) {
     next = std::min(next, members.network->next_deadline());
   }
@@ -227,8 +255,8 @@ base::SimTime Rack::next_bus_deadline() const {
 }
 
 base::SimTime Rack::next_line_deadline(std::size_t line) const {
-  return std::min(
-      {timetable_.next(), lines_[line].next_deadline(), lines_[line].next_device_deadline()});
+  return std::min({timetable_.next(), faults_->next(), lines_[line].next_deadline(),
+                   lines_[line].next_device_deadline()});
 }
 
 void Rack::settle_line(std::size_t line, LockstepClock& clock) {

@@ -16,6 +16,7 @@
 #include "rack/clock.hpp"
 #include "rack/device_storage.hpp"
 #include "rack/event_log.hpp"
+#include "rack/faults.hpp"
 #include "rack/pin_trace.hpp"
 #include "rack/rack_configuration.hpp"
 #include "rack/recorder.hpp"
@@ -76,6 +77,14 @@ class Rack {
   /// for an input that does not exist or a value it cannot have.
   void apply(const RackEvent& event, base::SimTime now);
 
+  /// A frame that a fault has held up and that comes out at `now` or earlier gets into `buffer`
+  /// (ethercat::kMaximumFrameLength bytes). Nothing: none does. Its firmware takes what it brought.
+  std::optional<ethercat::Segment::Released> release_frame(std::size_t segment, base::SimTime now,
+                                                           std::span<std::byte> buffer);
+
+  /// What goes wrong with the rack on demand.
+  [[nodiscard]] Faults& faults() { return *faults_; }
+
   /// A network interface of the segment's master got or lost its carrier. At the start the primary
   /// has one, the secondary has none.
   void set_carrier(std::size_t segment, ethercat::MasterInterface interface, bool up,
@@ -85,12 +94,17 @@ class Rack {
   [[nodiscard]] const ethercat::Segment& segment(std::size_t index) const {
     return *segments_[index].segment;
   }
+  [[nodiscard]] ethercat::Segment& segment(std::size_t index) { return *segments_[index].segment; }
   [[nodiscard]] std::span<NamedDevice> devices(std::size_t segment) {
     return segments_[segment].devices;
   }
   [[nodiscard]] std::size_t bus_count() const { return buses_.size(); }
   [[nodiscard]] CanNetwork& bus(std::size_t index) { return *buses_[index].network; }
   [[nodiscard]] const CanNetwork& bus(std::size_t index) const { return *buses_[index].network; }
+  /// For events that happen to a device from outside.
+  [[nodiscard]] base::EventReporter reporter(DeviceAddress device) {
+    return base::EventReporter(&log_, number_of(device));
+  }
   /// For events of the bus itself and of its ports.
   [[nodiscard]] base::EventReporter bus_reporter(std::size_t index) {
     return base::EventReporter(&log_, buses_[index].number);
@@ -175,6 +189,7 @@ class Rack {
   std::optional<Recorder> recorder_;
   std::vector<SignalTap*> taps_;
   std::unique_ptr<DeviceStorage> storage_;
+  std::unique_ptr<Faults> faults_;  ///< go first: they know everything
 };
 
 }  // namespace stator::rack

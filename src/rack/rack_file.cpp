@@ -14,6 +14,7 @@
 #include "rack/bus_section.hpp"
 #include "rack/device_section.hpp"
 #include "rack/event_section.hpp"
+#include "rack/fault_section.hpp"
 #include "rack/serial_section.hpp"
 #include "rack/toml_section.hpp"
 #include "rack/wiring.hpp"
@@ -143,6 +144,7 @@ RackConfiguration read_rack(TomlSection root) {
   for (TomlSection& event : root.sections("event")) {
     events.read(event, configuration.events);
   }
+  read_faults(root, configuration);
   root.finish();
   return configuration;
 }

@@ -32,6 +32,9 @@ bool TomlSection::is_boolean(const std::string& key) const {
 }
 
 void TomlSection::fail(const std::string& key, const std::string& reason) const {
+  if (file_.empty()) {
+    throw RackFileError(reason);
+  }
   const toml::node* node = table_->get(key);
   const toml::source_position place = (node != nullptr ? node->source() : table_->source()).begin;
   throw RackFileError(

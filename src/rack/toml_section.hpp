@@ -57,7 +57,8 @@ class TomlSection {
   /// Throws for the first key that no call above asked for, and says which exist.
   void finish() const;
 
-  /// Throws an error at `key`, or at the table itself when it has no such key.
+  /// Throws an error at `key`, or at the table itself when it has no such key. Of a table that comes
+  /// from no file the error is the reason alone.
   [[noreturn]] void fail(const std::string& key, const std::string& reason) const;
 
  private:
