@@ -263,13 +263,6 @@ void SlaveController::schedule_sync() {
   }
 }
 
-void SlaveController::set_clock_drift(double ppb) {
-  clock_drift_ppb_ = static_cast<std::int32_t>(ppb);
-  clock_.set_deviation(configuration_.clock_deviation_ppb + clock_drift_ppb_, now_);
-  note_topology_change();  // FIFOs bridge the difference of two clocks
-  schedule_sync();
-}
-
 void SlaveController::publish_clock_events() {
   al_event_request_ = (al_event_request_ & ~kClockAlEvents) | sync_.al_events() |
                       (latch_.event(Side::host) ? al_event::kDcLatch : 0U);

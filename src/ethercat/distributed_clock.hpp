@@ -49,9 +49,6 @@ class DistributedClock {
   /// clock runs now; never() if that is more than 146 years away.
   [[nodiscard]] base::SimTime when(std::uint64_t system_time, base::SimTime from) const;
 
-  /// The oscillator is off by `ppb` from `now` on; the loop goes on with what it has learned.
-  void set_deviation(std::int32_t ppb, base::SimTime now);
-
   /// Stores the receive times of a frame with a write to 0x0900, of those ports that received it.
   void latch_receive_times(const FrameTiming& timing);
 

@@ -135,7 +135,7 @@ SlaveForwarding SlaveController::forwarding() const {
   for (unsigned i = 0; i < configuration_.mii.transmit_shift.size(); ++i) {
     forwarding.transmit_delay[i] = transmit_delay(configuration_.mii, i);
   }
-  forwarding.clock_deviation_ppb = configuration_.clock_deviation_ppb + clock_drift_ppb_;
+  forwarding.clock_deviation_ppb = configuration_.clock_deviation_ppb;
   forwarding.fifo_size = std::to_integer<std::uint8_t>(memory_[kReceiveFifoSize]) & 7U;
   const unsigned setting = loop_control_ & 3U;
   forwarding.marks_circulating = !ports_[0].link && (setting == kAuto || setting == kAutoClose);

@@ -99,9 +99,6 @@ class SlaveController final : public ProcessDataInterface {
     configuration_.forwarding_delay = delay;
     note_topology_change();
   }
-  /// Lets the oscillator drift by `ppb` beside SlaveControllerConfiguration::clock_deviation_ppb
-  /// from now on.
-  void set_clock_drift(double ppb);
   /// Makes the controller set `*changed` whenever forwarding() may have changed; null ends that.
   void watch_topology(bool* changed) { topology_changed_ = changed; }
   /// A valid frame came in at a closed port, where it ends: Auto Close opens the port.
@@ -377,7 +374,6 @@ class SlaveController final : public ProcessDataInterface {
   SiiInterface sii_;
   MiiManagement mii_;
   DistributedClock clock_;
-  std::int32_t clock_drift_ppb_ = 0;
   SyncUnit sync_{registers()};
   LatchUnit latch_{registers()};
   TimeStamp<std::uint64_t> shown_system_time_{register_address::kSystemTime};

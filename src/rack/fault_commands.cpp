@@ -67,16 +67,4 @@ std::string command_problem(const std::string& text) {
   return any ? "" : "\"commands\" names none; write e.g. \"LRW\"";
 }
 
-std::string input_of(const FaultConfiguration& fault) {
-  const std::string_view pattern = fault.kind->input;
-  if (pattern.empty()) {
-    return fault.values.get<std::string>("input");
-  }
-  const std::size_t place = pattern.find("{}");
-  return place == std::string_view::npos
-             ? std::string(pattern)
-             : fmt::format("{}{}{}", pattern.substr(0, place), fault.target.axis,
-                           pattern.substr(place + 2));
-}
-
 }  // namespace stator::rack

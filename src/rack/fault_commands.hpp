@@ -13,7 +13,4 @@ namespace stator::rack {
 /// Why such a text names no commands; empty: it does.
 [[nodiscard]] std::string command_problem(const std::string& text);
 
-/// The input that a fault of FaultAction::set_input sets.
-[[nodiscard]] std::string input_of(const FaultConfiguration& fault);
-
 }  // namespace stator::rack

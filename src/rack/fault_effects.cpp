@@ -7,6 +7,7 @@
 #include "rack/fault_commands.hpp"
 #include "rack/fault_mailbox.hpp"
 #include "rack/rack.hpp"
+#include "rack/surroundings_faults.hpp"
 
 namespace stator::rack {
 
@@ -248,11 +249,9 @@ std::unique_ptr<FaultEffect> serial(Rack& rack, const FaultConfiguration& fault)
 
 std::unique_ptr<FaultEffect> set_input(Rack& rack, const FaultConfiguration& fault) {
   const DeviceAddress device = *fault.target.device;
-  const std::string input = input_of(fault);
+  const auto& input = fault.values.get<std::string>("input");
   std::optional<RackEvent> back;
-  if (!fault.kind->input.empty()) {
-    back = InputEvent{device, input, fault.kind->healthy};
-  } else if (const auto value = fault.values.find<double>("back")) {
+  if (const auto value = fault.values.find<double>("back")) {
     back = InputEvent{device, input, *value};
   }
   return std::make_unique<EventEffect>(
@@ -308,6 +307,8 @@ std::unique_ptr<FaultEffect> make_fault_effect(Rack& rack, const FaultConfigurat
           rack,
           ErrorStateEvent{*fault.target.device, static_cast<can::ErrorState>(fault.kind->variant)},
           std::nullopt);
+    case FaultAction::surroundings:
+      return make_surroundings_effect(rack, fault);
     case FaultAction::set_input:
       return set_input(rack, fault);
   }

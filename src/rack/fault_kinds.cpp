@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "can/error_counters.hpp"
 #include "can/frame_faults.hpp"
 #include "ethercat/frame_faults.hpp"
 #include "rack/serial_faults.hpp"
+#include "rack/surroundings_faults.hpp"
 
 namespace stator::rack {
 
@@ -392,7 +394,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
      .parameters = kLineDelayParameters,
      .summary = "telegrams come late",
      .effect = "A reply comes late, perhaps after the next request."},
-    // Around the devices. Named faults of motor, sensors and supply go here, each with `input`.
+    // Around the devices; those with names are in surroundings_faults.cpp.
     {.name = "set",
      .action = FaultAction::set_input,
      .scope = FaultScope::device,
@@ -569,12 +571,19 @@ const FaultParameter* FaultKind::find(std::string_view parameter) const {
 }
 
 std::span<const FaultKind> fault_kinds() {
-  return kKinds;
+  static const std::vector<FaultKind> kAll = [] {
+    std::vector<FaultKind> all(kKinds.begin(), kKinds.end());
+    const std::span<const FaultKind> around = surroundings_fault_kinds();
+    all.insert(all.end() - 1, around.begin(), around.end());  // "set" comes last
+    return all;
+  }();
+  return kAll;
 }
 
 const FaultKind* find_fault_kind(std::string_view name) {
-  const auto found = std::ranges::find(kKinds, name, &FaultKind::name);
-  return found == kKinds.end() ? nullptr : &*found;
+  const std::span<const FaultKind> kinds = fault_kinds();
+  const auto found = std::ranges::find(kinds, name, &FaultKind::name);
+  return found == kinds.end() ? nullptr : &*found;
 }
 
 std::span<const FaultParameter> common_fault_keys() {

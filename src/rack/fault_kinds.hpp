@@ -22,7 +22,8 @@ enum class FaultAction : std::uint8_t {
   sii_corruption,   ///< its EEPROM reads wrong
   clock_drift,      ///< its oscillator runs fast or slow
   can_error_state,  ///< its CAN controller gets into another error state
-  set_input,        ///< something around it is set: motor, load, sensors, supply
+  surroundings,     ///< something around it fails: motor, load, sensors, supply
+  set_input,        ///< something around it is set
 };
 
 /// What a fault hits; says which keys name the target.
@@ -72,11 +73,6 @@ struct FaultKind {
   std::span<const FaultParameter> parameters{};
   std::string_view summary;
   std::string_view effect;  ///< what the master sees
-  /// Of a kind that sets one input: its name ("{}" is the number of the axis), and the value at
-  /// which nothing is wrong, which it gets back at the end. Its parameter "value" is what it is set
-  /// to.
-  std::string_view input{};
-  double healthy = 0.0;
 
   [[nodiscard]] const FaultParameter* find(std::string_view parameter) const;
 };

@@ -11,6 +11,7 @@
 #include "rack/fault_commands.hpp"
 #include "rack/input_names.hpp"
 #include "rack/product_catalogue.hpp"
+#include "rack/surroundings_faults.hpp"
 #include "rack/text.hpp"
 
 namespace stator::rack {
@@ -268,10 +269,16 @@ void FaultReader::check_values(TomlSection& section, const FaultConfiguration& f
       section.fail("commands", problem);
     }
   }
+  if (fault.kind->action == FaultAction::surroundings) {
+    const SettingProblem problem = setting_problem(fault, targets_.inputs_of(*fault.target.device));
+    if (!problem.text.empty()) {
+      section.fail(problem.key, problem.text);
+    }
+  }
   if (fault.kind->action != FaultAction::set_input) {
     return;
   }
-  const std::string input = input_of(fault);
+  const auto& input = values.get<std::string>("input");
   for (const char* key : {"value", "back"}) {
     const auto value = values.find<double>(key);
     if (!value) {

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "base/byte_order.hpp"
-#include "devices/clock_drift_input.hpp"
 #include "devices/tmc8461/tmc8461.hpp"
 #include "ethercat/led.hpp"
 #include "ethercat/register_addresses.hpp"
@@ -246,7 +245,7 @@ std::vector<Input> Tmc8461::inputs() {
     all.push_back({pin_name(probe.number), "", 0.0, 1.0,
                    base::Delegate<void(double)>::bind<&Probe::drive_io>(probe)});
   }
-  all.push_back(clock_drift_input(controller_));
+  all.push_back(clock_deviation_input());
   std::ranges::move(board_.inputs(), std::back_inserter(all));
   return all;
 }

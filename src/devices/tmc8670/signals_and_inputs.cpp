@@ -1,6 +1,5 @@
 // What of a TMC8670 can be recorded, and what of its surroundings can be set.
 
-#include "devices/clock_drift_input.hpp"
 #include "devices/tmc8670/tmc8670.hpp"
 
 namespace stator::devices {
@@ -25,7 +24,7 @@ std::vector<Input> Tmc8670::inputs() {
   using Set = base::Delegate<void(double)>;
   inputs.push_back({"supply_3v3", "V", -1.0, 6.0, Set::bind<&Tmc8670::set_logic_supply<0>>(*this)});
   inputs.push_back({"supply_1v2", "V", -1.0, 6.0, Set::bind<&Tmc8670::set_logic_supply<1>>(*this)});
-  inputs.push_back(clock_drift_input(controller_));
+  inputs.push_back(clock_deviation_input());
   return inputs;
 }
 

@@ -3,7 +3,6 @@
 #include <span>
 #include <utility>
 
-#include "devices/clock_drift_input.hpp"
 #include "ethercat/sii_image.hpp"
 #include "ethercat/slave_controller_presets.hpp"
 
@@ -391,7 +390,7 @@ std::vector<Input> Tmcm3315::inputs() {
   io_.append_inputs(inputs);
   inputs.push_back({"shutdown_switch", "", 0.0, 1.0,
                     base::Delegate<void(double)>::bind<&Tmcm3315::input_shutdown_switch>(*this)});
-  inputs.push_back(clock_drift_input(controller_));
+  inputs.push_back(clock_deviation_input());
   return inputs;
 }
 
