@@ -1,7 +1,6 @@
 #include "rack/fault_section.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <set>
 #include <sstream>
 
@@ -104,32 +103,6 @@ std::set<std::string> kind_names() {
 }
 
 }  // namespace
-
-std::optional<FaultObject> parse_fault_object(std::string_view text) {
-  const auto number = [](std::string_view digits, unsigned maximum) -> std::optional<unsigned> {
-    unsigned value = 0;
-    const char* end = digits.data() + digits.size();
-    const auto result = std::from_chars(digits.data(), end, value, 16);
-    if (result.ec != std::errc() || result.ptr != end || value > maximum) {
-      return std::nullopt;
-    }
-    return value;
-  };
-  const std::size_t colon = std::min(text.find(':'), text.size());
-  const auto index = number(text.substr(0, colon), 0xFFFF);
-  if (!index) {
-    return std::nullopt;
-  }
-  FaultObject object{static_cast<std::uint16_t>(*index)};
-  if (colon < text.size()) {
-    const auto subindex = number(text.substr(colon + 1), 0xFF);
-    if (!subindex) {
-      return std::nullopt;
-    }
-    object.subindex = static_cast<std::uint8_t>(*subindex);
-  }
-  return object;
-}
 
 FaultConfiguration FaultReader::read(TomlSection& section) {
   const std::set<std::string> names = kind_names();
