@@ -94,6 +94,14 @@ std::optional<T> read_common(TomlSection& section, std::string_view name) {
   return value ? std::optional<T>(std::get<T>(*value)) : std::nullopt;
 }
 
+/// Below 0: it is no such number.
+long hexadecimal(std::string_view digits, long maximum) {
+  long value = -1;
+  const char* end = digits.data() + digits.size();
+  const auto result = std::from_chars(digits.data(), end, value, 16);
+  return result.ec == std::errc() && result.ptr == end && value <= maximum ? value : -1;
+}
+
 std::set<std::string> kind_names() {
   std::set<std::string> names;
   for (const FaultKind& kind : fault_kinds()) {
@@ -105,29 +113,21 @@ std::set<std::string> kind_names() {
 }  // namespace
 
 std::optional<FaultObject> parse_fault_object(std::string_view text) {
-  const auto number = [](std::string_view digits, unsigned maximum) -> std::optional<unsigned> {
-    unsigned value = 0;
-    const char* end = digits.data() + digits.size();
-    const auto result = std::from_chars(digits.data(), end, value, 16);
-    if (result.ec != std::errc() || result.ptr != end || value > maximum) {
-      return std::nullopt;
-    }
-    return value;
-  };
+  constexpr long kMostIndex = 0xFFFF;
+  constexpr long kMostSubindex = 0xFF;
   const std::size_t colon = std::min(text.find(':'), text.size());
-  const auto index = number(text.substr(0, colon), 0xFFFF);
-  if (!index) {
+  const long index = hexadecimal(text.substr(0, colon), kMostIndex);
+  if (index < 0) {
     return std::nullopt;
   }
-  FaultObject object{static_cast<std::uint16_t>(*index)};
-  if (colon < text.size()) {
-    const auto subindex = number(text.substr(colon + 1), 0xFF);
-    if (!subindex) {
-      return std::nullopt;
-    }
-    object.subindex = static_cast<std::uint8_t>(*subindex);
+  if (colon == text.size()) {
+    return FaultObject{static_cast<std::uint16_t>(index), std::nullopt};
   }
-  return object;
+  const long subindex = hexadecimal(text.substr(colon + 1), kMostSubindex);
+  if (subindex < 0) {
+    return std::nullopt;
+  }
+  return FaultObject{static_cast<std::uint16_t>(index), static_cast<std::uint8_t>(subindex)};
 }
 
 FaultConfiguration FaultReader::read(TomlSection& section) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "web/events_job.hpp"
+#include "web/fault_api.hpp"
 #include "web/input_api.hpp"
 #include "web/object_api.hpp"
 #include "web/problem.hpp"
@@ -73,6 +74,12 @@ Answer answer(const Match& match, const Request& request, State& state) {
       return answer_device(match, request, state);
     case Operation::events:
       return answer_events(match, state);
+    case Operation::fault_kinds:
+    case Operation::faults:
+    case Operation::inject_fault:
+    case Operation::clear_fault:
+    case Operation::clear_faults:
+      return answer_faults(match, request, state);
   }
   return problem(500, "a route without an answer");
 }

@@ -13,7 +13,7 @@ namespace stator::web {
 
 namespace {
 
-constexpr std::array<Route, 15> kRoutes{{
+constexpr auto kRoutes = std::to_array<Route>({
     {.operation = Operation::health,
      .method = "GET",
      .path = "/healthz",
@@ -112,7 +112,39 @@ constexpr std::array<Route, 15> kRoutes{{
      .summary = "The newest events, oldest first",
      .schema = "Events",
      .query = {"after", "integer", "Only events with a higher number"}},
-}};
+    {.operation = Operation::fault_kinds,
+     .method = "GET",
+     .path = "/api/v1/faults/kinds",
+     .id = "listFaultKinds",
+     .summary = "What can go wrong on demand, with the parameters of each kind",
+     .schema = "FaultKinds"},
+    {.operation = Operation::faults,
+     .method = "GET",
+     .path = "/api/v1/faults",
+     .id = "listFaults",
+     .summary = "Faults that wait or are active, and the last ones that are over",
+     .schema = "Faults"},
+    {.operation = Operation::inject_fault,
+     .method = "POST",
+     .path = "/api/v1/faults",
+     .id = "injectFault",
+     .summary = "Arms a fault, given by the keys of a [[fault]] of a rack file",
+     .schema = "FaultNumber",
+     .request_schema = "FaultRequest",
+     .status = 201},
+    {.operation = Operation::clear_fault,
+     .method = "DELETE",
+     .path = "/api/v1/faults/{fault}",
+     .id = "clearFault",
+     .summary = "Ends a fault, or takes it back if it waits",
+     .schema = "Cleared"},
+    {.operation = Operation::clear_faults,
+     .method = "DELETE",
+     .path = "/api/v1/faults",
+     .id = "clearFaults",
+     .summary = "Ends all faults",
+     .schema = "Cleared"},
+});
 
 std::optional<unsigned> hex_digit(char letter) {
   if (letter >= '0' && letter <= '9') {
