@@ -11,6 +11,7 @@
 #include "rack/fault_commands.hpp"
 #include "rack/input_names.hpp"
 #include "rack/product_catalogue.hpp"
+#include "rack/rack_file_steps.hpp"
 #include "rack/text.hpp"
 
 namespace stator::rack {
@@ -259,17 +260,20 @@ void FaultReader::check_values(TomlSection& section, const FaultConfiguration& f
   const FaultValues& values = fault.values;
   if (const auto object = values.find<std::string>("object");
       object && !parse_fault_object(*object)) {
-    section.fail("object", fmt::format("\"object\" is \"{}\"; write index or index:subindex in "
-                                       "hexadecimal, e.g. \"6060:00\"",
-                                       *object));
+    section.refuse("object", fmt::format("\"object\" is \"{}\"; write index or index:subindex in "
+                                         "hexadecimal, e.g. \"6060:00\"",
+                                         *object));
   }
   if (const auto commands = values.find<std::string>("commands")) {
     if (const std::string problem = command_problem(*commands); !problem.empty()) {
-      section.fail("commands", problem);
+      section.refuse("commands", problem);
     }
   }
   if (fault.kind->action != FaultAction::set_input) {
     return;
+  }
+  if (section.collects_errors() && !section.errors()->list.empty()) {
+    return;  // a device with errors may not be there to be asked
   }
   const std::string input = input_of(fault);
   for (const char* key : {"value", "back"}) {
@@ -280,7 +284,7 @@ void FaultReader::check_values(TomlSection& section, const FaultConfiguration& f
     const std::string problem =
         input_problem(targets_.inputs_of(*fault.target.device), input, *value);
     if (!problem.empty()) {
-      section.fail(key, problem);
+      section.refuse(key, problem);
     }
   }
 }
@@ -294,12 +298,12 @@ void FaultReader::read_begin(TomlSection& section, FaultConfiguration& fault) {
   fault.wait = read_common<base::SimDuration>(section, "wait").value_or(base::SimDuration());
   const int ways = (fault.at ? 1 : 0) + (fault.after.empty() ? 0 : 1) + (fault.when ? 1 : 0);
   if (ways > 1) {
-    section.fail("at",
-                 "a fault begins \"at\" a time, \"after\" another fault or \"when\" "
-                 "something is reached: give one of them");
+    section.refuse("at",
+                   "a fault begins \"at\" a time, \"after\" another fault or \"when\" "
+                   "something is reached: give one of them");
   }
   if (!fault.name.empty() && fault.name == fault.after) {
-    section.fail("after", "a fault cannot come after itself");
+    section.refuse("after", "a fault cannot come after itself");
   }
 }
 
@@ -307,21 +311,21 @@ void FaultReader::read_end(TomlSection& section, FaultConfiguration& fault) cons
   const FaultKind& kind = *fault.kind;
   fault.duration = read_common<base::SimDuration>(section, "for");
   if (fault.duration && kind.momentary) {
-    section.fail("for", fmt::format("\"{}\" is over as soon as it has begun", kind.name));
+    section.refuse("for", fmt::format("\"{}\" is over as soon as it has begun", kind.name));
   }
   const auto count = read_common<std::int64_t>(section, "count");
   const auto probability = read_common<double>(section, "probability");
   for (const auto& [key, given] :
        {std::pair("count", count.has_value()), std::pair("probability", probability.has_value())}) {
     if (given && kind.counted.empty()) {
-      section.fail(
+      section.refuse(
           key, fmt::format("\"{}\" has nothing to count, so it takes no \"{}\"", kind.name, key));
     }
   }
   const auto mode = fault.values.find<std::string>("mode");
   if (mode == "full" && (count || probability)) {
-    section.fail(count ? "count" : "probability",
-                 "requests that nobody takes cannot be counted; end it with \"for\"");
+    section.refuse(count ? "count" : "probability",
+                   "requests that nobody takes cannot be counted; end it with \"for\"");
   }
   fault.count = static_cast<std::uint64_t>(count.value_or(0));
   fault.probability = probability.value_or(1.0);
@@ -410,19 +414,23 @@ Milestone FaultReader::read_milestone(TomlSection& section, const FaultTarget& t
 void read_faults(TomlSection& root, RackConfiguration& rack) {
   FaultReader reader(rack);
   std::set<std::string> names;
-  std::vector<TomlSection> sections = root.sections("fault");
-  for (TomlSection& section : sections) {
-    FaultConfiguration fault = reader.read(section);
-    if (!fault.name.empty() && !names.insert(fault.name).second) {
-      section.fail("name", fmt::format("there is a fault \"{}\" already", fault.name));
-    }
-    rack.faults.push_back(std::move(fault));
+  std::vector<std::pair<TomlSection, std::string>> followers;
+  for (TomlSection& section : root.sections("fault")) {
+    section.attempt([&] {
+      FaultConfiguration fault = reader.read(section);
+      if (!fault.name.empty() && !names.insert(fault.name).second) {
+        section.refuse("name", fmt::format("there is a fault \"{}\" already", fault.name));
+      }
+      if (!fault.after.empty()) {
+        followers.emplace_back(section, fault.after);
+      }
+      rack.faults.push_back(std::move(fault));
+    });
   }
-  for (std::size_t i = 0; i < sections.size(); ++i) {
-    const std::string& after = rack.faults[i].after;
-    if (!after.empty() && !names.contains(after)) {
+  for (auto& [section, after] : followers) {
+    if (!names.contains(after)) {
       const std::string guess = closest_match(after, names);
-      sections[i].fail(
+      section.refuse(
           "after", fmt::format("there is no fault \"{}\"{}", after,
                                guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess)));
     }
@@ -430,12 +438,7 @@ void read_faults(TomlSection& root, RackConfiguration& rack) {
 }
 
 FaultConfiguration parse_fault(std::string_view text, const RackConfiguration& rack) {
-  toml::table table;
-  try {
-    table = toml::parse(text, std::string());
-  } catch (const toml::parse_error& error) {
-    throw RackFileError(std::string(error.description()));
-  }
+  const toml::table table = parse_toml(text, "");
   TomlSection section("", "the fault", table);
   return FaultReader(rack).read(section);
 }

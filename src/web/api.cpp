@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "web/assets.hpp"
 #include "web/events_job.hpp"
 #include "web/fault_api.hpp"
 #include "web/input_api.hpp"
@@ -52,6 +53,10 @@ Answer answer_events(const Match& match, State& state) {
 
 Answer answer(const Match& match, const Request& request, State& state) {
   switch (const Operation operation = match.route->operation) {
+    case Operation::page:
+      return answer_asset(request, "/");
+    case Operation::asset:
+      return answer_asset(request, "/assets/" + match.parameters[0]);
     case Operation::openapi:
       return Response{.body = openapi_document()};
     case Operation::metrics:

@@ -14,6 +14,22 @@ namespace stator::web {
 namespace {
 
 constexpr auto kRoutes = std::to_array<Route>({
+    {.operation = Operation::page,
+     .method = "GET",
+     .path = "/",
+     .id = "dashboard",
+     .summary = "The dashboard, a page for people",
+     .schema = "",
+     .open = true,
+     .content_type = "text/html; charset=utf-8"},
+    {.operation = Operation::asset,
+     .method = "GET",
+     .path = "/assets/{file}",
+     .id = "dashboardFile",
+     .summary = "What the dashboard consists of",
+     .schema = "",
+     .open = true,
+     .content_type = "application/octet-stream"},
     {.operation = Operation::health,
      .method = "GET",
      .path = "/healthz",
