@@ -11,6 +11,7 @@
 
 #include "rack/fault_section.hpp"
 #include "rack/faults.hpp"
+#include "rack/rack.hpp"
 #include "web/json_text.hpp"
 #include "web/problem.hpp"
 
