@@ -23,5 +23,9 @@ void add_tmcl_command(CLI::App& app);
 void add_can_exec_command(CLI::App& app);
 void add_mfc_command(CLI::App& app);
 void add_conformance_command(CLI::App& app);
+void add_check_command(CLI::App& app);
+/// faults, inject, clear.
+void add_fault_commands(CLI::App& app);
+void add_status_command(CLI::App& app);
 
 }  // namespace stator::cli

@@ -62,12 +62,25 @@ std::vector<std::byte> refusal_message(std::uint8_t tag, chip_protocol::Refusal 
 
 }  // namespace
 
+base::Expected<void, LinkError> check_chip_link(std::string_view address) {
+  if ((address.starts_with(kUnix) && address.size() > kUnix.size()) ||
+      (address.starts_with(kTcp) && parse_serial_link(address))) {
+    return {};
+  }
+  return fail(LinkErrorCode::invalid_option,
+              in_quotes(std::string(address)) + " is no socket for a chip's firmware; write " +
+                  std::string(kChipLinkForms) + ", e.g. unix:/tmp/chip or tcp:29146");
+}
+
 base::Expected<std::unique_ptr<ChipServer>, LinkError> ChipServer::open(std::string_view address) {
+  if (const auto checked = check_chip_link(address); !checked) {
+    return base::Unexpected{checked.error()};
+  }
   FileDescriptor wake(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!wake.is_open()) {
     return system_failure("cannot wait for the program of a chip", errno);
   }
-  if (address.starts_with(kUnix) && address.size() > kUnix.size()) {
+  if (address.starts_with(kUnix)) {
     const std::string path(address.substr(kUnix.size()));
     auto listener = listen_at_path(path);
     if (!listener) {
@@ -76,22 +89,15 @@ base::Expected<std::unique_ptr<ChipServer>, LinkError> ChipServer::open(std::str
     return std::unique_ptr<ChipServer>(
         new ChipServer(std::move(*listener), std::string(address), path, std::move(wake)));
   }
-  if (address.starts_with(kTcp)) {
-    const auto place = parse_serial_link(address);
-    if (place) {
-      std::uint16_t port = place->port;
-      auto listener = listen_at(place->name, port, std::string(address));
-      if (!listener) {
-        return base::Unexpected{listener.error()};
-      }
-      return std::unique_ptr<ChipServer>(
-          new ChipServer(std::move(*listener), "tcp:" + place->name + ":" + std::to_string(port),
-                         {}, std::move(wake)));
-    }
+  const auto place = parse_serial_link(address);
+  std::uint16_t port = place->port;
+  auto listener = listen_at(place->name, port, std::string(address));
+  if (!listener) {
+    return base::Unexpected{listener.error()};
   }
-  return fail(LinkErrorCode::invalid_option,
-              in_quotes(std::string(address)) + " is no socket for a chip's firmware; write " +
-                  std::string(kChipLinkForms) + ", e.g. unix:/tmp/chip or tcp:29146");
+  return std::unique_ptr<ChipServer>(
+      new ChipServer(std::move(*listener), "tcp:" + place->name + ":" + std::to_string(port), {},
+                     std::move(wake)));
 }
 
 ChipServer::ChipServer(FileDescriptor listener, std::string name, std::string path,

@@ -21,6 +21,9 @@ namespace stator::link {
 /// The forms ChipServer::open() reads, for messages and help texts.
 inline constexpr std::string_view kChipLinkForms = "unix:PATH or tcp:[ADDRESS:]PORT";
 
+/// Whether `address` has one of these forms; the error tells them.
+[[nodiscard]] base::Expected<void, LinkError> check_chip_link(std::string_view address);
+
 /// What a server did so far.
 struct ChipServerStatistics {
   std::uint64_t programs = 0;     ///< that got the chip

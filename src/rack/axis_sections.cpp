@@ -9,13 +9,13 @@
 
 namespace stator::rack {
 
-void fail_for_motor(TomlSection& section, const std::string& motor,
-                    const std::set<std::string>& names) {
+void refuse_motor(TomlSection& section, const std::string& motor,
+                  const std::set<std::string>& names) {
   const std::string guess = closest_match(motor, names);
-  section.fail("motor",
-               fmt::format("motor \"{}\" is not known{}; the motors are: {}", motor,
-                           guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
-                           fmt::join(names, ", ")));
+  section.refuse("motor",
+                 fmt::format("motor \"{}\" is not known{}; the motors are: {}", motor,
+                             guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
+                             fmt::join(names, ", ")));
 }
 
 void read_load(TomlSection section, plant::MechanicalLoad& load) {
@@ -30,7 +30,7 @@ void read_load(TomlSection section, plant::MechanicalLoad& load) {
   set(section, "end_stop_stiffness", 0.1, 1e6, load.end_stop_stiffness);
   set(section, "end_stop_damping", 0.0, 100.0, load.end_stop_damping);
   if (load.end_stop_minimum >= load.end_stop_maximum) {
-    section.fail("end_stop_minimum", "\"end_stop_minimum\" must lie below \"end_stop_maximum\"");
+    section.refuse("end_stop_minimum", "\"end_stop_minimum\" must lie below \"end_stop_maximum\"");
   }
   section.finish();
 }
@@ -83,7 +83,7 @@ void read_switch(TomlSection section, plant::PositionSwitch& position_switch) {
   position_switch.normally_closed =
       section.boolean("normally_closed").value_or(position_switch.normally_closed);
   if (position_switch.pressed_from > position_switch.pressed_to) {
-    section.fail("pressed_from", "\"pressed_from\" must not lie above \"pressed_to\"");
+    section.refuse("pressed_from", "\"pressed_from\" must not lie above \"pressed_to\"");
   }
   section.finish();
 }

@@ -26,8 +26,8 @@ inline void set(TomlSection& section, const char* key, double minimum, double ma
 }
 
 /// Says that `motor` is none of `names`, and which might be meant.
-[[noreturn]] void fail_for_motor(TomlSection& section, const std::string& motor,
-                                 const std::set<std::string>& names);
+void refuse_motor(TomlSection& section, const std::string& motor,
+                  const std::set<std::string>& names);
 
 void read_load(TomlSection section, plant::MechanicalLoad& load);
 void read_brake(TomlSection section, plant::HoldingBrake& brake);
@@ -51,7 +51,7 @@ void read_axis_mechanics(TomlSection& section, Parameters& parameters) {
   }
   if (auto brake = section.section("brake")) {
     if (parameters.load.brake_torque == 0.0) {
-      section.fail("brake", "a brake needs \"load.brake_torque\", the torque it holds with");
+      section.refuse("brake", "a brake needs \"load.brake_torque\", the torque it holds with");
     }
     read_brake(*brake, parameters.brake);
   }

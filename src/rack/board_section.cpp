@@ -40,9 +40,12 @@ std::optional<unsigned> read_line(TomlSection& section, const std::string& pin) 
     return number ? std::optional(static_cast<unsigned>(*number)) : std::nullopt;
   }
   const std::set<std::string> names(mfc::kLineNames.begin(), mfc::kLineNames.end());
-  const std::string name = *section.choice(pin, names);
+  const std::optional<std::string> name = section.choice(pin, names);
+  if (!name) {
+    return std::nullopt;
+  }
   unsigned line = 0;
-  while (mfc::kLineNames[line] != name) {
+  while (mfc::kLineNames[line] != *name) {
     ++line;
   }
   return line;
@@ -91,18 +94,25 @@ PeripheralConfiguration read_peripheral(TomlSection& section, const std::string&
 }  // namespace
 
 void read_board(TomlSection& section, board::BoardConfiguration& configuration) {
+  const std::size_t before = section.collects_errors() ? section.errors()->list.size() : 0;
   for (const std::string& name : section.keys()) {
-    auto table = section.section(name);
-    configuration.peripherals.push_back(read_peripheral(*table, name));
+    section.attempt([&] {
+      if (auto table = section.section(name)) {
+        configuration.peripherals.push_back(read_peripheral(*table, name));
+      }
+    });
   }
   section.finish();
+  if (section.collects_errors() && section.errors()->list.size() != before) {
+    return;  // what is missing would be told a second time
+  }
   try {
     // Wired once to try, so that what is wrong is told with its place in the file.
     mfc::Block block;
     board::BlockPins pins(block);
     const board::Board trial(configuration, pins, base::SimTime());
   } catch (const board::BoardError& error) {
-    section.fail(error.peripheral(), fmt::format("\"{}\": {}", error.peripheral(), error.what()));
+    section.refuse(error.peripheral(), fmt::format("\"{}\": {}", error.peripheral(), error.what()));
   }
 }
 

@@ -25,33 +25,45 @@ std::optional<std::uint32_t> read_bit_rate(TomlSection& section,
   return rate ? static_cast<std::uint32_t>(*rate * 1000) : otherwise;
 }
 
+/// Only one can listen there; networks of the system take any number.
+bool is_server(const link::CanLinkAddress& address) {
+  using enum link::CanLinkKind;
+  return address.kind == slcan ||
+         ((address.kind == slcan_tcp || address.kind == socketcand) && address.port != 0);
+}
+
 BusConfiguration read_bus(TomlSection& section, std::size_t number, std::set<std::string>& names) {
   BusConfiguration bus;
   bus.name = section.text("name").value_or(fmt::format("can{}", number));
   if (!names.insert(bus.name).second) {
-    section.fail("name", fmt::format("the name \"{}\" is given twice; give each bus and device its "
-                                     "own \"name\"",
-                                     bus.name));
+    section.refuse("name",
+                   fmt::format("the name \"{}\" is given twice; give each bus and device its "
+                               "own \"name\"",
+                               bus.name));
   }
   bus.bit_rate = read_bit_rate(section, bus.bit_rate);
   bus.ports_acknowledge = section.boolean("ports_acknowledge").value_or(bus.ports_acknowledge);
   bus.ports = section.texts("ports").value_or(bus.ports);
   for (const std::string& port : bus.ports) {
     if (const auto address = link::parse_can_link_address(port); !address) {
-      section.fail("ports", address.error().text);
+      section.refuse("ports", address.error().text);
+    } else if (is_server(*address)) {
+      section.claim("ports", to_text(*address));
     }
   }
-  bus.log = section.text("log").value_or("");
-  bus.capture = section.text("capture").value_or("");
+  bus.log = section.output("log");
+  bus.capture = section.output("capture");
   if (const auto cpu = section.integer("cpu", 0, 1023)) {
     bus.cpu = static_cast<unsigned>(*cpu);
   }
   for (TomlSection& device : section.sections("device")) {
-    bus.devices.push_back(read_device(device, names, NetworkKind::bus));
-    device.finish();
+    device.attempt([&] {
+      bus.devices.push_back(read_device(device, names, NetworkKind::bus));
+      device.finish();
+    });
   }
-  if (bus.devices.empty()) {
-    section.fail("device", "a bus needs at least one [[bus.device]]");
+  if (bus.devices.empty() && section.sections("device").empty()) {
+    section.refuse("device", "a bus needs at least one [[bus.device]]");
   }
   section.finish();
   return bus;
@@ -62,7 +74,7 @@ BusConfiguration read_bus(TomlSection& section, std::size_t number, std::set<std
 void read_buses(TomlSection& root, std::set<std::string>& names,
                 std::vector<BusConfiguration>& buses) {
   for (TomlSection& section : root.sections("bus")) {
-    buses.push_back(read_bus(section, buses.size(), names));
+    section.attempt([&] { buses.push_back(read_bus(section, buses.size(), names)); });
   }
 }
 

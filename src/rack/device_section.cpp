@@ -1,5 +1,6 @@
 #include "rack/device_section.hpp"
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <variant>
@@ -52,10 +53,10 @@ void read_product(TomlSection& section, devices::Tmcm3315Configuration& configur
       section.boolean("home_offset_is_position").value_or(configuration.home_offset_is_position);
   std::vector<TomlSection> axes = section.sections("axis");
   if (axes.size() > configuration.axes.size()) {
-    section.fail("axis", fmt::format("{} axes are given, the device has {}", axes.size(),
-                                     configuration.axes.size()));
+    section.refuse("axis", fmt::format("{} axes are given, the device has {}", axes.size(),
+                                       configuration.axes.size()));
   }
-  for (std::size_t i = 0; i < axes.size(); ++i) {
+  for (std::size_t i = 0; i < std::min(axes.size(), configuration.axes.size()); ++i) {
     read_stepper_axis(axes[i], configuration.axes[i]);
   }
 }
@@ -92,6 +93,9 @@ DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& nam
   }
   const std::optional<std::string> type = section.choice("type", types);
   if (!type) {
+    if (section.collects_errors()) {
+      section.errors()->devices_missing = true;
+    }
     section.fail("type", "\"type\" is missing; it names the product, see \"stator devices\"");
   }
   DeviceConfiguration device;
@@ -100,12 +104,14 @@ DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& nam
   device.product = product.default_configuration();
   device.serial = read_serial_connections(section, product);
   if (!names.insert(device.name).second) {
-    section.fail("name", fmt::format("the name \"{}\" is given twice; give each device its own "
-                                     "\"name\"",
-                                     device.name));
+    section.refuse("name", fmt::format("the name \"{}\" is given twice; give each device its own "
+                                       "\"name\"",
+                                       device.name));
   }
-  std::visit([&section](auto& configuration) { read_product(section, configuration); },
-             device.product);
+  section.attempt([&] {
+    std::visit([&section](auto& configuration) { read_product(section, configuration); },
+               device.product);
+  });
   return device;
 }
 

@@ -241,11 +241,13 @@ class DeviceStorage::ParameterMember final : public Member, public ParameterKeep
   ParameterMemory memory_;
 };
 
-DeviceStorage::DeviceStorage(const std::string& directory)
-    : directory_(directory), writer_(directory_) {}
+DeviceStorage::DeviceStorage(const std::string& directory, StateDirectory::Use use)
+    : use_(use), directory_(directory, use), writer_(directory_) {}
 
 DeviceStorage::~DeviceStorage() {
-  flush(now_);
+  if (use_ == StateDirectory::Use::own) {
+    flush(now_);
+  }
 }
 
 void DeviceStorage::attach(const std::string& name, devices::EtherCatDevice& device,

@@ -31,8 +31,9 @@ class DeviceStorage {
   static constexpr base::SimDuration kRetryTime{5'000'000'000};  ///< after a failure
 
   /// Throws std::runtime_error as StateDirectory does.
-  explicit DeviceStorage(const std::string& directory);
-  /// Writes what has changed.
+  explicit DeviceStorage(const std::string& directory,
+                         StateDirectory::Use use = StateDirectory::Use::own);
+  /// Writes what has changed, unless the directory was only to be looked at.
   ~DeviceStorage();
   DeviceStorage(const DeviceStorage&) = delete;
   DeviceStorage& operator=(const DeviceStorage&) = delete;
@@ -69,6 +70,7 @@ class DeviceStorage {
                          devices::Device& device, base::EventReporter reporter);
   void handle_results(base::SimTime now);
 
+  StateDirectory::Use use_;
   StateDirectory directory_;
   bool confirm_writes_ = false;
   base::SimTime now_;

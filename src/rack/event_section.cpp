@@ -122,21 +122,27 @@ void EventSectionReader::read_set(TomlSection& section, base::SimDuration at,
                  "\"set\" needs \"input\", which names what is set, and \"value\"; \"stator "
                  "describe DEVICE --inputs\" lists the inputs");
   }
+  if (section.collects_errors() && !section.errors()->list.empty()) {
+    // A device with errors may not be there to be asked.
+    static_cast<void>(section.number("from", -kAnyValue, kAnyValue));
+    static_cast<void>(section.duration("over", kRampStep, 60_s));
+    return;
+  }
   if (const std::string problem = input_problem(targets_.inputs_of(target), *input, *value);
       !problem.empty()) {
-    section.fail("value", problem);
+    section.refuse("value", problem);
   }
   const std::optional<double> from = section.number("from", -kAnyValue, kAnyValue);
   const std::optional<base::SimDuration> over = section.duration("over", kRampStep, 60_s);
   if (from.has_value() != over.has_value()) {
-    section.fail(from ? "from" : "over",
-                 "a ramp needs both: \"from\", the value it starts at, and \"over\", how long it "
-                 "takes");
+    section.refuse(from ? "from" : "over",
+                   "a ramp needs both: \"from\", the value it starts at, and \"over\", how long it "
+                   "takes");
   }
-  if (over) {
+  if (over && from) {
     if (const std::string problem = input_problem(targets_.inputs_of(target), *input, *from);
         !problem.empty()) {
-      section.fail("from", problem);
+      section.refuse("from", problem);
     }
     const std::int64_t steps = *over / kRampStep;
     for (std::int64_t i = 0; i < steps; ++i) {

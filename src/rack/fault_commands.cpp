@@ -1,10 +1,7 @@
 #include "rack/fault_commands.hpp"
 
-#include <algorithm>
 #include <array>
-#include <charconv>
 #include <sstream>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -68,33 +65,6 @@ std::string command_problem(const std::string& text) {
     }
   }
   return any ? "" : "\"commands\" names none; write e.g. \"LRW\"";
-}
-
-std::optional<FaultObject> parse_fault_object(std::string_view text) {
-  const auto number = [](std::string_view digits, unsigned maximum) -> std::optional<unsigned> {
-    unsigned value = 0;
-    const char* end = digits.data() + digits.size();
-    const auto result = std::from_chars(digits.data(), end, value, 16);
-    if (result.ec != std::errc() || result.ptr != end || value > maximum) {
-      return std::nullopt;
-    }
-    return value;
-  };
-  const std::size_t colon = std::min(text.find(':'), text.size());
-  const auto index = number(text.substr(0, colon), 0xFFFF);
-  if (!index) {
-    return std::nullopt;
-  }
-  std::optional<FaultObject> object(std::in_place);
-  object->index = static_cast<std::uint16_t>(*index);
-  if (colon < text.size()) {
-    const auto subindex = number(text.substr(colon + 1), 0xFF);
-    if (!subindex) {
-      return std::nullopt;
-    }
-    object->subindex = static_cast<std::uint8_t>(*subindex);
-  }
-  return object;
 }
 
 }  // namespace stator::rack

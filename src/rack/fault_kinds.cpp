@@ -218,7 +218,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
      .parameters = kFrameParameters,
      .summary = "frames come twice",
      .effect = "A second answer with the same index. Slaves behind the place execute the frame "
-               "twice: a mailbox that was read is empty, one that was written full, so the "
+               "twice: a mailbox that was read is empty the second time, so the "
                "working counters of both answers differ."},
     {.name = "ethercat-reorder",
      .action = FaultAction::ethercat_frame,
@@ -280,9 +280,10 @@ constexpr auto kKinds = std::to_array<FaultKind>({
      .momentary = true,
      .parameters = kFallBackParameters,
      .summary = "the slave leaves for a lower state by itself",
-     .effect = "AL status shows the lower state with bit 4, the code is in 0134h. In "
-               "Safe-Operational and below outputs do not count: the working counter of process "
-               "data is smaller. After acknowledgment it goes up again."},
+     .effect = "AL status shows the lower state with bit 4, the code is in 0134h. Outputs are not "
+               "taken over any more, but the controller goes on counting process data: the working "
+               "counter does not tell, a look at AL status (BRD 0130h) does. After acknowledgment "
+               "the slave goes up again."},
     {.name = "working-counter",
      .action = FaultAction::working_counter,
      .scope = FaultScope::device,

@@ -10,6 +10,7 @@
 #include "rack/fault_commands.hpp"
 #include "rack/input_names.hpp"
 #include "rack/product_catalogue.hpp"
+#include "rack/rack_file_steps.hpp"
 #include "rack/surroundings_faults.hpp"
 #include "rack/text.hpp"
 
@@ -94,6 +95,14 @@ std::optional<T> read_common(TomlSection& section, std::string_view name) {
   return value ? std::optional<T>(std::get<T>(*value)) : std::nullopt;
 }
 
+/// Below 0: it is no such number.
+long hexadecimal(std::string_view digits, long maximum) {
+  long value = -1;
+  const char* end = digits.data() + digits.size();
+  const auto result = std::from_chars(digits.data(), end, value, 16);
+  return result.ec == std::errc() && result.ptr == end && value <= maximum ? value : -1;
+}
+
 std::set<std::string> kind_names() {
   std::set<std::string> names;
   for (const FaultKind& kind : fault_kinds()) {
@@ -103,6 +112,24 @@ std::set<std::string> kind_names() {
 }
 
 }  // namespace
+
+std::optional<FaultObject> parse_fault_object(std::string_view text) {
+  constexpr long kMostIndex = 0xFFFF;
+  constexpr long kMostSubindex = 0xFF;
+  const std::size_t colon = std::min(text.find(':'), text.size());
+  const long index = hexadecimal(text.substr(0, colon), kMostIndex);
+  if (index < 0) {
+    return std::nullopt;
+  }
+  if (colon == text.size()) {
+    return FaultObject{static_cast<std::uint16_t>(index), std::nullopt};
+  }
+  const long subindex = hexadecimal(text.substr(colon + 1), kMostSubindex);
+  if (subindex < 0) {
+    return std::nullopt;
+  }
+  return FaultObject{static_cast<std::uint16_t>(index), static_cast<std::uint8_t>(subindex)};
+}
 
 FaultConfiguration FaultReader::read(TomlSection& section) {
   const std::set<std::string> names = kind_names();
@@ -233,22 +260,27 @@ void FaultReader::check_values(TomlSection& section, const FaultConfiguration& f
   const FaultValues& values = fault.values;
   if (const auto object = values.find<std::string>("object");
       object && !parse_fault_object(*object)) {
-    section.fail("object", fmt::format("\"object\" is \"{}\"; write index or index:subindex in "
-                                       "hexadecimal, e.g. \"6060:00\"",
-                                       *object));
+    section.refuse("object", fmt::format("\"object\" is \"{}\"; write index or index:subindex in "
+                                         "hexadecimal, e.g. \"6060:00\"",
+                                         *object));
   }
   if (const auto commands = values.find<std::string>("commands")) {
     if (const std::string problem = command_problem(*commands); !problem.empty()) {
-      section.fail("commands", problem);
+      section.refuse("commands", problem);
     }
   }
-  if (fault.kind->action == FaultAction::surroundings) {
+  const bool around = fault.kind->action == FaultAction::surroundings;
+  if (!around && fault.kind->action != FaultAction::set_input) {
+    return;
+  }
+  if (section.collects_errors() && !section.errors()->list.empty()) {
+    return;  // a device with errors may not be there to be asked
+  }
+  if (around) {
     const SettingProblem problem = setting_problem(fault, targets_.inputs_of(*fault.target.device));
     if (!problem.text.empty()) {
-      section.fail(problem.key, problem.text);
+      section.refuse(problem.key, problem.text);
     }
-  }
-  if (fault.kind->action != FaultAction::set_input) {
     return;
   }
   const auto& input = values.get<std::string>("input");
@@ -260,7 +292,7 @@ void FaultReader::check_values(TomlSection& section, const FaultConfiguration& f
     const std::string problem =
         input_problem(targets_.inputs_of(*fault.target.device), input, *value);
     if (!problem.empty()) {
-      section.fail(key, problem);
+      section.refuse(key, problem);
     }
   }
 }
@@ -274,12 +306,12 @@ void FaultReader::read_begin(TomlSection& section, FaultConfiguration& fault) {
   fault.wait = read_common<base::SimDuration>(section, "wait").value_or(base::SimDuration());
   const int ways = (fault.at ? 1 : 0) + (fault.after.empty() ? 0 : 1) + (fault.when ? 1 : 0);
   if (ways > 1) {
-    section.fail("at",
-                 "a fault begins \"at\" a time, \"after\" another fault or \"when\" "
-                 "something is reached: give one of them");
+    section.refuse("at",
+                   "a fault begins \"at\" a time, \"after\" another fault or \"when\" "
+                   "something is reached: give one of them");
   }
   if (!fault.name.empty() && fault.name == fault.after) {
-    section.fail("after", "a fault cannot come after itself");
+    section.refuse("after", "a fault cannot come after itself");
   }
 }
 
@@ -287,21 +319,21 @@ void FaultReader::read_end(TomlSection& section, FaultConfiguration& fault) cons
   const FaultKind& kind = *fault.kind;
   fault.duration = read_common<base::SimDuration>(section, "for");
   if (fault.duration && kind.momentary) {
-    section.fail("for", fmt::format("\"{}\" is over as soon as it has begun", kind.name));
+    section.refuse("for", fmt::format("\"{}\" is over as soon as it has begun", kind.name));
   }
   const auto count = read_common<std::int64_t>(section, "count");
   const auto probability = read_common<double>(section, "probability");
   for (const auto& [key, given] :
        {std::pair("count", count.has_value()), std::pair("probability", probability.has_value())}) {
     if (given && kind.counted.empty()) {
-      section.fail(
+      section.refuse(
           key, fmt::format("\"{}\" has nothing to count, so it takes no \"{}\"", kind.name, key));
     }
   }
   const auto mode = fault.values.find<std::string>("mode");
   if (mode == "full" && (count || probability)) {
-    section.fail(count ? "count" : "probability",
-                 "requests that nobody takes cannot be counted; end it with \"for\"");
+    section.refuse(count ? "count" : "probability",
+                   "requests that nobody takes cannot be counted; end it with \"for\"");
   }
   fault.count = static_cast<std::uint64_t>(count.value_or(0));
   fault.probability = probability.value_or(1.0);
@@ -390,19 +422,23 @@ Milestone FaultReader::read_milestone(TomlSection& section, const FaultTarget& t
 void read_faults(TomlSection& root, RackConfiguration& rack) {
   FaultReader reader(rack);
   std::set<std::string> names;
-  std::vector<TomlSection> sections = root.sections("fault");
-  for (TomlSection& section : sections) {
-    FaultConfiguration fault = reader.read(section);
-    if (!fault.name.empty() && !names.insert(fault.name).second) {
-      section.fail("name", fmt::format("there is a fault \"{}\" already", fault.name));
-    }
-    rack.faults.push_back(std::move(fault));
+  std::vector<std::pair<TomlSection, std::string>> followers;
+  for (TomlSection& section : root.sections("fault")) {
+    section.attempt([&] {
+      FaultConfiguration fault = reader.read(section);
+      if (!fault.name.empty() && !names.insert(fault.name).second) {
+        section.refuse("name", fmt::format("there is a fault \"{}\" already", fault.name));
+      }
+      if (!fault.after.empty()) {
+        followers.emplace_back(section, fault.after);
+      }
+      rack.faults.push_back(std::move(fault));
+    });
   }
-  for (std::size_t i = 0; i < sections.size(); ++i) {
-    const std::string& after = rack.faults[i].after;
-    if (!after.empty() && !names.contains(after)) {
+  for (auto& [section, after] : followers) {
+    if (!names.contains(after)) {
       const std::string guess = closest_match(after, names);
-      sections[i].fail(
+      section.refuse(
           "after", fmt::format("there is no fault \"{}\"{}", after,
                                guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess)));
     }
@@ -410,12 +446,7 @@ void read_faults(TomlSection& root, RackConfiguration& rack) {
 }
 
 FaultConfiguration parse_fault(std::string_view text, const RackConfiguration& rack) {
-  toml::table table;
-  try {
-    table = toml::parse(text, std::string());
-  } catch (const toml::parse_error& error) {
-    throw RackFileError(std::string(error.description()));
-  }
+  const toml::table table = parse_toml(text, "");
   TomlSection section("", "the fault", table);
   return FaultReader(rack).read(section);
 }

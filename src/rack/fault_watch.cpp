@@ -232,6 +232,11 @@ FaultWatches::FaultWatches(Rack& rack) : rack_(rack) {}
 
 FaultWatches::~FaultWatches() = default;
 
+void FaultWatches::rest() {
+  segments_.clear();
+  buses_.clear();
+}
+
 std::unique_ptr<FaultWatch> FaultWatches::make(const Milestone& milestone) {
   using enum Milestone::Kind;
   const std::size_t network = milestone.device.network;

@@ -45,6 +45,8 @@ class FaultWatches {
 
   /// Throws std::runtime_error for a signal the device has not. The watch must not outlive this.
   [[nodiscard]] std::unique_ptr<FaultWatch> make(const Milestone& milestone);
+  /// No watch is left: nobody need look at what passes.
+  void rest();
 
  private:
   class SegmentTap;

@@ -251,6 +251,9 @@ const Faults::Record* Faults::find(const std::string& name) const {
 void Faults::plan(SimTime now) {
   next_ = SimTime::never();
   looking_ = false;
+  if (std::ranges::all_of(records_, [](const Record& record) { return record.watch == nullptr; })) {
+    watch_.rest();
+  }
   for (const Record& record : records_) {
     if (record.state == FaultState::armed) {
       next_ = std::min(next_, record.begins);

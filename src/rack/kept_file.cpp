@@ -129,13 +129,16 @@ std::string file_name_for(std::string_view device_name) {
   return name;
 }
 
-StateDirectory::StateDirectory(const std::string& path) : path_(path) {
-  if (::mkdir(path.c_str(), 0755) != 0 && errno != EEXIST) {
+StateDirectory::StateDirectory(const std::string& path, Use use) : path_(path) {
+  if (use == Use::own && ::mkdir(path.c_str(), 0755) != 0 && errno != EEXIST) {
     throw std::runtime_error(
         fmt::format("{}: cannot create the state directory: {}; create it, or name another one",
                     path, reason(errno)));
   }
   directory_ = link::FileDescriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (use == Use::look && directory_.is_open()) {
+    return;
+  }
   if (directory_.is_open()) {
     lock_ = link::FileDescriptor(
         ::openat(directory_.get(), "lock", O_RDWR | O_CREAT | O_CLOEXEC, 0644));

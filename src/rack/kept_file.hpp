@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,9 +31,13 @@ struct KeptFile {
 /// whole: after a crash at any moment a file is the old or the new one.
 class StateDirectory {
  public:
-  /// Creates the directory if it is missing and locks it. Throws std::runtime_error with path,
-  /// reason and remedy.
-  explicit StateDirectory(const std::string& path);
+  enum class Use : std::uint8_t {
+    own,   ///< created if it is missing, and locked
+    look,  ///< must exist; only read, also while another process owns it
+  };
+
+  /// Throws std::runtime_error with path, reason and remedy.
+  explicit StateDirectory(const std::string& path, Use use = Use::own);
 
   [[nodiscard]] const std::string& path() const { return path_; }
   /// Path of a file, for messages.

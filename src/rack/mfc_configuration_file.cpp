@@ -86,8 +86,9 @@ std::uint32_t pin_bits(TomlSection& section, const std::string& key, unsigned sh
       ++pin;
     }
     if (pin == mfc::kHighVoltageLines) {
-      section.fail(
+      section.refuse(
           key, fmt::format("\"{}\" is no high-voltage pin; there are MFC_HV0 to MFC_HV7", name));
+      continue;
     }
     bits |= 1U << (shift + pin);
   }
@@ -110,23 +111,25 @@ std::uint32_t pair_bits(TomlSection& section, std::uint32_t slow,
       found = pair_name(mfc::kDifferentialPairs[i]) == name ? i : found;
     }
     if (found == mfc::kDifferentialPairs.size()) {
-      section.fail("differential",
-                   fmt::format("\"{}\" is no pair; there are {}", name, fmt::join(known, ", ")));
+      section.refuse("differential",
+                     fmt::format("\"{}\" is no pair; there are {}", name, fmt::join(known, ", ")));
+      continue;
     }
     const mfc::DifferentialPair& pair = mfc::kDifferentialPairs[found];
     const auto slow_at = [slow](std::size_t line) {
       return (slow >> (line - mfc::kFirstHighVoltage) & 1U) != 0;
     };
     if (slow_at(pair.positive) != slow_at(pair.negative)) {
-      section.fail("differential",
-                   fmt::format("the pins of \"{}\" have different slopes; name both or neither in "
-                               "\"slow_slope\"",
-                               name));
+      section.refuse(
+          "differential",
+          fmt::format("the pins of \"{}\" have different slopes; name both or neither in "
+                      "\"slow_slope\"",
+                      name));
     }
     if (configuration.signal(pair.positive) != 0) {
-      section.fail("differential",
-                   fmt::format("the signal at {} would be ignored; the pair is read at {}",
-                               mfc::kLineNames[pair.positive], mfc::kLineNames[pair.negative]));
+      section.refuse("differential",
+                     fmt::format("the signal at {} would be ignored; the pair is read at {}",
+                                 mfc::kLineNames[pair.positive], mfc::kLineNames[pair.negative]));
     }
     bits |= 1U << (24 + found);
   }
@@ -151,8 +154,8 @@ unsigned code_of(TomlSection& section, const std::string& key,
     }
   }
   if (value) {
-    section.fail(key, fmt::format("\"{}\" is {}; it must be one of: {}", key, *value,
-                                  fmt::join(values, ", ")));
+    section.refuse(key, fmt::format("\"{}\" is {}; it must be one of: {}", key, *value,
+                                    fmt::join(values, ", ")));
   }
   return 0;
 }
@@ -215,17 +218,18 @@ void read_block(TomlSection section, unsigned block, mfc::Configuration& configu
   const std::uint32_t length = map.block(block).length;
   const std::uint32_t end = static_cast<std::uint32_t>(*start) + kBuffers * length;
   if (end > mfc::MemoryMap::kMemoryEnd) {
-    section.fail("start", fmt::format("the block takes three buffers of {} bytes and would end at "
-                                      "{:#06x}, behind the process data RAM (0x4fff)",
-                                      length, end - 1));
+    section.refuse("start",
+                   fmt::format("the block takes three buffers of {} bytes and would end at "
+                               "{:#06x}, behind the process data RAM (0x4fff)",
+                               length, end - 1));
   }
   if (block == 1) {
     const mfc::MemoryMap::Block& other = map.block(0);
     const std::uint32_t other_end = other.start + kBuffers * other.length;
     if (length != 0 && other.length != 0 && other.start < end &&
         static_cast<std::uint32_t>(*start) < other_end) {
-      section.fail("start",
-                   fmt::format("the block, {:#06x} to {:#06x} with its three buffers, overlaps the "
+      section.refuse(
+          "start", fmt::format("the block, {:#06x} to {:#06x} with its three buffers, overlaps the "
                                "one of [write], {:#06x} to {:#06x}",
                                *start, end - 1, other.start, other_end - 1));
     }
@@ -235,16 +239,16 @@ void read_block(TomlSection section, unsigned block, mfc::Configuration& configu
 
 }  // namespace
 
-MfcConfigurationFile parse_mfc_configuration(std::string_view text, const std::string& name) {
+MfcConfigurationFile parse_mfc_configuration(std::string_view text, const std::string& name,
+                                             RackFileErrors* errors) {
   toml::table table;
   try {
     table = toml::parse(text, name);
   } catch (const toml::parse_error& error) {
     const toml::source_position place = error.source().begin;
-    throw RackFileError(
-        fmt::format("{}:{}:{}: {}", name, place.line, place.column, error.description()));
+    throw RackFileError(name, place.line, place.column, "", std::string(error.description()));
   }
-  TomlSection root(name, "the configuration", table);
+  TomlSection root(name, "the configuration", table, errors);
   MfcConfigurationFile content;
   if (auto section = root.section("identity")) {
     read_identity(std::move(*section), content.identity);
@@ -259,16 +263,16 @@ MfcConfigurationFile parse_mfc_configuration(std::string_view text, const std::s
     read_regulators(std::move(*section), content.configuration);
   }
   if (auto section = root.section("write")) {
-    read_block(std::move(*section), 0, content.configuration);
+    root.attempt([&] { read_block(std::move(*section), 0, content.configuration); });
   }
   if (auto section = root.section("read")) {
-    read_block(std::move(*section), 1, content.configuration);
+    root.attempt([&] { read_block(std::move(*section), 1, content.configuration); });
   }
   root.finish();
   return content;
 }
 
-MfcConfigurationFile load_mfc_configuration(const std::string& path) {
+MfcConfigurationFile load_mfc_configuration(const std::string& path, RackFileErrors* errors) {
   std::ifstream file(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (!file.is_open() || file.bad()) {
@@ -277,7 +281,7 @@ MfcConfigurationFile load_mfc_configuration(const std::string& path) {
                     "permissions",
                     path, std::generic_category().message(errno)));
   }
-  return parse_mfc_configuration(text, path);
+  return parse_mfc_configuration(text, path, errors);
 }
 
 }  // namespace stator::rack

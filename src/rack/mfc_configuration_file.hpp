@@ -5,6 +5,7 @@
 
 #include "devices/tmc8461/sii.hpp"
 #include "mfc/configuration.hpp"
+#include "rack/rack_file_error.hpp"
 
 namespace stator::rack {
 
@@ -17,12 +18,15 @@ struct MfcConfigurationFile {
 
 /// Reads and checks a configuration file; `name` stands in messages. Throws RackFileError with line
 /// and column: unknown keys, names, signals; lines of differential pairs with a signal or different
-/// slopes; blocks outside 1000h..4FFFh or overlapping, three buffers counted.
+/// slopes; blocks outside 1000h..4FFFh or overlapping, three buffers counted. With `errors` they
+/// are collected there, and the result is of no use if there is one.
 [[nodiscard]] MfcConfigurationFile parse_mfc_configuration(std::string_view text,
-                                                           const std::string& name);
+                                                           const std::string& name,
+                                                           RackFileErrors* errors = nullptr);
 
 /// The same of the file at `path`.
-[[nodiscard]] MfcConfigurationFile load_mfc_configuration(const std::string& path);
+[[nodiscard]] MfcConfigurationFile load_mfc_configuration(const std::string& path,
+                                                          RackFileErrors* errors = nullptr);
 
 /// A file from which parse_mfc_configuration() reads the same.
 [[nodiscard]] std::string mfc_configuration_text(const MfcConfigurationFile& content);

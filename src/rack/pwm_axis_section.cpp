@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <set>
 #include <string>
 #include <variant>
@@ -19,7 +20,7 @@ constexpr double kDegree = base::kPi / 180.0;
 /// The name of a brushed motor: there is no catalogue of them, motor_data says what it is.
 constexpr const char* kDirectCurrent = "dc";
 
-plant::MotorParameters motor_named(TomlSection& section, const std::string& name) {
+std::optional<plant::MotorParameters> motor_named(TomlSection& section, const std::string& name) {
   if (name == kDirectCurrent) {
     return plant::DcMotorParameters{};
   }
@@ -36,7 +37,8 @@ plant::MotorParameters motor_named(TomlSection& section, const std::string& name
   for (const plant::StepperMotorSheet& sheet : plant::stepper_motor_sheets()) {
     names.emplace(sheet.name);
   }
-  fail_for_motor(section, name, names);
+  refuse_motor(section, name, names);
+  return std::nullopt;
 }
 
 void read_motor_data(TomlSection section, plant::ThreePhaseMotorParameters& motor) {
@@ -61,7 +63,7 @@ void read_motor_data(TomlSection section, plant::DcMotorParameters& motor) {
   set(section, "static_friction", 0.0, 100.0, motor.static_friction);
   set(section, "rated_current", 1e-3, 1e3, motor.rated_current);
   if (motor.static_friction < motor.coulomb_friction) {
-    section.fail("static_friction", R"("static_friction" must not be below "coulomb_friction")");
+    section.refuse("static_friction", R"("static_friction" must not be below "coulomb_friction")");
   }
   section.finish();
 }
@@ -72,7 +74,7 @@ void read_channel(TomlSection section, plant::ConverterChannel& channel) {
   set(section, "noise", 0.0, 65535.0, channel.noise);
   set(section, "drift", -1e3, 1e3, channel.drift);
   if (channel.gain == 0.0) {
-    section.fail("gain", "\"gain\" must not be 0");
+    section.refuse("gain", "\"gain\" must not be 0");
   }
   section.finish();
 }
@@ -177,7 +179,7 @@ void read_inverter(TomlSection section, double pwm_period, plant::PwmAxisParamet
 
 void read_pwm_axis(TomlSection& section, double pwm_period, plant::PwmAxisParameters& parameters) {
   if (const auto name = section.text("motor")) {
-    parameters.motor = motor_named(section, *name);
+    parameters.motor = motor_named(section, *name).value_or(parameters.motor);
   }
   if (auto data = section.section("motor_data")) {
     std::visit([&](auto& motor) { read_motor_data(*data, motor); }, parameters.motor);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "rack/faults.hpp"
 #include "rack/input_names.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/wiring.hpp"
@@ -99,6 +100,8 @@ Rack::Rack(const RackConfiguration& configuration, EventLog& log)
     }
   }
 }
+
+Rack::~Rack() = default;
 
 void Rack::begin_trace(const TraceConfiguration& configuration, ClockKind clock) {
   std::set<std::string> names;

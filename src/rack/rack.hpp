@@ -16,7 +16,6 @@
 #include "rack/clock.hpp"
 #include "rack/device_storage.hpp"
 #include "rack/event_log.hpp"
-#include "rack/faults.hpp"
 #include "rack/pin_trace.hpp"
 #include "rack/rack_configuration.hpp"
 #include "rack/recorder.hpp"
@@ -25,6 +24,8 @@
 #include "rack/timetable.hpp"
 
 namespace stator::rack {
+
+class Faults;
 
 /// An EtherCAT device of the rack with the name people gave it.
 struct NamedDevice {
@@ -43,6 +44,9 @@ class Rack {
   /// has no serial interface of a given name, or when the state directory or a file in it cannot be
   /// used.
   Rack(const RackConfiguration& configuration, EventLog& log);
+  ~Rack();
+  Rack(const Rack&) = delete;
+  Rack& operator=(const Rack&) = delete;
 
   /// Sends `frame` through the segment's slaves, in place, at `arrival`, from the master's
   /// interface `entry`. Returns the interface at which it comes out; nothing: nobody answers it.

@@ -10,13 +10,14 @@
 
 #include <fmt/format.h>
 
+#include "link/chip_server.hpp"
 #include "link/link_address.hpp"
 #include "rack/bus_section.hpp"
 #include "rack/device_section.hpp"
 #include "rack/event_section.hpp"
 #include "rack/fault_section.hpp"
+#include "rack/rack_file_steps.hpp"
 #include "rack/serial_section.hpp"
-#include "rack/toml_section.hpp"
 #include "rack/wiring.hpp"
 #include "rack/wiring_section.hpp"
 
@@ -44,25 +45,45 @@ void read_eoe(TomlSection& section, DeviceConfiguration& device) {
   }
   const auto address = link::parse_link_address(*eoe);
   if (!address || address->kind != link::LinkKind::tap) {
-    section.fail("eoe", fmt::format("\"eoe\" is \"{}\"; write \"tap:NAME\"", *eoe));
+    section.refuse("eoe", fmt::format("\"eoe\" is \"{}\"; write \"tap:NAME\"", *eoe));
+    return;
   }
   device.eoe_interface = address->name;
   const auto switch_on = [&](auto& configuration) {
     if constexpr (requires { configuration.ethernet_over_ethercat; }) {
       configuration.ethernet_over_ethercat = true;
     } else {
-      section.fail("eoe", "this product has no mailbox and hence no EoE");
+      section.refuse("eoe", "this product has no mailbox and hence no EoE");
     }
   };
   std::visit(switch_on, device.product);
+}
+
+/// The socket for the firmware beside a chip.
+void read_host_link(TomlSection& section, DeviceConfiguration& device) {
+  const std::optional<std::string> text = section.text("spi");
+  if (!text) {
+    return;
+  }
+  device.host_link = *text;
+  if (!std::holds_alternative<devices::Tmc8461Configuration>(device.product)) {
+    section.refuse(
+        "spi",
+        "this product has its own firmware and no pins for one of yours; \"spi\" belongs "
+        "to a chip, e.g. a tmc8461");
+  } else if (const auto checked = link::check_chip_link(*text); !checked) {
+    section.refuse("spi", checked.error().text);
+  } else {
+    section.claim("spi", *text);
+  }
 }
 
 DeviceConfiguration read_segment_device(TomlSection& section, std::set<std::string>& names,
                                         std::span<const DeviceConfiguration> before) {
   DeviceConfiguration device = read_device(section, names, NetworkKind::segment);
   read_eoe(section, device);
-  device.host_link = section.text("spi").value_or("");
-  read_wiring(section, before, device);
+  read_host_link(section, device);
+  section.attempt([&] { read_wiring(section, before, device); });
   section.finish();
   return device;
 }
@@ -75,7 +96,8 @@ void read_link(TomlSection& section, const char* key, link::LinkAddress& link) {
   }
   const auto address = link::parse_link_address(*text);
   if (!address) {
-    section.fail(key, address.error().text);
+    section.refuse(key, address.error().text);
+    return;
   }
   link = *address;
 }
@@ -85,7 +107,7 @@ SegmentConfiguration read_segment(TomlSection& section, std::set<std::string>& n
   read_link(section, "link", segment.link);
   read_link(section, "redundant", segment.redundant_link);
   if (const std::string problem = redundancy_problem(segment); !problem.empty()) {
-    section.fail("redundant", problem);
+    section.refuse("redundant", problem);
   }
   if (const auto wait = section.choice("wait", names_of(wait_modes()))) {
     segment.wait = wait_modes().at(*wait);
@@ -94,12 +116,13 @@ SegmentConfiguration read_segment(TomlSection& section, std::set<std::string>& n
   if (const auto cpu = section.integer("cpu", 0, 1023)) {
     segment.cpu = static_cast<unsigned>(*cpu);
   }
-  segment.capture = section.text("capture").value_or("");
+  segment.capture = section.output("capture");
   for (TomlSection& device : section.sections("device")) {
-    segment.devices.push_back(read_segment_device(device, names, segment.devices));
+    device.attempt(
+        [&] { segment.devices.push_back(read_segment_device(device, names, segment.devices)); });
   }
-  if (segment.devices.empty()) {
-    section.fail("device", "a segment needs at least one [[segment.device]]");
+  if (segment.devices.empty() && section.sections("device").empty()) {
+    section.refuse("device", "a segment needs at least one [[segment.device]]");
   }
   section.finish();
   return segment;
@@ -107,11 +130,10 @@ SegmentConfiguration read_segment(TomlSection& section, std::set<std::string>& n
 
 RecordConfiguration read_record(TomlSection section) {
   RecordConfiguration record;
-  const auto file = section.text("file");
-  if (!file || file->empty()) {
-    section.fail("file", "\"file\" is missing; it names the CSV file to write");
+  record.file = section.output("file");
+  if (record.file.empty()) {
+    section.refuse("file", "\"file\" is missing; it names the CSV file to write");
   }
-  record.file = *file;
   record.period =
       section.duration("period", 1_us, SimDuration(3'600'000'000'000)).value_or(record.period);
   record.signals = section.texts("signals").value_or(record.signals);
@@ -119,7 +141,9 @@ RecordConfiguration read_record(TomlSection section) {
   return record;
 }
 
-RackConfiguration read_rack(TomlSection root) {
+}  // namespace
+
+RackConfiguration read_rack(TomlSection& root) {
   RackConfiguration configuration;
   if (const auto clock = root.choice("clock", names_of(clock_kinds()))) {
     configuration.clock = clock_kinds().at(*clock);
@@ -129,12 +153,14 @@ RackConfiguration read_rack(TomlSection root) {
   configuration.state = root.text("state").value_or("");
   std::set<std::string> device_names;
   for (TomlSection& segment : root.sections("segment")) {
-    configuration.segments.push_back(read_segment(segment, device_names));
+    segment.attempt([&] { configuration.segments.push_back(read_segment(segment, device_names)); });
   }
-  read_buses(root, device_names, configuration.buses);
-  read_line_devices(root, device_names, configuration.buses);
-  if (configuration.segments.empty() && configuration.buses.empty()) {
-    root.fail("segment", "a rack needs at least one [[segment]], [[bus]] or [[device]]");
+  root.attempt([&] { read_buses(root, device_names, configuration.buses); });
+  root.attempt([&] { read_line_devices(root, device_names, configuration.buses); });
+  if (configuration.segments.empty() && configuration.buses.empty() &&
+      root.sections("segment").empty() && root.sections("bus").empty() &&
+      root.sections("device").empty()) {
+    root.refuse("segment", "a rack needs at least one [[segment]], [[bus]] or [[device]]");
   }
   read_lines(root, configuration);
   if (auto record = root.section("record")) {
@@ -142,14 +168,12 @@ RackConfiguration read_rack(TomlSection root) {
   }
   EventSectionReader events(configuration);
   for (TomlSection& event : root.sections("event")) {
-    events.read(event, configuration.events);
+    event.attempt([&] { events.read(event, configuration.events); });
   }
   read_faults(root, configuration);
   root.finish();
   return configuration;
 }
-
-}  // namespace
 
 const std::map<std::string, ClockKind>& clock_kinds() {
   static const std::map<std::string, ClockKind> kinds{{"real", ClockKind::real},
@@ -164,19 +188,22 @@ const std::map<std::string, link::WaitMode>& wait_modes() {
   return modes;
 }
 
-RackConfiguration parse_rack_file(std::string_view text, const std::string& name) {
-  toml::table root;
+toml::table parse_toml(std::string_view text, const std::string& name) {
   try {
-    root = toml::parse(text, name);
+    return toml::parse(text, name);
   } catch (const toml::parse_error& error) {
     const toml::source_position place = error.source().begin;
-    throw RackFileError(
-        fmt::format("{}:{}:{}: {}", name, place.line, place.column, error.description()));
+    throw RackFileError(name, place.line, place.column, "", std::string(error.description()));
   }
-  return read_rack(TomlSection(name, "the rack", root));
 }
 
-RackConfiguration load_rack_file(const std::string& path) {
+RackConfiguration parse_rack_file(std::string_view text, const std::string& name) {
+  const toml::table table = parse_toml(text, name);
+  TomlSection root(name, "the rack", table);
+  return read_rack(root);
+}
+
+std::string read_rack_text(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (!file.is_open() || file.bad()) {
@@ -185,7 +212,11 @@ RackConfiguration load_rack_file(const std::string& path) {
                     "permissions",
                     path, std::generic_category().message(errno)));
   }
-  return parse_rack_file(text, path);
+  return text;
+}
+
+RackConfiguration load_rack_file(const std::string& path) {
+  return parse_rack_file(read_rack_text(path), path);
 }
 
 }  // namespace stator::rack

@@ -44,16 +44,15 @@ std::map<std::string, std::vector<LineEnd>> lines_of_devices(
 }
 
 /// Only RS-485 and RS-422 take more than two ends: the program's and a device's.
-void check_ends(const TomlSection& root, const std::string& line,
-                const std::vector<LineEnd>& ends) {
+void check_ends(TomlSection& root, const std::string& line, const std::vector<LineEnd>& ends) {
   const auto point_to_point = std::ranges::find_if(ends, [](const LineEnd& end) {
     return end.interface != "rs485" && end.interface != "rs422";
   });
   if (ends.size() > 1 && point_to_point != ends.end()) {
-    root.fail("device",
-              fmt::format("the line \"{}\" of {}.{} is named {} times; only rs485 and "
-                          "rs422 share a line, so give each of the others its own",
-                          line, point_to_point->device, point_to_point->interface, ends.size()));
+    root.refuse("device",
+                fmt::format("the line \"{}\" of {}.{} is named {} times; only rs485 and "
+                            "rs422 share a line, so give each of the others its own",
+                            line, point_to_point->device, point_to_point->interface, ends.size()));
   }
 }
 
@@ -92,7 +91,7 @@ std::vector<SerialConnection> read_serial_connections(TomlSection& section,
       continue;
     }
     if (const auto address = link::parse_serial_link(*line); !address) {
-      section.fail(interface, address.error().text);
+      section.refuse(interface, address.error().text);
     }
     connections.push_back({interface, *line});
   }
@@ -103,17 +102,19 @@ void read_line_devices(TomlSection& root, std::set<std::string>& names,
                        std::vector<BusConfiguration>& buses) {
   BusConfiguration bus = bus_without_wire();
   for (TomlSection& section : root.sections("device")) {
-    bus.devices.push_back(read_device(section, names, NetworkKind::bus));
-    const DeviceConfiguration& device = bus.devices.back();
-    if (device.serial.empty()) {
-      const Product& product = *product_of(device.product);
-      section.fail("type",
-                   fmt::format("\"{}\" cannot be reached: a [[device]] needs a serial line; write "
-                               "{} = \"{}\", or put it on a [[bus]]",
-                               device.name, fmt::join(product.serial_interfaces, " or "),
-                               link::kSerialLinkForms));
-    }
-    section.finish();
+    section.attempt([&] {
+      bus.devices.push_back(read_device(section, names, NetworkKind::bus));
+      const DeviceConfiguration& device = bus.devices.back();
+      if (device.serial.empty()) {
+        const Product& product = *product_of(device.product);
+        section.refuse(
+            "type", fmt::format("\"{}\" cannot be reached: a [[device]] needs a serial line; write "
+                                "{} = \"{}\", or put it on a [[bus]]",
+                                device.name, fmt::join(product.serial_interfaces, " or "),
+                                link::kSerialLinkForms));
+      }
+      section.finish();
+    });
   }
   if (!bus.devices.empty()) {
     buses.push_back(std::move(bus));
@@ -127,19 +128,22 @@ void read_lines(TomlSection& root, RackConfiguration& configuration) {
     named.insert(line);
   }
   for (TomlSection& section : root.sections("line")) {
-    SerialLineConfiguration line = read_line(section);
-    if (!named.contains(line.link)) {
-      section.fail("link", fmt::format(R"("link" is "{}", which no device names; {})", line.link,
-                                       named.empty() ? "give a device a serial line"
-                                                     : fmt::format("the lines are: {}",
-                                                                   fmt::join(named, ", "))));
-    }
-    if (std::ranges::find(configuration.lines, line.link, &SerialLineConfiguration::link) !=
-        configuration.lines.end()) {
-      section.fail("link", fmt::format("the line \"{}\" has two [[line]] tables", line.link));
-    }
-    configuration.lines.push_back(std::move(line));
-    section.finish();
+    section.attempt([&] {
+      SerialLineConfiguration line = read_line(section);
+      if (!named.contains(line.link)) {
+        section.fail_for_reference(
+            "link",
+            fmt::format(R"("link" is "{}", which no device names; {})", line.link,
+                        named.empty() ? "give a device a serial line"
+                                      : fmt::format("the lines are: {}", fmt::join(named, ", "))));
+      }
+      if (std::ranges::find(configuration.lines, line.link, &SerialLineConfiguration::link) !=
+          configuration.lines.end()) {
+        section.refuse("link", fmt::format("the line \"{}\" has two [[line]] tables", line.link));
+      }
+      configuration.lines.push_back(std::move(line));
+      section.finish();
+    });
   }
 }
 

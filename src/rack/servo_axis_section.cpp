@@ -1,6 +1,7 @@
 #include "rack/servo_axis_section.hpp"
 
 #include <array>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -17,15 +18,17 @@ constexpr double kDegree = base::kPi / 180.0;
 /// A limit that is not exact in binary is still in range itself.
 constexpr double kRounding = 1e-9;
 
-plant::ThreePhaseMotorParameters motor_named(TomlSection& section, const std::string& name) {
+std::optional<plant::ThreePhaseMotorParameters> motor_named(TomlSection& section,
+                                                            const std::string& name) {
   if (const auto motor = plant::find_three_phase_motor(name)) {
-    return *motor;
+    return motor;
   }
   std::set<std::string> names;
   for (const plant::ThreePhaseMotorSheet& sheet : plant::three_phase_motor_sheets()) {
     names.emplace(sheet.name);
   }
-  fail_for_motor(section, name, names);
+  refuse_motor(section, name, names);
+  return std::nullopt;
 }
 
 void set_degrees(TomlSection& section, const char* key, double limit, double& target) {
@@ -73,7 +76,7 @@ void read_three_phase_motor(TomlSection section, plant::ThreePhaseMotorParameter
   set(section, "static_friction", 0.0, 100.0, motor.static_friction);
   set(section, "rated_current", 1e-3, 1e3, motor.rated_current);
   if (motor.static_friction < motor.coulomb_friction) {
-    section.fail("static_friction", "\"static_friction\" must not be below \"coulomb_friction\"");
+    section.refuse("static_friction", "\"static_friction\" must not be below \"coulomb_friction\"");
   }
   section.finish();
 }
@@ -89,10 +92,10 @@ void read_half_bridges(TomlSection& section, double pwm_period,
   set(section, "board_to_ambient", 1e-3, 1e3, inverter.thermal.outer_to_ambient);
   const double longest = 0.1 * pwm_period;
   if (inverter.dead_time > longest * (1.0 + kRounding)) {
-    section.fail("dead_time",
-                 fmt::format("\"dead_time\" must not exceed a tenth of the PWM period, "
-                             "{:.3g} s here",
-                             longest));
+    section.refuse("dead_time",
+                   fmt::format("\"dead_time\" must not exceed a tenth of the PWM period, "
+                               "{:.3g} s here",
+                               longest));
   }
   section.finish();
 }
@@ -112,7 +115,7 @@ void read_halls(TomlSection section, plant::HallSensorParameters& halls) {
 
 void read_servo_axis(TomlSection& section, plant::ServoAxisParameters& parameters) {
   if (const auto name = section.text("motor")) {
-    parameters.motor = motor_named(section, *name);
+    parameters.motor = motor_named(section, *name).value_or(parameters.motor);
   }
   if (auto motor = section.section("motor_data")) {
     read_three_phase_motor(*motor, parameters.motor);

@@ -1,5 +1,6 @@
 #include "rack/stepper_axis_section.hpp"
 
+#include <optional>
 #include <set>
 #include <string>
 
@@ -9,15 +10,17 @@ namespace stator::rack {
 
 namespace {
 
-plant::StepperMotorParameters motor_named(TomlSection& section, const std::string& name) {
+std::optional<plant::StepperMotorParameters> motor_named(TomlSection& section,
+                                                         const std::string& name) {
   if (const auto motor = plant::find_stepper_motor(name)) {
-    return *motor;
+    return motor;
   }
   std::set<std::string> names;
   for (const plant::StepperMotorSheet& sheet : plant::stepper_motor_sheets()) {
     names.emplace(sheet.name);
   }
-  fail_for_motor(section, name, names);
+  refuse_motor(section, name, names);
+  return std::nullopt;
 }
 
 void read_driver(TomlSection section, plant::DriverStageParameters& driver) {
@@ -33,7 +36,7 @@ void read_driver(TomlSection section, plant::DriverStageParameters& driver) {
 
 void read_stepper_axis(TomlSection& section, plant::StepperAxisParameters& parameters) {
   if (const auto name = section.text("motor")) {
-    parameters.motor = motor_named(section, *name);
+    parameters.motor = motor_named(section, *name).value_or(parameters.motor);
   }
   read_axis_surroundings(section, parameters);
   if (auto thermal = section.section("motor_thermal")) {

@@ -36,10 +36,10 @@ DeviceAddress TargetReader::read_target(TomlSection& section) const {
     return *found;
   }
   const std::string guess = closest_match(*name, names);
-  section.fail("device",
-               fmt::format("\"device\" is \"{}\"{}; the devices are: {}", *name,
-                           guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
-                           fmt::join(names, ", ")));
+  section.fail_for_reference(
+      "device", fmt::format("\"device\" is \"{}\"{}; the devices are: {}", *name,
+                            guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
+                            fmt::join(names, ", ")));
 }
 
 const DeviceConfiguration& TargetReader::device_at(DeviceAddress address) const {
@@ -69,7 +69,7 @@ unsigned TargetReader::read_port(TomlSection& section, DeviceAddress target) con
     port = static_cast<unsigned>(*given);
   }
   if (!has_cable(segment, target.device, port)) {
-    section.fail("port", fmt::format("port {} of \"{}\" has no cable", port, device.name));
+    section.refuse("port", fmt::format("port {} of \"{}\" has no cable", port, device.name));
   }
   return port;
 }

@@ -66,9 +66,11 @@ void read_mfc_configuration(TomlSection& section, Tmc8461Configuration& configur
     return;
   }
   if (!configuration.sii.empty()) {
-    section.fail("mfc", R"("mfc" and "sii" both say what the EEPROM contains; give one of them)");
+    section.refuse("mfc", R"("mfc" and "sii" both say what the EEPROM contains; give one of them)");
+    return;
   }
-  const MfcConfigurationFile file = load_mfc_configuration(beside(section, *name));
+  const MfcConfigurationFile file =
+      load_mfc_configuration(beside(section, *name), section.errors());
   configuration.sii = ethercat::compose_sii_image(
       devices::tmc8461::sii_contents(file.configuration, file.identity));
   configuration.vendor_id = file.identity.vendor_id;
@@ -123,8 +125,8 @@ void read_mailbox(TomlSection section, Tmc8461Configuration& configuration) {
 
 void read_tmc8461(TomlSection& section, Tmc8461Configuration& configuration) {
   constexpr std::int64_t kWord = std::numeric_limits<std::uint32_t>::max();
-  read_image(section, configuration.sii);
-  read_mfc_configuration(section, configuration);
+  section.attempt([&] { read_image(section, configuration.sii); });
+  section.attempt([&] { read_mfc_configuration(section, configuration); });
   set_integer(section, "vendor", 0, kWord, configuration.vendor_id);
   set_integer(section, "product_code", 0, kWord, configuration.product_code);
   set_integer(section, "revision", 0, kWord, configuration.revision);

@@ -66,15 +66,22 @@ void read_objects(TomlSection section, std::vector<ObjectValue>& objects) {
   for (const std::string& key : section.keys()) {
     std::optional<ObjectValue> object = object_named(key);
     if (!object) {
-      section.fail(key, fmt::format("\"{}\" names no object; write index and subindex in "
-                                    "hexadecimal, e.g. \"6065\" or \"2030:03\"",
-                                    key));
+      static_cast<void>(section.integer(key, std::numeric_limits<std::int64_t>::min(),
+                                        std::numeric_limits<std::int64_t>::max()));
+      section.refuse(key, fmt::format("\"{}\" names no object; write index and subindex in "
+                                      "hexadecimal, e.g. \"6065\" or \"2030:03\"",
+                                      key));
+      continue;
     }
     const auto value = section.integer(key, std::numeric_limits<std::int32_t>::min(),
                                        std::numeric_limits<std::uint32_t>::max());
+    if (!value) {
+      continue;
+    }
     object->bits = static_cast<std::uint64_t>(*value);
     if (const std::string reason = objection(dictionary, *object); !reason.empty()) {
-      section.fail(key, fmt::format("\"{}\" cannot be {}: {}", key, *value, reason));
+      section.refuse(key, fmt::format("\"{}\" cannot be {}: {}", key, *value, reason));
+      continue;
     }
     objects.push_back(*object);
   }

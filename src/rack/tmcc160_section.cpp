@@ -61,10 +61,11 @@ void read_tmcc160(TomlSection& section, devices::Tmcc160Configuration& configura
   }
   if (const auto bit_rate = section.integer("bit_rate", 20, 1000)) {
     if (std::ranges::find(kBitRates, *bit_rate) == kBitRates.end()) {
-      section.fail("bit_rate", fmt::format("\"bit_rate\" is {} kbit/s; the drive knows {}",
-                                           *bit_rate, fmt::join(kBitRates, ", ")));
+      section.refuse("bit_rate", fmt::format("\"bit_rate\" is {} kbit/s; the drive knows {}",
+                                             *bit_rate, fmt::join(kBitRates, ", ")));
+    } else {
+      configuration.bit_rate = static_cast<std::uint16_t>(*bit_rate);
     }
-    configuration.bit_rate = static_cast<std::uint16_t>(*bit_rate);
   }
   if (const auto number = section.integer("serial_number", 0, 0xFFFFFFFF)) {
     configuration.serial_number = static_cast<std::uint32_t>(*number);

@@ -66,8 +66,9 @@ void set_rate(TomlSection& section, const char* key, const char* unit,
   }
   const auto found = std::ranges::find(named, *rate);
   if (found == named.end()) {
-    section.fail(key, fmt::format("\"{}\" is {} {}; the module knows {}", key, *rate, unit,
-                                  fmt::join(named, ", ")));
+    section.refuse(key, fmt::format("\"{}\" is {} {}; the module knows {}", key, *rate, unit,
+                                    fmt::join(named, ", ")));
+    return;
   }
   index = static_cast<std::uint8_t>(first + static_cast<std::size_t>(found - named.begin()));
 }
@@ -99,6 +100,16 @@ std::vector<tmcl::Instruction> assembled(TomlSection& section, const std::string
   tmcl::Assembly assembly = tmcl::assemble(text, devices::tmcm_142_description());
   const auto error =
       std::ranges::find(assembly.diagnostics, tmcl::Severity::error, &tmcl::Diagnostic::severity);
+  if (error != assembly.diagnostics.end() && section.collects_errors()) {
+    for (const tmcl::Diagnostic& each : assembly.diagnostics) {
+      if (each.severity == tmcl::Severity::error) {
+        section.errors()->list.emplace_back(path, static_cast<std::uint32_t>(each.line),
+                                            static_cast<std::uint32_t>(each.column), "program",
+                                            each.message);
+      }
+    }
+    return {};
+  }
   if (error != assembly.diagnostics.end()) {
     section.fail("program",
                  fmt::format("{}:{}:{}: {}; \"stator tmcl assemble {}\" lists all errors", path,
@@ -147,7 +158,7 @@ void read_tmcm_142(TomlSection& section, devices::Tmcm142Configuration& configur
   set_rate(section, "bit_rate", "kbit/s", devices::tmcm_142::kCanBitRates, 1000, 1,
            configuration.can_bit_rate);
   configuration.auto_start = section.boolean("auto_start").value_or(configuration.auto_start);
-  read_program(section, configuration.program);
+  section.attempt([&] { read_program(section, configuration.program); });
   configuration.instruction_time =
       section.duration("instruction_time", 1_ns, 1_s).value_or(configuration.instruction_time);
   set_integer(section, "seed", 0, std::numeric_limits<std::int64_t>::max(), configuration.seed);

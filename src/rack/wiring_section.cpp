@@ -29,7 +29,7 @@ std::size_t read_after(TomlSection& section, const std::string& name,
     names.insert(before[i].name);
   }
   const std::string guess = closest_match(name, names);
-  section.fail(
+  section.fail_for_reference(
       "after",
       fmt::format("\"after\" is \"{}\"{}; it must name a device above this one in the same "
                   "segment: {}",
@@ -79,9 +79,10 @@ void read_wiring(TomlSection& section, std::span<const DeviceConfiguration> befo
   if (const auto port = section.integer("port", 0, 3)) {
     wiring.port = static_cast<unsigned>(*port);
     if (before.empty()) {
-      section.fail("port",
-                   "the first device hangs at the master and needs no \"port\"; its own end of the "
-                   "cable is \"entry_port\"");
+      section.refuse(
+          "port",
+          "the first device hangs at the master and needs no \"port\"; its own end of the "
+          "cable is \"entry_port\"");
     }
   }
   if (const auto port = section.integer("entry_port", 0, 3)) {

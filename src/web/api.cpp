@@ -7,7 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "web/assets.hpp"
 #include "web/events_job.hpp"
+#include "web/fault_api.hpp"
 #include "web/input_api.hpp"
 #include "web/object_api.hpp"
 #include "web/problem.hpp"
@@ -51,6 +53,10 @@ Answer answer_events(const Match& match, State& state) {
 
 Answer answer(const Match& match, const Request& request, State& state) {
   switch (const Operation operation = match.route->operation) {
+    case Operation::page:
+      return answer_asset(request, "/");
+    case Operation::asset:
+      return answer_asset(request, "/assets/" + match.parameters[0]);
     case Operation::openapi:
       return Response{.body = openapi_document()};
     case Operation::metrics:
@@ -73,6 +79,12 @@ Answer answer(const Match& match, const Request& request, State& state) {
       return answer_device(match, request, state);
     case Operation::events:
       return answer_events(match, state);
+    case Operation::fault_kinds:
+    case Operation::faults:
+    case Operation::inject_fault:
+    case Operation::clear_fault:
+    case Operation::clear_faults:
+      return answer_faults(match, request, state);
   }
   return problem(500, "a route without an answer");
 }

@@ -51,6 +51,7 @@ Request request_of(const Message& message) {
   request.origin = field(message, http::field::origin);
   request.authorization = field(message, http::field::authorization);
   request.content_type = field(message, http::field::content_type);
+  request.if_none_match = field(message, http::field::if_none_match);
   request.websocket_protocol = field(message, http::field::sec_websocket_protocol);
   if (message.count("Sec-Fetch-Site") == 1) {
     request.fetch_site = std::string(message["Sec-Fetch-Site"]);
@@ -188,8 +189,8 @@ class Connection final : public Waiter, public std::enable_shared_from_this<Conn
                      Guard::chosen_protocol(request_), make_session());
   }
 
-  [[nodiscard]] std::shared_ptr<StreamSession> make_session() {
-    return std::make_shared<SignalSession>(server_.state, server_.access);
+  [[nodiscard]] std::unique_ptr<StreamSession> make_session() {
+    return std::make_unique<SignalSession>(server_.state, server_.access);
   }
 
   /// The request could not be read.

@@ -53,6 +53,8 @@ std::string_view reason(unsigned status) {
       return "Created";
     case 204:
       return "No Content";
+    case 304:
+      return "Not Modified";
     case 400:
       return "Bad Request";
     case 401:

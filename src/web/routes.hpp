@@ -13,6 +13,8 @@ namespace stator::web {
 
 /// What can be asked for, one for each row of the table of routes.
 enum class Operation : std::uint8_t {
+  page,
+  asset,
   health,
   metrics,
   openapi,
@@ -28,6 +30,11 @@ enum class Operation : std::uint8_t {
   entry,
   write_entry,
   events,
+  fault_kinds,
+  faults,
+  inject_fault,
+  clear_fault,
+  clear_faults,
 };
 
 struct QueryParameter {
@@ -49,6 +56,7 @@ struct Route {
   bool open = false;                  ///< needs no token wherever the request comes from
   bool stream = false;                ///< a WebSocket is opened at the same place
   std::string_view content_type = "application/json";
+  unsigned status = 200;  ///< of an answer without error
 
   [[nodiscard]] bool writes() const { return method != "GET"; }
 };

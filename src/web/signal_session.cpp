@@ -20,7 +20,7 @@ void SignalSession::take(std::string_view message) {
   access_.untap(*this);
   if (!subscription.signals.empty()) {
     ready_ = false;
-    access_.tap(shared_from_this(), subscription);
+    access_.tap(shared<TapOwner>(this), subscription);
   }
 }
 

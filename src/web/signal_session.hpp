@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <string>
 #include <string_view>
 
@@ -12,9 +11,7 @@
 namespace stator::web {
 
 /// A client that watches signals.
-class SignalSession final : public StreamSession,
-                            public TapOwner,
-                            public std::enable_shared_from_this<SignalSession> {
+class SignalSession final : public StreamSession, public TapOwner {
  public:
   SignalSession(State& state, RackAccess& access);
 

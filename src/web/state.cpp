@@ -24,7 +24,7 @@ std::string_view to_text(base::Severity severity) {
 
 State::State(rack::Rack& rack, const rack::RackConfiguration& configuration,
              const rack::EventLog& log, const rack::Runner& runner)
-    : log_(log), runner_(runner), signals_(rack.signals()) {
+    : configuration_(configuration), log_(log), runner_(runner), signals_(rack.signals()) {
   for (std::size_t i = 0; i < configuration.segments.size(); ++i) {
     networks_.push_back({.name = fmt::format("segment {}", i), .kind = "ethercat"});
   }

@@ -61,6 +61,7 @@ class State {
   State(rack::Rack& rack, const rack::RackConfiguration& configuration, const rack::EventLog& log,
         const rack::Runner& runner);
 
+  [[nodiscard]] const rack::RackConfiguration& configuration() const { return configuration_; }
   [[nodiscard]] const std::vector<DeviceRecord>& devices() const { return devices_; }
   /// Null: there is none.
   [[nodiscard]] const DeviceRecord* find_device(std::string_view name) const;
@@ -89,6 +90,7 @@ class State {
   ServerCounters counters;
 
  private:
+  const rack::RackConfiguration& configuration_;
   const rack::EventLog& log_;
   const rack::Runner& runner_;
   std::vector<DeviceRecord> devices_;

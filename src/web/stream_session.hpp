@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,8 +30,12 @@ class StreamSession {
   /// The client is gone.
   virtual void end() = 0;
 
-  /// `changed` is called when empty() or ready() may have become something else.
-  void watch(std::function<void()> changed) { changed_ = std::move(changed); }
+  /// `changed` is called when empty() or ready() may have become something else; `owner` owns the
+  /// session.
+  void watch(std::weak_ptr<void> owner, std::function<void()> changed) {
+    owner_ = std::move(owner);
+    changed_ = std::move(changed);
+  }
 
  protected:
   void tell() const {
@@ -38,8 +43,14 @@ class StreamSession {
       changed_();
     }
   }
+  /// `self`, a part of this session, for somebody who is to keep it and its owner alive.
+  template <typename Part>
+  [[nodiscard]] std::shared_ptr<Part> shared(Part* self) const {
+    return std::shared_ptr<Part>(owner_.lock(), self);
+  }
 
  private:
+  std::weak_ptr<void> owner_;
   std::function<void()> changed_;
 };
 

@@ -15,10 +15,11 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 
+/// Owned by what is under way for it: a read or a write, or what its session waits for.
 class WebSocket : public std::enable_shared_from_this<WebSocket> {
  public:
   WebSocket(ServerContext& server, asio::ip::tcp::socket&& socket,
-            std::shared_ptr<StreamSession> session)
+            std::unique_ptr<StreamSession> session)
       : server_(server), socket_(std::move(socket)), session_(std::move(session)) {
     ++server_.state.counters.streams;
     ++server_.state.counters.connections;
@@ -31,7 +32,7 @@ class WebSocket : public std::enable_shared_from_this<WebSocket> {
   WebSocket& operator=(const WebSocket&) = delete;
 
   void begin(const UpgradeRequest& request, std::string_view protocol) {
-    session_->watch([weak = weak_from_this()] {
+    session_->watch(weak_from_this(), [weak = weak_from_this()] {
       if (const std::shared_ptr<WebSocket> self = weak.lock()) {
         self->write();
         self->read();
@@ -120,7 +121,7 @@ class WebSocket : public std::enable_shared_from_this<WebSocket> {
   ServerContext& server_;
   websocket::stream<beast::tcp_stream> socket_;
   beast::flat_buffer buffer_;
-  std::shared_ptr<StreamSession> session_;
+  std::unique_ptr<StreamSession> session_;
   std::string text_;  ///< on its way
   bool open_ = false;
   bool reading_ = false;
@@ -131,7 +132,7 @@ class WebSocket : public std::enable_shared_from_this<WebSocket> {
 
 void serve_web_socket(ServerContext& server, asio::ip::tcp::socket&& socket,
                       const UpgradeRequest& request, std::string_view protocol,
-                      std::shared_ptr<StreamSession> session) {
+                      std::unique_ptr<StreamSession> session) {
   std::make_shared<WebSocket>(server, std::move(socket), std::move(session))
       ->begin(request, protocol);
 }

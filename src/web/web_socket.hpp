@@ -18,6 +18,6 @@ using UpgradeRequest = boost::beast::http::request<boost::beast::http::string_bo
 /// `session` talks, until one of both ends.
 void serve_web_socket(ServerContext& server, boost::asio::ip::tcp::socket&& socket,
                       const UpgradeRequest& request, std::string_view protocol,
-                      std::shared_ptr<StreamSession> session);
+                      std::unique_ptr<StreamSession> session);
 
 }  // namespace stator::web

@@ -25,8 +25,8 @@ using tests::temporary;
 TEST(CommandLine, HelpNamesEveryCommandAndSucceeds) {
   const Outcome outcome = stator("--help");
   EXPECT_EQ(outcome.status, 0);
-  for (const char* command : {"run", "conformance", "devices", "describe", "export", "scan", "sdo",
-                              "move", "simulate", "tune", "tmcl", "demo"}) {
+  for (const char* command : {"run", "check", "conformance", "devices", "describe", "export",
+                              "scan", "sdo", "move", "simulate", "tune", "tmcl", "demo"}) {
     EXPECT_THAT(outcome.output, HasSubstr(command));
   }
 }
