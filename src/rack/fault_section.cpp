@@ -1,6 +1,7 @@
 #include "rack/fault_section.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <set>
 #include <sstream>
 
