@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "base/random.hpp"
 #include "board/decay.hpp"
 #include "board/peripheral.hpp"
 #include "board/peripheral_types.hpp"
@@ -16,22 +17,33 @@ class Potentiometer final : public Peripheral, public AnalogSource {
       : supply_(settings.number("supply_voltage")), position_(settings.number("position")) {}
 
   AnalogSource* analog_output() override { return this; }
-  [[nodiscard]] double voltage(base::SimTime /*now*/) const override { return wiper(); }
+  [[nodiscard]] double voltage(base::SimTime now) const override {
+    if (noise_ == 0.0) {
+      return wiper();
+    }
+    // A track that is worn: each moment has its own voltage, the same in every run.
+    base::Random random(static_cast<std::uint64_t>(now.nanoseconds()));
+    return wiper() + noise_ * (2.0 * random.uniform() - 1.0);
+  }
 
   std::vector<base::Signal> signals() override {
     return {{"voltage", "V", base::Delegate<double()>::bind<&Potentiometer::wiper>(*this)}};
   }
   std::vector<base::Input> inputs() override {
-    return {{"position", "", 0.0, 1.0,
-             base::Delegate<void(double)>::bind<&Potentiometer::turn>(*this)}};
+    return {
+        {"position", "", 0.0, 1.0, base::Delegate<void(double)>::bind<&Potentiometer::turn>(*this)},
+        {"noise", "V", 0.0, 100.0,
+         base::Delegate<void(double)>::bind<&Potentiometer::wear>(*this)}};
   }
 
  private:
   [[nodiscard]] double wiper() const { return supply_ * position_; }
   void turn(double position) { position_ = position; }
+  void wear(double volt) { noise_ = volt; }
 
   double supply_;
   double position_;
+  double noise_ = 0.0;  ///< V by which its voltage is off at most, either way
 };
 
 /// A resistor and a capacitor behind an output: v' = (mean level * supply - v) / (R C), solved

@@ -5,10 +5,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "board/numbered.hpp"
 #include "board/peripheral.hpp"
 #include "board/peripheral_types.hpp"
 #include "board/plant_grid.hpp"
 #include "board/stepper_world.hpp"
+#include "plant/axis_fault_inputs.hpp"
 #include "plant/pwm_axis.hpp"
 
 namespace stator::board {
@@ -95,8 +97,27 @@ class BridgeMotor final : public Peripheral {
   }
   std::vector<base::Input> inputs() override {
     using Set = base::Delegate<void(double)>;
-    return {{"load_torque", "Nm", -1e3, 1e3, Set::bind<&BridgeMotor::set_load_torque>(*this)},
-            {"supply_voltage", "V", 0.0, 100.0, Set::bind<&BridgeMotor::set_supply>(*this)}};
+    std::vector<base::Input> result{
+        {"load_torque", "Nm", -1e3, 1e3, Set::bind<&BridgeMotor::set_load_torque>(*this)},
+        {"supply_voltage", "V", 0.0, 100.0, Set::bind<&BridgeMotor::set_supply>(*this)}};
+    open_terminals_.append_inputs(result, "open_", "", 0.0, 1.0);
+    fault_inputs_.append(result, "");
+    return result;
+  }
+
+  [[nodiscard]] const plant::PwmAxisFaults& faults() const { return axis_.faults(); }
+  void set_faults(const plant::PwmAxisFaults& faults) {
+    axis_.set_faults(faults);
+    wake(now());
+  }
+  /// The cable of a terminal is broken, for open_terminals_.
+  [[nodiscard]] double number_value(std::size_t terminal) const {
+    return faults().terminals.open[terminal] ? 1.0 : 0.0;
+  }
+  void set_number(std::size_t terminal, double open) {
+    plant::PwmAxisFaults changed = faults();
+    changed.terminals.open[terminal] = open >= 0.5;
+    set_faults(changed);
   }
 
  private:
@@ -139,6 +160,8 @@ class BridgeMotor final : public Peripheral {
   }
 
   plant::PwmAxis axis_;
+  Numbered<BridgeMotor> open_terminals_{*this, kBridges};
+  plant::AxisFaultInputs<BridgeMotor> fault_inputs_{*this, {}};
   PlantGrid grid_{kPeriod};
   Shaft shaft_;
   bool awake_ = false;

@@ -52,12 +52,28 @@ class Encoder final : public Peripheral, public ShaftObserver {
   }
 
   void advance(base::SimTime now) override {
-    turn(now, count_ < target_);
-    schedule_edge();
+    if (now >= edge_at_) {
+      turn(now, count_ < target_);
+      schedule_edge();
+    } else if (glitches_ != 0) {
+      const std::int64_t direction = glitches_ > 0 ? 1 : -1;
+      glitches_ -= direction;
+      false_counts_ += direction;
+      show(now);
+      schedule_next(now);
+    }
   }
 
   std::vector<base::Signal> signals() override {
     return {{"count", "count", base::Delegate<double()>::bind<&Encoder::count>(*this)}};
+  }
+  std::vector<base::Input> inputs() override {
+    using Set = base::Delegate<void(double)>;
+    return {{"lost", "", 0.0, 1.0, Set::bind<&Encoder::lose<7U>>(*this)},
+            {"a_lost", "", 0.0, 1.0, Set::bind<&Encoder::lose<1U>>(*this)},
+            {"b_lost", "", 0.0, 1.0, Set::bind<&Encoder::lose<2U>>(*this)},
+            {"index_lost", "", 0.0, 1.0, Set::bind<&Encoder::lose<4U>>(*this)},
+            {"false_counts", "count", -1e5, 1e5, Set::bind<&Encoder::disturb>(*this)}};
   }
 
  private:
@@ -80,8 +96,26 @@ class Encoder final : public Peripheral, public ShaftObserver {
            static_cast<std::int64_t>(std::floor(within(position)));
   }
 
+  /// Lines (as of levels()) that stand while they are broken.
+  template <unsigned kLines>
+  void lose(double lost) {
+    broken_ = lost >= 0.5 ? broken_ | kLines : broken_ & ~kLines;
+    show(now());
+  }
+  /// So many edges that no disc made come soon after each other.
+  void disturb(double counts) {
+    glitches_ += static_cast<std::int64_t>(counts);
+    schedule_next(now());
+  }
+  void schedule_next(base::SimTime now) {
+    constexpr base::SimDuration kBetweenGlitches(1'000);
+    schedule(glitches_ == 0 ? edge_at_ : std::min(edge_at_, now + kBetweenGlitches));
+  }
+
   void schedule_edge() {
+    edge_at_ = base::SimTime::never();
     if (count_ == target_) {
+      schedule_next(now());
       return;
     }
     // Upwards the edge lies at the begin of the next count, downwards at the begin of this one.
@@ -91,7 +125,8 @@ class Encoder final : public Peripheral, public ShaftObserver {
     const double share = std::clamp(to_edge / way_, 0.0, 1.0);
     const auto after = static_cast<std::int64_t>(
         share * static_cast<double>(motion_.duration.nanoseconds()) + 0.5);
-    schedule(motion_.begin + base::SimDuration(after));
+    edge_at_ = motion_.begin + base::SimDuration(after);
+    schedule_next(now());
   }
 
   void turn(base::SimTime now, bool up) {
@@ -107,7 +142,7 @@ class Encoder final : public Peripheral, public ShaftObserver {
 
   /// Levels of the lines A, B, N, as bits 0 to 2.
   [[nodiscard]] unsigned levels() const {
-    const std::int64_t quarter = modulo(reversed_ ? -count_ : count_, 4);
+    const std::int64_t quarter = modulo((reversed_ ? -count_ : count_) + false_counts_, 4);
     const bool a = quarter == 1 || quarter == 2;
     const bool b = quarter >= 2;
     const bool n = place_ == index_position_;
@@ -115,7 +150,8 @@ class Encoder final : public Peripheral, public ShaftObserver {
   }
   void show(base::SimTime now) { show(now, levels() ^ shown_); }
   void show(base::SimTime now, unsigned changed) {
-    shown_ = levels();
+    changed &= ~broken_;
+    shown_ = (shown_ & ~changed) | (levels() & changed);
     for (std::size_t line = 0; line < 3; ++line) {
       if ((changed >> line & 1U) != 0) {
         const bool level = (shown_ >> line & 1U) != 0;
@@ -137,7 +173,11 @@ class Encoder final : public Peripheral, public ShaftObserver {
   std::int64_t place_ = 0;   ///< count_ on the disc: modulo its revolution
   std::int64_t target_ = 0;  ///< at the end of motion_
   std::int64_t power_on_ = 0;
-  unsigned shown_ = 0;  ///< levels() as driven
+  unsigned shown_ = 0;                              ///< levels() as driven
+  unsigned broken_ = 0;                             ///< lines that stand as they are
+  base::SimTime edge_at_ = base::SimTime::never();  ///< of the disc
+  std::int64_t glitches_ = 0;      ///< false edges still to come, forward if positive
+  std::int64_t false_counts_ = 0;  ///< that came
 };
 
 constexpr std::array<PinDeclaration, 6> kPins{

@@ -22,7 +22,7 @@ std::vector<base::Signal> StepperPeripheral::signals() {
 
 std::vector<base::Input> StepperPeripheral::inputs() {
   using Set = base::Delegate<void(double)>;
-  return {
+  std::vector<base::Input> result{
       {"load_torque", "Nm", -1e3, 1e3, Set::bind<&StepperPeripheral::set_load_torque>(*this)},
       {"supply_voltage", "V", 0.0, 100.0, Set::bind<&StepperPeripheral::set_supply>(*this)},
       {"open_a", "", 0.0, 1.0, Set::bind<&StepperPeripheral::open_a>(*this)},
@@ -30,6 +30,8 @@ std::vector<base::Input> StepperPeripheral::inputs() {
       {"short_a", "", 0.0, 1.0, Set::bind<&StepperPeripheral::short_a>(*this)},
       {"short_b", "", 0.0, 1.0, Set::bind<&StepperPeripheral::short_b>(*this)},
   };
+  fault_inputs_.append(result, "");
+  return result;
 }
 
 }  // namespace stator::board

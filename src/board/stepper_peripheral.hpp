@@ -2,6 +2,7 @@
 
 #include "board/peripheral.hpp"
 #include "board/stepper_world.hpp"
+#include "plant/axis_fault_inputs.hpp"
 
 namespace stator::board {
 
@@ -18,6 +19,12 @@ class StepperPeripheral : public Peripheral, public StepFollower {
   Shaft* shaft() override { return &world_.shaft(); }
   std::vector<base::Signal> signals() override;
   std::vector<base::Input> inputs() override;
+
+  [[nodiscard]] const plant::StepperAxisFaults& faults() const { return world_.axis().faults(); }
+  void set_faults(const plant::StepperAxisFaults& faults) {
+    world_.set_faults(faults);
+    wake(now());
+  }
 
  protected:
   /// Steps that came by STEP and DIR without edges.
@@ -48,15 +55,18 @@ class StepperPeripheral : public Peripheral, public StepFollower {
   void short_a(double shorted) { set_short_of(0, shorted); }
   void short_b(double shorted) { set_short_of(1, shorted); }
   void set_open(std::size_t phase, double open) {
-    world_.set_open(phase, open >= 0.5);
-    wake(now());
+    plant::StepperAxisFaults changed = faults();
+    changed.open[phase] = open >= 0.5;
+    set_faults(changed);
   }
   void set_short_of(std::size_t phase, double shorted) {
-    world_.set_short(phase, shorted >= 0.5);
-    wake(now());
+    plant::StepperAxisFaults changed = faults();
+    changed.shorted[phase] = shorted >= 0.5;
+    set_faults(changed);
   }
 
   StepperWorld world_;
+  plant::AxisFaultInputs<StepperPeripheral> fault_inputs_{*this, {}};
   bool awake_ = false;
 };
 

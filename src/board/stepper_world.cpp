@@ -101,16 +101,4 @@ void StepperWorld::set_supply(double voltage) {
   axis_.set_supply_voltage(voltage);
 }
 
-void StepperWorld::set_open(std::size_t phase, bool open) {
-  plant::StepperAxisFaults faults = axis_.state().faults;
-  faults.open[phase] = open;
-  axis_.set_faults(faults);
-}
-
-void StepperWorld::set_short(std::size_t phase, bool shorted) {
-  plant::StepperAxisFaults faults = axis_.state().faults;
-  faults.shorted[phase] = shorted;
-  axis_.set_faults(faults);
-}
-
 }  // namespace stator::board

@@ -62,8 +62,7 @@ class StepperWorld {
   /// What people can set.
   void set_load_torque(double torque);
   void set_supply(double voltage);
-  void set_open(std::size_t phase, bool open);
-  void set_short(std::size_t phase, bool shorted);
+  void set_faults(const plant::StepperAxisFaults& faults) { axis_.set_faults(faults); }
 
  private:
   [[nodiscard]] ShaftPosition position() const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 
 #include "base/random.hpp"
 #include "board/peripheral.hpp"
@@ -40,7 +41,27 @@ class Contact : public Peripheral {
   }
 
  protected:
+  /// "stuck": 1: it stays open, 2: it stays closed, whatever is done to it.
+  [[nodiscard]] base::Input stuck_input() {
+    return {"stuck", "", 0.0, 2.0, base::Delegate<void(double)>::bind<&Contact::stick>(*this)};
+  }
+  [[nodiscard]] bool stuck() const { return stuck_ != Stuck::no; }
+  /// What is done to the contact.
   void set_closed(bool closed) {
+    wanted_ = closed;
+    change(stuck_ == Stuck::no ? wanted_ : stuck_ == Stuck::closed);
+  }
+  /// Bouncing is over.
+  virtual void settled(base::SimTime /*now*/) {}
+
+ private:
+  enum class Stuck : std::uint8_t { no, open, closed };
+
+  void stick(double kind) {
+    stuck_ = static_cast<Stuck>(static_cast<int>(kind + 0.5));
+    set_closed(wanted_);
+  }
+  void change(bool closed) {
     if (closed == closed_) {
       return;
     }
@@ -54,10 +75,6 @@ class Contact : public Peripheral {
       release(now());
     }
   }
-  /// Bouncing is over.
-  virtual void settled(base::SimTime /*now*/) {}
-
- private:
   [[nodiscard]] double closed() const { return closed_ ? 1.0 : 0.0; }
   void bounce_on(base::SimTime now) {
     // Some ten changes within the time, never slower than a quarter of it.
@@ -75,6 +92,8 @@ class Contact : public Peripheral {
   bool active_low_;
   base::SimDuration bounce_;
   base::Random random_;
+  Stuck stuck_ = Stuck::no;
+  bool wanted_ = false;
   bool closed_ = false;
   bool level_ = false;
   base::SimTime settled_at_;
@@ -84,7 +103,8 @@ class Switch final : public Contact {
  public:
   using Contact::Contact;
   std::vector<base::Input> inputs() override {
-    return {{"closed", "", 0.0, 1.0, base::Delegate<void(double)>::bind<&Switch::set>(*this)}};
+    return {{"closed", "", 0.0, 1.0, base::Delegate<void(double)>::bind<&Switch::set>(*this)},
+            stuck_input()};
   }
 
  private:
@@ -106,7 +126,8 @@ class PushButton final : public Contact {
     Contact::advance(now);
   }
   std::vector<base::Input> inputs() override {
-    return {{"press", "", 0.0, 1.0, base::Delegate<void(double)>::bind<&PushButton::press>(*this)}};
+    return {{"press", "", 0.0, 1.0, base::Delegate<void(double)>::bind<&PushButton::press>(*this)},
+            stuck_input()};
   }
 
  private:
@@ -115,6 +136,9 @@ class PushButton final : public Contact {
       held_ = true;
       release_at_ = now() + hold_;
       set_closed(true);
+      if (stuck()) {
+        settled(now());  // no change of the contact ends the press
+      }
     }
   }
   void settled(base::SimTime now) override {

@@ -121,7 +121,13 @@ class Bus {
   void set_bit_rate(std::size_t number, std::uint32_t bit_rate);
   void force_bus_off(std::size_t number, base::SimTime now);
   void force_error_passive(std::size_t number, base::SimTime now);
-  void inject(const FrameFault& fault) { faults_.add(fault); }
+  /// Returns the fault's number.
+  std::uint64_t inject(const FrameFault& fault) { return faults_.add(fault); }
+  void withdraw(std::uint64_t number) { faults_.withdraw(number); }
+  /// How many frames a fault has hit; nothing: as many as it should, or it was withdrawn.
+  [[nodiscard]] std::optional<std::uint64_t> hits(std::uint64_t number) const {
+    return faults_.hits(number);
+  }
 
   // What can be seen.
 

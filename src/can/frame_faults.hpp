@@ -1,10 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "base/recurrence.hpp"
 #include "base/sim_time.hpp"
 #include "can/frame.hpp"
 
@@ -21,30 +23,43 @@ enum class FrameFaultKind : std::uint8_t {
 /// A fault that hits the next `frames` frames it applies to.
 struct FrameFault {
   FrameFaultKind kind = FrameFaultKind::drop;
-  unsigned frames = 1;
+  unsigned frames = 1;                        ///< 0: until it is withdrawn
   std::optional<std::size_t> sender{};        ///< member of the bus; default: any
   std::optional<std::uint32_t> identifier{};  ///< default: any
   base::SimDuration delay{};                  ///< of `delay`
+  double probability = 1.0;                   ///< with which a frame is hit, 0 to 1
+  std::uint64_t seed = 1;                     ///< of the choice
 };
 
 /// The faults that are still to hit a frame, in the order in which they were asked for.
 class FrameFaults {
  public:
-  void add(const FrameFault& fault) {
-    if (fault.frames > 0) {
-      waiting_.push_back(fault);
-    }
+  /// Returns the fault's number.
+  std::uint64_t add(const FrameFault& fault) {
+    waiting_.push_back(
+        {++newest_, fault, base::Recurrence(fault.frames, fault.probability, fault.seed)});
+    return newest_;
+  }
+  void withdraw(std::uint64_t number) {
+    std::erase_if(waiting_, [number](const Waiting& waiting) { return waiting.number == number; });
+  }
+  /// How many frames the fault has hit; nothing: it has hit all it should, or was withdrawn.
+  [[nodiscard]] std::optional<std::uint64_t> hits(std::uint64_t number) const {
+    const auto found = std::ranges::find(waiting_, number, &Waiting::number);
+    return found == waiting_.end() ? std::nullopt : std::optional(found->recurrence.times());
   }
   [[nodiscard]] bool empty() const { return waiting_.empty(); }
 
   /// The fault that hits `frame` of `sender`, once. A frame is hit by one fault at most.
   [[nodiscard]] std::optional<FrameFault> hit(const Frame& frame, std::size_t sender) {
-    for (auto fault = waiting_.begin(); fault != waiting_.end(); ++fault) {
-      if (fault->sender.value_or(sender) == sender &&
-          fault->identifier.value_or(frame.identifier) == frame.identifier) {
-        const FrameFault copy = *fault;
-        if (--fault->frames == 0) {
-          waiting_.erase(fault);
+    for (auto waiting = waiting_.begin(); waiting != waiting_.end(); ++waiting) {
+      const FrameFault& fault = waiting->fault;
+      if (fault.sender.value_or(sender) == sender &&
+          fault.identifier.value_or(frame.identifier) == frame.identifier &&
+          waiting->recurrence.next()) {
+        const FrameFault copy = fault;
+        if (waiting->recurrence.over()) {
+          waiting_.erase(waiting);
         }
         return copy;
       }
@@ -53,7 +68,14 @@ class FrameFaults {
   }
 
  private:
-  std::vector<FrameFault> waiting_;
+  struct Waiting {
+    std::uint64_t number;
+    FrameFault fault;
+    base::Recurrence recurrence;
+  };
+
+  std::vector<Waiting> waiting_;
+  std::uint64_t newest_ = 0;
 };
 
 }  // namespace stator::can

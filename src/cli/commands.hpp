@@ -25,5 +25,8 @@ void add_mfc_command(CLI::App& app);
 void add_conformance_command(CLI::App& app);
 void add_check_command(CLI::App& app);
 void add_replay_command(CLI::App& app);
+/// faults, inject, clear.
+void add_fault_commands(CLI::App& app);
+void add_status_command(CLI::App& app);
 
 }  // namespace stator::cli

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "devices/device.hpp"
@@ -9,6 +10,7 @@
 #include "ethercat/eoe.hpp"
 #include "ethercat/sii_image.hpp"
 #include "ethercat/slave_controller.hpp"
+#include "ethercat/slave_stack.hpp"
 
 namespace stator::devices {
 
@@ -33,11 +35,25 @@ class EtherCatDevice : public Device {
   [[nodiscard]] virtual std::vector<std::byte> sii_image() const {
     return ethercat::build_sii_image(description(), dictionary());
   }
+  /// The slave stack of its firmware; null if it has no firmware of its own.
+  [[nodiscard]] virtual ethercat::SlaveStack* slave_stack() { return nullptr; }
   /// What a controller beside a chip is wired to; null for a device that has its own firmware.
   [[nodiscard]] virtual HostPort* host_port() { return nullptr; }
 
+  /// What `stator inject` and timetables set: the oscillator runs fast by `ppb` from now on.
+  void set_clock_deviation(double ppb) {
+    controller().set_clock_deviation(static_cast<std::int32_t>(ppb));
+  }
+
   /// Ethernet over EtherCAT, or null if the device has none or it is switched off.
   [[nodiscard]] virtual ethercat::EoeServer* eoe() { return nullptr; }
+
+ protected:
+  /// "clock_deviation", ppb: ten times what crystals for EtherCAT may be off, and more.
+  [[nodiscard]] Input clock_deviation_input() {
+    return {"clock_deviation", "ppb", -1e6, 1e6,
+            base::Delegate<void(double)>::bind<&EtherCatDevice::set_clock_deviation>(*this)};
+  }
 };
 
 }  // namespace stator::devices

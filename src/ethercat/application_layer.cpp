@@ -136,6 +136,13 @@ void ApplicationLayer::step_down(AlState target, AlStatusCode code, base::SimTim
   indicate_error(code);
 }
 
+void ApplicationLayer::raise_error(AlStatusCode code, base::SimTime now) {
+  pending_.reset();
+  reporter_.report(now, rules::kAlErrorRaised,
+                   {EventArgument(to_text(state_)), EventArgument(static_cast<int>(code))});
+  indicate_error(code);
+}
+
 void ApplicationLayer::indicate_error(AlStatusCode code) {
   code_ = code;
   identification_requested_ = false;

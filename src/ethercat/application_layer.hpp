@@ -47,6 +47,8 @@ class ApplicationLayer {
   void continue_change(base::SimTime now);
   /// Leaves for `target` with the error indication and `code`; nothing if `target` is not below.
   void step_down(AlState target, AlStatusCode code, base::SimTime now);
+  /// Sets the error indication with `code` in the present state.
+  void raise_error(AlStatusCode code, base::SimTime now);
 
   [[nodiscard]] AlState state() const { return state_; }
   [[nodiscard]] AlStatusCode status_code() const { return code_; }
@@ -70,6 +72,10 @@ class ApplicationLayer {
 };
 
 namespace rules {
+/// Arguments: {0} state, {1} AL status code.
+inline constexpr base::EventRule kAlErrorRaised{
+    "al-error-raised", base::Severity::fault,
+    "error in {0} with AL status {1:x4}; acknowledge with bit 4 of AL control"};
 inline constexpr base::EventRule kAlStateChanged{"al-state-changed", base::Severity::information,
                                                  "state {0} -> {1}"};
 inline constexpr base::EventRule kAlUnknownState{

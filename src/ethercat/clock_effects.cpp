@@ -159,6 +159,13 @@ void SlaveController::after_clock_write(Side side, EffectSet effects, std::uint3
   schedule_sync();
 }
 
+void SlaveController::set_clock_deviation(std::int32_t ppb) {
+  configuration_.clock_deviation_ppb = ppb;
+  clock_.set_deviation(ppb, now_);
+  schedule_sync();
+  note_topology_change();
+}
+
 void SlaveController::take_system_time(std::uint32_t address, std::span<const std::byte> data) {
   if (!touches(address, data.size(), kSystemTime)) {
     return;

@@ -51,6 +51,9 @@ class CoeServer final : public MailboxProtocol {
   /// The state in which accesses now happen.
   void set_network_state(dictionary::NetworkState state) { sdo_.set_network_state(state); }
 
+  /// See Mailbox::set_intervention().
+  void set_intervention(MailboxIntervention* intervention) { sdo_.set_intervention(intervention); }
+
   /// False if the queue was full.
   bool queue_emergency(const EmergencyMessage& message);
   void drop_emergencies() { emergencies_.clear(); }

@@ -176,6 +176,12 @@ void DistributedClock::set_trim(std::int64_t trim) {
       (std::int64_t{deviation_ppb_} << kLineFraction) + (trim_ >> (kTrimFraction - kLineFraction));
 }
 
+void DistributedClock::set_deviation(std::int32_t ppb, base::SimTime now) {
+  restart_line(now);
+  deviation_ppb_ = ppb;
+  set_trim(trim_);
+}
+
 void DistributedClock::take_settings() {
   offset_ = base::load_le<std::uint64_t>(registers_, kSystemTimeOffset);
   delay_ = base::load_le<std::uint32_t>(registers_, kSystemTimeDelay);

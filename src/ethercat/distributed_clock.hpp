@@ -38,6 +38,9 @@ class DistributedClock {
   /// Power-on at `now`: the local clock starts from 0 and the loop forgets what it has learned.
   void reset(base::SimTime now);
 
+  /// The oscillator runs fast by so much from `now` on.
+  void set_deviation(std::int32_t ppb, base::SimTime now);
+
   [[nodiscard]] std::uint64_t local_time(base::SimTime t) const;
   [[nodiscard]] std::uint64_t system_time(base::SimTime t) const { return local_time(t) + offset_; }
   /// System time as a frame that begins at `t` reads it: when it passed the reference clock.

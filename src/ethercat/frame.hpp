@@ -53,6 +53,11 @@ enum class Command : std::uint8_t {
   frmw = 14,  ///< configured address read, multiple write
 };
 
+/// LRD, LWR and LRW.
+constexpr bool is_logical(Command command) {
+  return command == Command::lrd || command == Command::lwr || command == Command::lrw;
+}
+
 /// The 32-bit address field of a physical command: ADP (position or station address) in the low,
 /// ADO (memory address in the slave) in the high half, as they lie in the datagram header.
 constexpr std::uint32_t physical_address(std::uint16_t adp, std::uint16_t ado) {

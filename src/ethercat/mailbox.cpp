@@ -142,7 +142,8 @@ void Mailbox::process(std::uint32_t events, base::SimTime now) {
     write_posted();
     return;
   }
-  if (request_waits(events) && take_request(now)) {
+  const bool hangs = intervention_ != nullptr && !intervention_->takes_requests();
+  if (!hangs && request_waits(events) && take_request(now)) {
     return;
   }
   send_own_message(now);
@@ -191,6 +192,14 @@ bool Mailbox::take_request(base::SimTime now) {
   }
   last_request_counter_ = header.counter;
   ++statistics_.mailbox_received;
+  if (intervention_ != nullptr) {
+    const std::size_t room = receive_.length - kMailboxHeaderSize;
+    const auto body = std::span<const std::byte>(request_).subspan(
+        kMailboxHeaderSize, std::min<std::size_t>(header.length, room));
+    if (!intervention_->handles(header, body, now)) {
+      return false;
+    }
+  }
 
   const MailboxReply reply = dispatch(header, now);
   if (reply.error != MailboxErrorCode::none) {

@@ -8,6 +8,7 @@
 
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
+#include "ethercat/mailbox_intervention.hpp"
 #include "ethercat/mailbox_protocol.hpp"
 #include "ethercat/process_data_interface.hpp"
 #include "ethercat/slave_stack_statistics.hpp"
@@ -32,6 +33,9 @@ class Mailbox {
 
   /// Protocols are asked in the order in which they were added; they must outlive the mailbox.
   void add(MailboxProtocol& protocol) { protocols_.push_back({&protocol}); }
+
+  /// Asks `intervention` about each request from now on; null ends that.
+  void set_intervention(MailboxIntervention* intervention) { intervention_ = intervention; }
 
   /// Begins with empty queues and fresh counters on checked SM0 and SM1 settings.
   void start(const SyncManagerBank& bank, AlState state);
@@ -90,6 +94,7 @@ class Mailbox {
   base::EventReporter reporter_;
   SlaveStackStatistics& statistics_;
   std::vector<Participant> protocols_;
+  MailboxIntervention* intervention_ = nullptr;
 
   bool running_ = false;
   AlState state_ = AlState::init;

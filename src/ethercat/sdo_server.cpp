@@ -98,6 +98,12 @@ Expected<std::size_t, Refusal> SdoServer::dispatch(std::span<const std::byte> re
                .complete = (command & kCompleteAccess) != 0};
     transfer_.kind = TransferKind::none;  // a new request supersedes an abandoned transfer
   }
+  if (intervention_ != nullptr && specifier != ClientCommand::abort) {
+    if (const auto code = intervention_->aborts_sdo(target_.index, target_.subindex)) {
+      return Unexpected{
+          protocol_refusal(static_cast<AbortCode>(*code), rules::kSdoFault, std::int64_t{*code})};
+    }
+  }
   switch (specifier) {
     case ClientCommand::initiate_upload:
       return initiate_upload(reply);

@@ -8,6 +8,7 @@
 #include "base/event.hpp"
 #include "base/expected.hpp"
 #include "dictionary/dictionary.hpp"
+#include "ethercat/mailbox_intervention.hpp"
 #include "ethercat/mailbox_protocol.hpp"
 #include "ethercat/slave_stack_statistics.hpp"
 
@@ -24,6 +25,9 @@ class SdoServer {
   /// Forgets the transfer.
   void reset() { transfer_.kind = TransferKind::none; }
   void set_network_state(dictionary::NetworkState state) { context_.network_state = state; }
+
+  /// See Mailbox::set_intervention().
+  void set_intervention(MailboxIntervention* intervention) { intervention_ = intervention; }
 
   /// Handles an SDO request without its CoE header; `reply` must have room for 8 bytes at least.
   [[nodiscard]] MailboxReply handle(std::span<const std::byte> request, std::span<std::byte> reply,
@@ -76,6 +80,7 @@ class SdoServer {
   base::EventReporter reporter_;
   SlaveStackStatistics& statistics_;
   dictionary::AccessContext context_;
+  MailboxIntervention* intervention_ = nullptr;
   Target target_;  ///< of the request being handled, for abort replies
   Transfer transfer_;
   std::vector<std::byte> buffer_;  ///< the value of a transfer
@@ -83,6 +88,9 @@ class SdoServer {
 
 // Arguments: {0} index, {1} subindex, then what the rule adds.
 namespace rules {
+inline constexpr base::EventRule kSdoFault{
+    "sdo-fault", base::Severity::fault,
+    "SDO to {0:x4}:{1:x2} aborted with {2:x8} by a fault that was asked for"};
 inline constexpr base::EventRule kSdoUnknownCommand{
     "sdo-unknown-command", base::Severity::refusal,
     "SDO refused: command byte {2:x2} is no request this server knows; block transfer is not "

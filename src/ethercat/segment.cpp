@@ -15,9 +15,9 @@ constexpr std::byte kLocallyAdministered{0x02};
 constexpr std::size_t kFramingLength = 12;
 constexpr std::int64_t kNanosecondsPerByte = 80;
 
-/// At a slave whose port 0 is closed for want of a link: marks a frame that passes for the first
-/// time; false for one that does so again and must not go on (ETG.1000.4 §5.4, circulating bit).
-bool mark_circulating(std::span<DatagramView> datagrams) {
+}  // namespace
+
+bool Segment::mark_circulating(std::span<DatagramView> datagrams) {
   for (DatagramView& datagram : datagrams) {
     if (datagram.circulating) {
       return false;
@@ -26,8 +26,6 @@ bool mark_circulating(std::span<DatagramView> datagrams) {
   }
   return true;
 }
-
-}  // namespace
 
 Segment::~Segment() {
   for (const Station& station : stations_) {
@@ -107,19 +105,6 @@ void Segment::set_cable(SlavePort port, bool intact) {
   update_links();
 }
 
-void Segment::inject(const FrameFault& fault) {
-  if (!has_cable(fault.port)) {
-    throw std::logic_error("port " + std::to_string(fault.port.port) + " of slave " +
-                           std::to_string(fault.port.slave) + " has no cable");
-  }
-  std::optional<SlavePort> at = fault.port;
-  if (fault.leaving) {
-    const Wiring::Peer& peer = wiring_.peer(fault.port);
-    at = peer.kind == Wiring::Peer::Kind::slave ? std::optional(peer.slave_port) : std::nullopt;
-  }
-  faults_.add(fault.kind, at, fault.frames);
-}
-
 void Segment::set_carrier(MasterInterface interface, bool up) {
   carriers_[static_cast<std::size_t>(interface)] = up;
   update_links();
@@ -178,6 +163,7 @@ void Segment::take_resets() {
 void Segment::plan() {
   take_resets();
   topology_changed_ = false;
+  ++plans_;
   forwarding_.clear();
   for (const Station& station : stations_) {
     forwarding_.push_back(station.slave->forwarding());
@@ -199,37 +185,6 @@ void Segment::plan(MasterInterface entry) {
   for (const Reception& reception : way.route.receptions) {
     way.longest_frame = std::min(way.longest_frame, reception.longest_frame);
   }
-}
-
-/// Looks for the place where a frame of this length is torn in a receive FIFO or hit by a fault.
-/// Returns how many slaves have processed it before; those behind process nothing. Nothing: it
-/// passes.
-std::optional<std::size_t> Segment::interrupt(const Way& way, std::size_t length) {
-  const std::span<const Reception> receptions = way.route.receptions;
-  for (std::size_t i = 0; i < receptions.size(); ++i) {
-    if (receptions[i].longest_frame < length) {
-      ++statistics_.torn;
-      count_broken_frame(receptions.subspan(i));
-      return receptions[i].visits;
-    }
-    if (const std::optional<FrameFaultKind> fault = faults_.hit(receptions[i].at)) {
-      if (*fault == FrameFaultKind::corrupt) {
-        ++statistics_.corrupted;
-        count_broken_frame(receptions.subspan(i));
-      } else {
-        ++statistics_.dropped;
-      }
-      return receptions[i].visits;
-    }
-  }
-  if (!way.route.exit) {
-    return std::nullopt;
-  }
-  if (const std::optional<FrameFaultKind> fault = faults_.hit(std::nullopt)) {
-    ++(*fault == FrameFaultKind::corrupt ? statistics_.corrupted : statistics_.dropped);
-    return way.stops.size();
-  }
-  return std::nullopt;
 }
 
 /// A frame whose check sequence fails at the first of these receptions. The slave there marks it,
@@ -278,27 +233,25 @@ std::optional<MasterInterface> Segment::process(std::span<std::byte> frame, base
   if (way.route.entered) {
     frame[kSourceMacOffset] |= kLocallyAdministered;
   }
-  const std::span<DatagramView> active = std::span(datagrams_).first(count);
-  std::span<const Stop> stops = way.stops;
-  std::optional<std::size_t> processed;
-  if (frame.size() > way.longest_frame || !faults_.empty()) [[unlikely]] {
-    processed = interrupt(way, frame.size());
-    stops = stops.first(processed.value_or(stops.size()));
+  if (frame.size() > way.longest_frame || eventful_) [[unlikely]] {
+    return process_with_faults(frame, arrival, entry, count);
   }
-  for (const Stop& stop : stops) {
+  const std::span<DatagramView> active = std::span(datagrams_).first(count);
+  for (const Stop& stop : way.stops) {
     if (stop.marks_circulating && !mark_circulating(active)) [[unlikely]] {
       ++statistics_.destroyed;
       return std::nullopt;
     }
     stop.slave->process(active, {arrival, arrival + stop.processing_unit, *stop.arrivals});
   }
-  if (processed) [[unlikely]] {
-    return std::nullopt;
-  }
   for (const DatagramView& datagram : active) {
     datagram.store();
   }
-  return leave(way.route);
+  const std::optional<MasterInterface> exit = leave(way.route);
+  if (!held_.empty()) [[unlikely]] {
+    release_overtaken(arrival);
+  }
+  return exit;
 }
 
 /// The end of the way: at the master, or nowhere.
@@ -318,8 +271,11 @@ std::optional<MasterInterface> Segment::pass_foreign(std::span<std::byte> frame,
     ++statistics_.destroyed;
     return std::nullopt;
   }
-  if ((frame.size() > way.longest_frame || !faults_.empty()) && interrupt(way, frame.size())) {
-    return std::nullopt;
+  if (frame.size() > way.longest_frame || !faults_.empty()) {
+    const std::optional<Interruption> interruption = interrupt(way, frame.size());
+    if (interruption && !interruption->fault) {
+      return std::nullopt;
+    }
   }
   if (way.route.entered) {
     frame[kSourceMacOffset] |= kLocallyAdministered;

@@ -25,6 +25,7 @@ struct SegmentStatistics {
   std::uint64_t torn = 0;       ///< too long for a receive FIFO between clocks that far apart
   std::uint64_t dropped = 0;    ///< by inject(): did not arrive
   std::uint64_t corrupted = 0;  ///< by inject(): arrived with wrong bits
+  std::uint64_t held = 0;       ///< by inject(): arrived later than sent, copies included
   std::uint64_t destroyed = 0;  ///< circulating ones, and foreign ones the forwarding rule forbids
 };
 
@@ -68,10 +69,34 @@ class Segment {
   void set_cable(SlavePort port, bool intact);
   /// Breaks or heals the cable at port 0 of the slave with this index.
   void set_link(std::size_t index, bool up) { set_cable({index, 0}, up); }
-  /// Lets a fault hit the next frames at a port, after those asked for earlier at the same place. A
-  /// port without a cable, which no frame passes, is a mistake in a declaration: std::logic_error.
-  /// Allocates.
-  void inject(const FrameFault& fault);
+
+  // Faults. What is asked for allocates; a segment without faults does not notice them.
+
+  /// Lets a fault hit frames at a port, after those asked for earlier at the same place, and
+  /// returns its number. A port without a cable, which no frame passes, is a mistake in a
+  /// declaration: std::logic_error.
+  std::uint64_t inject(const FrameFault& fault);
+  /// Lets a slave not count datagrams; returns the fault's number.
+  std::uint64_t inject(const CountFault& fault);
+  /// Ends a fault of either kind. Frames that it holds go on at their time.
+  void withdraw(std::uint64_t number);
+  /// How often a fault has hit; nothing: as often as it should, or it was withdrawn.
+  [[nodiscard]] std::optional<std::uint64_t> hits(std::uint64_t number) const;
+
+  /// A frame that waited on a cable and comes out.
+  struct Released {
+    std::size_t length = 0;
+    MasterInterface exit = MasterInterface::primary;
+  };
+  /// When the next held frame goes on; never() if there is none.
+  [[nodiscard]] base::SimTime next_release() const { return next_release_; }
+  /// Lets frames go on whose time has come until one comes out, which gets into `buffer`
+  /// (kMaximumFrameLength bytes). Nothing: none does at `now`.
+  [[nodiscard]] std::optional<Released> release(base::SimTime now, std::span<std::byte> buffer);
+
+  /// Tells `observer` of every frame from now on; null ends that.
+  void observe(FrameObserver* observer);
+
   /// The master's interface is switched on or off; at the start both are on.
   void set_carrier(MasterInterface interface, bool up);
   [[nodiscard]] bool carrier(MasterInterface interface) const {
@@ -125,6 +150,9 @@ class Segment {
     std::size_t longest_frame = kMaximumFrameLength;  ///< one beyond is torn on the way
   };
 
+  /// At a slave whose port 0 is closed for want of a link: marks a frame that passes for the first
+  /// time; false for one that does so again and must not go on (ETG.1000.4 §5.4, circulating bit).
+  static bool mark_circulating(std::span<DatagramView> datagrams);
   void reserve_plans();
   void require_free(SlavePort port) const;
   [[nodiscard]] bool has_link(SlavePort port) const;
@@ -133,7 +161,28 @@ class Segment {
   [[nodiscard]] const Way& way(MasterInterface entry);
   void plan();
   void plan(MasterInterface entry);
-  [[nodiscard]] std::optional<std::size_t> interrupt(const Way& way, std::size_t length);
+  /// Where on its way a frame is torn or hit by a fault.
+  struct Interruption {
+    std::size_t passed = 0;             ///< processing units before
+    std::optional<FrameFault> fault{};  ///< nothing: it is lost
+  };
+  [[nodiscard]] std::optional<Interruption> interrupt(const Way& way, std::size_t length);
+  [[nodiscard]] std::optional<Interruption> meet(const Way& way, std::size_t reception,
+                                                 std::size_t passed);
+  [[nodiscard]] std::optional<MasterInterface> process_with_faults(std::span<std::byte> frame,
+                                                                   base::SimTime arrival,
+                                                                   MasterInterface entry,
+                                                                   std::size_t datagrams);
+  [[nodiscard]] bool visit(std::span<const Stop> stops, std::span<DatagramView> datagrams,
+                           base::SimTime sent);
+  void hold(std::span<const std::byte> frame, MasterInterface entry, base::SimTime arrival,
+            const Interruption& at);
+  [[nodiscard]] std::optional<MasterInterface> go_on(HeldFrame& frame, base::SimTime now);
+  void release_overtaken(base::SimTime now);
+  void find_next_release();
+  void note_faults() {
+    eventful_ = !faults_.empty() || !count_faults_.empty() || observer_ != nullptr;
+  }
   void count_broken_frame(std::span<const Reception> receptions);
   [[nodiscard]] std::optional<MasterInterface> leave(const Route& route);
   [[nodiscard]] std::optional<MasterInterface> pass_foreign(std::span<std::byte> frame,
@@ -146,7 +195,20 @@ class Segment {
   std::vector<SlaveForwarding> forwarding_;  ///< of each slave, while planning
   std::array<Way, kMasterInterfaces> ways_;
   bool topology_changed_ = false;  ///< ways_ are out of date; slaves set it too
+  bool eventful_ = false;          ///< there is a fault or an observer
+  std::uint64_t plans_ = 0;        ///< made so far
   FrameFaults faults_;
+  struct CountingFault {
+    std::uint64_t number;
+    const SlaveController* slave;
+    std::uint16_t commands;
+    base::Recurrence recurrence;
+  };
+  std::vector<CountingFault> count_faults_;
+  std::uint64_t newest_count_fault_ = 0;
+  FrameObserver* observer_ = nullptr;
+  std::vector<HeldFrame> held_;  ///< in the order in which they were caught
+  base::SimTime next_release_ = base::SimTime::never();
   SegmentStatistics statistics_;
   /// Of the frame in process(), and one for the look behind the last.
   std::array<DatagramView, kMaximumDatagrams + 1> datagrams_{};

@@ -27,7 +27,6 @@ constexpr std::uint16_t kCommandError = 0x2000;
 constexpr std::uint16_t kWriteEnableError = 0x4000;
 constexpr std::uint16_t kBusy = 0x8000;
 
-constexpr std::size_t kConfigurationAreaLength = 16;
 constexpr std::size_t kSmallestEeprom = 128;
 /// Largest EEPROM that takes one address byte (16 kbit).
 constexpr std::size_t kOneAddressByte = 2048;
@@ -54,12 +53,38 @@ void SiiInterface::insert(std::span<const std::byte> image) {
   std::copy(image.begin(), image.end(), content_.begin());
 }
 
+void SiiInterface::corrupt(std::size_t offset, std::uint8_t mask) {
+  std::erase_if(worn_, [offset](const WornCell& worn) { return worn.offset == offset; });
+  if (mask != 0) {
+    worn_.push_back({offset, std::byte{mask}});
+  }
+}
+
+std::byte SiiInterface::cell(std::size_t offset) const {
+  std::byte value = content_[offset];
+  for (const WornCell& worn : worn_) {
+    if (worn.offset == offset) {
+      value ^= worn.mask;
+    }
+  }
+  return value;
+}
+
+std::array<std::byte, SiiInterface::kConfigurationAreaLength> SiiInterface::configuration_area()
+    const {
+  std::array<std::byte, kConfigurationAreaLength> area;
+  for (std::size_t i = 0; i < area.size(); ++i) {
+    area[i] = cell(i);
+  }
+  return area;
+}
+
 SiiInterface::LoadResult SiiInterface::load() {
   if (content_.empty()) {
     set_status(kChecksumError, kNotLoaded);
     return LoadResult::no_eeprom;
   }
-  const std::span<const std::byte> area = std::span(content_).first(kConfigurationAreaLength);
+  const auto area = configuration_area();
   if (std::to_integer<std::uint8_t>(area[14]) != sii_checksum(area)) {
     set_status(0, kChecksumError | kNotLoaded);
     return LoadResult::bad_checksum;
@@ -183,7 +208,7 @@ void SiiInterface::read_words() {
   store_le(registers_, kSiiData, std::uint64_t{0});
   const std::size_t from = byte_address();
   for (std::size_t i = 0; i < wanted; ++i) {
-    registers_[kSiiData + i] = content_[(from + i) & (content_.size() - 1)];
+    registers_[kSiiData + i] = cell((from + i) & (content_.size() - 1));
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -37,11 +38,20 @@ class SiiInterface {
   /// what the image does not fill reads FFh, as erased cells do. Empty: no EEPROM answers.
   void insert(std::span<const std::byte> image);
   [[nodiscard]] std::span<const std::byte> content() const { return content_; }
+  /// From now on the byte at `offset` reads with the bits of `mask` inverted, as from a worn cell;
+  /// the content stays. A mask of 0 heals it. Allocates.
+  void corrupt(std::size_t offset, std::uint8_t mask);
+  /// What is read at `offset` < content().size().
+  [[nodiscard]] std::byte cell(std::size_t offset) const;
+
   /// Counts written words, so that somebody who keeps the content in a file sees changes.
   [[nodiscard]] std::uint32_t write_count() const { return write_count_; }
 
   /// Why the configuration area was not taken over.
   enum class LoadResult : std::uint8_t { loaded, no_eeprom, bad_checksum };
+  /// The configuration area as it is read.
+  static constexpr std::size_t kConfigurationAreaLength = 16;
+  [[nodiscard]] std::array<std::byte, kConfigurationAreaLength> configuration_area() const;
   /// Checks the configuration area and sets the status bits "checksum error" and "not loaded".
   LoadResult load();
 
@@ -99,6 +109,11 @@ class SiiInterface {
   bool eight_byte_read_;
   bool error_blocks_commands_;
   std::vector<std::byte> content_;
+  struct WornCell {
+    std::size_t offset;
+    std::byte mask;
+  };
+  std::vector<WornCell> worn_;
   base::SimTime deadline_ = base::SimTime::never();
   Command command_ = Command::idle;
   std::uint32_t write_count_ = 0;

@@ -183,7 +183,10 @@ void SlaveController::load_configuration_area(bool first) {
   advance_sync();  // pulses so far came with the settings so far
   const SiiInterface::LoadResult result = sii_.load();
   loaded_ = result == SiiInterface::LoadResult::loaded;
-  const std::span<const std::byte> content = sii_.content();
+  std::array<std::byte, SiiInterface::kConfigurationAreaLength> content{};
+  if (result != SiiInterface::LoadResult::no_eeprom) {
+    content = sii_.configuration_area();
+  }
   if (result == SiiInterface::LoadResult::bad_checksum) {
     reporter_.report(
         now_, kSiiChecksum,

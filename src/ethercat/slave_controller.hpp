@@ -135,11 +135,16 @@ class SlaveController final : public ProcessDataInterface {
   /// Counts words written to the EEPROM by master or host.
   [[nodiscard]] std::uint32_t sii_write_count() const { return sii_.write_count(); }
 
+  /// Lets a byte of the EEPROM read wrong, see SiiInterface::corrupt().
+  void corrupt_sii(std::size_t offset, std::uint8_t mask) { sii_.corrupt(offset, mask); }
+
   /// Brings the controller to `now`; a `now` before the last one is ignored.
   void advance(base::SimTime now);
   /// No later than the next moment at which something happens without an access.
   [[nodiscard]] base::SimTime next_deadline() const { return next_deadline_; }
   [[nodiscard]] base::SimTime now() const { return now_; }
+  /// From now() on the oscillator runs fast by so much.
+  void set_clock_deviation(std::int32_t ppb);
   /// System time of the distributed clock, ns.
   [[nodiscard]] std::uint64_t system_time(base::SimTime t) const { return clock_.system_time(t); }
 

@@ -160,7 +160,18 @@ void SlaveStack::step_down(AlState target, AlStatusCode code, base::SimTime now)
   update_attention();
 }
 
+void SlaveStack::raise_error(AlStatusCode code, base::SimTime now) {
+  now_ = now;
+  application_layer_.raise_error(code, now);
+  update_attention();
+}
+
 std::optional<AlStatusCode> SlaveStack::perform(AlStep step, base::SimTime now) {
+  if (refusal_ != AlStatusCode::no_error && goes_up(step)) {
+    reporter_.report(now, rules::kStateFault,
+                     {EventArgument(to_text(step.to)), EventArgument(static_cast<int>(refusal_))});
+    return refusal_;
+  }
   AlStatusCode code = AlStatusCode::no_error;
   if (step == al_step::kIP || step == al_step::kIB) {
     code = start_mailbox(step, now);

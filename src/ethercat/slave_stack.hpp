@@ -90,6 +90,18 @@ class SlaveStack final : private AlActions {
   /// Safe-Operational with fatal_sync_error. Nothing happens if `target` is not below the present
   /// state.
   void step_down(AlState target, AlStatusCode code, base::SimTime now);
+  /// Sets the error indication with `code` in the present state.
+  void raise_error(AlStatusCode code, base::SimTime now);
+
+  // Faults from outside.
+
+  /// Every step up is refused with this code from now on; no_error ends that.
+  void refuse_steps_up(AlStatusCode code) { refusal_ = code; }
+  /// See MailboxIntervention; null ends it.
+  void set_mailbox_intervention(MailboxIntervention* intervention) {
+    mailbox_.set_intervention(intervention);
+    coe_.set_intervention(intervention);
+  }
 
   [[nodiscard]] AlState state() const { return application_layer_.state(); }
   /// The error in AL status code 0x0134; no_error once the master has acknowledged it.
@@ -167,14 +179,18 @@ class SlaveStack final : private AlActions {
   SyncManagerBank bank_;         ///< settings in force: mailbox since I->P, process data since P->S
   std::uint32_t attention_ = 0;  ///< AL events that need process()
   bool polls_channels_ = false;  ///< a channel in use raises no event
-  bool outputs_received_ = false;    ///< since Safe-Operational was entered
-  bool outputs_await_sync_ = false;  ///< taken from the bus, not yet over at SYNC0
+  AlStatusCode refusal_ = AlStatusCode::no_error;  ///< of every step up
+  bool outputs_received_ = false;                  ///< since Safe-Operational was entered
+  bool outputs_await_sync_ = false;                ///< taken from the bus, not yet over at SYNC0
   /// When Operational ends if no outputs come, for a watchdog that nothing has triggered yet.
   base::SimTime first_outputs_deadline_ = base::SimTime::never();
   base::SimTime now_;  ///< of the call being handled
 };
 
 namespace rules {
+inline constexpr base::EventRule kStateFault{
+    "al-fault", base::Severity::fault,
+    "{0} refused, AL status {1:x4}, by a fault that was asked for"};
 inline constexpr base::EventRule kBootstrapUnsupported{
     "al-bootstrap-unsupported", base::Severity::refusal,
     "Bootstrap refused, AL status 0013h: this device has no bootstrap mailbox (words 14h to 17h of "

@@ -4,21 +4,34 @@
 
 namespace stator::plant {
 
+namespace {
+
+RotorMechanics rotor_of(const DcMotorParameters& motor) {
+  return {.inertia = motor.rotor_inertia,
+          .viscous_friction = motor.viscous_friction,
+          .coulomb_friction = motor.coulomb_friction,
+          .static_friction = motor.static_friction,
+          .stribeck_speed = motor.stribeck_speed,
+          .pole_pairs = 1};
+}
+
+}  // namespace
+
 DcMotor::DcMotor(const DcMotorParameters& motor, const MechanicalLoad& load)
     : motor_(motor),
-      shaft_({.inertia = motor.rotor_inertia,
-              .viscous_friction = motor.viscous_friction,
-              .coulomb_friction = motor.coulomb_friction,
-              .static_friction = motor.static_friction,
-              .stribeck_speed = motor.stribeck_speed,
-              .pole_pairs = 1},
-             load),
+      shaft_(rotor_of(motor), load),
       inverse_inductance_(1.0 / motor.inductance),
       resistance_(motor.resistance),
       torque_constant_(motor.torque_constant) {
-  const double coupling = motor.torque_constant * motor.torque_constant * inverse_inductance_;
-  fastest_rate_ = std::max(motor.resistance * inverse_inductance_,
+  set_load(load);
+}
+
+void DcMotor::set_load(const MechanicalLoad& load) {
+  shaft_ = ShaftMechanics(rotor_of(motor_), load);
+  const double coupling = motor_.torque_constant * motor_.torque_constant * inverse_inductance_;
+  fastest_rate_ = std::max(motor_.resistance * inverse_inductance_,
                            shaft_.fastest_rate(coupling, shaft_.has_end_stops()));
+  transition_.step = -1.0;
 }
 
 void DcMotor::set_temperatures(double winding, double magnets) {

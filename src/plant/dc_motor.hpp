@@ -77,8 +77,8 @@ class DcMotor {
 
   /// Resistance and torque constant from now on: winding and magnets get warm (degree Celsius).
   void set_temperatures(double winding, double magnets);
-  /// ShaftMechanics::jam().
-  void jam(double torque) { shaft_.jam(torque); }
+  /// What is on the shaft from now on.
+  void set_load(const MechanicalLoad& load);
 
   [[nodiscard]] double resistance() const { return resistance_; }            ///< ohm, now
   [[nodiscard]] double torque_constant() const { return torque_constant_; }  ///< N m/A, now
@@ -113,7 +113,7 @@ class DcMotor {
   double inverse_inductance_;
   double resistance_;
   double torque_constant_;
-  double fastest_rate_;
+  double fastest_rate_ = 0.0;
   Transition transition_;  ///< of the latest step; follows from its length and the temperatures
 };
 

@@ -11,6 +11,15 @@ namespace {
 /// cannot make the number of steps, or the numbers, grow without bound.
 constexpr double kHighestSpeed = 1e4;
 
+RotorMechanics rotor_of(const StepperMotorParameters& motor) {
+  return {.inertia = motor.rotor_inertia,
+          .viscous_friction = motor.viscous_friction,
+          .coulomb_friction = motor.coulomb_friction,
+          .static_friction = motor.static_friction,
+          .stribeck_speed = motor.stribeck_speed,
+          .pole_pairs = motor.pole_pairs};
+}
+
 }  // namespace
 
 struct HybridStepper::Derivative {
@@ -27,20 +36,21 @@ struct HybridStepper::StepConstants {
 
 HybridStepper::HybridStepper(const StepperMotorParameters& motor, const MechanicalLoad& load)
     : motor_(motor),
-      shaft_({.inertia = motor.rotor_inertia,
-              .viscous_friction = motor.viscous_friction,
-              .coulomb_friction = motor.coulomb_friction,
-              .static_friction = motor.static_friction,
-              .stribeck_speed = motor.stribeck_speed,
-              .pole_pairs = motor.pole_pairs},
-             load),
+      shaft_(rotor_of(motor), load),
       pole_pairs_(motor.pole_pairs),
       torque_constant_(motor.pole_pairs * motor.flux_linkage),
-      inverse_inductance_(1.0 / motor.inductance) {
+      inverse_inductance_(1.0 / motor.inductance),
+      electrical_rate_(motor.resistance / motor.inductance) {
+  set_load(load);
+}
+
+void HybridStepper::set_load(const MechanicalLoad& load) {
+  shaft_ = ShaftMechanics(rotor_of(motor_), load);
   // Torque per shaft radian: holding torque at rated current and detent torque.
-  const double stiffness = motor.pole_pairs * (motor.holding_torque() + 4.0 * motor.detent_torque);
-  standstill_rate_ = std::max(motor.resistance / motor.inductance,
-                              shaft_.fastest_rate(stiffness, shaft_.has_end_stops()));
+  const double stiffness =
+      motor_.pole_pairs * (motor_.holding_torque() + 4.0 * motor_.detent_torque);
+  standstill_rate_ =
+      std::max(electrical_rate_, shaft_.fastest_rate(stiffness, shaft_.has_end_stops()));
 }
 
 double HybridStepper::fastest_rate(const HybridStepperState& state) const {

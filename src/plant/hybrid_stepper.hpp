@@ -70,8 +70,8 @@ class HybridStepper {
   [[nodiscard]] const StepperMotorParameters& motor() const { return motor_; }
   /// Resistance of a phase from now on, ohm: a winding gets warm.
   void set_resistance(double resistance) { motor_.resistance = resistance; }
-  /// ShaftMechanics::jam().
-  void jam(double torque) { shaft_.jam(torque); }
+  /// What is on the shaft from now on.
+  void set_load(const MechanicalLoad& load);
   /// Kt = p psi, N m/A and V s/rad.
   [[nodiscard]] double torque_constant() const { return torque_constant_; }
   /// Rotor and load, kg m^2.
@@ -93,9 +93,10 @@ class HybridStepper {
   StepperMotorParameters motor_;
   ShaftMechanics shaft_;
   std::int64_t pole_pairs_;
-  double torque_constant_;     ///< Kt = p psi, N m/A and V s/rad
-  double inverse_inductance_;  ///< 1/H
-  double standstill_rate_;     ///< fastest_rate at speed 0, rad/s
+  double torque_constant_;        ///< Kt = p psi, N m/A and V s/rad
+  double inverse_inductance_;     ///< 1/H
+  double electrical_rate_;        ///< R/L at 25 degree Celsius, rad/s
+  double standstill_rate_ = 0.0;  ///< fastest_rate at speed 0, rad/s
 };
 
 }  // namespace stator::plant

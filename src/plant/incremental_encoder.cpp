@@ -16,7 +16,8 @@ IncrementalEncoder::IncrementalEncoder(const EncoderParameters& parameters, std:
     : parameters_(parameters),
       pole_pairs_(pole_pairs),
       counts_per_revolution_(static_cast<double>(parameters.counts_per_revolution)),
-      divisor_(static_cast<double>(pole_pairs)) {}
+      divisor_(static_cast<double>(pole_pairs)),
+      offset_(parameters.offset) {}
 
 void IncrementalEncoder::enter(EncoderState& state, std::int64_t period) const {
   const std::int64_t total = period * parameters_.counts_per_revolution;

@@ -61,6 +61,11 @@ class IncrementalEncoder {
   [[nodiscard]] std::int64_t index_count(const EncoderState& state) const {
     return directed(state.latest_index - state.power_on);
   }
+  /// The disc has slipped back by so many counts since power-on.
+  void set_slipped(double counts) { offset_ = parameters_.offset - counts; }
+  [[nodiscard]] double counts_per_electrical_radian() const {
+    return counts_per_revolution_ / (divisor_ * base::kTwoPi);
+  }
   /// Level of the N channel.
   [[nodiscard]] bool index(const EncoderState& state) const {
     return parameters_.counts_per_revolution > 0 &&
@@ -77,7 +82,7 @@ class IncrementalEncoder {
     }
     const double within = counts_per_revolution_ * (angle.angle * (1.0 / base::kTwoPi));
     const double counts =
-        (static_cast<double>(state.period_remainder) + within) / divisor_ + parameters_.offset;
+        (static_cast<double>(state.period_remainder) + within) / divisor_ + offset_;
     const auto whole = static_cast<std::int64_t>(counts);
     return state.period_base + (counts < static_cast<double>(whole) ? whole - 1 : whole);
   }
@@ -90,6 +95,7 @@ class IncrementalEncoder {
   std::int64_t pole_pairs_;
   double counts_per_revolution_;
   double divisor_;  ///< p
+  double offset_;   ///< counts the disc is turned against the shaft, now
 };
 
 }  // namespace stator::plant

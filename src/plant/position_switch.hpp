@@ -1,8 +1,16 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
 
 namespace stator::plant {
+
+/// What is wrong with a switch, whatever presses it.
+enum class SwitchFault : std::uint8_t {
+  none,
+  released,  ///< never pressed
+  pressed,   ///< always
+};
 
 /// A limit or home switch pressed by a cam while the shaft is within a range of positions, or by
 /// hand.
@@ -34,6 +42,12 @@ struct PositionSwitch {
     }
     const bool by_cam = revolutions >= pressed_from && revolutions <= pressed_to;
     return (by_cam || by_hand) != normally_closed;
+  }
+  /// What a stuck one makes of that level.
+  [[nodiscard]] constexpr bool through(SwitchFault fault, bool level) const {
+    return fault == SwitchFault::none ? level
+                                      : (fault == SwitchFault::pressed) !=
+                                            (fitted ? normally_closed : level_if_not_fitted);
   }
 };
 

@@ -68,6 +68,7 @@ PwmAxis::PwmAxis(const PwmAxisParameters& p)
       converter_noise_(p.noise_seed),
       angle_noise_(p.noise_seed + 1) {
   brake_.open = p.brake.closed_by_current;
+  fault_state_.supply_voltage = p.supply_voltage;
   sensing_.driver_temperature = sensing_.winding_temperature = p.ambient_temperature;
   constexpr double kAnyPeriod = 1.0;
   std::visit(
@@ -162,19 +163,20 @@ void PwmAxis::update_temperatures(Of& winding) {
   const double mean_square = square_current_ / unheated_.seconds();
   const InverterParameters& inverter = parameters_.inverter;
   const double of_terminals = Of::kTerminalsPerPhase * mean_square;
-  const double stage_loss = inverter.on_resistance * of_terminals + inverter.switching_share *
-                                                                        supply_state_.voltage *
-                                                                        std::sqrt(of_terminals);
+  const HeatFaults& heat = faults_.common.heat;
+  const double stage_loss =
+      inverter.on_resistance * of_terminals +
+      inverter.switching_share * supply_state_.voltage * std::sqrt(of_terminals) + heat.driver_heat;
+  const double motor_loss = winding.resistance() * mean_square + heat.motor_heat;
   for (; unheated_ >= kThermalPeriod; unheated_ = unheated_ - kThermalPeriod) {
-    motor_thermal_.advance(motor_temperature_, winding.resistance() * mean_square,
-                           ambient_temperature_);
+    motor_thermal_.advance(motor_temperature_, motor_loss, ambient_temperature_);
     stage_thermal_.advance(stage_temperature_, stage_loss, ambient_temperature_);
   }
   // What is left of the time belongs to the mean that has just been used.
   square_current_ = mean_square * unheated_.seconds();
   winding.set_temperatures(motor_temperature_);
-  sensing_.driver_temperature = stage_temperature_.inner;
-  sensing_.winding_temperature = motor_temperature_.inner;
+  sensing_.driver_temperature = stage_temperature_.inner + heat.driver_reading;
+  sensing_.winding_temperature = motor_temperature_.inner + heat.motor_reading;
 }
 
 template <typename Of>
@@ -197,37 +199,35 @@ template <typename Of>
   if (analog_encoder_.fitted()) {
     sensing_.analog_encoder = analog_encoder_.read(winding.angle(), angle_noise_);
   }
-  sense_encoders(winding.angle(), period);
+  sense_encoders(winding, period);
 }
 
-[[gnu::always_inline]] inline void PwmAxis::sense_encoders(const ElectricalAngle& angle,
-                                                           double period) {
+template <typename Of>
+[[gnu::always_inline]] inline void PwmAxis::sense_encoders(const Of& winding, double period) {
+  const ElectricalAngle& angle = winding.angle();
   for (std::size_t k = 0; k < encoders_.size(); ++k) {
     if (parameters_.encoders[k].counts_per_revolution <= 0) {
       continue;
     }
     EncoderState& state = encoder_states_[k];
     encoders_[k].update(state, disturbances_[k].seen(angle));
+    if (spoiled_) [[unlikely]] {
+      spoil_encoder(k, angle, winding.torque());
+    }
     EncoderReading& reading = sensing_.encoders[k];
-    const EncoderCableFaults& fault = faults_.encoders[k];
-    const std::int64_t count =
+    reading.count =
         disturbances_[k].update(disturbance_states_[k], encoders_[k].count(state), period);
-    if (fault.channel_lost) [[unlikely]] {
-      disturbance_states_[k].lost += count - reading.count;
-    } else {
-      reading.count = count;
-    }
-    if (fault.index_lost) [[unlikely]] {
-      reading.index = parameters_.encoders[k].index_active_low;
-      lost_passages_[k] = state.index_passages - reading.index_passages;
-      continue;
-    }
-    const std::uint32_t passages = state.index_passages - lost_passages_[k];
-    if (passages != reading.index_passages) {
-      reading.index_passages = passages;
+    if (state.index_passages != reading.index_passages) {
+      reading.index_passages = state.index_passages;
       reading.index_count = encoders_[k].index_count(state) - disturbance_states_[k].lost;
     }
     reading.index = encoders_[k].index(state);
+    if (spoiled_) [[unlikely]] {
+      reading.count += noise(fault_state_.encoders[k], faults_.common.encoders[k]);
+      reading.index = faults_.common.encoders[k].index_lost
+                          ? parameters_.encoders[k].index_active_low
+                          : reading.index;
+    }
   }
 }
 

@@ -8,6 +8,7 @@
 #include "base/random.hpp"
 #include "base/sim_time.hpp"
 #include "plant/analog_position_sensor.hpp"
+#include "plant/axis_faults.hpp"
 #include "plant/current_converter.hpp"
 #include "plant/encoder_disturbance.hpp"
 #include "plant/hall_sensors.hpp"
@@ -68,22 +69,14 @@ struct PwmActuation {
   double dead_time = 0.0;
 };
 
-/// What is wrong with the cable of an incremental encoder.
-struct EncoderCableFaults {
-  bool channel_lost = false;  ///< A or B is broken: the count stands
-  bool index_lost = false;    ///< N is broken
-
-  friend bool operator==(const EncoderCableFaults&, const EncoderCableFaults&) = default;
-};
-
 /// What is broken.
 struct PwmAxisFaults {
   TerminalFaults terminals{};  ///< cables of U, V, W or X1, X2, Y1, Y2 or the two of a DC motor
   bool high_side = false;      ///< a short in the stage itself: the motor gets no voltage
   std::array<HallFault, 3> halls{};  ///< of H1, H2, H3
   bool halls_swapped = false;        ///< the wires of H1 and H2 are swapped
-  std::array<EncoderCableFaults, 2> encoders{};
-  double jamming_torque = 0.0;  ///< N m of dry friction with which something jams the shaft
+  double converter_noise = 0.0;      ///< counts, standard deviation beside ConverterParameters'
+  AxisFaults common{};               ///< what axes of every kind can have
 
   friend bool operator==(const PwmAxisFaults&, const PwmAxisFaults&) = default;
 };
@@ -182,9 +175,12 @@ class PwmAxis {
   double pass(Of& winding, const PwmActuation& actuation, double period);
   template <typename Of>
   [[gnu::always_inline]] void sense(const Of& winding, double period);
-  void sense_encoders(const ElectricalAngle& angle, double period);
+  template <typename Of>
+  [[gnu::always_inline]] void sense_encoders(const Of& winding, double period);
   void sense_switches();
   void sense_faults(bool bridge_enabled);
+  void begin_encoder_faults();
+  void spoil_encoder(std::size_t encoder, const ElectricalAngle& angle, double torque);
   template <typename Of>
   void update_temperatures(Of& winding);
 
@@ -201,8 +197,8 @@ class PwmAxis {
   double ambient_temperature_;      ///< degree Celsius
   base::SimDuration unheated_;      ///< time the temperatures do not know of yet
   double square_current_ = 0.0;     ///< A^2 s of all phases in that time
-  PwmAxisFaults faults_;
-  bool faulty_ = false;  ///< there are any
+  bool faulty_ = false;             ///< there are any of terminals, stage or Hall sensors
+  bool spoiled_ = false;            ///< or of the encoders
   bool has_switches_;
   bool left_by_hand_ = false;  ///< a hand presses the switch
   bool right_by_hand_ = false;
@@ -222,12 +218,13 @@ class PwmAxis {
   std::array<EncoderState, 2> encoder_states_;
   std::array<EncoderDisturbance, 2> disturbances_;
   std::array<EncoderDisturbanceState, 2> disturbance_states_;
-  std::array<std::uint32_t, 2> lost_passages_{};  ///< N pulses the drive did not see
   base::Random converter_noise_;
   base::Random angle_noise_;
   double period_energy_ = 0.0;  ///< J in the latest period
   double bridge_energy_ = 0.0;  ///< J
   PwmSensing sensing_;
+  PwmAxisFaults faults_;
+  AxisFaultState fault_state_;
 };
 
 }  // namespace stator::plant

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <cmath>
+
 #include "plant/pwm_axis.hpp"
 
 // What a test or an operator does to an axis, and what its sensors make of it.
@@ -5,25 +8,51 @@
 namespace stator::plant {
 
 void PwmAxis::set_supply_voltage(double voltage) {
-  supply_state_.source = voltage;
-  if (supply_.ideal()) {
-    supply_state_.voltage = voltage;
-  }
+  fault_state_.supply_voltage = voltage;
+  feed(supply_state_, supply_.ideal(), faults_.common.supply, voltage);
 }
 
 void PwmAxis::set_faults(const PwmAxisFaults& faults) {
+  const AxisFaults& common = faults.common;
+  if (common.shaft != faults_.common.shaft) {
+    fault_state_.note_jam(common.shaft, revolutions());
+  }
+  begin_encoder_faults();
+  const bool falls = common.supply.offset < faults_.common.supply.offset;
   faults_ = faults;
-  faulty_ = faults != PwmAxisFaults{};
+  PwmAxisFaults electrical = faults;
+  electrical.common = {};
+  electrical.converter_noise = 0.0;
+  faulty_ = electrical != PwmAxisFaults{};
+  spoiled_ = common.encoders != AxisFaults{}.encoders;
+  supply_ = Supply(faulted(parameters_.supply, common.supply));
+  feed(supply_state_, supply_.ideal(), common.supply, fault_state_.supply_voltage);
+  if (falls) {
+    // The electronics around the power stage empty its capacitor within milliseconds.
+    supply_state_.voltage = std::min(supply_state_.voltage, supply_state_.source);
+  }
   std::visit(
-      [&faults](auto& winding) {
+      [&](auto& winding) {
         winding.set_faults(faults.terminals);
-        winding.jam(faults.jamming_torque);
+        winding.set_load(faulted(parameters_.load, common.shaft, fault_state_));
+        if (common.shaft.jam == Jam::blocked) {
+          winding.stop();
+        }
       },
       winding_);
+  ConverterParameters converter = parameters_.converter;
+  for (auto& channel : converter.currents) {
+    channel.noise =
+        std::sqrt(channel.noise * channel.noise + faults.converter_noise * faults.converter_noise);
+  }
+  converter_ = CurrentConverter(converter);
   if (!faulty_) {
     sensing_.overcurrent = {};
     sensing_.overcurrent_high_side = false;
   }
+  sensing_.driver_temperature = stage_temperature_.inner + common.heat.driver_reading;
+  sensing_.winding_temperature = motor_temperature_.inner + common.heat.motor_reading;
+  sense_switches();
 }
 
 void PwmAxis::lose_encoder_counts(std::size_t encoder, std::int64_t counts) {
@@ -37,9 +66,13 @@ void PwmAxis::press(bool& by_hand, bool pressed) {
 
 void PwmAxis::sense_switches() {
   const double at = revolutions();
-  sensing_.left_switch = parameters_.left_switch.level(at, left_by_hand_);
-  sensing_.right_switch = parameters_.right_switch.level(at, right_by_hand_);
-  sensing_.home_switch = parameters_.home_switch.level(at, home_by_hand_);
+  const auto level = [&](const PositionSwitch& position_switch, bool by_hand, std::size_t which) {
+    return position_switch.through(faults_.common.switches[which],
+                                   position_switch.level(at, by_hand));
+  };
+  sensing_.left_switch = level(parameters_.left_switch, left_by_hand_, 0);
+  sensing_.right_switch = level(parameters_.right_switch, right_by_hand_, 1);
+  sensing_.home_switch = level(parameters_.home_switch, home_by_hand_, 2);
 }
 
 void PwmAxis::sense_faults(bool bridge_enabled) {
@@ -47,6 +80,19 @@ void PwmAxis::sense_faults(bool bridge_enabled) {
     sensing_.overcurrent[k] = bridge_enabled && faults_.terminals.grounded[k];
   }
   sensing_.overcurrent_high_side = bridge_enabled && faults_.high_side;
+}
+
+void PwmAxis::begin_encoder_faults() {
+  const ElectricalAngle& angle = std::visit(
+      [](const auto& winding) -> const ElectricalAngle& { return winding.angle(); }, winding_);
+  for (std::size_t k = 0; k < encoders_.size(); ++k) {
+    begin_faults(fault_state_.encoders[k], encoder_states_[k], angle);
+  }
+}
+
+void PwmAxis::spoil_encoder(std::size_t encoder, const ElectricalAngle& angle, double torque) {
+  spoil(fault_state_.encoders[encoder], faults_.common.encoders[encoder], encoders_[encoder],
+        encoder_states_[encoder], angle, torque);
 }
 
 }  // namespace stator::plant

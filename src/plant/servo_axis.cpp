@@ -36,26 +36,13 @@ ServoAxis::ServoAxis(const ServoAxisParameters& parameters)
   state.halls = halls_.power_on(state.motor.direction);
   state.brake.open = parameters.brake.closed_by_current;
   state.supply = {.source = parameters.supply_voltage, .voltage = parameters.supply_voltage};
+  state.fault_state.supply_voltage = parameters.supply_voltage;
   const double ambient = parameters.ambient_temperature;
   state.ambient_temperature = ambient;
   state.motor_temperature = {ambient, ambient};
   state.stage_temperature = {ambient, ambient};
   state.noise = base::Random(parameters.noise_seed);
   restore(state);
-}
-
-void ServoAxis::restore(const ServoAxisState& state) {
-  state_ = state;
-  note_faults();
-  motor_.set_temperatures(state.motor_temperature.inner, state.motor_temperature.outer);
-  settled_ = false;
-  sensing_ = {};
-  sensing_.encoder_count = encoder_.count(state.encoder) - state.lost_counts;
-  sensing_.encoder_index_passages = state.encoder.index_passages - state.lost_passages;
-  sensing_.driver_temperature = state.stage_temperature.inner;
-  sense_switches();
-  sense();
-  state_.noise = state.noise;  // the next sample is the one that follows the snapshot
 }
 
 const base::ServoSensing& ServoAxis::step(const base::ServoActuation& actuation,
@@ -94,7 +81,8 @@ void ServoAxis::step_and_settle(const base::ServoActuation& actuation, base::Sim
   const std::uint8_t halls_before = state_.halls;
   pass(actuation, duration);
   if (state_.motor == motor_before && state_.supply == supply_before &&
-      state_.halls == halls_before && state_.brake.open == actuation.brake_released) {
+      state_.halls == halls_before && state_.brake.open == actuation.brake_released &&
+      state_.faults.common.encoders[0].noise < 1.0) {
     settled_ = true;
     settled_actuation_ = actuation;
     settled_duration_ = duration;
@@ -171,17 +159,19 @@ void ServoAxis::update_temperatures() {
   const double mean_square = (state_.square_current + settled * square(motor.current)) / elapsed;
   const InverterParameters& inverter = parameters_.inverter;
   const double phases = 1.5 * mean_square;  // A^2, sum of the squares of the three
+  const HeatFaults& heat = state_.faults.common.heat;
   const double stage_loss = inverter.on_resistance * phases +
-                            inverter.switching_share * state_.supply.voltage * std::sqrt(phases);
+                            inverter.switching_share * state_.supply.voltage * std::sqrt(phases) +
+                            heat.driver_heat;
+  const double motor_loss = motor_.resistance() * phases + heat.motor_heat;
   for (; state_.unheated >= kThermalPeriod; state_.unheated = state_.unheated - kThermalPeriod) {
-    motor_thermal_.advance(state_.motor_temperature, motor_.resistance() * phases,
-                           state_.ambient_temperature);
+    motor_thermal_.advance(state_.motor_temperature, motor_loss, state_.ambient_temperature);
     stage_thermal_.advance(state_.stage_temperature, stage_loss, state_.ambient_temperature);
   }
   state_.square_current = 0.0;
   state_.heated_time = 0.0;
   motor_.set_temperatures(state_.motor_temperature.inner, state_.motor_temperature.outer);
-  sensing_.driver_temperature = state_.stage_temperature.inner;
+  sensing_.driver_temperature = state_.stage_temperature.inner + heat.driver_reading;
   // Without current resistance and flux are of no consequence: a motor that cools down stays
   // settled.
   if (mean_square > 0.0) {
@@ -195,42 +185,6 @@ void ServoAxis::update_temperatures() {
 void ServoAxis::set_external_torque(double torque) {
   state_.external_torque = torque;
   settled_ = false;
-}
-
-void ServoAxis::set_supply_voltage(double voltage) {
-  state_.supply.source = voltage;
-  if (supply_.ideal()) {
-    state_.supply.voltage = voltage;
-  }
-  settled_ = false;
-}
-
-void ServoAxis::set_faults(const ServoAxisFaults& faults) {
-  state_.faults = faults;
-  note_faults();
-  settled_ = false;
-}
-
-void ServoAxis::note_faults() {
-  faulty_ = state_.faults != ServoAxisFaults{};
-  plain_ = !faulty_ && parameters_.inverter.dead_time <= 0.0 && motor_.may_turn_freely();
-}
-
-void ServoAxis::lose_encoder_counts(std::int64_t counts) {
-  state_.lost_counts += counts;
-  settled_ = false;
-}
-
-void ServoAxis::sense_switches() {
-  const double revolutions = motor_.shaft().revolutions(state_.motor.angle);
-  sensing_.left_switch = parameters_.left_switch.level(revolutions, state_.left_by_hand);
-  sensing_.right_switch = parameters_.right_switch.level(revolutions, state_.right_by_hand);
-  sensing_.home_switch = parameters_.home_switch.level(revolutions, state_.home_by_hand);
-}
-
-void ServoAxis::press(bool& by_hand, bool pressed) {
-  by_hand = pressed;
-  sense_switches();
 }
 
 void ServoAxis::sense_angle() {
@@ -257,23 +211,16 @@ void ServoAxis::sense_currents() {
 }
 
 void ServoAxis::sense_encoder() {
-  const std::int64_t count = encoder_.count(state_.encoder);
-  if (state_.faults.encoder_channel_lost) [[unlikely]] {
-    state_.lost_counts = count - sensing_.encoder_count;
+  if (spoiled_) [[unlikely]] {
+    spoil_encoder();
   }
-  sensing_.encoder_count = count - state_.lost_counts;
-  const bool index_lost = state_.faults.encoder_index_lost;
-  if (index_lost) [[unlikely]] {
-    state_.lost_passages = state_.encoder.index_passages - sensing_.encoder_index_passages;
+  sensing_.encoder_count = encoder_.count(state_.encoder);
+  sensing_.encoder_index_passages = state_.encoder.index_passages;
+  sensing_.encoder_index_count = encoder_.index_count(state_.encoder);
+  sensing_.encoder_index = encoder_.index(state_.encoder);
+  if (spoiled_) [[unlikely]] {
+    spoil_encoder_reading();
   }
-  const std::uint32_t passages = state_.encoder.index_passages - state_.lost_passages;
-  if (passages != sensing_.encoder_index_passages) [[unlikely]] {
-    sensing_.encoder_index_passages = passages;
-    state_.index_count = encoder_.index_count(state_.encoder) - state_.lost_counts;
-  }
-  sensing_.encoder_index_count = state_.index_count;
-  sensing_.encoder_index =
-      index_lost ? parameters_.encoder.index_active_low : encoder_.index(state_.encoder);
 }
 
 std::uint8_t ServoAxis::hall_signal() const {

@@ -6,6 +6,7 @@
 #include "base/random.hpp"
 #include "base/servo_signals.hpp"
 #include "base/sim_time.hpp"
+#include "plant/axis_faults.hpp"
 #include "plant/current_sensing.hpp"
 #include "plant/hall_sensors.hpp"
 #include "plant/holding_brake.hpp"
@@ -43,13 +44,13 @@ struct ServoAxisParameters {
 
 /// What is broken.
 struct ServoAxisFaults {
-  std::array<bool, 3> open{};         ///< the cable of phase U, V or W is broken
-  std::array<bool, 3> shorted{};      ///< phase U, V or W is shorted to ground
-  bool high_side = false;             ///< a short in the stage itself: the phases get no voltage
-  std::array<HallFault, 3> halls{};   ///< of H1, H2, H3
-  bool halls_swapped = false;         ///< the wires of H1 and H2 are swapped
-  bool encoder_channel_lost = false;  ///< A or B is broken: the count stands
-  bool encoder_index_lost = false;    ///< N is broken
+  std::array<bool, 3> open{};        ///< the cable of phase U, V or W is broken
+  std::array<bool, 3> shorted{};     ///< phase U, V or W is shorted to ground
+  bool high_side = false;            ///< a short in the stage itself: the phases get no voltage
+  std::array<HallFault, 3> halls{};  ///< of H1, H2, H3
+  bool halls_swapped = false;        ///< the wires of H1 and H2 are swapped
+  double current_noise = 0.0;        ///< A, standard deviation beside CurrentSensingParameters'
+  AxisFaults common{};               ///< what axes of every kind can have
 
   friend bool operator==(const ServoAxisFaults&, const ServoAxisFaults&) = default;
 };
@@ -58,17 +59,13 @@ struct ServoAxisFaults {
 struct ServoAxisState {
   SynchronousMotorState motor;
   EncoderState encoder;
-  std::uint8_t halls = 0;           ///< levels of the comparators
-  std::int64_t lost_counts = 0;     ///< encoder counts the drive did not see
-  std::uint32_t lost_passages = 0;  ///< N pulses the drive did not see
-  std::int64_t index_count = 0;     ///< what the drive's latch holds
+  std::uint8_t halls = 0;  ///< levels of the comparators
   HoldingBrakeState brake;
   SupplyState supply;
   double external_torque = 0.0;  ///< N m on the shaft, positive = forward
   bool left_by_hand = false;     ///< a hand presses the switch
   bool right_by_hand = false;
   bool home_by_hand = false;
-  ServoAxisFaults faults;
   base::Random noise{1};
 
   ThermalState motor_temperature;     ///< winding and housing
@@ -79,6 +76,8 @@ struct ServoAxisState {
   double square_current = 0.0;        ///< A^2 s of id^2 + iq^2 in that time
   double supply_power = 0.0;          ///< W the bridge took in the latest inner step, mean
   double supplied_energy = 0.0;       ///< J it took since power-on
+  ServoAxisFaults faults;
+  AxisFaultState fault_state;
 };
 
 /// What a laboratory would measure; for recording.
@@ -135,6 +134,7 @@ class ServoAxis {
   void set_supply_voltage(double voltage);
   void set_ambient_temperature(double celsius) { state_.ambient_temperature = celsius; }
   void set_faults(const ServoAxisFaults& faults);
+  [[nodiscard]] const ServoAxisFaults& faults() const { return state_.faults; }
   /// The drive misses `counts` encoder counts forward (negative: sees as many too much), at once.
   void lose_encoder_counts(std::int64_t counts);
 
@@ -164,7 +164,10 @@ class ServoAxis {
   void rectify(bool chopper_on, double step);
   void account(double power, double step, bool chopper_on);
   [[nodiscard]] SynchronousMotorInput motor_input() const;
-  void note_faults();
+  /// Takes over what the faults make of load, supply and sensors.
+  void apply_faults();
+  void spoil_encoder();
+  void spoil_encoder_reading();
   void sense_angle();
   void sense();
   void sense_encoder();
@@ -184,8 +187,9 @@ class ServoAxis {
   bool has_switches_;
   ServoAxisState state_;
   base::ServoSensing sensing_;
-  bool faulty_ = false;  ///< state_.faults has any
-  bool plain_ = false;   ///< turn() will do while the shaft turns and the bridge drives it
+  bool faulty_ = false;   ///< state_.faults has any of phases, stage or Hall sensors
+  bool spoiled_ = false;  ///< or of the encoder
+  bool plain_ = false;    ///< turn() will do while the shaft turns and the bridge drives it
 
   /// The last step changed nothing. The next one with the same inputs changes nothing either, for a
   /// step is a function of state and inputs: a shaft at rest costs no arithmetic.

@@ -125,9 +125,6 @@ class ShaftMechanics {
   /// The angle at which revolutions() is `revolutions`.
   [[nodiscard]] ElectricalAngle angle_at(double revolutions) const;
 
-  /// Lets something jam the shaft with so much dry friction (N m, 0: nothing) from now on.
-  void jam(double torque) { coulomb_friction_ = free_coulomb_friction_ + torque; }
-
   /// The fastest of resonance with a torque of `stiffness` (N m/rad), damping and end stop, rad/s.
   [[nodiscard]] double fastest_rate(double stiffness, bool at_end_stop) const;
 
@@ -150,11 +147,10 @@ class ShaftMechanics {
   std::int64_t pole_pairs_;
   double inverse_pole_pairs_;
   double inertia_;
-  double inverse_inertia_;        ///< 1/(kg m^2)
-  double viscous_friction_;       ///< motor and load, N m s/rad
-  double free_coulomb_friction_;  ///< motor and load, N m
-  double coulomb_friction_;       ///< and of what jams the shaft
-  double stribeck_rise_;          ///< Ts - Tc, N m
+  double inverse_inertia_;   ///< 1/(kg m^2)
+  double viscous_friction_;  ///< motor and load, N m s/rad
+  double coulomb_friction_;  ///< motor and load, N m
+  double stribeck_rise_;     ///< Ts - Tc, N m
   double inverse_stribeck_speed_;
   bool has_end_stops_;
   bool depends_on_position_;

@@ -32,6 +32,7 @@ StepperAxis::StepperAxis(const StepperAxisParameters& parameters)
   state_.encoder = encoder_.power_on(state_.motor.angle);
   state_.brake.open = parameters.brake.closed_by_current;
   state_.supply = {.source = parameters.supply_voltage, .voltage = parameters.supply_voltage};
+  state_.fault_state.supply_voltage = parameters.supply_voltage;
   const double ambient = parameters.ambient_temperature;
   state_.ambient_temperature = ambient;
   state_.motor_temperature = {ambient, ambient};
@@ -46,7 +47,8 @@ const base::AxisSensing& StepperAxis::step(const base::AxisActuation& actuation,
   if (settled_ && actuation == settled_actuation_ && duration == settled_duration_) {
     if (state_.unheated >= kThermalPeriod) {
       update_temperatures();
-      sensing_.driver_temperature = state_.driver_temperature.inner;
+      sensing_.driver_temperature =
+          state_.driver_temperature.inner + state_.faults.common.heat.driver_reading;
     }
     return sensing_;
   }
@@ -81,7 +83,13 @@ const base::AxisSensing& StepperAxis::step(const base::AxisActuation& actuation,
   if (state_.unheated >= kThermalPeriod) {
     update_temperatures();
   }
+  if (spoiled_) [[unlikely]] {
+    spoil_encoder();
+  }
   sense_into(sensing_);
+  if (spoiled_) [[unlikely]] {
+    spoil_sensors();
+  }
   if (faulty_ && actuation.bridge_enabled) [[unlikely]] {
     sensing_.overcurrent = state_.faults.shorted;
     sensing_.overcurrent_high_side = state_.faults.high_side;
@@ -189,11 +197,13 @@ void StepperAxis::update_temperatures() {
   const double mean_square =
       (state_.square_current + settled * (i[0] * i[0] + i[1] * i[1])) / elapsed;
   const DriverStageParameters& driver = parameters_.driver;
-  const double stage_loss = driver.on_resistance * mean_square +
-                            driver.switching_share * state_.supply.voltage * std::sqrt(mean_square);
+  const HeatFaults& heat = state_.faults.common.heat;
+  const double stage_loss =
+      driver.on_resistance * mean_square +
+      driver.switching_share * state_.supply.voltage * std::sqrt(mean_square) + heat.driver_heat;
+  const double motor_loss = resistance() * mean_square + heat.motor_heat;
   for (; state_.unheated >= kThermalPeriod; state_.unheated = state_.unheated - kThermalPeriod) {
-    motor_thermal_.advance(state_.motor_temperature, resistance() * mean_square,
-                           state_.ambient_temperature);
+    motor_thermal_.advance(state_.motor_temperature, motor_loss, state_.ambient_temperature);
     driver_thermal_.advance(state_.driver_temperature, stage_loss, state_.ambient_temperature);
   }
   state_.square_current = 0.0;
@@ -212,21 +222,6 @@ void StepperAxis::follow_winding_temperature() {
   motor_.set_resistance(
       motor.resistance *
       (1.0 + motor.temperature_coefficient * (state_.motor_temperature.inner - kSheetTemperature)));
-}
-
-void StepperAxis::set_supply_voltage(double voltage) {
-  state_.supply.source = voltage;
-  if (supply_.ideal()) {
-    state_.supply.voltage = voltage;
-  }
-  settled_ = false;
-}
-
-void StepperAxis::restore(const StepperAxisState& state) {
-  state_ = state;
-  faulty_ = state.faults != StepperAxisFaults{};
-  follow_winding_temperature();
-  settled_ = false;
 }
 
 base::AxisSensing StepperAxis::sense() const {

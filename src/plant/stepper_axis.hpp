@@ -5,6 +5,7 @@
 
 #include "base/axis_signals.hpp"
 #include "base/sim_time.hpp"
+#include "plant/axis_faults.hpp"
 #include "plant/holding_brake.hpp"
 #include "plant/hybrid_stepper.hpp"
 #include "plant/incremental_encoder.hpp"
@@ -48,6 +49,7 @@ struct StepperAxisFaults {
   std::array<bool, 2> open{};     ///< the cable of phase A or B is broken
   std::array<bool, 2> shorted{};  ///< an output of phase A or B is shorted
   bool high_side = false;         ///< a short in the stage itself: both phases get no voltage
+  AxisFaults common{};            ///< what axes of every kind can have
 
   friend bool operator==(const StepperAxisFaults&, const StepperAxisFaults&) = default;
 };
@@ -70,7 +72,6 @@ struct StepperAxisState {
   bool left_by_hand = false;                    ///< a hand presses the switch
   bool right_by_hand = false;
   bool home_by_hand = false;
-  StepperAxisFaults faults;
   ChopperObservation chopper;
 
   ThermalState motor_temperature;     ///< winding and housing
@@ -79,6 +80,8 @@ struct StepperAxisState {
   base::SimDuration unheated;         ///< time the temperatures do not know of yet
   double heated_time = 0.0;           ///< s of it that square_current covers
   double square_current = 0.0;        ///< A^2 s of both phases in that time
+  StepperAxisFaults faults;
+  AxisFaultState fault_state;
 };
 
 /// What a laboratory would measure; for recording.
@@ -129,11 +132,10 @@ class StepperAxis {
   /// Voltage of the source, V (brown-out, over-voltage).
   void set_supply_voltage(double voltage);
   void set_ambient_temperature(double celsius) { state_.ambient_temperature = celsius; }
-  void set_faults(const StepperAxisFaults& faults) {
-    state_.faults = faults;
-    faulty_ = faults != StepperAxisFaults{};
-    settled_ = false;
-  }
+  void set_faults(const StepperAxisFaults& faults);
+  [[nodiscard]] const StepperAxisFaults& faults() const { return state_.faults; }
+  /// The drive misses `counts` encoder counts forward (negative: sees as many too much), at once.
+  void lose_encoder_counts(std::int64_t counts);
 
   /// Presses a switch by hand, or lets it go; its cam presses it all the same.
   void press_left_switch(bool pressed) { press(state_.left_by_hand, pressed); }
@@ -168,6 +170,10 @@ class StepperAxis {
                        const std::array<double, 2>& current_before, const HybridStepperInput& input,
                        double step);
   void sense_into(base::AxisSensing& sensing) const;
+  /// Takes over what the faults make of load, supply and sensors.
+  void apply_faults();
+  void spoil_encoder();
+  void spoil_sensors();
   void update_temperatures();
   void follow_winding_temperature();
 
@@ -183,7 +189,8 @@ class StepperAxis {
   base::AxisSensing sensing_;
   double regulated_step_ = 0.0;  ///< s, for which current_gain_ holds
   double current_gain_ = 0.0;    ///< voltage per change of current within a step, L / h
-  bool faulty_ = false;          ///< state_.faults has any
+  bool faulty_ = false;          ///< state_.faults has any of phases or stage
+  bool spoiled_ = false;         ///< or of sensors
 
   /// The last step changed nothing. The next one with the same inputs changes nothing either, for a
   /// step is a function of state and inputs: a shaft at rest costs no arithmetic.

@@ -32,6 +32,15 @@ base::SineCosine open_axis(WindingConnection connection) {
   }
 }
 
+RotorMechanics rotor_of(const ThreePhaseMotorParameters& motor) {
+  return {.inertia = motor.rotor_inertia,
+          .viscous_friction = motor.viscous_friction,
+          .coulomb_friction = motor.coulomb_friction,
+          .static_friction = motor.static_friction,
+          .stribeck_speed = motor.stribeck_speed,
+          .pole_pairs = motor.pole_pairs};
+}
+
 }  // namespace
 
 /// EMF per electrical rad/s and flux linkage on the axes of the rotor.
@@ -57,13 +66,7 @@ struct SynchronousMotor::Stage {
 SynchronousMotor::SynchronousMotor(const ThreePhaseMotorParameters& motor,
                                    const MechanicalLoad& load)
     : motor_(motor),
-      shaft_({.inertia = motor.rotor_inertia,
-              .viscous_friction = motor.viscous_friction,
-              .coulomb_friction = motor.coulomb_friction,
-              .static_friction = motor.static_friction,
-              .stribeck_speed = motor.stribeck_speed,
-              .pole_pairs = motor.pole_pairs},
-             load),
+      shaft_(rotor_of(motor), load),
       cogging_(motor.cogging),
       pole_pairs_(motor.pole_pairs),
       inverse_pole_pairs_(1.0 / motor.pole_pairs),
@@ -73,17 +76,22 @@ SynchronousMotor::SynchronousMotor(const ThreePhaseMotorParameters& motor,
       inverse_ramp_(1.0 / std::max(0.5 * (base::kPi - motor.back_emf.flat_top), 0.01)),
       shaped_(!motor.back_emf.sinusoidal()),
       simple_(!shaped_ && saliency_ == 0.0),
-      mobility_(pole_pairs_ * shaft_.inverse_inertia()),
-      damping_(shaft_.viscous_friction() * shaft_.inverse_inertia()),
       resistance_(motor.resistance),
       flux_linkage_(motor.flux_linkage),
-      flux_current_(flux_linkage_ * inverse_direct_inductance_),
-      flux_mobility_(mobility_ * (1.5 * pole_pairs_) * flux_linkage_) {
+      flux_current_(flux_linkage_ * inverse_direct_inductance_) {
+  set_load(load);
+}
+
+void SynchronousMotor::set_load(const MechanicalLoad& load) {
+  shaft_ = ShaftMechanics(rotor_of(motor_), load);
+  mobility_ = pole_pairs_ * shaft_.inverse_inertia();
+  damping_ = shaft_.viscous_friction() * shaft_.inverse_inertia();
+  flux_mobility_ = mobility_ * (1.5 * pole_pairs_) * flux_linkage_;
   // With the voltage held in the stator frame the field holds the rotor like a spring.
-  const double stiffness = pole_pairs_ * motor.torque_constant() * motor.rated_current +
+  const double stiffness = pole_pairs_ * motor_.torque_constant() * motor_.rated_current +
                            pole_pairs_ * cogging_.stiffness();
   const double electrical =
-      motor.resistance / std::min(motor.direct_inductance, motor.quadrature_inductance);
+      motor_.resistance / std::min(motor_.direct_inductance, motor_.quadrature_inductance);
   free_rate_ = std::max(electrical, shaft_.fastest_rate(stiffness, false));
   stopped_rate_ = std::max(electrical, shaft_.fastest_rate(stiffness, true));
 }

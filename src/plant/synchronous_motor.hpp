@@ -166,8 +166,8 @@ class SynchronousMotor {
   [[nodiscard]] const ThreePhaseMotorParameters& motor() const { return motor_; }
   /// Resistance and flux from now on: a winding and a magnet get warm (degree Celsius).
   void set_temperatures(double winding, double magnets);
-  /// ShaftMechanics::jam().
-  void jam(double torque) { shaft_.jam(torque); }
+  /// What is on the shaft from now on.
+  void set_load(const MechanicalLoad& load);
   [[nodiscard]] double resistance() const { return resistance_; }      ///< ohm, now
   [[nodiscard]] double flux_linkage() const { return flux_linkage_; }  ///< V s, now
 
@@ -229,18 +229,18 @@ class SynchronousMotor {
   double inverse_pole_pairs_;
   double inverse_direct_inductance_;
   double inverse_quadrature_inductance_;
-  double saliency_;      ///< Ld - Lq, H
-  double inverse_ramp_;  ///< 1/rad, slope of the EMF's trapezoid
-  bool shaped_;          ///< the EMF is not sinusoidal
-  bool simple_;          ///< neither shaped nor salient
-  double mobility_;      ///< torque into electrical acceleration, 1/(kg m^2)
-  double damping_;       ///< 1/s
-  double free_rate_;     ///< fastest_rate at speed 0 away from end stops, rad/s
-  double stopped_rate_;  ///< and at one
+  double saliency_;            ///< Ld - Lq, H
+  double inverse_ramp_;        ///< 1/rad, slope of the EMF's trapezoid
+  bool shaped_;                ///< the EMF is not sinusoidal
+  bool simple_;                ///< neither shaped nor salient
+  double mobility_ = 0.0;      ///< torque into electrical acceleration, 1/(kg m^2)
+  double damping_ = 0.0;       ///< 1/s
+  double free_rate_ = 0.0;     ///< fastest_rate at speed 0 away from end stops, rad/s
+  double stopped_rate_ = 0.0;  ///< and at one
   double resistance_;
   double flux_linkage_;
-  double flux_current_;       ///< psi / L, A
-  double flux_mobility_;      ///< 3/2 p psi times mobility, 1/(A s^2)
+  double flux_current_;         ///< psi / L, A
+  double flux_mobility_ = 0.0;  ///< 3/2 p psi times mobility, 1/(A s^2)
   HeldVoltage held_voltage_;  ///< of the latest step; follows from its length and the temperatures
 };
 

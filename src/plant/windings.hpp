@@ -83,7 +83,8 @@ class ThreePhaseWinding {
     motor_.set_temperatures(motor.inner, motor.outer);
   }
   void set_faults(const TerminalFaults& faults);
-  void jam(double torque) { motor_.jam(torque); }
+  void set_load(const MechanicalLoad& load) { motor_.set_load(load); }
+  void stop() { state_.speed = 0.0; }  ///< at once
   [[nodiscard]] bool connected() const { return connection_ == WindingConnection::all; }
 
   [[nodiscard]] SynchronousMotor& motor() { return motor_; }
@@ -133,7 +134,8 @@ class TwoPhaseWinding {
   [[nodiscard]] double resistance() const { return resistance_; }  ///< of a phase, ohm
   void set_temperatures(const ThermalState& motor);
   void set_faults(const TerminalFaults& faults);
-  void jam(double torque) { motor_.jam(torque); }
+  void set_load(const MechanicalLoad& load) { motor_.set_load(load); }
+  void stop() { state_.speed = 0.0; }  ///< at once
 
   /// Its resistance includes the transistors.
   [[nodiscard]] const HybridStepper& motor() const { return motor_; }
@@ -187,7 +189,8 @@ class DcWinding {
     motor_.set_temperatures(motor.inner, motor.outer);
   }
   void set_faults(const TerminalFaults& faults) { faults_ = faults; }
-  void jam(double torque) { motor_.jam(torque); }
+  void set_load(const MechanicalLoad& load) { motor_.set_load(load); }
+  void stop() { state_.speed = 0.0; }  ///< at once
 
   [[nodiscard]] const DcMotor& motor() const { return motor_; }
   [[nodiscard]] const DcMotorState& state() const { return state_; }

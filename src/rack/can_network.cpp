@@ -29,9 +29,24 @@ void CanNetwork::watch_traffic(TrafficTap* tap, std::uint16_t network) {
   look_at_wire();
 }
 
+void CanNetwork::observe(base::Delegate<void(const can::TraceEntry&)> observer) {
+  observer_ = observer;
+  look_at_wire();
+}
+
+// A bus that nobody looks at has no trace.
 void CanNetwork::look_at_wire() {
-  using Tap = base::Delegate<void(const can::TraceEntry&)>;
-  bus_.set_trace(tap_.empty() ? Tap() : Tap::bind<&CanTap::write>(tap_));
+  using Trace = base::Delegate<void(const can::TraceEntry&)>;
+  bus_.set_trace(observer_ || !tap_.empty() ? Trace::bind<&CanNetwork::trace>(*this) : Trace());
+}
+
+void CanNetwork::trace(const can::TraceEntry& entry) {
+  if (!tap_.empty()) {
+    tap_.write(entry);
+  }
+  if (observer_) {
+    observer_(entry);
+  }
 }
 
 void CanNetwork::add(NamedCanDevice device, const base::EventReporter& reporter) {
@@ -120,12 +135,12 @@ void CanNetwork::set_error_state(std::size_t device, can::ErrorState state, base
   serve_reached();
 }
 
-void CanNetwork::inject(const FrameFaultEvent& event) {
+std::uint64_t CanNetwork::inject(const FrameFaultEvent& event) {
   can::FrameFault fault = event.fault;
   if (event.device) {
     fault.sender = members_[*event.device];
   }
-  bus_.inject(fault);
+  return bus_.inject(fault);
 }
 
 std::vector<devices::Signal> CanNetwork::signals() {

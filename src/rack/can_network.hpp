@@ -59,9 +59,13 @@ class CanNetwork {
   void set_power(std::size_t device, bool on, base::SimTime now);
   [[nodiscard]] bool powered(std::size_t device) const { return bus_.powered(members_[device]); }
   void set_error_state(std::size_t device, can::ErrorState state, base::SimTime now);
-  void inject(const FrameFaultEvent& event);
+  /// Returns the fault's number at bus().
+  std::uint64_t inject(const FrameFaultEvent& event);
+  void withdraw(std::uint64_t fault) { bus_.withdraw(fault); }
   /// Copies all that is on the wire into `tap` as `network`; null: nothing.
   void watch_traffic(TrafficTap* tap, std::uint16_t network);
+  /// Tells `observer` of everything on the wire as well; empty ends that.
+  void observe(base::Delegate<void(const can::TraceEntry&)> observer);
   /// Something about the device was changed from outside.
   void touched(std::size_t device) { refresh(device, now_); }
 
@@ -74,6 +78,7 @@ class CanNetwork {
 
  private:
   void look_at_wire();
+  void trace(const can::TraceEntry& entry);
   void serve_reached();
   void serve(std::size_t device, base::SimTime now);
   void refresh(std::size_t device, base::SimTime now);
@@ -91,6 +96,7 @@ class CanNetwork {
   bool earliest_stale_ = false;                      ///< the earliest one may be later now
   base::SimTime now_;
   CanTap tap_;
+  base::Delegate<void(const can::TraceEntry&)> observer_;
   can::Bus bus_;  ///< goes first: it knows the devices' controllers
 };
 

@@ -12,11 +12,6 @@ std::int64_t monotonic_nanoseconds() {
       .count();
 }
 
-bool is_logical(ethercat::Command command) {
-  return command == ethercat::Command::lrd || command == ethercat::Command::lwr ||
-         command == ethercat::Command::lrw;
-}
-
 }  // namespace
 
 RealClock::RealClock(base::SimTime start) : start_(monotonic_nanoseconds() - start.nanoseconds()) {}
@@ -25,30 +20,31 @@ base::SimTime RealClock::now() const {
   return base::SimTime(base::SimDuration(monotonic_nanoseconds() - start_));
 }
 
-std::optional<LockstepClock::Opening> LockstepClock::first_logical_datagram(
+std::optional<CycleRecognition::Opening> LockstepClock::first_logical_datagram(
     std::span<std::byte> frame) {
   ethercat::DatagramCursor cursor(frame);
   while (const auto datagram = cursor.next()) {
-    if (is_logical(datagram->command)) {
-      return Opening{datagram->command, datagram->address};
+    if (ethercat::is_logical(datagram->command)) {
+      return CycleRecognition::Opening{datagram->command, datagram->address};
     }
   }
   return std::nullopt;
 }
 
-base::SimTime LockstepClock::on_frame(std::span<std::byte> frame) {
-  const std::optional<Opening> logical = first_logical_datagram(frame);
-  if (!logical) {
-    return now_ += step_;
-  }
+bool CycleRecognition::opens(const Opening& logical) {
   if (!opening_ || ++frames_without_opening_ > kForgetAfter) {
     opening_ = logical;
   }
-  if (logical != opening_) {
-    return now_ += step_;
+  if (logical != *opening_) {
+    return false;
   }
   frames_without_opening_ = 0;
-  return now_ += cycle_;
+  return true;
+}
+
+base::SimTime LockstepClock::on_frame(std::span<std::byte> frame) {
+  const std::optional<CycleRecognition::Opening> logical = first_logical_datagram(frame);
+  return now_ += logical && cycles_.opens(*logical) ? cycle_ : step_;
 }
 
 }  // namespace stator::rack

@@ -23,6 +23,24 @@ class RealClock {
   std::int64_t start_;  ///< CLOCK_MONOTONIC in ns
 };
 
+/// Tells exchanges of process data from other frames, see LockstepClock.
+class CycleRecognition {
+ public:
+  static constexpr int kForgetAfter = 16;
+  /// The first logical datagram of a frame.
+  struct Opening {
+    ethercat::Command command;
+    std::uint32_t address;
+    friend bool operator==(const Opening&, const Opening&) = default;
+  };
+  /// A frame with that datagram came: true if it opens a cycle.
+  [[nodiscard]] bool opens(const Opening& logical);
+
+ private:
+  std::optional<Opening> opening_;
+  int frames_without_opening_ = 0;
+};
+
 /// Simulated time that moves only when the master does.
 ///
 /// On EtherCAT each process-data exchange moves time by one bus cycle, every other frame by a small
@@ -33,7 +51,7 @@ class RealClock {
 /// logical frames without it (the master was restarted with another mapping).
 class LockstepClock {
  public:
-  static constexpr int kForgetAfter = 16;
+  static constexpr int kForgetAfter = CycleRecognition::kForgetAfter;
   static constexpr std::uint32_t kSyncIdentifier = 0x80;
 
   LockstepClock(base::SimDuration cycle, base::SimDuration step) : cycle_(cycle), step_(step) {}
@@ -59,18 +77,13 @@ class LockstepClock {
   void wait(base::SimDuration duration) { now_ += duration; }
 
  private:
-  struct Opening {
-    ethercat::Command command;
-    std::uint32_t address;
-    friend bool operator==(const Opening&, const Opening&) = default;
-  };
-  static std::optional<Opening> first_logical_datagram(std::span<std::byte> frame);
+  static std::optional<CycleRecognition::Opening> first_logical_datagram(
+      std::span<std::byte> frame);
 
   base::SimDuration cycle_;
   base::SimDuration step_;
   base::SimTime now_;
-  std::optional<Opening> opening_;
-  int frames_without_opening_ = 0;
+  CycleRecognition cycles_;
 };
 
 }  // namespace stator::rack

@@ -7,9 +7,6 @@
 
 #include "can/arbitration.hpp"
 #include "rack/input_names.hpp"
-#include "rack/product_catalogue.hpp"
-#include "rack/text.hpp"
-#include "rack/wiring.hpp"
 
 namespace stator::rack {
 
@@ -25,15 +22,28 @@ constexpr std::int64_t kMostFrames = 1'000'000;
 /// Simulated time between two steps of a ramp.
 constexpr base::SimDuration kRampStep = 1_ms;
 
-std::map<std::string, can::FrameFaultKind> frame_faults() {
+/// What can happen to frames, by network: the same word means a different thing on each.
+const std::map<std::string, ethercat::FrameFaultKind>& segment_faults() {
+  using enum ethercat::FrameFaultKind;
+  static const std::map<std::string, ethercat::FrameFaultKind> kinds{{"drop", drop},
+                                                                     {"corrupt", corrupt}};
+  return kinds;
+}
+
+const std::map<std::string, can::FrameFaultKind>& bus_faults() {
   using enum can::FrameFaultKind;
-  return {{"drop", drop}, {"corrupt", corrupt}, {"duplicate", duplicate}, {"delay", delay}};
+  static const std::map<std::string, can::FrameFaultKind> kinds{
+      {"drop", drop}, {"corrupt", corrupt}, {"duplicate", duplicate}, {"delay", delay}};
+  return kinds;
 }
 
 std::set<std::string> action_names() {
   std::set<std::string> names{"break", "heal",    "power-off",    "power-on",
                               "set",   "bus-off", "error-passive"};
-  for (const auto& [name, kind] : frame_faults()) {
+  for (const auto& [name, kind] : segment_faults()) {
+    names.insert(name);
+  }
+  for (const auto& [name, kind] : bus_faults()) {
     names.insert(name);
   }
   return names;
@@ -41,128 +51,47 @@ std::set<std::string> action_names() {
 
 }  // namespace
 
-DeviceAddress EventSectionReader::read_target(TomlSection& section) const {
-  const std::optional<std::string> name = section.text("device");
-  if (!name) {
-    section.fail("device", "\"device\" is missing; it names the device to which this happens");
-  }
-  std::set<std::string> names;
-  std::optional<DeviceAddress> found;
-  const auto look = [&](const std::vector<DeviceConfiguration>& devices, std::size_t network,
-                        NetworkKind kind) {
-    for (std::size_t i = 0; i < devices.size(); ++i) {
-      if (devices[i].name == *name) {
-        found = DeviceAddress{network, i, kind};
-      }
-      names.insert(devices[i].name);
-    }
-  };
-  for (std::size_t i = 0; i < rack_.segments.size(); ++i) {
-    look(rack_.segments[i].devices, i, NetworkKind::segment);
-  }
-  for (std::size_t i = 0; i < rack_.buses.size(); ++i) {
-    look(rack_.buses[i].devices, i, NetworkKind::bus);
-  }
-  if (found) {
-    return *found;
-  }
-  const std::string guess = closest_match(*name, names);
-  section.fail_for_reference(
-      "device", fmt::format("\"device\" is \"{}\"{}; the devices are: {}", *name,
-                            guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
-                            fmt::join(names, ", ")));
-}
-
-const DeviceConfiguration& EventSectionReader::device_at(DeviceAddress address) const {
-  return address.kind == NetworkKind::bus ? rack_.buses[address.network].devices[address.device]
-                                          : rack_.segments[address.network].devices[address.device];
-}
-
-void EventSectionReader::require_can(TomlSection& section, DeviceAddress target) const {
-  if (target.kind != NetworkKind::bus || !rack_.buses[target.network].wire) {
-    section.fail("device", fmt::format("\"{}\" is on no CAN bus, so this cannot happen to it",
-                                       device_at(target).name));
-  }
-}
-
-DeviceAddress EventSectionReader::read_can_target(TomlSection& section) const {
-  const DeviceAddress target = read_target(section);
-  require_can(section, target);
-  return target;
-}
-
-/// A port of an EtherCAT device with a cable, by default the one it is reached through.
-unsigned EventSectionReader::read_port(TomlSection& section, DeviceAddress target) const {
-  const SegmentConfiguration& segment = rack_.segments[target.network];
-  const DeviceConfiguration& device = segment.devices[target.device];
-  unsigned port = device.wiring.entry_port;
-  if (const auto given = section.integer("port", 0, 3)) {
-    port = static_cast<unsigned>(*given);
-  }
-  if (!has_cable(segment, target.device, port)) {
-    section.refuse("port", fmt::format("port {} of \"{}\" has no cable", port, device.name));
-  }
-  return port;
-}
-
 RackEvent EventSectionReader::read_cable(TomlSection& section, bool intact) const {
-  const DeviceAddress target = read_target(section);
+  const DeviceAddress target = targets_.read_target(section);
   if (target.kind == NetworkKind::bus && !rack_.buses[target.network].wire) {
     section.fail("device", fmt::format("\"{}\" has serial lines only, whose cables do not break",
-                                       device_at(target).name));
+                                       targets_.device_at(target).name));
   }
   if (target.kind == NetworkKind::bus) {
     return CableEvent{target, 0, intact};
   }
-  return CableEvent{target, read_port(section, target), intact};
-}
-
-std::size_t EventSectionReader::read_bus(TomlSection& section, const std::string& name) const {
-  std::set<std::string> names;
-  for (std::size_t i = 0; i < rack_.buses.size(); ++i) {
-    if (!rack_.buses[i].wire) {
-      continue;
-    }
-    if (rack_.buses[i].name == name) {
-      return i;
-    }
-    names.insert(rack_.buses[i].name);
-  }
-  section.fail("bus",
-               fmt::format("\"bus\" is \"{}\"; the buses are: {}", name,
-                           names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+  return CableEvent{target, targets_.read_port(section, target), intact};
 }
 
 RackEvent EventSectionReader::read_segment_fault(TomlSection& section, DeviceAddress target,
-                                                 can::FrameFaultKind kind) const {
-  using ethercat::FrameFaultKind;
-  if (kind != can::FrameFaultKind::drop && kind != can::FrameFaultKind::corrupt) {
-    section.refuse("action",
-                   fmt::format("\"{}\" is on EtherCAT, where frames can be hit by \"drop\" and "
-                               "\"corrupt\" only",
-                               device_at(target).name));
+                                                 const std::string& action) const {
+  const auto kind = segment_faults().find(action);
+  if (kind == segment_faults().end()) {
+    section.fail("action",
+                 fmt::format("\"{}\" is on EtherCAT, where frames can be hit by \"drop\" and "
+                             "\"corrupt\" only",
+                             targets_.device_at(target).name));
   }
   SegmentFaultEvent event{target.network, {}};
-  event.fault.kind =
-      kind == can::FrameFaultKind::drop ? FrameFaultKind::drop : FrameFaultKind::corrupt;
-  event.fault.port = {target.device, read_port(section, target)};
+  event.fault.kind = kind->second;
+  event.fault.port = {target.device, targets_.read_port(section, target)};
   event.fault.leaving = section.choice("direction", {"in", "out"}) == "out";
   event.fault.frames = static_cast<unsigned>(section.integer("frames", 1, kMostFrames).value_or(1));
   return event;
 }
 
 RackEvent EventSectionReader::read_frame_fault(TomlSection& section,
-                                               can::FrameFaultKind kind) const {
+                                               const std::string& action) const {
   FrameFaultEvent event;
-  event.fault.kind = kind;
+  event.fault.kind = bus_faults().at(action);
   if (const auto bus = section.text("bus")) {
-    event.bus = read_bus(section, *bus);
+    event.bus = targets_.read_bus(section, *bus);
   } else {
-    const DeviceAddress target = read_target(section);
+    const DeviceAddress target = targets_.read_target(section);
     if (target.kind == NetworkKind::segment) {
-      return read_segment_fault(section, target, kind);
+      return read_segment_fault(section, target, action);
     }
-    require_can(section, target);
+    targets_.require_can(section, target);
     event.bus = target.network;
     event.device = target.device;
   }
@@ -172,7 +101,7 @@ RackEvent EventSectionReader::read_frame_fault(TomlSection& section,
   if (const auto identifier = section.integer("identifier", 0, can::kExtendedIdentifierMask)) {
     event.fault.identifier = static_cast<std::uint32_t>(*identifier);
   }
-  if (kind == can::FrameFaultKind::delay) {
+  if (event.fault.kind == can::FrameFaultKind::delay) {
     const auto delay = section.duration("delay", 1_us, 60_s);
     if (!delay) {
       section.fail("delay",
@@ -183,17 +112,9 @@ RackEvent EventSectionReader::read_frame_fault(TomlSection& section,
   return event;
 }
 
-const EventSectionReader::Inputs& EventSectionReader::inputs_of(DeviceAddress device) {
-  const auto [place, is_new] = inputs_.try_emplace(device);
-  if (is_new) {
-    place->second = make_device(device_at(device).product, {})->inputs();
-  }
-  return place->second;
-}
-
 void EventSectionReader::read_set(TomlSection& section, base::SimDuration at,
                                   std::vector<EventConfiguration>& events) {
-  const DeviceAddress target = read_target(section);
+  const DeviceAddress target = targets_.read_target(section);
   const std::optional<std::string> input = section.text("input");
   const std::optional<double> value = section.number("value", -kAnyValue, kAnyValue);
   if (!input || !value) {
@@ -207,7 +128,7 @@ void EventSectionReader::read_set(TomlSection& section, base::SimDuration at,
     static_cast<void>(section.duration("over", kRampStep, 60_s));
     return;
   }
-  if (const std::string problem = input_problem(inputs_of(target), *input, *value);
+  if (const std::string problem = input_problem(targets_.inputs_of(target), *input, *value);
       !problem.empty()) {
     section.refuse("value", problem);
   }
@@ -219,7 +140,7 @@ void EventSectionReader::read_set(TomlSection& section, base::SimDuration at,
                    "takes");
   }
   if (over && from) {
-    if (const std::string problem = input_problem(inputs_of(target), *input, *from);
+    if (const std::string problem = input_problem(targets_.inputs_of(target), *input, *from);
         !problem.empty()) {
       section.refuse("from", problem);
     }
@@ -249,14 +170,14 @@ void EventSectionReader::read(TomlSection& section, std::vector<EventConfigurati
   } else if (*action == "break" || *action == "heal") {
     events.push_back({*at, read_cable(section, *action == "heal")});
   } else if (*action == "power-off" || *action == "power-on") {
-    events.push_back({*at, PowerEvent{read_target(section), *action == "power-on"}});
+    events.push_back({*at, PowerEvent{targets_.read_target(section), *action == "power-on"}});
   } else if (*action == "bus-off" || *action == "error-passive") {
     const bool off = *action == "bus-off";
     events.push_back(
-        {*at, ErrorStateEvent{read_can_target(section),
+        {*at, ErrorStateEvent{targets_.read_can_target(section),
                               off ? can::ErrorState::bus_off : can::ErrorState::error_passive}});
   } else {
-    events.push_back({*at, read_frame_fault(section, frame_faults().at(*action))});
+    events.push_back({*at, read_frame_fault(section, *action)});
   }
   section.finish();
 }

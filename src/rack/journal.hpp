@@ -32,7 +32,7 @@ class Journal {
 
   virtual void frame_comes(std::size_t segment, ethercat::MasterInterface entry,
                            base::SimTime arrival, std::span<const std::byte> frame) = 0;
-  /// The frame that came last, as it left at `exit`; nothing: it got lost.
+  /// The frame that came last or was released, as it left at `exit`; nothing: it got lost.
   virtual void frame_leaves(std::optional<ethercat::MasterInterface> exit,
                             std::span<const std::byte> frame) = 0;
   /// The firmware of the segment's devices takes what frames brought.
@@ -55,6 +55,14 @@ class Journal {
 
   /// Somebody lets an event happen, which is none of the timetable.
   virtual void event(const RackEvent& event, base::SimTime now) = 0;
+  /// A frame that was held up comes out, as frame_leaves() then tells, and the firmware takes what
+  /// it brought.
+  virtual void release(std::size_t segment, base::SimTime now) = 0;
+  /// Somebody asks for a fault by the keys of a [[fault]] table.
+  virtual void fault(const std::string& text, base::SimTime now) = 0;
+  /// Somebody ends the fault of this number; nothing: all.
+  virtual void fault_cleared(std::optional<std::uint64_t> id, base::SimTime now) = 0;
+
   /// Somebody reads an entry of a device's dictionary, which its firmware may notice.
   virtual void object_read(DeviceAddress device, std::uint16_t index, std::uint8_t subindex) = 0;
   virtual void object_written(DeviceAddress device, std::uint16_t index, std::uint8_t subindex,

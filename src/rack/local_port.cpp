@@ -1,6 +1,7 @@
 #include "rack/local_port.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace stator::rack {
@@ -22,8 +23,7 @@ master::Result<std::size_t> LocalPort::exchange(std::span<const std::byte> frame
                                                 std::span<std::byte> reply,
                                                 base::SimDuration timeout) {
   if (frame.empty() || frame.size() > reply.size()) {
-    wait(timeout);
-    return std::size_t{0};
+    return wait_for_late(reply, timeout);
   }
   const std::span<std::byte> answer = reply.first(frame.size());
   std::ranges::copy(frame, answer.begin());
@@ -32,15 +32,46 @@ master::Result<std::size_t> LocalPort::exchange(std::span<const std::byte> frame
   if (auto captured = capture(frame); !captured) {
     return captured;
   }
+  take_late();
   const bool returns =
       rack_.process_frame(segment_, answer, arrival) == ethercat::MasterInterface::primary;
   // A frame that does not return may have got lost behind slaves that have taken what it brought.
   rack_.handle_bus_events(segment_, arrival);
-  if (!returns) {
-    wait(timeout);
+  if (returns && late_.empty()) {
+    return capture(answer);
+  }
+  if (returns) {
+    late_.emplace_back(answer.begin(), answer.end());
+  }
+  return wait_for_late(reply, timeout);
+}
+
+/// Frames that a fault has held up and that are there by now.
+void LocalPort::take_late() {
+  std::array<std::byte, ethercat::kMaximumFrameLength> frame{};
+  while (const auto released = rack_.release_frame(segment_, clock_.now(), frame)) {
+    if (released->exit == ethercat::MasterInterface::primary) {
+      late_.emplace_back(frame.begin(), frame.begin() + static_cast<long>(released->length));
+    }
+  }
+}
+
+master::Result<std::size_t> LocalPort::wait_for_late(std::span<std::byte> reply,
+                                                     base::SimDuration timeout) {
+  const base::SimTime limit = clock_.now() + timeout;
+  take_late();
+  while (late_.empty() && clock_.now() < limit) {
+    const base::SimTime release = rack_.segment(segment_).next_release();
+    wait(std::max(std::min(release, limit) - clock_.now(), base::SimDuration()));
+    take_late();
+  }
+  if (late_.empty() || late_.front().size() > reply.size()) {
     return std::size_t{0};
   }
-  return capture(answer);
+  const std::vector<std::byte> first = std::move(late_.front());
+  late_.pop_front();
+  std::ranges::copy(first, reply.begin());
+  return capture(reply.first(first.size()));
 }
 
 void LocalPort::wait(base::SimDuration duration) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <deque>
 #include <memory>
+#include <vector>
 
 #include "link/pcap_writer.hpp"
 #include "master/frame_port.hpp"
@@ -24,11 +26,14 @@ class LocalPort final : public master::FramePort {
 
  private:
   master::Result<std::size_t> capture(std::span<const std::byte> frame);
+  void take_late();
+  master::Result<std::size_t> wait_for_late(std::span<std::byte> reply, base::SimDuration timeout);
 
   Rack& rack_;
   std::size_t segment_;
   LockstepClock clock_;
   std::unique_ptr<link::PcapWriter> capture_;
+  std::deque<std::vector<std::byte>> late_;  ///< frames that a fault has held up
 };
 
 }  // namespace stator::rack

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "rack/faults.hpp"
 #include "rack/input_names.hpp"
 #include "rack/journal.hpp"
 #include "rack/product_catalogue.hpp"
@@ -65,6 +66,19 @@ const char* to_text(can::FrameFaultKind kind) {
   return "?";
 }
 
+/// Until its end, calls are parts of another one.
+class Inside {
+ public:
+  explicit Inside(bool& inside) : inside_(inside), before_(std::exchange(inside, true)) {}
+  Inside(const Inside&) = delete;
+  Inside& operator=(const Inside&) = delete;
+  ~Inside() { inside_ = before_; }
+
+ private:
+  bool& inside_;
+  bool before_;
+};
+
 }  // namespace
 
 Rack::Rack(const RackConfiguration& configuration, EventLog& log)
@@ -93,7 +107,15 @@ Rack::Rack(const RackConfiguration& configuration, EventLog& log)
                       select_signals(signals(), configuration.record->signals),
                       configuration.record->period);
   }
+  faults_ = std::make_unique<Faults>(*this);
+  for (const FaultConfiguration& fault : configuration.faults) {
+    if (const auto armed = faults_->inject(fault, base::SimTime()); !armed) {
+      throw std::runtime_error(fault.target.text + ": " + armed.error());
+    }
+  }
 }
+
+Rack::~Rack() = default;
 
 void Rack::begin_trace(const TraceConfiguration& configuration, ClockKind clock) {
   std::set<std::string> names;
@@ -183,12 +205,14 @@ std::optional<ethercat::MasterInterface> Rack::process_frame(std::size_t segment
                                                              std::span<std::byte> frame,
                                                              base::SimTime arrival,
                                                              ethercat::MasterInterface entry) {
-  if (journal_ == nullptr) [[likely]] {
+  Journal* journal = told();
+  if (journal == nullptr) [[likely]] {
     return pass_frame(segment, frame, arrival, entry);
   }
-  journal_->frame_comes(segment, entry, arrival, frame);
+  const Inside inside(inside_);
+  journal->frame_comes(segment, entry, arrival, frame);
   const auto exit = pass_frame(segment, frame, arrival, entry);
-  journal_->frame_leaves(exit, frame);
+  journal->frame_leaves(exit, frame);
   return exit;
 }
 
@@ -196,7 +220,7 @@ std::optional<ethercat::MasterInterface> Rack::pass_frame(std::size_t segment,
                                                           std::span<std::byte> frame,
                                                           base::SimTime arrival,
                                                           ethercat::MasterInterface entry) {
-  if (timetable_.next() <= arrival) [[unlikely]] {
+  if (std::min(timetable_.next(), faults_->next()) <= arrival) [[unlikely]] {
     advance_to(arrival);
   }
   if (traffic_ != nullptr) [[unlikely]] {
@@ -219,22 +243,55 @@ std::optional<ethercat::MasterInterface> Rack::process_watched(std::size_t segme
 }
 
 void Rack::handle_bus_events(std::size_t segment, base::SimTime now) {
-  if (journal_ != nullptr) [[unlikely]] {
-    journal_->bus_events(segment, now);
+  if (Journal* journal = told(); journal != nullptr) [[unlikely]] {
+    const Inside inside(inside_);
+    journal->bus_events(segment, now);
+    take_bus_events(segment, now);
+    return;
   }
+  take_bus_events(segment, now);
+}
+
+void Rack::take_bus_events(std::size_t segment, base::SimTime now) {
   for (NamedDevice& member : segments_[segment].devices) {
     member.device->handle_bus_events(now);
   }
+  if (faults_->looking()) {
+    faults_->act(now);
+  }
+}
+
+std::optional<ethercat::Segment::Released> Rack::release_frame(std::size_t segment,
+                                                               base::SimTime now,
+                                                               std::span<std::byte> buffer) {
+  ethercat::Segment& wires = *segments_[segment].segment;
+  if (wires.next_release() > now) {
+    return std::nullopt;
+  }
+  Journal* journal = told();
+  const Inside inside(inside_);
+  if (journal != nullptr) {
+    journal->release(segment, now);
+  }
+  const auto released = wires.release(now, buffer);
+  take_bus_events(segment, now);
+  if (journal != nullptr) {
+    journal->frame_leaves(released ? std::optional(released->exit) : std::nullopt,
+                          buffer.first(released ? released->length : 0));
+  }
+  return released;
 }
 
 void Rack::advance(base::SimTime now) {
-  if (journal_ == nullptr) [[likely]] {
+  Journal* journal = told();
+  if (journal == nullptr) [[likely]] {
     advance_to(now);
     return;
   }
-  journal_->advance(now);
+  const Inside inside(inside_);
+  journal->advance(now);
   advance_to(now);
-  journal_->advanced(now);
+  journal->advanced(now);
 }
 
 void Rack::advance_to(base::SimTime now) {
@@ -242,13 +299,17 @@ void Rack::advance_to(base::SimTime now) {
     return recorder_ ? recorder_->next_sample() : base::SimTime::never();
   };
   const auto next_instant = [this, &next_sample] {
-    return std::min({timetable_.next(), next_sample(), next_tap(), lines_.next_deadline()});
+    return std::min(
+        {timetable_.next(), faults_->next(), next_sample(), next_tap(), lines_.next_deadline()});
   };
   for (base::SimTime instant = next_instant(); instant <= now; instant = next_instant()) {
     advance_devices(instant);
     lines_.advance(instant);
     while (timetable_.next() <= instant) {
       happen(timetable_.take(), instant);
+    }
+    if (faults_->next() <= instant) {
+      faults_->act(instant);
     }
     if (next_sample() <= instant) {
       recorder_->sample(instant);
@@ -259,10 +320,13 @@ void Rack::advance_to(base::SimTime now) {
   if (lines_.next_deadline() <= now) {
     lines_.advance(now);  // bytes of what devices have sent on the last stretch
   }
+  if (faults_->looking()) {
+    faults_->act(now);
+  }
 }
 
 base::SimTime Rack::next_bus_deadline() const {
-  base::SimTime next = timetable_.next();
+  base::SimTime next = std::min(timetable_.next(), faults_->next());
   for (const BusMembers& members : buses_) {
     next = std::min(next, members.network->next_deadline());
   }
@@ -270,8 +334,8 @@ base::SimTime Rack::next_bus_deadline() const {
 }
 
 base::SimTime Rack::next_line_deadline(std::size_t line) const {
-  return std::min(
-      {timetable_.next(), lines_[line].next_deadline(), lines_[line].next_device_deadline()});
+  return std::min({timetable_.next(), faults_->next(), lines_[line].next_deadline(),
+                   lines_[line].next_device_deadline()});
 }
 
 void Rack::settle_line(std::size_t line, LockstepClock& clock) {
@@ -294,32 +358,51 @@ void Rack::settle(std::size_t bus, LockstepClock& clock) {
 }
 
 bool Rack::put(std::size_t bus, std::size_t number, can::Port& port, const can::Frame& frame) {
-  if (journal_ != nullptr) {
-    journal_->can_frame_comes(bus, number, frame);
+  if (Journal* journal = told(); journal != nullptr) {
+    journal->can_frame_comes(bus, number, frame);
   }
   return port.put(frame);
 }
 
 std::optional<can::TimedFrame> Rack::take(std::size_t bus, std::size_t number, can::Port& port) {
   const auto frame = port.take();
-  if (journal_ != nullptr && frame) {
-    journal_->can_frame_leaves(bus, number, *frame);
+  if (Journal* journal = told(); journal != nullptr && frame) {
+    journal->can_frame_leaves(bus, number, *frame);
   }
   return frame;
 }
 
 void Rack::put(std::size_t line, std::span<const std::byte> bytes, base::SimTime now) {
-  if (journal_ != nullptr) {
-    journal_->bytes_come(line, bytes, now);
+  if (Journal* journal = told(); journal != nullptr) {
+    journal->bytes_come(line, bytes, now);
   }
+  const Inside inside(inside_);
   lines_[line].put(bytes, now);
 }
 
 void Rack::apply(const RackEvent& event, base::SimTime now) {
-  if (journal_ != nullptr) {
-    journal_->event(event, now);
+  if (Journal* journal = told(); journal != nullptr) {
+    journal->event(event, now);
   }
+  const Inside inside(inside_);
   happen(event, now);
+}
+
+base::Expected<std::uint64_t, std::string> Rack::inject(const FaultConfiguration& fault,
+                                                        base::SimTime now) {
+  if (Journal* journal = told(); journal != nullptr) {
+    journal->fault(fault.text, now);
+  }
+  const Inside inside(inside_);
+  return faults_->inject(fault, now);
+}
+
+std::size_t Rack::clear_faults(std::optional<std::uint64_t> id, base::SimTime now) {
+  if (Journal* journal = told(); journal != nullptr) {
+    journal->fault_cleared(id, now);
+  }
+  const Inside inside(inside_);
+  return id ? std::size_t{faults_->clear(*id, now) ? 1U : 0U} : faults_->clear_all(now);
 }
 
 void Rack::happen(const RackEvent& event, base::SimTime now) {
@@ -423,9 +506,10 @@ void Rack::apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now
 
 void Rack::set_carrier(std::size_t segment, ethercat::MasterInterface interface, bool up,
                        base::SimTime now) {
-  if (journal_ != nullptr) {
-    journal_->carrier(segment, interface, up, now);
+  if (Journal* journal = told(); journal != nullptr) {
+    journal->carrier(segment, interface, up, now);
   }
+  const Inside inside(inside_);
   const bool primary = interface == ethercat::MasterInterface::primary;
   const std::size_t at = primary ? 0 : segments_[segment].devices.size() - 1;
   report(number_of({segment, at}), now, up ? kCarrierBack : kCarrierLost,

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/expected.hpp"
 #include "base/sim_time.hpp"
 #include "devices/ethercat_device.hpp"
 #include "ethercat/segment.hpp"
@@ -26,6 +27,7 @@
 
 namespace stator::rack {
 
+class Faults;
 class Journal;
 
 /// An EtherCAT device of the rack with the name people gave it.
@@ -45,6 +47,9 @@ class Rack {
   /// has no serial interface of a given name, or when the state directory or a file in it cannot be
   /// used.
   Rack(const RackConfiguration& configuration, EventLog& log);
+  ~Rack();
+  Rack(const Rack&) = delete;
+  Rack& operator=(const Rack&) = delete;
 
   /// Sends `frame` through the segment's slaves, in place, at `arrival`, from the master's
   /// interface `entry`. Returns the interface at which it comes out; nothing: nobody answers it.
@@ -89,6 +94,19 @@ class Rack {
   /// Tells `journal` of all that is done to the rack from now on; null: nobody.
   void set_journal(Journal* journal) { journal_ = journal; }
   [[nodiscard]] Journal* journal() { return journal_; }
+  /// A frame that a fault has held up and that comes out at `now` or earlier gets into `buffer`
+  /// (ethercat::kMaximumFrameLength bytes). Nothing: none does. Its firmware takes what it brought.
+  std::optional<ethercat::Segment::Released> release_frame(std::size_t segment, base::SimTime now,
+                                                           std::span<std::byte> buffer);
+
+  /// Arms a fault at `now`, to which the rack has been brought. Returns its number, or why it
+  /// cannot be.
+  base::Expected<std::uint64_t, std::string> inject(const FaultConfiguration& fault,
+                                                    base::SimTime now);
+  /// Ends the fault of this number; nothing: all. Returns how many ended.
+  std::size_t clear_faults(std::optional<std::uint64_t> id, base::SimTime now);
+  /// What goes wrong with the rack on demand.
+  [[nodiscard]] Faults& faults() { return *faults_; }
 
   /// A network interface of the segment's master got or lost its carrier. At the start the primary
   /// has one, the secondary has none.
@@ -99,12 +117,17 @@ class Rack {
   [[nodiscard]] const ethercat::Segment& segment(std::size_t index) const {
     return *segments_[index].segment;
   }
+  [[nodiscard]] ethercat::Segment& segment(std::size_t index) { return *segments_[index].segment; }
   [[nodiscard]] std::span<NamedDevice> devices(std::size_t segment) {
     return segments_[segment].devices;
   }
   [[nodiscard]] std::size_t bus_count() const { return buses_.size(); }
   [[nodiscard]] CanNetwork& bus(std::size_t index) { return *buses_[index].network; }
   [[nodiscard]] const CanNetwork& bus(std::size_t index) const { return *buses_[index].network; }
+  /// For events that happen to a device from outside.
+  [[nodiscard]] base::EventReporter reporter(DeviceAddress device) {
+    return base::EventReporter(&log_, number_of(device));
+  }
   /// For events of the bus itself and of its ports.
   [[nodiscard]] base::EventReporter bus_reporter(std::size_t index) {
     return base::EventReporter(&log_, buses_[index].number);
@@ -168,6 +191,9 @@ class Rack {
                                                       base::SimTime arrival,
                                                       ethercat::MasterInterface entry);
   void advance_to(base::SimTime now);
+  void take_bus_events(std::size_t segment, base::SimTime now);
+  /// Who is to be told of a call: nobody of one that another call makes.
+  [[nodiscard]] Journal* told() { return inside_ ? nullptr : journal_; }
   void happen(const RackEvent& event, base::SimTime now);
   void add(const SegmentConfiguration& segment, std::vector<std::string>& names);
   void add(const BusConfiguration& bus, std::vector<std::string>& names);
@@ -203,6 +229,8 @@ class Rack {
   TrafficTap* traffic_ = nullptr;
   std::unique_ptr<DeviceStorage> storage_;
   Journal* journal_ = nullptr;
+  bool inside_ = false;             ///< within a call that the journal was told of
+  std::unique_ptr<Faults> faults_;  ///< go first: they know everything
 };
 
 }  // namespace stator::rack

@@ -22,6 +22,8 @@
 #include "ethercat/segment.hpp"
 #include "link/link_address.hpp"
 #include "link/receive_wait.hpp"
+#include "rack/device_address.hpp"
+#include "rack/fault_configuration.hpp"
 
 namespace stator::rack {
 
@@ -133,21 +135,6 @@ struct TraceConfiguration {
   std::size_t queue = std::size_t{1} << 18U;  ///< edges that wait for the disk at most, from 64 on
 };
 
-/// What devices are wired with.
-enum class NetworkKind : std::uint8_t {
-  segment,  ///< EtherCAT
-  bus,      ///< CAN
-};
-
-/// A device by its place in the rack.
-struct DeviceAddress {
-  std::size_t network = 0;  ///< number of its segment or of its bus
-  std::size_t device = 0;
-  NetworkKind kind = NetworkKind::segment;
-
-  friend auto operator<=>(const DeviceAddress&, const DeviceAddress&) = default;
-};
-
 /// The cable at a port of an EtherCAT device breaks or heals; on a CAN bus the one with which the
 /// device is connected to it.
 struct CableEvent {
@@ -213,6 +200,7 @@ struct RackConfiguration {
   std::optional<TraceConfiguration> trace;
   std::string state;  ///< directory in which devices keep what outlives power; empty = nothing kept
   std::vector<EventConfiguration> events;  ///< in any order
+  std::vector<FaultConfiguration> faults;
 };
 
 }  // namespace stator::rack

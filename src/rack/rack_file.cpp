@@ -15,6 +15,7 @@
 #include "rack/bus_section.hpp"
 #include "rack/device_section.hpp"
 #include "rack/event_section.hpp"
+#include "rack/fault_section.hpp"
 #include "rack/rack_file_steps.hpp"
 #include "rack/serial_section.hpp"
 #include "rack/wiring.hpp"
@@ -169,6 +170,7 @@ RackConfiguration read_rack(TomlSection& root) {
   for (TomlSection& event : root.sections("event")) {
     event.attempt([&] { events.read(event, configuration.events); });
   }
+  read_faults(root, configuration);
   root.finish();
   return configuration;
 }

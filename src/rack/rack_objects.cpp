@@ -75,8 +75,8 @@ dictionary::NetworkState Rack::network_state(DeviceAddress device) {
 
 dictionary::Verdict Rack::read_object(DeviceAddress address, dictionary::Entry& entry,
                                       std::vector<std::byte>& value) {
-  if (journal_ != nullptr) {
-    journal_->object_read(address, entry.index(), entry.subindex());
+  if (Journal* journal = told(); journal != nullptr) {
+    journal->object_read(address, entry.index(), entry.subindex());
   }
   const dictionary::Dictionary& objects = *device(address).object_dictionary();
   if (dictionary::Verdict verdict = objects.prepare_read(entry); !verdict) {
@@ -88,8 +88,8 @@ dictionary::Verdict Rack::read_object(DeviceAddress address, dictionary::Entry& 
 
 dictionary::Verdict Rack::write_object(DeviceAddress address, dictionary::Entry& entry,
                                        std::span<const std::byte> value, base::SimTime now) {
-  if (journal_ != nullptr) {
-    journal_->object_written(address, entry.index(), entry.subindex(), value, now);
+  if (Journal* journal = told(); journal != nullptr) {
+    journal->object_written(address, entry.index(), entry.subindex(), value, now);
   }
   devices::Device& written = device(address);
   const dictionary::Verdict verdict =

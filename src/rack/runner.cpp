@@ -60,6 +60,7 @@ struct Runner::SegmentThread {
   std::vector<std::byte> captured_request;  ///< the frame as it came, for the capture
   std::optional<unsigned> cpu;
   SegmentStatistics statistics;
+  base::SimTime next_release = base::SimTime::never();  ///< of a frame that a fault holds up
   bool send_failure_logged = false;
   bool interface_down_logged = false;
   std::thread thread;
@@ -240,7 +241,8 @@ void Runner::run(SegmentThread& segment) {
     watch_carriers(segment, now);
     const bool busy = now - last_frame < kIdleAfter;
     const base::SimDuration idle = shared_.desk.attended() ? kAttendedTick : kIdleTick;
-    const auto received = segment.receive(buffer, busy ? kBusyTick : idle);
+    const base::SimDuration tick = busy ? kBusyTick : idle;
+    const auto received = segment.receive(buffer, std::min(tick, time_to_release(segment, now)));
     if (!received && received.error().code != link::LinkErrorCode::interface_down) {
       shared_.logger->error("{}; this segment stops", received.error().text);
       return;
@@ -255,6 +257,9 @@ void Runner::run(SegmentThread& segment) {
       }
       answer(segment, std::span(buffer).first(received->length), received->entry);
       last_frame = shared_.real_clock.now();
+    }
+    if (segment.next_release != base::SimTime::never()) {
+      send_released(segment);
     }
     if (shared_.clock_kind == ClockKind::real) {
       catch_up(segment);
@@ -301,6 +306,7 @@ void Runner::answer(SegmentThread& segment, std::span<std::byte> frame, MasterIn
   const base::SimTime arrival = arrival_of(frame);
   const std::optional<MasterInterface> exit =
       shared_.rack.process_frame(segment.index, frame, arrival, entry);
+  segment.next_release = shared_.rack.segment(segment.index).next_release();
   if (!exit) {
     ++segment.statistics.frames_unanswered;
     // It may have got lost behind slaves that have taken what it brought.
@@ -338,13 +344,41 @@ void Runner::capture(SegmentThread& segment, base::SimTime arrival,
   for (const std::span<const std::byte> frame :
        {std::span<const std::byte>(segment.captured_request), answer}) {
     if (frame.empty()) {
-      return;
+      continue;
     }
     if (const auto written = segment.capture->write(arrival, frame); !written) {
       shared_.logger->error("{}; capturing ends", written.error().text);
       segment.capture.reset();
       return;
     }
+  }
+}
+
+base::SimDuration Runner::time_to_release(const SegmentThread& segment, base::SimTime now) const {
+  return shared_.clock_kind == ClockKind::real
+             ? std::max(segment.next_release - now, base::SimDuration())
+             : base::SimDuration::max();
+}
+
+// Frames that a fault has held up.
+void Runner::send_released(SegmentThread& segment) {
+  std::array<std::byte, ethercat::kMaximumFrameLength> frame{};
+  while (true) {
+    std::optional<ethercat::Segment::Released> released;
+    base::SimTime now;
+    {
+      const std::scoped_lock lock(shared_.mutex);
+      now = shared_.now();
+      released = shared_.rack.release_frame(segment.index, now, frame);
+      segment.next_release = shared_.rack.segment(segment.index).next_release();
+    }
+    if (!released) {
+      return;
+    }
+    const std::span<const std::byte> bytes = std::span(frame).first(released->length);
+    static_cast<void>(segment.links[static_cast<std::size_t>(released->exit)]->send(bytes));
+    segment.captured_request.clear();
+    capture(segment, now, bytes);
   }
 }
 

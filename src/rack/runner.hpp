@@ -86,6 +86,9 @@ class Runner {
   void open(SegmentThread& segment, const SegmentConfiguration& configuration);
   void run(SegmentThread& segment);
   void answer(SegmentThread& segment, std::span<std::byte> frame, MasterInterface entry);
+  [[nodiscard]] base::SimDuration time_to_release(const SegmentThread& segment,
+                                                  base::SimTime now) const;
+  void send_released(SegmentThread& segment);
   void watch_carriers(SegmentThread& segment, base::SimTime now);
   void capture(SegmentThread& segment, base::SimTime arrival, std::span<const std::byte> answer);
   void catch_up(SegmentThread& segment);

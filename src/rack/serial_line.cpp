@@ -88,18 +88,56 @@ std::size_t SerialLine::room() const {
 void SerialLine::put(std::span<const std::byte> bytes, SimTime now) {
   now_ = std::max(now_, now);
   statistics_.bytes_in += bytes.size();
+  if (faults_ == nullptr) {
+    put_unspoilt(bytes, now_);
+    return;
+  }
+  const std::vector<std::byte> left =
+      faults_->spoil(bytes, SerialDirection::to_devices, now_, longest_gap());
+  next_delayed_ = faults_->next_delayed();
+  put_unspoilt(left, now_);
+}
+
+void SerialLine::put_unspoilt(std::span<const std::byte> bytes, SimTime now) {
   if (!configuration_.pacing || !speed()) {
     // Byte by byte, so that devices answer in the order in which they were asked.
     const std::size_t piece = members_.size() > 1 ? 1 : bytes.size();
     for (; !bytes.empty(); bytes = bytes.subspan(piece)) {
-      deliver(bytes.first(piece), now_);
+      deliver(bytes.first(piece), now);
     }
     return;
   }
   statistics_.bytes_lost += bytes.size() - incoming_.push(bytes);
   if (next_arrival_ == SimTime::never() && !incoming_.empty()) {
-    next_arrival_ = now_ + byte_time();
+    next_arrival_ = now + byte_time();
   }
+}
+
+std::uint64_t SerialLine::inject(const SerialFault& fault) {
+  if (faults_ == nullptr) {
+    faults_ = std::make_unique<SerialFaults>();
+  }
+  return faults_->add(fault);
+}
+
+void SerialLine::withdraw(std::uint64_t fault) {
+  faults_->withdraw(fault);
+}
+
+std::optional<std::uint64_t> SerialLine::hits(std::uint64_t fault) const {
+  return faults_->hits(fault);
+}
+
+void SerialLine::hand_over_delayed(SimTime now) {
+  while (faults_->next_delayed() <= now) {
+    const SerialFaults::Delayed delayed = faults_->take_delayed();
+    if (delayed.direction == SerialDirection::to_devices) {
+      put_unspoilt(delayed.bytes, now);
+    } else {
+      hand_out_unspoilt(delayed.bytes);
+    }
+  }
+  next_delayed_ = faults_->next_delayed();
 }
 
 void SerialLine::advance(SimTime now) {
@@ -110,6 +148,9 @@ void SerialLine::advance(SimTime now) {
     }
     if (next_arrival_ <= now_) {
       arrive(now_);
+    }
+    if (next_delayed_ <= now_) {
+      hand_over_delayed(now_);
     }
   }
   now_ = std::max(now_, now);
@@ -159,6 +200,17 @@ void SerialLine::send(const Member& member, std::span<const std::byte> bytes) {
 }
 
 void SerialLine::hand_out(std::span<const std::byte> bytes) {
+  if (faults_ == nullptr) {
+    hand_out_unspoilt(bytes);
+    return;
+  }
+  const std::vector<std::byte> left =
+      faults_->spoil(bytes, SerialDirection::to_programs, now_, longest_gap());
+  next_delayed_ = faults_->next_delayed();
+  hand_out_unspoilt(left);
+}
+
+void SerialLine::hand_out_unspoilt(std::span<const std::byte> bytes) {
   statistics_.bytes_out += bytes.size();
   if (output_) {
     output_(bytes);
@@ -203,6 +255,11 @@ std::optional<std::uint32_t> SerialLine::speed() const {
     }
   }
   return std::nullopt;
+}
+
+/// Between two bytes of one telegram.
+SimDuration SerialLine::longest_gap() const {
+  return configuration_.pacing && speed() ? byte_time() * 2 : SimDuration();
 }
 
 // To the nearest nanosecond; called only while the line has a speed, or had one when bytes came.

@@ -14,6 +14,7 @@
 #include "rack/byte_queue.hpp"
 #include "rack/can_network.hpp"
 #include "rack/rack_configuration.hpp"
+#include "rack/serial_faults.hpp"
 #include "tmcl/serial_port.hpp"
 
 namespace stator::rack {
@@ -62,14 +63,20 @@ class SerialLine {
   /// Lets bytes come and go whose time has come; the devices have been brought to `now`, and the
   /// line to each of its deadlines before.
   void advance(base::SimTime now);
-  /// When the next byte comes or goes; never without pacing.
+  /// When the next byte comes or goes; never without pacing or a fault that delays.
   [[nodiscard]] base::SimTime next_deadline() const {
-    return std::min(next_arrival_, next_departure_);
+    return std::min({next_arrival_, next_departure_, next_delayed_});
   }
   /// When a device of the line does something on its own, as far as that is known.
   [[nodiscard]] base::SimTime next_device_deadline() const;
   /// When the line or a device has something to send in answer to what came.
   [[nodiscard]] base::SimTime next_reply() const;
+
+  /// Lets a fault hit what passes from now on; returns its number.
+  std::uint64_t inject(const SerialFault& fault);
+  void withdraw(std::uint64_t fault);
+  /// How often a fault has hit; nothing: as often as it should, or it was withdrawn.
+  [[nodiscard]] std::optional<std::uint64_t> hits(std::uint64_t fault) const;
 
   /// Bytes wait for a device that looks at its interface in its next period only.
   [[nodiscard]] bool waits() const;
@@ -86,12 +93,16 @@ class SerialLine {
   class Member;
   using Queue = ByteQueue<kQueuedBytes>;
 
+  void put_unspoilt(std::span<const std::byte> bytes, base::SimTime now);
+  void hand_over_delayed(base::SimTime now);
   void deliver(std::span<const std::byte> bytes, base::SimTime now);
   void send(const Member& member, std::span<const std::byte> bytes);
   void hand_out(std::span<const std::byte> bytes);
+  void hand_out_unspoilt(std::span<const std::byte> bytes);
   void arrive(base::SimTime now);
   void depart(base::SimTime now);
   [[nodiscard]] base::SimDuration byte_time() const;
+  [[nodiscard]] base::SimDuration longest_gap() const;
 
   SerialLineConfiguration configuration_;
   Output output_;
@@ -102,6 +113,8 @@ class SerialLine {
   base::SimTime next_arrival_ = base::SimTime::never();
   base::SimTime next_departure_ = base::SimTime::never();
   SerialLineStatistics statistics_;
+  std::unique_ptr<SerialFaults> faults_;  ///< null until there was one
+  base::SimTime next_delayed_ = base::SimTime::never();
 };
 
 }  // namespace stator::rack

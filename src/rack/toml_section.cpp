@@ -33,6 +33,9 @@ bool TomlSection::is_boolean(const std::string& key) const {
 }
 
 RackFileError TomlSection::error_at(const std::string& key, const std::string& reason) const {
+  if (file_.empty()) {
+    return RackFileError(reason);
+  }
   const toml::node* node = table_->get(key);
   const toml::source_position place = (node != nullptr ? node->source() : table_->source()).begin;
   return {file_, place.line, place.column, key, fmt::format("{} in {}", reason, path_)};

@@ -73,7 +73,8 @@ class TomlSection {
   [[nodiscard]] RackFileErrors* errors() const { return errors_; }
 
   /// Something is wrong with `key`, or with the table itself when it has no such key, without which
-  /// reading cannot go on: throws.
+  /// reading cannot go on: throws. Of a table that comes from no file the error is the reason
+  /// alone.
   [[noreturn]] void fail(const std::string& key, const std::string& reason);
   /// The same for a device that `key` names and that is not there.
   [[noreturn]] void fail_for_reference(const std::string& key, const std::string& reason);

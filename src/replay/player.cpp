@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "ethercat/frame.hpp"
+#include "rack/fault_section.hpp"
 #include "rack/journal.hpp"
 #include "replay/session_recorder.hpp"
 #include "replay/step_text.hpp"
@@ -29,7 +31,11 @@ class Player::LineOutput {
 
 Player::Player(RecordingReader& recording, rack::Rack& rack,
                const rack::RackConfiguration& configuration)
-    : recording_(recording), rack_(rack), signals_(rack.signals()), values_(signals_.size()) {
+    : recording_(recording),
+      rack_(rack),
+      configuration_(configuration),
+      signals_(rack.signals()),
+      values_(signals_.size()) {
   if (names_of(signals_) != recording.header().signal_names) {
     throw std::runtime_error(fmt::format(
         "the rack has other signals than the recorded one ({} instead of {}); the recording is of "
@@ -159,6 +165,16 @@ void Player::do_step() {
     case StepKind::event:
       rack_.apply(*step_.event, step_.time);
       break;
+    case StepKind::release:
+      in(step_.network, rack_.segment_count());
+      release();
+      break;
+    case StepKind::fault:
+      inject();
+      break;
+    case StepKind::fault_cleared:
+      static_cast<void>(rack_.clear_faults(step_.fault, step_.time));
+      break;
     case StepKind::object_read:
     case StepKind::object_written:
       access_object();
@@ -173,6 +189,22 @@ void Player::do_step() {
       break;
     case StepKind::end:
       break;
+  }
+}
+
+void Player::release() {
+  frame_.resize(ethercat::kMaximumFrameLength);
+  const auto released = rack_.release_frame(step_.network, step_.time, frame_);
+  exit_ = released ? std::optional(released->exit) : std::nullopt;
+  frame_.resize(released ? released->length : 0);
+}
+
+void Player::inject() {
+  try {
+    static_cast<void>(rack_.inject(rack::parse_fault(step_.name, configuration_), step_.time));
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error("the recording has a fault that this rack cannot have: " +
+                             std::string(error.what()));
   }
 }
 

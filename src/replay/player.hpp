@@ -70,11 +70,14 @@ class Player {
   void compare_bytes();
   void compare_signals();
   void access_object();
+  void release();
+  void inject();
   void differ(std::string place, std::string expected, std::string got);
   [[nodiscard]] bool exists(rack::DeviceAddress device);
 
   RecordingReader& recording_;
   rack::Rack& rack_;
+  const rack::RackConfiguration& configuration_;
   std::vector<std::size_t> port_counts_;  ///< by bus
   std::vector<std::vector<std::unique_ptr<can::Port>>> ports_;
   std::vector<devices::Signal> signals_;

@@ -41,6 +41,9 @@ enum class StepKind : std::uint8_t {
   signals = 14,  ///< those that have changed since the step of this kind before
   mark = 15,
   end = 16,
+  release = 17,
+  fault = 18,
+  fault_cleared = 19,
 };
 
 /// What a recording begins with: all that is needed to build the rack again.

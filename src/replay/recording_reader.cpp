@@ -186,6 +186,21 @@ bool RecordingReader::read_step(ByteReader& reader, Step& step) {
       }
       break;
     }
+    case StepKind::release:
+      step.network = static_cast<std::size_t>(reader.number());
+      read_time(reader);
+      request_.clear();
+      break;
+    case StepKind::fault:
+      read_time(reader);
+      step.name = reader.text();
+      break;
+    case StepKind::fault_cleared: {
+      read_time(reader);
+      const std::uint64_t id = reader.number();
+      step.fault = id == 0 ? std::nullopt : std::optional(id - 1);
+      break;
+    }
     case StepKind::mark:
       step.name = reader.text();
       break;

@@ -33,7 +33,8 @@ struct Step {
   std::uint16_t index = 0;
   std::uint8_t subindex = 0;
   std::vector<std::pair<std::size_t, double>> values{};  ///< signals that have changed
-  std::string name{};                                    ///< of a mark
+  std::string name{};                                    ///< of a mark; the keys of a fault
+  std::optional<std::uint64_t> fault{};  ///< the number of one that ends; nothing: all
 };
 
 /// Reads a recording from the front.

@@ -228,6 +228,28 @@ void SessionRecorder::event(const rack::RackEvent& event, base::SimTime now) {
   }
 }
 
+void SessionRecorder::release(std::size_t segment, base::SimTime now) {
+  request_.clear();
+  if (begin(StepKind::release)) {
+    writer().number(segment);
+    time(now);
+  }
+}
+
+void SessionRecorder::fault(const std::string& text, base::SimTime now) {
+  if (begin(StepKind::fault, text.size())) {
+    time(now);
+    writer().text(text);
+  }
+}
+
+void SessionRecorder::fault_cleared(std::optional<std::uint64_t> id, base::SimTime now) {
+  if (begin(StepKind::fault_cleared)) {
+    time(now);
+    writer().number(id ? *id + 1 : 0);
+  }
+}
+
 void SessionRecorder::object_read(rack::DeviceAddress device, std::uint16_t index,
                                   std::uint8_t subindex) {
   if (begin(StepKind::object_read)) {

@@ -9,6 +9,7 @@
 
 #include "web/assets.hpp"
 #include "web/events_job.hpp"
+#include "web/fault_api.hpp"
 #include "web/input_api.hpp"
 #include "web/object_api.hpp"
 #include "web/panel_api.hpp"
@@ -102,6 +103,12 @@ Answer answer(const Match& match, const Request& request, State& state) {
     case Operation::take_snapshot:
     case Operation::restore_snapshot:
       return answer_session(match, request, state.session);
+    case Operation::fault_kinds:
+    case Operation::faults:
+    case Operation::inject_fault:
+    case Operation::clear_fault:
+    case Operation::clear_faults:
+      return answer_faults(match, request, state);
   }
   return problem(500, "a route without an answer");
 }

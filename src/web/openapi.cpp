@@ -205,6 +205,85 @@ constexpr const char* kSchemas = R"({
     "type": "object",
     "required": ["events"],
     "properties": {"events": {"type": "array", "items": {"$ref": "#/components/schemas/Event"}}}
+  },
+  "FaultParameter": {
+    "type": "object",
+    "required": ["name", "type", "unit", "minimum", "maximum", "choices", "default", "needed", "summary"],
+    "properties": {
+      "name": {"type": "string"},
+      "type": {"enum": ["whole number", "number", "duration", "text", "choice"]},
+      "unit": {"type": "string"},
+      "minimum": {"type": ["number", "null"], "description": "Of a duration in seconds"},
+      "maximum": {"type": ["number", "null"]},
+      "choices": {"type": "array", "items": {"type": "string"}},
+      "default": {"type": "string", "description": "As in a rack file; empty: none"},
+      "needed": {"type": "boolean"},
+      "summary": {"type": "string"}
+    }
+  },
+  "FaultKind": {
+    "type": "object",
+    "required": ["name", "summary", "effect", "applies_to", "counts", "momentary", "target", "parameters"],
+    "properties": {
+      "name": {"type": "string"},
+      "summary": {"type": "string"},
+      "effect": {"type": "string", "description": "What the master sees"},
+      "applies_to": {"enum": ["port", "device", "bus", "axis", "line"]},
+      "counts": {"type": "string", "description": "What \"count\" counts; empty: it takes none"},
+      "momentary": {"type": "boolean", "description": "Over as soon as it has begun"},
+      "target": {"type": "array", "items": {"$ref": "#/components/schemas/FaultParameter"}},
+      "parameters": {"type": "array", "items": {"$ref": "#/components/schemas/FaultParameter"}}
+    }
+  },
+  "FaultKinds": {
+    "type": "object",
+    "required": ["kinds", "common", "when"],
+    "properties": {
+      "kinds": {"type": "array", "items": {"$ref": "#/components/schemas/FaultKind"}},
+      "common": {"type": "array", "items": {"$ref": "#/components/schemas/FaultParameter"}},
+      "when": {"type": "array", "items": {"$ref": "#/components/schemas/FaultParameter"}}
+    }
+  },
+  "Fault": {
+    "type": "object",
+    "required": ["id", "name", "kind", "target", "state", "remaining", "remaining_ns", "remaining_count", "hits", "begun_ns", "ended_ns"],
+    "properties": {
+      "id": {"type": "integer"},
+      "name": {"type": "string"},
+      "kind": {"type": "string"},
+      "target": {"type": "string"},
+      "state": {"enum": ["armed", "active", "done"]},
+      "remaining": {"type": "string", "description": "What it waits for or how long it goes on, in words"},
+      "remaining_ns": {"type": ["integer", "null"]},
+      "remaining_count": {"type": ["integer", "null"]},
+      "hits": {"type": "integer"},
+      "begun_ns": {"type": ["integer", "null"]},
+      "ended_ns": {"type": ["integer", "null"]}
+    }
+  },
+  "Faults": {
+    "type": "object",
+    "required": ["time_ns", "faults"],
+    "properties": {
+      "time_ns": {"type": "integer"},
+      "faults": {"type": "array", "items": {"$ref": "#/components/schemas/Fault"}}
+    }
+  },
+  "FaultRequest": {
+    "type": "object",
+    "required": ["kind"],
+    "description": "The keys of a [[fault]], see docs/faults.md; durations are texts such as \"20ms\"",
+    "properties": {"kind": {"type": "string"}, "when": {"type": "object"}}
+  },
+  "FaultNumber": {
+    "type": "object",
+    "required": ["id"],
+    "properties": {"id": {"type": "integer"}}
+  },
+  "Cleared": {
+    "type": "object",
+    "required": ["time_ns", "cleared"],
+    "properties": {"time_ns": {"type": "integer"}, "cleared": {"type": "integer"}}
   }
 })";
 
@@ -250,7 +329,7 @@ Json operation_of(const Route& route) {
   }
   const Json text{{"type", "string"}};
   operation["responses"] = {
-      {"200",
+      {std::to_string(route.status),
        {{"description", "Done"},
         {"content",
          body_of(route.content_type, route.schema.empty() ? text : reference(route.schema))}}},

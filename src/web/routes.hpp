@@ -39,6 +39,11 @@ enum class Operation : std::uint8_t {
   state_machines,
   program,
   traffic,
+  fault_kinds,
+  faults,
+  inject_fault,
+  clear_fault,
+  clear_faults,
 };
 
 struct QueryParameter {
@@ -60,6 +65,7 @@ struct Route {
   bool open = false;                  ///< needs no token wherever the request comes from
   bool stream = false;                ///< a WebSocket is opened at the same place
   std::string_view content_type = "application/json";
+  unsigned status = 200;  ///< of an answer without error
 
   [[nodiscard]] bool writes() const { return method != "GET"; }
 };

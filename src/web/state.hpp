@@ -69,6 +69,7 @@ class State {
   State(rack::Rack& rack, const rack::RackConfiguration& configuration, const rack::EventLog& log,
         const rack::Runner& runner);
 
+  [[nodiscard]] const rack::RackConfiguration& configuration() const { return configuration_; }
   [[nodiscard]] const std::vector<DeviceRecord>& devices() const { return devices_; }
   /// Null: there is none.
   [[nodiscard]] const DeviceRecord* find_device(std::string_view name) const;

@@ -175,7 +175,7 @@ TEST(ServoDrivePlant, EveryInitialisationOfTheEncoderFindsTheRotor) {
 TEST(ServoDrivePlant, AlignmentFailsWithABrokenCableAndIndexSearchWithoutAnNPulse) {
   plant::ServoAxisFaults faults;
   faults.open = {true, true, true};
-  faults.encoder_index_lost = true;
+  faults.common.encoders[0].index_lost = true;
   for (const control::EncoderInitMode mode :
        {control::EncoderInitMode::align, control::EncoderInitMode::index}) {
     control::ServoControllerSettings settings = with(control::ServoCommutation::encoder);

@@ -112,7 +112,7 @@ TEST_P(PwmAxisFaultsOf, AJammedShaftStandsAndAFreedOneTurns) {
     PwmAxis axis = axis_of(p);
     run(axis, 0.05, 4.0);
     ASSERT_GT(axis.speed(), 10.0);
-    axis.set_faults({.jamming_torque = 5.0});
+    axis.set_faults({.common = {.shaft = {.jamming_torque = 5.0}}});
     run(axis, 0.005, 4.0);
     EXPECT_EQ(axis.speed(), 0.0);
     EXPECT_GT(std::fabs(axis.observe().quadrature_current), 1.0);
@@ -141,7 +141,7 @@ TEST(PwmAxisFaults, ALostEncoderChannelFreezesTheCountAndAfterRepairItGoesOnFrom
   PwmAxis axis(p);
   run(axis, 0.1, 3.0);
   const std::int64_t frozen = axis.sensing().encoders[1].count;
-  axis.set_faults({.encoders = {EncoderCableFaults{}, {.channel_lost = true}}});
+  axis.set_faults({.common = {.encoders = {{{}, {.lost = true}}}}});
   run(axis, 0.05, 3.0);
   EXPECT_EQ(axis.sensing().encoders[1].count, frozen);
   EXPECT_NEAR(static_cast<double>(axis.sensing().encoders[0].count), 4096.0 * axis.revolutions(),
@@ -165,7 +165,7 @@ TEST(PwmAxisFaults, LostCountsStayLostUntilTheIndexShowsThem) {
 
 TEST(PwmAxisFaults, WithoutItsIndexChannelNoPassageIsSeen) {
   PwmAxis axis(three_phase_axis());
-  axis.set_faults({.encoders = {{{.index_lost = true}, {}}}});
+  axis.set_faults({.common = {.encoders = {{{.index_lost = true}, {}}}}});
   run(axis, 0.2, 3.0);
   ASSERT_GT(axis.revolutions(), 2.0);
   EXPECT_EQ(axis.sensing().encoders[0].index_passages, 0U);

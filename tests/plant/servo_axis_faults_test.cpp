@@ -86,7 +86,7 @@ TEST(ServoAxisFaults, ALostEncoderChannelFreezesTheCountAndAfterRepairItGoesOnFr
   ServoAxis axis(textbook_axis());
   run(axis, 100.0, 3.0);
   const std::int64_t frozen = axis.sensing().encoder_count;
-  axis.set_faults({.encoder_channel_lost = true});
+  axis.set_faults({.common = {.encoders = {{{.lost = true}, {}}}}});
   run(axis, 50.0, 3.0);
   EXPECT_EQ(axis.sensing().encoder_count, frozen);
   const double at_repair = axis.observe().shaft_revolutions;
@@ -109,7 +109,7 @@ TEST(ServoAxisFaults, LostCountsStayLostUntilTheIndexShowsThem) {
 
 TEST(ServoAxisFaults, WithoutItsIndexChannelNoPassageIsSeen) {
   ServoAxis axis(textbook_axis());
-  axis.set_faults({.encoder_index_lost = true});
+  axis.set_faults({.common = {.encoders = {{{.index_lost = true}, {}}}}});
   run(axis, 200.0, 3.0);
   ASSERT_GT(axis.observe().shaft_revolutions, 2.0);
   EXPECT_EQ(axis.sensing().encoder_index_passages, 0U);

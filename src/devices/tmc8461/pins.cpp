@@ -245,6 +245,7 @@ std::vector<Input> Tmc8461::inputs() {
     all.push_back({pin_name(probe.number), "", 0.0, 1.0,
                    base::Delegate<void(double)>::bind<&Probe::drive_io>(probe)});
   }
+  all.push_back(clock_deviation_input());
   std::ranges::move(board_.inputs(), std::back_inserter(all));
   return all;
 }

@@ -96,11 +96,10 @@ void AxisWorld::append_fault_inputs(std::vector<Input>& inputs) {
   add("hall_fault_2", "", 0.0, 2.0, Set::bind<&AxisWorld::set_hall_fault<1>>(*this));
   add("hall_fault_3", "", 0.0, 2.0, Set::bind<&AxisWorld::set_hall_fault<2>>(*this));
   add("halls_swapped", "", 0.0, 1.0, Set::bind<&AxisWorld::set_halls_swapped>(*this));
-  add("encoder_lost", "", 0.0, 1.0, Set::bind<&AxisWorld::set_channel_lost<0>>(*this));
-  add("encoder_index_lost", "", 0.0, 1.0, Set::bind<&AxisWorld::set_index_lost<0>>(*this));
-  add("encoder_2_lost", "", 0.0, 1.0, Set::bind<&AxisWorld::set_channel_lost<1>>(*this));
   add("encoder_counts_lost", "count", -1e6, 1e6, Set::bind<&AxisWorld::lose_counts<0>>(*this));
-  add("jamming_torque", "Nm", 0.0, 1000.0, Set::bind<&AxisWorld::set_jamming>(*this));
+  add("encoder_2_counts_lost", "count", -1e6, 1e6, Set::bind<&AxisWorld::lose_counts<1>>(*this));
+  add("converter_noise", "count", 0.0, 65535.0, Set::bind<&AxisWorld::set_converter_noise>(*this));
+  fault_inputs_.append(inputs, "axis0.");
 }
 
 }  // namespace stator::devices::tmc8670

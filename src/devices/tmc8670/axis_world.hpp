@@ -10,6 +10,7 @@
 #include "devices/signal.hpp"
 #include "devices/tmc8670/junction.hpp"
 #include "devices/tmc8670/servo_stage.hpp"
+#include "plant/axis_fault_inputs.hpp"
 #include "plant/pwm_axis.hpp"
 
 namespace stator::devices::tmc8670 {
@@ -22,7 +23,11 @@ namespace stator::devices::tmc8670 {
 class AxisWorld {
  public:
   /// `stage` outlives the world.
-  explicit AxisWorld(ServoStage& stage) : stage_(stage) {}
+  explicit AxisWorld(ServoStage& stage)
+      : stage_(stage),
+        fault_inputs_(stage.plant(), {plant::AxisPart::limit_switches, plant::AxisPart::home_switch,
+                                      plant::AxisPart::brake, plant::AxisPart::motor_thermometer,
+                                      plant::AxisPart::encoder, plant::AxisPart::second_encoder}) {}
   AxisWorld(const AxisWorld&) = delete;
   AxisWorld& operator=(const AxisWorld&) = delete;
   ~AxisWorld() = default;
@@ -72,14 +77,6 @@ class AxisWorld {
     });
   }
   template <std::size_t Encoder>
-  void set_channel_lost(double level) {
-    change_faults([=](Faults& f) { f.encoders[Encoder].channel_lost = level >= 0.5; });
-  }
-  template <std::size_t Encoder>
-  void set_index_lost(double level) {
-    change_faults([=](Faults& f) { f.encoders[Encoder].index_lost = level >= 0.5; });
-  }
-  template <std::size_t Encoder>
   void lose_counts(double counts) {
     plant().lose_encoder_counts(Encoder, static_cast<std::int64_t>(counts));
   }
@@ -89,8 +86,8 @@ class AxisWorld {
   void set_halls_swapped(double level) {
     change_faults([=](Faults& f) { f.halls_swapped = level >= 0.5; });
   }
-  void set_jamming(double torque) {
-    change_faults([=](Faults& f) { f.jamming_torque = torque; });
+  void set_converter_noise(double counts) {
+    change_faults([=](Faults& f) { f.converter_noise = counts; });
   }
   void set_load_torque(double torque) { plant().set_external_torque(torque); }
   void set_supply_voltage(double voltage) { plant().set_supply_voltage(voltage); }
@@ -138,6 +135,7 @@ class AxisWorld {
   [[nodiscard]] double status_out() const { return stage_.block().outputs().status ? 1.0 : 0.0; }
 
   ServoStage& stage_;
+  plant::AxisFaultInputs<plant::PwmAxis> fault_inputs_;
   std::array<bool, 2> probes_{};
   bool powered_ = true;
   double air_speed_ = 0.0;  ///< m/s around the chip

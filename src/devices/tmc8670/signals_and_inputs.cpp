@@ -24,6 +24,7 @@ std::vector<Input> Tmc8670::inputs() {
   using Set = base::Delegate<void(double)>;
   inputs.push_back({"supply_3v3", "V", -1.0, 6.0, Set::bind<&Tmc8670::set_logic_supply<0>>(*this)});
   inputs.push_back({"supply_1v2", "V", -1.0, 6.0, Set::bind<&Tmc8670::set_logic_supply<1>>(*this)});
+  inputs.push_back(clock_deviation_input());
   return inputs;
 }
 

@@ -73,10 +73,9 @@ void AxisWorld::append_inputs(std::vector<Input>& inputs) {
   add("hall_fault_3", "", 0.0, 2.0, Set::bind<&AxisWorld::set_hall_fault<2>>(*this));
   add("halls_swapped", "", 0.0, 1.0,
       Set::bind<&AxisWorld::set_fault<&Faults::halls_swapped>>(*this));
-  add("encoder_lost", "", 0.0, 1.0,
-      Set::bind<&AxisWorld::set_fault<&Faults::encoder_channel_lost>>(*this));
-  add("encoder_index_lost", "", 0.0, 1.0,
-      Set::bind<&AxisWorld::set_fault<&Faults::encoder_index_lost>>(*this));
+  add("encoder_counts_lost", "count", -1e6, 1e6, Set::bind<&AxisWorld::lose_counts>(*this));
+  add("current_noise", "A", 0.0, 100.0, Set::bind<&AxisWorld::set_current_noise>(*this));
+  fault_inputs_.append(inputs, "axis0.");
 }
 
 }  // namespace stator::devices::tmcc160

@@ -2,12 +2,14 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "base/servo_signals.hpp"
 #include "devices/input.hpp"
 #include "devices/signal.hpp"
+#include "plant/axis_fault_inputs.hpp"
 #include "plant/servo_axis.hpp"
 
 namespace stator::devices::tmcc160 {
@@ -18,7 +20,10 @@ namespace stator::devices::tmcc160 {
 /// The world of the axis with what can be recorded of it and what can be set around it.
 class AxisWorld {
  public:
-  explicit AxisWorld(const plant::ServoAxisParameters& parameters) : plant_(parameters) {}
+  explicit AxisWorld(const plant::ServoAxisParameters& parameters)
+      : plant_(parameters),
+        fault_inputs_(plant_, {plant::AxisPart::limit_switches, plant::AxisPart::brake,
+                               plant::AxisPart::encoder}) {}
   AxisWorld(const AxisWorld&) = delete;
   AxisWorld& operator=(const AxisWorld&) = delete;
   ~AxisWorld() = default;
@@ -53,6 +58,12 @@ class AxisWorld {
     faults.halls[Sensor] = static_cast<plant::HallFault>(static_cast<int>(kind));
     plant_.set_faults(faults);
   }
+  void set_current_noise(double ampere) {
+    Faults faults = plant_.state().faults;
+    faults.current_noise = ampere;
+    plant_.set_faults(faults);
+  }
+  void lose_counts(double counts) { plant_.lose_encoder_counts(static_cast<std::int64_t>(counts)); }
   void set_load_torque(double torque) { plant_.set_external_torque(torque); }
   void set_supply_voltage(double voltage);
   void set_ambient_temperature(double celsius) { plant_.set_ambient_temperature(celsius); }
@@ -76,6 +87,7 @@ class AxisWorld {
   [[nodiscard]] double driver_temperature() const { return sensing().driver_temperature; }
 
   plant::ServoAxis plant_;
+  plant::AxisFaultInputs<plant::ServoAxis> fault_inputs_;
 };
 
 }  // namespace stator::devices::tmcc160

@@ -54,7 +54,8 @@ void ModuleInputs::show_analog(Entry& entry) {
   switch (entry.subindex()) {
     case 1:
     case 2:
-      entry.set_value(analog_.at(entry.subindex() - 1U));
+      entry.set_value(static_cast<std::uint64_t>(noise_.disturb(
+          analog_.at(entry.subindex() - 1U), static_cast<std::int32_t>(kFullScale))));
       break;
     case 3:
     case 4:

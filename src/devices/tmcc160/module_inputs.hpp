@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "base/servo_signals.hpp"
+#include "devices/analog_noise.hpp"
 #include "dictionary/dictionary.hpp"
 
 namespace stator::devices::tmcc160 {
@@ -26,6 +27,8 @@ class ModuleInputs {
   [[nodiscard]] bool enable() const { return enable_; }
   /// Reading of analog input IN_0 or IN_1, counts of 12 bits.
   void set_analog(std::size_t input, std::uint16_t counts) { analog_.at(input) = counts; }
+  /// Of both.
+  [[nodiscard]] AnalogNoise& noise() { return noise_; }
 
  private:
   void show_digital(dictionary::Entry& entry);
@@ -36,6 +39,7 @@ class ModuleInputs {
   const base::ServoSensing& sensing_;
   bool enable_ = true;
   std::array<std::uint16_t, kAnalogInputs> analog_{};
+  AnalogNoise noise_{160};
 };
 
 }  // namespace stator::devices::tmcc160

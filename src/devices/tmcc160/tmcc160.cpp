@@ -437,6 +437,8 @@ std::vector<Input> Tmcc160::inputs() {
       {"analog_input_0", "count", 0.0, 4095.0, Set::bind<&Tmcc160::input_analog<0>>(*this)});
   inputs.push_back(
       {"analog_input_1", "count", 0.0, 4095.0, Set::bind<&Tmcc160::input_analog<1>>(*this)});
+  inputs.push_back({"analog_noise", "count", 0.0, 4095.0,
+                    Set::bind<&AnalogNoise::set_amplitude>(inputs_.noise())});
   return inputs;
 }
 

@@ -21,7 +21,8 @@ std::uint32_t ModuleIo::inputs(bool home_contact) const {
 
 std::int32_t ModuleIo::converter(std::size_t channel) const {
   const double counts = voltages_[channel] / kReferenceVoltage * kConverterCounts;
-  return std::min(static_cast<std::int32_t>(counts), kConverterCounts - 1);
+  return noise_.disturb(std::min(static_cast<std::int32_t>(counts), kConverterCounts - 1),
+                        kConverterCounts - 1);
 }
 
 void ModuleIo::append_signals(std::vector<Signal>& signals) {
@@ -50,6 +51,8 @@ void ModuleIo::append_inputs(std::vector<Input>& inputs) {
   level("input7", Set::bind<&ModuleIo::set_level<7>>(*this));
   level("input8", Set::bind<&ModuleIo::set_level<8>>(*this));
   level("shutdown", Set::bind<&ModuleIo::set_shutdown>(*this));
+  inputs.push_back(
+      {"analog_noise", "count", 0.0, 1023.0, Set::bind<&AnalogNoise::set_amplitude>(noise_)});
 }
 
 }  // namespace stator::devices::tmcm_142

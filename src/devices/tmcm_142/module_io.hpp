@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "devices/analog_noise.hpp"
 #include "devices/input.hpp"
 #include "devices/signal.hpp"
 
@@ -67,6 +68,7 @@ class ModuleIo {
   std::array<bool, kInputs> levels_{};  ///< of those that are no voltages
   std::uint32_t outputs_ = 0;
   bool shutdown_ = false;
+  mutable AnalogNoise noise_{142};  ///< every reading is another one
 };
 
 }  // namespace stator::devices::tmcm_142

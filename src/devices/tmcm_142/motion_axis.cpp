@@ -47,7 +47,10 @@ std::string_view cause_of(const DriverStage& stage) {
 }  // namespace
 
 MotionAxis::MotionAxis(const plant::StepperAxisParameters& plant, base::EventReporter reporter)
-    : reporter_(reporter), plant_(plant) {}
+    : reporter_(reporter),
+      plant_(plant),
+      fault_inputs_(plant_, {plant::AxisPart::limit_switches, plant::AxisPart::home_switch,
+                             plant::AxisPart::encoder}) {}
 
 void MotionAxis::restart() {
   controller_ = Controller();

@@ -13,6 +13,7 @@
 #include "devices/signal.hpp"
 #include "devices/tmcm_142/driver_stage.hpp"
 #include "devices/tmcm_142/options.hpp"
+#include "plant/axis_fault_inputs.hpp"
 #include "plant/stepper_axis.hpp"
 
 namespace stator::devices::tmcm_142 {
@@ -103,6 +104,7 @@ class MotionAxis {
     faults.high_side = level >= 0.5;
     plant_.set_faults(faults);
   }
+  void lose_counts(double counts) { plant_.lose_encoder_counts(static_cast<std::int64_t>(counts)); }
   void set_load_torque(double torque) { plant_.set_external_torque(torque); }
   void set_supply_voltage(double voltage) { plant_.set_supply_voltage(voltage); }
   void set_ambient_temperature(double celsius) { plant_.set_ambient_temperature(celsius); }
@@ -150,6 +152,7 @@ class MotionAxis {
 
   base::EventReporter reporter_;
   plant::StepperAxis plant_;
+  plant::AxisFaultInputs<plant::StepperAxis> fault_inputs_;
   Controller controller_;
   control::motion_controller::ReferenceSearch search_;
   DriverStage stage_;

@@ -74,6 +74,8 @@ void MotionAxis::append_inputs(std::vector<Input>& inputs) {
   add("short_a", "", 0.0, 1.0, Set::bind<&MotionAxis::set_phase_fault<&Faults::shorted, 0>>(*this));
   add("short_b", "", 0.0, 1.0, Set::bind<&MotionAxis::set_phase_fault<&Faults::shorted, 1>>(*this));
   add("short_high_side", "", 0.0, 1.0, Set::bind<&MotionAxis::set_high_side_short>(*this));
+  add("encoder_counts_lost", "count", -1e6, 1e6, Set::bind<&MotionAxis::lose_counts>(*this));
+  fault_inputs_.append(inputs, "axis0.");
 }
 
 }  // namespace stator::devices::tmcm_142

@@ -79,6 +79,8 @@ AxisUnit::AxisUnit(dictionary::Dictionary& dictionary, std::uint8_t number,
       driver_objects_(dictionary, manufacturer_offset(number)),
       ramp_objects_(dictionary, manufacturer_offset(number)),
       plant_(plant),
+      fault_inputs_(plant_, {plant::AxisPart::limit_switches, plant::AxisPart::home_switch,
+                             plant::AxisPart::brake, plant::AxisPart::encoder}),
       sensing_(plant_.sensing()) {
   const auto own = [number](unsigned index) {
     return static_cast<std::uint16_t>(index + manufacturer_offset(number));
@@ -329,6 +331,8 @@ void AxisUnit::append_inputs(std::vector<Input>& inputs) {
   add("short_a", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::shorted, 0>>(*this));
   add("short_b", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::shorted, 1>>(*this));
   add("short_high_side", "", 0.0, 1.0, Set::bind<&AxisUnit::set_fault<&Faults::high_side>>(*this));
+  add("encoder_counts_lost", "count", -1e6, 1e6, Set::bind<&AxisUnit::lose_counts>(*this));
+  fault_inputs_.append(inputs, prefix);
 }
 
 }  // namespace stator::devices::tmcm_3315

@@ -17,6 +17,7 @@
 #include "devices/tmcm_3315/reference_objects.hpp"
 #include "dictionary/dictionary.hpp"
 #include "drive/stepper_axis.hpp"
+#include "plant/axis_fault_inputs.hpp"
 #include "plant/stepper_axis.hpp"
 
 namespace stator::devices::tmcm_3315 {
@@ -151,6 +152,7 @@ class AxisUnit {
     (faults.*Fault)[Phase] = level >= 0.5;
     plant_.set_faults(faults);
   }
+  void lose_counts(double counts) { plant_.lose_encoder_counts(static_cast<std::int64_t>(counts)); }
   void set_ambient_temperature(double celsius) { plant_.set_ambient_temperature(celsius); }
   void set_load_torque(double torque) { plant_.set_external_torque(torque); }
   void set_supply_voltage(double voltage) { plant_.set_supply_voltage(voltage); }
@@ -168,6 +170,7 @@ class AxisUnit {
   DriverObjects driver_objects_;
   RampObjects ramp_objects_;
   plant::StepperAxis plant_;
+  plant::AxisFaultInputs<plant::StepperAxis> fault_inputs_;
   const base::AxisSensing& sensing_;
   bool brake_coil_releases_ = false;  ///< set_brake_coil() says it with the first duty
   std::optional<drive::StepperAxis> axis_;

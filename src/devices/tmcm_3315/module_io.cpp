@@ -35,7 +35,8 @@ void ModuleIo::restart() {
 void ModuleIo::read_inputs() {
   digital_inputs_.set(input_bits());
   for (std::size_t i = 0; i < kChannels; ++i) {
-    analog_inputs_[i].set(channels_[i].counts);
+    analog_inputs_[i].set(
+        static_cast<std::uint32_t>(noise_.disturb(channels_[i].counts, kFullScale)));
   }
 }
 
@@ -89,6 +90,8 @@ void ModuleIo::append_inputs(std::vector<Input>& inputs) {
     inputs.push_back(
         {"analog_input" + number, "count", 0.0, 65535.0, Set::bind<&Channel::set_counts>(channel)});
   }
+  inputs.push_back(
+      {"analog_noise", "count", 0.0, 65535.0, Set::bind<&AnalogNoise::set_amplitude>(noise_)});
 }
 
 }  // namespace stator::devices::tmcm_3315

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "devices/analog_noise.hpp"
 #include "devices/input.hpp"
 #include "devices/signal.hpp"
 #include "devices/tmcm_3315/objects.hpp"
@@ -71,11 +72,14 @@ class ModuleIo {
     void set_counts(double value) { counts = static_cast<std::uint16_t>(std::lround(value)); }
   };
 
+  static constexpr std::int32_t kFullScale = 65535;  ///< counts of an analog input
+
   dictionary::Variable<std::uint32_t> digital_inputs_;                        // 2702h
   dictionary::Variable<std::uint32_t> physical_outputs_;                      // 2703h:01
   dictionary::Variable<std::uint32_t> output_mask_;                           // 2703h:02
   std::array<dictionary::Variable<std::uint32_t>, kChannels> analog_inputs_;  // 270Eh
   std::array<Channel, kChannels> channels_;
+  AnalogNoise noise_{3315};
 };
 
 }  // namespace stator::devices::tmcm_3315

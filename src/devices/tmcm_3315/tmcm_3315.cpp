@@ -390,6 +390,7 @@ std::vector<Input> Tmcm3315::inputs() {
   io_.append_inputs(inputs);
   inputs.push_back({"shutdown_switch", "", 0.0, 1.0,
                     base::Delegate<void(double)>::bind<&Tmcm3315::input_shutdown_switch>(*this)});
+  inputs.push_back(clock_deviation_input());
   return inputs;
 }
 

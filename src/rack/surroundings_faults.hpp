@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "devices/input.hpp"
+#include "rack/fault_configuration.hpp"
+#include "rack/fault_effects.hpp"
+
+namespace stator::rack {
+
+/// An input that a fault of motor, load, sensors or supply sets.
+struct FaultSetting {
+  std::string input;
+  double value = 0.0;
+  std::string_view key;  ///< of the fault, that the value comes from
+  /// The value is reached within the fault's `over`, if it has one.
+  bool ramped = false;
+};
+
+/// The kinds of FaultAction::surroundings: faults of everything around a device by the names people
+/// have for them. Each sets inputs, all of which are sound at 0.
+[[nodiscard]] std::span<const FaultKind> surroundings_fault_kinds();
+
+/// What such a fault sets at its begin, in this order; at its end they go back to 0 the other way
+/// round. `inputs` are those of the device: names differ between products.
+[[nodiscard]] std::vector<FaultSetting> settings_of(const FaultConfiguration& fault,
+                                                    std::span<const devices::Input> inputs);
+
+/// Why such a fault cannot happen to a device with these inputs, and the key that is to blame;
+/// empty: it can.
+struct SettingProblem {
+  std::string key;
+  std::string text;
+};
+[[nodiscard]] SettingProblem setting_problem(const FaultConfiguration& fault,
+                                             std::span<const devices::Input> inputs);
+
+[[nodiscard]] std::unique_ptr<FaultEffect> make_surroundings_effect(
+    Rack& rack, const FaultConfiguration& fault);
+
+}  // namespace stator::rack

@@ -1,0 +1,510 @@
+// What each kind of fault does to a master, and that the rack recovers after it. Every kind of the
+// table has its row here.
+
+#include "rack/fault_kinds.hpp"
+
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "ethercat/register_addresses.hpp"
+#include "rack/fault_bench.hpp"
+#include "source_paths.hpp"
+
+namespace stator::rack {
+namespace {
+
+using namespace base::literals;
+using namespace ethercat::register_address;
+using ethercat::AlState;
+using ethercat::Command;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using tests::BusFaultBench;
+using tests::LineFaultBench;
+using tests::SegmentFaultBench;
+
+constexpr std::uint16_t kScratch = 0x1F00;  ///< process memory that nothing uses
+
+std::optional<SegmentFaultBench::Answer> broadcast(SegmentFaultBench& bench, std::uint16_t value) {
+  return bench.send(Command::bwr, 0, kScratch, value, 1_ms);
+}
+
+void ethercat_drop() {
+  SegmentFaultBench bench;
+  const auto fault = bench.inject("kind = 'ethercat-drop'\ndevice = 'right'\ncount = 2");
+  EXPECT_FALSE(broadcast(bench, 0x44));
+  EXPECT_EQ(bench.peek(0, kScratch), 0x44U) << "before the place";
+  EXPECT_EQ(bench.peek(1, kScratch), 0U) << "behind it";
+  EXPECT_FALSE(broadcast(bench, 0x45));
+  for (std::uint16_t address = kReceiveErrors; address < kReceiveErrors + 0x0C; ++address) {
+    EXPECT_EQ(bench.counter(0, address) + bench.counter(1, address), 0U) << address;
+  }
+  EXPECT_EQ(bench.state(fault), FaultState::done);
+  EXPECT_TRUE(broadcast(bench, 0x46));
+  bench.bring_to_operational();
+}
+
+void ethercat_corrupt() {
+  SegmentFaultBench bench;
+  const auto fault = bench.inject("kind = 'ethercat-corrupt'\ndevice = 'right'\ncount = 1");
+  EXPECT_FALSE(broadcast(bench, 0x55));
+  EXPECT_EQ(bench.counter(1, kReceiveErrors), 1U) << "invalid frame at port 0 of the second";
+  EXPECT_EQ(bench.counter(0, kForwardedErrors + 1), 1U)
+      << "forwarded error at port 1 of the first, on the way back";
+  EXPECT_EQ(bench.state(fault), FaultState::done);
+  bench.bring_to_operational();
+}
+
+void ethercat_delay() {
+  SegmentFaultBench bench;
+  bench.inject("kind = 'ethercat-delay'\ndevice = 'right'\ndelay = '3ms'\ncount = 1");
+  EXPECT_FALSE(broadcast(bench, 0x66)) << "not within 1 ms";
+  const std::uint8_t index = bench.index();
+  EXPECT_EQ(bench.peek(0, kScratch), 0x66U);
+  EXPECT_EQ(bench.peek(1, kScratch), 0U) << "it has not come there";
+  const base::SimTime before = bench.now();
+  const auto late = bench.receive(10_ms);
+  ASSERT_TRUE(late);
+  EXPECT_EQ(late->index, index);
+  EXPECT_EQ(late->working_counter, 2U);
+  EXPECT_EQ(bench.now() - before, 2_ms) << "3 ms after it was sent, of which 1 was waited";
+  EXPECT_EQ(bench.peek(1, kScratch), 0x66U);
+  bench.bring_to_operational();
+}
+
+void ethercat_duplicate() {
+  SegmentFaultBench bench;
+  bench.inject("kind = 'ethercat-duplicate'\ndevice = 'right'\ncount = 1");
+  const auto first = broadcast(bench, 0x77);
+  const auto second = bench.receive(1_ms);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->index, second->index);
+  EXPECT_FALSE(bench.receive(1_ms));
+  ASSERT_EQ(bench.scan(), 2U);
+  ASSERT_TRUE(bench.master.start_mailbox(1));
+  const auto fault = bench.inject("kind = 'ethercat-duplicate'\ndevice = 'right'");
+  const auto vendor = bench.master.upload_number<std::uint32_t>(1, {0x1018, 1});
+  EXPECT_TRUE(vendor) << vendor.error().text << ": a master that counts indexes copes";
+  bench.clear(fault);
+  bench.bring_to_operational();
+}
+
+void ethercat_reorder() {
+  SegmentFaultBench bench;
+  bench.inject("kind = 'ethercat-reorder'\ndevice = 'left'\ncount = 1");
+  EXPECT_FALSE(bench.send(Command::bwr, 0, kScratch, 1));
+  const std::uint8_t first = bench.index();
+  const auto overtaker = bench.send(Command::bwr, 0, kScratch, 2);
+  const auto overtaken = bench.receive(1_ms);
+  ASSERT_TRUE(overtaker && overtaken);
+  EXPECT_EQ(overtaker->index, bench.index());
+  EXPECT_EQ(overtaken->index, first);
+  EXPECT_EQ(bench.peek(1, kScratch), 1U) << "the older value has won";
+  bench.bring_to_operational();
+}
+
+void link_down() {
+  SegmentFaultBench bench;
+  bench.bring_to_operational();
+  const auto fault = bench.inject("kind = 'link-down'\ndevice = 'right'");
+  const auto counted = bench.master.exchange_process_data();
+  ASSERT_FALSE(counted);
+  EXPECT_EQ(counted.error().code, master::ErrorCode::working_counter);
+  const auto status = bench.send(Command::aprd, 0, kDlStatus);
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->value >> 5U & 1U, 0U) << "no link at port 1";
+  EXPECT_EQ(status->value >> 10U & 1U, 1U) << "loop at port 1 closed";
+  EXPECT_EQ(bench.counter(0, kLostLinks + 1), 1U);
+  bench.clear(fault);
+  bench.bring_to_operational();
+
+  // A loose plug.
+  const auto loose =
+      bench.inject("kind = 'link-down'\ndevice = 'right'\nflap = '10ms'\nfor = '45ms'");
+  const unsigned lost = bench.counter(0, kLostLinks + 1);
+  bench.port.wait(44_ms);
+  EXPECT_EQ(bench.counter(0, kLostLinks + 1), lost + 2) << "down at 0, 20, 40 ms";
+  bench.port.wait(2_ms);
+  EXPECT_EQ(bench.state(loose), FaultState::done);
+  bench.bring_to_operational();
+}
+
+void power_off() {
+  SegmentFaultBench bench;
+  bench.bring_to_operational();
+  const auto fault = bench.inject("kind = 'power-off'\ndevice = 'right'\nfor = '200ms'");
+  EXPECT_EQ(bench.master.exchange_process_data().error().code, master::ErrorCode::working_counter);
+  bench.port.wait(201_ms);
+  EXPECT_EQ(bench.state(fault), FaultState::done);
+  const auto status = bench.send(Command::aprd, 1, kAlStatus);
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->value, 1U) << "Init";
+  EXPECT_EQ(bench.send(Command::aprd, 1, kStationAddress)->value, 0U);
+  bench.bring_to_operational();
+}
+
+void mailbox_stall() {
+  SegmentFaultBench bench;
+  ASSERT_EQ(bench.scan(), 2U);
+  ASSERT_TRUE(bench.master.start_mailbox(1));
+  const auto silent = bench.inject("kind = 'mailbox-stall'\ndevice = 'right'\ncount = 1");
+  const base::SimTime before = bench.now();
+  const auto unanswered = bench.master.upload_number<std::uint32_t>(1, {0x1018, 1});
+  ASSERT_FALSE(unanswered);
+  EXPECT_EQ(unanswered.error().code, master::ErrorCode::mailbox);
+  EXPECT_GE(bench.now() - before, bench.master.options().mailbox_timeout);
+  EXPECT_EQ(bench.peek(1, kSyncManagers + 5) & 0x08U, 0U) << "the request was taken";
+  EXPECT_EQ(bench.peek(1, kSyncManagers + 13) & 0x08U, 0U) << "nothing to fetch";
+  EXPECT_EQ(bench.state(silent), FaultState::done);
+  EXPECT_TRUE(bench.master.upload_number<std::uint32_t>(1, {0x1018, 1}));
+
+  const auto full = bench.inject("kind = 'mailbox-stall'\ndevice = 'right'\nmode = 'full'");
+  EXPECT_FALSE(bench.master.upload_number<std::uint32_t>(1, {0x1018, 1}));
+  EXPECT_EQ(bench.peek(1, kSyncManagers + 5) & 0x08U, 0x08U) << "the request lies there";
+  EXPECT_FALSE(bench.master.upload_number<std::uint32_t>(1, {0x1018, 1}));
+  bench.clear(full);
+  bench.port.wait(2_ms);
+  EXPECT_EQ(bench.peek(1, kSyncManagers + 5) & 0x08U, 0U);
+  bench.bring_to_operational();
+}
+
+void mailbox_abort() {
+  SegmentFaultBench bench;
+  ASSERT_EQ(bench.scan(), 2U);
+  ASSERT_TRUE(bench.master.start_mailbox(1));
+  const auto fault = bench.inject(
+      "kind = 'mailbox-abort'\ndevice = 'right'\ncode = 0x06020000\nobject = '1018:01'\ncount = 1");
+  EXPECT_TRUE(bench.master.upload_number<std::uint32_t>(1, {0x1018, 2})) << "another object";
+  const auto aborted = bench.master.upload_number<std::uint32_t>(1, {0x1018, 1});
+  ASSERT_FALSE(aborted);
+  EXPECT_EQ(aborted.error().code, master::ErrorCode::sdo_aborted);
+  EXPECT_EQ(aborted.error().detail, 0x06020000U);
+  EXPECT_EQ(bench.state(fault), FaultState::done);
+  EXPECT_TRUE(bench.master.upload_number<std::uint32_t>(1, {0x1018, 1}));
+}
+
+void al_error() {
+  SegmentFaultBench bench;
+  bench.bring_to_operational();
+  const auto fault = bench.inject("kind = 'al-error'\ndevice = 'right'\ncode = 0x001A");
+  const auto status = bench.master.al_status(1);
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->state, AlState::safe_operational);
+  EXPECT_TRUE(status->error);
+  EXPECT_EQ(status->code, ethercat::AlStatusCode::synchronization_error);
+  const auto refused = bench.master.request_state(1, AlState::operational);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, master::ErrorCode::state_refused);
+  EXPECT_EQ(refused.error().detail, 0x001AU);
+  bench.clear(fault);
+  EXPECT_TRUE(bench.master.request_state(1, AlState::operational));
+  // Below the state it falls to, the error alone is shown.
+  ASSERT_EQ(bench.scan(), 2U);
+  bench.clear(bench.inject("kind = 'al-error'\ndevice = 'right'"));
+  EXPECT_EQ(bench.peek(1, kAlStatus), 0x11U) << "Init with error";
+  EXPECT_EQ(bench.peek(1, kAlStatusCode), 1U);
+  bench.bring_to_operational();
+}
+
+void fall_back() {
+  SegmentFaultBench bench;
+  bench.bring_to_operational();
+  const auto fault = bench.inject("kind = 'fall-back'\ndevice = 'right'\ncode = 0x001B");
+  EXPECT_EQ(bench.state(fault), FaultState::done);
+  EXPECT_EQ(bench.peek(1, kAlStatus), 0x14U) << "Safe-Operational with error";
+  EXPECT_EQ(bench.peek(1, kAlStatusCode), 0x1BU);
+  EXPECT_TRUE(bench.master.request_state(1, AlState::operational));
+  bench.inject("kind = 'fall-back'\ndevice = 'right'\nstate = 'init'");
+  EXPECT_EQ(bench.peek(1, kAlStatus), 0x11U);
+  EXPECT_TRUE(bench.master.exchange_process_data()) << "the working counter does not tell";
+  EXPECT_EQ(bench.send(Command::brd, 0, kAlStatus)->value, 0x19U) << "one look at all does";
+  bench.bring_to_operational();
+}
+
+void working_counter() {
+  SegmentFaultBench bench;
+  bench.bring_to_operational();
+  const auto fault = bench.inject("kind = 'working-counter'\ndevice = 'right'\ncount = 2");
+  EXPECT_EQ(bench.master.exchange_process_data().error().code, master::ErrorCode::working_counter);
+  EXPECT_EQ(bench.status(fault).hits, 1U);
+  EXPECT_EQ(bench.master.exchange_process_data().error().code, master::ErrorCode::working_counter);
+  EXPECT_EQ(bench.state(fault), FaultState::done);
+  EXPECT_TRUE(bench.master.exchange_process_data());
+  const auto reads = bench.inject("kind = 'working-counter'\ndevice = 'left'\ncommands = 'brd'");
+  EXPECT_EQ(bench.send(Command::brd, 0, kAlStatus)->working_counter, 1U);
+  EXPECT_EQ(bench.send(Command::bwr, 0, kScratch)->working_counter, 2U);
+  bench.clear(reads);
+  EXPECT_EQ(bench.send(Command::brd, 0, kAlStatus)->working_counter, 2U);
+}
+
+void sii_corruption() {
+  constexpr unsigned kChecksumError = 0x0800;
+  constexpr unsigned kNotLoaded = 0x1000;
+  SegmentFaultBench bench;
+  const auto cycle_power = [&bench] {
+    bench.inject("kind = 'power-off'\ndevice = 'right'\nfor = '1ms'");
+    bench.port.wait(2_ms);
+  };
+  ASSERT_EQ(bench.scan(), 2U);
+  const std::uint32_t vendor = bench.master.slaves()[1].information.identity.vendor_id;
+  const auto content =
+      bench.inject("kind = 'sii-corruption'\ndevice = 'right'\noffset = 16\nmask = 1");
+  ASSERT_EQ(bench.scan(), 2U);
+  EXPECT_EQ(bench.master.slaves()[1].information.identity.vendor_id, vendor ^ 1U)
+      << "read wrong at once";
+  bench.clear(content);
+  const auto checksum = bench.inject("kind = 'sii-corruption'\ndevice = 'right'");
+  EXPECT_EQ(bench.peek(1, kSiiControl) & (kChecksumError | kNotLoaded), 0U) << "loaded before";
+  cycle_power();
+  EXPECT_EQ(bench.peek(1, kSiiControl) & (kChecksumError | kNotLoaded),
+            kChecksumError | kNotLoaded);
+  EXPECT_EQ(bench.send(Command::aprd, 1, kDlStatus)->value & 1U, 0U) << "host not operational";
+  EXPECT_EQ(bench.send(Command::aprd, 1, 0x1000)->working_counter, 0U) << "memory closed";
+  bench.clear(checksum);
+  cycle_power();
+  EXPECT_EQ(bench.peek(1, kSiiControl) & (kChecksumError | kNotLoaded), 0U);
+  bench.bring_to_operational();
+}
+
+void clock_drift() {
+  SegmentFaultBench bench(R"(
+[[segment]]
+[[segment.device]]
+type = "tmc8670"
+name = "left"
+[[segment.device]]
+type = "tmc8670"
+name = "right"
+)");
+  ASSERT_EQ(bench.scan(), 2U);
+  // Nobody distributes the time: what a clock gains is what its register runs away.
+  const auto gained = [&bench](base::SimDuration duration) {
+    const auto ahead = [&bench] {
+      return static_cast<std::int64_t>(bench.rack.segment(0).slave(1).system_time(bench.now()) -
+                                       bench.rack.segment(0).slave(0).system_time(bench.now()));
+    };
+    const std::int64_t before = ahead();
+    bench.port.wait(duration);
+    return ahead() - before;
+  };
+  EXPECT_EQ(gained(1_s), 0);
+  const auto fault = bench.inject("kind = 'clock-drift'\ndevice = 'right'\nppb = 50000");
+  EXPECT_NEAR(static_cast<double>(gained(1_s)), 50'000.0, 2.0) << "ns in a second";
+  bench.clear(fault);
+  EXPECT_NEAR(static_cast<double>(gained(1_s)), 0.0, 2.0);
+  bench.bring_to_operational();
+}
+
+void can_drop() {
+  BusFaultBench bench;
+  const auto fault = bench.inject("kind = 'can-drop'\nbus = 'can0'\nidentifier = 0x582\ncount = 1");
+  EXPECT_THAT(bench.ask(0x601), ElementsAre(0x581)) << "another identifier";
+  EXPECT_THAT(bench.ask(0x602), IsEmpty());
+  EXPECT_EQ(bench.bus().statistics().error_frames, 0U);
+  EXPECT_EQ(bench.state(fault), FaultState::done);
+  EXPECT_THAT(bench.ask(0x602), ElementsAre(0x582));
+}
+
+void can_error_frame() {
+  BusFaultBench bench(500'000);
+  const auto fault = bench.inject("kind = 'can-error-frame'\ndevice = 'b'\ncount = 3");
+  EXPECT_THAT(bench.ask(0x602), ElementsAre(0x582)) << "sent again";
+  EXPECT_EQ(bench.bus().statistics().error_frames, 3U);
+  const std::size_t b = bench.rack.bus(0).member_of(1);
+  EXPECT_EQ(bench.bus().errors(b).transmit(), 3U * 8U - 1U);
+  EXPECT_EQ(bench.state(fault), FaultState::done);
+  // Without end: bus-off.
+  const auto endless = bench.inject("kind = 'can-error-frame'\ndevice = 'b'");
+  EXPECT_THAT(bench.ask(0x602), IsEmpty());
+  EXPECT_EQ(bench.bus().errors(b).state(), can::ErrorState::bus_off);
+  bench.clear(endless);
+  bench.port.wait(10_ms);
+  static_cast<void>(bench.received());
+  EXPECT_THAT(bench.ask(0x602), ElementsAre(0x582));
+}
+
+void can_duplicate() {
+  BusFaultBench bench;
+  const auto fault = bench.inject("kind = 'can-duplicate'\ndevice = 'b'\ncount = 1");
+  EXPECT_THAT(bench.ask(0x602), ElementsAre(0x582, 0x582));
+  EXPECT_EQ(bench.state(fault), FaultState::done);
+  EXPECT_THAT(bench.ask(0x602), ElementsAre(0x582));
+}
+
+void can_delay() {
+  BusFaultBench bench;
+  bench.inject("kind = 'can-delay'\ndevice = 'b'\ndelay = '200ms'\ncount = 1");
+  EXPECT_THAT(bench.ask(0x602), IsEmpty());
+  bench.port.wait(199_ms);
+  EXPECT_THAT(bench.received(), IsEmpty());
+  bench.port.wait(2_ms);
+  EXPECT_THAT(bench.received(), ElementsAre(0x582));
+  EXPECT_THAT(bench.ask(0x602), ElementsAre(0x582));
+}
+
+void can_bus_off() {
+  BusFaultBench bench(500'000, 10_ms);
+  const auto fault = bench.inject("kind = 'can-bus-off'\ndevice = 'b'");
+  EXPECT_EQ(bench.state(fault), FaultState::done);
+  const std::size_t b = bench.rack.bus(0).member_of(1);
+  EXPECT_EQ(bench.bus().errors(b).state(), can::ErrorState::bus_off);
+  EXPECT_EQ(bench.bus().statistics(b).bus_offs, 1U);
+  bench.port.wait(30_ms);
+  EXPECT_EQ(bench.bus().errors(b).state(), can::ErrorState::error_active) << "128 x 11 bits";
+  EXPECT_THAT(bench.received(), ::testing::Contains(0x702));
+}
+
+void can_error_passive() {
+  BusFaultBench bench(500'000, 10_ms);
+  bench.inject("kind = 'can-error-passive'\ndevice = 'b'");
+  const std::size_t b = bench.rack.bus(0).member_of(1);
+  EXPECT_EQ(bench.bus().errors(b).state(), can::ErrorState::error_passive);
+  bench.port.wait(50_ms);
+  EXPECT_EQ(bench.bus().errors(b).state(), can::ErrorState::error_active)
+      << "frames have passed without errors";
+  EXPECT_THAT(bench.received(), ::testing::Contains(0x702));
+}
+
+void serial_noise() {
+  constexpr auto kWrongChecksum = std::byte{1};
+  LineFaultBench bench;
+  const auto in =
+      bench.inject("kind = 'serial-noise'\ndirection = 'in'\nline = 'pty:field'\ncount = 1");
+  const auto refused = bench.ask();
+  if (!refused.empty()) {  // else the address was hit
+    ASSERT_EQ(refused.size(), 9U);
+    EXPECT_EQ(refused[2], kWrongChecksum);
+  }
+  EXPECT_EQ(bench.state(in), FaultState::done);
+  EXPECT_EQ(bench.ask(), LineFaultBench::answer());
+  bench.inject("kind = 'serial-noise'\nline = 'pty:field'\ncount = 1");
+  const auto spoilt = bench.ask();
+  ASSERT_EQ(spoilt.size(), 9U);
+  EXPECT_NE(spoilt, LineFaultBench::answer());
+  EXPECT_EQ(bench.ask(), LineFaultBench::answer());
+}
+
+void serial_cut() {
+  LineFaultBench bench;
+  const auto fault = bench.inject("kind = 'serial-cut'\nline = 'pty:field'\nbytes = 4\ncount = 1");
+  EXPECT_EQ(bench.ask().size(), 4U);
+  EXPECT_EQ(bench.ask(), LineFaultBench::answer());
+  EXPECT_EQ(bench.state(fault), FaultState::done);
+}
+
+void serial_delay() {
+  LineFaultBench bench;
+  const auto fault =
+      bench.inject("kind = 'serial-delay'\nline = 'pty:field'\ndelay = '20ms'\ncount = 1");
+  EXPECT_TRUE(bench.ask(19_ms).empty());
+  bench.wait(2_ms);
+  EXPECT_EQ(bench.heard(), LineFaultBench::answer());
+  EXPECT_EQ(bench.ask(), LineFaultBench::answer());
+  EXPECT_EQ(bench.state(fault), FaultState::done);
+}
+
+void set() {
+  SegmentFaultBench bench;
+  const auto fault = bench.inject(
+      "kind = 'set'\ndevice = 'right'\ninput = 'axis1.load_torque'\nvalue = 0.2\nback = 0.05\n"
+      "for = '10ms'");
+  bench.port.wait(9_ms);
+  EXPECT_EQ(bench.signal("right.axis1.load_torque"), 0.2);
+  bench.port.wait(2_ms);
+  EXPECT_EQ(bench.signal("right.axis1.load_torque"), 0.05);
+  EXPECT_EQ(bench.state(fault), FaultState::done);
+}
+
+/// The test of each kind, by its name in the table of kinds.
+const std::map<std::string_view, void (*)()>& effects() {
+  static const std::map<std::string_view, void (*)()> tests{
+      {"ethercat-drop", ethercat_drop},
+      {"ethercat-corrupt", ethercat_corrupt},
+      {"ethercat-delay", ethercat_delay},
+      {"ethercat-duplicate", ethercat_duplicate},
+      {"ethercat-reorder", ethercat_reorder},
+      {"link-down", link_down},
+      {"power-off", power_off},
+      {"mailbox-stall", mailbox_stall},
+      {"mailbox-abort", mailbox_abort},
+      {"al-error", al_error},
+      {"fall-back", fall_back},
+      {"working-counter", working_counter},
+      {"sii-corruption", sii_corruption},
+      {"clock-drift", clock_drift},
+      {"can-drop", can_drop},
+      {"can-error-frame", can_error_frame},
+      {"can-duplicate", can_duplicate},
+      {"can-delay", can_delay},
+      {"can-bus-off", can_bus_off},
+      {"can-error-passive", can_error_passive},
+      {"serial-noise", serial_noise},
+      {"serial-cut", serial_cut},
+      {"serial-delay", serial_delay},
+      {"set", set},
+  };
+  return tests;
+}
+
+class FaultKinds : public ::testing::TestWithParam<std::string_view> {};
+
+TEST_P(FaultKinds, DoWhatTheirTableTellsAndTheRackRecovers) {
+  const auto test = effects().find(GetParam());
+  ASSERT_NE(test, effects().end()) << "no test shows what a master sees of \"" << GetParam()
+                                   << "\"; write one and enter it in effects()";
+  test->second();
+}
+
+std::vector<std::string_view> all_kinds() {
+  std::vector<std::string_view> names;
+  for (const FaultKind& kind : fault_kinds()) {
+    if (kind.action != FaultAction::surroundings) {  // they are in surroundings_faults_test.cpp
+      names.push_back(kind.name);
+    }
+  }
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, FaultKinds, ::testing::ValuesIn(all_kinds()), [](const auto& test) {
+  std::string name(test.param);
+  std::ranges::replace(name, '-', '_');
+  return name;
+});
+
+TEST(FaultKindTable, HasNoTestForAKindThatIsGone) {
+  for (const auto& [name, test] : effects()) {
+    EXPECT_NE(find_fault_kind(name), nullptr) << name;
+  }
+}
+
+TEST(FaultKindTable, SaysOfEveryKindAndKeyWhatItIs) {
+  for (const FaultKind& kind : fault_kinds()) {
+    EXPECT_FALSE(kind.summary.empty()) << kind.name;
+    EXPECT_FALSE(kind.effect.empty()) << kind.name;
+    for (const FaultParameter& parameter : kind.parameters) {
+      EXPECT_FALSE(parameter.summary.empty()) << kind.name << " " << parameter.name;
+      for (const FaultParameter& common : common_fault_keys()) {
+        EXPECT_NE(parameter.name, common.name) << kind.name;
+      }
+    }
+  }
+}
+
+// STATOR_WRITE_FAULTS=1 test_rack --gtest_filter='FaultKindTable.*' renews the page.
+TEST(FaultKindTable, IsThePageInTheDocumentation) {
+  const std::string path = STATOR_SOURCE_DIR "/docs/faults.md";
+  if (std::getenv("STATOR_WRITE_FAULTS") != nullptr) {  // NOLINT(concurrency-mt-unsafe)
+    std::ofstream(path) << fault_kinds_markdown();
+  }
+  std::ifstream file(path);
+  std::stringstream text;
+  text << file.rdbuf();
+  EXPECT_EQ(text.str(), fault_kinds_markdown());
+}
+
+}  // namespace
+}  // namespace stator::rack
