@@ -332,7 +332,7 @@ void FaultReader::read_end(TomlSection& section, FaultConfiguration& fault) cons
     }
   }
   const auto mode = fault.values.find<std::string>("mode");
-  if (mode == "full" && (count || probability)) {
+  if (mode == "full" && (count || probability.value_or(1.0) < 1.0)) {
     section.refuse(count ? "count" : "probability",
                    "requests that nobody takes cannot be counted; end it with \"for\"");
   }

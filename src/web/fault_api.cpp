@@ -1,8 +1,12 @@
 #include "web/fault_api.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -23,6 +27,24 @@ using Json = nlohmann::ordered_json;
 
 constexpr unsigned kCreated = 201;
 
+std::string_view json_type(rack::FaultValueType type) {
+  return type == rack::FaultValueType::whole ? "integer" : to_text(type);
+}
+
+/// All keys of a kind but those of its target and of the table "when".
+std::vector<rack::FaultParameter> keys_of(const rack::FaultKind& kind) {
+  std::vector<rack::FaultParameter> keys(kind.parameters.begin(), kind.parameters.end());
+  for (const rack::FaultParameter& key : rack::common_fault_keys()) {
+    const bool of_counting = key.name == "count" || key.name == "probability" || key.name == "seed";
+    const bool fits = key.name != "when" && !(kind.momentary && key.name == "for") &&
+                      !(kind.counted.empty() && of_counting);
+    if (fits) {
+      keys.push_back(key);
+    }
+  }
+  return keys;
+}
+
 Json parameters_json(std::span<const rack::FaultParameter> parameters) {
   Json all = Json::array();
   for (const rack::FaultParameter& parameter : parameters) {
@@ -36,7 +58,7 @@ Json parameters_json(std::span<const rack::FaultParameter> parameters) {
       words.remove_prefix(std::min(end + 1, words.size()));
     }
     all.push_back({{"name", parameter.name},
-                   {"type", to_text(parameter.type)},
+                   {"type", json_type(parameter.type)},
                    {"unit", parameter.unit},
                    {"minimum", ranged ? Json(parameter.minimum) : Json(nullptr)},
                    {"maximum", ranged ? Json(parameter.maximum) : Json(nullptr)},
@@ -58,11 +80,10 @@ Response list_kinds() {
                      {"counts", kind.counted},
                      {"momentary", kind.momentary},
                      {"target", parameters_json(rack::target_keys(kind.scope))},
-                     {"parameters", parameters_json(kind.parameters)}});
+                     {"parameters", parameters_json(keys_of(kind))}});
   }
-  return json_response({{"kinds", std::move(kinds)},
-                        {"common", parameters_json(rack::common_fault_keys())},
-                        {"when", parameters_json(rack::milestone_keys())}});
+  return json_response(
+      {{"kinds", std::move(kinds)}, {"when", parameters_json(rack::milestone_keys())}});
 }
 
 template <typename Value>
@@ -184,7 +205,9 @@ Answer inject(const Request& request, const State& state) {
     return problem(400, "the body must be a JSON object with the keys of a [[fault]]");
   }
   std::string text;
-  for (const auto& [key, member] : body.items()) {
+  for (const auto& [name, member] : body.items()) {
+    // An [[event]] calls it its action.
+    const std::string key = name == "action" && !body.contains("kind") ? "kind" : name;
     const std::string value = toml_of(member);
     if (value.empty()) {
       return problem(422, fmt::format("\"{}\" must be a text, a number or an object", key));

@@ -211,7 +211,7 @@ constexpr const char* kSchemas = R"({
     "required": ["name", "type", "unit", "minimum", "maximum", "choices", "default", "needed", "summary"],
     "properties": {
       "name": {"type": "string"},
-      "type": {"enum": ["whole number", "number", "duration", "text", "choice"]},
+      "type": {"enum": ["integer", "number", "duration", "text", "choice"]},
       "unit": {"type": "string"},
       "minimum": {"type": ["number", "null"], "description": "Of a duration in seconds"},
       "maximum": {"type": ["number", "null"]},
@@ -237,10 +237,9 @@ constexpr const char* kSchemas = R"({
   },
   "FaultKinds": {
     "type": "object",
-    "required": ["kinds", "common", "when"],
+    "required": ["kinds", "when"],
     "properties": {
       "kinds": {"type": "array", "items": {"$ref": "#/components/schemas/FaultKind"}},
-      "common": {"type": "array", "items": {"$ref": "#/components/schemas/FaultParameter"}},
       "when": {"type": "array", "items": {"$ref": "#/components/schemas/FaultParameter"}}
     }
   },
