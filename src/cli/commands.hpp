@@ -24,5 +24,6 @@ void add_can_exec_command(CLI::App& app);
 void add_mfc_command(CLI::App& app);
 void add_conformance_command(CLI::App& app);
 void add_check_command(CLI::App& app);
+void add_top_command(CLI::App& app);
 
 }  // namespace stator::cli

@@ -28,6 +28,7 @@ int run(int argc, char** argv) {
 
   stator::cli::add_run_command(app);
   stator::cli::add_check_command(app);
+  stator::cli::add_top_command(app);
   stator::cli::add_devices_command(app);
   stator::cli::add_describe_command(app);
   stator::cli::add_conformance_command(app);

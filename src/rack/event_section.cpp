@@ -42,9 +42,12 @@ std::set<std::string> action_names() {
 }  // namespace
 
 DeviceAddress EventSectionReader::read_target(TomlSection& section) const {
-  const std::optional<std::string> name = section.text("device");
+  const std::optional<std::string> name =
+      section.text({"device",
+                    "Name of the device; of drop and the like: only frames this device sends, on "
+                    "EtherCAT those that pass its port"});
   if (!name) {
-    section.fail("device", "\"device\" is missing; it names the device to which this happens");
+    section.missing("device", "it names the device to which this happens");
   }
   std::set<std::string> names;
   std::optional<DeviceAddress> found;
@@ -96,7 +99,8 @@ unsigned EventSectionReader::read_port(TomlSection& section, DeviceAddress targe
   const SegmentConfiguration& segment = rack_.segments[target.network];
   const DeviceConfiguration& device = segment.devices[target.device];
   unsigned port = device.wiring.entry_port;
-  if (const auto given = section.integer("port", 0, 3)) {
+  if (const auto given =
+          section.integer({"port", "Port at which the cable ends; by default entry_port"}, 0, 3)) {
     port = static_cast<unsigned>(*given);
   }
   if (!has_cable(segment, target.device, port)) {
@@ -146,8 +150,11 @@ RackEvent EventSectionReader::read_segment_fault(TomlSection& section, DeviceAdd
   event.fault.kind =
       kind == can::FrameFaultKind::drop ? FrameFaultKind::drop : FrameFaultKind::corrupt;
   event.fault.port = {target.device, read_port(section, target)};
-  event.fault.leaving = section.choice("direction", {"in", "out"}) == "out";
-  event.fault.frames = static_cast<unsigned>(section.integer("frames", 1, kMostFrames).value_or(1));
+  event.fault.leaving =
+      section.choice({"direction", "Frames that arrive at the port or that leave it"},
+                     {"in", "out"}) == "out";
+  event.fault.frames = static_cast<unsigned>(
+      section.integer({"frames", "How many frames are hit"}, 1, kMostFrames).value_or(1));
   return event;
 }
 
@@ -155,7 +162,8 @@ RackEvent EventSectionReader::read_frame_fault(TomlSection& section,
                                                can::FrameFaultKind kind) const {
   FrameFaultEvent event;
   event.fault.kind = kind;
-  if (const auto bus = section.text("bus")) {
+  if (const auto bus = section.text(
+          {"bus", "Instead of device: frames of all on this bus, those of masters too"})) {
     event.bus = read_bus(section, *bus);
   } else {
     const DeviceAddress target = read_target(section);
@@ -166,17 +174,18 @@ RackEvent EventSectionReader::read_frame_fault(TomlSection& section,
     event.bus = target.network;
     event.device = target.device;
   }
-  if (const auto frames = section.integer("frames", 1, kMostFrames)) {
+  if (const auto frames = section.integer({"frames", "How many frames are hit"}, 1, kMostFrames)) {
     event.fault.frames = static_cast<unsigned>(*frames);
   }
-  if (const auto identifier = section.integer("identifier", 0, can::kExtendedIdentifierMask)) {
+  if (const auto identifier =
+          section.integer({"identifier", "Only frames with this identifier, e.g. 0x601"}, 0,
+                          can::kExtendedIdentifierMask)) {
     event.fault.identifier = static_cast<std::uint32_t>(*identifier);
   }
   if (kind == can::FrameFaultKind::delay) {
-    const auto delay = section.duration("delay", 1_us, 60_s);
+    const auto delay = section.duration({"delay", "How long the sender is held back"}, 1_us, 60_s);
     if (!delay) {
-      section.fail("delay",
-                   "\"delay\" is missing; it says how long frames are held back, e.g. \"5ms\"");
+      section.missing("delay", "it says how long frames are held back, e.g. \"5ms\"");
     }
     event.fault.delay = *delay;
   }
@@ -194,8 +203,10 @@ const EventSectionReader::Inputs& EventSectionReader::inputs_of(DeviceAddress de
 void EventSectionReader::read_set(TomlSection& section, base::SimDuration at,
                                   std::vector<EventConfiguration>& events) {
   const DeviceAddress target = read_target(section);
-  const std::optional<std::string> input = section.text("input");
-  const std::optional<double> value = section.number("value", -kAnyValue, kAnyValue);
+  const std::optional<std::string> input =
+      section.text({"input", "What is set, see stator describe DEVICE --inputs"});
+  const std::optional<double> value =
+      section.number({"value", "Its new value, which stays"}, -kAnyValue, kAnyValue);
   if (!input || !value) {
     section.fail(input ? "value" : "input",
                  "\"set\" needs \"input\", which names what is set, and \"value\"; \"stator "
@@ -203,8 +214,9 @@ void EventSectionReader::read_set(TomlSection& section, base::SimDuration at,
   }
   if (section.collects_errors() && !section.errors()->list.empty()) {
     // A device with errors may not be there to be asked.
-    static_cast<void>(section.number("from", -kAnyValue, kAnyValue));
-    static_cast<void>(section.duration("over", kRampStep, 60_s));
+    static_cast<void>(
+        section.number({"from", "A ramp begins at this value"}, -kAnyValue, kAnyValue));
+    static_cast<void>(section.duration({"over", "How long the ramp takes"}, kRampStep, 60_s));
     return;
   }
   if (const std::string problem = input_problem(inputs_of(target), *input, *value);
@@ -235,14 +247,15 @@ void EventSectionReader::read_set(TomlSection& section, base::SimDuration at,
 }
 
 void EventSectionReader::read(TomlSection& section, std::vector<EventConfiguration>& events) {
-  const std::optional<base::SimDuration> at = section.duration("at", 0_ns, kLatest);
+  const std::optional<base::SimDuration> at =
+      section.duration({"at", "When, counted from the start of the rack"}, 0_ns, kLatest);
   if (!at) {
-    section.fail("at", "\"at\" is missing; it says when, e.g. \"5s\" after the rack's start");
+    section.missing("at", "it says when, e.g. \"5s\" after the rack's start");
   }
-  const auto action = section.choice("action", action_names());
+  const auto action = section.selector({"action", "What happens"}, action_names());
   if (!action) {
-    section.fail("action", fmt::format("\"action\" is missing; it must be one of: {}",
-                                       fmt::join(action_names(), ", ")));
+    section.missing("action",
+                    fmt::format("it must be one of: {}", fmt::join(action_names(), ", ")));
   }
   if (*action == "set") {
     read_set(section, *at, events);
