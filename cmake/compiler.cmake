@@ -32,9 +32,11 @@ endif()
 
 find_program(STATOR_CCACHE ccache)
 if(STATOR_CCACHE)
-  # Without these a source with a precompiled header is compiled anew each time.
+  # Without this sloppiness a source with a precompiled header is compiled anew each time. Paths
+  # below the source directory count relative to it, so that every clone shares the cache.
   set(CMAKE_CXX_COMPILER_LAUNCHER
-    ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${STATOR_CCACHE})
+    ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
+    CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${STATOR_CCACHE})
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(stator_compile_options INTERFACE -fpch-preprocess)
   endif()

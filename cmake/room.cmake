@@ -27,9 +27,8 @@ endfunction()
 function(stator_test_suite name)
   cmake_parse_arguments(SUITE "" "" "SOURCES;USES;LIBRARIES" ${ARGN})
   add_executable(test_${name} ${SUITE_SOURCES})
-  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
-  target_compile_definitions(test_${name} PRIVATE
-    STATOR_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data" STATOR_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  target_include_directories(test_${name} PRIVATE
+    ${PROJECT_SOURCE_DIR}/tests ${STATOR_TEST_INCLUDES})
   foreach(used IN LISTS SUITE_USES)
     target_link_libraries(test_${name} PRIVATE stator_${used})
   endforeach()

@@ -43,7 +43,10 @@ def compile_one(compiler, flags, source, folder):
     vector = next((extra for end, extra in VECTORS.items() if source.stem.endswith(end)), [])
     target = folder / f"{source.parent.name}-{source.stem}.o"
     launcher = ["ccache"] if shutil.which("ccache") else []
-    subprocess.run([*launcher, compiler, *flags, *vector, "-c", source, "-o", target], check=True)
+    # Every clone shares the cache.
+    environment = os.environ | {"CCACHE_BASEDIR": str(ROOT), "CCACHE_NOHASHDIR": "1"}
+    subprocess.run([*launcher, compiler, *flags, *vector, "-c", source, "-o", target], check=True,
+                   env=environment)
     return target
 
 

@@ -11,6 +11,7 @@
 #include "cli/stator_program.hpp"
 #include "link/link_address.hpp"
 #include "link/udp_ethernet_link.hpp"
+#include "source_paths.hpp"
 
 namespace stator {
 namespace {

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "cli/stator_program.hpp"
+#include "source_paths.hpp"
 
 namespace stator {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "cli/cells.hpp"
 #include "cli/stator_program.hpp"
+#include "source_paths.hpp"
 
 namespace stator {
 namespace {

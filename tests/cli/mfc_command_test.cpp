@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "cli/stator_program.hpp"
+#include "source_paths.hpp"
 
 namespace stator::tests {
 namespace {

@@ -10,6 +10,7 @@
 #include "cli/failure.hpp"
 #include "cli/stator_program.hpp"
 #include "rack/product_catalogue.hpp"
+#include "source_paths.hpp"
 
 namespace stator {
 namespace {

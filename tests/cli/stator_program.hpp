@@ -11,6 +11,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "source_paths.hpp"
+
 namespace stator::tests {
 
 struct Outcome {

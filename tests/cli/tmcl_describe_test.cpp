@@ -10,6 +10,7 @@
 
 #include "cli/stator_program.hpp"
 #include "devices/csv.hpp"
+#include "source_paths.hpp"
 
 namespace stator {
 namespace {

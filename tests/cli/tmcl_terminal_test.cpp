@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "cli/stator_program.hpp"
+#include "source_paths.hpp"
 
 namespace stator {
 namespace {

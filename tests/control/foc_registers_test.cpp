@@ -13,6 +13,7 @@
 #include "control/foc/foc_block.hpp"
 #include "control/foc/register_map.hpp"
 #include "devices/csv.hpp"
+#include "source_paths.hpp"
 
 namespace stator::control::foc {
 namespace {

@@ -14,6 +14,7 @@
 #include "devices/tmc8670/objects.hpp"
 #include "devices/tmc8670/register_objects.hpp"
 #include "dictionary/description.hpp"
+#include "source_paths.hpp"
 
 namespace stator::devices::tmc8670 {
 namespace {

@@ -12,6 +12,7 @@
 
 #include "devices/csv.hpp"
 #include "devices/tmcc160_module.hpp"
+#include "source_paths.hpp"
 
 namespace stator::tests {
 namespace {

@@ -12,6 +12,7 @@
 #include "devices/csv.hpp"
 #include "devices/tmcc160/objects.hpp"
 #include "dictionary/description.hpp"
+#include "source_paths.hpp"
 
 namespace stator::devices::tmcc160 {
 namespace {

@@ -9,6 +9,7 @@
 #include "devices/csv.hpp"
 #include "devices/tmcc160_module.hpp"
 #include "dictionary/description.hpp"
+#include "source_paths.hpp"
 
 namespace stator::devices {
 namespace {

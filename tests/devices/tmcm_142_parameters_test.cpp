@@ -14,6 +14,7 @@
 
 #include "devices/csv.hpp"
 #include "devices/tmcm_142/parameters.hpp"
+#include "source_paths.hpp"
 
 namespace stator::devices {
 namespace {

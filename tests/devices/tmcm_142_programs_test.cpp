@@ -10,6 +10,7 @@
 
 #include "devices/csv.hpp"
 #include "devices/tmcm_142/parameters.hpp"
+#include "source_paths.hpp"
 #include "tmcl/assembler.hpp"
 #include "tmcl/disassembler.hpp"
 #include "tmcl/program_image.hpp"

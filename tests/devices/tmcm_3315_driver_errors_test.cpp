@@ -10,6 +10,7 @@
 #include "devices/csv.hpp"
 #include "devices/tmcm_3315/emergencies.hpp"
 #include "devices/tmcm_3315_driver_module.hpp"
+#include "source_paths.hpp"
 
 namespace stator::devices {
 namespace {

@@ -10,6 +10,7 @@
 #include "devices/csv.hpp"
 #include "devices/tmcm_3315/objects.hpp"
 #include "dictionary/description.hpp"
+#include "source_paths.hpp"
 
 namespace stator::devices::tmcm_3315 {
 namespace {

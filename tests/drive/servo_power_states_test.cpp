@@ -17,6 +17,7 @@
 #include "devices/csv.hpp"
 #include "drive/control_words.hpp"
 #include "drive/servo_bench.hpp"
+#include "source_paths.hpp"
 
 namespace stator::drive {
 namespace {

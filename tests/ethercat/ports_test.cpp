@@ -8,6 +8,7 @@
 
 #include "devices/csv.hpp"
 #include "ethercat/test_bus.hpp"
+#include "source_paths.hpp"
 
 namespace stator::ethercat {
 namespace {

@@ -18,6 +18,7 @@
 
 #include "devices/csv.hpp"
 #include "ethercat/register_description.hpp"
+#include "source_paths.hpp"
 
 namespace stator::ethercat {
 namespace {

@@ -10,6 +10,7 @@
 
 #include "devices/csv.hpp"
 #include "ethercat/slave_controller_presets.hpp"
+#include "source_paths.hpp"
 
 namespace stator::ethercat::testing {
 

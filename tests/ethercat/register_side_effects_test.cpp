@@ -12,6 +12,7 @@
 #include "devices/csv.hpp"
 #include "ethercat/slave_controller_presets.hpp"
 #include "ethercat/test_bus.hpp"
+#include "source_paths.hpp"
 
 namespace stator::ethercat {
 namespace {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "devices/csv.hpp"
+#include "source_paths.hpp"
 
 namespace stator::mfc::testing {
 

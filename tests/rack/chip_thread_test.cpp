@@ -24,6 +24,7 @@
 #include "rack/link_port.hpp"
 #include "rack/rack_file.hpp"
 #include "rack/runner.hpp"
+#include "source_paths.hpp"
 #include "stator_chip.h"
 
 namespace stator::rack {

@@ -14,6 +14,7 @@
 #include "rack/local_port.hpp"
 #include "rack/mfc_configuration_file.hpp"
 #include "rack/rack_file.hpp"
+#include "source_paths.hpp"
 
 namespace stator::rack {
 

@@ -20,6 +20,7 @@
 #include "rack/quirks_section.hpp"
 #include "rack/rack.hpp"
 #include "rack/rack_file.hpp"
+#include "source_paths.hpp"
 
 namespace stator::rack {
 namespace {

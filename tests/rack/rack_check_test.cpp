@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "rack/kept_file.hpp"
+#include "source_paths.hpp"
 
 namespace stator::rack {
 namespace {

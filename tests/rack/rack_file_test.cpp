@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "rack/text.hpp"
+#include "source_paths.hpp"
 
 namespace stator::rack {
 namespace {

@@ -9,6 +9,7 @@
 #include "master/master.hpp"
 #include "rack/local_port.hpp"
 #include "rack/product_catalogue.hpp"
+#include "source_paths.hpp"
 
 namespace stator::rack {
 namespace {

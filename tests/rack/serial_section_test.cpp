@@ -10,6 +10,7 @@
 #include "rack/event_log.hpp"
 #include "rack/rack.hpp"
 #include "rack/rack_file.hpp"
+#include "source_paths.hpp"
 
 namespace stator::rack {
 namespace {

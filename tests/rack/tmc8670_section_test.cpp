@@ -17,6 +17,7 @@
 #include "rack/product_catalogue.hpp"
 #include "rack/rack_file.hpp"
 #include "rack/serial_line.hpp"
+#include "source_paths.hpp"
 
 namespace stator::rack {
 namespace {

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/csv.hpp"
+#include "source_paths.hpp"
 
 namespace stator::tmcl {
 namespace {

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/csv.hpp"
+#include "source_paths.hpp"
 #include "tmcl/firmware_fixture.hpp"
 #include "tmcl/serial_line.hpp"
 #include "tmcl/serial_session.hpp"

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "source_paths.hpp"
 #include "web/routes.hpp"
 
 namespace stator::web {
