@@ -59,11 +59,6 @@ void check_ends(TomlSection& root, const std::string& line, const std::vector<Li
 SerialLineConfiguration read_line(TomlSection& section) {
   SerialLineConfiguration line;
   const std::optional<std::string> link = section.text({"link", "The line as devices name it"});
-  if (!link) {
-    section.missing("link",
-                    fmt::format("it is the line as devices name it, {}", link::kSerialLinkForms));
-  }
-  line.link = *link;
   section.boolean({"pacing", "Bytes take the time of their bits at the devices' baud rate"},
                   line.pacing);
   section.choice({"wait", "How its thread waits for bytes"}, wait_modes(), line.wait);
@@ -72,6 +67,11 @@ SerialLineConfiguration read_line(TomlSection& section) {
           section.integer({"cpu", "Processor the line's thread is tied to"}, 0, 1023)) {
     line.cpu = static_cast<unsigned>(*cpu);
   }
+  if (!link) {
+    section.missing("link",
+                    fmt::format("it is the line as devices name it, {}", link::kSerialLinkForms));
+  }
+  line.link = *link;
   return line;
 }
 
