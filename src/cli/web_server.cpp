@@ -24,9 +24,10 @@ std::unique_ptr<web::Server> open_web_server(const WebOptions& options, rack::Ra
         server.address.text()));
   }
   auto opened = std::make_unique<web::Server>(server, rack, configuration, log, runner);
-  fmt::print("Web server at http://{}/, e.g. /api/v1/rack, /metrics, /openapi.json\n",
-             opened->address().text());
+  const std::string address = opened->address().text();
+  fmt::print("Web server at http://{}/, e.g. /api/v1/rack, /metrics, /openapi.json\n", address);
   if (options.token_file.empty()) {
+    fmt::print("  dashboard: http://{}/#token={}\n", address, server.token);
     fmt::print("  reading is free on this machine; writes need \"Authorization: Bearer {}\"\n",
                server.token);
   } else if (server.address.loopback()) {

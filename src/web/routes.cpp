@@ -13,7 +13,23 @@ namespace stator::web {
 
 namespace {
 
-constexpr std::array<Route, 15> kRoutes{{
+constexpr std::array<Route, 17> kRoutes{{
+    {.operation = Operation::page,
+     .method = "GET",
+     .path = "/",
+     .id = "dashboard",
+     .summary = "The dashboard, a page for people",
+     .schema = "",
+     .open = true,
+     .content_type = "text/html; charset=utf-8"},
+    {.operation = Operation::asset,
+     .method = "GET",
+     .path = "/assets/{file}",
+     .id = "dashboardFile",
+     .summary = "What the dashboard consists of",
+     .schema = "",
+     .open = true,
+     .content_type = "application/octet-stream"},
     {.operation = Operation::health,
      .method = "GET",
      .path = "/healthz",

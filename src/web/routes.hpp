@@ -13,6 +13,8 @@ namespace stator::web {
 
 /// What can be asked for, one for each row of the table of routes.
 enum class Operation : std::uint8_t {
+  page,
+  asset,
   health,
   metrics,
   openapi,

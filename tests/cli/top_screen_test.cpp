@@ -48,7 +48,7 @@ std::string text_of(const std::vector<std::string>& lines) {
 TEST(TopFrame, HasEverythingIfThereIsRoom) {
   const std::string frame = text_of(top_frame(overview(), {.columns = 200}));
   EXPECT_THAT(frame, HasSubstr("12.345 s"));
-  EXPECT_THAT(frame, HasSubstr("segment 0  ethercat  1000 /s      4711         0      12 us"));
+  EXPECT_THAT(frame, HasSubstr("segment 0  ethercat  1000 /s       4711          0       12 us"));
   EXPECT_THAT(frame, HasSubstr("drive29  TMCM-3315  segment 0  operational"));
   EXPECT_THAT(frame, HasSubstr("drive0.axis0  Operation enabled  51200 microstep"));
   EXPECT_THAT(frame, HasSubstr("1.25 A"));

@@ -121,7 +121,6 @@ TEST(WebServer, TellsMethodsThatAreAllowed) {
   EXPECT_EQ(answer.status, 405);
   EXPECT_EQ(answer.headers.at("allow"), "GET, HEAD, PUT");
   EXPECT_EQ(answer.json()["title"], "Method Not Allowed");
-  EXPECT_EQ(rack.get("/").status, 404);
 }
 
 TEST(WebServer, KeepsAConnectionAndAnswersHeadWithoutABody) {
@@ -138,6 +137,9 @@ TEST(WebServer, KeepsAConnectionAndAnswersHeadWithoutABody) {
 TEST(WebServer, AnswersEveryRouteOfItsTable) {
   ServedRack rack;
   for (const Route& route : routes()) {
+    if (route.operation == Operation::page || route.operation == Operation::asset) {
+      continue;  // assets_test.cpp: which there are depends on the build
+    }
     std::string target(route.path);
     for (const auto& [name, value] : {std::pair<std::string, std::string>{"{device}", "drive"},
                                       {"{input}", "drive.axis0.load_torque"},

@@ -1,0 +1,22 @@
+# Run at build time: writes OUTPUT, a C++ source with the files below ROOT as web/assets.hpp declares
+# them.
+file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/*)
+list(SORT files)
+set(source "// Made by cmake/embed_assets.cmake.\n#include \"web/assets.hpp\"\n\n#include <array>\n\n")
+string(APPEND source "namespace stator::web {\n\nnamespace {\n\n")
+set(rows "")
+set(number 0)
+foreach(file IN LISTS files)
+  file(READ ${ROOT}/${file} bytes HEX)
+  file(SHA256 ${ROOT}/${file} hash)
+  string(SUBSTRING ${hash} 0 16 hash)
+  string(REGEX REPLACE "(..)" "0x\\1," bytes "${bytes}")
+  # Lines of 100 bytes: neither compilers nor people like one of a megabyte.
+  string(REGEX REPLACE "(0x..,){100}" "\\0\n" bytes "${bytes}")
+  string(APPEND source "constexpr unsigned char kContent${number}[] = {\n${bytes}};\n")
+  string(APPEND rows "    Asset{\"/${file}\", \"${hash}\", kContent${number}},\n")
+  math(EXPR number "${number} + 1")
+endforeach()
+string(APPEND source "\nconstexpr auto kAssets = std::to_array<Asset>({\n${rows}});\n\n}  // namespace\n\n")
+string(APPEND source "std::span<const Asset> assets() {\n  return kAssets;\n}\n\n}  // namespace stator::web\n")
+file(WRITE ${OUTPUT} "${source}")

@@ -1,0 +1,115 @@
+// A real rack to look at: `stator run` in a process of its own, on ports that are free.
+import { spawn } from "node:child_process";
+import { createSocket } from "node:dgram";
+import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { createServer } from "node:net";
+import { tmpdir } from "node:os";
+import { dirname, join, resolve } from "node:path";
+
+const here = dirname(new URL(import.meta.url).pathname);
+export const repository = resolve(here, "../..");
+
+async function freeUdpPort() {
+  const socket = createSocket("udp4");
+  await new Promise((done) => socket.bind(0, "127.0.0.1", done));
+  const { port } = socket.address();
+  await new Promise((done) => socket.close(done));
+  return port;
+}
+
+export async function freeTcpPort() {
+  const server = createServer();
+  await new Promise((done) => server.listen(0, "127.0.0.1", done));
+  const { port } = server.address();
+  await new Promise((done) => server.close(done));
+  return port;
+}
+
+export class Rack {
+  /// Lays a copy of racks/five-devices.toml out whose links nobody else has.
+  static async lay(stator) {
+    const rack = new Rack();
+    rack.stator = stator;
+    rack.folder = await mkdtemp(join(tmpdir(), "stator-e2e-"));
+    rack.udp = await freeUdpPort();
+    rack.http = await freeTcpPort();
+    const text = await readFile(join(repository, "racks/five-devices.toml"), "utf8");
+    rack.file = join(rack.folder, "rack.toml");
+    await writeFile(
+      rack.file,
+      text
+        .replaceAll("/tmp/stator-", `${rack.folder}/`)
+        .replaceAll("../examples", join(repository, "examples"))
+        .replace('"udp:127.0.0.1"', `"udp:127.0.0.1:${rack.udp}"`),
+    );
+    return rack;
+  }
+
+  get origin() {
+    return `http://127.0.0.1:${this.http}`;
+  }
+
+  /// Starts it and returns the link to the dashboard that it prints.
+  async start() {
+    this.process = spawn(this.stator, ["run", this.file, "--http", String(this.http)], { stdio: ["ignore", "pipe", "pipe"] });
+    this.output = "";
+    let failed = "";
+    this.process.stdout.on("data", (data) => (this.output += data));
+    this.process.stderr.on("data", (data) => (this.output += data));
+    this.process.on("exit", (code) => (failed = `stator run ended with ${code}`));
+    for (let i = 0; i < 200; ++i) {
+      const link = /dashboard: (\S+)/.exec(this.output);
+      if (link && this.output.includes("Running")) {
+        return link[1];
+      }
+      if (failed !== "") {
+        break;
+      }
+      await new Promise((done) => setTimeout(done, 50));
+    }
+    throw new Error(`${failed || "stator run does not start"}:\n${this.output}`);
+  }
+
+  async stop() {
+    const { process } = this;
+    if (process && process.exitCode === null) {
+      const ended = new Promise((done) => process.once("exit", done));
+      process.kill("SIGTERM");
+      await ended;
+    }
+  }
+
+  /// A master that turns the first axis for a while.
+  move(revolutions) {
+    let ended = false;
+    let master;
+    let way = revolutions;
+    const next = () => {
+      master = spawn(this.stator, ["move", "--link", `udp:127.0.0.1:${this.udp}`, "--revolutions", String(way)], {
+        stdio: "ignore",
+      });
+      way = -way;
+      master.once("exit", () => {
+        if (!ended) {
+          setTimeout(() => ended || next(), 100);
+        }
+      });
+    };
+    next();
+    return {
+      stop: async () => {
+        ended = true;
+        if (master.exitCode === null && master.signalCode === null) {
+          const ended = new Promise((done) => master.once("exit", done));
+          master.kill("SIGTERM");
+          await ended;
+        }
+      },
+    };
+  }
+
+  async clean() {
+    await this.stop();
+    await rm(this.folder, { recursive: true, force: true });
+  }
+}

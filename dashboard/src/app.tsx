@@ -1,0 +1,237 @@
+import type { ComponentChildren } from "preact";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+
+import type { Api } from "./api";
+import { TokenDialog } from "./components/token_dialog";
+import { timeText } from "./format";
+import { useStore, useWorld, WorldContext } from "./hooks";
+import icon from "./icon.svg";
+import { SignalHub } from "./live";
+import { href, parseRoute, type Route } from "./router";
+import { Scope } from "./scope";
+import { RackStore } from "./store";
+import { applyTheme, storedTheme, type Theme } from "./theme";
+import { DeviceView } from "./views/device";
+import { EventsView } from "./views/events";
+import { FaultsView } from "./views/faults";
+import { RackView } from "./views/rack";
+import { RecordingView } from "./views/recording";
+import { TrafficView } from "./views/traffic";
+
+interface ViewDeclaration {
+  readonly view: string;
+  readonly title: string;
+  /// The route of the server it lives on.
+  readonly needs: string;
+}
+
+const kViews: readonly ViewDeclaration[] = [
+  { view: "rack", title: "Rack", needs: "/api/v1/rack" },
+  { view: "scope", title: "Oscilloscope", needs: "/api/v1/signals" },
+  { view: "events", title: "Events", needs: "/api/v1/events" },
+  { view: "traffic", title: "Traffic", needs: "/api/v1/traffic" },
+  { view: "faults", title: "Faults", needs: "/api/v1/faults/kinds" },
+  { view: "recording", title: "Recording", needs: "/api/v1/recording" },
+];
+
+export function App({ api }: { api: Api }) {
+  const world = useMemo(() => ({ api, store: new RackStore(api), hub: new SignalHub(api) }), [api]);
+  useEffect(() => {
+    world.store.start();
+    return () => world.store.stop();
+  }, [world]);
+  return (
+    <WorldContext.Provider value={world}>
+      <Shell />
+    </WorldContext.Provider>
+  );
+}
+
+function useRoute(): Route {
+  const [route, setRoute] = useState(() => parseRoute(location.hash));
+  useEffect(() => {
+    const changed = () => setRoute(parseRoute(location.hash));
+    window.addEventListener("hashchange", changed);
+    return () => window.removeEventListener("hashchange", changed);
+  }, []);
+  return route;
+}
+
+const kConnectionText = { connecting: "connecting", online: "running", lost: "no connection", locked: "token needed" };
+
+function Shell() {
+  const store = useStore();
+  const { api } = useWorld();
+  const route = useRoute();
+  const main = useRef<HTMLElement>(null);
+  const [asking, setAsking] = useState(false);
+  useEffect(() => {
+    const wanted = () => setAsking(true);
+    document.addEventListener("tokenwanted", wanted);
+    return () => document.removeEventListener("tokenwanted", wanted);
+  }, []);
+  useEffect(() => {
+    if (store.connection === "locked") {
+      setAsking(true);
+    }
+  }, [store.connection]);
+  const title = kViews.find((each) => each.view === route.view)?.title ?? route.parts[0] ?? "";
+  useEffect(() => {
+    document.title = title === "" ? "Stator" : `${title} – Stator`;
+  }, [title]);
+  const refusals = store.events.filter((event) => event.severity === "refusal" || event.severity === "fault").length;
+  const { rack } = store;
+  return (
+    <div class="shell">
+      <a
+        class="skip"
+        href="#main"
+        onClick={(event) => {
+          event.preventDefault();
+          main.current?.focus();
+        }}
+      >
+        Skip to the content
+      </a>
+      <header class="top">
+        <a class="brand" href={href("rack")}>
+          <img src={icon} alt="" width="22" height="22" />
+          Stator
+        </a>
+        <span class={`connection ${store.connection}`} role="status">
+          {kConnectionText[store.connection]}
+        </span>
+        <dl>
+          <div title="Simulated time since power-on">
+            <dt>Time</dt>
+            <dd class="clock">{rack ? timeText(rack.time_ns, 1) : "–"}</dd>
+          </div>
+          <div title="real: the machine's time; lockstep: time moves with the master">
+            <dt>Clock</dt>
+            <dd>{rack?.clock ?? "–"}</dd>
+          </div>
+        </dl>
+        <span class="spacer" />
+        <button type="button" onClick={() => setAsking(true)} title="Changes need the token that stator run printed">
+          {api.token === "" ? "Read only" : "Token set"}
+        </button>
+        <ThemeSwitch />
+      </header>
+      <nav class="nav" aria-label="Views">
+        <ul>
+          {kViews.map(({ view, title: name, needs }) =>
+            view === "rack" || store.offers(needs) ? (
+              <NavLink key={view} to={href(view)} current={route.view === view}>
+                <span class="name">{name}</span>
+                {view === "events" && refusals > 0 ? (
+                  <span class="badge" title="Refusals and faults">
+                    {refusals > 999 ? "999+" : refusals}
+                  </span>
+                ) : null}
+              </NavLink>
+            ) : null,
+          )}
+        </ul>
+        <h2>Devices</h2>
+        <ul>
+          {store.devices.map((device) => (
+            <NavLink
+              key={device.name}
+              to={href("device", [device.name])}
+              current={route.view === "device" && route.parts[0] === device.name}
+            >
+              <span class="name">{device.name}</span>
+              {device.powered ? null : <span class="badge warning">off</span>}
+            </NavLink>
+          ))}
+        </ul>
+      </nav>
+      <main class="main" id="main" ref={main} tabIndex={-1}>
+        {store.connection === "lost" ? (
+          <p class="notice bad lost" role="alert">
+            The rack cannot be reached. What is shown is old; the page goes on by itself when <code>stator run</code> is
+            back at {location.host}.
+          </p>
+        ) : null}
+        {store.connection === "connecting" || (rack === null && store.connection === "lost") ? (
+          <p class="empty">{store.connection === "lost" ? "" : "Connecting …"}</p>
+        ) : store.connection === "locked" ? (
+          <p class="empty">This server is open to other machines, so everything needs its token.</p>
+        ) : (
+          <View key={`${store.epoch} ${route.view} ${route.parts[0] ?? ""}`} route={route} />
+        )}
+      </main>
+      <TokenDialog open={asking} onClose={() => setAsking(false)} />
+    </div>
+  );
+}
+
+function NavLink({ to, current, children }: { to: string; current: boolean; children: ComponentChildren }) {
+  return (
+    <li>
+      <a href={to} aria-current={current ? "page" : undefined}>
+        {children}
+      </a>
+    </li>
+  );
+}
+
+function View({ route }: { route: Route }) {
+  const store = useStore();
+  const { api } = useWorld();
+  const declared = kViews.find((each) => each.view === route.view);
+  if (declared && !store.offers(declared.needs)) {
+    return <p class="empty">{declared.title}: not offered by this server.</p>;
+  }
+  switch (route.view) {
+    case "rack":
+      return <RackView />;
+    case "scope":
+      return <Scope api={api} />;
+    case "events":
+      return <EventsView />;
+    case "traffic":
+      return <TrafficView />;
+    case "faults":
+      return <FaultsView />;
+    case "recording":
+      return <RecordingView />;
+    case "device":
+      return <DeviceView name={route.parts[0] ?? ""} tab={route.parts[1] ?? ""} query={route.query} />;
+    default:
+      return (
+        <p class="empty">
+          There is no such view. <a href={href("rack")}>To the rack</a>
+        </p>
+      );
+  }
+}
+
+const kThemes: readonly [Theme, string][] = [
+  ["system", "System"],
+  ["light", "Light"],
+  ["dark", "Dark"],
+];
+
+function ThemeSwitch() {
+  const [theme, setTheme] = useState(storedTheme);
+  return (
+    <label>
+      <span class="hidden-text">Colours</span>
+      <select
+        value={theme}
+        onChange={(event) => {
+          const chosen = event.currentTarget.value as Theme;
+          setTheme(chosen);
+          applyTheme(chosen);
+        }}
+      >
+        {kThemes.map(([value, name]) => (
+          <option key={value} value={value}>
+            {name}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}

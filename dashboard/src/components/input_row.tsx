@@ -1,0 +1,147 @@
+import { useEffect, useRef, useState } from "preact/hooks";
+
+import { segment, type InputInfo } from "../api";
+import { kNone, unitText } from "../format";
+import { useAction, useWorld } from "../hooks";
+import { controlOf, firstSpan, spansOf } from "../inputs";
+
+const kAgain = 60; ///< ms between two writes of a slider that is being moved
+
+function labelOf(name: string): string {
+  return name.replace(/_/g, " ");
+}
+
+/// Something around a device that can be set. `present`: its value as far as the server tells.
+export function InputRow({ input, label, present }: { input: InputInfo; label: string; present: number | null }) {
+  const { api } = useWorld();
+  const { error, run, clear } = useAction();
+  const [span, setSpan] = useState(() => firstSpan(input));
+  const [own, setOwn] = useState<number | null>(null);
+  const [text, setText] = useState<string | null>(null);
+  const waiting = useRef<{ timer: ReturnType<typeof setTimeout> | undefined; next: number | null }>({
+    timer: undefined,
+    next: null,
+  });
+  const set = (value: number) => {
+    setOwn(value);
+    const state = waiting.current;
+    state.next = value;
+    if (state.timer === undefined) {
+      const send = () => {
+        const next = state.next;
+        state.next = null;
+        state.timer = undefined;
+        if (next !== null) {
+          state.timer = setTimeout(send, kAgain);
+          void run(() => api.send("PUT", `/api/v1/inputs/${segment(input.name)}`, { value: next })).then((done) => {
+            if (!done) {
+              setOwn(null);
+            }
+          });
+        }
+      };
+      send();
+    }
+  };
+  useEffect(() => () => clearTimeout(waiting.current.timer), []);
+  // Once the server tells the value itself, what was set here is no longer needed.
+  useEffect(() => {
+    if (present !== null) {
+      const timer = setTimeout(() => setOwn(null), 700);
+      return () => clearTimeout(timer);
+    }
+    return undefined;
+  }, [present]);
+  const value = own ?? present;
+  const control = controlOf(input, span);
+  const id = `input-${input.name}`;
+  const name = labelOf(label);
+  const finish = () => {
+    if (text !== null && text.trim() !== "" && Number.isFinite(Number(text))) {
+      set(Number(text));
+    }
+    setText(null);
+  };
+  return (
+    <div class="input-row">
+      {control.kind === "switch" ? (
+        <label class="check wide">
+          <input
+            type="checkbox"
+            role="switch"
+            checked={value !== null && value >= 0.5}
+            onChange={(event) => set(event.currentTarget.checked ? 1 : 0)}
+          />
+          {name}
+        </label>
+      ) : control.kind === "choice" ? (
+        <>
+          <label htmlFor={id}>{name}</label>
+          <select id={id} class="wide2" value={value ?? ""} onChange={(event) => set(Number(event.currentTarget.value))}>
+            {value === null ? <option value="">{kNone}</option> : null}
+            {control.values.map((each) => (
+              <option key={each} value={each}>
+                {each}
+              </option>
+            ))}
+          </select>
+        </>
+      ) : (
+        <>
+          <label htmlFor={id}>{name}</label>
+          <input
+            id={id}
+            type="range"
+            min={control.minimum}
+            max={control.maximum}
+            step={control.step}
+            value={value ?? 0}
+            aria-valuetext={value === null ? "unknown" : `${value} ${input.unit}`}
+            title={`${input.minimum ?? ""} … ${input.maximum ?? ""} ${unitText(input.unit)}`}
+            onInput={(event) => set(Number(event.currentTarget.value))}
+          />
+          <input
+            class="exact"
+            aria-label={`${name}, exact`}
+            inputMode="decimal"
+            value={text ?? (value === null ? "" : String(Number(value.toPrecision(6))))}
+            placeholder={kNone}
+            onInput={(event) => setText(event.currentTarget.value)}
+            onBlur={finish}
+            onKeyDown={(event) => {
+              if (event.key === "Enter") {
+                finish();
+              } else if (event.key === "Escape") {
+                setText(null);
+              }
+            }}
+          />
+          {spansOf(input).length > 1 ? (
+            <select
+              aria-label={`${name}, range of the slider`}
+              class="span"
+              value={span}
+              onChange={(event) => setSpan(Number(event.currentTarget.value))}
+            >
+              {spansOf(input).map((each) => (
+                <option key={each} value={each}>
+                  ±{each} {unitText(input.unit)}
+                </option>
+              ))}
+            </select>
+          ) : (
+            <span class="soft">{unitText(input.unit)}</span>
+          )}
+        </>
+      )}
+      {error === "" ? null : (
+        <p class="notice bad wide" role="alert">
+          {error}{" "}
+          <button type="button" onClick={clear}>
+            Dismiss
+          </button>
+        </p>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,184 @@
+import { createContext } from "preact";
+import { useCallback, useContext, useEffect, useMemo, useRef, useState } from "preact/hooks";
+
+import { ApiError, type Api } from "./api";
+import type { Live, SignalHub } from "./live";
+import type { RackStore } from "./store";
+
+export interface World {
+  readonly api: Api;
+  readonly store: RackStore;
+  readonly hub: SignalHub;
+}
+
+export const WorldContext = createContext<World | null>(null);
+
+export function useWorld(): World {
+  const world = useContext(WorldContext);
+  if (!world) {
+    throw new Error("a component stands outside the application");
+  }
+  return world;
+}
+
+/// Renders again whenever the store changes.
+export function useStore(): RackStore {
+  const { store } = useWorld();
+  const [, render] = useState({});
+  useEffect(() => store.subscribe(() => render({})), [store]);
+  return store;
+}
+
+export interface Resource<T> {
+  readonly data: T | null;
+  readonly error: ApiError | null;
+  readonly reload: () => void;
+}
+
+/// What the server has at `path`, fetched anew every `period` milliseconds (0: once) while the page is
+/// visible. Data stay when a later fetch fails. A null path fetches nothing.
+export function useResource<T>(path: string | null, period = 0): Resource<T> {
+  const { api } = useWorld();
+  const [state, setState] = useState<{ path: string | null; data: T | null; error: ApiError | null }>({
+    path: null,
+    data: null,
+    error: null,
+  });
+  const [round, setRound] = useState(0);
+  useEffect(() => {
+    if (path === null) {
+      return undefined;
+    }
+    const abort = new AbortController();
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const fetchOnce = async () => {
+      if (!document.hidden) {
+        try {
+          const data = await api.get<T>(path, { signal: abort.signal });
+          setState({ path, data, error: null });
+        } catch (error) {
+          if (abort.signal.aborted) {
+            return;
+          }
+          const wrong = error instanceof ApiError ? error : new ApiError(0, { detail: String(error) });
+          setState((old) => ({ path, data: old.path === path ? old.data : null, error: wrong }));
+        }
+      }
+      if (period > 0 && !abort.signal.aborted) {
+        timer = setTimeout(() => void fetchOnce(), period);
+      }
+    };
+    void fetchOnce();
+    return () => {
+      abort.abort();
+      clearTimeout(timer);
+    };
+  }, [api, path, period, round]);
+  const reload = useCallback(() => setRound((n) => n + 1), []);
+  const current = state.path === path;
+  return { data: current ? state.data : null, error: current ? state.error : null, reload };
+}
+
+/// Live values of signals, rendered at most every `interval` milliseconds.
+export function useSignals(names: readonly string[], interval = 150): (name: string) => Live | undefined {
+  const { hub } = useWorld();
+  const [, render] = useState({});
+  const key = names.join("\n");
+  const last = useRef(0);
+  useEffect(() => {
+    const list = key === "" ? [] : key.split("\n");
+    if (list.length === 0) {
+      return undefined;
+    }
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const show = () => {
+      timer = undefined;
+      last.current = performance.now();
+      render({});
+    };
+    const stop = hub.watch(list, () => {
+      const wait = last.current + interval - performance.now();
+      if (wait <= 0) {
+        show();
+      } else {
+        timer ??= setTimeout(show, wait);
+      }
+    });
+    return () => {
+      clearTimeout(timer);
+      stop();
+    };
+  }, [hub, key, interval]);
+  return useCallback((name: string) => hub.value(name), [hub]);
+}
+
+/// The width of an element as it is laid out.
+export function useWidth<E extends HTMLElement>(): [(element: E | null) => void, number] {
+  const [width, setWidth] = useState(0);
+  const observer = useMemo(
+    () =>
+      new ResizeObserver((entries) => {
+        const found = entries[0];
+        if (found) {
+          setWidth(Math.floor(found.contentRect.width));
+        }
+      }),
+    [],
+  );
+  const attach = useCallback(
+    (element: E | null) => {
+      observer.disconnect();
+      if (element) {
+        observer.observe(element);
+        setWidth(Math.floor(element.clientWidth));
+      }
+    },
+    [observer],
+  );
+  return [attach, width];
+}
+
+/// A write under way and what became of it.
+export interface Action {
+  readonly busy: boolean;
+  readonly error: string;
+  readonly run: (write: () => Promise<unknown>) => Promise<boolean>;
+  readonly clear: () => void;
+}
+
+export function problemText(error: unknown): string {
+  if (error instanceof ApiError) {
+    const { abort_code: code, abort_text: text } = error.problem;
+    const abort = code ? ` (abort code ${code.replace(/^0x/, "")}h${text ? `: ${text}` : ""})` : "";
+    return error.message + abort;
+  }
+  return String(error);
+}
+
+export function useAction(): Action {
+  const { store } = useWorld();
+  const [busy, setBusy] = useState(false);
+  const [error, setError] = useState("");
+  const run = useCallback(
+    async (write: () => Promise<unknown>) => {
+      setBusy(true);
+      try {
+        await write();
+        setError("");
+        return true;
+      } catch (wrong) {
+        setError(problemText(wrong));
+        if (wrong instanceof ApiError && wrong.unauthorised) {
+          document.dispatchEvent(new CustomEvent("tokenwanted"));
+        }
+        return false;
+      } finally {
+        setBusy(false);
+        store.refresh();
+      }
+    },
+    [store],
+  );
+  const clear = useCallback(() => setError(""), []);
+  return { busy, error, run, clear };
+}

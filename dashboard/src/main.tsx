@@ -1,0 +1,24 @@
+import "./styles/theme.css";
+import "./styles/base.css";
+import "./styles/shell.css";
+
+import { render } from "preact";
+
+import { Api } from "./api";
+import { App } from "./app";
+import { takeToken } from "./router";
+import { applyTheme, storedTheme } from "./theme";
+
+const api = new Api();
+const taken = takeToken(location.hash);
+if (taken) {
+  api.token = taken.token;
+  history.replaceState(null, "", location.pathname + location.search + taken.rest);
+}
+applyTheme(storedTheme());
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => applyTheme(storedTheme()));
+
+const root = document.getElementById("root");
+if (root) {
+  render(<App api={api} />, root);
+}

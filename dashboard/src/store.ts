@@ -1,0 +1,109 @@
+// What every view shares: whether the rack answers, its devices, what the server offers, its events.
+
+import { ApiError, type Api, type DeviceInfo, type EventInfo, type RackInfo } from "./api";
+
+export type Connection = "connecting" | "online" | "lost" | "locked";
+
+const kPeriod = 1000;
+const kMostEvents = 5000;
+
+export class RackStore {
+  connection: Connection = "connecting";
+  rack: RackInfo | null = null;
+  devices: readonly DeviceInfo[] = [];
+  events: readonly EventInfo[] = [];
+  /// Grows when the rack turns out to be another one: views start anew.
+  epoch = 0;
+  private offered: ReadonlySet<string> | null = null;
+  private readonly listeners = new Set<() => void>();
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private running = false;
+
+  constructor(readonly api: Api) {
+    api.onToken(() => this.refresh());
+  }
+
+  start(): void {
+    this.running = true;
+    document.addEventListener("visibilitychange", () => {
+      if (!document.hidden) {
+        this.refresh();
+      }
+    });
+    void this.round();
+  }
+
+  stop(): void {
+    this.running = false;
+    clearTimeout(this.timer);
+  }
+
+  /// Looks at once instead of at the next second.
+  refresh(): void {
+    if (this.running) {
+      clearTimeout(this.timer);
+      void this.round();
+    }
+  }
+
+  subscribe(listener: () => void): () => void {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
+  }
+
+  /// Whether the server has this route, e.g. "/api/v1/traffic". Unknown is no.
+  offers(path: string): boolean {
+    return this.offered?.has(path) ?? false;
+  }
+
+  private tell(): void {
+    for (const listener of this.listeners) {
+      listener();
+    }
+  }
+
+  private async round(): Promise<void> {
+    clearTimeout(this.timer);
+    if (!document.hidden || this.connection !== "online") {
+      await this.look();
+      this.tell();
+    }
+    if (this.running) {
+      clearTimeout(this.timer);
+      this.timer = setTimeout(() => void this.round(), kPeriod);
+    }
+  }
+
+  private async look(): Promise<void> {
+    try {
+      const rack = await this.api.get<RackInfo>("/api/v1/rack");
+      const another = this.rack !== null && rack.time_ns < this.rack.time_ns;
+      if (another || this.connection !== "online") {
+        await this.begin(another || this.connection === "lost");
+      }
+      this.rack = rack;
+      this.devices = (await this.api.get<{ devices: DeviceInfo[] }>("/api/v1/devices")).devices;
+      await this.fetchEvents();
+      this.connection = "online";
+    } catch (error) {
+      this.connection = error instanceof ApiError && error.unauthorised ? "locked" : "lost";
+    }
+  }
+
+  private async begin(anew: boolean): Promise<void> {
+    const document = await this.api.get<{ paths?: Record<string, unknown> }>("/openapi.json");
+    this.offered = new Set(Object.keys(document.paths ?? {}));
+    this.events = [];
+    if (anew) {
+      this.epoch += 1;
+    }
+  }
+
+  private async fetchEvents(): Promise<void> {
+    const last = this.events[this.events.length - 1]?.number ?? 0;
+    const { events } = await this.api.get<{ events: EventInfo[] }>(`/api/v1/events?after=${last}`);
+    if (events.length > 0) {
+      this.events = [...this.events, ...events].slice(-kMostEvents);
+    }
+  }
+}

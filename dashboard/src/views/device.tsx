@@ -1,0 +1,86 @@
+import type { DeviceInfo, Panel } from "../api";
+import { segment } from "../api";
+import { LedLamp } from "../components/led";
+import { useResource, useStore } from "../hooks";
+import { href } from "../router";
+import "../styles/device.css";
+import { Objects } from "./objects";
+import { Overview } from "./overview";
+import { ProgramView } from "./program";
+import { DeviceSignals } from "./signals";
+
+const kPanelPeriod = 400;
+
+export function DeviceView({ name, tab, query }: { name: string; tab: string; query: ReadonlyMap<string, string> }) {
+  const store = useStore();
+  const device = store.devices.find((each) => each.name === name);
+  const offered = store.offers("/api/v1/devices/{device}/panel");
+  const panel = useResource<Panel>(device && offered ? `/api/v1/devices/${segment(name)}/panel` : null, kPanelPeriod);
+  if (!device) {
+    return (
+      <p class="empty">
+        The rack has no device of this name. <a href={href("rack")}>To the rack</a>
+      </p>
+    );
+  }
+  const tabs: [string, string][] = [["", "Overview"]];
+  if (device.objects > 0) {
+    tabs.push(["objects", "Object dictionary"]);
+  }
+  if (panel.data?.program && store.offers("/api/v1/devices/{device}/program")) {
+    tabs.push(["program", "Program"]);
+  }
+  tabs.push(["signals", "Signals"]);
+  return (
+    <>
+      <div class="view-head">
+        <h1>{device.name}</h1>
+        <span class="soft">{device.product}</span>
+        {device.network === "" ? null : <span class="soft">{device.network}</span>}
+        <PowerAndState device={device} panel={panel.data} />
+        <span class="leds">
+          {(device.powered ? (panel.data?.leds ?? []) : []).map((led) => (
+            <LedLamp key={led.name} led={led} />
+          ))}
+        </span>
+      </div>
+      <nav class="tabs" aria-label={`Views of ${device.name}`}>
+        {tabs.map(([part, title]) => (
+          <a
+            key={part}
+            href={href("device", part === "" ? [name] : [name, part])}
+            aria-current={tab === part ? "page" : undefined}
+          >
+            {title}
+          </a>
+        ))}
+      </nav>
+      {tab === "objects" ? (
+        <Objects device={device} search={query.get("search") ?? ""} />
+      ) : tab === "program" ? (
+        <ProgramView device={device} />
+      ) : tab === "signals" ? (
+        <DeviceSignals device={device} />
+      ) : (
+        <Overview device={device} panel={panel.data} />
+      )}
+    </>
+  );
+}
+
+function PowerAndState({ device, panel }: { device: DeviceInfo; panel: Panel | null }) {
+  if (!device.powered) {
+    return <span class="badge warning">switched off</span>;
+  }
+  const code = panel?.network?.status_code ?? 0;
+  return (
+    <>
+      <span class="badge accent">{panel?.network?.state ?? device.state}</span>
+      {code ? (
+        <span class="badge bad">
+          {code.toString(16).toUpperCase().padStart(4, "0")}h {panel?.network?.status_text}
+        </span>
+      ) : null}
+    </>
+  );
+}

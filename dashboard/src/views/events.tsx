@@ -1,0 +1,117 @@
+import { useMemo, useState } from "preact/hooks";
+
+import type { EventInfo } from "../api";
+import { timeText } from "../format";
+import { useStore } from "../hooks";
+
+const kMostShown = 500;
+
+const kKinds: Readonly<Record<string, string>> = {
+  information: "",
+  refusal: "warning",
+  warning: "warning",
+  fault: "bad",
+};
+
+export function severityClass(severity: string): string {
+  return `badge ${kKinds[severity] ?? ""}`;
+}
+
+export function matchingEvents(
+  events: readonly EventInfo[],
+  wanted: { text: string; device: string; severity: string },
+): EventInfo[] {
+  const words = wanted.text.toLowerCase().split(/\s+/).filter(Boolean);
+  return events.filter(
+    (event) =>
+      (wanted.device === "" || event.device === wanted.device) &&
+      (wanted.severity === "" || event.severity === wanted.severity) &&
+      words.every((word) => `${event.device} ${event.rule} ${event.text}`.toLowerCase().includes(word)),
+  );
+}
+
+export function EventRows({ events, short = false }: { events: readonly EventInfo[]; short?: boolean }) {
+  return (
+    <table class="events">
+      <thead>
+        <tr>
+          <th class="number time">Time</th>
+          <th class="severity">Kind</th>
+          {short ? null : <th class="device">Device</th>}
+          <th>What happened</th>
+        </tr>
+      </thead>
+      <tbody>
+        {events.map((event) => (
+          <tr key={event.number}>
+            <td class="number time">{timeText(event.time_ns)}</td>
+            <td class="severity">
+              <span class={severityClass(event.severity)}>{event.severity}</span>
+            </td>
+            {short ? null : <td class="device">{event.device}</td>}
+            <td class="sentence" title={event.rule}>
+              {event.text}
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+export function EventsView() {
+  const { events, devices } = useStore();
+  const [text, setText] = useState("");
+  const [device, setDevice] = useState("");
+  const [severity, setSeverity] = useState("");
+  const [frozen, setFrozen] = useState<readonly EventInfo[] | null>(null);
+  const shown = useMemo(
+    () => matchingEvents(frozen ?? events, { text, device, severity }).slice(-kMostShown).reverse(),
+    [frozen, events, text, device, severity],
+  );
+  return (
+    <>
+      <div class="view-head">
+        <h1>Events</h1>
+        <span class="soft">Why something was refused, and what else happened; the newest first</span>
+      </div>
+      <section class="panel">
+        <header class="toolbar">
+          <input
+            type="search"
+            placeholder="Words to find"
+            aria-label="Words to find"
+            value={text}
+            onInput={(event) => setText(event.currentTarget.value)}
+          />
+          <select aria-label="Device" value={device} onChange={(event) => setDevice(event.currentTarget.value)}>
+            <option value="">All devices</option>
+            {devices.map((each) => (
+              <option key={each.name}>{each.name}</option>
+            ))}
+          </select>
+          <select aria-label="Kind" value={severity} onChange={(event) => setSeverity(event.currentTarget.value)}>
+            <option value="">All kinds</option>
+            {Object.keys(kKinds).map((kind) => (
+              <option key={kind}>{kind}</option>
+            ))}
+          </select>
+          <button type="button" aria-pressed={frozen !== null} onClick={() => setFrozen(frozen ? null : events)}>
+            Pause
+          </button>
+          <span class="spacer" />
+          <span class="soft">
+            {shown.length} of {events.length}
+          </span>
+        </header>
+        <div class="scroller tall" tabIndex={0} role="region" aria-label="List of events">
+          {shown.length > 0 ? (
+            <EventRows events={shown} />
+          ) : (
+            <p class="empty">{events.length === 0 ? "Nothing has happened so far." : "No event fits the filter."}</p>
+          )}
+        </div>
+      </section>
+    </>
+  );
+}

@@ -1,0 +1,280 @@
+import { useEffect, useMemo, useState } from "preact/hooks";
+
+import { segment, type DeviceInfo, type Entry, type EntryDeclaration, type EntryList, type EntryValue } from "../api";
+import { addressText, hexText } from "../format";
+import { useAction, useResource, useWorld } from "../hooks";
+import { checkValue, isInteger, searchEntries, writable } from "../object_search";
+
+const kPeriod = 1000;
+const kAtOnce = 4;
+
+function key(entry: EntryDeclaration): string {
+  return `${entry.index}:${entry.subindex}`;
+}
+
+/// Rows whose place is in view, and values of their objects, fetched again and again.
+function useVisibleValues(device: string, entries: readonly EntryDeclaration[]) {
+  const { api } = useWorld();
+  const [values, setValues] = useState<ReadonlyMap<string, EntryValue>>(new Map());
+  const [visible] = useState(() => new Set<string>());
+  const observer = useMemo(
+    () =>
+      new IntersectionObserver((changed) => {
+        for (const each of changed) {
+          const id = (each.target as HTMLElement).dataset["key"] ?? "";
+          if (each.isIntersecting) {
+            visible.add(id);
+          } else {
+            visible.delete(id);
+          }
+        }
+      }),
+    [visible],
+  );
+  const list = entries.map(key).join(" ");
+  useEffect(() => {
+    let ended = false;
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const round = async () => {
+      const objects = [...new Set([...visible].map((id) => id.split(":")[0] ?? ""))];
+      const fresh = new Map<string, EntryValue>();
+      for (let i = 0; i < objects.length && !ended && !document.hidden; i += kAtOnce) {
+        const found = await Promise.allSettled(
+          objects
+            .slice(i, i + kAtOnce)
+            .map((index) => api.get<EntryList<Entry>>(`/api/v1/devices/${segment(device)}/objects/${index}`)),
+        );
+        for (const each of found) {
+          if (each.status === "fulfilled") {
+            for (const entry of each.value.entries) {
+              fresh.set(key(entry), entry.value);
+            }
+          }
+        }
+      }
+      if (!ended) {
+        setValues((old) => new Map([...old, ...fresh]));
+        timer = setTimeout(() => void round(), kPeriod);
+      }
+    };
+    timer = setTimeout(() => void round(), 60); // the observer tells a moment later what is visible
+    return () => {
+      ended = true;
+      clearTimeout(timer);
+    };
+  }, [api, device, visible, list]);
+  useEffect(() => () => observer.disconnect(), [observer]);
+  const watch = (element: HTMLElement | null) => {
+    if (element) {
+      observer.observe(element);
+    }
+  };
+  const put = (id: string, value: EntryValue) => setValues((old) => new Map([...old, [id, value]]));
+  return { values, watch, put };
+}
+
+function shown(entry: EntryDeclaration, value: EntryValue | undefined): { text: string; hex: string } {
+  if (value === undefined || value === null) {
+    return { text: "–", hex: "" };
+  }
+  const bits = Number(/\d+$/.exec(entry.type)?.[0] ?? 0);
+  const hex = typeof value === "number" && isInteger(entry.type) && bits <= 32 ? hexText(value, bits / 4) : "";
+  return { text: String(value), hex };
+}
+
+const kPage = 150;
+
+export function Objects({ device, search }: { device: DeviceInfo; search: string }) {
+  const list = useResource<EntryList>(`/api/v1/devices/${segment(device.name)}/objects`);
+  const [words, setWords] = useState(search);
+  useEffect(() => setWords(search), [search]);
+  const [onlyWritable, setOnlyWritable] = useState(false);
+  const [onlyMapped, setOnlyMapped] = useState(false);
+  const [edited, setEdited] = useState("");
+  const found = useMemo(
+    () =>
+      searchEntries(list.data?.entries ?? [], words)
+        .filter((entry) => !onlyWritable || writable(entry))
+        .filter((entry) => !onlyMapped || entry.pdo !== "no"),
+    [list.data, words, onlyWritable, onlyMapped],
+  );
+  const [most, setMost] = useState(kPage);
+  const rows = found.slice(0, most);
+  const { values, watch, put } = useVisibleValues(device.name, rows);
+  return (
+    <section class="panel">
+      <header class="toolbar">
+        <input
+          type="search"
+          class="search"
+          placeholder="Index, name, unit, e.g. 6041 or velocity"
+          aria-label="Search objects"
+          value={words}
+          onInput={(event) => setWords(event.currentTarget.value)}
+        />
+        <label class="check">
+          <input type="checkbox" checked={onlyWritable} onChange={(event) => setOnlyWritable(event.currentTarget.checked)} />
+          writable
+        </label>
+        <label class="check">
+          <input type="checkbox" checked={onlyMapped} onChange={(event) => setOnlyMapped(event.currentTarget.checked)} />
+          PDO
+        </label>
+        <span class="spacer" />
+        <span class="soft">
+          {found.length} of {list.data?.entries.length ?? 0} entries
+        </span>
+      </header>
+      <div class="scroller tall" tabIndex={0} role="region" aria-label="Entries">
+        {rows.length > 0 ? (
+          <table class="objects">
+            <thead>
+              <tr>
+                <th>Address</th>
+                <th>Name</th>
+                <th>Type</th>
+                <th>Access</th>
+                <th class="number">Value</th>
+                <th class="number">Hexadecimal</th>
+                <th>Unit</th>
+                <th>Range</th>
+                <th>
+                  <span class="hidden-text">Change</span>
+                </th>
+              </tr>
+            </thead>
+            <tbody>
+              {rows.map((entry) => {
+                const text = shown(entry, values.get(key(entry)));
+                const open = edited === key(entry);
+                return [
+                  <tr key={key(entry)} ref={watch} data-key={key(entry)} class={open ? "chosen" : ""}>
+                    <td class="mono address">{addressText(entry.index, entry.subindex)}</td>
+                    <td class="name">{entry.name}</td>
+                    <td class="soft type">{entry.type}</td>
+                    <td class="soft access">
+                      {entry.access}
+                      {entry.pdo === "no" ? "" : `, ${entry.pdo}`}
+                    </td>
+                    <td class="number value" title={text.text}>
+                      {text.text}
+                    </td>
+                    <td class="number mono hex">{text.hex}</td>
+                    <td class="soft unit" title={entry.unit}>
+                      {entry.unit}
+                    </td>
+                    <td class="soft range" title={`default ${entry.default}`}>
+                      {entry.minimum === "" ? "" : `${entry.minimum} … ${entry.maximum}`}
+                    </td>
+                    <td class="number">
+                      {writable(entry) ? (
+                        <button
+                          type="button"
+                          class="small"
+                          aria-expanded={open}
+                          aria-label={`Write ${addressText(entry.index, entry.subindex)}`}
+                          onClick={() => setEdited(open ? "" : key(entry))}
+                        >
+                          Write
+                        </button>
+                      ) : null}
+                    </td>
+                  </tr>,
+                  open ? (
+                    <tr key={`${key(entry)} form`} class="chosen">
+                      <td colSpan={9}>
+                        <WriteForm
+                          device={device.name}
+                          entry={entry}
+                          value={text.text === "–" ? "" : text.text}
+                          done={(value) => put(key(entry), value)}
+                          close={() => setEdited("")}
+                        />
+                      </td>
+                    </tr>
+                  ) : null,
+                ];
+              })}
+            </tbody>
+          </table>
+        ) : (
+          <p class="empty">{list.data ? "No entry fits." : (list.error?.message ?? "…")}</p>
+        )}
+        {found.length > rows.length ? (
+          <p class="empty">
+            <button type="button" onClick={() => setMost(most + kPage)}>
+              Show {Math.min(kPage, found.length - rows.length)} more
+            </button>
+          </p>
+        ) : null}
+      </div>
+    </section>
+  );
+}
+
+function WriteForm({ device, entry, value, done, close }: {
+  device: string;
+  entry: EntryDeclaration;
+  value: string;
+  done: (value: EntryValue) => void;
+  close: () => void;
+}) {
+  const { api } = useWorld();
+  const { busy, error, run } = useAction();
+  const [text, setText] = useState(value);
+  const [written, setWritten] = useState(false);
+  const checked = checkValue(entry, text);
+  const problem = "problem" in checked ? checked.problem : "";
+  const write = async () => {
+    if ("value" in checked) {
+      const path = `/api/v1/devices/${segment(device)}/objects/${entry.index}/${entry.subindex}`;
+      const well = await run(() => api.send("PUT", path, { value: checked.value }));
+      setWritten(well);
+      if (well) {
+        done(checked.value);
+      }
+    }
+  };
+  return (
+    <form
+      class="write-form"
+      onSubmit={(event) => {
+        event.preventDefault();
+        void write();
+      }}
+      onKeyDown={(event) => {
+        if (event.key === "Escape") {
+          close();
+        }
+      }}
+    >
+      <label class="field">
+        <span>
+          New value of {addressText(entry.index, entry.subindex)} {entry.name}
+        </span>
+        <input
+          ref={(element) => {
+            if (element && document.activeElement?.closest(".write-form") === null) {
+              element.focus();
+            }
+          }}
+          value={text}
+          aria-invalid={problem !== ""}
+          onInput={(event) => {
+            setText(event.currentTarget.value);
+            setWritten(false);
+          }}
+        />
+      </label>
+      <button type="submit" class="primary" disabled={busy || problem !== ""}>
+        Write
+      </button>
+      <button type="button" onClick={close}>
+        Close
+      </button>
+      <span class={problem !== "" || error !== "" ? "wrong" : "soft"} role="status">
+        {problem !== "" ? problem : error !== "" ? error : written ? "Written." : `default ${entry.default || "–"}`}
+      </span>
+    </form>
+  );
+}

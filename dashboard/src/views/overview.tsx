@@ -1,0 +1,298 @@
+import { useMemo, useRef, useState } from "preact/hooks";
+
+import type { AxisPanel, DeviceInfo, Entry, EntryDeclaration, EntryList, EventInfo, InputInfo, Panel, Signals, StateMachine } from "../api";
+import { segment } from "../api";
+import { axesOf, axisIndex, axisNumber, type AxisSignals } from "../axes";
+import { Gauge, rangeFor } from "../components/gauge";
+import { InputRow } from "../components/input_row";
+import { StateMachinePicture } from "../components/state_machine";
+import { addressText, hexText, quantity, timeText } from "../format";
+import { useResource, useSignals, useStore } from "../hooks";
+import { groupInputs } from "../inputs";
+import type { Live } from "../live";
+import { sameState } from "../machine_layout";
+import { href } from "../router";
+import { controlwordBits, errorCodeText, errorRegisterBits, modeText, powerState, statuswordBits, type Bit } from "../words";
+import { EventRows } from "./events";
+
+const kObjectPeriod = 500;
+const kEventsShown = 8;
+
+export function Overview({ device, panel }: { device: DeviceInfo; panel: Panel | null }) {
+  const store = useStore();
+  const signals = useResource<Signals>(`/api/v1/signals?names=${segment(device.name)}.*`);
+  const machines = useResource<{ machines: StateMachine[] }>(
+    store.offers("/api/v1/state-machines") ? "/api/v1/state-machines" : null,
+  );
+  const [chosen, setChosen] = useState(0);
+  const axes = useMemo(
+    () => axesOf(device.name, signals.data?.signals ?? [], panel?.axes ?? []),
+    [device.name, signals.data, panel?.axes.map((axis) => axis.name).join(" ")],
+  );
+  const axis = axes[Math.min(chosen, axes.length - 1)];
+  const axisPanel = panel?.axes.find((each) => each.name === axis?.name) ?? null;
+  const machineOf = (name: string | undefined) => machines.data?.machines.find((each) => each.name === name);
+  const network = machineOf(panel?.network?.machine);
+  const power = machineOf(axisPanel?.machine);
+  return (
+    <div class="overview">
+      <div class="stack">
+        {axes.length > 1 ? (
+          <div class="segmented" role="group" aria-label="Axis">
+            {axes.map((each, i) => (
+              <button key={each.name} type="button" aria-pressed={each === axis} onClick={() => setChosen(i)}>
+                {each.name}
+              </button>
+            ))}
+          </div>
+        ) : null}
+        {axis ? <AxisValues key={axis.name} axis={axis} panel={axisPanel} /> : null}
+        <Inputs device={device} signals={signals.data} first={axis?.name ?? ""} />
+      </div>
+      <div class="stack">
+        {power && axisPanel ? (
+          <MachinePanel machine={power} state={axisPanel.state} title={`${axisPanel.name}: ${power.title}`} refusal={axisPanel.last_refusal} />
+        ) : null}
+        {network && panel?.network ? (
+          <MachinePanel machine={network} state={panel.network.state} title={network.title} refusal={panel.last_refusal} />
+        ) : null}
+        {power || network ? null : <DeviceEvents name={device.name} />}
+      </div>
+      <div class="stack last">
+        {device.objects > 0 && device.powered ? <MasterSees device={device} axis={axisNumber(axis?.name ?? "")} /> : null}
+        {power || network ? <DeviceEvents name={device.name} /> : null}
+      </div>
+    </div>
+  );
+}
+
+function AxisValues({ axis, panel }: { axis: AxisSignals; panel: AxisPanel | null }) {
+  const value = useSignals(
+    axis.rows.map((row) => row.signal),
+    120,
+  );
+  const seen = useRef(new Map<string, { low: number; high: number }>());
+  const rangeOf = (signal: string, live: Live | undefined) => {
+    const range = seen.current.get(signal) ?? { low: 0, high: 0 };
+    if (typeof live?.value === "number") {
+      range.low = Math.min(range.low, live.value);
+      range.high = Math.max(range.high, live.value);
+      seen.current.set(signal, range);
+    }
+    if (live?.unit === "degC") {
+      return { minimum: 0, maximum: Math.max(150, range.high) };
+    }
+    return rangeFor(range);
+  };
+  return (
+    <section class="panel">
+      <header>
+        <h2>{axis.name}</h2>
+        {panel ? <span class="badge accent">{panel.state}</span> : null}
+        {panel?.mode_name ? <span class="soft">{panel.mode_name}</span> : null}
+      </header>
+      <div class="body gauges">
+        {axis.rows.map(({ label, signal }) => {
+          const live = value(signal);
+          return <Gauge key={signal} name={label} live={live} range={rangeOf(signal, live)} />;
+        })}
+      </div>
+    </section>
+  );
+}
+
+function MachinePanel({ machine, state, title, refusal }: { machine: StateMachine; state: string; title: string; refusal: EventInfo | null }) {
+  const known = machine.states.some((each) => sameState(each, state));
+  return (
+    <section class="panel">
+      <header>
+        <h2>{title}</h2>
+        {known ? null : <span class="badge accent">{state}</span>}
+      </header>
+      <div class="body machine-body">
+        <StateMachinePicture machine={machine} state={state} />
+      </div>
+      {refusal ? (
+        <p class="notice warning">
+          <strong>Last refusal</strong> <span class="soft">at {timeText(refusal.time_ns)}</span>
+          <br />
+          {refusal.text}
+        </p>
+      ) : null}
+    </section>
+  );
+}
+
+function Bits({ bits }: { bits: readonly Bit[] }) {
+  return (
+    <ul class="bits">
+      {bits.map((bit) => (
+        <li key={bit.number} class={bit.set ? "set" : ""}>
+          <span class="bit">{bit.number}</span>
+          {bit.name}
+          <span class="hidden-text">{bit.set ? ": 1" : ": 0"}</span>
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/// Of the objects a master looks at, those the device has.
+const kWatched: readonly { index: number; perAxis: boolean; label: string }[] = [
+  { index: 0x6041, perAxis: true, label: "Statusword" },
+  { index: 0x6040, perAxis: true, label: "Controlword" },
+  { index: 0x6061, perAxis: true, label: "Mode of operation" },
+  { index: 0x603f, perAxis: true, label: "Error code" },
+  { index: 0x1001, perAxis: false, label: "Error register" },
+  { index: 0x6064, perAxis: true, label: "Position" },
+  { index: 0x606c, perAxis: true, label: "Velocity" },
+  { index: 0x6077, perAxis: true, label: "Torque" },
+];
+
+function MasterSees({ device, axis }: { device: DeviceInfo; axis: number }) {
+  const path = `/api/v1/devices/${segment(device.name)}/objects`;
+  const declared = useResource<EntryList>(path);
+  const rows = kWatched.flatMap(({ index, perAxis, label }) => {
+    const text = axisIndex(index, perAxis ? axis : 0);
+    const entry = declared.data?.entries.find((each) => same(each, text));
+    return entry ? [{ index, text, entry, label }] : [];
+  });
+  return (
+    <section class="panel">
+      <header>
+        <h2>What the master sees</h2>
+      </header>
+      {declared.data === null ? <p class="empty">{declared.error?.message ?? "…"}</p> : null}
+      <table class="sees">
+        <tbody>
+          {rows.map((row) => (
+            <SeenRow key={row.text} path={path} row={row} device={device.name} modePath={`${path}/${axisIndex(0x6061, axis)}/00`} />
+          ))}
+        </tbody>
+      </table>
+    </section>
+  );
+}
+
+function same(entry: EntryDeclaration, index: string): boolean {
+  return entry.index.toUpperCase() === index && Number.parseInt(entry.subindex, 16) === 0;
+}
+
+function SeenRow({ path, row, device, modePath }: {
+  path: string;
+  row: { index: number; text: string; entry: EntryDeclaration; label: string };
+  device: string;
+  modePath: string;
+}) {
+  const read = useResource<Entry>(`${path}/${row.text}/00`, kObjectPeriod);
+  const mode = useResource<Entry>(row.index === 0x6041 ? modePath : null, kObjectPeriod);
+  const value = read.data?.value;
+  const number = typeof value === "number" ? value : null;
+  return (
+    <tr>
+      <td>
+        <a class="mono" href={href("device", [device, "objects"], { search: row.text })}>
+          {addressText(row.text)}
+        </a>
+        <div class="soft">{row.label}</div>
+      </td>
+      <td>{number === null ? <span class="soft">{read.error?.message ?? "…"}</span> : <Seen index={row.index} value={number} unit={row.entry.unit} mode={Number(mode.data?.value ?? 0)} />}</td>
+    </tr>
+  );
+}
+
+function Seen({ index, value, unit, mode }: { index: number; value: number; unit: string; mode: number }) {
+  switch (index) {
+    case 0x6041:
+      return (
+        <>
+          <span class="mono">{hexText(value, 4)}</span> <strong>{powerState(value)}</strong>
+          <Bits bits={statuswordBits(value, mode)} />
+        </>
+      );
+    case 0x6040:
+      return (
+        <>
+          <span class="mono">{hexText(value, 4)}</span>
+          <Bits bits={controlwordBits(value)} />
+        </>
+      );
+    case 0x6061:
+      return (
+        <>
+          {value} <span class="soft">{modeText(value)}</span>
+        </>
+      );
+    case 0x603f:
+      return (
+        <span class={value === 0 ? "" : "wrong"}>
+          <span class="mono">{hexText(value, 4)}</span> {errorCodeText(value)}
+        </span>
+      );
+    case 0x1001: {
+      const set = errorRegisterBits(value).filter((bit) => bit.set);
+      return (
+        <span class={value === 0 ? "" : "wrong"}>
+          <span class="mono">{hexText(value, 2)}</span> {set.length === 0 ? "no error" : set.map((bit) => bit.name).join(", ")}
+        </span>
+      );
+    }
+    default:
+      return (
+        <>
+          {quantity(value, "").value} <span class="soft">{unit}</span>
+        </>
+      );
+  }
+}
+
+function DeviceEvents({ name }: { name: string }) {
+  const { events } = useStore();
+  const own = events.filter((event) => event.device === name).slice(-kEventsShown).reverse();
+  return (
+    <section class="panel">
+      <header>
+        <h2>Newest events</h2>
+      </header>
+      {own.length > 0 ? <EventRows events={own} short /> : <p class="empty">Nothing has happened so far.</p>}
+    </section>
+  );
+}
+
+function Inputs({ device, signals, first }: { device: DeviceInfo; signals: Signals | null; first: string }) {
+  const inputs = useResource<{ inputs: InputInfo[] }>("/api/v1/inputs", 3000);
+  const own = useMemo(
+    () => (inputs.data?.inputs ?? []).filter((input) => input.name.startsWith(`${device.name}.`)),
+    [inputs.data, device.name],
+  );
+  const known = useMemo(() => new Set(signals?.signals.map((signal) => signal.name)), [signals]);
+  const shownBySignal = own.map((input) => input.name).filter((name) => known.has(name));
+  const value = useSignals(shownBySignal, 300);
+  const groups = [...groupInputs(own, device.name)].sort(([a], [b]) => Number(b === first) - Number(a === first));
+  return (
+    <section class="panel inputs">
+      <header>
+        <h2>Inputs</h2>
+        <span class="soft">around the device</span>
+      </header>
+      {groups.map(([group, list]) => (
+        <details key={group} open={group === first || (group === "" && groups.length < 4)}>
+          <summary>
+            {group === "" ? "device" : group} <span class="soft">{list.length}</span>
+          </summary>
+          <div class="input-rows">
+            {list.map((input) => (
+              <InputRow
+                key={input.name}
+                input={input}
+                label={input.name.slice(device.name.length + 1 + (group === "" ? 0 : group.length + 1))}
+                present={input.value ?? (known.has(input.name) ? (value(input.name)?.value ?? null) : null)}
+              />
+            ))}
+          </div>
+        </details>
+      ))}
+      {own.length === 0 ? <p class="empty">{inputs.data ? "It has none." : (inputs.error?.message ?? "…")}</p> : null}
+    </section>
+  );
+}

@@ -1,0 +1,45 @@
+import { useEffect, useRef } from "preact/hooks";
+
+import { segment, type DeviceInfo, type Program } from "../api";
+import { useResource } from "../hooks";
+
+const kPeriod = 250;
+
+/// A module's TMCL program with the line it is at.
+export function ProgramView({ device }: { device: DeviceInfo }) {
+  const program = useResource<Program>(`/api/v1/devices/${segment(device.name)}/program`, kPeriod);
+  const current = useRef<HTMLLIElement>(null);
+  const line = program.data?.line ?? null;
+  useEffect(() => current.current?.scrollIntoView({ block: "nearest" }), [line]);
+  if (!program.data) {
+    return <p class="empty">{program.error?.message ?? "…"}</p>;
+  }
+  return (
+    <section class="panel">
+      <header>
+        <h2>TMCL program</h2>
+        <span class={program.data.running ? "badge good" : "badge"}>{program.data.running ? "runs" : "stopped"}</span>
+        <span class="soft">{program.data.lines.length} commands</span>
+      </header>
+      <div class="scroller tall" tabIndex={0} role="region" aria-label="Program">
+        <ol class="program">
+          {program.data.lines.map((each) => {
+            const here = each.address === line;
+            return (
+              <li
+                key={each.address}
+                ref={here ? current : null}
+                class={here ? "here" : ""}
+                aria-current={here ? "step" : undefined}
+              >
+                <span class="address">{each.address}</span>
+                <code>{each.text}</code>
+              </li>
+            );
+          })}
+        </ol>
+        {program.data.lines.length === 0 ? <p class="empty">No program is stored.</p> : null}
+      </div>
+    </section>
+  );
+}

@@ -1,0 +1,57 @@
+import { useState } from "preact/hooks";
+
+import { segment, type DeviceInfo, type Signals } from "../api";
+import { quantity } from "../format";
+import { useResource, useSignals, useStore } from "../hooks";
+import { href } from "../router";
+
+/// All signals of a device as numbers.
+export function DeviceSignals({ device }: { device: DeviceInfo }) {
+  const store = useStore();
+  const list = useResource<Signals>(`/api/v1/signals?names=${segment(device.name)}.*`);
+  const [words, setWords] = useState("");
+  const shown = (list.data?.signals ?? []).filter(({ name }) => name.toLowerCase().includes(words.toLowerCase()));
+  const value = useSignals(
+    shown.map((signal) => signal.name),
+    200,
+  );
+  return (
+    <section class="panel">
+      <header class="toolbar">
+        <input
+          type="search"
+          placeholder="Search"
+          aria-label="Search signals"
+          value={words}
+          onInput={(event) => setWords(event.currentTarget.value)}
+        />
+        <span class="spacer" />
+        <span class="soft">
+          {shown.length} signals
+          {store.offers("/api/v1/signals") ? (
+            <>
+              {" – "}
+              <a href={href("scope")}>plot them in the oscilloscope</a>
+            </>
+          ) : null}
+        </span>
+      </header>
+      <ul class="signal-list">
+        {shown.map((signal) => {
+          const live = value(signal.name);
+          const text = quantity(live ? live.value : signal.value, signal.unit);
+          return (
+            <li key={signal.name}>
+              <span class="name" title={signal.name}>
+                {signal.name.slice(device.name.length + 1)}
+              </span>
+              <span class="value">{text.value}</span>
+              <span class="unit soft">{text.unit}</span>
+            </li>
+          );
+        })}
+      </ul>
+      {shown.length === 0 ? <p class="empty">{list.data ? "No signal fits." : (list.error?.message ?? "…")}</p> : null}
+    </section>
+  );
+}

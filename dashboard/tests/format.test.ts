@@ -1,0 +1,51 @@
+import { describe, expect, it } from "vitest";
+
+import { addressText, grouped, hexText, quantity, quantityText, timeText } from "../src/format";
+
+const plain = (text: string) => text.replace(/[\u00a0\u202f]/g, " ");
+
+describe("a quantity", () => {
+  it("takes the prefix that leaves one to three digits before the point", () => {
+    expect(quantity(0.0652, "Nm")).toEqual({ value: "65.20", unit: "mN m" });
+    expect(quantity(1234, "Hz")).toEqual({ value: "1.234", unit: "kHz" });
+    expect(quantity(-0.0000021, "A")).toEqual({ value: "−2.100", unit: "µA" });
+    expect(quantity(48, "V")).toEqual({ value: "48.00", unit: "V" });
+  });
+  it("does not become 1000 by rounding", () => {
+    expect(quantity(0.99999, "A")).toEqual({ value: "1.000", unit: "A" });
+  });
+  it("has no sign and no prefix when it is nothing", () => {
+    expect(quantity(-1e-15, "Nm")).toEqual({ value: "0.000", unit: "N m" });
+  });
+  it("keeps units that take no prefix, and whole counts whole", () => {
+    expect(plain(quantity(1415680, "microstep").value)).toBe("1 415 680");
+    expect(quantity(25, "degC")).toEqual({ value: "25.00", unit: "°C" });
+    expect(quantity(112, "")).toEqual({ value: "112", unit: "" });
+  });
+  it("is a percentage where the unit is 1", () => {
+    expect(plain(quantityText(0.23, "1", 3))).toBe("23.0 %");
+  });
+  it("is a dash where there is none", () => {
+    expect(quantity(null, "A")).toEqual({ value: "–", unit: "A" });
+    expect(quantity(Number.NaN, "V").value).toBe("–");
+  });
+});
+
+describe("times, numbers and addresses", () => {
+  it("are written as seconds, after an hour as a clock", () => {
+    expect(plain(timeText(12_345_600_000))).toBe("12.346 s");
+    expect(timeText(3_723_400_000_000, 1)).toBe("1:02:03.4");
+  });
+  it("are grouped before the point only", () => {
+    expect(plain(grouped("-1234567.8901"))).toBe("−1 234 567.8901");
+    expect(grouped("123")).toBe("123");
+  });
+  it("are two's complement in hexadecimal", () => {
+    expect(hexText(-1, 4)).toBe("FFFFh");
+    expect(hexText(0x4237, 4)).toBe("4237h");
+  });
+  it("look as in documents", () => {
+    expect(addressText("6041")).toBe("6041h");
+    expect(addressText("0x200c", "0x02")).toBe("200Ch:02");
+  });
+});

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/sim_time.hpp"
+#include "cli/web_server.hpp"
+#include "rack/rack_configuration.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace stator::cli {
+
+/// What "stator run" is asked for on the command line.
+struct RunOptions {
+  std::string rack_file;
+  std::string device;
+  unsigned count = 1;
+  std::string link;
+  std::vector<std::string> ports;
+  std::vector<std::string> serial;
+  std::string spi;
+  std::string bit_rate;
+  std::string redundant;
+  std::string wait;
+  std::optional<unsigned> cpu;
+  std::string clock;
+  std::string capture;
+  std::string record;
+  std::string record_period;
+  std::vector<std::string> signals;
+  std::string trace;
+  std::vector<std::string> trace_pins;
+  std::string duration;
+  std::string state;
+  bool no_emergencies = false;
+  WebOptions web;
+};
+
+/// Adds the options of "stator run" to `command`; `options` must outlive it.
+void add_run_options(CLI::App& command, RunOptions& options);
+
+/// Reads the duration given with option `name`. Throws Failure if `text` is none or not positive.
+[[nodiscard]] base::SimDuration duration_option(const std::string& name, const std::string& text);
+
+/// The rack file's configuration with the command line's options on top. Throws Failure for options
+/// that the rack has no place for, or std::runtime_error for a bad rack file.
+[[nodiscard]] rack::RackConfiguration configuration_of(const RunOptions& options);
+
+}  // namespace stator::cli

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <memory>
+#include <variant>
+
+#include "rack/desk.hpp"
+#include "web/message.hpp"
+
+namespace stator::web {
+
+/// A request on its way through the rack's desk.
+class Job : public rack::DeskTask {
+ public:
+  /// What came of it, once it is done. In the server's thread.
+  [[nodiscard]] virtual Response response() = 0;
+};
+
+/// What a request gets: an answer at once, or one by way of the rack.
+using Answer = std::variant<Response, std::unique_ptr<Job>>;
+
+}  // namespace stator::web
