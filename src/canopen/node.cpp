@@ -26,6 +26,20 @@ constexpr base::EventRule kUnknownCommand{
     "NMT message ignored: {0} is no command; there are 1 start, 2 stop, 128 enter pre-operational, "
     "129 reset node and 130 reset communication"};
 
+/// Who the node says it is in 1018h.
+void set_wrong_identity(dictionary::Dictionary& dictionary, const dictionary::Quirks& quirks) {
+  constexpr std::uint16_t kIdentity = 0x1018;
+  const std::array values{quirks.wrong_vendor, quirks.wrong_product, quirks.wrong_revision};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto subindex = static_cast<std::uint8_t>(i + 1);
+    dictionary::Entry* entry = dictionary.find(kIdentity, subindex);
+    if (values[i] && entry != nullptr) {
+      dictionary.set_default(kIdentity, subindex, *values[i]);
+      entry->set_value(*values[i]);
+    }
+  }
+}
+
 }  // namespace
 
 Node::Node(dictionary::Dictionary& dictionary, can::Transmitter& transmitter,
@@ -38,10 +52,13 @@ Node::Node(dictionary::Dictionary& dictionary, can::Transmitter& transmitter,
       error_control_(dictionary, transmitter, reporter, communication_errors_),
       heartbeat_consumer_(dictionary, reporter, communication_errors_),
       time_stamp_(dictionary, transmitter, reporter) {
+  configuration_.sdo.quirks = configuration.quirks;
+  set_wrong_identity(dictionary, configuration.quirks);
   for (unsigned index = kFirstSdoServer; index <= kLastSdoServer; ++index) {
     if (index == kFirstSdoServer || dictionary.find(static_cast<std::uint16_t>(index)) != nullptr) {
-      sdo_servers_.push_back(std::make_unique<SdoServer>(
-          dictionary, static_cast<std::uint16_t>(index), transmitter, reporter, configuration.sdo));
+      sdo_servers_.push_back(
+          std::make_unique<SdoServer>(dictionary, static_cast<std::uint16_t>(index), transmitter,
+                                      reporter, configuration_.sdo));
       enlist(*sdo_servers_.back(), false, true);
     }
   }
@@ -51,6 +68,10 @@ Node::Node(dictionary::Dictionary& dictionary, can::Transmitter& transmitter,
   if (configuration.lss) {
     lss_.emplace(dictionary, transmitter, reporter, *configuration.lss);
     enlist(*lss_, true, false);
+  }
+  if (configuration.quirks.emergency_storm != 0) {
+    storm_.emplace(transmitter, configuration.quirks.emergency_storm);
+    enlist(*storm_, false, false);
   }
 }
 
@@ -141,10 +162,15 @@ void Node::boot_up(SimTime now) {
   for (const auto& server : sdo_servers_) {
     server->set_node_id(node_id_);
   }
+  if (storm_) {
+    storm_->set_node_id(node_id_);
+  }
   for (const Member& member : members_) {
     member.service->start(now);
   }
-  transmitter_.send(can::data_frame(kErrorControlBase + node_id_, {0}));
+  if (!configuration_.quirks.no_boot_up_message) {
+    transmitter_.send(can::data_frame(kErrorControlBase + node_id_, {0}));
+  }
   change_state(NmtState::pre_operational, now);
 }
 

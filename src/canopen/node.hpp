@@ -16,6 +16,7 @@
 #include "can/transmitter.hpp"
 #include "canopen/communication_errors.hpp"
 #include "canopen/emergency_sink.hpp"
+#include "canopen/emergency_storm.hpp"
 #include "canopen/error_control.hpp"
 #include "canopen/heartbeat_consumer.hpp"
 #include "canopen/lss_slave.hpp"
@@ -26,6 +27,7 @@
 #include "canopen/time_stamp.hpp"
 #include "canopen/write_completion.hpp"
 #include "dictionary/dictionary.hpp"
+#include "dictionary/quirks.hpp"
 
 namespace stator::canopen {
 
@@ -41,6 +43,8 @@ struct NodeConfiguration {
   std::optional<LssConfiguration> lss{};
   /// Manufacturer-specific bytes of emergency 8130h, heartbeat or life guarding error.
   std::array<std::uint8_t, 5> life_guard_information{};
+  /// What it does otherwise than a node should.
+  dictionary::Quirks quirks{};
 };
 
 /// What a device does when its node's NMT state machine goes through Initialisation (CiA 301
@@ -184,6 +188,7 @@ class Node {
   HeartbeatConsumer heartbeat_consumer_;
   TimeStamp time_stamp_;
   std::optional<LssSlave> lss_;
+  std::optional<EmergencyStorm> storm_;
   std::vector<std::unique_ptr<SdoServer>> sdo_servers_;
   std::vector<Member> members_;
 };

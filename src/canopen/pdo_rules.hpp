@@ -8,6 +8,7 @@
 #include "base/sim_time.hpp"
 #include "canopen/cob_id.hpp"
 #include "dictionary/abort_code.hpp"
+#include "dictionary/quirks.hpp"
 
 namespace stator::canopen {
 
@@ -67,10 +68,27 @@ struct PdoRules {
   dictionary::AbortCode wrong_entry_length = dictionary::AbortCode::length_mismatch;
   LongPdo long_pdo = LongPdo::process_and_report;
   CobIdRules cob_id{};
+  bool one_pdo = false;        ///< quirk: only the first PDO of each direction can be made valid
+  bool fixed_mapping = false;  ///< quirk: mapping objects cannot be written
 };
+
+/// The rules of a product, and what its quirks make of them.
+[[nodiscard]] inline PdoRules with_quirks(PdoRules rules, const dictionary::Quirks& quirks) {
+  rules.one_pdo = quirks.one_pdo;
+  rules.fixed_mapping = quirks.fixed_mapping;
+  return rules;
+}
 
 // Arguments: {0} index, {1} subindex, {2} name, then what the rule adds.
 namespace rules {
+inline constexpr base::EventRule kPdoOne{
+    "pdo-one", base::Severity::refusal,
+    "write to {0:x4}:{1:x2} \"{2}\" refused: it makes a second PDO valid, and the quirk one-pdo is "
+    "on; take it off the device's table in the rack file"};
+inline constexpr base::EventRule kPdoMappingFixed{
+    "pdo-mapping-fixed", base::Severity::refusal,
+    "write to {0:x4}:{1:x2} \"{2}\" refused: the quirk fixed-mapping is on; take it off the "
+    "device's table in the rack file"};
 inline constexpr base::EventRule kPdoTransmissionType{
     "pdo-transmission-type", base::Severity::refusal,
     "write to {0:x4}:{1:x2} \"{2}\" refused: the device does not support transmission type {3} "

@@ -61,7 +61,22 @@ PdoService::PdoService(dictionary::Dictionary& dictionary, can::Transmitter& tra
 void PdoService::start(SimTime now) {
   operational_ = false;
   statistics_ = {};
+  if (rules_.one_pdo) {
+    close_further_pdos();
+  }
   follow_all(now);
+}
+
+void PdoService::close_further_pdos() {
+  for (const std::uint16_t first : {kReceivePdoCommunication, kTransmitPdoCommunication}) {
+    for (std::uint16_t number = 1; number < kMaximumPdos; ++number) {
+      constexpr std::uint8_t kCobIdSubindex = 1;
+      if (dictionary::Entry* cob_id =
+              dictionary_.find(static_cast<std::uint16_t>(first + number), kCobIdSubindex)) {
+        cob_id->set_value(cob_id->value() | kCobIdInvalid);
+      }
+    }
+  }
 }
 
 void PdoService::on_state(NmtState state, SimTime now) {

@@ -74,6 +74,7 @@ class PdoService final : public Service {
   void mark_changed(PdoDirection direction, std::uint16_t number);
 
   // Rules for writes; pdo_service_objects.cpp.
+  void close_further_pdos();
   [[nodiscard]] dictionary::Verdict check_communication(const dictionary::Entry& entry,
                                                         std::uint64_t value);
   [[nodiscard]] dictionary::Verdict check_transmission_type(const dictionary::Entry& entry,

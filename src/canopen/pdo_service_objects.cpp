@@ -65,6 +65,9 @@ Verdict PdoService::check_communication(const Entry& entry, std::uint64_t value)
   const Place place = place_of(entry.index());
   switch (entry.subindex()) {
     case kCobIdSubindex:
+      if (rules_.one_pdo && place.number > 0 && (value & kCobIdInvalid) == 0) {
+        return dictionary::refuse(AbortCode::value_range_exceeded, rules::kPdoOne, about(entry));
+      }
       return check_cob_id(entry,
                           place.direction == PdoDirection::receive ? CobIdKind::receive_pdo
                                                                    : CobIdKind::transmit_pdo,
@@ -99,6 +102,9 @@ Verdict PdoService::check_transmission_type(const Entry& entry, PdoDirection dir
 
 Verdict PdoService::check_mapping(const Entry& entry, std::uint64_t value) {
   const Place place = place_of(entry.index());
+  if (rules_.fixed_mapping) {
+    return dictionary::refuse(AbortCode::read_only, rules::kPdoMappingFixed, about(entry));
+  }
   if (!rules_.map_valid_pdos && is_valid(place)) {
     const auto communication = static_cast<std::uint16_t>(entry.index() - kMaximumPdos);
     return dictionary::refuse(rules_.mapping_locked, rules::kPdoValid,

@@ -64,6 +64,10 @@ inline constexpr EventRule kBlockUnsupported{
     "sdo-block-unsupported", Severity::refusal,
     "SDO block transfer of {0:x4}:{1:x2} refused: this device does not support it; use segmented "
     "transfer"};
+inline constexpr EventRule kNoSegments{
+    "sdo-no-segments", Severity::refusal,
+    "SDO transfer of {0:x4}:{1:x2} refused: it needs segments, and the quirk no-segments is on; "
+    "take it off the device's table in the rack file"};
 inline constexpr EventRule kNoTransfer{
     "sdo-no-transfer", Severity::refusal,
     "SDO refused: request {2:x2} belongs to a transfer, and none of its kind is at that point; "

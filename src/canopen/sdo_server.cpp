@@ -55,6 +55,8 @@ SdoServer::SdoServer(dictionary::Dictionary& dictionary, std::uint16_t parameter
       longest_download_(longest_download(dictionary, configuration)),
       // A block's last segment may bring up to seven bytes that do not count.
       buffer_(longest_download_ + sdo::kSegmentData) {
+  configuration_.block_transfer =
+      configuration_.block_transfer && !configuration_.quirks.no_block_transfer;
   configuration_.block_size =
       std::clamp<std::uint8_t>(configuration.block_size, 1, sdo::kMaximumBlockSize);
 }
@@ -78,6 +80,8 @@ void SdoServer::on_state(NmtState state, SimTime /*now*/) {
                                : dictionary::NetworkState::pre_operational;
   if (!enabled_) {
     forget();
+    held_.reset();
+    held_until_ = SimTime::never();
   }
 }
 
@@ -105,6 +109,10 @@ bool SdoServer::receive(const can::Frame& frame, SimTime now) {
     return true;
   }
   ++statistics_.requests;
+  command_ = std::to_integer<unsigned>(frame.data[0]);
+  if (held_ && command_ != sdo::kAbort) {
+    return true;
+  }
   conclude(dispatch(frame.data, now), now);
   return true;
 }
@@ -116,7 +124,7 @@ void SdoServer::conclude(const Answer& answer, SimTime now) {
     return;
   }
   if (*answer) {
-    send(**answer);
+    this->answer(**answer, now);
   }
   const bool waits_for_client =
       transfer_ != Transfer::none && transfer_ != Transfer::completing_write;
@@ -136,6 +144,8 @@ SdoServer::Answer SdoServer::dispatch(Request request, SimTime now) {
                         std::int64_t{base::load_le<std::uint32_t>(request, 4)}});
     }
     forget();
+    held_.reset();
+    held_until_ = SimTime::never();
     return std::optional<Reply>();
   }
   if (transfer_ == Transfer::block_download) {
@@ -186,10 +196,14 @@ SdoServer::Answer SdoServer::answer_upload() {
   const std::size_t size = *size_;
   if (size >= 1 && size <= sdo::kExpeditedMaximum) {
     const auto unused = static_cast<unsigned>(sdo::kExpeditedMaximum - size);
-    Reply reply = reply_to_initiate(sdo::kUploadResponse | unused << 2 | sdo::kExpedited |
-                                    sdo::kSizeIndicated);
+    const unsigned size_bits =
+        configuration_.quirks.size_not_indicated ? 0 : unused << 2 | sdo::kSizeIndicated;
+    Reply reply = reply_to_initiate(sdo::kUploadResponse | size_bits | sdo::kExpedited);
     std::ranges::copy(upload_data(), reply.begin() + 4);
     return std::optional(reply);
+  }
+  if (configuration_.quirks.no_segments) {
+    return refuse_segments();
   }
   transfer_ = Transfer::segmented_upload;
   return std::optional(reply_to_initiate(sdo::kUploadResponse | sdo::kSizeIndicated,
@@ -209,7 +223,7 @@ SdoServer::Answer SdoServer::upload_segment(unsigned command) {
   const std::size_t sent = std::min(*size_ - offset_, sdo::kSegmentData);
   const bool last = offset_ + sent == *size_;
   Reply reply{};
-  reply[0] = static_cast<std::byte>(sdo::kUploadSegmentResponse | (command & sdo::kToggle) |
+  reply[0] = static_cast<std::byte>(sdo::kUploadSegmentResponse | toggle_of_answer(command) |
                                     static_cast<unsigned>((sdo::kSegmentData - sent) << 1) |
                                     (last ? sdo::kLastSegment : 0U));
   std::ranges::copy(upload_data().subspan(offset_, sent), reply.begin() + 1);
@@ -225,6 +239,9 @@ SdoServer::Answer SdoServer::initiate_download(Request request, SimTime now) {
   const auto command = std::to_integer<unsigned>(request[0]);
   const bool size_indicated = (command & sdo::kSizeIndicated) != 0;
   const Reply reply = reply_to_initiate(sdo::kDownloadResponse);
+  if ((command & sdo::kExpedited) == 0 && configuration_.quirks.no_segments) {
+    return refuse_segments();
+  }
   if ((command & sdo::kExpedited) == 0) {
     std::optional<std::size_t> announced;
     if (size_indicated) {
@@ -265,11 +282,19 @@ SdoServer::Answer SdoServer::download_segment(Request request, SimTime now) {
   offset_ += came;
   toggle_ = !toggle_;
   Reply reply{};
-  reply[0] = static_cast<std::byte>(sdo::kDownloadSegmentResponse | (command & sdo::kToggle));
+  reply[0] = static_cast<std::byte>(sdo::kDownloadSegmentResponse | toggle_of_answer(command));
   if ((command & sdo::kLastSegment) == 0) {
     return std::optional(reply);
   }
   return complete_download(reply, now);
+}
+
+SdoServer::Answer SdoServer::refuse_segments() const {
+  return refuse(AbortCode::command_specifier_unknown, sdo::rules::kNoSegments);
+}
+
+unsigned SdoServer::toggle_of_answer(unsigned command) const {
+  return configuration_.quirks.toggle_stuck ? 0U : command & sdo::kToggle;
 }
 
 Verdict SdoServer::check_toggle(unsigned command) const {
@@ -374,7 +399,9 @@ SdoServer::Answer SdoServer::answer_when_complete(SimTime now) {
 }
 
 void SdoServer::advance(SimTime now) {
-  if (now >= retry_) {
+  if (now >= held_until_) {
+    send_held(now);
+  } else if (now >= retry_) {
     retry_ = SimTime::never();
     conclude(transfer_ == Transfer::completing_write ? answer_when_complete(now) : send_block(now),
              now);
@@ -391,7 +418,7 @@ void SdoServer::advance(SimTime now) {
 }
 
 SimTime SdoServer::next_deadline() const {
-  return std::min(deadline_, retry_);
+  return std::min({deadline_, retry_, held_until_});
 }
 
 SdoServer::Reply SdoServer::reply_to_initiate(unsigned command, std::uint32_t data) const {
@@ -420,6 +447,26 @@ void SdoServer::forget() {
   retry_ = SimTime::never();
 }
 
+/// A slow device answers later, and its client has the whole time for the next request from then
+/// on.
+void SdoServer::answer(const Reply& reply, SimTime now) {
+  if (configuration_.quirks.slow_sdo > SimDuration()) {
+    held_ = reply;
+    held_until_ = now + configuration_.quirks.slow_sdo;
+  } else {
+    send(reply);
+  }
+}
+
+void SdoServer::send_held(SimTime now) {
+  send(*held_);
+  held_.reset();
+  held_until_ = SimTime::never();
+  if (deadline_ != SimTime::never()) {
+    deadline_ = now + configuration_.timeout;
+  }
+}
+
 void SdoServer::send(const Reply& reply) {
   transmitter_.send(can::data_frame(channel(kServerToClient) & kIdentifierMask, reply));
 }
@@ -429,7 +476,10 @@ void SdoServer::abort(const Refusal& refusal, SimTime now) {
   if (refusal.rule != nullptr) {
     reporter_.report(now, *refusal.rule, refusal.arguments);
   }
-  send(reply_to_initiate(sdo::kAbort, static_cast<std::uint32_t>(refusal.code)));
+  const unsigned size_bits = configuration_.quirks.abort_with_size
+                                 ? command_ & (sdo::kExpedited | sdo::kSizeIndicated)
+                                 : 0U;
+  answer(reply_to_initiate(sdo::kAbort | size_bits, static_cast<std::uint32_t>(refusal.code)), now);
   forget();
 }
 

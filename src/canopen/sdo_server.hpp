@@ -13,6 +13,7 @@
 #include "canopen/service.hpp"
 #include "canopen/write_completion.hpp"
 #include "dictionary/dictionary.hpp"
+#include "dictionary/quirks.hpp"
 
 namespace stator::canopen {
 
@@ -28,6 +29,8 @@ struct SdoServerConfiguration {
   std::uint8_t block_size = 127;
   /// Longest text or domain in bytes a client may write, where the dictionary has one to write.
   std::size_t longest_download = 16'384;
+  /// What it does otherwise than a server should.
+  dictionary::Quirks quirks{};
 };
 
 struct SdoServerStatistics {
@@ -110,6 +113,9 @@ class SdoServer final : public Service {
   [[nodiscard]] Answer initiate_download(Request request, base::SimTime now);
   [[nodiscard]] Answer download_segment(Request request, base::SimTime now);
   [[nodiscard]] dictionary::Verdict check_toggle(unsigned command) const;
+  [[nodiscard]] Answer refuse_segments() const;
+  [[nodiscard]] unsigned toggle_of_answer(unsigned command) const;
+  void answer(const Reply& reply, base::SimTime now);
 
   // Block transfer; sdo_server_block.cpp.
   [[nodiscard]] Answer block_upload(Request request, unsigned subcommand, base::SimTime now);
@@ -142,6 +148,7 @@ class SdoServer final : public Service {
                                                  base::EventArgument fourth = {}) const;
   void forget();
   void send(const Reply& reply);
+  void send_held(base::SimTime now);
   void abort(const Refusal& refusal, base::SimTime now);
 
   dictionary::Dictionary& dictionary_;
@@ -156,6 +163,11 @@ class SdoServer final : public Service {
   dictionary::AccessContext context_;
   bool enabled_ = false;  ///< the NMT state allows SDOs
   SdoServerStatistics statistics_;
+
+  unsigned command_ = 0;  ///< of the request being dealt with
+  /// What a slow device has not answered yet; until then it looks at no other request.
+  std::optional<Reply> held_{};
+  base::SimTime held_until_ = base::SimTime::never();
 
   Transfer transfer_ = Transfer::none;
   Multiplexer multiplexer_;  ///< of the transfer, or of the request being dealt with

@@ -9,10 +9,12 @@
 
 #include "cli/commands.hpp"
 #include "cli/failure.hpp"
+#include "cli/rack_schema.hpp"
 #include "cli/serial_lines.hpp"
 #include "link/link_address.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/rack_check.hpp"
+#include "rack/rack_file_description.hpp"
 
 namespace stator::cli {
 
@@ -21,6 +23,8 @@ namespace {
 struct CheckOptions {
   std::string rack_file;
   std::string format = "text";
+  bool schema = false;
+  bool reference = false;
 };
 
 /// One device, and where it is reached.
@@ -114,6 +118,14 @@ void print_json(const rack::RackCheck& check) {
 }
 
 void check(const CheckOptions& options) {
+  if (options.schema || options.reference) {
+    const rack::TableDescription rack_file = rack::describe_rack_file();
+    fmt::print("{}", options.schema ? rack_schema(rack_file) : rack_reference(rack_file));
+    return;
+  }
+  if (options.rack_file.empty()) {
+    throw Failure("name a rack file, e.g. stator check racks/gantry.toml");
+  }
   const rack::RackCheck check = rack::check_rack_file(options.rack_file);
   if (options.format == "json") {
     print_json(check);
@@ -140,15 +152,26 @@ void add_check_command(CLI::App& app) {
   auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app.add_subcommand(
       "check", "Tell what is wrong with a rack file, or what is in it, without running it");
-  command->add_option("rack", options->rack_file, "Rack file (TOML)")->required();
+  CLI::Option* rack_file = command->add_option("rack", options->rack_file, "Rack file (TOML)");
   command->add_option("--format", options->format, "text, or json for editors")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
+  CLI::Option* schema =
+      command
+          ->add_flag("--schema", options->schema,
+                     "Print the JSON schema of rack files, for editors that check and complete")
+          ->excludes(rack_file);
+  command
+      ->add_flag("--reference", options->reference,
+                 "Print all keys of rack files with values, defaults and meaning, in Markdown")
+      ->excludes(rack_file)
+      ->excludes(schema);
   command->footer(
       "Reads the file and everything it names, builds the devices and opens no interface. Exit\n"
       "status 1 if a run would be refused.\n"
-      "Example:\n"
-      "  stator check racks/gantry.toml");
+      "Examples:\n"
+      "  stator check racks/gantry.toml\n"
+      "  stator check --schema > rack-file.schema.json");
   command->callback([options] { check(*options); });
 }
 

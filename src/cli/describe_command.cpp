@@ -18,7 +18,9 @@
 #include "cli/products.hpp"
 #include "cli/register_listing.hpp"
 #include "cli/tmcl_module_listing.hpp"
+#include "devices/can_device.hpp"
 #include "dictionary/description.hpp"
+#include "dictionary/quirks.hpp"
 
 namespace stator::cli {
 
@@ -88,6 +90,7 @@ struct DescribeOptions {
   bool peripherals = false;
   bool signals = false;
   bool inputs = false;
+  bool quirks = false;
   std::string parameters;  ///< of a module with TMCL: axis or global
   bool commands = false;   ///< of a module with TMCL
 };
@@ -149,6 +152,42 @@ void list_inputs(const DescribeOptions& options) {
   print_names(kInputColumns, rows, options.format);
 }
 
+constexpr std::array<std::string_view, 4> kQuirkColumns{"quirk", "parameter", "summary", "trap"};
+
+/// "1us to 60s, 100ms if none is given".
+std::string parameter_of(const dictionary::QuirkDeclaration& quirk) {
+  const auto milliseconds = [](std::int64_t nanoseconds) {
+    return fmt::format("{}ms", static_cast<double>(nanoseconds) / 1e6);
+  };
+  if (std::holds_alternative<base::SimDuration dictionary::Quirks::*>(quirk.member)) {
+    return fmt::format("duration up to {}, {} by default", milliseconds(quirk.maximum),
+                       milliseconds(quirk.usual));
+  }
+  if (std::holds_alternative<std::string dictionary::Quirks::*>(quirk.member)) {
+    return "text";
+  }
+  return quirk.maximum == 0
+             ? ""
+             : fmt::format("{} to {}, {} by default", quirk.minimum, quirk.maximum, quirk.usual);
+}
+
+void list_quirks(const DescribeOptions& options) {
+  const auto device = build_product(options.device);
+  if (device->object_dictionary() == nullptr) {
+    throw Failure(
+        fmt::format("a {} has no quirks; devices with CoE or CANopen have", options.device));
+  }
+  const bool canopen = dynamic_cast<devices::CanDevice*>(device.get()) != nullptr;
+  std::vector<std::array<std::string, 4>> rows;
+  for (const dictionary::QuirkDeclaration& quirk : dictionary::quirks()) {
+    if (canopen ? quirk.canopen : quirk.coe) {
+      rows.push_back({std::string(quirk.name), parameter_of(quirk), std::string(quirk.summary),
+                      std::string(quirk.trap)});
+    }
+  }
+  print_names(kQuirkColumns, rows, options.format);
+}
+
 void list_io_block(const DescribeOptions& options) {
   if (options.device != "tmc8461") {
     throw Failure(
@@ -176,6 +215,10 @@ void describe(const DescribeOptions& options) {
   }
   if (options.inputs) {
     list_inputs(options);
+    return;
+  }
+  if (options.quirks) {
+    list_quirks(options);
     return;
   }
   if (const tmcl::ModuleDescription* module = find_tmcl_module(options.device)) {
@@ -240,6 +283,11 @@ void add_describe_command(CLI::App& app) {
   CLI::Option* signals =
       command->add_flag("--signals", options->signals, "What of it can be recorded");
   command->add_flag("--inputs", options->inputs, "What around it a rack file's [[event]] can set")
+      ->excludes(signals)
+      ->excludes(registers);
+  command
+      ->add_flag("--quirks", options->quirks,
+                 "What a rack file can make it do otherwise than it should, to try masters")
       ->excludes(signals)
       ->excludes(registers);
   signals->excludes(registers);

@@ -16,9 +16,9 @@ void write_header(std::span<std::byte> message, CoeService service) {
 
 CoeServer::CoeServer(dictionary::Dictionary& dictionary, const Features& features,
                      base::EventReporter reporter, SlaveStackStatistics& statistics)
-    : sdo_(dictionary, features.complete_access, reporter, statistics),
+    : sdo_(dictionary, features.complete_access, reporter, statistics, features.quirks),
       information_(dictionary, reporter, statistics),
-      information_enabled_(features.sdo_information),
+      information_enabled_(features.sdo_information && !features.quirks.no_sdo_information),
       statistics_(statistics) {}
 
 void CoeServer::reset() {

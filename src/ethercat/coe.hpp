@@ -5,6 +5,7 @@
 
 #include "base/event.hpp"
 #include "dictionary/dictionary.hpp"
+#include "dictionary/quirks.hpp"
 #include "ethercat/emergency.hpp"
 #include "ethercat/mailbox_protocol.hpp"
 #include "ethercat/sdo_information.hpp"
@@ -31,6 +32,7 @@ class CoeServer final : public MailboxProtocol {
   struct Features {
     bool complete_access = false;
     bool sdo_information = false;
+    dictionary::Quirks quirks{};
   };
 
   CoeServer(dictionary::Dictionary& dictionary, const Features& features,

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "dictionary/quirks.hpp"
+
 namespace stator::ethercat {
 
 /// Start address and length of one mailbox in the controller's process memory.
@@ -57,5 +59,18 @@ struct DeviceDescription {
   std::array<char, 4> port_physics{'Y', 'Y', ' ', ' '};  ///< ESI: Y = MII, K = E-bus, ' ' = none
   std::uint16_t sii_size_kbit = 16;                      ///< EEPROM size
 };
+
+/// What a device with these quirks says about itself in its EEPROM.
+[[nodiscard]] inline DeviceDescription with_quirks(DeviceDescription description,
+                                                   const dictionary::Quirks& quirks) {
+  description.vendor_id = quirks.wrong_vendor.value_or(description.vendor_id);
+  description.product_code = quirks.wrong_product.value_or(description.product_code);
+  description.revision = quirks.wrong_revision.value_or(description.revision);
+  if (!quirks.wrong_name.empty()) {
+    description.name = quirks.wrong_name;
+    description.order_code = quirks.wrong_name;
+  }
+  return description;
+}
 
 }  // namespace stator::ethercat

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/byte_order.hpp"
+
 namespace stator::ethercat {
 
 namespace {
@@ -45,10 +47,10 @@ std::uint8_t next_counter(std::uint8_t counter) {
 
 Mailbox::Mailbox(ProcessDataInterface& interface, std::size_t receive_capacity,
                  std::size_t transmit_capacity, base::EventReporter reporter,
-                 SlaveStackStatistics& statistics)
-    : interface_(interface), reporter_(reporter), statistics_(statistics) {
+                 SlaveStackStatistics& statistics, const dictionary::Quirks& quirks)
+    : interface_(interface), reporter_(reporter), statistics_(statistics), quirks_(quirks) {
   request_.resize(std::max(receive_capacity, kMailboxHeaderSize));
-  for (Message* message : {&building_, &posted_, &delivered_, &postponed_}) {
+  for (Message* message : {&building_, &posted_, &delivered_, &postponed_, &held_}) {
     message->bytes.resize(std::max(transmit_capacity, kMailboxHeaderSize + kErrorReplySize));
   }
 }
@@ -89,7 +91,7 @@ void Mailbox::write_host_control(unsigned value) {
 
 void Mailbox::stop() {
   running_ = false;
-  for (Message* message : {&building_, &posted_, &delivered_, &postponed_}) {
+  for (Message* message : {&building_, &posted_, &delivered_, &postponed_, &held_}) {
     message->length = 0;
   }
   posted_is_repetition_ = false;
@@ -124,7 +126,7 @@ bool Mailbox::needs_attention(std::uint32_t events) const {
            (events & al_event::sync_manager(kTransmitMailboxChannel)) != 0 ||
            (!request_seen_ && request_waits(events));
   }
-  return postponed_.length != 0 || request_waits(events) ||
+  return postponed_.length != 0 || held_.length != 0 || request_waits(events) ||
          std::ranges::any_of(protocols_, &Participant::has_message);
 }
 
@@ -140,6 +142,10 @@ void Mailbox::process(std::uint32_t events, base::SimTime now) {
   if (postponed_.length != 0) {
     std::swap(posted_, postponed_);
     write_posted();
+    return;
+  }
+  if (held_.length != 0) {
+    release(now);
     return;
   }
   const bool hangs = intervention_ != nullptr && !intervention_->takes_requests();
@@ -213,6 +219,10 @@ bool Mailbox::take_request(base::SimTime now) {
     post(MailboxType::error, header.address, kErrorReplySize);
     return true;
   }
+  if (reply.length != 0 && quirks_.slow_sdo > base::SimDuration() && is_sdo(header)) {
+    hold(header, reply.length, now);
+    return true;
+  }
   if (reply.length != 0) {
     post(header.type, header.address, reply.length);
     return true;
@@ -271,14 +281,41 @@ std::span<std::byte> Mailbox::payload_room() {
   return std::span(building_.bytes).first(transmit_.length).subspan(kMailboxHeaderSize);
 }
 
-void Mailbox::post(MailboxType type, std::uint16_t address, std::size_t payload_length) {
-  reply_counter_ = next_counter(reply_counter_);
+bool Mailbox::is_sdo(const MailboxHeader& header) const {
+  constexpr unsigned kSdoRequest = 2;  // CoE service in bits 12 to 15
+  return header.type == MailboxType::coe && header.length >= 2 &&
+         base::load_le<std::uint16_t>(request_, kMailboxHeaderSize) >> 12 == kSdoRequest;
+}
+
+void Mailbox::hold(const MailboxHeader& request, std::size_t payload_length, base::SimTime now) {
+  write_header(request.type, request.address, payload_length);
+  std::swap(held_, building_);
+  building_.length = 0;
+  held_until_ = now + quirks_.slow_sdo;
+}
+
+void Mailbox::release(base::SimTime now) {
+  if (now < held_until_) {
+    return;
+  }
+  std::swap(posted_, held_);
+  held_.length = 0;
+  ++statistics_.mailbox_sent;
+  write_posted();
+}
+
+void Mailbox::write_header(MailboxType type, std::uint16_t address, std::size_t payload_length) {
+  reply_counter_ = quirks_.mailbox_counter_zero ? std::uint8_t{0} : next_counter(reply_counter_);
   const MailboxHeader header{.length = static_cast<std::uint16_t>(payload_length),
                              .address = address,
                              .type = type,
                              .counter = reply_counter_};
   header.encode(building_.bytes);
   building_.length = kMailboxHeaderSize + payload_length;
+}
+
+void Mailbox::post(MailboxType type, std::uint16_t address, std::size_t payload_length) {
+  write_header(type, address, payload_length);
   std::swap(posted_, building_);
   building_.length = 0;
   ++statistics_.mailbox_sent;
@@ -297,7 +334,7 @@ void Mailbox::write_posted() {
 void Mailbox::handle_repeat_request(const SyncManagerSettings& transmit) {
   const std::uint8_t request = transmit.activate & SyncManagerSettings::kRepeatRequest;
   const std::uint8_t acknowledged = transmit.host_control & SyncManagerSettings::kRepeatAcknowledge;
-  if (!running_ || request == acknowledged) {
+  if (!running_ || request == acknowledged || quirks_.no_mailbox_repeat) {
     return;
   }
   note_delivery();

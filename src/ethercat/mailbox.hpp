@@ -8,6 +8,7 @@
 
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
+#include "dictionary/quirks.hpp"
 #include "ethercat/mailbox_intervention.hpp"
 #include "ethercat/mailbox_protocol.hpp"
 #include "ethercat/process_data_interface.hpp"
@@ -29,7 +30,7 @@ class Mailbox {
   /// `receive_capacity` and `transmit_capacity` bound the lengths of SM0 and SM1.
   Mailbox(ProcessDataInterface& interface, std::size_t receive_capacity,
           std::size_t transmit_capacity, base::EventReporter reporter,
-          SlaveStackStatistics& statistics);
+          SlaveStackStatistics& statistics, const dictionary::Quirks& quirks = {});
 
   /// Protocols are asked in the order in which they were added; they must outlive the mailbox.
   void add(MailboxProtocol& protocol) { protocols_.push_back({&protocol}); }
@@ -44,7 +45,7 @@ class Mailbox {
 
   /// True if nothing but a new request can need process().
   [[nodiscard]] bool idle() const {
-    return !running_ || (posted_.length == 0 && postponed_.length == 0 &&
+    return !running_ || (posted_.length == 0 && postponed_.length == 0 && held_.length == 0 &&
                          std::ranges::none_of(protocols_, &Participant::has_message));
   }
   /// True if `events` or a protocol's own message need process().
@@ -80,12 +81,18 @@ class Mailbox {
   bool take_request(base::SimTime now);
   void drop_repetition(std::uint32_t events, base::SimTime now);
   [[nodiscard]] bool is_repetition(const MailboxHeader& header) const {
-    return header.counter != 0 && header.counter == last_request_counter_;
+    return header.counter != 0 && header.counter == last_request_counter_ &&
+           !quirks_.repeats_executed;
   }
   void note_repetition(const MailboxHeader& header, base::SimTime now);
   [[nodiscard]] MailboxReply dispatch(const MailboxHeader& header, base::SimTime now);
   [[nodiscard]] MailboxErrorCode check(const MailboxHeader& header) const;
   bool send_own_message(base::SimTime now);
+  [[nodiscard]] bool is_sdo(const MailboxHeader& header) const;
+  /// Puts the answer that is being built into SM1 when the time of a slow device is over.
+  void hold(const MailboxHeader& request, std::size_t payload_length, base::SimTime now);
+  void release(base::SimTime now);
+  void write_header(MailboxType type, std::uint16_t address, std::size_t payload_length);
   void post(MailboxType type, std::uint16_t address, std::size_t payload_length);
   void write_posted();
   [[nodiscard]] std::span<std::byte> payload_room();
@@ -93,6 +100,7 @@ class Mailbox {
   ProcessDataInterface& interface_;
   base::EventReporter reporter_;
   SlaveStackStatistics& statistics_;
+  dictionary::Quirks quirks_;
   std::vector<Participant> protocols_;
   MailboxIntervention* intervention_ = nullptr;
 
@@ -105,6 +113,8 @@ class Mailbox {
   Message posted_;     ///< in SM1, not read yet
   Message delivered_;  ///< read by the master; what a repeat request asks for
   Message postponed_;  ///< displaced from SM1 by a repetition, comes next
+  Message held_;       ///< an SDO's answer that a slow device has not made yet
+  base::SimTime held_until_;
   bool posted_is_repetition_ = false;
   bool request_seen_ = false;  ///< in SM0 lies a new request; its event was acknowledged
   std::uint8_t last_request_counter_ = 0;

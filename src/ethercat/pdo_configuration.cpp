@@ -70,10 +70,25 @@ std::optional<PdoDirection> pdo_direction(std::uint16_t index) {
   return std::nullopt;
 }
 
-PdoConfiguration::PdoConfiguration(dictionary::Dictionary& dictionary, const PdoLimits& limits)
-    : dictionary_(dictionary), limits_(limits) {
+PdoConfiguration::PdoConfiguration(dictionary::Dictionary& dictionary, const PdoLimits& limits,
+                                   const dictionary::Quirks& quirks)
+    : dictionary_(dictionary), limits_(limits), quirks_(quirks) {
   for (const Object& object : dictionary_.objects()) {
     install(object);
+  }
+  if (quirks_.one_pdo) {
+    assign_one_pdo();
+  }
+}
+
+/// The device leaves its box like that.
+void PdoConfiguration::assign_one_pdo() {
+  for (const std::uint16_t assignment : {kOutputAssignment, kInputAssignment}) {
+    Entry* count = dictionary_.find(assignment, 0);
+    if (count != nullptr && count->value() > 1) {
+      dictionary_.set_default(assignment, 0, 1);
+      count->set_value(1);
+    }
   }
 }
 
@@ -168,6 +183,9 @@ Verdict PdoConfiguration::check_changeable(const Entry& entry) const {
 }
 
 Verdict PdoConfiguration::check_mapping_entry(const Entry& entry, std::uint64_t value) {
+  if (quirks_.fixed_mapping) {
+    return dictionary::refuse(AbortCode::read_only, rules::kPdoMappingFixed, about(entry));
+  }
   if (Verdict verdict = check_changeable(entry); !verdict) {
     return verdict;
   }
@@ -179,6 +197,9 @@ Verdict PdoConfiguration::check_mapping_entry(const Entry& entry, std::uint64_t 
 }
 
 Verdict PdoConfiguration::check_mapping_count(const Entry& entry, std::uint64_t count) {
+  if (quirks_.fixed_mapping) {
+    return dictionary::refuse(AbortCode::read_only, rules::kPdoMappingFixed, about(entry));
+  }
   if (Verdict verdict = check_changeable(entry); !verdict) {
     return verdict;
   }
@@ -223,6 +244,10 @@ Verdict PdoConfiguration::check_assignment_count(const Entry& entry, std::uint64
   }
   const Object& object = *dictionary_.find(entry.index());
   const PdoDirection direction = assignment_direction(entry.index());
+  if (quirks_.one_pdo && count > 1) {
+    return dictionary::refuse(AbortCode::pdo_length_exceeded, rules::kPdoOne,
+                              about(entry, static_cast<std::int64_t>(count)));
+  }
   if (count > object.max_subindex()) {
     return dictionary::refuse(
         AbortCode::value_range_exceeded, dictionary::rules::kTooHigh,

@@ -6,6 +6,7 @@
 
 #include "base/expected.hpp"
 #include "dictionary/dictionary.hpp"
+#include "dictionary/quirks.hpp"
 
 namespace stator::ethercat {
 
@@ -49,7 +50,8 @@ struct PdoLimits {
 /// in this direction with its exact length; the whole must fit the process memory.
 class PdoConfiguration {
  public:
-  PdoConfiguration(dictionary::Dictionary& dictionary, const PdoLimits& limits);
+  PdoConfiguration(dictionary::Dictionary& dictionary, const PdoLimits& limits,
+                   const dictionary::Quirks& quirks = {});
 
   /// Pre-Operational is the only state in which the configuration may change.
   void allow_changes(bool allowed) { changes_allowed_ = allowed; }
@@ -80,9 +82,11 @@ class PdoConfiguration {
   [[nodiscard]] Verdict check_length(const Entry& entry, std::size_t bits,
                                      PdoDirection direction) const;
   void install(const dictionary::Object& object);
+  void assign_one_pdo();
 
   dictionary::Dictionary& dictionary_;
   PdoLimits limits_;
+  dictionary::Quirks quirks_;
   bool changes_allowed_ = false;
 };
 
@@ -115,6 +119,14 @@ inline constexpr base::EventRule kPdoMissing{
     "pdo-missing", base::Severity::refusal,
     "write to {0:x4}:{1:x2} \"{2}\" refused: {3:x4} is not the mapping object of a {4} of this "
     "device"};
+inline constexpr base::EventRule kPdoOne{
+    "pdo-one", base::Severity::refusal,
+    "write to {0:x4}:{1:x2} \"{2}\" refused: {3} PDOs are to be assigned, and the quirk one-pdo "
+    "is on; take it off the device's table in the rack file"};
+inline constexpr base::EventRule kPdoMappingFixed{
+    "pdo-mapping-fixed", base::Severity::refusal,
+    "write to {0:x4}:{1:x2} \"{2}\" refused: the quirk fixed-mapping is on; take it off the "
+    "device's table in the rack file"};
 inline constexpr base::EventRule kPdoFixed{"pdo-fixed", base::Severity::refusal,
                                            "write to {0:x4}:{1:x2} \"{2}\" refused: the use of the "
                                            "sync managers is fixed, the value stays "

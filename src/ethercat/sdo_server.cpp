@@ -70,11 +70,13 @@ void write_header(std::span<std::byte> reply, unsigned command, std::uint16_t in
 }  // namespace
 
 SdoServer::SdoServer(dictionary::Dictionary& dictionary, bool complete_access,
-                     base::EventReporter reporter, SlaveStackStatistics& statistics)
+                     base::EventReporter reporter, SlaveStackStatistics& statistics,
+                     const dictionary::Quirks& quirks)
     : dictionary_(dictionary),
-      complete_access_(complete_access),
+      complete_access_(complete_access && !quirks.no_complete_access),
       reporter_(reporter),
       statistics_(statistics),
+      quirks_(quirks),
       buffer_(buffer_size(dictionary)) {}
 
 MailboxReply SdoServer::handle(std::span<const std::byte> request, std::span<std::byte> reply,
@@ -89,6 +91,7 @@ MailboxReply SdoServer::handle(std::span<const std::byte> request, std::span<std
 Expected<std::size_t, Refusal> SdoServer::dispatch(std::span<const std::byte> request,
                                                    std::span<std::byte> reply) {
   const auto command = std::to_integer<std::uint8_t>(request[0]);
+  command_ = command;
   const auto specifier = static_cast<ClientCommand>(command >> 5);
   if (specifier == ClientCommand::download_segment || specifier == ClientCommand::upload_segment) {
     target_ = transfer_.kind == TransferKind::none ? Target{} : transfer_.target;
@@ -129,14 +132,18 @@ Expected<std::size_t, Refusal> SdoServer::initiate_upload(std::span<std::byte> r
   const std::span<const std::byte> data = std::span(buffer_).first(*size);
   if (*size >= 1 && *size <= kExpeditedMax) {
     const auto unused = static_cast<unsigned>(kExpeditedMax - *size);
-    write_header(reply, kUploadResponse | complete | unused << 2 | kExpedited | kSizeIndicated,
-                 target_.index, target_.subindex, 0);
+    const unsigned size_bits = quirks_.size_not_indicated ? 0 : unused << 2 | kSizeIndicated;
+    write_header(reply, kUploadResponse | complete | size_bits | kExpedited, target_.index,
+                 target_.subindex, 0);
     std::ranges::copy(data, reply.begin() + 4);
     return kSdoSize;
   }
+  const std::size_t now_sent = std::min(*size, reply.size() - kSdoSize);
+  if (now_sent < *size && quirks_.no_segments) {
+    return Unexpected{no_segments(*size)};
+  }
   write_header(reply, kUploadResponse | complete | kSizeIndicated, target_.index, target_.subindex,
                static_cast<std::uint32_t>(*size));
-  const std::size_t now_sent = std::min(*size, reply.size() - kSdoSize);
   std::ranges::copy(data.first(now_sent), reply.begin() + kSdoSize);
   if (now_sent < *size) {
     transfer_ = {
@@ -160,8 +167,9 @@ Expected<std::size_t, Refusal> SdoServer::upload_segment(std::uint8_t command,
   const std::size_t sent = std::min(left, reply.size() - kSegmentHeader);
   const std::size_t padding = sent < kSegmentMinData ? kSegmentMinData - sent : 0;
   const bool last = sent == left;
-  reply[0] = static_cast<std::byte>((toggle ? kToggle : 0U) | static_cast<unsigned>(padding << 1) |
-                                    (last ? kLastSegment : 0U));
+  reply[0] =
+      static_cast<std::byte>((toggle && !quirks_.toggle_stuck ? kToggle : 0U) |
+                             static_cast<unsigned>(padding << 1) | (last ? kLastSegment : 0U));
   const auto body = reply.subspan(kSegmentHeader, sent + padding);
   std::ranges::fill(body, std::byte{0});
   std::ranges::copy(std::span(buffer_).subspan(transfer_.offset, sent), body.begin());
@@ -188,6 +196,9 @@ Expected<std::size_t, Refusal> SdoServer::initiate_download(std::span<const std:
   } else if (size_indicated) {
     const std::size_t size = base::load_le<std::uint32_t>(request, 4);
     const auto first = request.subspan(kSdoSize);
+    if (first.size() < size && quirks_.no_segments) {
+      return Unexpected{no_segments(size)};
+    }
     if (first.size() < size) {
       if (Verdict verdict = check_long_download(target_, size); !verdict) {
         return Unexpected{verdict.error()};
@@ -244,7 +255,8 @@ Expected<std::size_t, Refusal> SdoServer::download_segment(std::span<const std::
       return Unexpected{verdict.error()};
     }
   }
-  write_header(reply, kDownloadSegmentResponse | (toggle ? kToggle : 0U), 0, 0, 0);
+  write_header(reply, kDownloadSegmentResponse | (toggle && !quirks_.toggle_stuck ? kToggle : 0U),
+               0, 0, 0);
   return kSdoSize;
 }
 
@@ -292,6 +304,10 @@ Verdict SdoServer::write_target(const Target& target, std::span<const std::byte>
     return Unexpected{refusal};
   }
   return verdict;
+}
+
+Refusal SdoServer::no_segments(std::size_t size) const {
+  return protocol_refusal(AbortCode::object_exceeds_mailbox, rules::kSdoNoSegments, size);
 }
 
 /// What can be refused before the segments come, so that the master need not send them in vain.
@@ -357,7 +373,9 @@ std::size_t SdoServer::abort(std::span<std::byte> reply, const Refusal& refusal,
   if (refusal.rule != nullptr) {
     reporter_.report(now, *refusal.rule, refusal.arguments);
   }
-  write_header(reply, kAbortCommand, target_.index, target_.subindex,
+  const unsigned size_bits =
+      quirks_.abort_with_size ? command_ & (kExpedited | kSizeIndicated) : 0U;
+  write_header(reply, kAbortCommand | size_bits, target_.index, target_.subindex,
                static_cast<std::uint32_t>(refusal.code));
   return kSdoSize;
 }

@@ -8,6 +8,7 @@
 #include "base/event.hpp"
 #include "base/expected.hpp"
 #include "dictionary/dictionary.hpp"
+#include "dictionary/quirks.hpp"
 #include "ethercat/mailbox_intervention.hpp"
 #include "ethercat/mailbox_protocol.hpp"
 #include "ethercat/slave_stack_statistics.hpp"
@@ -20,7 +21,7 @@ namespace stator::ethercat {
 class SdoServer {
  public:
   SdoServer(dictionary::Dictionary& dictionary, bool complete_access, base::EventReporter reporter,
-            SlaveStackStatistics& statistics);
+            SlaveStackStatistics& statistics, const dictionary::Quirks& quirks = {});
 
   /// Forgets the transfer.
   void reset() { transfer_.kind = TransferKind::none; }
@@ -66,6 +67,7 @@ class SdoServer {
 
   [[nodiscard]] base::Expected<std::size_t, Refusal> read_target(const Target& target);
   [[nodiscard]] Verdict write_target(const Target& target, std::span<const std::byte> data);
+  [[nodiscard]] Refusal no_segments(std::size_t size) const;
   [[nodiscard]] Verdict check_long_download(const Target& target, std::size_t size) const;
   [[nodiscard]] base::Expected<const dictionary::Object*, Refusal> complete_object(
       const Target& target) const;
@@ -79,6 +81,8 @@ class SdoServer {
   bool complete_access_;
   base::EventReporter reporter_;
   SlaveStackStatistics& statistics_;
+  dictionary::Quirks quirks_;
+  std::uint8_t command_ = 0;  ///< of the request being handled
   dictionary::AccessContext context_;
   MailboxIntervention* intervention_ = nullptr;
   Target target_;  ///< of the request being handled, for abort replies
@@ -117,6 +121,10 @@ inline constexpr base::EventRule kSdoCompleteUnsupported{
     "sdo-complete-unsupported", base::Severity::refusal,
     "complete access to {0:x4} refused: this device does not support complete access; access the "
     "subindices one by one"};
+inline constexpr base::EventRule kSdoNoSegments{
+    "sdo-no-segments", base::Severity::refusal,
+    "SDO transfer of {0:x4}:{1:x2} refused: its {2} bytes do not fit the mailbox, and the quirk "
+    "no-segments is on; take it off the device's table in the rack file"};
 inline constexpr base::EventRule kSdoCompleteVariable{
     "sdo-complete-variable", base::Severity::refusal,
     "complete access to {0:x4} refused: it is a single variable, neither array nor record"};

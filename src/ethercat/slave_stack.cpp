@@ -47,12 +47,13 @@ SlaveStack::SlaveStack(ProcessDataInterface& interface, dictionary::Dictionary& 
       mailbox_(interface,
                longest(description.receive_mailbox, description.bootstrap_receive_mailbox),
                longest(description.transmit_mailbox, description.bootstrap_transmit_mailbox),
-               reporter, statistics_),
+               reporter, statistics_, options.quirks),
       coe_(dictionary,
            {.complete_access = description.complete_access,
-            .sdo_information = description.sdo_information},
+            .sdo_information = description.sdo_information,
+            .quirks = options.quirks},
            reporter, statistics_),
-      configuration_(dictionary, limits_of(description, options)),
+      configuration_(dictionary, limits_of(description, options), options.quirks),
       outputs_(PdoDirection::receive, limits_of(description, options).receive_bytes),
       inputs_(PdoDirection::transmit, limits_of(description, options).transmit_bytes),
       clocks_(interface, options.distributed_clocks, reporter) {
@@ -70,6 +71,9 @@ SlaveStack::SlaveStack(ProcessDataInterface& interface, dictionary::Dictionary& 
   }
   application_layer_.reset();
   update_attention();
+  if (options_.quirks.emergency_storm != 0) {
+    storm_due_ = base::SimTime();
+  }
 }
 
 void SlaveStack::reset(base::SimTime now) {
@@ -88,7 +92,8 @@ void SlaveStack::process(base::SimTime now) {
   }
   std::uint32_t events = interface_.al_event_request();
   if ((events & attention_) == 0 && !polls_channels_ && now < first_outputs_deadline_ &&
-      now < clocks_.deadline() && !application_layer_.pending() && mailbox_.idle()) {
+      now < clocks_.deadline() && now < storm_due_ && !application_layer_.pending() &&
+      mailbox_.idle()) {
     return;
   }
   now_ = now;
@@ -109,6 +114,9 @@ void SlaveStack::process(base::SimTime now) {
     take_outputs(now);
   }
   application_layer_.continue_change(now);
+  if (now >= storm_due_) {
+    send_storm(now);
+  }
   if (state() == AlState::operational) {
     check_clocks(now);
     check_watchdog(events, now);
@@ -145,6 +153,17 @@ bool SlaveStack::send_emergency(std::uint16_t error_code, std::uint8_t error_reg
     return false;
   }
   return coe_.queue_emergency({error_code, error_register, additional});
+}
+
+/// As many as have become due since the last look, no more than the queue takes.
+void SlaveStack::send_storm(base::SimTime now) {
+  const base::SimDuration period(1'000'000'000 / std::int64_t{options_.quirks.emergency_storm});
+  constexpr std::uint8_t kManufacturerError = 0x80;
+  for (std::size_t i = 0; i < EmergencyQueue::kCapacity && storm_due_ <= now; ++i) {
+    send_emergency(dictionary::kStormEmergency, kManufacturerError, {}, now);
+    storm_due_ += period;
+  }
+  storm_due_ = std::max(storm_due_, now + base::SimDuration(1));
 }
 
 void SlaveStack::set_emergencies(bool enabled) {

@@ -7,6 +7,7 @@
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
 #include "dictionary/dictionary.hpp"
+#include "dictionary/quirks.hpp"
 #include "ethercat/al_state.hpp"
 #include "ethercat/application_layer.hpp"
 #include "ethercat/coe.hpp"
@@ -41,6 +42,8 @@ struct SlaveStackOptions {
   std::uint16_t process_memory_end = 0x3000;
   /// What the device does with SYNC0; by default nothing.
   DcCapabilities distributed_clocks{};
+  /// What it does otherwise than a slave should.
+  dictionary::Quirks quirks{};
 };
 
 /// The software of an EtherCAT slave: state machine, mailbox protocols and process data
@@ -153,6 +156,9 @@ class SlaveStack final : private AlActions {
   /// Outputs of the bus are there: taken over now or at the next SYNC0.
   void offer_outputs(base::SimTime now);
   void apply_outputs(base::SimTime now);
+  void read_outputs();
+  void write_inputs();
+  void send_storm(base::SimTime now);
   void on_refused(const dictionary::Entry& entry, const dictionary::Refusal& refusal);
   void check_clocks(base::SimTime now);
   void check_watchdog(std::uint32_t events, base::SimTime now);
@@ -184,7 +190,8 @@ class SlaveStack final : private AlActions {
   bool outputs_await_sync_ = false;                ///< taken from the bus, not yet over at SYNC0
   /// When Operational ends if no outputs come, for a watchdog that nothing has triggered yet.
   base::SimTime first_outputs_deadline_ = base::SimTime::never();
-  base::SimTime now_;  ///< of the call being handled
+  base::SimTime storm_due_ = base::SimTime::never();  ///< next emergency of a storm
+  base::SimTime now_;                                 ///< of the call being handled
 };
 
 namespace rules {

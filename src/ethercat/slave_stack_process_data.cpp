@@ -1,7 +1,9 @@
 // Process data of a slave stack: outputs and inputs, at SYNC0 or as they come, and what supervises
 // them.
 
+#include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
 
 #include "base/byte_order.hpp"
@@ -91,8 +93,33 @@ void SlaveStack::publish_inputs(base::SimTime now) {
   now_ = now;
   application_.before_inputs(now);
   inputs_.pack(dictionary_);
-  interface_.write(bank_[kInputChannel].start, inputs_.data());
+  write_inputs();
   ++statistics_.inputs_published;
+}
+
+// With the quirk any-process-data-length a buffer may be shorter or longer than the image; its last
+// byte is what ends an access.
+
+void SlaveStack::read_outputs() {
+  const SyncManagerSettings& channel = bank_[kOutputChannel];
+  const std::span<std::byte> image = outputs_.data();
+  const std::size_t length = std::min<std::size_t>(image.size(), channel.length);
+  interface_.read(channel.start, image.first(length));
+  std::ranges::fill(image.subspan(length), std::byte{0});
+  if (length < channel.length) {
+    std::array<std::byte, 1> last{};
+    interface_.read(static_cast<std::uint16_t>(channel.start + channel.length - 1), last);
+  }
+}
+
+void SlaveStack::write_inputs() {
+  const SyncManagerSettings& channel = bank_[kInputChannel];
+  const std::size_t length = std::min<std::size_t>(inputs_.bytes(), channel.length);
+  interface_.write(channel.start, inputs_.data().first(length));
+  if (length < channel.length) {
+    const std::array<std::byte, 1> last{};
+    interface_.write(static_cast<std::uint16_t>(channel.start + channel.length - 1), last);
+  }
 }
 
 bool SlaveStack::outputs_wait(std::uint32_t events) const {
@@ -109,7 +136,7 @@ bool SlaveStack::outputs_wait(std::uint32_t events) const {
 }
 
 void SlaveStack::take_outputs(base::SimTime now) {
-  interface_.read(bank_[kOutputChannel].start, outputs_.data());
+  read_outputs();
   outputs_received_ = true;
   first_outputs_deadline_ = base::SimTime::never();
   ++statistics_.outputs_received;

@@ -54,9 +54,13 @@ AlStatusCode SlaveStack::check_mailbox(const SyncManagerBank& bank, AlState stat
 
 AlStatusCode SlaveStack::check_process_data(const SyncManagerBank& bank, base::SimTime now) {
   const auto requirement = [this](unsigned channel, std::uint8_t direction, std::size_t bytes) {
-    return SyncManagerRequirement{channel,   SyncManagerSettings::kThreeBufferMode,
-                                  direction, bytes,
-                                  bytes,     options_.process_memory_end};
+    const bool any = options_.quirks.any_process_data_length && bytes != 0;
+    return SyncManagerRequirement{channel,
+                                  SyncManagerSettings::kThreeBufferMode,
+                                  direction,
+                                  any ? std::size_t{1} : bytes,
+                                  any ? std::size_t{options_.process_memory_end} : bytes,
+                                  options_.process_memory_end};
   };
   const AlState state = AlState::safe_operational;
   const AlStatusCode code = check_channel(

@@ -20,14 +20,14 @@ namespace stator::rack {
 inline constexpr double kFarAway = 1e6;
 
 /// Replaces `target` by the number at `key`, if there is one.
-inline void set(TomlSection& section, const char* key, double minimum, double maximum,
+inline void set(TomlSection& section, const TomlKey& key, double minimum, double maximum,
                 double& target) {
-  target = section.number(key, minimum, maximum).value_or(target);
+  section.number(key, minimum, maximum, target);
 }
 
-/// Says that `motor` is none of `names`, and which might be meant.
-void refuse_motor(TomlSection& section, const std::string& motor,
-                  const std::set<std::string>& names);
+/// The same for an angle, degrees in the file and radians in `target`.
+void set_degrees(TomlSection& section, const TomlKey& key, double minimum, double maximum,
+                 double& target);
 
 void read_load(TomlSection section, plant::MechanicalLoad& load);
 void read_brake(TomlSection section, plant::HoldingBrake& brake);
@@ -40,33 +40,37 @@ void read_switch(TomlSection section, plant::PositionSwitch& position_switch);
 /// plant::StepperAxisParameters, plant::ServoAxisParameters or plant::PwmAxisParameters.
 template <typename Parameters>
 void read_axis_mechanics(TomlSection& section, Parameters& parameters) {
-  set(section, "supply_voltage", 0.0, 100.0, parameters.supply_voltage);
-  set(section, "initial_position", -kFarAway, kFarAway, parameters.initial_revolutions);
-  set(section, "ambient_temperature", -50.0, 200.0, parameters.ambient_temperature);
-  if (auto supply = section.section("supply")) {
+  set(section, {"supply_voltage", "Of the power stage", "V"}, 0.0, 100.0,
+      parameters.supply_voltage);
+  set(section, {"initial_position", "At which the shaft stands at power-on", "revolutions"},
+      -kFarAway, kFarAway, parameters.initial_revolutions);
+  set(section, {"ambient_temperature", "Motor and driver start with it", "°C"}, -50.0, 200.0,
+      parameters.ambient_temperature);
+  if (auto supply = section.section({"supply", "The supply of the power stage"})) {
     read_supply(*supply, parameters.supply);
   }
-  if (auto load = section.section("load")) {
+  if (auto load = section.section({"load", "What hangs at the shaft"})) {
     read_load(*load, parameters.load);
   }
-  if (auto brake = section.section("brake")) {
+  if (auto brake = section.section({"brake", "The holding brake"})) {
     if (parameters.load.brake_torque == 0.0) {
       section.refuse("brake", "a brake needs \"load.brake_torque\", the torque it holds with");
     }
     read_brake(*brake, parameters.brake);
   }
-  if (const auto high = section.boolean("open_inputs_high")) {
+  if (const auto high = section.boolean(
+          {"open_inputs_high", "Switch inputs to which nothing is connected read high"})) {
     parameters.left_switch.level_if_not_fitted = *high;
     parameters.right_switch.level_if_not_fitted = *high;
     parameters.home_switch.level_if_not_fitted = *high;
   }
-  if (auto left = section.section("left_switch")) {
+  if (auto left = section.section({"left_switch", "Fitted if it is named"})) {
     read_switch(*left, parameters.left_switch);
   }
-  if (auto right = section.section("right_switch")) {
+  if (auto right = section.section({"right_switch", "Fitted if it is named"})) {
     read_switch(*right, parameters.right_switch);
   }
-  if (auto home = section.section("home_switch")) {
+  if (auto home = section.section({"home_switch", "Fitted if it is named"})) {
     read_switch(*home, parameters.home_switch);
   }
 }
@@ -75,7 +79,7 @@ void read_axis_mechanics(TomlSection& section, Parameters& parameters) {
 template <typename Parameters>
 void read_axis_surroundings(TomlSection& section, Parameters& parameters) {
   read_axis_mechanics(section, parameters);
-  if (auto encoder = section.section("encoder")) {
+  if (auto encoder = section.section({"encoder", "The incremental encoder at the shaft"})) {
     read_encoder(*encoder, parameters.encoder);
   }
 }

@@ -25,17 +25,16 @@ const PeripheralType& read_type(TomlSection& section) {
   for (const PeripheralType* type : board::peripheral_types()) {
     types.emplace(type->name);
   }
-  const auto name = section.choice("type", types);
+  const auto name = section.selector({"type", "What is wired to the pins"}, types);
   if (!name) {
-    section.fail("type",
-                 fmt::format("\"type\" is missing; it says what kind of peripheral it is: {}",
-                             fmt::join(types, ", ")));
+    section.missing(
+        "type", fmt::format("it says what kind of peripheral it is: {}", fmt::join(types, ", ")));
   }
   return *board::find_peripheral_type(*name);
 }
 
-std::optional<unsigned> read_line(TomlSection& section, const std::string& pin) {
-  if (!section.is_text(pin)) {
+std::optional<unsigned> read_line(TomlSection& section, const TomlKey& pin) {
+  if (!section.is_text(pin.name)) {
     const auto number = section.integer(pin, 0, std::int64_t{board::kLines} - 1);
     return number ? std::optional(static_cast<unsigned>(*number)) : std::nullopt;
   }
@@ -53,7 +52,8 @@ std::optional<unsigned> read_line(TomlSection& section, const std::string& pin) 
 
 void read_wires(TomlSection section, PeripheralConfiguration& peripheral) {
   for (const board::PinDeclaration& pin : peripheral.type->pins) {
-    if (const auto line = read_line(section, std::string(pin.name))) {
+    if (const auto line =
+            read_line(section, {std::string(pin.name), std::string(pin.description)})) {
       peripheral.wire(pin.name, *line);
     }
   }
@@ -62,13 +62,18 @@ void read_wires(TomlSection section, PeripheralConfiguration& peripheral) {
 
 void read_parameter(TomlSection& section, const board::ParameterDeclaration& parameter,
                     board::Settings& settings) {
-  const std::string key(parameter.name);
+  const TomlKey key(std::string(parameter.name), std::string(parameter.description),
+                    std::string(parameter.unit));
+  section.note_default(key, parameter.is_text ? fmt::format("\"{}\"", parameter.text)
+                                              : fmt::format("{}", parameter.value));
   if (parameter.is_text) {
     if (const auto text = section.text(key)) {
       settings.set(parameter.name, *text);
     }
-  } else if (section.is_boolean(key) && parameter.minimum == 0.0 && parameter.maximum == 1.0) {
-    settings.set(parameter.name, *section.boolean(key) ? 1.0 : 0.0);
+  } else if (parameter.minimum == 0.0 && parameter.maximum == 1.0 && section.is_boolean(key.name)) {
+    if (const auto value = section.boolean(key)) {
+      settings.set(parameter.name, *value ? 1.0 : 0.0);
+    }
   } else if (const auto number = section.number(key, parameter.minimum, parameter.maximum)) {
     settings.set(parameter.name, *number);
   }
@@ -76,14 +81,15 @@ void read_parameter(TomlSection& section, const board::ParameterDeclaration& par
 
 PeripheralConfiguration read_peripheral(TomlSection& section, const std::string& name) {
   PeripheralConfiguration peripheral(name, read_type(section));
-  if (auto wires = section.section("wires")) {
+  if (auto wires = section.section({"wires", "Its pins, each with the chip's by name or number"})) {
     read_wires(std::move(*wires), peripheral);
   }
   for (const board::ParameterDeclaration& parameter : peripheral.type->parameters) {
     read_parameter(section, parameter, peripheral.settings);
   }
   for (const board::ConnectionDeclaration& connection : peripheral.type->connections) {
-    if (const auto other = section.text(std::string(connection.name))) {
+    if (const auto other =
+            section.text({std::string(connection.name), std::string(connection.description)})) {
       peripheral.connect(connection.name, *other);
     }
   }
@@ -95,9 +101,10 @@ PeripheralConfiguration read_peripheral(TomlSection& section, const std::string&
 
 void read_board(TomlSection& section, board::BoardConfiguration& configuration) {
   const std::size_t before = section.collects_errors() ? section.errors()->list.size() : 0;
-  for (const std::string& name : section.keys()) {
+  for (const std::string& name : section.names()) {
     section.attempt([&] {
-      if (auto table = section.section(name)) {
+      if (auto table = section.section(
+              {name, "One peripheral; its name is the prefix of its signals and inputs"})) {
         configuration.peripherals.push_back(read_peripheral(*table, name));
       }
     });

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "rack/product_catalogue.hpp"
+#include "rack/quirks_section.hpp"
 #include "rack/serial_section.hpp"
 #include "rack/stepper_axis_section.hpp"
 #include "rack/tmc8461_section.hpp"
@@ -26,32 +27,36 @@ std::map<std::string, devices::tmcm_3315::FirmwareVersion> firmware_versions() {
   return {{"1.07", v1_07}, {"1.08", v1_08}, {"1.09", v1_09}};
 }
 
-std::set<std::string> firmware_names() {
-  std::set<std::string> names;
-  for (const auto& [name, version] : firmware_versions()) {
-    names.insert(name);
-  }
-  return names;
-}
-
 void read_product(TomlSection& section, devices::Tmcm3315Configuration& configuration) {
-  if (const auto alias = section.integer("alias", 0, 0xFFFF)) {
-    configuration.station_alias = static_cast<std::uint16_t>(*alias);
-  }
-  if (const auto firmware = section.choice("firmware", firmware_names())) {
-    configuration.firmware = firmware_versions().at(*firmware);
-  }
-  configuration.emergencies = section.boolean("emergencies").value_or(configuration.emergencies);
-  configuration.require_outputs =
-      section.boolean("require_outputs").value_or(configuration.require_outputs);
-  if (const auto identification = section.integer("identification", 0, 0xFFFF)) {
+  read_quirks(section, QuirkKind::coe, configuration.quirks);
+  section.integer({"alias",
+                   "Configured station alias (SII word 4); an EEPROM file in the state directory "
+                   "has precedence"},
+                  0, 0xFFFF, configuration.station_alias);
+  section.choice(
+      {"firmware", "1.07 has neither the N-channel latch 200Fh nor cyclic synchronous velocity"},
+      firmware_versions(), configuration.firmware);
+  section.boolean(
+      {"emergencies",
+       "false: no CoE emergencies, for masters that cannot take an unsolicited message"},
+      configuration.emergencies);
+  section.boolean(
+      {"require_outputs",
+       "Operational is refused with AL status 0019h until outputs have come in Safe-Operational"},
+      configuration.require_outputs);
+  if (const auto identification = section.integer(
+          {"identification", "Explicit device identification: what an ID switch would show"}, 0,
+          0xFFFF)) {
     configuration.identification = static_cast<std::uint16_t>(*identification);
   }
-  configuration.firmware_erase_time = section.duration("firmware_erase_time", 0_us, 60_s)
-                                          .value_or(configuration.firmware_erase_time);
-  configuration.home_offset_is_position =
-      section.boolean("home_offset_is_position").value_or(configuration.home_offset_is_position);
-  std::vector<TomlSection> axes = section.sections("axis");
+  section.duration({"firmware_erase_time",
+                    "How long a firmware download is answered busy while the flash is erased"},
+                   0_us, 60_s, configuration.firmware_erase_time);
+  section.boolean({"home_offset_is_position",
+                   "At home the position becomes the home offset 607Ch instead of its negative"},
+                  configuration.home_offset_is_position);
+  std::vector<TomlSection> axes =
+      section.sections({"axis", "What is connected to an axis, axis 0 first"});
   if (axes.size() > configuration.axes.size()) {
     section.refuse("axis", fmt::format("{} axes are given, the device has {}", axes.size(),
                                        configuration.axes.size()));
@@ -91,15 +96,20 @@ DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& nam
       types.emplace(product.type);
     }
   }
-  const std::optional<std::string> type = section.choice("type", types);
+  const std::optional<std::string> type =
+      section.selector({"type", "Product, see stator devices"}, types);
   if (!type) {
     if (section.collects_errors()) {
       section.errors()->devices_missing = true;
     }
-    section.fail("type", "\"type\" is missing; it names the product, see \"stator devices\"");
+    section.missing("type", "it names the product, see \"stator devices\"");
   }
   DeviceConfiguration device;
-  device.name = section.text("name").value_or(*type);
+  device.name =
+      section
+          .text({"name",
+                 "Unique in the rack; prefix of its signals and log lines; by default its type"})
+          .value_or(*type);
   const Product& product = *find_product(*type);
   device.product = product.default_configuration();
   device.serial = read_serial_connections(section, product);

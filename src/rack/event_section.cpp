@@ -75,8 +75,11 @@ RackEvent EventSectionReader::read_segment_fault(TomlSection& section, DeviceAdd
   SegmentFaultEvent event{target.network, {}};
   event.fault.kind = kind->second;
   event.fault.port = {target.device, targets_.read_port(section, target)};
-  event.fault.leaving = section.choice("direction", {"in", "out"}) == "out";
-  event.fault.frames = static_cast<unsigned>(section.integer("frames", 1, kMostFrames).value_or(1));
+  event.fault.leaving =
+      section.choice({"direction", "Frames that arrive at the port or that leave it"},
+                     {"in", "out"}) == "out";
+  event.fault.frames = static_cast<unsigned>(
+      section.integer({"frames", "How many frames are hit"}, 1, kMostFrames).value_or(1));
   return event;
 }
 
@@ -84,7 +87,8 @@ RackEvent EventSectionReader::read_frame_fault(TomlSection& section,
                                                const std::string& action) const {
   FrameFaultEvent event;
   event.fault.kind = bus_faults().at(action);
-  if (const auto bus = section.text("bus")) {
+  if (const auto bus = section.text(
+          {"bus", "Instead of device: frames of all on this bus, those of masters too"})) {
     event.bus = targets_.read_bus(section, *bus);
   } else {
     const DeviceAddress target = targets_.read_target(section);
@@ -95,17 +99,18 @@ RackEvent EventSectionReader::read_frame_fault(TomlSection& section,
     event.bus = target.network;
     event.device = target.device;
   }
-  if (const auto frames = section.integer("frames", 1, kMostFrames)) {
+  if (const auto frames = section.integer({"frames", "How many frames are hit"}, 1, kMostFrames)) {
     event.fault.frames = static_cast<unsigned>(*frames);
   }
-  if (const auto identifier = section.integer("identifier", 0, can::kExtendedIdentifierMask)) {
+  if (const auto identifier =
+          section.integer({"identifier", "Only frames with this identifier, e.g. 0x601"}, 0,
+                          can::kExtendedIdentifierMask)) {
     event.fault.identifier = static_cast<std::uint32_t>(*identifier);
   }
   if (event.fault.kind == can::FrameFaultKind::delay) {
-    const auto delay = section.duration("delay", 1_us, 60_s);
+    const auto delay = section.duration({"delay", "How long the sender is held back"}, 1_us, 60_s);
     if (!delay) {
-      section.fail("delay",
-                   "\"delay\" is missing; it says how long frames are held back, e.g. \"5ms\"");
+      section.missing("delay", "it says how long frames are held back, e.g. \"5ms\"");
     }
     event.fault.delay = *delay;
   }
@@ -115,8 +120,10 @@ RackEvent EventSectionReader::read_frame_fault(TomlSection& section,
 void EventSectionReader::read_set(TomlSection& section, base::SimDuration at,
                                   std::vector<EventConfiguration>& events) {
   const DeviceAddress target = targets_.read_target(section);
-  const std::optional<std::string> input = section.text("input");
-  const std::optional<double> value = section.number("value", -kAnyValue, kAnyValue);
+  const std::optional<std::string> input =
+      section.text({"input", "What is set, see stator describe DEVICE --inputs"});
+  const std::optional<double> value =
+      section.number({"value", "Its new value, which stays"}, -kAnyValue, kAnyValue);
   if (!input || !value) {
     section.fail(input ? "value" : "input",
                  "\"set\" needs \"input\", which names what is set, and \"value\"; \"stator "
@@ -124,8 +131,9 @@ void EventSectionReader::read_set(TomlSection& section, base::SimDuration at,
   }
   if (section.collects_errors() && !section.errors()->list.empty()) {
     // A device with errors may not be there to be asked.
-    static_cast<void>(section.number("from", -kAnyValue, kAnyValue));
-    static_cast<void>(section.duration("over", kRampStep, 60_s));
+    static_cast<void>(
+        section.number({"from", "A ramp begins at this value"}, -kAnyValue, kAnyValue));
+    static_cast<void>(section.duration({"over", "How long the ramp takes"}, kRampStep, 60_s));
     return;
   }
   if (const std::string problem = input_problem(targets_.inputs_of(target), *input, *value);
@@ -156,14 +164,15 @@ void EventSectionReader::read_set(TomlSection& section, base::SimDuration at,
 }
 
 void EventSectionReader::read(TomlSection& section, std::vector<EventConfiguration>& events) {
-  const std::optional<base::SimDuration> at = section.duration("at", 0_ns, kLatest);
+  const std::optional<base::SimDuration> at =
+      section.duration({"at", "When, counted from the start of the rack"}, 0_ns, kLatest);
   if (!at) {
-    section.fail("at", "\"at\" is missing; it says when, e.g. \"5s\" after the rack's start");
+    section.missing("at", "it says when, e.g. \"5s\" after the rack's start");
   }
-  const auto action = section.choice("action", action_names());
+  const auto action = section.selector({"action", "What happens"}, action_names());
   if (!action) {
-    section.fail("action", fmt::format("\"action\" is missing; it must be one of: {}",
-                                       fmt::join(action_names(), ", ")));
+    section.missing("action",
+                    fmt::format("it must be one of: {}", fmt::join(action_names(), ", ")));
   }
   if (*action == "set") {
     read_set(section, *at, events);

@@ -35,7 +35,11 @@ std::set<std::string> words(std::string_view text) {
 }
 
 std::optional<FaultValue> given_value(TomlSection& section, const FaultParameter& parameter) {
-  const std::string key(parameter.name);
+  const TomlKey key(std::string(parameter.name), std::string(parameter.summary),
+                    std::string(parameter.unit));
+  if (!parameter.default_value.empty()) {
+    section.note_default(key, std::string(parameter.default_value));
+  }
   const auto wrap = [](const auto& value) -> std::optional<FaultValue> {
     return value ? std::optional<FaultValue>(FaultValue(*value)) : std::nullopt;
   };
@@ -81,7 +85,7 @@ std::string missing(const FaultParameter& parameter) {
 std::optional<FaultValue> value_of(TomlSection& section, const FaultParameter& parameter) {
   auto value = given_value(section, parameter);
   if (!value && parameter.needed) {
-    section.fail(std::string(parameter.name), missing(parameter));
+    section.refuse(std::string(parameter.name), missing(parameter));
   }
   return value ? value : default_value(parameter);
 }
@@ -134,14 +138,14 @@ std::optional<FaultObject> parse_fault_object(std::string_view text) {
 
 FaultConfiguration FaultReader::read(TomlSection& section) {
   const std::set<std::string> names = kind_names();
-  const auto kind = section.choice("kind", names);
+  FaultConfiguration fault;
+  fault.name = read_common<std::string>(section, "name").value_or("");
+  const auto kind = section.selector({"kind", "What goes wrong, see stator faults"}, names);
   if (!kind) {
     section.fail("kind",
                  fmt::format("\"kind\" is missing; it must be one of: {}", fmt::join(names, ", ")));
   }
-  FaultConfiguration fault;
   fault.kind = find_fault_kind(*kind);
-  fault.name = read_common<std::string>(section, "name").value_or("");
   read_target(section, fault);
   for (const FaultParameter& parameter : fault.kind->parameters) {
     if (auto value = value_of(section, parameter)) {
@@ -150,8 +154,8 @@ FaultConfiguration FaultReader::read(TomlSection& section) {
   }
   check_reach(section, fault);
   check_values(section, fault);
-  read_begin(section, fault);
   read_end(section, fault);
+  read_begin(section, fault);
   section.finish();
   return fault;
 }
@@ -181,7 +185,7 @@ void FaultReader::read_target(TomlSection& section, FaultConfiguration& fault) {
 
 void FaultReader::read_bus_target(TomlSection& section, FaultConfiguration& fault) {
   FaultTarget& target = fault.target;
-  if (const auto bus = section.text("bus")) {
+  if (const auto bus = section.text({"bus", "Instead of device: all frames of this bus"})) {
     target.bus = targets_.read_bus(section, *bus);
     target.text = *bus;
     return;
@@ -201,7 +205,7 @@ void FaultReader::read_line_target(TomlSection& section, FaultConfiguration& fau
     }
   };
   FaultTarget& target = fault.target;
-  if (const auto line = section.text("line")) {
+  if (const auto line = section.text({"line", "The serial line, as devices name it"})) {
     for (const SegmentConfiguration& segment : rack_.segments) {
       note(segment.devices);
     }
@@ -301,10 +305,10 @@ void FaultReader::check_values(TomlSection& section, const FaultConfiguration& f
 void FaultReader::read_begin(TomlSection& section, FaultConfiguration& fault) {
   fault.at = read_common<base::SimDuration>(section, "at");
   fault.after = read_common<std::string>(section, "after").value_or("");
-  if (auto when = section.section("when")) {
+  fault.wait = read_common<base::SimDuration>(section, "wait").value_or(base::SimDuration());
+  if (auto when = section.section({"when", "What is reached when the fault begins"})) {
     fault.when = read_milestone(*when, fault.target);
   }
-  fault.wait = read_common<base::SimDuration>(section, "wait").value_or(base::SimDuration());
   const int ways = (fault.at ? 1 : 0) + (fault.after.empty() ? 0 : 1) + (fault.when ? 1 : 0);
   if (ways > 1) {
     section.refuse("at",
@@ -424,7 +428,7 @@ void read_faults(TomlSection& root, RackConfiguration& rack) {
   FaultReader reader(rack);
   std::set<std::string> names;
   std::vector<std::pair<TomlSection, std::string>> followers;
-  for (TomlSection& section : root.sections("fault")) {
+  for (TomlSection& section : root.sections({"fault", "What goes wrong, from when to when"})) {
     section.attempt([&] {
       FaultConfiguration fault = reader.read(section);
       if (!fault.name.empty() && !names.insert(fault.name).second) {

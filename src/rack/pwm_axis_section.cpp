@@ -8,7 +8,6 @@
 #include <variant>
 #include <vector>
 
-#include "base/trigonometry.hpp"
 #include "rack/axis_sections.hpp"
 #include "rack/servo_axis_section.hpp"
 
@@ -16,20 +15,20 @@ namespace stator::rack {
 
 namespace {
 
-constexpr double kDegree = base::kPi / 180.0;
 /// The name of a brushed motor: there is no catalogue of them, motor_data says what it is.
 constexpr const char* kDirectCurrent = "dc";
 
-std::optional<plant::MotorParameters> motor_named(TomlSection& section, const std::string& name) {
-  if (name == kDirectCurrent) {
-    return plant::DcMotorParameters{};
-  }
+plant::MotorParameters motor_named(const std::string& name) {
   if (const auto motor = plant::find_three_phase_motor(name)) {
     return *motor;
   }
   if (const auto motor = plant::find_stepper_motor(name)) {
     return *motor;
   }
+  return plant::DcMotorParameters{};
+}
+
+std::set<std::string> motor_names() {
   std::set<std::string> names{kDirectCurrent};
   for (const plant::ThreePhaseMotorSheet& sheet : plant::three_phase_motor_sheets()) {
     names.emplace(sheet.name);
@@ -37,8 +36,7 @@ std::optional<plant::MotorParameters> motor_named(TomlSection& section, const st
   for (const plant::StepperMotorSheet& sheet : plant::stepper_motor_sheets()) {
     names.emplace(sheet.name);
   }
-  refuse_motor(section, name, names);
-  return std::nullopt;
+  return names;
 }
 
 void read_motor_data(TomlSection section, plant::ThreePhaseMotorParameters& motor) {
@@ -46,22 +44,26 @@ void read_motor_data(TomlSection section, plant::ThreePhaseMotorParameters& moto
 }
 
 void read_motor_data(TomlSection section, plant::StepperMotorParameters& motor) {
-  set(section, "resistance", 1e-3, 1e3, motor.resistance);
-  set(section, "inductance", 1e-6, 1.0, motor.inductance);
-  set(section, "rotor_inertia", 1e-9, 10.0, motor.rotor_inertia);
-  set(section, "rated_current", 1e-3, 1e3, motor.rated_current);
+  set(section, {"resistance", "Of the winding", "Ω"}, 1e-3, 1e3, motor.resistance);
+  set(section, {"inductance", "Of the winding", "H"}, 1e-6, 1.0, motor.inductance);
+  set(section, {"rotor_inertia", "Of the rotor alone", "kg m²"}, 1e-9, 10.0, motor.rotor_inertia);
+  set(section, {"rated_current", "Of the winding", "A"}, 1e-3, 1e3, motor.rated_current);
   section.finish();
 }
 
 void read_motor_data(TomlSection section, plant::DcMotorParameters& motor) {
-  set(section, "resistance", 1e-3, 1e3, motor.resistance);
-  set(section, "inductance", 1e-6, 1.0, motor.inductance);
-  set(section, "torque_constant", 1e-5, 10.0, motor.torque_constant);
-  set(section, "rotor_inertia", 1e-9, 10.0, motor.rotor_inertia);
-  set(section, "viscous_friction", 0.0, 10.0, motor.viscous_friction);
-  set(section, "coulomb_friction", 0.0, 100.0, motor.coulomb_friction);
-  set(section, "static_friction", 0.0, 100.0, motor.static_friction);
-  set(section, "rated_current", 1e-3, 1e3, motor.rated_current);
+  set(section, {"resistance", "Of the winding", "Ω"}, 1e-3, 1e3, motor.resistance);
+  set(section, {"inductance", "Of the winding", "H"}, 1e-6, 1.0, motor.inductance);
+  set(section, {"torque_constant", "Torque per current", "N m/A"}, 1e-5, 10.0,
+      motor.torque_constant);
+  set(section, {"rotor_inertia", "Of the rotor alone", "kg m²"}, 1e-9, 10.0, motor.rotor_inertia);
+  set(section, {"viscous_friction", "Torque that grows with speed", "N m s/rad"}, 0.0, 10.0,
+      motor.viscous_friction);
+  set(section, {"coulomb_friction", "Torque against any motion", "N m"}, 0.0, 100.0,
+      motor.coulomb_friction);
+  set(section, {"static_friction", "Torque that holds the shaft at standstill", "N m"}, 0.0, 100.0,
+      motor.static_friction);
+  set(section, {"rated_current", "Of the winding", "A"}, 1e-3, 1e3, motor.rated_current);
   if (motor.static_friction < motor.coulomb_friction) {
     section.refuse("static_friction", R"("static_friction" must not be below "coulomb_friction")");
   }
@@ -69,10 +71,11 @@ void read_motor_data(TomlSection section, plant::DcMotorParameters& motor) {
 }
 
 void read_channel(TomlSection section, plant::ConverterChannel& channel) {
-  set(section, "gain", -1e5, 1e5, channel.gain);
-  set(section, "offset", 0.0, 65535.0, channel.offset);
-  set(section, "noise", 0.0, 65535.0, channel.noise);
-  set(section, "drift", -1e3, 1e3, channel.drift);
+  set(section, {"gain", "Counts per A or V; negative: the amplifier is reversed"}, -1e5, 1e5,
+      channel.gain);
+  set(section, {"offset", "Counts at 0 A or 0 V"}, 0.0, 65535.0, channel.offset);
+  set(section, {"noise", "Standard deviation of a sample", "counts"}, 0.0, 65535.0, channel.noise);
+  set(section, {"drift", "Above 25 °C", "counts/K"}, -1e3, 1e3, channel.drift);
   if (channel.gain == 0.0) {
     section.refuse("gain", "\"gain\" must not be 0");
   }
@@ -80,36 +83,39 @@ void read_channel(TomlSection section, plant::ConverterChannel& channel) {
 }
 
 void read_converter(TomlSection section, plant::ConverterParameters& converter) {
-  converter.bits = static_cast<int>(section.integer("bits", 8, 16).value_or(converter.bits));
-  set(section, "delay", 0.0, 1e-3, converter.delay);
-  if (auto channel = section.section("current_u")) {
+  section.integer({"bits", "Effective bits of the converters; the lower ones read 0"}, 8, 16,
+                  converter.bits);
+  set(section,
+      {"delay", "By which a filter of delta-sigma modulators delays its values, up to a PWM period",
+       "s"},
+      0.0, 1e-3, converter.delay);
+  if (auto channel = section.section({"current_u", "Converter of phase U"})) {
     read_channel(*channel, converter.currents[0]);
   }
-  if (auto channel = section.section("current_w")) {
+  if (auto channel = section.section({"current_w", "Converter of phase W"})) {
     read_channel(*channel, converter.currents[1]);
   }
-  if (auto channel = section.section("voltage")) {
+  if (auto channel = section.section({"voltage", "Converter of the supply voltage"})) {
     read_channel(*channel, converter.voltage);
   }
   section.finish();
 }
 
 void read_track(TomlSection section, plant::AnalogTrack& track) {
-  set(section, "amplitude", 0.0, 65535.0, track.amplitude);
-  set(section, "offset", 0.0, 65535.0, track.offset);
-  if (const auto degrees = section.number("phase", -360.0, 360.0)) {
-    track.phase = *degrees * kDegree;
-  }
-  set(section, "second_harmonic", -1.0, 1.0, track.second_harmonic);
-  set(section, "third_harmonic", -1.0, 1.0, track.third_harmonic);
+  set(section, {"amplitude", "Of the track", "counts"}, 0.0, 65535.0, track.amplitude);
+  set(section, {"offset", "Middle of the track", "counts"}, 0.0, 65535.0, track.offset);
+  set_degrees(section, {"phase", "By which the track is turned", "degrees"}, -360.0, 360.0,
+              track.phase);
+  set(section, {"second_harmonic", "Share of the amplitude"}, -1.0, 1.0, track.second_harmonic);
+  set(section, {"third_harmonic", "Share of the amplitude"}, -1.0, 1.0, track.third_harmonic);
   section.finish();
 }
 
 void read_analog_sensor(TomlSection section, plant::AnalogSensorParameters& sensor) {
   constexpr std::array kTracks{"track_1", "track_2", "track_3"};
-  set(section, "noise", 0.0, 65535.0, sensor.noise);
+  set(section, {"noise", "Standard deviation of a sample", "counts"}, 0.0, 65535.0, sensor.noise);
   for (std::size_t i = 0; i < sensor.tracks; ++i) {
-    if (auto track = section.section(kTracks[i])) {
+    if (auto track = section.section({kTracks[i], "One analog track"})) {
       read_track(*track, sensor.track[i]);
     }
   }
@@ -117,15 +123,17 @@ void read_analog_sensor(TomlSection section, plant::AnalogSensorParameters& sens
 }
 
 void read_disturbance(TomlSection section, plant::EncoderDisturbanceParameters& disturbance) {
-  if (const auto degrees = section.number("eccentricity", 0.0, 10.0)) {
-    disturbance.eccentricity = *degrees * kDegree;
-  }
-  if (const auto degrees = section.number("eccentricity_phase", -360.0, 360.0)) {
-    disturbance.eccentricity_phase = *degrees * kDegree;
-  }
-  set(section, "missed_edges", 0.0, 1.0, disturbance.missed_edge_probability);
-  set(section, "extra_edges", 0.0, 1.0, disturbance.extra_edge_probability);
-  set(section, "highest_frequency", 1.0, 1e9, disturbance.highest_frequency);
+  set_degrees(section, {"eccentricity", "Of the disc", "degrees of the shaft"}, 0.0, 10.0,
+              disturbance.eccentricity);
+  set_degrees(section,
+              {"eccentricity_phase", "Where the eccentricity acts", "degrees of the shaft"}, -360.0,
+              360.0, disturbance.eccentricity_phase);
+  set(section, {"missed_edges", "Probability per edge"}, 0.0, 1.0,
+      disturbance.missed_edge_probability);
+  set(section, {"extra_edges", "Probability per edge"}, 0.0, 1.0,
+      disturbance.extra_edge_probability);
+  set(section, {"highest_frequency", "Beyond which counts get lost", "counts/s"}, 1.0, 1e9,
+      disturbance.highest_frequency);
   section.finish();
 }
 
@@ -141,32 +149,33 @@ void read_encoders(TomlSection& section, plant::PwmAxisParameters& parameters) {
   constexpr std::array kEncoders{"encoder", "encoder_2"};
   constexpr std::array kDisturbances{"encoder_disturbance", "encoder_2_disturbance"};
   for (std::size_t i = 0; i < kEncoders.size(); ++i) {
-    if (auto encoder = section.section(kEncoders[i])) {
+    if (auto encoder = section.section({kEncoders[i], "An incremental encoder at the shaft"})) {
       read_encoder(*encoder, parameters.encoders[i]);
     }
-    if (auto disturbance = section.section(kDisturbances[i])) {
+    if (auto disturbance = section.section({kDisturbances[i], "What is wrong with that encoder"})) {
       read_disturbance(*disturbance, parameters.encoder_disturbances[i]);
     }
   }
-  if (auto analog = section.section("analog_encoder")) {
-    const auto periods = analog->integer("periods_per_revolution", 1, 32767);
+  if (auto analog = section.section({"analog_encoder", "A sine/cosine encoder"})) {
+    const auto periods =
+        analog->integer({"periods_per_revolution", "Of the sine/cosine encoder"}, 1, 32767);
     parameters.analog_encoder = plant::sine_cosine_encoder(static_cast<int>(periods.value_or(1)));
     read_analog_sensor(*analog, parameters.analog_encoder);
   }
-  if (auto analog = section.section("analog_halls")) {
+  if (auto analog =
+          section.section({"analog_halls", "Analog Hall sensors with the motor's pole pairs"})) {
     parameters.analog_halls = plant::analog_halls(pole_pairs_of(parameters.motor));
     read_analog_sensor(*analog, parameters.analog_halls);
   }
 }
 
 void read_inverter(TomlSection section, double pwm_period, plant::PwmAxisParameters& parameters) {
-  if (const auto model = section.choice("model", {"averaged", "switched"})) {
-    parameters.inverter_model =
-        *model == "switched" ? plant::InverterModel::switched : plant::InverterModel::averaged;
-  }
+  section.choice(
+      {"model", "switched: every edge is simulated, with the ripple of currents and supply"},
+      {{"averaged", plant::InverterModel::averaged}, {"switched", plant::InverterModel::switched}},
+      parameters.inverter_model);
   constexpr const char* kFrequency = "pwm_frequency";
-  const std::vector<std::string> keys = section.keys();
-  if (std::ranges::find(keys, kFrequency) != keys.end()) {
+  if (section.contains(kFrequency)) {
     section.fail(
         kFrequency,
         "\"pwm_frequency\" is not the inverter's here: the chip makes the PWM; set it with "
@@ -178,29 +187,32 @@ void read_inverter(TomlSection section, double pwm_period, plant::PwmAxisParamet
 }  // namespace
 
 void read_pwm_axis(TomlSection& section, double pwm_period, plant::PwmAxisParameters& parameters) {
-  if (const auto name = section.text("motor")) {
-    parameters.motor = motor_named(section, *name).value_or(parameters.motor);
+  if (const auto name = section.choice(
+          {"motor",
+           "Motor by name; dc: a brushed motor on the first bridge, which motor_data describes"},
+          motor_names())) {
+    parameters.motor = motor_named(*name);
   }
-  if (auto data = section.section("motor_data")) {
+  if (auto data = section.section(
+          {"motor_data", "Changes single values of the motor; keys depend on its kind"})) {
     std::visit([&](auto& motor) { read_motor_data(*data, motor); }, parameters.motor);
   }
-  if (auto thermal = section.section("motor_thermal")) {
+  if (auto thermal = section.section({"motor_thermal", "Of the motor"})) {
     std::visit([&](auto& motor) { read_motor_thermal(*thermal, motor.thermal); }, parameters.motor);
   }
   read_axis_mechanics(section, parameters);
-  if (auto inverter = section.section("inverter")) {
+  if (auto inverter = section.section({"inverter", "The power stage"})) {
     read_inverter(*inverter, pwm_period, parameters);
   }
-  if (auto halls = section.section("halls")) {
+  if (auto halls = section.section({"halls", "The Hall sensors"})) {
     read_halls(*halls, parameters.halls);
   }
-  if (auto converter = section.section("converter")) {
+  if (auto converter = section.section({"converter", "The analog-to-digital converters"})) {
     read_converter(*converter, parameters.converter);
   }
   read_encoders(section, parameters);
-  if (const auto seed = section.integer("noise_seed", 0, INT64_MAX)) {
-    parameters.noise_seed = static_cast<std::uint64_t>(*seed);
-  }
+  section.integer({"noise_seed", "Of everything random around the axis"}, 0, INT64_MAX,
+                  parameters.noise_seed);
   section.finish();
 }
 

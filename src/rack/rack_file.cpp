@@ -16,6 +16,7 @@
 #include "rack/device_section.hpp"
 #include "rack/event_section.hpp"
 #include "rack/fault_section.hpp"
+#include "rack/late_boot.hpp"
 #include "rack/rack_file_steps.hpp"
 #include "rack/serial_section.hpp"
 #include "rack/wiring.hpp"
@@ -28,18 +29,10 @@ namespace {
 using base::SimDuration;
 using namespace base::literals;
 
-template <typename T>
-std::set<std::string> names_of(const std::map<std::string, T>& words) {
-  std::set<std::string> names;
-  for (const auto& [name, value] : words) {
-    names.insert(name);
-  }
-  return names;
-}
-
 /// Switches Ethernet over EtherCAT on, bridged to a TAP interface.
 void read_eoe(TomlSection& section, DeviceConfiguration& device) {
-  const std::optional<std::string> eoe = section.text("eoe");
+  const std::optional<std::string> eoe = section.text(
+      {"eoe", "tap:NAME: switches Ethernet over EtherCAT on and bridges it to that TAP interface"});
   if (!eoe) {
     return;
   }
@@ -61,7 +54,8 @@ void read_eoe(TomlSection& section, DeviceConfiguration& device) {
 
 /// The socket for the firmware beside a chip.
 void read_host_link(TomlSection& section, DeviceConfiguration& device) {
-  const std::optional<std::string> text = section.text("spi");
+  const std::optional<std::string> text = section.text(
+      {"spi", "unix:PATH or tcp:[ADDRESS:]PORT: socket for the firmware beside a chip"});
   if (!text) {
     return;
   }
@@ -89,14 +83,14 @@ DeviceConfiguration read_segment_device(TomlSection& section, std::set<std::stri
 }
 
 /// Reads the link under `key`, if there is one.
-void read_link(TomlSection& section, const char* key, link::LinkAddress& link) {
+void read_link(TomlSection& section, const TomlKey& key, link::LinkAddress& link) {
   const std::optional<std::string> text = section.text(key);
   if (!text) {
     return;
   }
   const auto address = link::parse_link_address(*text);
   if (!address) {
-    section.refuse(key, address.error().text);
+    section.refuse(key.name, address.error().text);
     return;
   }
   link = *address;
@@ -104,20 +98,24 @@ void read_link(TomlSection& section, const char* key, link::LinkAddress& link) {
 
 SegmentConfiguration read_segment(TomlSection& section, std::set<std::string>& names) {
   SegmentConfiguration segment;
-  read_link(section, "link", segment.link);
-  read_link(section, "redundant", segment.redundant_link);
+  read_link(section, {"link", "ethercat:INTERFACE, udp:ADDRESS[:PORT], tap:NAME or in-process"},
+            segment.link);
+  read_link(section,
+            {"redundant",
+             "The master's second interface, at the free end of the last device: cable redundancy"},
+            segment.redundant_link);
   if (const std::string problem = redundancy_problem(segment); !problem.empty()) {
     section.refuse("redundant", problem);
   }
-  if (const auto wait = section.choice("wait", names_of(wait_modes()))) {
-    segment.wait = wait_modes().at(*wait);
-  }
-  segment.spin_time = section.duration("spin_time", 1_us, 1_s).value_or(segment.spin_time);
-  if (const auto cpu = section.integer("cpu", 0, 1023)) {
+  section.choice({"wait", "How its thread waits for frames"}, wait_modes(), segment.wait);
+  section.duration({"spin_time", "Of wait = adaptive"}, 1_us, 1_s, segment.spin_time);
+  if (const auto cpu =
+          section.integer({"cpu", "Processor the segment's thread is tied to"}, 0, 1023)) {
     segment.cpu = static_cast<unsigned>(*cpu);
   }
-  segment.capture = section.output("capture");
-  for (TomlSection& device : section.sections("device")) {
+  segment.capture = section.output({"capture", "pcap file of everything that crosses the link"});
+  for (TomlSection& device :
+       section.sections({"device", "The EtherCAT slaves, first = next to the master"})) {
     device.attempt(
         [&] { segment.devices.push_back(read_segment_device(device, names, segment.devices)); });
   }
@@ -130,13 +128,13 @@ SegmentConfiguration read_segment(TomlSection& section, std::set<std::string>& n
 
 RecordConfiguration read_record(TomlSection section) {
   RecordConfiguration record;
-  record.file = section.output("file");
+  record.file = section.output({"file", "CSV file to write"});
   if (record.file.empty()) {
-    section.refuse("file", "\"file\" is missing; it names the CSV file to write");
+    section.refuse_missing("file", "it names the CSV file to write");
   }
-  record.period =
-      section.duration("period", 1_us, SimDuration(3'600'000'000'000)).value_or(record.period);
-  record.signals = section.texts("signals").value_or(record.signals);
+  section.duration({"period", "Simulated time between two rows"}, 1_us,
+                   SimDuration(3'600'000'000'000), record.period);
+  section.texts({"signals", "Names with * as wild card"}, record.signals);
   section.finish();
   return record;
 }
@@ -145,14 +143,18 @@ RecordConfiguration read_record(TomlSection section) {
 
 RackConfiguration read_rack(TomlSection& root) {
   RackConfiguration configuration;
-  if (const auto clock = root.choice("clock", names_of(clock_kinds()))) {
-    configuration.clock = clock_kinds().at(*clock);
-  }
-  configuration.cycle = root.duration("cycle", 50_us, 1_s).value_or(configuration.cycle);
-  configuration.step = root.duration("step", 1_us, 1_s).value_or(configuration.step);
-  configuration.state = root.text("state").value_or("");
+  root.choice({"clock", "real: the machine's time; lockstep: time moves only with the master"},
+              clock_kinds(), configuration.clock);
+  root.duration(
+      {"cycle", "Lockstep: simulated time per process-data exchange, on a CAN bus per SYNC"}, 50_us,
+      1_s, configuration.cycle);
+  root.duration({"step", "Lockstep: simulated time per other frame"}, 1_us, 1_s,
+                configuration.step);
+  configuration.state =
+      root.text({"state", "Directory in which devices keep what outlives power"}).value_or("");
   std::set<std::string> device_names;
-  for (TomlSection& segment : root.sections("segment")) {
+  for (TomlSection& segment :
+       root.sections({"segment", "EtherCAT slaves behind one interface, or two in a ring"})) {
     segment.attempt([&] { configuration.segments.push_back(read_segment(segment, device_names)); });
   }
   root.attempt([&] { read_buses(root, device_names, configuration.buses); });
@@ -163,14 +165,15 @@ RackConfiguration read_rack(TomlSection& root) {
     root.refuse("segment", "a rack needs at least one [[segment]], [[bus]] or [[device]]");
   }
   read_lines(root, configuration);
-  if (auto record = root.section("record")) {
+  if (auto record = root.section({"record", "Recording of signals"})) {
     configuration.record = read_record(std::move(*record));
   }
   EventSectionReader events(configuration);
-  for (TomlSection& event : root.sections("event")) {
+  for (TomlSection& event : root.sections({"event", "What happens at a given time"})) {
     event.attempt([&] { events.read(event, configuration.events); });
   }
   read_faults(root, configuration);
+  apply_late_boot(configuration);
   root.finish();
   return configuration;
 }

@@ -58,24 +58,20 @@ void check_ends(TomlSection& root, const std::string& line, const std::vector<Li
 
 SerialLineConfiguration read_line(TomlSection& section) {
   SerialLineConfiguration line;
-  const std::optional<std::string> link = section.text("link");
-  if (!link) {
-    section.fail("link", fmt::format("\"link\" is missing; it is the line as devices name it, {}",
-                                     link::kSerialLinkForms));
-  }
-  line.link = *link;
-  line.pacing = section.boolean("pacing").value_or(line.pacing);
-  std::set<std::string> waits;
-  for (const auto& [name, mode] : wait_modes()) {
-    waits.insert(name);
-  }
-  if (const auto wait = section.choice("wait", waits)) {
-    line.wait = wait_modes().at(*wait);
-  }
-  line.spin_time = section.duration("spin_time", 1_us, 1_s).value_or(line.spin_time);
-  if (const auto cpu = section.integer("cpu", 0, 1023)) {
+  const std::optional<std::string> link = section.text({"link", "The line as devices name it"});
+  section.boolean({"pacing", "Bytes take the time of their bits at the devices' baud rate"},
+                  line.pacing);
+  section.choice({"wait", "How its thread waits for bytes"}, wait_modes(), line.wait);
+  section.duration({"spin_time", "Of wait = adaptive"}, 1_us, 1_s, line.spin_time);
+  if (const auto cpu =
+          section.integer({"cpu", "Processor the line's thread is tied to"}, 0, 1023)) {
     line.cpu = static_cast<unsigned>(*cpu);
   }
+  if (!link) {
+    section.missing("link",
+                    fmt::format("it is the line as devices name it, {}", link::kSerialLinkForms));
+  }
+  line.link = *link;
   return line;
 }
 
@@ -86,7 +82,8 @@ std::vector<SerialConnection> read_serial_connections(TomlSection& section,
   std::vector<SerialConnection> connections;
   for (const std::string_view name : product.serial_interfaces) {
     const std::string interface(name);
-    const std::optional<std::string> line = section.text(interface);
+    const std::optional<std::string> line =
+        section.text({interface, "Serial line at that interface: pty:PATH or tcp:[ADDRESS:]PORT"});
     if (!line) {
       continue;
     }
@@ -101,7 +98,8 @@ std::vector<SerialConnection> read_serial_connections(TomlSection& section,
 void read_line_devices(TomlSection& root, std::set<std::string>& names,
                        std::vector<BusConfiguration>& buses) {
   BusConfiguration bus = bus_without_wire();
-  for (TomlSection& section : root.sections("device")) {
+  for (TomlSection& section :
+       root.sections({"device", "Devices that are reached over serial lines only"})) {
     section.attempt([&] {
       bus.devices.push_back(read_device(section, names, NetworkKind::bus));
       const DeviceConfiguration& device = bus.devices.back();
@@ -127,7 +125,8 @@ void read_lines(TomlSection& root, RackConfiguration& configuration) {
     check_ends(root, line, ends);
     named.insert(line);
   }
-  for (TomlSection& section : root.sections("line")) {
+  for (TomlSection& section :
+       root.sections({"line", "How bytes pass over a serial line that devices name"})) {
     section.attempt([&] {
       SerialLineConfiguration line = read_line(section);
       if (!named.contains(line.link)) {

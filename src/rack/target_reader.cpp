@@ -11,9 +11,12 @@
 namespace stator::rack {
 
 DeviceAddress TargetReader::read_target(TomlSection& section) const {
-  const std::optional<std::string> name = section.text("device");
+  const std::optional<std::string> name =
+      section.text({"device",
+                    "Name of the device; of drop and the like: only frames this device sends, on "
+                    "EtherCAT those that pass its port"});
   if (!name) {
-    section.fail("device", "\"device\" is missing; it names the device to which this happens");
+    section.missing("device", "it names the device to which this happens");
   }
   std::set<std::string> names;
   std::optional<DeviceAddress> found;
@@ -65,7 +68,7 @@ unsigned TargetReader::read_port(TomlSection& section, DeviceAddress target) con
   const SegmentConfiguration& segment = rack_.segments[target.network];
   const DeviceConfiguration& device = segment.devices[target.device];
   unsigned port = device.wiring.entry_port;
-  if (const auto given = section.integer("port", 0, 3)) {
+  if (const auto given = section.integer({"port", "Port at which the cable ends; by default entry_port"}, 0, 3)) {
     port = static_cast<unsigned>(*given);
   }
   if (!has_cable(segment, target.device, port)) {

@@ -32,26 +32,24 @@ constexpr std::size_t kLongestImage = std::size_t{512} * 1024;
 constexpr std::int64_t kProcessMemory = 0x1000;
 constexpr std::int64_t kProcessMemoryEnd = 0x4FFF;
 
-template <typename Integer>
-void set_integer(TomlSection& section, const char* key, std::int64_t minimum, std::int64_t maximum,
-                 Integer& target) {
-  if (const auto value = section.integer(key, minimum, maximum)) {
-    target = static_cast<Integer>(*value);
-  }
-}
-
 /// Keys that are on or off.
 struct Switch {
   const char* key;
+  const char* summary;
   bool Tmc8461Configuration::*option;
 };
 constexpr std::array kPins{
-    Switch{"device_emulation", &Tmc8461Configuration::device_emulation},
-    Switch{"shared_bus", &Tmc8461Configuration::shared_bus},
-    Switch{"phy_offset", &Tmc8461Configuration::phy_offset},
-    Switch{"large_eeprom", &Tmc8461Configuration::large_eeprom},
-    Switch{"reset_loop", &Tmc8461Configuration::reset_loop},
-    Switch{"mfc_nes", &Tmc8461Configuration::emergency_released},
+    Switch{"device_emulation",
+           "Pin PDI_EMULATION; true: the AL state follows the master without a controller",
+           &Tmc8461Configuration::device_emulation},
+    Switch{"shared_bus", "Pin PDI_SHARED_BUS", &Tmc8461Configuration::shared_bus},
+    Switch{"phy_offset", "Pin PHY_OFFSET", &Tmc8461Configuration::phy_offset},
+    Switch{"large_eeprom", "Pin PROM_SIZE: 32 kbit instead of 16",
+           &Tmc8461Configuration::large_eeprom},
+    Switch{"reset_loop", "RESET_OUT leads back to NRESET; false: a reset by register is only shown",
+           &Tmc8461Configuration::reset_loop},
+    Switch{"mfc_nes", "Pin MFC_NES is driven high; false: open, which is an emergency",
+           &Tmc8461Configuration::emergency_released},
 };
 
 /// A file named in the rack file, relative to it.
@@ -61,7 +59,9 @@ std::string beside(const TomlSection& section, const std::string& name) {
 
 /// The EEPROM from a configuration of the I/O block; it says as well who the board is.
 void read_mfc_configuration(TomlSection& section, Tmc8461Configuration& configuration) {
-  const auto name = section.text("mfc");
+  const auto name = section.text(
+      {"mfc",
+       "Configuration of the I/O block, relative to the rack file; the EEPROM is made from it"});
   if (!name) {
     return;
   }
@@ -83,7 +83,7 @@ void read_mfc_configuration(TomlSection& section, Tmc8461Configuration& configur
 }
 
 void read_image(TomlSection& section, std::vector<std::byte>& image) {
-  const auto name = section.text("sii");
+  const auto name = section.text({"sii", "EEPROM image, relative to the rack file"});
   if (!name) {
     return;
   }
@@ -106,18 +106,21 @@ void read_image(TomlSection& section, std::vector<std::byte>& image) {
 }
 
 void read_process_data(TomlSection section, Tmc8461Configuration& configuration) {
-  set_integer(section, "outputs", 0, 128, configuration.output_bytes);
-  set_integer(section, "inputs", 0, 128, configuration.input_bytes);
-  set_integer(section, "output_address", kProcessMemory, kProcessMemoryEnd,
-              configuration.output_address);
-  set_integer(section, "input_address", kProcessMemory, kProcessMemoryEnd,
-              configuration.input_address);
+  section.integer({"outputs", "In sync manager 2; a buffered one needs at least two", "bytes"}, 0,
+                  128, configuration.output_bytes);
+  section.integer({"inputs", "In sync manager 3; a buffered one needs at least two", "bytes"}, 0,
+                  128, configuration.input_bytes);
+  section.integer({"output_address", "Where the outputs begin"}, kProcessMemory, kProcessMemoryEnd,
+                  configuration.output_address);
+  section.integer({"input_address", "Where the inputs begin"}, kProcessMemory, kProcessMemoryEnd,
+                  configuration.input_address);
   section.finish();
 }
 
 void read_mailbox(TomlSection section, Tmc8461Configuration& configuration) {
-  set_integer(section, "length", 0, 1486, configuration.mailbox_bytes);
-  configuration.coe = section.boolean("coe").value_or(configuration.coe);
+  section.integer({"length", "Of each mailbox, from 1000h on; 0: the firmware has none", "bytes"},
+                  0, 1486, configuration.mailbox_bytes);
+  section.boolean({"coe", "The mailbox has an object dictionary behind it"}, configuration.coe);
   section.finish();
 }
 
@@ -127,28 +130,33 @@ void read_tmc8461(TomlSection& section, Tmc8461Configuration& configuration) {
   constexpr std::int64_t kWord = std::numeric_limits<std::uint32_t>::max();
   section.attempt([&] { read_image(section, configuration.sii); });
   section.attempt([&] { read_mfc_configuration(section, configuration); });
-  set_integer(section, "vendor", 0, kWord, configuration.vendor_id);
-  set_integer(section, "product_code", 0, kWord, configuration.product_code);
-  set_integer(section, "revision", 0, kWord, configuration.revision);
-  set_integer(section, "serial_number", 0, kWord, configuration.serial_number);
-  set_integer(section, "alias", 0, 0xFFFF, configuration.station_alias);
-  configuration.name = section.text("device_name").value_or(configuration.name);
-  set_integer(section, "pdi_configuration", 0, 0xFF, configuration.pdi_configuration);
-  set_integer(section, "sync_latch_configuration", 0, 0xFF, configuration.sync_latch_configuration);
-  set_integer(section, "sync_pulse_length", 0, 0xFFFF, configuration.sync_pulse_length);
+  section.integer({"vendor", "Identity in the EEPROM"}, 0, kWord, configuration.vendor_id);
+  section.integer({"product_code", "Identity in the EEPROM"}, 0, kWord, configuration.product_code);
+  section.integer({"revision", "Identity in the EEPROM"}, 0, kWord, configuration.revision);
+  section.integer({"serial_number", "Identity in the EEPROM"}, 0, kWord,
+                  configuration.serial_number);
+  section.integer({"alias", "Configured station alias (SII word 4)"}, 0, 0xFFFF,
+                  configuration.station_alias);
+  section.text({"device_name", "What masters print"}, configuration.name);
+  section.integer({"pdi_configuration", "0150h: SPI mode and polarities, which only firmware sees"},
+                  0, 0xFF, configuration.pdi_configuration);
+  section.integer({"sync_latch_configuration",
+                   "0151h: what the SYNC pins do, and whether they raise AL events"},
+                  0, 0xFF, configuration.sync_latch_configuration);
+  section.integer({"sync_pulse_length", "0982h; 0: the host ends a pulse", "10 ns"}, 0, 0xFFFF,
+                  configuration.sync_pulse_length);
   for (const Switch& entry : kPins) {
-    bool& option = configuration.*entry.option;
-    option = section.boolean(entry.key).value_or(option);
+    section.boolean({entry.key, entry.summary}, configuration.*entry.option);
   }
-  configuration.acknowledge_by_write =
-      section.boolean("acknowledge_by_write").value_or(configuration.acknowledge_by_write);
-  if (auto process_data = section.section("process_data")) {
+  section.boolean({"acknowledge_by_write", "014Eh bit 0: the host acknowledges events by writing"},
+                  configuration.acknowledge_by_write);
+  if (auto process_data = section.section({"process_data", "Process data of the EEPROM"})) {
     read_process_data(std::move(*process_data), configuration);
   }
-  if (auto mailbox = section.section("mailbox")) {
+  if (auto mailbox = section.section({"mailbox", "Mailboxes of the EEPROM"})) {
     read_mailbox(std::move(*mailbox), configuration);
   }
-  if (auto board = section.section("board")) {
+  if (auto board = section.section({"board", "What is wired to the chip's I/O pins, any number"})) {
     read_board(*board, configuration.board);
   }
 }

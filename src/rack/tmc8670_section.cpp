@@ -15,6 +15,7 @@
 #include "devices/tmc8670/objects.hpp"
 #include "dictionary/dictionary.hpp"
 #include "rack/pwm_axis_section.hpp"
+#include "rack/quirks_section.hpp"
 
 namespace stator::rack {
 
@@ -63,10 +64,11 @@ std::string objection(const dictionary::Dictionary& dictionary, const ObjectValu
 void read_objects(TomlSection section, std::vector<ObjectValue>& objects) {
   dictionary::Dictionary dictionary;
   devices::tmc8670::add_objects(dictionary);
-  for (const std::string& key : section.keys()) {
+  for (const std::string& key : section.names()) {
     std::optional<ObjectValue> object = object_named(key);
     if (!object) {
-      static_cast<void>(section.integer(key, std::numeric_limits<std::int64_t>::min(),
+      static_cast<void>(section.integer({key, "What it is as delivered"},
+                                        std::numeric_limits<std::int64_t>::min(),
                                         std::numeric_limits<std::int64_t>::max()));
       section.refuse(key, fmt::format("\"{}\" names no object; write index and subindex in "
                                       "hexadecimal, e.g. \"6065\" or \"2030:03\"",
@@ -104,7 +106,7 @@ double pwm_period(const std::vector<ObjectValue>& objects) {
 }
 
 /// A list of two small numbers, one for each port.
-std::optional<std::array<std::uint8_t, 2>> of_ports(TomlSection& section, const std::string& key,
+std::optional<std::array<std::uint8_t, 2>> of_ports(TomlSection& section, const TomlKey& key,
                                                     std::int64_t maximum) {
   const auto numbers = section.integers(key, 2, 0, maximum);
   if (!numbers) {
@@ -117,22 +119,30 @@ std::optional<std::array<std::uint8_t, 2>> of_ports(TomlSection& section, const 
 /// How chip and PHYs are connected, and who steers the clock.
 void read_straps(TomlSection& section, devices::Tmc8670Configuration& configuration) {
   if (section.is_text("tx_shift")) {
-    static_cast<void>(section.choice("tx_shift", {"automatic"}));
+    static_cast<void>(section.choice({"tx_shift",
+                                      "Straps by which ports 0 and 1 send later, steps of 10 ns; "
+                                      "automatic: the chip finds them itself"},
+                                     {"automatic"}));
     configuration.tx_shift.reset();
   } else if (const auto steps = of_ports(section, "tx_shift", 3)) {
     configuration.tx_shift = *steps;
   }
   configuration.tx_clock_phase =
-      of_ports(section, "tx_clock_phase", 30).value_or(configuration.tx_clock_phase);
+      of_ports(section,
+               {"tx_clock_phase", "By which the transmit clocks of the PHYs are late", "ns"}, 30)
+          .value_or(configuration.tx_clock_phase);
   const std::set<std::string> levels{"low", "high"};
-  if (const auto polarity = section.choice("link_polarity", levels)) {
+  if (const auto polarity =
+          section.choice({"link_polarity", "Active level of the link pins as strapped"}, levels)) {
     configuration.link_polarity = *polarity == "high";
   }
-  if (const auto polarity = section.choice("phy_link_polarity", levels)) {
+  if (const auto polarity = section.choice(
+          {"phy_link_polarity", "Active level of the link pins as the PHYs drive it"}, levels)) {
     configuration.phy_link_active_high.fill(*polarity == "high");
   }
-  configuration.host_controls_time =
-      section.boolean("host_controls_time").value_or(configuration.host_controls_time);
+  section.boolean(
+      {"host_controls_time", "0910h to 0935h are the host's to write, not the master's"},
+      configuration.host_controls_time);
 }
 
 }  // namespace
@@ -153,30 +163,42 @@ std::optional<ObjectValue> object_named(std::string_view key) {
 }
 
 void read_tmc8670(TomlSection& section, devices::Tmc8670Configuration& configuration) {
-  if (const auto alias = section.integer("alias", 0, 0xFFFF)) {
-    configuration.station_alias = static_cast<std::uint16_t>(*alias);
-  }
-  if (const auto number = section.integer("serial_number", 0, 0xFFFFFFFF)) {
-    configuration.serial_number = static_cast<std::uint32_t>(*number);
-  }
+  read_quirks(section, QuirkKind::coe, configuration.quirks);
+  section.integer({"alias",
+                   "Configured station alias (SII word 4); an EEPROM file in the state directory "
+                   "has precedence"},
+                  0, 0xFFFF, configuration.station_alias);
+  section.integer({"serial_number", "1018h:04 and SII"}, 0, 0xFFFFFFFF,
+                  configuration.serial_number);
   configuration.controller =
-      section.choice("controller", {"document", "silicon"}).value_or(configuration.controller);
-  if (const auto deviation = section.integer("clock_deviation_ppb", -1'000'000, 1'000'000)) {
-    configuration.clock_deviation_ppb = static_cast<std::int32_t>(*deviation);
-  }
+      section
+          .choice({"controller", "Which reading of its slave controller"}, {"document", "silicon"})
+          .value_or(configuration.controller);
+  section.integer({"clock_deviation_ppb", "Error of its oscillator", "ppb"}, -1'000'000, 1'000'000,
+                  configuration.clock_deviation_ppb);
   read_straps(section, configuration);
-  configuration.emergencies = section.boolean("emergencies").value_or(configuration.emergencies);
-  configuration.require_outputs =
-      section.boolean("require_outputs").value_or(configuration.require_outputs);
-  if (const auto identification = section.integer("identification", 0, 0xFFFF)) {
+  section.boolean(
+      {"emergencies",
+       "false: no CoE emergencies, for masters that cannot take an unsolicited message"},
+      configuration.emergencies);
+  section.boolean(
+      {"require_outputs",
+       "Operational is refused with AL status 0019h until outputs have come in Safe-Operational"},
+      configuration.require_outputs);
+  if (const auto identification = section.integer(
+          {"identification", "Explicit device identification: what an ID switch would show"}, 0,
+          0xFFFF)) {
     configuration.identification = static_cast<std::uint16_t>(*identification);
   }
-  configuration.firmware_erase_time = section.duration("firmware_erase_time", 0_us, 60_s)
-                                          .value_or(configuration.firmware_erase_time);
-  if (auto objects = section.section("objects")) {
+  section.duration({"firmware_erase_time",
+                    "How long a firmware download is answered busy while the flash is erased"},
+                   0_us, 60_s, configuration.firmware_erase_time);
+  if (auto objects = section.section(
+          {"objects",
+           "Other defaults of objects; keys are index and subindex in hexadecimal, \"2030:03\""})) {
     read_objects(*objects, configuration.objects);
   }
-  if (auto axis = section.section("axis")) {
+  if (auto axis = section.section({"axis", "What is around the chip"})) {
     read_pwm_axis(*axis, pwm_period(configuration.objects), configuration.axis);
   }
 }

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "devices/tmcc160/objects.hpp"
+#include "rack/quirks_section.hpp"
 #include "rack/servo_axis_section.hpp"
 
 namespace stator::rack {
@@ -19,18 +20,25 @@ using devices::tmcc160::Options;
 /// Keys of options that are on or off.
 struct Switch {
   const char* key;
+  const char* summary;
   bool Options::*option;
 };
 constexpr std::array kSwitches{
-    Switch{"eds", &Options::eds},
-    Switch{"lss", &Options::lss},
-    Switch{"event_driven_values", &Options::event_driven_values},
-    Switch{"stores_communication_objects", &Options::stores_communication_objects},
-    Switch{"undocumented_emergencies", &Options::undocumented_emergencies},
-    Switch{"cia_402_device_type", &Options::cia_402_device_type},
-    Switch{"zero_gains", &Options::zero_gains},
-    Switch{"home_offset_is_position", &Options::home_offset_is_position},
-    Switch{"switches_fixed_while_on", &Options::switches_fixed_while_on},
+    Switch{"eds", "The EDS can be read at 1021h", &Options::eds},
+    Switch{"lss", "Layer setting services", &Options::lss},
+    Switch{"event_driven_values", "TPDOs are sent when their values change",
+           &Options::event_driven_values},
+    Switch{"stores_communication_objects", "1010h stores communication objects too",
+           &Options::stores_communication_objects},
+    Switch{"undocumented_emergencies", "Emergencies its document does not name",
+           &Options::undocumented_emergencies},
+    Switch{"cia_402_device_type", "1000h says CiA 402", &Options::cia_402_device_type},
+    Switch{"zero_gains", "Gains are 0 as delivered", &Options::zero_gains},
+    Switch{"home_offset_is_position",
+           "At home the position becomes the home offset 607Ch instead of its negative",
+           &Options::home_offset_is_position},
+    Switch{"switches_fixed_while_on", "Polarity of switches cannot change while the drive is on",
+           &Options::switches_fixed_while_on},
 };
 
 std::uint16_t milliseconds(base::SimDuration duration) {
@@ -38,17 +46,21 @@ std::uint16_t milliseconds(base::SimDuration duration) {
 }
 
 void read_options(TomlSection& section, Options& options) {
-  if (section.boolean("friendly").value_or(false)) {
+  if (section
+          .boolean(
+              {"friendly", "Switches on what generic CANopen masters expect beyond its document"})
+          .value_or(false)) {
     options = Options::friendly();
   }
   for (const Switch& entry : kSwitches) {
-    bool& option = options.*entry.option;
-    option = section.boolean(entry.key).value_or(option);
+    section.boolean({entry.key, entry.summary}, options.*entry.option);
   }
-  if (const auto time = section.duration("status_event_timer", 0_ms, 60_s)) {
+  if (const auto time = section.duration(
+          {"status_event_timer", "Event timer of the TPDO with the statusword"}, 0_ms, 60_s)) {
     options.status_event_timer = milliseconds(*time);
   }
-  if (const auto time = section.duration("heartbeat", 0_ms, 60_s)) {
+  if (const auto time = section.duration(
+          {"heartbeat", "Producer heartbeat time 1017h as delivered"}, 0_ms, 60_s)) {
     options.heartbeat_time = milliseconds(*time);
   }
 }
@@ -56,10 +68,11 @@ void read_options(TomlSection& section, Options& options) {
 }  // namespace
 
 void read_tmcc160(TomlSection& section, devices::Tmcc160Configuration& configuration) {
-  if (const auto node_id = section.integer("node_id", 1, 127)) {
-    configuration.node_id = static_cast<std::uint8_t>(*node_id);
-  }
-  if (const auto bit_rate = section.integer("bit_rate", 20, 1000)) {
+  read_quirks(section, QuirkKind::canopen, configuration.quirks);
+  section.integer(
+      {"node_id", "As delivered; parameters stored in the state directory have precedence"}, 1, 127,
+      configuration.node_id);
+  if (const auto bit_rate = section.integer({"bit_rate", "As delivered", "kbit/s"}, 20, 1000)) {
     if (std::ranges::find(kBitRates, *bit_rate) == kBitRates.end()) {
       section.refuse("bit_rate", fmt::format("\"bit_rate\" is {} kbit/s; the drive knows {}",
                                              *bit_rate, fmt::join(kBitRates, ", ")));
@@ -67,15 +80,14 @@ void read_tmcc160(TomlSection& section, devices::Tmcc160Configuration& configura
       configuration.bit_rate = static_cast<std::uint16_t>(*bit_rate);
     }
   }
-  if (const auto number = section.integer("serial_number", 0, 0xFFFFFFFF)) {
-    configuration.serial_number = static_cast<std::uint32_t>(*number);
-  }
-  configuration.boot_time =
-      section.duration("boot_time", 0_us, 60_s).value_or(configuration.boot_time);
-  configuration.sdo_timeout =
-      section.duration("sdo_timeout", 1_ms, 60_s).value_or(configuration.sdo_timeout);
+  section.integer({"serial_number", "Last part of its LSS address"}, 0, 0xFFFFFFFF,
+                  configuration.serial_number);
+  section.duration({"boot_time", "From power-on to the boot-up message"}, 0_us, 60_s,
+                   configuration.boot_time);
+  section.duration({"sdo_timeout", "Between two segments of an SDO"}, 1_ms, 60_s,
+                   configuration.sdo_timeout);
   read_options(section, configuration.options);
-  if (auto axis = section.section("axis")) {
+  if (auto axis = section.section({"axis", "Motor, load, sensors"})) {
     read_servo_axis(*axis, configuration.axis);
   }
 }

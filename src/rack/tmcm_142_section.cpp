@@ -33,27 +33,20 @@ using devices::tmcm_142::Options;
 /// Keys of options that are on or off.
 struct Switch {
   const char* key;
+  const char* summary;
   bool Options::*option;
 };
 constexpr std::array kSwitches{
-    Switch{"writable_encoder_position", &Options::writable_encoder_position},
-    Switch{"eight_input_bits", &Options::eight_input_bits},
-    Switch{"opto_bias", &Options::opto_bias},
+    Switch{"writable_encoder_position", "The encoder position can be written",
+           &Options::writable_encoder_position},
+    Switch{"eight_input_bits", "GIO 255 tells eight inputs", &Options::eight_input_bits},
+    Switch{"opto_bias", "Pin 15 feeds the opto-couplers of IN_7 and IN_8", &Options::opto_bias},
 };
-
-/// An integer of its own range and type.
-template <typename Integer>
-void set_integer(TomlSection& section, const char* key, std::int64_t minimum, std::int64_t maximum,
-                 Integer& target) {
-  if (const auto value = section.integer(key, minimum, maximum)) {
-    target = static_cast<Integer>(*value);
-  }
-}
 
 /// A parameter that holds a rate by its place in a table, `first` being the place of the first one;
 /// rack files name the rate itself.
 template <std::size_t Size>
-void set_rate(TomlSection& section, const char* key, const char* unit,
+void set_rate(TomlSection& section, const TomlKey& key,
               const std::array<std::uint32_t, Size>& rates, std::uint32_t scale, std::size_t first,
               std::uint8_t& index) {
   const auto rate = section.integer(key, 0, std::numeric_limits<std::int32_t>::max());
@@ -66,8 +59,8 @@ void set_rate(TomlSection& section, const char* key, const char* unit,
   }
   const auto found = std::ranges::find(named, *rate);
   if (found == named.end()) {
-    section.refuse(key, fmt::format("\"{}\" is {} {}; the module knows {}", key, *rate, unit,
-                                    fmt::join(named, ", ")));
+    section.refuse(key.name, fmt::format("\"{}\" is {} {}; the module knows {}", key.name, *rate,
+                                         key.unit, fmt::join(named, ", ")));
     return;
   }
   index = static_cast<std::uint8_t>(first + static_cast<std::size_t>(found - named.begin()));
@@ -119,7 +112,9 @@ std::vector<tmcl::Instruction> assembled(TomlSection& section, const std::string
 }
 
 void read_program(TomlSection& section, std::vector<tmcl::Instruction>& program) {
-  const auto name = section.text("program");
+  const auto name = section.text({"program",
+                                  "Content of the program memory as delivered: a text, which is "
+                                  "assembled, or an image (.bin); relative to the rack file"});
   if (!name) {
     return;
   }
@@ -136,12 +131,16 @@ void read_program(TomlSection& section, std::vector<tmcl::Instruction>& program)
 }
 
 void read_dip_switches(TomlSection section, devices::tmcm_142::DipSwitches& switches) {
-  set_integer(section, "address", 0, 15, switches.address);
+  section.integer(
+      {"address", "Switch 100: is added to the address on RS-422 and to the CAN identifier"}, 0, 15,
+      switches.address);
   std::set<std::string> interfaces{"can"};
   for (const std::string_view name : devices::Tmcm142::kSerialInterfaces) {
     interfaces.emplace(name);
   }
-  if (const auto interface = section.choice("interface", interfaces)) {
+  if (const auto interface = section.choice(
+          {"interface", "Switches 101 and 102: the one interface that works; by default all"},
+          interfaces)) {
     switches.interface = *interface;
   }
   section.finish();
@@ -150,26 +149,31 @@ void read_dip_switches(TomlSection section, devices::tmcm_142::DipSwitches& swit
 }  // namespace
 
 void read_tmcm_142(TomlSection& section, devices::Tmcm142Configuration& configuration) {
-  set_integer(section, "address", 0, 0xFF, configuration.serial_address);
-  set_rate(section, "baud_rate", "bit/s", devices::tmcm_142::kBaudRates, 1, 0,
-           configuration.baud_rate);
-  set_integer(section, "can_id", 0, 0x7FF, configuration.can_id);
-  set_integer(section, "can_reply_id", 0, 0x7FF, configuration.can_reply_id);
-  set_rate(section, "bit_rate", "kbit/s", devices::tmcm_142::kCanBitRates, 1000, 1,
-           configuration.can_bit_rate);
-  configuration.auto_start = section.boolean("auto_start").value_or(configuration.auto_start);
+  section.integer({"address", "On serial lines as delivered (66)"}, 0, 0xFF,
+                  configuration.serial_address);
+  set_rate(section, {"baud_rate", "As delivered (global parameter 65)", "bit/s"},
+           devices::tmcm_142::kBaudRates, 1, 0, configuration.baud_rate);
+  section.integer({"can_id", "CAN identifier to the module as delivered (71)"}, 0, 0x7FF,
+                  configuration.can_id);
+  section.integer({"can_reply_id", "CAN identifier of its replies as delivered (70)"}, 0, 0x7FF,
+                  configuration.can_reply_id);
+  set_rate(section, {"bit_rate", "On CAN as delivered (69)", "kbit/s"},
+           devices::tmcm_142::kCanBitRates, 1000, 1, configuration.can_bit_rate);
+  section.boolean(
+      {"auto_start", "The program in its memory starts with the module, as delivered (77)"},
+      configuration.auto_start);
   section.attempt([&] { read_program(section, configuration.program); });
-  configuration.instruction_time =
-      section.duration("instruction_time", 1_ns, 1_s).value_or(configuration.instruction_time);
-  set_integer(section, "seed", 0, std::numeric_limits<std::int64_t>::max(), configuration.seed);
+  section.duration({"instruction_time", "Between two instructions of a program"}, 1_ns, 1_s,
+                   configuration.instruction_time);
+  section.integer({"seed", "Of the module's random numbers"}, 0,
+                  std::numeric_limits<std::int64_t>::max(), configuration.seed);
   for (const Switch& entry : kSwitches) {
-    bool& option = configuration.options.*entry.option;
-    option = section.boolean(entry.key).value_or(option);
+    section.boolean({entry.key, entry.summary}, configuration.options.*entry.option);
   }
-  if (auto switches = section.section("dip_switches")) {
+  if (auto switches = section.section({"dip_switches", "Switches of its board"})) {
     read_dip_switches(*switches, configuration.dip_switches);
   }
-  if (auto axis = section.section("axis")) {
+  if (auto axis = section.section({"axis", "Motor, load, sensors"})) {
     read_stepper_axis(*axis, configuration.axis);
   }
 }

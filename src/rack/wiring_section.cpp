@@ -73,10 +73,13 @@ void require_free_port(TomlSection& section, std::span<const DeviceConfiguration
 void read_wiring(TomlSection& section, std::span<const DeviceConfiguration> before,
                  DeviceConfiguration& device) {
   WiringConfiguration& wiring = device.wiring;
-  if (const auto after = section.text("after")) {
+  if (const auto after = section.text({"after",
+                                       "Name of the device it hangs at, one above it in the same "
+                                       "segment; by default the one above"})) {
     wiring.after = read_after(section, *after, before);
   }
-  if (const auto port = section.integer("port", 0, 3)) {
+  if (const auto port = section.integer(
+          {"port", "Port of that device; by default the one away from the master"}, 0, 3)) {
     wiring.port = static_cast<unsigned>(*port);
     if (before.empty()) {
       section.refuse(
@@ -85,13 +88,16 @@ void read_wiring(TomlSection& section, std::span<const DeviceConfiguration> befo
           "cable is \"entry_port\"");
     }
   }
-  if (const auto port = section.integer("entry_port", 0, 3)) {
+  section.note_default("entry_port", "0");
+  if (const auto port =
+          section.integer({"entry_port", "Port of this device towards the master"}, 0, 3)) {
     wiring.entry_port = static_cast<unsigned>(*port);
     require_port(section, "entry_port", wiring.entry_port, device);
   }
-  wiring.cable_delay =
-      section.duration("cable_delay", 0_ns, kLongestDelay).value_or(wiring.cable_delay);
-  device.forwarding_delay = section.duration("forwarding_delay", 40_ns, kLongestDelay);
+  section.duration({"cable_delay", "Of the cable in front of it, one way"}, 0_ns, kLongestDelay,
+                   wiring.cable_delay);
+  device.forwarding_delay = section.duration(
+      {"forwarding_delay", "Of its slave controller, from port to port"}, 40_ns, kLongestDelay);
   if (!before.empty()) {
     std::vector<DeviceConfiguration> devices(before.begin(), before.end());
     devices.push_back(device);

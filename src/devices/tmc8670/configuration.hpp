@@ -9,6 +9,7 @@
 #include "base/sim_time.hpp"
 #include "devices/tmc8670/axis_world.hpp"
 #include "devices/tmc8670/objects.hpp"
+#include "dictionary/quirks.hpp"
 #include "plant/pwm_axis.hpp"
 
 namespace stator::devices {
@@ -40,6 +41,7 @@ struct Tmc8670Configuration {
   std::optional<std::uint16_t> identification;
   /// How long a firmware download waits for the flash to be erased.
   base::SimDuration firmware_erase_time;
+  dictionary::Quirks quirks;  ///< what it does otherwise than it should
 };
 
 }  // namespace stator::devices

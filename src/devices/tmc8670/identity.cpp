@@ -67,6 +67,7 @@ ethercat::SlaveStackOptions stack_options(const Tmc8670Configuration& configurat
   options.require_outputs = configuration.require_outputs;
   options.device_identification = configuration.identification;
   options.files = &files;
+  options.quirks = configuration.quirks;
   options.foe = {.bootstrap_only = true, .erase_time = configuration.firmware_erase_time};
   options.process_memory_end = kProcessMemoryEnd;
   options.distributed_clocks.sync0 = true;

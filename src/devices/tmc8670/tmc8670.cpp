@@ -70,7 +70,7 @@ Tmc8670::Tmc8670(const Tmc8670Configuration& configuration, base::EventReporter 
   dictionary_.on_read(0x100A, 0, dictionary::Entry::ReadHook::bind<&Tmc8670::show_version>(*this));
   controller_.set_event_reporter(reporter);
   controller_.load_sii(ethercat::build_sii_image(
-      description_, dictionary_,
+      ethercat::with_quirks(description_, configuration.quirks), dictionary_,
       {.device_identification = configuration.identification.has_value()}));
 }
 

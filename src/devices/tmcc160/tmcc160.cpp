@@ -57,6 +57,7 @@ canopen::NodeConfiguration node_configuration(const Tmcc160Configuration& config
   node.reset_time = kResetTime;
   node.sdo.timeout = configuration.sdo_timeout;
   node.sdo.block_transfer = false;
+  node.quirks = configuration.quirks;
   if (configuration.options.lss) {
     node.lss = canopen::LssConfiguration{.serial_number = configuration.serial_number};
   }
@@ -84,7 +85,8 @@ Tmcc160::Tmcc160(const Tmcc160Configuration& configuration, base::EventReporter 
       node_(dictionary_, controller_, reporter, node_configuration(configuration)),
       emergencies_(dictionary_, controller_, reporter, kEmergencyRules),
       sync_(dictionary_, emergencies_, {.refuse_shared_can_id = true}),
-      pdos_(dictionary_, controller_, emergencies_, reporter, kPdoRules),
+      pdos_(dictionary_, controller_, emergencies_, reporter,
+            canopen::with_quirks(kPdoRules, configuration.quirks)),
       error_behaviour_(
           dictionary_,
           {.state = base::Delegate<NmtState()>::bind<&Tmcc160::nmt_state>(*this),

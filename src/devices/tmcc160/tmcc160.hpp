@@ -43,6 +43,7 @@ struct Tmcc160Configuration {
   base::SimDuration boot_time{500'000'000};      ///< from power-on to the boot-up message
   base::SimDuration sdo_timeout{1'000'000'000};  ///< between two segments
   std::uint32_t serial_number = 0;               ///< in the LSS address; 1018h has no entry for it
+  dictionary::Quirks quirks;                     ///< what it does otherwise than it should
 };
 
 /// The TMCC160 of Trinamic: a servo drive for one three-phase motor on CANopen with CiA 402, as

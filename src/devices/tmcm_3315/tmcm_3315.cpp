@@ -78,6 +78,7 @@ ethercat::SlaveStackOptions stack_options(const Tmcm3315Configuration& configura
   options.require_outputs = configuration.require_outputs;
   options.device_identification = configuration.identification;
   options.files = &files;
+  options.quirks = configuration.quirks;
   options.foe = {.bootstrap_only = true, .erase_time = configuration.firmware_erase_time};
   options.process_memory_end = kProcessMemoryEnd;
   options.distributed_clocks.sync0 = true;
@@ -116,7 +117,7 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
   set_identity(configuration);
   controller_.set_event_reporter(reporter);
   controller_.load_sii(ethercat::build_sii_image(
-      description_, dictionary_,
+      ethercat::with_quirks(description_, configuration.quirks), dictionary_,
       {.device_identification = configuration.identification.has_value()}));
   feed_brakes();
 }

@@ -47,6 +47,7 @@ struct Tmcm3315Configuration {
   bool home_offset_is_position = false;
   /// Ethernet over EtherCAT, which the module does not have: its document names CoE and FoE only.
   bool ethernet_over_ethercat = false;
+  dictionary::Quirks quirks;  ///< what it does otherwise than it should
 };
 
 /// The TMCM-3315 of Trinamic: three stepper axes on EtherCAT with CoE and CiA 402, as "TMCM-3315
