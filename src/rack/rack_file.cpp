@@ -17,6 +17,7 @@
 #include "rack/event_section.hpp"
 #include "rack/rack_file_steps.hpp"
 #include "rack/serial_section.hpp"
+#include "rack/wire_section.hpp"
 #include "rack/wiring.hpp"
 #include "rack/wiring_section.hpp"
 
@@ -168,6 +169,10 @@ RackConfiguration read_rack(TomlSection& root) {
   EventSectionReader events(configuration);
   for (TomlSection& event : root.sections("event")) {
     event.attempt([&] { events.read(event, configuration.events); });
+  }
+  WireSectionReader wires(configuration);
+  for (TomlSection& wire : root.sections("wire")) {
+    wire.attempt([&] { configuration.wires.push_back(wires.read(wire)); });
   }
   root.finish();
   return configuration;
