@@ -99,6 +99,7 @@ Rack::Rack(const RackConfiguration& configuration, EventLog& log)
       static_cast<void>(find_input(*input));
     }
   }
+  connect_wires(configuration);
   if (configuration.trace) {
     begin_trace(*configuration.trace, configuration.clock);
   }
@@ -201,6 +202,14 @@ void Rack::connect_lines(const RackConfiguration& configuration) {
   }
 }
 
+void Rack::connect_wires(const RackConfiguration& configuration) {
+  for (const WireConfiguration& wire : configuration.wires) {
+    CanNetwork* network =
+        wire.to.kind == NetworkKind::bus ? buses_[wire.to.network].network.get() : nullptr;
+    wires_.add(wire, device(wire.from).signals(), inputs(wire.to), network);
+  }
+}
+
 std::optional<ethercat::MasterInterface> Rack::process_frame(std::size_t segment,
                                                              std::span<std::byte> frame,
                                                              base::SimTime arrival,
@@ -253,6 +262,9 @@ void Rack::handle_bus_events(std::size_t segment, base::SimTime now) {
 }
 
 void Rack::take_bus_events(std::size_t segment, base::SimTime now) {
+  if (wires_.next() <= now) {
+    advance_to(now);  // what the frame changes must not pass over a wire before the frame came
+  }
   for (NamedDevice& member : segments_[segment].devices) {
     member.device->handle_bus_events(now);
   }
@@ -299,8 +311,8 @@ void Rack::advance_to(base::SimTime now) {
     return recorder_ ? recorder_->next_sample() : base::SimTime::never();
   };
   const auto next_instant = [this, &next_sample] {
-    return std::min(
-        {timetable_.next(), faults_->next(), next_sample(), next_tap(), lines_.next_deadline()});
+    return std::min({timetable_.next(), faults_->next(), wires_.next(), next_sample(), next_tap(),
+                     lines_.next_deadline()});
   };
   for (base::SimTime instant = next_instant(); instant <= now; instant = next_instant()) {
     advance_devices(instant);
@@ -310,6 +322,9 @@ void Rack::advance_to(base::SimTime now) {
     }
     if (faults_->next() <= instant) {
       faults_->act(instant);
+    }
+    if (wires_.next() <= instant) {
+      wires_.act(instant);
     }
     if (next_sample() <= instant) {
       recorder_->sample(instant);

@@ -24,6 +24,7 @@
 #include "rack/signal_tap.hpp"
 #include "rack/timetable.hpp"
 #include "rack/traffic_tap.hpp"
+#include "rack/wires.hpp"
 
 namespace stator::rack {
 
@@ -42,10 +43,9 @@ class Rack {
  public:
   /// Builds every device. `log` gets their events and must outlive the rack. Throws
   /// std::runtime_error when the recording cannot be opened or names signals that do not exist,
-  /// when an event sets an input that does not exist or to a value it cannot have, when there is no
-  /// chip or pin to trace, when a device
-  /// has no serial interface of a given name, or when the state directory or a file in it cannot be
-  /// used.
+  /// when an event sets an input that does not exist or to a value it cannot have, when a wire
+  /// joins what does not exist, when there is no chip or pin to trace, when a device has no serial
+  /// interface of a given name, or when the state directory or a file in it cannot be used.
   Rack(const RackConfiguration& configuration, EventLog& log);
   ~Rack();
   Rack(const Rack&) = delete;
@@ -60,8 +60,8 @@ class Rack {
   /// Lets the firmware of the segment's devices take what its last frame brought.
   void handle_bus_events(std::size_t segment, base::SimTime now);
 
-  /// Brings every device and bus to `now`, stopping at each event of the timetable and at each
-  /// sampling instant of the recording on the way.
+  /// Brings every device and bus to `now`, stopping at each event of the timetable, at each instant
+  /// at which wires act and at each sampling instant of the recording on the way.
   void advance(base::SimTime now);
 
   /// The next moment at which something happens on a CAN bus on its own: a frame ends, a device
@@ -198,6 +198,7 @@ class Rack {
   void add(const SegmentConfiguration& segment, std::vector<std::string>& names);
   void add(const BusConfiguration& bus, std::vector<std::string>& names);
   void connect_lines(const RackConfiguration& configuration);
+  void connect_wires(const RackConfiguration& configuration);
   void advance_devices(base::SimTime now);
   void apply_cable(const CableEvent& event, base::SimTime now);
   void apply_power(const PowerEvent& event, base::SimTime now);
@@ -224,6 +225,7 @@ class Rack {
   std::vector<BusMembers> buses_;
   SerialLines lines_;  ///< go first: they know devices and buses
   Timetable timetable_;
+  Wires wires_;
   std::optional<Recorder> recorder_;
   std::vector<SignalTap*> taps_;
   TrafficTap* traffic_ = nullptr;

@@ -19,6 +19,7 @@
 #include "rack/late_boot.hpp"
 #include "rack/rack_file_steps.hpp"
 #include "rack/serial_section.hpp"
+#include "rack/wire_section.hpp"
 #include "rack/wiring.hpp"
 #include "rack/wiring_section.hpp"
 
@@ -174,6 +175,11 @@ RackConfiguration read_rack(TomlSection& root) {
   }
   read_faults(root, configuration);
   apply_late_boot(configuration);
+  WireSectionReader wires(configuration);
+  for (TomlSection& wire :
+       root.sections({"wire", "What a signal of one device does to an input of another"})) {
+    wire.attempt([&] { configuration.wires.push_back(wires.read(wire)); });
+  }
   root.finish();
   return configuration;
 }

@@ -109,7 +109,7 @@ std::size_t size_of(const TableDescription& table) {
   return size;
 }
 
-/// One fault of each kind.
+/// A wire, and one fault of each kind.
 std::string rack_with_faults() {
   std::string text = R"([[segment]]
 [[segment.device]]
@@ -120,6 +120,9 @@ usb = "pty:/tmp/usb"
 [[bus.device]]
 type = "tmcc160"
 name = "drive"
+[[wire]]
+from = "module.output0"
+to = "module.input0"
 )";
   for (const FaultKind& kind : fault_kinds()) {
     text += "[[fault]]\nkind = \"" + std::string(kind.name) + "\"\n";

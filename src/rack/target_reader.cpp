@@ -68,7 +68,8 @@ unsigned TargetReader::read_port(TomlSection& section, DeviceAddress target) con
   const SegmentConfiguration& segment = rack_.segments[target.network];
   const DeviceConfiguration& device = segment.devices[target.device];
   unsigned port = device.wiring.entry_port;
-  if (const auto given = section.integer({"port", "Port at which the cable ends; by default entry_port"}, 0, 3)) {
+  if (const auto given =
+          section.integer({"port", "Port at which the cable ends; by default entry_port"}, 0, 3)) {
     port = static_cast<unsigned>(*given);
   }
   if (!has_cable(segment, target.device, port)) {

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/sim_time.hpp"
+#include "devices/input.hpp"
+#include "devices/signal.hpp"
+#include "rack/can_network.hpp"
+#include "rack/rack_configuration.hpp"
+
+namespace stator::rack {
+
+/// The wires from outputs of devices to inputs of devices. They act at multiples of kWirePeriod: at
+/// such an instant all of them look at their signals first, then all set their inputs. So what an
+/// input causes is seen by other wires one period later, and neither the order of wires nor of
+/// devices matters.
+class Wires {
+ public:
+  /// `signals` and `inputs` are those of the devices the wire joins. `network` is the CAN network
+  /// of the second one, null for a device on EtherCAT. Throws std::runtime_error when signal or
+  /// input does not exist.
+  void add(const WireConfiguration& wire, std::span<const devices::Signal> signals,
+           std::span<const devices::Input> inputs, CanNetwork* network);
+
+  /// When they act next; SimTime::never() if there are none.
+  [[nodiscard]] base::SimTime next() const { return next_; }
+
+  /// Acts at `instant`, to which all devices have been brought.
+  void act(base::SimTime instant);
+
+ private:
+  struct Wire {
+    WireConfiguration configuration;
+    devices::Signal signal;
+    devices::Input input;
+    CanNetwork* network = nullptr;
+    std::vector<std::optional<double>> delayed;  ///< ring of what is on its way
+    std::size_t place = 0;                       ///< of the oldest value in it
+    std::optional<double> arrived{};             ///< what the wire carries at its far end
+    std::optional<double> set{};                 ///< what its input was set to
+  };
+
+  static double value_of(const Wire& wire);
+
+  std::vector<Wire> wires_;
+  base::SimTime next_ = base::SimTime::never();
+};
+
+}  // namespace stator::rack
