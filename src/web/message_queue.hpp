@@ -9,8 +9,8 @@
 
 namespace stator::web {
 
-/// Messages that wait for a client, a megabyte at most. The oldest samples or frames give way first:
-/// what a client must know beside them is short and rare.
+/// Messages that wait for a client, a megabyte at most. The oldest samples or frames give way
+/// first: what a client must know beside them is short and rare.
 class MessageQueue {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{1} << 20U;

@@ -89,7 +89,6 @@ class State {
   /// The newest refusal of `device`, of one axis if `axis` is given; null: none is kept.
   [[nodiscard]] const EventRecord* last_refusal(std::string_view device,
                                                 std::optional<std::int64_t> axis = {}) const;
-  [[nodiscard]] const rack::RackConfiguration& configuration() const { return configuration_; }
 
   // For tasks of the desk, which hold the rack.
 
