@@ -116,7 +116,7 @@ void add_clear(CLI::App& app) {
     if (options->all == !options->ids.empty()) {
       throw Failure("say which faults to clear: numbers of \"stator status\", or --all");
     }
-    const RackClient client(options->client);
+    RackClient client(options->client);
     if (options->all) {
       const auto cleared = client.remove("/api/v1/faults");
       fmt::print("{} cleared\n", cleared.value("cleared", std::uint64_t{0}));

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "cli/http_client.hpp"
+
 namespace CLI {
 class App;
 }
@@ -25,26 +27,17 @@ class RackClient {
  public:
   explicit RackClient(const RackClientOptions& options);
 
-  [[nodiscard]] nlohmann::json get(const std::string& target) const;
+  [[nodiscard]] nlohmann::json get(const std::string& target);
   /// The same; null if the server has nothing at that path.
-  [[nodiscard]] nlohmann::json get_if_there(const std::string& target) const;
-  nlohmann::json post(const std::string& target, const nlohmann::json& body) const;
-  nlohmann::json remove(const std::string& target) const;
+  [[nodiscard]] nlohmann::json get_if_there(const std::string& target);
+  nlohmann::json post(const std::string& target, const nlohmann::json& body);
+  nlohmann::json remove(const std::string& target);
 
  private:
-  struct Reply {
-    unsigned status = 0;
-    std::string body;
-  };
-  [[nodiscard]] Reply exchange(const std::string& method, const std::string& target,
-                               const std::string& body) const;
   [[nodiscard]] nlohmann::json request(const std::string& method, const std::string& target,
-                                       const std::string& body) const;
+                                       const std::string& body);
 
-  std::string url_;
-  std::string host_;
-  std::string port_;
-  std::string token_;
+  HttpClient client_;
 };
 
 }  // namespace stator::cli

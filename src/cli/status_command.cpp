@@ -83,7 +83,7 @@ struct StatusOptions {
 };
 
 void run_status(const StatusOptions& options) {
-  const RackClient client(options.client);
+  RackClient client(options.client);
   const Json rack = client.get("/api/v1/rack");
   const Json devices = client.get("/api/v1/devices");
   const Json wiring = client.get_if_there("/api/v1/wiring");

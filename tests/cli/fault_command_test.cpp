@@ -54,7 +54,7 @@ TEST(FaultCommands, TellWhenNoRackIsServed) {
     const tests::Outcome outcome =
         tests::stator(std::string(command) + " --http 127.0.0.1:1");  // a port nobody has
     EXPECT_EQ(outcome.status, 1) << command;
-    EXPECT_THAT(outcome.output, HasSubstr("no rack is served at 127.0.0.1:1")) << command;
+    EXPECT_THAT(outcome.output, HasSubstr("no web server at 127.0.0.1:1")) << command;
     EXPECT_THAT(outcome.output, HasSubstr("stator run RACK --http")) << command;
   }
   EXPECT_THAT(tests::stator("status --http somewhere").output, HasSubstr("--http is"));
