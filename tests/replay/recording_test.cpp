@@ -77,9 +77,8 @@ class Masters {
     ASSERT_TRUE(master_.scan());
     ASSERT_EQ(master_.slaves().size(), 1U);
   }
-  /// A bit of everything, for 20 ms.
+  /// A bit of everything, and then 20 ms.
   void talk() {
-    const SimTime begin = segment_.now();
     ASSERT_TRUE(master_.scan());
     ask_servo(0x6041);
     send({std::byte{1}, std::byte{6}, std::byte{1}, std::byte{0}, std::byte{0}, std::byte{0},
@@ -92,7 +91,7 @@ class Masters {
     ASSERT_NE(mode, nullptr);
     const std::vector<std::byte> value{std::byte{3}};
     ASSERT_TRUE(rack_.write_object({}, *mode, value, segment_.now()));
-    while (segment_.now() < begin + 20_ms) {
+    for (const SimTime begin = segment_.now(); segment_.now() < begin + 20_ms;) {
       segment_.wait(300_us);
       while (rack_.take(0, 0, port_)) {
         ++can_frames_;
