@@ -34,11 +34,24 @@ std::set<std::string> words(std::string_view text) {
   return all;
 }
 
+/// As it stands in a rack file.
+std::string written_default(const FaultParameter& parameter) {
+  const std::string text(parameter.default_value);
+  switch (parameter.type) {
+    case FaultValueType::whole:
+      return std::to_string(std::stoll(text, nullptr, 0));
+    case FaultValueType::number:
+      return text;
+    default:
+      return '"' + text + '"';
+  }
+}
+
 std::optional<FaultValue> given_value(TomlSection& section, const FaultParameter& parameter) {
   const TomlKey key(std::string(parameter.name), std::string(parameter.summary),
                     std::string(parameter.unit));
   if (!parameter.default_value.empty()) {
-    section.note_default(key, std::string(parameter.default_value));
+    section.note_default(key, written_default(parameter));
   }
   const auto wrap = [](const auto& value) -> std::optional<FaultValue> {
     return value ? std::optional<FaultValue>(FaultValue(*value)) : std::nullopt;

@@ -92,10 +92,16 @@ void WireSectionReader::read_levels(TomlSection& section, const devices::Input& 
       section.number({"offset", "Added to the scaled signal"}, -kAnyValue, kAnyValue);
   const auto threshold = section.number(
       {"threshold", "From this value on the signal counts as high"}, -kAnyValue, kAnyValue);
-  const auto low = section.number({"low", "Value of the input while the signal is low"},
-                                  input.minimum, input.maximum);
+  const auto low =
+      section.number({"low", "Value of the input while the signal is low"}, -kAnyValue, kAnyValue);
   const auto high = section.number({"high", "Value of the input while the signal is high"},
-                                   input.minimum, input.maximum);
+                                   -kAnyValue, kAnyValue);
+  for (const auto& [key, value] : {std::pair("low", low), std::pair("high", high)}) {
+    if (value && (*value < input.minimum || *value > input.maximum)) {
+      section.refuse(key, fmt::format("\"{}\" is {}; the input \"{}\" takes {} to {}", key, *value,
+                                      input.name, input.minimum, input.maximum));
+    }
+  }
   const auto inverted = section.boolean({"inverted", "High and low are exchanged"});
   if (scale || offset) {
     if (threshold || low || high || inverted) {

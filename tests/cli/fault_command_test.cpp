@@ -57,7 +57,7 @@ TEST(FaultCommands, TellWhenNoRackIsServed) {
     EXPECT_THAT(outcome.output, HasSubstr("no web server at 127.0.0.1:1")) << command;
     EXPECT_THAT(outcome.output, HasSubstr("stator run RACK --http")) << command;
   }
-  EXPECT_THAT(tests::stator("status --http somewhere").output, HasSubstr("--http is"));
+  EXPECT_THAT(tests::stator("status --http ftp://there").output, HasSubstr("is no address"));
   EXPECT_THAT(tests::stator("clear").output, HasSubstr("say which faults to clear"));
 }
 

@@ -54,7 +54,10 @@ class RackCheckTest : public ::testing::Test {
 };
 
 TEST_F(RackCheckTest, EveryRackInTheRepositoryIsInOrder) {
-  for (const auto& entry : fs::directory_iterator(STATOR_SOURCE_DIR "/racks")) {
+  for (const auto& entry : fs::recursive_directory_iterator(STATOR_SOURCE_DIR "/racks")) {
+    if (entry.is_directory()) {
+      continue;
+    }
     const RackCheck checked = check_rack_file(entry.path().string());
     for (const RackFileError& error : checked.errors) {
       ADD_FAILURE() << error.what();

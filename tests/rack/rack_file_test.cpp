@@ -290,6 +290,9 @@ TEST(RackFile, AFileThatDoesNotExistIsNamed) {
 TEST(RackFile, EveryRackInTheRepositoryIsAccepted) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(STATOR_SOURCE_DIR "/racks")) {
+    if (entry.is_directory()) {
+      continue;  // recipes have a test of their own
+    }
     EXPECT_NO_THROW((void)load_rack_file(entry.path().string())) << entry.path();
     ++count;
   }

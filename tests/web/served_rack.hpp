@@ -33,18 +33,21 @@ class ServedRack {
  public:
   explicit ServedRack(const ServerLimits& limits = {},
                       rack::ClockKind clock = rack::ClockKind::real,
-                      const std::string& address = "127.0.0.1", const std::string& record = {})
-      : ServedRack(configuration(clock, record), limits, address) {}
+                      const std::string& address = "127.0.0.1", const std::string& record = {},
+                      SessionControl* session = nullptr)
+      : ServedRack(configuration(clock, record), limits, address, session) {}
   explicit ServedRack(rack::RackConfiguration configuration, const ServerLimits& limits = {},
-                      const std::string& address = "127.0.0.1")
+                      const std::string& address = "127.0.0.1",
+                      SessionControl* session = nullptr)
       : configuration_(std::move(configuration)),
         rack_(configuration_, log_),
         runner_(rack_, configuration_,
                 std::make_shared<spdlog::logger>("test",
                                                  std::make_shared<spdlog::sinks::null_sink_mt>())) {
     server_ = std::make_unique<Server>(
-        ServerConfiguration{.address = {address, 0}, .token = kToken, .limits = limits}, rack_,
-        configuration_, log_, runner_);
+        ServerConfiguration{
+            .address = {address, 0}, .token = kToken, .limits = limits, .session = session},
+        rack_, configuration_, log_, runner_);
     runner_.start();
     server_->start();
   }

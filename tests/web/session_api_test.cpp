@@ -1,0 +1,80 @@
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "web/served_rack.hpp"
+#include "web/session_control.hpp"
+
+namespace stator::web {
+namespace {
+
+using ::testing::HasSubstr;
+
+class FakeSession final : public SessionControl {
+ public:
+  Recording recording() override { return {"run.stator", base::SimTime(), 4096, true}; }
+  std::vector<Snapshot> snapshots() override { return taken_; }
+  bool take_snapshot(const std::string& name) override {
+    if (has(name)) {
+      return false;
+    }
+    taken_.push_back({name, base::SimTime(base::SimDuration(5))});
+    return true;
+  }
+  bool restore(const std::string& name) override { return has(name); }
+
+ private:
+  [[nodiscard]] bool has(const std::string& name) const {
+    return std::ranges::find(taken_, name, &Snapshot::name) != taken_.end();
+  }
+
+  std::vector<Snapshot> taken_;
+};
+
+class SessionApi : public ::testing::Test {
+ protected:
+  Answer post(const std::string& target, const std::string& body) {
+    return HttpClient(rack_.port())
+        .request("POST", target, body, "Authorization: Bearer " + std::string(kToken) + "\r\n");
+  }
+
+  FakeSession session_;
+  ServedRack rack_{{}, rack::ClockKind::real, "127.0.0.1", {}, &session_};
+};
+
+TEST_F(SessionApi, TellsTheRecording) {
+  const Answer answer = rack_.get("/api/v1/recording");
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.json()["file"], "run.stator");
+  EXPECT_EQ(answer.json()["bytes"], 4096);
+  EXPECT_EQ(answer.json()["complete"], true);
+}
+
+TEST_F(SessionApi, TakesListsAndRestoresSnapshots) {
+  EXPECT_EQ(post("/api/v1/snapshots", R"({"name": "before"})").status, 200);
+  EXPECT_EQ(post("/api/v1/snapshots", R"({"name": "before"})").status, 409);
+  const Answer list = rack_.get("/api/v1/snapshots");
+  ASSERT_EQ(list.json()["snapshots"].size(), 1U);
+  EXPECT_EQ(list.json()["snapshots"][0]["name"], "before");
+  EXPECT_EQ(list.json()["snapshots"][0]["time_ns"], 5);
+  EXPECT_EQ(post("/api/v1/snapshots/before/restore", "").status, 200);
+  EXPECT_EQ(post("/api/v1/snapshots/after/restore", "").status, 404);
+}
+
+TEST_F(SessionApi, RefusesNamesThatAreNone) {
+  for (const char* body :
+       {R"({"name": ""})", R"({"name": "5s"})", R"({"name": "a/b"})", R"({"name": 7})"}) {
+    EXPECT_EQ(post("/api/v1/snapshots", body).status, 422) << body;
+  }
+  EXPECT_EQ(post("/api/v1/snapshots", "{}").status, 400);
+}
+
+TEST(SessionApiWithout, SaysHowToRecord) {
+  ServedRack rack;
+  EXPECT_EQ(rack.get("/api/v1/recording").status, 409);
+  EXPECT_THAT(rack.get("/api/v1/snapshots").body, HasSubstr("--record NAME.stator"));
+}
+
+}  // namespace
+}  // namespace stator::web
