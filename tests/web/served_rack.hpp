@@ -37,8 +37,7 @@ class ServedRack {
                       SessionControl* session = nullptr)
       : ServedRack(configuration(clock, record), limits, address, session) {}
   explicit ServedRack(rack::RackConfiguration configuration, const ServerLimits& limits = {},
-                      const std::string& address = "127.0.0.1",
-                      SessionControl* session = nullptr)
+                      const std::string& address = "127.0.0.1", SessionControl* session = nullptr)
       : configuration_(std::move(configuration)),
         rack_(configuration_, log_),
         runner_(rack_, configuration_,
