@@ -75,7 +75,7 @@ try {
       "--disable-sync",
     ],
   });
-  context.setDefaultTimeout(8000);
+  context.setDefaultTimeout(30000);
   const problems = [];
   const token = new URL(link).hash;
   const open = async (base, view) => {

@@ -199,6 +199,8 @@ export const behaviours = [
       await page.getByLabel("Colours").selectOption("system");
     },
   },
+  ...scope.behaviours,
+  // The last, since the rack that comes back has another token.
   {
     name: "the page comes back when the rack does",
     allowed: ["ERR_CONNECTION_REFUSED", "ERR_CONNECTION_RESET", "ERR_EMPTY_RESPONSE", "WebSocket connection", "Failed to load resource"],
@@ -212,5 +214,4 @@ export const behaviours = [
       await page.locator("a.card", { hasText: "feeder" }).waitFor();
     },
   },
-  ...scope.behaviours,
 ];

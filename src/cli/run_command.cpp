@@ -138,6 +138,7 @@ void run(RunOptions options) {
     limit = duration_option("--duration", options.duration);
   }
   const StopSignals signals;
+  options.web.token = web::make_token();  // pages that are open outlast going back
   std::optional<RecordingPlace> from;
   if (!options.restore.empty()) {
     from = parse_place(options.restore);

@@ -18,7 +18,7 @@ std::unique_ptr<web::Server> open_web_server(const WebOptions& options, rack::Ra
   if (!options.token_file.empty()) {
     server.token = web::read_token(options.token_file);
   } else if (server.address.loopback()) {
-    server.token = web::make_token();
+    server.token = options.token.empty() ? web::make_token() : options.token;
   } else {
     throw Failure(fmt::format(
         "a web server at {} is open to other machines and needs a token of yours: name its file "

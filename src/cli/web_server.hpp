@@ -11,7 +11,8 @@ namespace stator::cli {
 /// What of the web server is asked for on the command line.
 struct WebOptions {
   std::string http;        ///< "[ADDRESS:]PORT"; empty: no server
-  std::string token_file;  ///< empty: a new token, on loopback only
+  std::string token_file;  ///< empty: the token below, on loopback only
+  std::string token;       ///< empty: a new one
 };
 
 /// Opens the server that was asked for and tells how to reach it; null: none was. `session` is the

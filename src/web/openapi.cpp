@@ -32,7 +32,7 @@ constexpr const char* kSchemas = R"({
     "type": "object",
     "required": ["file", "time_ns", "bytes", "complete"],
     "properties": {
-      "file": {"type": "string"},
+      "file": {"type": ["string", "null"], "description": "null: nothing is recorded"},
       "time_ns": {"type": "integer", "description": "Simulated time up to which it goes"},
       "bytes": {"type": "integer", "description": "Written so far"},
       "complete": {"type": "boolean", "description": "false: it ended because the disk was too slow or is full"}

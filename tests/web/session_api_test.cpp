@@ -72,8 +72,13 @@ TEST_F(SessionApi, RefusesNamesThatAreNone) {
 
 TEST(SessionApiWithout, SaysHowToRecord) {
   ServedRack rack;
-  EXPECT_EQ(rack.get("/api/v1/recording").status, 409);
-  EXPECT_THAT(rack.get("/api/v1/snapshots").body, HasSubstr("--record NAME.stator"));
+  EXPECT_TRUE(rack.get("/api/v1/recording").json()["file"].is_null());
+  EXPECT_TRUE(rack.get("/api/v1/snapshots").json()["snapshots"].empty());
+  const Answer refused = HttpClient(rack.port())
+                             .request("POST", "/api/v1/snapshots", R"({"name": "x"})",
+                                      "Authorization: Bearer " + std::string(kToken) + "\r\n");
+  EXPECT_EQ(refused.status, 409);
+  EXPECT_THAT(refused.body, HasSubstr("--record NAME.stator"));
 }
 
 }  // namespace

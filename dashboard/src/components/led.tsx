@@ -61,7 +61,7 @@ export function LedDot({ led, x, y }: { led: Led; x: number; y: number }) {
       <title>{`${led.name}: ${led.colour}, ${led.pattern}`}</title>
       <circle ref={lamp} class={`lamp ${led.colour}`} cx={x} cy={y} r={4.5} />
       <text class="small" x={x + 8} y={y + 3.5}>
-        {led.name}
+        {led.name.replace(/^L\/A /, "")}
       </text>
     </g>
   );

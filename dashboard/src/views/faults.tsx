@@ -235,6 +235,7 @@ const kStates: Readonly<Record<string, string>> = { armed: "warning", active: "b
 function ActiveFaults({ faults, reload }: { faults: readonly Fault[]; reload: () => void }) {
   const { api } = useWorld();
   const { busy, error, run } = useAction();
+  const standing = faults.some((fault) => fault.state !== "done");
   const remove = async (path: string) => {
     await run(() => api.send("DELETE", path));
     reload();
@@ -244,14 +245,13 @@ function ActiveFaults({ faults, reload }: { faults: readonly Fault[]; reload: ()
       <header>
         <h2>In this rack</h2>
         <span class="spacer" />
-        <button type="button" disabled={busy || faults.length === 0} onClick={() => void remove("/api/v1/faults")}>
+        <button type="button" disabled={busy || !standing} onClick={() => void remove("/api/v1/faults")}>
           Clear all
         </button>
       </header>
       {error === "" ? null : <p class="notice bad">{error}</p>}
-      {faults.length === 0 ? (
-        <p class="empty">No fault is armed or active.</p>
-      ) : (
+      {standing ? null : <p class="empty">No fault is armed or active.</p>}
+      {faults.length === 0 ? null : (
         <table>
           <thead>
             <tr>
@@ -281,14 +281,16 @@ function ActiveFaults({ faults, reload }: { faults: readonly Fault[]; reload: ()
                 <td class="number">{fault.hits ?? ""}</td>
                 <td>{fault.remaining === null || fault.remaining === undefined ? "" : String(fault.remaining)}</td>
                 <td class="number">
-                  <button
-                    type="button"
-                    disabled={busy}
-                    aria-label={`Clear fault ${fault.id}`}
-                    onClick={() => void remove(`/api/v1/faults/${segment(String(fault.id))}`)}
-                  >
-                    Clear
-                  </button>
+                  {fault.state === "done" ? null : (
+                    <button
+                      type="button"
+                      disabled={busy}
+                      aria-label={`Clear fault ${fault.id}`}
+                      onClick={() => void remove(`/api/v1/faults/${segment(String(fault.id))}`)}
+                    >
+                      Clear
+                    </button>
+                  )}
                 </td>
               </tr>
             ))}

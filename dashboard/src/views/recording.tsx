@@ -40,7 +40,13 @@ export function RecordingView() {
           <header>
             <h2>Recording of this run</h2>
           </header>
-          {recording.data ? <Facts data={recording.data} /> : null}
+          {recording.data && recording.data["file"] === null ? (
+            <p class="empty">
+              Nothing is recorded. Start with <code>stator run … --record NAME.stator</code> to have snapshots.
+            </p>
+          ) : recording.data ? (
+            <Facts data={recording.data} />
+          ) : null}
           {recording.error ? <p class="empty">{recording.error.message}</p> : null}
         </section>
         {store.offers("/api/v1/snapshots") ? <Snapshots /> : null}
@@ -74,7 +80,7 @@ function Snapshots() {
       >
         <label class="field">
           <span>Name</span>
-          <input value={name} required pattern="[A-Za-z0-9_.\-]+" onInput={(event) => setName(event.currentTarget.value)} />
+          <input value={name} required pattern="[A-Za-z_\-][A-Za-z0-9_\-]*" onInput={(event) => setName(event.currentTarget.value)} />
         </label>
         <button type="submit" class="primary" disabled={busy || name === ""}>
           Keep the present state
