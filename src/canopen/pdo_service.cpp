@@ -41,8 +41,8 @@ std::uint8_t cause_of(const ReceivePdo& pdo, const PdoMapping::Item& item) {
 
 PdoService::PdoService(dictionary::Dictionary& dictionary, can::Transmitter& transmitter,
                        EmergencySink& emergencies, base::EventReporter reporter,
-                       const PdoRules& limits)
-    : dictionary_(dictionary), emergencies_(emergencies), reporter_(reporter), rules_(limits) {
+                       const PdoRules& rules)
+    : dictionary_(dictionary), emergencies_(emergencies), reporter_(reporter), rules_(rules) {
   for (std::uint16_t number = 0; number < kMaximumPdos; ++number) {
     if (has_object(dictionary, kReceivePdoCommunication + number) &&
         has_object(dictionary, kReceivePdoMapping + number)) {

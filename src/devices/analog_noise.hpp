@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "base/random.hpp"
@@ -13,14 +14,14 @@ class AnalogNoise {
   explicit AnalogNoise(std::uint64_t seed) : random_(seed) {}
 
   /// Counts by which a reading is off at most, either way.
-  void set_amplitude(double counts) { amplitude_ = static_cast<std::int32_t>(counts + 0.5); }
+  void set_amplitude(double counts) { amplitude_ = static_cast<std::int32_t>(std::lround(counts)); }
 
   /// `counts` as the converter reads them now, 0..`full_scale`.
   [[nodiscard]] std::int32_t disturb(std::int32_t counts, std::int32_t full_scale) {
     if (amplitude_ == 0) [[likely]] {
       return counts;
     }
-    const auto spread = static_cast<std::uint64_t>(2 * amplitude_ + 1);
+    const auto spread = 2 * static_cast<std::uint64_t>(amplitude_) + 1;
     const std::int32_t disturbed =
         counts + static_cast<std::int32_t>(random_.below(spread)) - amplitude_;
     return disturbed < 0 ? 0 : disturbed > full_scale ? full_scale : disturbed;

@@ -1,6 +1,7 @@
 #include "plant/axis_fault_inputs.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 namespace stator::plant {
@@ -11,7 +12,7 @@ using enum AxisPart;
 
 template <typename Kind>
 Kind kind_of(double value) {
-  return static_cast<Kind>(static_cast<int>(value + 0.5));
+  return static_cast<Kind>(std::lround(value));
 }
 
 bool is_set(double value) {
