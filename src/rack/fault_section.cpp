@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <map>
+#include <ranges>
 #include <set>
 #include <sstream>
 
@@ -209,41 +211,46 @@ void FaultReader::read_bus_target(TomlSection& section, FaultConfiguration& faul
 }
 
 void FaultReader::read_line_target(TomlSection& section, FaultConfiguration& fault) {
-  std::set<std::string> lines;
-  const auto note = [&lines](const std::vector<DeviceConfiguration>& devices) {
-    for (const DeviceConfiguration& device : devices) {
-      for (const SerialConnection& connection : device.serial) {
-        lines.insert(connection.line);
-      }
+  std::map<std::string, DeviceAddress> lines;  // with the first device of each
+  const auto note = [&](DeviceAddress address) {
+    for (const SerialConnection& connection : targets_.device_at(address).serial) {
+      lines.try_emplace(connection.line, address);
     }
+  };
+  const auto names = [&lines] {
+    return lines.empty() ? "none" : fmt::format("{}", fmt::join(std::views::keys(lines), ", "));
   };
   FaultTarget& target = fault.target;
   if (const auto line = section.text({"line", "The serial line, as devices name it"})) {
-    for (const SegmentConfiguration& segment : rack_.segments) {
-      note(segment.devices);
+    for (std::size_t network = 0; network < rack_.segments.size(); ++network) {
+      for (std::size_t i = 0; i < rack_.segments[network].devices.size(); ++i) {
+        note({network, i, NetworkKind::segment});
+      }
     }
-    for (const BusConfiguration& bus : rack_.buses) {
-      note(bus.devices);
+    for (std::size_t network = 0; network < rack_.buses.size(); ++network) {
+      for (std::size_t i = 0; i < rack_.buses[network].devices.size(); ++i) {
+        note({network, i, NetworkKind::bus});
+      }
     }
     if (!lines.contains(*line)) {
-      section.fail("line",
-                   fmt::format("there is no serial line \"{}\"; the lines are: {}", *line,
-                               lines.empty() ? "none" : fmt::format("{}", fmt::join(lines, ", "))));
+      section.fail(
+          "line", fmt::format("there is no serial line \"{}\"; the lines are: {}", *line, names()));
     }
     target.line = *line;
   } else {
-    const DeviceConfiguration& device = targets_.device_at(targets_.read_target(section));
-    note({device});
+    const DeviceAddress address = targets_.read_target(section);
+    note(address);
     if (lines.size() != 1) {
       section.fail(
           "device",
           lines.empty()
-              ? fmt::format("\"{}\" is on no serial line", device.name)
+              ? fmt::format("\"{}\" is on no serial line", targets_.device_at(address).name)
               : fmt::format("\"{}\" is on several serial lines; name one with \"line\": {}",
-                            device.name, fmt::join(lines, ", ")));
+                            targets_.device_at(address).name, names()));
     }
-    target.line = *lines.begin();
+    target.line = lines.begin()->first;
   }
+  target.device = lines.at(target.line);
   target.text = target.line;
 }
 

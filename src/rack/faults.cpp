@@ -30,9 +30,8 @@ bool watches_mailbox(const Milestone& milestone) {
 }
 
 std::string in_words(SimDuration duration) {
-  const double milliseconds = duration.seconds() * 1e3;
-  return milliseconds < 10'000.0 ? fmt::format("{:.3g} ms", milliseconds)
-                                 : fmt::format("{:.1f} s", duration.seconds());
+  const double seconds = duration.seconds();
+  return seconds < 1.0 ? fmt::format("{:.3g} ms", seconds * 1e3) : fmt::format("{:.1f} s", seconds);
 }
 
 }  // namespace

@@ -182,6 +182,14 @@ TEST(Faults, AtACanFrame_CountThoseWithItsIdentifier) {
   EXPECT_EQ(bench.ask(0x602).size(), 1U);
 }
 
+TEST(Faults, OfALine_AreToldOfADeviceThatIsAtIt) {
+  tests::LineFaultBench bench;
+  const auto fault =
+      bench.inject("kind = 'serial-cut'\nline = 'pty:field'\nbytes = 4\nfor = '90s'");
+  EXPECT_EQ(bench.log.line(bench.log.events().back()), "a: fault 1 begins: serial-cut");
+  EXPECT_EQ(bench.status(fault).remaining, "90.0 s");
+}
+
 TEST(Faults, Clear_EndsWhatIsActiveAndTakesBackWhatWaits) {
   SegmentFaultBench bench;
   const auto active = bench.inject("kind = 'power-off'\ndevice = 'right'");
