@@ -1,0 +1,150 @@
+// What can happen to devices of a rack from outside, at a time of the timetable or at once.
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "rack/input_names.hpp"
+#include "rack/rack.hpp"
+
+namespace stator::rack {
+
+namespace {
+
+constexpr base::EventRule kCableBroken{"cable-broken", base::Severity::information,
+                                       "the cable at port {0} is broken"};
+constexpr base::EventRule kCableHealed{"cable-healed", base::Severity::information,
+                                       "the cable at port {0} is whole again"};
+constexpr base::EventRule kPowerOff{"power-off", base::Severity::information, "its power is off"};
+constexpr base::EventRule kPowerOn{"power-on", base::Severity::information,
+                                   "its power is on, it starts as after a reset"};
+constexpr base::EventRule kInputSet{"input-set", base::Severity::information,
+                                    "{0} is set to {1:d3} {2}"};
+constexpr base::EventRule kUnitlessInputSet{"input-set", base::Severity::information,
+                                            "{0} is set to {1:d3}"};
+constexpr base::EventRule kDisconnected{"can-disconnected", base::Severity::information,
+                                        "its cable to the CAN bus is unplugged"};
+constexpr base::EventRule kConnected{"can-connected", base::Severity::information,
+                                     "its cable to the CAN bus is plugged in again"};
+constexpr base::EventRule kFrameFault{"can-frame-fault", base::Severity::information,
+                                      "{0} of the next {1} frames"};
+constexpr base::EventRule kFrameFaultOfIdentifier{
+    "can-frame-fault", base::Severity::information,
+    "{0} of the next {1} frames with the identifier {2:x3}"};
+constexpr base::EventRule kSegmentFault{"ethercat-frame-fault", base::Severity::information,
+                                        "{0} of the next {1} frames that {2} port {3}"};
+const char* to_text(can::FrameFaultKind kind) {
+  switch (kind) {
+    case can::FrameFaultKind::drop:
+      return "loss";
+    case can::FrameFaultKind::corrupt:
+      return "destruction";
+    case can::FrameFaultKind::duplicate:
+      return "doubling";
+    case can::FrameFaultKind::delay:
+      return "delay";
+  }
+  return "?";
+}
+
+}  // namespace
+
+void Rack::happen(const RackEvent& event, base::SimTime now) {
+  if (const auto* cable = std::get_if<CableEvent>(&event)) {
+    apply_cable(*cable, now);
+  } else if (const auto* power = std::get_if<PowerEvent>(&event)) {
+    apply_power(*power, now);
+  } else if (const auto* input = std::get_if<InputEvent>(&event)) {
+    apply_input(*input, now);
+  } else if (const auto* state = std::get_if<ErrorStateEvent>(&event)) {
+    apply_error_state(*state, now);
+  } else if (const auto* fault = std::get_if<FrameFaultEvent>(&event)) {
+    apply_frame_fault(*fault, now);
+  } else if (const auto* segment_fault = std::get_if<SegmentFaultEvent>(&event)) {
+    apply_segment_fault(*segment_fault, now);
+  }
+}
+
+const devices::Input& Rack::find_input(const InputEvent& event) const {
+  const bool on_bus = event.device.kind == NetworkKind::bus;
+  const std::size_t network = event.device.network;
+  const std::vector<devices::Input>& inputs =
+      (on_bus ? buses_[network].inputs : segments_[network].inputs)[event.device.device];
+  const std::string problem = input_problem(inputs, event.input, event.value);
+  if (!problem.empty()) {
+    const std::string& name = on_bus ? buses_[network].network->devices()[event.device.device].name
+                                     : segments_[network].devices[event.device.device].name;
+    throw std::runtime_error(name + ": " + problem);
+  }
+  return *std::ranges::find(inputs, event.input, &devices::Input::name);
+}
+
+void Rack::apply_input(const InputEvent& event, base::SimTime now) {
+  const devices::Input& input = find_input(event);
+  if (event.logged) {
+    report(number_of(event.device), now, input.unit.empty() ? kUnitlessInputSet : kInputSet,
+           {std::string_view(input.name), std::int64_t{std::llround(event.value * 1000.0)},
+            std::string_view(input.unit)});
+  }
+  input.set(event.value);
+  if (event.device.kind == NetworkKind::bus) {
+    bus(event.device.network).touched(event.device.device);
+  }
+}
+
+void Rack::apply_cable(const CableEvent& event, base::SimTime now) {
+  const std::uint16_t number = number_of(event.device);
+  if (event.device.kind == NetworkKind::bus) {
+    report(number, now, event.intact ? kConnected : kDisconnected);
+    bus(event.device.network).set_connected(event.device.device, event.intact);
+    return;
+  }
+  report(number, now, event.intact ? kCableHealed : kCableBroken, {event.port});
+  segments_[event.device.network].segment->set_cable({event.device.device, event.port},
+                                                     event.intact);
+}
+
+void Rack::apply_power(const PowerEvent& event, base::SimTime now) {
+  const auto [network, device, kind] = event.device;
+  const bool powered = kind == NetworkKind::bus ? bus(network).powered(device)
+                                                : segments_[network].segment->powered(device);
+  if (powered == event.on) {
+    return;
+  }
+  report(number_of(event.device), now, event.on ? kPowerOn : kPowerOff);
+  const devices::Device& switched =
+      kind == NetworkKind::bus
+          ? static_cast<const devices::Device&>(*bus(network).devices()[device].device)
+          : *segments_[network].devices[device].device;
+  lines_.set_power(switched, event.on);
+  if (kind == NetworkKind::bus) {
+    bus(network).set_power(device, event.on, now);
+    return;
+  }
+  segments_[network].segment->set_power(device, event.on);
+  segments_[network].devices[device].device->set_power(event.on, now);
+}
+
+void Rack::apply_error_state(const ErrorStateEvent& event, base::SimTime now) {
+  bus(event.device.network).set_error_state(event.device.device, event.state, now);
+}
+
+void Rack::apply_frame_fault(const FrameFaultEvent& event, base::SimTime now) {
+  const std::uint16_t number = event.device
+                                   ? number_of({event.bus, *event.device, NetworkKind::bus})
+                                   : buses_[event.bus].number;
+  const can::FrameFault& fault = event.fault;
+  report(number, now, fault.identifier ? kFrameFaultOfIdentifier : kFrameFault,
+         {to_text(fault.kind), fault.frames, fault.identifier.value_or(0)});
+  bus(event.bus).inject(event);
+}
+
+void Rack::apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now) {
+  const ethercat::FrameFault& fault = event.fault;
+  const std::size_t slave = fault.port.slave;
+  report(number_of({event.segment, slave, NetworkKind::segment}), now, kSegmentFault,
+         {fault.kind == ethercat::FrameFaultKind::drop ? "loss" : "destruction", fault.frames,
+          fault.leaving ? "leave" : "arrive at", std::int64_t{fault.port.port}});
+  segments_[event.segment].segment->inject(fault);
+}
+
+}  // namespace stator::rack
