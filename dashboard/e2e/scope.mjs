@@ -112,6 +112,14 @@ export const behaviours = [
     name: "scope: an event triggers at its exact time",
     path: "/scope",
     test: async (page, { origin, link }) => {
+      const token = /token=(\w+)/.exec(link)[1];
+      const put = (value) =>
+        fetch(`${origin}/api/v1/inputs/${kAxis}.load_torque`, {
+          method: "PUT",
+          headers: { "Content-Type": "application/json", Authorization: `Bearer ${token}` },
+          body: JSON.stringify({ value }),
+        });
+      await put(0); // whatever was tried before
       await load(
         page,
         setupOf({
@@ -122,13 +130,6 @@ export const behaviours = [
       );
       await rowsAtLeast(page, 2000);
       await state(page, "waiting for trigger");
-      const token = /token=(\w+)/.exec(link)[1];
-      const put = (value) =>
-        fetch(`${origin}/api/v1/inputs/${kAxis}.load_torque`, {
-          method: "PUT",
-          headers: { "Content-Type": "application/json", Authorization: `Bearer ${token}` },
-          body: JSON.stringify({ value }),
-        });
       assert.equal((await put(0.05)).status, 200);
       await state(page, "stopped");
       const { events } = await (await fetch(`${origin}/api/v1/events`)).json();
