@@ -168,7 +168,7 @@ Number TmclDebugValues::value_of(std::string_view name) const {
     const tmcl::HostAnswer answer = direct(place->read, place->type, place->motor, 0);
     if (answer.status != tmcl::Status::success) {
       return base::Unexpected{
-          fmt::format("{} can not be read: {}", name, status_text(answer.status))};
+          fmt::format("{} can not be read: {}", name, tmcl::status_text(answer.status))};
     }
     return std::int64_t{answer.value};
   }
@@ -244,7 +244,7 @@ base::Expected<void, std::string> TmclDebugValues::assign(std::string_view name,
   const tmcl::HostAnswer answer = direct(place->write, place->type, place->motor, value);
   if (answer.status != tmcl::Status::success) {
     return base::Unexpected{
-        fmt::format("{} = {} is refused: {}", name, value, status_text(answer.status))};
+        fmt::format("{} = {} is refused: {}", name, value, tmcl::status_text(answer.status))};
   }
   return {};
 }

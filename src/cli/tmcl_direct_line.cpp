@@ -71,30 +71,6 @@ base::Expected<tmcl::Instruction, std::string> parse_direct_line(
   return assembly.program.instructions.front();
 }
 
-std::string_view status_text(tmcl::Status status) {
-  switch (status) {
-    case tmcl::Status::wrong_checksum:
-      return "wrong checksum";
-    case tmcl::Status::invalid_command:
-      return "invalid command";
-    case tmcl::Status::wrong_type:
-      return "wrong type";
-    case tmcl::Status::invalid_value:
-      return "invalid value";
-    case tmcl::Status::eeprom_locked:
-      return "configuration EEPROM locked";
-    case tmcl::Status::command_not_available:
-      return "command not available";
-    case tmcl::Status::success:
-      return "success";
-    case tmcl::Status::loaded_into_eeprom:
-      return "loaded into the program memory";
-    case tmcl::Status::target_reached:
-      return "target reached";
-  }
-  return "unknown status";
-}
-
 std::string_view unit_text(const tmcl::ParameterDeclaration& parameter) {
   switch (parameter.unit) {
     case tmcl::ParameterUnit::microsteps:
@@ -117,10 +93,11 @@ std::string_view unit_text(const tmcl::ParameterDeclaration& parameter) {
 std::string answer_text(const tmcl::Instruction& instruction, tmcl::Status status,
                         std::int32_t value, const tmcl::ModuleDescription& module) {
   if (status == tmcl::Status::loaded_into_eeprom) {
-    return std::string(status_text(status));
+    return std::string(tmcl::status_text(status));
   }
   if (status != tmcl::Status::success) {
-    return fmt::format("refused: {} (status {})", status_text(status), static_cast<int>(status));
+    return fmt::format("refused: {} (status {})", tmcl::status_text(status),
+                       static_cast<int>(status));
   }
   switch (static_cast<tmcl::Command>(instruction.command)) {
     case tmcl::Command::get_axis_parameter:

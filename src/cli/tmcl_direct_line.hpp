@@ -17,9 +17,6 @@ namespace stator::cli {
 [[nodiscard]] base::Expected<tmcl::Instruction, std::string> parse_direct_line(
     std::string_view line, const tmcl::ModuleDescription& module);
 
-/// What a status of a reply means: "invalid value".
-[[nodiscard]] std::string_view status_text(tmcl::Status status);
-
 /// What a module answered, in words: "MAX_CURRENT (axis parameter 6) = 8, current scale" after a
 /// reading command, "refused: wrong type (status 3)", else "done".
 [[nodiscard]] std::string answer_text(const tmcl::Instruction& instruction, tmcl::Status status,

@@ -60,4 +60,12 @@ void feed(SupplyState& supply, bool ideal, const SupplyFaults& faults, double su
   }
 }
 
+void feed(SupplyState& supply, bool ideal, const SupplyFaults& before, const SupplyFaults& faults,
+          double supply_voltage) {
+  feed(supply, ideal, faults, supply_voltage);
+  if (faults.offset < before.offset) {
+    supply.voltage = std::min(supply.voltage, supply.source);
+  }
+}
+
 }  // namespace stator::plant

@@ -91,5 +91,9 @@ struct AxisFaultState {
 /// Takes the source to what it is with `faults`, and the capacitor of a sagging one with it: the
 /// electronics around the power stage empty it within milliseconds.
 void feed(SupplyState& supply, bool ideal, const SupplyFaults& faults, double supply_voltage);
+/// The same when the faults have just been others; the end of an overvoltage takes the capacitor
+/// with it as a sag does.
+void feed(SupplyState& supply, bool ideal, const SupplyFaults& before, const SupplyFaults& faults,
+          double supply_voltage);
 
 }  // namespace stator::plant

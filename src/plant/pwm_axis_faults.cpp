@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 
 #include "plant/pwm_axis.hpp"
@@ -18,7 +17,7 @@ void PwmAxis::set_faults(const PwmAxisFaults& faults) {
     fault_state_.note_jam(common.shaft, revolutions());
   }
   begin_encoder_faults();
-  const bool falls = common.supply.offset < faults_.common.supply.offset;
+  const SupplyFaults before = faults_.common.supply;
   faults_ = faults;
   PwmAxisFaults electrical = faults;
   electrical.common = {};
@@ -26,11 +25,7 @@ void PwmAxis::set_faults(const PwmAxisFaults& faults) {
   faulty_ = electrical != PwmAxisFaults{};
   spoiled_ = common.encoders != AxisFaults{}.encoders;
   supply_ = Supply(faulted(parameters_.supply, common.supply));
-  feed(supply_state_, supply_.ideal(), common.supply, fault_state_.supply_voltage);
-  if (falls) {
-    // The electronics around the power stage empty its capacitor within milliseconds.
-    supply_state_.voltage = std::min(supply_state_.voltage, supply_state_.source);
-  }
+  feed(supply_state_, supply_.ideal(), before, common.supply, fault_state_.supply_voltage);
   std::visit(
       [&](auto& winding) {
         winding.set_faults(faults.terminals);

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 
 #include "plant/servo_axis.hpp"
@@ -22,14 +21,11 @@ void ServoAxis::set_faults(const ServoAxisFaults& faults) {
     }
   }
   begin_faults(state_.fault_state.encoders[0], state_.encoder, state_.motor.angle);
-  const bool falls = faults.common.supply.offset < state_.faults.common.supply.offset;
+  const SupplyFaults before = state_.faults.common.supply;
   state_.faults = faults;
   apply_faults();
-  feed(state_.supply, supply_.ideal(), faults.common.supply, state_.fault_state.supply_voltage);
-  if (falls) {
-    // The electronics around the power stage empty its capacitor within milliseconds.
-    state_.supply.voltage = std::min(state_.supply.voltage, state_.supply.source);
-  }
+  feed(state_.supply, supply_.ideal(), before, faults.common.supply,
+       state_.fault_state.supply_voltage);
   sensing_.driver_temperature = state_.stage_temperature.inner + faults.common.heat.driver_reading;
   sense_switches();
 }

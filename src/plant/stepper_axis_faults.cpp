@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "plant/stepper_axis.hpp"
 
 // What a test or an operator does to an axis, and what its sensors make of it.
@@ -20,14 +18,11 @@ void StepperAxis::set_faults(const StepperAxisFaults& faults) {
     }
   }
   begin_faults(state_.fault_state.encoders[0], state_.encoder, state_.motor.angle);
-  const bool falls = faults.common.supply.offset < state_.faults.common.supply.offset;
+  const SupplyFaults before = state_.faults.common.supply;
   state_.faults = faults;
   apply_faults();
-  feed(state_.supply, supply_.ideal(), faults.common.supply, state_.fault_state.supply_voltage);
-  if (falls) {
-    // The electronics around the power stage empty its capacitor within milliseconds.
-    state_.supply.voltage = std::min(state_.supply.voltage, state_.supply.source);
-  }
+  feed(state_.supply, supply_.ideal(), before, faults.common.supply,
+       state_.fault_state.supply_voltage);
   sense_into(sensing_);
   if (spoiled_) {
     spoil_sensors();

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "rack/coe_keys.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/quirks_section.hpp"
 #include "rack/serial_section.hpp"
@@ -19,8 +20,6 @@
 namespace stator::rack {
 
 namespace {
-
-using namespace base::literals;
 
 std::map<std::string, devices::tmcm_3315::FirmwareVersion> firmware_versions() {
   using enum devices::tmcm_3315::FirmwareVersion;
@@ -36,22 +35,7 @@ void read_product(TomlSection& section, devices::Tmcm3315Configuration& configur
   section.choice(
       {"firmware", "1.07 has neither the N-channel latch 200Fh nor cyclic synchronous velocity"},
       firmware_versions(), configuration.firmware);
-  section.boolean(
-      {"emergencies",
-       "false: no CoE emergencies, for masters that cannot take an unsolicited message"},
-      configuration.emergencies);
-  section.boolean(
-      {"require_outputs",
-       "Operational is refused with AL status 0019h until outputs have come in Safe-Operational"},
-      configuration.require_outputs);
-  if (const auto identification = section.integer(
-          {"identification", "Explicit device identification: what an ID switch would show"}, 0,
-          0xFFFF)) {
-    configuration.identification = static_cast<std::uint16_t>(*identification);
-  }
-  section.duration({"firmware_erase_time",
-                    "How long a firmware download is answered busy while the flash is erased"},
-                   0_us, 60_s, configuration.firmware_erase_time);
+  read_coe_keys(section, configuration);
   section.boolean({"home_offset_is_position",
                    "At home the position becomes the home offset 607Ch instead of its negative"},
                   configuration.home_offset_is_position);

@@ -14,6 +14,7 @@
 #include "base/event.hpp"
 #include "devices/tmc8670/objects.hpp"
 #include "dictionary/dictionary.hpp"
+#include "rack/coe_keys.hpp"
 #include "rack/pwm_axis_section.hpp"
 #include "rack/quirks_section.hpp"
 
@@ -21,7 +22,6 @@ namespace stator::rack {
 
 namespace {
 
-using namespace base::literals;
 using devices::tmc8670::ObjectValue;
 
 std::optional<unsigned> hexadecimal(std::string_view digits, unsigned maximum) {
@@ -177,22 +177,7 @@ void read_tmc8670(TomlSection& section, devices::Tmc8670Configuration& configura
   section.integer({"clock_deviation_ppb", "Error of its oscillator", "ppb"}, -1'000'000, 1'000'000,
                   configuration.clock_deviation_ppb);
   read_straps(section, configuration);
-  section.boolean(
-      {"emergencies",
-       "false: no CoE emergencies, for masters that cannot take an unsolicited message"},
-      configuration.emergencies);
-  section.boolean(
-      {"require_outputs",
-       "Operational is refused with AL status 0019h until outputs have come in Safe-Operational"},
-      configuration.require_outputs);
-  if (const auto identification = section.integer(
-          {"identification", "Explicit device identification: what an ID switch would show"}, 0,
-          0xFFFF)) {
-    configuration.identification = static_cast<std::uint16_t>(*identification);
-  }
-  section.duration({"firmware_erase_time",
-                    "How long a firmware download is answered busy while the flash is erased"},
-                   0_us, 60_s, configuration.firmware_erase_time);
+  read_coe_keys(section, configuration);
   if (auto objects = section.section(
           {"objects",
            "Other defaults of objects; keys are index and subindex in hexadecimal, \"2030:03\""})) {

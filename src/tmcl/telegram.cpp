@@ -34,6 +34,30 @@ std::int32_t value_of(const Telegram& telegram) {
 
 }  // namespace
 
+std::string_view status_text(Status status) {
+  switch (status) {
+    case Status::wrong_checksum:
+      return "wrong checksum";
+    case Status::invalid_command:
+      return "invalid command";
+    case Status::wrong_type:
+      return "wrong type";
+    case Status::invalid_value:
+      return "invalid value";
+    case Status::eeprom_locked:
+      return "configuration EEPROM locked";
+    case Status::command_not_available:
+      return "command not available";
+    case Status::success:
+      return "success";
+    case Status::loaded_into_eeprom:
+      return "loaded into the program memory";
+    case Status::target_reached:
+      return "target reached";
+  }
+  return "unknown status";
+}
+
 Telegram encode(const Request& request) {
   return encode({request.address, request.command, request.type, request.motor}, request.value);
 }

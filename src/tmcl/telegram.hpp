@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 namespace stator::tmcl {
 
@@ -24,6 +25,8 @@ enum class Status : std::uint8_t {
   loaded_into_eeprom = 101,
   target_reached = 128,  ///< only in the second reply to command 138
 };
+/// In words: "invalid value"; "unknown status" for a number that is none.
+[[nodiscard]] std::string_view status_text(Status status);
 
 /// From a host to a module.
 struct Request {

@@ -142,30 +142,6 @@ std::string tmcl_request(const can::Frame& frame, const NodeMap& node, DecodedFr
   return fmt::format("TMCL {} {}, {}, {}, to {}", name, type, motor, value, node.name);
 }
 
-std::string_view status_text(tmcl::Status status) {
-  switch (status) {
-    case tmcl::Status::wrong_checksum:
-      return "wrong checksum";
-    case tmcl::Status::invalid_command:
-      return "invalid command";
-    case tmcl::Status::wrong_type:
-      return "wrong type";
-    case tmcl::Status::invalid_value:
-      return "invalid value";
-    case tmcl::Status::eeprom_locked:
-      return "EEPROM locked";
-    case tmcl::Status::command_not_available:
-      return "command not available";
-    case tmcl::Status::success:
-      return "success";
-    case tmcl::Status::loaded_into_eeprom:
-      return "loaded into EEPROM";
-    case tmcl::Status::target_reached:
-      return "target reached";
-  }
-  return "unknown status";
-}
-
 std::string tmcl_reply(const can::Frame& frame, DecodedFrame& decoded) {
   const std::span<const std::byte> data = frame.payload();
   if (data.size() < 7) {
@@ -174,10 +150,10 @@ std::string tmcl_reply(const can::Frame& frame, DecodedFrame& decoded) {
   const auto status = static_cast<tmcl::Status>(data[1]);
   const auto command = std::to_integer<std::uint8_t>(data[2]);
   const auto value = static_cast<std::int32_t>(big_endian(data.subspan(3, 4)));
-  decoded.add("status", std::string(status_text(status)));
+  decoded.add("status", std::string(tmcl::status_text(status)));
   decoded.add("command", std::string(tmcl::name_of(command)));
   decoded.add("value", std::to_string(value));
-  return fmt::format("TMCL {}, {} = {}", status_text(status), tmcl::name_of(command), value);
+  return fmt::format("TMCL {}, {} = {}", tmcl::status_text(status), tmcl::name_of(command), value);
 }
 
 /// What the rack's own modules and PDOs say; nothing: it is none of them.
