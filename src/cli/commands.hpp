@@ -29,5 +29,6 @@ void add_replay_command(CLI::App& app);
 void add_fault_commands(CLI::App& app);
 void add_status_command(CLI::App& app);
 void add_top_command(CLI::App& app);
+void add_test_command(CLI::App& app);
 
 }  // namespace stator::cli

@@ -33,6 +33,7 @@ int run(int argc, char** argv) {
   stator::cli::add_status_command(app);
   stator::cli::add_fault_commands(app);
   stator::cli::add_top_command(app);
+  stator::cli::add_test_command(app);
   stator::cli::add_devices_command(app);
   stator::cli::add_describe_command(app);
   stator::cli::add_conformance_command(app);

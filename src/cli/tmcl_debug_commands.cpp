@@ -6,11 +6,12 @@
 
 #include "cli/failure.hpp"
 #include "cli/files.hpp"
+#include "cli/tmcl_answer_text.hpp"
 #include "cli/tmcl_bench_options.hpp"
 #include "cli/tmcl_debug_console.hpp"
-#include "cli/tmcl_direct_line.hpp"
 #include "cli/words.hpp"
 #include "rack/text.hpp"
+#include "tmcl/direct_line.hpp"
 
 namespace stator::cli {
 
@@ -202,7 +203,7 @@ struct DebugCommands {
   static std::string call(Console& console, Words text) {
     TmclBench& bench = console.debugger_.bench();
     const tmcl::ModuleDescription& module = console.debugger_.source().module();
-    const auto instruction = parse_direct_line(text, module);
+    const auto instruction = tmcl::parse_direct_line(text, module);
     if (!instruction) {
       throw Console::Refusal{instruction.error()};
     }

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <fnmatch.h>
 
+#include "cli/tmcl_answer_text.hpp"
 #include "cli/tmcl_debug_console.hpp"
-#include "cli/tmcl_direct_line.hpp"
 #include "cli/tmcl_trace.hpp"
 #include "tmcl/command.hpp"
 

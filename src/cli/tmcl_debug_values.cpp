@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include "base/spelling.hpp"
-#include "cli/tmcl_direct_line.hpp"
 #include "tmcl/command.hpp"
 #include "tmcl/lexer.hpp"
 #include "tmcl/name_table.hpp"

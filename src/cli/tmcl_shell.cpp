@@ -9,11 +9,12 @@
 
 #include "base/spelling.hpp"
 #include "cli/failure.hpp"
-#include "cli/tmcl_direct_line.hpp"
+#include "cli/tmcl_answer_text.hpp"
 #include "cli/tmcl_source.hpp"
 #include "cli/words.hpp"
 #include "rack/text.hpp"
 #include "tmcl/command.hpp"
+#include "tmcl/direct_line.hpp"
 #include "tmcl/disassembler.hpp"
 
 namespace stator::cli {
@@ -247,7 +248,7 @@ ShellResponse TmclShell::execute(std::string_view line) {
     if (const ShellCommand* own = own_command(first_word(text))) {
       return {.text = own->obey(*this, after_first_word(text)), .quit = own->name == "quit"};
     }
-    const auto instruction = parse_direct_line(text, module_);
+    const auto instruction = tmcl::parse_direct_line(text, module_);
     if (!instruction) {
       return {.text = instruction.error() + "\n", .refused = true};
     }

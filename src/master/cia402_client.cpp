@@ -1,8 +1,6 @@
 #include "master/cia402_client.hpp"
 
-#include <algorithm>
-#include <array>
-
+#include "master/slave_drive_port.hpp"
 #include "master/text.hpp"
 
 namespace stator::master {
@@ -59,77 +57,21 @@ std::optional<std::uint16_t> next_command(DriveState state) {
   return std::nullopt;
 }
 
-const MappedEntry* find_entry(std::span<const MappedEntry> entries, std::uint16_t index,
-                              std::uint8_t subindex) {
-  const auto found = std::find_if(entries.begin(), entries.end(), [&](const MappedEntry& entry) {
-    return entry.index == index && entry.subindex == subindex;
-  });
-  return found == entries.end() ? nullptr : &*found;
-}
-
-/// Whether an entry can be copied as bytes and has the size that the caller expects.
-bool is_plain(const MappedEntry* entry, std::size_t size) {
-  return entry != nullptr && entry->bit_offset % 8 == 0 && entry->bit_length == size * 8;
-}
-
-std::uint64_t load(std::span<const std::byte> bytes) {
-  std::uint64_t bits = 0;
-  for (std::size_t i = bytes.size(); i-- > 0;) {
-    bits = bits << 8 | std::to_integer<std::uint64_t>(bytes[i]);
-  }
-  return bits;
-}
-
-void store(std::span<std::byte> bytes, std::uint64_t bits) {
-  for (std::byte& byte : bytes) {
-    byte = static_cast<std::byte>(bits);
-    bits >>= 8;
-  }
-}
-
 }  // namespace
 
+Cia402Client::Cia402Client(DrivePort& port, unsigned axis) : port_(port), axis_(axis) {}
+
 Cia402Client::Cia402Client(Master& master, std::size_t position, unsigned axis)
-    : master_(master), position_(position), axis_(axis) {}
+    : own_port_(std::make_unique<SlaveDrivePort>(master, position)),
+      port_(*own_port_),
+      axis_(axis) {}
 
 std::uint16_t Cia402Client::axis_index(std::uint16_t index) const {
   return static_cast<std::uint16_t>(index + axis_ * kAxisDistance);
 }
 
 std::string Cia402Client::name() const {
-  return "axis " + std::to_string(axis_) + " of slave " + std::to_string(position_);
-}
-
-Result<std::uint64_t> Cia402Client::read_bits(std::uint16_t index, std::uint8_t subindex,
-                                              std::size_t size) {
-  const MappedEntry* const entry = find_entry(master_.input_entries(position_), index, subindex);
-  if (master_.operational() && is_plain(entry, size)) {
-    return load(master_.inputs(position_).subspan(entry->bit_offset / 8, size));
-  }
-  const auto data = master_.upload(position_, {index, subindex});
-  if (!data) {
-    return base::Unexpected{data.error()};
-  }
-  if (data->size() != size) {
-    return fail(ErrorCode::protocol, to_text(ObjectAddress{index, subindex}) + " of " + name() +
-                                         " has " + std::to_string(data->size()) + " bytes, " +
-                                         std::to_string(size) + " were expected");
-  }
-  return load(*data);
-}
-
-Result<void> Cia402Client::write_bits(std::uint16_t index, std::uint8_t subindex, std::size_t size,
-                                      std::uint64_t bits) {
-  std::array<std::byte, sizeof bits> data{};
-  const auto bytes = std::span(data).first(size);
-  store(bytes, bits);
-  const MappedEntry* const entry = find_entry(master_.output_entries(position_), index, subindex);
-  if (master_.operational() && is_plain(entry, size)) {
-    const auto image = master_.outputs(position_).subspan(entry->bit_offset / 8, size);
-    std::copy(bytes.begin(), bytes.end(), image.begin());
-    return {};
-  }
-  return master_.download(position_, {index, subindex}, bytes);
+  return "axis " + std::to_string(axis_) + " of " + port_.name();
 }
 
 Result<void> Cia402Client::write_controlword(std::uint16_t controlword) {
@@ -171,9 +113,9 @@ Error Cia402Client::fault_error() {
 }
 
 Result<void> Cia402Client::wait_for_state(DriveState wanted, bool fault_is_failure) {
-  const base::SimTime deadline = master_.port().now() + response_timeout_;
+  const base::SimTime deadline = port_.now() + response_timeout_;
   while (true) {
-    if (auto waited = master_.run_cycle(); !waited) {
+    if (auto waited = port_.run_cycle(); !waited) {
       return waited;
     }
     const auto now = state();
@@ -186,7 +128,7 @@ Result<void> Cia402Client::wait_for_state(DriveState wanted, bool fault_is_failu
     if (*now == DriveState::fault && fault_is_failure) {
       return base::Unexpected{fault_error()};
     }
-    if (master_.port().now() >= deadline) {
+    if (port_.now() >= deadline) {
       return timeout(std::string(to_text(wanted)) + ", it is in " + std::string(to_text(*now)),
                      response_timeout_);
     }
@@ -195,9 +137,9 @@ Result<void> Cia402Client::wait_for_state(DriveState wanted, bool fault_is_failu
 
 Result<void> Cia402Client::wait_for_statusword(std::uint16_t mask, std::uint16_t value,
                                                base::SimDuration limit, std::string_view awaited) {
-  const base::SimTime deadline = master_.port().now() + limit;
+  const base::SimTime deadline = port_.now() + limit;
   while (true) {
-    if (auto waited = master_.run_cycle(); !waited) {
+    if (auto waited = port_.run_cycle(); !waited) {
       return waited;
     }
     const auto word = statusword();
@@ -210,7 +152,7 @@ Result<void> Cia402Client::wait_for_statusword(std::uint16_t mask, std::uint16_t
     if ((*word & mask) == value) {
       return {};
     }
-    if (master_.port().now() >= deadline) {
+    if (port_.now() >= deadline) {
       return timeout(std::string(awaited) + ", statusword " + hexadecimal(*word, 4), limit);
     }
   }
@@ -239,7 +181,7 @@ Result<void> Cia402Client::reset_fault() {
   if (auto written = write_controlword(kDisableVoltage); !written) {
     return written;
   }
-  if (auto waited = master_.run_cycle(); !waited) {
+  if (auto waited = port_.run_cycle(); !waited) {
     return waited;
   }
   if (auto written = write_controlword(kFaultReset); !written) {
@@ -257,9 +199,7 @@ Result<void> Cia402Client::reset_fault() {
 
 /// With a mapped target position the first cycle of Operation enabled must not ask for position 0.
 Result<void> Cia402Client::hold_position() {
-  const std::uint16_t target = axis_index(kTargetPosition);
-  if (!master_.operational() ||
-      find_entry(master_.output_entries(position_), target, 0) == nullptr) {
+  if (!port_.cyclic({axis_index(kTargetPosition), 0})) {
     return {};
   }
   const auto position = position_actual();
@@ -268,7 +208,7 @@ Result<void> Cia402Client::hold_position() {
 }
 
 Result<void> Cia402Client::enable() {
-  const base::SimTime deadline = master_.port().now() + response_timeout_;
+  const base::SimTime deadline = port_.now() + response_timeout_;
   if (auto held = hold_position(); !held) {
     return held;
   }
@@ -283,7 +223,7 @@ Result<void> Cia402Client::enable() {
     if (*now == DriveState::fault) {
       return base::Unexpected{fault_error()};
     }
-    if (master_.port().now() >= deadline) {
+    if (port_.now() >= deadline) {
       return timeout("Operation enabled, it is in " + std::string(to_text(*now)),
                      response_timeout_);
     }
@@ -292,7 +232,7 @@ Result<void> Cia402Client::enable() {
         return written;
       }
     }
-    if (auto waited = master_.run_cycle(); !waited) {
+    if (auto waited = port_.run_cycle(); !waited) {
       return waited;
     }
   }
@@ -310,9 +250,9 @@ Result<void> Cia402Client::set_mode(OperationMode mode) {
   if (auto written = write<std::int8_t>(kModesOfOperation, 0, number); !written) {
     return written;
   }
-  const base::SimTime deadline = master_.port().now() + response_timeout_;
+  const base::SimTime deadline = port_.now() + response_timeout_;
   while (true) {
-    if (auto waited = master_.run_cycle(); !waited) {
+    if (auto waited = port_.run_cycle(); !waited) {
       return waited;
     }
     const auto shown = read<std::int8_t>(kModesOfOperationDisplay);
@@ -322,7 +262,7 @@ Result<void> Cia402Client::set_mode(OperationMode mode) {
     if (*shown == number) {
       return {};
     }
-    if (master_.port().now() >= deadline) {
+    if (port_.now() >= deadline) {
       return timeout(
           "mode of operation " + std::to_string(number) + ", 6061h is " + std::to_string(*shown),
           response_timeout_);

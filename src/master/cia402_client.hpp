@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "base/sim_time.hpp"
+#include "master/drive_port.hpp"
 #include "master/drive_state.hpp"
 #include "master/master.hpp"
 
@@ -34,13 +36,14 @@ struct ProfileMove {
   std::optional<std::uint32_t> deceleration{};  ///< 6084h
 };
 
-/// One axis of a CiA 402 drive as a master sees it. An object that the slave maps into its process
-/// data is reached there while process data run, every other one by SDO. Waiting runs the
-/// master's cycle, so all axes of a segment go on while one is waited for.
+/// One axis of a CiA 402 drive as a master sees it. Waiting runs the master's cycle, so all axes of
+/// a network go on while one is waited for.
 class Cia402Client {
  public:
-  /// Objects of axis n lie n * 800h above those of axis 0 (CiA 402-1 §5.2, ETG.6010 §3). `master`
+  /// Objects of axis n lie n * 800h above those of axis 0 (CiA 402-1 §5.2, ETG.6010 §3). `port`
   /// must outlive the client.
+  explicit Cia402Client(DrivePort& port, unsigned axis = 0);
+  /// A slave of an EtherCAT master, which must outlive the client.
   Cia402Client(Master& master, std::size_t position, unsigned axis = 0);
 
   Result<std::uint16_t> statusword();
@@ -81,9 +84,6 @@ class Cia402Client {
 
  private:
   [[nodiscard]] std::uint16_t axis_index(std::uint16_t index) const;
-  Result<std::uint64_t> read_bits(std::uint16_t index, std::uint8_t subindex, std::size_t size);
-  Result<void> write_bits(std::uint16_t index, std::uint8_t subindex, std::size_t size,
-                          std::uint64_t bits);
   Result<void> write_controlword(std::uint16_t controlword);
   Result<void> write_profile(const ProfileMove& move);
   Result<void> hold_position();
@@ -94,8 +94,8 @@ class Cia402Client {
   Error fault_error();
   [[nodiscard]] std::string name() const;
 
-  Master& master_;
-  std::size_t position_;
+  std::unique_ptr<DrivePort> own_port_;  ///< null: somebody else's
+  DrivePort& port_;
   unsigned axis_;
   std::uint16_t controlword_ = 0;
   base::SimDuration response_timeout_{1'000'000'000};
@@ -103,7 +103,7 @@ class Cia402Client {
 
 template <typename T>
 Result<T> Cia402Client::read(std::uint16_t index, std::uint8_t subindex) {
-  const auto bits = read_bits(axis_index(index), subindex, sizeof(T));
+  const auto bits = port_.read({axis_index(index), subindex}, sizeof(T));
   if (!bits) {
     return base::Unexpected{bits.error()};
   }
@@ -112,7 +112,7 @@ Result<T> Cia402Client::read(std::uint16_t index, std::uint8_t subindex) {
 
 template <typename T>
 Result<void> Cia402Client::write(std::uint16_t index, std::uint8_t subindex, T value) {
-  return write_bits(axis_index(index), subindex, sizeof(T), static_cast<std::uint64_t>(value));
+  return port_.write({axis_index(index), subindex}, sizeof(T), static_cast<std::uint64_t>(value));
 }
 
 }  // namespace stator::master

@@ -37,7 +37,9 @@ const std::map<std::string, can::FrameFaultKind>& bus_faults() {
   return kinds;
 }
 
-std::set<std::string> action_names() {
+}  // namespace
+
+std::set<std::string> EventSectionReader::action_names() {
   std::set<std::string> names{"break", "heal",    "power-off",    "power-on",
                               "set",   "bus-off", "error-passive"};
   for (const auto& [name, kind] : segment_faults()) {
@@ -48,8 +50,6 @@ std::set<std::string> action_names() {
   }
   return names;
 }
-
-}  // namespace
 
 RackEvent EventSectionReader::read_cable(TomlSection& section, bool intact) const {
   const DeviceAddress target = targets_.read_target(section);
@@ -174,21 +174,27 @@ void EventSectionReader::read(TomlSection& section, std::vector<EventConfigurati
     section.missing("action",
                     fmt::format("it must be one of: {}", fmt::join(action_names(), ", ")));
   }
-  if (*action == "set") {
-    read_set(section, *at, events);
-  } else if (*action == "break" || *action == "heal") {
-    events.push_back({*at, read_cable(section, *action == "heal")});
-  } else if (*action == "power-off" || *action == "power-on") {
-    events.push_back({*at, PowerEvent{targets_.read_target(section), *action == "power-on"}});
-  } else if (*action == "bus-off" || *action == "error-passive") {
-    const bool off = *action == "bus-off";
-    events.push_back(
-        {*at, ErrorStateEvent{targets_.read_can_target(section),
-                              off ? can::ErrorState::bus_off : can::ErrorState::error_passive}});
-  } else {
-    events.push_back({*at, read_frame_fault(section, *action)});
-  }
+  read_action(section, *action, *at, events);
   section.finish();
+}
+
+void EventSectionReader::read_action(TomlSection& section, const std::string& action,
+                                     base::SimDuration at,
+                                     std::vector<EventConfiguration>& events) {
+  if (action == "set") {
+    read_set(section, at, events);
+  } else if (action == "break" || action == "heal") {
+    events.push_back({at, read_cable(section, action == "heal")});
+  } else if (action == "power-off" || action == "power-on") {
+    events.push_back({at, PowerEvent{targets_.read_target(section), action == "power-on"}});
+  } else if (action == "bus-off" || action == "error-passive") {
+    const bool off = action == "bus-off";
+    events.push_back(
+        {at, ErrorStateEvent{targets_.read_can_target(section),
+                             off ? can::ErrorState::bus_off : can::ErrorState::error_passive}});
+  } else {
+    events.push_back({at, read_frame_fault(section, action)});
+  }
 }
 
 }  // namespace stator::rack

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,12 @@ class EventSectionReader {
   /// Reads one [[event]], its time, its action and what the action acts upon, and appends what it
   /// makes happen. Throws RackFileError for a device, port, cable or input that is not in the rack.
   void read(TomlSection& section, std::vector<EventConfiguration>& events);
+  /// The same of a table that says elsewhere when `action`, one of action_names(), happens, `at`
+  /// after the rack's power-on. Does not look for keys that nobody asked for.
+  void read_action(TomlSection& section, const std::string& action, base::SimDuration at,
+                   std::vector<EventConfiguration>& events);
+  /// What can happen.
+  [[nodiscard]] static std::set<std::string> action_names();
 
  private:
   [[nodiscard]] RackEvent read_cable(TomlSection& section, bool intact) const;

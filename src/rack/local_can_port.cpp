@@ -4,7 +4,16 @@ namespace stator::rack {
 
 LocalCanPort::LocalCanPort(Rack& rack, std::size_t bus, base::SimDuration cycle,
                            base::SimDuration step)
-    : rack_(rack), bus_(bus), clock_(cycle, step) {
+    : rack_(rack), bus_(bus), own_clock_(cycle, step), clock_(own_clock_) {
+  attach();
+}
+
+LocalCanPort::LocalCanPort(Rack& rack, std::size_t bus, LockstepClock& clock)
+    : rack_(rack), bus_(bus), own_clock_(clock), clock_(clock) {
+  attach();
+}
+
+void LocalCanPort::attach() {
   port_.set_lossy(true);  // one thread: nobody would take what the bus waits for
   rack_.bus(bus_).add(port_);
 }

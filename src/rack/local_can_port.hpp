@@ -16,6 +16,8 @@ class LocalCanPort {
  public:
   /// Reaches bus `bus` of `rack`, which must outlive the port.
   LocalCanPort(Rack& rack, std::size_t bus, base::SimDuration cycle, base::SimDuration step);
+  /// The same with a clock that ports onto other networks of the rack share; it must outlive them.
+  LocalCanPort(Rack& rack, std::size_t bus, LockstepClock& clock);
   ~LocalCanPort();
   LocalCanPort(const LocalCanPort&) = delete;
   LocalCanPort& operator=(const LocalCanPort&) = delete;
@@ -29,9 +31,12 @@ class LocalCanPort {
   [[nodiscard]] base::SimTime now() const { return clock_.now(); }
 
  private:
+  void attach();
+
   Rack& rack_;
   std::size_t bus_;
-  LockstepClock clock_;
+  LockstepClock own_clock_;
+  LockstepClock& clock_;
   can::Port port_;
 };
 

@@ -8,7 +8,14 @@ namespace stator::rack {
 
 LocalPort::LocalPort(Rack& rack, std::size_t segment, base::SimDuration cycle,
                      base::SimDuration step, std::unique_ptr<link::PcapWriter> capture)
-    : rack_(rack), segment_(segment), clock_(cycle, step), capture_(std::move(capture)) {}
+    : rack_(rack),
+      segment_(segment),
+      own_clock_(cycle, step),
+      clock_(own_clock_),
+      capture_(std::move(capture)) {}
+
+LocalPort::LocalPort(Rack& rack, std::size_t segment, LockstepClock& clock)
+    : rack_(rack), segment_(segment), own_clock_(clock), clock_(clock) {}
 
 master::Result<std::size_t> LocalPort::capture(std::span<const std::byte> frame) {
   if (capture_ != nullptr) {

@@ -18,6 +18,8 @@ class LocalPort final : public master::FramePort {
   /// Reaches segment `segment` of `rack`, which must outlive the port. `capture` may be null.
   LocalPort(Rack& rack, std::size_t segment, base::SimDuration cycle, base::SimDuration step,
             std::unique_ptr<link::PcapWriter> capture = nullptr);
+  /// The same with a clock that ports onto other networks of the rack share; it must outlive them.
+  LocalPort(Rack& rack, std::size_t segment, LockstepClock& clock);
 
   master::Result<std::size_t> exchange(std::span<const std::byte> frame, std::span<std::byte> reply,
                                        base::SimDuration timeout) override;
@@ -31,7 +33,8 @@ class LocalPort final : public master::FramePort {
 
   Rack& rack_;
   std::size_t segment_;
-  LockstepClock clock_;
+  LockstepClock own_clock_;
+  LockstepClock& clock_;
   std::unique_ptr<link::PcapWriter> capture_;
   std::deque<std::vector<std::byte>> late_;  ///< frames that a fault has held up
 };

@@ -212,14 +212,13 @@ RackConfiguration parse_rack_file(std::string_view text, const std::string& name
   return read_rack(root);
 }
 
-std::string read_rack_text(const std::string& path) {
+std::string read_rack_text(const std::string& path, std::string_view what) {
   std::ifstream file(path, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (!file.is_open() || file.bad()) {
     throw RackFileError(
-        fmt::format("{}: cannot read the rack file: {}; check the path and its "
-                    "permissions",
-                    path, std::generic_category().message(errno)));
+        fmt::format("{}: cannot read the {}: {}; check the path and its permissions", path, what,
+                    std::generic_category().message(errno)));
   }
   return text;
 }

@@ -10,8 +10,9 @@ namespace stator::rack {
 
 // The steps of load_rack_file(), for those who want to collect errors.
 
-/// The file's text. Throws RackFileError.
-[[nodiscard]] std::string read_rack_text(const std::string& path);
+/// The text of a file that is a `what`. Throws RackFileError.
+[[nodiscard]] std::string read_rack_text(const std::string& path,
+                                         std::string_view what = "rack file");
 /// The text as tables. Throws RackFileError.
 [[nodiscard]] toml::table parse_toml(std::string_view text, const std::string& name);
 /// The rack that `root` describes, of use only if no error was collected. Where errors are

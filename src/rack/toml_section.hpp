@@ -56,6 +56,8 @@ class TomlSection {
   [[nodiscard]] const std::string& path() const { return path_; }
   /// The rack file, as it was named.
   [[nodiscard]] const std::string& file() const { return file_; }
+  /// Where the table begins in it, from 1.
+  [[nodiscard]] std::uint32_t line() const { return table_->source().begin.line; }
 
   std::optional<std::string> text(const TomlKey& key);
   /// Whether `key` is there and is a text, for keys that take a text or something else.

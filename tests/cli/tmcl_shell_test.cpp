@@ -9,7 +9,6 @@
 
 #include "cli/stator_program.hpp"
 #include "cli/tmcl_bench_connection.hpp"
-#include "cli/tmcl_direct_line.hpp"
 #include "cli/tmcl_programs.hpp"
 
 namespace stator {

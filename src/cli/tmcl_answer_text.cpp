@@ -1,11 +1,7 @@
-#include "cli/tmcl_direct_line.hpp"
-
-#include <algorithm>
-#include <vector>
+#include "cli/tmcl_answer_text.hpp"
 
 #include <fmt/format.h>
 
-#include "tmcl/assembler.hpp"
 #include "tmcl/command.hpp"
 
 namespace stator::cli {
@@ -16,24 +12,6 @@ namespace {
 constexpr std::uint8_t kAnalogBank = 1;
 constexpr std::uint8_t kOutputBank = 2;
 constexpr std::uint8_t kAllPorts = 255;
-
-/// "sap 6 0 8" as "sap 6, 0, 8".
-std::string with_commas(std::string_view line) {
-  if (line.find(',') != std::string_view::npos) {
-    return std::string(line);
-  }
-  std::string text;
-  int words = 0;
-  std::size_t position = 0;
-  while ((position = line.find_first_not_of(" \t", position)) != std::string_view::npos) {
-    const std::size_t end = std::min(line.find_first_of(" \t", position), line.size());
-    text += words == 0 ? "" : words == 1 ? " " : ", ";
-    text += line.substr(position, end - position);
-    ++words;
-    position = end;
-  }
-  return text;
-}
 
 std::string parameter_text(std::string_view kind, const tmcl::ParameterDeclaration* parameter,
                            int number, std::int32_t value) {
@@ -56,20 +34,6 @@ std::string port_text(const tmcl::Instruction& instruction, std::int32_t value) 
 }
 
 }  // namespace
-
-base::Expected<tmcl::Instruction, std::string> parse_direct_line(
-    std::string_view line, const tmcl::ModuleDescription& module) {
-  const tmcl::Assembly assembly = tmcl::assemble(with_commas(line), module);
-  for (const tmcl::Diagnostic& each : assembly.diagnostics) {
-    if (each.severity == tmcl::Severity::error) {
-      return base::Unexpected{each.message};
-    }
-  }
-  if (assembly.program.instructions.size() != 1) {
-    return base::Unexpected{std::string("found no command; expected e.g. GAP MAX_CURRENT, 0")};
-  }
-  return assembly.program.instructions.front();
-}
 
 std::string_view unit_text(const tmcl::ParameterDeclaration& parameter) {
   switch (parameter.unit) {
