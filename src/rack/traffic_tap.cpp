@@ -71,16 +71,17 @@ std::optional<can::Frame> TrafficTap::decode_can(std::span<const std::byte> byte
 
 void TrafficTap::copy_in(std::size_t at, std::span<const std::byte> bytes) {
   at %= ring_.size();
-  const std::size_t first = std::min(bytes.size(), ring_.size() - at);
-  std::memcpy(ring_.data() + at, bytes.data(), first);
-  std::memcpy(ring_.data(), bytes.data() + first, bytes.size() - first);
+  const auto first = bytes.first(std::min(bytes.size(), ring_.size() - at));
+  std::ranges::copy(first, ring_.begin() + static_cast<std::ptrdiff_t>(at));
+  std::ranges::copy(bytes.subspan(first.size()), ring_.begin());
 }
 
 void TrafficTap::copy_out(std::size_t at, std::span<std::byte> bytes) const {
   at %= ring_.size();
-  const std::size_t first = std::min(bytes.size(), ring_.size() - at);
-  std::memcpy(bytes.data(), ring_.data() + at, first);
-  std::memcpy(bytes.data() + first, ring_.data(), bytes.size() - first);
+  const auto first = bytes.first(std::min(bytes.size(), ring_.size() - at));
+  std::ranges::copy(std::span(ring_).subspan(at, first.size()), first.begin());
+  const auto second = bytes.subspan(first.size());
+  std::ranges::copy(std::span(ring_).first(second.size()), second.begin());
 }
 
 }  // namespace stator::rack

@@ -33,7 +33,7 @@ section, .overview { background: var(--panel); border: 1px solid var(--line); bo
 table { border-collapse: collapse; width: 100%; } caption { text-align: left; color: var(--quiet); }
 th, td { text-align: left; vertical-align: top; padding: 0.3rem 0.7rem 0.3rem 0; border-top: 1px solid var(--line); }
 thead th { border-top: 0; color: var(--quiet); font-weight: 500; }
-td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 a { color: inherit; } pre { overflow-x: auto; background: var(--page); padding: 0.6rem; border-radius: 4px; font-size: 0.85rem; }
 svg { display: block; width: 100%; height: auto; margin-top: 0.6rem; }
 svg text { fill: var(--quiet); font-size: 11px; } svg .axis { stroke: var(--line); } svg .curve { stroke: var(--curve); fill: none; }
@@ -187,13 +187,12 @@ std::string picture(const ScenarioResult& result, const PlotSeries& series) {
       escaped(title), frame.left, axes(frame), curve(series, frame), marks(result, frame));
 }
 
-std::string step_row(const ScenarioResult& result, const StepResult& step) {
+std::string step_row(const StepResult& step) {
   return fmt::format(
-      "<tr><td class=\"number\">{}:{}</td><td>{}</td><td>{}</td>{}<td class=\"number\">{:.6f}</td>"
+      "<tr><td class=\"number\">{}</td><td>{}</td><td>{}</td>{}<td class=\"number\">{:.6f}</td>"
       "<td class=\"number\">{:.3f}</td><td>{}</td></tr>\n",
-      escaped(result.file.substr(result.file.find_last_of('/') + 1)), step.line, escaped(step.kind),
-      escaped(step.title), status_cell(step.status), step.begin.seconds(),
-      (step.end - step.begin).seconds() * 1e3, escaped(step.text));
+      step.line, escaped(step.kind), escaped(step.title), status_cell(step.status),
+      step.begin.seconds(), (step.end - step.begin).seconds() * 1e3, escaped(step.text));
 }
 
 std::string chapter(const ScenarioResult& result, std::size_t number) {
@@ -210,10 +209,11 @@ std::string chapter(const ScenarioResult& result, std::size_t number) {
   }
   if (!result.steps.empty() && result.status != Status::error) {
     html +=
-        "<table><thead><tr><th>Line</th><th>Kind</th><th>Step</th><th>Result</th>"
-        "<th>Begin / s</th><th>Took / ms</th><th>Seen</th></tr></thead><tbody>\n";
+        "<table><thead><tr><th class=\"number\">Line</th><th>Kind</th><th>Step</th><th>Result</th>"
+        "<th class=\"number\">Begin / s</th><th class=\"number\">Took / "
+        "ms</th><th>Seen</th></tr></thead><tbody>\n";
     for (const StepResult& step : result.steps) {
-      html += step_row(result, step);
+      html += step_row(step);
     }
     html += "</tbody></table>\n";
   }
@@ -238,7 +238,8 @@ std::string html_report(std::span<const ScenarioResult> results) {
   html += fmt::format("<h1>Scenarios</h1>\n<p>{} of {} passed</p>\n", passed, results.size());
   html +=
       "<div class=\"overview\"><table><thead><tr><th>Scenario</th><th>Result</th>"
-      "<th>Simulated / s</th><th>Took / s</th></tr></thead><tbody>\n";
+      "<th class=\"number\">Simulated / s</th><th class=\"number\">Took / "
+      "s</th></tr></thead><tbody>\n";
   for (std::size_t i = 0; i < results.size(); ++i) {
     html += fmt::format(
         "<tr><td><a href=\"#scenario-{}\">{}</a></td>{}<td class=\"number\">{:.3f}</td>"

@@ -107,7 +107,7 @@ abort = 0x06020000
 [[step]]
 do = "expect-object"
 object = "6041:00"
-mask = 0x6F
+mask = 0x4F
 equals = 0x40
 )"),
               "passed")

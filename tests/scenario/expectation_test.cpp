@@ -67,17 +67,21 @@ TEST(ExpectPowerState, TellsTheStatusword) {
 
 TEST(ExpectRegister, CountsWhatThePortSees) {
   EXPECT_EQ(module(R"([[step]]
-do = "scan"
-[[step]]
-do = "inject"
-fault = { kind = "ethercat-corrupt", device = "tmcm-3315", count = 1 }
-[[step]]
-do = "scan"
+do = "state"
 [[step]]
 do = "expect-register"
 address = 0x0300
-size = 2
-above = 0
+equals = 0
+[[step]]
+do = "inject"
+fault = { kind = "ethercat-corrupt", device = "tmcm-3315", count = 3 }
+[[step]]
+do = "wait"
+time = "20ms"
+[[step]]
+do = "expect-register"
+address = 0x0300
+equals = 3
 )"),
             "passed");
 }
@@ -121,7 +125,7 @@ data = "40 00 10 00 00 00 00 00"
 [[step]]
 do = "expect-frame"
 identifier = 0x581
-data = "43 00 10 00 92 01 02 00"
+data = "43 00 10 00 92 01 FC FF"
 )"),
             "passed");
 }

@@ -1,4 +1,4 @@
-// The scenarios in racks/scenarios pass, and always in the same simulated time.
+// The scenarios in scenarios pass, and always in the same simulated time.
 
 #include <algorithm>
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace {
 std::vector<std::string> shipped() {
   std::vector<std::string> paths;
   for (const auto& entry :
-       std::filesystem::directory_iterator(STATOR_SOURCE_DIR "/racks/scenarios")) {
+       std::filesystem::directory_iterator(STATOR_SOURCE_DIR "/scenarios")) {
     paths.push_back(entry.path().string());
   }
   std::ranges::sort(paths);
