@@ -1,0 +1,278 @@
+// What a master sees of faults around a TMC8670, and that all is well after them. The axis moves
+// far at 600 1/min, commutated by its encoder.
+
+#include <string>
+
+#include "rack/surroundings_rows.hpp"
+
+namespace stator::tests {
+namespace {
+
+using namespace base::literals;
+
+constexpr const char* kRack = R"(
+[[segment]]
+[[segment.device]]
+type = "tmc8670"
+name = "drive"
+[segment.device.objects]
+"2030:01" = 1453
+"2030:02" = 786
+"2030:03" = 1453
+"2030:04" = 786
+"2030:05" = 6400
+"2030:06" = 80
+"2030:07" = 300
+"2031:01" = 12000
+"6072" = 2000
+"6073" = 2000
+"6075" = 2450
+"6076" = 125
+"6081" = 2000
+"6083" = 20000
+"6084" = 20000
+"6085" = 50000
+[segment.device.axis]
+load.inertia = 2e-5
+load.brake_torque = 5.0
+left_switch.pressed_to = -1e4
+left_switch.normally_closed = true
+right_switch.pressed_from = 1e4
+right_switch.normally_closed = true
+home_switch.pressed_from = 1e4
+home_switch.normally_closed = true
+encoder_2.counts_per_revolution = 4096
+)";
+
+constexpr std::int32_t kRevolution = 65'536;
+constexpr unsigned kByEncoder = 3;  // 2020h:01
+constexpr unsigned kByHalls = 5;
+constexpr std::uint8_t kShaftByEncoder = 9;  // 2020h:02 and :03
+constexpr std::uint16_t kSpeed = 600;        ///< 1/min
+
+class Drive : public CoeDriveBench {
+ public:
+  explicit Drive(unsigned commutation = kByEncoder)
+      : CoeDriveBench(kRack), commutation_(commutation) {}
+
+  void start_motion() {
+    start();
+    write<std::uint8_t>(0x2020, static_cast<std::uint8_t>(commutation_), 1);
+    if (commutation_ == kByHalls) {
+      write<std::uint8_t>(0x2012, 1, 2);                // interpolated
+      write<std::uint8_t>(0x2020, kShaftByEncoder, 2);  // velocity
+      write<std::uint8_t>(0x2020, kShaftByEncoder, 3);  // position
+    }
+    write<std::uint32_t>(0x6065, 20'000);
+    write<std::uint32_t>(0x6081, kSpeed);
+    go_on();
+  }
+  void go_on() {
+    if (stopped()) {
+      control(0);
+      control(0x80);
+      pass(5_ms);
+      enable(1);
+    }
+    target_ += 1'000 * kRevolution;
+    write<std::int32_t>(0x607A, target_);
+    control(0x0F);
+    control(0x1F);
+    pass(500_ms);
+  }
+  void enable(std::int8_t mode) {
+    write<std::int8_t>(0x6060, mode);
+    for (const unsigned controlword : {6U, 7U, 15U}) {
+      control(controlword);
+      pass(5_ms);
+    }
+  }
+  bool stopped() { return !is_enabled(statusword()); }
+  std::int32_t position() { return read<std::int32_t>(0x6064); }
+  /// 1/min by the positions of a quarter of a second.
+  double speed() {
+    const std::int32_t before = position();
+    pass(250_ms);
+    return static_cast<double>(position() - before) / kRevolution * 240.0;
+  }
+  bool is_healthy() {
+    EXPECT_NEAR(speed(), kSpeed, 30.0);
+    EXPECT_NEAR(signal("drive.axis0.shaft_speed") * 60.0, kSpeed, 30.0);
+    EXPECT_EQ(read<std::uint8_t>(0x1001), 0);
+    return !stopped();
+  }
+
+ private:
+  unsigned commutation_;
+  std::int32_t target_ = 0;
+};
+
+class HallDrive : public Drive {
+ public:
+  HallDrive() : Drive(kByHalls) {}
+};
+
+using Row = SurroundingsRow<Drive>;
+
+template <unsigned code>
+void has_error_code(Drive& b) {
+  EXPECT_EQ(b.read<std::uint16_t>(0x603F), code);
+}
+constexpr auto kFollowingError = has_error_code<0x8611>;
+
+void runs(Drive& b) {
+  EXPECT_NEAR(b.speed(), kSpeed, 60.0);
+}
+
+void stands(Drive& b) {
+  EXPECT_NEAR(b.speed(), 0.0, 1.0);
+}
+
+/// Peak to peak of 6077h in a tenth of a second.
+int torque_ripple(Drive& b) {
+  int lowest = 32'767;
+  int highest = -32'768;
+  for (int n = 0; n < 50; ++n) {
+    b.pass(2_ms);
+    const int torque = b.read<std::int16_t>(0x6077);
+    lowest = std::min(lowest, torque);
+    highest = std::max(highest, torque);
+  }
+  return highest - lowest;
+}
+
+const std::vector<Row>& rows() {
+  static const std::vector<Row> kRows{
+      {"MotorStall", "kind = 'motor-stall'", {{0x8611, 0}}, true, kFollowingError},
+      {"AxisJammed",
+       "kind = 'axis-jammed'\nfrom = 0\nto = 1",
+       {{0x8611, 0}},
+       true,
+       kFollowingError},
+      {"FrictionRise", "kind = 'friction-rise'\ntorque = 2", {{0x8611, 0}}, true, kFollowingError},
+      {"FrictionRiseBelowTheLimit",
+       "kind = 'friction-rise'\ntorque = 0.1",
+       {},
+       false,
+       [](Drive& b) {
+         runs(b);
+         EXPECT_GT(b.read<std::int16_t>(0x6077), 500) << "0.1 % of 125 mN m";
+       }},
+      {"LoadStep", "kind = 'load-step'\ntorque = -0.7", {{0x8611, 0}}, true, kFollowingError},
+      {"LoadInertia", "kind = 'load-inertia'\ninertia = 2e-5", {}, false, runs},
+      {"PhaseLoss",
+       "kind = 'phase-loss'\nphase = 'v'",
+       {},
+       false,
+       [](Drive& b) {
+         runs(b);
+         EXPECT_NEAR(b.signal("drive.axis0.current_v"), 0.0, 1e-9);
+       }},
+      {"PhaseShort", "kind = 'phase-short'\nphase = 'u'", {{0x8611, 0}}, true, kFollowingError},
+      {"PhaseShortHighSide",
+       "kind = 'phase-short'\nphase = 'high-side'",
+       {{0x8611, 0}},
+       true,
+       kFollowingError},
+      {"EncoderGlitch",
+       "kind = 'encoder-glitch'\ncounts = 30000",
+       {{0x8611, 0}},
+       true,
+       kFollowingError,
+       1_s,
+       true},
+      {"EncoderLoss", "kind = 'encoder-loss'", {{0x8611, 0}}, true, kFollowingError},
+      {"EncoderLossOfAChannel",
+       "kind = 'encoder-loss'\nchannel = 'a'",
+       {{0x8611, 0}},
+       true,
+       kFollowingError},
+      {"EncoderLossOfTheIndex", "kind = 'encoder-loss'\nchannel = 'index'", {}, false, runs},
+      {"EncoderSlip",
+       "kind = 'encoder-slip'\nslip = 0.2",
+       {{0x8611, 0}},
+       true,
+       kFollowingError,
+       1_s,
+       true},
+      {"EncoderNoise", "kind = 'encoder-noise'\ncounts = 20", {}, false, runs},
+      {"SecondEncoderLoss", "kind = 'encoder-loss'\nencoder = 2", {}, false, runs},
+      {"HallFaultWithoutUse", "kind = 'hall-fault'", {}, false, runs},
+      {"SupplySag", "kind = 'supply-sag'\nvolts = 20", {{0x3220, 0}}, true, has_error_code<0x3220>},
+      {"SupplyOvervoltage",
+       "kind = 'supply-overvoltage'\nvolts = 40",
+       {{0x3210, 0}},
+       true,
+       has_error_code<0x3210>},
+      {"SupplyResistance", "kind = 'supply-resistance'\nohms = 20", {}, false, runs},
+      {"OverTemperature", "kind = 'over-temperature'\nkelvin = 150", {}, false, runs},
+      {"OverTemperatureOfTheMotor",
+       "kind = 'over-temperature'\nkelvin = 150\nplace = 'motor'",
+       {},
+       false,
+       runs},
+      {"Heat", "kind = 'heat'\nwatts = 50\nplace = 'motor'", {}, false, runs, 30_s},
+      {"SwitchStuckPressed",
+       "kind = 'switch-stuck'\nswitch = 'right'",
+       {{0xFF01, 3}},
+       false,
+       stands},
+      {"BrakeStuckClosed", "kind = 'brake-stuck'", {{0x8611, 0}}, true, kFollowingError},
+      {"BrakeDrag", "kind = 'brake-drag'\ntorque = 5", {{0x8611, 0}}, true, kFollowingError},
+      {"CurrentNoise",
+       "kind = 'current-noise'\nsize = 100",
+       {},
+       false,
+       [](Drive& b) {
+         runs(b);
+         const int ripple = torque_ripple(b);
+         EXPECT_GT(ripple, 100) << "40 without noise";
+       }},
+  };
+  return kRows;
+}
+
+/// With halls that commutate.
+const std::vector<SurroundingsRow<HallDrive>>& hall_rows() {
+  static const std::vector<SurroundingsRow<HallDrive>> kRows{
+      {"StuckLow", "kind = 'hall-fault'", {{0x7310, 0}}, true, has_error_code<0x7310>},
+      {"StuckHigh",
+       "kind = 'hall-fault'\nsensor = 3\nmode = 'high'",
+       {{0x7310, 0}},
+       true,
+       has_error_code<0x7310>},
+      {"Swapped",
+       "kind = 'hall-fault'\nmode = 'swapped'",
+       {},
+       false,
+       [](Drive& b) {
+         runs(b);
+         EXPECT_GT(torque_ripple(b), 1'000) << "the other loops keep it going, by the encoder";
+       }},
+  };
+  return kRows;
+}
+
+class Tmc8670Surroundings : public testing::TestWithParam<Row> {};
+class Tmc8670HallFaults : public testing::TestWithParam<SurroundingsRow<HallDrive>> {};
+
+TEST_P(Tmc8670Surroundings, AreSeenAndGoAway) {
+  expect_seen_and_gone(GetParam());
+}
+
+TEST_P(Tmc8670HallFaults, AreSeenAndGoAway) {
+  expect_seen_and_gone(GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Tmc8670Surroundings, testing::ValuesIn(rows()), RowName());
+INSTANTIATE_TEST_SUITE_P(All, Tmc8670HallFaults, testing::ValuesIn(hall_rows()), RowName());
+
+}  // namespace
+
+std::vector<CoveredFault> covered_tmc8670() {
+  std::vector<CoveredFault> covered = covered_by("tmc8670", rows());
+  std::ranges::copy(covered_by("tmc8670", hall_rows()), std::back_inserter(covered));
+  return covered;
+}
+
+}  // namespace stator::tests
