@@ -37,6 +37,8 @@ constexpr bool is_enabled(unsigned statusword) {
 /// An EtherCAT drive alone on a segment, named "drive", moved by SDOs.
 class CoeDriveBench : public SegmentFaultBench {
  public:
+  static constexpr const char* kDevice = "drive";
+
   explicit CoeDriveBench(const std::string& file) : SegmentFaultBench(file) {}
 
   /// Operational without process data watchdog.
@@ -76,6 +78,8 @@ class CoeDriveBench : public SegmentFaultBench {
 /// A CANopen drive alone on a bus, node 1 and named "drive", moved by SDOs.
 class CanopenDriveBench : public WithFaults<BusBench> {
  public:
+  static constexpr const char* kDevice = "drive";
+
   explicit CanopenDriveBench(const std::string& file) : WithFaults(file) {}
 
   /// After boot-up, in Operational.
@@ -150,6 +154,8 @@ class CanopenDriveBench : public WithFaults<BusBench> {
 /// A TMCL module alone on a serial line, with address 1 and named "drive".
 class TmclModuleBench : public WithFaults<LineBench> {
  public:
+  static constexpr const char* kDevice = "drive";
+
   explicit TmclModuleBench(const std::string& file) : WithFaults(file) {}
 
   void pass(base::SimDuration duration) { wait(duration); }

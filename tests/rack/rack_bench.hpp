@@ -63,8 +63,12 @@ class RackBench {
 /// A rack whose first segment has a master in the same process.
 class SegmentBench : public RackBench {
  public:
+  explicit SegmentBench(rack::RackConfiguration wanted)
+      : RackBench(std::move(wanted)),
+        port(rack, 0, configuration.cycle, configuration.step),
+        master(port) {}
   explicit SegmentBench(const std::string& file = kTwoModules)
-      : RackBench(file), port(rack, 0, configuration.cycle, configuration.step), master(port) {}
+      : SegmentBench(rack::parse_rack_file(file, file_name)) {}
 
   [[nodiscard]] base::SimTime now() { return port.now(); }
   /// Lets simulated time pass up to `moment` after the start.

@@ -66,7 +66,8 @@ void expect_seen_and_gone(const SurroundingsRow<Bench>& row) {
   ASSERT_TRUE(bench.is_healthy());
   ASSERT_TRUE(bench.told().empty());
 
-  const std::uint64_t fault = bench.inject(std::string(row.fault) + "\ndevice = 'drive'");
+  const std::string device = std::string("\ndevice = '") + Bench::kDevice + "'";
+  const std::uint64_t fault = bench.inject(row.fault + device);
   std::vector<Told> told;
   const auto listen = [&] { std::ranges::copy(bench.told(), std::back_inserter(told)); };
   for (base::SimDuration waited{}; waited < row.lasts; waited += kLook) {
@@ -91,7 +92,7 @@ void expect_seen_and_gone(const SurroundingsRow<Bench>& row) {
   EXPECT_EQ(bench.state(fault), rack::FaultState::done);
   bench.pass(row.lasts > 1_s ? 60_s : 1_s);
   if (row.restart) {
-    bench.inject("kind = 'power-off'\nfor = '50ms'\ndevice = 'drive'");
+    bench.inject("kind = 'power-off'\nfor = '50ms'" + device);
     bench.pass(100_ms);
     bench.start_motion();
   } else {
