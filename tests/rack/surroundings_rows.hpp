@@ -5,6 +5,7 @@
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -102,6 +103,24 @@ void expect_seen_and_gone(const SurroundingsRow<Bench>& row) {
   bench.pass(1_s);
   EXPECT_TRUE(bench.told().empty());
   EXPECT_TRUE(bench.is_healthy());
+}
+
+/// Lowest and highest of what is read 50 times, every 2 ms.
+template <typename Bench, typename Read>
+auto extremes_of(Bench& bench, Read read) {
+  std::pair<decltype(read()), decltype(read())> extremes{read(), read()};
+  for (int n = 0; n < 50; ++n) {
+    bench.pass(base::SimDuration(2'000'000));
+    const auto value = read();
+    extremes = {std::min(extremes.first, value), std::max(extremes.second, value)};
+  }
+  return extremes;
+}
+/// Peak to peak of that.
+template <typename Bench, typename Read>
+auto ripple_of(Bench& bench, Read read) {
+  const auto [lowest, highest] = extremes_of(bench, read);
+  return highest - lowest;
 }
 
 /// The name of a row as that of a test.

@@ -74,10 +74,14 @@ class Drive : public CoeDriveBench {
       pass(5_ms);
       enable(1);
     }
-    target_ += 1'000 * kRevolution;
+    move(1'000);
+  }
+  /// So many revolutions on, at once.
+  void move(std::int32_t revolutions) {
+    target_ += revolutions * kRevolution;
     write<std::int32_t>(0x607A, target_);
-    control(0x0F);
-    control(0x1F);
+    control(0x2F);
+    control(0x3F);
     pass(500_ms);
   }
   void enable(std::int8_t mode) {
@@ -128,17 +132,23 @@ void stands(Drive& b) {
   EXPECT_NEAR(b.speed(), 0.0, 1.0);
 }
 
-/// Peak to peak of 6077h in a tenth of a second.
 int torque_ripple(Drive& b) {
-  int lowest = 32'767;
-  int highest = -32'768;
-  for (int n = 0; n < 50; ++n) {
-    b.pass(2_ms);
-    const int torque = b.read<std::int16_t>(0x6077);
-    lowest = std::min(lowest, torque);
-    highest = std::max(highest, torque);
-  }
-  return highest - lowest;
+  return ripple_of(b, [&b] { return b.read<std::int16_t>(0x6077); });
+}
+int velocity_ripple(Drive& b) {
+  return ripple_of(b, [&b] { return b.read<std::int32_t>(0x606C); });
+}
+
+/// Homing on an index that does not come: it runs on.
+void never_comes_home(Drive& b) {
+  b.write<std::int8_t>(0x6060, 6);
+  b.write<std::int8_t>(0x6098, 34);
+  b.control(0x0F);
+  b.control(0x1F);
+  b.pass(20_s);
+  EXPECT_EQ(b.statusword() & 0x1000U, 0U) << "homing attained";
+  EXPECT_GT(std::abs(b.speed()), 1.0);
+  b.control(0);  // afterwards the axis is enabled anew
 }
 
 const std::vector<Row>& rows() {
@@ -159,7 +169,16 @@ const std::vector<Row>& rows() {
          EXPECT_GT(b.read<std::int16_t>(0x6077), 500) << "0.1 % of 125 mN m";
        }},
       {"LoadStep", "kind = 'load-step'\ntorque = -0.7", {{0x8611, 0}}, true, kFollowingError},
-      {"LoadInertia", "kind = 'load-inertia'\ninertia = 2e-5", {}, false, runs},
+      {"LoadInertia",
+       "kind = 'load-inertia'\ninertia = 0.01",
+       {},
+       false,
+       [](Drive& b) {
+         runs(b);
+         b.move(-1'000);
+         EXPECT_TRUE(b.stopped()) << "the ramp is too steep now";
+         kFollowingError(b);
+       }},
       {"PhaseLoss",
        "kind = 'phase-loss'\nphase = 'v'",
        {},
@@ -187,7 +206,11 @@ const std::vector<Row>& rows() {
        {{0x8611, 0}},
        true,
        kFollowingError},
-      {"EncoderLossOfTheIndex", "kind = 'encoder-loss'\nchannel = 'index'", {}, false, runs},
+      {"EncoderLossOfTheIndex",
+       "kind = 'encoder-loss'\nchannel = 'index'",
+       {},
+       false,
+       never_comes_home},
       {"EncoderSlip",
        "kind = 'encoder-slip'\nslip = 0.2",
        {{0x8611, 0}},
@@ -195,23 +218,52 @@ const std::vector<Row>& rows() {
        kFollowingError,
        1_s,
        true},
-      {"EncoderNoise", "kind = 'encoder-noise'\ncounts = 20", {}, false, runs},
-      {"SecondEncoderLoss", "kind = 'encoder-loss'\nencoder = 2", {}, false, runs},
-      {"HallFaultWithoutUse", "kind = 'hall-fault'", {}, false, runs},
+      {"EncoderNoise",
+       "kind = 'encoder-noise'\ncounts = 20",
+       {},
+       false,
+       [](Drive& b) {
+         runs(b);
+         const int ripple = velocity_ripple(b);
+         EXPECT_GT(ripple, 20);
+       }},
+      {"HallFaultWithoutUse",
+       "kind = 'hall-fault'",
+       {},
+       false,
+       [](Drive& b) {
+         runs(b);
+         for (int n = 0; n < 50; ++n) {
+           b.pass(1_ms);
+           EXPECT_EQ(static_cast<unsigned>(b.signal("drive.axis0.halls")) & 1U, 0U);
+         }
+       }},
       {"SupplySag", "kind = 'supply-sag'\nvolts = 20", {{0x3220, 0}}, true, has_error_code<0x3220>},
       {"SupplyOvervoltage",
        "kind = 'supply-overvoltage'\nvolts = 40",
        {{0x3210, 0}},
        true,
        has_error_code<0x3210>},
-      {"SupplyResistance", "kind = 'supply-resistance'\nohms = 20", {}, false, runs},
-      {"OverTemperature", "kind = 'over-temperature'\nkelvin = 150", {}, false, runs},
-      {"OverTemperatureOfTheMotor",
-       "kind = 'over-temperature'\nkelvin = 150\nplace = 'motor'",
+      {"SupplyResistance",
+       "kind = 'supply-resistance'\nohms = 40",
        {},
        false,
-       runs},
-      {"Heat", "kind = 'heat'\nwatts = 50\nplace = 'motor'", {}, false, runs, 30_s},
+       [](Drive& b) {
+         runs(b);
+         const auto load = b.inject("kind = 'load-step'\ndevice = 'drive'\ntorque = -0.2");
+         b.pass(500_ms);
+         EXPECT_EQ(b.told(), (std::vector<Told>{{0x3220, 0}})) << "under load only";
+         b.clear(load);
+       }},
+      {"Heat",
+       "kind = 'heat'\nwatts = 50\nplace = 'motor'",
+       {},
+       false,
+       [](Drive& b) {
+         runs(b);  // it has no thermometer
+         EXPECT_GT(b.signal("drive.axis0.winding_temperature"), 60.0);
+       },
+       30_s},
       {"SwitchStuckPressed",
        "kind = 'switch-stuck'\nswitch = 'right'",
        {{0xFF01, 3}},

@@ -102,6 +102,9 @@ void has_hall_error(Drive& b) {
   b.clear(second);
   b.clear(third);
 }
+int current_ripple(Drive& b) {
+  return ripple_of(b, [&b] { return b.current(); });
+}
 void counts(Drive& b, bool expected) {
   const auto before = b.read<std::int16_t>(0x2080, 1);
   bool moved = false;
@@ -125,8 +128,27 @@ const std::vector<Row>& rows() {
          runs(b);
          EXPECT_GT(b.current(), 1'000) << "about 100 without load";
        }},
-      {"LoadInertia", "kind = 'load-inertia'\ninertia = 1e-5", {}, false, runs},
-      {"PhaseLoss", "kind = 'phase-loss'\nphase = 'u'", {}, false, runs},
+      {"LoadInertia",
+       "kind = 'load-inertia'\ninertia = 3e-3",
+       {},
+       false,
+       [](Drive& b) {
+         runs(b);
+         b.write<std::int32_t>(0x60FF, 3 * kSpeed);
+         b.pass(1'500_ms);
+         EXPECT_LT(b.speed(), 2 * kSpeed) << "it takes longer";
+       }},
+      {"PhaseLoss",
+       "kind = 'phase-loss'\nphase = 'u'",
+       {},
+       false,
+       [](Drive& b) {
+         runs(b);
+         for (int n = 0; n < 20; ++n) {
+           b.pass(1_ms);
+           EXPECT_NEAR(b.signal("drive.axis0.phase_current_u"), 0.0, 1e-6);
+         }
+       }},
       {"PhaseShortU", "kind = 'phase-short'\nphase = 'u'", {{0x2312, 0}}, true},
       {"PhaseShortV", "kind = 'phase-short'\nphase = 'v'", {{0x2311, 0}}, true},
       {"PhaseShortHighSide", "kind = 'phase-short'\nphase = 'high-side'", {{0x2310, 0}}, true},
@@ -175,18 +197,26 @@ const std::vector<Row>& rows() {
        }},
       {"BrakeStuckClosed", "kind = 'brake-stuck'", {}, false, pushes},
       {"BrakeDrag", "kind = 'brake-drag'\ntorque = 5", {}, false, pushes},
-      {"CurrentNoise", "kind = 'current-noise'\nsize = 0.5", {}, false, runs},
+      {"CurrentNoise",
+       "kind = 'current-noise'\nsize = 0.5",
+       {},
+       false,
+       [](Drive& b) {
+         runs(b);
+         const int ripple = current_ripple(b);
+         const auto quiet = b.inject("kind = 'current-noise'\nsize = 0\ndevice = 'drive'");
+         EXPECT_GT(ripple, 3 * current_ripple(b));
+         b.clear(quiet);
+       }},
       {"AnalogNoise",
        "kind = 'analog-noise'\ncounts = 5",
        {},
        false,
        [](Drive& b) {
          b.inject("kind = 'set'\ndevice = 'drive'\ninput = 'analog_input_0'\nvalue = 2");
-         std::uint32_t highest = 0;
-         for (int n = 0; n < 50; ++n) {
-           b.pass(1_ms);
-           highest = std::max(highest, b.read<std::uint32_t>(0x270E, 1));
-         }
+         const auto [lowest, highest] =
+             extremes_of(b, [&b] { return b.read<std::uint32_t>(0x270E, 1); });
+         EXPECT_LE(lowest, 2U);
          EXPECT_GE(highest, 4U);
          EXPECT_LE(highest, 7U);
        }},
@@ -197,12 +227,31 @@ const std::vector<Row>& rows() {
 /// With an encoder that commutates.
 const std::vector<SurroundingsRow<EncoderDrive>>& encoder_rows() {
   static const std::vector<SurroundingsRow<EncoderDrive>> kRows{
-      {"Glitch", "kind = 'encoder-glitch'\ncounts = 100", {}, false, runs, 1_s, true},
+      {"Glitch",
+       "kind = 'encoder-glitch'\ncounts = 200",
+       {},
+       false,
+       [](Drive& b) {
+         const int apart = b.read<std::int16_t>(0x2080, 1) - b.read<std::int16_t>(0x2070, 1);
+         EXPECT_GT(std::abs(static_cast<std::int16_t>(apart)), 6'000);
+       },
+       1_s,
+       true},
       {"Loss", "kind = 'encoder-loss'", {}, false, pushes, 1_s, true},
       {"LossOfAChannel", "kind = 'encoder-loss'\nchannel = 'a'", {}, false, pushes, 1_s, true},
       {"LossOfTheIndex", "kind = 'encoder-loss'\nchannel = 'index'", {}, false, runs},
       {"Slip", "kind = 'encoder-slip'\nslip = 0.2", {}, false, stands, 1_s, true},
-      {"Noise", "kind = 'encoder-noise'\ncounts = 20", {}, false, runs},
+      {"Noise",
+       "kind = 'encoder-noise'\ncounts = 20",
+       {},
+       false,
+       [](Drive& b) {
+         runs(b);
+         b.write<std::int32_t>(0x60FF, 0);
+         b.pass(1_s);
+         const int ripple = ripple_of(b, [&b] { return b.read<std::int32_t>(0x6064); });
+         EXPECT_GT(ripple, 20);
+       }},
   };
   return kRows;
 }
