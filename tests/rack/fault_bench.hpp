@@ -68,14 +68,20 @@ class SegmentFaultBench : public WithFaults<SegmentBench> {
     return take(port.exchange({}, reply_, timeout));
   }
   [[nodiscard]] std::uint8_t index() const { return index_; }
-  /// A register as it is, without a frame.
+  /// A register as it is, without a frame, while frames do not come through.
   [[nodiscard]] unsigned peek(std::size_t slave, std::uint16_t address) {
     std::array<std::byte, 2> bytes{};
     rack.segment(0).slave(slave).peek(address, bytes);
     return base::load_le<std::uint16_t>(bytes);
   }
-  [[nodiscard]] unsigned counter(std::size_t slave, std::uint16_t address) {
-    return peek(slave, address) & 0xFFU;
+  /// A register as a frame reads it.
+  [[nodiscard]] unsigned read(std::uint16_t slave, std::uint16_t address) {
+    const auto answer = send(ethercat::Command::aprd, slave, address);
+    EXPECT_TRUE(answer && answer->working_counter == 1) << slave << " " << address;
+    return answer ? static_cast<unsigned>(answer->value) : 0U;
+  }
+  [[nodiscard]] unsigned counter(std::uint16_t slave, std::uint16_t address) {
+    return read(slave, address) & 0xFFU;
   }
 
  private:
