@@ -317,7 +317,7 @@ name = "right"
     }
     const auto length = bench.port.exchange(builder.finish(), reply, 1_ms);
     EXPECT_TRUE(length);
-    ethercat::DatagramCursor cursor(std::span(reply).first(length ? *length : 0));
+    ethercat::DatagramCursor cursor{std::span(reply).first(length ? *length : 0)};
     const auto time = [&cursor] {
       return static_cast<std::int64_t>(base::load_le<std::uint64_t>(cursor.next()->bytes()));
     };
@@ -331,9 +331,9 @@ name = "right"
   };
   EXPECT_EQ(gained(1_s), 0);
   const auto fault = bench.inject("kind = 'clock-drift'\ndevice = 'right'\nppb = 50000");
-  EXPECT_NEAR(static_cast<double>(gained(1_s)), 50'000.0, 2.0) << "ns in a second";
+  EXPECT_NEAR(static_cast<double>(gained(1_s)), 50'000.0, 10.0) << "ns in a second";
   bench.clear(fault);
-  EXPECT_NEAR(static_cast<double>(gained(1_s)), 0.0, 2.0);
+  EXPECT_NEAR(static_cast<double>(gained(1_s)), 0.0, 10.0);
   bench.bring_to_operational();
 }
 
@@ -368,6 +368,7 @@ void can_error_frame() {
   const auto of_node = node.inject("kind = 'can-error-frame'\ndevice = 'drive'\ncount = 17");
   EXPECT_TRUE(node.answers());
   EXPECT_EQ(node.state(of_node), FaultState::done);
+  node.pass(100_ms);
   EXPECT_THAT(node.told(), ElementsAre(tests::Told{0x8120, 0}));
   node.pass(1_s);
   EXPECT_TRUE(node.answers());
@@ -406,8 +407,9 @@ void can_bus_off() {
   // What a product tells of it: 8140h, when it is back.
   Node node;
   node.inject("kind = 'can-bus-off'\ndevice = 'drive'");
-  EXPECT_FALSE(node.answers());
-  node.pass(1_s);
+  node.pass(900_ms);
+  EXPECT_THAT(node.told(), IsEmpty());
+  node.pass(200_ms);
   EXPECT_THAT(node.told(), ElementsAre(tests::Told{0x8140, 0}));
   EXPECT_TRUE(node.answers());
 }
