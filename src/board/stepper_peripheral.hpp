@@ -66,7 +66,8 @@ class StepperPeripheral : public Peripheral, public StepFollower {
   }
 
   StepperWorld world_;
-  plant::AxisFaultInputs<StepperPeripheral> fault_inputs_{*this, {}};
+  plant::AxisFaultInputs<StepperPeripheral> fault_inputs_{*this,
+                                                          {plant::AxisPart::driver_thermometer}};
   bool awake_ = false;
 };
 

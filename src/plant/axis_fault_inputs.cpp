@@ -52,10 +52,8 @@ constexpr std::array kInputs{
                    [](AxisFaults& f, double v) { f.heat.driver_heat = v; }},
     AxisFaultInput{"motor_heat", "W", 0.0, 10'000.0, shaft,
                    [](AxisFaults& f, double v) { f.heat.motor_heat = v; }},
-    AxisFaultInput{"driver_temperature_offset", "K", -300.0, 300.0, shaft,
+    AxisFaultInput{"driver_temperature_offset", "K", -300.0, 300.0, driver_thermometer,
                    [](AxisFaults& f, double v) { f.heat.driver_reading = v; }},
-    AxisFaultInput{"motor_temperature_offset", "K", -300.0, 300.0, motor_thermometer,
-                   [](AxisFaults& f, double v) { f.heat.motor_reading = v; }},
     // 1: it is never pressed, 2: it always is
     AxisFaultInput{"left_switch_fault", "", 0.0, 2.0, limit_switches, stick<0>},
     AxisFaultInput{"right_switch_fault", "", 0.0, 2.0, limit_switches, stick<1>},

@@ -19,7 +19,7 @@ enum class AxisPart : std::uint8_t {
   limit_switches,
   home_switch,
   brake,
-  motor_thermometer,
+  driver_thermometer,  ///< one that something reads
 };
 
 /// One of AxisFaults as an input: 0 is sound.

@@ -54,7 +54,6 @@ struct HeatFaults {
   double driver_heat = 0.0;     ///< W into the transistors
   double motor_heat = 0.0;      ///< W into the winding
   double driver_reading = 0.0;  ///< K by which the sensor of the power stage reads too much
-  double motor_reading = 0.0;   ///< K by which that of the motor does, where there is one
 
   friend bool operator==(const HeatFaults&, const HeatFaults&) = default;
 };

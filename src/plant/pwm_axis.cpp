@@ -176,7 +176,7 @@ void PwmAxis::update_temperatures(Of& winding) {
   square_current_ = mean_square * unheated_.seconds();
   winding.set_temperatures(motor_temperature_);
   sensing_.driver_temperature = stage_temperature_.inner + heat.driver_reading;
-  sensing_.winding_temperature = motor_temperature_.inner + heat.motor_reading;
+  sensing_.winding_temperature = motor_temperature_.inner;
 }
 
 template <typename Of>

@@ -46,7 +46,7 @@ void PwmAxis::set_faults(const PwmAxisFaults& faults) {
     sensing_.overcurrent_high_side = false;
   }
   sensing_.driver_temperature = stage_temperature_.inner + common.heat.driver_reading;
-  sensing_.winding_temperature = motor_temperature_.inner + common.heat.motor_reading;
+  sensing_.winding_temperature = motor_temperature_.inner;
   sense_switches();
 }
 

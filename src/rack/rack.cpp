@@ -170,7 +170,8 @@ void Rack::connect_wires(const RackConfiguration& configuration) {
   for (const WireConfiguration& wire : configuration.wires) {
     CanNetwork* network =
         wire.to.kind == NetworkKind::bus ? buses_[wire.to.network].network.get() : nullptr;
-    wires_.add(wire, device(wire.from).signals(), inputs(wire.to), network);
+    wires_.add(wire, device(wire.from).signals(), inputs(wire.to),
+               held_inputs_[{wire.to, wire.input}], network);
   }
 }
 

@@ -3,10 +3,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/expected.hpp"
@@ -17,6 +19,7 @@
 #include "rack/clock.hpp"
 #include "rack/device_storage.hpp"
 #include "rack/event_log.hpp"
+#include "rack/held_input.hpp"
 #include "rack/pin_trace.hpp"
 #include "rack/rack_configuration.hpp"
 #include "rack/recorder.hpp"
@@ -83,6 +86,13 @@ class Rack {
   /// Lets `event` happen at `now`, to which the rack has been brought. Throws std::runtime_error
   /// for an input that does not exist or a value it cannot have.
   void apply(const RackEvent& event, base::SimTime now);
+
+  /// A fault, which `owner` stands for, holds an input at a value from now on, whatever else sets
+  /// it. Throws as apply() does. The newest of several is in force.
+  void hold_input(const InputEvent& event, const void* owner, base::SimTime now);
+  /// That is over: the input gets what an older fault wants of it, else what was set last.
+  void release_input(DeviceAddress device, const std::string& input, const void* owner,
+                     base::SimTime now);
 
   /// Hands a frame of a program to a bus through its `number`th port. False: the port has no room.
   bool put(std::size_t bus, std::size_t number, can::Port& port, const can::Frame& frame);
@@ -203,6 +213,7 @@ class Rack {
   void apply_cable(const CableEvent& event, base::SimTime now);
   void apply_power(const PowerEvent& event, base::SimTime now);
   void apply_input(const InputEvent& event, base::SimTime now);
+  void set_input(const InputEvent& event, const devices::Input& input, base::SimTime now);
   void apply_error_state(const ErrorStateEvent& event, base::SimTime now);
   void apply_frame_fault(const FrameFaultEvent& event, base::SimTime now);
   void apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now);
@@ -225,6 +236,7 @@ class Rack {
   std::vector<BusMembers> buses_;
   SerialLines lines_;  ///< go first: they know devices and buses
   Timetable timetable_;
+  std::map<std::pair<DeviceAddress, std::string>, HeldInput> held_inputs_;  ///< those ever set
   Wires wires_;
   std::optional<Recorder> recorder_;
   std::vector<SignalTap*> taps_;

@@ -21,6 +21,9 @@ constexpr base::EventRule kInputSet{"input-set", base::Severity::information,
                                     "{0} is set to {1:d3} {2}"};
 constexpr base::EventRule kUnitlessInputSet{"input-set", base::Severity::information,
                                             "{0} is set to {1:d3}"};
+constexpr base::EventRule kHeldInputSet{
+    "input-held", base::Severity::information,
+    "{0} is set to {1:d3}, which it gets when the fault that holds it has ended"};
 constexpr base::EventRule kDisconnected{"can-disconnected", base::Severity::information,
                                         "its cable to the CAN bus is unplugged"};
 constexpr base::EventRule kConnected{"can-connected", base::Severity::information,
@@ -32,6 +35,10 @@ constexpr base::EventRule kFrameFaultOfIdentifier{
     "{0} of the next {1} frames with the identifier {2:x3}"};
 constexpr base::EventRule kSegmentFault{"ethercat-frame-fault", base::Severity::information,
                                         "{0} of the next {1} frames that {2} port {3}"};
+std::int64_t in_thousandths(double value) {
+  return std::llround(value * 1000.0);
+}
+
 const char* to_text(can::FrameFaultKind kind) {
   switch (kind) {
     case can::FrameFaultKind::drop:
@@ -80,14 +87,39 @@ const devices::Input& Rack::find_input(const InputEvent& event) const {
 
 void Rack::apply_input(const InputEvent& event, base::SimTime now) {
   const devices::Input& input = find_input(event);
+  if (held_inputs_[{event.device, event.input}].set(event.value)) {
+    set_input(event, input, now);
+  } else if (event.logged) {
+    report(number_of(event.device), now, kHeldInputSet,
+           {std::string_view(input.name), in_thousandths(event.value)});
+  }
+}
+
+void Rack::set_input(const InputEvent& event, const devices::Input& input, base::SimTime now) {
   if (event.logged) {
-    report(number_of(event.device), now, input.unit.empty() ? kUnitlessInputSet : kInputSet,
-           {std::string_view(input.name), std::int64_t{std::llround(event.value * 1000.0)},
-            std::string_view(input.unit)});
+    report(
+        number_of(event.device), now, input.unit.empty() ? kUnitlessInputSet : kInputSet,
+        {std::string_view(input.name), in_thousandths(event.value), std::string_view(input.unit)});
   }
   input.set(event.value);
   if (event.device.kind == NetworkKind::bus) {
     bus(event.device.network).touched(event.device.device);
+  }
+}
+
+void Rack::hold_input(const InputEvent& event, const void* owner, base::SimTime now) {
+  const devices::Input& input = find_input(event);
+  if (held_inputs_[{event.device, event.input}].hold(owner, event.value)) {
+    set_input(event, input, now);
+  }
+}
+
+void Rack::release_input(DeviceAddress device, const std::string& input, const void* owner,
+                         base::SimTime now) {
+  HeldInput& held = held_inputs_[{device, input}];
+  if (held.release(owner)) {
+    const InputEvent back{device, input, held.value()};
+    set_input(back, find_input(back), now);
   }
 }
 

@@ -17,6 +17,7 @@ class SurroundingsEffect final : public FaultEffect {
   SurroundingsEffect(Rack& rack, const FaultConfiguration& fault)
       : rack_(rack),
         device_(*fault.target.device),
+        momentary_(fault.kind->momentary),
         settings_(settings_of(fault, rack.inputs(device_))),
         over_(fault.values.find<base::SimDuration>("over").value_or(base::SimDuration())) {}
 
@@ -33,8 +34,11 @@ class SurroundingsEffect final : public FaultEffect {
   }
   void end(SimTime now) override {
     next_ = SimTime::never();
+    if (momentary_) {
+      return;  // there is nothing to take back
+    }
     for (auto setting = settings_.rbegin(); setting != settings_.rend(); ++setting) {
-      set(setting->input, 0.0, true, now);
+      rack_.release_input(device_, setting->input, this, now);
     }
   }
   [[nodiscard]] SimTime next_step() const override { return next_; }
@@ -53,11 +57,17 @@ class SurroundingsEffect final : public FaultEffect {
 
  private:
   void set(const std::string& input, double value, bool logged, SimTime now) {
-    rack_.apply(InputEvent{device_, input, value, logged}, now);
+    const InputEvent event{device_, input, value, logged};
+    if (momentary_) {
+      rack_.apply(event, now);
+    } else {
+      rack_.hold_input(event, this, now);
+    }
   }
 
   Rack& rack_;
   DeviceAddress device_;
+  bool momentary_;
   std::vector<FaultSetting> settings_;
   base::SimDuration over_;
   SimTime begun_;

@@ -161,8 +161,8 @@ constexpr std::array kHall{
 constexpr std::array kVolts{size("volts", "V", 0.0, 100.0, "by how much"), kOver, kPeripheral};
 constexpr std::array kOhms{size("ohms", "ohm", 0.0, 100.0, "beside the source's own"), kOver,
                            kPeripheral};
-constexpr std::array kKelvin{size("kelvin", "K", -300.0, 300.0, "more than there are"), kPlace,
-                             kOver};
+constexpr std::array kKelvin{size("kelvin", "K", -300.0, 300.0, "more than there are"), kOver,
+                             kPeripheral};
 constexpr std::array kWatts{size("watts", "W", 0.0, 10'000.0, "from outside"), kPlace, kOver,
                             kPeripheral};
 constexpr std::array kSwitch{FaultParameter{.name = "switch",
@@ -353,11 +353,9 @@ constexpr auto kRows = std::to_array<Row>({
       .action = FaultAction::surroundings,
       .scope = FaultScope::axis,
       .parameters = kKelvin,
-      .summary = "a temperature sensor reads too much",
+      .summary = "the temperature sensor of the power stage reads too much",
       .effect = "Warning, then switched off, as the product does when it is hot; at once."},
-     [](Settings& s) {
-       s.set(s.text("place") + "_temperature_offset", s.number("kelvin"), "kelvin", true);
-     }},
+     [](Settings& s) { s.set("driver_temperature_offset", s.number("kelvin"), "kelvin", true); }},
     {{.name = "heat",
       .action = FaultAction::surroundings,
       .scope = FaultScope::axis,

@@ -25,8 +25,8 @@ struct FaultSetting {
 /// have for them. Each sets inputs, all of which are sound at 0.
 [[nodiscard]] std::span<const FaultKind> surroundings_fault_kinds();
 
-/// What such a fault sets at its begin, in this order; at its end they go back to 0 the other way
-/// round. `inputs` are those of the device: names differ between products.
+/// What such a fault holds from its begin on, in this order; at its end they go back the other way
+/// round to what else is wanted of them, see held_input.hpp. `inputs` are those of the device: names differ between products.
 [[nodiscard]] std::vector<FaultSetting> settings_of(const FaultConfiguration& fault,
                                                     std::span<const devices::Input> inputs);
 

@@ -110,6 +110,16 @@ TEST(SdoBlockTransfer, DeviceWithoutIt_RefusesItInBothDirections) {
       "SDO block transfer of 2004h:00h refused: this device does not support it"));
 }
 
+TEST(SdoBlockTransfer, DeviceWithTheQuirk_RefusesItAndTakesSegments) {
+  NodeConfiguration configuration = bench_configuration();
+  configuration.quirks.no_block_transfer = true;
+  NodeBench bench(configuration);
+  bench.boot();
+  EXPECT_EQ(ask(bench, {0xA4, 0x08, 0x10, 0, 127, 0, 0, 0}), aborted(0x1008, 0, kUnknownCommand));
+  EXPECT_EQ(ask(bench, {0xC6, 0x04, 0x20, 0, 9, 0, 0, 0}), aborted(0x2004, 0, kUnknownCommand));
+  EXPECT_EQ(ask(bench, {0x40, 0x08, 0x10, 0, 0, 0, 0, 0}), Texts{"585 [41 08 10 00 0C 00 00 00]"});
+}
+
 TEST(SdoBlockUpload, RequestOutOfOrder_IsRefused) {
   NodeBench bench;
   bench.boot();

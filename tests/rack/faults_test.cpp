@@ -254,12 +254,7 @@ TEST(Faults, WithoutAny_NothingIsDueAndNobodyIsWatched) {
 }
 
 std::string refusal_of(const std::string& fault) {
-  try {
-    (void)parse_rack_file(kTwoModules + ("[[fault]]\n" + fault), "test.toml");
-  } catch (const RackFileError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return tests::refusal_of_rack(kTwoModules + ("[[fault]]\n" + fault));
 }
 
 TEST(FaultSection, MistakesAreExplained) {

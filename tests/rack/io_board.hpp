@@ -9,36 +9,26 @@
 #include <gtest/gtest.h>
 
 #include "base/byte_order.hpp"
-#include "master/master.hpp"
 #include "mfc/memory_map.hpp"
-#include "rack/local_port.hpp"
+#include "rack/fault_bench.hpp"
 #include "rack/mfc_configuration_file.hpp"
-#include "rack/rack_file.hpp"
 #include "source_paths.hpp"
 
 namespace stator::rack {
 
 /// The rack racks/io-board.toml without its events, and a master that has brought it to
 /// Operational. Registers are process data; nothing else reaches the chip.
-class IoBoard {
+class IoBoard : public tests::WithFaults<tests::SegmentBench> {
  public:
-  static RackConfiguration configuration() {
+  static RackConfiguration without_events() {
     RackConfiguration rack = load_rack_file(STATOR_SOURCE_DIR "/racks/io-board.toml");
     rack.events.clear();
     return rack;
   }
 
-  explicit IoBoard(RackConfiguration rack_configuration = configuration())
-      : configuration_(std::move(rack_configuration)),
-        rack_(configuration_, log_),
-        port_(rack_, 0, configuration_.cycle, configuration_.step),
-        master_(port_) {
-    const auto scanned = master_.scan();
-    EXPECT_TRUE(scanned) << scanned.error().text;
-    const auto configured = master_.configure_process_data();
-    EXPECT_TRUE(configured) << configured.error().text;
-    const auto operational = master_.go_operational();
-    EXPECT_TRUE(operational) << operational.error().text;
+  explicit IoBoard(RackConfiguration rack_configuration = without_events())
+      : WithFaults(std::move(rack_configuration)) {
+    bring_to_operational(1);
   }
 
   /// A register the master writes, from the next cycle on.
@@ -46,7 +36,7 @@ class IoBoard {
     const auto place = find(0, name);
     ASSERT_TRUE(place) << name;
     for (unsigned byte = 0; byte < place->size; ++byte) {
-      master_.outputs(0)[place->offset + byte] = static_cast<std::byte>(value >> (8 * byte));
+      master.outputs(0)[place->offset + byte] = static_cast<std::byte>(value >> (8 * byte));
     }
   }
   /// A register as the last cycle has brought it.
@@ -55,7 +45,7 @@ class IoBoard {
     EXPECT_TRUE(place) << name;
     std::uint64_t value = 0;
     for (unsigned byte = place ? place->size : 0; byte-- > 0;) {
-      value = value << 8U | std::to_integer<std::uint64_t>(master_.inputs(0)[place->offset + byte]);
+      value = value << 8U | std::to_integer<std::uint64_t>(master.inputs(0)[place->offset + byte]);
     }
     return value;
   }
@@ -64,12 +54,12 @@ class IoBoard {
   }
   void cycles(unsigned count) {
     for (unsigned i = 0; i < count; ++i) {
-      const auto done = master_.run_cycle();
+      const auto done = master.run_cycle();
       ASSERT_TRUE(done) << done.error().text;
     }
   }
   /// The master is silent.
-  void silence(base::SimDuration duration) { port_.wait(duration); }
+  void silence(base::SimDuration duration) { port.wait(duration); }
 
   /// One datagram of the SPI master with chip select `select`; the answer to it.
   std::uint64_t spi(unsigned select, std::uint64_t data, unsigned bits) {
@@ -91,21 +81,11 @@ class IoBoard {
   }
 
   [[nodiscard]] double signal(const std::string& name) {
-    for (const devices::Signal& candidate : rack_.signals()) {
-      if (candidate.name == "io." + name) {
-        return candidate.read();
-      }
-    }
-    ADD_FAILURE() << "no signal " << name;
-    return 0.0;
+    return SegmentBench::signal("io." + name);
   }
   void input(const std::string& name, double value) {
-    rack_.apply(InputEvent{{0, 0}, name, value}, port_.now());
+    rack.apply(InputEvent{{0, 0}, name, value}, port.now());
   }
-
-  [[nodiscard]] Rack& rack() { return rack_; }
-  [[nodiscard]] LocalPort& port() { return port_; }
-  [[nodiscard]] master::Master& master() { return master_; }
 
  private:
   struct Place {
@@ -124,11 +104,6 @@ class IoBoard {
 
   mfc::MemoryMap map_{
       load_mfc_configuration(STATOR_SOURCE_DIR "/examples/mfc/io-board.toml").configuration};
-  EventLog log_;
-  RackConfiguration configuration_;
-  Rack rack_;
-  LocalPort port_;
-  master::Master master_;
 };
 
 }  // namespace stator::rack

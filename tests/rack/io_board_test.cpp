@@ -212,7 +212,7 @@ TEST(IoBoard, LeavingOperationalReleasesEveryOutput) {
   board.put("GPO", 1);
   board.cycles(10);
   ASSERT_EQ(board.signal("lamp.brightness"), 1.0);
-  ASSERT_TRUE(board.master().request_state(0, ethercat::AlState::safe_operational));
+  ASSERT_TRUE(board.master.request_state(0, ethercat::AlState::safe_operational));
   EXPECT_EQ(board.signal("mfcio05"), 0.5) << "it floats";
   EXPECT_EQ(board.signal("mfc_hv6"), 0.5);
 }

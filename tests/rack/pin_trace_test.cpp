@@ -22,7 +22,7 @@ class PinTraceFile : public ::testing::Test {
   void TearDown() override { std::filesystem::remove(path_); }
 
   RackConfiguration traced(std::vector<std::string> pins, ClockKind clock = ClockKind::lockstep) {
-    RackConfiguration rack = IoBoard::configuration();
+    RackConfiguration rack = IoBoard::without_events();
     rack.clock = clock;
     rack.trace = TraceConfiguration{.file = path_, .device = {}, .pins = std::move(pins)};
     return rack;
@@ -50,9 +50,9 @@ TEST_F(PinTraceFile, HasEveryStepAtItsMoment) {
   board.put("SD_CH0_STEPRATE", 549'756);
   board.cycles(1000);
   const auto steps = static_cast<std::size_t>(board.get("SD_CH0_STEPCOUNT"));
-  board.rack().trace()->finish(board.port().now());
-  EXPECT_TRUE(board.rack().trace()->good());
-  EXPECT_EQ(board.rack().trace()->dropped(), 0U);
+  board.rack.trace()->finish(board.port.now());
+  EXPECT_TRUE(board.rack.trace()->good());
+  EXPECT_EQ(board.rack.trace()->dropped(), 0U);
   const std::string text = content();
   EXPECT_THAT(text, HasSubstr("$timescale 1 ns $end"));
   EXPECT_THAT(text, HasSubstr(" MFCIO03_axis_step $end"));
@@ -60,7 +60,7 @@ TEST_F(PinTraceFile, HasEveryStepAtItsMoment) {
   EXPECT_GT(steps, 3000U);
   EXPECT_EQ(count(text, "\n1$\n"), steps) << "line 3 has the code $";
   const std::string end =
-      "#" + std::to_string((board.port().now() - base::SimTime()).nanoseconds());
+      "#" + std::to_string((board.port.now() - base::SimTime()).nanoseconds());
   EXPECT_EQ(text.substr(text.size() - end.size() - 1), end + "\n");
 }
 
@@ -74,7 +74,7 @@ TEST_F(PinTraceFile, DecodesTheBusesAndIsTheSameEachTime) {
     board.i2c(0x20);
     board.put("I2C_ADDRESS", 0xA0);
     EXPECT_EQ(board.i2c(0x08), 0x34U) << "peripherals answer also while their lines are watched";
-    board.rack().trace()->finish(board.port().now());
+    board.rack.trace()->finish(board.port.now());
     if (run == 0) {
       first = content();
     }
@@ -95,8 +95,8 @@ TEST_F(PinTraceFile, CountsWhatIsLostAndShowsItAsUnknown) {
   board.put("PWM1", 5);
   board.cycles(2);
   board.silence(100_ms);  // 2 million edges
-  board.rack().trace()->finish(board.port().now());
-  const PinTrace& trace = *board.rack().trace();
+  board.rack.trace()->finish(board.port.now());
+  const PinTrace& trace = *board.rack.trace();
   EXPECT_GT(trace.dropped(), 0U);
   EXPECT_GT(trace.written(), 1000U);
   EXPECT_NE(content().find("\nx&\n"), std::string::npos);

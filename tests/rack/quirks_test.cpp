@@ -16,6 +16,7 @@
 
 #include "devices/test_bus.hpp"
 #include "devices/tmcc160_module.hpp"
+#include "rack/local_can_port.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/quirks_section.hpp"
 #include "rack/rack.hpp"
@@ -118,6 +119,17 @@ TEST_P(CoeQuirks, WhatNeedsSegmentsIsRefused) {
   EXPECT_NE(Slave::abort_of(Slave("", GetParam()).sdo(request)), AbortCode::object_exceeds_mailbox);
   Slave slave(R"(quirks = ["no-segments"])", GetParam());
   EXPECT_EQ(Slave::abort_of(slave.sdo(request)), AbortCode::object_exceeds_mailbox);
+}
+
+TEST_P(CoeQuirks, TheToggleBitOfSegmentsStaysZero) {
+  const auto second_answer = [](Slave&& slave) {
+    // A complete download of 34 bytes, of which two segments come.
+    EXPECT_EQ(slave.sdo({0x31, 0x00, 0x16, 0x00, 34, 0, 0, 0}).at(0), std::byte{0x60});
+    EXPECT_EQ(slave.sdo({0x00, 0, 0, 0, 0, 0, 0, 0}).at(0), std::byte{0x20});
+    return slave.sdo({0x10, 0, 0, 0, 0, 0, 0, 0}).at(0);
+  };
+  EXPECT_EQ(second_answer(Slave("", GetParam())), std::byte{0x30});
+  EXPECT_EQ(second_answer(Slave(R"(quirks = ["toggle-stuck"])", GetParam())), std::byte{0x20});
 }
 
 TEST_P(CoeQuirks, ExpeditedUploadsDoNotSayTheirSize) {
@@ -248,15 +260,18 @@ TEST(CoeProcessDataQuirks, ProcessDataOfAnyLengthAreTaken) {
 
 TEST_P(CoeQuirks, TheSiiTellsAnotherIdentityThanTheDictionary) {
   Slave slave(
-      "[segment.device.quirks]\nwrong-vendor = 0x123\nwrong-revision = 7\n"
+      "[segment.device.quirks]\nwrong-vendor = 0x123\nwrong-product = 0x456\n"
+      "wrong-revision = 7\n"
       "wrong-name = \"Ghost\"\n",
       GetParam());
   const auto sii = slave.device->controller().sii();
   EXPECT_EQ(base::load_le<std::uint32_t>(sii, 16), 0x123U);
+  EXPECT_EQ(base::load_le<std::uint32_t>(sii, 20), 0x456U);
   EXPECT_EQ(base::load_le<std::uint32_t>(sii, 24), 7U);
   const std::string text(reinterpret_cast<const char*>(sii.data()), sii.size());
   EXPECT_THAT(text, HasSubstr("Ghost"));
   EXPECT_NE(slave.bus.upload<std::uint32_t>(0x1018, 1), 0x123U);
+  EXPECT_NE(slave.bus.upload<std::uint32_t>(0x1018, 2), 0x456U);
   EXPECT_NE(slave.bus.upload<std::uint32_t>(0x1018, 3), 7U);
 }
 
@@ -274,7 +289,7 @@ TEST_P(CoeQuirks, AStormOfEmergenciesComes) {
               100e-9 * static_cast<double>(slave.bus.now().nanoseconds()), 20.0);
 }
 
-TEST(Quirks, LateBootKeepsADeviceWithoutPower) {
+TEST(CoeQuirksOfARack, LateBootKeepsADeviceWithoutPower) {
   RackConfiguration configuration =
       slave_rack("tmcm-3315",
                  "name = \"x\"\nquirks = [\"late-boot\"]\n"
@@ -327,6 +342,35 @@ TEST(Quirks, StandInTheirPageWithWhatTheyDo) {
   }
 }
 
+/// Whether a test of a suite that begins with `suite` names the quirk.
+bool is_tried(const std::string& source, const std::string& suite, std::string_view quirk) {
+  const std::array<std::string, 2> names{fmt::format("\"{}\\\"", quirk),
+                                         fmt::format("{} = ", quirk)};
+  for (std::size_t at = source.find("\nTEST"); at != std::string::npos;) {
+    const std::size_t end = source.find("\nTEST", at + 1);
+    const std::string test = source.substr(at, end - at);
+    const std::string name = test.substr(test.find('(') + 1);
+    if (name.starts_with(suite) &&
+        (test.find(fmt::format("\"{}\"", quirk)) != std::string::npos ||
+         test.find(names[0]) != std::string::npos || test.find(names[1]) != std::string::npos)) {
+      return true;
+    }
+    at = end;
+  }
+  return false;
+}
+
+TEST(Quirks, EachIsTriedOnEveryNetworkThatHasIt) {
+  std::ifstream file(STATOR_SOURCE_DIR "/tests/rack/quirks_test.cpp");
+  const std::string source{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  for (const dictionary::QuirkDeclaration& quirk : dictionary::quirks()) {
+    EXPECT_TRUE(!quirk.coe || is_tried(source, "Coe", quirk.name)) << quirk.name << " of CoE";
+    EXPECT_TRUE(!quirk.canopen || is_tried(source, "CanOpen", quirk.name))
+        << quirk.name << " of CANopen";
+  }
+  EXPECT_FALSE(is_tried(source, "Coe", "no-such-quirk"));
+}
+
 tests::Tmcc160Module node(const std::string& quirks) {
   const RackConfiguration rack =
       parse_rack_file("[[bus]]\n[[bus.device]]\ntype = \"tmcc160\"\n" + quirks, "rack.toml");
@@ -354,6 +398,31 @@ TEST(CanOpenQuirks, WhatNeedsSegmentsIsRefused) {
   module.boot();
   EXPECT_EQ(tests::Tmcc160Module::abort_of(module.sdo({0x40, 0x08, 0x10, 0})),
             AbortCode::command_specifier_unknown);
+}
+
+TEST(CanOpenQuirks, BlockTransferIsRefusedAndSegmentsAreTaken) {
+  // Initiate block upload of the EDS, 127 segments a block, no CRC. A TMCC160 has none anyway; what
+  // a node does that has is in tests/canopen/sdo_block_test.cpp.
+  constexpr std::array<std::uint8_t, 8> kBlockUpload{0xA0, 0x21, 0x10, 0, 127};
+  auto module = node("eds = true\nquirks = [\"no-block-transfer\"]");
+  module.boot();
+  EXPECT_EQ(tests::Tmcc160Module::abort_of(module.sdo(kBlockUpload)),
+            AbortCode::command_specifier_unknown);
+  EXPECT_EQ(module.sdo({0x40, 0x21, 0x10, 0}).at(0), 0x41) << "segments are the way back";
+}
+
+TEST(CanOpenQuirks, LateBootKeepsANodeSilent) {
+  RackConfiguration configuration = parse_rack_file(
+      "[[bus]]\n[[bus.device]]\ntype = \"tmcc160\"\nquirks = [\"late-boot\"]\n", "rack.toml");
+  EventLog log;
+  Rack rack(configuration, log);
+  LocalCanPort port(rack, 0, configuration.cycle, configuration.step);
+  port.wait(2'999_ms);
+  EXPECT_FALSE(port.receive());
+  port.wait(600_ms);
+  const auto boot_up = port.receive();
+  ASSERT_TRUE(boot_up);
+  EXPECT_EQ(boot_up->frame, can::data_frame(0x701, {0}));
 }
 
 TEST(CanOpenQuirks, TheToggleBitStaysZero) {
@@ -400,9 +469,10 @@ TEST(CanOpenQuirks, TheNodeIsThereWithoutABootUpMessage) {
 }
 
 TEST(CanOpenQuirks, TheDictionaryTellsAnotherIdentity) {
-  auto module = node("quirks = { wrong-vendor = 77, wrong-revision = 3 }");
+  auto module = node("quirks = { wrong-vendor = 77, wrong-product = 55, wrong-revision = 3 }");
   module.boot();
   EXPECT_EQ(module.read(0x1018, 1), 77);
+  EXPECT_EQ(module.read(0x1018, 2), 55);
   EXPECT_EQ(module.read(0x1018, 3), 3);
 }
 

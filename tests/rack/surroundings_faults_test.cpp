@@ -197,5 +197,72 @@ TEST(SurroundingsFaultEffect, ClearingTakesItBackAtOnce) {
   EXPECT_NEAR(bench.signal("right.axis0.supply_voltage"), 24.0, 0.1);
 }
 
+constexpr const char* kLoad = "device='left'\nkind='load-step'\ntorque=";
+
+/// The load on the shaft of axis 0 after the next step.
+double load(tests::SegmentFaultBench& bench) {
+  bench.receive(2_ms);
+  return bench.signal("left.axis0.load_torque");
+}
+
+TEST(SurroundingsFaultEffect, OfTwoOnOneInputTheNewestHoldsAndTheOtherComesBack) {
+  tests::SegmentFaultBench bench;
+  const auto first = bench.inject(kLoad + std::string("0.1"));
+  const auto second = bench.inject(kLoad + std::string("0.2"));
+  EXPECT_EQ(load(bench), 0.2);
+  bench.clear(second);
+  EXPECT_EQ(load(bench), 0.1);
+  const auto third = bench.inject(kLoad + std::string("0.3"));
+  bench.clear(first);
+  EXPECT_EQ(load(bench), 0.3) << "the end of the older one changes nothing";
+  bench.clear(third);
+  EXPECT_EQ(load(bench), 0.0);
+}
+
+TEST(SurroundingsFaultEffect, AnOlderRampDoesNotPushThroughANewerFault) {
+  tests::SegmentFaultBench bench;
+  bench.inject(kLoad + std::string("0.4\nover='10ms'"));
+  const auto newer = bench.inject(kLoad + std::string("-0.1"));
+  bench.receive(5_ms);
+  EXPECT_EQ(load(bench), -0.1);
+  bench.receive(10_ms);
+  bench.clear(newer);
+  EXPECT_EQ(load(bench), 0.4) << "it has grown meanwhile";
+}
+
+TEST(SurroundingsFaultEffect, WhatWasSetOtherwiseComesBackAlsoIfItWasSetMeanwhile) {
+  tests::SegmentFaultBench bench;
+  const auto set = [&bench](double torque) {
+    bench.rack.apply(InputEvent{{0, 0}, "axis0.load_torque", torque}, bench.now());
+  };
+  set(0.05);
+  const auto one = bench.inject(kLoad + std::string("0.2"));
+  EXPECT_EQ(load(bench), 0.2);
+  bench.clear(one);
+  EXPECT_EQ(load(bench), 0.05);
+  const auto other = bench.inject(kLoad + std::string("0.2"));
+  set(-0.07);
+  EXPECT_EQ(load(bench), 0.2);
+  EXPECT_THAT(bench.log.line(bench.log.events().back()),
+              HasSubstr("which it gets when the fault that holds it has ended"));
+  bench.clear(other);
+  EXPECT_EQ(load(bench), -0.07);
+}
+
+TEST(SurroundingsFaultEffect, AWireTakesEffectAgainAfterTheFault) {
+  tests::SegmentFaultBench bench(std::string(tests::kTwoModules) + R"(
+[[wire]]
+from = "right.input0"
+to = "left.axis0.load_torque"
+high = 0.3
+)");
+  const auto fault = bench.inject(kLoad + std::string("0.2"));
+  EXPECT_EQ(load(bench), 0.2);
+  bench.rack.apply(InputEvent{{0, 1}, "input0", 1.0}, bench.now());
+  EXPECT_EQ(load(bench), 0.2);
+  bench.clear(fault);
+  EXPECT_EQ(load(bench), 0.3);
+}
+
 }  // namespace
 }  // namespace stator::rack

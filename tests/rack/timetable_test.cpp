@@ -9,9 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "master/cia402_client.hpp"
-#include "master/master.hpp"
-#include "rack/local_port.hpp"
-#include "rack/rack_file.hpp"
+#include "rack/rack_bench.hpp"
 
 namespace stator::rack {
 namespace {
@@ -19,71 +17,23 @@ namespace {
 using namespace base::literals;
 using ::testing::HasSubstr;
 
-constexpr const char* kTwoModules = R"(
-[[segment]]
-[[segment.device]]
-type = "tmcm-3315"
-name = "left"
-[[segment.device]]
-type = "tmcm-3315"
-name = "right"
-)";
+using tests::kTwoModules;
 
 RackConfiguration two_modules(const std::string& events) {
   return parse_rack_file(kTwoModules + events, "test.toml");
 }
 
 std::string refusal_of(const std::string& events) {
-  try {
-    (void)two_modules(events);
-  } catch (const RackFileError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return tests::refusal_of_rack(kTwoModules + events);
 }
 
-class Bench {
+class Bench : public tests::SegmentBench {
  public:
-  explicit Bench(const std::string& events)
-      : configuration_(two_modules(events)),
-        rack_(configuration_, log),
-        port(rack_, 0, configuration_.cycle, configuration_.step),
-        master(port) {}
+  explicit Bench(const std::string& events) : SegmentBench(kTwoModules + events) {}
 
-  [[nodiscard]] std::size_t scan() { return master.scan() ? master.slaves().size() : 0; }
-  void bring_to_operational() {
-    ASSERT_TRUE(master.scan());
-    ASSERT_TRUE(master.configure_process_data());
-    const auto operational = master.go_operational();
-    ASSERT_TRUE(operational) << operational.error().text;
-  }
-  [[nodiscard]] double signal(const std::string& name) {
-    for (const devices::Signal& candidate : rack_.signals()) {
-      if (candidate.name == name) {
-        return candidate.read();
-      }
-    }
-    ADD_FAILURE() << "no signal " << name;
-    return 0.0;
-  }
   [[nodiscard]] const ethercat::SegmentStatistics& statistics() const {
-    return rack_.segment(0).statistics();
+    return rack.segment(0).statistics();
   }
-  /// Lets simulated time pass up to `moment` after the start.
-  void wait_until(base::SimDuration moment) { port.wait(base::SimTime(moment) - port.now()); }
-
- private:
-  RackConfiguration configuration_;
-
- public:
-  EventLog log;
-
- private:
-  Rack rack_;
-
- public:
-  LocalPort port;
-  master::Master master;
 };
 
 TEST(Timetable, GivesEventsInTheOrderOfTime) {

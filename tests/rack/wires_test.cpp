@@ -11,10 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "master/cia402_client.hpp"
-#include "master/master.hpp"
-#include "rack/local_port.hpp"
-#include "rack/rack.hpp"
-#include "rack/rack_file.hpp"
+#include "rack/rack_bench.hpp"
 
 namespace stator::rack {
 namespace {
@@ -22,15 +19,7 @@ namespace {
 using namespace base::literals;
 using ::testing::HasSubstr;
 
-constexpr const char* kRack = R"(
-[[segment]]
-[[segment.device]]
-type = "tmcm-3315"
-name = "left"
-[[segment.device]]
-type = "tmcm-3315"
-name = "right"
-[[bus]]
+const std::string kRack = std::string(tests::kTwoModules) + R"([[bus]]
 [[bus.device]]
 type = "tmcc160"
 name = "spindle"
@@ -51,39 +40,14 @@ std::string wire(const std::string& from, const std::string& to, const std::stri
 }
 
 std::string refusal_of(const std::string& tables) {
-  try {
-    (void)parse_rack_file(kRack + tables, "test.toml");
-  } catch (const RackFileError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return tests::refusal_of_rack(kRack + tables);
 }
 
-class Bench {
+class Bench : public tests::SegmentBench {
  public:
-  explicit Bench(const std::string& tables)
-      : configuration_(parse_rack_file(kRack + tables, "test.toml")),
-        rack(configuration_, log_),
-        port(rack, 0, configuration_.cycle, configuration_.step) {}
+  explicit Bench(const std::string& tables) : SegmentBench(kRack + tables) {}
 
   void advance(base::SimDuration to) { rack.advance(base::SimTime(to)); }
-  [[nodiscard]] double signal(const std::string& name) {
-    for (const devices::Signal& candidate : rack.signals()) {
-      if (candidate.name == name) {
-        return candidate.read();
-      }
-    }
-    ADD_FAILURE() << "no signal " << name;
-    return 0.0;
-  }
-
- private:
-  RackConfiguration configuration_;
-  EventLog log_;
-
- public:
-  Rack rack;
-  LocalPort port;
 };
 
 TEST(Wires, CarryALevelAtTheInstantAtWhichItIsThere) {
@@ -132,7 +96,7 @@ TEST(Wires, DelayWhatTheyCarry) {
 TEST(Wires, AnOutputOfADeviceTakesTheSupplyFromTheDriveOfAnother) {
   Bench bench(wire("left.output2", "right.axis0.supply_voltage", "low = 24\nhigh = 0") +
               wire("left.output2", "right.input3"));
-  master::Master master(bench.port);
+  master::Master& master = bench.master;
   ASSERT_TRUE(master.scan());
   ASSERT_TRUE(master.configure_process_data());
   ASSERT_TRUE(master.go_operational());

@@ -26,8 +26,8 @@ class AxisWorld {
   explicit AxisWorld(ServoStage& stage)
       : stage_(stage),
         fault_inputs_(stage.plant(), {plant::AxisPart::limit_switches, plant::AxisPart::home_switch,
-                                      plant::AxisPart::brake, plant::AxisPart::motor_thermometer,
-                                      plant::AxisPart::encoder, plant::AxisPart::second_encoder}) {}
+                                      plant::AxisPart::brake, plant::AxisPart::encoder,
+                                      plant::AxisPart::second_encoder}) {}
   AxisWorld(const AxisWorld&) = delete;
   AxisWorld& operator=(const AxisWorld&) = delete;
   ~AxisWorld() = default;

@@ -23,7 +23,7 @@ class AxisWorld {
   explicit AxisWorld(const plant::ServoAxisParameters& parameters)
       : plant_(parameters),
         fault_inputs_(plant_, {plant::AxisPart::limit_switches, plant::AxisPart::brake,
-                               plant::AxisPart::encoder}) {}
+                               plant::AxisPart::encoder, plant::AxisPart::driver_thermometer}) {}
   AxisWorld(const AxisWorld&) = delete;
   AxisWorld& operator=(const AxisWorld&) = delete;
   ~AxisWorld() = default;

@@ -50,7 +50,7 @@ MotionAxis::MotionAxis(const plant::StepperAxisParameters& plant, base::EventRep
     : reporter_(reporter),
       plant_(plant),
       fault_inputs_(plant_, {plant::AxisPart::limit_switches, plant::AxisPart::home_switch,
-                             plant::AxisPart::encoder}) {}
+                             plant::AxisPart::encoder, plant::AxisPart::driver_thermometer}) {}
 
 void MotionAxis::restart() {
   controller_ = Controller();

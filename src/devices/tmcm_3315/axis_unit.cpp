@@ -80,7 +80,8 @@ AxisUnit::AxisUnit(dictionary::Dictionary& dictionary, std::uint8_t number,
       ramp_objects_(dictionary, manufacturer_offset(number)),
       plant_(plant),
       fault_inputs_(plant_, {plant::AxisPart::limit_switches, plant::AxisPart::home_switch,
-                             plant::AxisPart::brake, plant::AxisPart::encoder}),
+                             plant::AxisPart::brake, plant::AxisPart::encoder,
+                             plant::AxisPart::driver_thermometer}),
       sensing_(plant_.sensing()) {
   const auto own = [number](unsigned index) {
     return static_cast<std::uint16_t>(index + manufacturer_offset(number));
