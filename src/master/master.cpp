@@ -154,6 +154,10 @@ bool Master::operational() const {
   return state_->operational;
 }
 
+bool Master::process_data_configured() const {
+  return state_->cyclic.configured();
+}
+
 Result<void> Master::scan() {
   State& state = *state_;
   state.operational = false;

@@ -51,6 +51,8 @@ class Master {
   /// For all slaves: start_mailbox, then reads the PDO mapping the slave has (1C12h, 1C13h and the
   /// PDOs named there), sets sync managers and FMMUs for it and goes to Safe-Operational.
   Result<void> configure_process_data();
+  /// That has been done since the last scan, so run_cycle() exchanges.
+  [[nodiscard]] bool process_data_configured() const;
 
   /// From Safe-Operational to Operational, process data running meanwhile.
   Result<void> go_operational();

@@ -199,7 +199,7 @@ void Bench::cycle() {
   }
   const base::SimTime end = now() + configuration_.cycle;
   for (const auto& segment : segments_) {
-    if (segment->scanned && !segment->master.input_entries(0).empty()) {
+    if (segment->master.process_data_configured()) {
       // Cycles that fail are in the master's statistics.
       static_cast<void>(segment->master.run_cycle());
     }

@@ -34,7 +34,7 @@ master::Result<void> take_up(Bench& bench, std::size_t segment, AlState wanted) 
     return found ? bench.scan(segment) : base::Unexpected{found.error()};
   }
   master::Master& master = **found;
-  const bool mapped = !master.input_entries(0).empty();
+  const bool mapped = master.process_data_configured();
   if (wanted == AlState::safe_operational && !mapped) {
     return master.configure_process_data();
   }

@@ -65,6 +65,21 @@ equals = 0
             "passed");
 }
 
+TEST(Bench, KeepsASlaveWithoutObjectsGoing) {
+  EXPECT_EQ(failure_of(R"(product = "tmc8461"
+[[step]]
+do = "state"
+[[step]]
+do = "wait"
+time = "500ms"
+[[step]]
+do = "expect-state"
+state = "operational"
+al_status = 0
+)"),
+            "passed");
+}
+
 TEST(Bench, TellsTheRefusalOfAState) {
   EXPECT_EQ(failure_of(std::string(kModule) + R"(
 [[step]]
