@@ -59,8 +59,7 @@ TEST_F(PinTraceFile, HasEveryStepAtItsMoment) {
   EXPECT_THAT(text, Not(HasSubstr("MFCIO05")));
   EXPECT_GT(steps, 3000U);
   EXPECT_EQ(count(text, "\n1$\n"), steps) << "line 3 has the code $";
-  const std::string end =
-      "#" + std::to_string((board.port.now() - base::SimTime()).nanoseconds());
+  const std::string end = "#" + std::to_string((board.port.now() - base::SimTime()).nanoseconds());
   EXPECT_EQ(text.substr(text.size() - end.size() - 1), end + "\n");
 }
 
