@@ -5,6 +5,7 @@
 
 #include "rack/rack_file.hpp"
 #include "scenario/run_scenario.hpp"
+#include "source_paths.hpp"
 
 namespace stator::scenario {
 namespace {
@@ -66,7 +67,8 @@ equals = 0
 }
 
 TEST(Bench, KeepsASlaveWithoutObjectsGoing) {
-  EXPECT_EQ(failure_of(R"(product = "tmc8461"
+  EXPECT_EQ(failure_of("rack = \"" STATOR_SOURCE_DIR "/racks/io-board.toml\""
+                       R"(
 [[step]]
 do = "state"
 [[step]]
