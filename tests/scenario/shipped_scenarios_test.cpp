@@ -14,8 +14,7 @@ namespace {
 
 std::vector<std::string> shipped() {
   std::vector<std::string> paths;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(STATOR_SOURCE_DIR "/scenarios")) {
+  for (const auto& entry : std::filesystem::directory_iterator(STATOR_SOURCE_DIR "/scenarios")) {
     paths.push_back(entry.path().string());
   }
   std::ranges::sort(paths);
