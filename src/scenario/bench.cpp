@@ -113,7 +113,7 @@ bool Bench::wait_until(const std::function<bool()>& reached, base::SimDuration l
 master::Result<void> Bench::scan(std::size_t segment) {
   SegmentMaster& member = *segments_[segment];
   member.mailboxes.clear();
-  const auto scanned = member.master.scan();
+  auto scanned = member.master.scan();
   member.scanned = static_cast<bool>(scanned);
   return scanned;
 }
