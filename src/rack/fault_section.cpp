@@ -218,7 +218,11 @@ void FaultReader::read_line_target(TomlSection& section, FaultConfiguration& fau
     }
   };
   const auto names = [&lines] {
-    return lines.empty() ? "none" : fmt::format("{}", fmt::join(std::views::keys(lines), ", "));
+    std::vector<std::string> texts;
+    for (const auto& [name, address] : lines) {
+      texts.push_back(name);
+    }
+    return texts.empty() ? "none" : fmt::format("{}", fmt::join(texts, ", "));
   };
   FaultTarget& target = fault.target;
   if (const auto line = section.text({"line", "The serial line, as devices name it"})) {
