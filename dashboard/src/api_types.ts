@@ -52,7 +52,7 @@ export interface InputInfo {
   readonly unit: string;
   readonly minimum: number | null;
   readonly maximum: number | null;
-  readonly value?: number | null;
+  readonly value: number | null; ///< null: never set so far
 }
 
 export interface EntryDeclaration {

@@ -6,7 +6,7 @@ import { hexDump } from "../src/hex_dump";
 import { controlOf, firstSpan, groupInputs, niceStep, spansOf } from "../src/inputs";
 import { matchingEvents } from "../src/views/events";
 
-const input = (name: string, unit: string, minimum: number, maximum: number): InputInfo => ({ name, unit, minimum, maximum });
+const input = (name: string, unit: string, minimum: number, maximum: number): InputInfo => ({ name, unit, minimum, maximum, value: null });
 
 describe("an input", () => {
   it("is a switch, a choice or a slider", () => {

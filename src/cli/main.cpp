@@ -31,6 +31,7 @@ int run(int argc, char** argv) {
   stator::cli::add_check_command(app);
   stator::cli::add_replay_command(app);
   stator::cli::add_status_command(app);
+  stator::cli::add_snapshot_command(app);
   stator::cli::add_fault_commands(app);
   stator::cli::add_top_command(app);
   stator::cli::add_test_command(app);

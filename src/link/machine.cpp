@@ -7,6 +7,7 @@
 #include <sched.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include "link/file_descriptor.hpp"
 
@@ -75,6 +76,15 @@ base::Expected<void, LinkError> pin_this_thread(unsigned processor) {
                                     "cannot run on processor " + std::to_string(processor) + " (" +
                                         std::strerror(errno) +
                                         "); this thread may run on: " + allowed}};
+}
+
+void give_way_to_other_threads() {
+  constexpr int kNicer = 5;
+  const sched_param none{};
+  // Less priority than before needs no privilege, so neither call can fail.
+  static_cast<void>(::sched_setscheduler(0, SCHED_OTHER, &none));
+  // Linux counts niceness by thread, see "C library/kernel differences" of nice(2).
+  static_cast<void>(::nice(kNicer));
 }
 
 }  // namespace stator::link

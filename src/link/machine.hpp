@@ -25,4 +25,8 @@ struct NetworkInterface {
 /// Ties the calling thread to one processor. The error lists the processors it may run on.
 [[nodiscard]] base::Expected<void, LinkError> pin_this_thread(unsigned processor);
 
+/// Makes the calling thread give way to those that answer frames: it leaves a real-time policy that
+/// the process was started with ("chrt -f 20 stator run ...") and becomes nicer by 5.
+void give_way_to_other_threads();
+
 }  // namespace stator::link

@@ -94,6 +94,11 @@ class Rack {
   void release_input(DeviceAddress device, const std::string& input, const void* owner,
                      base::SimTime now);
 
+  /// What an input of a device has been set to and, under a fault, is held at. Nothing: it never
+  /// has.
+  [[nodiscard]] std::optional<double> input_value(
+      const std::pair<DeviceAddress, std::string>& input) const;
+
   /// Hands a frame of a program to a bus through its `number`th port. False: the port has no room.
   bool put(std::size_t bus, std::size_t number, can::Port& port, const can::Frame& frame);
   /// Takes the oldest frame that waits at a port.

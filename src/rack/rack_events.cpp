@@ -123,6 +123,11 @@ void Rack::release_input(DeviceAddress device, const std::string& input, const v
   }
 }
 
+std::optional<double> Rack::input_value(const std::pair<DeviceAddress, std::string>& input) const {
+  const auto known = held_inputs_.find(input);
+  return known == held_inputs_.end() ? std::nullopt : std::optional(known->second.value());
+}
+
 void Rack::apply_cable(const CableEvent& event, base::SimTime now) {
   const std::uint16_t number = number_of(event.device);
   if (event.device.kind == NetworkKind::bus) {

@@ -1,10 +1,13 @@
 #include "web/input_api.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -63,35 +66,79 @@ InputAddress find_input(const State& state, std::string_view name) {
   return {};
 }
 
-Json input_json(const DeviceRecord& device, const devices::Input& input) {
-  return {{"name", device.name + "." + input.name},
-          {"unit", input.unit},
-          {"minimum", finite(input.minimum)},
-          {"maximum", finite(input.maximum)}};
-}
+/// Tells inputs with what they have been set to.
+class ReadInputsJob final : public Job {
+ public:
+  explicit ReadInputsJob(bool list) : list_(list) {}
 
-Response list_inputs(const State& state) {
-  Json all = Json::array();
+  void add(const InputAddress& address) {
+    inputs_.push_back({.address = address,
+                       .key = {address.device->address, address.input->name},
+                       .value = std::nullopt});
+  }
+
+  /// Some of the inputs in each call.
+  bool run(rack::Rack& rack, base::SimTime /*now*/) override {
+    for (std::size_t i = 0; i < kInputsAtOnce && read_ < inputs_.size(); ++i, ++read_) {
+      inputs_[read_].value = rack.input_value(inputs_[read_].key);
+    }
+    return read_ == inputs_.size();
+  }
+  [[nodiscard]] bool changes() const override { return false; }
+
+  Response response() override {
+    Json all = Json::array();
+    for (const ReadInput& input : inputs_) {
+      const auto& [device, declared] = input.address;
+      all.push_back({{"name", device->name + "." + declared->name},
+                     {"unit", declared->unit},
+                     {"minimum", finite(declared->minimum)},
+                     {"maximum", finite(declared->maximum)},
+                     {"value", input.value ? Json(*input.value) : Json(nullptr)}});
+    }
+    return json_response(list_ ? Json{{"inputs", std::move(all)}} : std::move(all.front()));
+  }
+
+ private:
+  static constexpr std::size_t kInputsAtOnce = 16;
+  struct ReadInput {
+    InputAddress address;
+    std::pair<rack::DeviceAddress, std::string> key;
+    std::optional<double> value;
+  };
+  std::vector<ReadInput> inputs_;
+  std::size_t read_ = 0;
+  bool list_;
+};
+
+std::unique_ptr<Job> read_all_inputs(const State& state) {
+  auto job = std::make_unique<ReadInputsJob>(true);
   for (const DeviceRecord& device : state.devices()) {
     for (const devices::Input& input : *device.inputs) {
-      all.push_back(input_json(device, input));
+      job->add({&device, &input});
     }
   }
-  return json_response({{"inputs", all}});
+  return job;
+}
+
+std::unique_ptr<Job> read_input(const InputAddress& address) {
+  auto job = std::make_unique<ReadInputsJob>(false);
+  job->add(address);
+  return job;
 }
 
 }  // namespace
 
 Answer answer_inputs(const Match& match, const Request& request, const State& state) {
   if (match.route->operation == Operation::inputs) {
-    return list_inputs(state);
+    return read_all_inputs(state);
   }
   const InputAddress address = find_input(state, match.parameters[0]);
   if (address.input == nullptr) {
     return problem(404, "the rack has no such input; /api/v1/inputs lists all");
   }
   if (match.route->operation == Operation::input) {
-    return json_response(input_json(*address.device, *address.input));
+    return read_input(address);
   }
   const auto value = member_of(request, "value");
   if (const auto* wrong = std::get_if<Response>(&value)) {

@@ -116,12 +116,13 @@ constexpr const char* kSchemas = R"({
   },
   "Input": {
     "type": "object",
-    "required": ["name", "unit", "minimum", "maximum"],
+    "required": ["name", "unit", "minimum", "maximum", "value"],
     "properties": {
       "name": {"type": "string"},
       "unit": {"type": "string"},
       "minimum": {"type": ["number", "null"]},
-      "maximum": {"type": ["number", "null"]}
+      "maximum": {"type": ["number", "null"]},
+      "value": {"type": ["number", "null"], "description": "null: never set so far"}
     }
   },
   "Inputs": {

@@ -13,6 +13,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/format.h>
 
+#include "link/machine.hpp"
 #include "web/connection.hpp"
 #include "web/problem.hpp"
 #include "web/server_context.hpp"
@@ -70,6 +71,7 @@ class Server::Implementation {
 
   void start() {
     thread_ = std::thread([this] {
+      link::give_way_to_other_threads();
       accept();
       tick();
       context_.run();

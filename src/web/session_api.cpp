@@ -77,16 +77,16 @@ class SessionJob final : public Job {
   std::vector<SessionControl::Snapshot> snapshots_;
 };
 
-bool is_name(const std::string& text) {
-  const bool digit = !text.empty() && text.front() >= '0' && text.front() <= '9';  // "5s" is a time
+}  // namespace
+
+bool is_snapshot_name(std::string_view text) {
+  const bool digit = !text.empty() && text.front() >= '0' && text.front() <= '9';
   return !text.empty() && !digit && text.size() <= kLongestName &&
          std::ranges::all_of(text, [](char letter) {
            return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
                   (letter >= '0' && letter <= '9') || letter == '-' || letter == '_';
          });
 }
-
-}  // namespace
 
 Answer answer_session(const Match& match, const Request& request, SessionControl* control) {
   if (control == nullptr && match.route->operation == Operation::recording) {
@@ -107,7 +107,7 @@ Answer answer_session(const Match& match, const Request& request, SessionControl
     }
     const Json& given = std::get<Json>(value);
     name = given.is_string() ? given.get<std::string>() : std::string();
-    if (!is_name(name)) {
+    if (!is_snapshot_name(name)) {
       return problem(422,
                      "a snapshot's name has 1 to 64 letters of ASCII, digits, \"-\" and \"_\", no "
                      "digit first");

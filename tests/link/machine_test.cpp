@@ -1,10 +1,13 @@
 #include "link/machine.hpp"
 
+#include <algorithm>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sched.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 namespace stator::link {
 namespace {
@@ -37,6 +40,19 @@ TEST(Machine, AProcessorThatDoesNotExistIsRefusedWithAListOfThoseThatDo) {
         pinned.error().text,
         testing::ContainsRegex("processor " + std::to_string(processor) + ".*may run on: [0-9]"));
   }
+}
+
+TEST(Machine, AThreadThatGivesWayHasNoRealTimePolicyAndIsNicer) {
+  const auto niceness = [] { return ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid())); };
+  const int before = niceness();
+  std::thread([&] {
+    const sched_param lowest{.sched_priority = 1};
+    static_cast<void>(::sched_setscheduler(0, SCHED_FIFO, &lowest));  // where that is allowed
+    give_way_to_other_threads();
+    EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
+    EXPECT_EQ(niceness(), std::min(before + 5, 19));
+  }).join();
+  EXPECT_EQ(niceness(), before) << "it is the thread's own";
 }
 
 }  // namespace

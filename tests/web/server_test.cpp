@@ -58,8 +58,10 @@ TEST(WebServer, SetsInputsWithinTheirRange) {
   const std::string input = "/api/v1/inputs/drive.axis0.supply_voltage";
   const auto declared = rack.get(input).json();
   EXPECT_EQ(declared["unit"], "V");
+  EXPECT_TRUE(declared["value"].is_null()) << "nobody has set it";
   EXPECT_THAT(rack.get("/api/v1/inputs").json()["inputs"], testing::Contains(declared));
   EXPECT_EQ(rack.put(input, R"({"value": 31.5})").status, 200);
+  EXPECT_EQ(rack.get(input).json()["value"], 31.5);
   const auto events = rack.get("/api/v1/events").json()["events"];
   ASSERT_FALSE(events.empty());
   EXPECT_EQ(events.back()["rule"], "input-set");

@@ -6,6 +6,7 @@ import { useAction, useWorld } from "../hooks";
 import { controlOf, firstSpan, spansOf } from "../inputs";
 
 const kAgain = 60; ///< ms between two writes of a slider that is being moved
+const kSettled = 4000; ///< ms in which a value that was set comes back from the server, which is asked every 3 s
 
 function labelOf(name: string): string {
   return name.replace(/_/g, " ");
@@ -44,14 +45,19 @@ export function InputRow({ input, label, present }: { input: InputInfo; label: s
     }
   };
   useEffect(() => () => clearTimeout(waiting.current.timer), []);
-  // Once the server tells the value itself, what was set here is no longer needed.
+  // What was set here stands until the server tells the same, or has had time to tell something else,
+  // as when a fault holds the input.
   useEffect(() => {
-    if (present !== null) {
-      const timer = setTimeout(() => setOwn(null), 700);
-      return () => clearTimeout(timer);
+    if (own === null || present === null) {
+      return undefined;
     }
-    return undefined;
-  }, [present]);
+    if (present === own) {
+      setOwn(null);
+      return undefined;
+    }
+    const timer = setTimeout(() => setOwn(null), kSettled);
+    return () => clearTimeout(timer);
+  }, [own, present === null, present === own]);
   const value = own ?? present;
   const control = controlOf(input, span);
   const id = `input-${input.name}`;

@@ -6,7 +6,7 @@ import { useResource } from "../hooks";
 
 /// An input of the rack beside the picture of what it does.
 export function InputsPanel() {
-  const { data } = useResource<{ readonly inputs: readonly InputInfo[] }>("/api/v1/inputs");
+  const { data } = useResource<{ readonly inputs: readonly InputInfo[] }>("/api/v1/inputs", 3000);
   const [name, setName] = useState("");
   const inputs = data?.inputs ?? [];
   const chosen = inputs.find((input) => input.name === name);
@@ -23,7 +23,7 @@ export function InputsPanel() {
           ))}
         </select>
       </label>
-      {chosen === undefined ? null : <InputRow key={chosen.name} input={chosen} label={chosen.name} present={chosen.value ?? null} />}
+      {chosen === undefined ? null : <InputRow key={chosen.name} input={chosen} label={chosen.name} present={chosen.value} />}
     </div>
   );
 }

@@ -288,7 +288,7 @@ function Inputs({ device, signals, first }: { device: DeviceInfo; signals: Signa
                 key={input.name}
                 input={input}
                 label={input.name.slice(device.name.length + 1 + (group === "" ? 0 : group.length + 1))}
-                present={input.value ?? (known.has(input.name) ? (value(input.name)?.value ?? null) : null)}
+                present={(known.has(input.name) ? value(input.name)?.value : null) ?? input.value}
               />
             ))}
           </div>

@@ -1,0 +1,118 @@
+// What a person does to a rack that runs: inject, status, clear, snapshot.
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <regex>
+#include <string>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "cli/stator_program.hpp"
+
+namespace stator::cli {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// `stator run` of a drive at a CAN bus with a web server, and the commands that go to it.
+class RunningRack : public ::testing::Test {
+ protected:
+  /// `options`: further ones of `stator run`.
+  void start(const std::string& options) {
+    const std::string rack = tests::temporary("running.toml");
+    log_ = tests::temporary("running.log");
+    std::ofstream(rack) << "[[bus]]\nbit_rate = 1000\n[[bus.device]]\ntype = \"tmcc160\"\n"
+                           "name = \"spindle\"\nnode_id = 5\n";
+    std::string command = "exec ";
+    command += STATOR_PROGRAM;
+    command += " run " + rack + " --http 127.0.0.1:0 " + options + " >" + log_ + " 2>&1 </dev/null";
+    process_ = ::fork();
+    if (process_ == 0) {
+      ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      ::_exit(127);
+    }
+    const std::regex page("dashboard: http://([0-9.:]+)/#token=([0-9a-f]+)");
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    std::smatch found;
+    std::string text;
+    do {
+      ASSERT_LT(std::chrono::steady_clock::now(), end) << text;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      text = tests::content(log_);
+    } while (!std::regex_search(text, found, page));
+    address_ = found[1];
+    ::setenv("STATOR_TOKEN", found[2].str().c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
+  }
+
+  void TearDown() override {
+    ::unsetenv("STATOR_TOKEN");  // NOLINT(concurrency-mt-unsafe)
+    if (process_ > 0) {
+      ::kill(process_, SIGINT);
+      int status = 0;
+      ::waitpid(process_, &status, 0);
+      EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << tests::content(log_);
+    }
+  }
+
+  tests::Outcome command(const std::string& words) {
+    return tests::stator(words + " --http " + address_);
+  }
+
+ private:
+  pid_t process_ = -1;
+  std::string address_;
+  std::string log_;
+};
+
+TEST_F(RunningRack, GetsFaultsAndLosesThemByCommand) {
+  start("");
+  const tests::Outcome injected = command("inject can-drop --device spindle count=3");
+  EXPECT_EQ(injected.status, 0) << injected.output;
+  EXPECT_EQ(injected.output, "fault 1\n");
+  const tests::Outcome status = command("status");
+  EXPECT_EQ(status.status, 0) << status.output;
+  EXPECT_THAT(status.output, HasSubstr("Pre-operational"));
+  EXPECT_THAT(status.output, HasSubstr("can-drop"));
+  EXPECT_EQ(command("clear 1").output, "fault 1 cleared\n");
+  EXPECT_THAT(command("status").output, Not(HasSubstr("active")));
+  const tests::Outcome unknown = command("clear 7");
+  EXPECT_EQ(unknown.status, 1);
+  EXPECT_THAT(unknown.output, HasSubstr("there is no fault 7"));
+  const tests::Outcome refused = command("inject can-drop --device spindel count=3");
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.output, HasSubstr("spindle")) << "says which devices there are";
+}
+
+TEST_F(RunningRack, KeepsMomentsAndGoesBackToThem) {
+  start("--record " + tests::temporary("running.stator"));
+  EXPECT_EQ(command("snapshot list").output, "no snapshots\n");
+  const tests::Outcome taken = command("snapshot take before");
+  EXPECT_EQ(taken.status, 0) << taken.output;
+  EXPECT_THAT(taken.output, HasSubstr("snapshot before taken at "));
+  EXPECT_THAT(command("snapshot list").output, HasSubstr("  before\n"));
+  EXPECT_THAT(command("snapshot take before").output,
+              HasSubstr("there is a snapshot of this name"));
+  const tests::Outcome none = command("snapshot restore after");
+  EXPECT_EQ(none.status, 1);
+  EXPECT_THAT(none.output, HasSubstr("there is no such snapshot"));
+  EXPECT_EQ(command("snapshot restore before").output, "snapshot before restored\n");
+  const tests::Outcome wrong = command("snapshot take \"5 s\"");
+  EXPECT_EQ(wrong.status, 1);
+  EXPECT_THAT(wrong.output, HasSubstr("cannot be the name of a snapshot"));
+}
+
+TEST_F(RunningRack, WithoutRecordingHasNoSnapshots) {
+  start("");
+  const tests::Outcome outcome = command("snapshot take before");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.output, HasSubstr("--record"));
+}
+
+}  // namespace
+}  // namespace stator::cli
