@@ -40,6 +40,8 @@ class EtherCatDevice : public Device {
   /// What a controller beside a chip is wired to; null for a device that has its own firmware.
   [[nodiscard]] virtual HostPort* host_port() { return nullptr; }
 
+  /// The input that sets the deviation of the oscillator.
+  static constexpr const char* kClockDeviation = "clock_deviation";
   /// What `stator inject` and timetables set: the oscillator runs fast by `ppb` from now on.
   void set_clock_deviation(double ppb) {
     controller().set_clock_deviation(static_cast<std::int32_t>(ppb));
@@ -49,9 +51,9 @@ class EtherCatDevice : public Device {
   [[nodiscard]] virtual ethercat::EoeServer* eoe() { return nullptr; }
 
  protected:
-  /// "clock_deviation", ppb: ten times what crystals for EtherCAT may be off, and more.
+  /// kClockDeviation, ppb: ten times what crystals for EtherCAT may be off, and more.
   [[nodiscard]] Input clock_deviation_input() {
-    return {"clock_deviation", "ppb", -1e6, 1e6,
+    return {kClockDeviation, "ppb", -1e6, 1e6,
             base::Delegate<void(double)>::bind<&EtherCatDevice::set_clock_deviation>(*this)};
   }
 };

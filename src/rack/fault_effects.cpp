@@ -66,6 +66,20 @@ class CanFrameEffect final : public FaultEffect {
   InjectedEffect<BusMedium, FrameFaultEvent> injected_;
 };
 
+/// Holds what an event of the rack sets.
+template <typename Event>
+class HoldEffect final : public FaultEffect {
+ public:
+  HoldEffect(Rack& rack, Event event) : rack_(rack), event_(std::move(event)) {}
+
+  void begin(SimTime now) override { rack_.hold(event_, this, now); }
+  void end(SimTime now) override { rack_.release(event_, this, now); }
+
+ private:
+  Rack& rack_;
+  Event event_;
+};
+
 /// Two events of the rack: one at the begin, one at the end.
 class EventEffect final : public FaultEffect {
  public:
@@ -85,103 +99,104 @@ class EventEffect final : public FaultEffect {
   std::optional<RackEvent> end_;
 };
 
+/// A cable that is out or, with `flap`, comes and goes. While it is in it holds nothing, so that
+/// another fault of the same cable keeps it out.
 class LinkEffect final : public FaultEffect {
  public:
   LinkEffect(Rack& rack, const FaultConfiguration& fault)
       : rack_(rack),
-        device_(*fault.target.device),
-        port_(fault.target.port),
+        out_{*fault.target.device, fault.target.port, false},
         flap_(fault.values.find<base::SimDuration>("flap")) {}
 
-  void begin(SimTime now) override { set(false, now); }
+  void begin(SimTime now) override {
+    rack_.hold(out_, this, now);
+    is_out_ = true;
+    next_ = flap_ ? now + *flap_ : SimTime::never();
+  }
   void end(SimTime now) override {
-    if (!intact_) {
-      set(true, now);
-    }
+    rack_.release(out_, this, now);
+    is_out_ = false;
     next_ = SimTime::never();
   }
   [[nodiscard]] SimTime next_step() const override { return next_; }
-  void step(SimTime now) override { set(!intact_, now); }
-
- private:
-  void set(bool intact, SimTime now) {
-    intact_ = intact;
-    rack_.apply(CableEvent{device_, port_, intact}, now);
-    next_ = flap_ ? now + *flap_ : SimTime::never();
+  void step(SimTime now) override {
+    if (!is_out_) {
+      begin(now);
+      return;
+    }
+    end(now);
+    next_ = now + *flap_;
   }
 
+ private:
   Rack& rack_;
-  DeviceAddress device_;
-  unsigned port_;
+  CableEvent out_;
   std::optional<base::SimDuration> flap_;
-  bool intact_ = true;
+  bool is_out_ = false;
   SimTime next_ = SimTime::never();
 };
 
-/// An error of a slave's state machine: with `lasting` it goes no state up until the end.
+/// A slave's state machine leaves for a lower state by itself; with `held` it has an error that
+/// does not go away, and no step up succeeds until the end.
 class StateEffect final : public FaultEffect {
  public:
-  StateEffect(ethercat::SlaveStack& stack, const FaultConfiguration& fault, bool lasting)
+  /// `held`: what the slave refuses steps up with, by the newest fault; null: with nothing.
+  StateEffect(ethercat::SlaveStack& stack, const FaultConfiguration& fault,
+              Held<ethercat::AlStatusCode>* held)
       : stack_(stack),
         target_(al_state(fault.values.get<std::string>("state"))),
         code_(static_cast<ethercat::AlStatusCode>(fault.values.whole("code"))),
-        lasting_(lasting) {}
+        held_(held) {}
 
   void begin(SimTime now) override {
-    if (lasting_) {
+    if (held_ != nullptr && held_->hold(this, code_)) {
       stack_.refuse_steps_up(code_);
     }
     if (stack_.state() > target_) {
       stack_.step_down(target_, code_, now);
-    } else if (lasting_) {
+    } else if (held_ != nullptr) {
       stack_.raise_error(code_, now);
     }
   }
-  void end(SimTime /*now*/) override { stack_.refuse_steps_up(ethercat::AlStatusCode::no_error); }
+  void end(SimTime /*now*/) override {
+    if (held_ != nullptr && held_->release(this)) {
+      stack_.refuse_steps_up(held_->value());
+    }
+  }
 
  private:
   ethercat::SlaveStack& stack_;
   ethercat::AlState target_;
   ethercat::AlStatusCode code_;
-  bool lasting_;
+  Held<ethercat::AlStatusCode>* held_;
 };
 
 class SiiEffect final : public FaultEffect {
  public:
-  SiiEffect(ethercat::SlaveController& controller, const FaultConfiguration& fault)
+  /// `held`: the bits of the byte that read wrong, by the newest fault.
+  SiiEffect(ethercat::SlaveController& controller, const FaultConfiguration& fault,
+            Held<std::uint8_t>& held)
       : controller_(controller),
         offset_(static_cast<std::size_t>(fault.values.whole("offset"))),
-        mask_(static_cast<std::uint8_t>(fault.values.whole("mask"))) {}
+        mask_(static_cast<std::uint8_t>(fault.values.whole("mask"))),
+        held_(held) {}
 
-  void begin(SimTime /*now*/) override { controller_.corrupt_sii(offset_, mask_); }
-  void end(SimTime /*now*/) override { controller_.corrupt_sii(offset_, 0); }
+  void begin(SimTime /*now*/) override {
+    if (held_.hold(this, mask_)) {
+      controller_.corrupt_sii(offset_, mask_);
+    }
+  }
+  void end(SimTime /*now*/) override {
+    if (held_.release(this)) {
+      controller_.corrupt_sii(offset_, held_.value());
+    }
+  }
 
  private:
   ethercat::SlaveController& controller_;
   std::size_t offset_;
   std::uint8_t mask_;
-};
-
-class ClockEffect final : public FaultEffect {
- public:
-  ClockEffect(ethercat::SlaveController& controller, std::int32_t ppb)
-      : controller_(controller), ppb_(ppb) {}
-
-  void begin(SimTime now) override {
-    before_ = controller_.configuration().clock_deviation_ppb;
-    set(ppb_, now);
-  }
-  void end(SimTime now) override { set(before_, now); }
-
- private:
-  void set(std::int32_t ppb, SimTime now) {
-    controller_.advance(now);
-    controller_.set_clock_deviation(ppb);
-  }
-
-  ethercat::SlaveController& controller_;
-  std::int32_t ppb_;
-  std::int32_t before_ = 0;
+  Held<std::uint8_t>& held_;
 };
 
 std::unique_ptr<FaultEffect> ethercat_frame(Rack& rack, const FaultConfiguration& fault) {
@@ -274,7 +289,7 @@ ethercat::SlaveStack& stack(Rack& rack, const FaultConfiguration& fault) {
 }  // namespace
 
 std::unique_ptr<FaultEffect> make_fault_effect(Rack& rack, const FaultConfiguration& fault,
-                                               MailboxFaults* mailbox) {
+                                               MailboxFaults* mailbox, HeldInSlaves& held) {
   switch (fault.kind->action) {
     case FaultAction::ethercat_frame:
       return ethercat_frame(rack, fault);
@@ -285,23 +300,27 @@ std::unique_ptr<FaultEffect> make_fault_effect(Rack& rack, const FaultConfigurat
     case FaultAction::link_down:
       return std::make_unique<LinkEffect>(rack, fault);
     case FaultAction::power_off:
-      return std::make_unique<EventEffect>(rack, PowerEvent{*fault.target.device, false},
-                                           PowerEvent{*fault.target.device, true});
+      return std::make_unique<HoldEffect<PowerEvent>>(rack,
+                                                      PowerEvent{*fault.target.device, false});
     case FaultAction::mailbox_stall:
     case FaultAction::mailbox_abort:
       return std::make_unique<InjectedEffect<MailboxFaults, MailboxFault>>(*mailbox,
                                                                            mailbox_fault(fault));
     case FaultAction::al_error:
-      return std::make_unique<StateEffect>(stack(rack, fault), fault, true);
+      return std::make_unique<StateEffect>(stack(rack, fault), fault,
+                                           &held.refusals[*fault.target.device]);
     case FaultAction::fall_back:
-      return std::make_unique<StateEffect>(stack(rack, fault), fault, false);
+      return std::make_unique<StateEffect>(stack(rack, fault), fault, nullptr);
     case FaultAction::working_counter:
       return working_counter(rack, fault);
     case FaultAction::sii_corruption:
-      return std::make_unique<SiiEffect>(slave(rack, fault).controller(), fault);
+      return std::make_unique<SiiEffect>(
+          slave(rack, fault).controller(), fault,
+          held.sii_bits[{*fault.target.device, fault.values.whole("offset")}]);
     case FaultAction::clock_drift:
-      return std::make_unique<ClockEffect>(slave(rack, fault).controller(),
-                                           static_cast<std::int32_t>(fault.values.whole("ppb")));
+      return std::make_unique<HoldEffect<InputEvent>>(
+          rack, InputEvent{*fault.target.device, devices::EtherCatDevice::kClockDeviation,
+                           static_cast<double>(fault.values.whole("ppb"))});
     case FaultAction::can_error_state:
       return std::make_unique<EventEffect>(
           rack,

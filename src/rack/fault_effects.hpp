@@ -1,11 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "base/sim_time.hpp"
+#include "ethercat/al_state.hpp"
 #include "rack/fault_configuration.hpp"
+#include "rack/held.hpp"
 
 namespace stator::rack {
 
@@ -30,10 +34,19 @@ class FaultEffect {
   virtual void step(base::SimTime /*now*/) {}
 };
 
+/// What faults hold of slaves beside what a rack can set: see Held. Outlives their effects.
+struct HeldInSlaves {
+  /// What steps up are refused with.
+  std::map<DeviceAddress, Held<ethercat::AlStatusCode>> refusals;
+  /// Bits of the EEPROM that read wrong, by the offset of their byte.
+  std::map<std::pair<DeviceAddress, std::int64_t>, Held<std::uint8_t>> sii_bits;
+};
+
 /// The effect of a fault on `rack`; `mailbox` is where faults of the target's mailbox live, null
 /// for other actions. Throws std::runtime_error for what `rack` does not have.
 [[nodiscard]] std::unique_ptr<FaultEffect> make_fault_effect(Rack& rack,
                                                              const FaultConfiguration& fault,
-                                                             MailboxFaults* mailbox);
+                                                             MailboxFaults* mailbox,
+                                                             HeldInSlaves& held);
 
 }  // namespace stator::rack

@@ -62,7 +62,7 @@ base::Expected<std::uint64_t, std::string> Faults::inject(const FaultConfigurati
   try {
     MailboxFaults* mailbox =
         concerns_mailbox(fault.kind->action) ? &mailbox_of(*fault.target.device) : nullptr;
-    record.effect = make_fault_effect(rack_, fault, mailbox);
+    record.effect = make_fault_effect(rack_, fault, mailbox, held_);
     arm_watch(record, now);
   } catch (const std::exception& error) {
     return base::Unexpected{std::string(error.what())};

@@ -103,6 +103,7 @@ class Faults {
 
   Rack& rack_;
   std::map<DeviceAddress, std::unique_ptr<MailboxFaults>> mailboxes_;
+  HeldInSlaves held_;
   FaultWatches watch_;
   std::deque<Record> records_;
   std::uint64_t newest_ = 0;

@@ -19,7 +19,7 @@
 #include "rack/clock.hpp"
 #include "rack/device_storage.hpp"
 #include "rack/event_log.hpp"
-#include "rack/held_input.hpp"
+#include "rack/held.hpp"
 #include "rack/pin_trace.hpp"
 #include "rack/rack_configuration.hpp"
 #include "rack/recorder.hpp"
@@ -87,12 +87,14 @@ class Rack {
   /// for an input that does not exist or a value it cannot have.
   void apply(const RackEvent& event, base::SimTime now);
 
-  /// A fault, which `owner` stands for, holds an input at a value from now on, whatever else sets
-  /// it. Throws as apply() does. The newest of several is in force.
-  void hold_input(const InputEvent& event, const void* owner, base::SimTime now);
-  /// That is over: the input gets what an older fault wants of it, else what was set last.
-  void release_input(DeviceAddress device, const std::string& input, const void* owner,
-                     base::SimTime now);
+  /// A fault, which `owner` stands for, holds an input, a cable or a supply as `event` has it from
+  /// now on, whatever else sets it. Throws as apply() does. The newest of several is in force.
+  /// `Event`: InputEvent, CableEvent or PowerEvent.
+  template <typename Event>
+  void hold(const Event& event, const void* owner, base::SimTime now);
+  /// That is over: what `event` names gets what an older fault wants of it, else what was set last.
+  template <typename Event>
+  void release(Event event, const void* owner, base::SimTime now);
 
   /// What an input of a device has been set to and, under a fault, is held at. Nothing: it never
   /// has.
@@ -215,10 +217,14 @@ class Rack {
   void connect_lines(const RackConfiguration& configuration);
   void connect_wires(const RackConfiguration& configuration);
   void advance_devices(base::SimTime now);
-  void apply_cable(const CableEvent& event, base::SimTime now);
-  void apply_power(const PowerEvent& event, base::SimTime now);
   void apply_input(const InputEvent& event, base::SimTime now);
-  void set_input(const InputEvent& event, const devices::Input& input, base::SimTime now);
+  [[nodiscard]] Held<double>& held(const InputEvent& event);
+  [[nodiscard]] Held<bool>& held(const CableEvent& event);
+  [[nodiscard]] Held<bool>& held(const PowerEvent& event);
+  // What is in force is done.
+  void bring(const InputEvent& event, base::SimTime now);
+  void bring(const CableEvent& event, base::SimTime now);
+  void bring(const PowerEvent& event, base::SimTime now);
   void apply_error_state(const ErrorStateEvent& event, base::SimTime now);
   void apply_frame_fault(const FrameFaultEvent& event, base::SimTime now);
   void apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now);
@@ -241,7 +247,9 @@ class Rack {
   std::vector<BusMembers> buses_;
   SerialLines lines_;  ///< go first: they know devices and buses
   Timetable timetable_;
-  std::map<std::pair<DeviceAddress, std::string>, HeldInput> held_inputs_;  ///< those ever set
+  std::map<std::pair<DeviceAddress, std::string>, Held<double>> held_inputs_;  ///< those ever set
+  std::map<std::pair<DeviceAddress, unsigned>, Held<bool>> held_cables_;  ///< by port; true: intact
+  std::map<DeviceAddress, Held<bool>> held_powers_;                       ///< true: on
   Wires wires_;
   std::optional<Recorder> recorder_;
   std::vector<SignalTap*> taps_;

@@ -1,6 +1,7 @@
 // What can happen to devices of a rack from outside, at a time of the timetable or at once.
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <stdexcept>
 
 #include "rack/input_names.hpp"
@@ -53,13 +54,27 @@ const char* to_text(can::FrameFaultKind kind) {
   return "?";
 }
 
+// What an event wants of that which it sets.
+template <typename Event>
+constexpr auto kWanted = nullptr;
+template <>
+constexpr auto kWanted<InputEvent> = &InputEvent::value;
+template <>
+constexpr auto kWanted<CableEvent> = &CableEvent::intact;
+template <>
+constexpr auto kWanted<PowerEvent> = &PowerEvent::on;
+
 }  // namespace
 
 void Rack::happen(const RackEvent& event, base::SimTime now) {
   if (const auto* cable = std::get_if<CableEvent>(&event)) {
-    apply_cable(*cable, now);
+    if (held(*cable).set(cable->intact)) {
+      bring(*cable, now);
+    }
   } else if (const auto* power = std::get_if<PowerEvent>(&event)) {
-    apply_power(*power, now);
+    if (held(*power).set(power->on)) {
+      bring(*power, now);
+    }
   } else if (const auto* input = std::get_if<InputEvent>(&event)) {
     apply_input(*input, now);
   } else if (const auto* state = std::get_if<ErrorStateEvent>(&event)) {
@@ -85,17 +100,56 @@ const devices::Input& Rack::find_input(const InputEvent& event) const {
   return *std::ranges::find(inputs, event.input, &devices::Input::name);
 }
 
-void Rack::apply_input(const InputEvent& event, base::SimTime now) {
-  const devices::Input& input = find_input(event);
-  if (held_inputs_[{event.device, event.input}].set(event.value)) {
-    set_input(event, input, now);
-  } else if (event.logged) {
-    report(number_of(event.device), now, kHeldInputSet,
-           {std::string_view(input.name), in_thousandths(event.value)});
+Held<double>& Rack::held(const InputEvent& event) {
+  return held_inputs_[{event.device, event.input}];
+}
+
+Held<bool>& Rack::held(const CableEvent& event) {
+  return held_cables_.try_emplace({event.device, event.port}, true).first->second;
+}
+
+Held<bool>& Rack::held(const PowerEvent& event) {
+  return held_powers_.try_emplace(event.device, true).first->second;
+}
+
+template <typename Event>
+void Rack::hold(const Event& event, const void* owner, base::SimTime now) {
+  if constexpr (std::same_as<Event, InputEvent>) {
+    static_cast<void>(find_input(event));  // throws before anything is noted
+  }
+  if (held(event).hold(owner, event.*kWanted<Event>)) {
+    bring(event, now);
   }
 }
 
-void Rack::set_input(const InputEvent& event, const devices::Input& input, base::SimTime now) {
+template <typename Event>
+void Rack::release(Event event, const void* owner, base::SimTime now) {
+  auto& known = held(event);
+  if (known.release(owner)) {
+    event.*kWanted<Event> = known.value();
+    bring(event, now);
+  }
+}
+
+template void Rack::hold(const InputEvent&, const void*, base::SimTime);
+template void Rack::hold(const CableEvent&, const void*, base::SimTime);
+template void Rack::hold(const PowerEvent&, const void*, base::SimTime);
+template void Rack::release(InputEvent, const void*, base::SimTime);
+template void Rack::release(CableEvent, const void*, base::SimTime);
+template void Rack::release(PowerEvent, const void*, base::SimTime);
+
+void Rack::apply_input(const InputEvent& event, base::SimTime now) {
+  static_cast<void>(find_input(event));
+  if (held(event).set(event.value)) {
+    bring(event, now);
+  } else if (event.logged) {
+    report(number_of(event.device), now, kHeldInputSet,
+           {std::string_view(event.input), in_thousandths(event.value)});
+  }
+}
+
+void Rack::bring(const InputEvent& event, base::SimTime now) {
+  const devices::Input& input = find_input(event);
   if (event.logged) {
     report(
         number_of(event.device), now, input.unit.empty() ? kUnitlessInputSet : kInputSet,
@@ -107,28 +161,12 @@ void Rack::set_input(const InputEvent& event, const devices::Input& input, base:
   }
 }
 
-void Rack::hold_input(const InputEvent& event, const void* owner, base::SimTime now) {
-  const devices::Input& input = find_input(event);
-  if (held_inputs_[{event.device, event.input}].hold(owner, event.value)) {
-    set_input(event, input, now);
-  }
-}
-
-void Rack::release_input(DeviceAddress device, const std::string& input, const void* owner,
-                         base::SimTime now) {
-  HeldInput& held = held_inputs_[{device, input}];
-  if (held.release(owner)) {
-    const InputEvent back{device, input, held.value()};
-    set_input(back, find_input(back), now);
-  }
-}
-
 std::optional<double> Rack::input_value(const std::pair<DeviceAddress, std::string>& input) const {
   const auto known = held_inputs_.find(input);
   return known == held_inputs_.end() ? std::nullopt : std::optional(known->second.value());
 }
 
-void Rack::apply_cable(const CableEvent& event, base::SimTime now) {
+void Rack::bring(const CableEvent& event, base::SimTime now) {
   const std::uint16_t number = number_of(event.device);
   if (event.device.kind == NetworkKind::bus) {
     report(number, now, event.intact ? kConnected : kDisconnected);
@@ -140,7 +178,7 @@ void Rack::apply_cable(const CableEvent& event, base::SimTime now) {
                                                      event.intact);
 }
 
-void Rack::apply_power(const PowerEvent& event, base::SimTime now) {
+void Rack::bring(const PowerEvent& event, base::SimTime now) {
   const auto [network, device, kind] = event.device;
   const bool powered = kind == NetworkKind::bus ? bus(network).powered(device)
                                                 : segments_[network].segment->powered(device);

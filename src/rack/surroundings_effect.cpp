@@ -38,7 +38,7 @@ class SurroundingsEffect final : public FaultEffect {
       return;  // there is nothing to take back
     }
     for (auto setting = settings_.rbegin(); setting != settings_.rend(); ++setting) {
-      rack_.release_input(device_, setting->input, this, now);
+      rack_.release(InputEvent{device_, setting->input, 0.0}, this, now);
     }
   }
   [[nodiscard]] SimTime next_step() const override { return next_; }
@@ -61,7 +61,7 @@ class SurroundingsEffect final : public FaultEffect {
     if (momentary_) {
       rack_.apply(event, now);
     } else {
-      rack_.hold_input(event, this, now);
+      rack_.hold(event, this, now);
     }
   }
 

@@ -26,7 +26,7 @@ struct FaultSetting {
 [[nodiscard]] std::span<const FaultKind> surroundings_fault_kinds();
 
 /// What such a fault holds from its begin on, in this order; at its end they go back the other way
-/// round to what else is wanted of them, see held_input.hpp. `inputs` are those of the device:
+/// round to what else is wanted of them, see held.hpp. `inputs` are those of the device:
 /// names differ between products.
 [[nodiscard]] std::vector<FaultSetting> settings_of(const FaultConfiguration& fault,
                                                     std::span<const devices::Input> inputs);

@@ -6,7 +6,7 @@
 namespace stator::rack {
 
 void Wires::add(const WireConfiguration& wire, std::span<const devices::Signal> signals,
-                std::span<const devices::Input> inputs, HeldInput& held, CanNetwork* network) {
+                std::span<const devices::Input> inputs, Held<double>& held, CanNetwork* network) {
   const auto signal = std::ranges::find(signals, wire.signal, &devices::Signal::name);
   const auto input = std::ranges::find(inputs, wire.input, &devices::Input::name);
   if (signal == signals.end() || input == inputs.end()) {

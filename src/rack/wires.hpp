@@ -9,7 +9,7 @@
 #include "devices/input.hpp"
 #include "devices/signal.hpp"
 #include "rack/can_network.hpp"
-#include "rack/held_input.hpp"
+#include "rack/held.hpp"
 #include "rack/rack_configuration.hpp"
 
 namespace stator::rack {
@@ -24,7 +24,7 @@ class Wires {
   /// of the second one, null for a device on EtherCAT. `held` says whether a fault holds the input
   /// and must outlive the wires. Throws std::runtime_error when signal or input does not exist.
   void add(const WireConfiguration& wire, std::span<const devices::Signal> signals,
-           std::span<const devices::Input> inputs, HeldInput& held, CanNetwork* network);
+           std::span<const devices::Input> inputs, Held<double>& held, CanNetwork* network);
 
   /// When they act next; SimTime::never() if there are none.
   [[nodiscard]] base::SimTime next() const { return next_; }
@@ -37,7 +37,7 @@ class Wires {
     WireConfiguration configuration;
     devices::Signal signal;
     devices::Input input;
-    HeldInput* held = nullptr;
+    Held<double>* held = nullptr;
     CanNetwork* network = nullptr;
     std::vector<std::optional<double>> delayed;  ///< ring of what is on its way
     std::size_t place = 0;                       ///< of the oldest value in it

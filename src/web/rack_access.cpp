@@ -97,6 +97,10 @@ bool RackAccess::busy() const {
          std::ranges::any_of(taps_, [](const Tap& each) { return each.under_way; });
 }
 
+bool RackAccess::anybody_waits() const {
+  return std::ranges::any_of(waiting_, [](const Waiting& each) { return each.waiter != nullptr; });
+}
+
 void RackAccess::forget_all() {
   for (Waiting& each : waiting_) {
     each.waiter.reset();

@@ -69,6 +69,8 @@ class RackAccess {
   void tick(Clock::time_point now);
   /// Something is under way: tick() should be called more often.
   [[nodiscard]] bool busy() const;
+  /// Somebody waits for an answer.
+  [[nodiscard]] bool anybody_waits() const;
   /// Lets go of who waits; the rack may still have the tasks.
   void forget_all();
 

@@ -1,6 +1,7 @@
 #include "web/server.hpp"
 
 #include <chrono>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -10,6 +11,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/address.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/format.h>
 
@@ -29,6 +31,8 @@ using Error = boost::system::error_code;
 /// How often the rack is asked for what is done, while something is under way and otherwise.
 constexpr std::chrono::milliseconds kBusyPeriod{2};
 constexpr std::chrono::milliseconds kIdlePeriod{20};
+/// How long those who wait for the rack may still get their answers when the server ends.
+constexpr std::chrono::milliseconds kFarewell{500};
 /// How long to wait after the system had no descriptor for a connection.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 constexpr int kBacklog = 128;
@@ -79,8 +83,11 @@ class Server::Implementation {
   }
 
   void stop() {
-    context_.stop();
     if (thread_.joinable()) {
+      asio::post(context_, [this] {
+        ends_ = RackAccess::Clock::now() + kFarewell;
+        tick_.cancel();
+      });
       thread_.join();
     }
     // The rack may still have the tasks, but connections must not outlive what they run on.
@@ -103,6 +110,7 @@ class Server::Implementation {
   tcp::acceptor acceptor_;
   asio::steady_timer accept_pause_;
   asio::steady_timer tick_;
+  std::optional<RackAccess::Clock::time_point> ends_;  ///< set when the server is to end
   std::thread thread_;
 };
 
@@ -152,6 +160,10 @@ void Server::Implementation::tick() {
   const auto now = RackAccess::Clock::now();
   server_.access.tick(now);
   server_.traffic.tick(now);
+  if (ends_ && (!server_.access.anybody_waits() || now >= *ends_)) {
+    context_.stop();
+    return;
+  }
   tick_.expires_after(server_.access.busy() ? kBusyPeriod : kIdlePeriod);
   tick_.async_wait([this](Error) { tick(); });
 }

@@ -33,7 +33,8 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   void start();
-  /// Closes all connections, ends the thread and waits for it; may be called twice.
+  /// Answers what the rack is busy with, for half a second at most, closes all connections, ends
+  /// the thread and waits for it; may be called twice. The rack should still run.
   void stop();
 
   /// Where it listens, with the port that was found if none was asked for.

@@ -27,8 +27,10 @@ class RunningRack : public ::testing::Test {
   void start(const std::string& options) {
     const std::string rack = tests::temporary("running.toml");
     log_ = tests::temporary("running.log");
-    std::ofstream(rack) << "[[bus]]\nbit_rate = 1000\n[[bus.device]]\ntype = \"tmcc160\"\n"
-                           "name = \"spindle\"\nnode_id = 5\n";
+    std::ofstream(rack) << "[[bus]]\nbit_rate = 1000\nports = [\"slcan:" +
+                               tests::temporary("running.can") +
+                               "\"]\n[[bus.device]]\ntype = \"tmcc160\"\nname = \"spindle\"\n"
+                               "node_id = 5\n";
     std::string command = "exec ";
     command += STATOR_PROGRAM;
     command += " run " + rack + " --http 127.0.0.1:0 " + options + " >" + log_ + " 2>&1 </dev/null";
@@ -43,6 +45,7 @@ class RunningRack : public ::testing::Test {
     std::string text;
     do {
       ASSERT_LT(std::chrono::steady_clock::now(), end) << text;
+      ASSERT_EQ(::waitpid(process_, nullptr, WNOHANG), 0) << text;
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
       text = tests::content(log_);
     } while (!std::regex_search(text, found, page));
@@ -77,7 +80,7 @@ TEST_F(RunningRack, GetsFaultsAndLosesThemByCommand) {
   EXPECT_EQ(injected.output, "fault 1\n");
   const tests::Outcome status = command("status");
   EXPECT_EQ(status.status, 0) << status.output;
-  EXPECT_THAT(status.output, HasSubstr("Pre-operational"));
+  EXPECT_THAT(status.output, HasSubstr("pre-operational"));
   EXPECT_THAT(status.output, HasSubstr("can-drop"));
   EXPECT_EQ(command("clear 1").output, "fault 1 cleared\n");
   EXPECT_THAT(command("status").output, Not(HasSubstr("active")));

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "ethercat/register_addresses.hpp"
 #include "master/cia402_client.hpp"
 #include "rack/fault_bench.hpp"
 
@@ -311,6 +312,21 @@ TEST(FaultSection, ASignalThatDoesNotExistIsRefusedWhenTheRackIsBuilt) {
       bench.now());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error(), "left has no signal \"axis9.x\" to wait for");
+}
+
+TEST(FaultsOfATmc8670, AMarkedFrameIsCountedAsForwardedErrorBehindTheFirstThatSawIt) {
+  SegmentFaultBench bench(
+      "[[segment]]\n"
+      "[[segment.device]]\ntype = 'tmc8670'\nname = 'left'\n"
+      "[[segment.device]]\ntype = 'tmc8670'\nname = 'right'\n");
+  namespace address = ethercat::register_address;
+  EXPECT_NE(bench.read(0, address::kFeatures) & 0x80U, 0U) << "counts them separately";
+  bench.inject("kind = 'ethercat-corrupt'\ndevice = 'left'\ncount = 1");
+  EXPECT_FALSE(bench.send(ethercat::Command::bwr, 0, 0x1F00, 1, 1_ms));
+  EXPECT_EQ(bench.counter(0, address::kReceiveErrors), 1U) << "its check sequence is wrong";
+  EXPECT_EQ(bench.counter(0, address::kForwardedErrors), 0U);
+  EXPECT_EQ(bench.counter(1, address::kReceiveErrors), 0U);
+  EXPECT_EQ(bench.counter(1, address::kForwardedErrors), 1U) << "the first has marked it";
 }
 
 }  // namespace
