@@ -1,7 +1,7 @@
 // A real rack to look at: `stator run` in a process of its own, on ports that are free.
 import { spawn } from "node:child_process";
 import { createSocket } from "node:dgram";
-import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { cp, mkdir, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
@@ -30,16 +30,18 @@ export class Rack {
   static async lay(stator) {
     const rack = new Rack();
     rack.stator = stator;
+    rack.starts = 0;
     rack.folder = await mkdtemp(join(tmpdir(), "stator-e2e-"));
     rack.udp = await freeUdpPort();
     rack.http = await freeTcpPort();
     const text = await readFile(join(repository, "racks/five-devices.toml"), "utf8");
-    rack.file = join(rack.folder, "rack.toml");
+    rack.file = join(rack.folder, "racks/rack.toml");
+    await mkdir(dirname(rack.file));
+    await cp(join(repository, "examples"), join(rack.folder, "examples"), { recursive: true });
     await writeFile(
       rack.file,
       text
         .replaceAll("/tmp/stator-", `${rack.folder}/`)
-        .replaceAll("../examples", join(repository, "examples"))
         .replace('"udp:127.0.0.1"', `"udp:127.0.0.1:${rack.udp}"`),
     );
     return rack;
@@ -51,7 +53,11 @@ export class Rack {
 
   /// Starts it and returns the link to the dashboard that it prints.
   async start() {
-    this.process = spawn(this.stator, ["run", this.file, "--http", String(this.http)], { stdio: ["ignore", "pipe", "pipe"] });
+    const recording = join(this.folder, `run${this.starts === 0 ? "" : `-again${this.starts}`}.stator`);
+    ++this.starts;
+    this.process = spawn(this.stator, ["run", this.file, "--http", String(this.http), "--record", recording], {
+      stdio: ["ignore", "pipe", "pipe"],
+    });
     this.output = "";
     let failed = "";
     this.process.stdout.on("data", (data) => (this.output += data));

@@ -36,6 +36,9 @@ export const views = [
 
 const put = (page, address) => page.getByRole("button", { name: `Write ${address}`, exact: true });
 
+/// What a browser says of a rack that is not there for a moment.
+const kRackGone = ["ERR_CONNECTION_REFUSED", "ERR_CONNECTION_RESET", "ERR_EMPTY_RESPONSE", "WebSocket connection", "Failed to load resource"];
+
 export const behaviours = [
   {
     name: "the token leaves the address bar and stays in the tab",
@@ -200,10 +203,32 @@ export const behaviours = [
     },
   },
   ...scope.behaviours,
+  {
+    name: "a snapshot brings the rack back, and the page stays",
+    path: "/recording",
+    allowed: kRackGone,
+    test: async (page, { origin }) => {
+      await page.getByLabel("Name").fill("before");
+      await page.getByRole("button", { name: "Keep the present state" }).click();
+      const row = page.getByRole("row", { name: "before" });
+      await row.waitFor();
+      const time = async () => (await (await fetch(`${origin}/api/v1/rack`)).json()).time_ns;
+      await page.waitForTimeout(2000);
+      const late = await time();
+      await row.getByRole("button", { name: "Go back to it" }).click();
+      await page.getByText("run-2.stator").waitFor();
+      assert.ok((await time()) < late, "simulated time has gone back");
+      assert.equal(await page.locator(".notice.bad").count(), 0);
+      // The page's token still is the rack's.
+      await page.getByLabel("Name").fill("after");
+      await page.getByRole("button", { name: "Keep the present state" }).click();
+      await page.getByRole("row", { name: "after" }).waitFor();
+    },
+  },
   // The last, since the rack that comes back has another token.
   {
     name: "the page comes back when the rack does",
-    allowed: ["ERR_CONNECTION_REFUSED", "ERR_CONNECTION_RESET", "ERR_EMPTY_RESPONSE", "WebSocket connection", "Failed to load resource"],
+    allowed: kRackGone,
     test: async (page, { rack }) => {
       await heading("Rack")(page);
       await rack.stop();

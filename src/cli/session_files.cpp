@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstddef>
 #include <cstdlib>
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -40,11 +42,11 @@ void for_each_option(Options& options, const Text& text, const List& list) {
   list("serial", options.serial);
 }
 
-/// Adds the files that a rack file names to `files`.
-void collect(const toml::node& node, const fs::path& folder, RecordingHeader::Texts& files) {
+/// Adds the files that a rack file names to `paths`, from the rack file's folder.
+void collect(const toml::node& node, std::vector<fs::path>& paths) {
   if (const toml::array* array = node.as_array(); array != nullptr) {
     for (const toml::node& element : *array) {
-      collect(element, folder, files);
+      collect(element, paths);
     }
   }
   const toml::table* table = node.as_table();
@@ -54,18 +56,53 @@ void collect(const toml::node& node, const fs::path& folder, RecordingHeader::Te
   for (const auto& [key, value] : *table) {
     const auto text = value.value<std::string>();
     if (!text || std::ranges::find(kFileKeys, key.str()) == kFileKeys.end()) {
-      collect(value, folder, files);
+      collect(value, paths);
       continue;
     }
     const fs::path path = fs::path(*text).lexically_normal();
-    if (path.is_absolute() || *path.begin() == "..") {
+    if (path.is_absolute()) {
       throw Failure(fmt::format(
-          "a recording keeps the files that the rack file names, and \"{}\" is not below its "
-          "folder; put it there",
+          "a recording keeps the files that the rack file names, and \"{}\" would lie elsewhere on "
+          "another machine; name it as it lies beside the rack file",
           *text));
     }
-    files.emplace_back(std::string(kRackFolder) + path.generic_string(),
-                       read_file((folder / path).string()));
+    paths.push_back(path);
+  }
+}
+
+/// The rack file's folder with as many of those around it as `paths` climb up: below it they and
+/// the rack file have room. Empty if they do not climb.
+fs::path kept_folder(const fs::path& folder, const std::vector<fs::path>& paths) {
+  std::ptrdiff_t most = 0;
+  for (const fs::path& path : paths) {
+    most = std::max(most, std::ranges::count(path, fs::path("..")));
+  }
+  fs::path around = fs::absolute(folder).lexically_normal();
+  if (!around.has_filename()) {
+    around = around.parent_path();  // "racks/" has an empty last part
+  }
+  fs::path kept;
+  for (; most > 0; --most) {
+    kept = around.filename() / kept;
+    around = around.parent_path();
+  }
+  return kept;
+}
+
+/// Keeps a rack file and what it names, as they lie to each other.
+void keep_rack(const fs::path& rack, RecordingHeader& header) {
+  const std::string text = read_file(rack.string());
+  std::vector<fs::path> paths;
+  collect(toml::parse(text), paths);
+  const fs::path folder = kept_folder(rack.parent_path(), paths);
+  const auto keep = [&](const fs::path& path, std::string content) {
+    const std::string name = (folder / path).lexically_normal().generic_string();
+    header.files.emplace_back(std::string(kRackFolder) + name, std::move(content));
+    return name;
+  };
+  header.options.emplace_back("rack", keep(rack.filename(), text));
+  for (const fs::path& path : paths) {
+    keep(path, read_file((rack.parent_path() / path).string()));
   }
 }
 
@@ -120,11 +157,7 @@ RecordingHeader header_of(const RunOptions& options, const rack::RackConfigurati
   keep("count", std::to_string(options.count));
   keep("no-emergencies", options.no_emergencies ? "true" : "");
   if (!options.rack_file.empty()) {
-    const fs::path path(options.rack_file);
-    const std::string text = read_file(options.rack_file);
-    keep("rack", path.filename().string());
-    header.files.emplace_back(std::string(kRackFolder) + path.filename().string(), text);
-    collect(toml::parse(text), path.parent_path(), header.files);
+    keep_rack(options.rack_file, header);
   }
   if (!configuration.state.empty()) {
     keep("state", "kept");

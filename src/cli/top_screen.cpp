@@ -183,8 +183,9 @@ std::vector<Line> event_lines(const RackOverview& overview, const std::string& f
 
 std::string title(const RackOverview& overview, const TopView& view) {
   std::string text = fmt::format(
-      "stator top  {}  {} clock  {:.3f} s  {} devices, {} signals", overview.url, overview.clock,
-      static_cast<double>(overview.time_ns) * 1e-9, overview.devices.size(), overview.signals);
+      "stator top  {}  {} clock  {:.3f} s  {} {}, {} signals", overview.url, overview.clock,
+      static_cast<double>(overview.time_ns) * 1e-9, overview.devices.size(),
+      overview.devices.size() == 1 ? "device" : "devices", overview.signals);
   if (view.paused) {
     text += "  PAUSED";
   }

@@ -356,10 +356,11 @@ constexpr auto kKinds = std::to_array<FaultKind>({
      .reach = FaultReach::can,
      .momentary = true,
      .summary = "the CAN controller gets bus-off",
-     .effect = "The node is silent until its product recovers (TMCC160: 1 s) and then sends what "
-               "waited. A CANopen node tells of it by emergency 8140h, unless it was Operational "
-               "and 1029h:01 has it go to Stopped, as a TMCC160's does: its heartbeat shows that, "
-               "and it answers no SDO until NMT start."},
+     .effect =
+         "The node is silent until its product recovers (TMCC160: 1 s) and then sends what "
+         "waited. A CANopen node tells of it by emergency 8140h. One that was Operational goes "
+         "where 1029h:01 has it go, a TMCC160 to Stopped: its heartbeat shows that, and the "
+         "emergency and answers to SDOs come after NMT start."},
     {.name = "can-error-passive",
      .action = FaultAction::can_error_state,
      .variant = variant_of(can::ErrorState::error_passive),

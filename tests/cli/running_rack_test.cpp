@@ -117,5 +117,52 @@ TEST_F(RunningRack, WithoutRecordingHasNoSnapshots) {
   EXPECT_THAT(outcome.output, HasSubstr("--record"));
 }
 
+/// A module whose program lies in a folder beside that of the rack file.
+class RecordedRack : public ::testing::Test {
+ protected:
+  RecordedRack() {
+    std::filesystem::create_directories(folder_ + "/racks");
+    std::filesystem::create_directories(folder_ + "/programs");
+    std::ofstream(folder_ + "/programs/switch.tmc")
+        << "SIO 0, 2, 1\nLoop: WAIT TICKS, 0, 1\nJA Loop\n";
+  }
+  ~RecordedRack() override { std::filesystem::remove_all(folder_); }
+
+  std::string rack(const std::string& program) {
+    const std::string path = folder_ + "/racks/module.toml";
+    std::ofstream(path) << "[[device]]\ntype = \"tmcm-142\"\nname = \"module\"\nrs485 = \"pty:"
+                        << folder_ << "/line\"\nprogram = \"" << program
+                        << "\"\nauto_start = true\n";
+    return path;
+  }
+
+  std::string folder_ = tests::temporary("recorded");
+  std::string recording_ = tests::temporary("recorded.stator");
+};
+
+TEST_F(RecordedRack, KeepsFilesThatLieAroundItsFolder) {
+  const tests::Outcome run = tests::stator("run " + rack("../programs/switch.tmc") +
+                                           " --duration 300ms --record " + recording_);
+  EXPECT_EQ(run.status, 0) << run.output;
+  std::filesystem::remove_all(folder_);
+  const std::string csv = tests::temporary("recorded.csv");
+  const tests::Outcome replay = tests::stator("replay " + recording_ + " --csv " + csv +
+                                              " --period 50ms" + " --signals module.output0");
+  EXPECT_EQ(replay.status, 0) << replay.output;
+  std::istringstream rows(tests::content(csv));
+  std::string last;
+  for (std::string row; std::getline(rows, row);) {
+    last = row;
+  }
+  EXPECT_EQ(std::stod(last.substr(last.find(',') + 1)), 1.0) << "its program has set the output";
+}
+
+TEST_F(RecordedRack, CannotKeepAFileThatIsNamedFromTheRoot) {
+  const tests::Outcome run = tests::stator("run " + rack(folder_ + "/programs/switch.tmc") +
+                                           " --duration 10ms --record " + recording_);
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.output, HasSubstr("/programs/switch.tmc\" would lie elsewhere"));
+}
+
 }  // namespace
 }  // namespace stator::cli
