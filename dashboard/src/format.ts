@@ -105,6 +105,18 @@ export function timeText(nanoseconds: number, decimals = 3): string {
   return `${Math.floor(whole / 3600)}:${two(Math.floor(whole / 60) % 60)}:${two(whole % 60)}${rest}`;
 }
 
+/// Size of a file: "512 B", "2.8 MB".
+export function sizeText(bytes: number): string {
+  const steps = ["B", "kB", "MB", "GB", "TB"];
+  let value = bytes;
+  let step = 0;
+  while (value >= 999.5 && step + 1 < steps.length) {
+    value /= 1000;
+    ++step;
+  }
+  return `${step === 0 ? value : value.toPrecision(value < 10 ? 2 : 3)}\u00a0${steps[step]}`;
+}
+
 export function hexText(value: number, digits: number): string {
   const limit = 2 ** (digits * 4);
   const positive = value < 0 ? value + limit : value;

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { addressText, grouped, hexText, quantity, quantityText, timeText } from "../src/format";
+import { addressText, grouped, hexText, quantity, quantityText, sizeText, timeText } from "../src/format";
 
 const plain = (text: string) => text.replace(/[\u00a0\u202f]/g, " ");
 
@@ -31,10 +31,16 @@ describe("a quantity", () => {
   });
 });
 
-describe("times, numbers and addresses", () => {
+describe("times, sizes, numbers and addresses", () => {
   it("are written as seconds, after an hour as a clock", () => {
     expect(plain(timeText(12_345_600_000))).toBe("12.346 s");
     expect(timeText(3_723_400_000_000, 1)).toBe("1:02:03.4");
+  });
+  it("of files are in steps of a thousand", () => {
+    expect(plain(sizeText(512))).toBe("512 B");
+    expect(plain(sizeText(2_777_002))).toBe("2.8 MB");
+    expect(plain(sizeText(999_700))).toBe("1.0 MB");
+    expect(plain(sizeText(43_210_000_000))).toBe("43.2 GB");
   });
   it("are grouped before the point only", () => {
     expect(plain(grouped("-1234567.8901"))).toBe("−1 234 567.8901");

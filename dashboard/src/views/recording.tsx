@@ -1,35 +1,50 @@
 import { useState } from "preact/hooks";
 
 import { segment } from "../api";
-import { timeText } from "../format";
+import { sizeText, timeText } from "../format";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
 
-/// What of an answer can be shown without knowing it.
-function Facts({ data }: { data: Readonly<Record<string, unknown>> }) {
+interface Recording {
+  readonly file: string | null; ///< null: nothing is recorded
+  readonly time_ns: number;
+  readonly bytes: number;
+  readonly complete: boolean;
+}
+
+function Facts({ recording }: { recording: Recording }) {
   return (
-    <table>
-      <tbody>
-        {Object.entries(data)
-          .filter(([, value]) => value !== null && typeof value !== "object")
-          .map(([name, value]) => (
-            <tr key={name}>
-              <td class="soft">{name.replace(/_/g, " ")}</td>
-              <td>{name.endsWith("_ns") && typeof value === "number" ? timeText(value) : String(value)}</td>
-            </tr>
-          ))}
-      </tbody>
-    </table>
+    <>
+      <table>
+        <tbody>
+          <tr>
+            <td class="soft">File</td>
+            <td>{recording.file}</td>
+          </tr>
+          <tr>
+            <td class="soft">Recorded</td>
+            <td>{timeText(recording.time_ns)}</td>
+          </tr>
+          <tr>
+            <td class="soft">Size</td>
+            <td>{sizeText(recording.bytes)}</td>
+          </tr>
+        </tbody>
+      </table>
+      {recording.complete ? null : (
+        <p class="notice bad">The recording has ended early: the disk could not keep up, or is full.</p>
+      )}
+    </>
   );
 }
 
 interface Snapshot {
   readonly name: string;
-  readonly time_ns?: number;
+  readonly time_ns: number;
 }
 
 export function RecordingView() {
   const store = useStore();
-  const recording = useResource<Record<string, unknown>>("/api/v1/recording", 1000);
+  const recording = useResource<Recording>("/api/v1/recording", 1000);
   return (
     <>
       <div class="view-head">
@@ -40,12 +55,12 @@ export function RecordingView() {
           <header>
             <h2>Recording of this run</h2>
           </header>
-          {recording.data && recording.data["file"] === null ? (
+          {recording.data?.file === null ? (
             <p class="empty">
               Nothing is recorded. Start with <code>stator run … --record NAME.stator</code> to have snapshots.
             </p>
           ) : recording.data ? (
-            <Facts data={recording.data} />
+            <Facts recording={recording.data} />
           ) : null}
           {recording.error ? <p class="empty">{recording.error.message}</p> : null}
         </section>
@@ -93,7 +108,7 @@ function Snapshots() {
             {list.data.snapshots.map((each) => (
               <tr key={each.name}>
                 <td>{each.name}</td>
-                <td class="number">{each.time_ns === undefined ? "" : timeText(each.time_ns)}</td>
+                <td class="number">{timeText(each.time_ns)}</td>
                 <td class="number">
                   <button
                     type="button"
