@@ -235,7 +235,7 @@ export function fixture(method, path, body) {
     return { faults };
   }
   if (path === "/api/v1/recording") {
-    return { file: "run.stator", active: true, time_ns: 12_300_000_000, bytes: 1_234_567 };
+    return { file: "run.stator", time_ns: 12_300_000_000, bytes: 1_234_567, complete: true };
   }
   if (path === "/api/v1/snapshots") {
     return { snapshots: [{ name: "before-fault", time_ns: 4_200_000_000 }] };
