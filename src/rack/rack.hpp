@@ -221,10 +221,9 @@ class Rack {
   [[nodiscard]] Held<double>& held(const InputEvent& event);
   [[nodiscard]] Held<bool>& held(const CableEvent& event);
   [[nodiscard]] Held<bool>& held(const PowerEvent& event);
-  // What is in force is done.
-  void bring(const InputEvent& event, base::SimTime now);
-  void bring(const CableEvent& event, base::SimTime now);
-  void bring(const PowerEvent& event, base::SimTime now);
+  void carry_out(const InputEvent& event, base::SimTime now);
+  void carry_out(const CableEvent& event, base::SimTime now);
+  void carry_out(const PowerEvent& event, base::SimTime now);
   void apply_error_state(const ErrorStateEvent& event, base::SimTime now);
   void apply_frame_fault(const FrameFaultEvent& event, base::SimTime now);
   void apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now);

@@ -69,11 +69,11 @@ constexpr auto kWanted<PowerEvent> = &PowerEvent::on;
 void Rack::happen(const RackEvent& event, base::SimTime now) {
   if (const auto* cable = std::get_if<CableEvent>(&event)) {
     if (held(*cable).set(cable->intact)) {
-      bring(*cable, now);
+      carry_out(*cable, now);
     }
   } else if (const auto* power = std::get_if<PowerEvent>(&event)) {
     if (held(*power).set(power->on)) {
-      bring(*power, now);
+      carry_out(*power, now);
     }
   } else if (const auto* input = std::get_if<InputEvent>(&event)) {
     apply_input(*input, now);
@@ -118,7 +118,7 @@ void Rack::hold(const Event& event, const void* owner, base::SimTime now) {
     static_cast<void>(find_input(event));  // throws before anything is noted
   }
   if (held(event).hold(owner, event.*kWanted<Event>)) {
-    bring(event, now);
+    carry_out(event, now);
   }
 }
 
@@ -127,7 +127,7 @@ void Rack::release(Event event, const void* owner, base::SimTime now) {
   auto& known = held(event);
   if (known.release(owner)) {
     event.*kWanted<Event> = known.value();
-    bring(event, now);
+    carry_out(event, now);
   }
 }
 
@@ -139,16 +139,16 @@ template void Rack::release(CableEvent, const void*, base::SimTime);
 template void Rack::release(PowerEvent, const void*, base::SimTime);
 
 void Rack::apply_input(const InputEvent& event, base::SimTime now) {
-  static_cast<void>(find_input(event));
+  const devices::Input& input = find_input(event);
   if (held(event).set(event.value)) {
-    bring(event, now);
+    carry_out(event, now);
   } else if (event.logged) {
     report(number_of(event.device), now, kHeldInputSet,
-           {std::string_view(event.input), in_thousandths(event.value)});
+           {std::string_view(input.name), in_thousandths(event.value)});
   }
 }
 
-void Rack::bring(const InputEvent& event, base::SimTime now) {
+void Rack::carry_out(const InputEvent& event, base::SimTime now) {
   const devices::Input& input = find_input(event);
   if (event.logged) {
     report(
@@ -166,7 +166,7 @@ std::optional<double> Rack::input_value(const std::pair<DeviceAddress, std::stri
   return known == held_inputs_.end() ? std::nullopt : std::optional(known->second.value());
 }
 
-void Rack::bring(const CableEvent& event, base::SimTime now) {
+void Rack::carry_out(const CableEvent& event, base::SimTime now) {
   const std::uint16_t number = number_of(event.device);
   if (event.device.kind == NetworkKind::bus) {
     report(number, now, event.intact ? kConnected : kDisconnected);
@@ -178,7 +178,7 @@ void Rack::bring(const CableEvent& event, base::SimTime now) {
                                                      event.intact);
 }
 
-void Rack::bring(const PowerEvent& event, base::SimTime now) {
+void Rack::carry_out(const PowerEvent& event, base::SimTime now) {
   const auto [network, device, kind] = event.device;
   const bool powered = kind == NetworkKind::bus ? bus(network).powered(device)
                                                 : segments_[network].segment->powered(device);

@@ -1,10 +1,14 @@
 #include "scenario/scenario_file.hpp"
 
+#include <fstream>
+#include <sstream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "scenario/run_scenario.hpp"
 #include "scenario/step_kinds.hpp"
+#include "source_paths.hpp"
 
 namespace stator::scenario {
 namespace {
@@ -128,6 +132,15 @@ TEST(StepKinds, AreNamedOnceAndSaid) {
     EXPECT_FALSE(kind.summary.empty());
     EXPECT_EQ(kind.looks, kind.name.starts_with("expect-")) << kind.name;
     EXPECT_FALSE(rack::EventSectionReader::action_names().contains(std::string(kind.name)));
+  }
+}
+
+TEST(StepKinds, StandInTheDocumentation) {
+  std::ifstream file(STATOR_SOURCE_DIR "/docs/how-to/scenarios.md");
+  std::stringstream text;
+  text << file.rdbuf();
+  for (const StepKind& kind : step_kinds()) {
+    EXPECT_THAT(text.str(), HasSubstr("`" + std::string(kind.name) + "`"));
   }
 }
 
