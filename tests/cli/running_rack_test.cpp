@@ -3,7 +3,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
-#include <regex>
 #include <string>
 #include <thread>
 
@@ -39,18 +38,17 @@ class RunningRack : public ::testing::Test {
       ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
       ::_exit(127);
     }
-    const std::regex page("dashboard: http://([0-9.:]+)/#token=([0-9a-f]+)");
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    std::smatch found;
     std::string text;
     do {
       ASSERT_LT(std::chrono::steady_clock::now(), end) << text;
       ASSERT_EQ(::waitpid(process_, nullptr, WNOHANG), 0) << text;
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
       text = tests::content(log_);
-    } while (!std::regex_search(text, found, page));
-    address_ = found[1];
-    ::setenv("STATOR_TOKEN", found[2].str().c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
+    } while (text.find("Running;") == std::string::npos);
+    address_ = between(text, "dashboard: http://", "/#token=");
+    const std::string token = between(text, "/#token=", "\n");
+    ::setenv("STATOR_TOKEN", token.c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
   }
 
   void TearDown() override {
@@ -68,6 +66,12 @@ class RunningRack : public ::testing::Test {
   }
 
  private:
+  static std::string between(const std::string& text, const std::string& first,
+                             const std::string& next) {
+    const std::size_t begin = text.find(first) + first.size();
+    return text.substr(begin, text.find(next, begin) - begin);
+  }
+
   pid_t process_ = -1;
   std::string address_;
   std::string log_;
