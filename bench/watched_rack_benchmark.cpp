@@ -24,8 +24,9 @@
 namespace stator::bench {
 namespace {
 
-constexpr std::size_t kRounds = 15;
-constexpr std::size_t kRoundTrips = 20'000;
+constexpr std::size_t kRounds = 7;
+/// Some seconds: the watcher has to connect first, and a page asks 2.5 times a second.
+constexpr std::size_t kRoundTrips = 500'000;
 constexpr unsigned kProcessorOfWatcher = 1;
 
 /// What somebody looks at.
@@ -38,10 +39,11 @@ struct Watch {
 constexpr Watch kPage{R"({"signals": ["tmcm-3315.axis0.*"], "period": "50ms", "events": true})",
                       true};
 /// The oscilloscope: ten signals as fast as there are any.
-constexpr Watch kScope{
-    R"({"signals": ["tmcm-3315.axis*.position_*", "tmcm-3315.axis*.velocity_*"],)"
-    R"( "period": "50us", "format": "binary"})",
-    false};
+constexpr Watch kScope{R"({"signals": ["tmcm-3315.axis0.position_*", "tmcm-3315.axis0.velocity_*",)"
+                       R"( "tmcm-3315.axis0.following_error", "tmcm-3315.axis0.shaft_*",)"
+                       R"( "tmcm-3315.axis0.coil_*", "tmcm-3315.axis0.torque"],)"
+                       R"( "period": "50us", "format": "binary"})",
+                       false};
 
 void watch(const Watch& watch, std::uint16_t port, const std::atomic<bool>& stop) {
   web::HttpClient stream(port);

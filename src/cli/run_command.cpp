@@ -70,9 +70,9 @@ class StopSignals {
 };
 
 /// One rack from its start, or from a place of a recording, until a signal comes, `limit` has
-/// passed or somebody wishes to go back; then returns where to.
-std::optional<RecordingPlace> run_rack(const RunOptions& given,
-                                       const std::optional<RecordingPlace>& from,
+/// passed or somebody wishes to go back; then returns where to. A port that the system was to
+/// choose for the web server is kept in `given`.
+std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<RecordingPlace>& from,
                                        const StopSignals& signals,
                                        std::optional<base::SimDuration> limit) {
   std::optional<RecordedRack> recorded;
@@ -107,6 +107,9 @@ std::optional<RecordingPlace> run_rack(const RunOptions& given,
   print_networks(configuration, rack, runner);
   server = open_web_server(options.web, rack, configuration, log, runner,
                            session.recorder() != nullptr ? &session : nullptr);
+  if (server != nullptr) {
+    given.web.http = server->address().text();
+  }
   fmt::print("Running; Ctrl-C ends it.\n");
   std::fflush(stdout);
   runner.start();

@@ -1,7 +1,9 @@
 // stator snapshot: keeps moments of a running rack to come back to.
 
+#include <chrono>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -53,11 +55,33 @@ void take_snapshot(const SnapshotOptions& options) {
   fmt::print("snapshot {} taken at {:.6f} s\n", options.name, seconds_of(done));
 }
 
+/// The file that is being recorded; empty while the server is away.
+std::string recording_of(const SnapshotOptions& options) {
+  try {
+    return RackClient(options.client).get("/api/v1/recording").value("file", std::string());
+  } catch (const Failure&) {
+    return {};
+  }
+}
+
+/// Returns when the rack is back: it is built again meanwhile, and records to another file.
 void restore_snapshot(const SnapshotOptions& options) {
+  constexpr std::chrono::minutes kPatience{5};
+  constexpr std::chrono::milliseconds kPause{50};
   check_name(options.name);
-  RackClient(options.client)
-      .post(fmt::format("/api/v1/snapshots/{}/restore", options.name), nlohmann::json::object());
-  fmt::print("snapshot {} restored\n", options.name);
+  RackClient client(options.client);
+  const auto before = client.get("/api/v1/recording");
+  client.post(fmt::format("/api/v1/snapshots/{}/restore", options.name), nlohmann::json::object());
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  std::string now;
+  do {
+    if (std::chrono::steady_clock::now() >= end) {
+      throw Failure("the rack has not come back from going to the snapshot; see its log");
+    }
+    std::this_thread::sleep_for(kPause);
+    now = recording_of(options);
+  } while (now.empty() || now == before.value("file", std::string()));
+  fmt::print("snapshot {} restored; from there on {} is recorded\n", options.name, now);
 }
 
 }  // namespace

@@ -118,6 +118,7 @@ void Rack::add(const SegmentConfiguration& segment, std::vector<std::string>& na
       storage_->attach(device.name, *members.devices.back().device, reporter);
     }
     ethercat::SlaveController& controller = members.devices.back().device->controller();
+    // Of the inputs that faults hold the one that a rack file can have set beforehand.
     held_inputs_[{{segments_.size(), members.devices.size() - 1, NetworkKind::segment},
                   devices::EtherCatDevice::kClockDeviation}] =
         Held<double>(controller.configuration().clock_deviation_ppb);

@@ -3,6 +3,9 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <thread>
 
@@ -42,7 +45,10 @@ class RunningRack : public ::testing::Test {
     std::string text;
     do {
       ASSERT_LT(std::chrono::steady_clock::now(), end) << text;
-      ASSERT_EQ(::waitpid(process_, nullptr, WNOHANG), 0) << text;
+      if (::waitpid(process_, nullptr, WNOHANG) != 0) {
+        process_ = -1;
+        FAIL() << tests::content(log_);
+      }
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
       text = tests::content(log_);
     } while (text.find("Running;") == std::string::npos);
@@ -78,7 +84,7 @@ class RunningRack : public ::testing::Test {
 };
 
 TEST_F(RunningRack, GetsFaultsAndLosesThemByCommand) {
-  start("");
+  ASSERT_NO_FATAL_FAILURE(start(""));
   const tests::Outcome injected = command("inject can-drop --device spindle count=3");
   EXPECT_EQ(injected.status, 0) << injected.output;
   EXPECT_EQ(injected.output, "fault 1\n");
@@ -97,7 +103,7 @@ TEST_F(RunningRack, GetsFaultsAndLosesThemByCommand) {
 }
 
 TEST_F(RunningRack, KeepsMomentsAndGoesBackToThem) {
-  start("--record " + tests::temporary("running.stator"));
+  ASSERT_NO_FATAL_FAILURE(start("--record " + tests::temporary("running.stator")));
   EXPECT_EQ(command("snapshot list").output, "no snapshots\n");
   const tests::Outcome taken = command("snapshot take before");
   EXPECT_EQ(taken.status, 0) << taken.output;
@@ -108,14 +114,18 @@ TEST_F(RunningRack, KeepsMomentsAndGoesBackToThem) {
   const tests::Outcome none = command("snapshot restore after");
   EXPECT_EQ(none.status, 1);
   EXPECT_THAT(none.output, HasSubstr("there is no such snapshot"));
-  EXPECT_EQ(command("snapshot restore before").output, "snapshot before restored\n");
+  const tests::Outcome restored = command("snapshot restore before");
+  EXPECT_THAT(restored.output, HasSubstr("snapshot before restored; from there on "));
+  EXPECT_THAT(restored.output, HasSubstr("running-2.stator"));
+  EXPECT_THAT(command("snapshot list").output, HasSubstr("  before\n"))
+      << "it is back at its address";
   const tests::Outcome wrong = command("snapshot take \"5 s\"");
   EXPECT_EQ(wrong.status, 1);
   EXPECT_THAT(wrong.output, HasSubstr("cannot be the name of a snapshot"));
 }
 
 TEST_F(RunningRack, WithoutRecordingHasNoSnapshots) {
-  start("");
+  ASSERT_NO_FATAL_FAILURE(start(""));
   const tests::Outcome outcome = command("snapshot take before");
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.output, HasSubstr("--record"));
