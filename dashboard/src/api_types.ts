@@ -19,6 +19,7 @@ export interface NetworkInfo {
 }
 
 export interface RackInfo {
+  readonly run: string; ///< another: the rack was started again, or went back to a snapshot
   readonly clock: string;
   readonly time_ns: number;
   readonly networks: readonly NetworkInfo[];

@@ -115,16 +115,19 @@ std::vector<RackOverview::Axis> axes_of(const json& signals) {
 }
 
 const RackOverview& RackObserver::look() {
-  overview_.url = client_.url();
-  if (first_) {
-    choose_signals(client_.json("GET", "/api/v1/signals").at("signals"));
-  }
   read_rack();
   read_devices();
   read_axes();
   read_events();
-  first_ = false;
   return overview_;
+}
+
+/// What was seen of an earlier run says nothing about this one.
+void RackObserver::begin(const std::string& run) {
+  overview_ = {};
+  overview_.url = client_.url();
+  overview_.run = run;
+  choose_signals(client_.json("GET", "/api/v1/signals").at("signals"));
 }
 
 /// A pattern that matches nothing is an error there, so only those are asked for that do.
@@ -144,6 +147,9 @@ void RackObserver::choose_signals(const json& signals) {
 
 void RackObserver::read_rack() {
   const json rack = client_.json("GET", "/api/v1/rack");
+  if (const std::string run = rack.at("run"); run != overview_.run) {
+    begin(run);
+  }
   const std::int64_t time = rack.at("time_ns");
   const double seconds = static_cast<double>(time - overview_.time_ns) * 1e-9;
   std::vector<RackOverview::Network> networks;

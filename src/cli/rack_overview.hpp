@@ -52,6 +52,7 @@ struct RackOverview {
   };
 
   std::string url;
+  std::string run;  ///< another: the rack was started again, or went back to a snapshot
   std::string clock;
   std::int64_t time_ns = 0;
   std::size_t signals = 0;
@@ -70,6 +71,7 @@ class RackObserver {
   [[nodiscard]] const RackOverview& look();
 
  private:
+  void begin(const std::string& run);
   void read_rack();
   void read_devices();
   void read_axes();
@@ -78,7 +80,6 @@ class RackObserver {
 
   HttpClient& client_;
   RackOverview overview_;
-  bool first_ = true;
   std::string signals_;  ///< patterns of those that are shown
 };
 

@@ -136,9 +136,7 @@ std::string read_token(const std::string& path) {
 std::string make_token() {
   std::array<unsigned char, 16> bytes{};
   if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
-    throw std::runtime_error(
-        "the system gives no randomness for a token; name one with "
-        "--http-token");
+    throw std::runtime_error("the system gives no randomness for the web server's token");
   }
   std::string token;
   for (const unsigned char byte : bytes) {

@@ -70,8 +70,9 @@ constexpr const char* kSchemas = R"({
   },
   "Rack": {
     "type": "object",
-    "required": ["clock", "time_ns", "networks", "devices", "signals"],
+    "required": ["run", "clock", "time_ns", "networks", "devices", "signals"],
     "properties": {
+      "run": {"type": "string", "description": "Names this run and no other: a rack that was started again or went back to a snapshot has another, and numbers of its events and faults begin anew"},
       "clock": {"enum": ["real", "lockstep"]},
       "time_ns": {"type": "integer", "description": "Simulated time since power-on"},
       "networks": {"type": "array", "items": {"$ref": "#/components/schemas/Network"}},

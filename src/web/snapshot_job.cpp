@@ -94,7 +94,8 @@ class SnapshotJob final : public Job {
                           {"overruns", network.overruns},
                           {"worst_lag_ns", network.worst_lag_ns}});
     }
-    return {{"clock", state_.clock()},
+    return {{"run", state_.run()},
+            {"clock", state_.clock()},
             {"time_ns", snapshot_.time.nanoseconds()},
             {"networks", networks},
             {"devices", state_.devices().size()},

@@ -78,6 +78,8 @@ class State {
   /// characters.
   [[nodiscard]] std::vector<std::size_t> matching(std::string_view patterns) const;
   [[nodiscard]] std::string_view clock() const;
+  /// Names this run of the rack and no other: numbers of events and faults begin anew with each.
+  [[nodiscard]] const std::string& run() const { return run_; }
 
   /// The newest, oldest first.
   [[nodiscard]] const std::deque<EventRecord>& events() const { return events_; }
@@ -105,6 +107,7 @@ class State {
   const rack::RackConfiguration& configuration_;
   const rack::EventLog& log_;
   const rack::Runner& runner_;
+  std::string run_;
   std::vector<DeviceRecord> devices_;
   std::vector<devices::Signal> signals_;
   std::vector<NetworkRecord> networks_;  ///< names only

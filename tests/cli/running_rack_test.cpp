@@ -14,6 +14,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "cli/http_client.hpp"
+#include "cli/rack_overview.hpp"
 #include "cli/stator_program.hpp"
 
 namespace stator::cli {
@@ -66,6 +68,8 @@ class RunningRack : public ::testing::Test {
       EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << tests::content(log_);
     }
   }
+
+  [[nodiscard]] const std::string& address() const { return address_; }
 
   tests::Outcome command(const std::string& words) {
     return tests::stator(words + " --http " + address_);
@@ -122,6 +126,26 @@ TEST_F(RunningRack, KeepsMomentsAndGoesBackToThem) {
   const tests::Outcome wrong = command("snapshot take \"5 s\"");
   EXPECT_EQ(wrong.status, 1);
   EXPECT_THAT(wrong.output, HasSubstr("cannot be the name of a snapshot"));
+}
+
+TEST_F(RunningRack, IsSeenAnewOnceItWentBack) {
+  ASSERT_NO_FATAL_FAILURE(start("--record " + tests::temporary("seen.stator")));
+  ASSERT_EQ(command("snapshot take before").status, 0);
+  HttpClient client(parse_http_address(address()), {});
+  RackObserver observer(client);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_EQ(command("inject can-drop --device spindle count=3").status, 0);
+  }
+  const std::size_t events = observer.look().events.size();
+  const std::string run = observer.look().run;
+  EXPECT_EQ(observer.look().events.size(), events) << "each event comes once";
+  ASSERT_EQ(command("snapshot restore before").status, 0);
+  const RackOverview& after = observer.look();
+  EXPECT_NE(after.run, run);
+  EXPECT_LT(after.events.size(), events) << "those of the run before are gone";
+  const std::size_t kept = after.events.size();
+  ASSERT_EQ(command("inject can-drop --device spindle count=3").status, 0);
+  EXPECT_GT(observer.look().events.size(), kept) << "though its numbers were seen before";
 }
 
 TEST_F(RunningRack, WithoutRecordingHasNoSnapshots) {

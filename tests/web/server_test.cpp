@@ -26,6 +26,8 @@ TEST(WebServer, DescribesTheRackAndItsDevices) {
   ServedRack rack;
   const auto described = rack.get("/api/v1/rack").json();
   EXPECT_EQ(described["clock"], "real");
+  EXPECT_EQ(described["run"], rack.get("/api/v1/rack").json()["run"]);
+  EXPECT_NE(described["run"], ServedRack().get("/api/v1/rack").json()["run"]);
   EXPECT_EQ(described["devices"], 2);
   ASSERT_EQ(described["networks"].size(), 2U);
   EXPECT_EQ(described["networks"][0]["kind"], "ethercat");
