@@ -54,12 +54,22 @@ async function rowsAtLeast(page, rows) {
 
 const state = (page, text) => page.locator(".scope-state", { hasText: text }).waitFor({ timeout: 15_000 });
 
-/// What the table says of a channel, by the titles of its columns.
+/// What the table says of a channel, by the titles of its columns. One channel is measured after the
+/// other, so what it says counts once it says it twice.
 async function measured(page, name) {
-  await page.waitForTimeout(800); // one channel is measured after the other
+  const kPause = 800;
   const titles = await page.locator(".scope-channels thead th").allTextContents();
-  const cells = await row(page, name).locator("th, td").allTextContents();
-  return Object.fromEntries(titles.map((title, i) => [title, Number(cells[i])]));
+  let before;
+  for (let i = 0; i < 20; ++i) {
+    await page.waitForTimeout(kPause);
+    const cells = await row(page, name).locator("th, td").allTextContents();
+    const now = cells.join();
+    if (now === before) {
+      return Object.fromEntries(titles.map((title, i) => [title, Number(cells[i])]));
+    }
+    before = now;
+  }
+  throw new Error(`what is measured of ${name} does not settle: ${before}`);
 }
 
 export const ready = async (page) => {
@@ -93,6 +103,28 @@ async function saved(page, name) {
 function turns(angles) {
   const kJump = 240;
   return angles.slice(1).reduce((sum, angle, i) => sum + (angles[i] - angle > kJump ? 1 : angle - angles[i] > kJump ? -1 : 0), 0);
+}
+
+/// A test of a moving drive, for machines that do not give the master its turn in time: one that fails
+/// counts only if no drive's watchdog found frames missing meanwhile, else it is tried again.
+function undisturbed(test) {
+  const kAttempts = 4;
+  return async (page, rack) => {
+    const after = async (number) => (await (await fetch(`${rack.origin}/api/v1/events?after=${number}`)).json()).events;
+    for (let attempt = 1; ; ++attempt) {
+      const last = (await after(0)).at(-1)?.number ?? 0;
+      try {
+        return await test(page, rack);
+      } catch (error) {
+        const starved = (await after(last)).some(({ rule }) => rule === "al-watchdog");
+        if (!starved || attempt === kAttempts) {
+          throw error;
+        }
+        console.log("        the machine did not give the master its turn within 100 ms; once more");
+        await page.reload();
+      }
+    }
+  };
 }
 
 export const behaviours = [
@@ -143,7 +175,7 @@ export const behaviours = [
   {
     name: "scope: a load that is too heavy costs steps in fours",
     path: "/scope",
-    test: async (page, { rack, out }) => {
+    test: undisturbed(async (page, { rack, out }) => {
       await page.setViewportSize({ width: 1600, height: 1000 });
       await load(page, stallSetup);
       const master = spawn(rack.stator, ["move", "--link", `udp:127.0.0.1:${rack.udp}`, "--revolutions", "20", "--velocity", "51200"], { stdio: "ignore" });
@@ -167,7 +199,7 @@ export const behaviours = [
           await page.screenshot({ path: join(out, "stall.png") });
         }
         const angle = await measured(page, `${kAxis}.load_angle`);
-        assert.ok(angle.Minimum < -150 && angle.Maximum > 150, "the load angle goes round");
+        assert.ok(angle.Minimum < -150 && angle.Maximum > 150, `the load angle goes round, not from ${angle.Minimum} to ${angle.Maximum}`);
         // Each time it goes round, four full steps are lost: exactly one electrical period.
         await page.getByLabel("SI units").uncheck();
         const lines = (await saved(page, "CSV")).toString().trimEnd().split("\r\n").map((line) => line.split(","));
@@ -196,7 +228,7 @@ export const behaviours = [
       } finally {
         master.kill("SIGTERM");
       }
-    },
+    }),
   },
   {
     name: "scope: keys alone run, stop, zoom and move cursors",
@@ -240,7 +272,10 @@ export const behaviours = [
       assert.equal(lines[0], `time [s],${kAxis}.load_angle [rad],twice [rad]`);
       assert.ok(lines.length > 4000);
       const times = lines.slice(1).map((line) => BigInt(line.split(",")[0].replace(".", "")));
-      times.slice(1).forEach((time, i) => assert.equal(time - times[i], 50_000n));
+      const spanned = Number((times.at(-1) - times[0]) / 50_000n) + 1;
+      times.slice(1).forEach((time, i) => assert.ok(time > times[i] && (time - times[i]) % 50_000n === 0n));
+      const { expected, received } = await statistics(page);
+      assert.equal(spanned - times.length, expected - received, "rows that are missing are counted");
       assert.equal((await saved(page, "PNG")).subarray(1, 4).toString(), "PNG");
       assert.deepEqual(JSON.parse((await saved(page, "Save setup")).toString()).channels, channels);
       await page.getByLabel("Setup file").setInputFiles({ name: "x.json", mimeType: "application/json", buffer: Buffer.from('{"form":"other"}') });
