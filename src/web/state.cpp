@@ -48,7 +48,11 @@ std::optional<std::int64_t> axis_of(const base::Event& event) {
 
 State::State(rack::Rack& rack, const rack::RackConfiguration& configuration,
              const rack::EventLog& log, const rack::Runner& runner)
-    : configuration_(configuration), log_(log), runner_(runner), run_(make_token()), signals_(rack.signals()) {
+    : configuration_(configuration),
+      log_(log),
+      runner_(runner),
+      run_(make_token()),
+      signals_(rack.signals()) {
   for (std::size_t i = 0; i < configuration.segments.size(); ++i) {
     networks_.push_back({.name = fmt::format("segment {}", i), .kind = "ethercat"});
   }
