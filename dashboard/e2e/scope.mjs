@@ -272,10 +272,7 @@ export const behaviours = [
       assert.equal(lines[0], `time [s],${kAxis}.load_angle [rad],twice [rad]`);
       assert.ok(lines.length > 4000);
       const times = lines.slice(1).map((line) => BigInt(line.split(",")[0].replace(".", "")));
-      const spanned = Number((times.at(-1) - times[0]) / 50_000n) + 1;
-      times.slice(1).forEach((time, i) => assert.ok(time > times[i] && (time - times[i]) % 50_000n === 0n));
-      const { expected, received } = await statistics(page);
-      assert.equal(spanned - times.length, expected - received, "rows that are missing are counted");
+      times.slice(1).forEach((time, i) => assert.equal(time - times[i], 50_000n));
       assert.equal((await saved(page, "PNG")).subarray(1, 4).toString(), "PNG");
       assert.deepEqual(JSON.parse((await saved(page, "Save setup")).toString()).channels, channels);
       await page.getByLabel("Setup file").setInputFiles({ name: "x.json", mimeType: "application/json", buffer: Buffer.from('{"form":"other"}') });

@@ -207,6 +207,15 @@ export class Oscilloscope implements ConnectionListener {
 
   /// Throws what is wrong with an expression before anything is changed.
   change(patch: Partial<Setup>): void {
+    if (this.apply(patch)) {
+      this.record.interrupt();
+      this.subscribe();
+    }
+    this.notify();
+  }
+
+  /// Returns whether other samples are wanted of the rack than before.
+  private apply(patch: Partial<Setup>): boolean {
     const before = this.setup;
     const next = { ...before, ...patch };
     checkChannels(next.channels);
@@ -214,10 +223,6 @@ export class Oscilloscope implements ConnectionListener {
     this.record.configure(next.channels, next.period, next.memory);
     this.measurements = next.channels.map((channel) => this.measurements[before.channels.findIndex(({ name }) => name === channel.name)] ?? null);
     const signals = (setup: Setup) => setup.channels.filter(({ expression }) => expression === null).map(({ name }) => name).join();
-    if (next.period !== before.period || signals(next) !== signals(before)) {
-      this.record.interrupt();
-      this.subscribe();
-    }
     const place = "channel" in next.trigger.source ? next.trigger.source.channel : "";
     const column = (setup: Setup) => setup.channels.findIndex(({ name }) => name === place);
     if (next.trigger !== before.trigger || next.period !== before.period || column(next) !== column(before)) {
@@ -225,17 +230,18 @@ export class Oscilloscope implements ConnectionListener {
     } else if (next.span !== before.span) {
       this.acquisition.setSpan(next.span);
     }
-    this.notify();
+    return next.period !== before.period || signals(next) !== signals(before);
   }
 
   load(setup: Setup): void {
     this.held = null;
     this.cursors = { times: null, levels: null };
-    this.change(setup);
+    this.apply(setup);
     this.isLoading = true; // rows of the subscription before may still come
     this.record.clear();
     this.arm();
-    this.subscribe();
+    this.subscribe(); // once: a second one would leave a gap in the record
+    this.notify();
   }
 
   addSignals(signals: readonly { readonly name: string; readonly unit: string }[]): void {
