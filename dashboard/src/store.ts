@@ -5,7 +5,6 @@ import { ApiError, type Api, type DeviceInfo, type EventInfo, type RackInfo } fr
 export type Connection = "connecting" | "online" | "lost" | "locked";
 
 const kPeriod = 1000;
-const kPeriodWhileLost = 250; ///< a rack that goes back to a snapshot is away for less than a second
 const kMostEvents = 5000;
 
 export class RackStore {
@@ -71,7 +70,7 @@ export class RackStore {
     }
     if (this.running) {
       clearTimeout(this.timer);
-      this.timer = setTimeout(() => void this.round(), this.connection === "lost" ? kPeriodWhileLost : kPeriod);
+      this.timer = setTimeout(() => void this.round(), kPeriod);
     }
   }
 
@@ -80,7 +79,7 @@ export class RackStore {
       const rack = await this.api.get<RackInfo>("/api/v1/rack");
       const another = this.rack !== null && rack.run !== this.rack.run;
       if (another || this.connection !== "online") {
-        await this.begin(another);
+        await this.begin(another || this.connection === "lost");
       }
       this.rack = rack;
       this.devices = (await this.api.get<{ devices: DeviceInfo[] }>("/api/v1/devices")).devices;

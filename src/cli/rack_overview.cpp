@@ -124,10 +124,10 @@ const RackOverview& RackObserver::look() {
 
 /// What was seen of an earlier run says nothing about this one.
 void RackObserver::begin(const std::string& run) {
+  choose_signals(client_.json("GET", "/api/v1/signals").at("signals"));
   overview_ = {};
   overview_.url = client_.url();
   overview_.run = run;
-  choose_signals(client_.json("GET", "/api/v1/signals").at("signals"));
 }
 
 /// A pattern that matches nothing is an error there, so only those are asked for that do.

@@ -107,7 +107,7 @@ class State {
   const rack::RackConfiguration& configuration_;
   const rack::EventLog& log_;
   const rack::Runner& runner_;
-  std::string run_;
+  std::string run_;  ///< drawn as a token is, but gives no rights
   std::vector<DeviceRecord> devices_;
   std::vector<devices::Signal> signals_;
   std::vector<NetworkRecord> networks_;  ///< names only
