@@ -83,9 +83,9 @@ class CanNetwork {
   void serve(std::size_t device, base::SimTime now);
   void refresh(std::size_t device, base::SimTime now);
   void find_earliest();
-  double load() { return bus_.load(now_); }
-  double frames() { return static_cast<double>(bus_.statistics().frames); }
-  double error_frames() { return static_cast<double>(bus_.statistics().error_frames); }
+  [[nodiscard]] double load() const { return bus_.load(now_); }
+  [[nodiscard]] double frames() const { return static_cast<double>(bus_.statistics().frames); }
+  [[nodiscard]] double error_frames() const { return static_cast<double>(bus_.statistics().error_frames); }
 
   std::string name_;
   std::vector<NamedCanDevice> devices_;

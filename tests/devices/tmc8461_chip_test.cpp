@@ -279,6 +279,30 @@ TEST(Tmc8461Chip, LedsBlinkAsTheirStatesSay) {
   EXPECT_TRUE(board.high(HostLine::run_led));
 }
 
+TEST(Tmc8461Chip, LooksTheSameWhetherSomebodyLookedBeforeOrNot) {
+  ChipBoard watched({.device_emulation = true});
+  ChipBoard unseen({.device_emulation = true});
+  for (ChipBoard* board : {&watched, &unseen}) {
+    board->bus.request(AlState::pre_operational);
+  }
+  const auto look = [](ChipBoard& board) {
+    std::vector<double> values;
+    for (const Signal& signal : board.chip.signals()) {
+      values.push_back(signal.read());
+    }
+    return values;
+  };
+  watched.bus.pass(170_ms);
+  look(watched);
+  watched.bus.pass(330_ms);
+  unseen.bus.pass(500_ms);
+  for (int i = 0; i < 40; ++i) {
+    watched.bus.pass(50_ms);
+    unseen.bus.pass(50_ms);
+    EXPECT_EQ(look(watched), look(unseen)) << i;
+  }
+}
+
 TEST(Tmc8461Chip, LinkLedsAreOnWithALinkAndFlickerWithFrames) {
   ChipBoard board;
   board.bus.pass(1000_ms);

@@ -47,7 +47,6 @@ HostLines Tmc8461::levels() {
   if (!running()) {
     return shown(powered_, HostLine::power);
   }
-  follow_leds();
   std::array<std::byte, 1> status{};
   controller_.peek(ethercat::register_address::kDlStatus, status);
   const bool loaded = (status[0] & std::byte{1}) != std::byte{0};
@@ -56,22 +55,17 @@ HostLines Tmc8461::levels() {
       shown(controller_.sync_output(0), HostLine::sync0) |
       shown(controller_.sync_output(1), HostLine::sync1) | shown(reset_out_, HostLine::reset_out) |
       shown(loaded, HostLine::eeprom_loaded) |
-      shown(ethercat::led_lit(run_led_.code, now_ - run_led_.since), HostLine::run_led) |
-      shown(ethercat::led_lit(error_led_.code, now_ - error_led_.since), HostLine::error_led) |
+      shown(lit(controller_.run_led()), HostLine::run_led) |
+      shown(lit(controller_.error_led()), HostLine::error_led) |
       shown(link_led(0), HostLine::link_activity0) | shown(link_led(1), HostLine::link_activity1) |
       shown(controller_.process_data_watchdog_state(), HostLine::watchdog_state) |
       shown(io_.interrupt_pin(), HostLine::mfc_interrupt) | shown(true, HostLine::power);
   return static_cast<HostLines>(levels);
 }
 
-void Tmc8461::follow_leds() {
-  const auto follow = [this](Led& led, ethercat::LedCode code) {
-    if (led.code != code) {
-      led = {code, now_};
-    }
-  };
-  follow(run_led_, controller_.run_led());
-  follow(error_led_, controller_.error_led());
+/// All LEDs keep one time, the simulated one, so that what is seen does not depend on who looked before.
+bool Tmc8461::lit(ethercat::LedCode code) const {
+  return ethercat::led_lit(code, now_ - SimTime());
 }
 
 // ETG.1300: on with a link, flickering while frames pass.
@@ -80,7 +74,7 @@ bool Tmc8461::link_led(unsigned port) const {
     return false;
   }
   const bool active = last_frame_ != SimTime::never() && now_ - last_frame_ < kActivity;
-  return !active || ethercat::led_lit(ethercat::LedCode::flickering, now_ - SimTime());
+  return !active || lit(ethercat::LedCode::flickering);
 }
 
 void Tmc8461::watch(HostLines watched, HostLineSink* sink) {
@@ -110,11 +104,8 @@ SimTime Tmc8461::next_line_change() {
 }
 
 SimTime Tmc8461::next_led_edge() const {
-  const auto after = [this](SimTime since) {
-    const std::int64_t steps = (now_ - since).nanoseconds() / kLedStep.nanoseconds();
-    return since + SimDuration((steps + 1) * kLedStep.nanoseconds());
-  };
-  return std::min({after(run_led_.since), after(error_led_.since), after(SimTime())});
+  const std::int64_t steps = (now_ - SimTime()).nanoseconds() / kLedStep.nanoseconds();
+  return SimTime() + SimDuration((steps + 1) * kLedStep.nanoseconds());
 }
 
 void Tmc8461::publish(HostLines pulses) {

@@ -68,11 +68,6 @@ class Tmc8461 final : public EtherCatDevice, public HostPort, private mfc::PinLi
   [[nodiscard]] std::uint32_t reset_requests() const { return reset_requests_; }
 
  private:
-  /// One of the two status LEDs.
-  struct Led {
-    ethercat::LedCode code = ethercat::LedCode::off;
-    base::SimTime since;  ///< when its pattern began
-  };
   /// A line or pin with its chip, for signals and inputs.
   struct Probe {
     Tmc8461* chip = nullptr;
@@ -104,7 +99,7 @@ class Tmc8461 final : public EtherCatDevice, public HostPort, private mfc::PinLi
   /// Tells the sink what has changed since last time; `pulses` rose and fell in between.
   void publish(HostLines pulses = 0);
   [[nodiscard]] HostLines sync_pulses();
-  void follow_leds();
+  [[nodiscard]] bool lit(ethercat::LedCode code) const;
   [[nodiscard]] bool link_led(unsigned port) const;
   [[nodiscard]] double al_state() const;
   [[nodiscard]] double pdi_errors() const;
@@ -137,8 +132,6 @@ class Tmc8461 final : public EtherCatDevice, public HostPort, private mfc::PinLi
   std::array<std::uint64_t, 2> sync_counts_{};
   std::array<base::SimTime, 2> sync_ends_{base::SimTime::never(), base::SimTime::never()};
   std::uint32_t watchdog_triggers_ = 0;
-  Led run_led_;
-  Led error_led_;
   std::array<Probe, kHostLines> line_probes_{};
   std::array<Probe, kHostPins> pin_probes_{};
   std::array<Probe, mfc::kLines> io_probes_{};
