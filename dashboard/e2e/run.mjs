@@ -157,6 +157,9 @@ try {
   await context?.close();
   fixtures?.close();
   await master?.stop();
+  if (failures.length > 0) {
+    console.log(`what stator run said at last:\n${rack.output}`);
+  }
   await rack.clean();
   await rm(profile, { recursive: true, force: true });
 }
