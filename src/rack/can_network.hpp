@@ -85,7 +85,9 @@ class CanNetwork {
   void find_earliest();
   [[nodiscard]] double load() const { return bus_.load(now_); }
   [[nodiscard]] double frames() const { return static_cast<double>(bus_.statistics().frames); }
-  [[nodiscard]] double error_frames() const { return static_cast<double>(bus_.statistics().error_frames); }
+  [[nodiscard]] double error_frames() const {
+    return static_cast<double>(bus_.statistics().error_frames);
+  }
 
   std::string name_;
   std::vector<NamedCanDevice> devices_;

@@ -63,7 +63,8 @@ HostLines Tmc8461::levels() {
   return static_cast<HostLines>(levels);
 }
 
-/// All LEDs keep one time, the simulated one, so that what is seen does not depend on who looked before.
+/// All LEDs keep one time, the simulated one, so that what is seen does not depend on who looked
+/// before.
 bool Tmc8461::lit(ethercat::LedCode code) const {
   return ethercat::led_lit(code, now_ - SimTime());
 }
