@@ -163,7 +163,9 @@ export const behaviours = [
           headers: { "Content-Type": "application/json", Authorization: `Bearer ${token}` },
           body: JSON.stringify({ value }),
         });
-      await put(0); // whatever was tried before
+      // Whatever was tried before; of that event the page is to have heard before it waits for one.
+      await put(0);
+      await page.waitForTimeout(1000);
       await load(
         page,
         setupOf({
