@@ -39,5 +39,8 @@ if(STATOR_CCACHE)
     CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${STATOR_CCACHE})
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(stator_compile_options INTERFACE -fpch-preprocess)
+  else()
+    # A precompiled header of Clang's otherwise differs each time it is made.
+    target_compile_options(stator_compile_options INTERFACE "SHELL:-Xclang -fno-pch-timestamp")
   endif()
 endif()

@@ -1,8 +1,9 @@
 # A room is one folder below src/, one namespace stator::<room> and one static library stator_<room>
 # (alias stator::<room>). USES names the rooms it may include directly; scripts/check_layering.py
-# verifies every #include against the same lists.
+# verifies every #include against the same lists. PRECOMPILED names large headers of libraries that most
+# of the room's sources include; the standard library's are precompiled for all rooms.
 function(stator_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;USES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ROOM "" "" "SOURCES;USES;LIBRARIES;PRECOMPILED" ${ARGN})
   add_library(stator_${name} STATIC ${ROOM_SOURCES})
   add_library(stator::${name} ALIAS stator_${name})
   target_include_directories(stator_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
@@ -11,6 +12,11 @@ function(stator_room name)
     target_link_libraries(stator_${name} PUBLIC stator_${used})
   endforeach()
   target_link_libraries(stator_${name} PRIVATE ${ROOM_LIBRARIES})
+  if(ROOM_PRECOMPILED)
+    target_precompile_headers(stator_${name} PRIVATE ${STATOR_STANDARD_HEADERS} ${ROOM_PRECOMPILED})
+  else()
+    target_precompile_headers(stator_${name} REUSE_FROM stator_standard_headers)
+  endif()
 endfunction()
 
 # Sources of a room that are compiled for processors with AVX2 or AVX-512 and run on those only. They
@@ -21,6 +27,8 @@ function(stator_vector_sources name)
   set_source_files_properties(${VECTOR_AVX2} PROPERTIES COMPILE_OPTIONS "-mavx2")
   set_source_files_properties(${VECTOR_AVX512} PROPERTIES
     COMPILE_OPTIONS "-mavx512f;-mavx512dq;-mavx512vl;-mavx512bw")
+  # Headers were precompiled for other instructions.
+  set_source_files_properties(${VECTOR_AVX2} ${VECTOR_AVX512} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
 # One GoogleTest program per room: tests/<room>/*.cpp, registered case by case with CTest.
