@@ -24,9 +24,12 @@ const dictionary::Entry* find(const dictionary::Dictionary* objects, std::uint16
 }
 
 bool named(const dictionary::Entry& entry, std::string_view word) {
-  return std::ranges::search(entry.name(), word, [](char a, char b) {
-           return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;
-         }).begin() != entry.name().end();
+  // Clang 14 cannot take std::ranges::search from this standard library.
+  const auto same = [](char a, char b) {
+    return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;
+  };
+  const std::string_view name = entry.name();
+  return std::search(name.begin(), name.end(), word.begin(), word.end(), same) != name.end();
 }
 
 std::string controlword_text(std::uint16_t word) {
