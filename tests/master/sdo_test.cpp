@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -21,6 +23,33 @@ std::vector<std::byte> bytes_of(const std::string& text) {
   const auto* const first = reinterpret_cast<const std::byte*>(text.data());
   return {first, first + text.size()};
 }
+
+/// Slaves that send their aborts as responses, as many did before they were tried with SOEM.
+class AbortsAsResponses final : public FramePort {
+ public:
+  explicit AbortsAsResponses(FramePort& port) : port_(port) {}
+
+  Result<std::size_t> exchange(std::span<const std::byte> frame, std::span<std::byte> reply,
+                               base::SimDuration timeout) override {
+    auto length = port_.exchange(frame, reply, timeout);
+    const std::span<std::byte> came = reply.first(length ? *length : 0);
+    // CoE in the mailbox header, then the CoE header and the command byte of the abort.
+    const std::array abort{std::byte{0x00}, std::byte{0x20}, std::byte{0x80}};
+    const auto found = std::ranges::search(came, abort);
+    if (!found.empty()) {
+      found[1] = std::byte{0x30};
+      ++changed;
+    }
+    return length;
+  }
+  void wait(base::SimDuration duration) override { port_.wait(duration); }
+  [[nodiscard]] base::SimTime now() override { return port_.now(); }
+
+  int changed = 0;
+
+ private:
+  FramePort& port_;
+};
 
 class SdoTest : public testing::Test {
  protected:
@@ -91,6 +120,20 @@ TEST_F(SdoTest, AnAbortNamesObjectSlaveCodeAndMeaning) {
   const auto wrong_length = master.download_number<std::uint8_t>(0, {0x2000, 0}, 1);
   ASSERT_FALSE(wrong_length);
   EXPECT_EQ(wrong_length.error().code, ErrorCode::sdo_aborted);
+}
+
+TEST_F(SdoTest, AnAbortThatComesAsAResponseIsOneToo) {
+  AbortsAsResponses port(segment);
+  Master other(port, patient());
+  ASSERT_TRUE(other.scan());
+  ASSERT_TRUE(other.start_mailbox(0));
+  const auto missing = other.upload(0, {0x5FFF, 0});
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().detail, 0x06020000U);
+  const auto read_only = other.download_number<std::uint32_t>(0, {0x1000, 0}, 1);
+  ASSERT_FALSE(read_only);
+  EXPECT_EQ(read_only.error().detail, static_cast<std::uint32_t>(AbortCode::read_only));
+  EXPECT_EQ(port.changed, 2);
 }
 
 TEST_F(SdoTest, ANumberOfAnotherLengthThanExpectedIsAnError) {
