@@ -126,6 +126,8 @@ class SlaveStack final : private AlActions {
   void entered(AlStep step, base::SimTime now) override;
 
   // slave_stack.cpp: states, events
+  /// The controller has become dead to its firmware, or is back.
+  void follow_interface(base::SimTime now);
   [[nodiscard]] AlStatusCode start_mailbox(AlStep step, base::SimTime now);
   [[nodiscard]] bool has_mailbox() const { return description_.receive_mailbox.length != 0; }
   [[nodiscard]] bool process_data_runs() const {
@@ -185,6 +187,7 @@ class SlaveStack final : private AlActions {
   SyncManagerBank bank_;         ///< settings in force: mailbox since I->P, process data since P->S
   std::uint32_t attention_ = 0;  ///< AL events that need process()
   bool polls_channels_ = false;  ///< a channel in use raises no event
+  bool connected_ = true;        ///< the controller answers
   AlStatusCode refusal_ = AlStatusCode::no_error;  ///< of every step up
   bool outputs_received_ = false;                  ///< since Safe-Operational was entered
   bool outputs_await_sync_ = false;                ///< taken from the bus, not yet over at SYNC0
@@ -195,6 +198,14 @@ class SlaveStack final : private AlActions {
 };
 
 namespace rules {
+/// Argument: {0} state.
+inline constexpr base::EventRule kControllerLost{
+    "al-controller-lost", base::Severity::fault,
+    "the slave controller does not answer its firmware any more, since its EEPROM is not loaded or "
+    "names another interface; the firmware left {0} for Init, which AL status cannot show"};
+inline constexpr base::EventRule kControllerBack{
+    "al-controller-back", base::Severity::information,
+    "the slave controller answers its firmware again, which starts in Init"};
 inline constexpr base::EventRule kStateFault{
     "al-fault", base::Severity::fault,
     "{0} refused, AL status {1:x4}, by a fault that was asked for"};
