@@ -233,8 +233,10 @@ std::optional<AlStatusCode> SlaveStack::perform(AlStep step, base::SimTime now) 
   }
   code = application_.permit_state(step.from, step.to, now);
   if (code != AlStatusCode::no_error) {
-    reporter_.report(now, rules::kApplicationRefused,
-                     {EventArgument(to_text(step.to)), EventArgument(static_cast<int>(code))});
+    if (!application_.explains_refusals()) {
+      reporter_.report(now, rules::kApplicationRefused,
+                       {EventArgument(to_text(step.to)), EventArgument(static_cast<int>(code))});
+    }
     if (step == al_step::kPS) {
       stop_process_data();
     } else if (step.from == AlState::init) {

@@ -221,10 +221,9 @@ inline constexpr base::EventRule kMappingInvalid{
     "al-mapping-invalid", base::Severity::refusal,
     "Safe-Operational refused, AL status {0:x4}: the PDO mapping assigned by {1:x4} is not valid; "
     "configure it again in Pre-Operational"};
-inline constexpr base::EventRule kApplicationRefused{"al-application-refused",
-                                                     base::Severity::refusal,
-                                                     "{0} refused by the device, AL status "
-                                                     "{1:x4}; its own line above says why"};
+inline constexpr base::EventRule kApplicationRefused{
+    "al-application-refused", base::Severity::refusal,
+    "{0} refused by the device, AL status {1:x4}; what this device needs is in its documentation"};
 inline constexpr base::EventRule kWatchdogExpired{
     "al-watchdog", base::Severity::fault,
     "process data watchdog expired: no outputs within {0} us; send process data faster than that "
