@@ -38,14 +38,26 @@ void print_chip(const std::string& socket) {
       socket);
 }
 
+namespace {
+
+/// By its pin, or by its EEPROM (word 0, bit 8) as it leaves its box.
+bool emulates(const devices::Tmc8461Configuration& chip) {
+  constexpr std::byte kEmulation{0x01};
+  return chip.device_emulation ||
+         (chip.sii.size() > 1 && (chip.sii[1] & kEmulation) != std::byte{0});
+}
+
+}  // namespace
+
 void print_chips_without_firmware(const rack::RackConfiguration& configuration) {
   for (const rack::SegmentConfiguration& segment : configuration.segments) {
     for (const rack::DeviceConfiguration& device : segment.devices) {
       const auto* chip = std::get_if<devices::Tmc8461Configuration>(&device.product);
-      if (chip != nullptr && !chip->device_emulation && device.host_link.empty()) {
+      if (chip != nullptr && !emulates(*chip) && device.host_link.empty()) {
         fmt::print(
-            "{} has no firmware, so it stays in Init: give it a socket with --spi or \"spi\" in a "
-            "rack file, or none with device_emulation = true\n",
+            "{} has no firmware, so it stays in Init: give it a socket for one with --spi or "
+            "\"spi\" "
+            "in a rack file, or let its state follow the master with device_emulation = true\n",
             device.name);
       }
     }

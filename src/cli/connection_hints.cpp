@@ -8,9 +8,12 @@
 #include <sstream>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 #include <unistd.h>
+
+#include "rack/wiring.hpp"
 
 namespace stator::cli {
 
@@ -56,18 +59,21 @@ bool installed(std::string_view program) {
   return false;
 }
 
-bool is_chip(const rack::DeviceConfiguration& device) {
-  return std::holds_alternative<devices::Tmc8461Configuration>(device.product);
+bool has_axis(const rack::DeviceConfiguration& device) {
+  return !std::holds_alternative<devices::Tmc8461Configuration>(device.product) &&
+         !std::holds_alternative<devices::JunctionConfiguration>(device.product);
 }
 
 /// " --position N" of the first device with an axis, where it is not the first; nothing if there is
-/// none: a slave controller chip has an I/O block and no CiA 402.
+/// none: a slave controller chip has an I/O block and no CiA 402, a junction nothing at all.
 std::optional<std::string> position_of_axis(const rack::SegmentConfiguration& segment) {
-  const auto found = std::ranges::find_if_not(segment.devices, is_chip);
-  if (found == segment.devices.end()) {
+  const std::vector<std::size_t> order = rack::frame_order(segment);
+  const auto found = std::ranges::find_if(
+      order, [&segment](std::size_t device) { return has_axis(segment.devices[device]); });
+  if (found == order.end()) {
     return std::nullopt;
   }
-  const auto position = found - segment.devices.begin();
+  const auto position = found - order.begin();
   return position == 0 ? "" : fmt::format(" --position {}", position);
 }
 
@@ -75,7 +81,7 @@ std::optional<std::string> position_of_axis(const rack::SegmentConfiguration& se
 bool has_objects(const rack::SegmentConfiguration& segment) {
   return std::ranges::any_of(segment.devices, [](const rack::DeviceConfiguration& device) {
     const auto* chip = std::get_if<devices::Tmc8461Configuration>(&device.product);
-    return chip == nullptr || (chip->mailbox_bytes > 0 && chip->coe);
+    return chip == nullptr ? has_axis(device) : (chip->mailbox_bytes > 0 && chip->coe);
   });
 }
 

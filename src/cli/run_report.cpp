@@ -9,6 +9,7 @@
 #include "cli/serial_lines.hpp"
 #include "link/can_link.hpp"
 #include "rack/product_catalogue.hpp"
+#include "rack/wiring.hpp"
 
 namespace stator::cli {
 
@@ -45,7 +46,8 @@ void print_networks(const rack::RackConfiguration& configuration, rack::Rack& ra
                             : std::string();
     fmt::print("Segment on {}{}: {} device{}\n", runner.link(i).name(), redundant,
                segment.devices.size(), segment.devices.size() == 1 ? "" : "s");
-    for (const rack::NamedDevice& member : rack.devices(i)) {
+    for (const std::size_t device : rack::frame_order(segment)) {
+      const rack::NamedDevice& member = rack.devices(i)[device];
       fmt::print("  {}  ({})\n", member.name, member.device->description().name);
     }
     fmt::print("{}", connection_hints(segment));

@@ -146,6 +146,11 @@ void ApplicationLayer::step_down(AlState target, AlStatusCode code, base::SimTim
   indicate_error(code);
 }
 
+void ApplicationLayer::leave_for_init(base::SimTime now) {
+  pending_.reset();
+  static_cast<void>(change_state(AlState::init, now));  // steps down are never refused
+}
+
 void ApplicationLayer::raise_error(AlStatusCode code, base::SimTime now) {
   abandon_request();
   reporter_.report(now, rules::kAlErrorRaised,

@@ -49,6 +49,8 @@ class ApplicationLayer {
   void continue_change(base::SimTime now);
   /// Leaves for `target` with the error indication and `code`; nothing if `target` is not below.
   void step_down(AlState target, AlStatusCode code, base::SimTime now);
+  /// Leaves for Init without an error, for want of a controller that could show one.
+  void leave_for_init(base::SimTime now);
   /// Sets the error indication with `code` in the present state.
   void raise_error(AlStatusCode code, base::SimTime now);
 

@@ -17,7 +17,7 @@ class ControllerSpiMemory final : public SpiSlaveMemory {
  public:
   explicit ControllerSpiMemory(SlaveController& controller) : controller_(controller) {}
 
-  [[nodiscard]] bool operational() const override;
+  [[nodiscard]] bool operational() const override { return controller_.answers(); }
   [[nodiscard]] std::array<std::byte, 3> header_reply() const override;
   void touch() override;
   void read(std::uint16_t address, std::span<std::byte> out) override;

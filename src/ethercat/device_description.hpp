@@ -58,6 +58,11 @@ struct DeviceDescription {
   std::int16_t ebus_current = 0;                         ///< mA, 0 for a device with its own supply
   std::array<char, 4> port_physics{'Y', 'Y', ' ', ' '};  ///< ESI: Y = MII, K = E-bus, ' ' = none
   std::uint16_t sii_size_kbit = 16;                      ///< EEPROM size
+
+  /// False for a coupler, which has neither mailbox nor process data.
+  [[nodiscard]] bool exchanges_data() const {
+    return receive_mailbox.length != 0 || output_offset != 0 || input_offset != 0;
+  }
 };
 
 /// What a device with these quirks says about itself in its EEPROM.

@@ -150,7 +150,7 @@ void SlaveController::write_datagram(DatagramView& datagram) {
   if (write_memory(Side::bus, datagram.ado(), datagram.bytes())) {
     add(datagram, 1);
   } else if (datagram.ado() == kAlControl && datagram.length >= 2 && !al_control_taken_) {
-    report_locked_al_control(base::load_le<std::uint16_t>(datagram.data));
+    report_unanswered_al_control(base::load_le<std::uint16_t>(datagram.data), true);
   }
 }
 

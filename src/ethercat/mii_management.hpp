@@ -83,6 +83,14 @@ class MiiManagement {
   void set_partner(unsigned port, LinkPartner partner);
   /// What has come over the management bus or a cable lets the port exchange frames.
   [[nodiscard]] bool usable(unsigned port) const { return phys_[port].usable(); }
+  /// The PHY of the port answers where link detection looks for it.
+  [[nodiscard]] bool finds(std::size_t port) const {
+    return port_at(expected_address(port)) == port;
+  }
+  /// Where that is.
+  [[nodiscard]] unsigned expected_address(std::size_t port) const {
+    return static_cast<unsigned>(port) + settings_.phy_offset;
+  }
   [[nodiscard]] static bool has_phy(unsigned port) { return port < kPortCount; }
 
   /// Writes the port status registers as they are to be read now.
@@ -97,10 +105,6 @@ class MiiManagement {
   void set_status(std::uint16_t clear, std::uint16_t set);
   /// Port whose PHY answers at `address`; kPortCount if none does.
   [[nodiscard]] std::size_t port_at(unsigned address) const;
-  /// The PHY of the port answers where link detection looks for it.
-  [[nodiscard]] bool finds(std::size_t port) const {
-    return port_at(static_cast<unsigned>(port) + settings_.phy_offset) == port;
-  }
   /// After the PHY has settled its link: configures it if that could not give a usable one.
   void check_configuration(std::size_t port);
 

@@ -82,10 +82,12 @@ bool SlaveController::link_pin(unsigned port) const {
 }
 
 void SlaveController::update_link(unsigned port) {
-  // The pin alone would do; with link detection the PHY's registers must agree.
+  // The pin alone would do; with link detection the PHY's registers must agree, so that it must be
+  // found.
+  const bool found = !MiiManagement::has_phy(port) || mii_.finds(port);
   const bool detected =
       !has_feature(configuration_.features, ControllerFeature::mii_link_detection) ||
-      passes_bits(port);
+      (found && passes_bits(port));
   const bool up = has_port(port) && !held_in_reset_ && detected &&
                   link_pin(port) == configuration_.link_active_high;
   if (ports_[port].link == up) {
@@ -159,7 +161,7 @@ void SlaveController::receive_at_closed_port(unsigned port) {
 }
 
 void SlaveController::update_dl_status() {
-  const bool host_alive = loaded_ && (host_polling_ || host_watchdog_.running());
+  const bool host_alive = host_open_ && (host_polling_ || host_watchdog_.running());
   unsigned status =
       (loaded_ ? 0x01U : 0U) | (host_alive ? 0x02U : 0U) | (enhanced_link_detection_ ? 0x04U : 0U);
   for (unsigned i = 0; i < kPorts; ++i) {

@@ -27,6 +27,10 @@ class ProcessDataInterface {
 
   /// The AL event request register 0x0220, without side effects: what the interrupt line tells.
   [[nodiscard]] virtual std::uint32_t al_event_request() const = 0;
+
+  /// False while the controller is dead to its host, because its EEPROM is not loaded or names
+  /// another interface: reads give 0, writes do nothing, and there are no events.
+  [[nodiscard]] virtual bool answers() const { return true; }
 };
 
 /// Bits of the AL event request register 0x0220 (ETG.1000.4 §6.1.7; same in the TMC8461 datasheet).

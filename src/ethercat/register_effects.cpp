@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "base/byte_order.hpp"
+#include "ethercat/al_state.hpp"
+#include "ethercat/application_layer.hpp"
 #include "ethercat/register_addresses.hpp"
 #include "ethercat/slave_controller.hpp"
 
@@ -14,10 +16,6 @@ namespace {
 
 using namespace register_address;
 
-constexpr base::EventRule kAlControlLocked{
-    "esc-al-control-locked", base::Severity::refusal,
-    "AL control write of {0:x4} refused: the host has not read the request before ({1:x4}) yet; "
-    "wait for AL status, then write again"};
 constexpr base::EventRule kSyncManagerMode{
     "esc-sync-manager-mode", base::Severity::warning,
     "sync manager {0} stays inactive: control byte {1:x2} names a reserved mode or direction; use "
@@ -26,6 +24,7 @@ constexpr base::EventRule kSyncManagerArea{
     "esc-sync-manager-area", base::Severity::warning,
     "sync manager {0} stays inactive: start {1:x4} with length {2} takes {3} bytes; it needs a "
     "length above 1 and must lie within 1000h..{4:x4}"};
+constexpr std::uint16_t kAlStateMask = 0x000F;
 constexpr std::uint16_t kAlErrorIndication = 0x0010;
 
 /// Runs `handle` for each effect in the set that is this file's business, in the order of their
@@ -247,12 +246,18 @@ void SlaveController::after_write(Effect effect, std::uint32_t address, std::siz
 
 void SlaveController::take_al_control() {
   if (register_bit(kEscConfiguration, 0)) {
+    const auto before = static_cast<AlState>(al_status_ & kAlStateMask);
     std::copy_n(memory_.begin() + kAlControl, 2, memory_.begin() + kAlStatus);
     change_al_status();
+    const auto after = static_cast<AlState>(al_status_ & kAlStateMask);
+    if (after != before) {
+      reporter_.report(now_, rules::kAlStateChanged, {to_text(before), to_text(after)});
+    }
     return;
   }
   al_control_taken_ = false;
   al_event_request_ |= al_event::kAlControl;
+  report_unanswered_al_control(base::load_le<std::uint16_t>(registers(), kAlControl), false);
 }
 
 void SlaveController::change_al_status() {
@@ -268,13 +273,6 @@ void SlaveController::change_al_status() {
     if (partner_ != nullptr) {
       partner_->al_status_changed(now_, status);
     }
-  }
-}
-
-void SlaveController::count_host_error(std::uint8_t code) {
-  count(kPdiErrors);
-  if (register_map_[kPdiErrorCode].built) {
-    memory_[kPdiErrorCode] = std::byte{code};
   }
 }
 
@@ -348,11 +346,6 @@ void SlaveController::count(std::size_t address) {
   if (register_map_[address].built && memory_[address] != std::byte{0xFF}) {
     memory_[address] = static_cast<std::byte>(std::to_integer<unsigned>(memory_[address]) + 1);
   }
-}
-
-void SlaveController::report_locked_al_control(std::uint16_t requested) {
-  reporter_.report(now_, kAlControlLocked,
-                   {requested, base::load_le<std::uint16_t>(registers(), kAlControl)});
 }
 
 }  // namespace stator::ethercat

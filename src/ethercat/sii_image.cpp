@@ -245,8 +245,10 @@ std::vector<std::byte> build_sii_image(const DeviceDescription& description,
   store_fixed_part(image.bytes(), description);
   image.put_category(SiiCategory::strings, strings.category());
   image.put_category(SiiCategory::general, general);
-  image.put_category(SiiCategory::fmmu, fmmu_category(description));
-  image.put_category(SiiCategory::sync_manager, sync_manager_category(description, dictionary));
+  if (description.exchanges_data()) {
+    image.put_category(SiiCategory::fmmu, fmmu_category(description));
+    image.put_category(SiiCategory::sync_manager, sync_manager_category(description, dictionary));
+  }
   if (!tx_pdos.empty()) {
     image.put_category(SiiCategory::tx_pdo, tx_pdos);
   }

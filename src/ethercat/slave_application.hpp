@@ -22,6 +22,8 @@ class SlaveApplication {
                                                   base::SimTime /*now*/) {
     return AlStatusCode::no_error;
   }
+  /// True: it has raised an event with the reason of each refusal, and the stack says no more.
+  [[nodiscard]] virtual bool explains_refusals() const { return false; }
 
   /// The state has changed. Changes over several states come step by step: Operational to Init is
   /// told as O->S, S->P, P->I (ETG.1000.6 §6.4.1.3), so that each step is handled in one place.

@@ -24,10 +24,20 @@ constexpr base::EventRule kReset{
 constexpr base::EventRule kSiiChecksum{
     "esc-sii-checksum", base::Severity::warning,
     "EEPROM not loaded: checksum byte in word 7 is {0:x2}, the first seven words give {1:x2}; "
-    "process memory and host interface stay closed until a valid image is written and reloaded"};
+    "process memory and host interface stay closed, so that no state is reached and no mailbox "
+    "answers, until a master writes a valid image and reloads it (0400h to 0502h) or resets the "
+    "device"};
+constexpr base::EventRule kSiiAbsent{
+    "esc-sii-absent", base::Severity::warning,
+    "EEPROM not loaded: none answers; process memory and host interface stay closed, so that no "
+    "state is reached and no mailbox answers; give the device an SII image"};
+constexpr base::EventRule kPhyNotFound{
+    "esc-phy-not-found", base::Severity::warning,
+    "port {0} gets no link: link detection looks for its PHY at address {1} of the management bus, "
+    "and none or that of the other port answers; strap it to this address (\"phy_addresses\" in "
+    "the rack file)"};
 
 constexpr unsigned kAlStateMask = 0x0F;
-constexpr unsigned kSpiSlave = 0x05;  ///< the one PDI type that is built
 
 /// Words of the EEPROM's configuration area and the registers they are copied to at each load.
 struct ConfigurationWord {
@@ -193,6 +203,9 @@ void SlaveController::load_sii(std::span<const std::byte> image) {
 
 void SlaveController::load_configuration_area(bool first) {
   advance_sync();  // pulses so far came with the settings so far
+  if (first) {
+    report_missing_phys();
+  }
   const SiiInterface::LoadResult result = sii_.load();
   loaded_ = result == SiiInterface::LoadResult::loaded;
   std::array<std::byte, SiiInterface::kConfigurationAreaLength> content{};
@@ -203,6 +216,8 @@ void SlaveController::load_configuration_area(bool first) {
     reporter_.report(
         now_, kSiiChecksum,
         {std::to_integer<unsigned>(content[2 * kChecksumWord]), unsigned{sii_checksum(content)}});
+  } else if (result == SiiInterface::LoadResult::no_eeprom) {
+    reporter_.report(now_, kSiiAbsent);
   }
   if (loaded_) {
     for (const ConfigurationWord& entry : kConfigurationWords) {
@@ -226,14 +241,7 @@ void SlaveController::load_configuration_area(bool first) {
   if (configuration_.device_emulation) {
     memory_[kEscConfiguration] |= std::byte{1};
   }
-  if (has_feature(configuration_.features, ControllerFeature::pdi_information)) {
-    // Configured and active, or configured for an interface that is not there.
-    const auto type = std::to_integer<unsigned>(memory_[kPdiControl]);
-    const unsigned configured = type == kSpiSlave ? 0x06U : 0x0AU;
-    const unsigned state = loaded_ ? configured : 0x00U;
-    memory_[kPdiInformation] =
-        static_cast<std::byte>(state | (configuration_.acknowledge_by_write ? 1U : 0U));
-  }
+  open_host_interface();
   if (partner_ != nullptr) {
     partner_->parameters_changed(now_);
   }
@@ -241,6 +249,17 @@ void SlaveController::load_configuration_area(bool first) {
   update_dl_status();
   publish_clock_events();  // pulse length and mapping of the SYNC outputs may be others now
   schedule_sync();
+}
+
+void SlaveController::report_missing_phys() {
+  if (!has_feature(configuration_.features, ControllerFeature::mii_link_detection)) {
+    return;
+  }
+  for (unsigned port = 0; port < kPorts; ++port) {
+    if (has_port(port) && MiiManagement::has_phy(port) && !mii_.finds(port)) {
+      reporter_.report(now_, kPhyNotFound, {port, mii_.expected_address(port)});
+    }
+  }
 }
 
 void SlaveController::load_parameter_ram() {
@@ -307,51 +326,8 @@ void SlaveController::update_deadline() {
                 mii_.deadline(), loop_control_expires_, sync_deadline_});
 }
 
-void SlaveController::set_host_polling(bool polling) {
-  host_polling_ = polling;
-  if (polling) {
-    host_watchdog_.stop();
-  } else {
-    host_watchdog_.trigger(now_);
-  }
-  update_deadline();
-  update_dl_status();
-}
-
 bool SlaveController::take_reset_request() {
   return std::exchange(reset_requested_, false);
-}
-
-bool SlaveController::host_interrupt() const {
-  return (al_event_request_ & base::load_le<std::uint32_t>(memory_.data() + kAlEventMask)) != 0;
-}
-
-void SlaveController::read(std::uint16_t address, std::span<std::byte> out) {
-  note_host_access();
-  host_reset_progress_ = 0;
-  std::fill(out.begin(), out.end(), std::byte{0});
-  static_cast<void>(read_memory(Side::host, address, out));
-}
-
-void SlaveController::write(std::uint16_t address, std::span<const std::byte> data) {
-  note_host_access();
-  const std::uint8_t progress = host_reset_progress_;
-  static_cast<void>(write_memory(Side::host, address, data));
-  if (host_reset_progress_ == progress) {
-    host_reset_progress_ = 0;  // the steps of the key must follow one another
-  }
-}
-
-void SlaveController::note_host_access() {
-  if (host_polling_) {
-    return;
-  }
-  const bool revived = host_watchdog_.expired();
-  host_watchdog_.trigger(now_);
-  next_deadline_ = std::min(next_deadline_, host_watchdog_.deadline());
-  if (revived) {
-    update_dl_status();
-  }
 }
 
 void SlaveController::peek(std::uint16_t address, std::span<std::byte> out) const {

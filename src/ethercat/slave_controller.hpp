@@ -111,7 +111,12 @@ class SlaveController final : public ProcessDataInterface {
   /// As ProcessDataInterface says; the time of the access is that of the last frame or advance().
   void read(std::uint16_t address, std::span<std::byte> out) override;
   void write(std::uint16_t address, std::span<const std::byte> data) override;
-  [[nodiscard]] std::uint32_t al_event_request() const override { return al_event_request_; }
+  [[nodiscard]] std::uint32_t al_event_request() const override {
+    return host_open_ ? al_event_request_ : 0U;
+  }
+  /// An EEPROM is loaded and names the host interface that is built, an SPI slave (0x0110 bit 0,
+  /// 0x0140 = 05h; datasheets "ESC DL Status" and "PDI Control").
+  [[nodiscard]] bool answers() const override { return host_open_; }
   /// The interrupt pin: AL events that the mask 0x0204 lets through.
   [[nodiscard]] bool host_interrupt() const;
 
@@ -127,8 +132,8 @@ class SlaveController final : public ProcessDataInterface {
   void finish_process_data(std::uint16_t address, std::size_t length);
 
   /// Puts an EEPROM with this SII image on the board and loads from it as after power-on: PDI
-  /// configuration, station alias, SYNC pulse length. Without a valid one the process memory is
-  /// closed (DL status bit 0). Allocates.
+  /// configuration, station alias, SYNC pulse length. Without a valid one process memory (DL status
+  /// bit 0) and host interface are closed, until one is written and loaded. Allocates.
   void load_sii(std::span<const std::byte> image);
   /// The EEPROM's content with all that was written to it.
   [[nodiscard]] std::span<const std::byte> sii() const { return sii_.content(); }
@@ -203,6 +208,8 @@ class SlaveController final : public ProcessDataInterface {
   };
   // slave_controller.cpp: life, time, host accesses
   void load_configuration_area(bool first);
+  void open_host_interface();
+  void report_missing_phys();
   void load_parameter_ram();
   void note_host_access();
   void expire(base::SimTime now);
@@ -288,7 +295,8 @@ class SlaveController final : public ProcessDataInterface {
   void after_write(Effect effect, std::uint32_t address, std::size_t length);
   void acknowledge(EffectSet effects, std::uint32_t address, std::size_t length);
   void take_al_control();
-  void report_locked_al_control(std::uint16_t requested);
+  /// A request for a state that has not been taken, and will not be if there is nobody to do so.
+  void report_unanswered_al_control(std::uint16_t requested, bool locked);
   void change_al_status();
   void update_sync_managers(std::uint32_t address, std::size_t length);
   void configure_sync_manager(std::size_t channel);
@@ -408,6 +416,8 @@ class SlaveController final : public ProcessDataInterface {
   bool al_control_taken_ = true;          ///< the host has seen the last AL control
   bool loaded_ = false;                   ///< EEPROM valid: process memory open
   bool enhanced_link_detection_ = false;  ///< of any port, as first loaded after power-on
+  bool host_open_ = false;                ///< see answers()
+  bool host_seen_ = false;                ///< somebody has used the host interface, or tried to
   bool host_polling_ = true;
   bool registers_unlocked_ = false;   ///< by 0x0020, for the rest of this frame
   bool controller_unlocked_ = false;  ///< by 0x0030

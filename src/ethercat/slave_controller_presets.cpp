@@ -47,7 +47,24 @@ constexpr SlaveControllerConfiguration tmc8670_silicon() {
   return chip;
 }
 
-constexpr std::array<SlaveControllerPreset, 4> kPresets{{
+/// A coupler: ports, their counters and clocks; nothing for a host.
+constexpr SlaveControllerConfiguration junction() {
+  SlaveControllerConfiguration chip;
+  chip.type = 0x4A;  // nobody's
+  chip.revision = 0x01;
+  chip.build = 0x0001;
+  chip.fmmu_count = 1;
+  chip.sync_manager_count = 1;
+  chip.ram_kilobytes = 1;
+  chip.port_descriptor = 0xFF;
+  chip.features = F::distributed_clocks | F::reset_registers | F::led_override |
+                  F::pdi_information | F::user_ram | F::error_counters | F::lost_link_counters |
+                  F::watchdog_setting;
+  chip.sync_latch_reset = 0;
+  return chip;
+}
+
+constexpr std::array<SlaveControllerPreset, 5> kPresets{{
     {"tmcm-3315", "standard", "the module's controller, with the registers of a TMC8461",
      RegisterDocument::tmc8461, SlaveControllerConfiguration{}},
     {"tmc8461", "standard", "EtherCAT slave controller with multi-function I/O",
@@ -56,6 +73,8 @@ constexpr std::array<SlaveControllerPreset, 4> kPresets{{
      RegisterDocument::tmc8670, tmc8670_document()},
     {"tmc8670", "silicon", "only the parts that the family's feature table says are built",
      RegisterDocument::tmc8670, tmc8670_silicon()},
+    {"junction", "standard", "the controller of a coupler, here with four ports",
+     RegisterDocument::tmc8461, junction()},
 }};
 
 }  // namespace

@@ -90,6 +90,9 @@ void SlaveStack::process(base::SimTime now) {
   if (eoe_) {
     eoe_->poll(mailbox_.running() && state() != AlState::bootstrap);
   }
+  if (interface_.answers() != connected_) [[unlikely]] {
+    follow_interface(now);
+  }
   std::uint32_t events = interface_.al_event_request();
   if ((events & attention_) == 0 && !polls_channels_ && now < watchdog_due_ &&
       now < clocks_.deadline() && now < storm_due_ && !application_layer_.pending() &&
@@ -123,6 +126,21 @@ void SlaveStack::process(base::SimTime now) {
   }
   if (mailbox_.needs_attention(events)) {
     mailbox_.process(events, now);
+  }
+  update_attention();
+}
+
+// What the firmware would wait for never comes, so nothing it has commanded may go on. It starts
+// anew when the controller is back: what registers hold then is not what it had left there.
+void SlaveStack::follow_interface(base::SimTime now) {
+  connected_ = interface_.answers();
+  now_ = now;
+  if (connected_) {
+    reset(now);
+    reporter_.report(now, rules::kControllerBack);
+  } else if (state() != AlState::init) {
+    reporter_.report(now, rules::kControllerLost, {EventArgument(to_text(state()))});
+    application_layer_.leave_for_init(now);
   }
   update_attention();
 }
@@ -215,8 +233,10 @@ std::optional<AlStatusCode> SlaveStack::perform(AlStep step, base::SimTime now) 
   }
   code = application_.permit_state(step.from, step.to, now);
   if (code != AlStatusCode::no_error) {
-    reporter_.report(now, rules::kApplicationRefused,
-                     {EventArgument(to_text(step.to)), EventArgument(static_cast<int>(code))});
+    if (!application_.explains_refusals()) {
+      reporter_.report(now, rules::kApplicationRefused,
+                       {EventArgument(to_text(step.to)), EventArgument(static_cast<int>(code))});
+    }
     if (step == al_step::kPS) {
       stop_process_data();
     } else if (step.from == AlState::init) {

@@ -127,6 +127,8 @@ class SlaveStack final : private AlActions {
   void request_abandoned() override { clocks_.abandon_start(); }
 
   // slave_stack.cpp: states, events
+  /// The controller has become dead to its firmware, or is back.
+  void follow_interface(base::SimTime now);
   [[nodiscard]] AlStatusCode start_mailbox(AlStep step, base::SimTime now);
   [[nodiscard]] bool has_mailbox() const { return description_.receive_mailbox.length != 0; }
   [[nodiscard]] bool process_data_runs() const {
@@ -193,6 +195,7 @@ class SlaveStack final : private AlActions {
   SyncManagerBank bank_;         ///< settings in force: mailbox since I->P, process data since P->S
   std::uint32_t attention_ = 0;  ///< AL events that need process()
   bool polls_channels_ = false;  ///< a channel in use raises no event
+  bool connected_ = true;        ///< the controller answers
   AlStatusCode refusal_ = AlStatusCode::no_error;  ///< of every step up
   bool outputs_received_ = false;                  ///< since Safe-Operational was entered
   bool outputs_await_sync_ = false;                ///< taken from the bus, not yet over at SYNC0
@@ -206,6 +209,14 @@ class SlaveStack final : private AlActions {
 };
 
 namespace rules {
+/// Argument: {0} state.
+inline constexpr base::EventRule kControllerLost{
+    "al-controller-lost", base::Severity::fault,
+    "the slave controller does not answer its firmware any more, since its EEPROM is not loaded or "
+    "names another interface; the firmware left {0} for Init, which AL status cannot show"};
+inline constexpr base::EventRule kControllerBack{
+    "al-controller-back", base::Severity::information,
+    "the slave controller answers its firmware again, which starts in Init"};
 inline constexpr base::EventRule kStateFault{
     "al-fault", base::Severity::fault,
     "{0} refused, AL status {1:x4}, by a fault that was asked for"};
@@ -221,10 +232,9 @@ inline constexpr base::EventRule kMappingInvalid{
     "al-mapping-invalid", base::Severity::refusal,
     "Safe-Operational refused, AL status {0:x4}: the PDO mapping assigned by {1:x4} is not valid; "
     "configure it again in Pre-Operational"};
-inline constexpr base::EventRule kApplicationRefused{"al-application-refused",
-                                                     base::Severity::refusal,
-                                                     "{0} refused by the device, AL status "
-                                                     "{1:x4}; its own line above says why"};
+inline constexpr base::EventRule kApplicationRefused{
+    "al-application-refused", base::Severity::refusal,
+    "{0} refused by the device, AL status {1:x4}; what this device needs is in its documentation"};
 inline constexpr base::EventRule kWatchdogExpired{
     "al-watchdog", base::Severity::fault,
     "process data watchdog expired: no outputs within {0} us; send process data faster than that "

@@ -66,6 +66,19 @@ void read_product(TomlSection& section, devices::Tmc8461Configuration& configura
   read_tmc8461(section, configuration);
 }
 
+void read_product(TomlSection& section, devices::JunctionConfiguration& configuration) {
+  constexpr std::int64_t kFewest = 3;
+  constexpr std::int64_t kMost = 4;
+  section.integer({"ports", "How many it has for cables, numbered from 0"}, kFewest, kMost,
+                  configuration.ports);
+  section.integer({"alias", "Configured station alias (SII word 4)"}, 0, 0xFFFF,
+                  configuration.station_alias);
+  section.integer({"serial_number", "Identity in the EEPROM"}, 0, 0xFFFFFFFF,
+                  configuration.serial_number);
+  section.integer({"clock_deviation_ppb", "Error of its oscillator", "ppb"}, -1'000'000, 1'000'000,
+                  configuration.clock_deviation_ppb);
+}
+
 [[noreturn]] void read_product(TomlSection& section, OwnCanDevice& /*configuration*/) {
   section.fail("type", "a device of one's own has no place in a rack file");
 }

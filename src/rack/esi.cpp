@@ -373,7 +373,9 @@ void add_device(pugi::xml_node devices, const ethercat::DeviceDescription& descr
   if (description.coe) {
     add_profile(device, dictionary);
   }
-  add_process_data_interfaces(device, description, dictionary);
+  if (description.exchanges_data()) {
+    add_process_data_interfaces(device, description, dictionary);
+  }
   add_pdos(device, dictionary);
   if (description.receive_mailbox.length != 0) {
     add_mailbox(device, description);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -23,6 +24,10 @@ namespace stator::rack {
 /// Where a rack's events go: one line each in the log, the newest kept for whoever asks, and a
 /// count per rule that never forgets. Takes events from any thread: links raise some while nobody
 /// holds the rack.
+///
+/// Equal events of one device, with the same rule and the same arguments, have one line in each
+/// second of simulated time and after it a line that says how many more there were. That is so in
+/// the log only: kept and counted are all.
 class EventLog final : public base::EventSink {
  public:
   /// How many events are kept; older ones are dropped, their counts stay.
@@ -30,6 +35,10 @@ class EventLog final : public base::EventSink {
 
   /// Logs through `logger`, which may be null: then events are only kept and counted.
   explicit EventLog(std::shared_ptr<spdlog::logger> logger = nullptr);
+  EventLog(const EventLog&) = delete;
+  EventLog& operator=(const EventLog&) = delete;
+  /// Logs what was counted and not told yet.
+  ~EventLog() override;
 
   /// Logs through another logger from now on; null: through none.
   void set_logger(std::shared_ptr<spdlog::logger> logger) { logger_ = std::move(logger); }
@@ -38,6 +47,9 @@ class EventLog final : public base::EventSink {
   void set_device_names(std::vector<std::string> names) { device_names_ = std::move(names); }
 
   void on_event(const base::Event& event) override;
+  /// Nothing has happened until `now`: logs how many equal events there were in seconds that are
+  /// over. Cheap when there were none.
+  void settle(base::SimTime now);
 
   /// The newest events, oldest first; only while nobody raises any.
   [[nodiscard]] const std::deque<base::Event>& events() const { return events_; }
@@ -67,12 +79,27 @@ class EventLog final : public base::EventSink {
   [[nodiscard]] std::string line(const base::Event& event) const;
 
  private:
+  /// An event that has its line, and those like it in the second after.
+  struct Recent {
+    base::Event newest;
+    base::SimTime begin;     ///< of the second
+    std::uint64_t more = 0;  ///< without a line
+  };
+  /// How many different events are looked after; the oldest gives way.
+  static constexpr std::size_t kRecent = 32;
+
+  void log(const base::Event& event) const;
+  void log_repetitions(const Recent& recent) const;
+  void settle_all(base::SimTime now);
+
   mutable std::mutex mutex_;  ///< of all below but the names
   std::shared_ptr<spdlog::logger> logger_;
   std::vector<std::string> device_names_;
   std::deque<base::Event> events_;
   std::map<std::string_view, std::uint64_t> counts_;
   std::uint64_t total_ = 0;
+  std::vector<Recent> recent_;
+  std::atomic<bool> repeated_ = false;  ///< some of them have more
 };
 
 }  // namespace stator::rack

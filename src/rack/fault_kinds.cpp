@@ -302,7 +302,8 @@ constexpr auto kKinds = std::to_array<FaultKind>({
      .summary = "a byte of the EEPROM reads wrong",
      .effect = "Reads by 0502h give the wrong byte at once. In the first 16 bytes the checksum "
                "fails from the next reload or power-on: bits 11 and 12 of 0502h are set, bit 0 of "
-               "DL status is 0, the process memory is closed. After the end it needs another."},
+               "DL status is 0, process memory and host interface are closed: no state is reached "
+               "and no mailbox answers. After the end it needs another."},
     {.name = "clock-drift",
      .action = FaultAction::clock_drift,
      .scope = FaultScope::device,

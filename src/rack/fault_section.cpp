@@ -271,11 +271,11 @@ void FaultReader::check_reach(TomlSection& section, const FaultConfiguration& fa
                                        device.name, fault.kind->name));
   }
   if (reach == FaultReach::ethercat_firmware &&
-      std::holds_alternative<devices::Tmc8461Configuration>(device.product)) {
-    section.fail("device",
-                 fmt::format("\"{}\" has no firmware of its own, so \"{}\" cannot happen to it; "
-                             "let the program beside it do that",
-                             device.name, fault.kind->name));
+      (std::holds_alternative<devices::Tmc8461Configuration>(device.product) ||
+       std::holds_alternative<devices::JunctionConfiguration>(device.product))) {
+    section.fail("device", fmt::format("\"{}\" has no firmware of its own, so \"{}\" cannot happen "
+                                       "to it; a program beside a chip can do that",
+                                       device.name, fault.kind->name));
   }
   if (reach == FaultReach::can) {
     targets_.require_can(section, address);

@@ -15,7 +15,7 @@ namespace stator::rack {
 
 namespace {
 
-constexpr std::array<Product, 5> kProducts{{
+constexpr std::array<Product, 6> kProducts{{
     {"tmcm-3315", "three-axis stepper module, CiA 402, TMCM-3315", "EtherCAT (CoE, FoE)",
      NetworkKind::segment, 2, devices::Tmcm3315::kSerialInterfaces,
      [] { return ProductConfiguration(devices::Tmcm3315Configuration{}); }},
@@ -36,6 +36,13 @@ constexpr std::array<Product, 5> kProducts{{
      2,
      {},
      [] { return ProductConfiguration(devices::Tmc8461Configuration{}); }},
+    {"junction",
+     "coupler with three or four ports, for trees; nobody's product",
+     "EtherCAT",
+     NetworkKind::segment,
+     devices::JunctionConfiguration{}.ports,
+     {},
+     [] { return ProductConfiguration(devices::JunctionConfiguration{}); }},
 }};
 
 std::unique_ptr<devices::EtherCatDevice> make(const devices::Tmcm3315Configuration& configuration,
@@ -51,6 +58,11 @@ std::unique_ptr<devices::EtherCatDevice> make(const devices::Tmc8670Configuratio
 std::unique_ptr<devices::EtherCatDevice> make(const devices::Tmc8461Configuration& configuration,
                                               const base::EventReporter& reporter) {
   return std::make_unique<devices::Tmc8461>(configuration, reporter);
+}
+
+std::unique_ptr<devices::EtherCatDevice> make(const devices::JunctionConfiguration& configuration,
+                                              const base::EventReporter& reporter) {
+  return std::make_unique<devices::Junction>(configuration, reporter);
 }
 
 std::unique_ptr<devices::CanDevice> make(const devices::Tmcc160Configuration& configuration,
@@ -132,6 +144,14 @@ std::string product_name(const ProductConfiguration& configuration) {
 NetworkKind network_of(const ProductConfiguration& configuration) {
   const Product* product = product_of(configuration);
   return product != nullptr ? product->network : NetworkKind::bus;
+}
+
+unsigned ports_of(const ProductConfiguration& configuration) {
+  if (const auto* junction = std::get_if<devices::JunctionConfiguration>(&configuration)) {
+    return junction->ports;
+  }
+  const Product* product = product_of(configuration);
+  return product != nullptr ? product->ports : 0;
 }
 
 RackConfiguration single_device_rack(std::string_view type) {

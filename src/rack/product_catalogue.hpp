@@ -19,7 +19,7 @@ struct Product {
   std::string_view summary;  ///< what it is, in half a line
   std::string_view reached_over;
   NetworkKind network;
-  unsigned ports;                                       ///< for EtherCAT cables, numbered from 0
+  unsigned ports;  ///< for EtherCAT cables, numbered from 0; see ports_of()
   std::span<const std::string_view> serial_interfaces;  ///< keys of a device in a rack file
   ProductConfiguration (*default_configuration)();
 };
@@ -38,6 +38,8 @@ struct Product {
 /// Its order code in capitals, for people and files, e.g. "TMCM-3315".
 [[nodiscard]] std::string product_name(const ProductConfiguration& configuration);
 [[nodiscard]] NetworkKind network_of(const ProductConfiguration& configuration);
+/// How many ports it has for EtherCAT cables.
+[[nodiscard]] unsigned ports_of(const ProductConfiguration& configuration);
 
 /// A rack with one segment or bus and one device of that type as it leaves its box; a bus has
 /// no ports. Throws as above.

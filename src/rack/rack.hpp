@@ -184,6 +184,8 @@ class Rack {
   [[nodiscard]] PinTrace* trace() { return trace_.get(); }
   /// Where devices keep what outlives power; null if nothing is kept.
   [[nodiscard]] DeviceStorage* storage() { return storage_.get(); }
+  /// See EventLog::settle().
+  void settle_log(base::SimTime now) { log_.settle(now); }
 
  private:
   struct SegmentMembers {

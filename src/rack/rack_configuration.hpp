@@ -14,6 +14,7 @@
 #include "can/error_counters.hpp"
 #include "can/frame_faults.hpp"
 #include "devices/can_device.hpp"
+#include "devices/junction/junction.hpp"
 #include "devices/tmc8461/tmc8461.hpp"
 #include "devices/tmc8670/tmc8670.hpp"
 #include "devices/tmcc160/tmcc160.hpp"
@@ -42,7 +43,7 @@ struct OwnCanDevice {
 using ProductConfiguration =
     std::variant<devices::Tmcm3315Configuration, devices::Tmcc160Configuration,
                  devices::Tmcm142Configuration, devices::Tmc8670Configuration,
-                 devices::Tmc8461Configuration, OwnCanDevice>;
+                 devices::Tmc8461Configuration, devices::JunctionConfiguration, OwnCanDevice>;
 
 /// The cable in front of a device, on the master's side of it. See wiring.hpp for the defaults.
 struct WiringConfiguration {

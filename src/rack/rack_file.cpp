@@ -62,10 +62,9 @@ void read_host_link(TomlSection& section, DeviceConfiguration& device) {
   }
   device.host_link = *text;
   if (!std::holds_alternative<devices::Tmc8461Configuration>(device.product)) {
-    section.refuse(
-        "spi",
-        "this product has its own firmware and no pins for one of yours; \"spi\" belongs "
-        "to a chip, e.g. a tmc8461");
+    section.refuse("spi",
+                   "this product has no pins for a firmware of yours; \"spi\" belongs "
+                   "to a chip, e.g. a tmc8461");
   } else if (const auto checked = link::check_chip_link(*text); !checked) {
     section.refuse("spi", checked.error().text);
   } else {

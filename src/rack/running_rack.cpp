@@ -13,6 +13,9 @@ constexpr base::SimDuration kKeepingPeriod{5'000'000};
 }  // namespace
 
 void RunningRack::keep_files() {
+  if (clock_kind == ClockKind::real) {
+    rack.settle_log(real_clock.now());
+  }
   if (rack.storage() == nullptr) {
     return;
   }

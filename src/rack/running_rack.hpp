@@ -43,7 +43,8 @@ struct RunningRack {
     rack.advance(present);
     return real_clock.now() - present;
   }
-  /// Looks now and then for what devices want to be kept; takes the mutex.
+  /// Looks now and then for what devices want to be kept, for which it takes the mutex, and for
+  /// what the log has counted.
   void keep_files();
   /// Does a few of the tasks that wait at the desk, if there are any; takes the mutex. For a thread
   /// that has answered what came.

@@ -19,6 +19,7 @@
 #include "ethercat/sii_image.hpp"
 #include "rack/board_section.hpp"
 #include "rack/mfc_configuration_file.hpp"
+#include "rack/phy_keys.hpp"
 
 namespace stator::rack {
 
@@ -124,6 +125,20 @@ void read_mailbox(TomlSection section, Tmc8461Configuration& configuration) {
   section.finish();
 }
 
+/// How chip and PHYs are connected; the straps MII_TX_SHIFT are those of both ports.
+void read_straps(TomlSection& section, Tmc8461Configuration& configuration) {
+  if (section.is_text("tx_shift")) {
+    static_cast<void>(section.choice({"tx_shift",
+                                      "Pins MII_TX_SHIFT by which both ports send later, steps of "
+                                      "10 ns; automatic: the chip finds them itself"},
+                                     {"automatic"}));
+    configuration.tx_shift.reset();
+  } else if (const auto steps = section.integer("tx_shift", 0, 3)) {
+    configuration.tx_shift = static_cast<std::uint8_t>(*steps);
+  }
+  read_phys(section, configuration);
+}
+
 }  // namespace
 
 void read_tmc8461(TomlSection& section, Tmc8461Configuration& configuration) {
@@ -148,6 +163,7 @@ void read_tmc8461(TomlSection& section, Tmc8461Configuration& configuration) {
   for (const Switch& entry : kPins) {
     section.boolean({entry.key, entry.summary}, configuration.*entry.option);
   }
+  read_straps(section, configuration);
   section.boolean({"acknowledge_by_write", "014Eh bit 0: the host acknowledges events by writing"},
                   configuration.acknowledge_by_write);
   if (auto process_data = section.section({"process_data", "Process data of the EEPROM"})) {

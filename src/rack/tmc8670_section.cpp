@@ -4,7 +4,6 @@
 #include <charconv>
 #include <limits>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 
@@ -15,6 +14,7 @@
 #include "devices/tmc8670/objects.hpp"
 #include "dictionary/dictionary.hpp"
 #include "rack/coe_keys.hpp"
+#include "rack/phy_keys.hpp"
 #include "rack/pwm_axis_section.hpp"
 #include "rack/quirks_section.hpp"
 
@@ -105,17 +105,6 @@ double pwm_period(const std::vector<ObjectValue>& objects) {
   return 1e-8 * static_cast<double>(maximum + 1);
 }
 
-/// A list of two small numbers, one for each port.
-std::optional<std::array<std::uint8_t, 2>> of_ports(TomlSection& section, const TomlKey& key,
-                                                    std::int64_t maximum) {
-  const auto numbers = section.integers(key, 2, 0, maximum);
-  if (!numbers) {
-    return std::nullopt;
-  }
-  return std::array<std::uint8_t, 2>{static_cast<std::uint8_t>((*numbers)[0]),
-                                     static_cast<std::uint8_t>((*numbers)[1])};
-}
-
 /// How chip and PHYs are connected, and who steers the clock.
 void read_straps(TomlSection& section, devices::Tmc8670Configuration& configuration) {
   if (section.is_text("tx_shift")) {
@@ -127,19 +116,7 @@ void read_straps(TomlSection& section, devices::Tmc8670Configuration& configurat
   } else if (const auto steps = of_ports(section, "tx_shift", 3)) {
     configuration.tx_shift = *steps;
   }
-  configuration.tx_clock_phase =
-      of_ports(section,
-               {"tx_clock_phase", "By which the transmit clocks of the PHYs are late", "ns"}, 30)
-          .value_or(configuration.tx_clock_phase);
-  const std::set<std::string> levels{"low", "high"};
-  if (const auto polarity =
-          section.choice({"link_polarity", "Active level of the link pins as strapped"}, levels)) {
-    configuration.link_polarity = *polarity == "high";
-  }
-  if (const auto polarity = section.choice(
-          {"phy_link_polarity", "Active level of the link pins as the PHYs drive it"}, levels)) {
-    configuration.phy_link_active_high.fill(*polarity == "high");
-  }
+  read_phys(section, configuration);
   section.boolean(
       {"host_controls_time", "0910h to 0935h are the host's to write, not the master's"},
       configuration.host_controls_time);

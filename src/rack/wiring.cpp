@@ -50,7 +50,11 @@ std::string redundancy_problem(const SegmentConfiguration& segment) {
   return {};
 }
 
-void connect(ethercat::Segment& segment, const SegmentConfiguration& configuration) {
+namespace {
+
+/// Connects what is in a segment, or in a plan of one.
+template <typename Network>
+void connect_cables(Network& network, const SegmentConfiguration& configuration) {
   using ethercat::MasterInterface;
   using ethercat::SlavePort;
   const std::span<const DeviceConfiguration> devices = configuration.devices;
@@ -59,15 +63,46 @@ void connect(ethercat::Segment& segment, const SegmentConfiguration& configurati
     const base::SimDuration delay = devices[i].wiring.cable_delay;
     const SlavePort entry{i, attachment.port};
     if (attachment.parent) {
-      segment.connect(SlavePort{*attachment.parent, attachment.parent_port}, entry, delay);
+      network.connect(SlavePort{*attachment.parent, attachment.parent_port}, entry, delay);
     } else {
-      segment.connect(MasterInterface::primary, entry, delay);
+      network.connect(MasterInterface::primary, entry, delay);
     }
   }
   if (configuration.redundant()) {
-    segment.connect(MasterInterface::secondary,
-                    SlavePort{devices.size() - 1, far_port(devices.back())});
+    network.connect(MasterInterface::secondary,
+                    SlavePort{devices.size() - 1, far_port(devices.back())},
+                    ethercat::Segment::kDefaultCableDelay);
   }
+}
+
+}  // namespace
+
+void connect(ethercat::Segment& segment, const SegmentConfiguration& configuration) {
+  connect_cables(segment, configuration);
+}
+
+std::vector<std::size_t> frame_order(const SegmentConfiguration& segment) {
+  ethercat::Wiring wiring;
+  for (std::size_t i = 0; i < segment.devices.size(); ++i) {
+    wiring.add_slave();
+  }
+  connect_cables(wiring, segment);
+  std::vector<ethercat::SlaveForwarding> slaves(segment.devices.size());
+  for (std::size_t i = 0; i < slaves.size(); ++i) {
+    for (unsigned port = 0; port < ethercat::kPortsPerSlave; ++port) {
+      const bool cable = wiring.peer({i, port}).kind != ethercat::Wiring::Peer::Kind::none;
+      slaves[i].links |= static_cast<std::uint8_t>((cable ? 1U : 0U) << port);
+    }
+    slaves[i].open_ports = slaves[i].links;
+  }
+  ethercat::RoutePlanner planner;
+  ethercat::Route route;
+  planner.plan(wiring, slaves, ethercat::MasterInterface::primary, route);
+  std::vector<std::size_t> order;
+  for (const ethercat::Route::Visit& visit : route.visits) {
+    order.push_back(visit.slave);
+  }
+  return order;
 }
 
 }  // namespace stator::rack

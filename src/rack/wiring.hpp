@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "ethercat/segment.hpp"
 #include "rack/rack_configuration.hpp"
@@ -32,6 +33,11 @@ struct Attachment {
 
 /// A cable of any kind ends at `port` of the device at `index`.
 [[nodiscard]] bool has_cable(const SegmentConfiguration& segment, std::size_t index, unsigned port);
+
+/// The devices in the order in which a frame of the primary interface passes them while all cables
+/// are whole: that in which masters count them. In a line and a ring it is that of the
+/// configuration; from a branching point the branch at port 3 comes first, then those at 1 and 2.
+[[nodiscard]] std::vector<std::size_t> frame_order(const SegmentConfiguration& segment);
 
 /// Why `segment` cannot have the redundant link it names, as a sentence with remedy: a ring needs
 /// two network interfaces, of which the first may still be left to the command line. Empty if it

@@ -37,14 +37,9 @@ std::size_t read_after(TomlSection& section, const std::string& name,
                   names.empty() ? "there is none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
-unsigned ports_of(const DeviceConfiguration& device) {
-  const Product* product = product_of(device.product);
-  return product != nullptr ? product->ports : 0;
-}
-
 void require_port(TomlSection& section, const char* key, unsigned port,
                   const DeviceConfiguration& device) {
-  const unsigned ports = ports_of(device);
+  const unsigned ports = ports_of(device.product);
   if (port >= ports) {
     section.fail(key, fmt::format("\"{}\" is {}, but \"{}\" has the ports 0 to {}", key, port,
                                   device.name, ports - 1));

@@ -12,6 +12,7 @@
 #include "ethercat/pdo_configuration.hpp"
 #include "ethercat/register_addresses.hpp"
 #include "ethercat/slave_controller.hpp"
+#include "rack/wiring.hpp"
 #include "tmcl/firmware.hpp"
 #include "web/job.hpp"
 
@@ -135,10 +136,24 @@ std::uint8_t node_id_of(const rack::ProductConfiguration& configuration) {
       configuration);
 }
 
+/// Where each device of a segment stands in the order in which frames pass them.
+std::vector<std::size_t> places_of(const rack::SegmentConfiguration& segment) {
+  const std::vector<std::size_t> order = rack::frame_order(segment);
+  std::vector<std::size_t> places(segment.devices.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    places[order[i]] = i;
+  }
+  return places;
+}
+
 class TrafficMapJob final : public Job {
  public:
   TrafficMapJob(const State& state, TrafficMap& result)
-      : state_(state), result_(result), map_(empty_traffic_map(state)) {}
+      : state_(state), result_(result), map_(empty_traffic_map(state)) {
+    for (const rack::SegmentConfiguration& segment : state.configuration().segments) {
+      places_.push_back(places_of(segment));
+    }
+  }
 
   bool run(rack::Rack& rack, base::SimTime /*now*/) override {
     const auto& devices = state_.devices();
@@ -146,7 +161,7 @@ class TrafficMapJob final : public Job {
       const rack::DeviceAddress address = devices[device_++].address;
       if (address.kind == rack::NetworkKind::segment) {
         read_slave(rack.devices(address.network)[address.device].device->controller(),
-                   map_.segments[address.network][address.device]);
+                   map_.segments[address.network][places_[address.network][address.device]]);
       } else {
         read_node(rack.device(address).tmcl_firmware(),
                   map_.buses[address.network][address.device]);
@@ -165,6 +180,7 @@ class TrafficMapJob final : public Job {
   const State& state_;
   TrafficMap& result_;
   TrafficMap map_;
+  std::vector<std::vector<std::size_t>> places_;  ///< of each segment
   std::size_t device_ = 0;
 };
 
@@ -175,10 +191,16 @@ TrafficMap empty_traffic_map(const State& state) {
   const rack::RackConfiguration& configuration = state.configuration();
   map.segments.resize(configuration.segments.size());
   map.buses.resize(configuration.buses.size());
+  std::vector<std::vector<std::size_t>> places;
+  for (std::size_t i = 0; i < configuration.segments.size(); ++i) {
+    places.push_back(places_of(configuration.segments[i]));
+    map.segments[i].resize(places[i].size());
+  }
   for (const DeviceRecord& device : state.devices()) {
     if (device.address.kind == rack::NetworkKind::segment) {
-      map.segments[device.address.network].push_back(
-          {.name = device.name, .objects = device.objects});
+      const std::size_t network = device.address.network;
+      map.segments[network][places[network][device.address.device]] = {.name = device.name,
+                                                                       .objects = device.objects};
       continue;
     }
     const rack::BusConfiguration& bus = configuration.buses[device.address.network];

@@ -1,6 +1,9 @@
 // The TMC8461 as a chip on a board: reset loop, configuration pins, lines to the controller beside
 // it, EEPROM, and what it costs when nobody looks.
 
+#include <array>
+#include <cstdint>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -199,6 +202,41 @@ TEST(Tmc8461Chip, SizeOfTheEepromFollowsItsPin) {
 TEST(Tmc8461Chip, PhyOffsetMovesTheAddresses) {
   EXPECT_EQ(ChipBoard().bus_read(0x0510) >> 3U, 0U);
   EXPECT_EQ(ChipBoard({.phy_offset = true}).bus_read(0x0510) >> 3U, 1U);
+}
+
+TEST(Tmc8461Chip, TransmitShiftAndLinkPolarityAreThoseOfItsPins) {
+  const auto delays = [](const Tmc8461Configuration& configuration) {
+    Tmc8461 chip(configuration);
+    const auto all = chip.controller().forwarding().transmit_delay;
+    return std::array{all[0].nanoseconds(), all[1].nanoseconds()};
+  };
+  Tmc8461Configuration configuration;
+  EXPECT_THAT(delays(configuration), ElementsAre(0, 0));
+  configuration.tx_shift = std::uint8_t{3};
+  EXPECT_THAT(delays(configuration), ElementsAre(30, 30)) << "one strap for both ports";
+  configuration.tx_shift.reset();
+  configuration.tx_clock_phase = {0, 12};
+  EXPECT_THAT(delays(configuration), ElementsAre(0, 20)) << "found by the chip";
+
+  Tmc8461Configuration wrong;
+  wrong.link_polarity = true;
+  EXPECT_FALSE(ChipBoard(wrong).bus.answers()) << "the PHYs are active low";
+  wrong.phy_link_active_high = {true, true};
+  EXPECT_TRUE(ChipBoard(wrong).bus.answers());
+}
+
+TEST(Tmc8461Chip, PhyThatIsNotFoundGivesItsPortNoLink) {
+  Tmc8461Configuration configuration;
+  configuration.phy_addresses = {{0, 9}};
+  ChipBoard board(configuration);
+  board.chip.controller().set_link(1, true);
+  EXPECT_EQ(board.bus_read(0x0110) & 0x30U, 0x10U);
+  EXPECT_EQ(board.bus_read(0x0519), 0x08U) << "read error";
+  configuration.phy_addresses = {{5, 1}};
+  EXPECT_FALSE(ChipBoard(configuration).bus.answers()) << "the port towards the master";
+  configuration.phy_offset = true;
+  configuration.phy_addresses = {{1, 2}};
+  EXPECT_TRUE(ChipBoard(configuration).bus.answers());
 }
 
 TEST(Tmc8461Chip, ImageDescribesTheProcessDataItWasGiven) {

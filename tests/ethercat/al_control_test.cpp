@@ -82,7 +82,9 @@ TEST(AlControl, ARefusedWriteExplainsItself) {
   TestBus bus;
   LastRule sink;
   bus.slave().set_event_reporter(base::EventReporter(&sink, 0));
+  host_read(bus.slave(), 0x0130, 2);  // it is there
   bus.write(0, 0x0120, bytes({0x02, 0}));
+  EXPECT_EQ(sink.sentence, "");
   bus.write(0, 0x0120, bytes({0x04, 0}));
   EXPECT_EQ(sink.sentence,
             "AL control write of 0004h refused: the host has not read the request before (0002h) "

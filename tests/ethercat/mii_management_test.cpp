@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "ethercat/slave_controller_presets.hpp"
 #include "ethercat/test_bus.hpp"
 
 namespace stator::ethercat {
@@ -196,11 +197,50 @@ TEST_F(MiiOfTwo, PortStatus_TellsLinksOfBothPorts) {
 
 TEST_F(Mii, PortStatus_ReadErrorStaysUntilAnyOfThemIsWritten) {
   SlaveControllerConfiguration configuration;
-  configuration.mii.phy_offset = 1;  // but the board's PHYs are at 0 and 1
+  configuration.mii.phy_addresses = {0, 5};  // but the chip looks at 0 and 1
   TestBus other(1, configuration);
-  EXPECT_EQ(other.read(0, 0x0518, 4).data, bytes({0x08, 0x08, 0, 0}));
+  EXPECT_EQ(other.read(0, 0x0518, 4).data, bytes({0x03, 0x08, 0, 0}));
   EXPECT_EQ(other.write(0, 0x051B, bytes({0xFF})).working_counter, 1U);
   EXPECT_EQ(number(other.read(0, 0x0518, 4).data) & 0x0808U, 0U);
+}
+
+class AllRules final : public base::EventSink {
+ public:
+  void on_event(const base::Event& event) override {
+    sentences.push_back(base::to_sentence(event));
+  }
+  std::vector<std::string> sentences;
+};
+
+TEST_F(Mii, PhyThatIsNotFound_GivesItsPortNoLinkAndSaysSoAtTheStart) {
+  SlaveControllerConfiguration configuration;
+  configuration.mii.phy_addresses = {0, 5};
+  TestBus other(0);
+  SlaveController& first = other.add(configuration);
+  other.add({});
+  EXPECT_FALSE(first.link(1)) << "a powered neighbour is at its cable";
+  EXPECT_EQ(other.broadcast_read(0x0000, 1).working_counter, 1U);
+  other.write(0, 0x0510, bytes({0x00, 0x01, 0x01, 0x02}));
+  other.wait(100_us);
+  EXPECT_EQ(number(other.read(0, 0x0510, 2).data) & kReadError, kReadError);
+  other.write(0, 0x0510, bytes({0x00, 0x01, 0x05, 0x02}));
+  other.wait(100_us);
+  EXPECT_EQ(number(other.read(0, 0x0510, 2).data) & kReadError, 0U) << "it is there";
+
+  AllRules sink;
+  first.set_event_reporter(base::EventReporter(&sink, 0));
+  first.power_on_reset();
+  ASSERT_EQ(sink.sentences.size(), 1U);
+  EXPECT_TRUE(sink.sentences[0].starts_with(
+      "port 1 gets no link: link detection looks for its PHY at address 1 of the management bus"));
+}
+
+TEST_F(Mii, PhyThatIsNotFound_DoesNotMatterWhereThePinAloneCounts) {
+  SlaveControllerConfiguration configuration =
+      find_slave_controller_preset("tmc8670", "silicon")->configuration;
+  configuration.mii.phy_addresses = {7, 9};
+  TestBus other(2, configuration);
+  EXPECT_EQ(other.broadcast_read(0x0000, 1).working_counter, 2U);
 }
 
 class LastRule final : public base::EventSink {

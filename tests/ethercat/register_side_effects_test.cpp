@@ -428,10 +428,10 @@ const std::vector<SideEffect>& probes() {
       {"0x0518-0x051B", "ECAT or PDI", "write", "any byte, any value",
        [] {
          SlaveControllerConfiguration configuration = chip();
-         configuration.mii.phy_offset = 2;  // where the board has no PHYs
+         configuration.mii.phy_addresses = {0, 5};  // that of port 1 is not found
          for (const bool by_host : {false, true}) {
            Probe probe(configuration);
-           EXPECT_EQ(probe.get(0x0518, 2) & 0x0808U, 0x0808U);
+           EXPECT_EQ(probe.get(0x0518, 2) & 0x0808U, 0x0800U);
            if (by_host) {
              host_write(probe.slave, 0x051A, bytes({0}));
            } else {

@@ -44,11 +44,16 @@ TEST(Tmc8461Preset, Has16KilobytesFrom1000h) {
 
 TEST(Tmc8461Preset, BeforeTheEepromIsLoaded_ShowsTheDocumentsResetValues) {
   SlaveController bare(find_slave_controller_preset("tmc8461")->configuration);
-  EXPECT_EQ(host_read(bare, 0x0140, 2), zeros(2));
-  EXPECT_EQ(host_read(bare, 0x0151, 1), bytes({0x66}));
-  EXPECT_EQ(number(host_read(bare, 0x0502, 2)) & 0x1000U, 0x1000U) << "not loaded";
-  EXPECT_EQ(number(host_read(bare, 0x0110, 1)) & 1U, 0U);
-  EXPECT_EQ(host_read(bare, 0x014E, 1), bytes({0}));
+  const auto shown = [&bare](std::uint16_t address, std::size_t length) {
+    testing::Bytes value(length);
+    bare.peek(address, value);
+    return value;
+  };
+  EXPECT_EQ(shown(0x0140, 2), zeros(2));
+  EXPECT_EQ(shown(0x0151, 1), bytes({0x66}));
+  EXPECT_EQ(number(shown(0x0502, 2)) & 0x1000U, 0x1000U) << "not loaded";
+  EXPECT_EQ(number(shown(0x0110, 1)) & 1U, 0U);
+  EXPECT_EQ(shown(0x014E, 1), bytes({0}));
 }
 
 TEST(Tmc8670Preset, IdentifiesItselfAsTheDocumentPrints) {

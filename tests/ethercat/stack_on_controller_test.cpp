@@ -496,5 +496,57 @@ TEST_F(StackOnController, SyncManagerOfAnotherChannel_IsAcknowledgedToo) {
   EXPECT_EQ(status(), 0x08U);
 }
 
+/// Writes one word of the EEPROM as masters do; reloads it with 0400h.
+class StackWithEeprom : public StackOnController {
+ protected:
+  void write_word(unsigned word, unsigned value) {
+    write(0x0502,
+          ethercat::testing::bytes({0x81, 0x02, word, 0, 0, 0, value & 0xFFU, value >> 8U}));
+    pass();
+  }
+  void reload() {
+    write(0x0502, hex("00 04 00 00 00 00"));
+    pass();
+  }
+  void pass() {
+    bus.wait(base::SimDuration(2'000'000));
+    stack->process(bus.now());
+  }
+  unsigned checksum() { return sii_checksum(bus.slave().sii()); }
+};
+
+TEST_F(StackWithEeprom, StaysInInitUntilTheEepromIsRepairedAndReloaded) {
+  const unsigned good = checksum();
+  write_word(7, good ^ 0xFFU);
+  reload();
+  configure_mailbox();
+  request(0x02);
+  EXPECT_EQ(status(), 0x01U);
+  EXPECT_EQ(status_code(), 0U) << "nobody is there to give a reason";
+  write(0x1000, sdo_read(0x1000, 1));
+  EXPECT_EQ(read(0x0805, 1).data[0] & std::byte{8}, std::byte{0}) << "the mailbox is closed";
+  write_word(7, good);
+  reload();
+  EXPECT_EQ(log.last("al-controller-back"),
+            "the slave controller answers its firmware again, which starts in Init");
+  EXPECT_EQ(status(), 0x02U) << "the request that waited was answered";
+}
+
+TEST_F(StackWithEeprom, LeavesOperationalWhenAReloadFailsAndStartsAnewWhenOneSucceeds) {
+  go_operational();
+  const unsigned good = checksum();
+  write_word(7, good ^ 0xFFU);
+  application.steps.clear();
+  reload();
+  EXPECT_EQ(application.steps.back(), "Pre-Operational->Init") << "nothing it commanded goes on";
+  EXPECT_EQ(stack->state(), AlState::init);
+  EXPECT_THAT(log.last("al-controller-lost"), HasSubstr("left Operational for Init"));
+  EXPECT_EQ(status(), 0x08U) << "nobody can write AL status";
+  write_word(7, good);
+  reload();
+  EXPECT_EQ(status(), 0x01U);
+  go_operational();
+}
+
 }  // namespace
 }  // namespace stator::ethercat::test

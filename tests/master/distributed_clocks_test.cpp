@@ -11,11 +11,24 @@ namespace {
 
 TEST(PropagationDelays, AreHalfTheDifferencesOfTheRoundTripsBehindEachSlave) {
   // Round trips of 2000, 1200 and 0 ns; local clocks start anywhere, one wraps.
-  const std::vector<ReceiveTimes> times{{.port0 = 100, .port1 = 2100},
-                                        {.port0 = 0xFFFFFF00, .port1 = 0xFFFFFF00U + 1200},
-                                        {.port0 = 5000, .port1 = 5000}};
+  const std::vector<ReceiveTimes> times{{.ports = {100, 2100}, .open = 3},
+                                        {.ports = {0xFFFFFF00, 0xFFFFFF00U + 1200}, .open = 3},
+                                        {.ports = {5000}, .open = 1}};
   EXPECT_THAT(propagation_delays(times), testing::ElementsAre(0U, 400U, 1000U));
   EXPECT_TRUE(propagation_delays({}).empty());
+}
+
+// Forwarding takes 300 ns everywhere: a junction, a slave behind 100 ns of cable at port 3, a line
+// of two behind 200 and 50 ns at port 1, one behind 400 ns at port 2.
+TEST(PropagationDelays, OfATreeFollowTheWayOfTheFrame) {
+  const std::vector<ReceiveTimes> times{
+      {.ports = {0, 2500, 3900, 800}, .open = 0xF},
+      {.ports = {7}, .open = 1},           // at port 3: 300 + 100
+      {.ports = {1000, 1700}, .open = 3},  // at port 1: 800 + 300 + 200
+      {.ports = {3}, .open = 1},           // behind that one: 300 + 50
+      {.ports = {9}, .open = 1},           // at port 2: 2500 + 300 + 400
+  };
+  EXPECT_THAT(propagation_delays(times), testing::ElementsAre(0U, 400U, 1300U, 1650U, 3200U));
 }
 
 TEST(SynchronizeClocks, SystemTimesOfAllSlavesAgreeAfterwards) {
@@ -49,7 +62,7 @@ TEST(SynchronizeClocks, AnEmptyScanHasNoReference) {
   EXPECT_FALSE(reference->has_value());
 }
 
-TEST(SynchronizeClocks, ABranchIsRefusedWithItsPlace) {
+TEST(SynchronizeClocks, ABranchWithASlaveThatHasNoClockIsRefusedWithItsPlace) {
   test::SimulatedSegment segment(1);
   MasterOptions options;
   Bus bus(segment, options);

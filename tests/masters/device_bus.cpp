@@ -1,9 +1,22 @@
 #include "masters/device_bus.hpp"
 
+#include <utility>
+
 #include "base/byte_order.hpp"
 #include "ethercat/test_bus.hpp"
 
 namespace stator::tests {
+
+void DeviceBus::hang(std::unique_ptr<devices::EtherCatDevice> device,
+                     std::optional<ethercat::SlavePort> at, base::SimDuration cable_delay) {
+  others_.push_back(std::move(device));
+  ethercat::SlaveController& controller = others_.back()->controller();
+  if (at) {
+    segment_.connect(*at, {segment_.add(controller), 0}, cable_delay);
+  } else {
+    segment_.append(controller, cable_delay);
+  }
+}
 
 ethercat::SlaveController& DeviceBus::add_controller(
     const ethercat::SlaveControllerConfiguration& configuration) {
@@ -17,6 +30,9 @@ void DeviceBus::pass(base::SimDuration duration) {
   now_ += duration;
   if (firmware_runs_) {
     for (const auto& device : devices_) {
+      device->advance(now_);
+    }
+    for (const auto& device : others_) {
       device->advance(now_);
     }
   }
@@ -36,6 +52,9 @@ bool DeviceBus::process(std::span<std::byte> frame) {
   const bool returned = segment_.process(frame, now_);
   if (firmware_runs_) {
     for (const auto& device : devices_) {
+      device->handle_bus_events(now_);
+    }
+    for (const auto& device : others_) {
       device->handle_bus_events(now_);
     }
   }

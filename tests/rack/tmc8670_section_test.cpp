@@ -108,13 +108,16 @@ TEST(Tmc8670Section, StrapsAreThoseOfTheBoard) {
   EXPECT_TRUE(strapped.link_polarity);
   EXPECT_TRUE(strapped.phy_link_active_high[0] && strapped.phy_link_active_high[1]);
   EXPECT_TRUE(strapped.host_controls_time);
+  EXPECT_FALSE(strapped.phy_addresses.has_value());
+  EXPECT_EQ(parsed("phy_addresses = [0, 5]").phy_addresses, (std::array<std::uint8_t, 2>{0, 5}));
   const devices::Tmc8670Configuration automatic =
       parsed("tx_shift = 'automatic'\ntx_clock_phase = [0, 15]");
   EXPECT_FALSE(automatic.tx_shift.has_value());
   EXPECT_EQ(automatic.tx_clock_phase, (std::array<std::uint8_t, 2>{0, 15}));
   for (const char* wrong :
        {"tx_shift = [0, 4]", "tx_shift = [1]", "tx_shift = 2", "tx_shift = ['a', 'b']",
-        "tx_shift = 'manual'", "tx_clock_phase = [0, 31]", "link_polarity = 'medium'"}) {
+        "tx_shift = 'manual'", "tx_clock_phase = [0, 31]", "link_polarity = 'medium'",
+        "phy_addresses = [0, 32]"}) {
     EXPECT_NE(refusal(wrong), "accepted") << wrong;
   }
 }

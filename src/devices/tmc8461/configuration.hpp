@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +43,15 @@ struct Tmc8461Configuration {
   bool shared_bus = false;        ///< PDI_SHARED_BUS: both SPI slaves on the pins of one
   bool phy_offset = false;        ///< PHY_OFFSET
   bool large_eeprom = false;      ///< PROM_SIZE: 32 kbit instead of 16 kbit
+  bool link_polarity = false;     ///< LINK_POLARITY: the link pins of both ports are active high
+  std::array<bool, 2> phy_link_active_high{};  ///< what the PHYs drive there
+  /// MII_TX_SHIFT, 0..3 steps of 10 ns for both ports; nothing: MII_TX_CLKx are connected and the
+  /// chip finds the steps itself (L1268).
+  std::optional<std::uint8_t> tx_shift = std::uint8_t{0};
+  /// ns by which the PHYs' transmit clocks are late against the chip's, 0..30.
+  std::array<std::uint8_t, 2> tx_clock_phase{};
+  /// At which the PHYs of ports 0 and 1 answer; nothing: where the chip looks for them.
+  std::optional<std::array<std::uint8_t, 2>> phy_addresses{};
   /// RESET_OUT leads back to NRESET through an inverter, as the document asks for. Without it a
   /// reset by register is only shown (L522).
   bool reset_loop = true;

@@ -62,6 +62,12 @@ ethercat::SlaveControllerConfiguration controller_of(const Tmc8461Configuration&
     chip.mii.phy_offset = 1;
     chip.mii.phy_addresses = {1, 2};
   }
+  chip.link_active_high = configuration.link_polarity;
+  chip.mii.phy_link_active_high = configuration.phy_link_active_high;
+  chip.mii.automatic_transmit_shift = !configuration.tx_shift.has_value();
+  chip.mii.transmit_shift.fill(configuration.tx_shift.value_or(std::uint8_t{0}));
+  chip.mii.transmit_clock_phase = configuration.tx_clock_phase;
+  chip.mii.phy_addresses = configuration.phy_addresses.value_or(chip.mii.phy_addresses);
   return chip;
 }
 

@@ -30,6 +30,8 @@ struct Tmc8670Configuration {
   std::array<std::uint8_t, 2> tx_clock_phase{};
   bool link_polarity = false;  ///< strap LINK_POLARITY: the link pins of both ports are active high
   std::array<bool, 2> phy_link_active_high{};  ///< what the PHYs drive there
+  /// At which the PHYs of ports 0 and 1 answer; nothing: where the chip looks for them.
+  std::optional<std::array<std::uint8_t, 2>> phy_addresses;
   /// "System time PDI controlled": the host steers the distributed clock (0910h) and not the bus.
   bool host_controls_time = false;
   std::uint32_t serial_number = 0;  ///< 1018h:04

@@ -91,6 +91,7 @@ ethercat::SlaveControllerConfiguration controller_of(const Tmc8670Configuration&
   controller.mii.automatic_transmit_shift = !configuration.tx_shift.has_value();
   controller.mii.transmit_shift = configuration.tx_shift.value_or(controller.mii.transmit_shift);
   controller.mii.transmit_clock_phase = configuration.tx_clock_phase;
+  controller.mii.phy_addresses = configuration.phy_addresses.value_or(controller.mii.phy_addresses);
   return controller;
 }
 

@@ -66,6 +66,7 @@ class Tmc8670 final : public EtherCatDevice, private ethercat::SlaveApplication 
  private:
   [[nodiscard]] ethercat::AlStatusCode permit_state(ethercat::AlState from, ethercat::AlState to,
                                                     base::SimTime now) override;
+  [[nodiscard]] bool explains_refusals() const override { return true; }
   void on_state(ethercat::AlState from, ethercat::AlState to, base::SimTime now) override;
   void on_outputs(base::SimTime now) override;
   void on_sync0(base::SimTime now) override;
