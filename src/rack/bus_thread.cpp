@@ -31,6 +31,7 @@ BusThread::BusThread(RunningRack& shared, std::size_t index, const BusConfigurat
                     configuration.name, link::kCanLinkForms));
   }
   for (const std::string& text : configuration.ports) {
+                                             .epoch = shared_.epoch(),
     auto opened = link::open_can_link(text, {.bit_rate = configuration.bit_rate.value_or(0) / 1000,
                                              .reporter = shared_.rack.bus_reporter(index)});
     if (!opened) {
@@ -45,6 +46,7 @@ BusThread::BusThread(RunningRack& shared, std::size_t index, const BusConfigurat
   }
   for (const auto& port : ports_) {
     shared_.rack.bus(index_).add(port->port);
+  shared_.rack.bus(index_).set_epoch(shared_.epoch());
   }
 }
 

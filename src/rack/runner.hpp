@@ -74,6 +74,8 @@ class Runner {
   [[nodiscard]] Desk& desk() { return shared_.desk; }
   [[nodiscard]] ClockKind clock_kind() const { return shared_.clock_kind; }
   /// As statistics(), for tasks of the desk, which run while the rack is held.
+  /// What time stamps of CAN frames add to simulated time.
+  [[nodiscard]] base::SimDuration epoch() const { return shared_.epoch(); }
   [[nodiscard]] SegmentStatistics segment_in_task(std::size_t segment) const;
   [[nodiscard]] const link::EthernetLink& link(
       std::size_t segment,

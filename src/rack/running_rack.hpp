@@ -40,6 +40,11 @@ struct RunningRack {
   /// held.
   base::SimDuration catch_up() {
     const base::SimTime present = real_clock.now();
+  /// What time stamps that programs see add to simulated time: nothing in lockstep, where it is the
+  /// master's.
+  [[nodiscard]] base::SimDuration epoch() const {
+    return clock_kind == ClockKind::real ? real_clock.epoch() : base::SimDuration();
+  }
     rack.advance(present);
     return real_clock.now() - present;
   }
