@@ -22,6 +22,7 @@
 #include "cli/run_report.hpp"
 #include "rack/runner.hpp"
 
+#include "rack/shared_addresses.hpp"
 namespace stator::cli {
 
 namespace {
@@ -99,6 +100,9 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   base::SimTime start;
   if (from) {
     start = LiveSession::go_to(*from, *recorded, rack, log);
+  for (const std::string& warning : rack::shared_addresses(configuration)) {
+    logger->warn("{}", warning);
+  }
     log.set_logger(logger);
     fmt::print("Going on from {:.6f} s of {}\n", start.seconds(), from->path);
   }
