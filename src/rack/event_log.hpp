@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/event.hpp"
+#include "rack/inheriting_mutex.hpp"
 
 namespace spdlog {
 class logger;
@@ -67,7 +68,7 @@ class EventLog final : public base::EventSink {
   [[nodiscard]] std::string line(const base::Event& event) const;
 
  private:
-  mutable std::mutex mutex_;  ///< of all below but the names
+  mutable InheritingMutex mutex_;  ///< of all below but the names
   std::shared_ptr<spdlog::logger> logger_;
   std::vector<std::string> device_names_;
   std::deque<base::Event> events_;
