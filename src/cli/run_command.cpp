@@ -22,8 +22,8 @@
 #include "cli/run_report.hpp"
 #include "link/machine.hpp"
 #include "rack/runner.hpp"
-
 #include "rack/shared_addresses.hpp"
+
 namespace stator::cli {
 
 namespace {
@@ -71,6 +71,13 @@ class StopSignals {
   sigset_t set_{};
 };
 
+void announce(const rack::RackConfiguration& configuration, rack::Rack& rack, rack::Runner& runner,
+              const OpenedWebServer& web) {
+  print_networks(configuration, rack, runner);
+  fmt::print("{}Running; Ctrl-C ends it.\n", web.announcement);
+  std::fflush(stdout);
+}
+
 /// One rack from its start, or from a place of a recording, until a signal comes, `limit` has
 /// passed or somebody wishes to go back; then returns where to. A port that the system was to
 /// choose for the web server is kept in `given`.
@@ -93,6 +100,9 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   if (is_session(options.record)) {
     header = header_of(options, configuration);  // kept files are those of power-on
   }
+  for (const std::string& warning : rack::shared_addresses(configuration)) {
+    logger->warn("{}", warning);
+  }
   rack::Rack rack(configuration, log);
   LiveSession session(configuration.state);
   if (header) {
@@ -101,9 +111,6 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   base::SimTime start;
   if (from) {
     start = LiveSession::go_to(*from, *recorded, rack, log);
-  for (const std::string& warning : rack::shared_addresses(configuration)) {
-    logger->warn("{}", warning);
-  }
     log.set_logger(logger);
     fmt::print("Going on from {:.6f} s of {}\n", start.seconds(), from->path);
   }
@@ -116,8 +123,6 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   if (web.server != nullptr) {
     given.web.http = web.server->address().text();
   }
-  fmt::print("Running; Ctrl-C ends it.\n");
-  std::fflush(stdout);
   runner.start();
   if (options.priority) {
     if (const auto locked = link::lock_memory(); !locked) {
@@ -129,8 +134,8 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   }
   while (signals.wait(limit) == SIGUSR1 && !session.wished()) {
   }
-  if (server != nullptr) {
-    server->stop();
+  if (web.server != nullptr) {
+    web.server->stop();
   }
   runner.stop();
   print_end(configuration, rack, runner);
@@ -147,11 +152,6 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
 }
 
 void run(RunOptions options) {
-  std::optional<base::SimDuration> limit;
-  if (!options.duration.empty()) {
-    limit = duration_option("--duration", options.duration);
-  }
-  const StopSignals signals;
   // Line by line wherever it goes, so that it stands in its order with what is logged on standard
   // error.
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
@@ -162,6 +162,11 @@ void run(RunOptions options) {
       throw Failure("--priority: " + permitted.error().text);
     }
   }
+  std::optional<base::SimDuration> limit;
+  if (!options.duration.empty()) {
+    limit = duration_option("--duration", options.duration);
+  }
+  const StopSignals signals;
   options.web.token = web::make_token();  // pages that are open outlast going back
   std::optional<RecordingPlace> from;
   if (!options.restore.empty()) {
