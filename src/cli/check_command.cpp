@@ -112,7 +112,12 @@ void print_json(const rack::RackCheck& check) {
     }
   }
   nlohmann::ordered_json result;
+  nlohmann::ordered_json warnings = nlohmann::ordered_json::array();
+  for (const std::string& warning : check.warnings) {
+    warnings.push_back({{"message", warning}});
+  }
   result["errors"] = std::move(errors);
+  result["warnings"] = std::move(warnings);
   result["devices"] = std::move(devices);
   fmt::print("{}\n", result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
@@ -140,6 +145,9 @@ void check(const CheckOptions& options) {
                               check.errors.size() == 1 ? "" : "s"));
   }
   if (options.format == "text") {
+    for (const std::string& warning : check.warnings) {
+      fmt::print("{}: warning: {}\n", options.rack_file, warning);
+    }
     for (const DeviceLine& line : lines_of(*check.configuration)) {
       fmt::print("{:14}  {:10}  {}\n", line.name, line.product, line.place);
     }

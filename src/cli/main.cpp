@@ -63,6 +63,7 @@ int main(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {
+    std::fflush(stdout);  // what was said before stands before it, also in a file
     std::fprintf(stderr, "stator: %s\n", error.what());
     return kFailure;
   }

@@ -20,7 +20,9 @@
 #include "cli/logging.hpp"
 #include "cli/run_options.hpp"
 #include "cli/run_report.hpp"
+#include "link/machine.hpp"
 #include "rack/runner.hpp"
+#include "rack/shared_addresses.hpp"
 
 namespace stator::cli {
 
@@ -69,6 +71,13 @@ class StopSignals {
   sigset_t set_{};
 };
 
+void announce(const rack::RackConfiguration& configuration, rack::Rack& rack, rack::Runner& runner,
+              const OpenedWebServer& web) {
+  print_networks(configuration, rack, runner);
+  fmt::print("{}Running; Ctrl-C ends it.\n", web.announcement);
+  std::fflush(stdout);
+}
+
 /// One rack from its start, or from a place of a recording, until a signal comes, `limit` has
 /// passed or somebody wishes to go back; then returns where to. A port that the system was to
 /// choose for the web server is kept in `given`.
@@ -91,6 +100,9 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   if (is_session(options.record)) {
     header = header_of(options, configuration);  // kept files are those of power-on
   }
+  for (const std::string& warning : rack::shared_addresses(configuration)) {
+    logger->warn("{}", warning);
+  }
   rack::Rack rack(configuration, log);
   LiveSession session(configuration.state);
   if (header) {
@@ -102,24 +114,28 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
     log.set_logger(logger);
     fmt::print("Going on from {:.6f} s of {}\n", start.seconds(), from->path);
   }
-  std::unique_ptr<web::Server> server;  // goes after the runner, which may have tasks of it
-  rack::Runner runner(rack, configuration, logger, start);
-  print_networks(configuration, rack, runner);
-  server = open_web_server(options.web, rack, configuration, log, runner,
-                           session.recorder() != nullptr ? &session : nullptr);
-  if (server != nullptr) {
-    given.web.http = server->address().text();
+  OpenedWebServer web;  // goes after the runner, which may have tasks of it
+  rack::Runner runner(rack, configuration, logger, start, options.priority);
+  web = open_web_server(options.web, rack, configuration, log, runner,
+                        session.recorder() != nullptr ? &session : nullptr);
+  // Only now, when nothing can fail any more.
+  announce(configuration, rack, runner, web);
+  if (web.server != nullptr) {
+    given.web.http = web.server->address().text();
   }
-  fmt::print("Running; Ctrl-C ends it.\n");
-  std::fflush(stdout);
   runner.start();
-  if (server != nullptr) {
-    server->start();
+  if (options.priority) {
+    if (const auto locked = link::lock_memory(); !locked) {
+      logger->warn("{}", locked.error().text);
+    }
+  }
+  if (web.server != nullptr) {
+    web.server->start();
   }
   while (signals.wait(limit) == SIGUSR1 && !session.wished()) {
   }
-  if (server != nullptr) {
-    server->stop();
+  if (web.server != nullptr) {
+    web.server->stop();
   }
   runner.stop();
   print_end(configuration, rack, runner);
@@ -136,6 +152,16 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
 }
 
 void run(RunOptions options) {
+  // Line by line wherever it goes, so that it stands in its order with what is logged on standard
+  // error.
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
+  if (options.priority) {
+    // Asked here, so that nothing has begun; threads that are made from now on have no priority of
+    // the program's own start ("chrt") either.
+    if (const auto permitted = link::may_run_in_real_time(*options.priority); !permitted) {
+      throw Failure("--priority: " + permitted.error().text);
+    }
+  }
   std::optional<base::SimDuration> limit;
   if (!options.duration.empty()) {
     limit = duration_option("--duration", options.duration);

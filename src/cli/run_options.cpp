@@ -5,6 +5,7 @@
 #include "link/can_link_address.hpp"
 #include "link/chip_server.hpp"
 #include "link/link_address.hpp"
+#include "link/machine.hpp"
 #include "link/serial_link.hpp"
 
 namespace stator::cli {
@@ -43,6 +44,12 @@ void add_run_options(CLI::App& command, RunOptions& options) {
                   "block: no load when idle; spin: fastest, takes a processor; adaptive: both")
       ->check(CLI::IsMember({"block", "spin", "adaptive"}));
   command.add_option("--cpu", options.cpu, "Processor for the first segment's thread");
+  command
+      .add_option(
+          "--priority", options.priority,
+          "Real-time priority (SCHED_FIFO) of the threads that answer masters and programs, "
+          "1 to 99, so that a loaded machine does not delay them")
+      ->check(CLI::Range(link::kLowestPriority, link::kHighestPriority));
   command
       .add_option("--clock", options.clock,
                   "real: the machine's time; lockstep: time moves only with the master's frames")

@@ -27,6 +27,7 @@ struct RunOptions {
   std::string redundant;
   std::string wait;
   std::optional<unsigned> cpu;
+  std::optional<int> priority;
   std::string clock;
   std::string capture;
   std::string record;   ///< a table of signals, or a recording of everything if is_session()

@@ -1,5 +1,6 @@
 #include "cli/run_report.hpp"
 
+#include <cstdint>
 #include <string>
 
 #include <fmt/format.h>
@@ -31,6 +32,11 @@ void print_buses(const rack::RackConfiguration& configuration, rack::Runner& run
     for (std::size_t port = 0; port < runner.bus(i).ports(); ++port) {
       fmt::print("Programs connect to {}:\n  {}\n", runner.bus(i).port(port).name(),
                  runner.bus(i).port(port).usage());
+    }
+    if (runner.epoch() != base::SimDuration()) {
+      const std::int64_t epoch = runner.epoch().nanoseconds();
+      fmt::print("Frames have the machine's time; 0 s of the events is {}.{:06} there\n",
+                 epoch / 1'000'000'000, epoch % 1'000'000'000 / 1'000);
     }
   }
 }

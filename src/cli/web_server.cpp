@@ -1,17 +1,41 @@
 #include "cli/web_server.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "cli/failure.hpp"
 
 namespace stator::cli {
 
-std::unique_ptr<web::Server> open_web_server(const WebOptions& options, rack::Rack& rack,
-                                             const rack::RackConfiguration& configuration,
-                                             const rack::EventLog& log, rack::Runner& runner,
-                                             web::SessionControl* session) {
+namespace {
+
+std::string announcement_of(const WebOptions& options, const web::ServerConfiguration& server,
+                            const std::string& address) {
+  std::string text = fmt::format(
+      "Web server at http://{}/, e.g. /api/v1/rack, /metrics, /openapi.json\n", address);
+  if (options.token_file.empty()) {
+    text += fmt::format(
+        "  dashboard: http://{}/#token={}\n"
+        "  reading is free on this machine; writes need \"Authorization: Bearer {}\"\n",
+        address, server.token, server.token);
+  } else if (server.address.loopback()) {
+    text += fmt::format("  reading is free on this machine; writes need the token of {}\n",
+                        options.token_file);
+  } else {
+    text += fmt::format("  all access needs the token of {}\n", options.token_file);
+  }
+  return text;
+}
+
+}  // namespace
+
+OpenedWebServer open_web_server(const WebOptions& options, rack::Rack& rack,
+                                const rack::RackConfiguration& configuration,
+                                const rack::EventLog& log, rack::Runner& runner,
+                                web::SessionControl* session) {
   if (options.http.empty()) {
-    return nullptr;
+    return {};
   }
   web::ServerConfiguration server{
       .address = web::parse_address(options.http), .token = {}, .session = session};
@@ -26,19 +50,8 @@ std::unique_ptr<web::Server> open_web_server(const WebOptions& options, rack::Ra
         server.address.text()));
   }
   auto opened = std::make_unique<web::Server>(server, rack, configuration, log, runner);
-  const std::string address = opened->address().text();
-  fmt::print("Web server at http://{}/, e.g. /api/v1/rack, /metrics, /openapi.json\n", address);
-  if (options.token_file.empty()) {
-    fmt::print("  dashboard: http://{}/#token={}\n", address, server.token);
-    fmt::print("  reading is free on this machine; writes need \"Authorization: Bearer {}\"\n",
-               server.token);
-  } else if (server.address.loopback()) {
-    fmt::print("  reading is free on this machine; writes need the token of {}\n",
-               options.token_file);
-  } else {
-    fmt::print("  all access needs the token of {}\n", options.token_file);
-  }
-  return opened;
+  std::string announcement = announcement_of(options, server, opened->address().text());
+  return {std::move(opened), std::move(announcement)};
 }
 
 }  // namespace stator::cli

@@ -15,10 +15,16 @@ struct WebOptions {
   std::string token;       ///< empty: a new one
 };
 
-/// Opens the server that was asked for and tells how to reach it; null: none was. `session` is the
-/// recording of the run, null without one. Throws Failure or std::runtime_error.
-[[nodiscard]] std::unique_ptr<web::Server> open_web_server(
-    const WebOptions& options, rack::Rack& rack, const rack::RackConfiguration& configuration,
-    const rack::EventLog& log, rack::Runner& runner, web::SessionControl* session);
+struct OpenedWebServer {
+  std::unique_ptr<web::Server> server;  ///< null: none was asked for
+  std::string announcement;             ///< lines that say how to reach it
+};
+
+/// Opens the server that was asked for. `session` is the recording of the run, null without one.
+/// Throws Failure or std::runtime_error.
+[[nodiscard]] OpenedWebServer open_web_server(const WebOptions& options, rack::Rack& rack,
+                                              const rack::RackConfiguration& configuration,
+                                              const rack::EventLog& log, rack::Runner& runner,
+                                              web::SessionControl* session);
 
 }  // namespace stator::cli

@@ -18,12 +18,17 @@ void write_result(std::span<std::byte> reply, const EoeHeader& request, EoeType 
   base::store_le(reply, 2, static_cast<std::uint16_t>(result));
 }
 
-int prefix_length(const Ipv4Address& mask) {
-  int ones = 0;
-  for (const std::uint8_t octet : mask) {
-    ones += std::popcount(octet);
+std::uint32_t as_number(const Ipv4Address& address) {
+  std::uint32_t number = 0;
+  for (const std::uint8_t octet : address) {
+    number = number << 8 | octet;
   }
-  return ones;
+  return number;
+}
+
+/// Ones only up to some bit, from there on zeros only.
+bool is_contiguous(const Ipv4Address& mask) {
+  return std::countl_one(as_number(mask)) == std::popcount(as_number(mask));
 }
 
 }  // namespace
@@ -153,13 +158,19 @@ EoeResult EoeServer::set_ip(std::span<const std::byte> block, base::SimTime now)
   if (changed.mac_address && (changed.mac_address->front() & kGroupAddress) != 0) {
     return refuse("a group address cannot be the MAC address of a device");
   }
+  if (changed.subnet_mask && !is_contiguous(*changed.subnet_mask)) {
+    const Ipv4Address& mask = *changed.subnet_mask;
+    reporter_.report(now, rules::kEoeMaskRefused,
+                     {int{mask[0]}, int{mask[1]}, int{mask[2]}, int{mask[3]}});
+    return EoeResult::invalid_ip_parameter;
+  }
   ip_parameters_ = changed;
   append_time_stamp_ = append_time_stamp;
   if (changed.address) {
     const Ipv4Address& address = *changed.address;
     reporter_.report(now, rules::kEoeAddressSet,
                      {int{address[0]}, int{address[1]}, int{address[2]}, int{address[3]},
-                      prefix_length(changed.subnet_mask.value_or(Ipv4Address{}))});
+                      std::popcount(as_number(changed.subnet_mask.value_or(Ipv4Address{})))});
   }
   if (port_ != nullptr) {
     port_->set_ip_parameters(ip_parameters_);

@@ -99,6 +99,12 @@ inline constexpr base::EventRule kEoeAddressSet{
 inline constexpr base::EventRule kEoeIpRefused{
     "eoe-ip-refused", base::Severity::refusal,
     "EoE set IP parameters answered with result 0001h: {0} ({1} bytes behind the EoE header)"};
+/// {0}..{3} octets of the mask.
+inline constexpr base::EventRule kEoeMaskRefused{
+    "eoe-mask-refused", base::Severity::refusal,
+    "EoE set IP parameters answered with result 0402h: {0}.{1}.{2}.{3} is no subnet mask, whose "
+    "ones "
+    "must all stand before its zeros, e.g. 255.255.255.0; nothing was changed"};
 inline constexpr base::EventRule kEoeFilterRefused{
     "eoe-filter-refused", base::Severity::refusal,
     "EoE MAC filter request answered with result 0401h: this device passes every frame; leave the "

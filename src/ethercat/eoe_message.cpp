@@ -42,6 +42,38 @@ constexpr std::array<AddressField, 4> kAddressFields{{
     {kDnsServer, &IpParameters::dns_server},
 }};
 
+/// Takes the fields behind the flags one after the other. Packed, a field that is not included has
+/// no place; with gaps every field has one.
+class FieldReader {
+ public:
+  FieldReader(std::span<const std::byte> fields, std::uint32_t flags, bool with_gaps)
+      : rest_(fields), flags_(flags), with_gaps_(with_gaps) {}
+
+  /// The bytes of the next field, which has `flag`; none if it is not included or not there.
+  std::optional<std::span<const std::byte>> take(std::uint32_t flag, std::size_t size) {
+    const bool included = (flags_ & flag) != 0;
+    if (!included && !with_gaps_) {
+      return std::nullopt;
+    }
+    complete_ = complete_ && rest_.size() >= size;
+    if (!complete_) {
+      return std::nullopt;
+    }
+    const std::span<const std::byte> field = rest_.first(size);
+    rest_ = rest_.subspan(size);
+    return included ? std::optional(field) : std::nullopt;
+  }
+  /// Every field that is included was there.
+  [[nodiscard]] bool complete() const { return complete_; }
+  [[nodiscard]] std::span<const std::byte> rest() const { return rest_; }
+
+ private:
+  std::span<const std::byte> rest_;
+  std::uint32_t flags_;
+  bool with_gaps_;
+  bool complete_ = true;
+};
+
 }  // namespace
 
 bool decode_ip_parameters(std::span<const std::byte> block, IpParameters& parameters,
@@ -50,30 +82,23 @@ bool decode_ip_parameters(std::span<const std::byte> block, IpParameters& parame
     return false;
   }
   const auto flags = base::load_le<std::uint32_t>(block);
-  std::span<const std::byte> rest = block.subspan(kFlagsSize);
+  FieldReader fields(block.subspan(kFlagsSize), flags, block.size() == kMaximumIpParameterBlock);
   IpParameters changed = parameters;
-  if ((flags & kMacAddress) != 0) {
-    MacAddress address{};
-    if (rest.size() < address.size()) {
-      return false;
-    }
-    std::ranges::copy(rest.first(address.size()),
-                      std::as_writable_bytes(std::span(address)).begin());
-    changed.mac_address = address;
-    rest = rest.subspan(address.size());
+  if (const auto bytes = fields.take(kMacAddress, sizeof(MacAddress))) {
+    std::ranges::copy(*bytes,
+                      std::as_writable_bytes(std::span(changed.mac_address.emplace())).begin());
   }
   for (const AddressField& field : kAddressFields) {
-    if ((flags & field.flag) == 0) {
-      continue;
+    if (const auto bytes = fields.take(field.flag, sizeof(Ipv4Address))) {
+      changed.*field.member = load_address(*bytes);
     }
-    if (rest.size() < sizeof(Ipv4Address)) {
-      return false;
-    }
-    changed.*field.member = load_address(rest);
-    rest = rest.subspan(sizeof(Ipv4Address));
+  }
+  if (!fields.complete()) {
+    return false;
   }
   if ((flags & kDnsName) != 0) {
     auto& name = changed.dns_name.emplace();
+    const std::span<const std::byte> rest = fields.rest();
     std::ranges::copy(rest.first(std::min(rest.size(), name.size())),
                       std::as_writable_bytes(std::span(name)).begin());
   }

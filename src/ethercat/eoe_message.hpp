@@ -31,6 +31,7 @@ enum class EoeResult : std::uint16_t {
   no_ip_support = 0x0201,
   no_dhcp_support = 0x0202,
   no_filter_support = 0x0401,
+  invalid_ip_parameter = 0x0402,  ///< not in ETG.1000.6, which has no code for a value
 };
 
 /// The EoE header: four bytes behind the mailbox header. Of a fragment the second word holds
@@ -82,9 +83,12 @@ inline constexpr std::size_t kMaximumIpParameterBlock = 4 + 6 + 4 * 4 + IpParame
 
 /// Reads the block behind the header of a set IP parameter request into `parameters`; what it does
 /// not contain keeps its value. False, with nothing changed, if it is shorter than its flags say.
-/// A DNS name may be shorter than its field. Bytes behind the last parameter are ignored: some
-/// masters always send the longest block.
-/// `append_time_stamp` tells whether the master wants a time stamp behind each frame it gets.
+/// A DNS name may be shorter than its field. ETG.1000.6 does not say whether a parameter that is
+/// not contained keeps its place: SOEM and SOES pack those that are, IgH always sends the longest
+/// block with every parameter at its own place. A block of kMaximumIpParameterBlock bytes is read
+/// that way, which for a packed one, with all parameters, is the same. Bytes behind the last
+/// parameter are ignored. `append_time_stamp` tells whether the master wants a time stamp behind
+/// each frame it gets.
 [[nodiscard]] bool decode_ip_parameters(std::span<const std::byte> block, IpParameters& parameters,
                                         bool& append_time_stamp);
 

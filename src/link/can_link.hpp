@@ -72,6 +72,9 @@ class CanLink {
 struct CanLinkOptions {
   /// kbit/s; 0: not known or unlimited. A program that sets another one is told of in an event.
   unsigned bit_rate = 0;
+  /// What time stamps that programs see add to the times given here: the moment of the machine's
+  /// clock (CLOCK_REALTIME) at which these are 0; none: programs see these.
+  base::SimDuration epoch{};
   base::EventReporter reporter;
 };
 

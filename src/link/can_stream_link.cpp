@@ -273,7 +273,7 @@ void CanStreamLink::restart_output(Client& client, std::size_t answered) {
 
 void CanStreamLink::put(Client& client, const can::Frame& frame, base::SimTime time) {
   const std::size_t size = client.output.size();
-  client.session->put(frame, time, client.output);
+  client.session->put(frame, time + options_.epoch, client.output);
   if (client.output.size() - client.output_sent > kMaximumQueued) {
     client.output.resize(size);
     client.session->note_lost_frame();
@@ -291,7 +291,7 @@ void CanStreamLink::send(const can::Frame& frame, base::SimTime time) {
 void CanStreamLink::send_error(const ErrorFrame& error, base::SimTime time) {
   for (const auto& client : clients_) {
     if (client->output.size() - client->output_sent <= kMaximumQueued) {
-      client->session->put_error(error, time, client->output);
+      client->session->put_error(error, time + options_.epoch, client->output);
     }
   }
 }

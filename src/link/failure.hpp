@@ -25,10 +25,10 @@ inline std::string in_quotes(const std::string& name) {
 }
 
 /// The command that gives this program the privileges its links need without being root.
-inline std::string setcap_command() {
+inline std::string setcap_command(const std::string& privileges = "cap_net_raw,cap_net_admin") {
   std::error_code ignored;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", ignored);
-  return "sudo setcap cap_net_raw,cap_net_admin+ep " + program.string();
+  return "sudo setcap " + privileges + "+ep " + program.string();
 }
 
 }  // namespace stator::link

@@ -6,9 +6,11 @@
 #include <net/if.h>
 #include <sched.h>
 #include <sys/ioctl.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "link/failure.hpp"
 #include "link/file_descriptor.hpp"
 
 namespace stator::link {
@@ -78,11 +80,68 @@ base::Expected<void, LinkError> pin_this_thread(unsigned processor) {
                                         "); this thread may run on: " + allowed}};
 }
 
+namespace {
+
+/// setcap leaves a program no others than those it names.
+constexpr const char* kPrivileges = "cap_net_raw,cap_net_admin,cap_sys_nice,cap_ipc_lock";
+
+base::Expected<void, LinkError> set_policy(int policy, int priority) {
+  const sched_param parameters{.sched_priority = priority};
+  if (::sched_setscheduler(0, policy, &parameters) == 0) {
+    return {};
+  }
+  const int error = errno;
+  const std::string what = "real-time priority " + std::to_string(priority);
+  if (error != EPERM && error != EACCES) {
+    return system_failure("cannot have " + what, error);
+  }
+  return fail(LinkErrorCode::not_permitted,
+              what + " is not permitted; run as root, allow it once with \"" +
+                  setcap_command(kPrivileges) + "\", or let your user have it (ulimit -r " +
+                  std::to_string(priority) +
+                  ", rtprio in /etc/security/limits.conf). A container needs the capability "
+                  "SYS_NICE");
+}
+
+/// Less than before needs no privilege, so this cannot fail.
+void leave_real_time() {
+  const sched_param none{};
+  static_cast<void>(::sched_setscheduler(0, SCHED_OTHER, &none));
+}
+
+}  // namespace
+
+base::Expected<void, LinkError> run_in_real_time(int priority) {
+  return set_policy(SCHED_FIFO | SCHED_RESET_ON_FORK, priority);
+}
+
+base::Expected<void, LinkError> may_run_in_real_time(int priority) {
+  // Without SCHED_RESET_ON_FORK, which a thread cannot take back without privilege.
+  const auto permitted = set_policy(SCHED_FIFO, priority);
+  leave_real_time();
+  return permitted;
+}
+
+base::Expected<void, LinkError> lock_memory() {
+  // Pages stay once they are used. Not those of mappings to come (MCL_FUTURE): with a limit on
+  // locked memory these would fail.
+  if (::mlockall(MCL_CURRENT | MCL_ONFAULT) == 0) {
+    return {};
+  }
+  const int error = errno;
+  if (error != EPERM && error != ENOMEM) {
+    return system_failure("cannot lock memory", error);
+  }
+  return fail(
+      LinkErrorCode::not_permitted,
+      "memory may not be locked, so when it gets short an answer may wait for the disk; run "
+      "as root, allow it once with \"" +
+          setcap_command(kPrivileges) + "\", or raise the limit (ulimit -l unlimited)");
+}
+
 void give_way_to_other_threads() {
   constexpr int kNicer = 5;
-  const sched_param none{};
-  // Less priority than before needs no privilege, so neither call can fail.
-  static_cast<void>(::sched_setscheduler(0, SCHED_OTHER, &none));
+  leave_real_time();
   // Linux counts niceness by thread, see "C library/kernel differences" of nice(2).
   static_cast<void>(::nice(kNicer));
 }

@@ -23,7 +23,7 @@ base::Expected<std::unique_ptr<CanLink>, LinkError> open_can_link(std::string_vi
     case CanLinkKind::socketcan:
       return SocketCanLink::open(address->name);
     case CanLinkKind::udp_multicast:
-      return UdpMulticastLink::open(*address);
+      return UdpMulticastLink::open(*address, options.epoch);
     case CanLinkKind::can_exec:
       return CanExecLink::open(address->name);
   }

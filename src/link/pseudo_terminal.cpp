@@ -24,6 +24,11 @@ constexpr std::string_view kTerminals = "/dev/pts/";
 
 base::Expected<PseudoTerminal, LinkError> PseudoTerminal::open(const std::string& path) {
   PseudoTerminal terminal(path);
+  auto lock = PathLock::take(path);
+  if (!lock) {
+    return base::Unexpected{lock.error()};
+  }
+  terminal.lock_ = std::move(*lock);
   if (const auto opened = terminal.open_terminal(); !opened) {
     return base::Unexpected{opened.error()};
   }
@@ -35,6 +40,7 @@ base::Expected<PseudoTerminal, LinkError> PseudoTerminal::open(const std::string
 
 PseudoTerminal& PseudoTerminal::operator=(PseudoTerminal&& other) noexcept {
   std::swap(path_, other.path_);
+  std::swap(lock_, other.lock_);
   std::swap(terminal_, other.terminal_);
   std::swap(master_, other.master_);
   std::swap(client_end_, other.client_end_);
@@ -72,23 +78,38 @@ std::string PseudoTerminal::name_leads_to() const {
   return std::filesystem::read_symlink(path_, ignored).string();
 }
 
+bool PseudoTerminal::name_is_left_behind() const {
+  const std::string terminal = name_leads_to();
+  std::error_code ignored;
+  return terminal.starts_with(kTerminals) &&
+         (lock_.was_left_behind() || !std::filesystem::exists(terminal, ignored));
+}
+
 base::Expected<void, LinkError> PseudoTerminal::place_name() {
-  if (::symlink(terminal_.c_str(), path_.c_str()) == 0) {
+  const auto place = [this] {
+    return ::symlink(terminal_.c_str(), path_.c_str()) == 0 ? 0 : errno;
+  };
+  int error = place();
+  if (error == EEXIST && name_is_left_behind()) {
+    error = ::unlink(path_.c_str()) == 0 ? place() : errno;
+  }
+  if (error == 0) {
     return {};
   }
-  if (errno == EEXIST && name_leads_to().starts_with(kTerminals) && ::unlink(path_.c_str()) == 0 &&
-      ::symlink(terminal_.c_str(), path_.c_str()) == 0) {
-    return {};
-  }
-  const int error = errno;
   terminal_.clear();
-  if (error == EEXIST) {
-    return fail(LinkErrorCode::invalid_option,
-                in_quotes(path_) +
-                    " exists and is no pseudo-terminal; choose another name for the "
-                    "serial port or remove it");
+  if (error != EEXIST) {
+    return system_failure("cannot give a serial port the name " + in_quotes(path_), error);
   }
-  return system_failure("cannot give a serial port the name " + in_quotes(path_), error);
+  if (const std::string other = name_leads_to(); other.starts_with(kTerminals)) {
+    return fail(LinkErrorCode::address_in_use,
+                in_quotes(path_) + " leads to " + other +
+                    ", a terminal of another program; end that, remove the name, or choose another "
+                    "name for the serial port");
+  }
+  return fail(LinkErrorCode::invalid_option,
+              in_quotes(path_) +
+                  " exists and is no pseudo-terminal; choose another name for the serial port or "
+                  "remove it");
 }
 
 }  // namespace stator::link

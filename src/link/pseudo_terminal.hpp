@@ -6,12 +6,14 @@
 #include "base/expected.hpp"
 #include "link/error.hpp"
 #include "link/file_descriptor.hpp"
+#include "link/path_lock.hpp"
 
 namespace stator::link {
 
 /// A raw pseudo-terminal under a name that stays the same. The name is a symbolic link that
-/// vanishes with the object; one that an earlier process has left behind is replaced, anything else
-/// at that place is left alone. Programs may open and close it as often as they like.
+/// vanishes with the object and that nobody else who uses this class takes meanwhile; one that an
+/// earlier process has left behind is replaced, anything else at that place is left alone. Programs
+/// may open and close it as often as they like.
 class PseudoTerminal {
  public:
   static base::Expected<PseudoTerminal, LinkError> open(const std::string& path);
@@ -33,9 +35,13 @@ class PseudoTerminal {
 
   base::Expected<void, LinkError> open_terminal();
   base::Expected<void, LinkError> place_name();
+  /// The name is there and leads to a terminal that is gone, or that a process which was killed
+  /// has called so.
+  [[nodiscard]] bool name_is_left_behind() const;
   [[nodiscard]] std::string name_leads_to() const;
 
   std::string path_;
+  PathLock lock_;
   /// Empty while the name is not this object's.
   std::string terminal_;
   FileDescriptor master_;

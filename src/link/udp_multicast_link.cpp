@@ -23,8 +23,8 @@ constexpr std::size_t kLargestDatagram = 2048;
 }  // namespace
 
 base::Expected<std::unique_ptr<CanLink>, LinkError> UdpMulticastLink::open(
-    const CanLinkAddress& address) {
-  auto link = std::unique_ptr<UdpMulticastLink>(new UdpMulticastLink(address));
+    const CanLinkAddress& address, base::SimDuration epoch) {
+  auto link = std::unique_ptr<UdpMulticastLink>(new UdpMulticastLink(address, epoch));
   sockaddr_in group{};
   group.sin_family = AF_INET;
   group.sin_port = htons(address.port);
@@ -155,11 +155,11 @@ base::Expected<std::size_t, LinkError> UdpMulticastLink::receive(std::span<can::
 
 void UdpMulticastLink::send(const can::Frame& frame, base::SimTime time) {
   ++statistics_.frames_sent;
-  queue(encode_multicast(frame, time));
+  queue(encode_multicast(frame, time + epoch_));
 }
 
 void UdpMulticastLink::send_error(const ErrorFrame& error, base::SimTime time) {
-  queue(encode_multicast(error, time));
+  queue(encode_multicast(error, time + epoch_));
 }
 
 void UdpMulticastLink::queue(const MulticastMessage& message) {

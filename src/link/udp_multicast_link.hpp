@@ -21,7 +21,9 @@ namespace stator::link {
 /// one: there they would take the room of what programs send.
 class UdpMulticastLink final : public CanLink {
  public:
-  static base::Expected<std::unique_ptr<CanLink>, LinkError> open(const CanLinkAddress& address);
+  /// `epoch` as in CanLinkOptions.
+  static base::Expected<std::unique_ptr<CanLink>, LinkError> open(const CanLinkAddress& address,
+                                                                  base::SimDuration epoch);
 
   [[nodiscard]] int descriptor() const override { return waiting_.get(); }
   base::Expected<std::size_t, LinkError> receive(std::span<can::Frame> frames,
@@ -34,8 +36,8 @@ class UdpMulticastLink final : public CanLink {
   [[nodiscard]] std::string usage() const override;
 
  private:
-  explicit UdpMulticastLink(const CanLinkAddress& address)
-      : address_(address), name_(to_text(address)) {}
+  UdpMulticastLink(const CanLinkAddress& address, base::SimDuration epoch)
+      : address_(address), name_(to_text(address)), epoch_(epoch) {}
 
   base::Expected<void, LinkError> open_receiver(const sockaddr_in& group);
   base::Expected<void, LinkError> open_sender(const sockaddr_in& group);
@@ -47,6 +49,7 @@ class UdpMulticastLink final : public CanLink {
 
   CanLinkAddress address_;
   std::string name_;
+  base::SimDuration epoch_;
   FileDescriptor waiting_;
   FileDescriptor receiver_;
   FileDescriptor sender_;

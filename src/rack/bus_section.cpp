@@ -64,7 +64,9 @@ BusConfiguration read_bus(TomlSection& section, std::size_t number, std::set<std
     }
   }
   bus.log = section.output(
-      {"log", "candump log of everything on the wire, time-stamped with simulated time"});
+      {"log",
+       "candump log of everything on the wire, with the machine's time; in lockstep with simulated "
+       "time"});
   bus.capture = section.output({"capture", "The same as a pcap file"});
   if (const auto cpu = section.integer({"cpu", "Processor the bus's thread is tied to"}, 0, 1023)) {
     bus.cpu = static_cast<unsigned>(*cpu);

@@ -9,7 +9,6 @@
 #include <spdlog/logger.h>
 
 #include "link/can_link_address.hpp"
-#include "link/machine.hpp"
 
 namespace stator::rack {
 
@@ -32,6 +31,7 @@ BusThread::BusThread(RunningRack& shared, std::size_t index, const BusConfigurat
   }
   for (const std::string& text : configuration.ports) {
     auto opened = link::open_can_link(text, {.bit_rate = configuration.bit_rate.value_or(0) / 1000,
+                                             .epoch = shared_.epoch(),
                                              .reporter = shared_.rack.bus_reporter(index)});
     if (!opened) {
       throw std::runtime_error(opened.error().text);
@@ -46,6 +46,7 @@ BusThread::BusThread(RunningRack& shared, std::size_t index, const BusConfigurat
   for (const auto& port : ports_) {
     shared_.rack.bus(index_).add(port->port);
   }
+  shared_.rack.bus(index_).set_epoch(shared_.epoch());
 }
 
 BusThread::~BusThread() {
@@ -73,11 +74,7 @@ BusThreadStatistics BusThread::statistics() {
 }
 
 void BusThread::run() {
-  if (cpu_) {
-    if (const auto pinned = link::pin_this_thread(*cpu_); !pinned) {
-      shared_.logger->warn("{}", pinned.error().text);
-    }
-  }
+  shared_.enter_thread(cpu_);
   while (!shared_.stopping) {
     wait_.sleep(time_to_sleep());
     bool more = true;

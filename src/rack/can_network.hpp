@@ -62,6 +62,8 @@ class CanNetwork {
   /// Returns the fault's number at bus().
   std::uint64_t inject(const FrameFaultEvent& event);
   void withdraw(std::uint64_t fault) { bus_.withdraw(fault); }
+  /// What the time stamps of log and capture add to simulated time from now on.
+  void set_epoch(base::SimDuration epoch) { tap_.set_epoch(epoch); }
   /// Copies all that is on the wire into `tap` as `network`; null: nothing.
   void watch_traffic(TrafficTap* tap, std::uint16_t network);
   /// Tells `observer` of everything on the wire as well; empty ends that.

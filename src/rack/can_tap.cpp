@@ -43,9 +43,10 @@ void CanTap::write_to(std::unique_ptr<File>& file, const can::TraceEntry& entry)
   if (file == nullptr) {
     return;
   }
+  const base::SimTime time = entry.time + epoch_;
   const auto written = entry.kind == can::TraceEntry::Kind::frame
-                           ? file->write(entry.time, entry.frame)
-                           : file->write(entry.time, link::bus_error_frame());
+                           ? file->write(time, entry.frame)
+                           : file->write(time, link::bus_error_frame());
   if (!written) {
     error_ = written.error().text;
     reporter_.report(entry.time, rules::kCanTapFailed, {base::EventArgument(error_)});

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/event.hpp"
+#include "base/sim_time.hpp"
 #include "can/bus.hpp"
 #include "link/can_log.hpp"
 #include "rack/rack_configuration.hpp"
@@ -29,6 +30,8 @@ class CanTap {
     traffic_ = traffic;
     network_ = network;
   }
+  /// What the files' time stamps add to simulated time from now on.
+  void set_epoch(base::SimDuration epoch) { epoch_ = epoch; }
   void write(const can::TraceEntry& entry);
 
  private:
@@ -38,6 +41,7 @@ class CanTap {
   base::EventReporter reporter_;
   std::unique_ptr<link::CandumpLog> log_;
   std::unique_ptr<link::CanCapture> capture_;
+  base::SimDuration epoch_{};
   TrafficTap* traffic_ = nullptr;
   std::uint16_t network_ = 0;
   std::string error_;  ///< the event refers to it

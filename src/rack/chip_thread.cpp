@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 
@@ -77,6 +78,7 @@ ChipThreadStatistics ChipThread::statistics() {
 }
 
 void ChipThread::run() {
+  shared_.enter_thread(std::nullopt);
   while (!shared_.stopping) {
     link::ChipMessage message;
     const ChipServer::News news = server_->receive(message, time_to_sleep());

@@ -6,18 +6,23 @@ namespace stator::rack {
 
 namespace {
 
-std::int64_t monotonic_nanoseconds() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
+template <typename Clock>
+std::int64_t nanoseconds_of() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch())
       .count();
 }
 
+using Monotonic = std::chrono::steady_clock;
+using TimeOfDay = std::chrono::system_clock;
+
 }  // namespace
 
-RealClock::RealClock(base::SimTime start) : start_(monotonic_nanoseconds() - start.nanoseconds()) {}
+RealClock::RealClock(base::SimTime start)
+    : start_(nanoseconds_of<Monotonic>() - start.nanoseconds()),
+      epoch_(nanoseconds_of<TimeOfDay>() - start.nanoseconds()) {}
 
 base::SimTime RealClock::now() const {
-  return base::SimTime(base::SimDuration(monotonic_nanoseconds() - start_));
+  return base::SimTime(base::SimDuration(nanoseconds_of<Monotonic>() - start_));
 }
 
 std::optional<CycleRecognition::Opening> LockstepClock::first_logical_datagram(

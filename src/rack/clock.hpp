@@ -18,9 +18,13 @@ class RealClock {
  public:
   explicit RealClock(base::SimTime start = {});
   [[nodiscard]] base::SimTime now() const;
+  /// The time of day (CLOCK_REALTIME) at which simulated time was 0, as it was seen at
+  /// construction.
+  [[nodiscard]] base::SimDuration epoch() const { return epoch_; }
 
  private:
   std::int64_t start_;  ///< CLOCK_MONOTONIC in ns
+  base::SimDuration epoch_;
 };
 
 /// Tells exchanges of process data from other frames, see LockstepClock.

@@ -14,6 +14,7 @@
 #include "ethercat/eoe.hpp"
 #include "ethercat/ethernet_frame_queue.hpp"
 #include "link/tap_link.hpp"
+#include "rack/inheriting_mutex.hpp"
 #include "rack/rack.hpp"
 
 namespace spdlog {
@@ -51,7 +52,7 @@ class EoeBridge final : public ethercat::EthernetPort {
   std::shared_ptr<spdlog::logger> logger_;
   bool send_failure_logged_ = false;
 
-  std::mutex mutex_;  ///< guards queue_
+  InheritingMutex mutex_;  ///< guards queue_
   ethercat::EthernetFrameQueue queue_{kQueuedFrames};
   std::atomic<bool> waiting_ = false;  ///< the queue is not empty: a look that costs nothing
   std::atomic<std::uint64_t> frames_dropped_ = 0;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/event.hpp"
+#include "rack/inheriting_mutex.hpp"
 
 namespace spdlog {
 class logger;
@@ -92,7 +93,7 @@ class EventLog final : public base::EventSink {
   void log_repetitions(const Recent& recent) const;
   void settle_all(base::SimTime now);
 
-  mutable std::mutex mutex_;  ///< of all below but the names
+  mutable InheritingMutex mutex_;  ///< of all below but the names
   std::shared_ptr<spdlog::logger> logger_;
   std::vector<std::string> device_names_;
   std::deque<base::Event> events_;

@@ -16,6 +16,7 @@
 #include "rack/product_catalogue.hpp"
 #include "rack/rack.hpp"
 #include "rack/rack_file_steps.hpp"
+#include "rack/shared_addresses.hpp"
 
 namespace stator::rack {
 
@@ -116,6 +117,7 @@ RackCheck check_rack_file(const std::string& path) {
     if (errors.list.empty()) {
       check_devices(configuration, root, errors);
     }
+    check.warnings = shared_addresses(configuration);
     check.configuration = std::move(configuration);
   } catch (const RackFileError& error) {
     errors.list.push_back(error);

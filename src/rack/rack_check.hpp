@@ -14,6 +14,8 @@ struct RackCheck {
   /// further ones may show when these are gone.
   std::vector<RackFileError> errors;
   std::optional<RackConfiguration> configuration;  ///< if there is no error
+  /// What a run would warn of, sentences; of use if there is no error.
+  std::vector<std::string> warnings;
 };
 
 /// Reads the rack file at `path` and everything it names - programs, EEPROM images, configurations,

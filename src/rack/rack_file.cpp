@@ -47,7 +47,9 @@ void read_eoe(TomlSection& section, DeviceConfiguration& device) {
     if constexpr (requires { configuration.ethernet_over_ethercat; }) {
       configuration.ethernet_over_ethercat = true;
     } else {
-      section.refuse("eoe", "this product has no mailbox and hence no EoE");
+      section.refuse("eoe",
+                     "this chip has no firmware of its own whose mailbox could carry Ethernet; "
+                     "firmware at its pins may offer EoE itself, or run a tmcm-3315 or tmc8670");
     }
   };
   std::visit(switch_on, device.product);

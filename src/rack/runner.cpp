@@ -10,7 +10,6 @@
 #include <spdlog/logger.h>
 
 #include "link/link_pair_receiver.hpp"
-#include "link/machine.hpp"
 #include "link/open_link.hpp"
 
 namespace stator::rack {
@@ -89,8 +88,9 @@ struct Runner::SegmentThread {
 };
 
 Runner::Runner(Rack& rack, const RackConfiguration& configuration,
-               std::shared_ptr<spdlog::logger> logger, base::SimTime start)
-    : shared_(rack, configuration, std::move(logger), start) {
+               std::shared_ptr<spdlog::logger> logger, base::SimTime start,
+               std::optional<int> priority)
+    : shared_(rack, configuration, std::move(logger), start, priority) {
   for (const SegmentConfiguration& segment : configuration.segments) {
     auto thread = std::make_unique<SegmentThread>();
     thread->index = segments_.size();
@@ -229,11 +229,7 @@ const link::EthernetLink& Runner::link(std::size_t segment, MasterInterface inte
 }
 
 void Runner::run(SegmentThread& segment) {
-  if (segment.cpu) {
-    if (const auto pinned = link::pin_this_thread(*segment.cpu); !pinned) {
-      shared_.logger->warn("{}", pinned.error().text);
-    }
-  }
+  shared_.enter_thread(segment.cpu);
   std::array<std::byte, link::kMaximumFrameLength> buffer{};
   base::SimTime last_frame = shared_.real_clock.now();
   while (!shared_.stopping) {

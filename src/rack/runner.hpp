@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <thread>
@@ -44,9 +45,10 @@ class Runner {
 
   /// Opens every link and capture. Throws std::runtime_error with the link's own explanation.
   /// `rack` must have been built from `configuration` and both outlive the runner. `start` is where
-  /// the rack stands in simulated time.
+  /// the rack stands in simulated time. With `priority` the threads that answer what comes have
+  /// that real-time priority (link::run_in_real_time), and no others.
   Runner(Rack& rack, const RackConfiguration& configuration, std::shared_ptr<spdlog::logger> logger,
-         base::SimTime start = {});
+         base::SimTime start = {}, std::optional<int> priority = std::nullopt);
   ~Runner();
   Runner(const Runner&) = delete;
   Runner& operator=(const Runner&) = delete;
@@ -72,6 +74,8 @@ class Runner {
   [[nodiscard]] SegmentStatistics statistics(std::size_t segment);
   /// Where somebody outside hands in tasks for the running rack.
   [[nodiscard]] Desk& desk() { return shared_.desk; }
+  /// What time stamps of CAN frames add to simulated time.
+  [[nodiscard]] base::SimDuration epoch() const { return shared_.epoch(); }
   [[nodiscard]] ClockKind clock_kind() const { return shared_.clock_kind; }
   /// As statistics(), for tasks of the desk, which run while the rack is held.
   [[nodiscard]] SegmentStatistics segment_in_task(std::size_t segment) const;

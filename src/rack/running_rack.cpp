@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <spdlog/logger.h>
 
+#include "link/machine.hpp"
+
 namespace stator::rack {
 
 namespace {
@@ -11,6 +13,19 @@ namespace {
 constexpr base::SimDuration kKeepingPeriod{5'000'000};
 
 }  // namespace
+
+void RunningRack::enter_thread(std::optional<unsigned> cpu) const {
+  if (cpu) {
+    if (const auto pinned = link::pin_this_thread(*cpu); !pinned) {
+      logger->warn("{}", pinned.error().text);
+    }
+  }
+  if (priority) {
+    if (const auto given = link::run_in_real_time(*priority); !given) {
+      logger->warn("{}", given.error().text);
+    }
+  }
+}
 
 void RunningRack::keep_files() {
   if (clock_kind == ClockKind::real) {
@@ -47,9 +62,11 @@ void RunningRack::serve_desk() {
 
 void RunningRack::log_overrun(std::uint64_t count, base::SimDuration lag) const {
   logger->warn(
-      "overrun {}: the rack was {:.1f} ms behind the machine's clock; run fewer devices "
-      "or a less loaded machine",
-      count, static_cast<double>(lag.nanoseconds()) * 1e-6);
+      "overrun {}: the rack was {:.1f} ms behind the machine's clock; {}", count,
+      static_cast<double>(lag.nanoseconds()) * 1e-6,
+      priority ? "run fewer devices"
+               : "let those that answer go before the rest of the machine (--priority 50), or run "
+                 "fewer devices");
 }
 
 }  // namespace stator::rack

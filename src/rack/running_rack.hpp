@@ -3,10 +3,12 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "base/sim_time.hpp"
 #include "rack/clock.hpp"
 #include "rack/desk.hpp"
+#include "rack/inheriting_mutex.hpp"
 #include "rack/rack.hpp"
 
 namespace spdlog {
@@ -20,14 +22,16 @@ struct RunningRack {
   /// Lag behind the machine's clock from which on an overrun is counted.
   static constexpr base::SimDuration kOverrun{20'000'000};
 
-  /// `start`: where the rack stands in simulated time.
+  /// `start`: where the rack stands in simulated time; `priority_of_threads`: see priority.
   RunningRack(Rack& shared, const RackConfiguration& configuration,
-              std::shared_ptr<spdlog::logger> told, base::SimTime start)
+              std::shared_ptr<spdlog::logger> told, base::SimTime start,
+              std::optional<int> priority_of_threads = std::nullopt)
       : rack(shared),
         clock_kind(configuration.clock),
         real_clock(start),
         lockstep_clock(configuration.cycle, configuration.step),
         logger(std::move(told)),
+        priority(priority_of_threads),
         next_keeping(start) {
     lockstep_clock.advance_to(start);
   }
@@ -36,6 +40,11 @@ struct RunningRack {
   [[nodiscard]] base::SimTime now() const {
     return clock_kind == ClockKind::real ? real_clock.now() : lockstep_clock.now();
   }
+  /// What time stamps that programs see add to simulated time: nothing in lockstep, where it is the
+  /// master's.
+  [[nodiscard]] base::SimDuration epoch() const {
+    return clock_kind == ClockKind::real ? real_clock.epoch() : base::SimDuration();
+  }
   /// Brings the rack to the machine's present and returns by how much it lagged; the mutex must be
   /// held.
   base::SimDuration catch_up() {
@@ -43,6 +52,9 @@ struct RunningRack {
     rack.advance(present);
     return real_clock.now() - present;
   }
+  /// To be called first by a thread that answers what comes: gives it its processor, if it has one,
+  /// and its priority. What is not granted is logged.
+  void enter_thread(std::optional<unsigned> cpu) const;
   /// Looks now and then for what devices want to be kept, for which it takes the mutex, and for
   /// what the log has counted.
   void keep_files();
@@ -57,7 +69,8 @@ struct RunningRack {
   RealClock real_clock;
   LockstepClock lockstep_clock;
   std::shared_ptr<spdlog::logger> logger;
-  std::mutex mutex;  ///< guards rack, lockstep_clock, next_keeping and all statistics
+  std::optional<int> priority;  ///< real-time priority of the threads that answer what comes
+  InheritingMutex mutex;        ///< guards rack, lockstep_clock, next_keeping and all statistics
   base::SimTime next_keeping;
   std::atomic<bool> stopping{false};
   Desk desk;

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 #include <spdlog/logger.h>
 
-#include "link/machine.hpp"
 #include "rack/journal.hpp"
 #include "tmcl/telegram.hpp"
 
@@ -79,11 +78,7 @@ SerialLineThreadStatistics SerialLineThread::statistics_in_task() const {
 }
 
 void SerialLineThread::run() {
-  if (const auto cpu = line_.configuration().cpu) {
-    if (const auto pinned = link::pin_this_thread(*cpu); !pinned) {
-      shared_.logger->warn("{}", pinned.error().text);
-    }
-  }
+  shared_.enter_thread(line_.configuration().cpu);
   std::array<std::byte, kBytesAtOnce> buffer{};
   room_ = buffer.size();
   while (!shared_.stopping) {

@@ -340,6 +340,61 @@ TEST_F(EoeTest, SetIp_TakesAShortNameAndIgnoresWhatFollowsTheLastParameter) {
   EXPECT_EQ(server.ip_parameters().address, (Ipv4Address{10, 0, 0, 1}));
 }
 
+/// As IgH sends it: every parameter has its place, those that are not included are zero.
+Bytes block_with_gaps(std::uint8_t flags,
+                      std::initializer_list<std::pair<std::size_t, const char*>> parameters) {
+  Bytes block(kMaximumIpParameterBlock);
+  block[0] = static_cast<std::byte>(flags);
+  for (const auto& [offset, bytes] : parameters) {
+    std::ranges::copy(hex(bytes), block.begin() + static_cast<std::ptrdiff_t>(offset));
+  }
+  return concat({hex("02 00 00 00"), block});
+}
+
+TEST_F(EoeTest, SetIp_WithGaps_TakesEveryParameterFromItsOwnPlace) {
+  EXPECT_EQ(to_hex(handle(block_with_gaps(0x06, {{10, "37 4D A8 C0"}, {14, "00 FF FF FF"}}))),
+            "03 01 00 00");
+  EXPECT_EQ(server.ip_parameters().address, (Ipv4Address{192, 168, 77, 55}));
+  EXPECT_EQ(server.ip_parameters().subnet_mask, (Ipv4Address{255, 255, 255, 0}));
+  EXPECT_EQ(server.ip_parameters().mac_address, std::nullopt);
+  EXPECT_THAT(log.last("eoe-address-set"), HasSubstr("192.168.77.55/24"));
+
+  EXPECT_EQ(to_hex(handle(block_with_gaps(
+                0x38, {{18, "01 4D A8 C0"}, {22, "08 08 08 08"}, {26, "67 61 6E 74 72 79"}}))),
+            "03 01 00 00");
+  EXPECT_EQ(server.ip_parameters().address, (Ipv4Address{192, 168, 77, 55})) << "kept";
+  EXPECT_EQ(server.ip_parameters().default_gateway, (Ipv4Address{192, 168, 77, 1}));
+  EXPECT_EQ(server.ip_parameters().dns_server, (Ipv4Address{8, 8, 8, 8}));
+  EXPECT_STREQ(server.ip_parameters().dns_name->data(), "gantry");
+}
+
+TEST_F(EoeTest, SetIp_WithGaps_LooksAtNothingInThem) {
+  EXPECT_EQ(to_hex(handle(block_with_gaps(
+                0x02, {{4, "FF FF FF FF FF FF"}, {10, "37 4D A8 C0"}, {14, "FF 00 FF 00"}}))),
+            "03 01 00 00");
+  IpParameters expected;
+  expected.address = {192, 168, 77, 55};
+  EXPECT_EQ(server.ip_parameters(), expected);
+}
+
+TEST_F(EoeTest, SetIp_WithAMaskThatHasHoles_IsRefusedAndChangesNothing) {
+  handle(hex("02 01 00 00 06 00 00 00 02 01 A8 C0 00 FF FF FF"));
+  port.ip.clear();
+  const IpParameters before = server.ip_parameters();
+  for (const char* mask : {"00 FF 00 FF", "FF 00 00 00", "01 00 00 80", "00 FE FF 7F"}) {
+    EXPECT_EQ(to_hex(handle(concat({hex("02 01 00 00 06 00 00 00 03 01 A8 C0"), hex(mask)}))),
+              "03 01 02 04")
+        << mask;
+  }
+  EXPECT_EQ(server.ip_parameters(), before);
+  EXPECT_THAT(port.ip, IsEmpty());
+  EXPECT_THAT(log.last("eoe-mask-refused"), HasSubstr("127.255.254.0 is no subnet mask"));
+  for (const char* mask : {"00 00 00 00", "00 00 00 80", "FE FF FF FF", "FF FF FF FF"}) {
+    EXPECT_EQ(to_hex(handle(concat({hex("02 01 00 00 04 00 00 00"), hex(mask)}))), "03 01 00 00")
+        << mask;
+  }
+}
+
 TEST_F(EoeTest, SetIp_ThatIsTooShortOrNamesAGroupAddress_IsRefusedAndChangesNothing) {
   handle(hex("02 01 00 00 02 00 00 00 02 01 A8 C0"));
   port.ip.clear();

@@ -136,6 +136,15 @@ TEST_F(CanLinkTest, SlcanOnAPseudoTerminalCarriesFramesBothWays) {
   EXPECT_EQ(hear(program, *link, "t3210\r"), "\rt3210\r");
 }
 
+TEST_F(CanLinkTest, ASlcanPortInUseIsRefusedAndGoesOn) {
+  const std::string path = directory_.path() + "/can0";
+  const auto link = open("slcan:" + path);
+  EXPECT_THAT(error_of("slcan:" + path), HasSubstr("another process serves \"" + path + "\""));
+  const FileDescriptor program(::open(path.c_str(), O_RDWR | O_NOCTTY));
+  say(program, "O\rt1231FF\r");
+  EXPECT_THAT(receive(*link, 1), ElementsAre(can::data_frame(0x123, {0xFF})));
+}
+
 TEST_F(CanLinkTest, TheChannelOfAProgramThatIsGoneCloses) {
   const std::string path = directory_.path() + "/can0";
   const auto link = open("slcan:" + path);

@@ -1,13 +1,19 @@
 #include "link/machine.hpp"
 
 #include <algorithm>
+#include <array>
+#include <string>
 #include <thread>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
+
+#include "link/file_descriptor.hpp"
 
 namespace stator::link {
 namespace {
@@ -40,6 +46,64 @@ TEST(Machine, AProcessorThatDoesNotExistIsRefusedWithAListOfThoseThatDo) {
         pinned.error().text,
         testing::ContainsRegex("processor " + std::to_string(processor) + ".*may run on: [0-9]"));
   }
+}
+
+TEST(Machine, AThreadInRealTimeKeepsItsPriorityToItself) {
+  if (const auto permitted = may_run_in_real_time(kLowestPriority); !permitted) {
+    GTEST_SKIP() << permitted.error().text;
+  }
+  EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER) << "it was only a question";
+  std::thread([] {
+    ASSERT_TRUE(run_in_real_time(3));
+    sched_param parameters{};
+    EXPECT_EQ(::sched_getparam(0, &parameters), 0);
+    EXPECT_EQ(parameters.sched_priority, 3);
+    EXPECT_EQ(::sched_getscheduler(0), SCHED_FIFO | SCHED_RESET_ON_FORK);
+    std::thread([] { EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER); }).join();
+    ASSERT_TRUE(may_run_in_real_time(3));
+    EXPECT_EQ(::sched_getscheduler(0) & ~SCHED_RESET_ON_FORK, SCHED_OTHER);
+  }).join();
+}
+
+/// Runs `question` in a process that has no privilege and no allowance, and returns its answer.
+template <typename Question>
+std::string answer_without_privilege(const Question& question) {
+  std::array<int, 2> pipe{};
+  EXPECT_EQ(::pipe2(pipe.data(), O_CLOEXEC), 0);
+  const FileDescriptor told(pipe[0]);
+  const FileDescriptor tells(pipe[1]);
+  const pid_t child = ::fork();
+  EXPECT_GE(child, 0);
+  if (child == 0) {
+    constexpr rlimit kNone{0, 0};
+    constexpr uid_t kNobody = 65534;
+    ::setrlimit(RLIMIT_RTPRIO, &kNone);
+    ::setrlimit(RLIMIT_MEMLOCK, &kNone);
+    static_cast<void>(::setresuid(kNobody, kNobody, kNobody));  // who may not do that is nobody
+    const base::Expected<void, LinkError> answer = question();
+    const std::string text = answer ? "granted" : answer.error().text;
+    const bool written = ::write(tells.get(), text.data(), text.size()) > 0;
+    ::_exit(written ? 0 : 1);
+  }
+  if (child < 0) {
+    return "no child";
+  }
+  int status = 0;
+  EXPECT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  std::array<char, 1024> text{};
+  const ssize_t length = ::read(told.get(), text.data(), text.size());
+  return {text.data(), static_cast<std::size_t>(std::max<ssize_t>(length, 0))};
+}
+
+TEST(Machine, WhatIsNotPermittedIsToldWithWaysToPermitIt) {
+  const std::string priority = answer_without_privilege([] { return may_run_in_real_time(42); });
+  EXPECT_THAT(priority, testing::HasSubstr("real-time priority 42 is not permitted; run as root"));
+  EXPECT_THAT(priority,
+              testing::HasSubstr("cap_net_raw,cap_net_admin,cap_sys_nice,cap_ipc_lock+ep"));
+  EXPECT_THAT(priority, testing::HasSubstr("ulimit -r 42"));
+  EXPECT_THAT(answer_without_privilege([] { return lock_memory(); }),
+              testing::HasSubstr("memory may not be locked"));
 }
 
 TEST(Machine, AThreadThatGivesWayHasNoRealTimePolicyAndIsNicer) {

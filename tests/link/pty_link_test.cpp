@@ -1,15 +1,20 @@
 #include "link/pty_link.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 #include <vector>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/temporary_directory.hpp"
@@ -137,6 +142,91 @@ TEST_F(PtyLinkTest, NameVanishesWithTheLink) {
 
 TEST_F(PtyLinkTest, NameLeftBehindByAnEarlierProcessIsReplaced) {
   std::filesystem::create_symlink("/dev/pts/12345", path_);
+  open();
+  EXPECT_EQ(std::filesystem::read_symlink(path_), link_->terminal());
+}
+
+TEST_F(PtyLinkTest, ANameInUseIsRefusedAndStaysWithItsHolder) {
+  open();
+  const auto second = PtyLink::open(path_);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, LinkErrorCode::address_in_use);
+  EXPECT_EQ(second.error().text,
+            "another process serves \"" + path_ + "\"; end it, or choose another path");
+  EXPECT_EQ(std::filesystem::read_symlink(path_), link_->terminal());
+
+  link_.reset();
+  open();
+  EXPECT_EQ(std::filesystem::read_symlink(path_), link_->terminal());
+  link_.reset();
+  EXPECT_TRUE(std::filesystem::is_empty(directory_.path())) << "nothing is left beside the name";
+}
+
+TEST_F(PtyLinkTest, TheNameOfAProcessThatWasKilledIsFree) {
+  std::array<int, 2> pipe{};
+  ASSERT_EQ(::pipe2(pipe.data(), O_CLOEXEC), 0);
+  const FileDescriptor told(pipe[0]);
+  const pid_t holder = ::fork();
+  ASSERT_GE(holder, 0);
+  if (holder == 0) {
+    const auto held = PtyLink::open(path_);
+    const char done = held ? 'y' : 'n';
+    const bool written = ::write(pipe[1], &done, 1) == 1;
+    while (written) {
+      ::pause();
+    }
+    ::_exit(1);
+  }
+  ::close(pipe[1]);
+  char done = 0;
+  const bool answered = ::read(told.get(), &done, 1) == 1;
+  const auto refused = PtyLink::open(path_);
+  EXPECT_EQ(::kill(holder, SIGKILL), 0);
+  EXPECT_EQ(::waitpid(holder, nullptr, 0), holder);
+  ASSERT_TRUE(answered);
+  ASSERT_EQ(done, 'y');
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, LinkErrorCode::address_in_use);
+
+  open();
+  EXPECT_EQ(std::filesystem::read_symlink(path_), link_->terminal());
+}
+
+TEST_F(PtyLinkTest, ANameLeftBehindGoesToOneOfManyWhoWantIt) {
+  constexpr int kRounds = 50;
+  for (int round = 0; round < kRounds; ++round) {
+    std::filesystem::create_symlink("/dev/pts/12345", path_);
+    std::array<std::unique_ptr<PtyLink>, 4> links;
+    {
+      std::vector<std::jthread> threads;
+      for (auto& link : links) {
+        threads.emplace_back([&] {
+          if (auto opened = PtyLink::open(path_)) {
+            link = std::move(*opened);
+          }
+        });
+      }
+    }
+    const auto holds = [](const auto& link) { return link != nullptr; };
+    ASSERT_EQ(std::ranges::count_if(links, holds), 1);
+    const auto& holder = *std::ranges::find_if(links, holds);
+    ASSERT_EQ(std::filesystem::read_symlink(path_), holder->terminal());
+  }
+}
+
+TEST_F(PtyLinkTest, TheTerminalOfAnotherProgramIsNotReplaced) {
+  const FileDescriptor other(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
+  std::array<char, 64> terminal{};
+  ASSERT_EQ(::grantpt(other.get()), 0);
+  ASSERT_EQ(::ptsname_r(other.get(), terminal.data(), terminal.size()), 0);
+  std::filesystem::create_symlink(terminal.data(), path_);
+  const auto opened = PtyLink::open(path_);
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, LinkErrorCode::address_in_use);
+  EXPECT_THAT(opened.error().text, HasSubstr(std::string("leads to ") + terminal.data()));
+  EXPECT_EQ(std::filesystem::read_symlink(path_), terminal.data());
+
+  std::ofstream(path_ + ".lock") << "";  // of an earlier process that had that terminal
   open();
   EXPECT_EQ(std::filesystem::read_symlink(path_), link_->terminal());
 }

@@ -3,6 +3,9 @@
 #include "rack/bus_thread.hpp"
 
 #include <array>
+#include <chrono>
+#include <fstream>
+#include <span>
 #include <string>
 
 #include <arpa/inet.h>
@@ -14,6 +17,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "base/byte_order.hpp"
+#include "base/temporary_directory.hpp"
 #include "link/file_descriptor.hpp"
 #include "rack/runner.hpp"
 #include "rack/test_can_device.hpp"
@@ -98,6 +103,50 @@ TEST_F(BusThreadTest, AProgramIsAnswered) {
     EXPECT_THAT(program.read_until("t58224011\r"), HasSubstr("t58224011\r"));
     runner_->stop();
     EXPECT_EQ(runner_->bus(0).statistics().frames_in, 1U);
+  }
+}
+
+/// Seconds since 1970, now.
+double time_of_day() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+TEST_F(BusThreadTest, TimeStampsAreTheMachinesTimeAndInLockstepSimulatedTime) {
+  const tests::TemporaryDirectory directory;
+  configuration_.buses[0].ports = {"socketcand:0"};
+  configuration_.buses[0].log = directory.path() + "/can0.log";
+  configuration_.buses[0].capture = directory.path() + "/can0.pcap";
+  for (const ClockKind clock : {ClockKind::real, ClockKind::lockstep}) {
+    configuration_.clock = clock;
+    runner_.reset();
+    start();
+    Program program(port());
+    program.send("< open can0 >< rawmode >< send 602 1 11 >");
+    const std::string answer = program.read_until(" 11 >");
+    runner_->stop();
+    const std::string mark = "< frame 582 ";
+    const std::size_t at = answer.find(mark);
+    ASSERT_NE(at, std::string::npos) << answer;
+    const double on_port = std::stod(answer.substr(at + mark.size()));
+
+    std::ifstream log(configuration_.buses[0].log);
+    std::string line;
+    ASSERT_TRUE(std::getline(log, line));
+    const double in_log = std::stod(line.substr(1));
+
+    constexpr std::size_t kPcapHeader = 24;
+    std::ifstream capture(configuration_.buses[0].capture, std::ios::binary);
+    std::array<char, kPcapHeader + 4> head{};
+    ASSERT_TRUE(capture.read(head.data(), head.size()));
+    const auto in_capture =
+        base::load_le<std::uint32_t>(std::as_bytes(std::span(head)), kPcapHeader);
+
+    // A minute is as good as a moment here: simulated time is half a century away.
+    const double expected = clock == ClockKind::real ? time_of_day() : 30.0;
+    for (const double time : {on_port, in_log, static_cast<double>(in_capture)}) {
+      EXPECT_NEAR(time, expected, 60.0);
+    }
+    EXPECT_NEAR(on_port, in_log, 1.0);
   }
 }
 

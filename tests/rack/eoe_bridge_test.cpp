@@ -11,6 +11,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "ethercat/sii_image.hpp"
 #include "rack/event_log.hpp"
 #include "rack/product_catalogue.hpp"
 
@@ -110,20 +111,29 @@ TEST_F(EoeBridgeTest, AnAddressThatCannotBeSetIsTold) {
   EXPECT_THAT(text_.str(), HasSubstr("gantry: EoE: cannot set the address of \"eoe0\""));
 }
 
-TEST_F(EoeBridgeTest, ADeviceReachesTheMachineThroughIt) {
-  devices::Tmcm3315Configuration configuration;
-  configuration.ethernet_over_ethercat = true;
-  const auto device = make_ethercat_device(configuration, base::EventReporter());
-  ASSERT_NE(device->eoe(), nullptr);
-  EXPECT_TRUE(device->description().eoe) << "SII and ESI announce it";
-  device->eoe()->connect(bridge_.get());
-  Bytes fragment(ethercat::EoeHeader::kSize);
-  ethercat::EoeHeader{.last_fragment = true, .offset = 2}.encode(fragment);
-  const Bytes frame = frame_of(60);
-  fragment.insert(fragment.end(), frame.begin(), frame.end());
-  Bytes reply(100);
-  (void)device->eoe()->handle(fragment, reply, base::SimTime());
-  EXPECT_EQ(machine_receives(), frame);
+TEST_F(EoeBridgeTest, DevicesWithAMailboxReachTheMachineThroughIt) {
+  devices::Tmcm3315Configuration module;
+  module.ethernet_over_ethercat = true;
+  devices::Tmc8670Configuration chip;
+  chip.ethernet_over_ethercat = true;
+  for (const ProductConfiguration& product :
+       {ProductConfiguration(module), ProductConfiguration(chip)}) {
+    SCOPED_TRACE(product_name(product));
+    const auto device = make_ethercat_device(product, base::EventReporter());
+    ASSERT_NE(device->eoe(), nullptr);
+    const auto sii = ethercat::parse_sii_image(device->controller().sii());
+    ASSERT_TRUE(sii);
+    EXPECT_EQ(sii->mailbox_protocols, 0x000E) << "EoE, CoE and FoE";
+    device->eoe()->connect(bridge_.get());
+    Bytes fragment(ethercat::EoeHeader::kSize);
+    ethercat::EoeHeader{.last_fragment = true, .offset = 2}.encode(fragment);
+    const Bytes frame = frame_of(60);
+    fragment.insert(fragment.end(), frame.begin(), frame.end());
+    Bytes reply(100);
+    (void)device->eoe()->handle(fragment, reply, base::SimTime());
+    EXPECT_EQ(machine_receives(), frame);
+    device->eoe()->connect(nullptr);
+  }
 }
 
 TEST(EoeBridges, ADeviceWhoseEoeIsOffCannotBeBridged) {

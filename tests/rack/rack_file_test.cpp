@@ -257,6 +257,18 @@ TEST(RackFile, EoeIsOffUnlessATapInterfaceIsNamed) {
   }
 }
 
+TEST(RackFile, EoeBelongsToProductsWhoseFirmwareHasAMailbox) {
+  const auto with_eoe = [](const std::string& type) {
+    return "[[segment]]\n[[segment.device]]\ntype = \"" + type + "\"\neoe = \"tap:eoe0\"\n";
+  };
+  const RackConfiguration servo = parse_rack_file(with_eoe("tmc8670"), "test.toml");
+  EXPECT_EQ(servo.segments[0].devices[0].eoe_interface, "eoe0");
+  EXPECT_TRUE(std::get<devices::Tmc8670Configuration>(servo.segments[0].devices[0].product)
+                  .ethernet_over_ethercat);
+  EXPECT_THAT(refusal_of(with_eoe("tmc8461")),
+              AllOf(HasSubstr("no firmware of its own"), HasSubstr("tmcm-3315 or tmc8670")));
+}
+
 TEST(RackFile, TwoDevicesNeedTwoNames) {
   const std::string device = "[[segment.device]]\ntype = \"tmcm-3315\"\n";
   EXPECT_THAT(refusal_of("[[segment]]\n" + device + device), HasSubstr("is given twice"));

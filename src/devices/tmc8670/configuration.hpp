@@ -41,6 +41,8 @@ struct Tmc8670Configuration {
   bool require_outputs = false;  ///< Operational only after outputs have come
   /// Explicit device identification; the chip has no ID switch, so by default it has none.
   std::optional<std::uint16_t> identification;
+  /// Ethernet over EtherCAT, which the document's firmware does not name; to test masters with.
+  bool ethernet_over_ethercat = false;
   /// How long a firmware download waits for the flash to be erased.
   base::SimDuration firmware_erase_time;
   dictionary::Quirks quirks;  ///< what it does otherwise than it should

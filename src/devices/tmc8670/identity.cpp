@@ -48,6 +48,7 @@ ethercat::DeviceDescription describe(const Tmc8670Configuration& configuration) 
   description.bootstrap_transmit_mailbox = kTransmitMailbox;
   description.coe = true;
   description.foe = true;
+  description.eoe = configuration.ethernet_over_ethercat;
   description.sdo_information = true;
   description.complete_access = true;
   description.pdo_assign = true;

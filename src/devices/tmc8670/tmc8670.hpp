@@ -42,6 +42,7 @@ class Tmc8670 final : public EtherCatDevice, private ethercat::SlaveApplication 
   [[nodiscard]] ethercat::SlaveController& controller() override { return controller_; }
   [[nodiscard]] const dictionary::Dictionary& dictionary() const override { return dictionary_; }
   [[nodiscard]] ethercat::SlaveStack* slave_stack() override { return &stack_; }
+  [[nodiscard]] ethercat::EoeServer* eoe() override { return stack_.eoe(); }
   [[nodiscard]] const ethercat::DeviceDescription& description() const override {
     return description_;
   }
