@@ -132,17 +132,21 @@ class OnARunningBus(unittest.TestCase):
     def setUpClass(cls):
         cls.bus = Bus()
         cls.addClassCleanup(cls.bus.stop)
+        end = time.monotonic() + TIMEOUT
+        while not cls.send_and_receive(0.2):  # until it has booted up
+            assert time.monotonic() < end, "the drive does not answer"
 
-    def send_and_receive(self):
-        """One frame to the drive, one from it."""
+    @staticmethod
+    def send_and_receive(timeout=TIMEOUT):
+        """One frame to the drive, and one from it. False: none came."""
         with can.Bus(interface="socketcan", channel=BUS) as bus:
             bus.send(frame(0x601, bytes.fromhex("4000100000000000")), timeout=TIMEOUT)
-            end = time.monotonic() + TIMEOUT
+            end = time.monotonic() + timeout
             while time.monotonic() < end:
-                message = bus.recv(1.0)
+                message = bus.recv(timeout)
                 if message is not None and message.arbitration_id == 0x581:
-                    return
-        self.fail("the drive does not answer")
+                    return True
+        return False
 
     # iproute2
 
@@ -196,7 +200,7 @@ class OnARunningBus(unittest.TestCase):
 
     def test_ip_counts_frames(self):
         before, = ip_json("-statistics", "link", "show", BUS)
-        self.send_and_receive()
+        self.assertTrue(self.send_and_receive())
         after, = ip_json("-statistics", "link", "show", BUS)
         sent = after["stats64"]["tx"]
         self.assertEqual(sent["packets"], before["stats64"]["tx"]["packets"] + 1)
@@ -221,7 +225,7 @@ class OnARunningBus(unittest.TestCase):
         self.assertEqual(psutil.net_if_stats()[BUS].mtu, 16)
         self.assertEqual(psutil.net_if_stats()["lo"].mtu, 65536)
         before = psutil.net_io_counters(pernic=True)[BUS]
-        self.send_and_receive()
+        self.assertTrue(self.send_and_receive())
         after = psutil.net_io_counters(pernic=True)[BUS]
         self.assertEqual(after.packets_sent, before.packets_sent + 1)
         self.assertGreater(after.bytes_recv, before.bytes_recv)

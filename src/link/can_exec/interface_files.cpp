@@ -117,7 +117,7 @@ std::optional<Folder> open_folder() {
   }
   struct stat network {};
   ::stat("/proc/self/ns/net", &network);
-  const char* const variable = std::getenv(kBusesVariable);
+  const char* const variable = std::getenv(kBusesVariable);  // NOLINT(concurrency-mt-unsafe)
   const std::string of = variable == nullptr ? "" : variable;
   const Folder folder(parent / (std::to_string(std::hash<std::string>()(of)) + "-" +
                                 std::to_string(network.st_ino)));
@@ -132,7 +132,7 @@ std::optional<Folder> open_folder() {
 
 std::string hexadecimal(unsigned value) {
   char text[16];
-  std::snprintf(text, sizeof text, "0x%x", value);
+  static_cast<void>(std::snprintf(text, sizeof text, "0x%x", value));
   return text;
 }
 
@@ -179,7 +179,7 @@ void write_interface(const Folder& folder, const Bus& bus) {
 
 /// The folder that stands for /sys/class/net: the machine's interfaces as links, then the buses.
 fs::path write_class(const Folder& folder) {
-  const fs::path path = folder.path() / kNet;
+  fs::path path = folder.path() / kNet;
   std::error_code ignored;
   fs::create_directories(path, ignored);
   for (const auto& entry : fs::directory_iterator(path, ignored)) {
@@ -204,14 +204,15 @@ fs::path write_devices(const Folder& folder) {
   for (const Bus& bus : buses()) {
     const PortState port = ask(bus).port;
     char line[256];
-    std::snprintf(line, sizeof line,
-                  "%6s: %7llu %7llu    0 %4llu    0     0          0         0 %8llu %7llu    0    "
-                  "0    0     0       0          0\n",
-                  bus.name.c_str(), static_cast<unsigned long long>(port.bytes_received),
-                  static_cast<unsigned long long>(port.frames_received),
-                  static_cast<unsigned long long>(port.frames_dropped),
-                  static_cast<unsigned long long>(port.bytes_sent),
-                  static_cast<unsigned long long>(port.frames_sent));
+    static_cast<void>(std::snprintf(
+        line, sizeof line,
+        "%6s: %7llu %7llu    0 %4llu    0     0          0         0 %8llu %7llu    0    "
+        "0    0     0       0          0\n",
+        bus.name.c_str(), static_cast<unsigned long long>(port.bytes_received),
+        static_cast<unsigned long long>(port.frames_received),
+        static_cast<unsigned long long>(port.frames_dropped),
+        static_cast<unsigned long long>(port.bytes_sent),
+        static_cast<unsigned long long>(port.frames_sent)));
     text += line;
   }
   folder.write(kDev, text);

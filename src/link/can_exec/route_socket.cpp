@@ -113,7 +113,7 @@ ssize_t RouteSocket::receive(int descriptor, msghdr& message, int flags) {
   }
   const std::scoped_lock lock(mutex_);
   nlmsghdr end{};
-  const Place found = find_ended(*datagram, end);
+  const auto found = find_ended(*datagram, end);
   if (found == pending_.end()) {
     return STATOR_SYSTEM(recvmsg)(descriptor, &message, flags);
   }
