@@ -238,6 +238,10 @@ void ReferenceNode::initialise(bool application, SimDuration duration, Time now)
   }
   reset_values(application);
   load_values(application);
+  if (!application && errors_.contains(kUndervoltage)) {
+    // That an error lasts may be told once more.
+    due_.push_back({.code = 0xFF00, .since = now, .must = false, .bits = kUndervoltageBits});
+  }
   if (application && !supply_) {
     raise(0xFF00, kUndervoltage, kUndervoltageBits, now);
     due_.back().must = false;

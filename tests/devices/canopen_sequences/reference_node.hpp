@@ -149,14 +149,18 @@ class ReferenceNode {
   [[nodiscard]] bool has_sdo(Time now) const;
   [[nodiscard]] base::SimDuration life_time() const;
 
-  // Values and SDO; reference_sdo.cpp.
+  // SDO; reference_sdo.cpp.
   void hear_sdo(const can::Frame& frame, Time now);
+  void see_sdo(const can::Frame& frame, Time now);
+  void end_transfer();
   [[nodiscard]] Answer initiate_upload(const can::Frame& frame);
   [[nodiscard]] Answer initiate_download(const can::Frame& frame, Time now);
   [[nodiscard]] Answer upload_segment(const can::Frame& frame);
   [[nodiscard]] Answer download_segment(const can::Frame& frame, Time now);
   [[nodiscard]] Answer write(const ObjectUnderTest& object, std::uint32_t raw, std::size_t size,
                              const std::array<std::uint8_t, 8>& success, Time now);
+
+  // Values; reference_values.cpp.
   /// The abort codes of which one must refuse the value; none: it must be taken. `either`: both do.
   [[nodiscard]] std::set<std::uint32_t> judge(const ObjectUnderTest& object, std::uint32_t raw,
                                               bool& either) const;
@@ -167,8 +171,6 @@ class ReferenceNode {
   [[nodiscard]] bool can_id_in_use(std::uint32_t can_id) const;
   void written(const ObjectUnderTest& object, std::uint32_t raw, Time now);
   void store(const std::set<Stored>& groups, bool clear);
-  void see_sdo(const can::Frame& frame, Time now);
-  void end_transfer();
   void reset_values(bool application);
   void load_values(bool application);
 

@@ -31,7 +31,7 @@ using devices::Tmcc160;
 using devices::Tmcc160Configuration;
 
 constexpr std::size_t kSteps = 120;
-constexpr std::uint64_t kInEveryRun = 300;
+constexpr std::uint64_t kInEveryRun = 200;
 constexpr SimDuration kShortestWait(1'000);
 
 Tmcc160Configuration configuration(bool friendly) {
