@@ -25,6 +25,12 @@ export async function freeTcpPort() {
   return port;
 }
 
+/// A child process that was started and has not ended: the only kind to send signals to and wait for.
+/// (kill() of one that could not be started signals Node's own process group.)
+export function runs(child) {
+  return child?.pid !== undefined && child.exitCode === null && child.signalCode === null;
+}
+
 export class Rack {
   /// Lays a copy of racks/five-devices.toml out whose links nobody else has.
   static async lay(stator) {
@@ -62,6 +68,7 @@ export class Rack {
     let failed = "";
     this.process.stdout.on("data", (data) => (this.output += data));
     this.process.stderr.on("data", (data) => (this.output += data));
+    this.process.on("error", (error) => (failed = `${this.stator} does not start: ${error.message}`));
     this.process.on("exit", (code) => (failed = `stator run ended with ${code}`));
     for (let i = 0; i < 200; ++i) {
       const link = /dashboard: (\S+)/.exec(this.output);
@@ -78,7 +85,7 @@ export class Rack {
 
   async stop() {
     const { process } = this;
-    if (process && process.exitCode === null) {
+    if (runs(process)) {
       const ended = new Promise((done) => process.once("exit", done));
       process.kill("SIGTERM");
       await ended;
@@ -95,6 +102,9 @@ export class Rack {
         stdio: "ignore",
       });
       way = -way;
+      master.on("error", (error) => {
+        throw new Error(`${this.stator} does not start: ${error.message}`);
+      });
       master.once("exit", () => {
         if (!ended) {
           setTimeout(() => ended || next(), 100);
@@ -105,7 +115,7 @@ export class Rack {
     return {
       stop: async () => {
         ended = true;
-        if (master.exitCode === null && master.signalCode === null) {
+        if (runs(master)) {
           const ended = new Promise((done) => master.once("exit", done));
           master.kill("SIGTERM");
           await ended;

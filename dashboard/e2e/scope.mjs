@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { readFile } from "node:fs/promises";
 import { join } from "node:path";
+import { runs } from "./rack.mjs";
 
 const kAxis = "gantry.axis0";
 
@@ -120,6 +121,7 @@ function whileTurning(test) {
       });
       let said = "";
       master.stderr.on("data", (text) => (said += text));
+      master.on("error", (error) => (said += `${rack.stator} does not start: ${error.message}`));
       const ended = new Promise((done) => master.once("close", done));
       try {
         return await test(page, given);
@@ -131,7 +133,9 @@ function whileTurning(test) {
         }
         console.log(`        ${disturbance}; once more`);
       } finally {
-        master.kill("SIGTERM");
+        if (runs(master)) {
+          master.kill("SIGTERM");
+        }
         await ended;
       }
       await page.reload();

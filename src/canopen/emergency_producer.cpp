@@ -65,6 +65,7 @@ void EmergencyProducer::begin_anew() {
 }
 
 void EmergencyProducer::forget() {
+  message_count_ = 0;
   error_count_ = 0;
   update_register();
 }

@@ -49,8 +49,9 @@ bool passes(const can_filter& filter, const can_frame& frame) {
   return ((frame.can_id & mask) == (wanted & mask)) != inverted;
 }
 
-base::Expected<std::unique_ptr<CanLink>, LinkError> CanExecLink::open(const std::string& name) {
-  auto link = std::unique_ptr<CanExecLink>(new CanExecLink(name));
+base::Expected<std::unique_ptr<CanLink>, LinkError> CanExecLink::open(
+    const std::string& name, const CanLinkOptions& options) {
+  auto link = std::unique_ptr<CanExecLink>(new CanExecLink(name, options.bit_rate));
   if (const auto listening = link->listen(); !listening) {
     return base::Unexpected{listening.error()};
   }
@@ -188,6 +189,10 @@ void CanExecLink::take(Client& client, std::span<const std::byte> message, Targe
     end(client);
     return;
   }
+  if (client.configuration->kind == can_exec::SocketKind::inquiry) {
+    ++statistics_.malformed;
+    return;
+  }
   if (client.configuration->kind == can_exec::SocketKind::broadcast_manager) {
     BroadcastManager::Frames to_bus;
     BroadcastManager::Messages to_program;
@@ -226,7 +231,9 @@ bool CanExecLink::configure(Client& client, std::span<const std::byte> message) 
       filters != configuration.filter_count * sizeof(can_filter)) {
     return false;
   }
-  if (!client.configuration) {
+  if (configuration.kind == can_exec::SocketKind::inquiry) {
+    answer_inquiry(client);
+  } else if (!client.configuration) {
     queue(client, {}, can_exec::kConnected);
   }
   client.configuration = configuration;
@@ -237,8 +244,20 @@ bool CanExecLink::configure(Client& client, std::span<const std::byte> message) 
   return true;
 }
 
+void CanExecLink::answer_inquiry(Client& client) {
+  const can_exec::PortState state{.bit_rate = bit_rate_ * 1'000,
+                                  .frames_received = statistics_.frames_sent,
+                                  .bytes_received = bytes_sent_,
+                                  .frames_sent = statistics_.frames_received,
+                                  .bytes_sent = bytes_received_,
+                                  .frames_dropped = statistics_.frames_dropped,
+                                  .bus_errors = error_frames_};
+  queue(client, {reinterpret_cast<const char*>(&state), sizeof state}, 0);
+}
+
 void CanExecLink::deliver(const can::Frame& frame, Client& from, Target& target) {
   ++statistics_.frames_received;
+  bytes_received_ += frame.remote ? 0 : frame.length;
   if (target.full()) {
     pending_.push_back(frame);
   } else {
@@ -302,7 +321,7 @@ void CanExecLink::set_timer() {
 }
 
 void CanExecLink::put(Client& client, const can_frame& frame, std::uint32_t flags) {
-  if (!client.configuration) {
+  if (!client.configuration || client.configuration->kind == can_exec::SocketKind::inquiry) {
     return;
   }
   if (client.configuration->kind == can_exec::SocketKind::broadcast_manager) {
@@ -390,6 +409,7 @@ void CanExecLink::end(Client& client) {
 
 void CanExecLink::send(const can::Frame& frame, base::SimTime /*time*/) {
   ++statistics_.frames_sent;
+  bytes_sent_ += frame.remote ? 0 : frame.length;
   const can_frame message = to_socketcan(frame);
   for (const auto& client : clients_) {
     put(*client, message, 0);
@@ -397,6 +417,7 @@ void CanExecLink::send(const can::Frame& frame, base::SimTime /*time*/) {
 }
 
 void CanExecLink::send_error(const ErrorFrame& error, base::SimTime /*time*/) {
+  ++error_frames_;
   const can_frame message = to_socketcan(error);
   for (const auto& client : clients_) {
     put(*client, message, 0);
@@ -413,7 +434,10 @@ void CanExecLink::flush() {
 
 CanLinkStatistics CanExecLink::statistics() const {
   CanLinkStatistics statistics = statistics_;
-  statistics.clients = clients_.size();
+  statistics.clients =
+      static_cast<std::size_t>(std::ranges::count_if(clients_, [](const auto& each) {
+        return !each->configuration || each->configuration->kind != can_exec::SocketKind::inquiry;
+      }));
   return statistics;
 }
 

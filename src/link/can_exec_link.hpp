@@ -22,7 +22,8 @@ namespace stator::link {
 class CanExecLink final : public CanLink {
  public:
   /// `name` is that of the interface the programs see.
-  static base::Expected<std::unique_ptr<CanLink>, LinkError> open(const std::string& name);
+  static base::Expected<std::unique_ptr<CanLink>, LinkError> open(
+      const std::string& name, const CanLinkOptions& options = {});
   ~CanExecLink() override;
 
   [[nodiscard]] int descriptor() const override { return waiting_.get(); }
@@ -55,8 +56,8 @@ class CanExecLink final : public CanLink {
     [[nodiscard]] bool full() const { return count == frames.size(); }
   };
 
-  explicit CanExecLink(const std::string& interface)
-      : interface_(interface), name_("can-exec:" + interface) {}
+  CanExecLink(const std::string& interface, unsigned bit_rate)
+      : interface_(interface), name_("can-exec:" + interface), bit_rate_(bit_rate) {}
 
   base::Expected<void, LinkError> listen();
   [[nodiscard]] bool is_served() const;
@@ -71,6 +72,7 @@ class CanExecLink final : public CanLink {
   void set_timer();
   void put(Client& client, const can_frame& frame, std::uint32_t flags);
   void queue(Client& client, std::string_view message, std::uint32_t flags);
+  void answer_inquiry(Client& client);
   void write(Client& client);
   void wait_to_write(Client& client, bool wait);
   void end(Client& client);
@@ -78,6 +80,7 @@ class CanExecLink final : public CanLink {
 
   std::string interface_;
   std::string name_;
+  unsigned bit_rate_;  ///< kbit/s; 0: not known or unlimited
   /// Of the socket; empty while it is not this object's.
   std::string path_;
   FileDescriptor waiting_;
@@ -88,6 +91,9 @@ class CanExecLink final : public CanLink {
   /// Cyclic frames for which receive() had no room.
   std::vector<can::Frame> pending_;
   CanLinkStatistics statistics_;
+  std::uint64_t bytes_received_ = 0;
+  std::uint64_t bytes_sent_ = 0;
+  std::uint64_t error_frames_ = 0;
 };
 
 /// A CAN filter of Linux lets `frame` pass: its identifier and flags, masked, are the filter's, or

@@ -25,7 +25,7 @@ base::Expected<std::unique_ptr<CanLink>, LinkError> open_can_link(std::string_vi
     case CanLinkKind::udp_multicast:
       return UdpMulticastLink::open(*address, options.epoch);
     case CanLinkKind::can_exec:
-      return CanExecLink::open(address->name);
+      return CanExecLink::open(address->name, options);
   }
   return base::Unexpected{LinkError{}};
 }

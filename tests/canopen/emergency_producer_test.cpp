@@ -143,5 +143,15 @@ TEST(EmergencyProducer, Reset_ForgetsCommunicationErrorsAndWhatWaits) {
   EXPECT_EQ(bench.value(0x1001), 0x00U);
 }
 
+TEST(EmergencyProducer, ApplicationThatBeginsAnewInInitialisation_HasNoMessagesOfBefore) {
+  ServiceBench bench;
+  bench.enter(NmtState::initialisation);
+  bench.emergencies.raise(kOvercurrent, bench.now);
+  bench.emergencies.forget();  // the supply came again before it had booted up
+  bench.emergencies.raise(kOverheating, bench.now);
+  bench.enter(NmtState::pre_operational);
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x4310, 0x09)});
+}
+
 }  // namespace
 }  // namespace stator::canopen

@@ -124,11 +124,9 @@ TEST(CommandLine, TheDataSheetOfTheTmcc160PassesTheStrictCheck) {
   EXPECT_EQ(stator("export eds tmcc160 -o " + path).status, 0);
   const std::string command =
       "python3 -B " + std::string(STATOR_SOURCE_DIR) + "/scripts/check_eds.py " + path;
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  std::array<char, 4096> buffer{};
-  const std::size_t length = std::fread(buffer.data(), 1, buffer.size(), pipe);
-  EXPECT_EQ(::pclose(pipe), 0);
-  EXPECT_THAT(std::string(buffer.data(), length), HasSubstr("0 errors, 0 warnings"));
+  const tests::Outcome judged = tests::run_in_shell(command);
+  EXPECT_EQ(judged.status, 0);
+  EXPECT_THAT(judged.output, HasSubstr("0 errors, 0 warnings"));
   std::filesystem::remove(path);
 }
 

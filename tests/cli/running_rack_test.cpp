@@ -11,9 +11,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/child_process.hpp"
 #include "cli/http_client.hpp"
 #include "cli/rack_overview.hpp"
 #include "cli/stator_program.hpp"
@@ -38,19 +38,12 @@ class RunningRack : public ::testing::Test {
     std::string command = "exec ";
     command += STATOR_PROGRAM;
     command += " run " + rack + " --http 127.0.0.1:0 " + options + " >" + log_ + " 2>&1 </dev/null";
-    process_ = ::fork();
-    if (process_ == 0) {
-      ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
-      ::_exit(127);
-    }
+    process_ = tests::ChildProcess::run({"/bin/sh", "-c", command});
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     std::string text;
     do {
       ASSERT_LT(std::chrono::steady_clock::now(), end) << text;
-      if (::waitpid(process_, nullptr, WNOHANG) != 0) {
-        process_ = -1;
-        FAIL() << tests::content(log_);
-      }
+      ASSERT_TRUE(process_.runs()) << tests::content(log_);
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
       text = tests::content(log_);
     } while (text.find("Running;") == std::string::npos);
@@ -61,11 +54,9 @@ class RunningRack : public ::testing::Test {
 
   void TearDown() override {
     ::unsetenv("STATOR_TOKEN");  // NOLINT(concurrency-mt-unsafe)
-    if (process_ > 0) {
-      ::kill(process_, SIGINT);
-      int status = 0;
-      ::waitpid(process_, &status, 0);
-      EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << tests::content(log_);
+    if (process_.runs()) {
+      process_.signal(SIGINT);
+      EXPECT_EQ(process_.wait(), 0) << tests::content(log_);
     }
   }
 
@@ -82,7 +73,7 @@ class RunningRack : public ::testing::Test {
     return text.substr(begin, text.find(next, begin) - begin);
   }
 
-  pid_t process_ = -1;
+  tests::ChildProcess process_;
   std::string address_;
   std::string log_;
 };

@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <pty.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/child_process.hpp"
 #include "cli/stator_program.hpp"
 #include "source_paths.hpp"
 
@@ -23,8 +23,8 @@ class Terminal {
  public:
   explicit Terminal(std::vector<std::string> arguments) {
     winsize size{.ws_row = 32, .ws_col = 110, .ws_xpixel = 0, .ws_ypixel = 0};
-    process_ = ::forkpty(&file_, nullptr, nullptr, &size);
-    if (process_ == 0) {
+    const pid_t child = ::forkpty(&file_, nullptr, nullptr, &size);
+    if (child == 0) {
       ::setenv("TERM", "xterm", 1);
       std::string program = STATOR_PROGRAM;
       std::vector<char*> words{program.data()};
@@ -35,16 +35,11 @@ class Terminal {
       ::execv(program.c_str(), words.data());
       ::_exit(127);
     }
+    process_ = tests::ChildProcess::adopt(child);
   }
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
-  ~Terminal() {
-    if (process_ > 0) {
-      ::kill(process_, SIGKILL);
-      ::waitpid(process_, nullptr, 0);
-    }
-    ::close(file_);
-  }
+  ~Terminal() { ::close(file_); }
 
   void type(const std::string& text) {
     ASSERT_EQ(::write(file_, text.data(), text.size()), static_cast<ssize_t>(text.size()));
@@ -85,10 +80,7 @@ class Terminal {
   int exit_status() {
     while (read_more()) {
     }
-    int status = 0;
-    ::waitpid(process_, &status, 0);
-    process_ = 0;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+    return process_.wait();
   }
 
  private:
@@ -106,7 +98,7 @@ class Terminal {
     return true;
   }
 
-  pid_t process_ = 0;
+  tests::ChildProcess process_;
   int file_ = -1;
   std::string output_;
   std::size_t seen_ = 0;

@@ -6,8 +6,7 @@ be the same on each.
     can_drive.py --stator PROGRAM --interface vcan0 [UNITTEST OPTION...]
 
 PROGRAM is `stator`, LIBRARY what "stator can-exec" preloads. With --interface the port is SocketCAN on
-that interface of a kernel that has CAN, beside the ports that need nothing of the kernel. Exit status
-77: a package is missing.
+that interface of a kernel that has CAN, beside the ports that need nothing of the kernel.
 """
 
 import argparse

@@ -13,9 +13,8 @@ import tomllib
 
 try:
     import jsonschema
-except ImportError:
-    print("python3-jsonschema is not installed")
-    sys.exit(77)
+except ImportError as error:
+    sys.exit(f"{error}; scripts/setup test installs what is needed")
 
 RACKS = pathlib.Path(__file__).resolve().parents[2] / "racks"
 

@@ -6,7 +6,7 @@ comes back must be the same over a pseudo-terminal, TCP and every kind of CAN po
     tmcl_module.py --stator PROGRAM --interface vcan0 [UNITTEST OPTION...]
 
 PROGRAM is `stator`, LIBRARY what "stator can-exec" preloads. With --interface one port is SocketCAN on
-that interface of a kernel that has CAN. Exit status 77: a package is missing.
+that interface of a kernel that has CAN.
 """
 
 import argparse

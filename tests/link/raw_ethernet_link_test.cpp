@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <pthread.h>
 #include <signal.h>
-#include <sys/wait.h>
 
+#include "base/child_process.hpp"
 #include "link/ethernet_frames.hpp"
 #include "link/veth_namespace.hpp"
 
@@ -212,20 +212,19 @@ TEST_F(RawEthernetLinkTest, WithoutThePrivilegeTheErrorSaysHowToGrantIt) {
   // In a child process, because privileges given up do not come back.
   std::array<int, 2> channel{};
   ASSERT_EQ(::pipe(channel.data()), 0);
-  const pid_t child = ::fork();
-  if (child == 0) {
+  tests::ChildProcess child = tests::ChildProcess::fork([&] {
     std::string answer = "setresuid failed";
     if (::setresuid(65534, 65534, 65534) == 0) {
       answer = open_error("stator0").text;
     }
     const bool written = ::write(channel[1], answer.data(), answer.size()) > 0;
     ::_exit(written ? 0 : 1);
-  }
+  });
   ::close(channel[1]);
   std::array<char, 1024> text{};
   const ssize_t length = ::read(channel[0], text.data(), text.size());
   ::close(channel[0]);
-  ::waitpid(child, nullptr, 0);
+  EXPECT_EQ(child.wait(), 0);
   const std::string answer(text.data(), static_cast<std::size_t>(std::max<ssize_t>(length, 0)));
   if (answer == "setresuid failed") {
     GTEST_SKIP() << "needs a second user to change to; run as root";

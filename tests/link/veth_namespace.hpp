@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
@@ -29,8 +30,12 @@ class VethNamespace {
   static constexpr const char* kFirst = "stator0";
   static constexpr const char* kSecond = "stator1";
 
-  /// Nothing if the machine does not allow it; `reason` then says why and what to do.
+  /// Nothing if the machine does not allow it; `reason` then says why and what to do. Without the
+  /// program `ip` an exception.
   static std::unique_ptr<VethNamespace> create(std::string& reason) {
+    if (std::system("ip -Version >/dev/null") != 0) {
+      throw std::runtime_error("the program ip is missing; scripts/setup test installs it");
+    }
     FileDescriptor home(::open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC));
     if (!home.is_open() || !enter_new_namespace()) {
       reason = std::string("needs a network namespace (") + std::strerror(errno) +
@@ -40,8 +45,7 @@ class VethNamespace {
     auto created = std::unique_ptr<VethNamespace>(new VethNamespace(std::move(home)));
     if (!created->ip("link add name stator0 type veth peer name stator1") ||
         !created->ip("link set stator0 up") || !created->ip("link set stator1 up")) {
-      reason =
-          "needs a veth pair, but \"ip link add ... type veth\" failed; is iproute2 installed?";
+      reason = "needs a veth pair, but the kernel refuses \"ip link add ... type veth\"";
       return nullptr;
     }
     if (!created->wait_for_carrier()) {

@@ -8,15 +8,13 @@
 #include <string>
 #include <thread>
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <spawn.h>
 #include <spdlog/sinks/null_sink.h>
 #include <spdlog/spdlog.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/child_process.hpp"
 #include "ethercat/raw_frame.hpp"
 #include "link/open_link.hpp"
 #include "link/udp_ethernet_link.hpp"
@@ -85,24 +83,17 @@ struct Plant {
 /// The example as a program of its own.
 class IoSlave {
  public:
-  explicit IoSlave(std::string address) {
-    std::string program = STATOR_IO_SLAVE;
-    char* arguments[] = {program.data(), address.data(), nullptr};
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    EXPECT_EQ(posix_spawn(&process_, program.c_str(), &actions, nullptr, arguments, environ), 0);
-    posix_spawn_file_actions_destroy(&actions);
-  }
+  explicit IoSlave(const std::string& address)
+      : process_(tests::ChildProcess::run({STATOR_IO_SLAVE, address})) {}
   ~IoSlave() {
-    ::kill(process_, SIGTERM);
-    ::waitpid(process_, nullptr, 0);
+    process_.signal(SIGTERM);
+    process_.wait();
   }
   IoSlave(const IoSlave&) = delete;
   IoSlave& operator=(const IoSlave&) = delete;
 
  private:
-  pid_t process_ = -1;
+  tests::ChildProcess process_;
 };
 
 void wait_for_program(Plant& plant) {

@@ -8,9 +8,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/child_process.hpp"
 #include "base/random.hpp"
 #include "base/temporary_directory.hpp"
 #include "devices/test_bus.hpp"
@@ -277,9 +277,7 @@ TEST_F(DeviceStorageTest, KilledAtAnyMoment_TheNextStartFindsACompleteEeprom) {
   for (int round = 0; round < 20; ++round) {
     int announcements[2];
     ASSERT_EQ(::pipe(announcements), 0);
-    const pid_t child = ::fork();
-    ASSERT_GE(child, 0);
-    if (child == 0) {
+    tests::ChildProcess child = tests::ChildProcess::fork([&] {
       Process process(path_);
       for (std::uint16_t alias = 1;; ++alias) {
         process.write_alias(alias);
@@ -288,14 +286,14 @@ TEST_F(DeviceStorageTest, KilledAtAnyMoment_TheNextStartFindsACompleteEeprom) {
           ::_exit(1);
         }
       }
-    }
+    });
     char announcement = 0;
     for (std::uint64_t i = 0; i < 1 + random.below(5); ++i) {
       ASSERT_EQ(::read(announcements[0], &announcement, 1), 1);
     }
     ::usleep(static_cast<useconds_t>(random.below(1000)));
-    ::kill(child, SIGKILL);
-    ::waitpid(child, nullptr, 0);
+    child.signal(SIGKILL);
+    child.wait();
     ::close(announcements[0]);
     ::close(announcements[1]);
     Process process(path_);

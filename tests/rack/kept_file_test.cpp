@@ -8,9 +8,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/child_process.hpp"
 #include "base/random.hpp"
 #include "base/temporary_directory.hpp"
 
@@ -146,9 +146,7 @@ TEST_F(StateDirectoryTest, KilledAtAnyMoment_TheFileIsTheOldOrTheNewOne) {
     StateDirectory(path_).replace("image", before);
     int announcements[2];
     ASSERT_EQ(::pipe(announcements), 0);
-    const pid_t child = ::fork();
-    ASSERT_GE(child, 0);
-    if (child == 0) {
+    tests::ChildProcess child = tests::ChildProcess::fork([&] {
       const StateDirectory directory(path_);
       for (bool turn = true;; turn = !turn) {
         if (::write(announcements[1], "x", 1) != 1) {
@@ -156,14 +154,14 @@ TEST_F(StateDirectoryTest, KilledAtAnyMoment_TheFileIsTheOldOrTheNewOne) {
         }
         directory.replace("image", turn ? after : before);
       }
-    }
+    });
     char announcement = 0;
     for (std::uint64_t i = 0; i < 1 + random.below(4); ++i) {
       ASSERT_EQ(::read(announcements[0], &announcement, 1), 1);
     }
     ::usleep(static_cast<useconds_t>(random.below(1500)));
-    ::kill(child, SIGKILL);
-    ::waitpid(child, nullptr, 0);
+    child.signal(SIGKILL);
+    child.wait();
     ::close(announcements[0]);
     ::close(announcements[1]);
     const auto found = StateDirectory(path_).read("image");

@@ -11,7 +11,7 @@
 #include <sys/ioctl.h>
 #include <time.h>
 
-#include "link/can_exec/program_socket.hpp"
+#include "link/can_exec/bus_interface.hpp"
 #include "link/can_exec/system_calls.hpp"
 
 #define STATOR_EXPORT extern "C" __attribute__((visibility("default")))
@@ -19,8 +19,6 @@
 namespace stator::link::can_exec {
 
 namespace {
-
-constexpr int kTransmitQueue = 10;  // Linux's default for CAN interfaces
 
 /// Answers a request about one of the buses. False: it is about something else.
 bool answer_interface_request(unsigned long request, ifreq& interface) {
@@ -46,14 +44,18 @@ bool answer_interface_request(unsigned long request, ifreq& interface) {
       interface.ifr_mtu = CAN_MTU;
       return true;
     case SIOCGIFFLAGS:
-      interface.ifr_flags = IFF_UP | IFF_RUNNING | IFF_NOARP;
+      // The flags that ioctl() has room for.
+      interface.ifr_flags = static_cast<short>(interface_flags(ask(*bus)) & 0xFFFF);
       return true;
     case SIOCGIFHWADDR:
       std::memset(&interface.ifr_hwaddr, 0, sizeof interface.ifr_hwaddr);
       interface.ifr_hwaddr.sa_family = ARPHRD_CAN;
       return true;
     case SIOCGIFTXQLEN:
-      interface.ifr_qlen = kTransmitQueue;
+      interface.ifr_qlen = int{kTransmitQueue};
+      return true;
+    case SIOCGIFMETRIC:
+      interface.ifr_metric = 0;
       return true;
     default:
       return false;
@@ -62,7 +64,24 @@ bool answer_interface_request(unsigned long request, ifreq& interface) {
 
 bool is_interface_request(unsigned long request) {
   return request == SIOCGIFNAME || request == SIOCGIFINDEX || request == SIOCGIFMTU ||
-         request == SIOCGIFFLAGS || request == SIOCGIFHWADDR || request == SIOCGIFTXQLEN;
+         request == SIOCGIFFLAGS || request == SIOCGIFHWADDR || request == SIOCGIFTXQLEN ||
+         request == SIOCGIFMETRIC;
+}
+
+/// What Linux refuses a request about a CAN interface with that only others can answer: it has no
+/// addresses and no link settings. 0: it may be answered.
+int refusal(unsigned long request, const ifreq& interface) {
+  const bool asks_address = request == SIOCGIFADDR || request == SIOCGIFDSTADDR ||
+                            request == SIOCGIFBRDADDR || request == SIOCGIFNETMASK;
+  if (!asks_address && request != SIOCETHTOOL) {
+    return 0;
+  }
+  char name[IFNAMSIZ + 1] = {};
+  std::memcpy(name, interface.ifr_name, IFNAMSIZ);
+  if (bus_named(name) == nullptr) {
+    return 0;
+  }
+  return asks_address ? EADDRNOTAVAIL : EOPNOTSUPP;
 }
 
 /// SIOCGSTAMP and SIOCGSTAMPNS: when the last message came.
@@ -95,6 +114,12 @@ STATOR_EXPORT int ioctl(int descriptor, unsigned long request, ...) noexcept {
   if (is_interface_request(request) && argument != nullptr &&
       answer_interface_request(request, *static_cast<ifreq*>(argument))) {
     return 0;
+  }
+  if (argument != nullptr) {
+    if (const int error = refusal(request, *static_cast<ifreq*>(argument)); error != 0) {
+      errno = error;
+      return -1;
+    }
   }
   const auto found = ProgramSockets::instance().find(descriptor);
   if (found && argument != nullptr) {

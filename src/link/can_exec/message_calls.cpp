@@ -5,7 +5,8 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
-#include <initializer_list>
+#include <memory>
+#include <vector>
 
 #include <linux/can/bcm.h>
 #include <sys/socket.h>
@@ -14,6 +15,7 @@
 #include <unistd.h>
 
 #include "link/can_exec/program_socket.hpp"
+#include "link/can_exec/route_socket.hpp"
 #include "link/can_exec/system_calls.hpp"
 #include "link/can_exec_protocol.hpp"
 
@@ -66,7 +68,7 @@ ssize_t scatter(const std::byte* from, std::size_t size, msghdr& message) {
   return static_cast<ssize_t>(copied);
 }
 
-ssize_t receive(int descriptor, ProgramSocket& socket, msghdr& message, int flags) {
+ssize_t receive_from_bus(int descriptor, ProgramSocket& socket, msghdr& message, int flags) {
   if (!socket.connected) {
     // Nothing can come; a program that waits would wait for ever.
     return refuse(EAGAIN);
@@ -165,7 +167,7 @@ int check_destination(int descriptor, ProgramSocket& socket, const msghdr& messa
   return to.can_ifindex == 0 || to.can_ifindex == socket.bus_index ? 0 : ENXIO;
 }
 
-ssize_t transmit(int descriptor, ProgramSocket& socket, const msghdr& message, int flags) {
+ssize_t transmit_to_bus(int descriptor, ProgramSocket& socket, const msghdr& message, int flags) {
   std::array<std::byte, kMaximumMessage> whole;
   std::size_t size = 0;
   for (std::size_t i = 0; i < message.msg_iovlen; ++i) {
@@ -189,7 +191,40 @@ ssize_t transmit(int descriptor, ProgramSocket& socket, const msghdr& message, i
   return sent < 0 ? interface_failure(errno) : sent;
 }
 
-ssize_t receive_into(int descriptor, ProgramSocket& socket, void* buffer, std::size_t size,
+/// A socket the library takes care of.
+struct Ours {
+  std::shared_ptr<ProgramSocket> bus;
+  std::shared_ptr<RouteSocket> route;
+  explicit operator bool() const { return bus || route; }
+};
+
+Ours find(int descriptor) {
+  Ours found{.bus = ProgramSockets::instance().find(descriptor), .route = nullptr};
+  if (!found) {
+    found.route = RouteSockets::instance().find(descriptor);
+  }
+  return found;
+}
+
+ssize_t receive(int descriptor, const Ours& socket, msghdr& message, int flags) {
+  return socket.bus ? receive_from_bus(descriptor, *socket.bus, message, flags)
+                    : socket.route->receive(descriptor, message, flags);
+}
+
+ssize_t transmit(int descriptor, const Ours& socket, const msghdr& message, int flags) {
+  if (socket.bus) {
+    return transmit_to_bus(descriptor, *socket.bus, message, flags);
+  }
+  std::vector<std::byte> whole;
+  for (std::size_t i = 0; i < message.msg_iovlen; ++i) {
+    const auto* const from = static_cast<const std::byte*>(message.msg_iov[i].iov_base);
+    whole.insert(whole.end(), from, from + message.msg_iov[i].iov_len);
+  }
+  socket.route->note(whole);
+  return STATOR_SYSTEM(sendmsg)(descriptor, &message, flags);
+}
+
+ssize_t receive_into(int descriptor, const Ours& socket, void* buffer, std::size_t size,
                      int flags) {
   iovec part{.iov_base = buffer, .iov_len = size};
   msghdr message{};
@@ -198,8 +233,8 @@ ssize_t receive_into(int descriptor, ProgramSocket& socket, void* buffer, std::s
   return receive(descriptor, socket, message, flags);
 }
 
-ssize_t receive_from(int descriptor, ProgramSocket& socket, void* buffer, std::size_t size,
-                     int flags, sockaddr* address, socklen_t* length) {
+ssize_t receive_from(int descriptor, const Ours& socket, void* buffer, std::size_t size, int flags,
+                     sockaddr* address, socklen_t* length) {
   iovec part{.iov_base = buffer, .iov_len = size};
   msghdr message{};
   message.msg_iov = &part;
@@ -213,7 +248,7 @@ ssize_t receive_from(int descriptor, ProgramSocket& socket, void* buffer, std::s
   return received;
 }
 
-ssize_t transmit_from(int descriptor, ProgramSocket& socket, const void* buffer, std::size_t size,
+ssize_t transmit_from(int descriptor, const Ours& socket, const void* buffer, std::size_t size,
                       int flags, const sockaddr* address = nullptr, socklen_t length = 0) {
   iovec part{.iov_base = const_cast<void*>(buffer), .iov_len = size};
   msghdr message{};
@@ -224,22 +259,18 @@ ssize_t transmit_from(int descriptor, ProgramSocket& socket, const void* buffer,
   return transmit(descriptor, socket, message, flags);
 }
 
-ssize_t receive_parts(int descriptor, ProgramSocket& socket, const iovec* parts, int count) {
+ssize_t receive_parts(int descriptor, const Ours& socket, const iovec* parts, int count) {
   msghdr message{};
   message.msg_iov = const_cast<iovec*>(parts);
   message.msg_iovlen = static_cast<std::size_t>(std::max(count, 0));
   return receive(descriptor, socket, message, 0);
 }
 
-ssize_t transmit_parts(int descriptor, ProgramSocket& socket, const iovec* parts, int count) {
+ssize_t transmit_parts(int descriptor, const Ours& socket, const iovec* parts, int count) {
   msghdr message{};
   message.msg_iov = const_cast<iovec*>(parts);
   message.msg_iovlen = static_cast<std::size_t>(std::max(count, 0));
   return transmit(descriptor, socket, message, 0);
-}
-
-std::shared_ptr<ProgramSocket> find(int descriptor) {
-  return ProgramSockets::instance().find(descriptor);
 }
 
 }  // namespace
@@ -250,32 +281,32 @@ using namespace stator::link::can_exec;
 
 STATOR_EXPORT ssize_t read(int descriptor, void* buffer, std::size_t size) {
   const auto found = find(descriptor);
-  return found ? receive_into(descriptor, *found, buffer, size, 0)
+  return found ? receive_into(descriptor, found, buffer, size, 0)
                : STATOR_SYSTEM(read)(descriptor, buffer, size);
 }
 
 STATOR_EXPORT ssize_t readv(int descriptor, const iovec* parts, int count) {
   const auto found = find(descriptor);
-  return found ? receive_parts(descriptor, *found, parts, count)
+  return found ? receive_parts(descriptor, found, parts, count)
                : STATOR_SYSTEM(readv)(descriptor, parts, count);
 }
 
 STATOR_EXPORT ssize_t recv(int descriptor, void* buffer, std::size_t size, int flags) {
   const auto found = find(descriptor);
-  return found ? receive_into(descriptor, *found, buffer, size, flags)
+  return found ? receive_into(descriptor, found, buffer, size, flags)
                : STATOR_SYSTEM(recv)(descriptor, buffer, size, flags);
 }
 
 STATOR_EXPORT ssize_t recvfrom(int descriptor, void* buffer, std::size_t size, int flags,
                                sockaddr* address, socklen_t* length) {
   const auto found = find(descriptor);
-  return found ? receive_from(descriptor, *found, buffer, size, flags, address, length)
+  return found ? receive_from(descriptor, found, buffer, size, flags, address, length)
                : STATOR_SYSTEM(recvfrom)(descriptor, buffer, size, flags, address, length);
 }
 
 STATOR_EXPORT ssize_t recvmsg(int descriptor, msghdr* message, int flags) {
   const auto found = find(descriptor);
-  return found ? receive(descriptor, *found, *message, flags)
+  return found ? receive(descriptor, found, *message, flags)
                : STATOR_SYSTEM(recvmsg)(descriptor, message, flags);
 }
 
@@ -289,7 +320,7 @@ STATOR_EXPORT int recvmmsg(int descriptor, mmsghdr* messages, unsigned count, in
   for (unsigned i = 0; i < count; ++i) {
     const int more = received > 0 && (flags & MSG_WAITFORONE) != 0 ? MSG_DONTWAIT : 0;
     const ssize_t size =
-        receive(descriptor, *found, messages[i].msg_hdr, (flags & ~MSG_WAITFORONE) | more);
+        receive(descriptor, found, messages[i].msg_hdr, (flags & ~MSG_WAITFORONE) | more);
     if (size < 0) {
       return received > 0 ? received : -1;
     }
@@ -301,32 +332,32 @@ STATOR_EXPORT int recvmmsg(int descriptor, mmsghdr* messages, unsigned count, in
 
 STATOR_EXPORT ssize_t write(int descriptor, const void* buffer, std::size_t size) {
   const auto found = find(descriptor);
-  return found ? transmit_from(descriptor, *found, buffer, size, 0)
+  return found ? transmit_from(descriptor, found, buffer, size, 0)
                : STATOR_SYSTEM(write)(descriptor, buffer, size);
 }
 
 STATOR_EXPORT ssize_t writev(int descriptor, const iovec* parts, int count) {
   const auto found = find(descriptor);
-  return found ? transmit_parts(descriptor, *found, parts, count)
+  return found ? transmit_parts(descriptor, found, parts, count)
                : STATOR_SYSTEM(writev)(descriptor, parts, count);
 }
 
 STATOR_EXPORT ssize_t send(int descriptor, const void* buffer, std::size_t size, int flags) {
   const auto found = find(descriptor);
-  return found ? transmit_from(descriptor, *found, buffer, size, flags)
+  return found ? transmit_from(descriptor, found, buffer, size, flags)
                : STATOR_SYSTEM(send)(descriptor, buffer, size, flags);
 }
 
 STATOR_EXPORT ssize_t sendto(int descriptor, const void* buffer, std::size_t size, int flags,
                              const sockaddr* address, socklen_t length) {
   const auto found = find(descriptor);
-  return found ? transmit_from(descriptor, *found, buffer, size, flags, address, length)
+  return found ? transmit_from(descriptor, found, buffer, size, flags, address, length)
                : STATOR_SYSTEM(sendto)(descriptor, buffer, size, flags, address, length);
 }
 
 STATOR_EXPORT ssize_t sendmsg(int descriptor, const msghdr* message, int flags) {
   const auto found = find(descriptor);
-  return found ? transmit(descriptor, *found, *message, flags)
+  return found ? transmit(descriptor, found, *message, flags)
                : STATOR_SYSTEM(sendmsg)(descriptor, message, flags);
 }
 
@@ -337,7 +368,7 @@ STATOR_EXPORT int sendmmsg(int descriptor, mmsghdr* messages, unsigned count, in
   }
   int sent = 0;
   for (unsigned i = 0; i < count; ++i) {
-    const ssize_t size = transmit(descriptor, *found, messages[i].msg_hdr, flags);
+    const ssize_t size = transmit(descriptor, found, messages[i].msg_hdr, flags);
     if (size < 0) {
       return sent > 0 ? sent : -1;
     }

@@ -3,7 +3,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <string_view>
-#include <utility>
 
 namespace stator::link::can_exec {
 
@@ -50,40 +49,6 @@ const Bus* bus_with_index(int index) {
     }
   }
   return nullptr;
-}
-
-ProgramSockets& ProgramSockets::instance() {
-  static ProgramSockets* const sockets = new ProgramSockets;
-  return *sockets;
-}
-
-std::shared_ptr<ProgramSocket> ProgramSockets::find(int descriptor) {
-  if (descriptor < 0 ||
-      (descriptor < kQuick && !known_[descriptor].load(std::memory_order_relaxed))) {
-    return nullptr;
-  }
-  const std::scoped_lock lock(mutex_);
-  const auto found = sockets_.find(descriptor);
-  return found == sockets_.end() ? nullptr : found->second;
-}
-
-void ProgramSockets::add(int descriptor, std::shared_ptr<ProgramSocket> socket) {
-  const std::scoped_lock lock(mutex_);
-  sockets_[descriptor] = std::move(socket);
-  if (descriptor < kQuick) {
-    known_[descriptor].store(true, std::memory_order_relaxed);
-  }
-}
-
-void ProgramSockets::remove(int descriptor) {
-  if (!find(descriptor)) {
-    return;
-  }
-  const std::scoped_lock lock(mutex_);
-  sockets_.erase(descriptor);
-  if (descriptor < kQuick) {
-    known_[descriptor].store(false, std::memory_order_relaxed);
-  }
 }
 
 }  // namespace stator::link::can_exec

@@ -1,17 +1,13 @@
 #pragma once
 
-#include <atomic>
-#include <cstddef>
 #include <cstdint>
-#include <map>
-#include <memory>
-#include <mutex>
 #include <set>
 #include <string>
 #include <vector>
 
 #include <linux/can.h>
 
+#include "link/can_exec/descriptor_table.hpp"
 #include "link/can_exec_protocol.hpp"
 
 // What the preloaded library knows of the program it is in.
@@ -49,24 +45,7 @@ struct ProgramSocket {
   timespec received{};
 };
 
-/// The CAN sockets of this process by descriptor.
-class ProgramSockets {
- public:
-  /// Never destroyed, since programs close descriptors until the very end.
-  static ProgramSockets& instance();
-
-  /// Null if `descriptor` is none of them.
-  [[nodiscard]] std::shared_ptr<ProgramSocket> find(int descriptor);
-  void add(int descriptor, std::shared_ptr<ProgramSocket> socket);
-  void remove(int descriptor);
-
- private:
-  static constexpr int kQuick = 65536;
-
-  std::mutex mutex_;
-  std::map<int, std::shared_ptr<ProgramSocket>> sockets_;
-  /// Lets all other descriptors pass without the lock.
-  std::atomic<bool> known_[kQuick] = {};
-};
+/// The CAN sockets of this process.
+using ProgramSockets = DescriptorTable<ProgramSocket>;
 
 }  // namespace stator::link::can_exec

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "link/can_exec/program_socket.hpp"
+#include "link/can_exec/route_socket.hpp"
 #include "link/can_exec/system_calls.hpp"
 #include "link/can_exec_protocol.hpp"
 
@@ -149,12 +150,9 @@ int get_option(const ProgramSocket& socket, int option, void* value, socklen_t* 
 }
 
 void share(int from, int to) {
-  if (to < 0) {
-    return;
-  }
-  ProgramSockets::instance().remove(to);
-  if (const auto socket = ProgramSockets::instance().find(from)) {
-    ProgramSockets::instance().add(to, socket);
+  if (to >= 0) {
+    ProgramSockets::instance().share(from, to);
+    RouteSockets::instance().share(from, to);
   }
 }
 
@@ -198,7 +196,11 @@ using namespace stator::link::can_exec;
 
 STATOR_EXPORT int socket(int domain, int type, int protocol) noexcept {
   if (domain != PF_CAN) {
-    return STATOR_SYSTEM(socket)(domain, type, protocol);
+    const int descriptor = STATOR_SYSTEM(socket)(domain, type, protocol);
+    if (descriptor >= 0 && domain == PF_NETLINK && protocol == NETLINK_ROUTE && !buses().empty()) {
+      RouteSockets::instance().add(descriptor, std::make_shared<RouteSocket>());
+    }
+    return descriptor;
   }
   constexpr int kModes = SOCK_CLOEXEC | SOCK_NONBLOCK;
   const int kind = type & ~kModes;
@@ -279,6 +281,7 @@ STATOR_EXPORT int getsockname(int descriptor, sockaddr* address, socklen_t* leng
 
 STATOR_EXPORT int close(int descriptor) {
   ProgramSockets::instance().remove(descriptor);
+  RouteSockets::instance().remove(descriptor);
   return STATOR_SYSTEM(close)(descriptor);
 }
 
