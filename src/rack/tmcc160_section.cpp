@@ -69,11 +69,8 @@ void read_options(TomlSection& section, Options& options) {
   }
 }
 
-void read_node_id(TomlSection& section, devices::Tmcc160Configuration& configuration) {
-  section.integer({"node_id",
-                   "As delivered, 1 to 127, or with lss 255 for none; parameters stored in the "
-                   "state directory have precedence"},
-                  canopen::kMinimumNodeId, canopen::kUnconfiguredNodeId, configuration.node_id);
+/// Once the options are known: without LSS nothing could give the drive a node-ID.
+void check_node_id(TomlSection& section, const devices::Tmcc160Configuration& configuration) {
   if (canopen::is_node_id(configuration.node_id)) {
     return;
   }
@@ -94,6 +91,10 @@ void read_node_id(TomlSection& section, devices::Tmcc160Configuration& configura
 
 void read_tmcc160(TomlSection& section, devices::Tmcc160Configuration& configuration) {
   read_quirks(section, QuirkKind::canopen, configuration.quirks);
+  section.integer({"node_id",
+                   "As delivered, 1 to 127, or with lss 255 for none; parameters stored in the "
+                   "state directory have precedence"},
+                  canopen::kMinimumNodeId, canopen::kUnconfiguredNodeId, configuration.node_id);
   if (const auto bit_rate = section.integer({"bit_rate", "As delivered", "kbit/s"}, 20, 1000)) {
     if (std::ranges::find(kBitRates, *bit_rate) == kBitRates.end()) {
       section.refuse("bit_rate", fmt::format("\"bit_rate\" is {} kbit/s; the drive knows {}",
@@ -109,7 +110,7 @@ void read_tmcc160(TomlSection& section, devices::Tmcc160Configuration& configura
   section.duration({"sdo_timeout", "Between two segments of an SDO"}, 1_ms, 60_s,
                    configuration.sdo_timeout);
   read_options(section, configuration.options);
-  read_node_id(section, configuration);
+  check_node_id(section, configuration);
   if (auto axis = section.section({"axis", "Motor, load, sensors"})) {
     read_servo_axis(*axis, configuration.axis);
   }
