@@ -53,6 +53,15 @@ EmergencyProducer::EmergencyProducer(dictionary::Dictionary& dictionary,
 
 void EmergencyProducer::start(SimTime now) {
   inhibited_until_ = now;
+  // The dictionary has the values it starts with, 1001h among them. What waits was raised during
+  // Initialisation, before 1014h had its value, and may be gone: the errors that last say it all.
+  update_register();
+  message_count_ = 0;
+  for (std::size_t i = 0; i < error_count_; ++i) {
+    if (const Error& error = errors_[i]; error.told) {
+      queue({.code = error.code, .information = error.information}, now);
+    }
+  }
 }
 
 void EmergencyProducer::begin_anew() {
@@ -67,6 +76,7 @@ void EmergencyProducer::begin_anew() {
 void EmergencyProducer::forget() {
   message_count_ = 0;
   error_count_ = 0;
+  message_count_ = 0;
   update_register();
 }
 
@@ -110,21 +120,22 @@ bool EmergencyProducer::lasts(std::uint16_t code, std::uint8_t cause) const {
 
 void EmergencyProducer::raise(const Emergency& emergency, SimTime now) {
   const Emergency complete = completed(emergency);
-  if (add(complete, now)) {
+  if (add(complete, true, now)) {
     queue(complete, now);
   }
 }
 
 void EmergencyProducer::note(const Emergency& emergency, SimTime now) {
-  static_cast<void>(add(completed(emergency), now));
+  static_cast<void>(add(completed(emergency), false, now));
 }
 
-bool EmergencyProducer::add(const Emergency& emergency, SimTime now) {
+bool EmergencyProducer::add(const Emergency& emergency, bool told, SimTime now) {
   if (find(emergency.code, emergency.cause) != nullptr) {
     return false;
   }
   if (error_count_ < errors_.size()) {
-    errors_[error_count_++] = {emergency.code, emergency.cause, emergency.error_register};
+    errors_[error_count_++] = {emergency.code, emergency.cause, emergency.error_register,
+                               emergency.information, told};
   }
   update_register();
   record(emergency);

@@ -44,7 +44,8 @@ struct EmergencyStatistics {
 /// Messages are sent in their order, no closer than the inhibit time 1015h, in Pre-operational and
 /// Operational while 1014h is valid; up to eight wait, in other states too. Initialisation forgets
 /// errors of the communication (81xxh, 82xxh) and messages of the time before; those of the
-/// application last until it clears them or calls forget().
+/// application last until it clears them or calls forget(). Errors that last are told anew after
+/// the boot-up message: a node that comes up with one is never error free (CiA 301 §7.2.7.1).
 class EmergencyProducer final : public Service, public EmergencySink {
  public:
   /// Messages that wait at most; a further one is lost: the first ones tell the cause.
@@ -65,7 +66,8 @@ class EmergencyProducer final : public Service, public EmergencySink {
   void withdraw(std::uint16_t code, std::uint8_t cause);
   /// Sends code 0000h, whatever lasts.
   void report_reset(base::SimTime now);
-  /// Every error is gone, without a message: the application begins anew.
+  /// Every error is gone, without a message, and what waits is not sent: the application begins
+  /// anew.
   void forget();
   [[nodiscard]] bool lasts(std::uint16_t code, std::uint8_t cause) const;
 
@@ -81,11 +83,13 @@ class EmergencyProducer final : public Service, public EmergencySink {
     std::uint16_t code = 0;
     std::uint8_t cause = 0;
     std::uint8_t error_register = 0;
+    std::array<std::uint8_t, 5> information{};
+    bool told = false;  ///< by a message; otherwise in the error register alone
   };
 
   [[nodiscard]] Emergency completed(const Emergency& emergency) const;
   [[nodiscard]] Error* find(std::uint16_t code, std::uint8_t cause);
-  bool add(const Emergency& emergency, base::SimTime now);
+  bool add(const Emergency& emergency, bool told, base::SimTime now);
   bool remove(std::uint16_t code, std::uint8_t cause);
   void begin_anew();
   void update_register();

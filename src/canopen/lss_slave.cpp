@@ -71,7 +71,7 @@ LssSlave::LssSlave(dictionary::Dictionary& dictionary, can::Transmitter& transmi
   }
 }
 
-void LssSlave::power_on() {
+void LssSlave::forget_configuration() {
   pending_node_id_.reset();
   pending_bit_rate_.reset();
 }
@@ -254,7 +254,11 @@ std::uint8_t LssSlave::store_configuration(SimTime now) {
     reporter_.report(now, kStoringRefused, {"the device cannot store"});
     return lss::kStoringNotSupported;
   }
-  if (!hooks_.store(pending_node_id_.value_or(active_node_id_), pending_bit_rate_)) {
+  // The device may take the order for one to forget what is pending; it is stored and pending.
+  const std::optional<std::uint8_t> node_id = pending_node_id_;
+  const bool stored = hooks_.store(node_id, pending_bit_rate_);
+  pending_node_id_ = node_id;
+  if (!stored) {
     reporter_.report(now, kStoringRefused, {"the device's memory could not be written"});
     return lss::kStorageAccessError;
   }

@@ -27,8 +27,10 @@ struct LssHooks {
   base::Delegate<bool(std::uint32_t bit_rate)> supports;
   /// Work with this bit rate from now on.
   base::Delegate<void(std::uint32_t bit_rate, base::SimTime now)> activate;
-  /// Keep node-ID and bit rate (nothing: unchanged) without supply; false if that fails.
-  base::Delegate<bool(std::uint8_t node_id, std::optional<std::uint32_t> bit_rate)> store;
+  /// Keep node-ID and bit rate (nothing: unchanged) without supply; false if that fails. The
+  /// node-ID may be kUnconfiguredNodeId.
+  base::Delegate<bool(std::optional<std::uint8_t> node_id, std::optional<std::uint32_t> bit_rate)>
+      store;
 };
 
 /// LSS slave (CiA 305): switch state, configure, store and inquire services, identification and
@@ -40,12 +42,15 @@ class LssSlave final : public Service {
            base::EventReporter reporter, const LssConfiguration& configuration);
 
   void set_hooks(const LssHooks& hooks) { hooks_ = hooks; }
-  /// The supply has come: what was configured and not stored is forgotten.
-  void power_on();
+  /// The supply has come, or reset node: what was configured and not stored is forgotten.
+  void forget_configuration();
+  /// The device has stored a node-ID otherwise than by LSS: the next reset communication puts that
+  /// one into force, not one that LSS was asked to configure before.
+  void forget_pending_node_id() { pending_node_id_.reset(); }
   /// The node-ID the node works with, to be told before start().
   void set_active_node_id(std::uint8_t node_id) { active_node_id_ = node_id; }
-  /// The node-ID that the next reset communication puts into force; nothing if LSS was not asked to
-  /// configure one since power-on.
+  /// The node-ID that the next reset communication puts into force (CiA 305: pending node-ID);
+  /// nothing: the one the device has stored.
   [[nodiscard]] std::optional<std::uint8_t> pending_node_id() const { return pending_node_id_; }
   [[nodiscard]] bool configuring() const { return configuring_; }
 

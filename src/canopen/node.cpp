@@ -85,6 +85,12 @@ void Node::add(Service& service) {
   enlist(service, false, false);
 }
 
+void Node::stored_node_id_changed() {
+  if (lss_) {
+    lss_->forget_pending_node_id();
+  }
+}
+
 void Node::set_lss_hooks(const LssHooks& hooks) {
   if (lss_) {
     lss_->set_hooks(hooks);
@@ -100,9 +106,6 @@ void Node::set_write_completion(WriteCompletion* completion) {
 void Node::power_on(SimTime now) {
   powered_ = true;
   statistics_ = {};
-  if (lss_) {
-    lss_->power_on();
-  }
   initialise(true, configuration_.boot_time, now);
 }
 
@@ -127,6 +130,9 @@ void Node::reset_communication(SimTime now) {
 /// Initialisation begins; its last sub-state ends a time `until_boot_up` later.
 void Node::initialise(bool with_application, base::SimDuration until_boot_up, SimTime now) {
   change_state(NmtState::initialisation, now);
+  if (with_application && lss_) {
+    lss_->forget_configuration();
+  }
   if (with_application && hooks_.reset_application) {
     hooks_.reset_application(now);
   }

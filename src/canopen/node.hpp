@@ -54,7 +54,8 @@ struct NodeHooks {
   /// At power-on and on reset node, before reset_communication.
   base::Delegate<void(base::SimTime now)> reset_application;
   /// Reset communication: the communication objects take the values they have after power-on.
-  /// Returns the node-ID to work with from now on.
+  /// Returns the stored node-ID, to work with from now on unless LSS was asked to configure another
+  /// one since reset node.
   base::Delegate<std::uint8_t(base::SimTime now)> reset_communication;
   /// The node is about to boot up with this node-ID, that of reset_communication unless LSS has
   /// configured another one. COB-IDs that contain the node-ID are the device's to set here.
@@ -132,6 +133,9 @@ class Node {
   /// Changes to Pre-operational, Operational or Stopped, as error behaviour (1029h) does. Nothing
   /// happens in Initialisation.
   void enter(NmtState state, base::SimTime now);
+  /// The device has stored another node-ID otherwise than by LSS: reset communication takes it, not
+  /// one that LSS was asked to configure before.
+  void stored_node_id_changed();
   /// To be called when a communication object was changed otherwise than by SDO.
   void communication_objects_changed() { forget_ignored(); }
 

@@ -72,6 +72,9 @@ void ParameterStorage::on_written(const Entry& entry) {
       memory_.store(group.number, {});
     }
   }
+  if (ordered_) {
+    ordered_(command);
+  }
 }
 
 std::optional<Verdict> ParameterStorage::poll(const Entry& entry, base::SimTime /*now*/) {

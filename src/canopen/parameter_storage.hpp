@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/delegate.hpp"
 #include "base/event.hpp"
 #include "canopen/non_volatile_memory.hpp"
 #include "canopen/parameter_image.hpp"
@@ -57,6 +58,10 @@ class ParameterStorage final : public WriteCompletion {
   ParameterStorage(dictionary::Dictionary& dictionary, NonVolatileMemory& memory,
                    base::EventReporter reporter, const ParameterStorageRules& limits);
 
+  /// Told of each order to store or restore once the memory has it; null: nobody.
+  using OrderHook = base::Delegate<void(const StorageCommand&)>;
+  void set_order_hook(OrderHook hook) { ordered_ = hook; }
+
   /// Gives every parameter that has been stored its stored value, without hooks; to be called after
   /// the defaults were set. A damaged image changes nothing and raises an event.
   void load(base::SimTime now) { load_groups(false, now); }
@@ -79,6 +84,7 @@ class ParameterStorage final : public WriteCompletion {
   NonVolatileMemory& memory_;
   base::EventReporter reporter_;
   ParameterStorageRules rules_;
+  OrderHook ordered_;
   std::vector<std::byte> image_;  ///< being stored; with room for the largest group
 };
 

@@ -131,25 +131,43 @@ Verdict PdoMapping::check_count(const Entry& entry, std::uint64_t count) const {
   return {};
 }
 
-void PdoMapping::compile() {
-  items_.clear();
-  bits_ = 0;
+/// Calls `visit` for each item the mapping object asks for; returns their bits, gaps included.
+template <typename Visitor>
+unsigned PdoMapping::walk(Visitor visit) const {
+  unsigned bits = 0;
   const std::size_t room = object_->entries.size() - 1;
   const std::uint64_t count = std::min<std::uint64_t>(object_->entries.front().value(), room);
   for (std::uint64_t subindex = 1; subindex <= count; ++subindex) {
     const Entry& source = object_->entries[subindex];
     const auto resolved = resolve(source, source.value());
     const std::uint8_t length = decode(source.value()).bits;
-    if (!resolved || bits_ + length > kMaximumPdoBits) {
-      return;
+    if (!resolved || bits + length > kMaximumPdoBits) {
+      break;
     }
     if (*resolved != nullptr) {
-      items_.push_back({.entry = *resolved,
-                        .bit_offset = static_cast<std::uint8_t>(bits_),
-                        .bit_length = length});
+      visit(Item{
+          .entry = *resolved, .bit_offset = static_cast<std::uint8_t>(bits), .bit_length = length});
     }
-    bits_ += length;
+    bits += length;
   }
+  return bits;
+}
+
+void PdoMapping::compile() {
+  items_.clear();
+  bits_ = walk([this](const Item& item) { items_.push_back(item); });
+}
+
+bool PdoMapping::up_to_date() const {
+  std::size_t found = 0;
+  bool same = true;
+  const unsigned bits = walk([&](const Item& item) {
+    same = same && found < items_.size() && items_[found].entry == item.entry &&
+           items_[found].bit_offset == item.bit_offset &&
+           items_[found].bit_length == item.bit_length;
+    ++found;
+  });
+  return same && found == items_.size() && bits == bits_;
 }
 
 std::uint64_t PdoMapping::pack() const {

@@ -45,6 +45,8 @@ class PdoMapping {
 
   /// Follows the mapping object. Entries that cannot be mapped end the mapping.
   void compile();
+  /// Would compile() change nothing?
+  [[nodiscard]] bool up_to_date() const;
   [[nodiscard]] std::span<const Item> items() const { return items_; }
   [[nodiscard]] bool empty() const { return bits_ == 0; }
   [[nodiscard]] std::uint8_t bytes() const { return static_cast<std::uint8_t>((bits_ + 7) / 8); }
@@ -60,6 +62,8 @@ class PdoMapping {
       const dictionary::Entry& source, std::uint64_t value) const;
   [[nodiscard]] base::Expected<dictionary::Entry*, dictionary::Refusal> resolve_gap(
       const dictionary::Entry& source, std::uint64_t value) const;
+  template <typename Visitor>
+  unsigned walk(Visitor visit) const;
 
   const dictionary::Dictionary* dictionary_;
   const dictionary::Object* object_;

@@ -64,6 +64,9 @@ void PdoService::start(SimTime now) {
   if (rules_.one_pdo) {
     close_further_pdos();
   }
+  for (TransmitPdo& pdo : transmit_) {
+    pdo.reset();
+  }
   follow_all(now);
 }
 
@@ -109,8 +112,11 @@ void PdoService::end_process_data() {
   }
 }
 
+/// Process data begin anew.
 void PdoService::follow_all(SimTime now) {
   for (ReceivePdo& pdo : receive_) {
+    clear_errors(pdo, now);
+    pdo.stop();
     pdo.changed = true;
   }
   for (TransmitPdo& pdo : transmit_) {
@@ -125,17 +131,18 @@ void PdoService::follow_changes(SimTime now) {
   changed_ = false;
   for (ReceivePdo& pdo : receive_) {
     if (std::exchange(pdo.changed, false)) {
-      clear_errors(pdo, now);
+      if (pdo.becomes_another()) {
+        clear_errors(pdo, now);
+      }
       pdo.configure();
+      if (!pdo.supervised()) {
+        clear_timeout(pdo, now);
+      }
     }
   }
   rebuild_filter();
   for (TransmitPdo& pdo : transmit_) {
-    if (!std::exchange(pdo.changed, false)) {
-      continue;
-    }
-    pdo.configure();
-    if (operational_) {
+    if (std::exchange(pdo.changed, false) && pdo.configure(now) && operational_) {
       pdo.start(now);
     }
   }
@@ -181,9 +188,7 @@ void PdoService::receive_data(ReceivePdo& pdo, const can::Frame& frame, SimTime 
     ++statistics_.outside_window;
     return;
   }
-  if (std::exchange(pdo.timed_out, false)) {
-    emergencies_.clear(kTimeout, cause_of(pdo), now);
-  }
+  clear_timeout(pdo, now);
   const ReceivePdo::Reception reception = pdo.receive(frame, now, refused_hook(pdo, now));
   if (reception != ReceivePdo::Reception::no_mapping) {
     check_length(pdo, frame, now);
@@ -225,13 +230,17 @@ void PdoService::clear_errors(ReceivePdo& pdo, SimTime now) {
   if (const std::uint16_t error = std::exchange(pdo.length_error, std::uint16_t{0}); error != 0) {
     emergencies_.clear(error, cause_of(pdo), now);
   }
-  if (std::exchange(pdo.timed_out, false)) {
-    emergencies_.clear(kTimeout, cause_of(pdo), now);
-  }
+  clear_timeout(pdo, now);
   for (const PdoMapping::Item& item : pdo.mapping().items()) {
     if (item.refused) {
       emergencies_.clear(kParameterError, cause_of(pdo, item), now);
     }
+  }
+}
+
+void PdoService::clear_timeout(ReceivePdo& pdo, SimTime now) {
+  if (std::exchange(pdo.timed_out, false)) {
+    emergencies_.clear(kTimeout, cause_of(pdo), now);
   }
 }
 

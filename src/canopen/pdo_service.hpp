@@ -92,6 +92,7 @@ class PdoService final : public Service {
   void receive_data(ReceivePdo& pdo, const can::Frame& frame, base::SimTime now);
   void check_length(ReceivePdo& pdo, const can::Frame& frame, base::SimTime now);
   void clear_errors(ReceivePdo& pdo, base::SimTime now);
+  void clear_timeout(ReceivePdo& pdo, base::SimTime now);
   void check_timeouts(base::SimTime now);
   void on_refused(const PdoMapping::Item& item, const dictionary::Refusal* refusal,
                   std::uint64_t raw);

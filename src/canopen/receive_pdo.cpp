@@ -24,14 +24,28 @@ ReceivePdo::ReceivePdo(const dictionary::Dictionary& dictionary, std::uint16_t n
       mapping_(dictionary, *dictionary.find(plus(kReceivePdoMapping, number)),
                PdoDirection::receive, limits) {}
 
+bool ReceivePdo::becomes_another() const {
+  const std::uint64_t cob_id = cob_id_->value();
+  return valid_ != ((cob_id & kCobIdInvalid) == 0) || can_id_ != can_id_of(cob_id) ||
+         !mapping_.up_to_date();
+}
+
 void ReceivePdo::configure() {
-  valid_ = (cob_id_->value() & kCobIdInvalid) == 0;
-  can_id_ = can_id_of(cob_id_->value());
+  if (becomes_another()) {
+    valid_ = (cob_id_->value() & kCobIdInvalid) == 0;
+    can_id_ = can_id_of(cob_id_->value());
+    mapping_.compile();
+    stop();
+  }
   type_ = static_cast<std::uint8_t>(transmission_type_->value());
+  const base::SimDuration before = timeout_;
   timeout_ = base::SimDuration(kNanosecondsPerMillisecond) *
              (event_timer_ == nullptr ? 0 : event_timer_->signed_value());
-  mapping_.compile();
-  stop();
+  if (!supervised()) {
+    expire();
+  } else if (deadline_ != base::SimTime::never()) {
+    deadline_ = deadline_ - before + timeout_;  // counted from the last frame
+  }
 }
 
 void ReceivePdo::stop() {
@@ -50,7 +64,7 @@ ReceivePdo::Reception ReceivePdo::receive(const can::Frame& frame, base::SimTime
   if (frame.length > mapping_.bytes() && rules_->long_pdo == LongPdo::reject) {
     return Reception::too_long;
   }
-  if (timeout_ > base::SimDuration()) {
+  if (supervised()) {
     deadline_ = now + timeout_;
   }
   data_ = base::load_le<std::uint64_t>(frame.data);
@@ -58,6 +72,7 @@ ReceivePdo::Reception ReceivePdo::receive(const can::Frame& frame, base::SimTime
     waiting_ = true;
     return Reception::waiting;
   }
+  waiting_ = false;  // older than this one: the transmission type was another
   mapping_.unpack(data_, on_refused);
   return Reception::written;
 }

@@ -27,7 +27,9 @@ class ReceivePdo {
   ReceivePdo(const dictionary::Dictionary& dictionary, std::uint16_t number,
              const PdoRules& limits);
 
-  /// Follows its objects anew. What waits for a SYNC is forgotten.
+  /// Do its objects make another PDO of it, with another mapping or CAN-ID, or take it away?
+  [[nodiscard]] bool becomes_another() const;
+  /// Follows its objects anew. What waits for a SYNC is forgotten only if it becomes another PDO.
   void configure();
   /// Leaves Operational: what waits for a SYNC and when the next frame was due is forgotten.
   void stop();
@@ -54,6 +56,7 @@ class ReceivePdo {
   /// When the next frame must have come at the latest (14xxh:05); never() while nothing is
   /// expected.
   [[nodiscard]] base::SimTime deadline() const { return deadline_; }
+  [[nodiscard]] bool supervised() const { return timeout_ > base::SimDuration(); }
   /// The frame expected has not come; the next one starts the supervision again.
   void expire() { deadline_ = base::SimTime::never(); }
 

@@ -51,6 +51,27 @@ inline constexpr std::size_t kExpeditedMaximum = 4;  ///< data bytes of an exped
 inline constexpr std::size_t kSegmentData = 7;       ///< data bytes of a segment
 inline constexpr std::uint8_t kMaximumBlockSize = 127;
 
+/// How many bytes of a request carry something, from its first byte; the rest are reserved.
+constexpr std::size_t bytes_that_count(unsigned command) {
+  constexpr std::size_t kMultiplexer = 4;  // with the command itself
+  const bool size_indicated = (command & kSizeIndicated) != 0;
+  switch (static_cast<ClientCommand>(command >> 5)) {
+    case ClientCommand::upload_segment:
+      return 1;
+    case ClientCommand::download_segment:
+      return 1 + kSegmentData - (command >> 1 & 7U);
+    case ClientCommand::initiate_upload:
+      return kMultiplexer;
+    case ClientCommand::initiate_download:
+      if ((command & kExpedited) == 0) {
+        return size_indicated ? kMultiplexer + sizeof(std::uint32_t) : kMultiplexer;
+      }
+      return kMultiplexer + kExpeditedMaximum - (size_indicated ? command >> 2 & 3U : 0U);
+    default:
+      return kMultiplexer + sizeof(std::uint32_t);
+  }
+}
+
 // Arguments of the rules: {0} index, {1} subindex, then what the rule adds.
 namespace rules {
 using base::EventRule;
@@ -110,8 +131,10 @@ inline constexpr EventRule kTimeout{
 inline constexpr EventRule kAbortedByClient{
     "sdo-client-abort", Severity::information,
     "SDO transfer of {0:x4}:{1:x2} ended by the client with abort code {2:x8}"};
-inline constexpr EventRule kWrongLength{"sdo-length", Severity::refusal,
-                                        "SDO ignored: the frame has {2} data bytes, must have 8"};
+inline constexpr EventRule kWrongLength{
+    "sdo-length", Severity::refusal,
+    "SDO ignored: the frame has {2} data bytes, must have 8; the quirk short-sdo takes requests "
+    "that leave out bytes which carry nothing"};
 }  // namespace rules
 
 }  // namespace stator::canopen::sdo

@@ -103,7 +103,7 @@ bool SdoServer::receive(const can::Frame& frame, SimTime now) {
       frame.identifier != (channel(kClientToServer) & kIdentifierMask) || !valid()) {
     return false;
   }
-  if (frame.length != can::kMaximumData) {
+  if (!length_fits(frame)) {
     ++statistics_.malformed;
     reporter_.report(now, sdo::rules::kWrongLength, {int{parameter_index_}, 0, int{frame.length}});
     return true;
@@ -113,8 +113,21 @@ bool SdoServer::receive(const can::Frame& frame, SimTime now) {
   if (held_ && command_ != sdo::kAbort) {
     return true;
   }
-  conclude(dispatch(frame.data, now), now);
+  Reply request{};
+  std::ranges::copy(frame.payload(), request.begin());
+  conclude(dispatch(request, now), now);
   return true;
+}
+
+/// Every SDO has eight bytes (CiA 301 §7.2.4.3). Segments of a block tell by their place alone how
+/// many bytes count.
+bool SdoServer::length_fits(const can::Frame& frame) const {
+  if (frame.length == can::kMaximumData || !configuration_.quirks.short_sdo ||
+      transfer_ == Transfer::block_download) {
+    return frame.length == can::kMaximumData;
+  }
+  return frame.length != 0 &&
+         frame.length >= sdo::bytes_that_count(std::to_integer<unsigned>(frame.data[0]));
 }
 
 /// Sends what a request or a moment has led to, and waits for the client if the transfer goes on.

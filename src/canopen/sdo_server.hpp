@@ -35,7 +35,7 @@ struct SdoServerConfiguration {
 
 struct SdoServerStatistics {
   std::uint64_t requests = 0;   ///< frames taken, those of transfers included
-  std::uint64_t malformed = 0;  ///< frames ignored because they had not 8 data bytes
+  std::uint64_t malformed = 0;  ///< frames ignored because of their length
   std::uint64_t aborts = 0;     ///< transfers the server aborted
 };
 
@@ -103,6 +103,7 @@ class SdoServer final : public Service {
 
   [[nodiscard]] std::uint32_t channel(std::uint8_t subindex) const;
   [[nodiscard]] bool valid() const;
+  [[nodiscard]] bool length_fits(const can::Frame& frame) const;
   void conclude(const Answer& answer, base::SimTime now);
 
   // Requests; sdo_server.cpp.

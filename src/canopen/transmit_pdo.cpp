@@ -1,6 +1,8 @@
 #include "canopen/transmit_pdo.hpp"
 
 #include <algorithm>
+#include <tuple>
+#include <utility>
 
 #include "base/byte_order.hpp"
 
@@ -22,21 +24,38 @@ TransmitPdo::TransmitPdo(const dictionary::Dictionary& dictionary, std::uint16_t
                *dictionary.find(static_cast<std::uint16_t>(kTransmitPdoMapping + number)),
                PdoDirection::transmit, limits) {}
 
-void TransmitPdo::configure() {
+void TransmitPdo::reset() {
+  sent_at_.reset();
+  inhibited_until_ = base::SimTime();
+}
+
+bool TransmitPdo::configure(base::SimTime now) {
   const auto index = static_cast<std::uint16_t>(kTransmitPdoCommunication + number_);
   const auto value_of = [&](std::uint8_t subindex) -> std::int64_t {
     const dictionary::Entry* entry = dictionary_->find(index, subindex);
     return entry == nullptr ? 0 : entry->signed_value();
   };
   const auto cob_id = static_cast<std::uint64_t>(value_of(1));
+  const auto identity = [this] { return std::tuple(valid_, can_id_, type_, sync_start_); };
+  const auto before = identity();
   valid_ = (cob_id & kCobIdInvalid) == 0;
   remote_ = (cob_id & kCobIdNoRemote) == 0;
   can_id_ = can_id_of(cob_id);
   type_ = static_cast<std::uint8_t>(value_of(2));
-  inhibit_time_ = rules_->inhibit_unit * value_of(3);
-  event_time_ = base::SimDuration(kNanosecondsPerMillisecond) * value_of(5);
   sync_start_ = static_cast<std::uint8_t>(value_of(6));
-  mapping_.compile();
+  inhibit_time_ = rules_->inhibit_unit * value_of(3);
+  if (sent_at_) {
+    inhibited_until_ = *sent_at_ + inhibit_time_;
+  }
+  const base::SimDuration event_time = base::SimDuration(kNanosecondsPerMillisecond) * value_of(5);
+  if (std::exchange(event_time_, event_time) != event_time && running_) {
+    timer_ = timed() ? now + event_time_ : base::SimTime::never();
+  }
+  const bool remapped = !mapping_.up_to_date();
+  if (remapped) {
+    mapping_.compile();
+  }
+  return remapped || identity() != before;
 }
 
 void TransmitPdo::start(base::SimTime now) {
@@ -44,13 +63,12 @@ void TransmitPdo::start(base::SimTime now) {
   event_ = false;
   syncs_ = 0;
   awaits_start_ = sync_start_ != 0;
-  inhibited_until_ = now;
   timer_ = base::SimTime::never();
   if (!running_) {
     return;
   }
   last_data_ = mapping_.pack();
-  if (event_driven() && event_time_ > base::SimDuration()) {
+  if (timed()) {
     timer_ = now + event_time_;
   }
   on_event(now);
@@ -156,8 +174,9 @@ void TransmitPdo::send(std::uint64_t data, base::SimTime now) {
   lost_ += taken ? 0U : 1U;
   event_ = false;
   last_data_ = data;
+  sent_at_ = now;
   inhibited_until_ = now + inhibit_time_;
-  if (event_driven() && event_time_ > base::SimDuration()) {
+  if (timed()) {
     timer_ = now + event_time_;
   }
 }

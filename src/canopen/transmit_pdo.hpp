@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "base/sim_time.hpp"
 #include "can/transmitter.hpp"
@@ -13,17 +14,21 @@ namespace stator::canopen {
 /// One transmit PDO (CiA 301 §7.2.2, objects 18xxh and 1Axxh): when it is sent, with which data.
 ///
 /// An event is a change of a mapped value, the event timer, a request of the application, the start
-/// of process data, and a change of the PDO's configuration. Types 254 and 255 answer it at once,
-/// or after the inhibit time; type 0 answers at the next SYNC.
+/// of process data, and a change of the PDO's COB-ID, transmission type or mapping. Types 254 and
+/// 255 answer it at once, or after the inhibit time, which counts from the last transmission
+/// whatever has happened since; type 0 answers at the next SYNC.
 class TransmitPdo {
  public:
   /// `number` counts from 0 for 1800h; both its objects must exist.
   TransmitPdo(const dictionary::Dictionary& dictionary, std::uint16_t number,
               can::Transmitter& transmitter, const PdoRules& limits);
 
-  /// Follows its objects anew.
-  void configure();
-  /// Operational begins, or a configuration changed in Operational: that is an event.
+  /// Nothing has been sent since the node's reset.
+  void reset();
+  /// Follows its objects anew; a new event timer counts from now. True if they make another PDO of
+  /// it, for which start() is to be called in Operational.
+  bool configure(base::SimTime now);
+  /// Operational begins, or it became another PDO in Operational: that is an event.
   void start(base::SimTime now);
   void stop();
 
@@ -34,7 +39,7 @@ class TransmitPdo {
   [[nodiscard]] PdoMapping& mapping() { return mapping_; }
   [[nodiscard]] const PdoMapping& mapping() const { return mapping_; }
 
-  /// Its objects were written; configure() and start() are still to be called.
+  /// Its objects were written; configure() is still to be called.
   bool changed = false;
 
   /// Mapped values may have changed; if one has, that is an event. False: nothing has happened.
@@ -54,6 +59,7 @@ class TransmitPdo {
 
  private:
   [[nodiscard]] bool event_driven() const { return type_ >= kEventDrivenManufacturer; }
+  [[nodiscard]] bool timed() const { return event_driven() && event_time_ > base::SimDuration(); }
   void on_event(base::SimTime now);
   void sync_cyclic(std::uint8_t counter, base::SimTime now);
   void send_now(base::SimTime now) { send(mapping_.pack(), now); }
@@ -80,6 +86,7 @@ class TransmitPdo {
   std::uint64_t last_data_ = 0;  ///< what was sent last, or sampled at a SYNC for a remote frame
   std::uint8_t syncs_ = 0;       ///< since the last cyclic transmission
   bool awaits_start_ = false;    ///< no SYNC with the start value has come yet
+  std::optional<base::SimTime> sent_at_;
   base::SimTime inhibited_until_;
   base::SimTime timer_ = base::SimTime::never();
   std::uint64_t sent_ = 0;

@@ -151,7 +151,9 @@ std::string address_text(const rack::ProductConfiguration& product) {
   return std::visit(
       [](const auto& configuration) -> std::string {
         if constexpr (requires { configuration.node_id; }) {
-          return fmt::format(", node-ID {}", configuration.node_id);
+          return canopen::is_node_id(configuration.node_id)
+                     ? fmt::format(", node-ID {}", configuration.node_id)
+                     : ", without a node-ID";
         } else if constexpr (requires { configuration.serial_address; }) {
           return fmt::format(", identifier {}, replies to {}", configuration.can_id,
                              configuration.can_reply_id);

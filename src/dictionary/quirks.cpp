@@ -42,6 +42,11 @@ constexpr std::array kQuirks{
                      "instead of 80h",
                      "masters that compare the whole byte wait for an answer until their time is "
                      "over"},
+    QuirkDeclaration{
+        "short-sdo", &Quirks::short_sdo, kNo, kCanopen,
+        "SDO requests without the bytes at their end that carry nothing are taken; "
+        "CiA 301 has all eight",
+        "a master that leaves them out works with this device, and no other answers it"},
     QuirkDeclaration{"slow-sdo", &Quirks::slow_sdo, kCoe, kCanopen,
                      "SDOs are answered after this time",
                      "a time-out is shorter, and the late answer is taken for that of the next "

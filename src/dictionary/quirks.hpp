@@ -23,6 +23,7 @@ struct Quirks {
   bool size_not_indicated = false;
   bool toggle_stuck = false;
   bool abort_with_size = false;
+  bool short_sdo = false;
   base::SimDuration slow_sdo{};
 
   // Mailbox.

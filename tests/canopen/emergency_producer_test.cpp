@@ -130,14 +130,14 @@ TEST(EmergencyProducer, History_IsClearedWithZeroOnly) {
   EXPECT_EQ(bench.value(0x1001), 0x03U) << "the error itself lasts";
 }
 
-TEST(EmergencyProducer, Reset_ForgetsCommunicationErrorsAndWhatWaits) {
+TEST(EmergencyProducer, Reset_ForgetsCommunicationErrorsAndTellsThoseOfTheApplicationAnew) {
   ServiceBench bench;
   bench.enter(NmtState::stopped);
   bench.emergencies.raise(kOvercurrent, bench.now);
   bench.emergencies.raise({.code = 0x8130, .error_register = 0x10}, bench.now);
   EXPECT_EQ(bench.value(0x1001), 0x13U);
   bench.start();
-  EXPECT_TRUE(bench.take_sent().empty());
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x2310, 0x03, {1, 2})});
   EXPECT_EQ(bench.value(0x1001), 0x03U) << "the application's error lasts";
   bench.emergencies.forget();
   EXPECT_EQ(bench.value(0x1001), 0x00U);
@@ -151,6 +151,58 @@ TEST(EmergencyProducer, ApplicationThatBeginsAnewInInitialisation_HasNoMessagesO
   bench.emergencies.raise(kOverheating, bench.now);
   bench.enter(NmtState::pre_operational);
   EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x4310, 0x09)});
+}
+
+/// Initialisation as Node does it: the communication objects get the values they start with before
+/// the services do.
+void initialise(ServiceBench& bench) {
+  bench.enter(NmtState::initialisation);
+  bench.dictionary.reset_values(0x1000, 0x1FFF);
+  bench.start();
+}
+
+TEST(EmergencyProducer, Register_TellsWhatLastsAfterTheObjectsWereReset) {
+  ServiceBench bench;
+  bench.emergencies.raise(kOvercurrent, bench.now);
+  bench.take_sent();
+  initialise(bench);
+  EXPECT_EQ(bench.value(0x1001), 0x03U);
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x2310, 0x03, {1, 2})});
+  bench.emergencies.clear(0x2310, 0, bench.now);
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x0000, 0x00)});
+}
+
+TEST(EmergencyProducer, ErrorFoundDuringInitialisation_IsToldOnceAfterwards) {
+  ServiceBench bench;
+  bench.write(0x1014, 0, 0x80000085);  // switched off, until the reset switches it on again
+  bench.enter(NmtState::initialisation);
+  bench.emergencies.raise(kOvercurrent, bench.now);
+  bench.emergencies.raise(kOverheating, bench.now);
+  bench.emergencies.clear(0x4310, 0, bench.now);
+  bench.dictionary.reset_values(0x1000, 0x1FFF);
+  for (Service* service : bench.services()) {
+    service->start(bench.now);
+  }
+  EXPECT_TRUE(bench.take_sent().empty()) << "not before the boot-up message";
+  bench.enter(NmtState::pre_operational);
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x2310, 0x03, {1, 2})});
+}
+
+TEST(EmergencyProducer, ErrorOfTheRegisterAlone_IsNotToldAfterAReset) {
+  ServiceBench bench;
+  bench.emergencies.note(kOverheating, bench.now);
+  initialise(bench);
+  EXPECT_EQ(bench.value(0x1001), 0x09U);
+  EXPECT_TRUE(bench.take_sent().empty());
+}
+
+TEST(EmergencyProducer, Forgetting_TakesBackWhatWaits) {
+  ServiceBench bench;
+  bench.enter(NmtState::stopped);
+  bench.emergencies.raise(kOvercurrent, bench.now);
+  bench.emergencies.forget();
+  bench.enter(NmtState::pre_operational);
+  EXPECT_TRUE(bench.take_sent().empty());
 }
 
 }  // namespace

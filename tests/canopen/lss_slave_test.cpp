@@ -17,8 +17,9 @@ struct Memory {
     activated = bit_rate;
     activated_at = now;
   }
-  bool store(std::uint8_t node_id, std::optional<std::uint32_t> bit_rate) {
-    stored_node_id = node_id;
+  bool store(std::optional<std::uint8_t> node_id, std::optional<std::uint32_t> bit_rate) {
+    ++orders;
+    stored_node_id = node_id.value_or(stored_node_id);
     stored_bit_rate = bit_rate.value_or(0);
     return works;
   }
@@ -28,14 +29,15 @@ struct Memory {
     return {
         .supports = Delegate<bool(std::uint32_t)>::bind<&Memory::supports>(*this),
         .activate = Delegate<void(std::uint32_t, base::SimTime)>::bind<&Memory::activate>(*this),
-        .store = Delegate<bool(std::uint8_t, std::optional<std::uint32_t>)>::bind<&Memory::store>(
-            *this)};
+        .store = Delegate<bool(std::optional<std::uint8_t>,
+                               std::optional<std::uint32_t>)>::bind<&Memory::store>(*this)};
   }
 
   bool works = true;
   std::uint32_t activated = 0;
   base::SimTime activated_at;
-  unsigned stored_node_id = 0;
+  int orders = 0;
+  std::uint8_t stored_node_id = 5;
   std::uint32_t stored_bit_rate = 0;
 };
 
@@ -147,6 +149,55 @@ TEST(LssSlave, ConfiguredNodeIdThatWasNotStored_IsForgottenWithoutSupply) {
   EXPECT_EQ(bench.node.node_id(), 5);
 }
 
+TEST(LssSlave, ConfiguredNodeIdThatWasNotStored_LastsUntilResetNode) {
+  LssBench bench;
+  bench.configuration_state();
+  bench.command(17, 33);
+  for (int time = 1; time <= 2; ++time) {
+    bench.nmt(130, bench.node.node_id());
+    bench.wait(1_ms);
+    EXPECT_EQ(bench.node.node_id(), 33) << "reset communication " << time;
+  }
+  bench.take();
+  bench.nmt(129, 33);
+  bench.wait(1_ms);
+  EXPECT_EQ(to_text(bench.take()), Texts{"705 [00]"}) << "reset node takes the one stored";
+  EXPECT_EQ(bench.node.node_id(), 5);
+}
+
+TEST(LssSlave, NodeIdStoredByTheDeviceItself_ReplacesAConfiguredOne) {
+  LssBench bench;
+  struct Device {
+    std::uint8_t reset(base::SimTime /*now*/) { return node_id; }
+    std::uint8_t node_id = 5;
+  } device;
+  NodeHooks hooks;
+  hooks.reset_communication =
+      base::Delegate<std::uint8_t(base::SimTime)>::bind<&Device::reset>(device);
+  bench.node.set_hooks(hooks);
+  bench.configuration_state();
+  bench.command(17, 33);
+  device.node_id = 9;
+  bench.node.stored_node_id_changed();
+  bench.nmt(130);
+  bench.wait(1_ms);
+  EXPECT_EQ(bench.node.node_id(), 9);
+}
+
+TEST(LssSlave, StoringWithoutANodeId_KeepsTheNodeSilentUntilItIsGivenOne) {
+  LssBench bench;
+  Memory memory;
+  bench.node.set_lss_hooks(memory.hooks());
+  bench.configuration_state();
+  EXPECT_EQ(bench.command(17, 255), answer(17, 0));
+  EXPECT_EQ(bench.command(23), answer(23, 0));
+  EXPECT_EQ(memory.stored_node_id, 255U);
+  bench.nmt(130);
+  bench.wait(1_ms);
+  EXPECT_EQ(to_text(bench.take()), Texts{});
+  EXPECT_EQ(bench.command(76), answer(80)) << "it tells that it has none";
+}
+
 TEST(LssSlave, NodeIdOutOfRange_IsRefusedWithError1) {
   LssBench bench;
   bench.configuration_state();
@@ -194,7 +245,8 @@ TEST(LssSlave, Store_KeepsNodeIdAndBitRate) {
   bench.node.set_lss_hooks(memory.hooks());
   bench.configuration_state();
   EXPECT_EQ(bench.command(23), answer(23, 0));
-  EXPECT_EQ(memory.stored_node_id, 5U);
+  EXPECT_EQ(memory.orders, 1);
+  EXPECT_EQ(memory.stored_node_id, 5U) << "nothing was configured: the one stored stays";
   bench.command(17, 33);
   bench.command(19, 3 << 8);
   EXPECT_EQ(bench.command(23), answer(23, 0));

@@ -1,3 +1,5 @@
+#include <tuple>
+
 #include <gtest/gtest.h>
 
 #include "canopen/service_bench.hpp"
@@ -83,6 +85,57 @@ TEST(ReceivePdo, WhatWaitsForASync_IsForgottenOutsideOperational) {
   bench.operational();
   bench.send_sync();
   EXPECT_EQ(bench.value(0x2002), 0U);
+}
+
+TEST(ReceivePdo, WhatWaitsForASync_OutlivesWritesThatLeaveThePdoTheSame) {
+  for (const auto& [index, subindex, value] :
+       {std::tuple<std::uint16_t, std::uint8_t, std::uint32_t>{0x1402, 2, 1},
+        {0x1402, 2, 0},
+        {0x1402, 2, 240},
+        {0x1402, 2, 255},
+        {0x1402, 1, 0x405},
+        {0x1402, 5, 20},
+        {0x1400, 2, 0},
+        {0x1400, 1, 0x80000205}}) {
+    ServiceBench bench;
+    bench.operational();
+    bench.receive(0x405, {7, 0, 1, 0, 0, 0});
+    EXPECT_EQ(bench.write(index, subindex, value), 0U);
+    bench.send_sync();
+    EXPECT_EQ(bench.value(0x2002), 7U)
+        << std::hex << index << ':' << int{subindex} << " = " << value;
+  }
+}
+
+TEST(ReceivePdo, WhatWaitsForASync_IsForgottenWhenThePdoBecomesAnother) {
+  ServiceBench bench;
+  bench.operational();
+  bench.receive(0x405, {7, 0, 1, 0, 0, 0});
+  bench.reconfigure(0x1402, {0x20020010}, 1);
+  bench.send_sync();
+  EXPECT_EQ(bench.value(0x2002), 0U);
+}
+
+TEST(ReceivePdo, WhatWaitsForASync_GivesWayToANewerFrameThatTakesEffectAtOnce) {
+  ServiceBench bench;
+  bench.operational();
+  bench.receive(0x405, {7, 0, 1, 0, 0, 0});
+  bench.write(0x1402, 2, 255);
+  bench.receive(0x405, {8, 0, 1, 0, 0, 0});
+  EXPECT_EQ(bench.value(0x2002), 8U);
+  bench.send_sync();
+  EXPECT_EQ(bench.value(0x2002), 8U);
+}
+
+TEST(ReceivePdo, ErrorsOutliveWritesThatLeaveThePdoTheSame) {
+  ServiceBench bench;
+  bench.operational();
+  bench.receive(0x205, {9});
+  bench.take_sent();
+  bench.write(0x1400, 2, 255);
+  bench.wait(0_ns);
+  EXPECT_TRUE(bench.take_sent().empty());
+  EXPECT_EQ(bench.value(0x1001), 0x11U);
 }
 
 TEST(ReceivePdo, TransmissionTypes_AreThoseOfTheProduct) {
@@ -203,6 +256,30 @@ TEST(ReceivePdo, EventTimer_ReportsAFrameThatDoesNotCome) {
   EXPECT_TRUE(bench.take_sent().empty());
   bench.receive(0x205, {2, 0});
   EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x0000, 0x00)});
+}
+
+TEST(ReceivePdo, EventTimer_CountsFromTheLastFrameWhateverIsWritten) {
+  ServiceBench bench;
+  bench.write(0x1400, 5, 20);
+  bench.operational();
+  bench.receive(0x205, {1, 0});
+  bench.take_sent();
+  bench.wait(15_ms);
+  bench.write(0x1400, 5, 20);
+  bench.wait(5_ms);
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x8250, 0x11)}) << "the same value";
+  bench.receive(0x205, {1, 0});
+  bench.wait(15_ms);
+  bench.take_sent();
+  bench.write(0x1400, 5, 30);
+  bench.wait(14_ms);
+  EXPECT_TRUE(bench.take_sent().empty());
+  bench.wait(1_ms);
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x8250, 0x11)}) << "a longer one";
+  bench.write(0x1400, 5, 0);
+  bench.wait(0_ns);
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x0000, 0x00)})
+      << "nothing is expected any more";
 }
 
 TEST(ReceivePdo, SynchronousOneAfterTheWindow_BelongsToNoSync) {

@@ -11,6 +11,8 @@ using test::ServiceBench;
 
 constexpr std::uint32_t kRangeExceeded = 0x06090030;
 constexpr std::uint32_t kDeviceState = 0x08000022;
+/// Subindices of 18xxh that can be written.
+constexpr std::array<std::uint8_t, 5> kWritable{1, 2, 3, 5, 6};
 
 /// A bench in Operational that has sent what that asks for; transmit PDO 1 maps 2011h.
 struct RunningBench : ServiceBench {
@@ -109,6 +111,106 @@ TEST(TransmitPdo, InhibitTimeAndSyncStart_ChangeOnlyWhileThePdoIsInvalid) {
   bench.write(0x1800, 1, 0x80000185);
   EXPECT_EQ(bench.write(0x1800, 3, 50), 0U);
   EXPECT_EQ(bench.write(0x1800, 6, 5), 0U);
+}
+
+TEST(TransmitPdo, WritesOfTheSameValues_SendNothingAndShiftNothing) {
+  RunningBench bench;
+  bench.set_parameter(3, 100);  // 10 ms
+  bench.set_parameter(5, 50);
+  bench.wait(20_ms);
+  bench.change(1);
+  EXPECT_EQ(bench.take_count(0x185), 1U);
+  bench.wait(5_ms);
+  for (const std::uint8_t subindex : kWritable) {
+    EXPECT_EQ(bench.write(0x1800, subindex, bench.value(0x1800, subindex)), 0U);
+    bench.wait(0_ns);
+    EXPECT_TRUE(bench.take_sent().empty()) << int{subindex};
+  }
+  bench.wait(44'999_us);
+  EXPECT_TRUE(bench.take_sent().empty());
+  bench.wait(1_us);
+  EXPECT_EQ(bench.take_count(0x185), 1U) << "the event timer, 50 ms after the change";
+}
+
+TEST(TransmitPdo, InhibitTime_HoldsWhateverIsReconfigured) {
+  RunningBench bench;
+  bench.set_parameter(3, 100);  // 10 ms
+  bench.wait(10_ms);
+  bench.change(1);
+  bench.take_sent();
+  bench.wait(1_ms);
+  const auto expect_later = [&bench](const char* what) {
+    bench.wait(7_ms);
+    EXPECT_EQ(bench.take_count(0x185), 0U) << what;
+    bench.wait(2_ms);
+    EXPECT_EQ(bench.take_count(0x185), 1U) << what;
+    bench.wait(1_ms);
+  };
+  bench.write(0x1800, 2, 254);
+  expect_later("another type is an event");
+  bench.write(0x1800, 1, 0x80000185);
+  bench.wait(0_ns);
+  bench.write(0x1800, 1, 0x185);
+  expect_later("switched off and on again");
+  bench.enter(NmtState::pre_operational);
+  bench.operational();
+  expect_later("Operational again");
+  bench.write(0x1800, 1, 0x80000185);
+  bench.wait(0_ns);
+  bench.write(0x1800, 3, 150);
+  bench.write(0x1800, 1, 0x185);
+  bench.wait(13_ms);
+  EXPECT_EQ(bench.take_count(0x185), 0U) << "a longer time counts from the last transmission too";
+  bench.wait(1_ms);
+  EXPECT_EQ(bench.take_count(0x185), 1U);
+}
+
+TEST(TransmitPdo, InhibitTime_EndsWithTheResetOfTheNode) {
+  RunningBench bench;
+  bench.set_parameter(3, 100);
+  bench.change(1);
+  bench.take_sent();
+  bench.start();
+  bench.operational();
+  EXPECT_EQ(bench.take_count(0x185), 1U);
+}
+
+TEST(TransmitPdo, NewEventTimer_CountsFromTheWriteAndIsNoEvent) {
+  RunningBench bench;
+  bench.wait(1_s);
+  bench.write(0x1800, 5, 100);
+  bench.wait(99_ms);
+  EXPECT_EQ(bench.take_count(0x185), 0U);
+  bench.wait(1_ms);
+  EXPECT_EQ(bench.take_count(0x185), 1U);
+  bench.write(0x1800, 5, 0);
+  bench.wait(1_s);
+  EXPECT_EQ(bench.take_count(0x185), 0U);
+}
+
+TEST(TransmitPdo, WritesOfTheSameValues_LetTheSyncsCountOn) {
+  RunningBench bench;
+  bench.set_parameter(2, 3);
+  bench.send_sync();
+  bench.send_sync();
+  for (const std::uint8_t subindex : kWritable) {
+    EXPECT_EQ(bench.write(0x1800, subindex, bench.value(0x1800, subindex)), 0U);
+  }
+  bench.take_sent();
+  bench.send_sync();
+  EXPECT_EQ(bench.take_count(0x185), 1U);
+}
+
+TEST(TransmitPdo, WritesToOnePdo_LeaveTheOthersAlone) {
+  RunningBench bench;
+  bench.set_parameter(2, 2);
+  bench.send_sync();
+  bench.take_sent();
+  bench.reconfigure(0x1801, {0x20110010}, 1);
+  bench.reconfigure(0x1400, {0x20020010}, 1);
+  EXPECT_EQ(bench.take_count(0x185), 0U);
+  bench.send_sync();
+  EXPECT_EQ(bench.take_count(0x185), 1U) << "the second of two";
 }
 
 TEST(TransmitPdo, EventTimer_IsTheLongestTimeBetweenTransmissions) {

@@ -390,7 +390,7 @@ TEST_F(Tmcc160Communication, InhibitTimeIsInMilliseconds) {
   EXPECT_EQ(module.write(0x1800, 1, 0xC0000181), kNoError);
   EXPECT_EQ(module.write(0x1800, 3, 100), kNoError);
   EXPECT_EQ(module.write(0x1800, 1, 0x40000181), kNoError);
-  module.wait(150);
+  module.wait(250);
   module.frames.clear();
   module.send(can::data_frame(0x201, {6, 0}));
   module.send(can::data_frame(0x201, {7, 0}));
@@ -399,6 +399,43 @@ TEST_F(Tmcc160Communication, InhibitTimeIsInMilliseconds) {
   EXPECT_EQ(count(0x181), 1U);
   module.wait(4);
   EXPECT_EQ(count(0x181), 2U);
+}
+
+TEST_F(Tmcc160Communication, WritesToATransmitPdoDoNotBreakItsInhibitTime) {
+  module.boot(true);
+  EXPECT_EQ(module.write(0x1800, 1, 0xC0000181), kNoError);
+  EXPECT_EQ(module.write(0x1800, 3, 1'000), kNoError);
+  EXPECT_EQ(module.write(0x1800, 1, 0x40000181), kNoError);
+  module.wait(2'500);
+  module.frames.clear();
+  module.send(can::data_frame(0x201, {6, 0}));
+  EXPECT_EQ(count(0x181), 1U);
+  for (const std::uint8_t subindex : std::to_array<std::uint8_t>({1, 2, 3, 5})) {
+    const std::int64_t same = module.read(0x1800, subindex);
+    EXPECT_EQ(module.write(0x1800, subindex, same), kNoError);
+    module.wait(2);
+    EXPECT_EQ(count(0x181), 0U) << int{subindex};
+  }
+  EXPECT_EQ(module.write(0x1800, 2, 254), kNoError);
+  EXPECT_EQ(module.write(0x1800, 5, 10), kNoError);
+  EXPECT_EQ(module.write(0x1800, 5, 0), kNoError);
+  module.frames.clear();
+  module.wait(900);
+  EXPECT_EQ(count(0x181), 0U);
+  module.wait(100);
+  EXPECT_EQ(count(0x181), 1U) << "the change of the type is an event";
+}
+
+TEST_F(Tmcc160Communication, WritesToAReceivePdoLeaveWhatWaitsForItsSync) {
+  module.boot(true);
+  map(0x1403, {0x60400010, 0x60FF0020}, 0);
+  module.send(can::data_frame(0x501, {0, 0, 10, 0, 0, 0}));
+  EXPECT_EQ(module.write(0x1403, 2, 0), kNoError);
+  EXPECT_EQ(module.write(0x1402, 2, 0), kNoError);
+  EXPECT_EQ(module.write(0x1403, 1, 0x40000501), kNoError);
+  EXPECT_EQ(module.read(0x60FF), 0);
+  sync();
+  EXPECT_EQ(module.read(0x60FF), 10);
 }
 
 TEST_F(Tmcc160Communication, TypeZeroAnswersAnEventAtTheSyncAndTypeOneEverySync) {

@@ -23,6 +23,7 @@ constexpr unsigned kSwitchOnDisabled = 0x40;
 constexpr unsigned kEnabled = 0x27;
 constexpr std::int8_t kVelocityMode = 3;
 constexpr const char* kReset = "00 00 00 00 00 00 00 00";
+constexpr const char* kUndervoltage = "00 FF 05 00 00 00 00 00";
 
 class Tmcc160Emergencies : public testing::Test {
  protected:
@@ -340,6 +341,59 @@ TEST_F(Tmcc160Emergencies, StoppingTheNodeIsAFaultWithoutMessage) {
   EXPECT_THAT(module_.take_emergencies(), IsEmpty());
   module_.nmt(1);
   reset();
+  EXPECT_THAT(module_.take_emergencies(), ElementsAre(kReset));
+}
+
+TEST_F(Tmcc160Emergencies, AnErrorThatLastsIsInTheRegisterAndToldAnewAfterEveryReset) {
+  run();
+  module_.set("axis0.supply_voltage", 5.0);
+  module_.wait(400);
+  EXPECT_THAT(module_.take_emergencies(), ElementsAre(kUndervoltage));
+  const auto expect_it = [this](const char* what) {
+    EXPECT_EQ(module_.read(0x1001), 0x05) << what;
+    EXPECT_THAT(module_.take_emergencies(), ElementsAre(kUndervoltage)) << what;
+  };
+  module_.nmt(130);
+  module_.wait(110);
+  expect_it("reset communication");
+  module_.nmt(129);
+  module_.wait(110);
+  expect_it("reset node");
+  module_.device->set_power(false, module_.now);
+  module_.wait(10);
+  module_.device->set_power(true, module_.now);
+  module_.wait(510);
+  expect_it("power cycle");
+  module_.set("axis0.supply_voltage", 24.0);
+  module_.wait(400);
+  reset();
+  EXPECT_THAT(module_.take_emergencies(), ElementsAre(kReset));
+  EXPECT_EQ(module_.read(0x1001), 0);
+}
+
+TEST_F(Tmcc160Emergencies, AnErrorThatEndedDuringAResetIsNotToldAfterIt) {
+  run();
+  module_.set("axis0.supply_voltage", 5.0);
+  module_.wait(400);
+  module_.take_emergencies();
+  module_.set("axis0.supply_voltage", 24.0);
+  module_.nmt(129);
+  module_.wait(110);
+  EXPECT_EQ(module_.read(0x1001), 0);
+  EXPECT_THAT(module_.take_emergencies(), IsEmpty());
+}
+
+TEST_F(Tmcc160Emergencies, ErrorPassiveLastsOverResetCommunication) {
+  run();
+  module_.device->controller().set_error_state(can::ErrorState::error_passive);
+  module_.wait(50);
+  module_.take_emergencies();
+  module_.nmt(130);
+  module_.wait(110);
+  EXPECT_EQ(module_.read(0x1001), 0x11);
+  EXPECT_THAT(module_.take_emergencies(), ElementsAre("20 81 11 00 FF 00 00 00"));
+  module_.device->controller().set_error_state(can::ErrorState::error_active);
+  module_.wait(2);
   EXPECT_THAT(module_.take_emergencies(), ElementsAre(kReset));
 }
 

@@ -361,54 +361,6 @@ TEST(Tmcc160Inputs, PhaseCurrentsShowAtTheirChannels) {
   EXPECT_NEAR(sum, 0.0, 6.0);
 }
 
-TEST(Tmcc160Eds, IsServedByTheNodeWhereAskedFor) {
-  Tmcc160Configuration configuration;
-  configuration.options.eds = true;
-  Tmcc160Module module(configuration);
-  module.boot();
-  EXPECT_EQ(module.read_text(0x1021), module.device->eds());
-  EXPECT_EQ(module.read(0x1022), 0);
-  EXPECT_GT(module.device->eds().size(), 30'000U);
-  Tmcc160Module plain;
-  plain.boot();
-  static_cast<void>(plain.upload(0x1021, 0));
-  EXPECT_EQ(plain.abort, AbortCode::object_does_not_exist);
-}
-
-TEST(Tmcc160Friendly, SendsItsStatusUnaskedAndItsHeartbeat) {
-  Tmcc160Configuration configuration;
-  configuration.options = tmcc160::Options::friendly();
-  Tmcc160Module module(configuration);
-  module.boot(true);
-  module.frames.clear();
-  module.wait(1'000);
-  const auto count = [&module](std::uint32_t identifier) {
-    return std::ranges::count(module.frames, identifier, &can::Frame::identifier);
-  };
-  EXPECT_NEAR(static_cast<double>(count(0x181)), 20.0, 1.0);
-  EXPECT_NEAR(static_cast<double>(count(0x281)), 20.0, 1.0);
-  EXPECT_EQ(count(0x701), 2);
-  EXPECT_EQ(module.read(0x1802, 2), 255);
-  EXPECT_EQ(module.read(0x1803, 3), 10);
-}
-
-TEST(Tmcc160Friendly, LssGivesItAnotherNodeId) {
-  Tmcc160Configuration configuration;
-  configuration.options.lss = true;
-  Tmcc160Module module(configuration);
-  module.boot();
-  module.send(can::data_frame(0x7E5, {4, 1, 0, 0, 0, 0, 0, 0}));
-  module.send(can::data_frame(0x7E5, {17, 33, 0, 0, 0, 0, 0, 0}));
-  module.send(can::data_frame(0x7E5, {23, 0, 0, 0, 0, 0, 0, 0}));
-  module.send(can::data_frame(0x7E5, {4, 0, 0, 0, 0, 0, 0, 0}));
-  EXPECT_EQ(module.frames.back().data[1], std::byte{0}) << "stored";
-  module.nmt(129);
-  module.wait(110);
-  module.node_id = 33;
-  EXPECT_EQ(module.read(0x2708), 33);
-  EXPECT_EQ(module.read(0x2705), 33);
-}
-
 TEST(Tmcc160Pdos, HaveTheDefaultsOfTheDocument) {
   Tmcc160Module module;
   module.boot(true);

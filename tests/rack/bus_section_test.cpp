@@ -98,6 +98,23 @@ name = "other"
   EXPECT_FALSE(rack.buses[1].bit_rate);
 }
 
+TEST(BusSection, ADriveWithLssCanBeDeliveredWithoutANodeId) {
+  for (const char* keys : {"lss = true\n", "friendly = true\n"}) {
+    const RackConfiguration rack =
+        parse(kOneDrive + std::string("node_id = 255\nmaps_as_maker_eds = true\n") + keys);
+    const auto& drive =
+        std::get<devices::Tmcc160Configuration>(rack.buses.at(0).devices.at(0).product);
+    EXPECT_EQ(drive.node_id, 255);
+    EXPECT_TRUE(drive.options.maps_as_maker_eds);
+  }
+  EXPECT_THAT(refusal_of(kOneDrive + std::string("node_id = 255\n")),
+              HasSubstr("nothing could give it one; set \"lss\" or \"friendly\" to true too"));
+  EXPECT_THAT(refusal_of(kOneDrive + std::string("friendly = true\nlss = false\nnode_id = 255\n")),
+              HasSubstr("nothing could give it one"));
+  EXPECT_THAT(refusal_of(kOneDrive + std::string("lss = true\nnode_id = 128\n")),
+              HasSubstr("\"node_id\" is 128; a node-ID is 1 to 127"));
+}
+
 TEST(BusSection, MistakesAreExplained) {
   EXPECT_THAT(refusal_of("[[bus]]\n"), HasSubstr("needs at least one [[bus.device]]"));
   EXPECT_THAT(refusal_of("clock = \"real\"\n"), HasSubstr("[[segment]], [[bus]] or [[device]]"));

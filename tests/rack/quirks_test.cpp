@@ -400,6 +400,36 @@ TEST(CanOpenQuirks, WhatNeedsSegmentsIsRefused) {
             AbortCode::command_specifier_unknown);
 }
 
+/// A request with as many bytes as there are, and the first byte of its answer; 0 if none came.
+unsigned short_request(tests::Tmcc160Module& module, std::initializer_list<unsigned> bytes) {
+  module.frames.clear();
+  module.send(can::data_frame(0x601, bytes));
+  module.wait(3);
+  return module.frames.empty() ? 0U : std::to_integer<unsigned>(module.frames.front().data[0]);
+}
+
+TEST(CanOpenQuirks, RequestsWithoutTheBytesThatCarryNothingAreTaken) {
+  auto right = node("");
+  right.boot();
+  EXPECT_EQ(short_request(right, {0x40, 0x00, 0x10, 0}), 0U) << "CiA 301: eight bytes";
+  EXPECT_THAT(right.sentences.back(), HasSubstr("has 4 data bytes, must have 8"));
+  auto module = node(R"(quirks = ["short-sdo"])");
+  module.boot();
+  EXPECT_EQ(short_request(module, {0x40, 0x00, 0x10, 0}), 0x43U) << "upload";
+  EXPECT_EQ(short_request(module, {0x40, 0x08, 0x10, 0}), 0x41U) << "a segmented one";
+  EXPECT_EQ(short_request(module, {0x60}), 0x01U) << "all seven letters";
+  EXPECT_EQ(short_request(module, {0x2F, 0x60, 0x60, 0, 3}), 0x60U) << "expedited download";
+  EXPECT_EQ(module.read(0x6060), 3);
+  EXPECT_EQ(short_request(module, {0x20, 0x60, 0x60, 0}), 0x60U) << "segmented download";
+  EXPECT_EQ(short_request(module, {0x0D, 1}), 0x20U) << "its one segment";
+  EXPECT_EQ(module.read(0x6060), 1);
+  EXPECT_EQ(short_request(module, {0x40, 0x00, 0x50, 0}), 0x80U) << "refusals too";
+  EXPECT_EQ(short_request(module, {}), 0U);
+  EXPECT_EQ(short_request(module, {0x40, 0x00, 0x10}), 0U) << "no subindex";
+  EXPECT_EQ(short_request(module, {0x2B, 0x40, 0x60, 0, 6}), 0U) << "one byte of two";
+  EXPECT_EQ(module.read(0x6040), 0);
+}
+
 TEST(CanOpenQuirks, BlockTransferIsRefusedAndSegmentsAreTaken) {
   // Initiate block upload of the EDS, 127 segments a block, no CRC. A TMCC160 has none anyway; what
   // a node does that has is in tests/canopen/sdo_block_test.cpp.

@@ -15,6 +15,34 @@ using enum dictionary::Access;
 // 0 enters Stopped, 1 remains (A-08 of the decisions).
 constexpr std::array<std::int64_t, 2> kReactions{0, 1};
 
+// How many entries the identity object has (1018h:00): one more where LSS asks for them all.
+constexpr auto kIdentityEntries = std::to_array<EntryDeclaration>({
+    {.index = 0x1018,
+     .name = "Identity object: number of entries",
+     .object_code = record,
+     .type = unsigned8,
+     .access = read_only,
+     .default_value = 3,
+     .range = Range{0, 3},
+     .source = "L754",
+     .note = "Public EDS has 4 (serial number). A-11",
+     .object_name = "Identity object"},
+});
+constexpr auto kIdentityWithSerialNumber = [] {
+  std::array<EntryDeclaration, 2> rows{kIdentityEntries[0]};
+  rows[0].default_value = 4;
+  rows[0].range = Range{0, 4};
+  rows[1] = {.index = 0x1018,
+             .subindex = 4,
+             .name = "Serial number",
+             .object_code = record,
+             .access = read_only,
+             .range = kAnyUnsigned32,
+             .note = "Public EDS; last part of the LSS address. A-11",
+             .live = true};  // the data sheet is that of all drives
+  return rows;
+}();
+
 // Device type, error register, names and identity (§4.1).
 constexpr auto kIdentification = std::to_array<EntryDeclaration>({
     {.index = 0x1000,
@@ -57,16 +85,6 @@ constexpr auto kIdentification = std::to_array<EntryDeclaration>({
      .source = "L506-L523;L3595",
      .note = "Document: depends on device, e.g. 1.0 (copy of 1009h). \"3.00\" chosen here from the "
              "firmware revision table. A-12"},
-    {.index = 0x1018,
-     .name = "Identity object: number of entries",
-     .object_code = record,
-     .type = unsigned8,
-     .access = read_only,
-     .default_value = 3,
-     .range = Range{0, 3},
-     .source = "L754",
-     .note = "Public EDS has 4 (serial number). A-11",
-     .object_name = "Identity object"},
     {.index = 0x1018,
      .subindex = 1,
      .name = "Vendor ID",
@@ -275,7 +293,12 @@ constexpr auto kStorage = std::to_array<EntryDeclaration>({
 
 }  // namespace
 
-void add_communication_objects(dictionary::Dictionary& dictionary) {
+void add_communication_objects(dictionary::Dictionary& dictionary, const Options& options) {
+  if (options.lss) {
+    dictionary.add(kIdentityWithSerialNumber);
+  } else {
+    dictionary.add(kIdentityEntries);
+  }
   dictionary.add(kIdentification);
   dictionary.add(kSyncAndErrorControl);
   dictionary.add(kStorage);

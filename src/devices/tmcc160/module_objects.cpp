@@ -1,3 +1,4 @@
+#include "canopen/node_id.hpp"
 #include "devices/tmcc160/object_groups.hpp"
 
 namespace stator::devices::tmcc160 {
@@ -23,8 +24,27 @@ constexpr auto kDigitalInputs = std::to_array<EntryDeclaration>({
          "Bit 0 left, bit 1 right limit switch status; third bit of the range not explained. A-32",
      .live = true},
 });
+constexpr auto kMappableDigitalInputs = mappable(kDigitalInputs);
 
-// Bit rate and node-ID (2704h to 2708h).
+// Node-ID (2705h).
+constexpr auto kNodeId = std::to_array<EntryDeclaration>({
+    {.index = 0x2705,
+     .name = "Node ID",
+     .type = unsigned8,
+     .default_value = 1,
+     .range = Range{1, 127},
+     .source = "L1385-L1403",
+     .note = "Effective after store and reset."},
+});
+/// Of a drive that LSS can leave without a node-ID.
+constexpr auto kNodeIdOrNone = [] {
+  auto rows = kNodeId;
+  rows[0].range = Range{1, canopen::kUnconfiguredNodeId};
+  rows[0].note = "Effective after store and reset. 255: none, until LSS gives one. H-08";
+  return rows;
+}();
+
+// Bit rate, storing, and what is in use (2704h, 2706h to 2708h).
 constexpr auto kNetwork = std::to_array<EntryDeclaration>({
     {.index = 0x2704,
      .name = "CAN bit rate",
@@ -35,13 +55,6 @@ constexpr auto kNetwork = std::to_array<EntryDeclaration>({
      .source = "L1362-L1383",
      .note = "Only 20 50 100 125 250 500 800 1000. Effective after store and reset.",
      .legal_values = kBitRates},
-    {.index = 0x2705,
-     .name = "Node ID",
-     .type = unsigned8,
-     .default_value = 1,
-     .range = Range{1, 127},
-     .source = "L1385-L1403",
-     .note = "Effective after store and reset."},
     {.index = 0x2706,
      .name = "Store",
      .default_value = 0,
@@ -163,8 +176,9 @@ constexpr auto kAnalogInputs = std::to_array<EntryDeclaration>({
 
 }  // namespace
 
-void add_module_objects(dictionary::Dictionary& dictionary) {
-  dictionary.add(kDigitalInputs);
+void add_module_objects(dictionary::Dictionary& dictionary, const Options& options) {
+  dictionary.add(options.maps_as_maker_eds ? kMappableDigitalInputs : kDigitalInputs);
+  dictionary.add(options.lss ? kNodeIdOrNone : kNodeId);
   dictionary.add(kNetwork);
   dictionary.add(kAnalogInputs);
 }

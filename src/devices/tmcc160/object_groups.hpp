@@ -15,7 +15,7 @@ namespace stator::devices::tmcc160 {
 // numbers A-nn are those of docs/devices/tmcc160-decisions.md.
 
 /// 1000h-1029h: identity, SYNC, error control, emergencies, stored parameters.
-void add_communication_objects(dictionary::Dictionary& dictionary);
+void add_communication_objects(dictionary::Dictionary& dictionary, const Options& options);
 /// 1400h-1403h, 1600h-1603h, 1800h-1803h, 1A00h-1A03h.
 void add_pdo_objects(dictionary::Dictionary& dictionary);
 /// 2010h-2060h: motor, limits, controllers, commutation.
@@ -23,11 +23,11 @@ void add_controller_objects(dictionary::Dictionary& dictionary);
 /// 2005h-200Fh, 2070h-2100h: switches, measurements, position sensors, protection.
 void add_sensor_objects(dictionary::Dictionary& dictionary);
 /// 2702h-270Eh: inputs, bit rate and node-ID.
-void add_module_objects(dictionary::Dictionary& dictionary);
+void add_module_objects(dictionary::Dictionary& dictionary, const Options& options);
 /// 6040h-6061h, 6071h, 6077h, 607Ch, 608Fh-60B2h, 60FDh, 6502h: states, modes, torque, homing.
-void add_profile_drive_objects(dictionary::Dictionary& dictionary);
+void add_profile_drive_objects(dictionary::Dictionary& dictionary, const Options& options);
 /// 6062h-606Ch, 607Ah, 607Dh, 6081h-6085h, 60FFh: positions, velocities, ramps.
-void add_profile_motion_objects(dictionary::Dictionary& dictionary);
+void add_profile_motion_objects(dictionary::Dictionary& dictionary, const Options& options);
 
 // What many rows of the tables have in common.
 
@@ -45,6 +45,16 @@ inline constexpr dictionary::Range kCurrentRange{-90000, 90000};     ///< mA
 
 inline constexpr std::string_view kTypeNotPrinted =
     "data type of the entry not printed (only \"Record\"); from value range and public EDS, A-43";
+
+/// The rows as they are with Options::maps_as_maker_eds.
+template <std::size_t Rows>
+constexpr std::array<dictionary::EntryDeclaration, Rows> mappable(
+    std::array<dictionary::EntryDeclaration, Rows> rows) {
+  for (dictionary::EntryDeclaration& row : rows) {
+    row.mapping = dictionary::PdoMapping::transmit;
+  }
+  return rows;
+}
 
 /// Subindex 0 of an array or record whose table in the document starts at subindex 1.
 constexpr dictionary::EntryDeclaration highest_subindex(std::uint16_t index,

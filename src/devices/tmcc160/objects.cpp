@@ -5,15 +5,15 @@
 
 namespace stator::devices::tmcc160 {
 
-void add_objects(dictionary::Dictionary& dictionary, bool serves_eds) {
-  add_communication_objects(dictionary);
+void add_objects(dictionary::Dictionary& dictionary, const Options& options) {
+  add_communication_objects(dictionary, options);
   add_pdo_objects(dictionary);
   add_controller_objects(dictionary);
   add_sensor_objects(dictionary);
-  add_module_objects(dictionary);
-  add_profile_drive_objects(dictionary);
-  add_profile_motion_objects(dictionary);
-  if (serves_eds) {
+  add_module_objects(dictionary, options);
+  add_profile_drive_objects(dictionary, options);
+  add_profile_motion_objects(dictionary, options);
+  if (options.eds) {
     canopen::add_eds_objects(dictionary);
   }
   dictionary.finish();

@@ -10,12 +10,19 @@ namespace stator::devices::tmcc160 {
 /// are the document's, as docs/devices/tmcc160-decisions.md reads it.
 struct Options {
   bool eds = false;  ///< 1021h and 1022h: the node hands out its data sheet
-  bool lss = false;  ///< layer setting services (CiA 305)
+  /// Layer setting services (CiA 305), the serial number 1018h:04 they ask for, and 255 for no
+  /// node-ID in 2705h.
+  bool lss = false;
   /// Defaults of 1800h:05 and 1801h:05, TPDOs 1 and 2. Generic masters wait for a statusword within
   /// 0.2 s and do not ask for it.
   std::uint16_t status_event_timer = 0;  ///< ms
-  /// TPDOs 3 and 4 start event-driven (FFh) with an inhibit time instead of with every SYNC.
+  /// TPDOs 3 and 4 start event-driven (FFh) with an inhibit time instead of with every SYNC, and
+  /// inhibit times are those of event-driven TPDOs alone, as in CiA 301 (N-03): a master that makes
+  /// them synchronous again would lose SYNCs to a time it has not set.
   bool event_driven_values = false;
+  /// 2702h, 6062h, 6063h and 60FDh can be mapped into TPDOs, as in the data sheets of the maker
+  ///
+  bool maps_as_maker_eds = false;
   std::uint16_t heartbeat_time = 0;  ///< default of 1017h, ms
   /// 1010h and 1011h, subindices 1 and 2, store PDOs, SYNC, emergency and error control too.
   bool stores_communication_objects = false;

@@ -217,6 +217,9 @@ constexpr auto kInputs = std::to_array<EntryDeclaration>({
      .range = Range{1, 1},
      .unit = "revolutions",
      .source = "L1695"},
+});
+
+constexpr auto kLimitSwitches = std::to_array<EntryDeclaration>({
     {.index = 0x60FD,
      .name = "Digital inputs",
      .access = read_only,
@@ -227,15 +230,17 @@ constexpr auto kInputs = std::to_array<EntryDeclaration>({
      .note = "Entry named Limit Switches. Public EDS: mappable. A-32",
      .live = true},
 });
+constexpr auto kMappableLimitSwitches = mappable(kLimitSwitches);
 
 }  // namespace
 
-void add_profile_drive_objects(dictionary::Dictionary& dictionary) {
+void add_profile_drive_objects(dictionary::Dictionary& dictionary, const Options& options) {
   dictionary.add(kStateMachine);
   dictionary.add(kModes);
   dictionary.add(kTorque);
   dictionary.add(kHoming);
   dictionary.add(kInputs);
+  dictionary.add(options.maps_as_maker_eds ? kMappableLimitSwitches : kLimitSwitches);
 }
 
 }  // namespace stator::devices::tmcc160

@@ -10,8 +10,8 @@ using enum dictionary::ObjectCode;
 using enum dictionary::Access;
 using enum dictionary::PdoMapping;
 
-// Positions and their window (6062h to 6067h, 607Ah, 607Dh).
-constexpr auto kPosition = std::to_array<EntryDeclaration>({
+// Positions of the controller (6062h, 6063h).
+constexpr auto kControllerPosition = std::to_array<EntryDeclaration>({
     {.index = 0x6062,
      .name = "Position demand value",
      .type = integer32,
@@ -32,6 +32,11 @@ constexpr auto kPosition = std::to_array<EntryDeclaration>({
      .source = "L2039-L2048;L2452-L2463",
      .note = "Public EDS: mappable. A-25",
      .live = true},
+});
+constexpr auto kMappableControllerPosition = mappable(kControllerPosition);
+
+// Positions and their window (6064h to 6067h, 607Ah, 607Dh).
+constexpr auto kPosition = std::to_array<EntryDeclaration>({
     {.index = 0x6064,
      .name = "Position actual value",
      .type = integer32,
@@ -147,7 +152,8 @@ constexpr auto kVelocity = std::to_array<EntryDeclaration>({
 
 }  // namespace
 
-void add_profile_motion_objects(dictionary::Dictionary& dictionary) {
+void add_profile_motion_objects(dictionary::Dictionary& dictionary, const Options& options) {
+  dictionary.add(options.maps_as_maker_eds ? kMappableControllerPosition : kControllerPosition);
   dictionary.add(kPosition);
   dictionary.add(kVelocity);
 }

@@ -50,6 +50,18 @@ constexpr std::array<canopen::ErrorBehaviourValue, 2> kErrorBehaviour{
 // some milliseconds; a restarting microcontroller gives it that time.
 constexpr base::SimDuration kResetTime{100'000'000};
 
+canopen::PdoRules pdo_rules(const Tmcc160Configuration& configuration) {
+  canopen::PdoRules rules = canopen::with_quirks(kPdoRules, configuration.quirks);
+  rules.inhibit_synchronous = !configuration.options.event_driven_values;  // N-03
+  return rules;
+}
+
+/// Arguments: {0} index, {1} subindex, {2} name, {3} the value that came.
+constexpr base::EventRule kNoNodeId{
+    "tmcc160-node-id", base::Severity::refusal,
+    "write to {0:x4}:{1:x2} \"{2}\" refused: {3} came; a node-ID is 1 to 127, and 255 stands for "
+    "none, until LSS gives one"};
+
 canopen::NodeConfiguration node_configuration(const Tmcc160Configuration& configuration) {
   canopen::NodeConfiguration node;
   node.node_id = configuration.node_id;
@@ -59,7 +71,7 @@ canopen::NodeConfiguration node_configuration(const Tmcc160Configuration& config
   node.sdo.block_transfer = false;
   node.quirks = configuration.quirks;
   if (configuration.options.lss) {
-    node.lss = canopen::LssConfiguration{.serial_number = configuration.serial_number};
+    node.lss = canopen::LssConfiguration{};  // its address is 1018h
   }
   return node;
 }
@@ -77,7 +89,7 @@ Tmcc160::Tmcc160(const Tmcc160Configuration& configuration, base::EventReporter 
     : configuration_(configuration),
       reporter_(reporter),
       eds_([this] {
-        tmcc160::add_objects(dictionary_, configuration_.options.eds);
+        tmcc160::add_objects(dictionary_, configuration_.options);
         set_defaults();
         return tmcc160::eds(dictionary_, configuration_.options.lss);
       }()),
@@ -85,8 +97,7 @@ Tmcc160::Tmcc160(const Tmcc160Configuration& configuration, base::EventReporter 
       node_(dictionary_, controller_, reporter, node_configuration(configuration)),
       emergencies_(dictionary_, controller_, reporter, kEmergencyRules),
       sync_(dictionary_, emergencies_, {.refuse_shared_can_id = true}),
-      pdos_(dictionary_, controller_, emergencies_, reporter,
-            canopen::with_quirks(kPdoRules, configuration.quirks)),
+      pdos_(dictionary_, controller_, emergencies_, reporter, pdo_rules(configuration)),
       error_behaviour_(
           dictionary_,
           {.state = base::Delegate<NmtState()>::bind<&Tmcc160::nmt_state>(*this),
@@ -126,7 +137,14 @@ void Tmcc160::set_defaults() {
                               static_cast<std::uint8_t>(subindex), 0);
     }
   }
-  dictionary_.set_node_id(configuration_.node_id);
+  if (options.lss) {
+    dictionary_.set_default(0x1018, 4, configuration_.serial_number);
+    dictionary_.on_check(0x2705, 0,
+                         dictionary::Entry::CheckHook::bind<&Tmcc160::check_node_id>(*this));
+  }
+  if (canopen::is_node_id(configuration_.node_id)) {
+    dictionary_.set_node_id(configuration_.node_id);
+  }
   dictionary_.reset_values();
 }
 
@@ -155,9 +173,12 @@ void Tmcc160::wire_node() {
   lss.supports = base::Delegate<bool(std::uint32_t)>::bind<&Tmcc160::supports_bit_rate>(*this);
   lss.activate =
       base::Delegate<void(std::uint32_t, SimTime)>::bind<&Tmcc160::activate_bit_rate>(*this);
-  lss.store = base::Delegate<bool(
-      std::uint8_t, std::optional<std::uint32_t>)>::bind<&Tmcc160::store_network>(*this);
+  lss.store =
+      base::Delegate<bool(std::optional<std::uint8_t>,
+                          std::optional<std::uint32_t>)>::bind<&Tmcc160::store_network>(*this);
   node_.set_lss_hooks(lss);
+  storage_.set_order_hook(
+      canopen::ParameterStorage::OrderHook::bind<&Tmcc160::follow_order>(*this));
 }
 
 void Tmcc160::connect_memory(canopen::NonVolatileMemory& memory) {
@@ -174,8 +195,8 @@ void Tmcc160::start_firmware(SimTime now) {
 void Tmcc160::reset_application(SimTime now) {
   dictionary_.reset_values(0x2000, 0xFFFF);
   storage_.load(now);
+  lss_bit_rate_.reset();
   emergencies_.forget();
-  supervision_.start();
   restart_axis();
 }
 
@@ -195,9 +216,10 @@ void Tmcc160::restart_axis() {
 std::uint8_t Tmcc160::reset_communication(SimTime now) {
   dictionary_.reset_values(0x2704, 0x2705);
   storage_.load_communication(now);
-  const auto bit_rate = static_cast<std::uint16_t>(dictionary_.find(0x2704, 0)->value());
-  bit_rate_ = bit_rate * 1000U;
-  dictionary_.find(0x2707, 0)->set_value(bit_rate);
+  supervision_.start();  // finds again what it had found and the node has forgotten
+  const auto stored = static_cast<std::uint32_t>(dictionary_.find(0x2704, 0)->value()) * 1000U;
+  bit_rate_ = lss_bit_rate_.value_or(stored);
+  dictionary_.find(0x2707, 0)->set_value(bit_rate_ / 1000);
   return static_cast<std::uint8_t>(dictionary_.find(0x2705, 0)->value());
 }
 
@@ -230,20 +252,39 @@ bool Tmcc160::supports_bit_rate(std::uint32_t bit_rate) {
 
 void Tmcc160::activate_bit_rate(std::uint32_t bit_rate, SimTime /*now*/) {
   bit_rate_ = bit_rate;
+  lss_bit_rate_ = bit_rate;
   dictionary_.find(0x2707, 0)->set_value(bit_rate / 1000);
 }
 
-bool Tmcc160::store_network(std::uint8_t node_id, std::optional<std::uint32_t> bit_rate) {
-  if (node_id > canopen::kMaximumNodeId) {
-    return false;  // 2705h cannot say that there is none
+bool Tmcc160::store_network(std::optional<std::uint8_t> node_id,
+                            std::optional<std::uint32_t> bit_rate) {
+  if (node_id) {
+    dictionary_.find(0x2705, 0)->set_value(*node_id);
   }
-  dictionary_.find(0x2705, 0)->set_value(node_id);
   if (bit_rate) {
     dictionary_.find(0x2704, 0)->set_value(*bit_rate / 1000);
   }
   const std::array<std::byte, 4> signature{std::byte{'s'}, std::byte{'a'}, std::byte{'v'},
                                            std::byte{'e'}};
   return dictionary_.write(*dictionary_.find(0x2706, 0), signature, {}).has_value();
+}
+
+/// What has been stored or restored since counts at the next reset communication, not what LSS has
+/// configured or activated before.
+void Tmcc160::follow_order(const canopen::StorageCommand& command) {
+  if ((command.groups & tmcc160::bit(tmcc160::Group::network)) != 0) {
+    node_.stored_node_id_changed();
+    lss_bit_rate_.reset();
+  }
+}
+
+dictionary::Verdict Tmcc160::check_node_id(const dictionary::Entry& entry, std::uint64_t value) {
+  if (canopen::is_node_id(static_cast<unsigned>(value)) || value == canopen::kUnconfiguredNodeId) {
+    return {};
+  }
+  return dictionary::refuse(
+      dictionary::AbortCode::value_range_exceeded, kNoNodeId,
+      {int{entry.index()}, int{entry.subindex()}, std::string_view(entry.name()), value});
 }
 
 double Tmcc160::position_scale() const {

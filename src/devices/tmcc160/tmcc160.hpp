@@ -36,13 +36,14 @@ struct Tmcc160Configuration {
   /// Motor, load, supply, sensors and switches. The defaults fit those of the objects: four pole
   /// pairs, an encoder with 4000 steps.
   plant::ServoAxisParameters axis = tmcc160::default_axis();
-  std::uint8_t node_id = 1;       ///< 2705h as delivered, 1 to 127
+  /// 2705h as delivered, 1 to 127; with Options::lss also canopen::kUnconfiguredNodeId.
+  std::uint8_t node_id = 1;
   std::uint16_t bit_rate = 1000;  ///< 2704h as delivered, kbit/s; one of tmcc160::kBitRates
   tmcc160::Options options;
   drive::ServoLimits limits;                     ///< where the drive warns and switches off
   base::SimDuration boot_time{500'000'000};      ///< from power-on to the boot-up message
   base::SimDuration sdo_timeout{1'000'000'000};  ///< between two segments
-  std::uint32_t serial_number = 0;               ///< in the LSS address; 1018h has no entry for it
+  std::uint32_t serial_number = 0;               ///< 1018h:04 and LSS address, with Options::lss
   dictionary::Quirks quirks;                     ///< what it does otherwise than it should
 };
 
@@ -112,7 +113,10 @@ class Tmcc160 final : public CanDevice {
   void enter_state(canopen::NmtState state, base::SimTime now) { node_.enter(state, now); }
   [[nodiscard]] bool supports_bit_rate(std::uint32_t bit_rate);
   void activate_bit_rate(std::uint32_t bit_rate, base::SimTime now);
-  bool store_network(std::uint8_t node_id, std::optional<std::uint32_t> bit_rate);
+  bool store_network(std::optional<std::uint8_t> node_id, std::optional<std::uint32_t> bit_rate);
+  void follow_order(const canopen::StorageCommand& command);
+  [[nodiscard]] dictionary::Verdict check_node_id(const dictionary::Entry& entry,
+                                                  std::uint64_t value);
   [[nodiscard]] double position_scale() const;
 
   void set_defaults();
@@ -159,7 +163,8 @@ class Tmcc160 final : public CanDevice {
   base::SimTime next_tick_{kControlPeriod};
   bool powered_ = true;
   std::uint32_t bit_rate_ = 1'000'000;
-  drive::AxisErrors reported_errors_;  ///< as last told
+  std::optional<std::uint32_t> lss_bit_rate_;  ///< activated by LSS, until reset node
+  drive::AxisErrors reported_errors_;          ///< as last told
   std::uint32_t reported_resets_ = 0;
 };
 
