@@ -90,6 +90,24 @@ TEST_F(Tmc8670Objects, EveryRecommendedRowIsThereInEveryColumn) {
   }
 }
 
+// F-87: the codes of CiA 402 that are obeyed, no reserved ones, no manufacturer's.
+TEST_F(Tmc8670Objects, OptionCodesAreThoseThatAreObeyed) {
+  struct Row {
+    std::uint16_t index;
+    std::vector<std::int64_t> codes;
+  };
+  for (const Row& row : {Row{0x605A, {0, 1, 2, 5, 6}}, Row{0x605B, {0, 1}}, Row{0x605C, {0, 1}},
+                         Row{0x605D, {1, 2, 3, 4}}, Row{0x605E, {0, 1, 2}}}) {
+    for (const std::int64_t code : {-32768, -1, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 32767}) {
+      const std::int64_t before = read(row.index, 0);
+      const bool legal = std::ranges::find(row.codes, code) != row.codes.end();
+      EXPECT_EQ(write(row.index, 0, code), legal ? AbortCode{} : AbortCode::value_range_exceeded)
+          << std::hex << row.index << std::dec << ' ' << code;
+      EXPECT_EQ(read(row.index, 0), legal ? code : before);
+    }
+  }
+}
+
 TEST_F(Tmc8670Objects, EveryObjectSaysThatTheDocumentHasNone) {
   for (const Entry& entry : dictionary_.entries()) {
     EXPECT_EQ(entry.declaration().source, "not in document") << std::hex << entry.index();
