@@ -32,16 +32,19 @@ std::vector<tests::CsvRow> recommended_objects() {
 
 /// Columns in which an object differs from the recommendation on purpose (F-70, F-71): subindex 0
 /// of mappings and assignments is written, and the error settings are a record throughout; no
-/// master is thrown out of Operational unasked (F-77).
+/// master is thrown out of Operational unasked (F-77); option codes are those obeyed (F-87).
 bool differs_on_purpose(const std::string& index, const std::string& subindex, std::size_t column) {
   constexpr std::size_t kObjectType = 3;
   constexpr std::size_t kAccess = 5;
   constexpr std::size_t kDefault = 7;
+  constexpr std::size_t kMinimum = 8;
   constexpr std::size_t kMaximum = 9;
   constexpr std::size_t kNote = 12;
   const bool configuration =
       index == "1600" || index == "1A00" || index == "1C12" || index == "1C13";
-  return (configuration && subindex == "00" && (column == kAccess || column == kMaximum)) ||
+  const bool option_code = index >= "605A" && index <= "605E";
+  return (option_code && (column == kMinimum || column == kMaximum)) ||
+         (configuration && subindex == "00" && (column == kAccess || column == kMaximum)) ||
          (index == "10F1" && subindex == "00" && column == kObjectType) ||
          (index == "10F1" && subindex == "02" && (column == kDefault || column == kNote));
 }
