@@ -76,7 +76,6 @@ void EmergencyProducer::begin_anew() {
 void EmergencyProducer::forget() {
   message_count_ = 0;
   error_count_ = 0;
-  message_count_ = 0;
   update_register();
 }
 

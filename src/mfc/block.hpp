@@ -171,6 +171,7 @@ class Block final : private SignalSink, private BridgedRegisters {
   void advance_units_of(std::uint16_t address, std::size_t length);
   [[nodiscard]] std::uint64_t read_register(unsigned number, bool clear);
   void write_register(unsigned number, std::uint64_t value, std::uint8_t written);
+  [[nodiscard]] std::uint64_t held(unsigned number) const;
   bool write_serial_register(unsigned number, std::uint64_t value, std::uint8_t written);
   bool write_generator_register(unsigned number, std::uint64_t value);
   void write_other_register(unsigned number, std::uint64_t value);

@@ -18,6 +18,9 @@ constexpr std::size_t index_from(Signal signal, Signal first) {
 constexpr bool is_general_purpose_output(Signal signal) {
   return within(signal, Signal::gpo0, Signal::gpo15);
 }
+constexpr bool is_encoder_input(Signal signal) {
+  return within(signal, Signal::a, Signal::nn);
+}
 constexpr bool is_open_drain(Signal signal) {
   return signal == Signal::scl || signal == Signal::sda;
 }
@@ -119,7 +122,7 @@ void Block::bring_pins_up_to_date() {
 
 void Block::deliver(Signal signal) {
   const bool level = crossbar_.input(signal, pads_.inputs());
-  if (within(signal, Signal::a, Signal::nn)) {
+  if (is_encoder_input(signal)) {
     encoder_.input(now_, signal, level, *this);
   } else if (within(signal, Signal::gpi0, Signal::gpi15)) {
     gpio_.input(index_from(signal, Signal::gpi0), level);
@@ -171,13 +174,14 @@ void Block::apply_crossbar() {
   bring_pins_up_to_date();
   update_watching();
   seen_ = pads_.inputs();
-  const std::int32_t position = encoder_.position();
   for (std::size_t code = 0; code < kSignals; ++code) {
-    if (is_input(static_cast<Signal>(code))) {
-      deliver(static_cast<Signal>(code));
+    const auto signal = static_cast<Signal>(code);
+    if (is_encoder_input(signal)) {
+      encoder_.find(signal, crossbar_.input(signal, seen_));
+    } else if (is_input(signal)) {
+      deliver(signal);
     }
   }
-  encoder_.write_position(position);  // levels that a new connection finds are no edges (G-34)
   watchdog_.set_lines(seen_);
 }
 

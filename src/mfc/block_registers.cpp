@@ -116,7 +116,7 @@ void Block::write(std::uint16_t address, std::span<const std::byte> data) {
     const std::size_t count = std::min<std::size_t>(kSlot - first, data.size() - i);
     if (number < kRegisterCount && kRegisters[number].direction == Direction::write &&
         !bridge_.map().mapped(number)) {
-      std::uint64_t value = written_[number];
+      std::uint64_t value = held(static_cast<unsigned>(number));
       unsigned written = 0;
       for (std::size_t byte = first; byte < first + count && byte < kRegisters[number].size;
            ++byte) {
@@ -139,9 +139,17 @@ std::uint64_t Block::transfer_out(unsigned number, bool clear) {
 
 void Block::transfer_in(unsigned number, std::uint64_t value, std::uint8_t written) {
   value &= width_mask(number);
-  if (value != written_[number] || acts(number, value)) {
+  if (value != held(number) || acts(number, value)) {
     write_register(number, value, written);
   }
+}
+
+/// What a writable register holds: what was written last, by whichever side, or by the chip itself,
+/// which brings NEXTSR into STEPRATE (L9723-L9729).
+std::uint64_t Block::held(unsigned number) const {
+  return in_range(number, kSdCh0Steprate, kSdCh2Steprate)
+             ? unsigned_of(steps_.channel(number - kSdCh0Steprate).rate())
+             : written_[number];
 }
 
 std::uint64_t Block::read_register(unsigned number, bool clear) {

@@ -51,13 +51,23 @@ Encoder::Pair& Encoder::pair_of(Signal signal) {
   return signal == Signal::b || signal == Signal::bn ? b_ : n_;
 }
 
-void Encoder::input(base::SimTime time, Signal signal, bool level, SignalSink& sink) {
+bool Encoder::put(Signal signal, bool level) {
   Pair& pair = pair_of(signal);
   const bool negative = signal == Signal::an || signal == Signal::bn || signal == Signal::nn;
   (negative ? pair.negative : pair.positive) = level;
-  if (!pair.settle()) {
+  return pair.settle();
+}
+
+void Encoder::find(Signal signal, bool level) {
+  static_cast<void>(put(signal, level));
+  condition_ = event_condition();
+}
+
+void Encoder::input(base::SimTime time, Signal signal, bool level, SignalSink& sink) {
+  if (!put(signal, level)) {
     return;
   }
+  const Pair& pair = pair_of(signal);
   if (&pair == &a_) {
     count(a_.level != b_.level);
   } else if (&pair == &b_) {

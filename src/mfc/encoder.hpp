@@ -18,6 +18,9 @@ class Encoder {
   void set_mapped(const SignalSet& mapped);
   /// The pin of `signal` (one of A to Nn) has `level` from `time` on. Times do not decrease.
   void input(base::SimTime time, Signal signal, bool level, SignalSink& sink);
+  /// A new connection finds `signal` at `level`: no edge, so nothing is counted and no N event
+  /// comes of it (G-34).
+  void find(Signal signal, bool level);
 
   /// ENC_MODE, register 0: bits 0 to 10, others read 0. A write with clr_once arms it again.
   void write_mode(base::SimTime time, std::uint16_t mode, SignalSink& sink);
@@ -50,6 +53,8 @@ class Encoder {
   };
 
   Pair& pair_of(Signal signal);
+  /// True if what its pair means has changed.
+  bool put(Signal signal, bool level);
   void count(bool upwards);
   template <std::int64_t unit>
   void count_by(bool upwards);

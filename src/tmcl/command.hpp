@@ -70,6 +70,14 @@ enum class Command : std::uint8_t {
   software_reset = 255,
 };
 
+/// Hosts send these two and wait for no reply, since a module restarts with them (PyTrinamic's
+/// send_boot and send_start_app). Any reply, a refusal too, would be taken for that of the host's
+/// next command, and every later one would come one late.
+[[nodiscard]] constexpr bool is_never_answered(std::uint8_t command) {
+  return static_cast<Command>(command) == Command::boot ||
+         static_cast<Command>(command) == Command::boot_start_application;
+}
+
 /// Mnemonic or short name, e.g. "MVP" of 4; empty if no command has that number. Of static
 /// lifetime.
 [[nodiscard]] std::string_view name_of(std::uint8_t command);

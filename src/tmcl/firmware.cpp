@@ -37,6 +37,11 @@ constexpr EventRule kNotAvailable{
     "TMCL: {0} refused with status 6: not on this interface, not outside of a program, or kept "
     "back by the code protection (global parameter 81)"};
 
+constexpr EventRule kNotAnswered{
+    "tmcl-no-boot-loader", Severity::refusal,
+    "TMCL: {0} not obeyed and, as hosts expect, not answered: the boot loader of this module is "
+    "not described in its document, so the firmware goes on running; firmware is not loaded here"};
+
 const EventRule* rule_of(Status status) {
   switch (status) {
     case Status::invalid_command:
@@ -97,6 +102,11 @@ HostAnswer Firmware::execute(const Instruction& instruction, Origin origin, base
 }
 
 HostAnswer Firmware::dispatch(const Instruction& instruction, Origin origin, base::SimTime now) {
+  if (is_never_answered(instruction.command)) {
+    return {.status = Status::invalid_command,
+            .value = instruction.value,
+            .form = ReplyForm::none};  // T-11
+  }
   if (state_.download && !is_executed_in_download(instruction.command)) {
     return load_into_memory(instruction);
   }
@@ -259,7 +269,8 @@ bool Firmware::protected_from(std::uint32_t access) const {
 
 void Firmware::report(const Instruction& instruction, Status status, base::SimTime now) const {
   const std::string_view name = name_of(instruction.command);
-  reporter_.report(now, *rule_of(status),
+  const EventRule& rule = is_never_answered(instruction.command) ? kNotAnswered : *rule_of(status);
+  reporter_.report(now, rule,
                    {name.empty() ? base::EventArgument(int{instruction.command}) : name,
                     int{instruction.type}, int{instruction.motor}, int{instruction.value}});
 }

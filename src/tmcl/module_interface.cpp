@@ -70,7 +70,8 @@ void ModuleInterface::answer(const Telegram& telegram, base::SimTime now) {
              request.type == 0) {
     send_version_text();
     return;
-  } else if (obey_silently(request, now)) {
+  } else if (is_never_answered(request.command)) {
+    obey_silently(request, now);
     return;
   } else {
     const Answer answer = answer_to(request, now);
@@ -90,26 +91,23 @@ void ModuleInterface::send_version_text() {
   port_->send(telegram);
 }
 
-// Modules restart with both commands and answer neither.
-bool ModuleInterface::obey_silently(const Request& request, base::SimTime now) {
-  const auto command = static_cast<Command>(request.command);
-  if (command == Command::boot && request.type == kBootType && request.motor == kBootMotor &&
-      static_cast<std::uint32_t>(request.value) == kBootValue) {
-    if (!in_boot_loader()) {
+void ModuleInterface::obey_silently(const Request& request, base::SimTime now) {
+  if (static_cast<Command>(request.command) == Command::boot) {
+    const bool has_key = request.type == kBootType && request.motor == kBootMotor &&
+                         static_cast<std::uint32_t>(request.value) == kBootValue;
+    if (!has_key) {
+      reporter_.report(now, rules::kNoBootKey, {identity_.line});
+    } else if (!in_boot_loader()) {
       reporter_.report(now, rules::kBootLoaderStarted, {identity_.line});
       mode_ = Mode::boot_requested;
     }
-    return true;
+  } else if (!in_boot_loader()) {
+    reporter_.report(now, rules::kFirmwareRuns, {identity_.line});
+  } else if (!boot_loader_.erased() || boot_loader_.complete()) {
+    mode_ = Mode::start_requested;
+  } else {
+    reporter_.report(now, rules::kNotStarted, {identity_.line});
   }
-  if (command == Command::boot_start_application && in_boot_loader()) {
-    if (!boot_loader_.erased() || boot_loader_.complete()) {
-      mode_ = Mode::start_requested;
-    } else {
-      reporter_.report(now, rules::kNotStarted, {identity_.line});
-    }
-    return true;
-  }
-  return false;
 }
 
 ModuleInterface::Answer ModuleInterface::answer_to(const Request& request, base::SimTime now) {

@@ -70,7 +70,8 @@ class ModuleInterface {
 
   void answer_all(base::SimTime now);
   void answer(const Telegram& telegram, base::SimTime now);
-  [[nodiscard]] bool obey_silently(const Request& request, base::SimTime now);
+  /// The way into the boot loader and out of it (is_never_answered()).
+  void obey_silently(const Request& request, base::SimTime now);
   [[nodiscard]] Answer answer_to(const Request& request, base::SimTime now);
   void send_version_text();
 
@@ -95,6 +96,14 @@ inline constexpr base::EventRule kNotStarted{
     "tmcl-no-firmware", base::Severity::refusal,
     "{0}: the boot loader was told to start the firmware, but the image is incomplete: length and "
     "sum (command 208) must be those of what was written; load it again"};
+inline constexpr base::EventRule kNoBootKey{
+    "tmcl-boot-key", base::Severity::refusal,
+    "{0}: TMCL command 242 not obeyed and, as hosts expect, not answered: the boot loader starts "
+    "with type 81h, motor 92h and value A3B4C5D6h only"};
+inline constexpr base::EventRule kFirmwareRuns{
+    "tmcl-firmware-runs", base::Severity::refusal,
+    "{0}: TMCL command 205 has no effect and, as hosts expect, no answer: it starts the firmware "
+    "from the boot loader, and the firmware is running"};
 inline constexpr base::EventRule kBootLoaderStarted{
     "tmcl-boot-loader", base::Severity::information,
     "{0}: the boot loader was started; drives and bus are at rest until it ends"};

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "board/bench.hpp"
 #include "devices/tmc8461_board.hpp"
 #include "ethercat/sii_image.hpp"
 
@@ -387,6 +388,62 @@ TEST(Tmc8461Chip, WithoutPowerNothingAnswersAndItStartsAnew) {
   EXPECT_THAT(board.rises(HostLine::power), SizeIs(1));
   EXPECT_THAT(board.rises(HostLine::reset_out), IsEmpty()) << "that was no register's doing";
   EXPECT_EQ(board.bus_read(0x0130), 1U);
+}
+
+double signal_of(Tmc8461& chip, const std::string& name) {
+  for (const Signal& signal : chip.signals()) {
+    if (signal.name == name) {
+      return signal.read();
+    }
+  }
+  ADD_FAILURE() << "no signal " << name;
+  return 0.0;
+}
+
+// A lamp and a fan at static levels: what a chip without supply lets go, and what goes on without
+// it.
+TEST(Tmc8461Chip, WithoutPowerItsPinsLetGoAndTheBoardGoesOn) {
+  Tmc8461Configuration configuration{.device_emulation = true};
+  configuration.board.peripherals = {
+      board::part("lamp", board::kLed, {{"line", 0}}),
+      board::part("fan", board::kBridgeMotor,
+                  {{"a_high", 1}, {"a_low", 2}, {"b_high", 3}, {"b_low", 4}})};
+  ChipBoard board(configuration);
+  const auto bring_up = [&board] {
+    for (const AlState state :
+         {AlState::pre_operational, AlState::safe_operational, AlState::operational}) {
+      ASSERT_EQ(board.bus.request(state), static_cast<unsigned>(state));
+    }
+    board.bus_write(0x0580, {2, 2, 1, 1, 2});  // static levels: high, high, low, low, high
+  };
+  const auto lamp = [&board] { return signal_of(board.chip, "lamp.brightness"); };
+  const auto speed = [&board] { return signal_of(board.chip, "fan.speed"); };
+  bring_up();
+  board.bus.pass(1_s);
+  ASSERT_EQ(lamp(), 1.0);
+  const double running = speed();
+  const double turned = signal_of(board.chip, "fan.position");
+  ASSERT_GT(running, 10.0);
+
+  board.chip.set_power(false, board.bus.now());
+  board.bus.pass(10_ms);
+  EXPECT_EQ(lamp(), 0.0);
+  EXPECT_EQ(signal_of(board.chip, "mfcio00"), 0.5) << "nobody drives it";
+  EXPECT_LT(speed(), running);
+  EXPECT_GT(signal_of(board.chip, "fan.position"), turned) << "it runs on";
+  board.bus.pass(100_s);
+  EXPECT_NEAR(speed(), 0.0, 0.01);
+  const double rest = signal_of(board.chip, "fan.position");
+
+  board.chip.controller().restore_power();
+  board.chip.set_power(true, board.bus.now());
+  board.bus.pass(1_s);
+  EXPECT_EQ(lamp(), 0.0) << "in Init, without its settings";
+  EXPECT_EQ(signal_of(board.chip, "fan.position"), rest) << "it was not driven meanwhile";
+  bring_up();
+  board.bus.pass(1_s);
+  EXPECT_EQ(lamp(), 1.0);
+  EXPECT_NEAR(speed(), running, 0.1 * running);
 }
 
 TEST(Tmc8461Chip, UnwatchedItHasNothingToDo) {

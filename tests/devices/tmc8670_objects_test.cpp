@@ -32,16 +32,19 @@ std::vector<tests::CsvRow> recommended_objects() {
 
 /// Columns in which an object differs from the recommendation on purpose (F-70, F-71): subindex 0
 /// of mappings and assignments is written, and the error settings are a record throughout; no
-/// master is thrown out of Operational unasked (F-77).
+/// master is thrown out of Operational unasked (F-77); option codes are those obeyed (F-87).
 bool differs_on_purpose(const std::string& index, const std::string& subindex, std::size_t column) {
   constexpr std::size_t kObjectType = 3;
   constexpr std::size_t kAccess = 5;
   constexpr std::size_t kDefault = 7;
+  constexpr std::size_t kMinimum = 8;
   constexpr std::size_t kMaximum = 9;
   constexpr std::size_t kNote = 12;
   const bool configuration =
       index == "1600" || index == "1A00" || index == "1C12" || index == "1C13";
-  return (configuration && subindex == "00" && (column == kAccess || column == kMaximum)) ||
+  const bool option_code = index >= "605A" && index <= "605E";
+  return (option_code && (column == kMinimum || column == kMaximum)) ||
+         (configuration && subindex == "00" && (column == kAccess || column == kMaximum)) ||
          (index == "10F1" && subindex == "00" && column == kObjectType) ||
          (index == "10F1" && subindex == "02" && (column == kDefault || column == kNote));
 }
@@ -86,6 +89,24 @@ TEST_F(Tmc8670Objects, EveryRecommendedRowIsThereInEveryColumn) {
         EXPECT_EQ(columns[column], rows[row][column])
             << index << ':' << subindex << " column " << rows[0][column];
       }
+    }
+  }
+}
+
+// F-87: the codes of CiA 402 that are obeyed, no reserved ones, no manufacturer's.
+TEST_F(Tmc8670Objects, OptionCodesAreThoseThatAreObeyed) {
+  struct Row {
+    std::uint16_t index;
+    std::vector<std::int64_t> codes;
+  };
+  for (const Row& row : {Row{0x605A, {0, 1, 2, 5, 6}}, Row{0x605B, {0, 1}}, Row{0x605C, {0, 1}},
+                         Row{0x605D, {1, 2, 3, 4}}, Row{0x605E, {0, 1, 2}}}) {
+    for (const std::int64_t code : {-32768, -1, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 32767}) {
+      const std::int64_t before = read(row.index, 0);
+      const bool legal = std::ranges::find(row.codes, code) != row.codes.end();
+      EXPECT_EQ(write(row.index, 0, code), legal ? AbortCode{} : AbortCode::value_range_exceeded)
+          << std::hex << row.index << std::dec << ' ' << code;
+      EXPECT_EQ(read(row.index, 0), legal ? code : before);
     }
   }
 }

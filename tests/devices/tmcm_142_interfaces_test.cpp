@@ -80,6 +80,29 @@ TEST_F(Tmcm142Interfaces, EverySerialInterfaceAnswersAtOnce) {
   EXPECT_FALSE(module.device->connect_serial("midi", &cable));
 }
 
+// As PyTrinamic asks for the boot loader: without waiting for a reply (T-11).
+TEST_F(Tmcm142Interfaces, TheBootCommandIsNotAnsweredOnAnyInterface) {
+  for (const std::string_view interface : Tmcm142::kSerialInterfaces) {
+    connect(std::string(interface));
+    send({.command = 242,
+          .type = 0x81,
+          .motor = 0x92,
+          .value = static_cast<std::int32_t>(0xA3B4C5D6)});
+    send({.command = 205});
+    EXPECT_TRUE(replies().empty()) << interface;
+    send({.command = 6, .type = 6});
+    const std::vector<Reply> all = replies();
+    ASSERT_EQ(all.size(), 1U) << interface;
+    EXPECT_EQ(all[0], (Reply{.command = 6, .value = 8})) << interface;
+    ASSERT_TRUE(module.device->connect_serial(interface, nullptr));
+  }
+  EXPECT_FALSE(exchange(1, {242, 0x81, 0x92, 0xA3, 0xB4, 0xC5, 0xD6}));
+  EXPECT_FALSE(exchange(1, {242, 0x81, 0x92, 0xA3, 0xB4, 0xC5, 0xD6, 0x5D}));
+  EXPECT_EQ(exchange(1, {6, 6, 0, 0, 0, 0, 0}), can::data_frame(2, {1, 100, 6, 0, 0, 0, 8}));
+  EXPECT_EQ(module.events.count("enter boot loader not obeyed and, as hosts expect, not answered"),
+            6);
+}
+
 TEST_F(Tmcm142Interfaces, TheTelegramPauseEndsAtItsDeadline) {
   connect("rs485");
   ASSERT_EQ(module.sgp(75, 15), Status::success);

@@ -131,9 +131,9 @@ TEST(Tmcm142Parameters, AxisParametersAreThoseOfTheDocument) {
 
 TEST(Tmcm142Parameters, AxisParametersStartWithTheDecidedDefaults) {
   const std::map<int, std::int32_t> decided{
-      // A55; all others 0
-      {4, 500000}, {5, 50000}, {6, 8},  {7, 2},   {15, 50000}, {16, 50000}, {17, 50000},
-      {20, 50},    {21, 1},    {27, 1}, {193, 1}, {23, 444},   {42, 65536}};
+      // A55, 22 as T-74; all others 0
+      {4, 500000}, {5, 50000}, {6, 8},  {7, 2},  {15, 50000}, {16, 50000}, {17, 50000},
+      {20, 50},    {21, 1},    {22, 1}, {27, 1}, {193, 1},    {23, 444},   {42, 65536}};
   for (const ParameterDeclaration& each : tmcm_142::axis_parameters()) {
     const auto found = decided.find(each.number);
     EXPECT_EQ(each.initial, found != decided.end() ? found->second : 0) << each.name;

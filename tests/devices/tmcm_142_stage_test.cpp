@@ -136,6 +136,53 @@ TEST_F(Tmcm142Stage, WithoutMixedDecayTheCurrentStaysAboveAMinimum) {
   EXPECT_EQ(module.gap(chopper_clock_divider), 818);
 }
 
+// The same for a motor that stands (parameter 22): near a zero crossing the weaker coil gets more
+// than its microstep asks for, so the shaft stands beside it.
+TEST_F(Tmcm142Stage, WithoutMixedDecayInStandbyTheShaftStandsBesideItsMicrostep) {
+  constexpr int kMicrosteps = 16;                              // of 1024 in a full step
+  constexpr double kFriction = 1e-4;                           // rev, what it holds up
+  ASSERT_EQ(module.sap(standby_current, 8), Status::success);  // the current of a running motor
+  ASSERT_EQ(module.execute(Command::move_to_position, 0, 0, kMicrosteps).status, Status::success);
+  ASSERT_TRUE(module.run_to_target(10_s));
+  module.run(1_s);
+  const auto weaker = [&] {
+    return std::min(std::fabs(module.signal("axis0.coil_current_a")),
+                    std::fabs(module.signal("axis0.coil_current_b")));
+  };
+  const auto position = [&] { return module.signal("axis0.shaft_position"); };
+  const double current = 7.0 * 8 / 15;
+  const double full_step = std::acos(-1.0) / 2;
+  const double angle = full_step * kMicrosteps / 1024;
+  EXPECT_NEAR(weaker(), current * std::sin(angle), 0.02);
+  EXPECT_NEAR(position(), angle / full_step / 200, kFriction);
+  const double minimum = 0.7e-6 * 16e6 / 444 * 24.0 / 0.8;
+  ASSERT_EQ(module.sap(mixed_decay_standby, 0), Status::success);
+  module.run(1_s);
+  EXPECT_NEAR(weaker(), minimum, 0.02);
+  const double turned = std::atan(minimum / (current * std::cos(angle))) / full_step / 200;
+  ASSERT_GT(turned, 6e-4);
+  EXPECT_NEAR(position(), turned, kFriction);
+  ASSERT_EQ(module.sap(mixed_decay_standby, 1), Status::success);
+  module.run(1_s);
+  EXPECT_NEAR(weaker(), current * std::sin(angle), 0.02);
+  EXPECT_NEAR(position(), angle / full_step / 200, kFriction);
+}
+
+TEST_F(Tmcm142Stage, TheChoicesForRunningAndStandingMotorAreTwo) {
+  rotate(20'480);
+  const auto smallest = [&] {
+    double minimum = 100.0;
+    for (int i = 0; i < 1'000; ++i) {
+      module.run(100_us);
+      minimum = std::min(minimum, std::fabs(module.signal("axis0.coil_current_a")));
+    }
+    return minimum;
+  };
+  ASSERT_EQ(module.sap(mixed_decay_standby, 0), Status::success);
+  module.run(300_ms);
+  EXPECT_LT(smallest(), 0.05) << "the motor runs";
+}
+
 TEST_F(Tmcm142Stage, InputsAreReadAsLevelsAndByTheConverter) {
   for (int port = 0; port < 9; ++port) {
     EXPECT_EQ(gio(port, kDigital), 0) << port;

@@ -1,4 +1,5 @@
 #include <string>
+#include <utility>
 
 #include "devices/tmcm_3315_module.hpp"
 
@@ -38,6 +39,30 @@ TEST_F(ModuleIoTest, AnalogInputsHaveTheirFullRange) {
       EXPECT_EQ(bus_->upload<std::uint32_t>(0x270E, subindex), static_cast<std::uint32_t>(counts));
       EXPECT_EQ(signal(name), counts);
     }
+  }
+}
+
+// "Four analog or digital inputs" (L1): 2702h and 270Eh show the same four pins (H-14).
+TEST_F(ModuleIoTest, AnalogAndDigitalInputsAreTheSamePins) {
+  for (unsigned n = 0; n < 4; ++n) {
+    const std::string digital = "input" + std::to_string(n);
+    const std::string analog = "analog_" + digital;
+    const auto shown = [&] {
+      bus_->pass(2_ms);
+      return std::pair(bus_->upload<std::uint32_t>(0x270E, static_cast<std::uint8_t>(n + 1)),
+                       bus_->upload<std::uint32_t>(0x2702) >> 16U);
+    };
+    set_input(digital, 1.0);
+    EXPECT_EQ(shown(), std::pair(65535U, 1U << n));
+    EXPECT_EQ(signal(analog), 65535.0);
+    set_input(analog, 32767.0);
+    EXPECT_EQ(shown(), std::pair(32767U, 0U));
+    EXPECT_EQ(signal(digital), 0.0);
+    set_input(analog, 32768.0);
+    EXPECT_EQ(shown(), std::pair(32768U, 1U << n));
+    EXPECT_EQ(bus_->upload<std::uint32_t>(0x60FD), 0x10000U << n);
+    set_input(digital, 0.0);
+    EXPECT_EQ(shown(), std::pair(0U, 0U));
   }
 }
 

@@ -111,11 +111,11 @@ TEST_F(Tmcm3315Module, InputsAreShownInTheirBits) {
   go_operational();
   device_->set_digital_input(0, true);
   device_->set_digital_input(3, true);
-  device_->set_analog_input(2, 40'000);
+  device_->set_analog_input(2, 20'000);
   bus_->pass(2_ms);
   EXPECT_EQ(bus_->upload<std::uint32_t>(0x2702), 0x00090000U);
   EXPECT_EQ(bus_->upload<std::uint32_t>(0x60FD), 0x00090000U);
-  EXPECT_EQ(bus_->upload<std::uint32_t>(0x270E, 3), 40'000U);
+  EXPECT_EQ(bus_->upload<std::uint32_t>(0x270E, 3), 20'000U);
   write<std::uint32_t>(0x2205, 0x2C);  // axis 1: all three inverted
   bus_->pass(2_ms);
   EXPECT_EQ(bus_->upload<std::uint32_t>(0x68FD), 0x00090007U);

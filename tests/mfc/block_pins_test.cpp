@@ -158,6 +158,51 @@ TEST(BlockPins, EncoderCountsWhatItsPinsSeeAndNotWhatAConnectionFinds) {
   EXPECT_EQ(static_cast<std::int32_t>(f.get(kPositionRead)), position / 2);
 }
 
+// 1/16 of a count per edge: a fraction lost at each write would be most of the way.
+TEST(BlockPins, EncoderKeepsItsFractionWhateverIsWrittenToTheParameters) {
+  for (const bool decimal : {false, true}) {
+    BlockFixture f;
+    f.connect(0, Signal::a).connect(1, Signal::b);
+    f.configure();
+    f.set(kEncMode, decimal ? 1U << 10U : 0U);
+    f.set(kEncConst, decimal ? 625U : 65'536U / 16);
+    constexpr std::array<std::pair<std::size_t, bool>, 4> kEdges{
+        {{0, true}, {1, true}, {0, false}, {1, false}}};
+    base::SimTime time;
+    for (int edge = 0; edge < 1600; ++edge) {
+      time += 1_us;
+      const auto& [line, level] = kEdges[static_cast<std::size_t>(edge) % 4];
+      f.block.drive(line, OutsideDrive::level(level), time);
+      if (edge % 7 == 0) {
+        f.connect(9, edge % 2 == 0 ? Signal::high : Signal::low);
+        f.configure();
+      } else if (edge % 11 == 0) {
+        f.set(kHvioCfg, static_cast<std::uint64_t>(edge % 2));
+      }
+    }
+    EXPECT_EQ(f.get(kPositionRead), 100U) << (decimal ? "decimal" : "binary");
+  }
+}
+
+TEST(BlockPins, MappingNToAHighPinIsNoNEvent) {
+  BlockFixture f;
+  f.connect(0, Signal::a).connect(1, Signal::b);
+  f.configure();
+  f.block.drive(2, OutsideDrive::level(true), f.block.now());
+  f.set(kPositionWrite, 50);
+  f.set(kEncMode, 0x16C);  // clear and latch once, when N becomes high, whatever A and B are
+  f.connect(2, Signal::n);
+  f.configure();
+  EXPECT_EQ(f.get(kPositionRead), 50U);
+  EXPECT_EQ(f.get(kEncStatus), 0U);
+  EXPECT_EQ(f.get(kMfcioIrqFlags), 0U);
+  f.block.drive(2, OutsideDrive::level(false), f.block.now());
+  f.block.drive(2, OutsideDrive::level(true), f.block.now());
+  EXPECT_EQ(f.get(kEncLatch), 50U) << "the latch was still waiting";
+  EXPECT_EQ(f.get(kPositionRead), 0U);
+  EXPECT_EQ(f.get(kEncStatus), 1U);
+}
+
 TEST(BlockPins, DifferentialPairFeedsTheCrossbarOfItsFirstInput) {
   BlockFixture f;
   f.connect(hv(0), Signal::gpi0).connect(hv(3), Signal::gpi1);

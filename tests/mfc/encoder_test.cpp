@@ -293,6 +293,29 @@ TEST(EncoderNEvent, ClearsOnlyWhereItLatches) {
   EXPECT_EQ(shaft.encoder.position(), 1);
 }
 
+// G-34: what a new connection finds at N is no event, so a latch that waits goes on waiting.
+TEST(EncoderNEvent, IsNotWhatAConnectionFinds) {
+  for (const unsigned edge : {unsigned{kOnActive}, unsigned{kOnInactive}, 0U}) {
+    Shaft shaft;
+    shaft.turn(3);
+    shaft.encoder.set_mapped({Signal::a, Signal::b});
+    shaft.mode(edge | kPolarityN | kIgnoreAB | kClear | kLatchOnce);
+    shaft.encoder.set_mapped({Signal::a, Signal::b, Signal::n});
+    for (const bool level : {true, false, true, edge != kOnInactive}) {
+      shaft.encoder.find(Signal::n, level);
+    }
+    EXPECT_EQ(shaft.encoder.position(), 3) << edge;
+    EXPECT_EQ(shaft.encoder.latch(), 0) << edge;
+    EXPECT_EQ(shaft.sink.count(IrqSource::enc_n_event), 0U) << edge;
+    EXPECT_EQ(shaft.encoder.read_status(), edge == 0 ? 1 : 0) << "a level is shown as it goes on";
+    shaft.set(Signal::n, false);
+    shaft.set(Signal::n, true);
+    shaft.set(Signal::n, false);
+    EXPECT_EQ(shaft.encoder.latch(), 3) << edge;
+    EXPECT_EQ(shaft.encoder.position(), 0) << edge;
+  }
+}
+
 TEST(EncoderNEvent, StaysInTheStatusUntilItIsRead) {
   Shaft shaft;
   shaft.mode(kOnActive | kPolarityN | kIgnoreAB);

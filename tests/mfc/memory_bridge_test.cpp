@@ -135,6 +135,50 @@ TEST(MemoryBridge, AnEqualStepRateIsNoNewOne) {
   EXPECT_NEAR(static_cast<double>(f.get(kSdCh0Stepcount)), 10.0, 1.0);
 }
 
+// The shadow of a mapped register is transparent (L8875-L8877): a master that writes STEPRATE has
+// it, also after NEXTSR has come into it (G-35). With SYNC0 it is the pulse that brings it.
+TEST(MemoryBridge, ARateThatNextsrReplacedIsTheMastersAgainWithItsNextWrite) {
+  constexpr std::uint64_t kSlow = 171'799;  // 1 kHz
+  constexpr std::uint64_t kFast = 10 * kSlow;
+  for (const Trigger trigger : {Trigger::always, Trigger::sync0}) {
+    BlockFixture f;
+    f.map(kSdCh0Steprate, trigger);
+    f.configure();
+    f.operational();
+    const auto cycle = [&] {
+      f.master_writes(kSdCh0Steprate, kSlow);
+      f.block.trigger(Trigger::sync0);
+    };
+    f.set(kSdCh0Compare, 3);
+    f.set(kSdCh0Nextsr, kFast);
+    f.set(kSdCfg, 0x43);
+    cycle();
+    f.wait(3500_us);
+    EXPECT_EQ(f.get(kSdCh0Steprate), kFast);
+    cycle();
+    EXPECT_EQ(f.get(kSdCh0Steprate), kSlow);
+    const std::uint64_t count = f.get(kSdCh0Stepcount);
+    for (int n = 0; n < 100; ++n) {
+      f.wait(100_us);
+      cycle();
+    }
+    EXPECT_NEAR(static_cast<double>(f.get(kSdCh0Stepcount) - count), 10.0, 1.0)
+        << "the same rate again changes nothing";
+  }
+}
+
+TEST(MemoryBridge, PartOfARateIsWrittenIntoWhatNextsrBrought) {
+  BlockFixture f;
+  f.set(kSdCh0Compare, 1);
+  f.set(kSdCh0Nextsr, 0x0102'0304);
+  f.set(kSdCfg, 0x43);
+  f.set(kSdCh0Steprate, 1'717'990);
+  f.wait(1100_us);
+  ASSERT_EQ(f.get(kSdCh0Steprate), 0x0102'0304U);
+  f.set(kSdCh0Steprate, 0x55, 1);
+  EXPECT_EQ(f.get(kSdCh0Steprate), 0x0102'0355U);
+}
+
 TEST(MemoryBridge, StepsGoOnUntilTheTriggerBringsTheNewRate) {
   BlockFixture f;
   f.map(kSdCh0Steprate, Trigger::sync0);

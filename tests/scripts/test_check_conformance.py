@@ -51,6 +51,12 @@ class CheckConformance(unittest.TestCase):
         self.assert_one(self.errors(GOOD_ROWS.replace("needs a camera", " ")),
                         "R-003", "without a note")
 
+    def test_what_is_to_come_is_open_and_says_what_is_missing(self):
+        rows = GOOD_ROWS.replace("left-out,,needs a camera", "open,,the camera is missing")
+        self.assertEqual(self.errors(rows), [])
+        self.assert_one(self.errors(rows.replace("the camera is missing", "")),
+                        "R-003", "without a note")
+
     def test_a_requirement_without_a_row_is_found(self):
         self.assert_one(self.errors(GOOD_ROWS.replace("R-003,left-out,,needs a camera\n", "")),
                         "R-003: has no row")

@@ -54,8 +54,23 @@ class DevicePages(unittest.TestCase):
 
     def test_the_page_shows_requirements_with_status_and_tests(self):
         page = self.run_script()["chip.md"]
-        self.assertIn("1 requirements: 1 done, 0 simplified, 0 not yet.", page)
+        self.assertIn("1 requirements: 1 done, 0 not yet; 0 simplified and 0 left out for good",
+                      page)
         self.assertIn("| C-1 | Counts up. (L7) | yes | `Chip.Counts` |", page)
+
+    def test_the_page_tells_what_is_left_out_for_good_from_what_is_to_come(self):
+        tree = {**TREE,
+                "docs/conformance/chip.csv": "id,status,tests,note\nC-1,left-out,,no such pin\n"
+                                             "C-2,open,,without the carry\n",
+                "tests/data/chip/requirements.csv": "id,block,requirement,source\n"
+                                                    "C-1,Counters,Counts up.,L7\n"
+                                                    "C-2,Counters,Counts down.,L8\n"}
+        with mock.patch.dict(TREE, tree):
+            page = self.run_script()["chip.md"]
+        self.assertIn("2 requirements: 0 done, 1 not yet; 0 simplified and 1 left out for good",
+                      page)
+        self.assertIn("| C-1 | Counts up. (L7) | left out | no such pin |", page)
+        self.assertIn("| C-2 | Counts down. (L8) | not yet | without the carry |", page)
 
     def test_check_refuses_pages_that_are_out_of_date(self):
         with self.assertRaisesRegex(SystemExit, "not up to date: .*chip.md"):

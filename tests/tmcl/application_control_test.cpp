@@ -249,6 +249,24 @@ TEST_F(ApplicationControl, TheVersionIsATextOrANumber) {
   EXPECT_EQ(status(get_firmware_version, 2), Status::wrong_type);
 }
 
+// T-11: hosts wait for none.
+TEST_F(ApplicationControl, CommandsOfABootLoaderHaveNoReplyAlsoInDownloadMode) {
+  for (const bool download : {false, true}) {
+    if (download) {
+      ASSERT_EQ(status(start_download, 0, 0, 7), Status::success);
+    }
+    for (const Command command : {boot, boot_start_application}) {
+      const HostAnswer answer = execute(command, 0x81, 0x92, static_cast<int>(0xA3B4C5D6));
+      EXPECT_EQ(answer.form, ReplyForm::none);
+      EXPECT_EQ(answer.status, Status::invalid_command) << "for people: it was not obeyed";
+    }
+    EXPECT_EQ(execute(boot_get_info).form, ReplyForm::normal) << "the boot loader's own have one";
+  }
+  EXPECT_EQ(status(quit_download), Status::success);
+  EXPECT_EQ(firmware_.memory()[7].command, static_cast<std::uint8_t>(boot_get_info))
+      << "neither was stored";
+}
+
 TEST_F(ApplicationControl, FactorySettingsNeedTheirNumberAndHaveNoReply) {
   set_global(66, 9);
   EXPECT_EQ(status(restore_factory_settings, 0, 0, 1233), Status::invalid_value);

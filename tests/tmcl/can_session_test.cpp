@@ -82,6 +82,9 @@ TEST_F(CanSessionTest, TheTelegramPauseDoesNotCount) {
 }
 
 TEST_F(CanSessionTest, CommandsWithoutAReplyHaveNone) {
+  EXPECT_FALSE(send(bytes_of({242, 0x81, 0x92, 0xA3, 0xB4, 0xC5, 0xD6})));
+  EXPECT_FALSE(send(bytes_of({242, 0x81, 0x92, 0xA3, 0xB4, 0xC5, 0xD6, 0})));
+  EXPECT_FALSE(send(bytes_of({205, 0, 0, 0, 0, 0, 0})));
   EXPECT_FALSE(send(bytes_of({137, 0, 0, 0, 0, 0x04, 0xD2})));
   EXPECT_EQ(module_.factory_resets, 1);
 }

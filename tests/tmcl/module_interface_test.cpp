@@ -119,8 +119,21 @@ TEST_F(ModuleInterfaceTest, AWrongChecksumIsAnsweredWithStatus1) {
 }
 
 TEST_F(ModuleInterfaceTest, TheBootLoaderNeedsItsKeyAndIsNotAnswered) {
-  EXPECT_EQ(answer({.command = 242, .value = 1}).value, 242) << "left to the firmware";
+  for (Request request : {kBoot, kBoot, kBoot}) {
+    const auto n = sentences_.size();
+    request.type = static_cast<std::uint8_t>(request.type + (n == 0 ? 1 : 0));
+    request.motor = static_cast<std::uint8_t>(request.motor + (n == 1 ? 1 : 0));
+    request.value += n == 2 ? 1 : 0;
+    put(request);
+    EXPECT_TRUE(line_.from_device.empty()) << "hosts wait for no answer to 242 (T-11)";
+    ASSERT_EQ(sentences_.size(), n + 1);
+    EXPECT_THAT(sentences_.back(), testing::HasSubstr("value A3B4C5D6h only"));
+  }
   EXPECT_FALSE(module_.in_boot_loader());
+  put(kStart);
+  EXPECT_TRUE(line_.from_device.empty()) << "nor to 205";
+  EXPECT_THAT(sentences_.back(), testing::HasSubstr("the firmware is running"));
+  EXPECT_EQ(answer({.command = 6}).value, 6);
   put(kBoot);
   EXPECT_TRUE(line_.from_device.empty());
   EXPECT_TRUE(module_.in_boot_loader());

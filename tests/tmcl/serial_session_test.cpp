@@ -150,6 +150,21 @@ TEST_F(SerialSessionTest, FactorySettingsHaveNoReply) {
   EXPECT_EQ(exchange(restore_factory_settings, 0, 0, 4321).status, Status::invalid_value);
 }
 
+TEST_F(SerialSessionTest, ACommandWithoutReplyLeavesTheNextReplyItsPlace) {
+  module_.position = 711;
+  for (const int pause : {0, 15}) {
+    set_global(75, pause);
+    send(boot, 0x81, 0x92, static_cast<int>(0xA3B4C5D6));
+    send(boot_start_application);
+    send(get_axis_parameter, 1);
+    session_.serve(now_);
+    now_ += 20_ms;
+    const std::vector<Reply> all = replies();
+    ASSERT_EQ(all.size(), 1U);
+    EXPECT_EQ(all[0], (Reply{.command = 6, .value = 711}));
+  }
+}
+
 TEST_F(SerialSessionTest, TheTelegramPauseHoldsRepliesBack) {
   exchange(set_global_parameter, 75, 0, 0);
   send(set_global_parameter, 75, 0, 15);

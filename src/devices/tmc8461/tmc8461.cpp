@@ -113,7 +113,10 @@ std::vector<std::byte> Tmc8461::sii_image() const {
 
 void Tmc8461::advance(SimTime now) {
   if (!powered_) {
-    now_ = std::max(now_, now);
+    if (now > now_) {
+      halves_.advance_block(now);  // what is wired to its pins goes on without it
+      now_ = now;
+    }
     return;
   }
   for (SimTime next = next_line_change(); next < now; next = next_line_change()) {
@@ -203,6 +206,8 @@ void Tmc8461::set_power(bool on, SimTime now) {
     if (host_seen_) {
       controller_.set_host_polling(false);
     }
+  } else {
+    io_.reset();  // its drivers let go of the pins, its registers are lost
   }
   publish();
 }

@@ -14,20 +14,30 @@ using enum dictionary::Access;
 using enum dictionary::PdoMapping;
 
 constexpr std::array<std::int64_t, 8> kModesOfOperation{0, 1, 3, 4, 6, 8, 9, 10};
+// The codes of CiA 402 that the drive obeys (F-87).
+constexpr std::array<std::int64_t, 5> kQuickStopOptions{0, 1, 2, 5, 6};
+constexpr std::array<std::int64_t, 2> kShutdownOptions{0, 1};
+constexpr std::array<std::int64_t, 2> kDisableOperationOptions{0, 1};
+constexpr std::array<std::int64_t, 4> kHaltOptions{1, 2, 3, 4};
+constexpr std::array<std::int64_t, 3> kFaultReactionOptions{0, 1, 2};
+
+constexpr EntryDeclaration option_code(std::uint16_t index, std::string_view name,
+                                       std::int64_t preset, std::span<const std::int64_t> codes) {
+  return within({codes.front(), codes.back()},
+                one_of(codes, entry(index, 0, name, variable, integer16, read_write, no, preset, "",
+                                    kProfile)));
+}
 
 // Errors, power state machine, modes of operation.
 constexpr auto kPowerStateMachine = std::to_array<EntryDeclaration>({
     entry(0x603F, 0, "Error code", variable, unsigned16, read_only, transmit, 0, "", kProfile),
     entry(0x6040, 0, "Controlword", variable, unsigned16, read_write, receive, 0, "", kProfile),
     entry(0x6041, 0, "Statusword", variable, unsigned16, read_only, transmit, 0, "", kProfile),
-    entry(0x605A, 0, "Quick stop option code", variable, integer16, read_write, no, 2, "",
-          kProfile),
-    entry(0x605B, 0, "Shutdown option code", variable, integer16, read_write, no, 0, "", kProfile),
-    entry(0x605C, 0, "Disable operation option code", variable, integer16, read_write, no, 1, "",
-          kProfile),
-    entry(0x605D, 0, "Halt option code", variable, integer16, read_write, no, 1, "", kProfile),
-    entry(0x605E, 0, "Fault reaction option code", variable, integer16, read_write, no, 2, "",
-          kProfile),
+    option_code(0x605A, "Quick stop option code", 2, kQuickStopOptions),
+    option_code(0x605B, "Shutdown option code", 0, kShutdownOptions),
+    option_code(0x605C, "Disable operation option code", 1, kDisableOperationOptions),
+    option_code(0x605D, "Halt option code", 1, kHaltOptions),
+    option_code(0x605E, "Fault reaction option code", 2, kFaultReactionOptions),
     one_of(kModesOfOperation, entry(0x6060, 0, "Modes of operation", variable, integer8, read_write,
                                     receive, 0, "", "CiA 402 / IEC 61800-7-201; 0 1 3 4 6 8 9 10")),
     entry(0x6061, 0, "Modes of operation display", variable, integer8, read_only, transmit, 0, "",

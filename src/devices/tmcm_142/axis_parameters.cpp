@@ -268,6 +268,7 @@ void AxisParameters::restore(AxisParameter parameter) {
 void AxisParameters::configure() {
   axis_.controller().configure(settings());
   axis_.set_stage({.mixed_decay_run = value(mixed_decay_run) != 0,
+                   .mixed_decay_standby = value(mixed_decay_standby) != 0,
                    .chopper_divider = value(chopper_clock_divider)});
 }
 

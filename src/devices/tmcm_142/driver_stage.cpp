@@ -52,7 +52,8 @@ base::AxisActuation DriverStage::advance(const StageInput& input, const base::Ax
   actuation.bridge_enabled = input.enabled && !overvoltage_;
   const double current = kFullScaleCurrent * std::min(input.scale, kFullScale) / kFullScale;
   actuation.coil_current_target = {input.phases[0] * current, input.phases[1] * current};
-  if (!input.mixed_decay_run && !input.standing) {
+  const bool mixed_decay = input.standing ? input.mixed_decay_standby : input.mixed_decay_run;
+  if (!mixed_decay) {
     const double duty = kBlankTime * kClock / input.chopper_divider;
     const double minimum = duty * sensing.supply_voltage / input.resistance;
     for (double& target : actuation.coil_current_target) {

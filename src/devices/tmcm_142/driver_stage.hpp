@@ -18,6 +18,7 @@ struct StageInput {
   double full_steps_per_second = 0.0;
   bool standing = true;
   bool mixed_decay_run = true;         ///< parameter 21
+  bool mixed_decay_standby = true;     ///< parameter 22
   std::int32_t chopper_divider = 444;  ///< parameter 23
   double resistance = 0.8;             ///< ohm, of a phase
 };
@@ -26,9 +27,10 @@ struct StageInput {
 /// full scale (A102), load measurement, protection.
 ///
 /// A short switches the stage off for kRetryTime, then it tries again; too high a temperature or a
-/// supply outside of its range for as long as that lasts (A46). While the motor runs without mixed
-/// decay the current does not come below what the shortest pulse of the chopper feeds, duty times
-/// supply over resistance (L6166-L6168); in standby the choice of parameter 22 makes no difference.
+/// supply outside of its range for as long as that lasts (A46). Without mixed decay the current
+/// does not come below what the shortest pulse of the chopper feeds, duty times supply over
+/// resistance (L6156-L6158, L6166-L6168): parameter 21 chooses for a running motor, 22 for a
+/// standing one, which so stands beside its microstep and gets warmer.
 class DriverStage {
  public:
   static constexpr double kFullScaleCurrent = 7.0;  ///< A, peak (L46)

@@ -92,6 +92,7 @@ AxisEvents MotionAxis::step(base::SimTime now, base::SimDuration period,
       .full_steps_per_second = controller_.pid_velocity() * kVelocityUnit / microsteps,
       .standing = controller_.standing(),
       .mixed_decay_run = stage_settings_.mixed_decay_run,
+      .mixed_decay_standby = stage_settings_.mixed_decay_standby,
       .chopper_divider = stage_settings_.chopper_divider,
       .resistance = plant_.resistance()};
   static_cast<void>(plant_.step(stage_.advance(input, plant_.sensing(), period), period));

@@ -35,6 +35,7 @@ struct AxisEvents {
 /// Power stage settings among the axis parameters.
 struct StageSettings {
   bool mixed_decay_run = true;
+  bool mixed_decay_standby = true;
   std::int32_t chopper_divider = 444;
 
   friend bool operator==(const StageSettings&, const StageSettings&) = default;

@@ -108,7 +108,7 @@ constexpr std::array kAxisParameters{
                "L1183-L1185;L2302-L2305;L5381-L5392", "STAP text prints 4.069 ms (A25)"),
     documented(row(21, "Mixed decay run", "MIXED_DECAY_RUN", kRWE, kSwitch, 1, flag),
                "L1187-L1188;L5394-L5403"),
-    documented(row(22, "Mixed decay standby", "MIXED_DECAY_STANDBY", kRWE, kSwitch, 0, flag),
+    documented(row(22, "Mixed decay standby", "MIXED_DECAY_STANDBY", kRWE, kSwitch, 1, flag),
                "L1190-L1191;L5405-L5414"),
     documented(row(23, "Chopper clock divider", "CHOPPER_CLOCK_DIVIDER", kRWE, {96, 818}, 444, other, "16 MHz / value"),
                "L1193-L1197;L5416-L5428", "do not change"),

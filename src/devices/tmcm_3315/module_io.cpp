@@ -56,7 +56,7 @@ void ModuleIo::switch_outputs(bool operational, const BrakeFeeds& brakes) {
 std::uint32_t ModuleIo::input_bits() const {
   std::uint32_t bits = 0;
   for (std::size_t i = 0; i < kChannels; ++i) {
-    bits |= channels_[i].level ? bit_of(i) : 0U;
+    bits |= channels_[i].level() ? bit_of(i) : 0U;
   }
   return bits;
 }

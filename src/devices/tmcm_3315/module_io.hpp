@@ -21,6 +21,9 @@ using BrakeFeeds = std::array<std::optional<std::uint8_t>, kAxisCount>;
 /// General-purpose inputs and outputs of the module: 2702h, 2703h, 270Eh, and the outputs that the
 /// automatic brake control takes over.
 ///
+/// The "four analog or digital inputs" (L1) are four pins that 270Eh and 2702h show in two ways
+/// (H-14): INn is high while analog input n reads half of full scale or more.
+///
 /// The document does not say which output serves which brake: OUT0 to OUT2 serve axes 0 to 2, as
 /// pulse-width modulation with 255 steps. A brake output is driven in every state of the network,
 /// because the brake must stay open until a motor that lost its master has stopped; the others are
@@ -47,9 +50,10 @@ class ModuleIo {
   /// Mean voltage at an output, 0 to 1.
   [[nodiscard]] double output_duty(std::size_t output) const { return channels_[output].duty(); }
 
-  [[nodiscard]] bool level(std::size_t input) const { return channels_[input].level; }
+  [[nodiscard]] bool level(std::size_t input) const { return channels_[input].level(); }
   [[nodiscard]] std::uint16_t counts(std::size_t input) const { return channels_[input].counts; }
-  void set_level(std::size_t input, bool high) { channels_[input].level = high; }
+  /// A digital signal at the pin: 0 or full scale.
+  void set_level(std::size_t input, bool high) { channels_[input].set_level(high ? 1.0 : 0.0); }
   void set_counts(std::size_t input, std::uint16_t counts) { channels_[input].counts = counts; }
 
   /// "output0", "input0", "analog_input0" and so on.
@@ -58,21 +62,22 @@ class ModuleIo {
   void append_inputs(std::vector<Input>& inputs);
 
  private:
+  static constexpr std::uint16_t kFullScale = 65535;  ///< counts of an analog input
+  static constexpr std::uint16_t kThreshold = 32768;  ///< from which on it is high
+
   /// The n-th of everything, so that signals and inputs can be bound to it.
   struct Channel {
-    bool level = false;
-    std::uint16_t counts = 0;
+    std::uint16_t counts = 0;  ///< what is at the input, as 270Eh has it
     bool switched_on = false;  ///< by 2703h
     std::uint8_t output = 0;   ///< 0..255
 
-    [[nodiscard]] double read_level() const { return level ? 1.0 : 0.0; }
+    [[nodiscard]] bool level() const { return counts >= kThreshold; }
+    [[nodiscard]] double read_level() const { return level() ? 1.0 : 0.0; }
     [[nodiscard]] double read_counts() const { return counts; }
     [[nodiscard]] double duty() const { return output / 255.0; }
-    void set_level(double value) { level = value >= 0.5; }
+    void set_level(double value) { counts = value >= 0.5 ? kFullScale : std::uint16_t{0}; }
     void set_counts(double value) { counts = static_cast<std::uint16_t>(std::lround(value)); }
   };
-
-  static constexpr std::int32_t kFullScale = 65535;  ///< counts of an analog input
 
   dictionary::Variable<std::uint32_t> digital_inputs_;                        // 2702h
   dictionary::Variable<std::uint32_t> physical_outputs_;                      // 2703h:01
