@@ -12,14 +12,16 @@ from places import rewrite
 HERE = Path(__file__).resolve().parent
 ROUNDS = 8  # of compiling again without the mutants that do not compile
 
-# Options of the rewritten rooms only: everything else is compiled as always, which is what a
+# Options of the rewritten sources only: everything else is compiled as always, which is what a
 # compiler cache needs. A step outside a span or an array ends the program.
 CMAKE = """
 function(stator_mutants)
-  foreach(room IN LISTS STATOR_MUTATED_ROOMS)
-    if(TARGET stator_${room})
-      target_compile_options(stator_${room} PRIVATE -w -Wno-narrowing -O1 -D_GLIBCXX_ASSERTIONS)
-    endif()
+  include("@HERE@/sources.cmake")
+  foreach(source IN LISTS sources)
+    string(REGEX MATCH "^src/([^/]+)" room "${source}")
+    set_source_files_properties("${CMAKE_SOURCE_DIR}/${source}"
+      TARGET_DIRECTORY stator_${CMAKE_MATCH_1}
+      PROPERTIES COMPILE_OPTIONS "-w;-Wno-narrowing;-O1;-D_GLIBCXX_ASSERTIONS")
   endforeach()
   foreach(suite IN LISTS STATOR_MUTATED_SUITES)
     target_sources(test_${suite} PRIVATE "@HERE@/listener.cpp")
@@ -40,11 +42,11 @@ def write_if_changed(path, data):
 class Build:
     """A copy of `root` in `work`, which may hold that of an earlier campaign."""
 
-    def __init__(self, root, work, rooms, suites, jobs):
+    def __init__(self, root, work, suites, jobs):
         self.root, self.tree = root, work / "tree"
         self.folder = self.tree / "build" / "release"  # where a compiler cache knows it from
         self.include = work / "include"
-        self.rooms, self.suites, self.jobs = rooms, suites, jobs
+        self.suites, self.jobs = suites, jobs
 
     def program(self, suite):
         return self.folder / "tests" / suite / f"test_{suite}"
@@ -69,6 +71,8 @@ class Build:
             left.unlink()
         for name in ("schemata.hpp", "listener.cpp"):
             write_if_changed(self.include / name, (HERE / name).read_bytes())
+        names = "".join(f"  {name}\n" for name in sorted(sample.places))
+        write_if_changed(self.include / "sources.cmake", f"set(sources\n{names})\n".encode())
         write_if_changed(self.include / "mutants.cmake",
                          CMAKE.replace("@HERE@", self.include.as_posix()).encode())
 
@@ -81,7 +85,6 @@ class Build:
              "-DCMAKE_BUILD_TYPE=Release", "-DSTATOR_BUILD_BENCHMARKS=OFF",
              "-DSTATOR_BUILD_EXAMPLES=OFF",
              f"-DCMAKE_PROJECT_INCLUDE={self.include / 'mutants.cmake'}",
-             f"-DSTATOR_MUTATED_ROOMS={';'.join(self.rooms)}",
              f"-DSTATOR_MUTATED_SUITES={';'.join(self.suites)}"],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
         if done.returncode != 0:
