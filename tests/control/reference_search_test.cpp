@@ -14,11 +14,13 @@ constexpr base::SimDuration kPeriod = 100_us;
 struct Rail {
   std::int64_t left_end = -1'000'000;
   std::int64_t right_end = 1'000'000;
-  std::int64_t cam_begin = 0;  ///< of a reference switch in series with the left one
-  std::int64_t cam_end = 0;    ///< not in it
+  std::int64_t cam_begin = 0;   ///< of a reference switch in series with the left one
+  std::int64_t cam_end = 0;     ///< not in it
+  std::int64_t hysteresis = 0;  ///< of the left switch: how far beyond its place it is released
 
-  [[nodiscard]] bool left(std::int64_t place) const {
-    return place <= left_end || (place >= cam_begin && place < cam_end);
+  [[nodiscard]] bool left(std::int64_t place, bool pressed) const {
+    return place <= left_end + (pressed ? hysteresis : 0) ||
+           (place >= cam_begin && place < cam_end);
   }
   [[nodiscard]] bool right(std::int64_t place) const { return place >= right_end; }
 };
@@ -34,7 +36,7 @@ class Search {
   }
   void step() {
     const std::int64_t place = controller.motor_microsteps();
-    sensing.left_switch = rail_.left(place);
+    sensing.left_switch = rail_.left(place, sensing.left_switch);
     sensing.right_switch = rail_.right(place);
     sensing.encoder_count = place;
     controller.advance(sensing, kPeriod);
@@ -83,6 +85,20 @@ TEST(ReferenceSearch, Mode1FindsTheLeftSwitch) {
   EXPECT_EQ(bench.search.state(), SearchState::inactive);
   EXPECT_EQ(bench.search.switch_distance(), 0);
   EXPECT_EQ(bench.rightmost, 0);
+}
+
+TEST(ReferenceSearch, ZeroIsTheCentreBetweenReleaseAndReentry) {
+  // Released at -19199, pressed again at -20000: neither edge, nor where the motor came to rest.
+  Search bench({.left_end = -20'000, .hysteresis = 800});
+  bench.search.start(bench.controller, {.mode = SearchMode::left_switch});
+  EXPECT_LT(bench.run(), 900'000);
+  EXPECT_NEAR(static_cast<double>(zero_place(bench)), -19'600.0, 2.0);
+
+  Search right({.left_end = -20'000, .right_end = 30'000, .hysteresis = 2'000});
+  right.search.start(right.controller, {.mode = SearchMode::right_then_left_switch});
+  EXPECT_LT(right.run(), 900'000);
+  EXPECT_NEAR(static_cast<double>(zero_place(right)), -19'000.0, 2.0);
+  EXPECT_NEAR(right.search.switch_distance(), 49'000, 7) << "from that centre";
 }
 
 TEST(ReferenceSearch, SpeedsAreThoseOfTheParametersOrOfTheirDefaults) {

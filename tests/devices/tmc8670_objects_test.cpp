@@ -32,7 +32,7 @@ std::vector<tests::CsvRow> recommended_objects() {
 
 /// Columns in which an object differs from the recommendation on purpose (F-70, F-71): subindex 0
 /// of mappings and assignments is written, and the error settings are a record throughout; no
-/// master is thrown out of Operational unasked (F-77); option codes are those obeyed (F-87).
+/// master is thrown out of Operational unasked (F-77); option codes are those obeyed (F-88).
 bool differs_on_purpose(const std::string& index, const std::string& subindex, std::size_t column) {
   constexpr std::size_t kObjectType = 3;
   constexpr std::size_t kAccess = 5;
@@ -93,7 +93,7 @@ TEST_F(Tmc8670Objects, EveryRecommendedRowIsThereInEveryColumn) {
   }
 }
 
-// F-87: the codes of CiA 402 that are obeyed, no reserved ones, no manufacturer's.
+// F-88: the codes of CiA 402 that are obeyed, no reserved ones, no manufacturer's.
 TEST_F(Tmc8670Objects, OptionCodesAreThoseThatAreObeyed) {
   struct Row {
     std::uint16_t index;

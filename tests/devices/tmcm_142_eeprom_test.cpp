@@ -148,6 +148,23 @@ TEST_F(Tmcm142Eeprom, GlobalParametersAreKeptAtOnceAndVariablesWhenStored) {
   EXPECT_EQ(module.ggp(4, kVariables), 0);
 }
 
+TEST_F(Tmcm142Eeprom, TheTelegramPauseIsKeptBySettingItAlone) {
+  constexpr int kTelegramPause = 75;
+  Memory memory;
+  module.device->connect_memory(memory);
+  const int before = memory.orders;
+  ASSERT_EQ(module.ggp(kTelegramPause), 0);
+  ASSERT_EQ(module.sgp(kTelegramPause, 15), Status::success);
+  module.run(20_ms);
+  EXPECT_GT(memory.orders, before) << "no other command was needed";
+  module.power_cycle();
+  EXPECT_EQ(module.ggp(kTelegramPause), 15);
+
+  Tmcm142Module other;
+  other.device->connect_memory(memory);
+  EXPECT_EQ(other.ggp(kTelegramPause), 15) << "in the EEPROM, wherever it is put";
+}
+
 TEST_F(Tmcm142Eeprom, VariablesAreFiftySixSignedNumbers) {
   for (int i = 0; i < 56; ++i) {
     EXPECT_EQ(module.sgp(i, -2'147'483'648LL + i, kVariables), Status::success) << i;

@@ -273,6 +273,46 @@ TEST_F(Tmcm142Stage, AClosedContactIsALowPinAndAnActiveSwitch) {
   EXPECT_EQ(module.gap(right_limit_switch_status), 0) << "the other polarity";
 }
 
+class Tmcm142WaitForALimitSwitch : public Tmcm142Stage {
+ protected:
+  /// WAIT LIMSW, 0, `ticks`, then output 1 goes on.
+  void start(std::int32_t ticks) {
+    module.device->tmcl().load_program(
+        std::vector<tmcl::Instruction>{{.command = 27, .type = 3, .value = ticks},
+                                       {.command = 14, .type = 1, .motor = kOutput, .value = 1},
+                                       {.command = 28}});
+    module.device->tmcl().start_program(module.now);
+  }
+  [[nodiscard]] bool through() { return module.signal("output1") == 1.0; }
+};
+
+TEST_F(Tmcm142WaitForALimitSwitch, EndsWithEitherOfThemAndWithNothingElse) {
+  for (const char* const name : {"axis0.left_switch", "axis0.right_switch"}) {
+    SCOPED_TRACE(name);
+    module.set("axis0.home_switch", 1.0);
+    start(0);
+    module.run(2_s);
+    EXPECT_FALSE(through()) << "neither is pressed, and 0 is no time-out";
+    module.set(name, 1.0);
+    module.run(2_ms);
+    EXPECT_TRUE(through());
+    EXPECT_FALSE(module.raised(tmcl::ErrorFlag::timeout));
+    module.set(name, 0.0);
+    module.run(2_ms);
+    ASSERT_EQ(module.execute(Command::set_output, 1, kOutput, 0).status, Status::success);
+  }
+}
+
+TEST_F(Tmcm142WaitForALimitSwitch, EndsWithItsTimeOutToo) {
+  start(50);  // of 10 ms
+  module.run(490_ms);
+  EXPECT_FALSE(through());
+  EXPECT_FALSE(module.raised(tmcl::ErrorFlag::timeout));
+  module.run(12_ms);
+  EXPECT_TRUE(through());
+  EXPECT_TRUE(module.raised(tmcl::ErrorFlag::timeout));
+}
+
 TEST(Tmcm142Search, FindsTheLeftSwitchAndMeasuresTheDistanceBetweenBoth) {
   for (const int mode : {1, 2, 3}) {
     Tmcm142Configuration configuration;

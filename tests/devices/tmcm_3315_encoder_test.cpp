@@ -47,6 +47,59 @@ TEST_F(Tmcm3315Encoder, ResolutionIsThatOfTheObjectNotOfTheDisc) {
   EXPECT_NEAR(bus_->upload<std::int32_t>(0x606C), 4 * 51'200, 4000);
 }
 
+TEST_F(Tmcm3315Encoder, NeedsTheSensorSelectedAndItsResolutionToGiveThePosition) {
+  // Of a disc with 40000 counts, whose resolution is 1 until somebody writes another.
+  struct Case {
+    bool selected;
+    bool resolved;
+  };
+  constexpr std::int32_t kQuarter = 12'800;
+  for (const Case& c :
+       {Case{false, false}, Case{false, true}, Case{true, false}, Case{true, true}}) {
+    SCOPED_TRACE(testing::Message() << "606Ah = " << (c.selected ? 0 : -1) << ", 608Fh:01 "
+                                    << (c.resolved ? "written" : "left at 1"));
+    renew(configuration());
+    go_operational();
+    EXPECT_EQ(bus_->upload<std::int16_t>(0x606A), -1);
+    EXPECT_EQ(bus_->upload<std::uint32_t>(0x608F, 1), 1U);
+    if (c.selected) {
+      write<std::int16_t>(0x606A, 0);
+    }
+    if (c.resolved) {
+      write<std::uint32_t>(0x608F, 40'000, 1);
+    }
+    // With next to no current the motor falls behind, and only the encoder knows.
+    write<std::uint8_t>(0x2003, 0);
+    write<std::uint8_t>(0x2004, 0);
+    set_profile(0, 51'200, 512'000);
+    enable(0, 1);
+    start_move(0, kQuarter);
+    bus_->pass(2_s);
+    EXPECT_LT(shaft_microsteps(), kQuarter / 2.0);
+    EXPECT_EQ(bus_->upload<std::int32_t>(0x6062), kQuarter);
+    const auto shown = bus_->upload<std::int32_t>(0x6064);
+    EXPECT_EQ(shown, bus_->upload<std::int32_t>(0x6063));
+    if (!c.selected) {
+      EXPECT_EQ(shown, kQuarter) << "the motor's steps, counted";
+    } else {
+      EXPECT_NE(shown, kQuarter);
+    }
+
+    write<std::uint8_t>(0x2003, 128);
+    start_move(0, 2 * kQuarter);
+    bus_->pass(2_s);
+    const double turned = shaft_microsteps();
+    const auto after = bus_->upload<std::int32_t>(0x6064);
+    if (c.selected && c.resolved) {
+      EXPECT_NEAR(after, turned, 3.0) << "where the shaft is";
+    } else if (c.selected) {
+      EXPECT_GT(std::abs(after - turned), 51'200.0) << "each count taken for a revolution";
+    } else {
+      EXPECT_EQ(after, 2 * kQuarter);
+    }
+  }
+}
+
 TEST_F(Tmcm3315Encoder, TheLatchHoldsBothPositionsAtTheNullPulse) {
   go_operational();
   use_encoder(0, 40'000);

@@ -43,6 +43,33 @@ TEST_F(ProfilePositionMode, TravelsOnTheTrapezoidOfTheProfileObjects) {
   EXPECT_TRUE(bench_.status(statusword::kTargetReached));
 }
 
+TEST_F(ProfilePositionMode, TheTrajectoryGeneratorMakesTheDemandOfTheTarget) {
+  bench_.write(0x6040, 0);
+  bench_.write(0x606A, 0);  // the encoder tells the actual position
+  bench_.enable(ModeCode::profile_position);
+  bench_.write(0x607A, 13'750);
+  EXPECT_EQ(bench_.read(0x6062), 0) << "not the target itself";
+  bench_.blocked = true;
+  move_to(13'750);
+  const auto demanded_after = [](double t) {  // 0.5 s up, 1 s at 10000, 0.25 s down
+    if (t < 0.5) {
+      return 10'000.0 * t * t;
+    }
+    if (t < 1.5) {
+      return 2'500.0 + 10'000.0 * (t - 0.5);
+    }
+    return t < 1.75 ? 13'750.0 - 20'000.0 * (1.75 - t) * (1.75 - t) : 13'750.0;
+  };
+  for (int i = 1; i <= 40; ++i) {
+    bench_.pass(50_ms);
+    // What the object shows is at most a firmware period of 1 ms old: 10 at full speed.
+    EXPECT_NEAR(static_cast<double>(bench_.read(0x6062)), demanded_after(0.05 * i), 12.0) << i;
+    EXPECT_EQ(bench_.read(0x6064), 0) << "the shaft is held";
+  }
+  EXPECT_EQ(bench_.read(0x6062), 13'750);
+  EXPECT_EQ(bench_.read(0x607A), 13'750);
+}
+
 TEST_F(ProfilePositionMode, OnlyARisingEdgeOfBit4Starts) {
   bench_.write(0x607A, 1000);
   bench_.pass(100_ms);

@@ -100,18 +100,6 @@ TEST_F(ServoProfilePosition, ANewSetPointIsTakenOverAtOnce) {
   EXPECT_TRUE(arrives_at(-4000));
 }
 
-TEST_F(ServoProfilePosition, BitFourActsOnItsEdgeOnly) {
-  bench_.write(0x607A, 4000);
-  bench_.start();
-  EXPECT_TRUE(arrives_at(4000));
-  bench_.write(0x607A, 8000);
-  bench_.write(0x6040, 0x1F);
-  bench_.pass(200_ms);
-  EXPECT_EQ(bench_.read(0x6062), 4000);
-  bench_.write(0x6040, 0x0F);
-  EXPECT_FALSE(bench_.status(statusword::kSetPointAcknowledge));
-}
-
 TEST_F(ServoProfilePosition, BitsFiveAndNineChangeNothing) {
   bench_.write(0x607A, 4000);
   bench_.write(0x6040, 0x0F | 0x220);

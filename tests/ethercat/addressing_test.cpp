@@ -107,17 +107,50 @@ TEST(Addressing, Alias_CountsOnlyWhenEnabledAndIsReadOnlyForTheBus) {
   EXPECT_EQ(by_alias(), 0U) << "the host may change it";
 }
 
-TEST(Addressing, ReadWriteOffset_MovesTheWritePartOfFprw) {
+/// Both bytes of the offset count: 0210h, from 1000h to 1210h.
+class ReadWriteOffset : public ::testing::Test {
+ protected:
+  ReadWriteOffset() {
+    bus.write(0, 0x0010, bytes({0x01, 0x10}));
+    bus.write(0, 0x0108, bytes({0x10, 0x02}));
+    bus.write(0, kRead, bytes({0xAA}));
+  }
+  std::uint64_t at(std::uint16_t address) { return number(bus.read(0, address, 1).data); }
+  /// One exchange of a byte; what was read.
+  std::uint64_t exchange(Command command, std::uint16_t slave, unsigned byte) {
+    const Answer answer = bus.transfer(command, physical_address(slave, kRead), bytes({byte}));
+    EXPECT_EQ(answer.working_counter, 3U);
+    return number(answer.data);
+  }
+
+  static constexpr std::uint16_t kRead = 0x1000;
+  static constexpr std::uint16_t kWritten = 0x1210;
   TestBus bus;
-  bus.write(0, 0x0010, bytes({0x01, 0x10}));
-  bus.write(0, 0x0108, bytes({0x10, 0x00}));
-  bus.write(0, 0x1000, bytes({0xAA}));
-  const Answer answer =
-      bus.transfer(Command::fprw, physical_address(0x1001, 0x1000), bytes({0x55}));
-  EXPECT_EQ(answer.working_counter, 3U);
-  EXPECT_EQ(number(answer.data), 0xAAU);
-  EXPECT_EQ(number(bus.read(0, 0x1000, 1).data), 0xAAU);
-  EXPECT_EQ(number(bus.read(0, 0x1010, 1).data), 0x55U);
+};
+
+TEST_F(ReadWriteOffset, MovesTheWritePartOfFprwAndAprw) {
+  EXPECT_EQ(exchange(Command::fprw, 0x1001, 0x55), 0xAAU);
+  EXPECT_EQ(at(kRead), 0xAAU);
+  EXPECT_EQ(at(kWritten), 0x55U);
+  EXPECT_EQ(exchange(Command::aprw, 0, 0x66), 0xAAU);
+  EXPECT_EQ(at(kRead), 0xAAU);
+  EXPECT_EQ(at(kWritten), 0x66U);
+}
+
+TEST_F(ReadWriteOffset, MovesNoOtherCommand) {
+  EXPECT_EQ(exchange(Command::brw, 0, 0x57), 0xAAU | 0x57U) << "a broadcast ORs";
+  EXPECT_EQ(at(kRead), 0x57U) << "BRW writes where it reads";
+  bus.transfer(Command::apwr, physical_address(0, kRead), bytes({0x58}));
+  EXPECT_EQ(at(kRead), 0x58U);
+  bus.transfer(Command::fpwr, physical_address(0x1001, kRead), bytes({0x59}));
+  EXPECT_EQ(at(kRead), 0x59U);
+  bus.transfer(Command::bwr, physical_address(0, kRead), bytes({0x5A}));
+  EXPECT_EQ(at(kRead), 0x5AU);
+  bus.transfer(Command::armw, physical_address(1, kRead), bytes({0x5B}));
+  EXPECT_EQ(at(kRead), 0x5BU);
+  bus.transfer(Command::frmw, physical_address(0x2002, kRead), bytes({0x5C}));
+  EXPECT_EQ(at(kRead), 0x5CU);
+  EXPECT_EQ(at(kWritten), 0U);
 }
 
 TEST(Addressing, MemoryEndsWhereTheRamEnds) {

@@ -91,5 +91,42 @@ TEST(Frame, Builder_PadsToTheShortestFrameOnlyWhenAsked) {
   EXPECT_EQ(builder.finish(true).size(), kMinimumFrameLength);
 }
 
+TEST(Frame, Builder_PadsWithZerosWhateverTheBufferHeld) {
+  std::array<std::byte, kMaximumFrameLength> buffer;
+  buffer.fill(std::byte{0xEE});
+  FrameBuilder builder(buffer, kSource);
+  builder.append(Command::brd, 0, 0, std::size_t{1});
+  const std::span<std::byte> frame = builder.finish(true);
+  EXPECT_EQ(Bytes(frame.begin() + 29, frame.end()), testing::zeros(kMinimumFrameLength - 29));
+  EXPECT_EQ(buffer[kMinimumFrameLength], std::byte{0xEE}) << "and no further";
+}
+
+TEST(Frame, Cursor_TellsThatADatagramIsAnnouncedButNotThere) {
+  std::array<std::byte, kMaximumFrameLength> buffer{};
+  FrameBuilder builder(buffer, kSource);
+  builder.append(Command::brd, 7, physical_address(0, 0x0130), std::size_t{2});
+  std::span<std::byte> frame = builder.finish();
+  frame[16 + 7] |= std::byte{0x80};  // another one follows
+  DatagramCursor cursor(frame);
+  ASSERT_TRUE(cursor.next());
+  EXPECT_EQ(cursor.error(), FrameError::none);
+  EXPECT_FALSE(cursor.next());
+  EXPECT_EQ(cursor.error(), FrameError::datagram_overrun);
+}
+
+TEST(Frame, Store_SaysOfTheLastDatagramOnlyThatNoneFollows) {
+  std::array<std::byte, kMaximumFrameLength> buffer{};
+  FrameBuilder builder(buffer, kSource);
+  builder.append(Command::brd, 7, physical_address(0, 0x0130), std::size_t{2});
+  builder.append(Command::brd, 8, physical_address(0, 0x0130), std::size_t{2});
+  const std::span<std::byte> frame = builder.finish();
+  const Bytes sent(frame.begin(), frame.end());
+  DatagramCursor cursor(frame);
+  while (const auto view = cursor.next()) {
+    view->store();
+  }
+  EXPECT_EQ(Bytes(frame.begin(), frame.end()), sent) << "nothing was changed";
+}
+
 }  // namespace
 }  // namespace stator::ethercat

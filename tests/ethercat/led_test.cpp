@@ -35,6 +35,33 @@ TEST(LedPatterns, AreThoseOfTheIndicatorSpecification) {
   EXPECT_EQ(pattern(static_cast<LedCode>(3), 40), "####....####....####" + std::string(20, '.'));
 }
 
+TEST(LedPatterns, FlashAsOftenAsTheirCodeSaysAndThenPauseForASecond) {
+  for (unsigned code = 1; code <= 12; ++code) {
+    std::string train;
+    for (unsigned flash = 0; flash < code; ++flash) {
+      train += flash == 0 ? "####" : "....####";  // 200 ms on, 200 ms off
+    }
+    train += std::string(20, '.');
+    EXPECT_EQ(pattern(static_cast<LedCode>(code), static_cast<unsigned>(2 * train.size())),
+              train + train)
+        << "code " << code;
+  }
+}
+
+TEST(Leds, ErrorLedShowsEachCodeThatIsWrittenToIt) {
+  TestBus bus;
+  for (unsigned code = 0; code <= 15; ++code) {
+    bus.write(0, 0x0139, bytes({0x10 | code}));
+    EXPECT_EQ(number(bus.read(0, 0x0139, 1).data), 0x10 | code);
+    EXPECT_EQ(static_cast<unsigned>(bus.slave().error_led()), code);
+    EXPECT_EQ(bus.slave().run_led(), LedCode::off) << "the other LED stays, code " << code;
+    host_write(bus.slave(), 0x0139, bytes({0x10 | (15 - code)}));
+    EXPECT_EQ(static_cast<unsigned>(bus.slave().error_led()), 15 - code) << "the host may, too";
+  }
+  bus.write(0, 0x0139, bytes({0x0C}));
+  EXPECT_EQ(bus.slave().error_led(), LedCode::off) << "without bit 4 the state counts again";
+}
+
 TEST(Leds, RunLedFollowsTheState) {
   TestBus bus;
   const std::pair<unsigned, unsigned> kStates[] = {{1, 0}, {2, 13}, {3, 14}, {4, 1}, {8, 15}};

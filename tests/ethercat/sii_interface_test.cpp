@@ -162,6 +162,45 @@ TEST_F(Sii, BadChecksum_IsShownAndClosesTheMemoryUntilRepairedAndReloaded) {
   EXPECT_EQ(bus.write(0, 0x1000, bytes({1})).working_counter, 1U);
 }
 
+TEST_F(Sii, NotLoaded_KeepsBothSidesFromTheProcessDataRamFromEndToEnd) {
+  // 16 KByte from 1000h to 4FFFh, open while 0110h bit 0 is 1.
+  constexpr std::uint16_t kCells[] = {0x1000, 0x2FFF, 0x4FFF};
+  const auto open_to_bus = [&](std::uint16_t address) {
+    const unsigned written = bus.write(0, address, bytes({0x5A})).working_counter;
+    const unsigned read = bus.read(0, address, 1).working_counter;
+    EXPECT_EQ(written, read) << std::hex << address;
+    return written == 1;
+  };
+  const auto open_to_host = [&](std::uint16_t address, unsigned value) {
+    host_write(slave, address, bytes({value}));
+    return number(host_read(slave, address, 1)) == value;
+  };
+  const auto operational = [&] { return number(bus.read(0, 0x0110, 1).data) & 1U; };
+  Bytes damaged = valid_sii();
+  damaged[14] ^= std::byte{0xFF};
+  for (const Bytes& image : {damaged, Bytes{}}) {
+    slave.load_sii(valid_sii());
+    EXPECT_EQ(operational(), 1U);
+    for (const std::uint16_t address : kCells) {
+      EXPECT_TRUE(open_to_bus(address)) << std::hex << address;
+      EXPECT_TRUE(open_to_host(address, 0x33)) << std::hex << address;
+    }
+    slave.load_sii(image);
+    EXPECT_EQ(operational(), 0U);
+    for (const std::uint16_t address : kCells) {
+      EXPECT_FALSE(open_to_bus(address)) << std::hex << address;
+      EXPECT_FALSE(open_to_host(address, 0x44)) << std::hex << address;
+    }
+    slave.load_sii(valid_sii());
+    for (const std::uint16_t address : kCells) {
+      EXPECT_NE(number(bus.read(0, address, 1).data), 0x44U)
+          << "what the host wrote meanwhile was lost: " << std::hex << address;
+    }
+  }
+  EXPECT_FALSE(open_to_bus(0x5000)) << "no memory there";
+  EXPECT_FALSE(open_to_host(0x5000, 0x44));
+}
+
 TEST_F(Sii, WithoutEeprom_CommandsGetNoAcknowledge) {
   slave.load_sii({});
   bus.write(0, 0x0502, command(0x0100, 0, 6));
@@ -213,6 +252,26 @@ TEST_F(Sii, Load_FillsTheRegistersOfTheConfigurationArea) {
   EXPECT_EQ(number(bus.read(0, 0x0012, 2).data), 0x1234U);
   EXPECT_EQ(number(bus.read(0, 0x014E, 2).data), 0x0006U) << "configured and active";
   EXPECT_EQ(bus.write(0, 0x0982, bytes({1, 0})).working_counter, 0U);
+}
+
+TEST_F(Sii, ExtendedHostConfiguration_IsWhatWordThreeSaysWhichIsReservedAsZero) {
+  const auto shown = [&] { return number(bus.read(0, 0x0152, 2).data); };
+  SlaveController bare{SlaveControllerConfiguration{}};
+  EXPECT_EQ(number(host_read(bare, 0x0152, 2)), 0U) << "before the EEPROM is loaded";
+  EXPECT_EQ(shown(), 0U);
+  EXPECT_EQ(bus.write(0, 0x0152, bytes({0xC3, 0xA5})).working_counter, 0U);
+  host_write(slave, 0x0152, bytes({0xC3, 0xA5}));
+  EXPECT_EQ(shown(), 0U) << "neither side writes it";
+
+  Bytes image = valid_sii();
+  base::store_le(image.data() + 6, std::uint16_t{0xA5C3});
+  image[14] = std::byte{sii_checksum(image)};
+  slave.load_sii(image);
+  EXPECT_EQ(shown(), 0xA5C3U) << "an EEPROM against the document is shown as it is";
+  EXPECT_EQ(number(host_read(slave, 0x0152, 2)), 0xA5C3U);
+  EXPECT_EQ(number(bus.read(0, 0x014E, 2).data), 0x0006U) << "and switches nothing";
+  slave.load_sii(valid_sii());
+  EXPECT_EQ(shown(), 0U);
 }
 
 TEST_F(Sii, Load_CopiesTheFirstCategoryToTheParameterRamAndClearsTheRest) {

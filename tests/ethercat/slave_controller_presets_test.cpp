@@ -124,8 +124,12 @@ TEST(Tmc8670Silicon, ProtectionAndOffsetHaveNoEffect) {
   EXPECT_EQ(bus.write(0, 0x0031, bytes({1})).working_counter, 1U);
   EXPECT_EQ(bus.write(0, 0x1000, bytes({1})).working_counter, 1U) << "nothing is protected";
   EXPECT_EQ(bus.write(0, 0x0108, bytes({0x10, 0})).working_counter, 1U);
+  bus.write(0, 0x0010, bytes({0x01, 0x10}));
   bus.transfer(Command::aprw, physical_address(0, 0x1000), bytes({7}));
   EXPECT_EQ(number(bus.read(0, 0x1000, 1).data), 7U) << "written where it was read";
+  bus.transfer(Command::fprw, physical_address(0x1001, 0x1000), bytes({8}));
+  EXPECT_EQ(number(bus.read(0, 0x1000, 1).data), 8U);
+  EXPECT_EQ(number(bus.read(0, 0x1010, 1).data), 0U);
 }
 
 TEST(Tmc8670Silicon, EepromStaysTheMasters) {

@@ -263,6 +263,67 @@ TEST_F(ThreeBuffer, BusInterrupt_IsMirroredInTheEcatEventRequest) {
   EXPECT_EQ(bus.read(0, 0x0000, 1).interrupt, 0U);
 }
 
+/// Eight input buffers of three times two bytes each, behind one another, for the bus to read.
+class BusInterrupts : public ::testing::Test {
+ protected:
+  static constexpr unsigned kChannels = 8;
+
+  BusInterrupts() {
+    for (unsigned channel = 0; channel < kChannels; ++channel) {
+      bus.set_sync_manager(0, channel, {start_of(channel), 2, 0x10});
+    }
+    bus.write(0, 0x0200, bytes({0xFF, 0xFF}));
+    bus.read(0, 0x0110, 2);  // the link that came up at the start is no news any more
+  }
+  static std::uint16_t start_of(unsigned channel) {
+    return static_cast<std::uint16_t>(0x1000 + 8 * channel);
+  }
+  /// The IRQ field of a frame and 0x0210, which have to agree: 0x0200 lets everything pass.
+  std::uint64_t events() {
+    const Answer answer = bus.read(0, 0x0210, 2);
+    EXPECT_EQ(number(answer.data), answer.interrupt);
+    return number(answer.data);
+  }
+
+  TestBus bus;
+};
+
+TEST_F(BusInterrupts, OfEachSyncManagerAreAtTheirOwnBitOfTheEcatEventRequest) {
+  for (unsigned channel = 0; channel < kChannels; ++channel) {
+    EXPECT_EQ(events(), 0U);
+    host_write(bus.slave(), start_of(channel), bytes({1, 2}));
+    EXPECT_EQ(events(), 0x10U << channel);
+    bus.read(0, start_of(channel), 2);
+  }
+  EXPECT_EQ(events(), 0U);
+}
+
+TEST_F(BusInterrupts, OfAllSyncManagersStandTogetherAndGoOneByOne) {
+  for (unsigned channel = 0; channel < kChannels; ++channel) {
+    host_write(bus.slave(), start_of(channel), bytes({1, 2}));
+  }
+  std::uint64_t pending = 0x0FF0;
+  for (unsigned channel = 0; channel < kChannels; ++channel) {
+    EXPECT_EQ(events(), pending) << "bits 1 and 15:12 are reserved";
+    bus.read(0, start_of(channel), 2);
+    pending &= ~(std::uint64_t{0x10} << channel);
+  }
+  EXPECT_EQ(events(), 0U);
+}
+
+TEST_F(BusInterrupts, AreMaskedBitByBit) {
+  for (unsigned channel = 0; channel < kChannels; ++channel) {
+    host_write(bus.slave(), start_of(channel), bytes({1, 2}));
+  }
+  for (unsigned channel = 0; channel < kChannels; ++channel) {
+    const unsigned mask = 0x10U << channel;
+    bus.write(0, 0x0200, bytes({mask & 0xFF, mask >> 8}));
+    const Answer answer = bus.read(0, 0x0210, 2);
+    EXPECT_EQ(answer.interrupt, mask);
+    EXPECT_EQ(number(answer.data), 0x0FF0U) << "the register shows what the mask hides";
+  }
+}
+
 struct InvalidSetUp {
   std::uint16_t start;
   std::uint16_t length;

@@ -265,23 +265,6 @@ TEST(SyncUnit, PulseLength_ComesFromTheEeprom) {
   EXPECT_EQ(testing::host_read(bus.slave(), 0x098E, 1), testing::bytes({0}));
 }
 
-TEST(SyncUnit, Pin_FollowsDriverPolarityAndDirection) {
-  struct Case {
-    std::uint8_t configuration;
-    PinLevel idle;
-    PinLevel pulse;
-  };
-  for (const Case& c :
-       {Case{0x04, PinLevel::high, PinLevel::low}, Case{0x05, PinLevel::released, PinLevel::low},
-        Case{0x06, PinLevel::low, PinLevel::high}, Case{0x07, PinLevel::released, PinLevel::high},
-        Case{0x02, PinLevel::released, PinLevel::released}}) {
-    DcBus bus({.sync_latch = c.configuration});
-    EXPECT_EQ(bus.slave().sync_pin(kSync0), c.idle);
-    bus.set(0x0981, 0x82, 1);
-    EXPECT_EQ(bus.slave().sync_pin(kSync0), c.pulse);
-  }
-}
-
 TEST(SyncUnit, SwitchedOffByTheEeprom_GivesNoPulses) {
   DcBus bus({.esc_configuration = 0x08});
   bus.start_sync(bus.system_time() + kMillisecond, kMillisecond);

@@ -254,6 +254,22 @@ TEST_F(InterpreterTest, ATimeOutRaisesEtoAndTheProgramGoesOn) {
   EXPECT_EQ(registers().errors, 0);
 }
 
+TEST_F(InterpreterTest, EveryConditionOfWaitMayHaveATimeOut) {
+  module_.reached = module_.reference_switch = module_.limit_switch = false;
+  module_.search = 2;
+  for (const int type : {1, 2, 3, 4}) {
+    SCOPED_TRACE(type);
+    start({instruction(clear_error_flags, 1), instruction(wait, type, 0, 3), end()});
+    pass(2);
+    advance(29'900_us);
+    EXPECT_EQ(counter(), 1);
+    EXPECT_FALSE(registers().raised(ErrorFlag::timeout));
+    advance(100_us);
+    EXPECT_EQ(counter(), 2);
+    EXPECT_TRUE(registers().raised(ErrorFlag::timeout));
+  }
+}
+
 TEST_F(InterpreterTest, ATimeOutEndsInTimeHoweverFarTimeIsTold) {
   module_.reached = false;
   start({instruction(wait, 1, 0, 3), instruction(calculate, 0, 0, 1),

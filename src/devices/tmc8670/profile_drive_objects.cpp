@@ -14,7 +14,7 @@ using enum dictionary::Access;
 using enum dictionary::PdoMapping;
 
 constexpr std::array<std::int64_t, 8> kModesOfOperation{0, 1, 3, 4, 6, 8, 9, 10};
-// The codes of CiA 402 that the drive obeys (F-87).
+// The codes of CiA 402 that the drive obeys (F-88).
 constexpr std::array<std::int64_t, 5> kQuickStopOptions{0, 1, 2, 5, 6};
 constexpr std::array<std::int64_t, 2> kShutdownOptions{0, 1};
 constexpr std::array<std::int64_t, 2> kDisableOperationOptions{0, 1};
