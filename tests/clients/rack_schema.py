@@ -11,11 +11,12 @@ import subprocess
 import sys
 import tomllib
 
+from running_rack import unavailable
+
 try:
     import jsonschema
-except ImportError:
-    print("python3-jsonschema is not installed")
-    sys.exit(77)
+except ImportError as error:
+    unavailable(str(error), "scripts/setup test installs what is needed")
 
 RACKS = pathlib.Path(__file__).resolve().parents[2] / "racks"
 
