@@ -12,34 +12,18 @@ that interface of a kernel that has CAN, beside the ports that need nothing of t
 import argparse
 import os
 import re
-import socket
 import struct
-import subprocess
 import sys
 import tempfile
 import time
 import unittest
 
-from can_transports import can, enter_surroundings, server_environment
+from can_transports import can, enter_surroundings
+from racks import DRIVE_NODE as NODE, drive_rack
+from running_rack import RunningRack, free_port
 
 OPTIONS = argparse.Namespace(stator=None, library=None, interface=None)
 TIMEOUT = 20.0
-RACK = """
-[[bus]]
-bit_rate = "unlimited"
-ports = ["{port}"]
-
-[[bus.device]]
-type = "tmcc160"
-name = "drive"
-node_id = 5
-friendly = true
-sdo_timeout = "10s"  # a loaded machine may take its time to pass a byte on
-
-[bus.device.axis]
-left_switch = {{ pressed_to = -2.0 }}
-"""
-NODE = 5
 BUS = "drivetest0"
 
 
@@ -192,43 +176,20 @@ class Transports(unittest.TestCase):
 
     def session(self, link, **bus):
         """Runs the drive behind `link` and the session over python-can's `bus`."""
-        path = os.path.join(self.directory.name, "rack.toml")
-        with open(path, "w", encoding="ascii") as file:
-            file.write(RACK.format(port=link))
-        with subprocess.Popen([OPTIONS.stator, "run", path], stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, text=True,
-                              env=server_environment()) as stator:
+        with RunningRack(OPTIONS.stator, drive_rack(link)):
+            connection = can.Bus(**bus)
             try:
-                said = ""
-                for line in stator.stdout:
-                    said += line
-                    if line.startswith("Running"):
-                        break
-                else:
-                    self.fail(f"stator did not start; it said:\n{said}")
-                os.set_blocking(stator.stdout.fileno(), False)
-                connection = can.Bus(**bus)
-                try:
-                    notes = Session(connection).run()
-                finally:
-                    connection.shutdown()
+                notes = Session(connection).run()
             finally:
-                stator.terminate()
-                stator.wait(TIMEOUT)
+                connection.shutdown()
         self.assertNotIn("never came", "\n".join(notes), "\n".join(notes))
         self.assertNotIn("was not refused", "\n".join(notes), "\n".join(notes))
         if Transports.expected is None:
             Transports.expected = notes
         self.assertEqual(notes, Transports.expected)
 
-    @staticmethod
-    def free_port():
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            return probe.getsockname()[1]
-
     def test_socketcand(self):
-        port = self.free_port()
+        port = free_port()
         self.session(f"socketcand:{port}", interface="socketcand", host="127.0.0.1", port=port,
                      channel="can0")
 
@@ -237,7 +198,7 @@ class Transports(unittest.TestCase):
         self.session(f"slcan:{path}", interface="slcan", channel=path, sleep_after_open=0.1)
 
     def test_slcan_over_tcp(self):
-        port = self.free_port()
+        port = free_port()
         self.session(f"slcan-tcp:{port}", interface="slcan", channel=f"socket://127.0.0.1:{port}",
                      sleep_after_open=0.1)
 

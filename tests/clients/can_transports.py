@@ -18,12 +18,14 @@ import tempfile
 import time
 import unittest
 
+from running_rack import server_environment, unavailable
+
 try:
     import can
     import msgpack  # noqa: F401 (udp_multicast needs it)
     import serial  # noqa: F401 (slcan needs it)
 except ImportError as error:
-    sys.exit(f"{error}; scripts/setup test installs what is needed")
+    unavailable(str(error), "scripts/setup test installs what is needed")
 
 BURST = 100_000
 BURST_REQUEST = 0x7FE
@@ -36,11 +38,6 @@ OPTIONS = argparse.Namespace(relay=None, library=None)
 def frame(identifier, data=b"", **fields):
     fields.setdefault("is_extended_id", identifier > 0x7FF)
     return can.Message(arbitration_id=identifier, data=data, **fields)
-
-
-def server_environment():
-    """What servers run in: as these tests, but without the library that only clients load."""
-    return {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
 
 
 def client_environment():

@@ -11,10 +11,12 @@ import subprocess
 import sys
 import tomllib
 
+from running_rack import unavailable
+
 try:
     import jsonschema
 except ImportError as error:
-    sys.exit(f"{error}; scripts/setup test installs what is needed")
+    unavailable(str(error), "scripts/setup test installs what is needed")
 
 RACKS = pathlib.Path(__file__).resolve().parents[2] / "racks"
 

@@ -11,15 +11,14 @@ that interface of a kernel that has CAN.
 
 import argparse
 import os
-import socket
 import struct
-import subprocess
 import sys
 import tempfile
 import time
 import unittest
 
-from can_transports import can, enter_surroundings, serial, server_environment
+from can_transports import can, enter_surroundings, serial
+from running_rack import RunningRack, free_port
 
 OPTIONS = argparse.Namespace(stator=None, library=None, interface=None)
 TIMEOUT = 20.0
@@ -233,30 +232,11 @@ class Modules(unittest.TestCase):
 
     def start(self, line=None, port=None):
         """Runs two modules behind a serial line or a port of their bus."""
-        path = os.path.join(self.directory.name, "rack.toml")
-        with open(path, "w", encoding="ascii") as file:
-            if port is not None:
-                file.write(BUS_OF_PORT.format(port=port))
-            for address in (FIRST, SECOND):
-                file.write(DEVICE.format(table="device" if port is None else "bus.device",
-                                         address=address,
-                                         line="" if line is None else f'rs485 = "{line}"'))
-        stator = subprocess.Popen([OPTIONS.stator, "run", path], stdout=subprocess.PIPE,
-                                  stderr=subprocess.STDOUT, text=True, env=server_environment())
-
-        def end():
-            stator.terminate()
-            stator.wait(TIMEOUT)
-            stator.stdout.close()
-
-        self.addCleanup(end)
-        said = ""
-        for text in stator.stdout:
-            said += text
-            if text.startswith("Running"):
-                os.set_blocking(stator.stdout.fileno(), False)
-                return
-        self.fail(f"stator did not start; it said:\n{said}")
+        rack = "" if port is None else BUS_OF_PORT.format(port=port)
+        for address in (FIRST, SECOND):
+            rack += DEVICE.format(table="device" if port is None else "bus.device", address=address,
+                                  line="" if line is None else f'rs485 = "{line}"')
+        self.enterContext(RunningRack(OPTIONS.stator, rack))
 
     def session(self, host):
         """One session with each module: the same notes everywhere, and what one is told leaves the
@@ -274,12 +254,6 @@ class Modules(unittest.TestCase):
         finally:
             host.close()
 
-    @staticmethod
-    def free_port():
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            return probe.getsockname()[1]
-
     def terminal(self):
         path = os.path.join(self.directory.name, "line")
         self.start(line=f"pty:{path}")
@@ -291,7 +265,7 @@ class Modules(unittest.TestCase):
         self.session(self.terminal())
 
     def test_tcp(self):
-        port = self.free_port()
+        port = free_port()
         self.start(line=f"tcp:{port}")
         self.session(SerialHost(f"socket://127.0.0.1:{port}"))
 
@@ -301,7 +275,7 @@ class Modules(unittest.TestCase):
         self.session(CanHost(interface="slcan", channel=path, sleep_after_open=0.1))
 
     def test_socketcand(self):
-        port = self.free_port()
+        port = free_port()
         self.start(port=f"socketcand:{port}")
         self.session(CanHost(interface="socketcand", host="127.0.0.1", port=port, channel="can0"))
 

@@ -1,0 +1,97 @@
+# Named checks that all run, whatever became of those before. Sourced by .ci/run and scripts/nightly:
+#
+#   source scripts/lib/checks.sh
+#   select_checks "$@"            --list, --only NAME (a part of the name; may stand several times)
+#   check "tests" scripts/test    runs the rest of the line unless it is not wanted
+#   end_checks                    what those that failed said, a table by time, and the exit status
+#
+# After select_checks, `rest` holds the arguments that it did not know.
+
+checks_passed=()
+checks_failed=()
+checks_said=$(mktemp -d)
+checks_only=()
+checks_list=false
+trap 'rm -rf "$checks_said"' EXIT
+
+select_checks() {
+  rest=()
+  while (($#)); do
+    case "$1" in
+      --list) checks_list=true ;;
+      --only)
+        [[ -n "${2:-}" ]] || { printf '%s: --only needs the name of a check, or a part of it\n' "$0" >&2; exit 2; }
+        checks_only+=("$2")
+        shift
+        ;;
+      *) rest+=("$1") ;;
+    esac
+    shift
+  done
+}
+
+# True if a check of this name is to run; for what only some checks need prepared.
+is_wanted() {
+  $checks_list && return 1
+  ((${#checks_only[@]} == 0)) && return 0
+  local part
+  for part in "${checks_only[@]}"; do
+    [[ "$1" == *"$part"* ]] && return 0
+  done
+  return 1
+}
+
+check() {
+  local name=$1
+  shift
+  if $checks_list; then
+    printf '%s\n' "$name"
+    return
+  fi
+  is_wanted "$name" || return 0
+  printf '\n== %s\n' "$name"
+  local said="$checks_said/${name//\//_}" start=$SECONDS
+  # Not called from an `if`, where `set -e` would not hold inside the function that is run.
+  set +e
+  (
+    set -e
+    "$@"
+  ) 2>&1 | tee "$said"
+  local status=${PIPESTATUS[0]} seconds
+  set -e
+  seconds=$((SECONDS - start))
+  if ((status == 0)); then
+    checks_passed+=("$seconds $name")
+    printf -- '-- %s: passed in %d s\n' "$name" "$seconds"
+  else
+    checks_failed+=("$seconds $name")
+    printf -- '-- %s: FAILED after %d s\n' "$name" "$seconds"
+  fi
+}
+
+end_checks() {
+  $checks_list && exit 0
+  local each name
+  for each in "${checks_failed[@]}"; do
+    name=${each#* }
+    printf '\n== what %s said: errors, and the end\n' "$name"
+    grep -nE 'error:|ERROR:|FAILED|\*\*\*|Failure|runtime error|AssertionError' "$checks_said/${name//\//_}" |
+      head -n 60 || true
+    tail -n 40 "$checks_said/${name//\//_}"
+  done
+  printf '\n== seconds\n'
+  {
+    ((${#checks_passed[@]} == 0)) || printf '%s\n' "${checks_passed[@]}"
+    ((${#checks_failed[@]} == 0)) || printf '%s FAILED\n' "${checks_failed[@]}"
+  } | sort -k 1,1nr | awk '{ seconds = $1; $1 = ""; total += seconds; printf "%6d %s\n", seconds, $0 }
+                           END { printf "%6d  together\n", total }'
+  printf '\n'
+  ((${#checks_failed[@]} == 0)) || printf 'failed: %s\n' "${checks_failed[@]#* }"
+  printf '%d passed, %d failed\n' "${#checks_passed[@]}" "${#checks_failed[@]}"
+  if ((${#checks_passed[@]} + ${#checks_failed[@]} == 0)); then
+    printf '%s: no check is called "%s"; --list names them\n' "$0" "${checks_only[*]}" >&2
+    exit 2
+  fi
+  ((${#checks_failed[@]} == 0)) && exit 0
+  exit 1
+}

@@ -1,0 +1,71 @@
+"""scripts/lib/checks.sh, which .ci/run and scripts/nightly source."""
+
+import pathlib
+import re
+import subprocess
+import unittest
+
+CHECKS = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "lib" / "checks.sh"
+SCRIPT = """
+set -euo pipefail
+source {checks}
+select_checks "$@"
+broken() {{
+  echo "error: it is broken"
+  false
+  echo "never said"
+}}
+check "one that passes" echo hello
+check "one/that fails" broken
+check "a slow one" sleep 1.1
+echo "rest: ${{rest[*]}}"
+end_checks
+"""
+
+
+def run(*arguments):
+    return subprocess.run(["bash", "-c", SCRIPT.format(checks=CHECKS), "checks", *arguments], text=True,
+                          capture_output=True, timeout=60, check=False)
+
+
+class Checks(unittest.TestCase):
+    def test_all_run_and_the_last_line_counts_them(self):
+        done = run()
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.stdout.splitlines()[-2:], ["failed: one/that fails", "2 passed, 1 failed"])
+
+    def test_a_failed_command_ends_its_check_and_is_repeated_at_the_end(self):
+        said = run().stdout
+        self.assertNotIn("never said", said)
+        self.assertIn("1:error: it is broken", said)
+
+    def test_the_table_has_the_slowest_first(self):
+        table = run().stdout.split("== seconds\n")[1].splitlines()
+        self.assertRegex(table[0], r"^ +[1-9]\d*  a slow one$")
+        self.assertRegex("\n".join(table), r"\d+  one/that fails FAILED\n")
+        self.assertRegex("\n".join(table), r"\d+  together\n")
+
+    def test_only_runs_what_has_the_name_in_it(self):
+        done = run("--only", "passes", "--only", "slow")
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertEqual(re.findall(r"^== (.*)$", done.stdout, re.MULTILINE),
+                         ["one that passes", "a slow one", "seconds"])
+        self.assertEqual(done.stdout.splitlines()[-1], "2 passed, 0 failed")
+
+    def test_a_name_that_nobody_has_is_an_error(self):
+        done = run("--only", "unheard")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn('no check is called "unheard"', done.stderr)
+
+    def test_list_runs_nothing(self):
+        done = run("--list")
+        self.assertEqual(done.returncode, 0)
+        self.assertEqual([line for line in done.stdout.splitlines() if not line.startswith("rest")],
+                         ["one that passes", "one/that fails", "a slow one"])
+
+    def test_other_arguments_are_left_to_the_script(self):
+        self.assertIn("rest: --seconds 5", run("--only", "passes", "--seconds", "5").stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
