@@ -53,27 +53,40 @@ const std::vector<Choice>& choices() {
 
 std::string MasterAction::text() const {
   switch (kind) {
-    case Kind::request_state: return fmt::format("AL control {:02X}h", value);
+    case Kind::request_state:
+      return fmt::format("AL control {:02X}h", value);
     case Kind::mailboxes:
       return value == 0   ? "mailboxes as the EEPROM says"
-             : value == 1 ? "mailboxes of wrong length"
+             : value == 1 ? "mailboxes too short"
                           : "mailboxes off";
     case Kind::process_data:
       return value == 0   ? "process data channels as mapped"
              : value == 1 ? "process data channels of wrong length"
                           : "process data channels without watchdog trigger";
-    case Kind::exchange: return fmt::format("{} cycles of process data", value);
-    case Kind::outputs_by_address: return "outputs by address";
-    case Kind::silence: return fmt::format("{} ms of silence", value);
-    case Kind::sync_on: return fmt::format("SYNC0 every {} us", value);
-    case Kind::sync_off: return "SYNC0 off";
-    case Kind::watchdog: return fmt::format("0420h = {}", value);
-    case Kind::sync_type: return fmt::format("1C32h:01 = {}", value);
-    case Kind::upload: return "uploads";
-    case Kind::download: return "downloads";
-    case Kind::mailbox_repeat: return "answer asked for again";
-    case Kind::controller_reset: return "reset of the controller";
-    case Kind::power_cycle: return "supply off and on";
+    case Kind::exchange:
+      return fmt::format("{} cycles of process data", value);
+    case Kind::outputs_by_address:
+      return "outputs by address";
+    case Kind::silence:
+      return fmt::format("{} ms of silence", value);
+    case Kind::sync_on:
+      return fmt::format("SYNC0 every {} us", value);
+    case Kind::sync_off:
+      return "SYNC0 off";
+    case Kind::watchdog:
+      return fmt::format("0420h = {}", value);
+    case Kind::sync_type:
+      return fmt::format("1C32h:01 = {}", value);
+    case Kind::upload:
+      return "uploads";
+    case Kind::download:
+      return "downloads";
+    case Kind::mailbox_repeat:
+      return "answer asked for again";
+    case Kind::controller_reset:
+      return "reset of the controller";
+    case Kind::power_cycle:
+      return "supply off and on";
     case Kind::bring_up:
       return fmt::format("bring-up by the book{}{}", (value & 1) != 0 ? " with SYNC0" : "",
                          value >> 1 == 0 ? "" : fmt::format(", 1C32h:01 = {}", value >> 1));

@@ -19,10 +19,10 @@ namespace stator::tests {
 /// One thing a master does, or that happens to it. What the numbers mean is its kind's business.
 struct MasterAction {
   enum class Kind : std::uint8_t {
-    request_state,       ///< `value`: AL control
-    mailboxes,           ///< `value`: 0 as the EEPROM says, 1 wrong length, 2 off
-    process_data,        ///< `value`: 0 as mapped, 1 wrong length, 2 as mapped without watchdog trigger
-    exchange,            ///< `value`: cycles of a millisecond
+    request_state,  ///< `value`: AL control
+    mailboxes,      ///< `value`: 0 as the EEPROM says, 1 too short, 2 off
+    process_data,   ///< `value`: 0 as mapped, 1 wrong length, 2 as mapped without watchdog trigger
+    exchange,       ///< `value`: cycles of a millisecond
     outputs_by_address,  ///< outputs written physically, without FMMU
     silence,             ///< `value`: milliseconds
     sync_on,             ///< `value`: SYNC0 cycle in microseconds

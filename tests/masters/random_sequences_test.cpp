@@ -1,5 +1,5 @@
-// Masters that keep to no order: random sequences at complete products. STATOR_SEQUENCES sets how many
-// for each product.
+// Masters that keep to no order: random sequences at complete products. STATOR_SEQUENCES sets how
+// many for each product.
 
 #include <cstdlib>
 

@@ -86,7 +86,10 @@ class SlaveRules {
   /// The code with which the request has to be refused, 0 if it has to be granted; nothing where
   /// these rules do not know.
   [[nodiscard]] std::optional<unsigned> expected_code(unsigned control) const;
-  [[nodiscard]] bool answers_mailbox() const { return status_.state != 1 && mailboxes_right_; }
+  /// To SDOs, which Bootstrap does not know.
+  [[nodiscard]] bool answers_mailbox() const {
+    return status_.state != 1 && status_.state != 3 && mailboxes_right_;
+  }
   [[nodiscard]] base::SimDuration watchdog_time() const;
 
   static constexpr std::uint32_t kRight = 0;
@@ -108,9 +111,9 @@ class SlaveRules {
   std::optional<unsigned> requested_;  ///< AL control written since the state was last seen
   bool mailboxes_right_ = false;
   std::uint32_t channels_ = kOff;
-  bool trigger_ = false;  ///< of the watchdog, since Safe-Operational was entered
-  bool sync_touched_ = false;      ///< SYNC0 or 1C32h was set since power-on
-  std::uint32_t sync_type_ = 0;    ///< what was written to 1C32h:01 since power-on
+  bool trigger_ = false;         ///< of the watchdog, since Safe-Operational was entered
+  bool sync_touched_ = false;    ///< SYNC0 or 1C32h was set since power-on
+  std::uint32_t sync_type_ = 0;  ///< what was written to 1C32h:01 since power-on
   std::uint32_t watchdog_count_ = 1000;
   base::SimTime first_expiry_from_;  ///< no earlier than this may the watchdog's time begin
   base::SimTime last_expiry_from_;   ///< and no later
