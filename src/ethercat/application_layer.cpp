@@ -37,11 +37,14 @@ void ApplicationLayer::reset() {
 }
 
 void ApplicationLayer::handle_al_control(base::SimTime now) {
-  pending_.reset();
   std::array<std::byte, 2> bytes{};
   interface_.read(kAlControl, bytes);
   const unsigned control = base::load_le<std::uint16_t>(bytes);
   const std::optional<AlState> requested = to_al_state(control & kStateMask);
+  if (pending_ != requested) {
+    abandon_request();
+  }
+  pending_.reset();  // the same request once more goes on waiting from when it began
 
   if ((control & kErrorBit) != 0) {
     code_ = AlStatusCode::no_error;
@@ -76,6 +79,13 @@ void ApplicationLayer::answer(AlStatusCode result) {
     indicate_error(result);
   } else {
     write_status();
+  }
+}
+
+void ApplicationLayer::abandon_request() {
+  if (pending_) {
+    pending_.reset();
+    actions_.request_abandoned();
   }
 }
 
@@ -128,7 +138,7 @@ void ApplicationLayer::step_down(AlState target, AlStatusCode code, base::SimTim
   if (find_transition(before, target) == nullptr || goes_up({before, target})) {
     return;
   }
-  pending_.reset();
+  abandon_request();
   reporter_.report(now, rules::kAlSteppedDown,
                    {EventArgument(to_text(before)), EventArgument(to_text(target)),
                     EventArgument(static_cast<int>(code))});
@@ -137,7 +147,7 @@ void ApplicationLayer::step_down(AlState target, AlStatusCode code, base::SimTim
 }
 
 void ApplicationLayer::raise_error(AlStatusCode code, base::SimTime now) {
-  pending_.reset();
+  abandon_request();
   reporter_.report(now, rules::kAlErrorRaised,
                    {EventArgument(to_text(state_)), EventArgument(static_cast<int>(code))});
   indicate_error(code);

@@ -25,6 +25,8 @@ class AlActions {
   [[nodiscard]] virtual std::optional<AlStatusCode> perform(AlStep step, base::SimTime now) = 0;
   /// The step is done; the master does not know yet.
   virtual void entered(AlStep step, base::SimTime now) = 0;
+  /// The request whose step had to wait is not asked for any more.
+  virtual void request_abandoned() = 0;
 };
 
 /// The EtherCAT state machine behind AL control, AL status and AL status code
@@ -55,6 +57,7 @@ class ApplicationLayer {
 
  private:
   [[nodiscard]] AlStatusCode change_state(AlState requested, base::SimTime now);
+  void abandon_request();
   void answer(AlStatusCode result);
   [[nodiscard]] AlStatusCode refuse_invalid(AlState requested, base::SimTime now) const;
   void indicate_error(AlStatusCode code);

@@ -40,7 +40,11 @@ MailboxReply CoeServer::handle(std::span<const std::byte> request, std::span<std
   switch (service) {
     case CoeService::sdo_request:
       result = sdo_.handle(body, room, now);
-      write_header(reply, CoeService::sdo_response);
+      // An abort is a request, whoever sends it (ETG.1000.6 §5.6.2.7): masters that find it in a
+      // response take the transfer for done.
+      write_header(reply, SdoServer::is_abort(room.first(result.length))
+                              ? CoeService::sdo_request
+                              : CoeService::sdo_response);
       break;
     case CoeService::sdo_information:
       if (!information_enabled_) {

@@ -62,6 +62,10 @@ constexpr EventRule kSyncLost{
     "dc-sync-lost", Severity::fault,
     "SYNC0 has not come for {1} cycles, AL status {0:x4}: register 0981h is now {2:x2}; keep the "
     "SYNC unit active in Operational"};
+constexpr EventRule kCycleChanged{
+    "dc-cycle-changed", Severity::fault,
+    "SYNC0 does not come every {1} ns any more, AL status {0:x4}: its cycle time 09A0h was changed "
+    "to {2} ns in Operational; change it in Safe-Operational and request Operational again"};
 constexpr EventRule kOutputsMissing{
     "dc-outputs-missing", Severity::fault,
     "outputs came too late for SYNC0 too often, AL status {0:x4}: the error counter passed {1}; "
@@ -101,11 +105,13 @@ AlStatusCode DcSupervision::refuse(SimTime now, const EventRule& rule, AlStatusC
 
 AlStatusCode DcSupervision::permit_safe_operational(SimTime now) {
   wanted_ = AlState::safe_operational;
-  return configure(now);
+  stop();
+  const AlStatusCode code = choose_mode(now);
+  entered_synchronous_ = synchronous_;
+  return code;
 }
 
-AlStatusCode DcSupervision::configure(SimTime now) {
-  stop();
+AlStatusCode DcSupervision::choose_mode(SimTime now) {
   std::array<std::byte, 2> control{};
   interface_.read(kCyclicUnitControl, control);
   const auto sides = std::to_integer<unsigned>(control[0]);
@@ -132,39 +138,47 @@ AlStatusCode DcSupervision::configure(SimTime now) {
          EventArgument(capabilities_.sync0 ? "SYNC1" : "SYNC0"), EventArgument(to_text(wanted_))});
     return kInvalid;
   }
-  const AlStatusCode code = check_cycle_times(now);
-  synchronous_ = code == AlStatusCode::no_error;
-  return code;
+  if (const AlStatusCode code = check_cycle_times(now); code != AlStatusCode::no_error) {
+    return code;
+  }
+  synchronous_ = true;
+  return AlStatusCode::no_error;
 }
 
 AlStatusCode DcSupervision::check_cycle_times(SimTime now) {
   std::array<std::byte, 8> cycles{};
   interface_.read(kSync0CycleTime, cycles);
-  cycle_ = SimDuration(base::load_le<std::uint32_t>(cycles));
+  const SimDuration cycle(base::load_le<std::uint32_t>(cycles));
   const SimDuration sync1(base::load_le<std::uint32_t>(cycles, 4));
-  if (cycle_ < capabilities_.shortest_cycle || cycle_ > capabilities_.longest_cycle) {
+  if (cycle < capabilities_.shortest_cycle || cycle > capabilities_.longest_cycle) {
     return refuse(now, kCycleTimeRange, AlStatusCode::dc_invalid_sync_cycle_time,
-                  cycle_.nanoseconds(), capabilities_.shortest_cycle.nanoseconds());
+                  cycle.nanoseconds(), capabilities_.shortest_cycle.nanoseconds());
   }
-  if (cycle_ % capabilities_.cycle_step != SimDuration(0)) {
-    return refuse(now, kCycleTimeStep, AlStatusCode::dc_sync0_cycle_time, cycle_.nanoseconds(),
+  if (cycle % capabilities_.cycle_step != SimDuration(0)) {
+    return refuse(now, kCycleTimeStep, AlStatusCode::dc_sync0_cycle_time, cycle.nanoseconds(),
                   capabilities_.cycle_step.nanoseconds());
   }
   std::array<std::byte, 1> activation{};
   interface_.read(kSyncActivation, activation);
   const bool sync1_on = (std::to_integer<unsigned>(activation[0]) & kSync1) != 0;
-  if (sync1_on && sync1 >= cycle_) {
+  if (sync1_on && sync1 >= cycle) {
     return refuse(now, kSync1Cycle, AlStatusCode::dc_sync1_cycle_time, sync1.nanoseconds(),
-                  cycle_.nanoseconds());
+                  cycle.nanoseconds());
   }
+  if (!synchronous_ || cycle != cycle_) {
+    last_sync_.reset();  // a pulse with other settings does not tell that these run
+  }
+  cycle_ = cycle;
   return AlStatusCode::no_error;
 }
 
 std::optional<AlStatusCode> DcSupervision::permit_operational(SimTime now) {
   wanted_ = AlState::operational;
-  if (!synchronous_) {
-    // Some masters activate SYNC in Safe-Operational only.
-    if (const AlStatusCode code = configure(now); code != AlStatusCode::no_error) {
+  // Some masters activate SYNC in Safe-Operational only, or change its cycle there. If it was
+  // switched off there, it is waited for.
+  if (!synchronous_ || sync_active()) {
+    if (const AlStatusCode code = choose_mode(now); code != AlStatusCode::no_error) {
+      abandon_start();
       return code;
     }
   }
@@ -178,8 +192,9 @@ std::optional<AlStatusCode> DcSupervision::permit_operational(SimTime now) {
   if (now < give_up_at_) {
     return std::nullopt;
   }
-  give_up_at_ = SimTime::never();
-  if (!sync_runs(now)) {
+  const bool runs = sync_runs(now);
+  abandon_start();
+  if (!runs) {
     return refuse(now, kNoSync, AlStatusCode::no_sync_error,
                   capabilities_.start_timeout.nanoseconds() / 1'000'000);
   }
@@ -187,8 +202,14 @@ std::optional<AlStatusCode> DcSupervision::permit_operational(SimTime now) {
                 capabilities_.largest_time_difference.nanoseconds());
 }
 
+void DcSupervision::abandon_start() {
+  give_up_at_ = SimTime::never();
+  synchronous_ = entered_synchronous_;
+}
+
 void DcSupervision::set_operational(bool operational, SimTime now) {
   operational_ = operational;
+  entered_synchronous_ = synchronous_;
   outputs_seen_ = false;
   outputs_ = 0;
   sync_errors_ = 0;
@@ -274,10 +295,23 @@ AlStatusCode DcSupervision::check(SimTime now) {
     return AlStatusCode::no_error;
   }
   lost_at_ = SimTime::never();
+  std::array<std::byte, 4> cycle{};
+  interface_.read(kSync0CycleTime, cycle);
+  const SimDuration changed(base::load_le<std::uint32_t>(cycle));
+  if (sync_active() && changed != cycle_) {
+    return refuse(now, kCycleChanged, AlStatusCode::fatal_sync_error, cycle_.nanoseconds(),
+                  changed.nanoseconds());
+  }
   std::array<std::byte, 1> activation{};
   interface_.read(kSyncActivation, activation);
   return refuse(now, kSyncLost, AlStatusCode::fatal_sync_error, capabilities_.lost_sync_cycles,
                 std::to_integer<int>(activation[0]));
+}
+
+bool DcSupervision::sync_active() const {
+  std::array<std::byte, 1> activation{};
+  interface_.read(kSyncActivation, activation);
+  return (std::to_integer<unsigned>(activation[0]) & kActive) != 0;
 }
 
 base::SimDuration DcSupervision::time_difference() const {

@@ -39,7 +39,8 @@ struct DcCapabilities {
 /// firmware does and is told of SYNC0 pulses and outputs.
 ///
 /// The mode is chosen on the way to Safe-Operational, and once more on the way to Operational,
-/// since some masters activate SYNC in between. SYNC0 that begins later does not change it.
+/// since some masters activate SYNC in between or change its cycle. SYNC0 that begins later does
+/// not change it.
 class DcSupervision {
  public:
   DcSupervision(ProcessDataInterface& interface, const DcCapabilities& capabilities,
@@ -65,6 +66,8 @@ class DcSupervision {
   /// Safe-Operational to Operational, asked until there is an answer: no_error, a refusal, or
   /// nothing yet because the first SYNC0 is still to come or the clock to settle.
   [[nodiscard]] std::optional<AlStatusCode> permit_operational(base::SimTime now);
+  /// The request that waited was given up or refused: back to the mode of Safe-Operational.
+  void abandon_start();
   /// Operational has been entered or left, by `now`.
   void set_operational(bool operational, base::SimTime now);
   /// Process data stop: back to no synchronisation.
@@ -80,7 +83,9 @@ class DcSupervision {
   [[nodiscard]] base::SimTime deadline() const { return lost_at_; }
 
  private:
-  [[nodiscard]] AlStatusCode configure(base::SimTime now);
+  /// Chooses the mode by the registers as they are.
+  [[nodiscard]] AlStatusCode choose_mode(base::SimTime now);
+  [[nodiscard]] bool sync_active() const;
   [[nodiscard]] AlStatusCode check_cycle_times(base::SimTime now);
   [[nodiscard]] AlStatusCode refuse(base::SimTime now, const base::EventRule& rule,
                                     AlStatusCode code, std::int64_t value = 0,
@@ -99,6 +104,7 @@ class DcSupervision {
   base::SimDuration cycle_;
   AlState wanted_ = AlState::safe_operational;  ///< by the request being answered
   bool synchronous_ = false;
+  bool entered_synchronous_ = false;  ///< mode in which the present state was entered
   bool operational_ = false;
   std::optional<base::SimTime> last_sync_;             ///< since the mode was chosen
   bool late_sync_told_ = false;                        ///< SYNC0 in SM-synchronous mode

@@ -88,6 +88,11 @@ MailboxReply SdoServer::handle(std::span<const std::byte> request, std::span<std
   return {.length = result ? *result : abort(reply, result.error(), now)};
 }
 
+bool SdoServer::is_abort(std::span<const std::byte> answer) {
+  return !answer.empty() && static_cast<ClientCommand>(std::to_integer<unsigned>(answer[0]) >> 5) ==
+                                ClientCommand::abort;
+}
+
 Expected<std::size_t, Refusal> SdoServer::dispatch(std::span<const std::byte> request,
                                                    std::span<std::byte> reply) {
   const auto command = std::to_integer<std::uint8_t>(request[0]);

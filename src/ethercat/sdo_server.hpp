@@ -30,6 +30,8 @@ class SdoServer {
   /// See Mailbox::set_intervention().
   void set_intervention(MailboxIntervention* intervention) { intervention_ = intervention; }
 
+  /// True if an answer of handle() aborts the transfer; it goes out as an SDO request.
+  [[nodiscard]] static bool is_abort(std::span<const std::byte> answer);
   /// Handles an SDO request without its CoE header; `reply` must have room for 8 bytes at least.
   [[nodiscard]] MailboxReply handle(std::span<const std::byte> request, std::span<std::byte> reply,
                                     base::SimTime now);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/byte_order.hpp"
+#include "ethercat/al_transition.hpp"
 #include "ethercat/register_addresses.hpp"
 
 namespace stator::ethercat {
@@ -16,11 +17,16 @@ using namespace register_address;
 constexpr base::EventRule kHostWatchdog{
     "esc-pdi-watchdog", base::Severity::fault,
     "PDI watchdog expired: the host has not accessed the controller for {0} us"};
+constexpr base::EventRule kReset{
+    "esc-reset", base::Severity::warning,
+    "{0} has reset the controller (keys R, E, S in {1:x4}), which was in {2}; it starts as after "
+    "power-on: configure it again from Init on"};
 constexpr base::EventRule kSiiChecksum{
     "esc-sii-checksum", base::Severity::warning,
     "EEPROM not loaded: checksum byte in word 7 is {0:x2}, the first seven words give {1:x2}; "
     "process memory and host interface stay closed until a valid image is written and reloaded"};
 
+constexpr unsigned kAlStateMask = 0x0F;
 constexpr unsigned kSpiSlave = 0x05;  ///< the one PDI type that is built
 
 /// Words of the EEPROM's configuration area and the registers they are copied to at each load.
@@ -163,6 +169,12 @@ void SlaveController::finish_reset_key() {
 
 void SlaveController::request_reset() {
   reset_requested_ = true;
+  const bool by_bus = bus_reset_progress_ == std::size(kResetKey);
+  const std::optional<AlState> state = to_al_state(al_status_ & kAlStateMask);
+  reporter_.report(
+      now_, kReset,
+      {by_bus ? "the master" : "its host", static_cast<int>(by_bus ? kResetByBus : kResetByHost),
+       base::EventArgument(state ? to_text(*state) : "an unknown state")});
   if (!configuration_.reset_by_board) {
     power_on_reset();
     return;

@@ -91,7 +91,7 @@ void SlaveStack::process(base::SimTime now) {
     eoe_->poll(mailbox_.running() && state() != AlState::bootstrap);
   }
   std::uint32_t events = interface_.al_event_request();
-  if ((events & attention_) == 0 && !polls_channels_ && now < first_outputs_deadline_ &&
+  if ((events & attention_) == 0 && !polls_channels_ && now < watchdog_due_ &&
       now < clocks_.deadline() && now < storm_due_ && !application_layer_.pending() &&
       mailbox_.idle()) {
     return;
@@ -239,6 +239,9 @@ void SlaveStack::entered(AlStep step, base::SimTime now) {
   if (step == al_step::kSO || step == al_step::kOS) {
     clocks_.set_operational(step == al_step::kSO, now);
     outputs_await_sync_ = false;
+  }
+  if (step == al_step::kOS) {
+    forget_outputs();
   }
   application_.on_state(step.from, step.to, now);
   if (step == al_step::kPS) {

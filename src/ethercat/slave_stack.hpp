@@ -124,6 +124,7 @@ class SlaveStack final : private AlActions {
  private:
   std::optional<AlStatusCode> perform(AlStep step, base::SimTime now) override;
   void entered(AlStep step, base::SimTime now) override;
+  void request_abandoned() override { clocks_.abandon_start(); }
 
   // slave_stack.cpp: states, events
   [[nodiscard]] AlStatusCode start_mailbox(AlStep step, base::SimTime now);
@@ -153,6 +154,8 @@ class SlaveStack final : private AlActions {
   void enter_operational(base::SimTime now);
   [[nodiscard]] bool outputs_wait(std::uint32_t events) const;
   void take_outputs(base::SimTime now);
+  /// Outputs that came before Safe-Operational was entered are not those of the next Operational.
+  void forget_outputs();
   /// Outputs of the bus are there: taken over now or at the next SYNC0.
   void offer_outputs(base::SimTime now);
   void apply_outputs(base::SimTime now);
@@ -162,6 +165,11 @@ class SlaveStack final : private AlActions {
   void on_refused(const dictionary::Entry& entry, const dictionary::Refusal& refusal);
   void check_clocks(base::SimTime now);
   void check_watchdog(std::uint32_t events, base::SimTime now);
+  /// True if the master has been silent for the time of the watchdog without the controller's
+  /// having noticed.
+  [[nodiscard]] bool outputs_overdue(base::SimTime now);
+  /// Bit 0 of its status; to read it acknowledges an expiry.
+  [[nodiscard]] bool watchdog_runs();
   /// Zero if the watchdog is off: by its time, its divider's product or the channel's trigger bit.
   [[nodiscard]] base::SimDuration watchdog_time();
 
@@ -188,10 +196,13 @@ class SlaveStack final : private AlActions {
   AlStatusCode refusal_ = AlStatusCode::no_error;  ///< of every step up
   bool outputs_received_ = false;                  ///< since Safe-Operational was entered
   bool outputs_await_sync_ = false;                ///< taken from the bus, not yet over at SYNC0
-  /// When Operational ends if no outputs come, for a watchdog that nothing has triggered yet.
-  base::SimTime first_outputs_deadline_ = base::SimTime::never();
-  base::SimTime storm_due_ = base::SimTime::never();  ///< next emergency of a storm
-  base::SimTime now_;                                 ///< of the call being handled
+  // The controller's watchdog runs from its first trigger on. Until then, and after it was switched
+  // off and on again, the firmware counts itself.
+  base::SimTime silent_since_;
+  base::SimDuration watchdog_time_;                      ///< as last looked up; 0: off
+  base::SimTime watchdog_due_ = base::SimTime::never();  ///< next look; never outside Operational
+  base::SimTime storm_due_ = base::SimTime::never();     ///< next emergency of a storm
+  base::SimTime now_;                                    ///< of the call being handled
 };
 
 namespace rules {

@@ -17,6 +17,10 @@ namespace {
 using namespace register_address;
 using base::EventArgument;
 
+/// How often the firmware looks at a watchdog that is off or that nothing has triggered yet: the
+/// master may set it at any time, and no event tells.
+constexpr base::SimDuration kWatchdogPoll{1'000'000};
+
 }  // namespace
 
 AlStatusCode SlaveStack::start_process_data(base::SimTime now) {
@@ -43,6 +47,7 @@ AlStatusCode SlaveStack::start_process_data(base::SimTime now) {
   }
   bank_[kOutputChannel] = bank[kOutputChannel];
   bank_[kInputChannel] = bank[kInputChannel];
+  forget_outputs();
   return AlStatusCode::no_error;
 }
 
@@ -50,9 +55,17 @@ void SlaveStack::stop_process_data() {
   outputs_.clear();
   inputs_.clear();
   outputs_received_ = false;
-  first_outputs_deadline_ = base::SimTime::never();
+  watchdog_due_ = base::SimTime::never();
   outputs_await_sync_ = false;
   clocks_.stop();
+}
+
+void SlaveStack::forget_outputs() {
+  outputs_received_ = false;
+  watchdog_due_ = base::SimTime::never();
+  if (outputs_wait(interface_.al_event_request())) {
+    read_outputs();  // takes what lies in the channel away
+  }
 }
 
 AlStatusCode SlaveStack::permit_outputs(base::SimTime now) {
@@ -70,17 +83,10 @@ void SlaveStack::enter_operational(base::SimTime now) {
   if (outputs_.bytes() == 0) {
     return;
   }
-  // Reading the status also acknowledges an expiry that happened in Safe-Operational.
-  std::array<std::byte, 2> status{};
-  interface_.read(kProcessDataWatchdogStatus, status);
-  const bool expired = (status[0] & std::byte{1}) == std::byte{0};
-  first_outputs_deadline_ = base::SimTime::never();
-  if (expired || !outputs_received_) {
-    const base::SimDuration time = watchdog_time();
-    if (time != base::SimDuration(0)) {
-      first_outputs_deadline_ = now + time;
-    }
-  }
+  static_cast<void>(watchdog_runs());  // acknowledges an expiry in Safe-Operational
+  silent_since_ = now;
+  watchdog_time_ = watchdog_time();
+  watchdog_due_ = now;
   if (outputs_received_) {
     offer_outputs(now);
   }
@@ -138,10 +144,11 @@ bool SlaveStack::outputs_wait(std::uint32_t events) const {
 void SlaveStack::take_outputs(base::SimTime now) {
   read_outputs();
   outputs_received_ = true;
-  first_outputs_deadline_ = base::SimTime::never();
   ++statistics_.outputs_received;
   clocks_.on_outputs();
   if (state() == AlState::operational) {
+    silent_since_ = now;
+    watchdog_due_ = now + std::max(watchdog_time_, kWatchdogPoll);
     offer_outputs(now);
   }
 }
@@ -192,19 +199,38 @@ void SlaveStack::check_clocks(base::SimTime now) {
 }
 
 void SlaveStack::check_watchdog(std::uint32_t events, base::SimTime now) {
-  bool expired = now >= first_outputs_deadline_;
-  if ((events & al_event::kProcessDataWatchdog) != 0) {
-    std::array<std::byte, 2> status{};
-    interface_.read(kProcessDataWatchdogStatus, status);
-    expired = expired || (status[0] & std::byte{1}) == std::byte{0};
-  }
-  if (!expired) {
+  const bool told = (events & al_event::kProcessDataWatchdog) != 0 && !watchdog_runs();
+  if (!told && (now < watchdog_due_ || !outputs_overdue(now))) {
     return;
   }
   ++statistics_.watchdog_expirations;
   reporter_.report(now, rules::kWatchdogExpired,
                    {EventArgument(watchdog_time().nanoseconds() / 1000)});
   application_layer_.step_down(AlState::safe_operational, AlStatusCode::sync_manager_watchdog, now);
+}
+
+bool SlaveStack::outputs_overdue(base::SimTime now) {
+  const base::SimDuration before = std::exchange(watchdog_time_, watchdog_time());
+  watchdog_due_ = now + kWatchdogPoll;
+  if (watchdog_time_ == base::SimDuration(0)) {
+    return false;
+  }
+  if (before == base::SimDuration(0)) {
+    silent_since_ = now;  // switched on just now
+  }
+  if (outputs_received_ && watchdog_runs()) {
+    watchdog_due_ = now + std::max(watchdog_time_, kWatchdogPoll);
+    return false;
+  }
+  const base::SimTime end = silent_since_ + watchdog_time_;
+  watchdog_due_ = std::min(watchdog_due_, end);
+  return now >= end;
+}
+
+bool SlaveStack::watchdog_runs() {
+  std::array<std::byte, 2> status{};
+  interface_.read(kProcessDataWatchdogStatus, status);
+  return (status[0] & std::byte{1}) != std::byte{0};
 }
 
 base::SimDuration SlaveStack::watchdog_time() {

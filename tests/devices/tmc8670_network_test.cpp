@@ -224,6 +224,41 @@ TEST_F(Tmc8670Network, OutputsThatStayAwayEndOperational) {
   EXPECT_EQ(base::load_le<std::uint16_t>(bus_->read(0x0134, 2), 0), 0x1B);
 }
 
+TEST_F(Tmc8670Network, SetPointsOfBeforeTheWatchdogMoveNothingInTheNextOperational) {
+  bus_->bring_to(AlState::operational);
+  base::store_le(bus_->outputs, 2, std::int8_t{9});
+  base::store_le(bus_->outputs, 7, std::int32_t{500});
+  for (const int controlword : {6, 7, 15}) {
+    base::store_le(bus_->outputs, 0, static_cast<std::uint16_t>(controlword));
+    bus_->pass_cyclically(10_ms);
+  }
+  bus_->pass_cyclically(300_ms);
+  ASSERT_NEAR(read<std::int32_t>(0x606C), 500, 50);
+  bus_->pass(2_s);
+  ASSERT_EQ(device_->stack().status_code(), ethercat::AlStatusCode::sync_manager_watchdog);
+
+  control(6);
+  control(7);
+  bus_->write(0x0120, {std::byte{0x18}, std::byte{0}});
+  ASSERT_EQ(device_->stack().state(), AlState::operational);
+  for (int k = 0; k < 90; ++k) {
+    bus_->pass(1_ms);
+    ASSERT_NEAR(read<std::int32_t>(0x606C), 0, 5) << k << " ms";
+  }
+  EXPECT_NE(statusword() & 0x006F, 0x0027) << "Operation enabled";
+}
+
+TEST_F(Tmc8670Network, AResetOfTheControllerInOperationalIsTold) {
+  go_operational();
+  for (const char key : {'R', 'E', 'S'}) {
+    bus_->write(0x0040, {static_cast<std::byte>(key)});
+  }
+  EXPECT_EQ(device_->stack().state(), AlState::init);
+  EXPECT_EQ(told_.count("the master has reset the controller (keys R, E, S in 0040h), which was in "
+                        "Operational"),
+            1);
+}
+
 TEST_F(Tmc8670Network, TheSecondReadingOfTheControllerRunsAsWell) {
   Tmc8670Configuration configuration = tuned_chip();
   configuration.controller = "silicon";

@@ -1,6 +1,8 @@
 // The chip synchronised by distributed clocks.
 
+#include <array>
 #include <cmath>
+#include <string>
 
 #include "devices/tmc8670_chip.hpp"
 
@@ -138,6 +140,111 @@ TEST_F(Tmc8670WithSync0, WhoAsksForSync0HasToActivateIt) {
   bus_->bring_to(AlState::safe_operational);
   EXPECT_EQ(bus_->request(AlState::operational), 0x14);
   EXPECT_EQ(base::load_le<std::uint16_t>(bus_->read(0x0134, 2), 0), 0x30);
+}
+
+TEST_F(Tmc8670WithSync0, WhoAsksForItOfTheInputsHasToActivateItToo) {
+  bus_->bring_to(AlState::pre_operational);
+  write<std::uint16_t>(0x1C33, 2, 1);
+  bus_->bring_to(AlState::safe_operational);
+  EXPECT_EQ(bus_->request(AlState::operational), 0x14);
+  EXPECT_EQ(base::load_le<std::uint16_t>(bus_->read(0x0134, 2), 0), 0x30);
+  EXPECT_EQ(told_.count("1C33h:01 was set to 2"), 1);
+}
+
+TEST_F(Tmc8670WithSync0, WhatAMasterAskedForHoldsUntilInit) {
+  bus_->bring_to(AlState::pre_operational);
+  write<std::uint16_t>(0x1C32, 2, 1);
+  bus_->bring_to(AlState::safe_operational);
+  EXPECT_EQ(bus_->request(AlState::operational), 0x14);
+  bus_->write(0x0120, {std::byte{0x12}, std::byte{0}});
+  EXPECT_EQ(read<std::uint16_t>(0x1C32, 1), 2);
+  EXPECT_EQ(bus_->request(AlState::safe_operational), 0x04);
+  EXPECT_EQ(bus_->request(AlState::operational), 0x14) << "it is still the same master";
+  bus_->write(0x0120, {std::byte{0x11}, std::byte{0}});
+  bus_->bring_to(AlState::operational);
+  EXPECT_EQ(read<std::uint16_t>(0x1C32, 1), 1);
+}
+
+/// How a master runs the chip, from Init on.
+struct Tmc8670Master {
+  const char* name;
+  bool sync0;
+  int output_type;  ///< written to 1C32h:01; -1: left alone
+  int input_type;   ///< written to 1C33h:01
+};
+
+class Tmc8670Masters : public Tmc8670WithSync0 {
+ protected:
+  static constexpr std::array kMasters{
+      Tmc8670Master{"DC, no writes", true, -1, -1},
+      Tmc8670Master{"DC, 2 in both", true, 2, 2},
+      Tmc8670Master{"DC, 1 in both", true, 1, 1},
+      Tmc8670Master{"free run, no writes", false, -1, -1},
+      Tmc8670Master{"free run, 0 in both", false, 0, 0},
+      Tmc8670Master{"SM-synchronous, 1 in both", false, 1, 1},
+      Tmc8670Master{"SM-synchronous, 1 in 1C32h", false, 1, -1},
+  };
+
+  /// Init to Operational and back, what the objects show on the way.
+  void run(const Tmc8670Master& master, const std::string& after) {
+    SCOPED_TRACE(std::string(master.name) + " after " + after);
+    bus_->write(0x0120, {std::byte{0x11}, std::byte{0}});
+    bus_->write(0x0980, bytes(0, 2));
+    bus_->bring_to(AlState::pre_operational);
+    EXPECT_EQ(read<std::uint16_t>(0x1C32, 1), 1) << "nothing is left of the one before";
+    EXPECT_EQ(read<std::uint16_t>(0x1C33, 1), 1);
+    if (master.output_type >= 0) {
+      write<std::uint16_t>(0x1C32, static_cast<std::uint16_t>(master.output_type), 1);
+    }
+    if (master.input_type >= 0) {
+      write<std::uint16_t>(0x1C33, static_cast<std::uint16_t>(master.input_type), 1);
+    }
+    if (master.sync0) {
+      const std::uint64_t now = device_->controller().system_time(bus_->now());
+      bus_->write(0x0990, bytes(now + 1'000'000, 8));
+      bus_->write(0x09A0, bytes(1'000'000, 4));
+      bus_->write(0x0980, bytes(0x0300, 2));
+    }
+    bus_->bring_to(AlState::safe_operational);
+    bus_->pass(3_ms);
+    bus_->exchange();
+    EXPECT_EQ(bus_->request(AlState::operational), 0x08);
+    EXPECT_EQ(device_->stack().synchronous(), master.sync0);
+    bus_->pass_cyclically(3_ms);
+    EXPECT_EQ(read<std::uint16_t>(0x1C32, 1), shown(master, master.output_type));
+    EXPECT_EQ(read<std::uint16_t>(0x1C33, 1), shown(master, master.input_type));
+    EXPECT_EQ(read<std::uint32_t>(0x1C32, 2), master.sync0 ? 1'000'000U : 0U);
+  }
+  static int shown(const Tmc8670Master& master, int written) {
+    return master.sync0 ? 2 : written >= 0 ? written : 1;
+  }
+};
+
+TEST_F(Tmc8670Masters, EveryOneFindsTheChipAsAfterPowerOnWhoeverWasThereBefore) {
+  for (const Tmc8670Master& first : kMasters) {
+    for (const Tmc8670Master& second : kMasters) {
+      run(first, "another");
+      run(second, first.name);
+      run(second, second.name);
+    }
+  }
+}
+
+TEST_F(Tmc8670WithSync0, ACycleChangedInSafeOperationalIsShownAndKept) {
+  activate_sync0(1'000'000);
+  bus_->bring_to(AlState::safe_operational);
+  bus_->pass(5_ms);
+  bus_->write(0x0981, bytes(0, 1));
+  bus_->write(0x09A0, bytes(2'000'000, 4));
+  bus_->write(0x0990, bytes(device_->controller().system_time(bus_->now()) + 2'000'000, 8));
+  bus_->write(0x0981, bytes(3, 1));
+  bus_->request(AlState::operational);
+  bus_->pass(10_ms);
+  EXPECT_EQ(device_->stack().state(), AlState::operational);
+  EXPECT_EQ(read<std::uint32_t>(0x1C32, 2), 2'000'000U);
+  EXPECT_EQ(read<std::uint32_t>(0x1C33, 2), 2'000'000U);
+  bus_->pass(100_ms);
+  EXPECT_EQ(device_->stack().state(), AlState::operational);
 }
 
 TEST_F(Tmc8670WithSync0, SwitchingSync0OffInOperationalStopsTheDrive) {

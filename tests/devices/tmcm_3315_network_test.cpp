@@ -51,6 +51,33 @@ TEST_F(Tmcm3315Module, LosingTheMasterStopsEveryMotorAndDisablesTheDrives) {
   }
 }
 
+TEST_F(Tmcm3315Module, SetPointsOfBeforeTheWatchdogMoveNothingInTheNextOperational) {
+  bus_->bring_to(AlState::pre_operational);
+  write<std::int8_t>(0x6060, 3);
+  set_profile(0, 50'000, 500'000);
+  bus_->bring_to(AlState::operational);
+  base::store_le(bus_->outputs, 6, std::int32_t{50'000});
+  for (const int controlword : {6, 7, 15}) {
+    base::store_le(bus_->outputs, 0, static_cast<std::uint16_t>(controlword));
+    bus_->pass_cyclically(10_ms);
+  }
+  bus_->pass_cyclically(300_ms);
+  ASSERT_NEAR(signal("axis0.velocity_demand"), 50'000.0, 5.0);
+  bus_->pass(2_s);
+  ASSERT_EQ(device_->stack().status_code(), ethercat::AlStatusCode::sync_manager_watchdog);
+  ASSERT_EQ(signal("axis0.velocity_demand"), 0.0);
+
+  write<std::uint16_t>(0x6040, 6);
+  write<std::uint16_t>(0x6040, 7);
+  bus_->write(0x0120, {std::byte{0x18}, std::byte{0}});
+  ASSERT_EQ(device_->stack().state(), AlState::operational);
+  for (int k = 0; k < 90; ++k) {
+    bus_->pass(1_ms);
+    ASSERT_EQ(signal("axis0.velocity_demand"), 0.0) << k << " ms";
+  }
+  EXPECT_NE(statusword(0) & 0x006F, 0x0027) << "Operation enabled";
+}
+
 TEST_F(Tmcm3315Module, SomeObjectsAreWritableInSwitchOnDisabledOnlyAxisByAxis) {
   go_operational();
   enable(0, 1);

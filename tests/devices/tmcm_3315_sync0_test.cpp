@@ -64,6 +64,21 @@ TEST_F(Tmcm3315WithSync0, CyclicPositionMovesTheShaftInStepWithSync0) {
   EXPECT_EQ(device_->stack().state(), AlState::operational);
 }
 
+TEST_F(Tmcm3315WithSync0, MastersWithAndWithoutSync0ComeInAnyOrder) {
+  for (const bool sync0 : {false, true, true, false, false, true}) {
+    bus_->write(0x0120, {std::byte{0x11}, std::byte{0}});
+    bus_->write(0x0980, tests::TestBus::Bytes(2));
+    if (sync0) {
+      go_operational();
+    } else {
+      bus_->write(0x0420, tests::TestBus::Bytes(2));
+      bus_->bring_to(AlState::operational);
+    }
+    EXPECT_EQ(device_->stack().state(), AlState::operational);
+    EXPECT_EQ(device_->stack().synchronous(), sync0);
+  }
+}
+
 TEST_F(Tmcm3315WithSync0, AnAbsurdCycleTimeInOperationalDoesNotStopTime) {
   go_operational();
   bus_->write(0x09A0, {std::byte{1}, std::byte{0}, std::byte{0}, std::byte{0}});

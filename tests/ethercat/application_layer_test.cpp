@@ -368,6 +368,45 @@ TEST_F(OutputsRequiredTest, OperationalNeedsOutputsFirst) {
   EXPECT_EQ(controller.al_status(), 0x08U);
 }
 
+TEST_F(OutputsRequiredTest, OutputsOfAnEarlierOperational_AreNotEnoughForTheNext) {
+  go_safe_operational();
+  controller.write_outputs(Bytes(30));
+  request(0x08);
+  ASSERT_EQ(controller.al_status(), 0x08U);
+  controller.write_outputs(Bytes(30));
+  process();
+  request(0x04);
+  request(0x08);
+  EXPECT_EQ(controller.al_status(), 0x14U);
+  EXPECT_EQ(controller.al_status_code(), 0x0019U);
+  controller.write_outputs(Bytes(30));
+  request(0x18);
+  EXPECT_EQ(controller.al_status(), 0x08U);
+}
+
+TEST_F(OutputsRequiredTest, OutputsWrittenInPreOperational_AreNotEnough) {
+  go_pre_operational();
+  configure_process_data();
+  controller.write_outputs(Bytes(30));
+  request(0x04);
+  request(0x08);
+  EXPECT_EQ(controller.al_status(), 0x14U);
+  EXPECT_EQ(controller.al_status_code(), 0x0019U);
+}
+
+TEST_F(OutputsRequiredTest, OutputsOfAChannelThatIsPolled_CountLikeOthers) {
+  go_pre_operational();
+  configure_process_data();
+  controller.set_sync_manager(2, 0x1800, 30, 0x44, true);
+  controller.write_outputs(Bytes(30));
+  request(0x04);
+  request(0x08);
+  EXPECT_EQ(controller.al_status_code(), 0x0019U);
+  controller.write_outputs(Bytes(30));
+  request(0x18);
+  EXPECT_EQ(controller.al_status(), 0x08U);
+}
+
 class BootstrapTest : public StackFixture {
  protected:
   BootstrapTest() : StackFixture(description_with_bootstrap()) {}

@@ -325,6 +325,126 @@ TEST(DcStart, AWrongCycleTimeGivenInSafeOperationalIsRefusedThere) {
   EXPECT_THAT(device.sentence("dc-cycle-time-range"), HasSubstr("Operational refused"));
 }
 
+TEST(DcStart, ARequestThatWasGivenUpDoesNotShortenTheNext) {
+  // Given up by each request that leaves Safe-Operational in force, and by none at all.
+  for (const int other : {0x04, 0x02, 0x03, 0x07}) {
+    Device device;
+    device.start_sync(kCycle, 0, 3, 10'000ULL * kCycle);
+    ASSERT_EQ(device.request(0x04), 0x04U);
+    ASSERT_EQ(device.request(0x08), 0x04U);
+    device.pass(kMillisecond * 500);
+    device.request(static_cast<std::uint16_t>(other));
+    device.pass(kMillisecond * 2'000);
+    device.start_sync(kCycle, 0, 3, 100 * kCycle);
+    if (device.request(0x14) != 0x04U) {
+      ADD_FAILURE() << other;
+    }
+    EXPECT_EQ(device.request(0x08), 0x04U) << "waits for SYNC0, after " << other;
+    device.pass(kMillisecond * 110);
+    EXPECT_EQ(device.status(), 0x08U) << other;
+  }
+}
+
+TEST(DcStart, AnErrorOfTheDeviceEndsTheWaitingToo) {
+  Device device;
+  device.start_sync(kCycle, 0, 3, 10'000ULL * kCycle);
+  ASSERT_EQ(device.request(0x04), 0x04U);
+  ASSERT_EQ(device.request(0x08), 0x04U);
+  device.stack->raise_error(AlStatusCode::unspecified_error, device.bus.now());
+  device.pass(kMillisecond * 2'000);
+  EXPECT_EQ(device.status_code(), static_cast<unsigned>(AlStatusCode::unspecified_error));
+  device.start_sync(kCycle, 0, 3, 100 * kCycle);
+  EXPECT_EQ(device.request(0x18), 0x04U);
+  device.pass(kMillisecond * 110);
+  EXPECT_EQ(device.status(), 0x08U);
+}
+
+TEST(DcStart, TheSameRequestOnceMoreDoesNotProlongTheWaiting) {
+  Device device;
+  device.start_sync(kCycle, 0, 3, 10'000ULL * kCycle);
+  ASSERT_EQ(device.request(0x04), 0x04U);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(device.request(0x08), 0x04U) << k;
+    device.pass(kMillisecond * 333);
+  }
+  device.pass(kMillisecond * 3);
+  EXPECT_EQ(device.status(), 0x14U);
+  EXPECT_EQ(device.status_code(), 0x2DU);
+}
+
+TEST(DcStart, AModeChosenByARequestThatCameToNothingIsForgotten) {
+  for (const bool refused : {false, true}) {
+    Device device;
+    ASSERT_EQ(device.request(0x04), 0x04U);
+    device.start_sync(kCycle, 0, 3, 10'000ULL * kCycle);
+    ASSERT_EQ(device.request(0x08), 0x04U);
+    if (refused) {
+      device.pass(kMillisecond * 1'001);
+      ASSERT_EQ(device.status_code(), 0x2DU);
+    }
+    device.write(0x0981, Bytes(1));
+    ASSERT_EQ(device.request(0x14), 0x04U);
+    EXPECT_EQ(device.request(0x08), 0x08U) << "without SYNC0, as Safe-Operational was entered";
+    EXPECT_FALSE(device.stack->synchronous());
+  }
+}
+
+TEST(DcStart, ACycleChangedInSafeOperationalIsTheOneOfOperational) {
+  for (const std::uint32_t cycle : {kCycle / 4, 2 * kCycle, 10 * kCycle}) {
+    Device device;
+    device.start_sync();
+    ASSERT_EQ(device.request(0x04), 0x04U);
+    device.pass(kMillisecond * 20);
+    device.start_sync(cycle, 0, 3, 50 * kCycle);
+    EXPECT_EQ(device.request(0x08), 0x04U) << "SYNC0 starts anew";
+    device.pass(kMillisecond * 60);
+    EXPECT_EQ(device.status(), 0x08U) << cycle;
+    EXPECT_EQ(device.stack->clocks().cycle(), SimDuration(cycle));
+    for (int k = 0; k < 20; ++k) {
+      device.outputs();
+      device.pass(SimDuration(cycle) - SimDuration(10'000));
+    }
+    EXPECT_EQ(device.status(), 0x08U) << cycle << ::testing::PrintToString(device.log.sentences());
+  }
+}
+
+TEST(DcStart, ACycleChangedWithoutStoppingSync0CountsToo) {
+  Device device;
+  device.start_sync();
+  ASSERT_EQ(device.request(0x04), 0x04U);
+  device.pass(kMillisecond * 20);
+  device.write(0x09A0, le(std::uint32_t{8 * kCycle}));
+  device.request(0x08);
+  device.pass(kMillisecond * 40);
+  EXPECT_EQ(device.status(), 0x08U);
+  EXPECT_EQ(device.stack->clocks().cycle(), SimDuration(8 * kCycle));
+}
+
+TEST(DcStart, AWrongCycleGivenInSafeOperationalLeavesTheOneOfBefore) {
+  Device device;
+  device.start_sync();
+  ASSERT_EQ(device.request(0x04), 0x04U);
+  device.pass(kMillisecond * 20);
+  device.write(0x09A0, le(std::uint32_t{1'100'000}));
+  EXPECT_EQ(device.request(0x08), 0x14U | 0x36U << 16);
+  EXPECT_TRUE(device.stack->synchronous());
+  EXPECT_EQ(device.stack->clocks().cycle(), SimDuration(kCycle));
+}
+
+TEST(DcOperational, ACycleChangedThereEndsItAndIsToldAsSuch) {
+  Device device;
+  device.go_operational();
+  device.run(10);
+  device.write(0x09A0, le(std::uint32_t{20 * kCycle}));
+  for (int k = 0; k < 30 && device.status() == 0x08U; ++k) {
+    device.run(1);
+  }
+  EXPECT_EQ(device.status_code(), 0x2CU);
+  EXPECT_THAT(device.sentence("dc-cycle-changed"),
+              HasSubstr("09A0h was changed to 20000000 ns in Operational"));
+  EXPECT_EQ(device.sentence("dc-sync-lost"), "");
+}
+
 TEST(DcOperational, SyncActivatedTooLate_ChangesNothingAndIsTold) {
   Device device;
   ASSERT_EQ(device.request(0x04), 0x04U);

@@ -408,7 +408,8 @@ Bytes StackFixture::sdo(const Bytes& request) {
   if (reply.size() < 8) {
     return {};
   }
-  EXPECT_EQ(to_hex(part(reply, 6, 2)), "00 30");
+  const bool abort = (reply.at(8) & std::byte{0xE0}) == std::byte{0x80};
+  EXPECT_EQ(to_hex(part(reply, 6, 2)), abort ? "00 20" : "00 30") << "CoE header";
   return {reply.begin() + 8, reply.end()};
 }
 

@@ -68,6 +68,14 @@ class StackOnController : public ::testing::Test {
     }
     return answer.working_counter;
   }
+  /// Lets milliseconds pass, with a control tick in each.
+  void wait_for(int milliseconds) {
+    for (int k = 0; k < milliseconds; ++k) {
+      bus.wait(base::SimDuration(1'000'000));
+      stack->process(bus.now());
+    }
+  }
+  std::uint64_t controlword() { return dictionary.find(0x6040, 0)->value(); }
   static Bytes mailbox(const Bytes& message) {
     Bytes padded = message;
     padded.resize(128);
@@ -87,6 +95,11 @@ class StackOnController : public ::testing::Test {
     return answer.working_counter == 1 ? base::load_le<std::uint16_t>(answer.data, 9) : 0;
   }
 
+  /// Controlword 15 and position 500000 of axis 0, among others.
+  const Bytes example_outputs =
+      hex("0F 00 20 A1 07 00 00 00 00 00 06 00 00 00 00 00 00 00 00 00 0F 00 00 00 00 00 60 79 FE "
+          "FF");
+
   EventLog log;
   DeviceDescription description = test_description();
   dictionary::Dictionary dictionary;
@@ -98,12 +111,9 @@ class StackOnController : public ::testing::Test {
 TEST_F(StackOnController, InitToOperational_ExchangesProcessData) {
   go_operational();
   dictionary.find(0x6041, 0)->set_value(0x1237);
-  const Bytes outputs =
-      hex("0F 00 20 A1 07 00 00 00 00 00 06 00 00 00 00 00 00 00 00 00 0F 00 00 00 00 00 60 79 FE "
-          "FF");
   stack->publish_inputs(bus.now());
   Bytes inputs;
-  EXPECT_EQ(exchange(outputs, &inputs), 3U);
+  EXPECT_EQ(exchange(example_outputs, &inputs), 3U);
   EXPECT_EQ(to_hex(part(inputs, 0, 2)), "37 12");
   EXPECT_EQ(dictionary.find(0x607A, 0)->value(), 500000U);
   EXPECT_EQ(application.outputs, 1);
@@ -134,6 +144,143 @@ TEST_F(StackOnController, OperationalWithoutAnyOutputs_EndsByTheWatchdog) {
   go_operational();
   bus.wait(base::SimDuration(101'000'000));
   stack->process(bus.now());
+  EXPECT_EQ(status(), 0x14U);
+}
+
+TEST_F(StackOnController, OutputsOfBeforeSafeOperational_AreNotExecutedInTheNextOperational) {
+  go_operational();
+  exchange(example_outputs);
+  ASSERT_EQ(controlword(), 15U);
+  wait_for(101);
+  ASSERT_EQ(status(), 0x14U);
+  dictionary.find(0x6040, 0)->set_value(7);  // by SDO meanwhile
+  request(0x18);
+  EXPECT_EQ(status(), 0x08U);
+  EXPECT_EQ(controlword(), 7U);
+  EXPECT_EQ(application.outputs, 1) << "told of outputs that came before";
+  wait_for(101);
+  EXPECT_EQ(status(), 0x14U) << "silence counts from Operational on";
+  EXPECT_EQ(status_code(), 0x001BU);
+}
+
+TEST_F(StackOnController, OutputsSentAfterTheWatchdog_AreExecutedInTheNextOperational) {
+  go_operational();
+  exchange(Bytes(30));
+  wait_for(101);
+  ASSERT_EQ(status(), 0x14U);
+  exchange(example_outputs);
+  EXPECT_EQ(controlword(), 0U) << "not before Operational";
+  request(0x18);
+  EXPECT_EQ(status(), 0x08U);
+  EXPECT_EQ(controlword(), 15U);
+}
+
+TEST_F(StackOnController, OutputsWrittenInPreOperational_DoNotCount) {
+  go_pre_operational();
+  configure_process_data();
+  EXPECT_EQ(exchange(example_outputs), 3U) << "the sync manager takes them in any state";
+  request(0x04);
+  request(0x08);
+  EXPECT_EQ(status(), 0x08U);
+  EXPECT_EQ(controlword(), 0U);
+  EXPECT_EQ(application.outputs, 0);
+  exchange(example_outputs);
+  EXPECT_EQ(controlword(), 15U);
+}
+
+TEST_F(StackOnController, OutputsStillInTheirBufferWhenOperationalIsLeft_DoNotCount) {
+  go_operational();
+  Bytes image(62);
+  std::ranges::copy(example_outputs, image.begin());
+  bus.transfer(Command::lrw, kOutputs, image);  // the firmware does not get to it in time
+  request(0x04);
+  ASSERT_EQ(status(), 0x04U);
+  request(0x08);
+  EXPECT_EQ(status(), 0x08U);
+  EXPECT_EQ(controlword(), 0U);
+  EXPECT_EQ(application.outputs, 0);
+}
+
+TEST_F(StackOnController, OutputsThatTheirSyncManagerForgot_DoNotCount) {
+  go_operational();
+  request(0x04);
+  Bytes image(62);
+  std::ranges::copy(example_outputs, image.begin());
+  bus.transfer(Command::lrw, kOutputs, image);
+  bus.write(0, 0x0816, Bytes(1));
+  bus.write(0, 0x0816, Bytes{std::byte{1}});  // back before the firmware has looked
+  stack->process(bus.now());
+  ASSERT_EQ(status(), 0x04U);
+  request(0x08);
+  EXPECT_EQ(status(), 0x08U);
+  EXPECT_EQ(controlword(), 0U);
+  EXPECT_EQ(application.outputs, 0);
+}
+
+TEST_F(StackOnController, WatchdogSetBeforeTheFirstOutputs_IsTheOneThatCounts) {
+  struct Setting {
+    std::uint16_t count;  ///< units of 100 us
+    int lasts;            ///< ms for which Operational must last
+    int ends;             ///< ms after which it must be over; 0: it lasts
+  };
+  for (const Setting& setting : {Setting{0, 500, 0}, {10'000, 950, 1'010}, {300, 25, 35}}) {
+    request(0x01);
+    write(0x0420, le(std::uint16_t{1000}));
+    go_operational();
+    wait_for(5);
+    write(0x0420, le(setting.count));
+    wait_for(setting.lasts - 5);
+    EXPECT_EQ(status(), 0x08U) << setting.count;
+    if (setting.ends != 0) {
+      wait_for(setting.ends - setting.lasts);
+      EXPECT_EQ(status(), 0x14U) << setting.count;
+      EXPECT_EQ(status_code(), 0x001BU) << setting.count;
+    }
+    request(0x11);
+  }
+}
+
+TEST_F(StackOnController, WatchdogSwitchedOnInOperational_CountsFromThenOn) {
+  for (const bool outputs_came : {false, true}) {
+    request(0x11);
+    write(0x0420, le(std::uint16_t{0}));
+    go_operational();
+    if (outputs_came) {
+      exchange(Bytes(30));
+    }
+    wait_for(500);
+    write(0x0420, le(std::uint16_t{1000}));
+    wait_for(95);
+    EXPECT_EQ(status(), 0x08U) << outputs_came;
+    wait_for(10);
+    EXPECT_EQ(status(), 0x14U) << outputs_came;
+    EXPECT_EQ(status_code(), 0x001BU);
+  }
+}
+
+TEST_F(StackOnController, WatchdogSwitchedOffAndOnAgain_StillNoticesSilence) {
+  go_operational();
+  exchange(Bytes(30));
+  write(0x0420, le(std::uint16_t{0}));
+  write(0x0420, le(std::uint16_t{1000}));
+  wait_for(95);
+  EXPECT_EQ(status(), 0x08U);
+  wait_for(10);
+  EXPECT_EQ(status(), 0x14U);
+}
+
+TEST_F(StackOnController, WatchdogSwitchedOnUnderAMasterThatSends_EndsNothing) {
+  write(0x0420, le(std::uint16_t{0}));
+  go_operational();
+  for (int k = 0; k < 30; ++k) {
+    exchange(Bytes(30));
+    wait_for(10);
+    if (k == 10) {
+      write(0x0420, le(std::uint16_t{1000}));
+    }
+  }
+  EXPECT_EQ(status(), 0x08U);
+  wait_for(105);
   EXPECT_EQ(status(), 0x14U);
 }
 

@@ -140,11 +140,15 @@ TEST(EtherCatText, ShowsSdosWithNameAndValue) {
              mailbox({0x00, 0x30, 0x4F, 0x61, 0x60, 0x00, 0x08, 0x00, 0x00, 0x00}), 1);
   EXPECT_THAT(describe_ethercat(upload.bytes(), true, {slave()}).summary,
               HasSubstr("SDO upload 6061h:00h \"Axis 0: Modes of operation display\" = 8"));
-  Frame abort;
-  abort.add(Command::fprd, ethercat::physical_address(0x1001, 0x1080),
-            mailbox({0x00, 0x30, 0x80, 0x61, 0x60, 0x00, 0x02, 0x00, 0x01, 0x06}), 1);
-  EXPECT_THAT(describe_ethercat(abort.bytes(), true, {slave()}).summary,
-              HasSubstr("SDO abort 6061h:00h \"Axis 0: Modes of operation display\": 06010002h ("));
+  // An abort is a request, whoever sends it; some slaves send it as a response.
+  for (const std::uint8_t service : {std::uint8_t{0x20}, std::uint8_t{0x30}}) {
+    Frame abort;
+    abort.add(Command::fprd, ethercat::physical_address(0x1001, 0x1080),
+              mailbox({0x00, service, 0x80, 0x61, 0x60, 0x00, 0x02, 0x00, 0x01, 0x06}), 1);
+    EXPECT_THAT(
+        describe_ethercat(abort.bytes(), true, {slave()}).summary,
+        HasSubstr("SDO abort 6061h:00h \"Axis 0: Modes of operation display\": 06010002h ("));
+  }
 }
 
 TEST(EtherCatText, ShowsProcessDataAsObjects) {

@@ -254,6 +254,7 @@ void Tmc8670::restart_firmware(SimTime now) {
 void Tmc8670::stop_firmware(SimTime now) {
   restart_due_ = false;
   dictionary_.reset_values();
+  synchronisation_.forget_wishes();
   storage_.load(now);
   reported_errors_ = {};
   reported_resets_ = 0;
@@ -276,6 +277,9 @@ AlStatusCode Tmc8670::permit_state(AlState /*from*/, AlState to, SimTime now) {
 void Tmc8670::on_state(AlState from, AlState to, SimTime now) {
   if (from == AlState::bootstrap) {
     restart_due_ = firmware_.downloads() != downloads_in_force_;
+  }
+  if (to == AlState::init) {
+    synchronisation_.forget_wishes();
   }
   const bool operational = to == AlState::operational;
   if (operational || from == AlState::operational) {
