@@ -110,7 +110,7 @@ void SlaveRules::perform(const MasterAction& action) {
       break;
     }
     case Kind::silence:
-      pass(base::SimDuration(1'000'000) * action.value);
+      be_silent(1_ms * action.value);
       break;
     case Kind::sync_on:
       start_sync(action.value);
@@ -290,6 +290,14 @@ void SlaveRules::exchange_cycles(std::uint32_t cycles) {
     exchange();
     observe();
     pass(1_ms - kFrameInterval * 2);
+  }
+}
+
+void SlaveRules::be_silent(base::SimDuration duration) {
+  // No state may come and go unseen.
+  for (const base::SimTime end = now_ + duration; now_ < end;) {
+    pass(std::min(10_ms, end - now_));
+    observe();
   }
 }
 

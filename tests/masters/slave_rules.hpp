@@ -61,6 +61,7 @@ class SlaveRules {
   void note_outputs(bool accepted);
   void exchange();
   void exchange_cycles(std::uint32_t cycles);
+  void be_silent(base::SimDuration duration);
   void start_sync(std::uint32_t cycle_us);
   void write_sync_type(std::uint32_t type);
   void try_uploads();
