@@ -148,7 +148,7 @@ void SlaveStack::take_outputs(base::SimTime now) {
   clocks_.on_outputs();
   if (state() == AlState::operational) {
     silent_since_ = now;
-    watchdog_due_ = now + std::max(watchdog_time_, kWatchdogPoll);
+    watchdog_due_ = now + kWatchdogPoll;
     offer_outputs(now);
   }
 }
@@ -217,10 +217,6 @@ bool SlaveStack::outputs_overdue(base::SimTime now) {
   }
   if (before == base::SimDuration(0)) {
     silent_since_ = now;  // switched on just now
-  }
-  if (outputs_received_ && watchdog_runs()) {
-    watchdog_due_ = now + std::max(watchdog_time_, kWatchdogPoll);
-    return false;
   }
   const base::SimTime end = silent_since_ + watchdog_time_;
   watchdog_due_ = std::min(watchdog_due_, end);
