@@ -53,13 +53,13 @@ constexpr SlaveControllerConfiguration junction() {
   chip.type = 0x4A;  // nobody's
   chip.revision = 0x01;
   chip.build = 0x0001;
-  chip.fmmu_count = 1;
-  chip.sync_manager_count = 1;
+  chip.fmmu_count = 4;  // unused, but masters switch those off that they do not need
+  chip.sync_manager_count = 4;
   chip.ram_kilobytes = 1;
   chip.port_descriptor = 0xFF;
   chip.features = F::distributed_clocks | F::reset_registers | F::led_override |
                   F::pdi_information | F::user_ram | F::error_counters | F::lost_link_counters |
-                  F::watchdog_setting;
+                  F::sii_host_access | F::watchdog_setting;
   chip.sync_latch_reset = 0;
   return chip;
 }

@@ -194,8 +194,9 @@ class DeviceStorage::EtherCatMember final : public DeviceMember {
       fail(eeprom_path_, fmt::format("it holds {} bytes, the EEPROM of a {} has {}", content.size(),
                                      product(), size));
     }
-    device_.controller().load_sii(content);
+    // Said first, since loading it may have something to tell of the content.
     reporter().report({}, rules::kEepromRestored, {EventArgument(eeprom_path_)});
+    device_.controller().load_sii(content);
     const std::uint16_t configured = device_.description().station_alias;
     if (configured != 0 && configured != alias_of(content)) {
       reporter().report({}, rules::kAliasOverruled,

@@ -148,9 +148,12 @@ class SoemTree : public ::testing::Test {
 };
 
 TEST_F(SoemTree, IsFoundWithItsBranchesAndBroughtToOperational) {
-  soem.config_init();
+  EXPECT_EQ(soem.count_slaves(), 7U);
+  soem.set_defaults();
+  soem.set_addresses();
   for (std::size_t i = 0; i < bus.size(); ++i) {
-    for (const unsigned state : {Soem::kSafeOperational, Soem::kOperational}) {
+    for (const unsigned state :
+         {Soem::kPreOperational, Soem::kSafeOperational, Soem::kOperational}) {
       soem.request(i, state);
     }
   }

@@ -41,16 +41,17 @@ class DamagedEeprom : public ::testing::TestWithParam<const char*> {
     write(0x0502, 0x0400);
     bench.port.wait(5_ms);
   }
-  /// Asks for Pre-Operational with mailboxes where the scan has found them.
+  /// Asks for Pre-Operational with mailboxes where the scan has found them; a scan asks for Init.
   bool reaches_pre_operational() {
-    EXPECT_EQ(bench.scan(), 1U);
-    return bench.master.start_mailbox(0).has_value();
+    return bench.scan() == 1 && bench.master.start_mailbox(0).has_value();
   }
   void expect_dead() {
     EXPECT_FALSE(reaches_pre_operational());
     EXPECT_EQ(bench.read(0, 0x0130), 0x0001U) << "AL status";
     EXPECT_EQ(bench.read(0, 0x0134), 0x0000U) << "nobody gives a reason";
-    EXPECT_FALSE(bench.master.upload(0, {0x1000, 0}));
+    static_cast<void>(bench.send(Command::apwr, 0, 0x0120, 0x0002));
+    bench.port.wait(100_ms);
+    EXPECT_EQ(bench.read(0, 0x0130), 0x0001U);
   }
 
   SegmentFaultBench bench;
@@ -59,8 +60,10 @@ class DamagedEeprom : public ::testing::TestWithParam<const char*> {
 TEST_P(DamagedEeprom, LeavesTheDeviceInInitUntilTheMasterWritesAGoodOneAndReloadsIt) {
   const std::uint16_t good =
       std::to_integer<std::uint16_t>(bench.rack.segment(0).slave(0).sii()[14]);
-  write_word(7, good ^ 0xFFU);
-  EXPECT_TRUE(reaches_pre_operational()) << "counts from the next load on";
+  ASSERT_TRUE(reaches_pre_operational());
+  write(0x0500, 0);  // the master takes the EEPROM back from the firmware
+  write_word(7, static_cast<std::uint16_t>(good ^ 0xFFU));
+  EXPECT_EQ(bench.read(0, 0x0130), 0x0002U) << "counts from the next load on";
   cycle_power();
   expect_dead();
   EXPECT_EQ(bench.read(0, 0x0110) & 1U, 0U);
@@ -88,15 +91,16 @@ TEST_P(DamagedEeprom, WithAnotherHostInterfaceIsDeadUntilAResetOfTheController) 
   EXPECT_EQ(bench.log.count("esc-pdi-type"), 1U);
   write_word(0, word0);
   write_word(7, good);
-  for (const std::uint16_t key : {0x52, 0x45, 0x53}) {
-    write(0x0040, key);
+  for (const unsigned key : {0x52U, 0x45U, 0x53U}) {
+    write(0x0040, static_cast<std::uint16_t>(key));
   }
   EXPECT_TRUE(reaches_pre_operational());
 }
 
 TEST_P(DamagedEeprom, FaultOfACellClosesItAtTheNextPowerOn) {
+  ASSERT_TRUE(reaches_pre_operational());
   const auto fault = bench.inject("kind = 'sii-corruption'\ndevice = 'device'");
-  EXPECT_TRUE(reaches_pre_operational());
+  EXPECT_EQ(bench.read(0, 0x0130), 0x0002U) << "counts from the next load on";
   cycle_power();
   expect_dead();
   bench.clear(fault);

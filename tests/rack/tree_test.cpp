@@ -12,6 +12,7 @@
 #include "ethercat/master_delays.hpp"
 #include "rack/fault_bench.hpp"
 #include "rack/wiring.hpp"
+#include "source_paths.hpp"
 
 namespace stator::tests {
 namespace {
