@@ -1,7 +1,7 @@
 # A room is one folder below src/, one namespace stator::<room> and one static library stator_<room>
 # (alias stator::<room>). USES names the rooms it may include directly; scripts/check_layering.py
 # verifies every #include against the same lists. PRECOMPILED names large headers of libraries that most
-# of the room's sources include; the standard library's are precompiled for all rooms.
+# of the room's sources include.
 function(stator_room name)
   cmake_parse_arguments(ROOM "" "" "SOURCES;USES;LIBRARIES;PRECOMPILED" ${ARGN})
   add_library(stator_${name} STATIC ${ROOM_SOURCES})
@@ -13,8 +13,8 @@ function(stator_room name)
   endforeach()
   target_link_libraries(stator_${name} PRIVATE ${ROOM_LIBRARIES})
   if(ROOM_PRECOMPILED)
-    target_precompile_headers(stator_${name} PRIVATE ${STATOR_STANDARD_HEADERS} ${ROOM_PRECOMPILED})
-  else()
+    target_precompile_headers(stator_${name} PRIVATE ${ROOM_PRECOMPILED})
+  elseif(TARGET stator_standard_headers)
     target_precompile_headers(stator_${name} REUSE_FROM stator_standard_headers)
   endif()
 endfunction()
