@@ -1,6 +1,7 @@
 // Trees in rack files: junctions with branches, as masters see them.
 
 #include <array>
+#include <cstdlib>
 #include <string>
 #include <utility>
 #include <vector>
@@ -131,6 +132,20 @@ TEST(JunctionTree, MastersMeasureItsCablesToTheNanosecond) {
   EXPECT_EQ(delays[4], cell);
   EXPECT_EQ(delays[5], cell + kForwarding + 10);
   EXPECT_EQ(delays[6], cell + 3 * kForwarding + 3 * 10);
+}
+
+TEST(JunctionTree, OurMasterSynchronisesItsClocks) {
+  Tree tree;
+  ASSERT_EQ(tree.scan(), 7U);
+  const auto synchronised = tree.master.synchronize_clocks();
+  ASSERT_TRUE(synchronised) << synchronised.error().text;
+  ethercat::Segment& segment = tree.rack.segment(0);
+  const std::uint64_t reference = segment.slave(0).system_time(tree.now());
+  for (std::size_t i = 1; i < segment.size(); ++i) {
+    const auto apart =
+        static_cast<std::int64_t>(segment.slave(i).system_time(tree.now()) - reference);
+    EXPECT_LE(std::abs(apart), 1) << i;
+  }
 }
 
 TEST(JunctionTree, ABranchIsUnpluggedAndPluggedInWhileTheOthersRunOn) {
