@@ -26,6 +26,33 @@ std::string to_decimal(std::int64_t number, int places) {
   return number < 0 ? "-" + text : text;
 }
 
+/// "-1, 0, 3, 6 .. 10": three or more in a row are told by the first and the last.
+std::string to_plain_text(std::span<const std::int64_t> list) {
+  constexpr std::size_t kShortestRow = 3;
+  std::string text;
+  while (!list.empty()) {
+    std::size_t row = 1;
+    while (row < list.size() && list[row] == list[row - 1] + 1) {
+      ++row;
+    }
+    const bool told_by_ends = row >= kShortestRow;
+    text += (text.empty() ? "" : ", ") + std::to_string(list.front());
+    if (told_by_ends) {
+      text += " .. " + std::to_string(list[row - 1]);
+    }
+    list = list.subspan(told_by_ends ? row : 1);
+  }
+  return text;
+}
+
+/// What "{0}" stands for.
+std::string to_plain_text(const EventArgument& argument) {
+  if (argument.is_list()) {
+    return to_plain_text(argument.list());
+  }
+  return argument.is_text() ? std::string(argument.text()) : std::to_string(argument.number());
+}
+
 /// Appends the argument that `placeholder` (the text between the braces) names; false if none.
 bool append_argument(std::string& sentence, std::string_view placeholder, const Event& event) {
   std::size_t position = 0;
@@ -36,14 +63,13 @@ bool append_argument(std::string& sentence, std::string_view placeholder, const 
   }
   const EventArgument& argument = event.arguments[position];
   if (number.ptr == end) {
-    sentence +=
-        argument.is_text() ? std::string(argument.text()) : std::to_string(argument.number());
+    sentence += to_plain_text(argument);
     return true;
   }
   int digits = 1;
   const std::string_view format(number.ptr, static_cast<std::size_t>(end - number.ptr));
   const bool hexadecimal = format.starts_with(":x");
-  if (argument.is_text() || !(hexadecimal || format.starts_with(":d")) ||
+  if (argument.is_text() || argument.is_list() || !(hexadecimal || format.starts_with(":d")) ||
       std::from_chars(format.data() + 2, end, digits).ptr != end) {
     return false;
   }

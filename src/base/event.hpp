@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -20,16 +22,17 @@ enum class Severity : std::uint8_t {
 /// One kind of event, declared as a constant next to the code that raises it.
 ///
 /// `text` is one sentence with the rule, what was expected, what came and the remedy. Placeholders
-/// name the arguments by position: `{0}` decimal or text, `{0:x4}` hexadecimal with at least four
-/// digits and the field's h suffix ("6040h"), `{0:d3}` thousandths with a point ("1.500").
+/// name the arguments by position: `{0}` decimal, text or list, `{0:x4}` hexadecimal with at least
+/// four digits and the field's h suffix ("6040h"), `{0:d3}` thousandths with a point ("1.500").
 struct EventRule {
   std::string_view id;  ///< stable name for programs, e.g. "al-sm-length"
   Severity severity;
   std::string_view text;
 };
 
-/// A number, or a text that lives as long as the device that raises the event (a state's name, an
-/// object's name); a reader that keeps events longer keeps their sentences instead.
+/// A number, or a text or list of numbers that lives as long as the device that raises the event (a
+/// state's name, an object's legal values); a reader that keeps events longer keeps their sentences
+/// instead.
 class EventArgument {
  public:
   constexpr EventArgument() = default;
@@ -41,13 +44,21 @@ class EventArgument {
   constexpr EventArgument(std::size_t number)                        // NOLINT: implicit
       : number_(static_cast<std::int64_t>(number)) {}
 
+  constexpr EventArgument(std::span<const std::int64_t> list)  // NOLINT: implicit
+      : number_(static_cast<std::int64_t>(list.size())), list_(list.data()) {}
+
+  [[nodiscard]] constexpr bool is_list() const { return list_ != nullptr; }
+  [[nodiscard]] constexpr std::span<const std::int64_t> list() const {
+    return {list_, is_list() ? static_cast<std::size_t>(number_) : 0};
+  }
   [[nodiscard]] constexpr bool is_text() const { return text_.data() != nullptr; }
   [[nodiscard]] constexpr std::int64_t number() const { return number_; }
   [[nodiscard]] constexpr std::string_view text() const { return text_; }
 
  private:
-  std::int64_t number_ = 0;
+  std::int64_t number_ = 0;  ///< of a list, how many it has
   std::string_view text_{};
+  const std::int64_t* list_ = nullptr;
 };
 
 /// What happened, as data: raising one costs a copy and no allocation; words are made by the

@@ -304,7 +304,8 @@ Verdict Dictionary::check_value(const Entry& entry, std::uint64_t bits) const {
   if (!declaration.legal_values.empty()) {
     if (std::ranges::find(declaration.legal_values, static_cast<std::int64_t>(bits)) ==
         declaration.legal_values.end()) {
-      return refuse(AbortCode::value_range_exceeded, rules::kIllegalValue, about(entry, came));
+      return refuse(AbortCode::value_range_exceeded, rules::kIllegalValue,
+                    about(entry, came, EventArgument(declaration.legal_values)));
     }
   } else if (declaration.range) {
     const Range& range = *declaration.range;

@@ -60,8 +60,8 @@ inline constexpr EventRule kTooLow{
     "write to {0:x4}:{1:x2} \"{2}\" refused: {3} is below the minimum {4}"};
 inline constexpr EventRule kIllegalValue{
     "od-illegal-value", Severity::refusal,
-    "write to {0:x4}:{1:x2} \"{2}\" refused: {3} is none of the values the device supports; see "
-    "the object's description"};
+    "write to {0:x4}:{1:x2} \"{2}\" refused: {3} is none of the values the device supports: "
+    "{4}"};
 }  // namespace rules
 
 }  // namespace stator::dictionary

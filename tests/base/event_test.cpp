@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -59,6 +60,17 @@ TEST(EventSentence, MistakesInARuleStaySeen) {
   EXPECT_EQ(sentence("{0:x4}", {"text"}), "{0:x4}");
   EXPECT_EQ(sentence("open {0", {1}), "open {0");
   EXPECT_EQ(sentence("closed } {0}", {1}), "closed } 1");
+}
+
+TEST(EventSentence, ListsAreToldNumberByNumberAndLongRowsByTheirEnds) {
+  constexpr std::array<std::int64_t, 3> kModes{-1, 0, 3};
+  const std::span<const std::int64_t> modes(kModes);
+  EXPECT_EQ(sentence("one of {1}", {0, modes}), "one of -1, 0, 3");
+  constexpr std::array<std::int64_t, 7> kTypes{1, 2, 4, 5, 6, 7, 255};
+  const std::span<const std::int64_t> types(kTypes);
+  EXPECT_EQ(sentence("{0}", {types}), "1, 2, 4 .. 7, 255");
+  EXPECT_EQ(sentence("{0}", {types.first(1)}), "1");
+  EXPECT_EQ(sentence("{0:x4}", {types}), "{0:x4}");
 }
 
 TEST(EventSentence, AnEventWithoutARuleSaysSo) {

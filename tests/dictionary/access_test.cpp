@@ -193,7 +193,7 @@ TEST(DictionaryWrite, OfAValueTheDeviceDoesNotSupportIsRefused) {
     expect_refused(write(*dictionary, 0x6060, static_cast<std::int8_t>(mode)),
                    AbortCode::value_range_exceeded,
                    "write to 6060h:00h \"Modes of operation\" refused: " + std::string(words) +
-                       " is none of the values the device supports; see the object's description");
+                       " is none of the values the device supports: -1, 1, 8");
   }
   EXPECT_EQ(dictionary->find(0x6060, 0)->signed_value(), 8);
 }
