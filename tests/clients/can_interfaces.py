@@ -357,6 +357,19 @@ class OnARunningBus(unittest.TestCase):
             (kind, _, _, _, _), = messages(copy.recv(65536))
         self.assertEqual(kind, NEWLINK)
 
+    def test_a_file_with_the_number_of_a_closed_socket_is_a_file(self):
+        for close in (os.close, lambda number: os.closerange(number, number + 1)):
+            link = self.netlink()
+            link.send(link_request(16, 0, index=INDEX))  # its answer is not read
+            number = link.detach()
+            close(number)
+            file = os.open("/proc/self/stat", os.O_RDONLY)
+            try:
+                self.assertEqual(file, number)
+                self.assertTrue(os.read(file, 100))
+            finally:
+                os.close(file)
+
     def test_routes_are_the_machine_s(self):
         link = self.netlink()
         link.send(struct.pack("=IHHIIB11x", 28, GETROUTE, REQUEST | DUMP, 15, 0, socket.AF_INET))

@@ -44,6 +44,18 @@ class DescriptorTable {
       mark(descriptor, false);
     }
   }
+  /// Those from `first` to `last`.
+  void remove(unsigned first, unsigned last) {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(sockets_, [&](const auto& each) {
+      const auto descriptor = static_cast<unsigned>(each.first);
+      const bool gone = descriptor >= first && descriptor <= last;
+      if (gone) {
+        mark(each.first, false);
+      }
+      return gone;
+    });
+  }
   /// `to` is a copy of `from`, whatever it was before.
   void share(int from, int to) {
     remove(to);

@@ -167,7 +167,7 @@ int check_destination(int descriptor, ProgramSocket& socket, const msghdr& messa
   return to.can_ifindex == 0 || to.can_ifindex == socket.bus_index ? 0 : ENXIO;
 }
 
-ssize_t transmit_to_bus(int descriptor, ProgramSocket& socket, const msghdr& message, int flags) {
+ssize_t transmit(int descriptor, ProgramSocket& socket, const msghdr& message, int flags) {
   std::array<std::byte, kMaximumMessage> whole;
   std::size_t size = 0;
   for (std::size_t i = 0; i < message.msg_iovlen; ++i) {
@@ -198,30 +198,45 @@ struct Ours {
   explicit operator bool() const { return bus || route; }
 };
 
+/// Nothing where the C library does what is asked: it receives for netlink sockets unless the
+/// program waits for an answer that the buses belong into.
 Ours find(int descriptor) {
   Ours found{.bus = ProgramSockets::instance().find(descriptor), .route = nullptr};
   if (!found) {
     found.route = RouteSockets::instance().find(descriptor);
+    if (found.route && !found.route->awaits_answers()) {
+      found.route = nullptr;
+    }
   }
   return found;
+}
+
+std::shared_ptr<ProgramSocket> find_bus(int descriptor) {
+  return ProgramSockets::instance().find(descriptor);
+}
+
+/// Lets a netlink socket know what the program is about to send by it.
+void note(int descriptor, const iovec* parts, std::size_t count) {
+  const auto route = RouteSockets::instance().find(descriptor);
+  if (!route) {
+    return;
+  }
+  std::vector<std::byte> whole;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto* const from = static_cast<const std::byte*>(parts[i].iov_base);
+    whole.insert(whole.end(), from, from + parts[i].iov_len);
+  }
+  route->note(whole);
+}
+
+void note(int descriptor, const void* buffer, std::size_t size) {
+  const iovec part{.iov_base = const_cast<void*>(buffer), .iov_len = size};
+  note(descriptor, &part, 1);
 }
 
 ssize_t receive(int descriptor, const Ours& socket, msghdr& message, int flags) {
   return socket.bus ? receive_from_bus(descriptor, *socket.bus, message, flags)
                     : socket.route->receive(descriptor, message, flags);
-}
-
-ssize_t transmit(int descriptor, const Ours& socket, const msghdr& message, int flags) {
-  if (socket.bus) {
-    return transmit_to_bus(descriptor, *socket.bus, message, flags);
-  }
-  std::vector<std::byte> whole;
-  for (std::size_t i = 0; i < message.msg_iovlen; ++i) {
-    const auto* const from = static_cast<const std::byte*>(message.msg_iov[i].iov_base);
-    whole.insert(whole.end(), from, from + message.msg_iov[i].iov_len);
-  }
-  socket.route->note(whole);
-  return STATOR_SYSTEM(sendmsg)(descriptor, &message, flags);
 }
 
 ssize_t receive_into(int descriptor, const Ours& socket, void* buffer, std::size_t size,
@@ -248,7 +263,7 @@ ssize_t receive_from(int descriptor, const Ours& socket, void* buffer, std::size
   return received;
 }
 
-ssize_t transmit_from(int descriptor, const Ours& socket, const void* buffer, std::size_t size,
+ssize_t transmit_from(int descriptor, ProgramSocket& socket, const void* buffer, std::size_t size,
                       int flags, const sockaddr* address = nullptr, socklen_t length = 0) {
   iovec part{.iov_base = const_cast<void*>(buffer), .iov_len = size};
   msghdr message{};
@@ -266,7 +281,7 @@ ssize_t receive_parts(int descriptor, const Ours& socket, const iovec* parts, in
   return receive(descriptor, socket, message, 0);
 }
 
-ssize_t transmit_parts(int descriptor, const Ours& socket, const iovec* parts, int count) {
+ssize_t transmit_parts(int descriptor, ProgramSocket& socket, const iovec* parts, int count) {
   msghdr message{};
   message.msg_iov = const_cast<iovec*>(parts);
   message.msg_iovlen = static_cast<std::size_t>(std::max(count, 0));
@@ -331,44 +346,59 @@ STATOR_EXPORT int recvmmsg(int descriptor, mmsghdr* messages, unsigned count, in
 }
 
 STATOR_EXPORT ssize_t write(int descriptor, const void* buffer, std::size_t size) {
-  const auto found = find(descriptor);
-  return found ? transmit_from(descriptor, found, buffer, size, 0)
+  const auto found = find_bus(descriptor);
+  if (!found) {
+    note(descriptor, buffer, size);
+  }
+  return found ? transmit_from(descriptor, *found, buffer, size, 0)
                : STATOR_SYSTEM(write)(descriptor, buffer, size);
 }
 
 STATOR_EXPORT ssize_t writev(int descriptor, const iovec* parts, int count) {
-  const auto found = find(descriptor);
-  return found ? transmit_parts(descriptor, found, parts, count)
+  const auto found = find_bus(descriptor);
+  if (!found) {
+    note(descriptor, parts, static_cast<std::size_t>(std::max(count, 0)));
+  }
+  return found ? transmit_parts(descriptor, *found, parts, count)
                : STATOR_SYSTEM(writev)(descriptor, parts, count);
 }
 
 STATOR_EXPORT ssize_t send(int descriptor, const void* buffer, std::size_t size, int flags) {
-  const auto found = find(descriptor);
-  return found ? transmit_from(descriptor, found, buffer, size, flags)
+  const auto found = find_bus(descriptor);
+  if (!found) {
+    note(descriptor, buffer, size);
+  }
+  return found ? transmit_from(descriptor, *found, buffer, size, flags)
                : STATOR_SYSTEM(send)(descriptor, buffer, size, flags);
 }
 
 STATOR_EXPORT ssize_t sendto(int descriptor, const void* buffer, std::size_t size, int flags,
                              const sockaddr* address, socklen_t length) {
-  const auto found = find(descriptor);
-  return found ? transmit_from(descriptor, found, buffer, size, flags, address, length)
+  const auto found = find_bus(descriptor);
+  if (!found) {
+    note(descriptor, buffer, size);
+  }
+  return found ? transmit_from(descriptor, *found, buffer, size, flags, address, length)
                : STATOR_SYSTEM(sendto)(descriptor, buffer, size, flags, address, length);
 }
 
 STATOR_EXPORT ssize_t sendmsg(int descriptor, const msghdr* message, int flags) {
-  const auto found = find(descriptor);
-  return found ? transmit(descriptor, found, *message, flags)
+  const auto found = find_bus(descriptor);
+  if (!found) {
+    note(descriptor, message->msg_iov, message->msg_iovlen);
+  }
+  return found ? transmit(descriptor, *found, *message, flags)
                : STATOR_SYSTEM(sendmsg)(descriptor, message, flags);
 }
 
 STATOR_EXPORT int sendmmsg(int descriptor, mmsghdr* messages, unsigned count, int flags) {
-  const auto found = find(descriptor);
+  const auto found = find_bus(descriptor);
   if (!found) {
     return STATOR_SYSTEM(sendmmsg)(descriptor, messages, count, flags);
   }
   int sent = 0;
   for (unsigned i = 0; i < count; ++i) {
-    const ssize_t size = transmit(descriptor, found, messages[i].msg_hdr, flags);
+    const ssize_t size = transmit(descriptor, *found, messages[i].msg_hdr, flags);
     if (size < 0) {
       return sent > 0 ? sent : -1;
     }

@@ -24,6 +24,9 @@ class RouteSocket {
   /// Notes the questions about interfaces among what the program is about to send.
   void note(std::span<const std::byte> datagram);
 
+  /// The program has asked something whose answer is not read to its end yet.
+  [[nodiscard]] bool awaits_answers();
+
   /// What recvmsg() does.
   ssize_t receive(int descriptor, msghdr& message, int flags);
 
@@ -45,7 +48,6 @@ class RouteSocket {
   ssize_t give_end(int descriptor, const Pending& pending, const nlmsghdr& end, msghdr& message,
                    int flags);
   ssize_t hand_over(std::span<const std::byte> datagram, msghdr& message, int flags) const;
-  [[nodiscard]] bool awaits_answers();
 
   std::mutex mutex_;
   std::vector<Pending> pending_;

@@ -9,6 +9,7 @@
 
 #include <fcntl.h>
 #include <linux/can/raw.h>
+#include <linux/close_range.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -283,6 +284,21 @@ STATOR_EXPORT int close(int descriptor) {
   ProgramSockets::instance().remove(descriptor);
   RouteSockets::instance().remove(descriptor);
   return STATOR_SYSTEM(close)(descriptor);
+}
+
+STATOR_EXPORT int close_range(unsigned first, unsigned last, int flags) noexcept {
+  if ((static_cast<unsigned>(flags) & CLOSE_RANGE_CLOEXEC) == 0) {
+    ProgramSockets::instance().remove(first, last);
+    RouteSockets::instance().remove(first, last);
+  }
+  return STATOR_SYSTEM(close_range)(first, last, flags);
+}
+
+STATOR_EXPORT void closefrom(int first) noexcept {
+  const auto begin = static_cast<unsigned>(std::max(first, 0));
+  ProgramSockets::instance().remove(begin, ~0U);
+  RouteSockets::instance().remove(begin, ~0U);
+  STATOR_SYSTEM(closefrom)(first);
 }
 
 STATOR_EXPORT int dup(int descriptor) noexcept {
