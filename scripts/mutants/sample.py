@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 from places import find_places
 
-PER_FILE = 20
+PER_FILE = 40
+NUMBERS_PER_FILE = 1024
+CAPACITY = 1 << 20  # as in schemata.hpp
 
 
 @dataclass
@@ -62,9 +64,10 @@ def draw(root, rooms, count, seed, equivalent=frozenset()):
     """`count` mutants, the same number of each room, in an order that mixes the rooms.
 
     Files are drawn with a probability that grows with the mutants they offer, and of each at most
-    PER_FILE mutants: compiling a file is what costs.
+    PER_FILE mutants: compiling a file is what costs. All places of a drawn file are guarded, and
+    their numbers depend on the file only, so that a compiler cache knows it the next time.
     """
-    chosen, known = [], 0
+    chosen, known, places = [], 0, {}
     for index, room in enumerate(rooms):
         generator = random.Random(f"{seed} {room}")
         share = count // len(rooms) + (index < count % len(rooms))
@@ -83,21 +86,27 @@ def draw(root, rooms, count, seed, equivalent=frozenset()):
             counted = [m for m in found if (m.path, m.source, m.original, m.change) not in equivalent]
             known += len(found) - len(counted)
             drawn += counted
+            places[path] = files[path]
         chosen.append(drawn[:share])
     mixed = [mutant for drawn in chosen for mutant in drawn]
     random.Random(f"{seed} order").shuffle(mixed)
-    return _numbered(mixed, known)
+    return Sample(mixed, _numbered(places, sorted(
+        path.relative_to(root).as_posix() for path in (root / "src").rglob("*.cpp"))), known)
 
 
-def _numbered(mutants, known):
-    places, number = {}, 1
-    for mutant in mutants:
-        place = mutant.place
-        if not place.identities:
-            place.identities = list(range(number, number + len(place.changes)))
-            number += len(place.changes)
-            places.setdefault(mutant.path, []).append(place)
-        mutant.number = place.identities[place.changes.index(mutant.change)]
-    for path, found in places.items():
-        found.sort(key=lambda place: (place.start, -place.end))
-    return Sample(mutants, places, known)
+def _numbered(drawn, sources):
+    """The places of each drawn file, whose mutants get their numbers here."""
+    places = {}
+    for path, mutants in drawn.items():
+        number = 1 + NUMBERS_PER_FILE * sources.index(path)
+        if len(mutants) >= NUMBERS_PER_FILE or number >= CAPACITY:
+            raise ValueError(f"{path}: more mutants than there are numbers; raise them here and in "
+                             "schemata.hpp")
+        for mutant in mutants:
+            place = mutant.place
+            if not place.identities:
+                place.identities = list(range(number, number + len(place.changes)))
+                number += len(place.changes)
+                places.setdefault(path, []).append(place)
+            mutant.number = place.identities[place.changes.index(mutant.change)]
+    return places

@@ -13,7 +13,7 @@
 
 namespace mutant {
 
-inline constexpr int kCapacity = 1 << 17;
+inline constexpr int kCapacity = 1 << 20;
 
 inline int number_of_environment() {
   const char* text = std::getenv("MUTANT");

@@ -240,6 +240,15 @@ class Sampling(unittest.TestCase):
             self.assertEqual(sum("src/one/" in m for m in drawn(1)), 30)
             self.assertEqual(len(set(drawn(1))), 60)
 
+            def numbers(seed):
+                return {str(m): m.number for m in draw(Path(root), ["one", "two"], 400, seed).mutants}
+
+            first, second = numbers(1), numbers(2)
+            both = first.keys() & second.keys()
+            self.assertGreater(len(both), 20)
+            self.assertEqual({m: first[m] for m in both}, {m: second[m] for m in both},
+                             "a file is rewritten alike whatever is drawn with it")
+
 
 if __name__ == "__main__":
     unittest.main()
