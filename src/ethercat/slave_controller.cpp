@@ -21,6 +21,10 @@ constexpr base::EventRule kReset{
     "esc-reset", base::Severity::warning,
     "{0} has reset the controller (keys R, E, S in {1:x4}), which was in {2}; it starts as after "
     "power-on: configure it again from Init on"};
+constexpr base::EventRule kResetOut{"esc-reset-out", base::Severity::warning,
+                                    "{0} has asked for a reset (keys R, E, S in {1:x4}) in {2}: "
+                                    "RESET_OUT rises, and the chip starts "
+                                    "as after power-on if the board leads that to NRESET"};
 constexpr base::EventRule kSiiChecksum{
     "esc-sii-checksum", base::Severity::warning,
     "EEPROM not loaded: checksum byte in word 7 is {0:x2}, the first seven words give {1:x2}; "
@@ -182,7 +186,7 @@ void SlaveController::request_reset() {
   const bool by_bus = bus_reset_progress_ == std::size(kResetKey);
   const std::optional<AlState> state = to_al_state(al_status_ & kAlStateMask);
   reporter_.report(
-      now_, kReset,
+      now_, configuration_.reset_by_board ? kResetOut : kReset,
       {by_bus ? "the master" : "its host", static_cast<int>(by_bus ? kResetByBus : kResetByHost),
        base::EventArgument(state ? to_text(*state) : "an unknown state")});
   if (!configuration_.reset_by_board) {

@@ -284,6 +284,37 @@ TEST_F(StackOnController, WatchdogSwitchedOnUnderAMasterThatSends_EndsNothing) {
   EXPECT_EQ(status(), 0x14U);
 }
 
+TEST_F(StackOnController, AResetOfTheController_IsToldWithWhoAskedForItAndTheState) {
+  bus.slave().set_event_reporter(base::EventReporter(&log, 0));
+  go_operational();
+  for (const unsigned key : {0x52U, 0x45U, 0x53U}) {
+    EXPECT_EQ(log.last("esc-reset"), "");
+    bus.write(0, 0x0040, Bytes{static_cast<std::byte>(key)});
+  }
+  EXPECT_THAT(log.last("esc-reset"),
+              HasSubstr("the master has reset the controller (keys R, E, S in 0040h), which was in "
+                        "Operational"));
+  EXPECT_EQ(base::load_le<std::uint16_t>(bus.read(0, kStatus, 2).data, 0), 0x01U);
+  for (const unsigned key : {0x52U, 0x45U, 0x53U}) {
+    bus.slave().write(0x0041, Bytes{static_cast<std::byte>(key)});
+  }
+  EXPECT_THAT(log.last("esc-reset"), HasSubstr("its host has reset the controller (keys R, E, S in "
+                                               "0041h), which was in Init"));
+}
+
+TEST(ControllerReset, ThatTheBoardHasToDo_IsToldAsAWish) {
+  SlaveControllerConfiguration configuration;
+  configuration.reset_by_board = true;
+  ethercat::testing::TestBus bus(1, configuration);
+  EventLog log;
+  bus.slave().set_event_reporter(base::EventReporter(&log, 0));
+  for (const unsigned key : {0x52U, 0x45U, 0x53U}) {
+    bus.write(0, 0x0040, Bytes{static_cast<std::byte>(key)});
+  }
+  EXPECT_THAT(log.last("esc-reset-out"), HasSubstr("in Init: RESET_OUT rises"));
+  EXPECT_EQ(log.last("esc-reset"), "");
+}
+
 TEST_F(StackOnController, Sdo_IsAnsweredThroughTheMailbox) {
   go_pre_operational();
   EXPECT_FALSE(reply_waits());

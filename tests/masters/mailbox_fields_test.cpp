@@ -34,6 +34,7 @@ class Slave {
   Slave() : soem(bus) {
     devices::Tmcm3315Configuration configuration;
     configuration.ethernet_over_ethercat = true;
+    configuration.firmware_erase_time = 500_ms;
     bus.add_device(configuration);
     soem.config_init();
   }
@@ -335,6 +336,35 @@ std::vector<Message> messages() {
        4,
        {{"operation", 6, 1, kAll, 5, "SOEM, IgH"},
         {"error code", 8, 4, kAll, 0x8001, "SOEM (the one code it tells apart), IgH"}}},
+      {"FoeBusy",
+       [](Slave& s) {
+         s.restart(Soem::kMailboxLength, kBootstrap);
+         s.foe("02 00 00 00 00 00 66 77");
+         return s.foe("03 00 01 00 00 00 AA BB CC DD");  // while the memory is being erased
+       },
+       4,
+       {{"operation", 6, 1, kAll, 6, "SOEM, IgH (the packet is sent again)"},
+        {"reserved", 7, 1, kAll, 0, "the standard"},
+        {"done", 8, 1, 0x80, 0, "the standard (0 to 100 of the next field)"},
+        {"entire", 10, 2, kAll, 100, "the standard"}}},
+      {"FoeData",
+       [](Slave& s) {
+         s.restart(Soem::kMailboxLength, kBootstrap);
+         s.foe("02 00 00 00 00 00 66 77");
+         for (int attempt = 0; attempt < 100; ++attempt) {
+           s.bus.pass(100_ms);
+           if (s.foe("03 00 01 00 00 00 AA BB CC DD")[6] == std::byte{4}) {
+             break;
+           }
+         }
+         return s.foe("01 00 00 00 00 00 66 77");
+       },
+       4,
+       {{"length", 0, 2, kAll, 10, "SOEM, IgH (data are length - 6, less than full ends the file)"},
+        {"operation", 6, 1, kAll, 3, "SOEM, IgH"},
+        {"reserved", 7, 1, kAll, 0, "the standard"},
+        {"packet", 8, 4, kAll, 1, "SOEM, IgH (counts from 1)"},
+        {"data", 12, 4, kAll, 0xDDCCBBAA, "SOEM, IgH"}}},
       // EoE.
       {"EoeSetIpResponse",
        [](Slave& s) { return s.eoe("02 01 00 00 06 00 00 00 02 09 A8 C0 00 FF FF FF"); },
@@ -348,6 +378,26 @@ std::vector<Message> messages() {
        [](Slave& s) { return s.eoe("02 01 00 00 3F 00 00 00"); },
        2,
        {{"frame type", 6, 1, 0x0F, 3, "SOEM, IgH, SOES"}, {"result", 8, 2, kAll, 1, "SOEM, IgH"}}},
+      {"EoeGetIpResponse",
+       [](Slave& s) {
+         s.eoe("02 01 00 00 06 00 00 00 02 09 A8 C0 00 FF FF FF");
+         return s.eoe("06 01 00 00");
+       },
+       2,
+       {{"frame type", 6, 1, 0x0F, 7, "SOEM, SOES"},
+        {"flags", 10, 4, kAll, 0x06, "SOEM, SOES (what follows, without gaps)"},
+        {"address", 14, 4, kAll, 0xC0A80902, "SOEM, SOES (last octet first)"},
+        {"subnet mask", 18, 4, kAll, 0xFFFFFF00, "SOEM, SOES"}}},
+      {"EoeTimeStamp",
+       [](Slave& s) {
+         Bytes frame = hex("00 05 80 50");  // one fragment, time requested, frame number 5
+         frame.resize(4 + 60);
+         return s.exchange(s.soem.message(2, frame));
+       },
+       2,
+       {{"length", 0, 2, kAll, 8, "the standard"},
+        {"frame type", 6, 1, 0x0F, 1, "the standard"},
+        {"frame number", 8, 2, 0xF000, 0x5000, "the standard"}}},
       {"EoeFilterResponse",
        [](Slave& s) { return s.eoe("04 01 00 00"); },
        2,
