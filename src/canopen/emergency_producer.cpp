@@ -198,7 +198,9 @@ void EmergencyProducer::record(const Emergency& emergency) {
 }
 
 void EmergencyProducer::queue(const Emergency& emergency, SimTime now) {
-  const bool valid = cob_id_ != nullptr && (cob_id_->value() & kCobIdInvalid) == 0;
+  // In Initialisation 1014h has yet to take the value with which the message is sent.
+  const bool valid = cob_id_ != nullptr && (state_ == NmtState::initialisation ||
+                                            (cob_id_->value() & kCobIdInvalid) == 0);
   if (!valid || message_count_ == messages_.size()) {
     ++statistics_.dropped;
     return;

@@ -143,6 +143,16 @@ TEST(EmergencyProducer, Reset_ForgetsCommunicationErrorsAndTellsThoseOfTheApplic
   EXPECT_EQ(bench.value(0x1001), 0x00U);
 }
 
+TEST(EmergencyProducer, InInitialisation_TheCobIdOfBeforeDoesNotCount) {
+  ServiceBench bench;
+  EXPECT_EQ(bench.write(0x1014, 0, 0x80000085), 0U);
+  bench.enter(NmtState::initialisation);
+  bench.emergencies.raise(kOverheating, bench.now);
+  EXPECT_EQ(bench.write(0x1014, 0, 0x85), 0U);
+  bench.enter(NmtState::pre_operational);
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x4310, 0x09)});
+}
+
 TEST(EmergencyProducer, ApplicationThatBeginsAnewInInitialisation_HasNoMessagesOfBefore) {
   ServiceBench bench;
   bench.enter(NmtState::initialisation);
