@@ -199,9 +199,10 @@ TEST_F(Tmcc160Lss, ObjectsTakeANodeIdOrNone) {
   for (const std::int64_t node_id : {128, 200, 254}) {
     EXPECT_EQ(module.write(0x2705, 0, node_id), AbortCode::value_range_exceeded);
   }
-  EXPECT_EQ(module.sentences.back(),
-            "write to 2705h:00h \"Node ID\" refused: 254 came; a node-ID is 1 to 127, and 255 stands "
-            "for none, until LSS gives one");
+  EXPECT_EQ(
+      module.sentences.back(),
+      "write to 2705h:00h \"Node ID\" refused: 254 came; a node-ID is 1 to 127, and 255 stands "
+      "for none, until LSS gives one");
   EXPECT_EQ(module.write(0x2705, 0, 0), AbortCode::value_too_low);
   EXPECT_EQ(module.write(0x2705, 0, 255), kNoError);
   EXPECT_EQ(module.write(0x2705, 0, 127), kNoError);
