@@ -168,7 +168,10 @@ TEST(EmergencyProducer, ApplicationThatBeginsAnewInInitialisation_HasNoMessagesO
 void initialise(ServiceBench& bench) {
   bench.enter(NmtState::initialisation);
   bench.dictionary.reset_values(0x1000, 0x1FFF);
-  bench.start();
+  for (Service* service : bench.services()) {
+    service->start(bench.now);
+  }
+  bench.enter(NmtState::pre_operational);
 }
 
 TEST(EmergencyProducer, Register_TellsWhatLastsAfterTheObjectsWereReset) {
