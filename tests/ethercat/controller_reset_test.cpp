@@ -49,6 +49,14 @@ TEST(ControllerReset, OpensThePortsThatTheMasterHadClosed) {
   EXPECT_EQ(bus.broadcast_read(0x0000, 1).working_counter, 2U);
 }
 
+TEST(ControllerReset, KeysOfBusAndHostAreCountedApart) {
+  TestBus bus;
+  bus.write(0, 0x0040, bytes({'R'}));
+  bus.write(0, 0x0040, bytes({'E'}));
+  testing::host_write(bus.slave(), 0x0041, bytes({'R'}));
+  EXPECT_EQ(number(testing::host_read(bus.slave(), 0x0041, 1)), 1U) << "the first of its own three";
+}
+
 TEST(ControllerTime, DoesNotGoBack) {
   SlaveController slave{SlaveControllerConfiguration{}};
   slave.advance(base::SimTime() + 10_ms);
@@ -89,6 +97,32 @@ TEST(ControllerConfiguration, LoadedAnewActsOnPulsesFromThenOnOnly) {
   EXPECT_EQ(bus.slave().al_event_request() & al_event::kDcSync0, 0U)
       << "those came while SYNC0 was not mapped";
   EXPECT_EQ(bus.slave().sync_pulse_count(0), 3U);
+}
+
+TEST(ControllerConfiguration, TellsWhetherTheHostAcknowledgesByWriting) {
+  for (const bool by_write : {false, true}) {
+    SlaveControllerConfiguration chip;
+    chip.acknowledge_by_write = by_write;
+    TestBus bus(1, chip);
+    EXPECT_EQ(number(bus.read(0, 0x014E, 1).data), by_write ? 0x07U : 0x06U);
+  }
+}
+
+TEST(LockedAlControl, IsToldAndNoOtherRefusedWriteIs) {
+  class Log final : public base::EventSink {
+   public:
+    void on_event(const base::Event& /*event*/) override { ++count; }
+    int count = 0;
+  } log;
+  TestBus bus;
+  bus.slave().set_event_reporter(base::EventReporter(&log, 0));
+  EXPECT_EQ(bus.write(0, 0x0000, bytes({1, 2})).working_counter, 0U) << "the type is read-only";
+  EXPECT_EQ(log.count, 0);
+  EXPECT_EQ(bus.write(0, 0x0120, bytes({2, 0})).working_counter, 1U);
+  EXPECT_EQ(log.count, 0) << "taken";
+  EXPECT_EQ(bus.write(0, 0x0120, bytes({4, 0})).working_counter, 0U)
+      << "the host has not read the first one";
+  EXPECT_EQ(log.count, 1);
 }
 
 }  // namespace

@@ -114,6 +114,20 @@ TEST(Frame, Cursor_TellsThatADatagramIsAnnouncedButNotThere) {
   EXPECT_EQ(cursor.error(), FrameError::datagram_overrun);
 }
 
+TEST(Frame, Cursor_TellsThatTheHeaderAnnouncesMoreThanThereIs) {
+  std::array<std::byte, kMaximumFrameLength> buffer{};
+  FrameBuilder builder(buffer, kSource);
+  builder.append(Command::brd, 7, physical_address(0, 0x0130), std::size_t{2});
+  std::span<std::byte> frame = builder.finish();
+  frame[14] |= std::byte{0x40};  // the length of 14 becomes 78
+  DatagramCursor whole(frame);
+  EXPECT_TRUE(whole.next()) << "this datagram is there";
+  EXPECT_EQ(whole.error(), FrameError::length_overrun);
+  DatagramCursor cut(frame.first(frame.size() - 1));
+  EXPECT_FALSE(cut.next());
+  EXPECT_EQ(cut.error(), FrameError::length_overrun) << "the first error stays";
+}
+
 TEST(Frame, Store_SaysOfTheLastDatagramOnlyThatNoneFollows) {
   std::array<std::byte, kMaximumFrameLength> buffer{};
   FrameBuilder builder(buffer, kSource);
