@@ -1,28 +1,27 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """What a TMCC160 refuses, as python-canopen (PyPI) reports it: abort codes of SDOs, errors of LSS,
 emergencies, and NMT commands that change nothing.
 
     canopen_refusals.py --stator PROGRAM [UNITTEST OPTION...]
 
-PROGRAM is `stator`. Needs the packages canopen and python-can; exit status 77: they are missing.
+PROGRAM is `stator`. "scripts/setup clients" makes the Python that it runs in.
 """
 
 import argparse
-import os
-import socket
-import subprocess
 import sys
-import tempfile
 import threading
 import time
 import unittest
 
+from running_rack import RunningRack, enter_python_of_clients, free_port, unavailable
+
+enter_python_of_clients()
+
 try:
     import can
     import canopen
-except ImportError as missing:
-    print(f"skipped: {missing}", file=sys.stderr)
-    sys.exit(77)
+except ImportError as error:
+    unavailable(str(error), "scripts/setup clients installs it")
 
 OPTIONS = argparse.Namespace(stator=None)
 TIMEOUT = 30.0
@@ -102,37 +101,16 @@ class Bench(unittest.TestCase):
     node_id = NODE
 
     def setUp(self):
-        self.directory = tempfile.TemporaryDirectory()
-        self.addCleanup(self.directory.cleanup)
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
-        path = os.path.join(self.directory.name, "rack.toml")
-        with open(path, "w", encoding="ascii") as file:
-            file.write(RACK.format(port=port, node_id=self.node_id))
-        self.stator = subprocess.Popen([OPTIONS.stator, "run", path], stdout=subprocess.PIPE,
-                                       stderr=subprocess.STDOUT, text=True)
-        self.addCleanup(self.stop)
-        said = []
-        for line in self.stator.stdout:
-            said.append(line)
-            if line.startswith("Running"):
-                break
-        else:
-            self.fail("stator did not start; it said:\n" + "".join(said))
-        # Whoever does not read lets the program wait at its next line.
-        threading.Thread(target=self.stator.stdout.read, daemon=True).start()
+        port = free_port()
+        rack = RunningRack(OPTIONS.stator, RACK.format(port=port, node_id=self.node_id))
+        self.addCleanup(rack.directory.cleanup)
+        self.addCleanup(rack.stop)
         self.network = canopen.Network()
         self.network.connect(interface="socketcand", host="127.0.0.1", port=port, channel="can0")
         self.addCleanup(self.network.disconnect)
         self.network.lss.RESPONSE_TIMEOUT = TIMEOUT
         self.node = self.network.add_node(NODE, canopen.ObjectDictionary())
         self.node.sdo.RESPONSE_TIMEOUT = TIMEOUT
-
-    def stop(self):
-        self.stator.terminate()
-        self.stator.wait(TIMEOUT)
-        self.stator.stdout.close()
 
     def until(self, what, condition):
         """Looks until `condition` gives something, and returns that."""
