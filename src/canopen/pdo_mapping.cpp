@@ -191,4 +191,10 @@ void PdoMapping::unpack(std::uint64_t data, RefusedHook on_refused) {
   }
 }
 
+void PdoMapping::forget_refusals() {
+  for (Item& item : items_) {
+    item.refused = false;
+  }
+}
+
 }  // namespace stator::canopen

@@ -55,6 +55,8 @@ class PdoMapping {
   [[nodiscard]] std::uint64_t pack() const;
   /// Writes every changed value into the dictionary.
   void unpack(std::uint64_t data, RefusedHook on_refused);
+  /// Forgets which values were not taken: the next one that is refused is told again.
+  void forget_refusals();
 
  private:
   /// The entry, or null for a gap.

@@ -83,6 +83,12 @@ void PdoService::close_further_pdos() {
 }
 
 void PdoService::on_state(NmtState state, SimTime now) {
+  if (state == NmtState::initialisation) {
+    // What was wrong with frames of before is told no more after the boot-up message.
+    for (ReceivePdo& pdo : receive_) {
+      clear_errors(pdo, now);
+    }
+  }
   const bool operational = state == NmtState::operational;
   if (operational == operational_) {
     return;
@@ -236,6 +242,7 @@ void PdoService::clear_errors(ReceivePdo& pdo, SimTime now) {
       emergencies_.clear(kParameterError, cause_of(pdo, item), now);
     }
   }
+  pdo.mapping().forget_refusals();
 }
 
 void PdoService::clear_timeout(ReceivePdo& pdo, SimTime now) {

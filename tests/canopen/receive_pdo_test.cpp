@@ -218,6 +218,22 @@ TEST(ReceivePdo, RefusedValue_KeepsTheOldOneAndIsReportedOnceUntilOneIsTaken) {
   EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x6320, 0x21, {0, 255})});
 }
 
+TEST(ReceivePdo, ValueRefusedBeforeAReset_IsToldNoMoreAndItsNextOneIs) {
+  ServiceBench bench({}, {kTmcc160Emergencies});
+  bench.reconfigure(0x1400, {0x20050008, 0x20010008}, 255);
+  bench.operational();
+  bench.receive(0x205, {101, 2});
+  bench.take_sent();
+  bench.enter(NmtState::initialisation);
+  bench.start();
+  EXPECT_EQ(bench.take_sent(), std::vector<can::Frame>{});
+  EXPECT_EQ(bench.value(0x1001), 0x00U);
+  bench.operational();
+  bench.take_sent();
+  bench.receive(0x205, {101, 2});
+  EXPECT_EQ(bench.take_sent(), std::vector{emergency_frame(0x6320, 0x21, {0, 255})});
+}
+
 TEST(ReceivePdo, TwoWithOneCanId_AreBothServed) {
   ServiceBench bench;
   bench.write(0x1403, 1, 0x80000505);

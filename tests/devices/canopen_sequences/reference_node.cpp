@@ -222,6 +222,7 @@ void ReferenceNode::initialise(bool application, SimDuration duration, Time now)
   life_guarded_ = false;
   due_.clear();
   emergency_sent_.reset();
+  transmit_ = {};
   std::erase_if(errors_,
                 [&](const auto& each) { return application || each.first != kUndervoltage; });
   // CiA 305: the persistent node-ID is taken at reset node, the one LSS has configured at reset

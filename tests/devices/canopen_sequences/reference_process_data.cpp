@@ -61,7 +61,11 @@ SimDuration ReferenceNode::inhibit(std::size_t pdo) const {
 void ReferenceNode::process_data_state(bool operational, Time now) {
   for (std::size_t pdo = 0; pdo < kPdos; ++pdo) {
     TransmitState& transmit = transmit_[pdo];
-    transmit = {};
+    // Inhibit time counts from the last one, whatever was between.
+    const TransmitState before = std::exchange(transmit, {});
+    transmit.sent = before.sent;
+    transmit.event_sent = before.event_sent;
+    transmit.data = before.data;
     receive_[pdo].waiting.reset();
     make_receive_errors_uncertain(pdo);
     if (!operational) {
@@ -69,9 +73,10 @@ void ReferenceNode::process_data_state(bool operational, Time now) {
     }
     // Entry into Operational is an event.
     transmit.timer_base = now;
-    transmit.free_until = now + kSoon;
+    transmit.free_until =
+        std::max(now, transmit.event_sent ? *transmit.event_sent + inhibit(pdo) : now) + kSoon;
     if (transmits(pdo) && event_driven(pdo)) {
-      transmit.must_come_by = now + kSoon;
+      transmit.must_come_by = transmit.free_until;
     }
   }
 }
@@ -111,6 +116,7 @@ bool ReferenceNode::hear_process_data(const can::Frame& frame, Time now) {
     if (value(at(0x1400, pdo), 2) < kEventDriven) {
       receive_[pdo].waiting = data;
     } else {
+      receive_[pdo].waiting.reset();
       apply(pdo, data, now);
     }
   }
@@ -189,11 +195,11 @@ void ReferenceNode::make_receive_errors_uncertain(std::size_t pdo) {
 void ReferenceNode::pdo_written(const ObjectUnderTest& object, std::uint32_t before, Time now) {
   const std::size_t pdo = object.index & 3U;
   const std::uint32_t after = value(object.index, object.subindex);
-  const bool becomes_valid = object.subindex == 1 && (before & ~after & kInvalid) != 0;
   const bool becomes_invalid = object.subindex == 1 && (~before & after & kInvalid) != 0;
   const bool receives = object.index < 0x1800;
   if (receives) {
-    if (becomes_invalid || (object.subindex == 2 && after != before)) {
+    // A frame that waits does so still if only the transmission type changes.
+    if (becomes_invalid) {
       receive_[pdo].waiting.reset();
     }
     make_receive_errors_uncertain(pdo);
@@ -206,10 +212,6 @@ void ReferenceNode::pdo_written(const ObjectUnderTest& object, std::uint32_t bef
   transmit.must_come_by.reset();
   transmit.timer_base = now;
   transmit.free_until = std::max(now, transmit.sent ? *transmit.sent + inhibit(pdo) : now) + kSoon;
-  if (becomes_valid) {
-    transmit.sent.reset();
-    transmit.event_sent.reset();
-  }
 }
 
 void ReferenceNode::check_process_data(Time now) {

@@ -41,7 +41,8 @@ std::set<std::uint32_t> ReferenceNode::judge(const ObjectUnderTest& object, std:
     case ObjectRule::inhibit_time: {
       std::set<std::uint32_t> aborts;
       if (number > object.high) {
-        aborts = {kTooHigh};
+        // Below 255, which stands for no node-ID where there is LSS.
+        aborts = {object.index == 0x2705 && options_.lss ? kRange : kTooHigh};
       } else if (number < object.low) {
         aborts = {kTooLow};
       } else if (object.rule == ObjectRule::inhibit_time &&
