@@ -12,6 +12,7 @@ LEAST_LIMIT = 5  # seconds of processor time
 FILTER_LENGTH = 100_000  # characters, below what an environment takes
 FIRST_SECONDS = 1.0  # of tests that are run before all others
 MEMORY = 8 << 30
+STARTED, FAILED = "[ RUN      ] ", "[  FAILED  ] "  # what a test program prints before a name
 
 
 @dataclass
@@ -109,8 +110,10 @@ def run(program, number, tests, folder):
         return "survived", ""
     last = ""
     for line in done.stdout.decode(errors="replace").splitlines():
-        if line.startswith("[ RUN      ] "):
-            last = line[len("[ RUN      ] "):]
+        if line.startswith(STARTED):
+            last = line[len(STARTED):]
+        elif line.startswith(FAILED):
+            break  # the rest is started only to be skipped
     if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
         return "hung", last
     return "killed", last

@@ -467,5 +467,12 @@ TEST_F(PowerStates, TheWorkedCodingVectorsHold) {
   }
 }
 
+TEST_F(PowerStates, AResetWithoutAFaultIsNothingToTell) {
+  machine_in(operation_enabled);
+  write(0x008F);
+  EXPECT_EQ(machine_.state(), operation_enabled);
+  EXPECT_TRUE(events_.sentences.empty());
+}
+
 }  // namespace
 }  // namespace stator::drive

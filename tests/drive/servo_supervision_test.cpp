@@ -53,6 +53,18 @@ TEST_F(ServoSupervision, TooHighASupplyIsAFault) {
   expect_fault(AxisError::overvoltage);
 }
 
+TEST_F(ServoSupervision, ATooHighSupplyHasToFallByTheHysteresis) {
+  bench_.sensing.supply_voltage = 28.1;
+  bench_.pass(2_ms);
+  ASSERT_TRUE(bench_.flag(ServoFlag::overvoltage));
+  bench_.sensing.supply_voltage = 27.7;
+  bench_.pass(2_ms);
+  EXPECT_TRUE(bench_.flag(ServoFlag::overvoltage)) << "0.5 V below 28 V";
+  bench_.sensing.supply_voltage = 27.4;
+  bench_.pass(2_ms);
+  EXPECT_FALSE(bench_.flag(ServoFlag::overvoltage));
+}
+
 TEST_F(ServoSupervision, AWarmDriverWarnsAHotOneSwitchesOffAtOnce) {
   enable();
   bench_.sensing.driver_temperature = 101.0;

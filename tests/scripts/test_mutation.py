@@ -181,6 +181,8 @@ TEST(Hours, BeginAgainAfter23) {
   EXPECT_EQ(hours_after(20, 4), 0);
   EXPECT_EQ(hours_after(1, 2), 3);
 }
+
+TEST(Hours, OfOneDayAreTheirSum) { EXPECT_EQ(hours_after(2, 3), 5); }
 """,
 }
 
