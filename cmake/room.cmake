@@ -45,5 +45,10 @@ function(stator_test_suite name)
   # What is tested is optimised as users get it; optimising the tests only makes building slow.
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_precompile_headers(test_${name} REUSE_FROM stator_test_headers)
-  gtest_discover_tests(test_${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 120)
+  # Ends what hangs, whatever the machine does beside it.
+  set(timeout 300)
+  if(STATOR_SANITIZE)
+    set(timeout 1200)
+  endif()
+  gtest_discover_tests(test_${name} DISCOVERY_TIMEOUT 300 PROPERTIES TIMEOUT ${timeout})
 endfunction()
