@@ -74,7 +74,7 @@ void ReferenceNode::process_data_state(bool operational, Time now) {
     // Entry into Operational is an event.
     transmit.timer_base = now;
     transmit.free_until =
-        std::max(now, transmit.event_sent ? *transmit.event_sent + inhibit(pdo) : now) + kSoon;
+        std::max(now, transmit.sent ? *transmit.sent + inhibit(pdo) : now) + kSoon;
     if (transmits(pdo) && event_driven(pdo)) {
       transmit.must_come_by = transmit.free_until;
     }
@@ -104,7 +104,8 @@ bool ReferenceNode::hear_process_data(const can::Frame& frame, Time now) {
       continue;
     }
     const std::uint16_t error = frame.length < length ? 0x8210 : frame.length > length ? 0x8220 : 0;
-    if (error == 0 || error != receive_[pdo].length_error) {
+    const std::uint16_t before = receive_[pdo].length_error;  // 0 also if that is uncertain
+    if (error == 0 || (before != 0 && error != before)) {
       errors_.erase(length_key(pdo));
     }
     receive_[pdo].length_error = error;
