@@ -157,6 +157,7 @@ class Drive(unittest.TestCase):
         self.assertEqual(heard, answers)
 
     def test_cangen_loses_nothing(self):
+        self.start()
         since = len(self.dump.frames)
         run("cangen", BUS, "-g", "0", "-n", "2000", "-I", "7E0", "-L", "8", "-D", "i", "-p", "10")
         wait_until(lambda: sum(frame.startswith("7E0#") for frame in self.dump.frames[since:]) == 2000,
