@@ -361,5 +361,40 @@ TEST(NodeService, IsAdvancedAtItsDeadlineAlsoIfItSetThatOnItsOwn) {
   EXPECT_EQ(probe.calls, Texts{"advance"});
 }
 
+/// Takes every frame with identifier 123h.
+struct Listener final : Service {
+  void start(base::SimTime /*now*/) override {}
+  bool receive(const can::Frame& frame, base::SimTime /*now*/) override {
+    frames += frame.identifier == 0x123 ? 1 : 0;
+    return frame.identifier == 0x123;
+  }
+  int frames = 0;
+};
+
+TEST(NmtSlave, ServicesOfTheDeviceHearNothingInStopped) {
+  // CiA 301 §7.3.2.2.4: NMT, error control and LSS are all that is left.
+  Listener listener;
+  NodeBench bench;
+  bench.node.add(listener);
+  bench.boot();
+  bench.receive(0x123, {1});
+  EXPECT_EQ(listener.frames, 1);
+  bench.nmt(2);
+  bench.receive(0x123, {1});
+  EXPECT_EQ(listener.frames, 1);
+  bench.nmt(1);
+  bench.receive(0x123, {1});
+  EXPECT_EQ(listener.frames, 2);
+}
+
+TEST(NmtSlave, CommandsDuringInitialisationCountAsIgnored) {
+  NodeBench bench;
+  bench.boot();
+  bench.nmt(130);
+  const std::uint64_t before = bench.node.statistics().ignored;
+  bench.nmt(1);
+  EXPECT_EQ(bench.node.statistics().ignored, before + 1);
+}
+
 }  // namespace
 }  // namespace stator::canopen
