@@ -48,6 +48,24 @@ TEST(ServoLimits, TorqueFarFromTheVelocityLimitIsBoundedByTheTorqueLimit) {
   }
 }
 
+TEST(ServoLimits, BrakingAMotorThatIsMuchTooFastUsesTheTorqueLimitAtMost) {
+  for (const int direction : {1, -1}) {
+    ServoControllerSettings settings = with(ServoCommutation::encoder);
+    settings.maximum_velocity = 1000;
+    ServoController controller;
+    controller.configure(settings);
+    base::ServoSensing sensing;
+    sensing.halls = 1;
+    sensing.supply_voltage = 24.0;
+    for (int k = 0; k < 400; ++k) {
+      sensing.encoder_count += 5 * direction;  // 1500 rpm
+      controller.step(torque_of(direction), sensing);
+    }
+    EXPECT_NEAR(controller.measured_velocity(), 1500.0 * direction, 1e-6);
+    EXPECT_EQ(controller.ramp_target_current(), -4000 * direction);
+  }
+}
+
 TEST(ServoLimits, ATorqueActsInTheSamePeriod) {
   ServoBench bench({}, locked());
   bench.set_point = torque_of(1.0);
@@ -174,17 +192,36 @@ TEST(ServoRest, IsAsGoodAsThatManySteps) {
   }
 }
 
-TEST(EncoderServoCurrents, AreZeroOnViewWhenTheInitialisationFailed) {
-  // The bridge is off, so no current is measured any more.
+/// Aligns for 20 ms with `current` amperes in phase U all the time, half of it back in V and W.
+ServoController aligned_with(double current) {
   ServoControllerSettings settings = with(ServoCommutation::encoder);
-  settings.init_mode = EncoderInitMode::hall;
-  ServoBench bench(settings);
-  bench.motor.sensing().halls = 0;
-  bench.set_point.loop = ServoLoop::velocity;
-  bench.actuation = bench.controller.step(bench.set_point, bench.motor.sensing());
-  ASSERT_TRUE(bench.controller.init_error());
-  EXPECT_EQ(bench.controller.actual_current(), 0);
-  EXPECT_EQ(bench.controller.ramp_target_current(), 0);
+  settings.init_mode = EncoderInitMode::align;
+  settings.init_delay = 20;
+  settings.open_loop_current = 1500;
+  ServoController controller;
+  controller.configure(settings);
+  base::ServoSensing sensing;
+  sensing.halls = 1;
+  sensing.supply_voltage = 24.0;
+  sensing.phase_current = {current, -0.5 * current, -0.5 * current};
+  for (int k = 0; k < 30 * ServoController::kOuterLoopDivider; ++k) {
+    controller.step(velocity_of(0.0), sensing);
+  }
+  return controller;
+}
+
+TEST(EncoderServoAlignment, NeedsHalfOfItsCurrent) {
+  // With less, nothing has drawn the rotor to angle 0: a phase is open or the supply is missing.
+  EXPECT_TRUE(aligned_with(0.6).init_error());
+  EXPECT_TRUE(aligned_with(0.749).init_error());
+  EXPECT_TRUE(aligned_with(0.75).initialised());
+}
+
+TEST(EncoderServoAlignment, ShowsNoCurrentAfterItHasFailed) {
+  const ServoController controller = aligned_with(0.6);
+  EXPECT_EQ(controller.actual_current(), 0) << "the bridge is off";
+  EXPECT_EQ(controller.target_current(), 0);
+  EXPECT_EQ(controller.ramp_target_current(), 0);
 }
 
 }  // namespace
