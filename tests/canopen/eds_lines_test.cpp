@@ -41,11 +41,7 @@ constexpr auto kObjects = std::to_array<EntryDeclaration>({
      .type = DataType::unsigned64,
      .default_value = 0,
      .range = Range{1, 1000}},
-    {.index = 0x2001,
-     .name = "Program",
-     .object_code = ObjectCode::domain_object,
-     .type = DataType::domain,
-     .default_value = "bytes"},
+    {.index = 0x2001, .name = "Program", .type = DataType::domain, .default_value = "bytes"},
     {.index = 0x2002, .name = "Owner", .type = DataType::visible_string, .default_value = "nobody"},
 });
 
@@ -80,7 +76,7 @@ class EdsLines : public testing::Test {
   std::string text_;
 };
 
-TEST_F(EdsLines, FileInfoNamesWhoMadeTheFile) {  // CiA 306-1 §4.3.1
+TEST_F(EdsLines, FileInfoNamesWhoMadeTheFile) {  // CiA 306-1 §4.3
   EXPECT_TRUE(has("FileInfo", "CreatedBy=Someone"));
   EXPECT_TRUE(has("FileInfo", "ModifiedBy=Someone"));
 }
@@ -93,7 +89,7 @@ TEST_F(EdsLines, DeviceInfoTakesTheIdentityPartByPartFrom1018h) {
 }
 
 TEST_F(EdsLines, DeviceInfoSaysThatThereAreNoDynamicChannels) {
-  // A tool that finds no such key may take the device for a programmable one.
+  // Those are of programmable devices.
   EXPECT_TRUE(has("DeviceInfo", "DynamicChannelsSupported=0"));
 }
 
@@ -107,7 +103,7 @@ TEST_F(EdsLines, ADomainHasNoDefaultButAStringHas) {
 }
 
 TEST_F(EdsLines, NumbersOf64BitsHaveNoLimits) {
-  // Many masters read limits into 32 bits.
+  // The span of such a type does not fit the numbers that limits are compared in.
   EXPECT_FALSE(has_key("2000", "LowLimit"));
   EXPECT_FALSE(has_key("2000", "HighLimit"));
 }

@@ -394,7 +394,7 @@ TEST(LssSlave, ActivateBitTiming_OfADeviceWithOneBitRateIsHarmless) {
 }
 
 TEST(LssSlave, IsSilentBetweenAResetAndTheBootUp) {
-  // CiA 305: LSS works from the end of Initialisation on; before, the address may not be there.
+  // 1018h, which holds the address, is only being reset then.
   LssBench bench;
   bench.nmt(130);
   EXPECT_EQ(bench.select(kVendor, kProduct, kRevision, kSerial), Texts{});

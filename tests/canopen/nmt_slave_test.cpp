@@ -396,5 +396,16 @@ TEST(NmtSlave, CommandsDuringInitialisationCountAsIgnored) {
   EXPECT_EQ(bench.node.statistics().ignored, before + 1);
 }
 
+TEST(NmtSlave, AWrongIdentityIsTheOneIn1018hAlsoAfterAReset) {
+  NodeConfiguration configuration = bench_configuration();
+  configuration.quirks.wrong_product = 0xBAD;
+  NodeBench bench(configuration);
+  bench.boot();
+  bench.dictionary.reset_values();
+  EXPECT_EQ(bench.value(0x1018, 1), 0x286U) << "only what was asked for is wrong";
+  EXPECT_EQ(bench.value(0x1018, 2), 0xBADU);
+  EXPECT_EQ(bench.value(0x1018, 3), 0x30000U);
+}
+
 }  // namespace
 }  // namespace stator::canopen

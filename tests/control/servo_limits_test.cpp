@@ -102,6 +102,9 @@ TEST(ServoLimits, NoSumIsLeftWhenTheLoopIsOpened) {
   bench.set_point = {};
   bench.run(0.01);
   EXPECT_EQ(bench.controller.velocity_error_sum(), 0);
+  bench.set_point = torque_of(1.0);
+  bench.run(0.01);
+  EXPECT_EQ(bench.controller.velocity_error_sum(), 0) << "nor is one there when it is closed";
 }
 
 TEST(ServoVelocity, IsTheMeasuredOneSmoothedWith4Milliseconds) {
