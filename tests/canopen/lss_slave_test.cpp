@@ -370,5 +370,90 @@ TEST(LssSlave, FrameWithoutEightBytes_IsIgnoredAndExplained) {
   EXPECT_TRUE(bench.events.tells("LSS message ignored: it has 2 data bytes, must have 8"));
 }
 
+TEST(LssSlave, SwitchSelective_BeginsWithTheVendorAfterPowerOn) {
+  LssBench bench;
+  EXPECT_EQ(bench.command(65, kProduct), Texts{});
+  EXPECT_EQ(bench.command(66, kRevision), Texts{});
+  EXPECT_EQ(bench.command(67, kSerial), Texts{});
+}
+
+TEST(LssSlave, SwitchSelective_IsForgottenByAReset) {
+  LssBench bench;
+  bench.command(64, kVendor);
+  bench.command(65, kProduct);
+  bench.nmt(130);
+  bench.wait(1_ms);
+  bench.take();
+  EXPECT_EQ(bench.command(66, kRevision), Texts{});
+  EXPECT_EQ(bench.command(67, kSerial), Texts{});
+}
+
+TEST(LssSlave, SwitchSelective_IsEndedBySwitchGlobal) {
+  LssBench bench;
+  bench.command(64, kVendor);
+  bench.command(65, kProduct);
+  bench.waiting_state();
+  EXPECT_EQ(bench.command(66, kRevision), Texts{});
+  EXPECT_EQ(bench.command(67, kSerial), Texts{});
+  EXPECT_EQ(bench.command(94), Texts{}) << "still in Waiting";
+}
+
+TEST(LssSlave, SwitchSelective_NeedsAllFourPartsEachTime) {
+  LssBench bench;
+  EXPECT_EQ(bench.select(kVendor, kProduct, kRevision, kSerial), answer(68));
+  EXPECT_EQ(bench.command(65, kProduct), Texts{});
+  EXPECT_EQ(bench.command(66, kRevision), Texts{});
+  EXPECT_EQ(bench.command(67, kSerial), Texts{});
+}
+
+TEST(LssSlave, Identify_BeginsWithTheVendorAfterPowerOn) {
+  LssBench bench;
+  bench.command(71, kProduct);
+  bench.command(72, kRevision);
+  bench.command(73, kRevision);
+  bench.command(74, kSerial);
+  EXPECT_EQ(bench.command(75, kSerial), Texts{});
+}
+
+TEST(LssSlave, Fastscan_LeavesAPartOnlyWhenItsLastBitIsFound) {
+  LssBench bench(kUnconfiguredNodeId);
+  bench.command(81, 0, 128, 0, 0);
+  EXPECT_EQ(bench.command(81, kVendor, 31, 0, 1), answer(79));
+  EXPECT_EQ(bench.command(81, kProduct, 0, 1, 2), Texts{}) << "31 bits are still unknown";
+  EXPECT_EQ(bench.command(81, kVendor, 0, 0, 1), answer(79));
+  EXPECT_EQ(bench.command(81, kProduct, 0, 1, 2), answer(79));
+}
+
+TEST(LssSlave, ActivateBitTiming_DoesNothingWhereNoneWasConfigured) {
+  Memory memory;
+  memory.activated = 1;
+  LssBench bench;
+  bench.node.set_lss_hooks(memory.hooks());
+  bench.configuration_state();
+  bench.command(21, 10);
+  bench.wait(1_s);
+  EXPECT_EQ(memory.activated, 1U);
+}
+
+TEST(LssSlave, ActivateBitTiming_OfADeviceWithOneBitRateIsHarmless) {
+  LssBench bench;
+  bench.node.set_lss_hooks({});
+  bench.configuration_state();
+  EXPECT_EQ(bench.command(19, 0x0200), answer(19, 0));
+  bench.command(21, 10);
+  bench.wait(1_s);
+  EXPECT_EQ(bench.command(94), answer(94, 5));
+}
+
+TEST(LssSlave, IsSilentBetweenAResetAndTheBootUp) {
+  // 1018h, which holds the address, is only being reset then.
+  LssBench bench;
+  bench.nmt(130);
+  EXPECT_EQ(bench.select(kVendor, kProduct, kRevision, kSerial), Texts{});
+  bench.wait(1_ms);
+  bench.take();
+  EXPECT_EQ(bench.select(kVendor, kProduct, kRevision, kSerial), answer(68));
+}
+
 }  // namespace
 }  // namespace stator::canopen

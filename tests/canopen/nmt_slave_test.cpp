@@ -361,5 +361,51 @@ TEST(NodeService, IsAdvancedAtItsDeadlineAlsoIfItSetThatOnItsOwn) {
   EXPECT_EQ(probe.calls, Texts{"advance"});
 }
 
+/// Takes every frame with identifier 123h.
+struct Listener final : Service {
+  void start(base::SimTime /*now*/) override {}
+  bool receive(const can::Frame& frame, base::SimTime /*now*/) override {
+    frames += frame.identifier == 0x123 ? 1 : 0;
+    return frame.identifier == 0x123;
+  }
+  int frames = 0;
+};
+
+TEST(NmtSlave, ServicesOfTheDeviceHearNothingInStopped) {
+  // CiA 301 §7.3.2.2.4: NMT, error control and LSS are all that is left.
+  Listener listener;
+  NodeBench bench;
+  bench.node.add(listener);
+  bench.boot();
+  bench.receive(0x123, {1});
+  EXPECT_EQ(listener.frames, 1);
+  bench.nmt(2);
+  bench.receive(0x123, {1});
+  EXPECT_EQ(listener.frames, 1);
+  bench.nmt(1);
+  bench.receive(0x123, {1});
+  EXPECT_EQ(listener.frames, 2);
+}
+
+TEST(NmtSlave, CommandsDuringInitialisationCountAsIgnored) {
+  NodeBench bench;
+  bench.boot();
+  bench.nmt(130);
+  const std::uint64_t before = bench.node.statistics().ignored;
+  bench.nmt(1);
+  EXPECT_EQ(bench.node.statistics().ignored, before + 1);
+}
+
+TEST(NmtSlave, AWrongIdentityIsTheOneIn1018hAlsoAfterAReset) {
+  NodeConfiguration configuration = bench_configuration();
+  configuration.quirks.wrong_product = 0xBAD;
+  NodeBench bench(configuration);
+  bench.boot();
+  bench.dictionary.reset_values();
+  EXPECT_EQ(bench.value(0x1018, 1), 0x286U) << "only what was asked for is wrong";
+  EXPECT_EQ(bench.value(0x1018, 2), 0xBADU);
+  EXPECT_EQ(bench.value(0x1018, 3), 0x30000U);
+}
+
 }  // namespace
 }  // namespace stator::canopen

@@ -173,5 +173,14 @@ TEST(ParameterStorage, ResetCommunication_LoadsTheCommunicationGroupOnly) {
   EXPECT_EQ(bench.value(0x2020), 78U);
 }
 
+TEST(ParameterImage, WithoutASingleValueIsIntact) {
+  Bench bench;
+  std::vector<std::byte> image;
+  encode_parameters(bench.dictionary, {}, image);
+  EXPECT_EQ(load_parameters(bench.dictionary, {}, image), ImageVerdict::loaded);
+  image.pop_back();
+  EXPECT_EQ(load_parameters(bench.dictionary, {}, image), ImageVerdict::damaged);
+}
+
 }  // namespace
 }  // namespace stator::canopen

@@ -142,5 +142,20 @@ TEST_F(InterpolatedHalls, AfterAReversalTheFirstSixthIsNotInterpolated) {
   EXPECT_NEAR(degrees(halls_.angle(period_)), 300.0, 1e-6);
 }
 
+TEST_F(Halls, TheMiddleOfASixthIsTheNearestAngleToIt) {
+  for (std::size_t n = 0; n < 6; ++n) {
+    halls_.step(kCodes[n], ++period_);
+    const auto six_times = static_cast<std::int64_t>(halls_.angle(period_).value) * 6;
+    EXPECT_LE(std::abs(six_times - static_cast<std::int64_t>(n) * 4'294'967'296), 3) << n;
+  }
+}
+
+TEST_F(Halls, TakingTheSameParametersAgainLosesNoStep) {
+  halls_.step(kCodes[0], ++period_);
+  halls_.configure(false, false, kSlowest);
+  halls_.step(kCodes[1], ++period_);
+  EXPECT_EQ(halls_.position(), 1);
+}
+
 }  // namespace
 }  // namespace stator::control

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "control/interpolation_profile.hpp"
 #include "control/ramp_generator.hpp"
 
 namespace stator::control {
@@ -70,6 +71,54 @@ TEST(VelocityInterpolation, CanBeBrakedByARampAfterwards) {
   EXPECT_LT(generator.velocity(), 0.0);
   generator.advance(1_ms);
   EXPECT_EQ(generator.velocity(), 0.0);
+}
+
+TEST(PositionInterpolation, ASingleMicrostepTakesThePeriodToo) {
+  RampGenerator generator;
+  generator.follow_position(1, 1_ms);
+  EXPECT_EQ(generator.phase(), RampPhase::constant_velocity);
+  generator.advance(500_us);
+  EXPECT_NEAR(distance({0, 0.0}, generator.position()), 0.5, 1e-12);
+}
+
+TEST(PositionInterpolation, TheShortestPeriodIsNoJump) {
+  const MotionPlan plan = plan_position_interpolation({}, 10, base::SimDuration(1));
+  EXPECT_DOUBLE_EQ(plan.duration(), 1e-9);
+}
+
+TEST(PositionInterpolation, ATargetWhereTheMotorStandsIsStandstill) {
+  // The phase chooses the current: a motor that is not to move gets standby current.
+  const MotionPlan plan = plan_position_interpolation({{10, 0.0}, 0.0, 0.0}, 10, 1_ms);
+  ASSERT_EQ(plan.size(), 1U);
+  EXPECT_EQ(plan[0].phase, RampPhase::standstill);
+}
+
+TEST(VelocityInterpolation, AChangeByOneTakesThePeriodToo) {
+  RampGenerator generator;
+  generator.follow_velocity(1.0, 2_ms);
+  generator.advance(1_ms);
+  EXPECT_DOUBLE_EQ(generator.velocity(), 0.5);
+}
+
+TEST(VelocityInterpolation, TheShortestPeriodIsNoJump) {
+  const MotionPlan plan = plan_velocity_interpolation({}, 10.0, base::SimDuration(1));
+  EXPECT_DOUBLE_EQ(plan.duration(), 1e-9);
+}
+
+TEST(VelocityInterpolation, TheVelocityThereIsIsKeptAtOnce) {
+  const MotionPlan plan = plan_velocity_interpolation({{}, 500.0, 0.0}, 500.0, 1_ms);
+  ASSERT_EQ(plan.size(), 1U);
+  EXPECT_EQ(plan[0].phase, RampPhase::constant_velocity);
+}
+
+TEST(VelocityInterpolation, GainingSpeedIsAcceleratingInBothDirections) {
+  const auto phase = [](double from, double to) {
+    return plan_velocity_interpolation({{}, from, 0.0}, to, 1_ms)[0].phase;
+  };
+  EXPECT_EQ(phase(0.0, 100.0), RampPhase::accelerating);
+  EXPECT_EQ(phase(-100.0, -200.0), RampPhase::accelerating);
+  EXPECT_EQ(phase(200.0, 100.0), RampPhase::decelerating);
+  EXPECT_EQ(phase(-200.0, 0.0), RampPhase::decelerating);
 }
 
 }  // namespace
