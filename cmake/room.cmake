@@ -43,7 +43,7 @@ function(stator_test_suite name)
   target_link_libraries(test_${name} PRIVATE
     stator_compile_options ${SUITE_LIBRARIES} GTest::gtest GTest::gmock GTest::gtest_main)
   # What is tested is optimised as users get it; optimising the tests only makes building slow.
-  target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_compile_options(test_${name} PRIVATE ${STATOR_TEST_OPTIONS})
   target_precompile_headers(test_${name} REUSE_FROM stator_test_headers)
   # Ends what hangs, whatever the machine does beside it.
   set(timeout 300)
