@@ -102,6 +102,7 @@ TEST(LockedAlControlOfABoard, IsNotOpenedByOtherBitsOfTheEscConfiguration) {
 TEST(LockedAlControlOfABoard, IsToldForAlControlOnlyAndForAWholeWord) {
   Counter log;
   TestBus bus;
+  host_read(bus.slave(), 0x0130, 2);  // there is firmware
   bus.slave().set_event_reporter(base::EventReporter(&log, 0));
   ASSERT_EQ(bus.write(0, 0x0120, bytes({2, 0})).working_counter, 1U);
   EXPECT_EQ(bus.write(0, 0x0000, bytes({1, 2})).working_counter, 0U);
