@@ -141,8 +141,8 @@ TEST_F(Tmcc160Communication, SyncMovesProcessDataInOperationalOnly) {
 TEST_F(Tmcc160Communication, RestrictedCanIdsAreRefused) {
   module.boot();
   const auto refused = AbortCode::value_range_exceeded;
-  for (const std::uint32_t can_id : {0x000, 0x001, 0x07F, 0x101, 0x180, 0x581, 0x5FF, 0x601, 0x67F,
-                                     0x6E0, 0x6FF, 0x701, 0x77F, 0x780, 0x7FF}) {
+  for (const std::uint32_t can_id : {0x000U, 0x001U, 0x07FU, 0x101U, 0x180U, 0x581U, 0x5FFU, 0x601U,
+                                     0x67FU, 0x6E0U, 0x6FFU, 0x701U, 0x77FU, 0x780U, 0x7FFU}) {
     EXPECT_EQ(module.write(0x1005, 0, can_id), refused) << can_id;
     EXPECT_EQ(module.write(0x1014, 0, can_id), refused) << can_id;
     EXPECT_EQ(module.write(0x1400, 1, 0x40000000 | can_id), refused) << can_id;
@@ -456,7 +456,7 @@ TEST_F(Tmcc160Communication, TypeZeroAnswersAnEventAtTheSyncAndTypeOneEverySync)
 TEST_F(Tmcc160Communication, RemoteRequestsForTransmitPdosAreNotAnswered) {
   module.boot(true);
   module.frames.clear();
-  for (const std::uint32_t identifier : {0x181, 0x281, 0x381, 0x481, 0x080}) {
+  for (const std::uint32_t identifier : {0x181U, 0x281U, 0x381U, 0x481U, 0x080U}) {
     module.send(can::remote_frame(identifier));
   }
   module.wait(10);

@@ -84,7 +84,8 @@ ParameterUnit unit_in(const std::string& text) {
 /// "Max. current" becomes "MAX_CURRENT".
 std::string symbol_of(const std::string& name) {
   std::string symbol;
-  for (const unsigned char c : name) {
+  for (const char letter : name) {
+    const auto c = static_cast<unsigned char>(letter);
     if (std::isalnum(c) != 0) {
       symbol += static_cast<char>(std::toupper(c));
     } else if (c == ' ') {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -35,9 +36,10 @@ class AbortsAsResponses final : public FramePort {
     const std::span<std::byte> came = reply.first(length ? *length : 0);
     // CoE in the mailbox header, then the CoE header and the command byte of the abort.
     const std::array abort{std::byte{0x00}, std::byte{0x20}, std::byte{0x80}};
-    const auto found = std::ranges::search(came, abort);
-    if (!found.empty()) {
-      found[1] = std::byte{0x30};
+    // Clang 14 cannot take std::ranges::search from this standard library.
+    const auto found = std::search(came.begin(), came.end(), abort.begin(), abort.end());
+    if (found != came.end()) {
+      *std::next(found) = std::byte{0x30};
       ++changed;
     }
     return length;
