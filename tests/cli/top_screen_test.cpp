@@ -56,8 +56,8 @@ TEST(TopFrame, HasEverythingIfThereIsRoom) {
 }
 
 TEST(TopFrame, IsAsLargeAsTheScreen) {
-  for (const std::size_t rows : {5, 10, 24, 60}) {
-    for (const std::size_t columns : {20, 80}) {
+  for (const std::size_t rows : {5U, 10U, 24U, 60U}) {
+    for (const std::size_t columns : {20U, 80U}) {
       const auto frame = top_frame(overview(), {.columns = columns, .rows = rows});
       EXPECT_THAT(frame, SizeIs(rows));
       EXPECT_THAT(frame, Each(::testing::SizeIs(::testing::Le(columns))));
