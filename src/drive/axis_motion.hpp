@@ -274,7 +274,7 @@ class AxisMotion {
   bool held_back_ = false;           ///< something other than the cyclic target moved the axis
   std::int64_t cyclic_target_ = 0;   ///< as it came
   std::int64_t cyclic_allowed_ = 0;  ///< within the limits
-  double cyclic_way_ = 0.0;          ///< from the cyclic target before
+  double cyclic_way_ = 0.0;          ///< from the cyclic target before, or the position
   base::SimDuration cyclic_age_;     ///< since it came
   std::int64_t passed_target_ = 0;   ///< of positioning with an end velocity
   bool goes_on_ = false;             ///< behind it
