@@ -349,6 +349,9 @@ void Tmcc160::tick(SimTime now) {
   process_bus(now);
   objects_.configure();
   axis_->conditions().shutdown_switch = !inputs_.enable();
+  // The axis follows the levels as they change; what 2005h makes of them may have changed as well.
+  axis_->conditions().set_switches(
+      axis_->settings().reference.switches.pressed(drive::switch_levels(world_.sensing())));
   axis_->tick(now);
   report_errors(now);
   pdos_.values_may_have_changed(now);
