@@ -326,6 +326,14 @@ TEST(PositionLoop, IsProportionalOnly_300Means4800RpmPerRevolutionOfAnEncoder) {
   EXPECT_DOUBLE_EQ(bench.controller.velocity_demand(), 50.0 + 4800.0 * 1000.5 / 4000.0);
 }
 
+TEST(PositionLoop, WithHallsWhoseEdgesBearLess_300Means1200RpmPerRevolution) {
+  ServoBench bench(ServoControllerSettings{}, locked());
+  bench.set_point.loop = ServoLoop::position;
+  bench.set_point.position = {6, 0.5};
+  bench.run(0.5);
+  EXPECT_DOUBLE_EQ(bench.controller.velocity_demand(), 1200.0 * 6.5 / 24.0);
+}
+
 TEST(PositionLoop, FollowsARampWithFeedForwardWithoutLag) {
   ServoBench bench(with_encoder());
   bench.set_point.loop = ServoLoop::position;
