@@ -127,6 +127,10 @@ class AxisMotion {
   }
   [[nodiscard]] double velocity() const { return ramp_.velocity(); }
   [[nodiscard]] bool at_rest() const { return ramp_.at_rest(); }
+  /// The motor stands: the ramp is at rest, and so is the shaft of a servo axis.
+  [[nodiscard]] bool stands() const { return at_rest() && shaft_velocity_ == 0.0; }
+  /// pps of the shaft of a servo axis, 0 where it counts as standing.
+  [[nodiscard]] double shaft_velocity() const { return shaft_velocity_; }
   /// What was commanded last is held back: it was cut down to a software limit or to what the ramp
   /// generator holds, or a limit switch blocks it now.
   [[nodiscard]] bool limited() const { return clamped_ || blocked_direction_ != 0.0; }
