@@ -80,17 +80,21 @@ void HardStopSearch::push(const ModeContext& context) {
   stage_ = Stage::returning;
 }
 
-/// Friction and a load that has to gain speed take current as well: a shaft that has run at half
-/// the speed with less current than that of a stop is held up as soon as its current reaches it;
-/// one that has not, when it stands with that current for kStallTime.
+/// Friction and a load that has to gain speed take current as well: a shaft that has run, with half
+/// the current of a stop, is held up as soon as its current reaches that of a stop; one that has
+/// not, when it stands with that current for kStallTime.
 bool HardStopSearch::held_up(const ModeContext& context, double velocity) {
-  const double shaft = context.motion.shaft_velocity();
-  const bool presses = context.motion.velocity() == velocity &&
-                       context.motor_current * direction_ >= context.settings.hard_stop.current;
-  if (context.motion.velocity() == velocity && !presses &&
-      shaft * direction_ >= 0.5 * std::fabs(velocity)) {
+  const double stop_current = context.settings.hard_stop.current;
+  const double current = context.motor_current * direction_;
+  const double shaft = context.motion.shaft_velocity() * direction_;
+  if (context.motion.velocity() != velocity) {
+    is_stalled_ = false;
+    return false;
+  }
+  if (shaft >= 0.5 * std::fabs(velocity) && current <= 0.5 * stop_current) {
     has_run_ = true;
   }
+  const bool presses = current >= stop_current;
   const bool stalled = presses && shaft == 0.0;
   if (stalled && !is_stalled_) {
     stalled_since_ = context.now;

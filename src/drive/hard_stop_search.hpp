@@ -38,7 +38,7 @@ class HardStopSearch {
   Stage stage_ = Stage::pushing;
   int direction_ = 0;  ///< towards the stop looked for, 1 or -1
   bool second_ = false;
-  bool has_run_ = false;     ///< at the speed of the search, with less current than a stop takes
+  bool has_run_ = false;     ///< in this direction, with half the current of a stop
   bool is_stalled_ = false;  ///< with the current of a stop
   base::SimTime stalled_since_;
   std::int64_t goal_ = 0;
