@@ -332,7 +332,7 @@ TEST_F(ServoHardStop, AShaftThatDoesNotComeToRestOnItsGoalEndsTheWayBackToo) {
   EXPECT_TRUE(bench_.pass_until(
       [&] {
         phase += 0.05;
-        bench_.motor.load = std::sin(phase) < 0.0 ? -0.1 : 0.1;
+        bench_.motor.load = std::sin(phase) < 0.0 ? -0.05 : 0.05;
         return home_bits() == kBoth;
       },
       10_s));
