@@ -145,6 +145,9 @@ class AxisMotion {
   /// target away from the switch that comes while the axis still slows down is kept.
   bool obey_limit_switches();
   void advance(base::SimDuration duration) { ramp_.advance(duration); }
+  /// Of a stepper axis, whose shaft is its counter: what its ramp generator can hold (pps), with
+  /// which a stop begins after a cyclic target that asked for more.
+  void set_maximum_velocity(double velocity) { ramp_.set_maximum_velocity(velocity); }
 
   [[nodiscard]] const control::RampGenerator& ramp() const { return ramp_; }
   [[nodiscard]] std::int64_t position() const { return ramp_.position().microsteps; }
