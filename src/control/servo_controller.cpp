@@ -51,8 +51,11 @@ void ServoController::configure(const ServoControllerSettings& settings) {
   halls_used_ = settings.commutation == ServoCommutation::hall ||
                 (settings.commutation == ServoCommutation::encoder &&
                  settings.init_mode == EncoderInitMode::hall);
+  if (catching_ > 0) {
+    catching_ = 0;
+    current_pi_.change_integral(settings_.torque_i);
+  }
   current_pi_.configure(settings.torque_p, settings.torque_i);
-  catching_ = 0;
   velocity_pi_.configure(settings.velocity_p, settings.velocity_i);
   const double increments = increments_per_revolution();
   rpm_of_rate_ = kPeriodsPerMinute / increments;
