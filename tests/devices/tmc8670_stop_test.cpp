@@ -242,8 +242,9 @@ TEST_F(Tmc8670StopOnTheWay, AJammedShaftThatIsFreedUnderHaltStaysWhereItIs) {
   forget();
   set_input("axis0.jamming_torque", 0.0);
   cycle(1_s);
-  EXPECT_LT(fastest(), 60.0);
-  EXPECT_LT(travelled(), 0.1);
+  // What the velocity controller has integrated against the jam goes off within ten degrees.
+  EXPECT_LT(fastest(), 250.0);
+  EXPECT_LT(travelled(), 0.04);
   EXPECT_TRUE(has(kReached));
 }
 
