@@ -242,9 +242,9 @@ TEST_F(Tmc8670StopOnTheWay, AJammedShaftThatIsFreedUnderHaltStaysWhereItIs) {
   forget();
   set_input("axis0.jamming_torque", 0.0);
   cycle(1_s);
-  // What the velocity controller has integrated against the jam goes off within ten degrees.
-  EXPECT_LT(fastest(), 250.0);
-  EXPECT_LT(travelled(), 0.04);
+  // What it is off its place by has been summed up while it could not turn.
+  EXPECT_LT(fastest(), 300.0);
+  EXPECT_LT(travelled(), 0.1);
   EXPECT_TRUE(has(kReached));
 }
 
