@@ -254,10 +254,28 @@ TEST_F(FocHomingByProfile, AHeavyLoadIsNoHardStop) {
               0.03);
 }
 
+TEST_F(FocHomingByProfile, AnEdgeDoesNotCountForARampThatIsSlowWhileTheShaftIsNot) {
+  plant::PwmAxisParameters parameters = track();
+  parameters.load.inertia = 2e-4;
+  FocBench bench(parameters);
+  bench.block.set(control::foc::field("PID_VELOCITY_P"), 8200);
+  bench.home_switch = {1.0, 1.1};  // passed in both directions while the shaft turns round
+  bench.write(0x6099, 1, 300);
+  bench.write(0x6099, 2, 60);
+  bench.write(0x609A, 100'000);
+  bench.write(0x6098, 19);
+  bench.enable(ModeCode::homing);
+  bench.write(0x6040, 0x1F);
+  ASSERT_TRUE(bench.pass_until([&] { return bench.status(statusword::kHomeAttained); }, 20_s));
+  EXPECT_NEAR(bench.revolutions() - static_cast<double>(bench.position()) / FocBench::kTurn, 1.0,
+              0.003);
+}
+
 TEST_F(FocHomingByProfile, HomeIsReachedWhereTheShaftIs) {
+  bench_.write(0x6099, 2, 200);
   bench_.begin();
-  ASSERT_TRUE(bench_.pass_until([&] { return bench_.read(0x606B) > 0; }, 5_s)) << "on its way back";
-  bench_.pass(20_ms);
+  ASSERT_TRUE(bench_.pass_until([&] { return bench_.read(0x606B) > 150; }, 5_s));
+  ASSERT_TRUE(bench_.pass_until([&] { return bench_.read(0x606B) < 0; }, 5_s)) << "it goes back";
   plant::PwmAxisFaults jam;
   jam.common.shaft.jamming_torque = 1.0;
   bench_.plant.set_faults(jam);
