@@ -31,7 +31,8 @@ function(stator_vector_sources name)
   set_source_files_properties(${VECTOR_AVX2} ${VECTOR_AVX512} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
-# One GoogleTest program per room: tests/<room>/*.cpp, registered case by case with CTest.
+# One GoogleTest program per room: tests/<room>/*.cpp, registered case by case with CTest, or with STATOR_TEST_SHARDS
+# in that many parts.
 function(stator_test_suite name)
   cmake_parse_arguments(SUITE "" "" "SOURCES;USES;LIBRARIES" ${ARGN})
   add_executable(test_${name} ${SUITE_SOURCES})
@@ -50,5 +51,20 @@ function(stator_test_suite name)
   if(STATOR_SANITIZE)
     set(timeout 1200)
   endif()
-  gtest_discover_tests(test_${name} DISCOVERY_TIMEOUT 300 PROPERTIES TIMEOUT ${timeout})
+  if(STATOR_TEST_SHARDS)
+    stator_add_shards(test_${name} ${STATOR_TEST_SHARDS} ${timeout})
+  else()
+    gtest_discover_tests(test_${name} DISCOVERY_TIMEOUT 300 PROPERTIES TIMEOUT ${timeout})
+  endif()
+endfunction()
+
+# Registers a GoogleTest program as `count` cases, each of which runs every count-th test of it in one process. What
+# fails is named at the end of its output; where a sanitizer ends it, the last line with RUN names the test.
+function(stator_add_shards target count timeout)
+  foreach(number RANGE 1 ${count})
+    math(EXPR index "${number} - 1")
+    add_test(NAME ${target}.${number}-of-${count} COMMAND ${target})
+    set_tests_properties(${target}.${number}-of-${count} PROPERTIES TIMEOUT ${timeout}
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${count};GTEST_SHARD_INDEX=${index}")
+  endforeach()
 endfunction()
