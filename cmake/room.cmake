@@ -31,9 +31,10 @@ function(stator_vector_sources name)
   set_source_files_properties(${VECTOR_AVX2} ${VECTOR_AVX512} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
-# One GoogleTest program per room: tests/<room>/*.cpp, registered case by case with CTest.
+# One GoogleTest program per room: tests/<room>/*.cpp, registered case by case with CTest, or with STATOR_TEST_SHARDS
+# in that many parts; of these the ones with the highest COST, 0 if it is not given, run first.
 function(stator_test_suite name)
-  cmake_parse_arguments(SUITE "" "" "SOURCES;USES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(SUITE "" "COST" "SOURCES;USES;LIBRARIES" ${ARGN})
   add_executable(test_${name} ${SUITE_SOURCES})
   target_include_directories(test_${name} PRIVATE
     ${PROJECT_SOURCE_DIR}/tests ${STATOR_TEST_INCLUDES})
@@ -41,7 +42,8 @@ function(stator_test_suite name)
     target_link_libraries(test_${name} PRIVATE stator_${used})
   endforeach()
   target_link_libraries(test_${name} PRIVATE
-    stator_compile_options ${SUITE_LIBRARIES} GTest::gtest GTest::gmock GTest::gtest_main)
+    stator_compile_options $<TARGET_NAME_IF_EXISTS:stator_uncounted> ${SUITE_LIBRARIES}
+    GTest::gtest GTest::gmock GTest::gtest_main)
   # What is tested is optimised as users get it; optimising the tests only makes building slow.
   target_compile_options(test_${name} PRIVATE ${STATOR_TEST_OPTIONS})
   target_precompile_headers(test_${name} REUSE_FROM stator_test_headers)
@@ -50,5 +52,23 @@ function(stator_test_suite name)
   if(STATOR_SANITIZE)
     set(timeout 1200)
   endif()
-  gtest_discover_tests(test_${name} DISCOVERY_TIMEOUT 300 PROPERTIES TIMEOUT ${timeout})
+  if(STATOR_TEST_SHARDS)
+    stator_add_shards(test_${name} ${STATOR_TEST_SHARDS} ${timeout} "${SUITE_COST}")
+  else()
+    gtest_discover_tests(test_${name} DISCOVERY_TIMEOUT 300 PROPERTIES TIMEOUT ${timeout})
+  endif()
+endfunction()
+
+# Registers a GoogleTest program as `count` cases, each of which runs every count-th test of it in one process. What
+# fails is named at the end of its output; where a sanitizer ends it, the last line with RUN names the test.
+function(stator_add_shards target count timeout cost)
+  if(NOT cost)
+    set(cost 0)
+  endif()
+  foreach(number RANGE 1 ${count})
+    math(EXPR index "${number} - 1")
+    add_test(NAME ${target}.${number}-of-${count} COMMAND ${target})
+    set_tests_properties(${target}.${number}-of-${count} PROPERTIES TIMEOUT ${timeout} COST ${cost}
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${count};GTEST_SHARD_INDEX=${index}")
+  endforeach()
 endfunction()

@@ -1,7 +1,8 @@
 // The core of a TMCL module: any bytes on two serial lines, any CAN frames, in any mode, with
 // programs that were put together by chance, while time passes and the module changes. Every whole
-// telegram and every line for the module is answered once; command 137 alone is not, and 138 twice
-// when the target is reached. Whatever came, switching on brings back a module that answers.
+// telegram and every line for the module is answered once; commands 137, 205 and 242 alone are not,
+// and 138 twice when the target is reached. Whatever came, switching on brings back a module that
+// answers.
 
 #include <algorithm>
 #include <array>
@@ -31,8 +32,15 @@ constexpr std::int32_t kFactorySettings = 1234;
 constexpr base::SimDuration kLongPause = 256_ms;
 
 bool is_without_reply(const Instruction& instruction) {
-  return static_cast<Command>(instruction.command) == Command::restore_factory_settings &&
-         instruction.value == kFactorySettings;
+  switch (static_cast<Command>(instruction.command)) {
+    case Command::restore_factory_settings:
+      return instruction.value == kFactorySettings;
+    case Command::boot:
+    case Command::boot_start_application:
+      return true;
+    default:
+      return false;
+  }
 }
 
 class Rig {
@@ -201,12 +209,17 @@ void act(Rig& rig, Input& in) {
     case 1:
       rig.check_telegram(line, instruction_in(in), true);
       break;
-    case 2:
-      rig.check_telegram(line, instruction_in(in), in.below(2) == 0);
+    case 2: {
+      // In this order: compilers evaluate arguments in theirs, and an input has one meaning.
+      const Instruction instruction = instruction_in(in);
+      rig.check_telegram(line, instruction, in.below(2) == 0);
       break;
-    case 3:
-      rig.check_frame(instruction_in(in), in.below(9));
+    }
+    case 3: {
+      const Instruction instruction = instruction_in(in);
+      rig.check_frame(instruction, in.below(9));
       break;
+    }
     case 4:
       rig.wait(base::SimDuration(1'000) * (in.word() + 1));
       break;

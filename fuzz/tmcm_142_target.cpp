@@ -66,7 +66,8 @@ class Rig {
         tmcl::Origin::serial, now_);
   }
   void pass_time(Input& in) {
-    now_ += base::SimDuration(std::int64_t{in.word()} * 1'000 + in.byte());
+    now_ += base::SimDuration(1'000) * in.word();
+    now_ += base::SimDuration(in.byte());
     device_.advance(now_);
     require(device_.next_deadline() > now_);
   }
