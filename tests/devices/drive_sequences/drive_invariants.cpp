@@ -1,0 +1,395 @@
+#include "devices/drive_sequences/drive_invariants.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <numbers>
+#include <sstream>
+
+namespace stator::tests {
+
+namespace {
+
+constexpr double kPeriod = 1e-3;  // s between two samples
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kMoreTime = 1.2;      // a ramp may take a fifth longer than it says
+constexpr double kUsableTorque = 0.8;  // of the limit, in spite of ripple and regulation
+constexpr int kBitTime = 20;           // ms in which a bit of the statusword follows
+
+struct InvariantRow {
+  Invariant invariant;
+  std::string_view name;
+  std::string_view reason;
+};
+constexpr std::array<InvariantRow, kInvariants> kRows{{
+    {Invariant::stops, "stops",
+     "CiA 402-2 605Ah to 605Eh: the motor comes to rest on the ramp named, or as hard as torque "
+     "and supply allow"},
+    {Invariant::demand_on_ramp, "demand on its ramp",
+     "CiA 402-2 6083h to 6085h, 609Ah: no demand changes faster than its acceleration"},
+    {Invariant::behind_switch, "behind a switch",
+     "a pressed limit switch lets nothing move outward but for the way to stop"},
+    {Invariant::behind_software_limit, "behind a software limit",
+     "CiA 402-2 607Dh: behind a limit nothing moves outward but for the way to stop"},
+    {Invariant::power_off, "power off",
+     "CiA 402-2 8.3: a ramp ends before the drive function is disabled"},
+    {Invariant::halt_reached, "halt reached", "CiA 402-2 6041h: bit 10 in halt: velocity 0"},
+    {Invariant::target_reached, "target reached",
+     "CiA 402-2 6041h bit 10, 6067h, 606Dh: actual value within the window"},
+    {Invariant::follows, "follows", "CiA 402-2 6041h bit 12: drive follows the command value"},
+    {Invariant::internal_limit, "internal limit",
+     "CiA 402-2 6041h bit 11: an internal limit is active"},
+    {Invariant::shown_position, "position shown", "CiA 402-2 6064h is where the shaft is"},
+    {Invariant::shown_velocity, "velocity shown", "CiA 402-2 606Ch is how fast the shaft is"},
+    {Invariant::current, "current", "CiA 402-2 6072h, 6073h: no more current than allowed"},
+    {Invariant::supply, "supply",
+     "a motor feeds back what shaft and load give, and nothing into a supply that is too high"},
+    {Invariant::numbers, "numbers", "everything recorded is a number"},
+    {Invariant::runs_for_ever, "runs for ever", "a shaft that nothing drives comes to rest"},
+    {Invariant::works_afterwards, "works afterwards",
+     "after fault reset and enabling a drive moves to a target"},
+}};
+
+template <typename... Parts>
+std::string joined(const Parts&... parts) {
+  std::ostringstream text;
+  text << std::setprecision(5);
+  (text << ... << parts);
+  return text.str();
+}
+
+}  // namespace
+
+std::string_view to_text(StopCause cause) {
+  constexpr std::array<std::string_view, kStopCauses> kNames{
+      "no stop",        "halt",    "quick stop",  "shutdown", "disable operation",
+      "fault reaction", "network", "mode change", "command"};
+  return kNames[static_cast<std::size_t>(cause)];
+}
+
+std::string_view to_text(Invariant invariant) {
+  return kRows[static_cast<std::size_t>(invariant)].name;
+}
+
+std::string_view reason_of(Invariant invariant) {
+  return kRows[static_cast<std::size_t>(invariant)].reason;
+}
+
+void StoppingEnvelope::begin(double speed) {
+  active_ = true;
+  begin_speed_ = allowed_ = std::max(0.0, speed);
+  waited_ = 0.0;
+}
+
+void StoppingEnvelope::pass(const Sample& sample, const DriveTraits& traits, double deceleration,
+                            double speed, double direction) {
+  const double ratio = std::max(1.0, sample.inertia / traits.inertia);
+  const double reaction = traits.reaction + ratio / traits.bandwidth;
+  if (waited_ < reaction) {
+    waited_ += kPeriod;
+    allowed_ = std::max(allowed_, speed);
+    return;
+  }
+  const double capability =
+      kUsableTorque * sample.torque_limit + sample.friction - sample.load * direction;
+  const bool held = capability > 0.05 * sample.torque_limit &&
+                    std::abs(sample.velocity) < traits.no_load_velocity * sample.supply;
+  if (!held) {  // a load drives it that the motor cannot hold, or the supply cannot
+    allowed_ = std::max(allowed_, speed);
+    return;
+  }
+  const double achievable = capability / sample.inertia / kTurn;
+  allowed_ = std::max(0.0, allowed_ - std::min(deceleration, achievable) * kPeriod / kMoreTime);
+}
+
+void DriveInvariants::violate(Invariant invariant, base::SimTime time, std::string text) {
+  if (!violation_ && !excepted_.contains(invariant)) {
+    violation_ = DriveViolation{invariant, time, std::move(text)};
+  }
+}
+
+void DriveInvariants::see(const Sample& now) {
+  if (violation_) {
+    return;
+  }
+  if (!numbers_are_finite(now)) {
+    violate(Invariant::numbers, now.time, "a value is not finite");
+    return;
+  }
+  if (!before_) {
+    before_ = now;
+  }
+  speeds_[speed_] = now.velocity;
+  speed_ = (speed_ + 1) % speeds_.size();
+  follow_disturbance(now);
+  since_change_ = now.reference_changed ? 0 : since_change_ + 1;
+  since_power_ = now.power != before_->power ? 0 : since_power_ + 1;
+  judge_stop(now);
+  judge_switches(now);
+  judge_software_limits(now);
+  judge_demand(now);
+  judge_power(now);
+  judge_bits(now);
+  judge_actual_values(now);
+  judge_stage(now);
+  before_ = now;
+}
+
+bool DriveInvariants::numbers_are_finite(const Sample& now) const {
+  for (const double value :
+       {now.position, now.velocity, now.current, now.supply, now.supplied_energy, now.demand,
+        now.demand_velocity, now.shown_position, now.shown_velocity, now.shown_torque}) {
+    if (!std::isfinite(value)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// A step of the load moves the shaft against the stiffness of the velocity loop; the integrator and
+// the position loop bring it back.
+void DriveInvariants::follow_disturbance(const Sample& now) {
+  constexpr double kTimeConstant = 0.1;  // s
+  disturbance_ -= disturbance_ * kPeriod / kTimeConstant;
+  if (now.load != before_->load) {
+    disturbance_ +=
+        2.0 * std::abs(now.load - before_->load) / (traits_.inertia * traits_.bandwidth) / kTurn;
+  }
+}
+
+void DriveInvariants::judge_stop(const Sample& now) {
+  const StopState& stop = now.stop;
+  ++since_stop_;
+  if (stop.cause == StopCause::none || stop.unbounded || !now.power) {
+    stop_.end();
+    return;
+  }
+  const double speed = std::abs(now.velocity);
+  if (!stop_.active() || before_->stop.cause != stop.cause) {
+    const double allowed = stop_.active() ? stop_.allowed() : std::abs(before_->velocity);
+    stop_.begin(std::max(allowed, before_->stop.cause == StopCause::none ? speed : 0.0));
+    since_stop_ = 0;
+  }
+  const double direction = now.velocity < 0.0 ? -1.0 : 1.0;
+  stop_.pass(now, traits_, stop.deceleration, speed, direction);
+  const double tolerance = traits_.standstill + disturbance_;
+  if (speed > stop_.allowed() + tolerance) {
+    violate(Invariant::stops, now.time,
+            joined(to_text(stop.cause), ": the shaft turns with ", now.velocity, " rev/s ",
+                   since_stop_, " ms after a begin with ", stop_.begin_speed(),
+                   " rev/s; by now it may have ", stop_.allowed(), " (ramp ", stop.deceleration,
+                   " rev/s², torque limit ", now.torque_limit, " N m, load ", now.load,
+                   " N m, inertia ", now.inertia, " kg m²)"));
+  }
+}
+
+void DriveInvariants::judge_switches(const Sample& now) {
+  for (std::size_t side = 0; side < 2; ++side) {
+    const double outward = side == 0 ? -1.0 : 1.0;
+    const bool pressed = side == 0 ? now.negative_switch : now.positive_switch;
+    StoppingEnvelope& envelope = switch_[side];
+    if (!pressed || !now.power || now.searching || now.stop.unbounded) {
+      envelope.end();
+      continue;
+    }
+    const double speed = std::max(0.0, outward * now.velocity);
+    if (!envelope.active()) {
+      envelope.begin(std::max(speed, outward * before_->velocity));
+      since_stop_ = 0;
+    }
+    const double deceleration = now.stop.cause == StopCause::none
+                                    ? now.switch_deceleration
+                                    : std::min(now.switch_deceleration, now.stop.deceleration);
+    envelope.pass(now, traits_, deceleration, speed, outward);
+    if (speed > envelope.allowed() + traits_.standstill + disturbance_) {
+      violate(Invariant::behind_switch, now.time,
+              joined(side == 0 ? "negative" : "positive", " switch pressed: outward with ", speed,
+                     " rev/s after a begin with ", envelope.begin_speed(), ", by now it may have ",
+                     envelope.allowed(), " (ramp ", deceleration, " rev/s², mode ", now.mode,
+                     ", statusword ", now.statusword, ")"));
+    }
+  }
+}
+
+void DriveInvariants::judge_software_limits(const Sample& now) {
+  for (std::size_t side = 0; side < 2; ++side) {
+    const double outward = side == 0 ? -1.0 : 1.0;
+    const double beyond =
+        side == 0 ? now.lower_limit - now.shown_position : now.shown_position - now.upper_limit;
+    StoppingEnvelope& envelope = limit_[side];
+    if (beyond <= 0.0 || !now.power || now.searching || now.stop.unbounded ||
+        now.reference_changed || now.mode == 0) {
+      envelope.end();
+      continue;
+    }
+    const double speed = std::max(0.0, outward * now.velocity);
+    if (!envelope.active()) {
+      envelope.begin(std::max(speed, outward * before_->velocity));
+      since_stop_ = 0;
+    }
+    const double deceleration = now.stop.cause == StopCause::none
+                                    ? now.limit_deceleration
+                                    : std::min(now.limit_deceleration, now.stop.deceleration);
+    envelope.pass(now, traits_, deceleration, speed, outward);
+    if (speed > envelope.allowed() + traits_.standstill + disturbance_) {
+      violate(Invariant::behind_software_limit, now.time,
+              joined(side == 0 ? "lower" : "upper", " limit passed by ", beyond,
+                     " rev: outward with ", speed, " rev/s after a begin with ",
+                     envelope.begin_speed(), ", by now it may have ", envelope.allowed(), " (ramp ",
+                     deceleration, " rev/s², mode ", now.mode, ")"));
+    }
+  }
+}
+
+void DriveInvariants::judge_demand(const Sample& now) {
+  const Sample& before = *before_;
+  const bool stopping = now.stop.cause != StopCause::none || before.stop.cause != StopCause::none;
+  const bool guided = now.guidance == Guidance::ramp && before.guidance == Guidance::ramp;
+  const bool torque = now.guidance == Guidance::torque || before.guidance == Guidance::torque;
+  if (!now.power || !before.power || since_power_ < 3 || since_change_ < 3 || torque ||
+      (!guided && !stopping) || now.stop.unbounded || before.stop.unbounded) {
+    return;
+  }
+  double limit = std::max(before.acceleration, now.acceleration);
+  for (const StopState& stop : {before.stop, now.stop}) {
+    if (stop.cause != StopCause::none) {
+      limit = std::max(limit, stop.deceleration);
+    }
+  }
+  const double change = std::abs(now.demand_velocity - before.demand_velocity);
+  if (change <= 1.1 * limit * kPeriod + 1e-6) {
+    return;
+  }
+  const auto near_shaft = [&](double velocity) {
+    return std::abs(now.demand_velocity - velocity) <=
+           traits_.velocity_error + 2.0 * limit * kPeriod;
+  };
+  if (since_stop_ <= 3 && (near_shaft(before.velocity) || near_shaft(now.velocity))) {
+    return;  // takes over what the shaft does
+  }
+  if (now.demand_velocity == 0.0 && std::abs(before.demand_velocity) <= 1.01 * now.end_velocity) {
+    return;
+  }
+  violate(Invariant::demand_on_ramp, now.time,
+          joined("the demand changes from ", before.demand_velocity, " to ", now.demand_velocity,
+                 " rev/s in 1 ms, ", limit, " rev/s² are in force (mode ", now.mode, ", ",
+                 to_text(now.stop.cause), ", shaft ", now.velocity, " rev/s)"));
+}
+
+void DriveInvariants::judge_power(const Sample& now) {
+  if (!before_->power || now.power || now.power_off != PowerOff::not_allowed) {
+    return;
+  }
+  if (std::abs(now.velocity) > traits_.standstill + disturbance_) {
+    const double capability = kUsableTorque * now.torque_limit + now.friction - std::abs(now.load);
+    if (capability > 0.0) {
+      violate(Invariant::power_off, now.time,
+              joined("the bridge goes off at ", now.velocity,
+                     " rev/s (before: ", to_text(before_->stop.cause), ", statusword ",
+                     before_->statusword, " -> ", now.statusword, ")"));
+    }
+  }
+}
+
+void DriveInvariants::judge_bits(const Sample& now) {
+  const auto count = [](int& milliseconds, bool wrong) {
+    milliseconds = wrong ? milliseconds + 1 : 0;
+    return milliseconds > kBitTime;
+  };
+  const double tolerance = traits_.standstill + disturbance_;
+  double slowest = std::abs(now.velocity);
+  for (const double speed : speeds_) {
+    slowest = std::min(slowest, std::abs(speed));
+  }
+  const bool reached = (now.statusword & 0x0400) != 0;
+  if (count(halted_bit_, now.stop.cause == StopCause::halt && reached && slowest > tolerance)) {
+    violate(Invariant::halt_reached, now.time,
+            joined("bit 10 is 1 in halt, the shaft turns with ", now.velocity, " rev/s (mode ",
+                   now.mode, ")"));
+  }
+  const bool position_mode = now.mode == 1;
+  const bool velocity_mode = now.mode == 3;
+  const double off = std::abs(now.shown_position - now.target);
+  const double too_fast = std::abs(now.shown_velocity - now.target_velocity);
+  const bool off_target =
+      (position_mode && off > now.window + 1e-9) ||
+      (velocity_mode && too_fast > now.velocity_window + traits_.velocity_error);
+  if (count(reached_bit_, now.target_reached_bit && reached && off_target)) {
+    violate(Invariant::target_reached, now.time,
+            joined("bit 10 is 1, ",
+                   position_mode ? joined(off, " rev from the target, the window has ", now.window)
+                                 : joined(too_fast, " rev/s from the target"),
+                   " (mode ", now.mode, ")"));
+  }
+  // What is commanded leads into a limit that holds the axis.
+  const double lead = now.mode == 9 || now.mode == 3
+                          ? now.target_velocity
+                          : (std::abs(now.target - now.shown_position) > traits_.follows_within
+                                 ? now.target - now.shown_position
+                                 : 0.0);
+  const bool commanded = now.enabled && now.stop.cause == StopCause::none &&
+                         (now.mode == 3 || now.mode == 8 || now.mode == 9);
+  const bool held =
+      commanded && ((lead > 0.0 && now.positive_switch) || (lead < 0.0 && now.negative_switch));
+  const bool follows = now.follows_bit && (now.statusword & 0x1000) != 0;
+  if (count(follows_bit_, follows && (held || now.stop.cause != StopCause::none || !now.enabled))) {
+    violate(Invariant::follows, now.time,
+            joined("bit 12 is 1 although ",
+                   held ? std::string_view("a limit switch") : to_text(now.stop.cause),
+                   " holds the axis (mode ", now.mode, ", statusword ", now.statusword, ")"));
+  }
+  if (count(limit_missing_, held && (now.statusword & 0x0800) == 0)) {
+    violate(Invariant::internal_limit, now.time,
+            joined("bit 11 is 0 although a limit switch holds the axis (mode ", now.mode,
+                   ", statusword ", now.statusword, ")"));
+  }
+}
+
+void DriveInvariants::judge_actual_values(const Sample& now) {
+  const auto count = [](int& milliseconds, bool wrong) {
+    milliseconds = wrong ? milliseconds + 1 : 0;
+    return milliseconds > kBitTime;
+  };
+  if (traits_.shaft_is_counter) {
+    return;
+  }
+  if (now.reference_changed || since_change_ < 2) {
+    position_off_ = 0;
+    reference_ = now.shown_position - now.position;
+  }
+  const double error = now.shown_position - now.position - reference_;
+  if (count(position_off_,
+            std::abs(error) > traits_.position_error + 2e-3 * std::abs(now.velocity))) {
+    violate(Invariant::shown_position, now.time, joined("6064h is ", error, " rev from the shaft"));
+  }
+  const auto [slowest, fastest] = std::minmax_element(speeds_.begin(), speeds_.end());
+  if (count(velocity_off_, now.shown_velocity < *slowest - traits_.velocity_error ||
+                               now.shown_velocity > *fastest + traits_.velocity_error)) {
+    violate(Invariant::shown_velocity, now.time,
+            joined("606Ch is ", now.shown_velocity, " rev/s, the shaft turns with ", now.velocity));
+  }
+}
+
+void DriveInvariants::judge_stage(const Sample& now) {
+  const auto count = [](int& milliseconds, bool wrong) {
+    milliseconds = wrong ? milliseconds + 1 : 0;
+    return milliseconds > 5;
+  };
+  if (count(current_off_,
+            now.power && now.current > now.current_limit + traits_.current_allowance)) {
+    violate(Invariant::current, now.time,
+            joined("the motor has ", now.current, " A, ", now.current_limit, " are allowed"));
+  }
+  if (count(overvoltage_on_, now.power && now.supply > traits_.overvoltage)) {
+    violate(Invariant::supply, now.time,
+            joined("the bridge feeds a supply of ", now.supply, " V, it has to be off above ",
+                   traits_.overvoltage));
+  }
+  work_ += std::max(0.0, now.load * now.velocity * kTurn) * kPeriod;
+  if (now.supplied_energy < -work_ - 0.5) {
+    violate(Invariant::supply, now.time,
+            joined("the motor has fed back ", -now.supplied_energy, " J, the load gave ", work_));
+  }
+}
+
+}  // namespace stator::tests

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "devices/drive_sequences/recording.hpp"
+
+namespace stator::tests {
+
+/// What holds for every drive at every moment, whatever it is commanded.
+enum class Invariant : std::uint8_t {
+  stops,
+  demand_on_ramp,
+  behind_switch,
+  behind_software_limit,
+  power_off,
+  halt_reached,
+  target_reached,
+  follows,
+  internal_limit,
+  shown_position,
+  shown_velocity,
+  current,
+  supply,
+  numbers,
+  runs_for_ever,
+  works_afterwards,
+};
+inline constexpr std::size_t kInvariants = 16;
+[[nodiscard]] std::string_view to_text(Invariant invariant);
+/// The clause or the reason it rests on.
+[[nodiscard]] std::string_view reason_of(Invariant invariant);
+
+struct DriveViolation {
+  Invariant invariant{};
+  base::SimTime time;
+  std::string text;
+};
+
+/// The speed that a shaft may still have while it is being stopped: what it had at the begin, minus
+/// what the weaker of ramp and motor takes away, with a fifth more time and the drive's reaction.
+class StoppingEnvelope {
+ public:
+  void begin(double speed);
+  void end() { active_ = false; }
+  [[nodiscard]] bool active() const { return active_; }
+  [[nodiscard]] double begin_speed() const { return begin_speed_; }
+  /// A millisecond passes; `speed` in the direction (-1 or 1) that is judged.
+  void pass(const Sample& sample, const DriveTraits& traits, double deceleration, double speed,
+            double direction);
+  [[nodiscard]] double allowed() const { return allowed_; }
+
+ private:
+  bool active_ = false;
+  double begin_speed_ = 0.0;
+  double allowed_ = 0.0;
+  double waited_ = 0.0;  ///< s of the reaction time
+};
+
+/// Looks at a recording sample by sample, a millisecond each, and stops at the first violation.
+class DriveInvariants {
+ public:
+  explicit DriveInvariants(const DriveTraits& traits, const std::set<Invariant>& excepted = {})
+      : traits_(traits), excepted_(excepted) {}
+
+  void see(const Sample& sample);
+  [[nodiscard]] const std::optional<DriveViolation>& violation() const { return violation_; }
+  /// For what is found otherwise, as at the end of a sequence.
+  void violate(Invariant invariant, base::SimTime time, std::string text);
+
+ private:
+  void judge_stop(const Sample& now);
+  void judge_demand(const Sample& now);
+  void judge_switches(const Sample& now);
+  void judge_software_limits(const Sample& now);
+  void judge_power(const Sample& now);
+  void judge_bits(const Sample& now);
+  void judge_actual_values(const Sample& now);
+  void judge_stage(const Sample& now);
+  [[nodiscard]] bool numbers_are_finite(const Sample& now) const;
+  /// rev/s that a change of load can still be seen with.
+  void follow_disturbance(const Sample& now);
+
+  DriveTraits traits_;
+  std::set<Invariant> excepted_;
+  std::optional<DriveViolation> violation_;
+  std::optional<Sample> before_;
+  StoppingEnvelope stop_;
+  std::array<StoppingEnvelope, 2> switch_;  ///< outward at the negative and the positive one
+  std::array<StoppingEnvelope, 2> limit_;
+  double disturbance_ = 0.0;
+  int since_stop_ = 1000;    ///< ms since a stop began, or a limit began to hold
+  int since_change_ = 1000;  ///< ms since the demand might be anything
+  int since_power_ = 1000;   ///< ms since power came on or went off
+  int halted_bit_ = 0;       ///< ms for which bit 10 has been 1 in halt with a turning shaft
+  int reached_bit_ = 0;      ///< ms for which bit 10 has been 1 off the target
+  int follows_bit_ = 0;      ///< ms for which bit 12 has been 1 although something holds the axis
+  int limit_missing_ = 0;    ///< ms for which bit 11 has been 0 in the same way
+  int position_off_ = 0;     ///< ms for which 6064h has been wrong
+  int velocity_off_ = 0;     ///< ms
+  int current_off_ = 0;      ///< ms
+  int overvoltage_on_ = 0;   ///< ms
+  double work_ = 0.0;        ///< J the load did on the shaft
+  double reference_ = 0.0;   ///< 6064h minus the position of the plant
+  std::array<double, 20> speeds_{};  ///< rev/s, of the last 20 ms
+  std::size_t speed_ = 0;
+};
+
+}  // namespace stator::tests
