@@ -28,8 +28,9 @@ class Tmcc160Drive final : public DriveUnderTest {
     module_.write(0x2055, 0, encoder ? 7 : 6);
     inertia_ = motor_.rotor_inertia;
     traits_ = {.standstill = encoder ? 0.5 : 1.5,
-               .reaction = 0.02,
-               .bandwidth = 60.0,
+               .settle = encoder ? 0.05 : 0.25,
+               .reaction = encoder ? 0.03 : 0.05,
+               .bandwidth = 20.0,
                .inertia = inertia_,
                .follows_within = encoder ? 0.02 : 0.1,
                .position_error = encoder ? 0.005 : 0.06,
@@ -67,6 +68,7 @@ class Tmcc160Drive final : public DriveUnderTest {
              .halt_releases_torque = true},
             sample);
     sample.shown_torque = 1e-3 * axis.controller().actual_current() * motor_.torque_constant();
+    sample.position_renamed = homings_ != axis.homings() || sample.searching;
     sample.reference_changed =
         homings_ != axis.homings() || mode_ != axis.mode() || powered_ != axis.bridge_enabled();
     homings_ = axis.homings();
@@ -108,11 +110,14 @@ class Tmcm142Drive final : public DriveUnderTest {
     module_.run(10_ms);
     module_.sap(devices::tmcm_142::AxisParameter::unit_conversion_mode, 1);
     traits_ = {.standstill = 0.002,
+               .settle = 1e-4,
                .reaction = 0.002,
                .bandwidth = 1000.0,
                .inertia = 2e-5,
                .velocity_error = 0.002,
+
                .current_allowance = 1.5,
+               .has_statusword = false,
                .shaft_is_counter = true};
   }
 
@@ -150,7 +155,8 @@ class Tmcm142Drive final : public DriveUnderTest {
     sample.enabled = sample.power;
     if (controller.mode() == mc::Mode::velocity && controller.target_velocity() == 0) {
       sample.stop = {.cause = StopCause::command,
-                     .deceleration = acceleration(settings.ramp.deceleration)};
+                     .deceleration = acceleration(
+                         std::min(settings.ramp.deceleration, settings.ramp.stop_deceleration))};
     }
     sample.acceleration = acceleration(std::max(
         {settings.ramp.acceleration, settings.ramp.deceleration, settings.ramp.stop_deceleration}));

@@ -143,11 +143,13 @@ void observe(const drive::Axis& axis, const Cia402Choices& choices, Sample& samp
   sample.shown_position = objects.position_actual.get() / counts;
   const double sign = settings.velocity_reversed ? -1.0 : 1.0;
   sample.shown_velocity = sign * settings.units.pps(objects.velocity_actual.get()) / counts;
-  sample.acceleration = homes
-                            ? std::max(homing, ramps.slow_down)
-                            : std::max(speed_up, acceleration(objects.profile_deceleration.get()));
+  sample.acceleration =
+      std::max(homes ? homing : speed_up, acceleration(objects.profile_deceleration.get()));
   if (speed_up <= 0.0 || ramps.slow_down <= 0.0) {
     sample.acceleration = kAtOnce;
+  }
+  if (sample.stop.cause != StopCause::none) {
+    sample.acceleration = std::max(sample.acceleration, ramps.quick_stop);
   }
   const double slow = ramps.slow_down > 0.0 ? ramps.slow_down : kAtOnce;
   sample.switch_deceleration =
@@ -183,7 +185,8 @@ void observe(const drive::Axis& axis, const Cia402Choices& choices, Sample& samp
   sample.target_reached_bit =
       sample.enabled && sample.stop.cause == StopCause::none &&
       (mode == drive::ModeCode::profile_velocity ||
-       (mode == drive::ModeCode::profile_position && objects.end_velocity.get() == 0));
+       (mode == drive::ModeCode::profile_position && objects.end_velocity.get() == 0 &&
+        axis.motion().ramp().mode() == control::RampMode::position));
   sample.follows_bit = sample.guidance == Guidance::cyclic;
   sample.power_off = power_off_by(axis);
 }

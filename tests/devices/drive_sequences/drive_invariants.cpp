@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <limits>
 #include <numbers>
 #include <sstream>
 
@@ -13,7 +14,10 @@ namespace {
 constexpr double kPeriod = 1e-3;  // s between two samples
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kMoreTime = 1.2;      // a ramp may take a fifth longer than it says
+constexpr double kLags = 1.5;          // of the velocity loop that a shaft stays behind its ramp
+constexpr double kReversal = 6e-3;     // s until a current has changed its sign
 constexpr double kUsableTorque = 0.8;  // of the limit, in spite of ripple and regulation
+constexpr double kLag = 2e-3;          // s from sampling a position to showing it
 constexpr int kBitTime = 20;           // ms in which a bit of the statusword follows
 
 struct InvariantRow {
@@ -77,29 +81,44 @@ std::string_view reason_of(Invariant invariant) {
 
 void StoppingEnvelope::begin(double speed) {
   active_ = true;
-  begin_speed_ = allowed_ = std::max(0.0, speed);
-  waited_ = 0.0;
+  begin_speed_ = ramp_ = allowed_ = std::max(0.0, speed);
+  gentlest_ = std::numeric_limits<double>::infinity();
+  waited_ = excess_ = 0.0;
+}
+
+bool StoppingEnvelope::exceeded(const DriveTraits& traits, double speed, double tolerance) {
+  const double above = speed - allowed_ - tolerance;
+  excess_ = above > 0.0 ? excess_ + (speed - allowed_) * kPeriod : 0.0;
+  return excess_ > traits.settle;
 }
 
 void StoppingEnvelope::pass(const Sample& sample, const DriveTraits& traits, double deceleration,
                             double speed, double direction) {
   const double ratio = std::max(1.0, sample.inertia / traits.inertia);
-  const double reaction = traits.reaction + ratio / traits.bandwidth;
-  if (waited_ < reaction) {
+  gentlest_ = std::min(gentlest_, deceleration);
+  const double lag = kLags * ratio / traits.bandwidth;
+  if (waited_ < traits.reaction) {
     waited_ += kPeriod;
-    allowed_ = std::max(allowed_, speed);
+    // The current is reversed within milliseconds; until then the motor may drive on.
+    const double torque = sample.torque_limit + std::max(0.0, sample.load * direction);
+    const double more = kReversal * torque / sample.inertia / kTurn;
+    ramp_ = std::max(ramp_, std::min(speed, begin_speed_ + more));
+    allowed_ = std::max(allowed_, ramp_);
     return;
   }
   const double capability =
       kUsableTorque * sample.torque_limit + sample.friction - sample.load * direction;
-  const bool held = capability > 0.05 * sample.torque_limit &&
-                    std::abs(sample.velocity) < traits.no_load_velocity * sample.supply;
+  const bool held =
+      capability > 0.05 * sample.torque_limit &&
+      std::abs(sample.velocity) < traits.no_load_velocity * std::min(sample.supply, sample.source);
   if (!held) {  // a load drives it that the motor cannot hold, or the supply cannot
+    ramp_ = std::max(ramp_, speed);
     allowed_ = std::max(allowed_, speed);
     return;
   }
   const double achievable = capability / sample.inertia / kTurn;
-  allowed_ = std::max(0.0, allowed_ - std::min(deceleration, achievable) * kPeriod / kMoreTime);
+  ramp_ = std::max(0.0, ramp_ - std::min(gentlest_, achievable) * kPeriod / kMoreTime);
+  allowed_ += (ramp_ - allowed_) * kPeriod / (lag + kPeriod);
 }
 
 void DriveInvariants::violate(Invariant invariant, base::SimTime time, std::string text) {
@@ -173,7 +192,7 @@ void DriveInvariants::judge_stop(const Sample& now) {
   const double direction = now.velocity < 0.0 ? -1.0 : 1.0;
   stop_.pass(now, traits_, stop.deceleration, speed, direction);
   const double tolerance = traits_.standstill + disturbance_;
-  if (speed > stop_.allowed() + tolerance) {
+  if (stop_.exceeded(traits_, speed, tolerance)) {
     violate(Invariant::stops, now.time,
             joined(to_text(stop.cause), ": the shaft turns with ", now.velocity, " rev/s ",
                    since_stop_, " ms after a begin with ", stop_.begin_speed(),
@@ -195,13 +214,14 @@ void DriveInvariants::judge_switches(const Sample& now) {
     const double speed = std::max(0.0, outward * now.velocity);
     if (!envelope.active()) {
       envelope.begin(std::max(speed, outward * before_->velocity));
+      stopped_by_switch_[side] = speed > traits_.standstill;
       since_stop_ = 0;
     }
     const double deceleration = now.stop.cause == StopCause::none
                                     ? now.switch_deceleration
                                     : std::min(now.switch_deceleration, now.stop.deceleration);
     envelope.pass(now, traits_, deceleration, speed, outward);
-    if (speed > envelope.allowed() + traits_.standstill + disturbance_) {
+    if (envelope.exceeded(traits_, speed, traits_.standstill + disturbance_)) {
       violate(Invariant::behind_switch, now.time,
               joined(side == 0 ? "negative" : "positive", " switch pressed: outward with ", speed,
                      " rev/s after a begin with ", envelope.begin_speed(), ", by now it may have ",
@@ -231,7 +251,7 @@ void DriveInvariants::judge_software_limits(const Sample& now) {
                                     ? now.limit_deceleration
                                     : std::min(now.limit_deceleration, now.stop.deceleration);
     envelope.pass(now, traits_, deceleration, speed, outward);
-    if (speed > envelope.allowed() + traits_.standstill + disturbance_) {
+    if (envelope.exceeded(traits_, speed, traits_.standstill + disturbance_)) {
       violate(Invariant::behind_software_limit, now.time,
               joined(side == 0 ? "lower" : "upper", " limit passed by ", beyond,
                      " rev: outward with ", speed, " rev/s after a begin with ",
@@ -292,6 +312,9 @@ void DriveInvariants::judge_power(const Sample& now) {
 }
 
 void DriveInvariants::judge_bits(const Sample& now) {
+  if (!traits_.has_statusword) {
+    return;
+  }
   const auto count = [](int& milliseconds, bool wrong) {
     milliseconds = wrong ? milliseconds + 1 : 0;
     return milliseconds > kBitTime;
@@ -327,10 +350,11 @@ void DriveInvariants::judge_bits(const Sample& now) {
                           : (std::abs(now.target - now.shown_position) > traits_.follows_within
                                  ? now.target - now.shown_position
                                  : 0.0);
-  const bool commanded = now.enabled && now.stop.cause == StopCause::none &&
-                         (now.mode == 3 || now.mode == 8 || now.mode == 9);
-  const bool held =
-      commanded && ((lead > 0.0 && now.positive_switch) || (lead < 0.0 && now.negative_switch));
+  const std::size_t side = lead < 0.0 ? 0 : 1;
+  const bool pressed = lead < 0.0 ? now.negative_switch : lead > 0.0 && now.positive_switch;
+  // What a switch stopped in pv waits for a new target when it is released.
+  const bool held = pressed && now.enabled && now.stop.cause == StopCause::none &&
+                    (now.mode == 8 || now.mode == 9 || (now.mode == 3 && stopped_by_switch_[side]));
   const bool follows = now.follows_bit && (now.statusword & 0x1000) != 0;
   if (count(follows_bit_, follows && (held || now.stop.cause != StopCause::none || !now.enabled))) {
     violate(Invariant::follows, now.time,
@@ -353,13 +377,14 @@ void DriveInvariants::judge_actual_values(const Sample& now) {
   if (traits_.shaft_is_counter) {
     return;
   }
-  if (now.reference_changed || since_change_ < 2) {
+  if (now.position_renamed || !reference_) {
     position_off_ = 0;
     reference_ = now.shown_position - now.position;
+    reference_error_ = kLag * std::abs(now.velocity);
   }
-  const double error = now.shown_position - now.position - reference_;
-  if (count(position_off_,
-            std::abs(error) > traits_.position_error + 2e-3 * std::abs(now.velocity))) {
+  const double error = now.shown_position - now.position - *reference_;
+  if (count(position_off_, std::abs(error) > traits_.position_error + reference_error_ +
+                                                 kLag * std::abs(now.velocity))) {
     violate(Invariant::shown_position, now.time, joined("6064h is ", error, " rev from the shaft"));
   }
   const auto [slowest, fastest] = std::minmax_element(speeds_.begin(), speeds_.end());

@@ -53,12 +53,18 @@ class StoppingEnvelope {
   void pass(const Sample& sample, const DriveTraits& traits, double deceleration, double speed,
             double direction);
   [[nodiscard]] double allowed() const { return allowed_; }
+  /// The shaft has moved on by more than DriveTraits::settle, faster than allowed all the time:
+  /// what overshoots on a loop's way to rest is none.
+  [[nodiscard]] bool exceeded(const DriveTraits& traits, double speed, double tolerance);
 
  private:
   bool active_ = false;
   double begin_speed_ = 0.0;
-  double allowed_ = 0.0;
-  double waited_ = 0.0;  ///< s of the reaction time
+  double gentlest_ = 0.0;  ///< rev/s², since the begin: a drive need not take up a changed ramp
+  double ramp_ = 0.0;      ///< rev/s, where the ramp is
+  double allowed_ = 0.0;   ///< and the shaft behind it
+  double waited_ = 0.0;    ///< s of the reaction time
+  double excess_ = 0.0;    ///< rev
 };
 
 /// Looks at a recording sample by sample, a millisecond each, and stops at the first violation.
@@ -89,6 +95,7 @@ class DriveInvariants {
   std::set<Invariant> excepted_;
   std::optional<DriveViolation> violation_;
   std::optional<Sample> before_;
+  std::array<bool, 2> stopped_by_switch_{};  ///< it was pressed while the shaft moved outward
   StoppingEnvelope stop_;
   std::array<StoppingEnvelope, 2> switch_;  ///< outward at the negative and the positive one
   std::array<StoppingEnvelope, 2> limit_;
@@ -105,7 +112,8 @@ class DriveInvariants {
   int current_off_ = 0;      ///< ms
   int overvoltage_on_ = 0;   ///< ms
   double work_ = 0.0;        ///< J the load did on the shaft
-  double reference_ = 0.0;   ///< 6064h minus the position of the plant
+  std::optional<double> reference_;  ///< 6064h minus the position of the plant
+  double reference_error_ = 0.0;     ///< rev by which it may be wrong
   std::array<double, 20> speeds_{};  ///< rev/s, of the last 20 ms
   std::size_t speed_ = 0;
 };

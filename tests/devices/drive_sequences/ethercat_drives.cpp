@@ -12,7 +12,6 @@
 #include "devices/tmc8670/tmc8670.hpp"
 #include "devices/tmc8670_chip.hpp"
 #include "devices/tmcm_3315/tmcm_3315.hpp"
-#include "devices/tmcm_3315_damped_axis.hpp"
 
 namespace stator::tests {
 
@@ -133,8 +132,8 @@ class Tmc8670Drive final : public EtherCatDrive {
     begin_cycles();
     choices_ = {.counts = 65'536.0};
     inertia_ = motor_.rotor_inertia + 2e-5;
-    traits_ = {.standstill = 0.4,
-               .reaction = 0.01,
+    traits_ = {.standstill = 0.5,
+               .reaction = 0.03,
                .bandwidth = 200.0,
                .inertia = inertia_,
                .follows_within = 0.01,
@@ -172,6 +171,7 @@ class Tmc8670Drive final : public EtherCatDrive {
     sample.positive_switch = pressed.positive_limit;
     observe(axis, choices_, sample);
     sample.shown_torque = axis.quadrature_current() * motor_.torque_constant();
+    sample.position_renamed = homings_ != axis.homings() || sample.searching;
     sample.reference_changed =
         homings_ != axis.homings() || mode_ != axis.mode() || powered_ != axis.bridge_enabled();
     homings_ = axis.homings();
@@ -198,14 +198,21 @@ class Tmc8670Drive final : public EtherCatDrive {
 constexpr std::array kTmcm3315Outputs{MappedObject{0x6040, 0, 2}, MappedObject{0x607A, 2, 4},
                                       MappedObject{0x60FF, 6, 4}};
 
+devices::Tmcm3315Configuration damped_module() {
+  devices::Tmcm3315Configuration configuration;
+  configuration.axes[0].load.viscous_friction = 0.004;  // N m s/rad: it does not ring for long
+  return configuration;
+}
+
 class Tmcm3315Drive final : public EtherCatDrive {
  public:
   Tmcm3315Drive()
-      : EtherCatDrive(std::make_unique<devices::Tmcm3315>(devices::damped_axis()), 30, 30,
+      : EtherCatDrive(std::make_unique<devices::Tmcm3315>(damped_module()), 30, 30,
                       kTmcm3315Outputs),
         module_(static_cast<devices::Tmcm3315&>(device())) {
     begin_cycles();
     traits_ = {.standstill = 0.002,
+               .settle = 1e-4,
                .reaction = 0.002,
                .bandwidth = 1000.0,
                .inertia = 2e-5,
@@ -237,6 +244,7 @@ class Tmcm3315Drive final : public EtherCatDrive {
     const double stop = axis.settings().ramp.stop_deceleration / kCounts;
     choices.switch_deceleration = stop > 0.0 ? stop : kUnlimited;
     observe(axis, choices, sample);
+    sample.position_renamed = homings_ != axis.homings() || sample.searching;
     sample.reference_changed =
         homings_ != axis.homings() || mode_ != axis.mode() || powered_ != axis.bridge_enabled();
     if (stop <= 0.0 && (sample.negative_switch || sample.positive_switch)) {

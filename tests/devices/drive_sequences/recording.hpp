@@ -86,7 +86,8 @@ struct Sample {
   // What is commanded, and the limits in force.
   StopState stop{};
   PowerOff power_off = PowerOff::not_allowed;  ///< why power may be off that was on before
-  bool reference_changed = false;  ///< position or demand got another origin, mode or sensor
+  bool position_renamed = false;   ///< 6064h got another origin, or comes from another sensor
+  bool reference_changed = false;  ///< the demand may be anything: mode, power, origin
   double acceleration = 0.0;       ///< largest with which the demand may change on a ramp
   double switch_deceleration = 0.0;
   double limit_deceleration = 0.0;  ///< at a software limit
@@ -105,6 +106,7 @@ struct Sample {
 /// What an axis can do, for all of a recording.
 struct DriveTraits {
   double standstill = 0.1;         ///< rev/s below which its shaft counts as standing, with ripple
+  double settle = 0.02;            ///< rev by which a shaft may move on beyond what is allowed
   double reaction = 0.02;          ///< s from a command to torque in the other direction
   double bandwidth = 100.0;        ///< rad/s of the velocity loop at `inertia`
   double inertia = 1e-5;           ///< kg m² the loops are tuned for
@@ -114,6 +116,7 @@ struct DriveTraits {
   double no_load_velocity = 1e9;   ///< rev/s per V of supply above which torque is not guaranteed
   double overvoltage = 1e9;        ///< V above which the bridge has to be off
   double current_allowance = 1.0;  ///< A above the limit in force
+  bool has_statusword = true;      ///< as CiA 402 has it
   bool shaft_is_counter = false;   ///< a stepper without encoder: what it counted is its shaft
 };
 

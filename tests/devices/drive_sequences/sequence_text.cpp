@@ -97,7 +97,7 @@ Bench bench_of(Product product) {
     case Product::tmcm_3315:
       return {
           "[[rack.segment]]\n[[rack.segment.device]]\ntype = \"tmcm-3315\"\nname = \"drive\"\n"
-          "[[rack.segment.device.axis]]\nload.viscous_friction = 0.02\n\n",
+          "[[rack.segment.device.axis]]\nload.viscous_friction = 0.004\n\n",
           "drive", kOperational};
     case Product::tmcc160_hall:
       return {"[[rack.bus]]\n[[rack.bus.device]]\ntype = \"tmcc160\"\nname = \"drive\"\n\n",

@@ -4,9 +4,11 @@
 //   STATOR_SEQUENCES=20000    that many for each product, for a nightly run
 //   STATOR_SEQUENCE_SEED=n    this one alone
 //   STATOR_SEQUENCE_EXCEPT="stops,power off"    passes over violations of these invariants
+//   STATOR_SEQUENCE_TRACE=file.csv    writes what the shortened sequence does, with ONE seed
 //   STATOR_SEQUENCE_STATISTICS=1    tells how much was simulated and how long the shafts turned
 
 #include <cstdlib>
+#include <fstream>
 #include <iostream>
 #include <map>
 #include <set>
@@ -55,6 +57,23 @@ DriveSequence sequence_of(Product product, std::uint64_t seed) {
           .ends_with_halt = seed % 2 == 0};
 }
 
+void write_trace(const DriveSequence& sequence, const std::set<Invariant>& excepted) {
+  const char* const file = std::getenv("STATOR_SEQUENCE_TRACE");
+  if (file == nullptr) {
+    return;
+  }
+  std::ofstream out(file);
+  out << "time,position,velocity,demand,demand_velocity,shown_position,shown_velocity,statusword,"
+         "mode,stop,power,current,supply,load,target,target_velocity\n";
+  static_cast<void>(run_sequence(sequence, excepted, [&out](const Sample& s) {
+    out << s.time.seconds() << ',' << s.position << ',' << s.velocity << ',' << s.demand << ','
+        << s.demand_velocity << ',' << s.shown_position << ',' << s.shown_velocity << ','
+        << std::hex << s.statusword << std::dec << ',' << s.mode << ',' << to_text(s.stop.cause)
+        << ',' << s.power << ',' << s.current << ',' << s.supply << ',' << s.load << ',' << s.target
+        << ',' << s.target_velocity << '\n';
+  }));
+}
+
 std::string report(const DriveSequence& sequence, std::uint64_t seed, const TrialOutcome& failed,
                    const std::set<Invariant>& excepted) {
   const Invariant invariant = failed.violation->invariant;
@@ -66,6 +85,7 @@ std::string report(const DriveSequence& sequence, std::uint64_t seed, const Tria
     return outcome.violation && outcome.violation->invariant == invariant;
   });
   const TrialOutcome outcome = run_sequence(shorter, excepted);
+  write_trace(shorter, excepted);
   const DriveViolation& violation = *outcome.violation;
   std::string text = std::string(to_text(sequence.product)) + ", seed " + std::to_string(seed) +
                      ", \"" + std::string(to_text(invariant)) + "\" at " +

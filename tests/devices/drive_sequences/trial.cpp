@@ -15,8 +15,12 @@ constexpr double kTurning = 0.05;  // rev/s
 
 class Trial {
  public:
-  Trial(Product product, const std::set<Invariant>& excepted)
-      : product_(product), drive_(make_drive(product)), invariants_(drive_->traits(), excepted) {}
+  Trial(Product product, const std::set<Invariant>& excepted,
+        const std::function<void(const Sample&)>& look)
+      : product_(product),
+        look_(look),
+        drive_(make_drive(product)),
+        invariants_(drive_->traits(), excepted) {}
 
   /// False: an invariant is violated.
   bool perform(const DriveStep& step) {
@@ -77,6 +81,9 @@ class Trial {
     for (std::int64_t i = 0; i < milliseconds && !violated(); ++i) {
       drive_->pass();
       last_ = drive_->sample();
+      if (look_) {
+        look_(last_);
+      }
       invariants_.see(last_);
       ++passed_;
       moved_ += std::abs(last_.velocity) > kTurning ? 1 : 0;
@@ -115,6 +122,7 @@ class Trial {
   }
 
   Product product_;
+  const std::function<void(const Sample&)>& look_;
   std::unique_ptr<DriveUnderTest> drive_;
   DriveInvariants invariants_;
   Sample last_;
@@ -124,8 +132,9 @@ class Trial {
 
 }  // namespace
 
-TrialOutcome run_sequence(const DriveSequence& sequence, const std::set<Invariant>& excepted) {
-  Trial trial(sequence.product, excepted);
+TrialOutcome run_sequence(const DriveSequence& sequence, const std::set<Invariant>& excepted,
+                          const std::function<void(const Sample&)>& look) {
+  Trial trial(sequence.product, excepted, look);
   std::size_t steps = 0;
   for (const DriveStep& step : sequence.steps) {
     ++steps;

@@ -30,8 +30,10 @@ struct TrialOutcome {
 
 /// Does a sequence to a drive of its own. At its end all is withdrawn, the shaft has to stand, and
 /// after fault reset and enabling the drive has to move.
+/// `look` sees every sample.
 [[nodiscard]] TrialOutcome run_sequence(const DriveSequence& sequence,
-                                        const std::set<Invariant>& excepted = {});
+                                        const std::set<Invariant>& excepted = {},
+                                        const std::function<void(const Sample&)>& look = {});
 
 /// Leaves steps away and halves times as long as `fails` says so.
 [[nodiscard]] std::vector<DriveStep> shortened(
