@@ -137,6 +137,8 @@ void DriveInvariants::see(const Sample& now) {
   }
   if (!before_) {
     before_ = now;
+    before_->power = false;
+    before_->load = 0.0;
   }
   speeds_[speed_] = now.velocity;
   speed_ = (speed_ + 1) % speeds_.size();
