@@ -73,9 +73,9 @@ void Axis::take_mode(base::SimTime now) {
   if (wanted == mode_->code() && !leaving_mode_) {
     return;
   }
-  leaving_mode_ = enabled_ && !motion_.at_rest();
+  leaving_mode_ = enabled_ && !motion_.settled();
   if (leaving_mode_) {
-    if (motion_.ramp().mode() != control::RampMode::stop) {
+    if (!motion_.stopping()) {
       motion_.brake(Braking::slow_down_ramp);
     }
     mode_written_ = true;  // the new mode takes over when the motor stands
@@ -90,7 +90,7 @@ void Axis::take_mode(base::SimTime now) {
 
 void Axis::enter_mode(base::SimTime now) {
   stalled_ = false;
-  motion_.hold_position();
+  motion_.settle();
   halted_ = halt_wanted();
   mode_->enter(context(now));
   if (!halted_) {
@@ -178,7 +178,7 @@ void Axis::network_stopped(base::SimTime now) {
 }
 
 void Axis::initialise_position() {
-  if (objects_.uses_encoder() && settings_.position_from_encoder) {
+  if (objects_.uses_encoder() && settings_.position_from_encoder && motion_.stands()) {
     motion_.set_position(feedback_.position());
   }
 }
@@ -206,7 +206,7 @@ void Axis::follow_limit_switches(const SwitchLevels& levels) {
 PowerInput Axis::power_input(base::SimTime now) const {
   return {.now = now,
           .operation_permitted = conditions_.network_operational,
-          .at_rest = motion_.at_rest(),
+          .at_rest = motion_.stands() || !power_.bridge_enabled(),
           .fault_present = fault_present(),
           .options = {.quick_stop = option(objects_.quick_stop_option),
                       .shutdown = option(objects_.shutdown_option),

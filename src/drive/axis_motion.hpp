@@ -22,12 +22,28 @@ struct FeedForward {
   double torque = 0.0;    ///< A
 };
 
+/// What the shaft of a servo axis does now, as its sensors tell it.
+struct ShaftState {
+  std::int64_t position = 0;  ///< increments
+  double velocity = 0.0;      ///< pps
+  double standstill = 0.0;    ///< pps below which the shaft counts as standing
+  /// s by which the demand has to be ahead of the shaft for the position loop to ask for the
+  /// demand's velocity: 0 where that velocity is fed forward.
+  double lead = 0.0;
+  bool free = false;  ///< no current holds it
+};
+
 /// Which loop of a servo axis takes the set-point. A stepper axis turns every position into
 /// currents, whatever it was made from.
 enum class ControlLoop : std::uint8_t { position, velocity, torque };
 
 /// What the modes of operation may do with the motor: every set-point passes here, where software
 /// position limits (607Dh) and limit switches hold for all modes.
+///
+/// What stops, limits and answers "does it stand" is the shaft. A servo axis tells it with
+/// follow_shaft(); the shaft of an axis that never does is its counter, the demand. A stop takes
+/// over from the shaft where the demand has left it: the velocity loop brings it down from the
+/// velocity it has, and the position loop holds it where it comes to rest.
 ///
 /// Positions are 64-bit increments: microsteps of a stepper axis, encoder counts or hall steps of a
 /// servo axis; the objects show the lower 32 bits. An absolute target means the position with these
@@ -64,11 +80,15 @@ class AxisMotion {
   /// stopped where the position has passed the limit.
   void move_at_velocity(double velocity);
   /// Interpolates to a cyclic target within 60C2h; clamped to the software limits. Outside them the
-  /// axis may stay or return, it is not pulled back.
+  /// axis may stay or return, it is not pulled back. A target in force is a command in every cycle:
+  /// once a limit switch, a changed limit or a stop has held the axis back, it catches the target
+  /// up with 6083h and 6084h, and follows it again from there on.
   void follow_position(std::int64_t target);
   /// Interpolates to `velocity` (pps) within 60C2h; at a software limit as move_at_velocity(), with
-  /// 6084h.
+  /// 6084h. Caught up with 6083h and 6084h as a position is.
   void follow_velocity(double velocity);
+  /// The cyclic target is what the axis works at: nothing holds it back.
+  [[nodiscard]] bool follows_target() const;
   /// Accompanies the cyclic set-point that was followed just now, until anything else is commanded;
   /// one that is held back at a limit goes without.
   void feed_forward(const FeedForward& ahead) { ahead_ = limited() ? FeedForward{} : ahead; }
@@ -82,7 +102,8 @@ class AxisMotion {
   void push_at_velocity(double velocity, const PassedSwitches& passed);
 
   /// cst: `amperes` of phase current (signed) at the largest load angle instead of a set-point. At
-  /// a limit the axis brakes and holds its position until the torque points away from it.
+  /// a limit the axis brakes and holds its position until the torque points away from the limit, or
+  /// the limit has gone.
   void apply_torque(double amperes);
   /// The torque in force; none while set-points are.
   [[nodiscard]] std::optional<double> torque() const { return torque_; }
@@ -91,23 +112,26 @@ class AxisMotion {
   /// Call every control period.
   void follow_rotor(double deviation, double velocity);
 
-  /// Of a servo axis: what its shaft does now, every control period. Outside the position loop,
-  /// and while the shaft is `free` of current, the demand follows it, so that whatever comes next
-  /// starts from there. `standstill`: pps below which the shaft counts as standing.
-  void follow_shaft(std::int64_t position, double velocity, double standstill, bool free);
+  /// Of a servo axis, every control period. Outside the position loop, and while the shaft is free
+  /// of current, the demand follows it, so that whatever comes next starts from there.
+  void follow_shaft(const ShaftState& shaft);
   /// The loop that the set-point is for.
   [[nodiscard]] ControlLoop loop() const {
     return torque_ ? ControlLoop::torque : loop_without_torque_;
   }
-  /// The position loop takes over from where the demand is.
-  void hold_position() { loop_without_torque_ = ControlLoop::position; }
+  /// The position loop takes over from where the demand is; at once, also in motion.
+  void hold_position();
+  /// A mode begins: a shaft that turns is braked with 6084h first, one that stands is held.
+  void settle();
   /// Gives a motion up that went wrong: the demand rests where the shaft of a servo axis is.
   void rest_at_shaft();
 
   /// Brakes with 6084h (and the bows of a profile under way), after a homing motion with 609Ah, by
-  /// the quick stop ramp with 6085h, or at once. A torque without a deceleration to brake with
-  /// ends in coasting.
+  /// the quick stop ramp with 6085h, or at once, from the velocity of the shaft on. A torque
+  /// without a deceleration to brake with ends in coasting.
   void brake(Braking braking);
+  /// The latest command was to stop.
+  [[nodiscard]] bool stopping() const;
   /// Renames the present position; a motion under way ends at once.
   void set_position(std::int64_t microsteps) { ramp_.set_position(microsteps); }
 
@@ -126,7 +150,20 @@ class AxisMotion {
     return position() - (ramp_.motor_microsteps() - motor_microsteps);
   }
   [[nodiscard]] double velocity() const { return ramp_.velocity(); }
+  /// The demand rests.
   [[nodiscard]] bool at_rest() const { return ramp_.at_rest(); }
+  /// The demand rests and the shaft stands.
+  [[nodiscard]] bool stands() const;
+  /// The same as of now, without waiting that it lasts: nothing has to be braked.
+  [[nodiscard]] bool settled() const;
+  /// pps, of the shaft of a servo axis without the counts of its sensor; 0 of others.
+  [[nodiscard]] double shaft_velocity() const { return filtered_velocity_; }
+  /// Target of profile position as far as limits let it be.
+  [[nodiscard]] std::int64_t target() const { return passed_target_; }
+  /// Profile position has passed its target and goes on with the end velocity.
+  [[nodiscard]] bool goes_on() const { return goes_on_; }
+  /// Takes the end velocity up in `direction`, as behind a target that was passed.
+  void go_on(double direction);
   /// What was commanded last is held back: it was cut down to a software limit or to what the ramp
   /// generator holds, or a limit switch blocks it now.
   [[nodiscard]] bool limited() const { return clamped_ || blocked_direction_ != 0.0; }
@@ -149,12 +186,34 @@ class AxisMotion {
     immediate,  ///< to the target without a ramp; the shaft is still on its way
   };
 
+  /// What is commanded anew in every cycle.
+  enum class Cyclic : std::uint8_t { none, position, velocity };
+
   [[nodiscard]] std::int64_t turn() const;
   [[nodiscard]] bool has_limits() const;
   [[nodiscard]] std::int64_t clamped(std::int64_t target, std::int64_t lower, std::int64_t upper);
   [[nodiscard]] bool switch_blocks(double direction) const;
   [[nodiscard]] bool blocked_by_switch(double direction);
   void stop_at_switch(double direction);
+  [[nodiscard]] bool pulls(double direction) const;
+  [[nodiscard]] double way_into_switch() const;
+  void take_over_from_shaft();
+  void end_stop();
+  [[nodiscard]] bool is_slow() const;
+  [[nodiscard]] bool is_held(double velocity) const;
+  void keep_target_within_limits();
+  void follow_profile_objects(const control::RampLimits& limits);
+  [[nodiscard]] double within_largest(double velocity) const;
+  void note_cyclic(std::int64_t target);
+  [[nodiscard]] std::int64_t within_limits(std::int64_t target) const;
+  [[nodiscard]] bool has_ramp() const;
+  void catch_up();
+  void catch_up_position();
+  void catch_up_velocity();
+  void approach(double way);
+  void resume_velocity();
+  [[nodiscard]] double lead_way(double velocity) const;
+  [[nodiscard]] bool hold_has_ended() const;
   [[nodiscard]] bool limit_blocks(double direction) const;
   [[nodiscard]] control::RampLimits profile_limits() const;
   [[nodiscard]] control::RampLimits velocity_limits() const;
@@ -177,6 +236,7 @@ class AxisMotion {
     torque_.reset();
     held_direction_ = 0.0;
     ahead_ = {};
+    goes_on_ = false;
   }
   /// A limit ends the torque in force.
   void hold_against(double direction);
@@ -187,19 +247,37 @@ class AxisMotion {
   base::SimDuration period_;
   control::RampGenerator ramp_;
   Profile profile_ = Profile::none;
-  PassedSwitches passed_;           ///< in Profile::search
-  bool clamped_ = false;            ///< the last command was not taken as it came
-  double blocked_direction_ = 0.0;  ///< in which a limit switch blocks; 0 = none does
-  double wanted_velocity_ = 0.0;    ///< pps, of the last velocity commanded
-  double limit_direction_ = 0.0;    ///< in Profile::to_limit
-  std::optional<double> torque_;    ///< A
-  double held_direction_ = 0.0;     ///< of the torque that ran into a limit, 0 = none
+  PassedSwitches passed_;                        ///< in Profile::search
+  bool clamped_ = false;                         ///< the last command was not taken as it came
+  double blocked_direction_ = 0.0;               ///< in which a limit switch blocks; 0 = none does
+  double commanded_velocity_ = 0.0;              ///< pps, the last one, as it came
+  double wanted_velocity_ = 0.0;                 ///< pps, the same, within the largest velocity
+  double limit_direction_ = 0.0;                 ///< in Profile::to_limit
+  std::optional<double> torque_;                 ///< A
+  double held_direction_ = 0.0;                  ///< of the torque that ran into a limit, 0 = none
+  std::optional<std::int64_t> held_limit_;       ///< software limit there at that time
+  std::optional<std::int64_t> travelled_limit_;  ///< in Profile::to_limit
   FeedForward ahead_;
   ControlLoop loop_without_torque_ = ControlLoop::position;
-  double scale_ = 1.0;               ///< of position objects
-  std::int64_t shaft_position_ = 0;  ///< of a servo axis, as last told
-  double shaft_velocity_ = 0.0;      ///< pps, the same
+  double scale_ = 1.0;                         ///< of position objects
+  bool measured_ = false;                      ///< the axis tells what its shaft does
+  std::int64_t shaft_position_ = 0;            ///< of a servo axis, as last told
+  double shaft_velocity_ = 0.0;                ///< pps, the same
+  double filtered_velocity_ = 0.0;             ///< pps, the same
+  base::SimDuration standing_{1'000'000'000};  ///< for how long it has been slow, or held
+  double standstill_ = 0.0;                    ///< pps
+  double lead_ = 0.0;                          ///< s, see ShaftState
+  bool free_ = true;                           ///< as last told
+  bool stopping_ = false;                      ///< a stop has taken over from the shaft
+  bool holds_then_ = false;                    ///< and the position loop takes over from it
+  Cyclic cyclic_ = Cyclic::none;
+  bool held_back_ = false;           ///< something other than the cyclic target moved the axis
+  std::int64_t cyclic_target_ = 0;   ///< as it came
+  std::int64_t cyclic_allowed_ = 0;  ///< within the limits
+  double cyclic_way_ = 0.0;          ///< from the cyclic target before
+  base::SimDuration cyclic_age_;     ///< since it came
   std::int64_t passed_target_ = 0;   ///< of positioning with an end velocity
+  bool goes_on_ = false;             ///< behind it
 };
 
 }  // namespace stator::drive

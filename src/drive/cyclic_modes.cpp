@@ -15,7 +15,8 @@ void CyclicPosition::on_target(const ModeContext& context) {
 }
 
 std::uint16_t CyclicPosition::status(const ModeContext& context) const {
-  std::uint16_t bits = context.enabled ? statusword::kTargetUsed : std::uint16_t{0};
+  const bool followed = context.enabled && context.motion.follows_target();
+  std::uint16_t bits = followed ? statusword::kTargetUsed : std::uint16_t{0};
   if (context.following_error) {
     bits |= statusword::kFollowingError;
   }
@@ -33,7 +34,8 @@ void CyclicVelocity::on_target(const ModeContext& context) {
 }
 
 std::uint16_t CyclicVelocity::status(const ModeContext& context) const {
-  return context.enabled ? statusword::kTargetUsed : std::uint16_t{0};
+  const bool followed = context.enabled && context.motion.follows_target();
+  return followed ? statusword::kTargetUsed : std::uint16_t{0};
 }
 
 }  // namespace stator::drive

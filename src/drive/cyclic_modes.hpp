@@ -4,7 +4,8 @@
 
 namespace stator::drive {
 
-/// Cyclic synchronous position (CiA 402-2 §13): 607Ah + 60B0h, reached within 60C2h; no ramps.
+/// Cyclic synchronous position (CiA 402-2 §13): 607Ah + 60B0h, reached within 60C2h; no ramps but
+/// to catch up what was held back. Statusword bit 12: the target is followed, nothing holds back.
 /// 60B1h and 60B2h are feed-forward where ProfileBehaviour says so.
 class CyclicPosition final : public OperatingMode {
  public:
@@ -14,8 +15,9 @@ class CyclicPosition final : public OperatingMode {
   [[nodiscard]] std::uint16_t status(const ModeContext& context) const override;
 };
 
-/// Cyclic synchronous velocity (CiA 402-2 §14): 60FFh + 60B1h, reached within 60C2h; no ramps.
-/// 60B2h is feed-forward where ProfileBehaviour says so.
+/// Cyclic synchronous velocity (CiA 402-2 §14): 60FFh + 60B1h, reached within 60C2h; no ramps but
+/// to catch up what was held back. Statusword bit 12 as in cyclic synchronous position. 60B2h is
+/// feed-forward where ProfileBehaviour says so.
 class CyclicVelocity final : public OperatingMode {
  public:
   [[nodiscard]] ModeCode code() const override { return ModeCode::cyclic_synchronous_velocity; }

@@ -89,8 +89,20 @@ void FocAxis::begin_period(base::SimTime now) {
   feedback_.update(count_, configuration().control_period);
   motion_.advance(configuration().control_period);
   const bool free = !power_.bridge_enabled() || !commutation_.known();
-  motion_.follow_shaft(feedback_.position(), actual_velocity(),
-                       settings_.units.pps(foc_settings_.standstill), free);
+  motion_.follow_shaft({.position = feedback_.position(),
+                        .velocity = actual_velocity(),
+                        .standstill = settings_.units.pps(foc_settings_.standstill),
+                        .lead = position_lead(),
+                        .free = free});
+}
+
+/// s by which PID_POSITION_TARGET is ahead of the shaft where the position controller asks for the
+/// velocity of the demand: P in Q4.12 makes rpm of 65536ths of a revolution.
+double FocAxis::position_lead() const {
+  constexpr double kSecondsPerMinute = 60.0;
+  constexpr double kOne = 4096.0;
+  const std::int32_t p = block_.get(field("PID_POSITION_P"));
+  return p > 0 ? kSecondsPerMinute * kOne / (static_cast<double>(kBlockCounts) * p) : 0.0;
 }
 
 void FocAxis::read_block() {

@@ -113,6 +113,7 @@ class FocAxis final : public Axis {
 
   void configure();
   void configure_probes();
+  [[nodiscard]] double position_lead() const;
   void read_block();
   void read_switches();
   void update_conditions();

@@ -114,7 +114,7 @@ struct PowerDelays {
 struct PowerInput {
   base::SimTime now;
   bool operation_permitted = false;  ///< the network is in its operational state
-  bool at_rest = true;               ///< no set-point motion is under way
+  bool at_rest = true;               ///< the motor stands, or no current could brake it
   bool fault_present = false;        ///< the cause of a fault persists: no fault reset
   PowerOptions options;
   PowerDelays delays;

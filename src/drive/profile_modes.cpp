@@ -17,21 +17,39 @@ enum class RelativeTo : std::uint16_t { preceding_target = 0, demand = 1, actual
 
 /// The standard's reading of target reached during halt: the motor stands.
 std::uint16_t halted_status(const ModeContext& context) {
-  return context.ready && context.motion.at_rest() ? statusword::kTargetReached : std::uint16_t{0};
+  return context.ready && context.motion.stands() ? statusword::kTargetReached : std::uint16_t{0};
 }
 
 }  // namespace
 
 void ProfilePosition::enter(const ModeContext& context) {
   target_ = context.motion.position();
+  direction_ = 0.0;
   commanded_ = false;
   acknowledged_ = false;
   in_window_ = false;
 }
 
+void ProfilePosition::travel(const ModeContext& context) {
+  direction_ = target_ < context.motion.position() ? -1.0 : 1.0;
+  target_ = context.motion.move_to(target_);
+}
+
+void ProfilePosition::halt(const ModeContext& context) {
+  went_on_ = context.motion.goes_on();
+  OperatingMode::halt(context);
+}
+
+/// A target that was passed with the end velocity, or while the motor came to rest from there, is
+/// not gone back to.
 void ProfilePosition::resume(const ModeContext& context) {
-  if (commanded_) {
-    target_ = context.motion.move_to(target_);
+  const auto beyond = static_cast<double>(context.motion.position() - target_);
+  const bool passes = context.settings.behaviour.end_velocity_goes_on &&
+                      context.objects.end_velocity.get() != 0 && !context.motion.limited();
+  if (commanded_ && (went_on_ || (passes && beyond * direction_ > 0.0))) {
+    context.motion.go_on(direction_);
+  } else if (commanded_) {
+    travel(context);
   }
 }
 
@@ -49,8 +67,9 @@ void ProfilePosition::on_controlword(const ModeContext& context, std::uint16_t p
   commanded_ = true;
   acknowledged_ = true;
   in_window_ = false;
+  went_on_ = false;
   if (context.enabled) {
-    target_ = context.motion.move_to(target_);
+    travel(context);
   }
 }
 
@@ -72,6 +91,9 @@ std::int64_t ProfilePosition::new_target(const ModeContext& context, bool relati
 }
 
 void ProfilePosition::tick(const ModeContext& context) {
+  if (commanded_ && context.enabled) {
+    target_ = context.motion.target();  // limits may have moved
+  }
   const bool inside = within_window(context);
   if (inside && !in_window_) {
     window_entered_ = context.now;
@@ -93,7 +115,9 @@ bool ProfilePosition::target_reached(const ModeContext& context) const {
            std::fabs(context.actual_velocity) <= end.velocity;
   }
   if (window == 0 || window == kWindowOff) {
-    return context.motion.at_rest() && context.motion.position() == target_;
+    const std::int64_t distance = context.settings.position_end.value_or(PositionEnd{}).distance;
+    return context.motion.stands() && context.motion.position() == target_ &&
+           (!context.position_loop || std::llabs(context.actual_position() - target_) <= distance);
   }
   const base::SimDuration time(std::int64_t{context.objects.position_window_time.get()} *
                                1'000'000);

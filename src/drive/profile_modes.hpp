@@ -10,6 +10,7 @@ class ProfilePosition final : public OperatingMode {
  public:
   [[nodiscard]] ModeCode code() const override { return ModeCode::profile_position; }
   void enter(const ModeContext& context) override;
+  void halt(const ModeContext& context) override;
   void resume(const ModeContext& context) override;
   void on_controlword(const ModeContext& context, std::uint16_t previous,
                       std::uint16_t present) override;
@@ -17,11 +18,14 @@ class ProfilePosition final : public OperatingMode {
   [[nodiscard]] std::uint16_t status(const ModeContext& context) const override;
 
  private:
+  void travel(const ModeContext& context);
   [[nodiscard]] std::int64_t new_target(const ModeContext& context, bool relative) const;
   [[nodiscard]] bool within_window(const ModeContext& context) const;
   [[nodiscard]] bool target_reached(const ModeContext& context) const;
 
   std::int64_t target_ = 0;    ///< in force, microsteps
+  double direction_ = 0.0;     ///< to it, as seen from where it was commanded
+  bool went_on_ = false;       ///< halted behind it, on the end velocity
   bool commanded_ = false;     ///< a set-point has come since enter()
   bool acknowledged_ = false;  ///< statusword bit 12
   bool in_window_ = false;

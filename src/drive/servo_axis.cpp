@@ -100,8 +100,11 @@ void ServoAxis::begin_period(base::SimTime /*now*/) {
   feedback_.update(controller_.position(), configuration().control_period);
   motion_.advance(configuration().control_period);
   const bool free = !power_.bridge_enabled() || !commutation_known();
-  motion_.follow_shaft(feedback_.position(), actual_velocity(),
-                       settings_.units.pps(servo_settings_.controller.motor_halted_velocity), free);
+  motion_.follow_shaft(
+      {.position = feedback_.position(),
+       .velocity = actual_velocity(),
+       .standstill = settings_.units.pps(servo_settings_.controller.motor_halted_velocity),
+       .free = free});
   if (!homing()) {
     filtered_current_ = 0.0;
   }

@@ -69,7 +69,7 @@ void ProfileTorque::tick(const ModeContext& context) {
 
 std::uint16_t ProfileTorque::status(const ModeContext& context) const {
   const bool reached =
-      context.halted ? context.ready && context.motion.at_rest()
+      context.halted ? context.ready && context.motion.stands()
                      : context.enabled && context.motion.torque() && demand_ == target(context);
   return reached ? statusword::kTargetReached : std::uint16_t{0};
 }

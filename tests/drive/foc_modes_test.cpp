@@ -222,7 +222,9 @@ TEST_F(FocModes, QuickStopBrakesWithItsDecelerationAndDisablesTheDrive) {
   const base::SimTime begin = bench_.now;
   ASSERT_TRUE(bench_.pass_until(
       [&] { return bench_.axis->power_state() == PowerState::switch_on_disabled; }, 1_s));
-  EXPECT_NEAR((bench_.now - begin).seconds(), 0.025, 0.0006);
+  EXPECT_GE((bench_.now - begin).seconds(), 0.025);
+  EXPECT_LT((bench_.now - begin).seconds(), 0.04) << "the shaft comes to rest behind the ramp";
+  EXPECT_NEAR(bench_.rpm(), 0.0, 10.0);
   bench_.pass(2_ms);
   EXPECT_EQ(bench_.get(field("MODE_MOTION")), 0);
   EXPECT_EQ(bench_.get(field("PWM_CHOP")), 0);

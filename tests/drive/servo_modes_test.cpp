@@ -150,7 +150,7 @@ TEST_F(ServoProfilePosition, TheWindowIsInclusiveAndSeesTheActualPosition) {
   EXPECT_FALSE(bench_.status(statusword::kTargetReached));
 }
 
-TEST_F(ServoProfilePosition, AWindowOfZeroLooksAtTheDemand) {
+TEST_F(ServoProfilePosition, AWindowOfZeroLooksAtTheDemandAndAtTheShaft) {
   bench_.write(0x6067, 0);
   bench_.motor.blocked = true;
   bench_.write(0x607A, 2000);
@@ -158,8 +158,11 @@ TEST_F(ServoProfilePosition, AWindowOfZeroLooksAtTheDemand) {
   bench_.pass(20_ms);
   EXPECT_FALSE(bench_.status(statusword::kTargetReached));
   EXPECT_TRUE(bench_.pass_until([&] { return bench_.read(0x6062) == 2000; }, 3_s));
-  bench_.pass(2_ms);
-  EXPECT_TRUE(bench_.status(statusword::kTargetReached));
+  bench_.pass(10_ms);
+  EXPECT_FALSE(bench_.status(statusword::kTargetReached));
+  bench_.motor.blocked = false;
+  EXPECT_TRUE(bench_.pass_until([&] { return bench_.status(statusword::kTargetReached); }, 3_s));
+  EXPECT_NEAR(static_cast<double>(bench_.position()), 2000.0, 5.0);
 }
 
 TEST_F(ServoProfilePosition, WithoutAWindowPositionEndCounts) {
