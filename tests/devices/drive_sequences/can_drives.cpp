@@ -32,6 +32,7 @@ class Tmcc160Drive final : public DriveUnderTest {
                .reaction = encoder ? 0.03 : 0.05,
                .bandwidth = 20.0,
                .inertia = inertia_,
+               .integral_time = 0.5,
                .follows_within = encoder ? 0.02 : 0.1,
                .position_error = encoder ? 0.005 : 0.06,
                .velocity_error = encoder ? 1.0 : 2.0,
@@ -66,7 +67,7 @@ class Tmcc160Drive final : public DriveUnderTest {
             {.counts = static_cast<double>(axis.controller().increments_per_revolution()),
              .halts_homing = false,
              .halt_releases_torque = true},
-            sample);
+            homed_, sample);
     sample.shown_torque = 1e-3 * axis.controller().actual_current() * motor_.torque_constant();
     sample.position_renamed = homings_ != axis.homings() || sample.searching;
     sample.reference_changed =
@@ -101,6 +102,7 @@ class Tmcc160Drive final : public DriveUnderTest {
   std::uint32_t homings_ = 0;
   drive::ModeCode mode_ = drive::ModeCode::none;
   bool powered_ = false;
+  bool homed_ = false;
 };
 
 class Tmcm142Drive final : public DriveUnderTest {

@@ -107,7 +107,7 @@ PowerOff power_off_by(const drive::Axis& axis) {
   return axis.errors().any_of(kStage) ? PowerOff::stage_fault : PowerOff::not_allowed;
 }
 
-void observe(const drive::Axis& axis, const Cia402Choices& choices, Sample& sample) {
+void observe(const drive::Axis& axis, const Cia402Choices& choices, bool& homed, Sample& sample) {
   const drive::AxisObjects& objects = axis.objects();
   const drive::AxisSettings& settings = axis.settings();
   const double counts = choices.counts;
@@ -120,7 +120,8 @@ void observe(const drive::Axis& axis, const Cia402Choices& choices, Sample& samp
               .quick_stop = acceleration(objects.quick_stop_deceleration.get())};
   const auto mode = axis.mode();
   const bool homes = mode == drive::ModeCode::homing;
-  if (homes) {
+  homed = homes || homed;
+  if (homed) {
     ramps.slow_down = std::min(ramps.slow_down, homing);
   }
 
@@ -136,6 +137,7 @@ void observe(const drive::Axis& axis, const Cia402Choices& choices, Sample& samp
     sample.guidance = Guidance::torque;
   }
   sample.stop = stop_of(axis, choices, ramps);
+  homed = homes || (homed && sample.stop.cause != StopCause::none);
   sample.enabled = axis.power_state() == PowerState::operation_enabled;
   sample.searching = homes;
   sample.demand = static_cast<double>(axis.motion().position()) / counts;

@@ -17,7 +17,8 @@ struct Cia402Choices {
 };
 
 /// What the objects of an axis command and show now. What is left of `sample` is the plant's.
-void observe(const drive::Axis& axis, const Cia402Choices& choices, Sample& sample);
+/// `homed`: the axis homed before the stop that is under way began, which keeps its ramp.
+void observe(const drive::Axis& axis, const Cia402Choices& choices, bool& homed, Sample& sample);
 
 /// Whether the controlword of now or an option code of 0 lets power go off.
 [[nodiscard]] PowerOff power_off_by(const drive::Axis& axis);

@@ -79,7 +79,9 @@ std::string_view reason_of(Invariant invariant) {
   return kRows[static_cast<std::size_t>(invariant)].reason;
 }
 
-void StoppingEnvelope::begin(double speed) {
+void StoppingEnvelope::begin(double speed, double position) {
+  begin_position_ = position;
+  allowed_way_ = 0.0;
   active_ = true;
   begin_speed_ = ramp_ = allowed_ = std::max(0.0, speed);
   gentlest_ = std::numeric_limits<double>::infinity();
@@ -90,6 +92,17 @@ bool StoppingEnvelope::exceeded(const DriveTraits& traits, double speed, double 
   const double above = speed - allowed_ - tolerance;
   excess_ = above > 0.0 ? excess_ + (speed - allowed_) * kPeriod : 0.0;
   return excess_ > traits.settle;
+}
+
+bool StoppingEnvelope::overrun(const DriveTraits& traits, double way, double speed,
+                               double disturbance) {
+  constexpr double kMoreSettle = 4.0;  // a target that was overshot is found again
+  const bool moves = allowed_ > traits.standstill;
+  allowed_way_ += (disturbance + (moves ? allowed_ + traits.standstill : 0.0)) * kPeriod;
+  const bool creeps = !moves && speed > traits.standstill + disturbance;
+  excess_ = creeps ? excess_ + speed * kPeriod : 0.0;
+  return (speed > 0.0 && way > allowed_way_ + traits.settle) ||
+         excess_ > kMoreSettle * traits.settle;
 }
 
 void StoppingEnvelope::pass(const Sample& sample, const DriveTraits& traits, double deceleration,
@@ -170,8 +183,7 @@ bool DriveInvariants::numbers_are_finite(const Sample& now) const {
 // A step of the load moves the shaft against the stiffness of the velocity loop; the integrator and
 // the position loop bring it back.
 void DriveInvariants::follow_disturbance(const Sample& now) {
-  constexpr double kTimeConstant = 0.1;  // s
-  disturbance_ -= disturbance_ * kPeriod / kTimeConstant;
+  disturbance_ -= disturbance_ * kPeriod / traits_.integral_time;
   if (now.load != before_->load) {
     disturbance_ +=
         2.0 * std::abs(now.load - before_->load) / (traits_.inertia * traits_.bandwidth) / kTurn;
@@ -204,62 +216,52 @@ void DriveInvariants::judge_stop(const Sample& now) {
   }
 }
 
+void DriveInvariants::judge_outward(Invariant invariant, StoppingEnvelope& envelope,
+                                    const Sample& now, bool holds, double outward,
+                                    double deceleration) {
+  if (!holds || !now.power || now.searching || now.stop.unbounded) {
+    envelope.end();
+    return;
+  }
+  const double speed = std::max(0.0, outward * now.velocity);
+  if (!envelope.active()) {
+    envelope.begin(std::max(speed, outward * before_->velocity), before_->position);
+    since_stop_ = 0;
+  }
+  const double weaker = now.stop.cause == StopCause::none
+                            ? deceleration
+                            : std::min(deceleration, now.stop.deceleration);
+  envelope.pass(now, traits_, weaker, speed, outward);
+  const double way = outward * (now.position - envelope.begin_position());
+  if (envelope.overrun(traits_, way, speed, disturbance_)) {
+    violate(invariant, now.time,
+            joined(outward < 0.0 ? "negative" : "positive", " limit: the shaft is ", way,
+                   " rev behind where it was with ", envelope.begin_speed(), " rev/s, ",
+                   envelope.allowed_way(), " rev are the way to stop; it goes outward with ", speed,
+                   " rev/s (ramp ", weaker, " rev/s², mode ", now.mode, ", ",
+                   to_text(now.stop.cause), ", statusword ", now.statusword, ")"));
+  }
+}
+
 void DriveInvariants::judge_switches(const Sample& now) {
   for (std::size_t side = 0; side < 2; ++side) {
     const double outward = side == 0 ? -1.0 : 1.0;
     const bool pressed = side == 0 ? now.negative_switch : now.positive_switch;
-    StoppingEnvelope& envelope = switch_[side];
-    if (!pressed || !now.power || now.searching || now.stop.unbounded) {
-      envelope.end();
-      continue;
+    if (!switch_[side].active()) {
+      stopped_by_switch_[side] = outward * now.velocity > traits_.standstill;
     }
-    const double speed = std::max(0.0, outward * now.velocity);
-    if (!envelope.active()) {
-      envelope.begin(std::max(speed, outward * before_->velocity));
-      stopped_by_switch_[side] = speed > traits_.standstill;
-      since_stop_ = 0;
-    }
-    const double deceleration = now.stop.cause == StopCause::none
-                                    ? now.switch_deceleration
-                                    : std::min(now.switch_deceleration, now.stop.deceleration);
-    envelope.pass(now, traits_, deceleration, speed, outward);
-    if (envelope.exceeded(traits_, speed, traits_.standstill + disturbance_)) {
-      violate(Invariant::behind_switch, now.time,
-              joined(side == 0 ? "negative" : "positive", " switch pressed: outward with ", speed,
-                     " rev/s after a begin with ", envelope.begin_speed(), ", by now it may have ",
-                     envelope.allowed(), " (ramp ", deceleration, " rev/s², mode ", now.mode,
-                     ", statusword ", now.statusword, ")"));
-    }
+    judge_outward(Invariant::behind_switch, switch_[side], now, pressed, outward,
+                  now.switch_deceleration);
   }
 }
 
 void DriveInvariants::judge_software_limits(const Sample& now) {
   for (std::size_t side = 0; side < 2; ++side) {
-    const double outward = side == 0 ? -1.0 : 1.0;
     const double beyond =
         side == 0 ? now.lower_limit - now.shown_position : now.shown_position - now.upper_limit;
-    StoppingEnvelope& envelope = limit_[side];
-    if (beyond <= 0.0 || !now.power || now.searching || now.stop.unbounded ||
-        now.reference_changed || now.mode == 0) {
-      envelope.end();
-      continue;
-    }
-    const double speed = std::max(0.0, outward * now.velocity);
-    if (!envelope.active()) {
-      envelope.begin(std::max(speed, outward * before_->velocity));
-      since_stop_ = 0;
-    }
-    const double deceleration = now.stop.cause == StopCause::none
-                                    ? now.limit_deceleration
-                                    : std::min(now.limit_deceleration, now.stop.deceleration);
-    envelope.pass(now, traits_, deceleration, speed, outward);
-    if (envelope.exceeded(traits_, speed, traits_.standstill + disturbance_)) {
-      violate(Invariant::behind_software_limit, now.time,
-              joined(side == 0 ? "lower" : "upper", " limit passed by ", beyond,
-                     " rev: outward with ", speed, " rev/s after a begin with ",
-                     envelope.begin_speed(), ", by now it may have ", envelope.allowed(), " (ramp ",
-                     deceleration, " rev/s², mode ", now.mode, ")"));
-    }
+    judge_outward(Invariant::behind_software_limit, limit_[side], now,
+                  beyond > 0.0 && !now.reference_changed && now.mode != 0, side == 0 ? -1.0 : 1.0,
+                  now.limit_deceleration);
   }
 }
 
@@ -279,15 +281,21 @@ void DriveInvariants::judge_demand(const Sample& now) {
     }
   }
   const double change = std::abs(now.demand_velocity - before.demand_velocity);
-  if (change <= 1.1 * limit * kPeriod + 1e-6) {
+  // Within a millisecond a ramp may come down to 0 and go up on the other side.
+  const bool turns = now.demand_velocity * before.demand_velocity < 0.0;
+  if (change <= (turns ? 2.2 : 1.1) * limit * kPeriod + 1e-6) {
     return;
   }
   const auto near_shaft = [&](double velocity) {
     return std::abs(now.demand_velocity - velocity) <=
            traits_.velocity_error + 2.0 * limit * kPeriod;
   };
-  if (since_stop_ <= 3 && (near_shaft(before.velocity) || near_shaft(now.velocity))) {
-    return;  // takes over what the shaft does
+  // A stop, and a limit that holds the axis, takes over what the shaft does as its sensor tells.
+  const bool limited = ((now.statusword | before.statusword) & 0x0800) != 0;
+  if ((since_stop_ <= 3 || limited) &&
+      (near_shaft(before.velocity) || near_shaft(now.velocity) ||
+       near_shaft(before.shown_velocity) || near_shaft(now.shown_velocity))) {
+    return;
   }
   if (now.demand_velocity == 0.0 && std::abs(before.demand_velocity) <= 1.01 * now.end_velocity) {
     return;
@@ -302,7 +310,9 @@ void DriveInvariants::judge_power(const Sample& now) {
   if (!before_->power || now.power || now.power_off != PowerOff::not_allowed) {
     return;
   }
-  if (std::abs(now.velocity) > traits_.standstill + disturbance_) {
+  // A sensor that sees no motion yet, within a step of its own, cannot be asked for more.
+  const double seen = std::max(std::abs(now.shown_velocity), std::abs(before_->shown_velocity));
+  if (std::min(std::abs(now.velocity), seen) > traits_.standstill + disturbance_) {
     const double capability = kUsableTorque * now.torque_limit + now.friction - std::abs(now.load);
     if (capability > 0.0) {
       violate(Invariant::power_off, now.time,

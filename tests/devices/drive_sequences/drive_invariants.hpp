@@ -45,7 +45,7 @@ struct DriveViolation {
 /// what the weaker of ramp and motor takes away, with a fifth more time and the drive's reaction.
 class StoppingEnvelope {
  public:
-  void begin(double speed);
+  void begin(double speed, double position = 0.0);
   void end() { active_ = false; }
   [[nodiscard]] bool active() const { return active_; }
   [[nodiscard]] double begin_speed() const { return begin_speed_; }
@@ -56,6 +56,11 @@ class StoppingEnvelope {
   /// The shaft has moved on by more than DriveTraits::settle, faster than allowed all the time:
   /// what overshoots on a loop's way to rest is none.
   [[nodiscard]] bool exceeded(const DriveTraits& traits, double speed, double tolerance);
+  /// The same of a limit, which allows a way: the shaft went further, or goes on at the end of it.
+  [[nodiscard]] bool overrun(const DriveTraits& traits, double way, double speed,
+                             double disturbance);
+  [[nodiscard]] double begin_position() const { return begin_position_; }
+  [[nodiscard]] double allowed_way() const { return allowed_way_; }
 
  private:
   bool active_ = false;
@@ -83,6 +88,9 @@ class DriveInvariants {
   void judge_demand(const Sample& now);
   void judge_switches(const Sample& now);
   void judge_software_limits(const Sample& now);
+  /// What moves against a limit that `holds` in the direction `outward`.
+  void judge_outward(Invariant invariant, StoppingEnvelope& envelope, const Sample& now, bool holds,
+                     double outward, double deceleration);
   void judge_power(const Sample& now);
   void judge_bits(const Sample& now);
   void judge_actual_values(const Sample& now);

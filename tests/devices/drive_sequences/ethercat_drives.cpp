@@ -169,7 +169,7 @@ class Tmc8670Drive final : public EtherCatDrive {
         {plant.sensing().left_switch, plant.sensing().right_switch, false});
     sample.negative_switch = pressed.negative_limit;
     sample.positive_switch = pressed.positive_limit;
-    observe(axis, choices_, sample);
+    observe(axis, choices_, homed_, sample);
     sample.shown_torque = axis.quadrature_current() * motor_.torque_constant();
     sample.position_renamed = homings_ != axis.homings() || sample.searching;
     sample.reference_changed =
@@ -193,6 +193,7 @@ class Tmc8670Drive final : public EtherCatDrive {
   std::uint32_t homings_ = 0;
   drive::ModeCode mode_ = drive::ModeCode::none;
   bool powered_ = false;
+  bool homed_ = false;
 };
 
 constexpr std::array kTmcm3315Outputs{MappedObject{0x6040, 0, 2}, MappedObject{0x607A, 2, 4},
@@ -243,7 +244,7 @@ class Tmcm3315Drive final : public EtherCatDrive {
     Cia402Choices choices{.counts = kCounts, .halts_homing = false, .steps_to_rest = true};
     const double stop = axis.settings().ramp.stop_deceleration / kCounts;
     choices.switch_deceleration = stop > 0.0 ? stop : kUnlimited;
-    observe(axis, choices, sample);
+    observe(axis, choices, homed_, sample);
     sample.position_renamed = homings_ != axis.homings() || sample.searching;
     sample.reference_changed =
         homings_ != axis.homings() || mode_ != axis.mode() || powered_ != axis.bridge_enabled();
@@ -269,6 +270,7 @@ class Tmcm3315Drive final : public EtherCatDrive {
   std::uint32_t homings_ = 0;
   drive::ModeCode mode_ = drive::ModeCode::none;
   bool powered_ = false;
+  bool homed_ = false;
 };
 
 }  // namespace

@@ -647,8 +647,6 @@ std::vector<DriveStep> revival(Product product) {
   steps.push_back(
       {.action = DriveAction::write_near, .index = 0x607A, .value = std::llround(words.counts)});
   steps.push_back(object(0x6040, 0x1F));
-  steps.push_back(waiting(10));
-  steps.push_back(object(0x6040, 0x0F));
   return steps;
 }
 

@@ -110,6 +110,7 @@ struct DriveTraits {
   double reaction = 0.02;          ///< s from a command to torque in the other direction
   double bandwidth = 100.0;        ///< rad/s of the velocity loop at `inertia`
   double inertia = 1e-5;           ///< kg m² the loops are tuned for
+  double integral_time = 0.1;      ///< s in which a load is taken over
   double follows_within = 0.02;    ///< rev between demand and shaft that is no lag
   double position_error = 0.01;    ///< rev between 6064h and the plant
   double velocity_error = 0.5;     ///< rev/s between 606Ch and the plant at constant velocity
