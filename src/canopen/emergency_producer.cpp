@@ -17,6 +17,22 @@ constexpr std::uint8_t kGenericError = 0x01;
 constexpr std::uint16_t kErrorReset = 0x0000;
 constexpr std::int64_t kNanosecondsPerInhibitUnit = 100'000;
 
+// What becomes of a message.
+constexpr std::string_view kSent = "its emergency has been handed to the CAN controller";
+constexpr std::string_view kInhibited =
+    "its emergency waits for the inhibit time 1015h or for earlier ones";
+constexpr std::string_view kStopped = "its emergency waits until the node has left Stopped";
+constexpr std::string_view kStarting =
+    "its emergency comes after the boot-up message, if the error lasts until then";
+constexpr std::string_view kSwitchedOff =
+    "no emergency is sent, for bit 31 of 1014h switches them off";
+constexpr std::string_view kMissing = "no emergency is sent, for the node has no 1014h";
+constexpr std::string_view kCrowded = "its emergency is lost, for eight wait already";
+constexpr std::string_view kNoRoom =
+    "its emergency is lost, for the transmit buffer of the CAN controller is full";
+constexpr std::string_view kNotTold =
+    "no emergency is sent, for the product has no code for it: only 1001h tells";
+
 /// Codes 81xxh and 82xxh: communication, protocol (CiA 301 table 26).
 bool is_communication_error(std::uint16_t code) {
   return code >= 0x8100 && code <= 0x82FF;
@@ -59,7 +75,7 @@ void EmergencyProducer::start(SimTime now) {
   message_count_ = 0;
   for (std::size_t i = 0; i < error_count_; ++i) {
     if (const Error& error = errors_[i]; error.told) {
-      queue({.code = error.code, .information = error.information}, now);
+      static_cast<void>(queue({.code = error.code, .information = error.information}, now));
     }
   }
 }
@@ -119,16 +135,26 @@ bool EmergencyProducer::lasts(std::uint16_t code, std::uint8_t cause) const {
 
 void EmergencyProducer::raise(const Emergency& emergency, SimTime now) {
   const Emergency complete = completed(emergency);
-  if (add(complete, true, now)) {
-    queue(complete, now);
+  if (add(complete, true)) {
+    report(complete, queue(complete, now), now);
   }
 }
 
 void EmergencyProducer::note(const Emergency& emergency, SimTime now) {
-  static_cast<void>(add(completed(emergency), false, now));
+  const Emergency complete = completed(emergency);
+  if (add(complete, false)) {
+    report(complete, kNotTold, now);
+  }
 }
 
-bool EmergencyProducer::add(const Emergency& emergency, bool told, SimTime now) {
+void EmergencyProducer::report(const Emergency& emergency, std::string_view fate,
+                               SimTime now) const {
+  reporter_.report(now, rules::kEmergencyRaised,
+                   {int{emergency.code}, error_register_->signed_value(),
+                    int{emergency.information[0]}, int{emergency.information[1]}, fate});
+}
+
+bool EmergencyProducer::add(const Emergency& emergency, bool told) {
   if (find(emergency.code, emergency.cause) != nullptr) {
     return false;
   }
@@ -138,9 +164,6 @@ bool EmergencyProducer::add(const Emergency& emergency, bool told, SimTime now) 
   }
   update_register();
   record(emergency);
-  reporter_.report(now, rules::kEmergencyRaised,
-                   {int{emergency.code}, error_register_->signed_value(),
-                    int{emergency.information[0]}, int{emergency.information[1]}});
   return true;
 }
 
@@ -169,7 +192,7 @@ void EmergencyProducer::withdraw(std::uint16_t code, std::uint8_t cause) {
 }
 
 void EmergencyProducer::report_reset(SimTime now) {
-  queue({.code = kErrorReset}, now);
+  static_cast<void>(queue({.code = kErrorReset}, now));
 }
 
 void EmergencyProducer::update_register() {
@@ -197,13 +220,13 @@ void EmergencyProducer::record(const Emergency& emergency) {
   count.set_value(std::min<std::uint64_t>(count.value() + 1, entries.size()));
 }
 
-void EmergencyProducer::queue(const Emergency& emergency, SimTime now) {
+std::string_view EmergencyProducer::queue(const Emergency& emergency, SimTime now) {
   // In Initialisation 1014h has yet to take the value with which the message is sent.
   const bool valid = cob_id_ != nullptr && (state_ == NmtState::initialisation ||
                                             (cob_id_->value() & kCobIdInvalid) == 0);
   if (!valid || message_count_ == messages_.size()) {
     ++statistics_.dropped;
-    return;
+    return valid ? kCrowded : (cob_id_ == nullptr ? kMissing : kSwitchedOff);
   }
   can::Frame& frame = messages_[(first_message_ + message_count_) % messages_.size()];
   frame = {.length = can::kMaximumData};
@@ -212,8 +235,15 @@ void EmergencyProducer::queue(const Emergency& emergency, SimTime now) {
   std::ranges::transform(emergency.information, frame.data.begin() + 3,
                          [](std::uint8_t byte) { return std::byte{byte}; });
   ++message_count_;
+  const std::uint64_t sent = statistics_.sent;
   send_waiting(now);
   deadline_changed();
+  if (message_count_ == 0) {
+    return statistics_.sent > sent ? kSent : kNoRoom;
+  }
+  return state_ == NmtState::initialisation ? kStarting
+         : state_ == NmtState::stopped      ? kStopped
+                                            : kInhibited;
 }
 
 bool EmergencyProducer::may_send() const {

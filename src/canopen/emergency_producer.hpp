@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 #include "base/event.hpp"
 #include "can/transmitter.hpp"
@@ -89,12 +90,14 @@ class EmergencyProducer final : public Service, public EmergencySink {
 
   [[nodiscard]] Emergency completed(const Emergency& emergency) const;
   [[nodiscard]] Error* find(std::uint16_t code, std::uint8_t cause);
-  bool add(const Emergency& emergency, bool told, base::SimTime now);
+  bool add(const Emergency& emergency, bool told);
   bool remove(std::uint16_t code, std::uint8_t cause);
   void begin_anew();
   void update_register();
   void record(const Emergency& emergency);
-  void queue(const Emergency& emergency, base::SimTime now);
+  void report(const Emergency& emergency, std::string_view fate, base::SimTime now) const;
+  /// Says, for a person, what becomes of the message.
+  std::string_view queue(const Emergency& emergency, base::SimTime now);
   void send_waiting(base::SimTime now);
   [[nodiscard]] bool may_send() const;
   [[nodiscard]] dictionary::Verdict check_cob_id_written(const dictionary::Entry& entry,
@@ -123,12 +126,12 @@ class EmergencyProducer final : public Service, public EmergencySink {
 };
 
 namespace rules {
+/// {4}: what became of the message.
 inline constexpr base::EventRule kEmergencyRaised{
     "emergency", base::Severity::fault,
-    "emergency {0:x4}, error register {1:x2}, information {2}, {3}: an error has come"};
-inline constexpr base::EventRule kEmergencyCleared{
-    "emergency-cleared", base::Severity::information,
-    "emergency {0:x4} is gone, error register {1:x2}"};
+    "error {0:x4}, error register {1:x2}, information {2}, {3}, has come; {4}"};
+inline constexpr base::EventRule kEmergencyCleared{"emergency-cleared", base::Severity::information,
+                                                   "error {0:x4} is gone, error register {1:x2}"};
 inline constexpr base::EventRule kHistoryValue{
     "error-history-value", base::Severity::refusal,
     "write to {0:x4}:{1:x2} \"{2}\" refused: {3} came; only 0, which clears the error history, can "

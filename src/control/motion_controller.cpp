@@ -79,8 +79,11 @@ void MotionController::set_mode(Mode mode) {
   ramp_.set_mode(mode);
 }
 
-void MotionController::stop_at_once() {
-  ramp_.stop_at_once();
+void MotionController::stop_undriven() {
+  if (mode() != Mode::velocity || target_velocity() != 0 || !at_rest()) {
+    ramp_.stop_at_once();
+  }
+  regulator_.pause(true);
 }
 
 void MotionController::set_position(std::int32_t position) {
@@ -116,7 +119,7 @@ void MotionController::advance(const base::AxisSensing& sensing, base::SimDurati
 
 /// Takes in the sensors, all of one moment.
 void MotionController::observe(const base::AxisSensing& sensing) {
-  observed_position_ = unwrapped_position();
+  observed_travel_ = travel();
   encoder_.sample(sensing);
   settings_.encoder.mode = encoder_.mode();
   if (switches_.sample(sensing.left_switch, sensing.right_switch)) {

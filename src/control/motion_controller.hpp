@@ -69,8 +69,9 @@ class MotionController {
   void set_target_velocity(std::int32_t velocity);
   /// AP 128.
   void set_mode(Mode mode);
-  /// Velocity mode, velocity 0 at once.
-  void stop_at_once();
+  /// The motor is not driven: velocity mode, velocity 0 at once, and the regulator pauses until the
+  /// next motion command. To be called in every period in which that is so.
+  void stop_undriven();
   /// AP 1: names the position anew without moving the motor. In positioning mode the motor then
   /// moves to its target, which keeps its number (A104).
   void set_position(std::int32_t position);
@@ -94,10 +95,11 @@ class MotionController {
   [[nodiscard]] std::int32_t position() const { return ramp_.position(); }                // AP 1
   [[nodiscard]] std::int32_t target_velocity() const { return ramp_.target_velocity(); }  // AP 2
   [[nodiscard]] std::int32_t velocity() const { return ramp_.velocity(); }                // AP 3
-  /// Not cut to 32 bits.
-  [[nodiscard]] std::int64_t unwrapped_position() const { return ramp_.unwrapped_position(); }
-  /// The same, where the sensors were taken in last.
-  [[nodiscard]] std::int64_t observed_position() const { return observed_position_; }
+  /// Microsteps the ramp has made since power-on, whatever AP 1 was set to, where the sensors were
+  /// taken in last.
+  [[nodiscard]] std::int64_t observed_travel() const { return observed_travel_; }
+  /// The same at present.
+  [[nodiscard]] std::int64_t travel() const { return ramp_.generator().motor_microsteps(); }
   [[nodiscard]] bool position_reached() const { return target_position() == position(); }  // AP 8
   [[nodiscard]] bool velocity_reached() const { return target_velocity() == velocity(); }  // AP 130
   /// The ramp's velocity is 0 and no motion is planned.
@@ -163,7 +165,7 @@ class MotionController {
   bool deviation_flag_ = false;
   bool encoder_warning_ = false;
   bool moving_ = false;
-  std::int64_t observed_position_ = 0;
+  std::int64_t observed_travel_ = 0;
   std::int32_t latched_position_ = 0;
   std::int64_t microsteps_ = 0;
   std::uint8_t current_scale_ = 0;

@@ -19,7 +19,12 @@ void ReferenceSearch::start(MotionController& controller, const SearchSettings& 
   search_speed_ = speed(settings.search_speed, fastest);
   switch_speed_ = speed(settings.switch_speed, fastest / 4);
   right_searched_ = settings.mode != SearchMode::left_switch;
-  failed_ = false;
+  failure_ = SearchFailure::none;
+  if (search_speed_ == 0 || switch_speed_ == 0) {
+    controller.rotate(0);
+    end(controller, SearchFailure::no_speed);
+    return;
+  }
   controller.ignore_stops(true);
   if (right_searched_) {
     enter(controller, SearchState::to_right_switch, search_speed_);
@@ -45,8 +50,15 @@ void ReferenceSearch::stop(MotionController& controller) {
   }
 }
 
-void ReferenceSearch::end(MotionController& controller) {
+void ReferenceSearch::abandon(MotionController& controller) {
+  if (active()) {
+    end(controller, SearchFailure::undriven);
+  }
+}
+
+void ReferenceSearch::end(MotionController& controller, SearchFailure failure) {
   state_ = SearchState::inactive;
+  failure_ = failure;
   controller.ignore_stops(false);
 }
 
@@ -55,11 +67,10 @@ void ReferenceSearch::advance(MotionController& controller) {
     return;
   }
   if (controller.stopped_by_deviation()) {
-    failed_ = true;
-    end(controller);
+    end(controller, SearchFailure::deviation);
     return;
   }
-  const std::int64_t position = controller.observed_position();
+  const std::int64_t position = controller.observed_travel();
   const bool left = controller.left_switch();
   switch (state_) {
     case SearchState::to_right_switch:
@@ -117,7 +128,7 @@ void ReferenceSearch::finish(MotionController& controller) {
   if (right_searched_) {
     switch_distance_ = saturated(std::max<std::int64_t>(0, right_position_ - reference));
   }
-  controller.set_reference(saturated(controller.unwrapped_position() - reference));
+  controller.set_reference(saturated(controller.travel() - reference));
   end(controller);
 }
 

@@ -13,6 +13,14 @@ enum class SearchMode : std::uint8_t {
   right_then_reference_switch = 3,  ///< in series with the left one: the first met from the right
 };
 
+/// Why a search ended without a reference.
+enum class SearchFailure : std::uint8_t {
+  none,
+  deviation,  ///< the encoder's deviation stopped the motor
+  undriven,   ///< the power stage went off, or was off
+  no_speed,   ///< a speed of 0: no switch would ever be met
+};
+
 struct SearchSettings {
   SearchMode mode = SearchMode::left_switch;
   std::uint32_t search_speed = 0;  ///< AP 194, units of the chip; 0 = AP 4 (A50)
@@ -45,12 +53,14 @@ class ReferenceSearch {
   void start(MotionController& controller, const SearchSettings& settings);
   /// RFS STOP: brakes and leaves coordinates as they are.
   void stop(MotionController& controller);
+  /// Ends a search under way, whose motor is not driven any more.
+  void abandon(MotionController& controller);
   void advance(MotionController& controller);
 
   [[nodiscard]] bool active() const { return state_ != SearchState::inactive; }
   [[nodiscard]] SearchState state() const { return state_; }
-  /// The latest search ended because the encoder's deviation stopped the motor.
-  [[nodiscard]] bool failed() const { return failed_; }
+  /// Of the latest search.
+  [[nodiscard]] SearchFailure failure() const { return failure_; }
   /// AP 196, microsteps from the reference to where the right switch was met, after a search in
   /// mode 2 or 3; 0 before.
   [[nodiscard]] std::int32_t switch_distance() const { return switch_distance_; }
@@ -60,10 +70,10 @@ class ReferenceSearch {
   void enter(MotionController& controller, SearchState state, std::int32_t velocity);
   void next_at_rest(MotionController& controller);
   void finish(MotionController& controller);
-  void end(MotionController& controller);
+  void end(MotionController& controller, SearchFailure failure = SearchFailure::none);
 
   SearchState state_ = SearchState::inactive;
-  bool failed_ = false;
+  SearchFailure failure_ = SearchFailure::none;
   bool right_searched_ = false;
   bool left_seen_ = false;  ///< while leaving it
   std::int32_t search_speed_ = 0;

@@ -14,7 +14,7 @@ constexpr double kMillivolt = 1e-3;
 constexpr double kMilliamperes = 1e3;             // per ampere
 constexpr double kPiUnit = 65536.0;               // outputs of PI controllers carry 16 bits
 constexpr double kVelocityUnit = 256.0;           // the velocity error carries 8 bits
-constexpr double kPositionGainUnit = 4.0;         // rpm per revolution: P = 300 gives 20 1/s
+constexpr double kPositionGainUnit = 4.0;         // rpm per revolution: u = 1, P = 300: 20 1/s
 constexpr double kDelay = 1.5;                    // periods from sampling to the middle of holding
 constexpr double kSmoothing = 0.25;               // of a millisecond in 4 ms
 constexpr double kInterpolationThreshold = 60.0;  // rpm
@@ -53,12 +53,13 @@ void ServoController::configure(const ServoControllerSettings& settings) {
   rpm_of_rate_ = kPeriodsPerMinute / increments;
   rate_of_rpm_ = pole_pairs / kPeriodsPerMinute;
   advance_of_rpm_ = kDelay * rate_of_rpm_;
-  rpm_of_increment_ = kPositionGainUnit * settings.position_p / increments;
+  const int unit = outer_gain_unit(settings.commutation);
+  rpm_of_increment_ = kPositionGainUnit * unit * settings.position_p / increments;
   increments_of_rpm_ = kOuterLoopDivider * increments / kPeriodsPerMinute;
   velocity_limit_ = settings.maximum_velocity;
   inverse_velocity_band_ = 1.0 / std::max(kVelocityBand * velocity_limit_, kLeastVelocityBand);
   torque_limit_ = of_milliampere(settings.maximum_torque);
-  velocity_output_unit_ = velocity_output_unit(settings.commutation);
+  velocity_output_unit_ = unit;
   velocity_output_limit_ = std::int64_t{torque_limit_} * 65536 / velocity_output_unit_;
   field_current_ = std::min(of_milliampere(settings.open_loop_current), torque_limit_);
   i2t_.configure(settings.i2t_time_constant, settings.i2t_limit);

@@ -99,7 +99,8 @@ void Axis::enter_mode(base::SimTime now) {
 }
 
 bool Axis::halt_wanted() const {
-  const bool halt = (controlword_ & controlword::kHalt) != 0 && mode_->code() != ModeCode::homing;
+  const bool looked_at = mode_ != &homing_ || settings_.behaviour.homing_by_profile;
+  const bool halt = (controlword_ & controlword::kHalt) != 0 && looked_at;
   return enabled_ && (halt || !stage_status().ready);
 }
 

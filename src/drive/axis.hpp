@@ -73,7 +73,7 @@ class Axis {
   [[nodiscard]] const AxisObjects& objects() const { return objects_; }
   [[nodiscard]] ModeCode mode() const { return mode_->code(); }
   /// A homing method runs.
-  [[nodiscard]] bool homing() const { return homing_.runs(); }
+  [[nodiscard]] bool homing() const { return mode_ == &homing_ && homing_.runs(); }
   /// How often home was found.
   [[nodiscard]] std::uint32_t homings() const { return homing_.completions(); }
   /// Errors that are present, and faults that were and wait for a fault reset.

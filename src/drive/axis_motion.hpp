@@ -156,8 +156,8 @@ class AxisMotion {
   [[nodiscard]] bool stands() const;
   /// The same as of now, without waiting that it lasts: nothing has to be braked.
   [[nodiscard]] bool settled() const;
-  /// pps, of the shaft of a servo axis without the counts of its sensor; 0 of others.
-  [[nodiscard]] double shaft_velocity() const { return filtered_velocity_; }
+  /// pps of the shaft of a servo axis, 0 where it counts as standing; 0 of others.
+  [[nodiscard]] double shaft_velocity() const { return is_slow() ? 0.0 : shaft_velocity_; }
   /// Target of profile position as far as limits let it be.
   [[nodiscard]] std::int64_t target() const { return passed_target_; }
   /// Profile position has passed its target and goes on with the end velocity.
@@ -274,7 +274,7 @@ class AxisMotion {
   bool held_back_ = false;           ///< something other than the cyclic target moved the axis
   std::int64_t cyclic_target_ = 0;   ///< as it came
   std::int64_t cyclic_allowed_ = 0;  ///< within the limits
-  double cyclic_way_ = 0.0;          ///< from the cyclic target before
+  double cyclic_way_ = 0.0;          ///< from the cyclic target before, or the position
   base::SimDuration cyclic_age_;     ///< since it came
   std::int64_t passed_target_ = 0;   ///< of positioning with an end velocity
   bool goes_on_ = false;             ///< behind it

@@ -34,7 +34,8 @@ void AxisMotion::follow_position(std::int64_t target) {
 }
 
 void AxisMotion::note_cyclic(std::int64_t target) {
-  cyclic_way_ = cyclic_ == Cyclic::position ? static_cast<double>(target - cyclic_target_) : 0.0;
+  const std::int64_t before = cyclic_ == Cyclic::position ? cyclic_target_ : position();
+  cyclic_way_ = static_cast<double>(target - before);
   cyclic_age_ = base::SimDuration(0);
   cyclic_target_ = target;
   cyclic_ = Cyclic::position;

@@ -224,6 +224,12 @@ void AxisMotion::watch_software_limits() {
   if (!on_profile && ramp_.mode() != control::RampMode::follow_velocity) {
     return;
   }
+  if (settings_.behaviour.stops_behind_software_limits) {
+    if (limit_blocks(velocity())) {
+      stop_behind_limit(velocity());
+    }
+    return;
+  }
   if (const double direction = limit_passed_by(ramp_, on_profile); direction != 0.0) {
     travel_to_limit(direction, on_profile);
   }

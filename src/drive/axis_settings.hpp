@@ -39,8 +39,14 @@ struct ProfileBehaviour {
   /// Halt in cst takes the torque away, and a stop without a deceleration to brake with ends in
   /// coasting; otherwise both brake.
   bool stops_release_torque = false;
-  /// A homing method that moves does not start with a speed of 0.
+  /// A homing method that moves does not start with a speed or an acceleration of 0.
   bool homing_needs_speeds = false;
+  /// Homing starts where bit 4 of the controlword rises in mode 6; otherwise its level counts.
+  bool homing_starts_on_edge = false;
+  /// Homing as CiA 402-2 has it: halt holds a run, bit 13 of the statusword tells an error, bit 10
+  /// alone also that none has started, and methods 35 and 37 take the home offset. Otherwise halt
+  /// is not looked at, there is no bit 13, and these methods make the position 0.
+  bool homing_by_profile = false;
   /// 60B1h in csp and 60B2h in csp and csv go to the loops inside as feed-forward; otherwise they
   /// mean nothing there.
   bool offsets_feed_forward = false;

@@ -59,8 +59,9 @@ constexpr std::array<EventRule, kAxisErrorCount> kErrorRules{{
      "axis {0}: overcurrent in bridge C, the driver is switched off; look for a short in motor or "
      "cable, then reset the fault"},
     {"axis-overvoltage", Severity::fault,
-     "axis {0}: the supply is too high; lower it, or let a brake chopper take what the motor feeds "
-     "back, then reset the fault"},
+     "axis {0}: the supply is too high, the driver is switched off and the motor coasts; lower the "
+     "supply, brake on a gentler ramp, or let a brake chopper take what the motor feeds back, then "
+     "reset the fault"},
     {"axis-hall-error", Severity::fault,
      "axis {0}: the hall sensors show a state or a sequence that does not exist; look for a broken "
      "wire, check their order and polarity, then reset the fault"},
@@ -83,8 +84,15 @@ void Axis::supervise(base::SimTime now) {
   const bool homes = mode_->code() == ModeCode::homing;  // no limit means anything yet
   const auto upper = motion_.upper_limit();
   const auto lower = motion_.lower_limit();
-  watch(AxisError::positive_software_limit, upper && actual > *upper && !homes, now);
-  watch(AxisError::negative_software_limit, lower && actual < *lower && !homes, now);
+  // A shaft that rests on its target on a limit swings a count or two about it.
+  const std::int64_t margin = settings_.position_end.value_or(PositionEnd{}).distance;
+  const auto beyond = [&](AxisError error, std::int64_t way) {
+    return !homes && way > (causes_.has(error) ? 0 : margin);
+  };
+  watch(AxisError::positive_software_limit,
+        upper && beyond(AxisError::positive_software_limit, actual - *upper), now);
+  watch(AxisError::negative_software_limit,
+        lower && beyond(AxisError::negative_software_limit, *lower - actual), now);
   watch(AxisError::positive_limit_switch, conditions_.positive_limit_switch && !homes, now);
   watch(AxisError::negative_limit_switch, conditions_.negative_limit_switch && !homes, now);
   supervise_stage(now);

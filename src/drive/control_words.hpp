@@ -29,6 +29,7 @@ inline constexpr std::uint16_t kHomeAttained = 1U << 12;         ///< hm
 inline constexpr std::uint16_t kTargetUsed = 1U << 12;           ///< csp, csv, cst
 inline constexpr std::uint16_t kSpeedZero = 1U << 12;            ///< pv
 inline constexpr std::uint16_t kFollowingError = 1U << 13;       ///< csp
+inline constexpr std::uint16_t kHomingError = 1U << 13;          ///< hm
 inline constexpr std::uint16_t kMotorActivity = 1U << 14;        ///< 1 = rotates
 inline constexpr std::uint16_t kNegativeDirection = 1U << 15;  ///< 1 = negative, also the last one
 }  // namespace statusword

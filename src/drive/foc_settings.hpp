@@ -61,7 +61,11 @@ struct FocSettings {
 };
 
 /// The choices of a TMC8670 (decisions F-50 to F-69).
-inline constexpr ProfileBehaviour kFocBehaviour{
-    .slows_down_at_switches = true, .homing_needs_speeds = true, .offsets_feed_forward = true};
+inline constexpr ProfileBehaviour kFocBehaviour{.end_velocity_goes_on = true,
+                                                .slows_down_at_switches = true,
+                                                .homing_needs_speeds = true,
+                                                .homing_starts_on_edge = true,
+                                                .homing_by_profile = true,
+                                                .offsets_feed_forward = true};
 
 }  // namespace stator::drive

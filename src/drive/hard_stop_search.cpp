@@ -8,6 +8,9 @@ namespace stator::drive {
 
 namespace {
 
+/// For which a shaft that has not run yet stands against a stop.
+constexpr base::SimDuration kStallTime{100'000'000};
+
 constexpr PassedSwitches kAllPassed{.negative_limit = true, .positive_limit = true};
 
 /// 6099h:02, not above 6099h:01 if that is set.
@@ -37,6 +40,8 @@ void HardStopSearch::begin(const HomingMethod& method) {
   stage_ = Stage::pushing;
   direction_ = method.search_direction;
   second_ = false;
+  has_run_ = false;
+  is_stalled_ = false;
 }
 
 bool HardStopSearch::advance(const ModeContext& context) {
@@ -48,21 +53,24 @@ bool HardStopSearch::advance(const ModeContext& context) {
   return is_on_goal(context) && arrived(context);
 }
 
-/// The shaft itself is there: a controller that has just pushed with all it may follows late. It
-/// need not stand: cogging and friction can make a shaft swing about its goal for ever.
 bool HardStopSearch::is_on_goal(const ModeContext& context) const {
-  const PositionEnd end = context.settings.position_end.value_or(PositionEnd{});
   return context.motion.at_rest() && context.motion.position() == goal_ &&
-         std::llabs(context.actual_position() - goal_) <= end.distance &&
+         shaft_is_at(context, goal_);
+}
+
+bool shaft_is_at(const ModeContext& context, std::int64_t goal) {
+  if (!context.position_loop) {
+    return true;
+  }
+  const PositionEnd end = context.settings.position_end.value_or(PositionEnd{});
+  return std::llabs(context.actual_position() - goal) <= end.distance &&
          std::fabs(context.actual_velocity) <= end.velocity;
 }
 
 void HardStopSearch::push(const ModeContext& context) {
   const double velocity = direction_ * search_speed(context);
   context.motion.push_at_velocity(velocity, kAllPassed);
-  // The current that gains speed is no sign of a stop.
-  if (context.motion.velocity() != velocity ||
-      context.motor_current * direction_ < context.settings.hard_stop.current) {
+  if (!held_up(context, velocity)) {
     return;
   }
   context.motion.rest_at_shaft();
@@ -70,6 +78,29 @@ void HardStopSearch::push(const ModeContext& context) {
   goal_ = context.motion.position() -
           direction_ * (direction_ > 0 ? settings.positive_clearance : settings.negative_clearance);
   stage_ = Stage::returning;
+}
+
+/// Friction and a load that has to gain speed take current as well: a shaft that has run, with half
+/// the current of a stop, is held up as soon as its current reaches that of a stop; one that has
+/// not, when it stands with that current for kStallTime.
+bool HardStopSearch::held_up(const ModeContext& context, double velocity) {
+  const double stop_current = context.settings.hard_stop.current;
+  const double current = context.motor_current * direction_;
+  const double shaft = context.motion.shaft_velocity() * direction_;
+  if (context.motion.velocity() != velocity) {
+    is_stalled_ = false;
+    return false;
+  }
+  if (shaft >= 0.5 * std::fabs(velocity) && current <= 0.5 * stop_current) {
+    has_run_ = true;
+  }
+  const bool presses = current >= stop_current;
+  const bool stalled = presses && shaft == 0.0;
+  if (stalled && !is_stalled_) {
+    stalled_since_ = context.now;
+  }
+  is_stalled_ = stalled;
+  return presses && (has_run_ || (stalled && context.now - stalled_since_ >= kStallTime));
 }
 
 bool HardStopSearch::arrived(const ModeContext& context) {
@@ -88,6 +119,8 @@ bool HardStopSearch::arrived(const ModeContext& context) {
     return true;
   }
   second_ = true;
+  has_run_ = false;
+  is_stalled_ = false;
   direction_ = -direction_;
   stage_ = Stage::pushing;
   return false;

@@ -53,6 +53,7 @@ inline constexpr std::array kHomingMethods{
     HomingMethod{33, HomeSignal::index, -1},
     HomingMethod{34, HomeSignal::index, +1},
     HomingMethod{35, HomeSignal::present_position},
+    HomingMethod{37, HomeSignal::present_position},  // the number that took the place of 35
 };
 
 /// The row of `code`; null for 0 (no homing) and codes without one.

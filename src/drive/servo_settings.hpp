@@ -35,6 +35,7 @@ inline constexpr ProfileBehaviour kServoBehaviour{.zero_velocity_is_largest = tr
                                                   .stops_behind_software_limits = true,
                                                   .slows_down_at_switches = true,
                                                   .stops_release_torque = true,
-                                                  .homing_needs_speeds = true};
+                                                  .homing_needs_speeds = true,
+                                                  .homing_starts_on_edge = true};
 
 }  // namespace stator::drive

@@ -32,7 +32,7 @@ constexpr Option kTorqueP = gain("current-p", "P of the current controller, V/A 
 constexpr Option kTorqueI = gain("current-i", "I of it, V/A and period / 65536", 500.0);
 constexpr Option kVelocityP = gain("velocity-p", "P of the velocity controller", 500.0);
 constexpr Option kVelocityI = gain("velocity-i", "I of it", 500.0);
-constexpr Option kPositionP = gain("position-p", "P of the position controller, 1/s / 15", 300.0);
+constexpr Option kPositionP = gain("position-p", "P of the position controller", 300.0);
 constexpr Option kEncoder{.name = "encoder",
                           .unit = "",
                           .help = "Counts per revolution; the linear model has no steps",
@@ -62,7 +62,7 @@ constexpr Option kPositionStep{.name = "step",
                                .help = "Height of the step",
                                .minimum = 0.01,
                                .maximum = 100.0,
-                               .preset = 0.5};
+                               .preset = 0.125};
 constexpr std::array kCurrentOptions{kCurrentStep, kTorqueP, kTorqueI, kDuration};
 constexpr std::array kVelocityOptions{kVelocityStep, kTorqueP, kTorqueI, kVelocityP,
                                       kVelocityI,    kEncoder, kDuration};
@@ -270,7 +270,7 @@ Result measure_position_step(const BenchSetup& setup, const Values& values) {
                        .unit = "rev",
                        .unit_in_si = base::kTwoPi,
                        .step = values["step"],
-                       .duration = 1e-3 * values.value_or("duration", 400.0)});
+                       .duration = 1e-3 * values.value_or("duration", 200.0)});
 }
 
 }  // namespace stator::experiment

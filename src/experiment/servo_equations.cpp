@@ -113,11 +113,9 @@ LinearServo::LinearServo(const ServoEquations& equations,
                          const control::ServoControllerSettings& gains, bool locked)
     : current_p_(gains.torque_p / 256.0),
       current_i_(gains.torque_i / 65536.0),
-      velocity_p_(control::velocity_output_unit(gains.commutation) * gains.velocity_p / 256e3 /
-                  kRpm),
-      velocity_i_(control::velocity_output_unit(gains.commutation) * gains.velocity_i / 65536e3 /
-                  kRpm),
-      position_p_(gains.position_p / 15.0) {
+      velocity_p_(control::outer_gain_unit(gains.commutation) * gains.velocity_p / 256e3 / kRpm),
+      velocity_i_(control::outer_gain_unit(gains.commutation) * gains.velocity_i / 65536e3 / kRpm),
+      position_p_(control::outer_gain_unit(gains.commutation) * gains.position_p / 15.0) {
   const double inductance = motor.quadrature_inductance;
   const double mobility = locked ? 0.0 : 1.0 / equations.inertia();
   // d/dt (current, speed, angle, voltage), the voltage being held.

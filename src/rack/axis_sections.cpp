@@ -79,7 +79,10 @@ void read_supply(TomlSection section, plant::SupplyParameters& supply) {
   set(section, {"source_resistance", "Of source and cable; through it no energy goes back", "Ω"},
       1e-3, 1e3, supply.source_resistance);
   set(section,
-      {"brake_chopper_voltage", "From which the brake chopper burns what the motor returns", "V"},
+      {"brake_chopper_voltage",
+       "From which a brake chopper burns what the motor returns; without one, braking harder than "
+       "friction does raises the voltage until a servo drive switches off",
+       "V"},
       1.0, 1000.0, supply.chopper_voltage);
   set(section, {"brake_chopper_resistance", "Of the resistor of the brake chopper", "Ω"}, 0.1, 1e4,
       supply.chopper_resistance);

@@ -1,5 +1,8 @@
 #include "canopen/emergency_producer.hpp"
 
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "canopen/service_bench.hpp"
@@ -102,6 +105,65 @@ TEST(EmergencyProducer, InvalidCobId_SilencesIt) {
   bench.write(0x1014, 0, 0x91);
   bench.emergencies.raise(kOverheating, bench.now);
   EXPECT_EQ(bench.take_count(0x91), 1U);
+}
+
+/// An emergency producer beside the bench's, whose lines are kept.
+class LinesOfEmergencies : public base::EventSink {
+ public:
+  void on_event(const base::Event& event) override {
+    const std::string sentence = base::to_sentence(event);
+    lines.push_back(sentence.substr(sentence.rfind(';') + 1));
+  }
+  /// What the line of the next error says of its message.
+  std::string fate() {
+    lines.clear();
+    producer.raise({.code = code++}, now);
+    return lines.size() == 1 ? lines.front() : "no line, or several";
+  }
+
+  base::SimTime now;
+  test::TestDictionary objects;
+  test::RecordingTransmitter transmitter;
+  EmergencyProducer producer{objects.dictionary, transmitter, base::EventReporter(this, 0)};
+  std::uint16_t code = 0x2310;
+  std::vector<std::string> lines;
+};
+
+TEST(EmergencyProducer, LineOfAnError_SaysWhatBecameOfItsMessage) {
+  LinesOfEmergencies lines;
+  EXPECT_EQ(lines.fate(),
+            " its emergency comes after the boot-up message, if the error lasts until then");
+  lines.producer.start(lines.now);
+  lines.producer.on_state(NmtState::pre_operational, lines.now);
+  EXPECT_EQ(lines.transmitter.frames.size(), 1U);
+
+  EXPECT_EQ(lines.fate(), " its emergency has been handed to the CAN controller");
+  EXPECT_EQ(lines.transmitter.frames.size(), 2U);
+
+  lines.transmitter.full = true;
+  EXPECT_EQ(lines.fate(),
+            " its emergency is lost, for the transmit buffer of the CAN controller is full");
+  lines.transmitter.full = false;
+
+  lines.objects.set(0x1015, 0, 100);
+  EXPECT_EQ(lines.fate(), " its emergency has been handed to the CAN controller");
+  EXPECT_EQ(lines.fate(), " its emergency waits for the inhibit time 1015h or for earlier ones");
+  EXPECT_EQ(lines.transmitter.frames.size(), 3U);
+
+  lines.producer.on_state(NmtState::stopped, lines.now);
+  EXPECT_EQ(lines.fate(), " its emergency waits until the node has left Stopped");
+  for (int waiting = 2; waiting < 8; ++waiting) {
+    lines.fate();
+  }
+  EXPECT_EQ(lines.fate(), " its emergency is lost, for eight wait already");
+
+  lines.objects.set(0x1014, 0, 0x80000085);
+  EXPECT_EQ(lines.fate(), " no emergency is sent, for bit 31 of 1014h switches them off");
+  lines.lines.clear();
+  lines.producer.note({.code = 0x3110}, lines.now);
+  EXPECT_EQ(lines.lines,
+            std::vector<std::string>{
+                " no emergency is sent, for the product has no code for it: only 1001h tells"});
 }
 
 TEST(EmergencyProducer, History_HasTheNewestFirstAndTheMessagesFirstBytes) {

@@ -220,10 +220,53 @@ TEST(ReferenceSearch, EndsWhenTheEncodersDeviationStopsTheMotor) {
   bench.controller.configure(settings);
   bench.search.start(bench.controller, {.mode = SearchMode::left_switch});
   EXPECT_LT(bench.run(), 10'000);
-  EXPECT_TRUE(bench.search.failed());
+  EXPECT_EQ(bench.search.failure(), SearchFailure::deviation);
   EXPECT_EQ(bench.controller.velocity(), 0);
   bench.search.start(bench.controller, {.mode = SearchMode::left_switch});
-  EXPECT_FALSE(bench.search.failed());
+  EXPECT_EQ(bench.search.failure(), SearchFailure::none);
+}
+
+TEST(ReferenceSearch, EndsWhenItsMotorIsNotDrivenAnyMore) {
+  Search bench({.left_end = -200'000});
+  bench.search.start(bench.controller, {.mode = SearchMode::left_switch});
+  for (int i = 0; i < 500; ++i) {
+    bench.step();
+  }
+  bench.search.abandon(bench.controller);
+  bench.controller.stop_undriven();
+  const std::int32_t position = bench.controller.position();
+  EXPECT_LT(bench.run(), 1);
+  bench.step();
+  EXPECT_EQ(bench.controller.position(), position) << "neither a ramp nor the coordinates";
+  EXPECT_EQ(bench.search.failure(), SearchFailure::undriven);
+}
+
+TEST(ReferenceSearch, WithoutASpeedThereIsNone) {
+  Search bench({.left_end = -200'000});
+  Settings settings = bench.controller.settings();
+  settings.ramp.maximum_velocity = 3;  // a quarter of it is 0
+  bench.controller.configure(settings);
+  bench.controller.rotate(1'000'000);
+  bench.run();
+  bench.search.start(bench.controller, {.mode = SearchMode::left_switch, .search_speed = 1'000});
+  EXPECT_FALSE(bench.search.active());
+  EXPECT_EQ(bench.search.failure(), SearchFailure::no_speed);
+  EXPECT_EQ(bench.controller.target_velocity(), 0) << "it ends the motion under way";
+}
+
+TEST(ReferenceSearch, NamingThePositionAnewMovesNeitherTheReferenceNorTheDistance) {
+  for (const SearchState when :
+       {SearchState::to_left_switch, SearchState::braking_after_left_switch}) {
+    Search bench({.left_end = -20'000, .right_end = 30'000});
+    bench.search.start(bench.controller, {.mode = SearchMode::right_then_left_switch});
+    while (bench.search.state() != when) {
+      bench.step();
+    }
+    bench.controller.set_position(bench.controller.position() + 7'000);
+    EXPECT_LT(bench.run(), 900'000);
+    EXPECT_NEAR(static_cast<double>(zero_place(bench)), -20'000.0, 2.0);
+    EXPECT_NEAR(bench.search.switch_distance(), 50'000, 7);
+  }
 }
 
 }  // namespace

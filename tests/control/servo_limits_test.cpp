@@ -85,7 +85,7 @@ TEST(ServoLimits, TheVelocityLoopsSumHoldsNoMoreThanTheTorqueLimit) {
     ServoBench bench(settings, locked());
     bench.set_point = velocity_of(1000.0);
     bench.run(3.0);
-    const double current = velocity_output_unit(commutation) * settings.velocity_i *
+    const double current = outer_gain_unit(commutation) * settings.velocity_i *
                            static_cast<double>(bench.controller.velocity_error_sum()) / 65536.0;
     EXPECT_NEAR(current, 4000.0, 8.0);
     EXPECT_EQ(bench.controller.target_current(), bench.controller.ramp_target_current());

@@ -23,9 +23,9 @@ class LinearModel {
       : m_(motor),
         current_p_(gains.torque_p / 256.0),
         current_i_(gains.torque_i / 65536.0),
-        velocity_p_(velocity_output_unit(gains.commutation) * gains.velocity_p / 256e3 / kRpm),
-        velocity_i_(velocity_output_unit(gains.commutation) * gains.velocity_i / 65536e3 / kRpm),
-        position_p_(gains.position_p / 15.0) {}
+        velocity_p_(outer_gain_unit(gains.commutation) * gains.velocity_p / 256e3 / kRpm),
+        velocity_i_(outer_gain_unit(gains.commutation) * gains.velocity_i / 65536e3 / kRpm),
+        position_p_(outer_gain_unit(gains.commutation) * gains.position_p / 15.0) {}
 
   void step(const ServoSetPoint& target, double target_angle = 0.0) {
     if (period_++ % 20 == 0) {
@@ -301,29 +301,37 @@ TEST(PositionLoop, StepIsWithin2PercentOfTheLinearModel) {
   ServoBench bench(settings, motor);
   LinearModel model(settings, motor);
   bench.set_point.loop = ServoLoop::position;
-  bench.set_point.position.microsteps = 20'000;  // half a revolution: 600 rpm at first
+  bench.set_point.position.microsteps = 5'000;  // an eighth of a revolution: 600 rpm at first
   for (int k = 0; k < 20'000; ++k) {
     bench.step();
-    model.step(bench.set_point, M_PI);
-    ASSERT_NEAR(bench.motor.angle(), model.angle(), 0.02 * M_PI) << k;
+    model.step(bench.set_point, 0.25 * M_PI);
+    ASSERT_NEAR(bench.motor.angle(), model.angle(), 0.02 * 0.25 * M_PI) << k;
   }
-  EXPECT_NEAR(static_cast<double>(bench.controller.position()), 20'000.0, 50.0);
+  EXPECT_NEAR(static_cast<double>(bench.controller.position()), 5'000.0, 12.5);
 }
 
-TEST(PositionLoop, IsProportionalOnly_300Means1200RpmPerRevolution) {
+TEST(PositionLoop, IsProportionalOnly_300Means4800RpmPerRevolutionOfAnEncoder) {
   ServoControllerSettings settings = with_encoder();
   ServoBench bench(settings, locked());
   bench.set_point.loop = ServoLoop::position;
   bench.set_point.position = {1000, 0.5};
   bench.run(0.5);
-  EXPECT_DOUBLE_EQ(bench.controller.velocity_demand(), 1200.0 * 1000.5 / 4000.0);
+  EXPECT_DOUBLE_EQ(bench.controller.velocity_demand(), 4800.0 * 1000.5 / 4000.0);
   EXPECT_EQ(bench.controller.position_error(), 1000);
   bench.run(0.5);
-  EXPECT_DOUBLE_EQ(bench.controller.velocity_demand(), 1200.0 * 1000.5 / 4000.0)
+  EXPECT_DOUBLE_EQ(bench.controller.velocity_demand(), 4800.0 * 1000.5 / 4000.0)
       << "nothing is summed";
   bench.set_point.velocity = 50.0;
   bench.run(0.01);
-  EXPECT_DOUBLE_EQ(bench.controller.velocity_demand(), 50.0 + 1200.0 * 1000.5 / 4000.0);
+  EXPECT_DOUBLE_EQ(bench.controller.velocity_demand(), 50.0 + 4800.0 * 1000.5 / 4000.0);
+}
+
+TEST(PositionLoop, WithHallsWhoseEdgesBearLess_300Means1200RpmPerRevolution) {
+  ServoBench bench(ServoControllerSettings{}, locked());
+  bench.set_point.loop = ServoLoop::position;
+  bench.set_point.position = {6, 0.5};
+  bench.run(0.5);
+  EXPECT_DOUBLE_EQ(bench.controller.velocity_demand(), 1200.0 * 6.5 / 24.0);
 }
 
 TEST(PositionLoop, FollowsARampWithFeedForwardWithoutLag) {
@@ -340,7 +348,7 @@ TEST(PositionLoop, FollowsARampWithFeedForwardWithoutLag) {
     bench.set_point.position = displaced({0, 0.0}, 2.0 * k);
     bench.step();
   }
-  EXPECT_NEAR(bench.controller.position_error(), 40'000.0 / 20.0, 20.0) << "v / Kv";
+  EXPECT_NEAR(bench.controller.position_error(), 40'000.0 / 80.0, 5.0) << "v / Kv";
 }
 
 TEST(ServoLimits, TorqueIsBoundedInEveryLoopAndMode) {

@@ -87,13 +87,14 @@ ErrorReactions servo_reactions() {
         AxisError::positive_limit_switch, AxisError::negative_limit_switch}) {
     set(error, ErrorReaction::stop);
   }
-  for (const AxisError error : {AxisError::overcurrent_a, AxisError::overcurrent_b,
-                                AxisError::overcurrent_c, AxisError::overcurrent_high_side,
-                                AxisError::over_temperature, AxisError::shutdown_switch}) {
+  for (const AxisError error :
+       {AxisError::overcurrent_a, AxisError::overcurrent_b, AxisError::overcurrent_c,
+        AxisError::overcurrent_high_side, AxisError::over_temperature, AxisError::shutdown_switch,
+        AxisError::overvoltage}) {
     set(error, ErrorReaction::power_off);
   }
-  for (const AxisError error : {AxisError::undervoltage, AxisError::overvoltage,
-                                AxisError::hall_error, AxisError::initialisation_error}) {
+  for (const AxisError error :
+       {AxisError::undervoltage, AxisError::hall_error, AxisError::initialisation_error}) {
     set(error, ErrorReaction::fault);
   }
   set(AxisError::over_temperature_warning, ErrorReaction::warning);

@@ -117,6 +117,42 @@ TEST_F(ServoHoming, Method35IsExactlyZeroWhileEnabledToo) {
   EXPECT_EQ(bench_.position(), 0);
 }
 
+TEST_F(ServoHoming, Method35NamesThePositionWhenTheMotorStands) {
+  bench_.left_switch = -1e6;
+  begin(17);
+  bench_.pass(400_ms);
+  ASSERT_LT(bench_.rpm(), -500.0);
+  bench_.write(0x6098, 35);
+  bench_.write(0x6040, 0x0F);
+  bench_.write(0x6040, 0x1F);
+  EXPECT_EQ(home_bits(), 0U) << "it still turns";
+  ASSERT_TRUE(attained(1_s));
+  EXPECT_NEAR(bench_.rpm(), 0.0, 30.0);
+  const double named = bench_.motor.counts();
+  bench_.pass(500_ms);
+  EXPECT_NEAR(bench_.motor.counts(), named, 30.0) << "the demand has not jumped";
+  EXPECT_EQ(bench_.axis->power_state(), PowerState::operation_enabled);
+}
+
+TEST_F(ServoHoming, ItStartsWhereBitFourRisesInItsModeOnly) {
+  bench_.left_switch = -4000;
+  bench_.write(0x6098, 17);
+  bench_.enable(ModeCode::profile_position);
+  bench_.write(0x6040, 0x1F);
+  bench_.write(0x6060, 6);
+  bench_.pass(200_ms);
+  EXPECT_EQ(bench_.read(0x6061), 6);
+  EXPECT_FALSE(bench_.axis->homing()) << "bit 4 was set in pp";
+  bench_.write(0x6040, 0x17);
+  bench_.write(0x6040, 0x1F);
+  bench_.pass(200_ms);
+  EXPECT_FALSE(bench_.axis->homing()) << "nor does enabling make it rise";
+  bench_.write(0x6040, 0x0F);
+  bench_.write(0x6040, 0x1F);
+  EXPECT_TRUE(bench_.axis->homing());
+  EXPECT_TRUE(attained());
+}
+
 TEST_F(ServoHoming, MethodZeroDoesNothing) {
   begin(0);
   bench_.pass(100_ms);
@@ -142,6 +178,25 @@ TEST_F(ServoHoming, HaltIsNotLookedAt) {
   begin(17);
   bench_.write(0x6040, 0x11F);
   EXPECT_TRUE(attained());
+}
+
+TEST_F(ServoHoming, AStartForgetsTheRunBefore) {
+  bench_.left_switch = -4000;
+  begin(17);
+  ASSERT_TRUE(attained());
+  bench_.write(0x6098, 0);
+  bench_.write(0x6040, 0x0F);
+  EXPECT_EQ(home_bits(), kBoth);
+  bench_.write(0x6040, 0x1F);
+  EXPECT_EQ(home_bits(), 0U);
+}
+
+TEST_F(ServoHoming, WithoutAnAccelerationItDoesNotStartAndSaysWhy) {
+  bench_.write(0x609A, 0);
+  begin(17);
+  bench_.pass(100_ms);
+  EXPECT_FALSE(bench_.axis->homing());
+  EXPECT_TRUE(bench_.told("homing method 17 not started: 609Ah is 0"));
 }
 
 TEST_F(ServoHoming, WithoutSpeedsItDoesNotStartAndSaysWhy) {
@@ -277,7 +332,7 @@ TEST_F(ServoHardStop, AShaftThatDoesNotComeToRestOnItsGoalEndsTheWayBackToo) {
   EXPECT_TRUE(bench_.pass_until(
       [&] {
         phase += 0.05;
-        bench_.motor.load = std::sin(phase) < 0.0 ? -0.1 : 0.1;
+        bench_.motor.load = std::sin(phase) < 0.0 ? -0.05 : 0.05;
         return home_bits() == kBoth;
       },
       10_s));

@@ -53,6 +53,19 @@ TEST_F(ServoSupervision, TooHighASupplyIsAFault) {
   expect_fault(AxisError::overvoltage);
 }
 
+TEST_F(ServoSupervision, ATurningMotorCoastsWhenTheSupplyIsTooHighForBrakingFeedsItFurther) {
+  bench_.enable(ModeCode::profile_velocity);
+  bench_.write(0x60FF, 1000);
+  bench_.pass(1_s);
+  ASSERT_GT(bench_.rpm(), 900.0);
+  bench_.sensing.supply_voltage = 28.1;
+  bench_.pass(2_ms);
+  EXPECT_EQ(bench_.axis->power_state(), fault) << "no ramp first";
+  EXPECT_FALSE(bench_.actuation.bridge_enabled);
+  bench_.pass(50_ms);
+  EXPECT_GT(bench_.rpm(), 800.0) << "friction alone";
+}
+
 TEST_F(ServoSupervision, ATooHighSupplyHasToFallByTheHysteresis) {
   bench_.sensing.supply_voltage = 28.1;
   bench_.pass(2_ms);

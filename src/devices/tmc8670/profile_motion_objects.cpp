@@ -1,6 +1,7 @@
 #include <array>
 
 #include "devices/tmc8670/object_groups.hpp"
+#include "drive/homing_methods.hpp"
 
 namespace stator::devices::tmc8670 {
 
@@ -42,6 +43,15 @@ constexpr auto kProfileMotion = std::to_array<EntryDeclaration>({
           kProfile),
 });
 
+/// What 6098h takes: no method, or one there is.
+constexpr auto kHomingCodes = [] {
+  std::array<std::int64_t, drive::kHomingMethods.size() + 1> codes{};
+  for (std::size_t k = 0; k < drive::kHomingMethods.size(); ++k) {
+    codes[k + 1] = drive::kHomingMethods[k].code;
+  }
+  return codes;
+}();
+
 // Encoder, homing.
 constexpr auto kHoming = std::to_array<EntryDeclaration>({
     titled("Position encoder resolution",
@@ -51,9 +61,10 @@ constexpr auto kHoming = std::to_array<EntryDeclaration>({
           read_write, no, 65536, "", kProfile),
     entry(0x608F, 2, "Position encoder resolution: motor revolutions", array, unsigned32,
           read_write, no, 1, "", kProfile),
-    entry(0x6098, 0, "Homing method", variable, integer8, read_write, no, 0, "",
-          "CiA 402 / IEC 61800-7-201; 3 reference switches H L R and index N are present (L390; "
-          "L399-L401)"),
+    one_of(kHomingCodes,
+           entry(0x6098, 0, "Homing method", variable, integer8, read_write, no, 0, "",
+                 "CiA 402 / IEC 61800-7-201; 3 reference switches H L R and index N are present "
+                 "(L390; L399-L401)")),
     titled("Homing speeds", entry(0x6099, 0, "Homing speeds: number of entries", array, unsigned8,
                                   read_only, no, 2, "", kProfile)),
     entry(0x6099, 1, "Homing speeds: switch search", array, unsigned32, read_write, no, 100, "rpm",
@@ -91,6 +102,20 @@ constexpr auto kMoreProfileMotion = std::to_array<EntryDeclaration>({
     entry(0x60F2, 0, "Positioning option code", variable, unsigned16, read_write, receive, 0, "",
           kBeyond),
 });
+/// 60E3h: each method of 6098h.
+constexpr auto kSupportedHoming = [] {
+  constexpr std::size_t kCount = drive::kHomingMethods.size();
+  std::array<EntryDeclaration, kCount + 1> rows{};
+  rows[0] = titled("Supported homing methods",
+                   entry(0x60E3, 0, "Supported homing methods: number of entries", array, unsigned8,
+                         read_only, no, std::int64_t{kCount}, "", kBeyond));
+  for (std::size_t k = 0; k < kCount; ++k) {
+    rows[k + 1] =
+        entry(0x60E3, static_cast<std::uint8_t>(k + 1), "Supported homing methods: method", array,
+              integer8, read_only, no, std::int64_t{drive::kHomingMethods[k].code}, "", kBeyond);
+  }
+  return rows;
+}();
 constexpr auto kTouchProbe = std::to_array<EntryDeclaration>({
     entry(0x60B8, 0, "Touch probe function", variable, unsigned16, read_write, receive, 0, "",
           kBeyond),
@@ -127,6 +152,7 @@ void add_profile_motion_objects(dictionary::Dictionary& dictionary) {
   dictionary.add(kHoming);
   dictionary.add(kCyclic);
   dictionary.add(kMoreProfileMotion);
+  dictionary.add(kSupportedHoming);
   dictionary.add(kTouchProbe);
 }
 

@@ -99,9 +99,10 @@ inline constexpr std::array kAxisEmergencies{
     AxisEmergency{drive::AxisError::negative_limit_switch, 0xFF01, 4,
                   error_register::kGeneric | error_register::kManufacturer,
                   drive::ErrorReaction::stop},
+    // Braking would feed the supply further: the motor coasts.
     AxisEmergency{drive::AxisError::overvoltage, 0x3110, 0,
-                  error_register::kGeneric | error_register::kVoltage, drive::ErrorReaction::fault,
-                  false, false},
+                  error_register::kGeneric | error_register::kVoltage,
+                  drive::ErrorReaction::power_off, false, false},
     AxisEmergency{drive::AxisError::hall_error, 0x7305, 0,
                   error_register::kGeneric | error_register::kDeviceProfile,
                   drive::ErrorReaction::fault, false, false},

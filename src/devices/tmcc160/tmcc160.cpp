@@ -210,7 +210,7 @@ void Tmcc160::restart_axis() {
   objects_.attach(*axis_);
   axis_->set_position_scale(memory_.position_scale());
   axis_->conditions().network_operational = true;
-  objects_.configure();
+  configure_axis();
 }
 
 std::uint8_t Tmcc160::reset_communication(SimTime now) {
@@ -339,6 +339,14 @@ void Tmcc160::step_until(SimTime end) {
   }
 }
 
+/// Brings settings and conditions of the axis up to date. It follows the levels of its switches as
+/// they change; here what 2005h makes of them may have changed.
+void Tmcc160::configure_axis() {
+  objects_.configure();
+  axis_->conditions().set_switches(
+      axis_->settings().reference.switches.pressed(drive::switch_levels(world_.sensing())));
+}
+
 void Tmcc160::tick(SimTime now) {
   if (serial_.in_boot_loader()) {
     run_boot_loader(now);
@@ -347,7 +355,7 @@ void Tmcc160::tick(SimTime now) {
   node_.advance(now);
   supervision_.poll(now);
   process_bus(now);
-  objects_.configure();
+  configure_axis();
   axis_->conditions().shutdown_switch = !inputs_.enable();
   axis_->tick(now);
   report_errors(now);
@@ -376,7 +384,7 @@ void Tmcc160::apply_commands(SimTime now) {
   if (!axis_->has_commands()) {
     return;
   }
-  objects_.configure();
+  configure_axis();
   axis_->apply(now);
   report_errors(now);
   pdos_.values_may_have_changed(now);

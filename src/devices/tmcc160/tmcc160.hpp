@@ -123,6 +123,7 @@ class Tmcc160 final : public CanDevice {
   void wire_node();
   void start_firmware(base::SimTime now);
   void restart_axis();
+  void configure_axis();
   void step_until(base::SimTime end);
   void tick(base::SimTime now);
   void process_bus(base::SimTime now);

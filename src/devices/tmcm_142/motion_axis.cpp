@@ -10,16 +10,21 @@ using base::EventArgument;
 using base::EventRule;
 using base::Severity;
 using control::motion_controller::kVelocityUnit;
+using control::motion_controller::SearchFailure;
 
 constexpr EventRule kDeviation{
     "tmcm142-deviation", Severity::fault,
     "motor stopped at {0}: the encoder (parameter 41) says {1}, further away than parameter 212 "
-    "allows, {2} microsteps; a motion command starts it again"};
+    "allows, {2} microsteps; motion commands end here until these agree again: write what 41 reads "
+    "to parameter 1, or set 212 higher, then command the motion"};
 constexpr EventRule kDriverError{"tmcm142-driver-error", Severity::fault,
                                  "power stage off, bit 0 of parameter 26 and ALARM on: {0}"};
-constexpr EventRule kSearchFailed{
-    "tmcm142-search-failed", Severity::fault,
-    "reference search ended: the encoder deviates from the motor by more than parameter 212"};
+constexpr EventRule kUndriven{
+    "tmcm142-undriven", Severity::fault,
+    "the motor stays at {0}, for its power stage is off ({1}); motion commands given meanwhile are "
+    "not made up for: command the motion again afterwards"};
+constexpr EventRule kSearchFailed{"tmcm142-search-failed", Severity::fault,
+                                  "reference search ended without a reference: {0}"};
 constexpr EventRule kLimit{
     "tmcm142-limit", Severity::information,
     "a limit switch or position limit stops the motor at {0}; motion away from it is possible"};
@@ -44,6 +49,20 @@ std::string_view cause_of(const DriverStage& stage) {
   return "a motor output is shorted; the stage tries again every 5 ms";
 }
 
+std::string_view text_of(SearchFailure failure) {
+  switch (failure) {
+    case SearchFailure::deviation:
+      return "the encoder deviates from the motor by more than parameter 212";
+    case SearchFailure::undriven:
+      return "the power stage is off";
+    case SearchFailure::no_speed:
+      return "its speed is 0 (parameters 194 and 195, or 4 where these are 0)";
+    case SearchFailure::none:
+      break;
+  }
+  return "";
+}
+
 }  // namespace
 
 MotionAxis::MotionAxis(const plant::StepperAxisParameters& plant, base::EventReporter reporter)
@@ -57,6 +76,7 @@ void MotionAxis::restart() {
   search_ = {};
   stage_.restart();
   driver_error_ = deviation_ = search_failed_ = at_limit_ = shut_down_ = false;
+  undriven_ = undriven_told_ = false;
   bow_too_large_ = compare_armed_ = false;
   seen_pulses_ = 0;
 }
@@ -67,11 +87,10 @@ AxisEvents MotionAxis::step(base::SimTime now, base::SimDuration period,
     static_cast<void>(plant_.step({}, period));
     return {};
   }
-  if (conditions.shut_down && !shut_down_) {
-    search_.stop(controller_);
-    controller_.stop_at_once();
-  }
+  AxisEvents events;
+  events.shut_down = conditions.shut_down && !shut_down_;
   shut_down_ = conditions.shut_down;
+  stand_undriven(now, events);
   base::AxisSensing pins = plant_.sensing();
   pins.left_switch = !pins.left_switch;
   pins.right_switch = !pins.right_switch;
@@ -96,7 +115,31 @@ AxisEvents MotionAxis::step(base::SimTime now, base::SimDuration period,
       .chopper_divider = stage_settings_.chopper_divider,
       .resistance = plant_.resistance()};
   static_cast<void>(plant_.step(stage_.advance(input, plant_.sensing(), period), period));
-  return look_for_events(now);
+  look_for_events(now, events);
+  return events;
+}
+
+/// Ends what would move a motor whose stage is off: the ramp would count where no shaft turns.
+void MotionAxis::stand_undriven(base::SimTime now, AxisEvents& events) {
+  const bool moves = search_.active() || !controller_.at_rest();
+  const bool commanded_anew = moves && undriven_;
+  undriven_ = shut_down_ || stage_.error();
+  if (!undriven_) {
+    undriven_told_ = false;
+    return;
+  }
+  search_.abandon(controller_);
+  controller_.stop_undriven();
+  if (commanded_anew) {
+    events.shut_down = events.shut_down || shut_down_;
+    events.driver_error = events.driver_error || stage_.error();
+  }
+  if (moves && !undriven_told_) {
+    undriven_told_ = true;
+    reporter_.report(now, kUndriven,
+                     {controller_.position(),
+                      EventArgument(shut_down_ ? "shutdown pin" : "parameter 26, bit 0")});
+  }
 }
 
 bool MotionAxis::at_limit() const {
@@ -108,8 +151,7 @@ bool MotionAxis::at_limit() const {
          (limits.left_enabled && controller_.position() < limits.left);
 }
 
-AxisEvents MotionAxis::look_for_events(base::SimTime now) {
-  AxisEvents events;
+void MotionAxis::look_for_events(base::SimTime now, AxisEvents& events) {
   const auto rises = [](bool& seen, bool present) {
     const bool risen = present && !seen;
     seen = present;
@@ -125,9 +167,9 @@ AxisEvents MotionAxis::look_for_events(base::SimTime now) {
                      {controller_.position(), controller_.encoder_position(),
                       controller_.settings().encoder.maximum_deviation});
   }
-  if (rises(search_failed_, search_.failed())) {
+  if (rises(search_failed_, search_.failure() != SearchFailure::none)) {
     events.position_error = true;
-    reporter_.report(now, kSearchFailed);
+    reporter_.report(now, kSearchFailed, {EventArgument(text_of(search_.failure()))});
   }
   // Switches that a search meets are its own business.
   if (rises(at_limit_, at_limit()) && !search_.active()) {
@@ -141,7 +183,6 @@ AxisEvents MotionAxis::look_for_events(base::SimTime now) {
   if (compare_armed_) {
     report_compare(now);
   }
-  return events;
 }
 
 void MotionAxis::report_compare(base::SimTime now) {
@@ -157,27 +198,35 @@ void MotionAxis::arm_compare(std::int32_t position) {
   compare_armed_ = true;
 }
 
-void MotionAxis::move_to(std::int32_t position) {
+/// A search under way ends, and what ends this motion too is told anew.
+void MotionAxis::begin_motion() {
   stop_search();
+  deviation_ = false;
+}
+
+void MotionAxis::move_to(std::int32_t position) {
+  begin_motion();
   controller_.move_to(position);
 }
 
 void MotionAxis::rotate(std::int32_t velocity) {
-  stop_search();
+  begin_motion();
   controller_.rotate(velocity);
 }
 
 void MotionAxis::set_target_velocity(std::int32_t velocity) {
-  stop_search();
+  begin_motion();
   controller_.set_target_velocity(velocity);
 }
 
 void MotionAxis::set_mode(control::motion_controller::Mode mode) {
-  stop_search();
+  begin_motion();
   controller_.set_mode(mode);
 }
 
 void MotionAxis::start_search(const control::motion_controller::SearchSettings& settings) {
+  begin_motion();
+  search_failed_ = false;
   search_.start(controller_, settings);
 }
 

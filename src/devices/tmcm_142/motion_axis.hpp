@@ -25,9 +25,10 @@ struct AxisConditions {
   bool step_direction_connected = true;  ///< pins 8 and 10 are not RS-232's (L262-L265)
 };
 
-/// What has happened in a period, each told once.
+/// What has happened in a period, each told once, and anew for each motion command that it ends.
 struct AxisEvents {
   bool driver_error = false;
+  bool shut_down = false;
   bool deviation = false;
   bool position_error = false;  ///< a limit was hit, or a reference search failed (A80)
 };
@@ -60,7 +61,9 @@ class MotionAxis {
   void restart();
   AxisEvents step(base::SimTime now, base::SimDuration period, const AxisConditions& conditions);
 
-  // Motion; a reference search under way ends.
+  // Motion; a reference search under way ends. While the power stage is off, by the shutdown pin or
+  // an error, the motor stands and a motion command ends with the next period: parameter 0 keeps
+  // its target, and nothing begins when the stage works again.
 
   void move_to(std::int32_t position);
   /// Units of the chip.
@@ -147,7 +150,9 @@ class MotionAxis {
   [[nodiscard]] double winding_temperature() const { return plant_.observe().winding_temperature; }
   [[nodiscard]] double driver_temperature() const { return plant_.sensing().driver_temperature; }
 
-  [[nodiscard]] AxisEvents look_for_events(base::SimTime now);
+  void begin_motion();
+  void stand_undriven(base::SimTime now, AxisEvents& events);
+  void look_for_events(base::SimTime now, AxisEvents& events);
   void report_compare(base::SimTime now);
   [[nodiscard]] bool at_limit() const;
 
@@ -165,6 +170,8 @@ class MotionAxis {
   bool search_failed_ = false;
   bool at_limit_ = false;
   bool shut_down_ = false;
+  bool undriven_ = false;
+  bool undriven_told_ = false;  ///< that this kept the motor from moving
   bool bow_too_large_ = false;
   bool compare_armed_ = false;
   bool compare_ahead_ = false;  ///< the position lies to the right

@@ -22,7 +22,8 @@ constexpr base::EventRule kDefaultsRestored{
     "were set to their factory defaults"};
 constexpr base::EventRule kShutDown{
     "tmcm142-shutdown", base::Severity::fault,
-    "the shutdown pin is active (global parameter 80 is {0}): motor stopped, power stage off"};
+    "the shutdown pin is active (global parameter 80 is {0}): motor stopped, power stage off; when "
+    "it is released the motor stands until the next motion command"};
 
 constexpr std::uint8_t kMaximumDipAddress = 15;
 constexpr std::string_view kCan = "can";
@@ -218,7 +219,6 @@ void Tmcm142::advance(SimTime now) {
 void Tmcm142::tick(SimTime now) {
   const bool shut_down = module_.shut_down();
   if (powered_ && shut_down && !shut_down_) {
-    firmware_.raise(tmcl::ErrorFlag::shutdown);
     reporter_.report(now, kShutDown,
                      {module_.configuration(ModuleParameter::shutdown_pin_functionality)});
   }
@@ -233,6 +233,9 @@ void Tmcm142::tick(SimTime now) {
   }
   if (events.driver_error) {
     firmware_.raise(tmcl::ErrorFlag::external_alarm);
+  }
+  if (events.shut_down) {
+    firmware_.raise(tmcl::ErrorFlag::shutdown);
   }
   if (events.deviation) {
     firmware_.raise(tmcl::ErrorFlag::deviation);
