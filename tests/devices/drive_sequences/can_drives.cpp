@@ -132,7 +132,7 @@ class Tmcm142Drive final : public DriveUnderTest {
     const auto velocity = [&](double units) { return units * mc::kVelocityUnit / counts; };
     const auto acceleration = [&](double units) { return units * mc::kAccelerationUnit / counts; };
     Sample sample{.time = module_.now,
-                  .position = static_cast<double>(controller.unwrapped_position()) / counts,
+                  .position = controller.position() / counts,
                   .velocity = velocity(controller.velocity()),
                   .inertia = traits_.inertia,
                   .torque_limit = 1e9,

@@ -193,6 +193,11 @@ void DriveInvariants::follow_disturbance(const Sample& now) {
 void DriveInvariants::judge_stop(const Sample& now) {
   const StopState& stop = now.stop;
   ++since_stop_;
+  if (traits_.shaft_is_counter && !now.power && since_power_ > 2 && now.velocity != 0.0) {
+    violate(Invariant::stops, now.time,
+            joined("the motor has no power, its counter runs with ", now.velocity, " rev/s"));
+    return;
+  }
   if (stop.cause == StopCause::none || stop.unbounded || !now.power) {
     stop_.end();
     return;

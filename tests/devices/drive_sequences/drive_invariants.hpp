@@ -70,6 +70,8 @@ class StoppingEnvelope {
   double allowed_ = 0.0;   ///< and the shaft behind it
   double waited_ = 0.0;    ///< s of the reaction time
   double excess_ = 0.0;    ///< rev
+  double begin_position_ = 0.0;
+  double allowed_way_ = 0.0;  ///< rev
 };
 
 /// Looks at a recording sample by sample, a millisecond each, and stops at the first violation.
