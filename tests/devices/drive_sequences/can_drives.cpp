@@ -30,6 +30,7 @@ class Tmcc160Drive final : public DriveUnderTest {
     traits_ = {.standstill = encoder ? 0.5 : 1.5,
                .settle = encoder ? 0.05 : 0.25,
                .reaction = encoder ? 0.03 : 0.05,
+               .lag = 0.25,  // with the gains as delivered
                .bandwidth = 20.0,
                .inertia = inertia_,
                .integral_time = 0.5,
@@ -114,6 +115,7 @@ class Tmcm142Drive final : public DriveUnderTest {
     traits_ = {.standstill = 0.002,
                .settle = 1e-4,
                .reaction = 0.002,
+               .lag = 0.0,
                .bandwidth = 1000.0,
                .inertia = 2e-5,
                .velocity_error = 0.002,

@@ -191,6 +191,10 @@ void observe(const drive::Axis& axis, const Cia402Choices& choices, bool& homed,
         axis.motion().ramp().mode() == control::RampMode::position));
   sample.follows_bit = sample.guidance == Guidance::cyclic;
   sample.power_off = power_off_by(axis);
+  // Transitions 7, 9, 10 and 12; a fault reaction ends first.
+  sample.has_to_be_off =
+      drive::command_of(objects.controlword.get()) == PowerCommand::disable_voltage &&
+      axis.power_state() != PowerState::fault_reaction_active;
 }
 
 }  // namespace stator::tests

@@ -14,7 +14,6 @@ namespace {
 constexpr double kPeriod = 1e-3;  // s between two samples
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kMoreTime = 1.2;      // a ramp may take a fifth longer than it says
-constexpr double kLags = 1.5;          // of the velocity loop that a shaft stays behind its ramp
 constexpr double kReversal = 6e-3;     // s until a current has changed its sign
 constexpr double kUsableTorque = 0.8;  // of the limit, in spite of ripple and regulation
 constexpr double kLag = 2e-3;          // s from sampling a position to showing it
@@ -107,9 +106,8 @@ bool StoppingEnvelope::overrun(const DriveTraits& traits, double way, double spe
 
 void StoppingEnvelope::pass(const Sample& sample, const DriveTraits& traits, double deceleration,
                             double speed, double direction) {
-  const double ratio = std::max(1.0, sample.inertia / traits.inertia);
   gentlest_ = std::min(gentlest_, deceleration);
-  const double lag = kLags * ratio / traits.bandwidth;
+  const double lag = traits.lag * std::max(1.0, sample.inertia / traits.inertia);
   if (waited_ < traits.reaction) {
     waited_ += kPeriod;
     // The current is reversed within milliseconds; until then the motor may drive on.
@@ -295,9 +293,8 @@ void DriveInvariants::judge_demand(const Sample& now) {
     return std::abs(now.demand_velocity - velocity) <=
            traits_.velocity_error + 2.0 * limit * kPeriod;
   };
-  // A stop, and a limit that holds the axis, takes over what the shaft does as its sensor tells.
-  const bool limited = ((now.statusword | before.statusword) & 0x0800) != 0;
-  if ((since_stop_ <= 3 || limited) &&
+  // What takes over the velocity of the shaft, as its sensor tells it, starts from there.
+  if (!traits_.shaft_is_counter &&
       (near_shaft(before.velocity) || near_shaft(now.velocity) ||
        near_shaft(before.shown_velocity) || near_shaft(now.shown_velocity))) {
     return;
@@ -312,6 +309,13 @@ void DriveInvariants::judge_demand(const Sample& now) {
 }
 
 void DriveInvariants::judge_power(const Sample& now) {
+  powered_although_ = now.power && now.has_to_be_off ? powered_although_ + 1 : 0;
+  constexpr int kSwitchingTime = 5;  // ms
+  if (powered_although_ > kSwitchingTime) {
+    violate(Invariant::power_off, now.time,
+            joined("Disable voltage is commanded, the bridge is still on (statusword ",
+                   now.statusword, ")"));
+  }
   if (!before_->power || now.power || now.power_off != PowerOff::not_allowed) {
     return;
   }
@@ -370,7 +374,8 @@ void DriveInvariants::judge_bits(const Sample& now) {
   const std::size_t side = lead < 0.0 ? 0 : 1;
   const bool pressed = lead < 0.0 ? now.negative_switch : lead > 0.0 && now.positive_switch;
   // What a switch stopped in pv waits for a new target when it is released.
-  const bool held = pressed && now.enabled && now.stop.cause == StopCause::none &&
+  const bool inward = now.demand_velocity * lead < 0.0;  // still on its way to rest
+  const bool held = pressed && !inward && now.enabled && now.stop.cause == StopCause::none &&
                     (now.mode == 8 || now.mode == 9 || (now.mode == 3 && stopped_by_switch_[side]));
   const bool follows = now.follows_bit && (now.statusword & 0x1000) != 0;
   if (count(follows_bit_, follows && (held || now.stop.cause != StopCause::none || !now.enabled))) {
@@ -417,8 +422,15 @@ void DriveInvariants::judge_stage(const Sample& now) {
     milliseconds = wrong ? milliseconds + 1 : 0;
     return milliseconds > 5;
   };
-  if (count(current_off_,
-            now.power && now.current > now.current_limit + traits_.current_allowance)) {
+  // Above its no-load speed the EMF drives currents that no voltage of the bridge holds up; a shaft
+  // that stands in a moment leaves the angle behind that the drive works with.
+  constexpr int kAfterJam = 100;  // ms
+  since_jam_ = now.jammed ? 0 : since_jam_ + 1;
+  const bool regulated =
+      since_jam_ > kAfterJam &&
+      std::abs(now.velocity) < 0.75 * traits_.no_load_velocity * std::min(now.supply, now.source);
+  if (count(current_off_, now.power && regulated &&
+                              now.current > now.current_limit + traits_.current_allowance)) {
     violate(Invariant::current, now.time,
             joined("the motor has ", now.current, " A, ", now.current_limit, " are allowed"));
   }

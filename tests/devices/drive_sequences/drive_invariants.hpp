@@ -110,18 +110,20 @@ class DriveInvariants {
   std::array<StoppingEnvelope, 2> switch_;  ///< outward at the negative and the positive one
   std::array<StoppingEnvelope, 2> limit_;
   double disturbance_ = 0.0;
-  int since_stop_ = 1000;    ///< ms since a stop began, or a limit began to hold
-  int since_change_ = 1000;  ///< ms since the demand might be anything
-  int since_power_ = 1000;   ///< ms since power came on or went off
-  int halted_bit_ = 0;       ///< ms for which bit 10 has been 1 in halt with a turning shaft
-  int reached_bit_ = 0;      ///< ms for which bit 10 has been 1 off the target
-  int follows_bit_ = 0;      ///< ms for which bit 12 has been 1 although something holds the axis
-  int limit_missing_ = 0;    ///< ms for which bit 11 has been 0 in the same way
-  int position_off_ = 0;     ///< ms for which 6064h has been wrong
-  int velocity_off_ = 0;     ///< ms
-  int current_off_ = 0;      ///< ms
-  int overvoltage_on_ = 0;   ///< ms
-  double work_ = 0.0;        ///< J the load did on the shaft
+  int since_stop_ = 1000;     ///< ms since a stop began, or a limit began to hold
+  int since_change_ = 1000;   ///< ms since the demand might be anything
+  int since_power_ = 1000;    ///< ms since power came on or went off
+  int halted_bit_ = 0;        ///< ms for which bit 10 has been 1 in halt with a turning shaft
+  int reached_bit_ = 0;       ///< ms for which bit 10 has been 1 off the target
+  int follows_bit_ = 0;       ///< ms for which bit 12 has been 1 although something holds the axis
+  int limit_missing_ = 0;     ///< ms for which bit 11 has been 0 in the same way
+  int position_off_ = 0;      ///< ms for which 6064h has been wrong
+  int velocity_off_ = 0;      ///< ms
+  int current_off_ = 0;       ///< ms
+  int powered_although_ = 0;  ///< ms for which the bridge has been on against a command
+  int since_jam_ = 1000;      ///< ms
+  int overvoltage_on_ = 0;    ///< ms
+  double work_ = 0.0;         ///< J the load did on the shaft
   std::optional<double> reference_;  ///< 6064h minus the position of the plant
   double reference_error_ = 0.0;     ///< rev by which it may be wrong
   std::array<double, 20> speeds_{};  ///< rev/s, of the last 20 ms

@@ -215,6 +215,7 @@ class Tmcm3315Drive final : public EtherCatDrive {
     traits_ = {.standstill = 0.002,
                .settle = 1e-4,
                .reaction = 0.002,
+               .lag = 0.0,
                .bandwidth = 1000.0,
                .inertia = 2e-5,
                .follows_within = 0.01,

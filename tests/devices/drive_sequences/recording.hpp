@@ -86,6 +86,7 @@ struct Sample {
   // What is commanded, and the limits in force.
   StopState stop{};
   PowerOff power_off = PowerOff::not_allowed;  ///< why power may be off that was on before
+  bool has_to_be_off = false;      ///< Disable voltage is commanded, and no brake is waited for
   bool position_renamed = false;   ///< 6064h got another origin, or comes from another sensor
   bool reference_changed = false;  ///< the demand may be anything: mode, power, origin
   double acceleration = 0.0;       ///< largest with which the demand may change on a ramp
@@ -108,6 +109,7 @@ struct DriveTraits {
   double standstill = 0.1;         ///< rev/s below which its shaft counts as standing, with ripple
   double settle = 0.02;            ///< rev by which a shaft may move on beyond what is allowed
   double reaction = 0.02;          ///< s from a command to torque in the other direction
+  double lag = 0.01;               ///< s that a shaft stays behind its ramp at `inertia`
   double bandwidth = 100.0;        ///< rad/s of the velocity loop at `inertia`
   double inertia = 1e-5;           ///< kg m² the loops are tuned for
   double integral_time = 0.1;      ///< s in which a load is taken over
