@@ -23,6 +23,13 @@ class OpenLoadDetector {
       phase.flowing = flowing > phase.flowing ? flowing : phase.flowing;
     }
   }
+  /// The field turns too fast for its half waves to be seen: those under way tell nothing, what was
+  /// found stays.
+  void skip() {
+    for (Phase& phase : phases_) {
+      phase.whole = false;
+    }
+  }
   /// The bridge is off: what was found is forgotten.
   void reset() { phases_ = {}; }
   [[nodiscard]] bool open(std::size_t phase) const { return phases_[phase].open; }

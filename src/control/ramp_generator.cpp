@@ -1,5 +1,6 @@
 #include "control/ramp_generator.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "control/ramp_profile.hpp"
@@ -66,13 +67,13 @@ void RampGenerator::follow_velocity(double velocity, base::SimDuration period) {
 
 void RampGenerator::stop(double deceleration) {
   state_.mode = RampMode::stop;
-  play(six_point::stop(state_.now, deceleration));
+  play(six_point::stop(begin_of_ramp(), deceleration));
 }
 
 void RampGenerator::stop(const RampLimits& limits) {
   state_.mode = RampMode::stop;
   const double jerk = end_jerk();
-  play(plan_stop(smooth(state_.now, jerk), limits, jerk));
+  play(plan_stop(smooth(begin_of_ramp(), jerk), limits, jerk));
 }
 
 void RampGenerator::set_position(std::int64_t microsteps) {
@@ -108,9 +109,15 @@ double RampGenerator::end_jerk() const {
   return 0.0;
 }
 
+MotionState RampGenerator::begin_of_ramp() const {
+  MotionState begin = state_.now;
+  begin.velocity = std::clamp(begin.velocity, -state_.maximum_velocity, state_.maximum_velocity);
+  return begin;
+}
+
 void RampGenerator::replan() {
   const double jerk = end_jerk();
-  const MotionState start = smooth(state_.now, jerk);
+  const MotionState start = smooth(begin_of_ramp(), jerk);
   if (state_.mode == RampMode::position) {
     play(plan_positioning(start, state_.target_position, state_.limits, jerk));
   } else if (state_.mode == RampMode::velocity) {
@@ -174,7 +181,7 @@ bool RampGenerator::target_reached() const {
 
 double RampGenerator::braking_distance(const RampLimits& limits) const {
   const double jerk = end_jerk();
-  return control::braking_distance(smooth(state_.now, jerk), limits, jerk);
+  return control::braking_distance(smooth(begin_of_ramp(), jerk), limits, jerk);
 }
 
 double RampGenerator::remaining_time() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "base/sim_time.hpp"
 #include "control/interpolation_profile.hpp"
@@ -22,9 +23,10 @@ enum class RampMode : std::uint8_t {
 struct RampState {
   RampMode mode = RampMode::stop;
   RampLimits limits;
-  std::int64_t target_position = 0;  ///< microsteps
-  double target_velocity = 0.0;      ///< pps
-  std::int64_t origin = 0;           ///< motor position minus position, microsteps
+  std::int64_t target_position = 0;                                   ///< microsteps
+  double target_velocity = 0.0;                                       ///< pps
+  double maximum_velocity = std::numeric_limits<double>::infinity();  ///< pps
+  std::int64_t origin = 0;  ///< motor position minus position, microsteps
 
   MotionPlan plan;
   std::size_t segment = 0;            ///< index of the segment being played
@@ -46,6 +48,11 @@ struct RampState {
 class RampGenerator {
  public:
   RampGenerator();
+
+  /// The largest velocity (pps) that a ramp of this generator can hold. The cyclic modes
+  /// interpolate as fast as their targets want; where a ramp or a stop takes over from there, it
+  /// begins with this. Without a call there is no such bound.
+  void set_maximum_velocity(double velocity) { state_.maximum_velocity = velocity; }
 
   /// Travels to `target` and rests there. A target already under way is kept without planning anew.
   void move_to(std::int64_t target, const RampLimits& limits);
@@ -124,6 +131,7 @@ class RampGenerator {
 
  private:
   void play(const MotionPlan& plan);
+  [[nodiscard]] MotionState begin_of_ramp() const;
   void replan();
   void leave_segment(double time);
   void enter(std::size_t segment, double lead);

@@ -85,6 +85,9 @@ class ServoController {
   [[nodiscard]] std::int32_t increments_per_revolution() const;
   [[nodiscard]] std::int32_t position_error() const;  ///< 2050h:05
 
+  /// The velocity controller starts anew, from no torque.
+  void forget_velocity_error() { velocity_pi_.preset(0); }
+
   // Angles, 65536 = one electrical turn, all three at any time.
   [[nodiscard]] std::int16_t open_loop_angle() const { return open_loop_angle_.object_value(); }
   [[nodiscard]] std::int16_t hall_angle() const { return halls_.angle(period_).object_value(); }

@@ -130,6 +130,9 @@ class AxisMotion {
   /// the quick stop ramp with 6085h, or at once, from the velocity of the shaft on. A torque
   /// without a deceleration to brake with ends in coasting.
   void brake(Braking braking);
+  /// How often a stop has taken over from a shaft that did not follow: what the loops inside have
+  /// summed up until then was for another demand.
+  [[nodiscard]] std::uint32_t takeovers() const { return takeovers_; }
   /// The latest command was to stop.
   [[nodiscard]] bool stopping() const;
   /// Renames the present position; a motion under way ends at once.
@@ -142,6 +145,9 @@ class AxisMotion {
   /// target away from the switch that comes while the axis still slows down is kept.
   bool obey_limit_switches();
   void advance(base::SimDuration duration) { ramp_.advance(duration); }
+  /// Of a stepper axis, whose shaft is its counter: what its ramp generator can hold (pps), with
+  /// which a stop begins after a cyclic target that asked for more.
+  void set_maximum_velocity(double velocity) { ramp_.set_maximum_velocity(velocity); }
 
   [[nodiscard]] const control::RampGenerator& ramp() const { return ramp_; }
   [[nodiscard]] std::int64_t position() const { return ramp_.position().microsteps; }
@@ -199,6 +205,7 @@ class AxisMotion {
   [[nodiscard]] double way_into_switch() const;
   void take_over_from_shaft();
   void end_stop();
+  [[nodiscard]] bool stood() const;
   [[nodiscard]] bool is_slow() const;
   [[nodiscard]] bool is_held(double velocity) const;
   void keep_target_within_limits();
@@ -269,7 +276,8 @@ class AxisMotion {
   double lead_ = 0.0;                          ///< s, see ShaftState
   bool free_ = true;                           ///< as last told
   bool stopping_ = false;                      ///< a stop has taken over from the shaft
-  bool holds_then_ = false;                    ///< and the position loop takes over from it
+  std::uint32_t takeovers_ = 0;
+  bool holds_then_ = false;  ///< and the position loop takes over from it
   Cyclic cyclic_ = Cyclic::none;
   bool held_back_ = false;           ///< something other than the cyclic target moved the axis
   std::int64_t cyclic_target_ = 0;   ///< as it came

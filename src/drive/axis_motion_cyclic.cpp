@@ -128,9 +128,11 @@ void AxisMotion::approach(double way) {
     return;
   }
   const double half = 0.5 * change;
-  const double closing =
-      std::min(std::sqrt(2.0 * limits.deceleration * std::abs(rest) + half * half) - half,
-               std::abs(rest) / time);
+  double closing = std::sqrt(2.0 * limits.deceleration * std::abs(rest) + half * half) - half;
+  closing = std::min(closing, std::abs(rest) / time);
+  if (const double fastest = profile_velocity(); fastest > 0.0) {
+    closing = std::min(closing, fastest);
+  }
   const double wanted = within_largest(target_velocity + std::copysign(closing, rest));
   const bool gains = wanted * velocity() >= 0.0 && std::abs(wanted) > std::abs(velocity());
   const double step = (gains ? limits.acceleration : limits.deceleration) * time;

@@ -128,12 +128,10 @@ bool AxisMotion::obey_limit_switches() {
     return false;
   }
   blocked_direction_ = direction;
-  const bool had_torque = torque_.has_value();
-  if (had_torque) {
+  if (torque_) {
     hold_against(direction);
   }
   stop_at_switch(direction);
-  holds_then_ = holds_then_ || had_torque;
   return true;
 }
 
@@ -271,7 +269,6 @@ void AxisMotion::apply_torque(double amperes) {
     if (switch_blocks(direction) || limit_blocks(direction)) {
       brake(Braking::slow_down_ramp);
       hold_against(direction);
-      holds_then_ = true;
       return;
     }
   }

@@ -14,8 +14,9 @@ namespace {
 constexpr double kStandstill = 0.5;
 
 /// For so long the shaft has to be slow, or where it is held, to stand: one that only passes
-/// through 0 does not.
+/// through 0 does not. Halls, of which a slow shaft passes few, need more.
 constexpr base::SimDuration kStandingTime{2'000'000};
+constexpr double kStandingIncrements = 0.1;  ///< at the standstill velocity
 /// Standstill velocities up to which a shaft swings about the place where it is held, and stands;
 /// and from which on it passes that place.
 constexpr double kSwing = 2.0;
@@ -45,7 +46,7 @@ void AxisMotion::follow_shaft(const ShaftState& shaft) {
   free_ = shaft.free;
   if (!is_slow() && !is_held(kSwing)) {
     standing_ = base::SimDuration(0);
-  } else if (standing_ < kStandingTime) {
+  } else if (!stood()) {
     standing_ += period_;
   }
   if (free_) {
@@ -90,8 +91,13 @@ bool AxisMotion::settled() const {
   return ramp_.at_rest() && (!measured_ || is_slow() || is_held(kPassing));
 }
 
+/// It has been slow, or held, for long enough.
+bool AxisMotion::stood() const {
+  return standing_ >= kStandingTime && standing_.seconds() * standstill_ >= kStandingIncrements;
+}
+
 bool AxisMotion::stands() const {
-  return ramp_.at_rest() && (!measured_ || standing_ >= kStandingTime);
+  return ramp_.at_rest() && (!measured_ || stood());
 }
 
 bool AxisMotion::stopping() const {
@@ -142,11 +148,11 @@ void AxisMotion::settle() {
 /// it is, whatever the demand was ahead or behind. A velocity that the shaft has followed goes on
 /// without a step.
 void AxisMotion::take_over_from_shaft() {
-  if (!measured_ || stopping_ || free_) {
+  if (!measured_ || stopping_) {
     return;
   }
   stopping_ = true;
-  holds_then_ = true;
+  holds_then_ = loop() == ControlLoop::position;
   loop_without_torque_ = ControlLoop::velocity;
   constexpr double kFollowed = 0.02;  // a sensor's noise
   if (std::abs(velocity() - shaft_velocity_) <=
@@ -154,6 +160,7 @@ void AxisMotion::take_over_from_shaft() {
     ramp_.shift(shaft_position_ - position());
   } else {
     rest_at(shaft_position_, shaft_velocity_);
+    ++takeovers_;
   }
 }
 

@@ -7,6 +7,9 @@ namespace stator::drive {
 
 namespace {
 
+/// s. In a shorter half wave no current may rise to what tells that a load is there.
+constexpr double kShortestHalfWave = 200e-6;
+
 /// While the chip shows one of these the stage is off.
 constexpr AxisErrors kStageOff{AxisError::overcurrent_a, AxisError::overcurrent_b,
                                AxisError::overcurrent_high_side, AxisError::over_temperature,
@@ -56,7 +59,12 @@ void DriverChip::advance(const StepperSettings& settings, double velocity,
 void DriverChip::measure(const StepperSettings& settings, double velocity, double speed,
                          const base::AxisActuation& actuation, const base::AxisSensing& sensing) {
   const DriverSettings& driver = settings.driver;
-  open_load_.advance(actuation.coil_current_target, sensing.coil_current);
+  const auto half_wave = static_cast<double>(2U << settings.microstep_resolution);
+  if (half_wave >= kShortestHalfWave * speed) [[likely]] {
+    open_load_.advance(actuation.coil_current_target, sensing.coil_current);
+  } else {
+    open_load_.skip();
+  }
   if (voltage_mode_) {
     return;
   }

@@ -301,6 +301,10 @@ void PowerStateMachine::raise_fault(const PowerInput& input, bool power_off) {
     disable_bridge_at_once(fault_reaction_active);
     return;
   }
+  if (input.options.fault_reaction == 0) {
+    stop_and_disable(fault, input);
+    return;
+  }
   braking_ = braking_by(input.options.fault_reaction);
 }
 

@@ -170,6 +170,10 @@ void ServoAxis::end_period() {
     homings_ = homings();
     home_offset_display_ = controller_.position() - feedback_.position();
   }
+  if (motion_.takeovers() != takeovers_) {
+    takeovers_ = motion_.takeovers();
+    controller_.forget_velocity_error();
+  }
   const control::RampGenerator& ramp = motion_.ramp();
   set_point_.velocity =
       ramp.velocity() * kSecondsPerMinute / controller_.increments_per_revolution();

@@ -104,6 +104,7 @@ class ServoAxis final : public Axis {
   double driver_temperature_ = 25.0;
   double filtered_current_ = 0.0;  ///< A
   std::uint32_t homings_ = 0;      ///< finished, as last seen
+  std::uint32_t takeovers_ = 0;    ///< of stops, as last seen
   std::int64_t home_offset_display_ = 0;
 };
 

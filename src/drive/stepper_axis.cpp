@@ -32,6 +32,7 @@ StepperAxis::StepperAxis(dictionary::Dictionary& dictionary, const AxisConfigura
 
 void StepperAxis::begin_period(base::SimTime now) {
   update_feedback();
+  motion_.set_maximum_velocity(settings_.units.maximum_velocity());
   feedback_.update(encoder_count_, configuration().control_period);
   supervise_closed_loop(now);
 }

@@ -73,6 +73,43 @@ TEST(VelocityInterpolation, CanBeBrakedByARampAfterwards) {
   EXPECT_EQ(generator.velocity(), 0.0);
 }
 
+TEST(PositionInterpolation, AStopBeginsWithWhatTheGeneratorCanHold) {
+  for (const bool s_shaped : {false, true}) {
+    RampGenerator generator;
+    generator.set_maximum_velocity(8e6);
+    generator.follow_position(-1'024'000, 10_ms);
+    generator.advance(5_ms);
+    EXPECT_DOUBLE_EQ(generator.velocity(), -102.4e6) << "the target is the master's";
+    RampLimits limits{.deceleration = 2e6};
+    limits.shape = s_shaped ? RampShape::s_shaped : RampShape::six_point;
+    EXPECT_DOUBLE_EQ(generator.braking_distance(limits), 0.5 * 8e6 * 8e6 / 2e6);
+    if (s_shaped) {
+      generator.stop(limits);
+    } else {
+      generator.stop(2e6);
+    }
+    EXPECT_DOUBLE_EQ(generator.velocity(), -8e6);
+    EXPECT_NEAR(generator.remaining_time(), 4.0, 1e-9);
+    generator.advance(4'001_ms);
+    EXPECT_TRUE(generator.at_rest());
+    EXPECT_NEAR(distance({-512'000, 0.0}, generator.position()), -16e6, 1.0);
+  }
+}
+
+TEST(PositionInterpolation, BelowTheBoundAStopBeginsWithTheVelocityThereIs) {
+  RampGenerator bounded;
+  RampGenerator free;
+  bounded.set_maximum_velocity(8e6);
+  for (RampGenerator* generator : {&bounded, &free}) {
+    generator->follow_position(7'777, 1_ms);
+    generator->advance(300_us);
+    generator->stop(123'456.0);
+    generator->advance(5_s);
+  }
+  EXPECT_EQ(bounded.velocity(), free.velocity());
+  EXPECT_EQ(bounded.position(), free.position()) << "to the last bit";
+}
+
 TEST(PositionInterpolation, ASingleMicrostepTakesThePeriodToo) {
   RampGenerator generator;
   generator.follow_position(1, 1_ms);

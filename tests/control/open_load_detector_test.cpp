@@ -43,5 +43,21 @@ TEST(OpenLoadDetector, CannotTellWithNextToNoCurrent) {
   EXPECT_FALSE(detector.open(0));
 }
 
+TEST(OpenLoadDetector, WhatIsSkippedTellsNothing) {
+  OpenLoadDetector detector;
+  turn(detector, 2.0, 0.0, 1.0);
+  turn(detector, 2.0, 0.0, 1.0);
+  ASSERT_TRUE(detector.open(0));
+  detector.advance({2.0, 2.0}, {2.0, 0.0});
+  detector.skip();
+  detector.advance({-2.0, -2.0}, {-2.0, -2.0});
+  EXPECT_FALSE(detector.open(1)) << "not seen as a whole";
+  EXPECT_TRUE(detector.open(0)) << "what was found before stays";
+  turn(detector, 2.0, 1.0, 0.0);
+  turn(detector, 2.0, 1.0, 0.0);
+  EXPECT_FALSE(detector.open(0));
+  EXPECT_TRUE(detector.open(1));
+}
+
 }  // namespace
 }  // namespace stator::control

@@ -242,7 +242,8 @@ TEST_F(Tmc8670StopOnTheWay, AJammedShaftThatIsFreedUnderHaltStaysWhereItIs) {
   forget();
   set_input("axis0.jamming_torque", 0.0);
   cycle(1_s);
-  EXPECT_LT(fastest(), 60.0);
+  // What it is off its place by has been summed up while it could not turn.
+  EXPECT_LT(fastest(), 300.0);
   EXPECT_LT(travelled(), 0.1);
   EXPECT_TRUE(has(kReached));
 }

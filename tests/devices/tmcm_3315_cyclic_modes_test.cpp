@@ -1,6 +1,7 @@
 // Cyclic synchronous position and velocity: interpolation, streams of set-points, lost ones.
 
 #include <cstdint>
+#include <vector>
 
 #include "devices/tmcm_3315_modes.hpp"
 
@@ -146,6 +147,93 @@ TEST_F(Tmcm3315CyclicStream, SetPointsDuringHaltAreIgnoredAndTheLatestCountsAfte
   bus_->pass_cyclically(3_ms);
   EXPECT_EQ(position(), 400.0);
   EXPECT_EQ(base::load_le<std::uint16_t>(bus_->inputs, 0) & 0x1000, 0x1000);
+}
+
+/// 20 revolutions within 10 ms are 102 million pps; the ramp generator holds 8388607.
+class Tmcm3315CyclicJump : public Tmcm3315Modes {
+ protected:
+  static constexpr double kDeceleration = 4e6;  // pps/s
+  static constexpr double kRampTime = 8'388'607.0 / kDeceleration;
+
+  void jump() {
+    renew(damped_axis());
+    go_operational();
+    for (const unsigned ramp : {0x6083U, 0x6084U, 0x6085U, 0x2014U}) {
+      write<std::uint32_t>(static_cast<std::uint16_t>(ramp),
+                           static_cast<std::uint32_t>(kDeceleration));
+    }
+    set_interpolation(10, -3);
+    enable(0, 8);
+    bus_->pass(20_ms);
+    bus_->take_emergencies();
+    write<std::int32_t>(0x607A, 20 * static_cast<std::int32_t>(kMicrostepsPerRevolution));
+    bus_->pass(5_ms);
+    ASSERT_NEAR(velocity(), 102.4e6, 1.0);
+  }
+  void expect_rest_after_the_ramp() {
+    const double before = position();
+    bus_->pass(base::SimDuration(static_cast<std::int64_t>(0.95e9 * kRampTime)));
+    EXPECT_GT(velocity(), 0.0) << "it is a ramp";
+    bus_->pass(base::SimDuration(static_cast<std::int64_t>(0.06e9 * kRampTime)) + 5_ms);
+    EXPECT_EQ(velocity(), 0.0);
+    EXPECT_LT(position() - before, 1.05 * 0.5 * 8'388'607.0 * kRampTime);
+    bus_->pass(1_s);
+    EXPECT_EQ(velocity(), 0.0);
+    EXPECT_EQ(bus_->take_emergencies(), std::vector<Emergency>());
+  }
+};
+
+TEST_F(Tmcm3315CyclicJump, EveryStopEndsWithTheRampOfTheLargestVelocity) {
+  struct Stop {
+    const char* name;
+    std::uint16_t controlword;
+  };
+  for (const Stop& stop :
+       {Stop{"halt", 0x010F}, Stop{"quick stop", 0x000B}, Stop{"disable operation", 7}}) {
+    SCOPED_TRACE(stop.name);
+    jump();
+    control(0, stop.controlword);
+    expect_rest_after_the_ramp();
+  }
+}
+
+TEST_F(Tmcm3315CyclicJump, AnotherModeTakesOverAfterTheRampOfTheLargestVelocity) {
+  for (const std::int8_t mode : {std::int8_t{0}, std::int8_t{1}, std::int8_t{9}}) {
+    SCOPED_TRACE(int{mode});
+    jump();
+    write<std::int8_t>(0x6060, mode);
+    expect_rest_after_the_ramp();
+    EXPECT_EQ(mode_display(), mode);
+  }
+}
+
+TEST_F(Tmcm3315CyclicJump, TheNetworkEndsItWithTheRampOfTheLargestVelocity) {
+  for (const AlState state : {AlState::safe_operational, AlState::init}) {
+    jump();
+    bus_->request(state);
+    const double before = position();
+    bus_->pass(base::SimDuration(static_cast<std::int64_t>(1.01e9 * kRampTime)) + 5_ms);
+    EXPECT_EQ(velocity(), 0.0);
+    EXPECT_LT(position() - before, 1.05 * 0.5 * 8'388'607.0 * kRampTime);
+  }
+}
+
+TEST_F(Tmcm3315CyclicJump, AFaultIsToldOnceAndEndsWithTheRampOfTheLargestVelocity) {
+  renew(damped_axis());
+  go_operational();
+  use_encoder(0, 51'200);
+  write<std::uint32_t>(0x6065, 20'000);
+  write<std::int16_t>(0x605E, 2);
+  write<std::uint32_t>(0x6085, static_cast<std::uint32_t>(kDeceleration));
+  set_interpolation(10, -3);
+  enable(0, 8);
+  bus_->pass(20_ms);
+  bus_->take_emergencies();
+  write<std::int32_t>(0x607A, 20 * static_cast<std::int32_t>(kMicrostepsPerRevolution));
+  bus_->pass(1_ms + base::SimDuration(static_cast<std::int64_t>(1.01e9 * kRampTime)) + 5_ms);
+  EXPECT_EQ(velocity(), 0.0);
+  EXPECT_EQ(bus_->take_emergencies(), std::vector<Emergency>({{0x11, 0x86, 0x21, 0, 0}}));
+  EXPECT_EQ(statusword() & 0x004F, 0x0008);
 }
 
 }  // namespace

@@ -295,14 +295,21 @@ TEST_F(ServoSupervision, SoftwareLimitsAreComparedWithTheActualPosition) {
   bench_.write(0x607D, 1, -1000);
   bench_.write(0x607D, 2, 1000);
   bench_.write(0x607C, 100);
-  bench_.motor.turn_to(901.5);
+  bench_.motor.turn_to(905.5);
+  bench_.pass(2_ms);
+  EXPECT_TRUE(bench_.axis->errors().empty()) << "as near as positioning counts as finished";
+  bench_.motor.turn_to(906.5);
   bench_.pass(2_ms);
   EXPECT_TRUE(bench_.axis->errors().has(AxisError::positive_software_limit));
   EXPECT_TRUE(bench_.status(statusword::kInternalLimit));
-  bench_.motor.turn_to(-1099.5);
+  bench_.motor.turn_to(901.5);
+  bench_.pass(2_ms);
+  EXPECT_TRUE(bench_.axis->errors().has(AxisError::positive_software_limit))
+      << "it goes where the axis is back";
+  bench_.motor.turn_to(-1104.5);
   bench_.pass(2_ms);
   EXPECT_TRUE(bench_.axis->errors().empty());
-  bench_.motor.turn_to(-1100.5);
+  bench_.motor.turn_to(-1106.5);
   bench_.pass(2_ms);
   EXPECT_TRUE(bench_.axis->errors().has(AxisError::negative_software_limit));
 }
