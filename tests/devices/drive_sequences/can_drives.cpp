@@ -30,7 +30,8 @@ class Tmcc160Drive final : public DriveUnderTest {
     traits_ = {.standstill = encoder ? 0.5 : 1.5,
                .settle = encoder ? 0.05 : 0.25,
                .reaction = encoder ? 0.03 : 0.05,
-               .lag = 0.25,  // with the gains as delivered
+               .reversal = encoder ? 6e-3 : 0.03,  // Hall sensors see nothing within a step
+               .lag = 0.25,                        // with the gains as delivered
                .bandwidth = 20.0,
                .inertia = inertia_,
                .integral_time = 0.5,

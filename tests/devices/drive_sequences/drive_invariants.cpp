@@ -14,7 +14,6 @@ namespace {
 constexpr double kPeriod = 1e-3;  // s between two samples
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kMoreTime = 1.2;      // a ramp may take a fifth longer than it says
-constexpr double kReversal = 6e-3;     // s until a current has changed its sign
 constexpr double kUsableTorque = 0.8;  // of the limit, in spite of ripple and regulation
 constexpr double kLag = 2e-3;          // s from sampling a position to showing it
 constexpr int kBitTime = 20;           // ms in which a bit of the statusword follows
@@ -112,7 +111,7 @@ void StoppingEnvelope::pass(const Sample& sample, const DriveTraits& traits, dou
     waited_ += kPeriod;
     // The current is reversed within milliseconds; until then the motor may drive on.
     const double torque = sample.torque_limit + std::max(0.0, sample.load * direction);
-    const double more = kReversal * torque / sample.inertia / kTurn;
+    const double more = traits.reversal * torque / sample.inertia / kTurn;
     ramp_ = std::max(ramp_, std::min(speed, begin_speed_ + more));
     allowed_ = std::max(allowed_, ramp_);
     return;
@@ -422,15 +421,17 @@ void DriveInvariants::judge_stage(const Sample& now) {
     milliseconds = wrong ? milliseconds + 1 : 0;
     return milliseconds > 5;
   };
-  // Above its no-load speed the EMF drives currents that no voltage of the bridge holds up; a shaft
-  // that stands in a moment leaves the angle behind that the drive works with.
+  // Above its no-load speed the EMF drives currents that no voltage of the bridge holds up, and the
+  // regulators need some time to be of use again. A shaft that stands in a moment leaves the angle
+  // behind that the drive works with.
   constexpr int kAfterJam = 100;  // ms
   since_jam_ = now.jammed ? 0 : since_jam_ + 1;
-  const bool regulated =
-      since_jam_ > kAfterJam &&
-      std::abs(now.velocity) < 0.75 * traits_.no_load_velocity * std::min(now.supply, now.source);
-  if (count(current_off_, now.power && regulated &&
-                              now.current > now.current_limit + traits_.current_allowance)) {
+  const bool too_fast =
+      std::abs(now.velocity) >= 0.75 * traits_.no_load_velocity * std::min(now.supply, now.source);
+  const bool too_much = now.current > now.current_limit + traits_.current_allowance;
+  saturated_ = now.power && (too_fast || (saturated_ && too_much));
+  const bool regulated = since_jam_ > kAfterJam && !saturated_;
+  if (count(current_off_, now.power && regulated && too_much)) {
     violate(Invariant::current, now.time,
             joined("the motor has ", now.current, " A, ", now.current_limit, " are allowed"));
   }

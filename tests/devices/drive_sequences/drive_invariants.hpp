@@ -121,6 +121,7 @@ class DriveInvariants {
   int velocity_off_ = 0;      ///< ms
   int current_off_ = 0;       ///< ms
   int powered_although_ = 0;  ///< ms for which the bridge has been on against a command
+  bool saturated_ = false;    ///< the current is what the EMF makes of it
   int since_jam_ = 1000;      ///< ms
   int overvoltage_on_ = 0;    ///< ms
   double work_ = 0.0;         ///< J the load did on the shaft

@@ -109,6 +109,7 @@ struct DriveTraits {
   double standstill = 0.1;         ///< rev/s below which its shaft counts as standing, with ripple
   double settle = 0.02;            ///< rev by which a shaft may move on beyond what is allowed
   double reaction = 0.02;          ///< s from a command to torque in the other direction
+  double reversal = 6e-3;          ///< s until its torque brakes
   double lag = 0.01;               ///< s that a shaft stays behind its ramp at `inertia`
   double bandwidth = 100.0;        ///< rad/s of the velocity loop at `inertia`
   double inertia = 1e-5;           ///< kg m² the loops are tuned for
