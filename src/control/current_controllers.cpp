@@ -15,6 +15,17 @@ void CurrentControllers::configure(std::uint16_t proportional, std::uint16_t int
   sum_ = kept(sum_, accumulates_);
 }
 
+void CurrentControllers::change_integral(std::uint16_t integral) {
+  const Pair voltage = integral_ * sum_;
+  integral_ = both(integral);
+  inverse_integral_ = integral == 0 ? 0.0 : 1.0 / integral;
+  accumulates_ = integral == 0 ? Mask{0, 0} : Mask{-1, -1};
+  // Towards zero, so that the integral part stays within the limit.
+  for (const int axis : {0, 1}) {
+    sum_[axis] = static_cast<double>(static_cast<std::int64_t>(voltage[axis] * inverse_integral_));
+  }
+}
+
 // An error with the sign of the cut pushes further.
 CurrentControllers::Mask CurrentControllers::without_cut(Pair error) const {
   const Mask pushes =

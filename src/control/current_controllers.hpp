@@ -23,7 +23,10 @@ class CurrentControllers {
     std::int32_t sum;  ///< saturated
   };
 
+  /// Takes gains; the sums stay.
   void configure(std::uint16_t proportional, std::uint16_t integral);
+  /// Takes another I; the voltages that the sums stand for stay.
+  void change_integral(std::uint16_t integral);
 
   /// One period with the errors of d and q; the vector of the voltages is not longer than `limit`,
   /// and d comes first.

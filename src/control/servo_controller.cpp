@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "control/rounding.hpp"
 
@@ -22,6 +23,9 @@ constexpr double kVelocityBand = 0.2;             // of the limit, in which torq
 constexpr double kLeastVelocityBand = 50.0;       // rpm
 constexpr double kLeastSupply = 1.0;              // V, below it there is nothing to control
 constexpr double kLargestCurrent = 1e6;           // A, of a set-point; keeps conversions in range
+constexpr double kTurning = 60.0;                 // rpm from which a motor has to be caught
+constexpr int kCatchingPeriods = 2;               // outer ones: 2 ms
+constexpr unsigned kCatchingIntegral = 32;        // of P: an integral time of 8 periods
 
 std::int32_t of_milliampere(std::uint32_t value) {
   return static_cast<std::int32_t>(std::min<std::uint32_t>(value, 1'000'000));
@@ -48,6 +52,7 @@ void ServoController::configure(const ServoControllerSettings& settings) {
                 (settings.commutation == ServoCommutation::encoder &&
                  settings.init_mode == EncoderInitMode::hall);
   current_pi_.configure(settings.torque_p, settings.torque_i);
+  catching_ = 0;
   velocity_pi_.configure(settings.velocity_p, settings.velocity_i);
   const double increments = increments_per_revolution();
   rpm_of_rate_ = kPeriodsPerMinute / increments;
@@ -199,6 +204,16 @@ void ServoController::begin(const ServoSetPoint& set_point, const base::ServoSen
     set_field(encoder_.start(observation(sensing)));
     field_driven_ = encoder_.initialising();
   }
+  catch_turning_motor();
+}
+
+void ServoController::catch_turning_motor() {
+  const bool turns = !field_driven_ && std::fabs(velocity_) > kTurning;
+  const unsigned integral = std::min(kCatchingIntegral * settings_.torque_p,
+                                     unsigned{std::numeric_limits<std::uint16_t>::max()});
+  const bool catches = turns && settings_.torque_i > 0 && integral > settings_.torque_i;
+  catching_ = catches ? kCatchingPeriods + 1 : 0;  // the first outer period is the present one
+  current_pi_.change_integral(catches ? static_cast<std::uint16_t>(integral) : settings_.torque_i);
 }
 
 void ServoController::end() {
@@ -232,6 +247,9 @@ void ServoController::run_outer_loops(const ServoSetPoint& set_point,
   }
   if (encoder_.initialising()) {
     initialise_encoder(sensing);
+  }
+  if (catching_ > 0 && --catching_ == 0) {
+    current_pi_.change_integral(settings_.torque_i);
   }
   if (set_point.loop != loop_) {
     enter_loop(set_point.loop);

@@ -32,6 +32,9 @@ namespace stator::control {
 /// those of a timer with preload registers do: the loop has one period of delay and the half period
 /// of its holding. There is no decoupling of the axes, no feed-forward of the back-EMF and no field
 /// weakening: the product has no parameters for them; where the voltage ends, so does the velocity.
+/// A motor that turns when the loop closes has an EMF of which the current controllers know
+/// nothing: for 2 ms their integral time is 8 periods (P permitting), so that it is met before the
+/// current it drives brakes the motor and charges the supply.
 ///
 /// State is plain: a controller can be copied out and put back.
 class ServoController {
@@ -126,6 +129,7 @@ class ServoController {
 
   void sense(const base::ServoSensing& sensing);
   void begin(const ServoSetPoint& set_point, const base::ServoSensing& sensing);
+  void catch_turning_motor();
   void end();
   void run_outer_loops(const ServoSetPoint& set_point, const base::ServoSensing& sensing);
   void measure_velocity();
@@ -158,6 +162,7 @@ class ServoController {
   bool placed_ = false;     ///< the sensors have been read once
   bool running_ = false;
   bool field_driven_ = false;        ///< an imposed angle turns, not the rotor's
+  int catching_ = 0;                 ///< outer periods until the EMF of a turning motor is found
   bool targets_each_period_ = true;  ///< otherwise the outer loops alone change current_target_
   bool voltage_limited_ = false;
   ServoLoop loop_ = ServoLoop::off;

@@ -40,8 +40,6 @@ void HardStopSearch::begin(const HomingMethod& method) {
   stage_ = Stage::pushing;
   direction_ = method.search_direction;
   second_ = false;
-  has_run_ = false;
-  is_stalled_ = false;
 }
 
 bool HardStopSearch::advance(const ModeContext& context) {
@@ -87,7 +85,8 @@ bool HardStopSearch::held_up(const ModeContext& context, double velocity) {
   const double stop_current = context.settings.hard_stop.current;
   const double current = context.motor_current * direction_;
   const double shaft = context.motion.shaft_velocity() * direction_;
-  if (context.motion.velocity() != velocity) {
+  if (context.motion.velocity() != velocity) {  // at the start, and after halt
+    has_run_ = false;
     is_stalled_ = false;
     return false;
   }
@@ -119,8 +118,6 @@ bool HardStopSearch::arrived(const ModeContext& context) {
     return true;
   }
   second_ = true;
-  has_run_ = false;
-  is_stalled_ = false;
   direction_ = -direction_;
   stage_ = Stage::pushing;
   return false;

@@ -280,6 +280,28 @@ TEST(VelocityLoop, AnIntegralPartTakesOverTheLoad) {
   EXPECT_NEAR(bench.controller.velocity_error_sum() * 500.0 / 65536.0 * 4.0, 1000.0, 60.0);
 }
 
+/// Its EMF is met before it drives a current that brakes it hard and charges the supply.
+TEST(VelocityLoop, CatchesAMotorThatTurnsWhenItIsClosed) {
+  for (ServoControllerSettings settings : {with_encoder(), ServoControllerSettings{}}) {
+    settings.hall_interpolated = true;
+    ServoBench bench(settings);
+    bench.set_point.loop = ServoLoop::velocity;
+    bench.set_point.velocity = 2000.0;
+    bench.run(1.0);
+    bench.set_point.loop = ServoLoop::off;
+    bench.run(0.005);
+    ASSERT_GT(bench.motor.rpm(), 1500.0);
+    bench.set_point.loop = ServoLoop::velocity;
+    bench.set_point.velocity = bench.motor.rpm();
+    double braking = 0.0;
+    for (int k = 0; k < 600; ++k) {
+      bench.step();
+      braking = std::max(braking, k < 40 ? 0.0 : -bench.motor.iq());
+    }
+    EXPECT_LT(braking, 0.5) << "after 2 ms";
+  }
+}
+
 TEST(VelocityLoop, DemandIsLimited) {
   ServoControllerSettings settings = with_encoder();
   settings.maximum_velocity = 700;

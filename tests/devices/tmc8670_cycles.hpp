@@ -163,7 +163,7 @@ class Tmc8670Cycles : public Tmc8670Chip {
     return result;
   }
 
-  static constexpr double kStands = 15.0;  ///< rpm
+  static constexpr double kStands = 20.0;  ///< rpm: magnets let it swing without power
 
   std::uint16_t controlword_ = 0;
   std::int8_t mode_ = 0;

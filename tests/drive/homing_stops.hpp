@@ -54,7 +54,8 @@ constexpr const char* name_of(HomingStop stop) {
 }
 
 /// Homing on a bench of a servo axis, with 605Bh = 1. `Bench` has rpm(), turned() in revolutions,
-/// home() in revolutions where positions are 0, and set_fault() with a cause that brakes.
+/// home() in revolutions where positions are 0, strongest() in rpm/s that its torque can brake
+/// with, and set_fault() with a cause that brakes.
 template <typename Bench>
 class StoppedHoming : public Bench {
  public:
@@ -86,7 +87,8 @@ class StoppedHoming : public Bench {
   /// Stops the run now, and looks at how it comes to rest.
   void expect_rest(HomingStop stop) {
     const double begin = std::fabs(this->rpm());
-    const double longest = 1.2 * begin / ramp_of(stop) + 0.06;  // s
+    const double ramp = std::min(ramp_of(stop), this->strongest());
+    const double longest = 1.2 * begin / ramp + 0.06;  // s
     double fastest = 0.0;
     double time_to_stand = 0.0;
     command(stop);
@@ -215,7 +217,11 @@ void expect_rest_in_every_stage(int method, std::initializer_list<HomingStop> st
       run.go_on(stop);
       ASSERT_TRUE(run.attained());
       run.pass(base::SimDuration(100'000'000));
-      EXPECT_NEAR(run.home(), undisturbed.home(), method < 0 ? 0.02 : 0.003);
+      double away = run.home() - undisturbed.home();
+      if (method == 33 || method == 34) {
+        away = std::remainder(away, 1.0);  // the next index may be another one
+      }
+      EXPECT_NEAR(away, 0.0, method < 0 ? 0.02 : 0.003);
     }
   }
 }

@@ -8,11 +8,14 @@
 namespace stator::drive {
 namespace {
 
+constexpr double kEnough = 1e6;                   // rpm/s
+constexpr double kSpeedPerAmpereSecond = 1300.0;  // rpm per A and s with 2e-4 kg m²
+
 class FocTrack : public FocBench {
  public:
   static constexpr double kStands = 20.0;  ///< rpm: a count of the encoder for the velocity meter
 
-  explicit FocTrack(int method, double inertia = 0.0) : FocBench(track(inertia)) {
+  explicit FocTrack(int method, double inertia = 0.0) : FocBench(track(method, inertia)) {
     left_switch = -0.7;
     home_switch = {1.0, 1.2};
     if (method == 19) {
@@ -27,15 +30,29 @@ class FocTrack : public FocBench {
   [[nodiscard]] double home() const {
     return revolutions() - static_cast<double>(position()) / kTurn;
   }
+  [[nodiscard]] double strongest() const {
+    return axis->settings().maximum_torque * kSpeedPerAmpereSecond *
+           (2e-4 / std::max(plant.parameters().load.inertia, 1e-6));
+  }
   void set_fault(bool present) { plant.set_supply_voltage(present ? 31.0 : 24.0); }
 
  private:
-  static plant::PwmAxisParameters track(double inertia) {
+  static plant::PwmAxisParameters track(int method, double inertia) {
     plant::PwmAxisParameters parameters = foc_plant();
     parameters.initial_revolutions = 0.3;
-    parameters.load.end_stop_maximum = 1.5;
+    if (method < 0) {
+      parameters.load.end_stop_maximum = 1.5;
+    }
     parameters.load.inertia = inertia;
     return parameters;
+  }
+};
+
+/// With a load that its torque can hardly bring up to speed within the ramp, tuned for it.
+class FocHeavyTrack : public FocTrack {
+ public:
+  explicit FocHeavyTrack(int method) : FocTrack(method, 2e-4) {
+    block.set(control::foc::field("PID_VELOCITY_P"), 8200);
   }
 };
 
@@ -55,6 +72,7 @@ class ServoTrack : public ServoBench {
   [[nodiscard]] double home() const {
     return (motor.counts() - static_cast<double>(position())) / ServoMotor::kCounts;
   }
+  [[nodiscard]] double strongest() const { return kEnough; }
   /// Friction, which the motor of the bench lacks, holds a shaft that stands without power.
   void pass(base::SimDuration duration) override {
     for (const base::SimTime end = now + duration; now < end;) {
@@ -62,8 +80,8 @@ class ServoTrack : public ServoBench {
       motor.blocked = !axis->bridge_enabled() && std::fabs(rpm()) < kStands;
     }
   }
-  /// Overvoltage is seen in what the sensors tell.
-  void set_fault(bool present) { sensing.supply_voltage = present ? 30.0 : 24.0; }
+  /// Undervoltage, as the sensors tell it; too much voltage would switch the power off.
+  void set_fault(bool present) { sensing.supply_voltage = present ? 6.0 : 24.0; }
 };
 
 class FocHomingStops : public testing::TestWithParam<int> {};
@@ -76,6 +94,16 @@ TEST_P(FocHomingStops, InEveryStageTheMotorComesToRestAndHomeIsFoundAfterwards) 
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, FocHomingStops, testing::Values(17, 19, 34, -1));
+
+class FocHeavyHomingStops : public testing::TestWithParam<int> {};
+
+TEST_P(FocHeavyHomingStops, ALoadThatLagsComesToRestToo) {
+  using enum HomingStop;
+  expect_rest_in_every_stage<FocHeavyTrack>(
+      GetParam(), {bit_four, halt_quick_stop, quick_stop, disable, mode, network});
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, FocHeavyHomingStops, testing::Values(17, 34, -1));
 
 class ServoHomingStops : public testing::TestWithParam<int> {};
 
