@@ -47,7 +47,7 @@ class DriveUnderTest {
   virtual void command(const DriveStep& step);
   /// Exchanges process data `times` times and lets the rest of the millisecond pass.
   virtual void pass_cycle(int times) = 0;
-  void set_input(std::string_view name, double level);
+  virtual void set_input(std::string_view name, double level);
   /// What the steps set of the surroundings.
   struct Surroundings {
     double load = 0.0;

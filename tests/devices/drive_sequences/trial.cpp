@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iomanip>
 #include <sstream>
+#include <utility>
 
 #include "devices/drive_sequences/drive_under_test.hpp"
 
@@ -15,11 +16,11 @@ constexpr double kTurning = 0.3;  // rev/s, of a shaft that hunts or rings
 
 class Trial {
  public:
-  Trial(Product product, const std::set<Invariant>& excepted,
+  Trial(Product product, std::unique_ptr<DriveUnderTest> drive, const std::set<Invariant>& excepted,
         const std::function<void(const Sample&)>& look)
       : product_(product),
         look_(look),
-        drive_(make_drive(product)),
+        drive_(std::move(drive)),
         invariants_(drive_->traits(), excepted) {}
 
   /// False: an invariant is violated.
@@ -133,7 +134,13 @@ class Trial {
 
 TrialOutcome run_sequence(const DriveSequence& sequence, const std::set<Invariant>& excepted,
                           const std::function<void(const Sample&)>& look) {
-  Trial trial(sequence.product, excepted, look);
+  return run_sequence(make_drive(sequence.product), sequence, excepted, look);
+}
+
+TrialOutcome run_sequence(std::unique_ptr<DriveUnderTest> drive, const DriveSequence& sequence,
+                          const std::set<Invariant>& excepted,
+                          const std::function<void(const Sample&)>& look) {
+  Trial trial(sequence.product, std::move(drive), excepted, look);
   std::size_t steps = 0;
   for (const DriveStep& step : sequence.steps) {
     ++steps;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <set>
 #include <span>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "devices/drive_sequences/drive_invariants.hpp"
+#include "devices/drive_sequences/drive_under_test.hpp"
 #include "devices/drive_sequences/sequence.hpp"
 
 namespace stator::tests {
@@ -32,6 +34,12 @@ struct TrialOutcome {
 /// after fault reset and enabling the drive has to move.
 /// `look` sees every sample.
 [[nodiscard]] TrialOutcome run_sequence(const DriveSequence& sequence,
+                                        const std::set<Invariant>& excepted = {},
+                                        const std::function<void(const Sample&)>& look = {});
+
+/// The same with a drive given.
+[[nodiscard]] TrialOutcome run_sequence(std::unique_ptr<DriveUnderTest> drive,
+                                        const DriveSequence& sequence,
                                         const std::set<Invariant>& excepted = {},
                                         const std::function<void(const Sample&)>& look = {});
 
