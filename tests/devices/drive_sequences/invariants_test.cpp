@@ -42,12 +42,13 @@ class Recording {
   void turn(double velocity) {
     sample_.velocity = sample_.demand_velocity = sample_.shown_velocity = velocity;
   }
-  /// Goes on for so long with a velocity that changes by `acceleration`, not beyond 0.
+  /// Goes on for so long with a velocity that changes by `acceleration`, in a stop down to 0.
   void go(int milliseconds, double acceleration = 0.0) {
     for (int i = 0; i < milliseconds; ++i) {
       const double before = sample_.velocity;
       const double after = before + acceleration * kStep;
-      turn(before * after < 0.0 ? 0.0 : after);
+      const bool rests = before == 0.0 && sample_.stop.cause != StopCause::none;
+      turn(before * after < 0.0 || rests ? 0.0 : after);
       sample_.position += sample_.velocity * kStep;
       sample_.shown_position = sample_.demand = sample_.position;
       sample_.time += base::SimDuration(1'000'000);
