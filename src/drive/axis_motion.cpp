@@ -95,7 +95,7 @@ std::int64_t AxisMotion::move_to(std::int64_t target) {
   const auto way = static_cast<double>(allowed - position());
   if (blocked_by_switch(way)) {
     stop_at_switch(way);
-    holds_then_ = true;
+    holds_then_ = true;  // also out of a velocity loop
     return allowed;
   }
   hold_position();
@@ -219,7 +219,7 @@ bool AxisMotion::search_blocked(double direction, const PassedSwitches& passed) 
   }
   if (!stopping()) {
     take_over_from_shaft();
-    ramp_.stop(switch_deceleration());
+    stop_on(switch_deceleration());
   }
   return true;
 }

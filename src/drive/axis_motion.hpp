@@ -204,6 +204,8 @@ class AxisMotion {
   [[nodiscard]] bool pulls(double direction) const;
   [[nodiscard]] double way_into_switch() const;
   void take_over_from_shaft();
+  void bring_demand_down();
+  void stop_on(double deceleration);
   void end_stop();
   [[nodiscard]] bool stood() const;
   [[nodiscard]] bool is_slow() const;
@@ -277,7 +279,8 @@ class AxisMotion {
   bool free_ = true;                           ///< as last told
   bool stopping_ = false;                      ///< a stop has taken over from the shaft
   std::uint32_t takeovers_ = 0;
-  bool holds_then_ = false;  ///< and the position loop takes over from it
+  double stop_deceleration_ = 0.0;  ///< of the latest stop, pps/s
+  bool holds_then_ = false;         ///< and the position loop takes over from it
   Cyclic cyclic_ = Cyclic::none;
   bool held_back_ = false;           ///< something other than the cyclic target moved the axis
   std::int64_t cyclic_target_ = 0;   ///< as it came

@@ -82,7 +82,7 @@ void AxisMotion::stop_at_switch(double direction) {
   held_back_ = true;
   if (!stopping() || (!measured_ && deceleration <= 0.0)) {
     take_over_from_shaft();
-    ramp_.stop(deceleration);
+    stop_on(deceleration);
   }
 }
 
@@ -188,7 +188,7 @@ void AxisMotion::travel_to_limit(double direction, bool on_profile) {
     ramp_.move_to(limit, limits);
   } else {
     take_over_from_shaft();
-    holds_then_ = true;
+    stop_deceleration_ = limits.deceleration;
     ramp_.stop(limits);
   }
 }

@@ -21,6 +21,16 @@ constexpr double kStandingIncrements = 0.1;  ///< at the standstill velocity
 /// and from which on it passes that place.
 constexpr double kSwing = 2.0;
 constexpr double kPassing = 20.0;
+/// The position loop has a shaft in its place that is as near as this at the standstill velocity,
+/// s.
+constexpr double kInPlace = 0.02;
+/// Of the demand's velocity, by which that of a shaft that follows it may differ: a sensor's noise,
+/// and how late the loop is.
+constexpr double kFollowedStandstills = 3.0;
+constexpr double kFollowedShare = 0.02;
+constexpr double kFollowedPeriods = 4.0;
+/// By which a demand is so far ahead of the shaft that the velocity loop has lost its hold.
+constexpr double kFarAhead = 0.25;
 /// Of the filter that takes the counts of an encoder out of the velocity, s.
 constexpr double kVelocityFilter = 2e-3;
 
@@ -64,6 +74,9 @@ void AxisMotion::follow_shaft(const ShaftState& shaft) {
       break;
     case ControlLoop::velocity:
       ramp_.shift(shaft.position - position());
+      if (stopping_) {
+        bring_demand_down();
+      }
       if (stopping_ && at_rest() && is_slow()) {
         end_stop();
       }
@@ -81,9 +94,11 @@ bool AxisMotion::is_slow() const {
 /// The position loop has the shaft where it is to be, as near as positioning counts as finished; it
 /// may swing there with less than `velocity` standstill velocities.
 bool AxisMotion::is_held(double velocity) const {
-  const std::int64_t distance = settings_.position_end.value_or(PositionEnd{}).distance;
+  const double near =
+      std::min(static_cast<double>(settings_.position_end.value_or(PositionEnd{}).distance),
+               kInPlace * standstill_);
   return !free_ && !stopping_ && loop() == ControlLoop::position &&
-         std::abs(position() - shaft_position_) <= distance &&
+         static_cast<double>(std::abs(position() - shaft_position_)) <= near &&
          std::abs(filtered_velocity_) < velocity * standstill_;
 }
 
@@ -103,6 +118,24 @@ bool AxisMotion::stands() const {
 bool AxisMotion::stopping() const {
   const bool rests = !measured_ || (ramp_.at_rest() && !free_);
   return stopping_ || (ramp_.mode() == control::RampMode::stop && rests);
+}
+
+/// A stop never speeds the shaft up again: where something else has braked it below the demand, the
+/// demand comes down to it.
+void AxisMotion::bring_demand_down() {
+  const double demand = std::abs(velocity());
+  const double along = velocity() < 0.0 ? -filtered_velocity_ : filtered_velocity_;
+  const double margin = std::max(kFollowedStandstills * standstill_, kFollowedShare * demand) +
+                        kFollowedPeriods * period_.seconds() * stop_deceleration_;
+  if (demand == 0.0 || along >= demand - margin) {
+    return;
+  }
+  const double ahead = demand - std::max(along, 0.0);
+  if (ahead > std::max(kPassing * standstill_, kFarAhead * demand)) {
+    ++takeovers_;
+  }
+  rest_at(shaft_position_, along > 0.0 ? filtered_velocity_ : 0.0);
+  ramp_.stop(stop_deceleration_);
 }
 
 void AxisMotion::end_stop() {
@@ -154,14 +187,18 @@ void AxisMotion::take_over_from_shaft() {
   stopping_ = true;
   holds_then_ = loop() == ControlLoop::position;
   loop_without_torque_ = ControlLoop::velocity;
-  constexpr double kFollowed = 0.02;  // a sensor's noise
   if (std::abs(velocity() - shaft_velocity_) <=
-      std::max(3.0 * standstill_, kFollowed * std::abs(velocity()))) {
+      std::max(kFollowedStandstills * standstill_, kFollowedShare * std::abs(velocity()))) {
     ramp_.shift(shaft_position_ - position());
   } else {
     rest_at(shaft_position_, shaft_velocity_);
     ++takeovers_;
   }
+}
+
+void AxisMotion::stop_on(double deceleration) {
+  stop_deceleration_ = deceleration;
+  ramp_.stop(deceleration);
 }
 
 void AxisMotion::brake(Braking braking) {
@@ -192,18 +229,19 @@ void AxisMotion::brake(Braking braking) {
       break;
     case Braking::slow_down_ramp:
       if (searches) {
-        ramp_.stop(search_limits(settings_.units.maximum_velocity()).deceleration);
+        stop_on(search_limits(settings_.units.maximum_velocity()).deceleration);
       } else if (on_profile) {
         ramp_.stop(slow_down);
+        stop_deceleration_ = slow_down.deceleration;
       } else {
-        ramp_.stop(slow_down.deceleration);
+        stop_on(slow_down.deceleration);
       }
       break;
     case Braking::quick_stop_ramp:
-      ramp_.stop(quick_stop);
+      stop_on(quick_stop);
       break;
     case Braking::at_once:
-      ramp_.stop_at_once();
+      stop_on(0.0);
       break;
   }
 }

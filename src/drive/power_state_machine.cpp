@@ -171,6 +171,10 @@ void PowerStateMachine::progress(const PowerInput& input) {
 
 void PowerStateMachine::follow_command(const PowerInput& input) {
   const PowerCommand command = command_of(controlword_);
+  if (phase_ == Phase::braking && state_ == operation_enabled &&
+      (command == PowerCommand::disable_voltage || command == PowerCommand::quick_stop)) {
+    phase_ = Phase::settled;  // neither waits for the ramp of another transition
+  }
   while (phase_ == Phase::settled) {
     const PowerTransition* transition = find_transition(state_, command);
     if (transition == nullptr || !permitted(*transition, input)) {

@@ -124,7 +124,8 @@ struct PowerInput {
 ///
 /// Commands are levels: a pattern that could not act yet (bridge building up current, motor braking
 /// for Disable operation, network not yet operational) acts as soon as it can. A transition that
-/// takes time is executed completely before the next command is looked at; a fault interrupts it.
+/// takes time is executed completely before the next command is looked at; a fault interrupts it,
+/// and so do Disable voltage and Quick stop while the motor brakes.
 class PowerStateMachine {
  public:
   PowerStateMachine(base::EventReporter reporter, std::uint8_t axis)
