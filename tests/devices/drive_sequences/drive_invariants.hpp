@@ -88,6 +88,7 @@ class DriveInvariants {
  private:
   void judge_stop(const Sample& now);
   void judge_demand(const Sample& now);
+  [[nodiscard]] bool takes_over_shaft(const Sample& now, double limit) const;
   void judge_switches(const Sample& now);
   void judge_software_limits(const Sample& now);
   /// What moves against a limit that `holds` in the direction `outward`.
