@@ -279,6 +279,11 @@ bool DriveInvariants::takes_over_shaft(const Sample& now, double limit) const {
     lowest = std::min(lowest, velocity);
     highest = std::max(highest, velocity);
   }
+  if (now.stop.cause != StopCause::none) {
+    // On its way there: a stop brings the demand down to a shaft that something else has braked.
+    lowest = std::min(lowest, before_->demand_velocity);
+    highest = std::max(highest, before_->demand_velocity);
+  }
   return now.demand_velocity >= lowest - tolerance && now.demand_velocity <= highest + tolerance;
 }
 
