@@ -302,6 +302,10 @@ void DriveInvariants::judge_demand(const Sample& now) {
       limit = std::max(limit, stop.deceleration);
     }
   }
+  // A stop that is taken back may come down to 0 on its ramp first.
+  const bool comes_down = std::abs(now.demand_velocity) < std::abs(before.demand_velocity);
+  stop_ramp_ = stopping || comes_down ? std::max(stop_ramp_, limit) : 0.0;
+  limit = comes_down ? std::max(limit, stop_ramp_) : limit;
   const double change = std::abs(now.demand_velocity - before.demand_velocity);
   // Within a millisecond a ramp may come down to 0 and go up on the other side.
   const bool turns = now.demand_velocity * before.demand_velocity < 0.0;
