@@ -191,6 +191,10 @@ void AxisMotion::take_over_from_shaft() {
   loop_without_torque_ = ControlLoop::velocity;
   if (std::abs(velocity() - shaft_velocity_) <=
       std::max(kFollowedStandstills * standstill_, kFollowedShare * std::abs(velocity()))) {
+    const std::int64_t distance = settings_.position_end.value_or(PositionEnd{}).distance;
+    if (is_slow() && std::abs(shaft_position_ - position()) > distance) {
+      ++takeovers_;  // it is held up, and what pushed it on would make it leap when it comes free
+    }
     ramp_.shift(shaft_position_ - position());
   } else {
     rest_at(shaft_position_, shaft_velocity_);
