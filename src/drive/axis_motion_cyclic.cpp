@@ -111,7 +111,15 @@ void AxisMotion::catch_up_position() {
 /// Closes in on a target that may move: what is left of the way has to be enough to lose the
 /// velocity relative to the target's, which is that of its interpolation.
 void AxisMotion::approach(double way) {
-  const control::RampLimits limits = velocity_limits();
+  control::RampLimits limits = velocity_limits();
+  if (clamped_ && has_ramp()) {
+    // A limit stands still: the ramp ends on it exactly.
+    const double fastest = profile_velocity();
+    limits.velocity = fastest > 0.0 ? std::min(fastest, limits.velocity) : limits.velocity;
+    ramp_.move_to(cyclic_allowed_, limits);
+    held_back_ = !ramp_.target_reached();
+    return;
+  }
   const base::SimDuration interpolation = objects_.interpolation_period();
   const double time = period_.seconds();
   const bool moves = !clamped_ && cyclic_age_ < interpolation;

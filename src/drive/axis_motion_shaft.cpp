@@ -17,6 +17,8 @@ constexpr double kStandstill = 0.5;
 /// through 0 does not. Halls, of which a slow shaft passes few, need more.
 constexpr base::SimDuration kStandingTime{2'000'000};
 constexpr double kStandingIncrements = 0.1;  ///< at the standstill velocity
+/// pps. Of a shaft that stands the filter leaves something, so that 0 would never be fallen below.
+constexpr double kLeastStandstill = 2.0;
 /// Standstill velocities up to which a shaft swings about the place where it is held, and stands;
 /// and from which on it passes that place.
 constexpr double kSwing = 2.0;
@@ -51,7 +53,7 @@ void AxisMotion::follow_shaft(const ShaftState& shaft) {
   shaft_velocity_ = shaft.velocity;
   filtered_velocity_ +=
       std::min(period_.seconds() / kVelocityFilter, 1.0) * (shaft.velocity - filtered_velocity_);
-  standstill_ = shaft.standstill;
+  standstill_ = std::max(shaft.standstill, kLeastStandstill);
   lead_ = shaft.lead;
   free_ = shaft.free;
   if (!is_slow() && !is_held(kSwing)) {
@@ -189,6 +191,10 @@ void AxisMotion::take_over_from_shaft() {
   loop_without_torque_ = ControlLoop::velocity;
   if (std::abs(velocity() - shaft_velocity_) <=
       std::max(kFollowedStandstills * standstill_, kFollowedShare * std::abs(velocity()))) {
+    const std::int64_t distance = settings_.position_end.value_or(PositionEnd{}).distance;
+    if (is_slow() && std::abs(shaft_position_ - position()) > distance) {
+      ++takeovers_;  // it is held up, and what pushed it on would make it leap when it comes free
+    }
     ramp_.shift(shaft_position_ - position());
   } else {
     rest_at(shaft_position_, shaft_velocity_);

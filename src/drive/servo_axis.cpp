@@ -184,6 +184,10 @@ void ServoAxis::end_period() {
       case ControlLoop::position:
         set_point_.loop = ServoLoop::position;
         set_point_.position = ramp.position();
+        if (motion_.at_rest()) {
+          // The sensor has no fraction of an increment: it would be summed up for ever.
+          set_point_.position.fraction = 0.0;
+        }
         set_point_.position.microsteps += controller_.position() - feedback_.position();
         break;
       case ControlLoop::velocity:

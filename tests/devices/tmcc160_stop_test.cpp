@@ -284,6 +284,27 @@ TEST(Tmcc160Stop, AShaftThatComesFreeUnderHaltStaysWhereItIs) {
   }
 }
 
+TEST(Tmcc160Stop, AfterAStopTheShaftRests) {
+  for (const double steps : {kHallSteps, kEncoderSteps}) {
+    Drive drive(steps);
+    drive.start(kPosition);
+    drive.put(0x605A, 0, 5);
+    drive.put(0x6081, 0, 1'000);
+    drive.move_by(500.0);
+    drive.wait(2'000);
+    drive.control(0x02);
+    drive.wait(3'000);
+    double lowest = drive.revolutions();
+    double highest = lowest;
+    for (int passed = 0; passed < 20'000; ++passed) {
+      drive.wait(1);
+      lowest = std::min(lowest, drive.revolutions());
+      highest = std::max(highest, drive.revolutions());
+    }
+    EXPECT_LT((highest - lowest) * steps, 1.0) << steps;
+  }
+}
+
 /// With 12 V the motor does not reach the 4000 rpm it shall: the set-point runs away from it.
 class TooLowASupply : public testing::TestWithParam<double> {
  protected:

@@ -236,5 +236,21 @@ TEST_F(Tmcm3315CyclicJump, AFaultIsToldOnceAndEndsWithTheRampOfTheLargestVelocit
   EXPECT_EQ(statusword() & 0x004F, 0x0008);
 }
 
+TEST_F(Tmcm3315Modes, ASoftwareLimitPutBeforeACyclicTargetUnderWayIsStoodOn) {
+  run_in(8);
+  const auto limit = static_cast<std::int32_t>(position()) + 3'000;
+  write<std::int32_t>(0x607D, limit, 2);
+  for (int i = 0; i < 20; ++i) {
+    bus_->pass(50_ms);
+    EXPECT_LE(position(), limit);
+    EXPECT_EQ(statusword() & 0x1800, 0x0800) << "limited, the target is not followed";
+  }
+  EXPECT_EQ(position(), limit);
+  EXPECT_EQ(velocity(), 0.0);
+  write<std::int32_t>(0x607D, limit + 5'000, 2);
+  bus_->pass(2_s);
+  EXPECT_EQ(position(), limit + 5'000);
+}
+
 }  // namespace
 }  // namespace stator::devices
