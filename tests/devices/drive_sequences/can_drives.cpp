@@ -21,12 +21,12 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 
 class Tmcc160Drive final : public DriveUnderTest {
  public:
-  explicit Tmcc160Drive(bool encoder) : motor_(plant::ServoAxisParameters().motor) {
+  explicit Tmcc160Drive(bool encoder)
+      : motor_(plant::ServoAxisParameters().motor), inertia_(motor_.rotor_inertia) {
     surround(*module_.device);
     module_.boot(true);
     // 7 finds the angle of the encoder with the Hall sensors.
     module_.write(0x2055, 0, encoder ? 7 : 6);
-    inertia_ = motor_.rotor_inertia;
     traits_ = {.standstill = encoder ? 0.5 : 1.5,
                .settle = encoder ? 0.05 : 0.25,
                .reaction = encoder ? 0.03 : 0.1,
@@ -100,7 +100,7 @@ class Tmcc160Drive final : public DriveUnderTest {
 
   Tmcc160Module module_;
   plant::ThreePhaseMotorParameters motor_;
-  double inertia_ = 0.0;
+  double inertia_;
   std::uint32_t homings_ = 0;
   drive::ModeCode mode_ = drive::ModeCode::none;
   bool powered_ = false;

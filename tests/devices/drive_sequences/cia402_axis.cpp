@@ -83,6 +83,104 @@ StopState stop_of(const drive::Axis& axis, const Cia402Choices& choices, const R
   return {};
 }
 
+double acceleration(const drive::Axis& axis, const Cia402Choices& choices, std::uint32_t object) {
+  return axis.settings().units.acceleration(object) / choices.counts;
+}
+
+Ramps ramps_of(const drive::Axis& axis, const Cia402Choices& choices, bool homed) {
+  const drive::AxisObjects& objects = axis.objects();
+  Ramps ramps{.slow_down = acceleration(axis, choices, objects.profile_deceleration.get()),
+              .quick_stop = acceleration(axis, choices, objects.quick_stop_deceleration.get())};
+  if (homed) {
+    ramps.slow_down =
+        std::min(ramps.slow_down, acceleration(axis, choices, objects.homing_acceleration.get()));
+  }
+  return ramps;
+}
+
+Guidance guidance_of(drive::ModeCode mode) {
+  switch (mode) {
+    case drive::ModeCode::cyclic_synchronous_position:
+    case drive::ModeCode::cyclic_synchronous_velocity:
+      return Guidance::cyclic;
+    case drive::ModeCode::cyclic_synchronous_torque:
+    case drive::ModeCode::profile_torque:
+      return Guidance::torque;
+    default:
+      return Guidance::ramp;
+  }
+}
+
+void observe_values(const drive::Axis& axis, const Cia402Choices& choices, Sample& sample) {
+  const drive::AxisObjects& objects = axis.objects();
+  const double sign = axis.settings().velocity_reversed ? -1.0 : 1.0;
+  sample.demand = static_cast<double>(axis.motion().position()) / choices.counts;
+  sample.demand_velocity = axis.motion().velocity() / choices.counts;
+  sample.shown_position = static_cast<double>(objects.position_actual.get()) / choices.counts;
+  sample.shown_velocity =
+      sign * axis.settings().units.pps(static_cast<double>(objects.velocity_actual.get())) /
+      choices.counts;
+}
+
+void observe_limits(const drive::Axis& axis, const Cia402Choices& choices, const Ramps& ramps,
+                    Sample& sample) {
+  const drive::AxisObjects& objects = axis.objects();
+  const double speed_up = acceleration(
+      axis, choices,
+      sample.searching ? objects.homing_acceleration.get() : objects.profile_acceleration.get());
+  const double slow_down = acceleration(axis, choices, objects.profile_deceleration.get());
+  const bool at_once = speed_up <= 0.0 || ramps.slow_down <= 0.0;
+  sample.acceleration = at_once ? kAtOnce : std::max(speed_up, slow_down);
+  if (sample.stop.cause != StopCause::none) {
+    sample.acceleration = std::max(sample.acceleration, ramps.quick_stop);
+  }
+  sample.limit_deceleration = ramps.slow_down > 0.0 ? ramps.slow_down : kAtOnce;
+  sample.switch_deceleration =
+      choices.switch_deceleration > 0.0 ? choices.switch_deceleration : sample.limit_deceleration;
+  if (sample.searching) {
+    return;  // no limit means anything yet
+  }
+  if (const auto lower = axis.motion().lower_limit()) {
+    sample.lower_limit = static_cast<double>(*lower) / choices.counts;
+  }
+  if (const auto upper = axis.motion().upper_limit()) {
+    sample.upper_limit = static_cast<double>(*upper) / choices.counts;
+  }
+}
+
+/// Half the window of 6067h; a product without monitoring there may say itself what the end is.
+double window_of(const drive::Axis& axis) {
+  const std::uint32_t window = axis.objects().position_window.get();
+  if (window != 0xFFFFFFFF) {
+    return window;
+  }
+  const auto& end = axis.settings().position_end;
+  return end ? static_cast<double>(end->distance) : 0.0;
+}
+
+void observe_target(const drive::Axis& axis, const Cia402Choices& choices, Sample& sample) {
+  const drive::AxisObjects& objects = axis.objects();
+  const drive::AxisSettings& settings = axis.settings();
+  const control::RampGenerator& ramp = axis.motion().ramp();
+  const drive::ModeCode mode = axis.mode();
+  const double counts = choices.counts;
+  sample.target = mode == drive::ModeCode::cyclic_synchronous_position
+                      ? static_cast<double>(objects.target_position.get()) / counts
+                      : static_cast<double>(ramp.target_position()) / counts;
+  const double largest = settings.units.maximum_velocity();
+  sample.target_velocity =
+      std::clamp(settings.velocity_of(objects.target_velocity.get()), -largest, largest) / counts;
+  sample.window = (window_of(axis) + 1.0) / counts;
+  sample.velocity_window = settings.velocity_window / counts;
+  const double end =
+      settings.units.velocity(std::abs(static_cast<double>(objects.end_velocity.get())));
+  sample.end_velocity = choices.steps_to_rest ? end / counts : 0.0;
+  const bool positions = mode == drive::ModeCode::profile_position && end == 0.0 &&
+                         ramp.mode() == control::RampMode::position;
+  sample.target_reached_bit = sample.enabled && sample.stop.cause == StopCause::none &&
+                              (mode == drive::ModeCode::profile_velocity || positions);
+}
+
 }  // namespace
 
 PowerOff power_off_by(const drive::Axis& axis) {
@@ -109,86 +207,20 @@ PowerOff power_off_by(const drive::Axis& axis) {
 
 void observe(const drive::Axis& axis, const Cia402Choices& choices, bool& homed, Sample& sample) {
   const drive::AxisObjects& objects = axis.objects();
-  const drive::AxisSettings& settings = axis.settings();
-  const double counts = choices.counts;
-  const auto acceleration = [&](std::uint32_t object) {
-    return settings.units.acceleration(object) / counts;
-  };
-  const double speed_up = acceleration(objects.profile_acceleration.get());
-  const double homing = acceleration(objects.homing_acceleration.get());
-  Ramps ramps{.slow_down = acceleration(objects.profile_deceleration.get()),
-              .quick_stop = acceleration(objects.quick_stop_deceleration.get())};
-  const auto mode = axis.mode();
-  const bool homes = mode == drive::ModeCode::homing;
+  const bool homes = axis.mode() == drive::ModeCode::homing;
   homed = homes || homed;
-  if (homed) {
-    ramps.slow_down = std::min(ramps.slow_down, homing);
-  }
-
+  const Ramps ramps = ramps_of(axis, choices, homed);
   sample.statusword = objects.statusword.get();
-  sample.mode = static_cast<int>(mode);
+  sample.mode = static_cast<int>(axis.mode());
   sample.power = axis.bridge_enabled();
-  sample.guidance = Guidance::ramp;
-  if (mode == drive::ModeCode::cyclic_synchronous_position ||
-      mode == drive::ModeCode::cyclic_synchronous_velocity) {
-    sample.guidance = Guidance::cyclic;
-  } else if (mode == drive::ModeCode::cyclic_synchronous_torque ||
-             mode == drive::ModeCode::profile_torque) {
-    sample.guidance = Guidance::torque;
-  }
+  sample.guidance = guidance_of(axis.mode());
   sample.stop = stop_of(axis, choices, ramps);
   homed = homes || (homed && sample.stop.cause != StopCause::none);
   sample.enabled = axis.power_state() == PowerState::operation_enabled;
   sample.searching = homes;
-  sample.demand = static_cast<double>(axis.motion().position()) / counts;
-  sample.demand_velocity = axis.motion().velocity() / counts;
-  sample.shown_position = objects.position_actual.get() / counts;
-  const double sign = settings.velocity_reversed ? -1.0 : 1.0;
-  sample.shown_velocity = sign * settings.units.pps(objects.velocity_actual.get()) / counts;
-  sample.acceleration =
-      std::max(homes ? homing : speed_up, acceleration(objects.profile_deceleration.get()));
-  if (speed_up <= 0.0 || ramps.slow_down <= 0.0) {
-    sample.acceleration = kAtOnce;
-  }
-  if (sample.stop.cause != StopCause::none) {
-    sample.acceleration = std::max(sample.acceleration, ramps.quick_stop);
-  }
-  const double slow = ramps.slow_down > 0.0 ? ramps.slow_down : kAtOnce;
-  sample.switch_deceleration =
-      choices.switch_deceleration > 0.0 ? choices.switch_deceleration : slow;
-  sample.limit_deceleration = slow;
-  if (!homes) {
-    sample.lower_limit = axis.motion().lower_limit()
-                             ? static_cast<double>(*axis.motion().lower_limit()) / counts
-                             : -kAtOnce;
-    sample.upper_limit = axis.motion().upper_limit()
-                             ? static_cast<double>(*axis.motion().upper_limit()) / counts
-                             : kAtOnce;
-  }
-  const bool cyclic_position = mode == drive::ModeCode::cyclic_synchronous_position;
-  sample.target = cyclic_position
-                      ? objects.target_position.get() / counts
-                      : static_cast<double>(axis.motion().ramp().target_position()) / counts;
-  const double largest = settings.units.maximum_velocity();
-  sample.target_velocity =
-      std::clamp(settings.velocity_of(objects.target_velocity.get()), -largest, largest) / counts;
-  const std::uint32_t window = objects.position_window.get();
-  const bool ends = window == 0xFFFFFFFF && settings.position_end;
-  sample.window = ((ends ? static_cast<double>(settings.position_end->distance)
-                         : (window == 0xFFFFFFFF ? 0.0 : static_cast<double>(window))) +
-                   1.0) /
-                  counts;
-  sample.velocity_window = settings.velocity_window / counts;
-  sample.end_velocity =
-      choices.steps_to_rest
-          ? settings.units.velocity(std::abs(static_cast<double>(objects.end_velocity.get()))) /
-                counts
-          : 0.0;
-  sample.target_reached_bit =
-      sample.enabled && sample.stop.cause == StopCause::none &&
-      (mode == drive::ModeCode::profile_velocity ||
-       (mode == drive::ModeCode::profile_position && objects.end_velocity.get() == 0 &&
-        axis.motion().ramp().mode() == control::RampMode::position));
+  observe_values(axis, choices, sample);
+  observe_limits(axis, choices, ramps, sample);
+  observe_target(axis, choices, sample);
   sample.follows_bit = sample.guidance == Guidance::cyclic;
   sample.power_off = power_off_by(axis);
   // Transitions 7, 9, 10 and 12; a fault reaction ends first.

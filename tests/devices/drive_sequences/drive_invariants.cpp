@@ -167,14 +167,11 @@ void DriveInvariants::see(const Sample& now) {
 }
 
 bool DriveInvariants::numbers_are_finite(const Sample& now) const {
-  for (const double value :
-       {now.position, now.velocity, now.current, now.supply, now.supplied_energy, now.demand,
-        now.demand_velocity, now.shown_position, now.shown_velocity, now.shown_torque}) {
-    if (!std::isfinite(value)) {
-      return false;
-    }
-  }
-  return true;
+  const std::array values{now.position,        now.velocity,       now.current,
+                          now.supply,          now.demand,         now.supplied_energy,
+                          now.demand_velocity, now.shown_position, now.shown_velocity,
+                          now.shown_torque};
+  return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
 
 // A step of the load moves the shaft against the stiffness of the velocity loop; the integrator and

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "devices/drive_sequences/recording.hpp"
 
@@ -77,10 +78,10 @@ class StoppingEnvelope {
 /// Looks at a recording sample by sample, a millisecond each, and stops at the first violation.
 class DriveInvariants {
  public:
-  explicit DriveInvariants(const DriveTraits& traits, const std::set<Invariant>& excepted = {})
-      : traits_(traits), excepted_(excepted) {}
+  explicit DriveInvariants(const DriveTraits& traits, std::set<Invariant> excepted = {})
+      : traits_(traits), excepted_(std::move(excepted)) {}
 
-  void see(const Sample& sample);
+  void see(const Sample& now);
   [[nodiscard]] const std::optional<DriveViolation>& violation() const { return violation_; }
   /// For what is found otherwise, as at the end of a sequence.
   void violate(Invariant invariant, base::SimTime time, std::string text);

@@ -133,10 +133,10 @@ class Tmc8670Drive final : public EtherCatDrive {
   Tmc8670Drive()
       : EtherCatDrive(std::make_unique<devices::Tmc8670>(servo()), 13, 15, kTmc8670Outputs),
         chip_(static_cast<devices::Tmc8670&>(device())),
-        motor_(*plant::find_three_phase_motor("QBL4208-61-04-013")) {
+        motor_(*plant::find_three_phase_motor("QBL4208-61-04-013")),
+        inertia_(motor_.rotor_inertia + 2e-5) {
     begin_cycles();
     choices_ = {.counts = 65'536.0};
-    inertia_ = motor_.rotor_inertia + 2e-5;
     traits_ = {.standstill = 0.5,
                .settle = 0.05,
                .reaction = 0.03,
@@ -194,8 +194,8 @@ class Tmc8670Drive final : public EtherCatDrive {
  private:
   devices::Tmc8670& chip_;
   plant::ThreePhaseMotorParameters motor_;
+  double inertia_;
   Cia402Choices choices_;
-  double inertia_ = 0.0;
   std::uint32_t homings_ = 0;
   drive::ModeCode mode_ = drive::ModeCode::none;
   bool powered_ = false;

@@ -1,7 +1,6 @@
 // Sequences for people: lines, and scenario files that `stator test` runs.
 
-#include <array>
-#include <cstdio>
+#include <iomanip>
 #include <sstream>
 
 #include "devices/drive_sequences/sequence.hpp"
@@ -11,9 +10,9 @@ namespace stator::tests {
 namespace {
 
 std::string hexadecimal(std::uint32_t value, int digits) {
-  std::array<char, 16> text{};
-  std::snprintf(text.data(), text.size(), "%0*X", digits, value);
-  return text.data();
+  std::ostringstream text;
+  text << std::hex << std::uppercase << std::setfill('0') << std::setw(digits) << value;
+  return text.str();
 }
 
 std::string object_text(const DriveStep& step) {
