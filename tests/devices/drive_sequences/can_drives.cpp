@@ -29,7 +29,7 @@ class Tmcc160Drive final : public DriveUnderTest {
     inertia_ = motor_.rotor_inertia;
     traits_ = {.standstill = encoder ? 0.5 : 1.5,
                .settle = encoder ? 0.05 : 0.25,
-               .reaction = encoder ? 0.03 : 0.05,
+               .reaction = encoder ? 0.03 : 0.1,
                .reversal = encoder ? 6e-3 : 0.03,  // Hall sensors see nothing within a step
                .lag = 0.25,                        // with the gains as delivered
                .bandwidth = 20.0,

@@ -267,6 +267,26 @@ void DriveInvariants::judge_software_limits(const Sample& now) {
   }
 }
 
+/// Whether the demand starts from what the shaft does, as a sensor with a filter of a few
+/// milliseconds tells it.
+bool DriveInvariants::takes_over_shaft(const Sample& now, double limit) const {
+  constexpr std::size_t kFilter = 5;  // ms
+  const double tolerance = traits_.velocity_error + 2.0 * limit * kPeriod;
+  double lowest = std::min({now.velocity, now.shown_velocity, before_->shown_velocity});
+  double highest = std::max({now.velocity, now.shown_velocity, before_->shown_velocity});
+  for (std::size_t i = 1; i <= kFilter; ++i) {
+    const double velocity = speeds_[(speed_ + speeds_.size() - i) % speeds_.size()];
+    lowest = std::min(lowest, velocity);
+    highest = std::max(highest, velocity);
+  }
+  if (now.stop.cause != StopCause::none) {
+    // On its way there: a stop brings the demand down to a shaft that something else has braked.
+    lowest = std::min(lowest, before_->demand_velocity);
+    highest = std::max(highest, before_->demand_velocity);
+  }
+  return now.demand_velocity >= lowest - tolerance && now.demand_velocity <= highest + tolerance;
+}
+
 void DriveInvariants::judge_demand(const Sample& now) {
   const Sample& before = *before_;
   const bool stopping = now.stop.cause != StopCause::none || before.stop.cause != StopCause::none;
@@ -282,20 +302,17 @@ void DriveInvariants::judge_demand(const Sample& now) {
       limit = std::max(limit, stop.deceleration);
     }
   }
+  // A stop that is taken back may come down to 0 on its ramp first.
+  const bool comes_down = std::abs(now.demand_velocity) < std::abs(before.demand_velocity);
+  stop_ramp_ = stopping || comes_down ? std::max(stop_ramp_, limit) : 0.0;
+  limit = comes_down ? std::max(limit, stop_ramp_) : limit;
   const double change = std::abs(now.demand_velocity - before.demand_velocity);
   // Within a millisecond a ramp may come down to 0 and go up on the other side.
   const bool turns = now.demand_velocity * before.demand_velocity < 0.0;
   if (change <= (turns ? 2.2 : 1.1) * limit * kPeriod + 1e-6) {
     return;
   }
-  const auto near_shaft = [&](double velocity) {
-    return std::abs(now.demand_velocity - velocity) <=
-           traits_.velocity_error + 2.0 * limit * kPeriod;
-  };
-  // What takes over the velocity of the shaft, as its sensor tells it, starts from there.
-  if (!traits_.shaft_is_counter &&
-      (near_shaft(before.velocity) || near_shaft(now.velocity) ||
-       near_shaft(before.shown_velocity) || near_shaft(now.shown_velocity))) {
+  if (!traits_.shaft_is_counter && takes_over_shaft(now, limit)) {
     return;
   }
   if (now.demand_velocity == 0.0 && std::abs(before.demand_velocity) <= 1.01 * now.end_velocity) {

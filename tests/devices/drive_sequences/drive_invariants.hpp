@@ -88,6 +88,7 @@ class DriveInvariants {
  private:
   void judge_stop(const Sample& now);
   void judge_demand(const Sample& now);
+  [[nodiscard]] bool takes_over_shaft(const Sample& now, double limit) const;
   void judge_switches(const Sample& now);
   void judge_software_limits(const Sample& now);
   /// What moves against a limit that `holds` in the direction `outward`.
@@ -120,6 +121,7 @@ class DriveInvariants {
   int position_off_ = 0;      ///< ms for which 6064h has been wrong
   int velocity_off_ = 0;      ///< ms
   int current_off_ = 0;       ///< ms
+  double stop_ramp_ = 0.0;    ///< rev/s², of a stop whose demand has not come down yet
   int powered_although_ = 0;  ///< ms for which the bridge has been on against a command
   bool saturated_ = false;    ///< the current is what the EMF makes of it
   int since_jam_ = 1000;      ///< ms

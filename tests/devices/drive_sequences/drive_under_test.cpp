@@ -55,7 +55,9 @@ void DriveUnderTest::perform(const DriveStep& step) {
       break;
     }
     case DriveAction::lose_cycles:
-      note(step);
+      if (step.value > 0) {
+        note(step);
+      }
       lost_ = step.value;
       break;
     case DriveAction::double_cycle:

@@ -62,6 +62,11 @@ class EtherCatDrive : public DriveUnderTest {
     const auto acknowledged = [this](int wanted) {
       bus_.request(static_cast<AlState>(0x10 | wanted));
     };
+    // The watchdog may have taken it down.
+    state_ = std::to_integer<int>(bus_.read(0x0130, 1)[0]) & 0x0F;
+    if (state == 8 && state_ == 8) {
+      return;
+    }
     if (state == 8 && state_ == 4) {
       acknowledged(4);
       bus_.exchange();
@@ -133,6 +138,7 @@ class Tmc8670Drive final : public EtherCatDrive {
     choices_ = {.counts = 65'536.0};
     inertia_ = motor_.rotor_inertia + 2e-5;
     traits_ = {.standstill = 0.5,
+               .settle = 0.05,
                .reaction = 0.03,
                .bandwidth = 200.0,
                .inertia = inertia_,

@@ -601,10 +601,13 @@ std::vector<DriveStep> random_drive_sequence(Product product, std::uint64_t seed
 }
 
 std::vector<DriveStep> withdrawal(Product product, bool by_halt) {
-  std::vector<DriveStep> steps{
-      input("axis0.load_torque", 0.0),   input("axis0.jammed", 0.0),
-      input("axis0.added_inertia", 0.0), input("axis0.left_switch", 0.0),
-      input("axis0.right_switch", 0.0),  input("axis0.supply_voltage", 24.0)};
+  std::vector<DriveStep> steps{{.action = DriveAction::lose_cycles, .value = 0},
+                               input("axis0.load_torque", 0.0),
+                               input("axis0.jammed", 0.0),
+                               input("axis0.added_inertia", 0.0),
+                               input("axis0.left_switch", 0.0),
+                               input("axis0.right_switch", 0.0),
+                               input("axis0.supply_voltage", 24.0)};
   if (product == Product::tmcm_142) {
     steps.push_back(tmcl_command(tmcl::Command::set_global_parameter, 80, 0));
     steps.push_back(tmcl_command(tmcl::Command::motor_stop, 0, 0));

@@ -20,7 +20,7 @@ enum class DriveAction : std::uint8_t {
                  ///< revolutions from where it is now; left is negative
   travel,        ///< for `cycles` ms object `index` moves by `value` a millisecond, a position from
                  ///< where the shaft is, a velocity from 0
-  lose_cycles,   ///< `value` exchanges of process data do not happen
+  lose_cycles,   ///< the next `value` exchanges of process data do not happen
   double_cycle,  ///< the next exchange happens twice
   network,       ///< EtherCAT state or NMT command `value`
   command,       ///< TMCL `command`, type `index`, `value`

@@ -7,12 +7,15 @@
 //   STATOR_SEQUENCE_TRACE=file.csv    writes what the shortened sequence does, with ONE seed
 //   STATOR_SEQUENCE_STATISTICS=1    tells how much was simulated and how long the shafts turned
 
+#include <cctype>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <map>
 #include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -100,18 +103,26 @@ std::string report(const DriveSequence& sequence, std::uint64_t seed, const Tria
   return text;
 }
 
-class DriveSequences : public testing::TestWithParam<Product> {};
+/// A product, and which of kParts parts of the sequences: each of them is a test of its own, so
+/// that none takes long.
+using ProductAndPart = std::tuple<Product, std::uint64_t>;
+constexpr std::uint64_t kParts = 5;
+
+class DriveSequences : public testing::TestWithParam<ProductAndPart> {};
 
 TEST_P(DriveSequences, WhateverIsDoneToItADriveObeysItsShaft) {
+  const auto [product, part] = GetParam();
   const std::set<Invariant> excepted = excepted_invariants();
   const std::uint64_t only = number("STATOR_SEQUENCE_SEED", 0);
-  const std::uint64_t first = only != 0 ? only : number("STATOR_SEQUENCE_FIRST", 1);
-  const std::uint64_t last = only != 0 ? only : number("STATOR_SEQUENCES", kInEveryRun);
+  const std::uint64_t last = number("STATOR_SEQUENCES", kInEveryRun);
   std::map<Invariant, int> found;
   double simulated = 0.0;
   double moved = 0.0;
-  for (std::uint64_t seed = first; seed <= last; ++seed) {
-    const DriveSequence sequence = sequence_of(GetParam(), seed);
+  for (std::uint64_t seed = only != 0 ? only : 1; seed <= (only != 0 ? only : last); ++seed) {
+    if (seed % kParts != part) {
+      continue;
+    }
+    const DriveSequence sequence = sequence_of(product, seed);
     const TrialOutcome outcome = run_sequence(sequence, excepted);
     simulated += outcome.simulated;
     moved += outcome.simulated * outcome.moved;
@@ -121,7 +132,7 @@ TEST_P(DriveSequences, WhateverIsDoneToItADriveObeysItsShaft) {
     }
   }
   if (std::getenv("STATOR_SEQUENCE_STATISTICS") != nullptr) {
-    std::cout << to_text(GetParam()) << ": " << simulated << " s simulated, the shaft turned for "
+    std::cout << to_text(product) << ": " << simulated << " s simulated, the shaft turned for "
               << moved << " s\n";
     for (const auto& [invariant, times] : found) {
       std::cout << "  " << to_text(invariant) << ": " << times << "\n";
@@ -129,25 +140,21 @@ TEST_P(DriveSequences, WhateverIsDoneToItADriveObeysItsShaft) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Products, DriveSequences,
-                         testing::Values(Product::tmc8670, Product::tmcm_3315,
-                                         Product::tmcc160_hall, Product::tmcc160_encoder,
-                                         Product::tmcm_142),
-                         [](const auto& tested) {
-                           switch (tested.param) {
-                             case Product::tmc8670:
-                               return "Tmc8670";
-                             case Product::tmcm_3315:
-                               return "Tmcm3315";
-                             case Product::tmcc160_hall:
-                               return "Tmcc160Hall";
-                             case Product::tmcc160_encoder:
-                               return "Tmcc160Encoder";
-                             case Product::tmcm_142:
-                               return "Tmcm142";
-                           }
-                           return "";
-                         });
+std::string name_of(const testing::TestParamInfo<ProductAndPart>& tested) {
+  std::string name;
+  for (const char character : std::string(to_text(std::get<0>(tested.param)))) {
+    name += std::isalnum(static_cast<unsigned char>(character)) != 0 ? std::string(1, character)
+                                                                     : std::string();
+  }
+  return name + "_" + std::to_string(std::get<1>(tested.param));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Products, DriveSequences,
+    testing::Combine(testing::Values(Product::tmc8670, Product::tmcm_3315, Product::tmcc160_hall,
+                                     Product::tmcc160_encoder, Product::tmcm_142),
+                     testing::Range(std::uint64_t{0}, kParts)),
+    name_of);
 
 }  // namespace
 }  // namespace stator::tests

@@ -103,12 +103,19 @@ class Trial {
     }
   }
 
+  /// No stop is under way that changes the drive's state at its end.
+  [[nodiscard]] bool settled() const {
+    return !last_.power || last_.stop.cause == StopCause::none ||
+           last_.stop.cause == StopCause::halt || last_.stop.cause == StopCause::command ||
+           last_.stop.cause == StopCause::quick_stop;
+  }
+
   bool comes_to_rest() {
     constexpr int kTime = 12'000;  // ms: the gentlest ramp from the greatest speed, and coasting
     int rests = 0;
     for (int i = 0; i < kTime && !violated(); ++i) {
       pass(1);
-      rests = std::abs(drive_->shaft_velocity()) < kTurning ? rests + 1 : 0;
+      rests = std::abs(drive_->shaft_velocity()) < kTurning && settled() ? rests + 1 : 0;
       if (rests >= 60) {
         return true;
       }
