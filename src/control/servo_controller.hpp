@@ -90,6 +90,8 @@ class ServoController {
 
   /// The velocity controller starts anew, from no torque.
   void forget_velocity_error() { velocity_pi_.preset(0); }
+  /// The velocity controller asked for more torque than there is.
+  [[nodiscard]] bool torque_limited() const { return velocity_pi_.cut() != 0; }
 
   // Angles, 65536 = one electrical turn, all three at any time.
   [[nodiscard]] std::int16_t open_loop_angle() const { return open_loop_angle_.object_value(); }

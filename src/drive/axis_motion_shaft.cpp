@@ -173,7 +173,9 @@ void AxisMotion::hold_position() {
 void AxisMotion::settle() {
   if (settled()) {
     hold_position();
-    held_back_ = false;
+    // Where the power has just come a cyclic target is followed at once, as the profile has it;
+    // behind a stop it is caught up with.
+    held_back_ = held_back_ && !free_;
   } else if (!stopping()) {
     brake(Braking::slow_down_ramp);
   }

@@ -172,7 +172,9 @@ void ServoAxis::end_period() {
   }
   if (motion_.takeovers() != takeovers_) {
     takeovers_ = motion_.takeovers();
-    controller_.forget_velocity_error();
+    if (controller_.torque_limited()) {
+      controller_.forget_velocity_error();  // one that holds a load goes on
+    }
   }
   const control::RampGenerator& ramp = motion_.ramp();
   set_point_.velocity =
