@@ -388,7 +388,14 @@ void DriveInvariants::judge_bits(const Sample& now) {
   const bool pressed = lead < 0.0 ? now.negative_switch : lead > 0.0 && now.positive_switch;
   // What a switch stopped in pv waits for a new target when it is released.
   const bool inward = now.demand_velocity * lead < 0.0;  // still on its way to rest
-  const bool held = pressed && !inward && now.enabled && now.stop.cause == StopCause::none &&
+  // So is what a stop that was taken back brings to rest first.
+  constexpr int kLongestRest = 300;  // ms
+  const bool rests = std::abs(now.velocity) < 0.1 * traits_.standstill;
+  coming_to_rest_ = now.stop.cause != StopCause::none ? kLongestRest
+                    : rests || coming_to_rest_ == 0   ? 0
+                                                      : coming_to_rest_ - 1;
+  const bool held = pressed && !inward && coming_to_rest_ == 0 && now.enabled &&
+                    now.stop.cause == StopCause::none &&
                     (now.mode == 8 || now.mode == 9 || (now.mode == 3 && stopped_by_switch_[side]));
   const bool follows = now.follows_bit && (now.statusword & 0x1000) != 0;
   if (count(follows_bit_, follows && (held || now.stop.cause != StopCause::none || !now.enabled))) {

@@ -122,6 +122,7 @@ class DriveInvariants {
   int position_off_ = 0;      ///< ms for which 6064h has been wrong
   int velocity_off_ = 0;      ///< ms
   int current_off_ = 0;       ///< ms
+  int coming_to_rest_ = 0;    ///< ms, at most, after a stop that was taken back
   double stop_ramp_ = 0.0;    ///< rev/s², of a stop whose demand has not come down yet
   int powered_although_ = 0;  ///< ms for which the bridge has been on against a command
   bool saturated_ = false;    ///< the current is what the EMF makes of it
