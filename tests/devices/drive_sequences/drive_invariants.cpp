@@ -247,7 +247,7 @@ void DriveInvariants::judge_switches(const Sample& now) {
     const double outward = side == 0 ? -1.0 : 1.0;
     const bool pressed = side == 0 ? now.negative_switch : now.positive_switch;
     if (!switch_[side].active()) {
-      stopped_by_switch_[side] = outward * now.velocity > traits_.standstill;
+      stopped_by_switch_[side] = outward * before_->demand_velocity > 0.0;
     }
     judge_outward(Invariant::behind_switch, switch_[side], now, pressed, outward,
                   now.switch_deceleration);
@@ -389,11 +389,12 @@ void DriveInvariants::judge_bits(const Sample& now) {
   // What a switch stopped in pv waits for a new target when it is released.
   const bool inward = now.demand_velocity * lead < 0.0;  // still on its way to rest
   // So is what a stop that was taken back brings to rest first.
-  constexpr int kLongestRest = 300;  // ms
-  const bool rests = std::abs(now.velocity) < 0.1 * traits_.standstill;
-  coming_to_rest_ = now.stop.cause != StopCause::none ? kLongestRest
-                    : rests || coming_to_rest_ == 0   ? 0
-                                                      : coming_to_rest_ - 1;
+  constexpr int kRest = 20;  // ms for which it has to be slow
+  const bool slow = std::abs(now.velocity) < 0.1 * traits_.standstill;
+  coming_to_rest_ = now.stop.cause != StopCause::none ? kRest
+                    : slow                            ? std::max(coming_to_rest_ - 1, 0)
+                    : coming_to_rest_ > 0             ? kRest
+                                                      : 0;
   const bool held = pressed && !inward && coming_to_rest_ == 0 && now.enabled &&
                     now.stop.cause == StopCause::none &&
                     (now.mode == 8 || now.mode == 9 || (now.mode == 3 && stopped_by_switch_[side]));

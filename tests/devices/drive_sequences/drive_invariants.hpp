@@ -107,7 +107,7 @@ class DriveInvariants {
   std::set<Invariant> excepted_;
   std::optional<DriveViolation> violation_;
   std::optional<Sample> before_;
-  std::array<bool, 2> stopped_by_switch_{};  ///< it was pressed while the shaft moved outward
+  std::array<bool, 2> stopped_by_switch_{};  ///< it was pressed while the demand led outward
   StoppingEnvelope stop_;
   std::array<StoppingEnvelope, 2> switch_;  ///< outward at the negative and the positive one
   std::array<StoppingEnvelope, 2> limit_;
@@ -122,7 +122,7 @@ class DriveInvariants {
   int position_off_ = 0;      ///< ms for which 6064h has been wrong
   int velocity_off_ = 0;      ///< ms
   int current_off_ = 0;       ///< ms
-  int coming_to_rest_ = 0;    ///< ms, at most, after a stop that was taken back
+  int coming_to_rest_ = 0;    ///< ms for which the shaft has to be slow after a stop
   double stop_ramp_ = 0.0;    ///< rev/s², of a stop whose demand has not come down yet
   int powered_although_ = 0;  ///< ms for which the bridge has been on against a command
   bool saturated_ = false;    ///< the current is what the EMF makes of it
