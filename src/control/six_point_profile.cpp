@@ -227,7 +227,7 @@ MotionPlan positioning(const MotionState& start, std::int64_t target, const Ramp
     return draft.rest();
   }
   if (beyond < 0.0) {
-    draft.stop();
+    draft.lose_to(0.0);  // the end velocity is that of the target
     if (draft.way_to(end) < 0.0) {
       draft.turn();
     }
