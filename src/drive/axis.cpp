@@ -84,13 +84,13 @@ void Axis::take_mode(base::SimTime now) {
   mode_ = &mode_of(wanted);
   objects_.mode_display.set(static_cast<std::int8_t>(wanted));
   if (enabled_) {
-    enter_mode(now);
+    enter_mode(now, false);
   }
 }
 
-void Axis::enter_mode(base::SimTime now) {
+void Axis::enter_mode(base::SimTime now, bool behind_stop) {
   stalled_ = false;
-  motion_.settle();
+  motion_.settle(behind_stop);
   halted_ = halt_wanted();
   mode_->enter(context(now));
   if (!halted_) {
@@ -144,7 +144,7 @@ void Axis::follow_power_state(base::SimTime now) {
     if (!taken_back) {
       initialise_position();
     }
-    enter_mode(now);
+    enter_mode(now, taken_back);
   }
 }
 

@@ -156,7 +156,7 @@ class Axis {
   void take_mode(base::SimTime now);
   void follow_power_state(base::SimTime now);
   void follow_halt(base::SimTime now);
-  void enter_mode(base::SimTime now);
+  void enter_mode(base::SimTime now, bool behind_stop);
   [[nodiscard]] bool halt_wanted() const;
   [[nodiscard]] ErrorReaction reaction_to(AxisError error) const;
   [[nodiscard]] bool is_fault(AxisError error) const;

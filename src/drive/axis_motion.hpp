@@ -121,8 +121,10 @@ class AxisMotion {
   }
   /// The position loop takes over from where the demand is; at once, also in motion.
   void hold_position();
-  /// A mode begins: a shaft that turns is braked with 6084h first, one that stands is held.
-  void settle();
+  /// A mode begins: a shaft that turns is braked with 6084h first, one that stands is held. A
+  /// cyclic target is followed at once, as the profile has it, but behind a stop that was taken
+  /// back.
+  void settle(bool behind_stop);
   /// Gives a motion up that went wrong: the demand rests where the shaft of a servo axis is.
   void rest_at_shaft();
 

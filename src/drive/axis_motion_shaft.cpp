@@ -170,12 +170,10 @@ void AxisMotion::hold_position() {
   stopping_ = false;
 }
 
-void AxisMotion::settle() {
+void AxisMotion::settle(bool behind_stop) {
   if (settled()) {
     hold_position();
-    // Where the power has just come a cyclic target is followed at once, as the profile has it;
-    // behind a stop it is caught up with.
-    held_back_ = held_back_ && !free_;
+    held_back_ = behind_stop;
   } else if (!stopping()) {
     brake(Braking::slow_down_ramp);
   }

@@ -45,12 +45,16 @@ StopState stop_of(const drive::Axis& axis, const Cia402Choices& choices, const R
   const drive::AxisObjects& objects = axis.objects();
   const bool torque = axis.mode() == drive::ModeCode::profile_torque ||
                       axis.mode() == drive::ModeCode::cyclic_synchronous_torque;
+  const bool remote = (objects.statusword.get() & drive::statusword::kRemote) != 0;
   switch (axis.power_state()) {
     case PowerState::quick_stop_active:
       // 605Ah says how a quick stop is made that the master commands.
       return drive::command_of(objects.controlword.get()) == PowerCommand::quick_stop
                  ? ramps.by(StopCause::quick_stop, objects.quick_stop_option.get())
-                 : StopState{.cause = StopCause::network,
+                 // Also a quick stop that stays, of a master that has gone on to another command.
+                 : StopState{.cause = objects.quick_stop_option.get() >= 5 && remote
+                                          ? StopCause::quick_stop
+                                          : StopCause::network,
                              .deceleration = std::min(ramps.quick_stop, ramps.slow_down),
                              .unbounded = ramps.quick_stop <= 0.0 || ramps.slow_down <= 0.0};
     case PowerState::fault_reaction_active:
