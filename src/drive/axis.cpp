@@ -90,8 +90,8 @@ void Axis::take_mode(base::SimTime now) {
 
 void Axis::enter_mode(base::SimTime now, bool behind_stop) {
   stalled_ = false;
-  motion_.settle(behind_stop);
   halted_ = halt_wanted();
+  motion_.settle(behind_stop || halted_);
   mode_->enter(context(now));
   if (!halted_) {
     mode_->start(context(now));

@@ -293,7 +293,9 @@ TEST(SixPointRampProperties, ChangesInFlightKeepTheRatesAndTheLastTargetIsReache
       } else if (plan[k].phase == RampPhase::decelerating) {
         const double end_velocity = std::min(limits.end_velocity, limits.velocity);
         // The end velocity is that of the target: where the ramp turns round it has no meaning.
-        const bool turns = k + 1 < plan.size() && plan[k + 1].phase == RampPhase::accelerating;
+        const bool turns =
+            k + 1 < plan.size() &&
+            plan[k + 1].at(0.5 * plan[k + 1].duration).velocity * begin.velocity < 0.0;
         ASSERT_EQ(rate, middle < end_velocity && limits.stop_deceleration > 0.0 && !turns &&
                                 std::fabs(end.velocity) < 1e-6
                             ? limits.stop_deceleration
