@@ -292,11 +292,11 @@ TEST(SixPointRampProperties, ChangesInFlightKeepTheRatesAndTheLastTargetIsReache
         ASSERT_EQ(rate, low ? limits.start_acceleration : limits.acceleration) << i << ' ' << k;
       } else if (plan[k].phase == RampPhase::decelerating) {
         const double end_velocity = std::min(limits.end_velocity, limits.velocity);
-        // The end velocity is that of the target: where the ramp turns round it has no meaning.
-        const bool turns =
-            k + 1 < plan.size() &&
-            plan[k + 1].at(0.5 * plan[k + 1].duration).velocity * begin.velocity < 0.0;
-        ASSERT_EQ(rate, middle < end_velocity && limits.stop_deceleration > 0.0 && !turns &&
+        // The end velocity is that of the target: where the ramp only turns round it has no
+        // meaning.
+        const bool goes_on =
+            k + 1 < plan.size() && plan[k + 1].at(0.5 * plan[k + 1].duration).velocity != 0.0;
+        ASSERT_EQ(rate, middle < end_velocity && limits.stop_deceleration > 0.0 && !goes_on &&
                                 std::fabs(end.velocity) < 1e-6
                             ? limits.stop_deceleration
                         : low ? limits.final_deceleration
