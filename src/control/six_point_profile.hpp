@@ -14,8 +14,8 @@ namespace stator::control::six_point {
 // A trapezoid is the ramp without break, start and end velocity.
 
 /// Profile to rest on the whole microstep `target`. A start too fast for the distance, or moving
-/// away, loses all its speed first and returns; a start above the velocity limit comes down with the
-/// deceleration.
+/// away, loses all its speed first and returns; a start above the velocity limit comes down with
+/// the deceleration.
 [[nodiscard]] MotionPlan positioning(const MotionState& start, std::int64_t target,
                                      const RampLimits& limits);
 
