@@ -144,6 +144,7 @@ void never_comes_home(Drive& b) {
   b.write<std::int8_t>(0x6060, 6);
   b.write<std::int8_t>(0x6098, 34);
   b.control(0x0F);
+  b.pass(200_ms);  // the motor comes to rest, and homing is the mode
   b.control(0x1F);
   b.pass(20_s);
   EXPECT_EQ(b.statusword() & 0x1000U, 0U) << "homing attained";
@@ -168,7 +169,14 @@ const std::vector<Row>& rows() {
          runs(b);
          EXPECT_GT(b.read<std::int16_t>(0x6077), 500) << "0.1 % of 125 mN m";
        }},
-      {"LoadStep", "kind = 'load-step'\ntorque = -0.7", {{0x8611, 0}}, true, kFollowingError},
+      // It drives the motor backwards, and braking against it feeds the supply.
+      {"LoadStep",
+       "kind = 'load-step'\ntorque = -0.7",
+       {{0x8611, 0}, {0x3210, 0}},
+       true,
+       has_error_code<0x3210>,
+       1_s,
+       true},
       {"LoadInertia",
        "kind = 'load-inertia'\ninertia = 0.01",
        {},
@@ -200,12 +208,15 @@ const std::vector<Row>& rows() {
        kFollowingError,
        1_s,
        true},
-      {"EncoderLoss", "kind = 'encoder-loss'", {{0x8611, 0}}, true, kFollowingError},
+      // The commutation counted on it, and is searched anew.
+      {"EncoderLoss", "kind = 'encoder-loss'", {{0x8611, 0}}, true, kFollowingError, 1_s, true},
       {"EncoderLossOfAChannel",
        "kind = 'encoder-loss'\nchannel = 'a'",
        {{0x8611, 0}},
        true,
-       kFollowingError},
+       kFollowingError,
+       1_s,
+       true},
       {"EncoderLossOfTheIndex",
        "kind = 'encoder-loss'\nchannel = 'index'",
        {},
