@@ -18,7 +18,6 @@ namespace {
 
 using plant::PositionSwitch;
 using tests::Tmcc160Module;
-constexpr Tmcc160Module::AbortCode kNoError{};
 
 enum Mode : std::int8_t { kPosition = 1, kVelocity = 3, kTorque = 10 };
 constexpr unsigned kTargetReached = 1U << 10;

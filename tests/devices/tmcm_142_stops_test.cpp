@@ -18,8 +18,6 @@ using tmcl::Status;
 using enum devices::tmcm_142::AxisParameter;
 
 constexpr int kShutdownPin = 80;
-constexpr int kOutput = 2;                      // bank of SIO
-constexpr double kMicrosteps = 204'800.0;       // of a revolution
 constexpr double kWithinAFullStep = 1.0 / 200;  // revolutions
 
 struct Tmcm142Stops : testing::Test {
