@@ -257,40 +257,44 @@ class AxisMotion {
   const AxisConditions& conditions_;
   base::SimDuration period_;
   control::RampGenerator ramp_;
-  Profile profile_ = Profile::none;
-  PassedSwitches passed_;                        ///< in Profile::search
-  bool clamped_ = false;                         ///< the last command was not taken as it came
+  FeedForward ahead_;
+  double scale_ = 1.0;                           ///< of position objects
   double blocked_direction_ = 0.0;               ///< in which a limit switch blocks; 0 = none does
   double commanded_velocity_ = 0.0;              ///< pps, the last one, as it came
   double wanted_velocity_ = 0.0;                 ///< pps, the same, within the largest velocity
   double limit_direction_ = 0.0;                 ///< in Profile::to_limit
+  std::optional<std::int64_t> travelled_limit_;  ///< in Profile::to_limit
+  std::int64_t passed_target_ = 0;               ///< of positioning with an end velocity
   std::optional<double> torque_;                 ///< A
   double held_direction_ = 0.0;                  ///< of the torque that ran into a limit, 0 = none
   std::optional<std::int64_t> held_limit_;       ///< software limit there at that time
-  std::optional<std::int64_t> travelled_limit_;  ///< in Profile::to_limit
-  FeedForward ahead_;
-  ControlLoop loop_without_torque_ = ControlLoop::position;
-  double scale_ = 1.0;                         ///< of position objects
-  bool measured_ = false;                      ///< the axis tells what its shaft does
-  std::int64_t shaft_position_ = 0;            ///< of a servo axis, as last told
-  double shaft_velocity_ = 0.0;                ///< pps, the same
+
+  // The shaft of a servo axis, as last told, and the stop that has taken over from it.
+  std::int64_t shaft_position_ = 0;
+  double shaft_velocity_ = 0.0;                ///< pps
   double filtered_velocity_ = 0.0;             ///< pps, the same
   base::SimDuration standing_{1'000'000'000};  ///< for how long it has been slow, or held
   double standstill_ = 0.0;                    ///< pps
   double lead_ = 0.0;                          ///< s, see ShaftState
-  bool free_ = true;                           ///< as last told
-  bool stopping_ = false;                      ///< a stop has taken over from the shaft
-  std::uint32_t takeovers_ = 0;
-  double stop_deceleration_ = 0.0;  ///< of the latest stop, pps/s
-  bool holds_then_ = false;         ///< and the position loop takes over from it
-  Cyclic cyclic_ = Cyclic::none;
-  bool held_back_ = false;           ///< something other than the cyclic target moved the axis
+  double stop_deceleration_ = 0.0;             ///< of the latest stop, pps/s
+
   std::int64_t cyclic_target_ = 0;   ///< as it came
   std::int64_t cyclic_allowed_ = 0;  ///< within the limits
   double cyclic_way_ = 0.0;          ///< from the cyclic target before, or the position
   base::SimDuration cyclic_age_;     ///< since it came
-  std::int64_t passed_target_ = 0;   ///< of positioning with an end velocity
-  bool goes_on_ = false;             ///< behind it
+
+  std::uint32_t takeovers_ = 0;
+  Profile profile_ = Profile::none;
+  ControlLoop loop_without_torque_ = ControlLoop::position;
+  Cyclic cyclic_ = Cyclic::none;
+  PassedSwitches passed_;    ///< in Profile::search
+  bool clamped_ = false;     ///< the last command was not taken as it came
+  bool goes_on_ = false;     ///< behind the target of positioning with an end velocity
+  bool measured_ = false;    ///< the axis tells what its shaft does
+  bool free_ = true;         ///< no current holds the shaft
+  bool stopping_ = false;    ///< a stop has taken over from the shaft
+  bool holds_then_ = false;  ///< and the position loop takes over from it
+  bool held_back_ = false;   ///< something other than the cyclic target moved the axis
 };
 
 }  // namespace stator::drive
