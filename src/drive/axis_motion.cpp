@@ -89,8 +89,8 @@ control::RampLimits AxisMotion::search_limits(double velocity) const {
 std::int64_t AxisMotion::move_to(std::int64_t target) {
   end_torque();
   cyclic_ = Cyclic::none;
-  const std::int64_t allowed =
-      clamped(target, lower_limit().value_or(target), upper_limit().value_or(target));
+  const std::int64_t allowed = between_limits(target);
+  clamped_ = allowed != target;
   passed_target_ = allowed;
   const auto way = static_cast<double>(allowed - position());
   if (blocked_by_switch(way)) {
@@ -111,9 +111,7 @@ std::int64_t AxisMotion::move_to(std::int64_t target) {
 
 /// The target of profile position stays within limits that are moved under way.
 void AxisMotion::keep_target_within_limits() {
-  const std::int64_t allowed =
-      std::max(std::min(passed_target_, upper_limit().value_or(passed_target_)),
-               lower_limit().value_or(passed_target_));
+  const std::int64_t allowed = between_limits(passed_target_);
   if (allowed == passed_target_) {
     return;
   }

@@ -43,7 +43,8 @@ enum class ControlLoop : std::uint8_t { position, velocity, torque };
 /// What stops, limits and answers "does it stand" is the shaft. A servo axis tells it with
 /// follow_shaft(); the shaft of an axis that never does is its counter, the demand. A stop takes
 /// over from the shaft where the demand has left it: the velocity loop brings it down from the
-/// velocity it has, and the position loop holds it where it comes to rest.
+/// velocity it has, and out of a mode with positions the position loop holds it where it comes to
+/// rest; out of the others it stands under velocity control.
 ///
 /// Positions are 64-bit increments: microsteps of a stepper axis, encoder counts or hall steps of a
 /// servo axis; the objects show the lower 32 bits. An absolute target means the position with these
@@ -82,7 +83,7 @@ class AxisMotion {
   /// Interpolates to a cyclic target within 60C2h; clamped to the software limits. Outside them the
   /// axis may stay or return, it is not pulled back. A target in force is a command in every cycle:
   /// once a limit switch, a changed limit or a stop has held the axis back, it catches the target
-  /// up with 6083h and 6084h, and follows it again from there on.
+  /// up with 6081h, 6083h and 6084h, and follows it again from there on.
   void follow_position(std::int64_t target);
   /// Interpolates to `velocity` (pps) within 60C2h; at a software limit as move_at_velocity(), with
   /// 6084h. Caught up with 6083h and 6084h as a position is.
@@ -119,11 +120,12 @@ class AxisMotion {
   [[nodiscard]] ControlLoop loop() const {
     return torque_ ? ControlLoop::torque : loop_without_torque_;
   }
-  /// The position loop takes over from where the demand is; at once, also in motion.
+  /// The position loop takes over at once, also in motion: from a demand that makes it ask for the
+  /// velocity there is.
   void hold_position();
   /// A mode begins: a shaft that turns is braked with 6084h first, one that stands is held. A
-  /// cyclic target is followed at once, as the profile has it, but behind a stop that was taken
-  /// back.
+  /// cyclic target is followed at once, as the profile has it, but behind a
+  /// stop that was taken back, or under halt.
   void settle(bool behind_stop);
   /// Gives a motion up that went wrong: the demand rests where the shaft of a servo axis is.
   void rest_at_shaft();
@@ -199,7 +201,7 @@ class AxisMotion {
 
   [[nodiscard]] std::int64_t turn() const;
   [[nodiscard]] bool has_limits() const;
-  [[nodiscard]] std::int64_t clamped(std::int64_t target, std::int64_t lower, std::int64_t upper);
+  [[nodiscard]] std::int64_t between_limits(std::int64_t target) const;
   [[nodiscard]] bool switch_blocks(double direction) const;
   [[nodiscard]] bool blocked_by_switch(double direction);
   void stop_at_switch(double direction);

@@ -42,10 +42,8 @@ std::optional<std::int64_t> AxisMotion::upper_limit() const {
   return turn() + unscaled(within_counter(maximum - offset));
 }
 
-std::int64_t AxisMotion::clamped(std::int64_t target, std::int64_t lower, std::int64_t upper) {
-  const std::int64_t result = std::max(std::min(target, upper), lower);
-  clamped_ = result != target;
-  return result;
+std::int64_t AxisMotion::between_limits(std::int64_t target) const {
+  return std::max(std::min(target, upper_limit().value_or(target)), lower_limit().value_or(target));
 }
 
 bool AxisMotion::limit_blocks(double direction) const {

@@ -21,6 +21,7 @@ constexpr std::uint8_t kPositionPolarity = 0x80;
 constexpr std::uint8_t kVelocityPolarity = 0x40;
 constexpr std::uint32_t kDegrees = 360;  // of a revolution
 constexpr std::int64_t kMilliseconds = 1'000'000;
+constexpr double kSecondsPerMinute = 60.0;
 
 /// Seen in the block and remembered until the fault reset.
 constexpr AxisErrors kShorts{AxisError::overcurrent_a, AxisError::overcurrent_c};
@@ -99,7 +100,6 @@ void FocAxis::begin_period(base::SimTime now) {
 /// s by which PID_POSITION_TARGET is ahead of the shaft where the position controller asks for the
 /// velocity of the demand: P in Q4.12 makes rpm of 65536ths of a revolution.
 double FocAxis::position_lead() const {
-  constexpr double kSecondsPerMinute = 60.0;
   constexpr double kOne = 4096.0;
   const std::int32_t p = block_.get(field("PID_POSITION_P"));
   return p > 0 ? kSecondsPerMinute * kOne / (static_cast<double>(kBlockCounts) * p) : 0.0;
@@ -291,7 +291,6 @@ std::int32_t FocAxis::target_count() const {
 }
 
 std::int32_t FocAxis::block_velocity(double pps) const {
-  constexpr double kSecondsPerMinute = 60.0;
   const std::int64_t rpm = rounded(pps * kSecondsPerMinute / counts_);
   return saturate_s32(reversed_ ? -rpm : rpm);
 }

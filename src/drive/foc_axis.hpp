@@ -24,8 +24,8 @@ struct FocObservation {
 ///
 /// Positions are units of 608Fh; PID_POSITION_ACTUAL, of 65536 per revolution, is counted on beyond
 /// its 32 bits. Targets reach the block with the ramp's fraction of a unit. Which loop is closed:
-/// position in pp, hm and csp, velocity in pv and csv and for every braking out of them and out of
-/// torque, torque in tq and cst. Registers that others may write as well (a UART) are written when
+/// position in pp, hm and csp, velocity in pv and csv and for every stop, whatever mode it ends,
+/// torque in tq and cst. Registers that others may write as well (a UART) are written when
 /// the axis wants something else than before; targets, while the bridge is on, in every period.
 ///
 /// Objects that belong to the firmware loop (6063h, 6074h, 6078h, 6079h, 60B9h to 60BDh and the

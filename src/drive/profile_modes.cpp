@@ -68,6 +68,7 @@ void ProfilePosition::on_controlword(const ModeContext& context, std::uint16_t p
   acknowledged_ = true;
   in_window_ = false;
   went_on_ = false;
+  direction_ = 0.0;  // known where the travel begins
   if (context.enabled) {
     travel(context);
   }

@@ -24,7 +24,7 @@ class ProfilePosition final : public OperatingMode {
   [[nodiscard]] bool target_reached(const ModeContext& context) const;
 
   std::int64_t target_ = 0;    ///< in force, microsteps
-  double direction_ = 0.0;     ///< to it, as seen from where it was commanded
+  double direction_ = 0.0;     ///< to it, as seen from where the travel began; 0: not yet
   bool went_on_ = false;       ///< halted behind it, on the end velocity
   bool commanded_ = false;     ///< a set-point has come since enter()
   bool acknowledged_ = false;  ///< statusword bit 12

@@ -16,7 +16,7 @@ namespace stator::drive {
 /// Positions are increments of the sensor that commutates: encoder counts, or 6 hall steps per
 /// electrical turn. The ramp makes a set-point once per control period; in between step() runs the
 /// controller alone. Which loop is closed: position in pp, hm and wherever the motor stands still
-/// after them; velocity in pv and for every braking out of pv or cst; torque in cst. Outside the
+/// after them; velocity in pv and for every stop, whatever mode it ends; torque in cst. Outside the
 /// position loop the demand position follows the shaft.
 ///
 /// Settings that follow from others are made here: settings().units, position_end and

@@ -257,6 +257,39 @@ TEST_F(PowerStates, DisableOperationBrakesBeforeItLeaves) {
   EXPECT_EQ(machine_.state(), ready_to_switch_on) << "then the held-back Shutdown acts";
 }
 
+TEST_F(PowerStates, DisableVoltageAndQuickStopDoNotWaitForTheRampOfAnotherTransition) {
+  for (const std::uint16_t leaving : std::to_array<std::uint16_t>({0x0007, 0x0006})) {
+    machine_in(operation_enabled);
+    input_.options.shutdown = 1;
+    input_.at_rest = false;
+    write(leaving);
+    ASSERT_TRUE(machine_.bridge_enabled());
+    write(0x0002);
+    EXPECT_EQ(machine_.state(), quick_stop_active);
+    EXPECT_EQ(machine_.braking(), Braking::quick_stop_ramp);
+
+    machine_in(operation_enabled);
+    input_.at_rest = false;
+    write(leaving);
+    write(0x0000);
+    EXPECT_EQ(machine_.state(), switch_on_disabled);
+    EXPECT_FALSE(machine_.bridge_enabled());
+  }
+}
+
+TEST_F(PowerStates, AFaultReactionOf0LetsTheMotorCoast) {
+  machine_in(operation_enabled);
+  input_.at_rest = false;
+  input_.options.fault_reaction = 0;
+  input_.delays.brake_apply = 5_ms;
+  machine_.raise_fault(input_);
+  EXPECT_EQ(machine_.state(), fault_reaction_active) << "until the brake holds";
+  EXPECT_FALSE(machine_.brake_released());
+  pass(5_ms);
+  EXPECT_EQ(machine_.state(), fault);
+  EXPECT_FALSE(machine_.bridge_enabled());
+}
+
 TEST_F(PowerStates, ShutdownAndDisableVoltageSwitchTheBridgeOffAtOnce) {
   for (const std::uint16_t controlword : std::to_array<std::uint16_t>({0x0006, 0x0000})) {
     machine_in(operation_enabled);

@@ -201,6 +201,20 @@ TEST_F(ServoProfilePosition, EndVelocityIsThereOnTheTargetAndStays) {
   EXPECT_TRUE(arrives_at(100'000));
 }
 
+TEST_F(ServoProfilePosition, ATargetGivenUnderHaltIsTravelledToWhereverItLies) {
+  bench_.write(0x6082, 600);
+  bench_.write(0x607A, 60'000);
+  bench_.start();
+  ASSERT_TRUE(bench_.pass_until([&] { return bench_.position() > 20'000; }, 5_s));
+  bench_.write(0x6040, 0x010F);
+  bench_.pass(1_s);
+  bench_.write(0x607A, 4'000);
+  bench_.write(0x6040, 0x011F);
+  bench_.write(0x6040, 0x001F);
+  bench_.pass(100_ms);
+  EXPECT_LT(bench_.rpm(), -500.0) << "not on behind the target of before";
+}
+
 TEST_F(ServoProfilePosition, WithoutRampTheTargetIsTheDemandAtOnce) {
   bench_.axis->settings().ramp.active = false;
   bench_.write(0x607A, 30'000);
