@@ -47,8 +47,7 @@ constexpr auto kProfileMotion = std::to_array<EntryDeclaration>({
 constexpr auto kHomingCodes = [] {
   std::array<std::int64_t, drive::kHomingMethods.size() + 1> codes{};
   for (std::size_t k = 0; k < drive::kHomingMethods.size(); ++k) {
-    // Codes of methods are negative for some. NOLINTNEXTLINE(bugprone-signed-char-misuse)
-    codes[k + 1] = drive::kHomingMethods[k].code;
+    codes[k + 1] = int{drive::kHomingMethods[k].code};
   }
   return codes;
 }();
