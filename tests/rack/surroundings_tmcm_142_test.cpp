@@ -87,13 +87,16 @@ void has_deviated(Module& b) {
   EXPECT_EQ(b.get(error_flags), 0) << "cleared by reading";
   has_driver_status<0>(b);
 }
+/// The stage was off: the counter has stopped, and what the shaft does then is no deviation.
 void has_stopped(Module& b) {
   EXPECT_TRUE(b.stopped());
+  EXPECT_EQ(b.get(error_flags), 0);
 }
-/// The power stage is off, and the counter has stopped with it.
+/// The power stage is off.
 void has_failed(Module& b) {
   EXPECT_EQ(b.get(driver_status) & kDriverError, kDriverError);
   has_stopped(b);
+  EXPECT_NEAR(b.get(actual_position), b.get(encoder_position), 20'000);
 }
 void runs(Module& b) {
   EXPECT_EQ(b.get(actual_speed), kSpeed);
