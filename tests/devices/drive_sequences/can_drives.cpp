@@ -8,6 +8,7 @@
 #include "control/motion_controller_units.hpp"
 #include "devices/drive_sequences/cia402_axis.hpp"
 #include "devices/drive_sequences/object_access.hpp"
+#include "devices/drive_sequences/three_phase_sample.hpp"
 #include "devices/tmcc160_module.hpp"
 #include "devices/tmcm_142_module.hpp"
 
@@ -45,38 +46,18 @@ class Tmcc160Drive final : public DriveUnderTest {
 
   Sample sample() override {
     const plant::ServoAxis& plant = module_.device->world().plant();
-    const plant::ServoAxisObservation seen = plant.observe();
     const drive::ServoAxis& axis = module_.device->axis();
-    Sample sample{.time = module_.now,
-                  .position = seen.shaft_revolutions,
-                  .velocity = seen.speed / kTurn,
-                  .load = surroundings().load,
-                  .inertia = inertia_ + surroundings().inertia,
-                  .friction = motor_.coulomb_friction,
-                  .supply = seen.supply_voltage,
-                  .source = surroundings().source,
-                  .supplied_energy = seen.supplied_energy,
-                  .jammed = surroundings().jammed};
+    Sample sample = three_phase_sample(plant, module_.now, motor_, inertia_, surroundings(),
+                                       axis.settings().reference.switches);
     sample.current_limit =
         1e-3 * static_cast<double>(module_.device->dictionary().find(0x2020, 1)->value());
     sample.torque_limit = sample.current_limit * motor_.torque_constant();
-    sample.current = std::hypot(seen.direct_current, seen.quadrature_current);
-    const drive::SwitchStates pressed = axis.settings().reference.switches.pressed(
-        {plant.sensing().left_switch, plant.sensing().right_switch, false});
-    sample.negative_switch = pressed.negative_limit;
-    sample.positive_switch = pressed.positive_limit;
-    observe(axis,
-            {.counts = static_cast<double>(axis.controller().increments_per_revolution()),
-             .halts_homing = false,
-             .halt_releases_torque = true},
-            homed_, sample);
+    observer_.observe(axis,
+                      {.counts = static_cast<double>(axis.controller().increments_per_revolution()),
+                       .halts_homing = false,
+                       .halt_releases_torque = true},
+                      sample);
     sample.shown_torque = 1e-3 * axis.controller().actual_current() * motor_.torque_constant();
-    sample.position_renamed = homings_ != axis.homings() || sample.searching;
-    sample.reference_changed =
-        homings_ != axis.homings() || mode_ != axis.mode() || powered_ != axis.bridge_enabled();
-    homings_ = axis.homings();
-    mode_ = axis.mode();
-    powered_ = axis.bridge_enabled();
     return sample;
   }
   double shaft_velocity() override {
@@ -101,10 +82,7 @@ class Tmcc160Drive final : public DriveUnderTest {
   Tmcc160Module module_;
   plant::ThreePhaseMotorParameters motor_;
   double inertia_;
-  std::uint32_t homings_ = 0;
-  drive::ModeCode mode_ = drive::ModeCode::none;
-  bool powered_ = false;
-  bool homed_ = false;
+  Cia402Observer observer_;
 };
 
 class Tmcm142Drive final : public DriveUnderTest {
@@ -120,7 +98,6 @@ class Tmcm142Drive final : public DriveUnderTest {
                .bandwidth = 1000.0,
                .inertia = 2e-5,
                .velocity_error = 0.002,
-
                .current_allowance = 1.5,
                .has_statusword = false,
                .shaft_is_counter = true};
@@ -147,8 +124,6 @@ class Tmcm142Drive final : public DriveUnderTest {
     sample.current_limit = 7.0;
     sample.power = !module_.device->module().shut_down() && !axis.stage().error();
     sample.power_off = PowerOff::switched_off;  // the stage is off for a pin or a fault only
-    const std::uint32_t pressed = controller.switch_status();
-    static_cast<void>(pressed);
     sample.searching = axis.search().active();
     sample.negative_switch = controller.left_switch() && !settings.switches.left_disabled;
     sample.positive_switch = controller.right_switch() && !settings.switches.right_disabled;

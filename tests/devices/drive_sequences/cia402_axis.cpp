@@ -209,17 +209,18 @@ PowerOff power_off_by(const drive::Axis& axis) {
   return axis.errors().any_of(kStage) ? PowerOff::stage_fault : PowerOff::not_allowed;
 }
 
-void observe(const drive::Axis& axis, const Cia402Choices& choices, bool& homed, Sample& sample) {
+void Cia402Observer::observe(const drive::Axis& axis, const Cia402Choices& choices,
+                             Sample& sample) {
   const drive::AxisObjects& objects = axis.objects();
   const bool homes = axis.mode() == drive::ModeCode::homing;
-  homed = homes || homed;
-  const Ramps ramps = ramps_of(axis, choices, homed);
+  homed_ = homes || homed_;
+  const Ramps ramps = ramps_of(axis, choices, homed_);
   sample.statusword = objects.statusword.get();
   sample.mode = static_cast<int>(axis.mode());
   sample.power = axis.bridge_enabled();
   sample.guidance = guidance_of(axis.mode());
   sample.stop = stop_of(axis, choices, ramps);
-  homed = homes || (homed && sample.stop.cause != StopCause::none);
+  homed_ = homes || (homed_ && sample.stop.cause != StopCause::none);
   sample.enabled = axis.power_state() == PowerState::operation_enabled;
   sample.searching = homes;
   observe_values(axis, choices, sample);
@@ -231,6 +232,12 @@ void observe(const drive::Axis& axis, const Cia402Choices& choices, bool& homed,
   sample.has_to_be_off =
       drive::command_of(objects.controlword.get()) == PowerCommand::disable_voltage &&
       axis.power_state() != PowerState::fault_reaction_active;
+  sample.position_renamed = homings_ != axis.homings() || sample.searching;
+  sample.reference_changed =
+      homings_ != axis.homings() || mode_ != axis.mode() || powered_ != axis.bridge_enabled();
+  homings_ = axis.homings();
+  mode_ = axis.mode();
+  powered_ = axis.bridge_enabled();
 }
 
 }  // namespace stator::tests

@@ -16,9 +16,18 @@ struct Cia402Choices {
   bool steps_to_rest = false;         ///< a profile with an end velocity ends in a step
 };
 
-/// What the objects of an axis command and show now. What is left of `sample` is the plant's.
-/// `homed`: the axis homed before the stop that is under way began, which keeps its ramp.
-void observe(const drive::Axis& axis, const Cia402Choices& choices, bool& homed, Sample& sample);
+/// Watches an axis from sample to sample.
+class Cia402Observer {
+ public:
+  /// What the objects of `axis` command and show now. What is left of `sample` is the plant's.
+  void observe(const drive::Axis& axis, const Cia402Choices& choices, Sample& sample);
+
+ private:
+  std::uint32_t homings_ = 0;
+  drive::ModeCode mode_ = drive::ModeCode::none;
+  bool powered_ = false;
+  bool homed_ = false;  ///< it homed before the stop that is under way began, which keeps its ramp
+};
 
 /// Whether the controlword of now or an option code of 0 lets power go off.
 [[nodiscard]] PowerOff power_off_by(const drive::Axis& axis);

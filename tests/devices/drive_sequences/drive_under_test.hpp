@@ -13,6 +13,14 @@
 
 namespace stator::tests {
 
+/// What the steps set of a drive's surroundings.
+struct Surroundings {
+  double load = 0.0;     ///< N m
+  double source = 24.0;  ///< V
+  double inertia = 0.0;  ///< kg m², added
+  bool jammed = false;
+};
+
 /// One drive with its plant in simulated time, and whoever acts on it. A millisecond is the grain:
 /// process data are exchanged and a sample is taken in each.
 class DriveUnderTest {
@@ -48,13 +56,6 @@ class DriveUnderTest {
   /// Exchanges process data `times` times and lets the rest of the millisecond pass.
   virtual void pass_cycle(int times) = 0;
   virtual void set_input(std::string_view name, double level);
-  /// What the steps set of the surroundings.
-  struct Surroundings {
-    double load = 0.0;
-    double source = 24.0;
-    double inertia = 0.0;  ///< added
-    bool jammed = false;
-  };
   [[nodiscard]] const Surroundings& surroundings() const { return surroundings_; }
   void note(const DriveStep& step) { resolved_.push_back(step); }
 

@@ -8,6 +8,7 @@
 #include "base/byte_order.hpp"
 #include "devices/drive_sequences/cia402_axis.hpp"
 #include "devices/drive_sequences/object_access.hpp"
+#include "devices/drive_sequences/three_phase_sample.hpp"
 #include "devices/test_bus.hpp"
 #include "devices/tmc8670/tmc8670.hpp"
 #include "devices/tmc8670_chip.hpp"
@@ -64,7 +65,7 @@ class EtherCatDrive : public DriveUnderTest {
     };
     // The watchdog may have taken it down.
     state_ = std::to_integer<int>(bus_.read(0x0130, 1)[0]) & 0x0F;
-    if (state == 8 && state_ == 8) {
+    if (state == state_ && state == 8) {
       return;
     }
     if (state == 8 && state_ == 4) {
@@ -152,37 +153,17 @@ class Tmc8670Drive final : public EtherCatDrive {
 
   Sample sample() override {
     const plant::PwmAxis& plant = chip_.axis().stage().plant();
-    const plant::PwmAxisObservation seen = plant.observe();
     const drive::FocAxis& axis = chip_.axis().axis();
-    Sample sample{.time = now(),
-                  .position = seen.shaft_revolutions,
-                  .velocity = seen.speed / kTurn,
-                  .load = surroundings().load,
-                  .inertia = inertia_ + surroundings().inertia,
-                  .friction = motor_.coulomb_friction,
-                  .supply = seen.supply_voltage,
-                  .source = surroundings().source,
-                  .supplied_energy = seen.supplied_energy,
-                  .jammed = surroundings().jammed};
+    Sample sample = three_phase_sample(plant, now(), motor_, inertia_, surroundings(),
+                                       axis.settings().reference.switches);
     const drive::FocSettings& settings = axis.foc_settings();
     const double rated = 1.4142135623730951e-3 * settings.rated_current;
     sample.current_limit =
         std::min({1e-3 * std::min(settings.maximum_torque, settings.maximum_current) * rated,
                   settings.torque_flux_limit * settings.current_per_step});
     sample.torque_limit = sample.current_limit * motor_.torque_constant();
-    sample.current = std::hypot(seen.direct_current, seen.quadrature_current);
-    const drive::SwitchStates pressed = axis.settings().reference.switches.pressed(
-        {plant.sensing().left_switch, plant.sensing().right_switch, false});
-    sample.negative_switch = pressed.negative_limit;
-    sample.positive_switch = pressed.positive_limit;
-    observe(axis, choices_, homed_, sample);
+    observer_.observe(axis, choices_, sample);
     sample.shown_torque = axis.quadrature_current() * motor_.torque_constant();
-    sample.position_renamed = homings_ != axis.homings() || sample.searching;
-    sample.reference_changed =
-        homings_ != axis.homings() || mode_ != axis.mode() || powered_ != axis.bridge_enabled();
-    homings_ = axis.homings();
-    mode_ = axis.mode();
-    powered_ = axis.bridge_enabled();
     return sample;
   }
   double shaft_velocity() override { return chip_.axis().stage().plant().speed() / kTurn; }
@@ -196,10 +177,7 @@ class Tmc8670Drive final : public EtherCatDrive {
   plant::ThreePhaseMotorParameters motor_;
   double inertia_;
   Cia402Choices choices_;
-  std::uint32_t homings_ = 0;
-  drive::ModeCode mode_ = drive::ModeCode::none;
-  bool powered_ = false;
-  bool homed_ = false;
+  Cia402Observer observer_;
 };
 
 constexpr std::array kTmcm3315Outputs{MappedObject{0x6040, 0, 2}, MappedObject{0x607A, 2, 4},
@@ -251,16 +229,10 @@ class Tmcm3315Drive final : public EtherCatDrive {
     Cia402Choices choices{.counts = kCounts, .halts_homing = false, .steps_to_rest = true};
     const double stop = axis.settings().ramp.stop_deceleration / kCounts;
     choices.switch_deceleration = stop > 0.0 ? stop : kUnlimited;
-    observe(axis, choices, homed_, sample);
-    sample.position_renamed = homings_ != axis.homings() || sample.searching;
-    sample.reference_changed =
-        homings_ != axis.homings() || mode_ != axis.mode() || powered_ != axis.bridge_enabled();
+    observer_.observe(axis, choices, sample);
     if (stop <= 0.0 && (sample.negative_switch || sample.positive_switch)) {
       sample.acceleration = kUnlimited;
     }
-    homings_ = axis.homings();
-    mode_ = axis.mode();
-    powered_ = axis.bridge_enabled();
     return sample;
   }
   double shaft_velocity() override { return module_.axis(0).plant().observe().speed / kTurn; }
@@ -274,10 +246,7 @@ class Tmcm3315Drive final : public EtherCatDrive {
   static constexpr double kUnlimited = 1e9;
 
   devices::Tmcm3315& module_;
-  std::uint32_t homings_ = 0;
-  drive::ModeCode mode_ = drive::ModeCode::none;
-  bool powered_ = false;
-  bool homed_ = false;
+  Cia402Observer observer_;
 };
 
 }  // namespace
