@@ -280,6 +280,7 @@ constexpr auto kRows = std::to_array<Row>({
       .parameters = kEncoderLoss,
       .summary = "signals of the encoder do not arrive",
       .effect = "The actual position stands while the motor turns, or runs away: following error. "
+                "A servo commutated by it has lost its angle until it is switched off and on. "
                 "Without index a homing on it never ends."},
      [](Settings& s) {
        const std::string channel = s.text("channel");
