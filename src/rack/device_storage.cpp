@@ -47,8 +47,7 @@ class DeviceStorage::Member {
 
   void handle(const BackgroundWriter::Result& result, base::SimTime now) {
     if (!result.error.empty()) {
-      error_ = result.error;
-      reporter_.report(now, rules::kNotWritten, {EventArgument(error_)});
+      reporter_.report(now, rules::kNotWritten, {base::SharedText(result.error)});
     }
     finish(result, now);
   }
@@ -103,7 +102,6 @@ class DeviceStorage::Member {
   std::string name_;
   std::string product_;
   base::EventReporter reporter_;
-  std::string error_;
 };
 
 /// A device of any kind and the firmware image in its flash memory, if it takes one.
@@ -131,7 +129,7 @@ class DeviceStorage::DeviceMember : public Member, public devices::FirmwareKeepe
                                          product(), firmware->capacity()));
       }
       reporter().report({}, rules::kFirmwareRestored,
-                        {EventArgument(firmware_path_), EventArgument(image->size())});
+                        {base::SharedText(firmware_path_), EventArgument(image->size())});
     }
     firmware->set_keeper(this);
   }
@@ -195,12 +193,12 @@ class DeviceStorage::EtherCatMember final : public DeviceMember {
                                      product(), size));
     }
     // Said first, since loading it may have something to tell of the content.
-    reporter().report({}, rules::kEepromRestored, {EventArgument(eeprom_path_)});
+    reporter().report({}, rules::kEepromRestored, {base::SharedText(eeprom_path_)});
     device_.controller().load_sii(content);
     const std::uint16_t configured = device_.description().station_alias;
     if (configured != 0 && configured != alias_of(content)) {
       reporter().report({}, rules::kAliasOverruled,
-                        {EventArgument(eeprom_path_), int{configured}, int{alias_of(content)}});
+                        {base::SharedText(eeprom_path_), int{configured}, int{alias_of(content)}});
     }
   }
 
@@ -222,7 +220,7 @@ class DeviceStorage::ParameterMember final : public Member, public ParameterKeep
       if (!memory_.restore(*content)) {
         fail(path_, "its parameter groups are cut off");
       }
-      reporter().report({}, rules::kParametersRestored, {EventArgument(path_)});
+      reporter().report({}, rules::kParametersRestored, {base::SharedText(path_)});
     }
   }
 

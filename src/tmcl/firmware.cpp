@@ -268,11 +268,12 @@ bool Firmware::protected_from(std::uint32_t access) const {
 }
 
 void Firmware::report(const Instruction& instruction, Status status, base::SimTime now) const {
-  const std::string_view name = name_of(instruction.command);
+  const base::StaticText name = name_of(instruction.command);
   const EventRule& rule = is_never_answered(instruction.command) ? kNotAnswered : *rule_of(status);
-  reporter_.report(now, rule,
-                   {name.empty() ? base::EventArgument(int{instruction.command}) : name,
-                    int{instruction.type}, int{instruction.motor}, int{instruction.value}});
+  reporter_.report(
+      now, rule,
+      {name.empty() ? base::EventArgument(int{instruction.command}) : base::EventArgument(name),
+       int{instruction.type}, int{instruction.motor}, int{instruction.value}});
 }
 
 }  // namespace stator::tmcl
