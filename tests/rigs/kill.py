@@ -29,6 +29,7 @@ import sys
 import tempfile
 import threading
 import time
+import traceback
 
 from ethercat_host import Refused
 from kept_devices import ROWS
@@ -220,7 +221,11 @@ def run_chain(task):
     program, row_name, mode, seed, number, kills = task
     row = next(row for row in ROWS if row.name == row_name)
     with tempfile.TemporaryDirectory(prefix="stator-rig-") as directory:
-        chain = Chain(program, row, mode, seed, number, directory).run(kills)
+        chain = Chain(program, row, mode, seed, number, directory)
+        try:
+            chain.run(kills)
+        except Exception:  # a fault of the rig must not leave others' runs behind
+            chain.fault("other", 0, traceback.format_exc())
     return f"{row_name}:{mode}", chain.tally, chain.worst_end, chain.faults
 
 

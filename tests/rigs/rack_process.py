@@ -35,25 +35,25 @@ def own_address():
 class RackProcess:
     """One run of a rack file. `said` is what came on standard output, `log()` what came on standard error."""
 
-    def __init__(self, program, rack, directory, *options, **popen):
+    def __init__(self, program, rack, directory, *options, patience=PATIENCE, **popen):
         self.said = ""
         self.log_path = os.path.join(directory, "stderr")
         with open(self.log_path, "wb") as log:
             self.process = subprocess.Popen([program, "run", rack, *options], stdin=subprocess.DEVNULL,
-                                            stdout=subprocess.PIPE, stderr=log, **popen)
+                                            stdout=subprocess.PIPE, **{"stderr": log, **popen})
         try:
-            self._wait_until_it_runs()
+            self._wait_until_it_runs(patience)
         except BaseException:
             self.kill()
             raise
 
-    def _wait_until_it_runs(self):
-        end = time.monotonic() + PATIENCE
+    def _wait_until_it_runs(self, patience):
+        end = time.monotonic() + patience
         stream = self.process.stdout.fileno()
         while "Running;" not in self.said:
             left = end - time.monotonic()
             if left < 0 or not select.select([stream], [], [], left)[0]:
-                raise Silent("stator run does not say that it runs")
+                raise Silent(f"stator run does not say within {patience:.0f} s that it runs")
             data = os.read(stream, 65536)
             if not data:
                 raise NotStarted(self.process.wait(PATIENCE), self.log())
