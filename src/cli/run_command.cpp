@@ -110,7 +110,9 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   }
   base::SimTime start;
   if (from) {
+    session.wait_for_disk(true);  // this goes many times faster than it happened
     start = LiveSession::go_to(*from, *recorded, rack, log);
+    session.wait_for_disk(false);
     log.set_logger(logger);
     fmt::print("Going on from {:.6f} s of {}\n", start.seconds(), from->path);
   }

@@ -362,6 +362,9 @@ void Rack::put(std::size_t line, std::span<const std::byte> bytes, base::SimTime
   }
   const Inside inside(inside_);
   lines_[line].put(bytes, now);
+  if (lines_.next_deadline() <= now) {
+    lines_.advance(now);  // of other lines, what a device has sent that is on several
+  }
 }
 
 void Rack::apply(const RackEvent& event, base::SimTime now) {

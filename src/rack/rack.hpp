@@ -109,7 +109,10 @@ class Rack {
   void put(std::size_t line, std::span<const std::byte> bytes, base::SimTime now);
 
   /// Tells `journal` of all that is done to the rack from now on; null: nobody.
-  void set_journal(Journal* journal) { journal_ = journal; }
+  void set_journal(Journal* journal) {
+    journal_ = journal;
+    lines_.set_journal(journal);
+  }
   [[nodiscard]] Journal* journal() { return journal_; }
   /// A frame that a fault has held up and that comes out at `now` or earlier gets into `buffer`
   /// (ethercat::kMaximumFrameLength bytes). Nothing: none does. Its firmware takes what it brought.

@@ -11,14 +11,6 @@ namespace {
 constexpr std::size_t kShort = 7;
 constexpr std::size_t kLong = 8;
 
-/// The reply without its first byte, the address of the host.
-CanReply frame_of(const Telegram& telegram, std::int32_t identifier, std::size_t length) {
-  CanReply reply{.identifier = static_cast<std::uint16_t>(identifier),
-                 .length = static_cast<std::uint8_t>(length)};
-  std::copy_n(telegram.begin() + 1, length, reply.data.begin());
-  return reply;
-}
-
 Request request_in(std::span<const std::byte> data, std::uint8_t address) {
   Telegram telegram{};
   telegram[0] = std::byte{address};
@@ -49,28 +41,57 @@ std::optional<CanReply> CanSession::take(std::uint32_t identifier, std::span<con
   const auto configured = [this](GlobalParameter parameter) {
     return firmware_.configuration(parameter);
   };
-  // Before the command, which may change them (A59).
-  const std::int32_t reply_identifier = configured(GlobalParameter::can_reply_identifier);
-  const auto host = static_cast<std::uint8_t>(configured(GlobalParameter::serial_host_address));
-  const Request request =
-      request_in(data, static_cast<std::uint8_t>(configured(GlobalParameter::serial_address)));
-  const HostAnswer answer = firmware_.execute({.command = request.command,
-                                               .type = request.type,
-                                               .motor = request.motor,
-                                               .value = request.value},
+  const Asked asked{
+      .request =
+          request_in(data, static_cast<std::uint8_t>(configured(GlobalParameter::serial_address))),
+      .reply_identifier = configured(GlobalParameter::can_reply_identifier),
+      .host = static_cast<std::uint8_t>(configured(GlobalParameter::serial_host_address)),
+      .length = data.size()};
+  const HostAnswer answer = firmware_.execute({.command = asked.request.command,
+                                               .type = asked.request.type,
+                                               .motor = asked.request.motor,
+                                               .value = asked.request.value},
                                               Origin::can, now);
+  if (answer.waits) {
+    asked_ = asked;
+    return std::nullopt;
+  }
   if (answer.event_mask != 0) {
     HostAnswer second = answer;
     second.status = Status::target_reached;
-    event_ = {
-        .mask = answer.event_mask,
-        .reply = frame_of(encode_reply(second, request, host, {}), reply_identifier, data.size())};
+    event_ = {.mask = answer.event_mask, .reply = frame_of(second, asked, {})};
   }
+  return reply_to(answer, asked);
+}
+
+std::optional<CanReply> CanSession::finish(base::SimTime now) {
+  if (!asked_) {
+    return std::nullopt;
+  }
+  const std::optional<HostAnswer> answer = firmware_.take_answer(now);
+  if (!answer) {
+    return std::nullopt;
+  }
+  const Asked asked = *asked_;
+  asked_.reset();
+  return reply_to(*answer, asked);
+}
+
+std::optional<CanReply> CanSession::reply_to(const HostAnswer& answer, const Asked& asked) const {
   if (answer.form == ReplyForm::none) {
     return std::nullopt;
   }
-  return frame_of(encode_reply(answer, request, host, firmware_.description().version_text),
-                  reply_identifier, data.size());
+  return frame_of(answer, asked, firmware_.description().version_text);
+}
+
+/// The reply without its first byte, the address of the host.
+CanReply CanSession::frame_of(const HostAnswer& answer, const Asked& asked,
+                              std::string_view version_text) {
+  const Telegram telegram = encode_reply(answer, asked.request, asked.host, version_text);
+  CanReply reply{.identifier = static_cast<std::uint16_t>(asked.reply_identifier),
+                 .length = static_cast<std::uint8_t>(asked.length)};
+  std::copy_n(telegram.begin() + 1, asked.length, reply.data.begin());
+  return reply;
 }
 
 std::optional<CanReply> CanSession::take_event() {

@@ -32,6 +32,11 @@ constexpr EventRule kLocked{
     "tmcl-eeprom-locked", Severity::refusal,
     "TMCL: {0} with type {1} refused with status 5: the configuration EEPROM is locked; SGP 73, 0, "
     "4321 unlocks it"};
+constexpr EventRule kNotKept{
+    "tmcl-not-kept", Severity::fault,
+    "TMCL: {0} with type {1}, motor or bank {2}, value {3} refused with status 5: what it wrote to "
+    "the EEPROM could not be kept, and what was there before is there again; see what the state "
+    "directory lacks, then send the command again"};
 constexpr EventRule kNotAvailable{
     "tmcl-not-available", Severity::refusal,
     "TMCL: {0} refused with status 6: not on this interface, not outside of a program, or kept "
@@ -84,6 +89,7 @@ Firmware::Firmware(const ModuleDescription& description, Module& module,
 
 void Firmware::power_on(base::SimTime now) {
   interpreter_.reset();
+  host_waits_ = false;
   const base::Random random = state_.random;
   state_ = {};
   state_.random = random;
@@ -94,11 +100,78 @@ void Firmware::power_on(base::SimTime now) {
 }
 
 HostAnswer Firmware::execute(const Instruction& instruction, Origin origin, base::SimTime now) {
-  const HostAnswer answer = dispatch(instruction, origin, now);
+  HostAnswer answer = dispatch(instruction, origin, now);
   if (rule_of(answer.status) != nullptr) {
     report(instruction, answer.status, now);
   }
+  if (keeper_ == nullptr) {
+    return answer;
+  }
+  if (!interpreter_.writing()) {  // as the step of command 130
+    switch (keeper_->keep(answer.form != ReplyForm::none, now)) {
+      case EepromKeeper::Outcome::kept:
+        return answer;
+      case EepromKeeper::Outcome::failed:
+        return refuse(answer, instruction, now);
+      case EepromKeeper::Outcome::busy:
+        break;
+    }
+  }
+  state_.writing = true;
+  host_waits_ = true;
+  answer.waits = true;
+  waiting_answer_ = answer;
+  waiting_instruction_ = instruction;
   return answer;
+}
+
+std::optional<HostAnswer> Firmware::take_answer(base::SimTime now) {
+  if (keeper_->outcome() == EepromKeeper::Outcome::busy) {
+    return std::nullopt;
+  }
+  const bool kept = keeper_->outcome() == EepromKeeper::Outcome::kept;
+  HostAnswer answer = waiting_answer_;
+  answer.waits = false;
+  host_waits_ = false;
+  if (interpreter_.writing()) {  // nobody is told of a program's statuses
+    interpreter_.finish_write(kept, now);
+    return answer;
+  }
+  state_.writing = false;
+  return kept ? answer : refuse(answer, waiting_instruction_, now);
+}
+
+// The command counts as not executed, so a download goes on where it was.
+HostAnswer Firmware::refuse(HostAnswer answer, const Instruction& instruction, base::SimTime now) {
+  if (answer.status == Status::loaded_into_eeprom) {
+    --state_.download_address;
+  }
+  report(kNotKept, instruction, now);
+  answer.status = Status::eeprom_locked;
+  answer.value = instruction.value;
+  return answer;
+}
+
+void Firmware::connect(EepromKeeper& keeper) {
+  keeper_ = &keeper;
+  interpreter_.connect(&keeper);
+}
+
+// The step of a host's command 130 is ended by take_answer().
+void Firmware::finish_instruction(base::SimTime now) {
+  const EepromKeeper::Outcome outcome = keeper_->outcome();
+  if (interpreter_.writing() && !host_waits_ && outcome != EepromKeeper::Outcome::busy) {
+    interpreter_.finish_write(outcome == EepromKeeper::Outcome::kept, now);
+  }
+}
+
+bool Firmware::held(base::SimTime now) {
+  finish_instruction(now);
+  if (!busy()) {
+    return false;
+  }
+  interpreter_.hold(now);
+  return true;
 }
 
 HostAnswer Firmware::dispatch(const Instruction& instruction, Origin origin, base::SimTime now) {
@@ -268,8 +341,13 @@ bool Firmware::protected_from(std::uint32_t access) const {
 }
 
 void Firmware::report(const Instruction& instruction, Status status, base::SimTime now) const {
+  report(is_never_answered(instruction.command) ? kNotAnswered : *rule_of(status), instruction,
+         now);
+}
+
+void Firmware::report(const EventRule& rule, const Instruction& instruction,
+                      base::SimTime now) const {
   const std::string_view name = name_of(instruction.command);
-  const EventRule& rule = is_never_answered(instruction.command) ? kNotAnswered : *rule_of(status);
   reporter_.report(now, rule,
                    {name.empty() ? base::EventArgument(int{instruction.command}) : name,
                     int{instruction.type}, int{instruction.motor}, int{instruction.value}});

@@ -2,12 +2,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
 #include "tmcl/command_executor.hpp"
+#include "tmcl/eeprom_keeper.hpp"
 #include "tmcl/firmware_state.hpp"
 #include "tmcl/instruction.hpp"
 #include "tmcl/interpreter.hpp"
@@ -33,6 +35,8 @@ struct HostAnswer {
   Instruction instruction{};    ///< of ReplyForm::instruction
   bool enter_ascii = false;     ///< after the reply (A92)
   std::uint8_t event_mask = 0;  ///< motors whose reached targets are to be told (command 138)
+  /// There is no answer yet, because the EEPROM is being written: Firmware::take_answer() has it.
+  bool waits = false;
 };
 
 struct FirmwareSettings {
@@ -59,11 +63,29 @@ class Firmware {
   /// parameter 77 says so. The module must have its values already.
   void power_on(base::SimTime now);
 
-  /// Executes a host's command; advance() to `now` comes first. Never Origin::program.
+  /// What keeps the EEPROM without supply; it must outlive the firmware's use. Without one nothing
+  /// that is written takes time.
+  void connect(EepromKeeper& keeper);
+  /// The processor waits for its EEPROM: commands have to wait.
+  [[nodiscard]] bool busy() const {
+    return state_.writing ||
+           (keeper_ != nullptr && keeper_->outcome() == EepromKeeper::Outcome::busy);
+  }
+  /// Executes a host's command; advance() to `now` comes first. Not while busy(), never
+  /// Origin::program.
   [[nodiscard]] HostAnswer execute(const Instruction& instruction, Origin origin,
                                    base::SimTime now);
+  /// The answer that execute() said was to be waited for; nothing: it is still being written. Until
+  /// it has been taken the firmware is busy.
+  [[nodiscard]] std::optional<HostAnswer> take_answer(base::SimTime now);
+  /// Ends the instruction of the program that had to wait for the EEPROM, once that is written.
+  void finish_instruction(base::SimTime now);
   /// Executes what is due of the program.
-  void advance(base::SimTime now) { interpreter_.advance(now); }
+  void advance(base::SimTime now) {
+    if (keeper_ == nullptr || !held(now)) {
+      interpreter_.advance(now);
+    }
+  }
   [[nodiscard]] base::SimTime next_deadline() const { return interpreter_.next_deadline(); }
 
   /// Tells programs of an error (A80); it stays until CLE.
@@ -88,6 +110,9 @@ class Firmware {
   [[nodiscard]] const Interpreter& interpreter() const { return interpreter_; }
 
  private:
+  [[nodiscard]] bool held(base::SimTime now);
+  [[nodiscard]] HostAnswer refuse(HostAnswer answer, const Instruction& instruction,
+                                  base::SimTime now);
   [[nodiscard]] HostAnswer dispatch(const Instruction& instruction, Origin origin,
                                     base::SimTime now);
   [[nodiscard]] HostAnswer control(const Instruction& instruction, Origin origin,
@@ -100,6 +125,7 @@ class Firmware {
   [[nodiscard]] HostAnswer restore_factory_settings(const Instruction& instruction);
   [[nodiscard]] bool protected_from(std::uint32_t access) const;
   void report(const Instruction& instruction, Status status, base::SimTime now) const;
+  void report(const base::EventRule& rule, const Instruction& instruction, base::SimTime now) const;
 
   const ModuleDescription& description_;
   Module& module_;
@@ -108,6 +134,10 @@ class Firmware {
   CommandExecutor executor_;
   Interpreter interpreter_;
   base::EventReporter reporter_;
+  EepromKeeper* keeper_ = nullptr;
+  bool host_waits_ = false;  ///< for take_answer()
+  HostAnswer waiting_answer_;
+  Instruction waiting_instruction_;
 };
 
 }  // namespace stator::tmcl

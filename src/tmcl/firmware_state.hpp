@@ -19,6 +19,8 @@ struct FirmwareState {
   std::uint16_t program_counter = 0;
   bool download = false;
   std::uint16_t download_address = 0;
+  /// A command or instruction has written to the EEPROM, and its outcome was not taken yet.
+  bool writing = false;
   /// The tick timer is the milliseconds since `tick_origin` plus `tick_preset`, modulo 2^32.
   base::SimTime tick_origin;
   std::int32_t tick_preset = 0;

@@ -18,6 +18,12 @@ constexpr EventRule kRefused{"tmcl-program-refusal", Severity::refusal,
                              "program: command {1} at address {0} refused with status {2}, with "
                              "type {3}, motor or bank {4}, "
                              "value {5}; the program goes on with the next, correct this one"};
+constexpr EventRule kNotKept{
+    "tmcl-program-not-kept", Severity::fault,
+    "program: command {1} at address {0} refused with status {2}, with type {3}, motor or bank "
+    "{4}, "
+    "value {5}: what it wrote to the EEPROM could not be kept, and the old value is there again; "
+    "the program goes on with the next, see what the state directory lacks"};
 constexpr EventRule kPastTheEnd{
     "tmcl-program-end", Severity::warning,
     "program: stopped, because it ran past the last of {0} commands of the memory; end it with "
@@ -105,6 +111,10 @@ void Interpreter::run_from(std::uint16_t address, SimTime now) {
 
 void Interpreter::stop() {
   wait_ = {};
+  if (writing_) {
+    writing_ = false;
+    state_.writing = false;
+  }
   state_.application = ApplicationStatus::stop;
 }
 
@@ -121,7 +131,7 @@ void Interpreter::step(SimTime now) {
 }
 
 void Interpreter::reset() {
-  wait_ = {};
+  stop();
   depth_ = 0;
   state_.program_counter = 0;
   state_.application = ApplicationStatus::reset;
@@ -146,7 +156,7 @@ SimTime Interpreter::next_deadline() const {
 
 template <bool kObserved>
 void Interpreter::execute_until(SimTime now) {
-  while (active() && next_pass_ <= now) {
+  while (active() && next_pass_ <= now && !writing_) {
     if (wait_.active) {
       continue_wait(now);
     } else {
@@ -185,7 +195,10 @@ void Interpreter::execute_next(SimTime now) {
   }
   const Status status = perform(instruction, now);
   if (status != Status::success) {
-    report(instruction, address, status, now);
+    report(kRefused, instruction, address, status, now);
+  }
+  if (writing_) {
+    return;
   }
   if constexpr (kObserved) {
     if (!wait_.active) {
@@ -244,11 +257,47 @@ Status Interpreter::perform(const Instruction& instruction, SimTime now) {
         break;
       default:
         status = executor_.execute(instruction, Origin::program, now).status;
+        if (keeper_ != nullptr) {
+          switch (keeper_->keep(true, now)) {
+            case EepromKeeper::Outcome::busy:
+              writing_ = true;
+              written_by_ = instruction;
+              state_.writing = true;
+              return status;
+            case EepromKeeper::Outcome::failed:
+              status = Status::eeprom_locked;
+              report(kNotKept, instruction, state_.program_counter, status, now);
+              break;
+            case EepromKeeper::Outcome::kept:
+              break;
+          }
+        }
         break;
     }
   }
   go_on();
   return status;
+}
+
+void Interpreter::hold(SimTime now) {
+  if (active() && next_pass_ <= now) {
+    next_pass_ = pass_at_or_after(now + base::SimDuration(1), next_pass_, pass_);
+  }
+}
+
+void Interpreter::finish_write(bool kept, SimTime now) {
+  writing_ = false;
+  state_.writing = false;
+  const std::uint16_t address = state_.program_counter;
+  const Status status = kept ? Status::success : Status::eeprom_locked;
+  if (!kept) {
+    report(kNotKept, written_by_, address, status, now);
+  }
+  if (observer_ != nullptr) {
+    observer_->executed({now, address, written_by_, status}, state_.registers);
+  }
+  go_on();
+  stop_at_the_end(now);
 }
 
 void Interpreter::go_on() {
@@ -378,15 +427,15 @@ void Interpreter::continue_wait(SimTime now) {
   next_pass_ = pass + pass_;
 }
 
-void Interpreter::report(const Instruction& instruction, std::uint16_t address, Status status,
-                         SimTime now) {
+void Interpreter::report(const EventRule& rule, const Instruction& instruction,
+                         std::uint16_t address, Status status, SimTime now) {
   if (reported_[address]) {
     return;
   }
   reported_[address] = true;
   const std::string_view name = name_of(instruction.command);
   reporter_.report(
-      now, kRefused,
+      now, rule,
       {int{address}, name.empty() ? base::EventArgument(int{instruction.command}) : name,
        static_cast<int>(status), int{instruction.type}, int{instruction.motor},
        int{instruction.value}});

@@ -9,6 +9,7 @@
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
 #include "tmcl/command_executor.hpp"
+#include "tmcl/eeprom_keeper.hpp"
 #include "tmcl/firmware_state.hpp"
 #include "tmcl/module.hpp"
 #include "tmcl/program_memory.hpp"
@@ -44,14 +45,23 @@ class Interpreter {
   /// Program counter 0, empty stack (A84).
   void reset();
 
-  /// Executes what is due up to `now`.
+  /// Executes what is due up to `now`. An instruction that writes to the EEPROM lasts until
+  /// finish_write().
   void advance(base::SimTime now);
+  /// The instruction that is executed has written to the EEPROM, and that takes its time.
+  [[nodiscard]] bool writing() const { return writing_; }
+  /// That is over, `kept` or not.
+  void finish_write(bool kept, base::SimTime now);
+  /// Lets the passes up to `now` go by without an instruction: the processor waits for its EEPROM.
+  void hold(base::SimTime now);
   /// Executes up to `limit` instructions at once, as if they took no time; returns how many. Ends
   /// early when a WAIT holds the program and when it stops.
   std::size_t run_at_once(std::size_t limit, base::SimTime now);
   /// When advance() has something to do next.
   [[nodiscard]] base::SimTime next_deadline() const;
 
+  /// What keeps the EEPROM; null: nothing. It must outlive the interpreter's use.
+  void connect(EepromKeeper* keeper) { keeper_ = keeper; }
   /// Null: none. It must outlive the interpreter or be taken off.
   void observe(ProgramObserver* observer) {
     observer_ = observer;
@@ -104,8 +114,8 @@ class Interpreter {
   [[nodiscard]] bool condition_met() const;
   void go_on();
   void stop_at_the_end(base::SimTime now);
-  void report(const Instruction& instruction, std::uint16_t address, Status status,
-              base::SimTime now);
+  void report(const base::EventRule& rule, const Instruction& instruction, std::uint16_t address,
+              Status status, base::SimTime now);
   void start(base::SimTime now);
 
   Module& module_;
@@ -114,11 +124,14 @@ class Interpreter {
   CommandExecutor& executor_;
   base::SimDuration pass_;
   base::EventReporter reporter_;
+  EepromKeeper* keeper_ = nullptr;
   ProgramObserver* observer_ = nullptr;
 
   base::SimTime next_pass_ = base::SimTime::never();
   bool first_ = false;  ///< the next instruction is the first after a start
   Wait wait_;
+  bool writing_ = false;
+  Instruction written_by_;  ///< it may have erased the memory it was in
   std::array<std::uint16_t, kStackDepth> stack_{};
   std::size_t depth_ = 0;
   /// Addresses whose refusal was told since the start: a loop would tell it for ever.

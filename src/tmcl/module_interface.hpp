@@ -73,7 +73,7 @@ class ModuleInterface {
   /// The way into the boot loader and out of it (is_never_answered()).
   void obey_silently(const Request& request, base::SimTime now);
   [[nodiscard]] Answer answer_to(const Request& request, base::SimTime now);
-  void send_version_text();
+  void send_version_text(base::SimTime now);
 
   ModuleIdentity identity_;
   base::EventReporter reporter_;

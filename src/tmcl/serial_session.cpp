@@ -23,7 +23,7 @@ constexpr EventRule kWrongChecksum{
 constexpr EventRule kLost{
     "tmcl-telegram-lost", Severity::warning,
     "TMCL: telegram lost: two before it are not answered yet, since the telegram pause (global "
-    "parameter 75) holds replies back; wait for each reply"};
+    "parameter 75) or a write to the EEPROM holds replies back; wait for each reply"};
 constexpr EventRule kLineRefused{
     "tmcl-line", Severity::refusal,
     "TMCL: line of text refused with status {0}: 2 is a word that is no command, 4 an operand that "
@@ -78,6 +78,7 @@ void SerialSession::power_on() {
   ascii_ = (mode & kStartInAsciiMode) != 0;
   line_waits_ = false;
   waiting_.reset();
+  asked_.reset();
   reply_length_ = 0;
   event_mask_ = 0;
 }
@@ -100,7 +101,7 @@ void SerialSession::serve(base::SimTime now) {
       take(byte, now);
     }
   }
-  send_event();
+  send_event(now);
 }
 
 void SerialSession::take(std::byte byte, base::SimTime now) {
@@ -117,9 +118,9 @@ void SerialSession::take(std::byte byte, base::SimTime now) {
       editor_.take(static_cast<char>(byte), addresses().module,
                    echo_mode_of(firmware_.configuration(GlobalParameter::ascii_mode)));
   if (event.echo) {
-    port_->send(std::array{static_cast<std::byte>(*event.echo)});
+    port_->send(std::array{static_cast<std::byte>(*event.echo)}, now);
   }
-  if (event.complete && holds_reply()) {
+  if (event.complete && !answers()) {
     line_waits_ = true;
   } else if (event.complete) {
     answer_line(now);
@@ -130,7 +131,7 @@ void SerialSession::take_telegram(const Telegram& telegram, base::SimTime now) {
   if (decode_request(telegram).address != addresses().module) {
     return;  // A5
   }
-  if (!holds_reply()) {
+  if (answers()) {
     answer(telegram, now);
   } else if (!waiting_) {
     waiting_ = telegram;
@@ -152,6 +153,15 @@ void SerialSession::answer(const Telegram& telegram, base::SimTime now) {
     return;
   }
   const HostAnswer answer = firmware_.execute(instruction_of(request), Origin::serial, now);
+  if (answer.waits) {
+    asked_ = {request, {}, addresses};
+    return;
+  }
+  answer_telegram(answer, request, addresses, now);
+}
+
+void SerialSession::answer_telegram(const HostAnswer& answer, const Request& request,
+                                    const Addresses& addresses, base::SimTime now) {
   if (answer.form != ReplyForm::none) {
     send_telegram(answer, request, addresses, now);
   }
@@ -177,13 +187,17 @@ void SerialSession::answer_line(base::SimTime now) {
       parse_ascii_command(line.substr(1), firmware_.description().commands);
   if (editor_.too_long()) {
     reporter_.report(now, kLineRefused, {static_cast<int>(Status::invalid_value)});
-    send_line(Status::invalid_value, 0, addresses, now);
+    send_line(Status::invalid_value, 0, line, addresses, now);
     return;
   }
   HostAnswer answer;
   switch (command.kind) {
     case LineKind::command:
       answer = firmware_.execute(command.instruction, Origin::ascii, now);
+      if (answer.waits) {
+        asked_ = {std::nullopt, editor_, addresses};
+        return;
+      }
       break;
     case LineKind::binary_mode:
       ascii_ = false;
@@ -202,7 +216,7 @@ void SerialSession::answer_line(base::SimTime now) {
       reporter_.report(now, kLineRefused, {static_cast<int>(command.status)});
       break;
   }
-  send_line(answer.status, answer.value, addresses, now);
+  send_line(answer.status, answer.value, line, addresses, now);
 }
 
 void SerialSession::send_telegram(const HostAnswer& answer, const Request& request,
@@ -210,11 +224,11 @@ void SerialSession::send_telegram(const HostAnswer& answer, const Request& reque
   send(encode_reply(answer, request, addresses.host, firmware_.description().version_text), now);
 }
 
-void SerialSession::send_line(Status status, std::int32_t value, const Addresses& addresses,
-                              base::SimTime now) {
+void SerialSession::send_line(Status status, std::int32_t value, std::string_view line,
+                              const Addresses& addresses, base::SimTime now) {
   Text<kReplyCapacity> text;
   if (echo_mode_of(firmware_.configuration(GlobalParameter::ascii_mode)) == EchoMode::line) {
-    text.add(editor_.line());
+    text.add(line);
     text.add('\r');
   }
   text.add(letter_of(addresses.host));
@@ -231,7 +245,7 @@ void SerialSession::send(std::span<const std::byte> bytes, base::SimTime now) {
   const std::int32_t pause =
       settings_.telegram_pause ? firmware_.configuration(GlobalParameter::telegram_pause) : 0;
   if (pause <= 0) {
-    port_->send(bytes);
+    port_->send(bytes, now);
     return;
   }
   std::ranges::copy(bytes, reply_.begin());
@@ -240,24 +254,50 @@ void SerialSession::send(std::span<const std::byte> bytes, base::SimTime now) {
 }
 
 void SerialSession::flush(base::SimTime now) {
-  while (holds_reply() && reply_due_ <= now) {
-    port_->send(std::span(reply_).first(reply_length_));
-    reply_length_ = 0;
+  finish(now);
+  while (true) {
+    if (holds_reply() && reply_due_ <= now) {
+      port_->send(std::span(reply_).first(reply_length_), now);
+      reply_length_ = 0;
+    }
+    if ((!waiting_ && !line_waits_) || !answers()) {
+      return;
+    }
     if (waiting_) {
       const Telegram telegram = *waiting_;
       waiting_.reset();
       answer(telegram, now);
-    } else if (line_waits_) {
+    } else {
       line_waits_ = false;
       answer_line(now);
     }
   }
 }
 
-void SerialSession::send_event() {
+void SerialSession::finish(base::SimTime now) {
+  if (!asked_) {
+    return;
+  }
+  const std::optional<HostAnswer> answer = firmware_.take_answer(now);
+  if (!answer) {
+    return;
+  }
+  const Asked asked = *asked_;
+  asked_.reset();
+  if (port_ == nullptr) {
+    return;
+  }
+  if (asked.request) {
+    answer_telegram(*answer, *asked.request, asked.addresses, now);
+  } else {
+    send_line(answer->status, answer->value, asked.editor.line(), asked.addresses, now);
+  }
+}
+
+void SerialSession::send_event(base::SimTime now) {
   if (event_mask_ != 0 && !holds_reply() && firmware_.targets_reached(event_mask_)) {
     event_mask_ = 0;
-    port_->send(encode(event_));
+    port_->send(encode(event_), now);
   }
 }
 

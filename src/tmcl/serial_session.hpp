@@ -31,8 +31,8 @@ struct SerialSessionSettings {
 /// speak with one Firmware. Passive.
 ///
 /// Every telegram for this module is answered once; those for other modules on the line are
-/// passed over in silence. While the telegram pause holds a reply back, one further command waits
-/// and others are lost (A8).
+/// passed over in silence. While the telegram pause or a write to the EEPROM holds a reply back, or
+/// the firmware is busy for another interface, one further command waits and others are lost (A8).
 class SerialSession {
  public:
   /// `firmware` must outlive the session.
@@ -50,6 +50,12 @@ class SerialSession {
 
   /// Answers what came in since the last call, sends what is due.
   void serve(base::SimTime now);
+  /// Answers the command that had to wait for the EEPROM, once that is written.
+  void finish(base::SimTime now);
+  /// A command waits for the EEPROM, be it that it writes or that another one does.
+  [[nodiscard]] bool awaits_eeprom() const {
+    return asked_.has_value() || ((waiting_ || line_waits_) && !holds_reply());
+  }
   /// When serve() has a reply to send though nothing comes in.
   [[nodiscard]] base::SimTime next_deadline() const {
     return reply_length_ != 0 ? reply_due_ : base::SimTime::never();
@@ -67,18 +73,29 @@ class SerialSession {
     std::uint8_t host = 2;
   };
 
+  /// A command that waits for its answer: a telegram, or the line that `editor` has.
+  struct Asked {
+    std::optional<Request> request;
+    LineEditor editor;
+    Addresses addresses;
+  };
+
   void take(std::byte byte, base::SimTime now);
   void take_telegram(const Telegram& telegram, base::SimTime now);
   void answer(const Telegram& telegram, base::SimTime now);
   void answer_line(base::SimTime now);
+  void answer_telegram(const HostAnswer& answer, const Request& request, const Addresses& addresses,
+                       base::SimTime now);
   void send_telegram(const HostAnswer& answer, const Request& request, const Addresses& addresses,
                      base::SimTime now);
-  void send_line(Status status, std::int32_t value, const Addresses& addresses, base::SimTime now);
+  void send_line(Status status, std::int32_t value, std::string_view line,
+                 const Addresses& addresses, base::SimTime now);
   void send(std::span<const std::byte> bytes, base::SimTime now);
   /// Sends the reply that is due, and answers what waited for that.
   void flush(base::SimTime now);
-  void send_event();
+  void send_event(base::SimTime now);
   [[nodiscard]] bool holds_reply() const { return reply_length_ != 0; }
+  [[nodiscard]] bool answers() const { return !holds_reply() && !asked_ && !firmware_.busy(); }
   [[nodiscard]] Addresses addresses() const;
 
   Firmware& firmware_;
@@ -90,6 +107,7 @@ class SerialSession {
   bool ascii_ = false;
   bool line_waits_ = false;
   std::optional<Telegram> waiting_;
+  std::optional<Asked> asked_;
 
   std::array<std::byte, kReplyCapacity> reply_{};
   std::size_t reply_length_ = 0;

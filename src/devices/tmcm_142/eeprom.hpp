@@ -1,26 +1,33 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
 #include "canopen/non_volatile_memory.hpp"
 #include "devices/tmcm_142/module.hpp"
+#include "tmcl/eeprom_keeper.hpp"
 #include "tmcl/firmware.hpp"
 
 namespace stator::devices::tmcm_142 {
 
 /// Brings what the module keeps without power to a memory that outlives the device: one image of
-/// parameters and coordinates, one of the program.
+/// parameters and coordinates, one of the program, both in one order.
+///
+/// A write lasts kWriteTime, or longer if the memory takes longer; a memory that is ready at once
+/// takes no time. Where it fails the cells are again what they were before the command that wrote
+/// them; where nobody can be told of that they stay, and are written again every kRetryTime.
 ///
 /// Parameters: each cell in 4 bytes. Program: command, type, motor and 4 bytes of value for each,
 /// up to the last that is not erased. Numbers are little endian.
-class Eeprom {
+class Eeprom final : public tmcl::EepromKeeper {
  public:
-  /// Changes are handed on in intervals of this length, for a program may write in every pass.
-  static constexpr base::SimDuration kInterval{10'000'000};
+  static constexpr base::SimDuration kWriteTime{5'000'000};  ///< of a command, decision T-86
+  static constexpr base::SimDuration kRetryTime{5'000'000'000};
 
   /// Both must outlive it.
   Eeprom(Module& module, tmcl::Firmware& firmware, base::EventReporter reporter)
@@ -28,28 +35,65 @@ class Eeprom {
 
   /// Takes over what `memory` holds, and keeps changes there from now on.
   void connect(canopen::NonVolatileMemory& memory);
-  /// Hands on what has changed, if it is time; cheap if nothing has.
+
+  [[nodiscard]] Outcome keep(bool refusable, base::SimTime now) override;
+  [[nodiscard]] Outcome outcome() const override { return outcome_; }
+
+  /// Looks for what no command has written, and tries again what has failed; cheap.
   void service(base::SimTime now) {
-    if (memory_ != nullptr && now >= next_) {
-      next_ = now + kInterval;
-      hand_on();
+    if (memory_ != nullptr && outcome_ != Outcome::busy && (changed() || now >= retry_)) {
+      static_cast<void>(write(false, now));
     }
   }
-  void hand_on();
+  /// When poll() is to be called.
+  [[nodiscard]] base::SimTime next_poll() const { return poll_; }
+  /// Looks whether the write has ended; if not, again at `next`.
+  void poll(base::SimTime now, base::SimTime next);
+  /// The supply is gone, and with it whoever could have been told.
+  void abandon() { refusable_ = false; }
 
  private:
-  void restore_parameters();
-  void restore_program();
+  enum Group : std::uint8_t { kParameters, kProgram };
+  static constexpr std::array<Group, 2> kGroups{kProgram, kParameters};
+  /// One of the two images.
+  struct Image {
+    std::uint64_t writes = 0;         ///< of its cells, as in `wanted`
+    std::vector<std::byte> accepted;  ///< what the module holds, but for what is being written
+    std::vector<std::byte> wanted;    ///< as ordered
+    bool ordered = false;
+    bool owed = false;  ///< `accepted` is still to be kept
+  };
+
+  [[nodiscard]] std::uint64_t writes(Group group) const {
+    return group == kParameters ? module_.eeprom_write_count() : firmware_.memory().write_count();
+  }
+  [[nodiscard]] bool changed() const {
+    return writes(kParameters) != images_[kParameters].writes ||
+           writes(kProgram) != images_[kProgram].writes;
+  }
+  [[nodiscard]] Outcome write(bool refusable, base::SimTime now);
+  [[nodiscard]] Outcome end(bool kept, base::SimTime now);
+  void take_back();
+  void restore(Group group);
+  [[nodiscard]] bool load(Group group, std::span<const std::byte> image);
+  [[nodiscard]] bool load_parameters(std::span<const std::byte> image);
+  [[nodiscard]] bool load_program(std::span<const std::byte> image);
+  void copy(Group group, std::vector<std::byte>& image);
+  void copy_parameters(std::vector<std::byte>& image);
+  void copy_program(std::vector<std::byte>& image) const;
 
   Module& module_;
   tmcl::Firmware& firmware_;
   base::EventReporter reporter_;
   canopen::NonVolatileMemory* memory_ = nullptr;
-  base::SimTime next_;
-  std::uint64_t parameter_writes_ = 0;  ///< as handed on
-  std::uint64_t program_writes_ = 0;
+  std::array<Image, 2> images_;
   std::vector<std::int32_t> cells_;
-  std::vector<std::byte> image_;
+
+  Outcome outcome_ = Outcome::kept;
+  bool refusable_ = false;
+  bool told_ = false;  ///< that something is owed
+  base::SimTime poll_ = base::SimTime::never();
+  base::SimTime retry_ = base::SimTime::never();  ///< of what is owed
 };
 
 }  // namespace stator::devices::tmcm_142

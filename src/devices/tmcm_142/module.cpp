@@ -97,6 +97,16 @@ bool Module::load_eeprom(std::span<const std::int32_t> cells) {
   return true;
 }
 
+void Module::take_back_writes() {
+  if (overwritten_.global) {
+    globals_.set(overwritten_.global->place, overwritten_.global->value);
+  }
+  if (overwritten_.coordinate) {
+    coordinates_[overwritten_.coordinate->place] = overwritten_.coordinate->value;
+  }
+  overwritten_ = {};
+}
+
 void Module::restore_factory_settings() {
   axis_parameters_.values().restore_factory_settings();
   globals_.restore_factory_settings();
@@ -180,6 +190,9 @@ std::int32_t Module::read_global_parameter(std::uint8_t bank, std::uint8_t numbe
 
 void Module::write_global_parameter(std::uint8_t bank, std::uint8_t number, std::int32_t value) {
   const std::size_t place = place_of(bank, number);
+  if (bank == tmcl::kConfigurationBank) {
+    overwritten_.global = {place, globals_.get(place)};
+  }
   globals_.set(place, value);
   if (bank == tmcl::kConfigurationBank) {
     globals_.store(place);
@@ -201,6 +214,7 @@ std::int32_t Module::coordinate(std::uint8_t number) const {
 }
 
 void Module::set_coordinate(std::uint8_t number, std::int32_t position) {
+  overwritten_.coordinate = {number, coordinates_[number]};
   coordinates_[number] = position;
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -52,6 +53,11 @@ class Module final : public tmcl::Module {
   void append_eeprom(std::vector<std::int32_t>& cells) const;
   /// Takes what append_eeprom() gave; false: it is of another length. Felt at power_on().
   [[nodiscard]] bool load_eeprom(std::span<const std::int32_t> cells);
+  /// What the latest command wrote is kept.
+  void accept_writes() { overwritten_ = {}; }
+  /// It is not: what lives in the EEPROM only has its value from before in RAM too. The EEPROM
+  /// itself is load_eeprom()'s.
+  void take_back_writes();
   /// @}
 
   [[nodiscard]] tmcl::Status rotate(std::uint8_t motor, std::int32_t velocity) override;
@@ -87,6 +93,16 @@ class Module final : public tmcl::Module {
   void restore_factory_settings() override;
 
  private:
+  /// What the latest command overwrote in RAM: at most one of the two is also in the EEPROM.
+  struct Overwritten {
+    struct Cell {
+      std::size_t place = 0;
+      std::int32_t value = 0;
+    };
+    std::optional<Cell> global;
+    std::optional<Cell> coordinate;
+  };
+
   [[nodiscard]] std::size_t place_of(std::uint8_t bank, std::uint8_t number) const;
   [[nodiscard]] bool keeps_coordinates() const;
 
@@ -98,6 +114,7 @@ class Module final : public tmcl::Module {
   std::array<std::int32_t, kCoordinates> coordinates_{};
   std::array<std::int32_t, kCoordinates> kept_coordinates_{};
   std::uint64_t coordinate_writes_ = 0;
+  Overwritten overwritten_;
 };
 
 }  // namespace stator::devices::tmcm_142

@@ -146,6 +146,7 @@ void Tmcm142::power_on(SimTime now) {
     reporter_.report(now, kDefaultsRestored);
   }
   shut_down_ = false;
+  frames_wait_ = false;
   bit_rate_ = tmcm_142::kCanBitRates[static_cast<std::size_t>(
                                          module_.configuration(ModuleParameter::can_bit_rate)) -
                                      1];
@@ -169,7 +170,7 @@ void Tmcm142::set_power(bool on, SimTime now) {
     power_on(now);
     return;
   }
-  eeprom_.hand_on();
+  eeprom_.abandon();
   module_.io().restart();
   firmware_.stop_program();
   controller_.clear();
@@ -183,7 +184,8 @@ SimTime Tmcm142::next_serial_reply() const {
   SimTime next = SimTime::never();
   for (const tmcl::SerialSession& session : sessions_) {
     if (powered_ && session.connected()) {
-      next = std::min(next, session.next_deadline());
+      next = std::min({next, session.next_deadline(),
+                       session.awaits_eeprom() ? eeprom_.next_poll() : SimTime::never()});
     }
   }
   return next;
@@ -194,26 +196,54 @@ SimTime Tmcm142::next_deadline() const {
     return SimTime::never();
   }
   SimTime deadline = can_session_.awaits_target() ? next_tick_ : SimTime::never();
+  if (can_session_.awaits_eeprom() || frames_wait_) {
+    deadline = std::min(deadline, eeprom_.next_poll());
+  }
   for (const tmcl::SerialSession& session : sessions_) {
     if (session.connected()) {
-      deadline = std::min(deadline, session.awaits_target() ? next_tick_ : session.next_deadline());
+      deadline = std::min({deadline, session.awaits_target() ? next_tick_ : session.next_deadline(),
+                           session.awaits_eeprom() ? eeprom_.next_poll() : SimTime::never()});
     }
   }
   return deadline;
 }
 
 void Tmcm142::advance(SimTime now) {
-  while (next_tick_ <= now) {
+  for (SimTime next = next_step(); next <= now; next = next_step()) {
     if (powered_) {
-      firmware_.advance(next_tick_ - base::SimDuration(1));
+      firmware_.advance(next - base::SimDuration(1));
     }
-    tick(next_tick_);
-    next_tick_ += kControlPeriod;
+    if (eeprom_.next_poll() <= next) {
+      poll_eeprom(next);
+    }
+    if (next_tick_ <= next) {
+      tick(next);
+      next_tick_ += kControlPeriod;
+    }
   }
   if (powered_) {
     firmware_.advance(now);
     serve_due(now);
   }
+}
+
+/// Who wrote has the answer first, then come the hosts that waited, then the program.
+void Tmcm142::poll_eeprom(SimTime now) {
+  eeprom_.poll(now, next_tick_ > now ? next_tick_ : next_tick_ + kControlPeriod);
+  if (!powered_ || eeprom_.outcome() == tmcm_142::Eeprom::Outcome::busy) {
+    return;
+  }
+  for (tmcl::SerialSession& session : sessions_) {
+    session.finish(now);
+  }
+  if (const auto reply = can_session_.finish(now)) {
+    send(*reply);
+  }
+  firmware_.finish_instruction(now);
+  for (tmcl::SerialSession& session : sessions_) {
+    session.serve(now);
+  }
+  take_frames(now);
 }
 
 void Tmcm142::tick(SimTime now) {
@@ -228,6 +258,7 @@ void Tmcm142::tick(SimTime now) {
       {.powered = powered_,
        .shut_down = shut_down,
        .step_direction_connected = ports_[kRs232] == nullptr || !works(kSerialInterfaces[kRs232])});
+  eeprom_.service(now);
   if (!powered_) {
     return;
   }
@@ -243,7 +274,6 @@ void Tmcm142::tick(SimTime now) {
   if (events.position_error) {
     firmware_.raise(tmcl::ErrorFlag::position);
   }
-  eeprom_.service(now);
   set_filter();
   serve_due(now);
 }
@@ -285,7 +315,17 @@ void Tmcm142::discard_serial() {
 }
 
 void Tmcm142::handle_bus_events(SimTime now) {
-  while (const std::optional<can::Frame> frame = controller_.take()) {
+  take_frames(now);
+}
+
+/// While the EEPROM is written frames wait in the controller.
+void Tmcm142::take_frames(SimTime now) {
+  frames_wait_ = powered_ && firmware_.busy();
+  while (!frames_wait_) {
+    const std::optional<can::Frame> frame = controller_.take();
+    if (!frame) {
+      break;
+    }
     if (!powered_ || frame->extended || frame->remote || !works(kCan)) {
       continue;  // A10
     }
@@ -295,6 +335,7 @@ void Tmcm142::handle_bus_events(SimTime now) {
     if (const auto reply = can_session_.take_event()) {
       send(*reply);
     }
+    frames_wait_ = firmware_.busy();
   }
   set_filter();
 }

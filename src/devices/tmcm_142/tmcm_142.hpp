@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -103,6 +104,11 @@ class Tmcm142 final : public CanDevice {
   void power_on(base::SimTime now);
   void tick(base::SimTime now);
   void serve_due(base::SimTime now);
+  [[nodiscard]] base::SimTime next_step() const {
+    return std::min(next_tick_, eeprom_.next_poll());
+  }
+  void poll_eeprom(base::SimTime now);
+  void take_frames(base::SimTime now);
   void send(const tmcl::CanReply& reply);
   void set_filter();
   [[nodiscard]] bool works(std::string_view interface) const {
@@ -132,6 +138,7 @@ class Tmcm142 final : public CanDevice {
   std::array<tmcl::SerialPort*, kSerialInterfaces.size()> ports_{};
 
   base::SimTime next_tick_{kControlPeriod};
+  bool frames_wait_ = false;  ///< in the CAN controller, until the EEPROM is written
   bool powered_ = true;
   bool shut_down_ = false;
   std::array<std::uint32_t, 2> accepted_{0xFFFF'FFFF, 0};
