@@ -168,6 +168,16 @@ Peripheral* Board::find(std::string_view name) {
   return found != places_.end() ? found->peripheral.get() : nullptr;
 }
 
+std::vector<KeptPart> Board::kept_parts() {
+  std::vector<KeptPart> result;
+  for (const Place& place : places_) {
+    if (KeptContent* const content = place.peripheral->kept_content()) {
+      result.push_back({place.name, content});
+    }
+  }
+  return result;
+}
+
 std::vector<base::Signal> Board::signals() {
   std::vector<base::Signal> result;
   for (const Place& place : places_) {

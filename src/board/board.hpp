@@ -13,6 +13,7 @@
 #include "board/board_configuration.hpp"
 #include "board/calendar.hpp"
 #include "board/i2c_wire.hpp"
+#include "board/kept_content.hpp"
 #include "board/logic_trace.hpp"
 #include "board/peripheral.hpp"
 #include "board/pins.hpp"
@@ -44,6 +45,8 @@ class Board final : private LineListener, private PeripheralHost {
   /// Of all peripherals, as "peripheral.value".
   [[nodiscard]] std::vector<base::Signal> signals();
   [[nodiscard]] std::vector<base::Input> inputs();
+  /// Those that keep content without supply; they live as long as the board.
+  [[nodiscard]] std::vector<KeptPart> kept_parts();
   /// The peripheral of that name, or null.
   [[nodiscard]] Peripheral* find(std::string_view name);
   /// Times at which two peripherals drove a line against each other.

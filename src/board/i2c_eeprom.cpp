@@ -22,6 +22,7 @@ class I2cEeprom final : public Peripheral, public mfc::I2cSlave {
         memory_(kSize, kPage, base::SimDuration(settings.integer("write_time") * 1000)) {}
 
   mfc::I2cSlave* i2c() override { return this; }
+  KeptContent* kept_content() override { return &memory_; }
 
   void start(base::SimTime /*now*/) override { addressed_ = false; }
   mfc::I2cAnswer address(base::SimTime now, std::uint8_t address, bool read) override {

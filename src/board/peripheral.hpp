@@ -9,6 +9,7 @@
 #include "base/sim_time.hpp"
 #include "board/calendar.hpp"
 #include "board/declaration.hpp"
+#include "board/kept_content.hpp"
 #include "board/line.hpp"
 #include "board/pins.hpp"
 #include "board/settings.hpp"
@@ -83,6 +84,7 @@ class Peripheral {
   [[nodiscard]] virtual StepFollower* step_follower() { return nullptr; }
   [[nodiscard]] virtual AnalogSource* analog_output() { return nullptr; }
   [[nodiscard]] virtual Shaft* shaft() { return nullptr; }
+  [[nodiscard]] virtual KeptContent* kept_content() { return nullptr; }
 
   /// What can be recorded and what can be set; names are unique within the peripheral.
   [[nodiscard]] virtual std::vector<base::Signal> signals() { return {}; }

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t kSize = 32768;
 constexpr std::size_t kPage = 64;
+constexpr std::uint8_t kProtectionBits = 0x0C;  ///< 0..3 in 3:2: nothing, a quarter, half, all
 
 enum Command : std::uint8_t {
   kWriteStatus = 0x01,
@@ -31,6 +32,7 @@ class SpiEeprom final : public Peripheral, public SpiSlave {
       : memory_(kSize, kPage, base::SimDuration(settings.integer("write_time") * 1000)) {}
 
   SpiSlave* spi() override { return this; }
+  KeptContent* kept_content() override { return &memory_; }
   std::uint64_t exchange(const mfc::SpiTransfer& transfer) override {
     return clock_word(*this, transfer);
   }
@@ -64,9 +66,7 @@ class SpiEeprom final : public Peripheral, public SpiSlave {
       memory_.program(now);
       enabled_ = false;
     } else if (command_ == kWriteStatus && bytes_ >= 2 && enabled_) {
-      protection_ = (shift_ >> 2U) & 3U;
-      memory_.begin_page(0);
-      memory_.program(now);
+      memory_.write_register(now, shift_ & kProtectionBits);
       enabled_ = false;
     }
   }
@@ -79,12 +79,12 @@ class SpiEeprom final : public Peripheral, public SpiSlave {
   [[nodiscard]] double writes() const { return static_cast<double>(memory_.writes()); }
   [[nodiscard]] std::uint8_t status(base::SimTime now) const {
     return static_cast<std::uint8_t>((memory_.busy(now) ? 1U : 0U) | (enabled_ ? 2U : 0U) |
-                                     unsigned{protection_} << 2U);
+                                     (memory_.read_register() & kProtectionBits));
   }
   /// First protected address.
   [[nodiscard]] std::size_t protected_from() const {
     constexpr std::array<std::size_t, 4> kFrom{kSize, kSize / 4 * 3, kSize / 2, 0};
-    return kFrom[protection_];
+    return kFrom[(memory_.read_register() & kProtectionBits) >> 2U];
   }
 
   void take_byte(base::SimTime now) {
@@ -125,7 +125,6 @@ class SpiEeprom final : public Peripheral, public SpiSlave {
 
   MemoryArray memory_;
   bool enabled_ = false;
-  std::uint8_t protection_ = 0;  ///< 0..3: nothing, a quarter, half, all
 
   std::uint8_t command_ = 0;
   bool ignored_ = false;  ///< the command came while the memory was busy

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "board/kept_content.hpp"
 #include "devices/device.hpp"
 #include "devices/host_port.hpp"
 #include "ethercat/device_description.hpp"
@@ -46,6 +47,9 @@ class EtherCatDevice : public Device {
   void set_clock_deviation(double ppb) {
     controller().set_clock_deviation(static_cast<std::int32_t>(ppb));
   }
+
+  /// What keeps content without supply among the parts that are wired to its pins.
+  [[nodiscard]] virtual std::vector<board::KeptPart> kept_parts() { return {}; }
 
   /// Ethernet over EtherCAT, or null if the device has none or it is switched off.
   [[nodiscard]] virtual ethercat::EoeServer* eoe() { return nullptr; }

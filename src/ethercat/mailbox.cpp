@@ -148,7 +148,8 @@ void Mailbox::process(std::uint32_t events, base::SimTime now) {
     release(now);
     return;
   }
-  const bool hangs = intervention_ != nullptr && !intervention_->takes_requests();
+  const bool hangs = (intervention_ != nullptr && !intervention_->takes_requests()) ||
+                     std::ranges::any_of(protocols_, &Participant::answer_pending);
   if (!hangs && request_waits(events) && take_request(now)) {
     return;
   }

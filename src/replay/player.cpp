@@ -47,6 +47,12 @@ Player::Player(RecordingReader& recording, rack::Rack& rack,
   for (const rack::BusConfiguration& bus : configuration.buses) {
     port_counts_.push_back(bus.wire ? bus.ports.size() : 0);
   }
+  if (rack::DeviceStorage* storage = rack.storage(); storage != nullptr) {
+    completions_before_ = storage->completions();
+    storage->set_completions(recording.header().version == kOldestVersion
+                                 ? rack::DeviceStorage::Completions::at_once
+                                 : rack::DeviceStorage::Completions::recorded);
+  }
   attach_ports();
   for (std::size_t line = 0; line < rack.line_count(); ++line) {
     lines_.push_back(std::make_unique<LineOutput>());
@@ -56,6 +62,9 @@ Player::Player(RecordingReader& recording, rack::Rack& rack,
 
 Player::~Player() {
   detach_ports();
+  if (rack_.storage() != nullptr) {
+    rack_.storage()->set_completions(completions_before_);
+  }
   for (std::size_t line = 0; line < lines_.size(); ++line) {
     rack_.line(line).connect({});
   }
@@ -176,6 +185,11 @@ void Player::do_step() {
       break;
     case StepKind::fault_cleared:
       static_cast<void>(rack_.clear_faults(step_.fault, step_.time));
+      break;
+    case StepKind::completion:
+      if (!rack_.complete(step_.completion, step_.time)) {
+        throw std::runtime_error("the recording is of another rack: it keeps more in files");
+      }
       break;
     case StepKind::object_read:
     case StepKind::object_written:

@@ -40,7 +40,7 @@ class Player {
          const rack::RackConfiguration& configuration);
   Player(const Player&) = delete;
   Player& operator=(const Player&) = delete;
-  /// Takes its ports off the buses.
+  /// Takes its ports off the buses, and lets completions come as they did before.
   ~Player();
 
   /// Goes on until the first step after `until`, the mark `mark` (if it is not empty), the end of
@@ -78,7 +78,8 @@ class Player {
   std::vector<std::size_t> port_counts_;  ///< by bus
   std::vector<std::vector<std::unique_ptr<can::Port>>> ports_;
   std::vector<devices::Signal> signals_;
-  std::vector<double> values_;  ///< of the signals, as recorded last
+  std::vector<double> values_;                             ///< of the signals, as recorded last
+  rack::DeviceStorage::Completions completions_before_{};  ///< of the rack's storage
   class LineOutput;
   std::vector<std::unique_ptr<LineOutput>> lines_;
   Step step_;

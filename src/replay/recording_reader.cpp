@@ -48,11 +48,11 @@ RecordingReader::RecordingReader(const std::string& path)
   }
   if (!decode(chunk_, header_, version)) {
     throw std::runtime_error(
-        version == kFormatVersion
+        version >= kOldestVersion && version <= kFormatVersion
             ? fmt::format("\"{}\" is damaged within its first chunk", path)
-            : fmt::format("\"{}\" has version {} of the format, this program reads version {}; "
-                          "replay it with the program that recorded it",
-                          path, version, kFormatVersion));
+            : fmt::format("\"{}\" has version {} of the format, this program reads versions {} to "
+                          "{}; replay it with the program that recorded it",
+                          path, version, kOldestVersion, kFormatVersion));
   }
   chunk_.clear();
 }
@@ -225,6 +225,12 @@ bool RecordingReader::read_step(ByteReader& reader, Step& step) {
       step.fault = id == 0 ? std::nullopt : std::optional(id - 1);
       break;
     }
+    case StepKind::completion:
+      read_time(reader);
+      step.completion.memory = static_cast<std::size_t>(reader.number());
+      step.completion.version = static_cast<std::uint32_t>(reader.number());
+      step.completion.kept = reader.byte() != 0;
+      break;
     case StepKind::mark:
       step.name = reader.text();
       break;

@@ -9,6 +9,7 @@
 #include "base/sim_time.hpp"
 #include "can/port.hpp"
 #include "ethercat/topology.hpp"
+#include "rack/device_storage.hpp"
 #include "rack/rack_configuration.hpp"
 #include "replay/byte_coding.hpp"
 #include "replay/recording_format.hpp"
@@ -34,6 +35,7 @@ struct Step {
   std::uint8_t subindex = 0;
   std::vector<std::pair<std::size_t, double>> values{};  ///< signals that have changed
   std::string name{};                                    ///< of a mark; the keys of a fault
+  rack::DeviceStorage::Completion completion{};
   std::optional<std::uint64_t> fault{};  ///< the number of one that ends; nothing: all
 };
 

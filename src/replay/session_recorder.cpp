@@ -260,6 +260,17 @@ void SessionRecorder::fault_cleared(std::optional<std::uint64_t> id, base::SimTi
   }
 }
 
+void SessionRecorder::completed(const rack::DeviceStorage::Completion& completion,
+                                base::SimTime now) {
+  if (begin(StepKind::completion)) {
+    time(now);
+    ByteWriter out = writer();
+    out.number(completion.memory);
+    out.number(completion.version);
+    out.byte(completion.kept ? 1 : 0);
+  }
+}
+
 void SessionRecorder::object_read(rack::DeviceAddress device, std::uint16_t index,
                                   std::uint8_t subindex) {
   if (begin(StepKind::object_read)) {

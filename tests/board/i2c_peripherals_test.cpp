@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "board/bench.hpp"
+#include "board/keeper_double.hpp"
 
 namespace stator::board {
 namespace {
@@ -31,6 +32,43 @@ TEST(I2cEeprom, ReadsAtTheAddressWrittenBeforeARepeatedStart) {
   EXPECT_EQ(bench.i2c_read(false), 0xEF);
   bench.i2c_stop();
   EXPECT_EQ(bench.signal("eeprom.writes"), 1.0);
+}
+
+TEST(I2cEeprom, DoesNotAcknowledgeUntilItsContentIsKept) {
+  Bench bench({on_i2c("eeprom", kI2cEeprom)});
+  KeeperDouble keeper(bench.board);
+  const auto answers = [&] {
+    bench.i2c_start();
+    const bool acknowledged = bench.i2c_write(0xA0);
+    bench.i2c_stop();
+    return acknowledged;
+  };
+  const auto write = [&](std::uint8_t data) {
+    bench.i2c_start();
+    for (const unsigned each : {0xA0U, 0x12U, 0x34U, unsigned{data}}) {
+      EXPECT_TRUE(bench.i2c_write(static_cast<std::uint8_t>(each)));
+    }
+    bench.i2c_stop();
+  };
+  write(0xBE);
+  bench.wait(50_ms);
+  EXPECT_FALSE(answers());
+  keeper.finish(true);
+  EXPECT_TRUE(answers());
+  write(0x11);
+  keeper.finish(false);
+  EXPECT_FALSE(answers()) << "as long as the real one is busy";
+  bench.wait(5_ms);
+  EXPECT_TRUE(answers());
+  EXPECT_EQ(keeper.content->content()[0x1234], std::byte{0xBE}) << "the old content";
+}
+
+TEST(Board, NamesThePartsThatKeepContent) {
+  Bench bench({on_i2c("sensor", kI2cTemperatureSensor), on_i2c("eeprom", kI2cEeprom)});
+  const std::vector<KeptPart> parts = bench.board.kept_parts();
+  ASSERT_EQ(parts.size(), 1U);
+  EXPECT_EQ(parts[0].name, "eeprom");
+  EXPECT_EQ(parts[0].content->content().size(), 8192U + 1U);
 }
 
 TEST(I2cEeprom, LeavesOtherAddressesAlone) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "board/bench.hpp"
+#include "board/keeper_double.hpp"
 
 namespace stator::board {
 namespace {
@@ -114,6 +115,94 @@ TEST(SpiEeprom, RefusesWritesThatAreNotEnabledProtectedOrIncomplete) {
   bench.spi(0x02'0010'55, 32);
   EXPECT_EQ(bench.spi(0x03'0010'00, 32) & 0xFFU, 0xFFU);
   EXPECT_EQ(bench.signal("eeprom.writes"), 1.0);
+}
+
+void write_cafe(Bench& bench) {
+  bench.spi(0x06, 8);
+  bench.spi(0x02'1234'CAFE, 40);
+}
+
+unsigned status(Bench& bench) {
+  return bench.spi(0x0500, 16) & 0xFFU;
+}
+
+unsigned read_word(Bench& bench) {
+  return bench.spi(0x03'1234'0000, 40) & 0xFFFFU;
+}
+
+TEST(SpiEeprom, IsBusyUntilItsContentIsKept) {
+  Bench bench({on_spi("eeprom", kSpiEeprom)});
+  KeeperDouble keeper(bench.board);
+  write_cafe(bench);
+  EXPECT_EQ(keeper.orders, 1);
+  bench.wait(50_ms);
+  EXPECT_EQ(status(bench), 0x01U);
+  EXPECT_EQ(read_word(bench), 0U) << "ignored while busy";
+  EXPECT_EQ(keeper.content->content()[0x1234], std::byte{0xFF}) << "not yet";
+  keeper.finish(true);
+  EXPECT_EQ(status(bench), 0x00U);
+  EXPECT_EQ(read_word(bench), 0xCAFEU);
+  EXPECT_EQ(keeper.kept[0x1234], std::byte{0xCA});
+  EXPECT_EQ(keeper.content->content()[0x1234], std::byte{0xCA});
+}
+
+TEST(SpiEeprom, IsBusyForItsWriteTimeHoweverQuickItIsKept) {
+  Bench bench({on_spi("eeprom", kSpiEeprom)});
+  KeeperDouble keeper(bench.board);
+  write_cafe(bench);
+  keeper.finish(true);
+  bench.wait(4_ms);
+  EXPECT_EQ(status(bench), 0x01U);
+  bench.wait(1_ms);
+  EXPECT_EQ(status(bench), 0x00U);
+}
+
+TEST(SpiEeprom, HasItsOldContentWhereTheNewOneCannotBeKept) {
+  Bench bench({on_spi("eeprom", kSpiEeprom)});
+  KeeperDouble keeper(bench.board);
+  write_cafe(bench);
+  keeper.finish(true);
+  bench.wait(5_ms);
+  bench.spi(0x06, 8);
+  bench.spi(0x02'1234'1111, 40);
+  keeper.finish(false);
+  bench.wait(5_ms);
+  EXPECT_EQ(read_word(bench), 0xCAFEU);
+  bench.spi(0x06, 8);
+  bench.spi(0x02'1234'2222, 40);
+  keeper.finish(true);
+  bench.wait(5_ms);
+  EXPECT_EQ(read_word(bench), 0x2222U) << "and takes another one";
+}
+
+TEST(SpiEeprom, KeepsItsProtectionWithItsCells) {
+  Bench bench({on_spi("eeprom", kSpiEeprom)});
+  KeeperDouble keeper(bench.board);
+  write_cafe(bench);
+  keeper.finish(true);
+  bench.wait(5_ms);
+  bench.spi(0x06, 8);
+  bench.spi(0x01'0C, 16);
+  keeper.finish(true);
+  bench.wait(5_ms);
+  EXPECT_EQ(status(bench), 0x0CU);
+
+  Bench other({on_spi("eeprom", kSpiEeprom)});
+  KeptContent* content = other.board.kept_parts().at(0).content;
+  EXPECT_FALSE(content->load(std::span(keeper.kept).first(100)));
+  EXPECT_TRUE(content->load(keeper.kept));
+  EXPECT_EQ(status(other), 0x0CU);
+  EXPECT_EQ(read_word(other), 0xCAFEU);
+}
+
+TEST(SpiEeprom, ThatIsKeptAtOnceTakesItsWriteTimeOnly) {
+  Bench bench({on_spi("eeprom", kSpiEeprom)});
+  KeeperDouble keeper(bench.board);
+  keeper.at_once = true;
+  write_cafe(bench);
+  bench.wait(5_ms);
+  EXPECT_EQ(status(bench), 0x00U);
+  EXPECT_EQ(read_word(bench), 0xCAFEU);
 }
 
 TEST(ShiftRegister, ShowsEightyBitsSentInTwoHalves) {

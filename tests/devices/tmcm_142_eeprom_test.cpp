@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canopen/non_volatile_memory.hpp"
+#include "tmcm_142_memory.hpp"
 #include "tmcm_142_module.hpp"
 
 namespace stator::tests {
@@ -22,23 +22,6 @@ constexpr int kLock = 73;
 constexpr int kAutoStart = 77;
 constexpr int kCoordinateStorage = 84;
 constexpr int kVariables = 2;  // a bank
-
-/// What a state directory is in a rack.
-class Memory final : public canopen::NonVolatileMemory {
- public:
-  [[nodiscard]] std::span<const std::byte> image(std::uint8_t group) const override {
-    const auto found = images.find(group);
-    return found == images.end() ? std::span<const std::byte>() : found->second;
-  }
-  void store(std::uint8_t group, std::span<const std::byte> bytes) override {
-    ++orders;
-    images[group].assign(bytes.begin(), bytes.end());
-  }
-  [[nodiscard]] Status status() const override { return Status::ready; }
-
-  std::map<std::uint8_t, std::vector<std::byte>> images;
-  int orders = 0;
-};
 
 struct Tmcm142Eeprom : testing::Test {
   Tmcm142Module module;
@@ -150,7 +133,7 @@ TEST_F(Tmcm142Eeprom, GlobalParametersAreKeptAtOnceAndVariablesWhenStored) {
 
 TEST_F(Tmcm142Eeprom, TheTelegramPauseIsKeptBySettingItAlone) {
   constexpr int kTelegramPause = 75;
-  Memory memory;
+  ModuleMemory memory;
   module.device->connect_memory(memory);
   const int before = memory.orders;
   ASSERT_EQ(module.ggp(kTelegramPause), 0);
@@ -247,7 +230,7 @@ TEST_F(Tmcm142Eeprom, AProgramStartsWithTheModuleIfToldSo) {
 }
 
 TEST(Tmcm142Memory, OutlivesTheDevice) {
-  Memory memory;
+  ModuleMemory memory;
   {
     Tmcm142Module module;
     module.device->connect_memory(memory);
@@ -267,21 +250,27 @@ TEST(Tmcm142Memory, OutlivesTheDevice) {
   EXPECT_EQ(module.device->tmcl().memory()[2], tmcl::Instruction{});
 }
 
-TEST(Tmcm142Memory, IsNotWornByAProgramThatWritesInEveryPass) {
-  Memory memory;
-  Tmcm142Module module;
+// The configured program is the one as delivered.
+TEST(Tmcm142Memory, AnErasedProgramStaysErased) {
+  Tmcm142Configuration delivered;
+  delivered.program = {{.command = 1, .value = 5}, {.command = 28}};
+  ModuleMemory memory;
+  {
+    Tmcm142Module module(delivered);
+    module.device->connect_memory(memory);
+    EXPECT_EQ(memory.orders, 0);
+    ASSERT_EQ(module.sgp(kMagic, 0), Status::success);
+    EXPECT_TRUE(memory.images.count(1) == 0) << "the program has not changed";
+    module.power_cycle();
+    module.run(20_ms);
+  }
+  Tmcm142Module module(delivered);
   module.device->connect_memory(memory);
-  const std::vector<tmcl::Instruction> program{
-      {.command = 19, .type = 9, .value = 5}, {.command = 35, .type = 66}, {.command = 22}};
-  module.device->tmcl().load_program(program);
-  module.device->tmcl().start_program(module.now);
-  module.run(1_s);
-  EXPECT_GT(module.signal("eeprom_writes"), 3'000.0) << "the module's own cell is";
-  EXPECT_LE(memory.orders, 102);
+  EXPECT_EQ(module.device->tmcl().memory()[0], tmcl::Instruction{});
 }
 
 TEST(Tmcm142Memory, ThatIsDamagedIsToldAndIgnored) {
-  Memory memory;
+  ModuleMemory memory;
   memory.images[0].resize(17);
   memory.images[1].resize(8);
   Tmcm142Module module;

@@ -46,6 +46,7 @@ class Tmc8461 final : public EtherCatDevice, public HostPort, private mfc::PinLi
   [[nodiscard]] std::vector<Signal> signals() override;
   [[nodiscard]] std::vector<Input> inputs() override;
   [[nodiscard]] HostPort* host_port() override { return this; }
+  [[nodiscard]] std::vector<board::KeptPart> kept_parts() override { return board_.kept_parts(); }
 
   // The controller beside it.
   void select(HostSpi spi) override;
