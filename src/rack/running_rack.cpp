@@ -68,8 +68,8 @@ RunningRack::Lag RunningRack::advance_slice() {
 // much, so that a moment in which the machine did something else is soon forgotten.
 void RunningRack::adapt_slice(base::SimDuration simulated, base::SimDuration took) {
   if (took > kSliceTime) {
-    const double part = static_cast<double>(kSliceTime.nanoseconds()) /
-                        static_cast<double>(took.nanoseconds());
+    const double part =
+        static_cast<double>(kSliceTime.nanoseconds()) / static_cast<double>(took.nanoseconds());
     slice = base::SimDuration(
         static_cast<std::int64_t>(static_cast<double>(simulated.nanoseconds()) * part));
   } else if (simulated >= slice && took + took < kSliceTime) {

@@ -97,9 +97,9 @@ struct RunningRack {
   LockstepClock lockstep_clock;
   std::shared_ptr<spdlog::logger> logger;
   std::optional<int> priority;  ///< real-time priority of the threads that answer what comes
-  InheritingMutex mutex;  ///< guards rack, lockstep_clock, all times below and all statistics
-  base::SimTime reached;  ///< where the last slice brought the devices
-  base::SimTime handed_out;  ///< the latest moment at which something came
+  InheritingMutex mutex;        ///< guards rack, lockstep_clock, all times below and all statistics
+  base::SimTime reached;        ///< where the last slice brought the devices
+  base::SimTime handed_out;     ///< the latest moment at which something came
   base::SimDuration slice = kLongestSlice;
   base::SimDuration lost;  ///< time given up
   bool overrunning = false;
