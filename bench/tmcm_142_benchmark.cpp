@@ -98,7 +98,9 @@ class Cable final : public tmcl::SerialPort {
     waiting_ -= count;
     return count;
   }
-  void send(std::span<const std::byte> bytes) override { answered_ += bytes.size(); }
+  void send(std::span<const std::byte> bytes, base::SimTime /*now*/) override {
+    answered_ += bytes.size();
+  }
   void write(const tmcl::Telegram& telegram) {
     request_ = telegram;
     waiting_ = telegram.size();

@@ -37,7 +37,9 @@ class Wire final : public tmcl::SerialPort {
     waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(length));
     return length;
   }
-  void send(std::span<const std::byte> bytes) override { sent.assign(bytes.begin(), bytes.end()); }
+  void send(std::span<const std::byte> bytes, base::SimTime /*now*/) override {
+    sent.assign(bytes.begin(), bytes.end());
+  }
   void put(std::span<const std::byte> bytes) {
     waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());
   }

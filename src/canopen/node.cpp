@@ -97,7 +97,7 @@ void Node::set_lss_hooks(const LssHooks& hooks) {
   }
 }
 
-void Node::set_write_completion(WriteCompletion* completion) {
+void Node::set_write_completion(dictionary::WriteCompletion* completion) {
   for (const auto& server : sdo_servers_) {
     server->set_write_completion(completion);
   }

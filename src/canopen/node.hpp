@@ -25,9 +25,9 @@
 #include "canopen/sdo_server.hpp"
 #include "canopen/service.hpp"
 #include "canopen/time_stamp.hpp"
-#include "canopen/write_completion.hpp"
 #include "dictionary/dictionary.hpp"
 #include "dictionary/quirks.hpp"
+#include "dictionary/write_completion.hpp"
 
 namespace stator::canopen {
 
@@ -101,7 +101,7 @@ class Node {
   /// null: frames are given to it to find that out each time.
   void set_acceptance_filter(can::AcceptanceFilter* filter) { filter_ = filter; }
   /// Who knows when writes by SDO are complete; null: they always are.
-  void set_write_completion(WriteCompletion* completion);
+  void set_write_completion(dictionary::WriteCompletion* completion);
   /// What LSS needs of the device; ignored if the node has no LSS.
   void set_lss_hooks(const LssHooks& hooks);
 

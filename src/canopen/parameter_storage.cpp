@@ -1,6 +1,7 @@
 #include "canopen/parameter_storage.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace stator::canopen {
 
@@ -13,7 +14,7 @@ using dictionary::Verdict;
 
 std::array<EventArgument, 6> about(const Entry& entry, EventArgument a = {}, EventArgument b = {},
                                    EventArgument c = {}) {
-  return {int{entry.index()}, int{entry.subindex()}, std::string_view(entry.name()), a, b, c};
+  return {int{entry.index()}, int{entry.subindex()}, entry.shared_name(), a, b, c};
 }
 
 }  // namespace
@@ -30,8 +31,10 @@ ParameterStorage::ParameterStorage(dictionary::Dictionary& dictionary, NonVolati
     dictionary.on_read(command.index, command.subindex,
                        Entry::ReadHook::bind<&ParameterStorage::show_capability>(*this));
   }
-  for (const ParameterGroup& group : rules_.groups) {
-    encode_parameters(dictionary_, group.ranges, image_);
+  images_.resize(rules_.groups.size());
+  order_.reserve(rules_.groups.size());
+  for (std::size_t i = 0; i < images_.size(); ++i) {
+    encode_parameters(dictionary_, rules_.groups[i].ranges, images_[i]);
   }
 }
 
@@ -51,9 +54,11 @@ Verdict ParameterStorage::check_signature(const Entry& entry, std::uint64_t valu
   const std::uint32_t signature = stores ? kSaveSignature : kLoadSignature;
   if (value != signature) {
     return dictionary::refuse(AbortCode::cannot_store, rules::kStorageSignature,
-                              about(entry, value, signature, stores ? "save" : "load"));
+                              about(entry, value, signature,
+                                    stores ? base::StaticText("save") : base::StaticText("load")));
   }
-  if (memory_.status() == NonVolatileMemory::Status::busy) {
+  // What complete access orders with one write goes together.
+  if (memory_.status() == NonVolatileMemory::Status::busy && !ordered_now_) {
     return dictionary::refuse(AbortCode::device_state, rules::kStorageBusy, about(entry));
   }
   return {};
@@ -61,28 +66,42 @@ Verdict ParameterStorage::check_signature(const Entry& entry, std::uint64_t valu
 
 void ParameterStorage::on_written(const Entry& entry) {
   const StorageCommand& command = *find(entry);
-  for (const ParameterGroup& group : rules_.groups) {
+  order_.clear();
+  for (std::size_t i = 0; i < images_.size(); ++i) {
+    const ParameterGroup& group = rules_.groups[i];
     if ((command.groups >> group.number & 1U) == 0) {
       continue;
     }
     if (command.action == StorageCommand::Action::store) {
-      encode_parameters(dictionary_, group.ranges, image_);
-      memory_.store(group.number, image_);
+      encode_parameters(dictionary_, group.ranges, images_[i]);
+      order_.push_back({group.number, images_[i]});
     } else {
-      memory_.store(group.number, {});
+      order_.push_back({group.number, {}});
     }
+  }
+  if (!order_.empty()) {
+    memory_.store(order_);
+    ordered_now_ = true;
   }
   if (ordered_) {
     ordered_(command);
   }
 }
 
-std::optional<Verdict> ParameterStorage::poll(const Entry& entry, base::SimTime /*now*/) {
+std::optional<Verdict> ParameterStorage::poll(const Entry& entry, base::SimTime now) {
   if (find(entry) == nullptr) {
     date_becomes_unknown(entry);
     return Verdict{};
   }
-  switch (memory_.status()) {
+  const NonVolatileMemory::Status status = memory_.status();
+  if (std::exchange(ordered_now_, false)) {
+    const bool takes_time = status == NonVolatileMemory::Status::busy;
+    earliest_ = takes_time ? now + rules_.write_time : now;
+  }
+  if (now < earliest_) {
+    return std::nullopt;
+  }
+  switch (status) {
     case NonVolatileMemory::Status::busy:
       return std::nullopt;
     case NonVolatileMemory::Status::failed:

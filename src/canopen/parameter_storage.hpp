@@ -9,8 +9,8 @@
 #include "base/event.hpp"
 #include "canopen/non_volatile_memory.hpp"
 #include "canopen/parameter_image.hpp"
-#include "canopen/write_completion.hpp"
 #include "dictionary/dictionary.hpp"
+#include "dictionary/write_completion.hpp"
 
 namespace stator::canopen {
 
@@ -41,18 +41,22 @@ struct StorageCommand {
 struct ParameterStorageRules {
   std::span<const ParameterGroup> groups{};
   std::span<const StorageCommand> commands{};
+  /// How long an order takes at least in memory that is ever busy: that of a page of an EEPROM.
+  base::SimDuration write_time{5'000'000};
 };
 
 /// Stores parameters in a non-volatile memory and restores their defaults, on a signature written
 /// to 1010h, 1011h or an object of the product (CiA 301 §7.5.2.13, §7.5.2.14).
 ///
-/// A write is complete, and answered, when the memory has carried it out; if that fails, with
-/// 06060000h. A wrong signature is refused with 08000020h. Restored defaults take effect with the
-/// next load(): restoring only takes the image away.
+/// What a command names is one order to the memory: all of its groups are old or all are new,
+/// whatever happens meanwhile. The write is complete, and answered, when the memory has carried it
+/// out and its write time has passed; if it fails, with 06060000h. A wrong signature is refused
+/// with 08000020h. Restored defaults take effect with the next load(): restoring only takes the
+/// image away.
 ///
 /// Where 1020h is declared, a write to any stored parameter sets both its entries to 0: the
 /// configuration they date is no longer the one in the device (CiA 301 §7.5.2.23).
-class ParameterStorage final : public WriteCompletion {
+class ParameterStorage final : public dictionary::WriteCompletion {
  public:
   /// Every command's entry must be declared. `memory` must outlive the storage.
   ParameterStorage(dictionary::Dictionary& dictionary, NonVolatileMemory& memory,
@@ -85,7 +89,10 @@ class ParameterStorage final : public WriteCompletion {
   base::EventReporter reporter_;
   ParameterStorageRules rules_;
   OrderHook ordered_;
-  std::vector<std::byte> image_;  ///< being stored; with room for the largest group
+  std::vector<std::vector<std::byte>> images_;  ///< being stored, by place of the group
+  std::vector<NonVolatileMemory::GroupImage> order_;
+  bool ordered_now_ = false;  ///< nobody has asked for the end of the last order yet
+  base::SimTime earliest_;    ///< end of that order
 };
 
 namespace rules {

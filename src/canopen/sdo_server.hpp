@@ -11,9 +11,9 @@
 #include "base/expected.hpp"
 #include "can/transmitter.hpp"
 #include "canopen/service.hpp"
-#include "canopen/write_completion.hpp"
 #include "dictionary/dictionary.hpp"
 #include "dictionary/quirks.hpp"
+#include "dictionary/write_completion.hpp"
 
 namespace stator::canopen {
 
@@ -55,7 +55,7 @@ class SdoServer final : public Service {
   /// To be called before start(): the first server's identifiers contain the node-ID.
   void set_node_id(std::uint8_t node_id) { node_id_ = node_id; }
   /// Who knows when a write is complete; null: it always is.
-  void set_write_completion(WriteCompletion* completion) { completion_ = completion; }
+  void set_write_completion(dictionary::WriteCompletion* completion) { completion_ = completion; }
 
   void start(base::SimTime now) override;
   void on_state(NmtState state, base::SimTime now) override;
@@ -157,7 +157,7 @@ class SdoServer final : public Service {
   can::Transmitter& transmitter_;
   base::EventReporter reporter_;
   SdoServerConfiguration configuration_;
-  WriteCompletion* completion_ = nullptr;
+  dictionary::WriteCompletion* completion_ = nullptr;
   std::uint8_t node_id_ = 0;
   /// Sub-indices 1 and 2 of the parameter object; null where it is not declared.
   std::array<const dictionary::Entry*, 2> parameters_{};

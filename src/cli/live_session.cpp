@@ -16,6 +16,7 @@ namespace stator::cli {
 base::SimTime LiveSession::go_to(const RecordingPlace& from, RecordedRack& recorded,
                                  rack::Rack& rack, const rack::EventLog& log) {
   replay::Player player(recorded.reader(), rack, recorded.configuration());
+  const replay::RecordingReader& reader = recorded.reader();
   if (const auto difference = player.play(from.time, from.mark)) {
     throw Failure(fmt::format("{} cannot be restored: {}", from.path, explain(*difference, log)));
   }
@@ -25,6 +26,13 @@ base::SimTime LiveSession::go_to(const RecordingPlace& from, RecordedRack& recor
   const bool timed = from.mark.empty() && from.time != base::SimTime::never();
   if (timed && !player.reached()) {
     throw Failure(fmt::format("{} ends at {:.6f} s already", from.path, player.now().seconds()));
+  }
+  if (reader.ending() == replay::RecordingEnding::damaged) {
+    throw Failure(fmt::format("{} cannot be restored: {} ({:.6f} s); name a time before it",
+                              from.path, reader.damage(), player.now().seconds()));
+  }
+  if (reader.ending() == replay::RecordingEnding::cut) {
+    fmt::print("{}: {}\n", from.path, reader.damage());
   }
   if (rack::Journal* journal = rack.journal(); journal != nullptr) {
     journal->ports_replaced();  // the player's go, those of the run come

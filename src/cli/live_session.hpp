@@ -29,6 +29,12 @@ class LiveSession final : public web::SessionControl {
   void record(rack::Rack& rack, const std::string& path, replay::RecordingHeader header) {
     recorder_.emplace(rack, path, std::move(header));
   }
+  /// Whether the rack waits for the recording's disk, see SessionRecorder::wait_for_disk().
+  void wait_for_disk(bool wait) {
+    if (recorder_) {
+      recorder_->wait_for_disk(wait);
+    }
+  }
   [[nodiscard]] replay::SessionRecorder* recorder() { return recorder_ ? &*recorder_ : nullptr; }
 
   [[nodiscard]] Recording recording() override;

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/failure.hpp"
 #include "cli/program_version.hpp"
 
 namespace {
@@ -11,6 +12,7 @@ namespace {
 constexpr int kSuccess = 0;
 constexpr int kFailure = 1;
 constexpr int kUsage = 2;
+constexpr int kRecordingCut = 3;
 
 int run(int argc, char** argv) {
   CLI::App app{"Virtual motion-control devices that real masters cannot tell from the hardware."};
@@ -60,11 +62,16 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& error) {
+  const auto fail = [](const std::exception& error, int status) {
     std::fflush(stdout);  // what was said before stands before it, also in a file
     std::fprintf(stderr, "stator: %s\n", error.what());
-    return kFailure;
+    return status;
+  };
+  try {
+    return run(argc, argv);
+  } catch (const stator::cli::RecordingCut& error) {
+    return fail(error, kRecordingCut);
+  } catch (const std::exception& error) {
+    return fail(error, kFailure);
   }
 }

@@ -56,6 +56,11 @@ void run_replay(const ReplayOptions& options) {
   if (rack.recorder() && !rack.recorder()->good()) {
     throw Failure(fmt::format("writing {} failed; is the disk full?", options.csv));
   }
+  if (recorded.reader().ending() == replay::RecordingEnding::cut) {
+    throw RecordingCut(fmt::format("{}: replayed to the bit up to the cut at {:.6f} s ({})",
+                                   options.recording, player.now().seconds(),
+                                   recorded.reader().damage()));
+  }
   if (!recorded.reader().damage().empty()) {
     throw Failure(fmt::format("{}: all that was read is the same, but {}", options.recording,
                               recorded.reader().damage()));
@@ -80,7 +85,12 @@ void add_replay_command(CLI::App& app) {
       "Examples:\n"
       "  stator run racks/gantry.toml --link ethercat:eth1 --record run.stator\n"
       "  stator replay run.stator\n"
-      "  stator replay run.stator --until 3s --csv run.csv --period 100us");
+      "  stator replay run.stator --until 3s --csv run.csv --period 100us\n"
+      "Exit status: 0 all is the same; 1 something is not, or the recording cannot be read; 3 all "
+      "is\n"
+      "the same up to a place where the recording is cut, because the program was killed or its "
+      "disk\n"
+      "was full.");
   command->callback([options] { run_replay(*options); });
 }
 

@@ -110,7 +110,9 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   }
   base::SimTime start;
   if (from) {
+    session.wait_for_disk(true);  // this goes many times faster than it happened
     start = LiveSession::go_to(*from, *recorded, rack, log);
+    session.wait_for_disk(false);
     log.set_logger(logger);
     fmt::print("Going on from {:.6f} s of {}\n", start.seconds(), from->path);
   }
@@ -166,6 +168,8 @@ void run(RunOptions options) {
   if (!options.duration.empty()) {
     limit = duration_option("--duration", options.duration);
   }
+  // A limit of file sizes (ulimit -f) is to be told as a full disk is, not to end the program.
+  std::signal(SIGXFSZ, SIG_IGN);
   const StopSignals signals;
   options.web.token = web::make_token();  // pages that are open outlast going back
   std::optional<RecordingPlace> from;

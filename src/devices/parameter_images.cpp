@@ -7,11 +7,13 @@ std::span<const std::byte> ParameterImages::image(std::uint8_t group) const {
                                : std::span<const std::byte>(images_.at(group));
 }
 
-void ParameterImages::store(std::uint8_t group, std::span<const std::byte> bytes) {
+void ParameterImages::store(std::span<const GroupImage> images) {
   if (connected_ != nullptr) {
-    connected_->store(group, bytes);
-  } else {
-    images_.at(group).assign(bytes.begin(), bytes.end());
+    connected_->store(images);
+    return;
+  }
+  for (const GroupImage& image : images) {
+    images_.at(image.group).assign(image.bytes.begin(), image.bytes.end());
   }
 }
 

@@ -19,7 +19,8 @@ class ParameterImages : public canopen::NonVolatileMemory {
   void connect(canopen::NonVolatileMemory& memory) { connected_ = &memory; }
 
   [[nodiscard]] std::span<const std::byte> image(std::uint8_t group) const override;
-  void store(std::uint8_t group, std::span<const std::byte> bytes) override;
+  using NonVolatileMemory::store;
+  void store(std::span<const GroupImage> images) override;
   [[nodiscard]] Status status() const override {
     return connected_ != nullptr ? connected_->status() : Status::ready;
   }

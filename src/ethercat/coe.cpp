@@ -12,6 +12,13 @@ void write_header(std::span<std::byte> message, CoeService service) {
   base::store_le(message, 0, static_cast<std::uint16_t>(static_cast<unsigned>(service) << 12));
 }
 
+/// An abort is a request, whoever sends it (ETG.1000.6 §5.6.2.7): masters that find it in a
+/// response take the transfer for done.
+void write_sdo_header(std::span<std::byte> message, std::span<const std::byte> answer) {
+  write_header(message,
+               SdoServer::is_abort(answer) ? CoeService::sdo_request : CoeService::sdo_response);
+}
+
 }  // namespace
 
 CoeServer::CoeServer(dictionary::Dictionary& dictionary, const Features& features,
@@ -40,11 +47,7 @@ MailboxReply CoeServer::handle(std::span<const std::byte> request, std::span<std
   switch (service) {
     case CoeService::sdo_request:
       result = sdo_.handle(body, room, now);
-      // An abort is a request, whoever sends it (ETG.1000.6 §5.6.2.7): masters that find it in a
-      // response take the transfer for done.
-      write_header(reply, SdoServer::is_abort(room.first(result.length))
-                              ? CoeService::sdo_request
-                              : CoeService::sdo_response);
+      write_sdo_header(reply, room.first(result.length));
       break;
     case CoeService::sdo_information:
       if (!information_enabled_) {
@@ -70,16 +73,21 @@ MailboxReply CoeServer::handle(std::span<const std::byte> request, std::span<std
 }
 
 bool CoeServer::has_message() const {
-  return !emergencies_.empty() || information_.has_fragment();
+  return !emergencies_.empty() || sdo_.completing() || information_.has_fragment();
 }
 
-std::size_t CoeServer::next_message(std::span<std::byte> message, base::SimTime /*now*/) {
+std::size_t CoeServer::next_message(std::span<std::byte> message, base::SimTime now) {
   const auto room = message.subspan(kCoeHeaderSize);
   if (!emergencies_.empty()) {
     write_header(message, CoeService::emergency);
     emergencies_.pop().encode(room);
     ++statistics_.emergencies_sent;
     return kCoeHeaderSize + EmergencyMessage::kSize;
+  }
+  if (sdo_.completing()) {
+    const std::size_t length = sdo_.answer_when_complete(room, now);
+    write_sdo_header(message, room.first(length));
+    return length == 0 ? 0 : kCoeHeaderSize + length;
   }
   write_header(message, CoeService::sdo_information);
   return kCoeHeaderSize + information_.next_fragment(room);

@@ -50,6 +50,13 @@ class CoeServer final : public MailboxProtocol {
   /// Emergencies go to the master, fragments of SDO information to who asked.
   [[nodiscard]] bool next_message_is_answer() const override { return emergencies_.empty(); }
 
+  /// The answer to a write is still to come.
+  [[nodiscard]] bool answer_pending() const override { return sdo_.completing(); }
+
+  /// See SdoServer::set_write_completion().
+  void set_write_completion(dictionary::WriteCompletion* completion) {
+    sdo_.set_write_completion(completion);
+  }
   /// The state in which accesses now happen.
   void set_network_state(dictionary::NetworkState state) { sdo_.set_network_state(state); }
 

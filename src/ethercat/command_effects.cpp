@@ -21,6 +21,10 @@ constexpr base::EventRule kSiiCommand{
 constexpr base::EventRule kSiiMissing{
     "esc-sii-missing", base::Severity::refusal,
     "EEPROM command {0} failed: no EEPROM is fitted; give the device an SII image"};
+constexpr base::EventRule kSiiStillWriting{
+    "esc-sii-still-writing", base::Severity::refusal,
+    "EEPROM command {0} refused (0502h bit 13): the word written before is still on its way to the "
+    "disk; try again"};
 constexpr base::EventRule kSiiErrorPending{
     "esc-sii-error-pending", base::Severity::refusal,
     "EEPROM command {0} ignored: bit 13 of register 0502h still shows an error; write command 0 "
@@ -52,6 +56,9 @@ void SlaveController::start_sii_command() {
       break;
     case SiiInterface::CommandResult::error_pending:
       reporter_.report(now_, kSiiErrorPending, {command});
+      break;
+    case SiiInterface::CommandResult::still_writing:
+      reporter_.report(now_, kSiiStillWriting, {command});
       break;
     case SiiInterface::CommandResult::no_acknowledge:
       reporter_.report(now_, kSiiMissing, {command});

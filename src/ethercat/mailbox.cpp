@@ -14,7 +14,7 @@ using base::EventArgument;
 constexpr std::size_t kErrorReplySize = 4;
 constexpr std::uint16_t kErrorReplyType = 0x0001;
 
-std::string_view to_text(MailboxErrorCode code) {
+base::StaticText to_text(MailboxErrorCode code) {
   switch (code) {
     case MailboxErrorCode::none:
       return "no error";
@@ -148,7 +148,8 @@ void Mailbox::process(std::uint32_t events, base::SimTime now) {
     release(now);
     return;
   }
-  const bool hangs = intervention_ != nullptr && !intervention_->takes_requests();
+  const bool hangs = (intervention_ != nullptr && !intervention_->takes_requests()) ||
+                     std::ranges::any_of(protocols_, &Participant::answer_pending);
   if (!hangs && request_waits(events) && take_request(now)) {
     return;
   }

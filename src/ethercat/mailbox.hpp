@@ -68,6 +68,7 @@ class Mailbox {
     MailboxProtocol* protocol = nullptr;
     std::uint16_t address = 0;
 
+    [[nodiscard]] bool answer_pending() const { return protocol->answer_pending(); }
     [[nodiscard]] bool has_message() const { return protocol->has_message(); }
   };
 

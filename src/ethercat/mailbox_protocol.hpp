@@ -102,9 +102,14 @@ class MailboxProtocol {
   [[nodiscard]] virtual MailboxReply handle(std::span<const std::byte> request,
                                             std::span<std::byte> reply, base::SimTime now) = 0;
 
-  /// True if the protocol has a message of its own to send: an event, a further fragment.
+  /// True while it works on its last request, whose answer is still to come: the next request, of
+  /// whatever protocol, waits in the mailbox.
+  [[nodiscard]] virtual bool answer_pending() const { return false; }
+  /// True if the protocol has a message of its own to send: an event, a further fragment, or soon
+  /// an answer.
   [[nodiscard]] virtual bool has_message() const = 0;
-  /// Writes that message and returns its length; 0 if it had to give it up for want of room.
+  /// Writes that message and returns its length; 0 if it had to give it up for want of room, or is
+  /// not ready yet.
   [[nodiscard]] virtual std::size_t next_message(std::span<std::byte> message,
                                                  base::SimTime now) = 0;
   /// True if that message belongs to the answer to the last request, so that it goes to the address

@@ -84,8 +84,44 @@ MailboxReply SdoServer::handle(std::span<const std::byte> request, std::span<std
   if (request.size() < kSdoSize) {
     return MailboxReply::refuse(MailboxErrorCode::size_too_short);
   }
+  written_ = false;
   const auto result = dispatch(request, reply);
+  if (result && written_ && completion_ != nullptr) {
+    std::ranges::copy(reply.first(kSdoSize), completion_reply_.begin());
+    completing_ = true;
+    return {.length = answer_when_complete(reply, now)};
+  }
   return {.length = result ? *result : abort(reply, result.error(), now)};
+}
+
+std::size_t SdoServer::answer_when_complete(std::span<std::byte> reply, base::SimTime now) {
+  const std::optional<Verdict> verdict = completion_of_write(now);
+  if (!verdict) {
+    return 0;
+  }
+  completing_ = false;
+  if (!*verdict) {
+    return abort(reply, verdict->error(), now);
+  }
+  std::ranges::copy(completion_reply_, reply.begin());
+  return kSdoSize;
+}
+
+/// Of everything that the write has touched; nothing: some of it is still under way.
+std::optional<Verdict> SdoServer::completion_of_write(base::SimTime now) {
+  if (!target_.complete) {
+    return completion_->poll(*dictionary_.find(target_.index, target_.subindex), now);
+  }
+  std::optional<Verdict> result = Verdict{};
+  for (const Entry& entry : dictionary_.find(target_.index)->entries) {
+    const std::optional<Verdict> verdict = completion_->poll(entry, now);
+    if (!verdict) {
+      result.reset();
+    } else if (result && *result && !*verdict) {
+      result = verdict;
+    }
+  }
+  return result;
 }
 
 bool SdoServer::is_abort(std::span<const std::byte> answer) {
@@ -290,6 +326,7 @@ Expected<std::size_t, Refusal> SdoServer::read_target(const Target& target) {
 }
 
 Verdict SdoServer::write_target(const Target& target, std::span<const std::byte> data) {
+  written_ = true;
   if (target.complete) {
     const auto object = complete_object(target);
     if (!object) {
@@ -328,9 +365,8 @@ Verdict SdoServer::check_long_download(const Target& target, std::size_t size) c
       return Unexpected{entry.error()};
     }
     if (!(*entry)->writable()) {
-      return dictionary::refuse(
-          AbortCode::read_only, dictionary::rules::kReadOnly,
-          {int{target.index}, int{target.subindex}, std::string_view((*entry)->name())});
+      return dictionary::refuse(AbortCode::read_only, dictionary::rules::kReadOnly,
+                                {int{target.index}, int{target.subindex}, (*entry)->shared_name()});
     }
     if (!is_string((*entry)->type())) {
       expected = (*entry)->size();

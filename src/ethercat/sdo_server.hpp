@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,6 +11,7 @@
 #include "base/expected.hpp"
 #include "dictionary/dictionary.hpp"
 #include "dictionary/quirks.hpp"
+#include "dictionary/write_completion.hpp"
 #include "ethercat/mailbox_intervention.hpp"
 #include "ethercat/mailbox_protocol.hpp"
 #include "ethercat/slave_stack_statistics.hpp"
@@ -24,11 +27,21 @@ class SdoServer {
             SlaveStackStatistics& statistics, const dictionary::Quirks& quirks = {});
 
   /// Forgets the transfer.
-  void reset() { transfer_.kind = TransferKind::none; }
+  void reset() {
+    transfer_.kind = TransferKind::none;
+    completing_ = false;
+  }
   void set_network_state(dictionary::NetworkState state) { context_.network_state = state; }
 
   /// See Mailbox::set_intervention().
   void set_intervention(MailboxIntervention* intervention) { intervention_ = intervention; }
+
+  /// Who knows when a write is complete and is to be answered; null: each is at once.
+  void set_write_completion(dictionary::WriteCompletion* completion) { completion_ = completion; }
+  /// A write was taken whose answer is still to come; no other request is to be handled meanwhile.
+  [[nodiscard]] bool completing() const { return completing_; }
+  /// That answer, if the write is complete by now, else 0 bytes; `reply` as in handle().
+  [[nodiscard]] std::size_t answer_when_complete(std::span<std::byte> reply, base::SimTime now);
 
   /// True if an answer of handle() aborts the transfer; it goes out as an SDO request.
   [[nodiscard]] static bool is_abort(std::span<const std::byte> answer);
@@ -69,6 +82,7 @@ class SdoServer {
 
   [[nodiscard]] base::Expected<std::size_t, Refusal> read_target(const Target& target);
   [[nodiscard]] Verdict write_target(const Target& target, std::span<const std::byte> data);
+  [[nodiscard]] std::optional<Verdict> completion_of_write(base::SimTime now);
   [[nodiscard]] Refusal no_segments(std::size_t size) const;
   [[nodiscard]] Verdict check_long_download(const Target& target, std::size_t size) const;
   [[nodiscard]] base::Expected<const dictionary::Object*, Refusal> complete_object(
@@ -90,6 +104,10 @@ class SdoServer {
   Target target_;  ///< of the request being handled, for abort replies
   Transfer transfer_;
   std::vector<std::byte> buffer_;  ///< the value of a transfer
+  dictionary::WriteCompletion* completion_ = nullptr;
+  bool written_ = false;     ///< the request being handled was a write, which the dictionary took
+  bool completing_ = false;  ///< completion_ is asked until it gives a verdict
+  std::array<std::byte, 8> completion_reply_{};  ///< what answers the write that is being completed
 };
 
 // Arguments: {0} index, {1} subindex, then what the rule adds.

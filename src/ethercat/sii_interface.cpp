@@ -46,6 +46,7 @@ std::uint8_t sii_checksum(std::span<const std::byte> image) {
 
 void SiiInterface::insert(std::span<const std::byte> image) {
   content_.clear();
+  write_ = {};
   if (image.empty()) {
     return;
   }
@@ -94,6 +95,12 @@ SiiInterface::LoadResult SiiInterface::load() {
 }
 
 void SiiInterface::reset() {
+  if (write_.under_way && write_.kept) {
+    if (keeper_ != nullptr) {
+      settle_write();
+    }
+    write_.under_way = false;  // else the transfer was cut short
+  }
   deadline_ = base::SimTime::never();
   command_ = Command::idle;
   refresh_status();
@@ -143,12 +150,15 @@ SiiInterface::CommandResult SiiInterface::start_command(base::SimTime now) {
       set_status(kWriteEnableError, kCommandError);
       return CommandResult::invalid;
   }
-  if (content_.empty()) {
+  if (content_.empty() || write_.under_way) {
     set_status(kWriteEnableError, kCommandError);
-    return CommandResult::no_acknowledge;
+    return content_.empty() ? CommandResult::no_acknowledge : CommandResult::still_writing;
   }
   command_ = command;
   deadline_ = now + duration;
+  if (command == Command::write) {
+    begin_write(now);
+  }
   set_status(kCommandError | kWriteEnableError,
              static_cast<std::uint16_t>(kBusy | (status & kCommandMask)));
   return CommandResult::started;
@@ -164,21 +174,81 @@ SiiInterface::Completion SiiInterface::finish(base::SimTime now) {
   if (now < deadline_) {
     return Completion::nothing;
   }
-  deadline_ = base::SimTime::never();
-  set_status(kBusy | kCommandMask, 0);
-  switch (std::exchange(command_, Command::idle)) {
+  switch (command_) {
     case Command::read:
+      end_access();
       read_words();
       return Completion::access;
     case Command::write:
-      write_word();
-      return Completion::access;
+      return end_write(now);
     case Command::reload:
+      end_access();
       return Completion::reload;
     case Command::idle:
       break;
   }
+  deadline_ = base::SimTime::never();
   return Completion::nothing;
+}
+
+void SiiInterface::end_access() {
+  deadline_ = base::SimTime::never();
+  command_ = Command::idle;
+  set_status(kBusy | kCommandMask, 0);
+}
+
+void SiiInterface::begin_write(base::SimTime now) {
+  write_ = {.offset = byte_address(),
+            .word = {registers_[kSiiData], registers_[kSiiData + 1]},
+            .under_way = true,
+            .kept = true,
+            .time_out = now + kLongestWrite};
+  if (keeper_ == nullptr) {
+    return;
+  }
+  std::vector<std::byte> content = content_;
+  std::ranges::copy(write_.word, content.begin() + static_cast<std::ptrdiff_t>(write_.offset));
+  write_.kept.reset();
+  if (keeper_->keep_sii(content)) {
+    write_.kept = true;
+  }
+}
+
+SiiInterface::Completion SiiInterface::end_write(base::SimTime now) {
+  if (!write_.kept && now < write_.time_out) {
+    deadline_ = write_.time_out;  // or when finish_write() comes
+    return Completion::nothing;
+  }
+  end_access();
+  if (!write_.kept) {
+    set_status(0, kCommandError);
+    return Completion::given_up;
+  }
+  settle_write();
+  if (!*write_.kept) {
+    set_status(0, kCommandError);
+  }
+  return Completion::access;
+}
+
+/// The cell gets its word, or not.
+void SiiInterface::settle_write() {
+  write_.under_way = false;
+  if (*write_.kept) {
+    std::ranges::copy(write_.word, content_.begin() + static_cast<std::ptrdiff_t>(write_.offset));
+  }
+}
+
+void SiiInterface::finish_write(bool kept, base::SimTime now) {
+  if (!write_.under_way || write_.kept) {
+    return;
+  }
+  write_.kept = kept;
+  if (command_ != Command::write) {
+    settle_write();  // a reset or the time-out has ended the access
+  } else if (deadline_ == write_.time_out) {
+    static_cast<void>(end_write(now));
+  }
 }
 
 void SiiInterface::refresh_status() {
@@ -210,13 +280,6 @@ void SiiInterface::read_words() {
   for (std::size_t i = 0; i < wanted; ++i) {
     registers_[kSiiData + i] = cell((from + i) & (content_.size() - 1));
   }
-}
-
-void SiiInterface::write_word() {
-  const std::size_t to = byte_address();
-  content_[to] = registers_[kSiiData];
-  content_[to + 1] = registers_[kSiiData + 1];
-  ++write_count_;
 }
 
 }  // namespace stator::ethercat

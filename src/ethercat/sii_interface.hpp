@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,19 @@ struct SiiTiming {
   base::SimDuration reload = base::SimDuration(1'000'000);  ///< the configuration area
 };
 
+/// Who keeps the content of an EEPROM beyond the life of the process.
+class SiiKeeper {
+ public:
+  SiiKeeper() = default;
+  SiiKeeper(const SiiKeeper&) = delete;
+  SiiKeeper& operator=(const SiiKeeper&) = delete;
+  virtual ~SiiKeeper() = default;
+
+  /// Takes the content as it is to be once a word has been written. True: it counts as kept;
+  /// false: it does, or does not, when finish_write() is told so.
+  [[nodiscard]] virtual bool keep_sii(std::span<const std::byte> content) = 0;
+};
+
 /// CRC-8 (x^8 + x^2 + x + 1, start FFh) over the first seven words of an SII image: the low byte of
 /// word 7 of a valid one (ETG.2010 table 2). `image` must have at least 14 bytes.
 [[nodiscard]] std::uint8_t sii_checksum(std::span<const std::byte> image);
@@ -25,8 +39,17 @@ struct SiiTiming {
 /// The EEPROM and registers 0x0500..0x050F through which master or host read and write it word by
 /// word (ETG.1000.4 §6.5; TMC8461 datasheet "SII EEPROM interface"). Works on the controller's
 /// register memory. Busy is a deadline; finish() completes what is due.
+///
+/// With a keeper a written word is busy until it is kept, its write time at least. If it cannot be
+/// kept, the cell has its old content and the error bit for a missing acknowledge is set. The same
+/// bit ends an access after kLongestWrite, whatever becomes of the word: until that is known the
+/// EEPROM acknowledges nothing, as in its write cycle.
 class SiiInterface {
  public:
+  /// Far beyond what masters wait for a word (10 to 20 ms): a disk that hangs must not make the
+  /// interface hang as well.
+  static constexpr base::SimDuration kLongestWrite{500'000'000};
+
   SiiInterface(std::span<std::byte, kRegisterSpace> registers, SiiTiming timing,
                bool eight_byte_read, bool error_blocks_commands = false)
       : registers_(registers),
@@ -44,8 +67,10 @@ class SiiInterface {
   /// What is read at `offset` < content().size().
   [[nodiscard]] std::byte cell(std::size_t offset) const;
 
-  /// Counts written words, so that somebody who keeps the content in a file sees changes.
-  [[nodiscard]] std::uint32_t write_count() const { return write_count_; }
+  /// Null: what is written lasts as long as the EEPROM.
+  void set_keeper(SiiKeeper* keeper) { keeper_ = keeper; }
+  /// What has become of the word that the keeper took last.
+  void finish_write(bool kept, base::SimTime now);
 
   /// Why the configuration area was not taken over.
   enum class LoadResult : std::uint8_t { loaded, no_eeprom, bad_checksum };
@@ -76,6 +101,7 @@ class SiiInterface {
     not_write_enabled,  ///< write without 0x0502 bit 0 in the same frame
     error_pending,      ///< ignored: an earlier error has to be cleared first
     no_acknowledge,     ///< no EEPROM on the board
+    still_writing,      ///< none either: a word is being kept whose access has ended
   };
   /// Runs what a write to 0x0502..0x0503 has left in the command bits.
   CommandResult start_command(base::SimTime now);
@@ -84,7 +110,12 @@ class SiiInterface {
   void start_of_frame();
 
   /// What finish() completed.
-  enum class Completion : std::uint8_t { nothing, access, reload };
+  enum class Completion : std::uint8_t {
+    nothing,
+    access,
+    reload,
+    given_up,  ///< a write, after kLongestWrite
+  };
   Completion finish(base::SimTime now);
   [[nodiscard]] base::SimTime deadline() const { return deadline_; }
 
@@ -101,7 +132,10 @@ class SiiInterface {
 
   void set_status(std::uint16_t clear, std::uint16_t set);
   void read_words();
-  void write_word();
+  void begin_write(base::SimTime now);
+  [[nodiscard]] Completion end_write(base::SimTime now);
+  void settle_write();
+  void end_access();
   [[nodiscard]] std::size_t byte_address() const;
 
   std::span<std::byte, kRegisterSpace> registers_;
@@ -116,7 +150,17 @@ class SiiInterface {
   std::vector<WornCell> worn_;
   base::SimTime deadline_ = base::SimTime::never();
   Command command_ = Command::idle;
-  std::uint32_t write_count_ = 0;
+
+  /// The word that is being written.
+  struct Write {
+    std::size_t offset = 0;
+    std::array<std::byte, 2> word{};
+    bool under_way = false;      ///< it has not reached the cell yet
+    std::optional<bool> kept{};  ///< the keeper's verdict
+    base::SimTime time_out;      ///< of the access
+  };
+  Write write_;
+  SiiKeeper* keeper_ = nullptr;
 };
 
 }  // namespace stator::ethercat

@@ -31,6 +31,11 @@ constexpr base::EventRule kSiiChecksum{
     "process memory and host interface stay closed, so that no state is reached and no mailbox "
     "answers, until a master writes a valid image and reloads it (0400h to 0502h) or resets the "
     "device"};
+/// Argument: {0} ms.
+constexpr base::EventRule kSiiGivenUp{
+    "esc-sii-given-up", base::Severity::fault,
+    "EEPROM write answered without acknowledge (0502h bit 13): the word is not kept after {0} ms, "
+    "the disk of the state directory is too slow; write it again"};
 constexpr base::EventRule kSiiAbsent{
     "esc-sii-absent", base::Severity::warning,
     "EEPROM not loaded: none answers; process memory and host interface stay closed, so that no "
@@ -185,10 +190,10 @@ void SlaveController::request_reset() {
   reset_requested_ = true;
   const bool by_bus = bus_reset_progress_ == std::size(kResetKey);
   const std::optional<AlState> state = to_al_state(al_status_ & kAlStateMask);
-  reporter_.report(
-      now_, configuration_.reset_by_board ? kResetOut : kReset,
-      {by_bus ? "the master" : "its host", static_cast<int>(by_bus ? kResetByBus : kResetByHost),
-       base::EventArgument(state ? to_text(*state) : "an unknown state")});
+  reporter_.report(now_, configuration_.reset_by_board ? kResetOut : kReset,
+                   {by_bus ? base::StaticText("the master") : base::StaticText("its host"),
+                    static_cast<int>(by_bus ? kResetByBus : kResetByHost),
+                    state ? to_text(*state) : base::StaticText("an unknown state")});
   if (!configuration_.reset_by_board) {
     power_on_reset();
     return;
@@ -304,8 +309,11 @@ void SlaveController::expire(base::SimTime now) {
     const std::int64_t time = base::load_le<std::uint16_t>(registers(), kPdiWatchdogTime);
     reporter_.report(now, kHostWatchdog, {(divider + 2) * time / 25});
   }
-  if (sii_.finish(now) == SiiInterface::Completion::reload) {
+  const SiiInterface::Completion access = sii_.finish(now);
+  if (access == SiiInterface::Completion::reload) {
     load_configuration_area(false);
+  } else if (access == SiiInterface::Completion::given_up) {
+    reporter_.report(now, kSiiGivenUp, {SiiInterface::kLongestWrite.nanoseconds() / 1'000'000});
   }
   if (now >= mii_.deadline()) {
     mii_.finish(now);

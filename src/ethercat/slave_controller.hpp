@@ -137,8 +137,13 @@ class SlaveController final : public ProcessDataInterface {
   void load_sii(std::span<const std::byte> image);
   /// The EEPROM's content with all that was written to it.
   [[nodiscard]] std::span<const std::byte> sii() const { return sii_.content(); }
-  /// Counts words written to the EEPROM by master or host.
-  [[nodiscard]] std::uint32_t sii_write_count() const { return sii_.write_count(); }
+  /// Null: the EEPROM's content lasts as long as the controller.
+  void set_sii_keeper(SiiKeeper* keeper) { sii_.set_keeper(keeper); }
+  /// See SiiInterface::finish_write().
+  void finish_sii_write(bool kept, base::SimTime now) {
+    sii_.finish_write(kept, now);
+    update_deadline();
+  }
 
   /// Lets a byte of the EEPROM read wrong, see SiiInterface::corrupt().
   void corrupt_sii(std::size_t offset, std::uint8_t mask) { sii_.corrupt(offset, mask); }

@@ -96,6 +96,12 @@ class SlaveStack final : private AlActions {
   /// Sets the error indication with `code` in the present state.
   void raise_error(AlStatusCode code, base::SimTime now);
 
+  /// Who knows when an SDO's write is complete, and answered then; must outlive the stack or be
+  /// taken away. Null: each is at once.
+  void set_write_completion(dictionary::WriteCompletion* completion) {
+    coe_.set_write_completion(completion);
+  }
+
   // Faults from outside.
 
   /// Every step up is refused with this code from now on; no_error ends that.

@@ -1,5 +1,6 @@
 #include "rack/background_writer.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -20,8 +21,12 @@ BackgroundWriter::~BackgroundWriter() {
 void BackgroundWriter::write(Job job) {
   {
     const std::scoped_lock lock(mutex_);
-    std::erase_if(jobs_, [&job](const Job& queued) { return queued.file == job.file; });
-    jobs_.push_back(std::move(job));
+    const auto queued = std::ranges::find(jobs_, job.file, &Job::file);
+    if (queued != jobs_.end()) {
+      *queued = std::move(job);
+    } else {
+      jobs_.push_back(std::move(job));
+    }
   }
   changed_.notify_all();
 }
@@ -55,11 +60,10 @@ void BackgroundWriter::run() {
   }
 }
 
-BackgroundWriter::Result BackgroundWriter::perform(const Job& job) const {
+BackgroundWriter::Result BackgroundWriter::perform(const Job& job) {
   Result result{job.owner, job.version, job.content.kind, {}};
   try {
-    directory_.replace(job.file,
-                       encode(job.content.kind, job.content.product, job.content.content));
+    files_.try_emplace(job.file, directory_, job.file).first->second.write(job.content);
   } catch (const std::runtime_error& error) {
     result.error = error.what();
   }

@@ -4,17 +4,24 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "rack/kept_file.hpp"
+#include "rack/kept_file_writer.hpp"
+#include "rack/state_directory.hpp"
 
 namespace stator::rack {
 
-/// Replaces files of a state directory in a thread of its own: bringing a file to the disk takes
+/// Writes files of a state directory in a thread of its own: bringing a file to the disk may take
 /// tens of milliseconds, which no bus can wait for.
+///
+/// A job has the whole content of its file, so the newest one includes all before it: a job that
+/// has not begun when the next one for its file comes is superseded. It has no result of its own;
+/// the result of any later version of the file counts for it too.
 class BackgroundWriter {
  public:
   struct Job {
@@ -27,7 +34,7 @@ class BackgroundWriter {
     std::size_t owner = 0;
     std::uint32_t version = 0;
     std::string kind;
-    std::string error;  ///< empty: the file is on the disk
+    std::string error;  ///< empty: the file is on the disk; else path, reason, what is there now
   };
 
   /// `directory` must outlive the writer.
@@ -37,7 +44,7 @@ class BackgroundWriter {
   BackgroundWriter(const BackgroundWriter&) = delete;
   BackgroundWriter& operator=(const BackgroundWriter&) = delete;
 
-  /// Queues a file. A job for the same file that has not begun is dropped without a result.
+  /// Queues a file. A job for the same file that has not begun is superseded, and gives its turn.
   void write(Job job);
   /// Waits until everything that was given is done.
   void wait();
@@ -46,10 +53,11 @@ class BackgroundWriter {
 
  private:
   void run();
-  [[nodiscard]] Result perform(const Job& job) const;
+  [[nodiscard]] Result perform(const Job& job);
 
   const StateDirectory& directory_;
-  std::mutex mutex_;  ///< guards all below but the thread
+  std::map<std::string, KeptFileWriter> files_;  ///< the thread's own
+  std::mutex mutex_;                             ///< guards all below but the thread
   std::condition_variable changed_;
   std::deque<Job> jobs_;
   std::vector<Result> results_;

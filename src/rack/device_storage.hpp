@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -7,33 +8,47 @@
 
 #include "base/event.hpp"
 #include "base/sim_time.hpp"
-#include "canopen/non_volatile_memory.hpp"
 #include "devices/can_device.hpp"
 #include "devices/ethercat_device.hpp"
 #include "rack/background_writer.hpp"
 #include "rack/kept_file.hpp"
+#include "rack/kept_memory.hpp"
 
 namespace stator::rack {
 
 /// Keeps what real devices keep without power in files of a state directory: EEPROM content in
 /// NAME.eeprom, a firmware image in NAME.firmware, stored parameters in NAME.parameters.
 ///
-/// Files are written in a background thread, so neither a frame nor firmware waits for the disk.
-/// A master writes an EEPROM word by word, hence its file follows when no word has come for
-/// kQuietTime: it holds the content before a series of writes or after it. A firmware image counts
-/// as stored, and the master gets its last acknowledge, when it is on the disk (confirm_writes);
-/// stored parameters and the answer to the master's "save" likewise.
+/// What a device says is kept is on the disk: files are written in a background thread, so that
+/// neither a frame nor firmware waits, and the device is busy until its order has been carried out
+/// or has failed. The end of an order is a completion, which whoever owns the devices hands to them
+/// (Rack does, and tells its journal).
 ///
-/// Not thread-safe: called by who owns the devices.
+/// Not thread-safe but for busy(): called by who owns the devices.
 class DeviceStorage {
  public:
-  static constexpr base::SimDuration kQuietTime{100'000'000};
   static constexpr base::SimDuration kRetryTime{5'000'000'000};  ///< after a failure
+
+  /// When completions come.
+  enum class Completions : std::uint8_t {
+    before_time_moves,  ///< with a clock of its own: what is ordered ends before the next instant,
+                        ///< so that nothing depends on the speed of a disk
+    when_durable,       ///< with the machine's clock: with the first look after that
+    recorded,           ///< when and as a recording says
+    at_once,            ///< with the order: recordings made before format 2 have none
+  };
+
+  /// The end of an order.
+  struct Completion {
+    std::size_t memory = 0;     ///< number of the memory within the storage
+    std::uint32_t version = 0;  ///< of the order; those before it end with it
+    bool kept = false;
+  };
 
   /// Throws std::runtime_error as StateDirectory does.
   explicit DeviceStorage(const std::string& directory,
                          StateDirectory::Use use = StateDirectory::Use::own);
-  /// Writes what has changed, unless the directory was only to be looked at.
+  /// Writes what has been ordered, unless the directory was only to be looked at.
   ~DeviceStorage();
   DeviceStorage(const DeviceStorage&) = delete;
   DeviceStorage& operator=(const DeviceStorage&) = delete;
@@ -45,36 +60,56 @@ class DeviceStorage {
               base::EventReporter reporter);
   void attach(const std::string& name, const std::string& product, devices::CanDevice& device,
               base::EventReporter reporter);
+  /// One more memory to keep.
+  void add(std::unique_ptr<KeptMemory> memory);
 
-  /// True: firmware downloads and orders to store parameters end when they are on the disk;
-  /// service() must then be called regularly. False (initially): they end at once and the file
-  /// follows, so that what a master sees does not depend on the speed of a disk.
-  void confirm_writes(bool confirm) { confirm_writes_ = confirm; }
+  /// Initially before_time_moves.
+  void set_completions(Completions completions) { completions_ = completions; }
+  [[nodiscard]] Completions completions() const { return completions_; }
 
-  /// Looks for changes and for what has been written; cheap. `now` is the machine's time, as the
-  /// real clock has it: in lockstep simulated time may stand still.
+  /// Orders are under way; any thread may ask.
+  [[nodiscard]] bool busy() const { return busy_.load(std::memory_order_acquire); }
+  /// Orders that were given so far.
+  [[nodiscard]] std::uint64_t orders() const { return orders_; }
+
+  /// The completions that have come and no device has heard of; failures are reported as of `now`.
+  [[nodiscard]] std::vector<Completion> take_completions(base::SimTime now);
+  /// The same once all orders have been carried out, or have failed.
+  [[nodiscard]] std::vector<Completion> wait_for_completions(base::SimTime now);
+  /// Tells a device of the end of its order. False: there is no such memory.
+  bool complete(const Completion& completion, base::SimTime now);
+
+  /// Tries again, now and then, to write what a device takes for kept although it could not be
+  /// written. `now` is the machine's time, as the real clock has it: in lockstep simulated time may
+  /// stand still.
   void service(base::SimTime now);
-
-  /// Waits until all that service() and downloads have handed to the background thread is written.
-  void wait() { writer_.wait(); }
-  /// Writes what has changed and waits until it is on the disk.
+  /// Waits until all that was ordered is on the disk or has failed, and tries once more what had
+  /// failed. Devices hear nothing of it.
   void flush(base::SimTime now);
+  /// Why, for each file that is not what its device takes for kept.
+  [[nodiscard]] std::vector<std::string> unkept() const;
 
  private:
-  class Member;
-  class DeviceMember;
-  class EtherCatMember;
-  class ParameterMember;
+  friend class KeptMemory;
+  class EepromMemory;
+  class FirmwareImage;
+  class StoredParameters;
 
+  void attach_firmware(const std::string& name, const std::string& product, devices::Device& device,
+                       base::EventReporter reporter);
   void attach_parameters(const std::string& name, const std::string& product,
                          devices::Device& device, base::EventReporter reporter);
-  void handle_results(base::SimTime now);
+  void note_order();
+  void take_results(base::SimTime now);
+  void try_again(KeptMemory& memory);
 
   StateDirectory::Use use_;
   StateDirectory directory_;
-  bool confirm_writes_ = false;
-  base::SimTime now_;
-  std::vector<std::unique_ptr<Member>> members_;
+  Completions completions_ = Completions::before_time_moves;
+  std::uint64_t orders_ = 0;
+  base::SimTime now_;  ///< of the last look
+  std::atomic<bool> busy_{false};
+  std::vector<std::unique_ptr<KeptMemory>> memories_;
   BackgroundWriter writer_;
 };
 

@@ -9,6 +9,7 @@
 #include "can/frame.hpp"
 #include "can/port.hpp"
 #include "ethercat/topology.hpp"
+#include "rack/device_storage.hpp"
 #include "rack/rack_configuration.hpp"
 
 namespace stator::rack {
@@ -67,6 +68,9 @@ class Journal {
   virtual void object_read(DeviceAddress device, std::uint16_t index, std::uint8_t subindex) = 0;
   virtual void object_written(DeviceAddress device, std::uint16_t index, std::uint8_t subindex,
                               std::span<const std::byte> value, base::SimTime now) = 0;
+
+  /// A device hears what has become of its order to keep something.
+  virtual void completed(const DeviceStorage::Completion& completion, base::SimTime now) = 0;
 
   /// Somebody gives the present moment a name.
   virtual void mark(const std::string& name) = 0;

@@ -2,20 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
-#include <chrono>
-#include <cstdint>
-#include <cstdio>
+#include <iterator>
+#include <optional>
 #include <stdexcept>
 #include <system_error>
-#include <thread>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 
+#include "base/byte_order.hpp"
 #include "base/crc32.hpp"
 
 namespace stator::rack {
@@ -24,11 +19,23 @@ namespace {
 
 constexpr std::string_view kMagic = "stator 1 ";
 constexpr std::size_t kLongestHeader = 200;
-constexpr std::size_t kReadAtOnce = 65536;
 
-std::string reason(int error) {
-  return std::generic_category().message(error);
-}
+constexpr std::string_view kRecordMagic = "Srec";
+constexpr std::size_t kRecordHeader = 32;
+constexpr std::byte kRecordEnd{'\n'};
+
+/// Places of the numbers in a record.
+constexpr std::size_t kNumber = 4;
+constexpr std::size_t kBase = 8;
+constexpr std::size_t kSize = 12;
+constexpr std::size_t kOffset = 16;
+constexpr std::size_t kCount = 20;
+constexpr std::size_t kDataCheck = 24;
+constexpr std::size_t kCheck = 28;
+/// What is known of a record before it is read: magic, number and base.
+constexpr std::size_t kForetold = 12;
+
+using Bytes = std::span<const std::byte>;
 
 /// The text up to the next space, which is taken off `line` with it.
 std::string_view next_word(std::string_view& line) {
@@ -46,33 +53,80 @@ std::optional<T> number(std::string_view word, int base) {
   return error == std::errc() && rest == end ? std::optional(value) : std::nullopt;
 }
 
-void write_all(int file, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno != EINTR) {
-      throw std::system_error(errno, std::generic_category());
-    }
-    bytes = bytes.subspan(static_cast<std::size_t>(std::max<ssize_t>(written, 0)));
-  }
+/// A record's header as far as it follows from where the records end.
+std::array<std::byte, kRecordHeader> begin_record(const LogEnd& end) {
+  std::array<std::byte, kRecordHeader> header{};
+  std::ranges::copy(std::as_bytes(std::span(kRecordMagic)), header.begin());
+  base::store_le(header.data() + kNumber, end.changes + 1);
+  base::store_le(header.data() + kBase, end.check);
+  return header;
 }
 
-/// A rack that was killed a moment ago may still hold the lock until the system has cleared it up.
-bool take_lock(int file) {
-  using namespace std::chrono_literals;
-  const auto end = std::chrono::steady_clock::now() + 500ms;
-  while (::flock(file, LOCK_EX | LOCK_NB) != 0) {
-    if (std::chrono::steady_clock::now() >= end) {
-      return false;
-    }
-    std::this_thread::sleep_for(10ms);
-  }
-  return true;
+[[noreturn]] void refuse_record(const LogEnd& end, std::string_view reason) {
+  throw std::runtime_error(fmt::format("it is damaged: change {} of its content, at byte {}, {}",
+                                       end.changes + 1, end.length, reason));
 }
 
-void require(bool done) {
-  if (!done) {
-    throw std::system_error(errno, std::generic_category());
+/// `bytes` without zeros at their end.
+Bytes without_end_of_zeros(Bytes bytes) {
+  const auto last = std::find_if(bytes.rbegin(), bytes.rend(),
+                                 [](std::byte byte) { return byte != std::byte{}; });
+  return bytes.first(bytes.size() - static_cast<std::size_t>(last - bytes.rbegin()));
+}
+
+/// Makes the change that `log` begins with and returns its length. 0: the file ended while it was
+/// written; then its end is missing, or was never filled and is zeros.
+std::size_t apply_record(Bytes log, std::vector<std::byte>& content, LogEnd& end) {
+  const Bytes filled = without_end_of_zeros(log);
+  const auto foretold = begin_record(end);
+  const std::size_t comparable = std::min(filled.size(), kForetold);
+  if (!std::ranges::equal(filled.first(comparable), Bytes(foretold).first(comparable))) {
+    refuse_record(end, "is no record that goes on from what is before it");
   }
+  if (filled.size() < kRecordHeader) {
+    return 0;
+  }
+  const auto field = [log](std::size_t place) {
+    return base::load_le<std::uint32_t>(log.data() + place);
+  };
+  if (base::crc32(log.first(kCheck)) != field(kCheck)) {
+    refuse_record(end, "has a header that does not agree with its checksum");
+  }
+  const std::size_t size = field(kSize);
+  const std::size_t offset = field(kOffset);
+  const std::size_t count = field(kCount);
+  const bool grows = size > content.size();
+  if (size > kLargestContent || offset + count > size ||
+      (grows && (offset > content.size() || offset + count != size))) {
+    refuse_record(end, fmt::format("puts {} bytes at {} of {}, which had {}", count, offset, size,
+                                   content.size()));
+  }
+  const std::size_t length = kRecordHeader + count + 1;
+  if (filled.size() < length) {
+    return 0;
+  }
+  const Bytes data = log.subspan(kRecordHeader, count);
+  if (base::crc32(data) != field(kDataCheck) || log[length - 1] != kRecordEnd) {
+    refuse_record(end, "does not agree with its checksum");
+  }
+  content.resize(size);
+  std::ranges::copy(data, content.begin() + static_cast<std::ptrdiff_t>(offset));
+  end = {end.log + length, end.length + length, end.changes + 1, field(kCheck)};
+  return length;
+}
+
+/// The bytes of `after` that have to be written over `before`, as place and end.
+std::pair<std::size_t, std::size_t> difference(Bytes before, Bytes after) {
+  const std::size_t common = std::min(before.size(), after.size());
+  const auto [first, other] = std::ranges::mismatch(before.first(common), after.first(common));
+  const auto begin = static_cast<std::size_t>(std::distance(before.begin(), first));
+  std::size_t end = after.size();
+  if (after.size() <= before.size()) {
+    while (end > begin && before[end - 1] == after[end - 1]) {
+      --end;
+    }
+  }
+  return {begin, end};
 }
 
 }  // namespace
@@ -88,35 +142,68 @@ std::vector<std::byte> encode(std::string_view kind, std::string_view product,
   return file;
 }
 
-KeptFile decode(std::span<const std::byte> file) {
+KeptFile decode(std::span<const std::byte> file, LogEnd& end) {
   const std::string_view text(reinterpret_cast<const char*>(file.data()),
                               std::min(file.size(), kLongestHeader));
-  const std::size_t end = text.find('\n');
-  if (!text.starts_with(kMagic) || end == std::string_view::npos) {
+  const std::size_t line_end = text.find('\n');
+  if (!text.starts_with(kMagic) || line_end == std::string_view::npos) {
     throw std::runtime_error(
         "it is no file that Stator has kept: its first line does not begin with \"stator 1\"");
   }
-  std::string_view line = text.substr(kMagic.size(), end - kMagic.size());
+  std::string_view line = text.substr(kMagic.size(), line_end - kMagic.size());
+  // What is printed of a file is text of one line, whatever is in it.
+  if (!std::ranges::all_of(line, [](char c) { return c >= ' ' && c <= '~'; })) {
+    throw std::runtime_error("it is damaged: its first line has bytes that are no text");
+  }
   KeptFile kept;
   kept.kind = next_word(line);
   const auto length = number<std::size_t>(next_word(line), 10);
   const auto checksum = number<std::uint32_t>(next_word(line), 16);
   kept.product = line;
-  const auto content = file.subspan(end + 1);
+  const auto rest = file.subspan(line_end + 1);
   if (!length || !checksum) {
     throw std::runtime_error("it is damaged: length or checksum in its first line is no number");
   }
-  if (content.size() != *length) {
+  if (rest.size() < *length) {
     throw std::runtime_error(fmt::format(
-        "it is damaged: its first line promises {} bytes, {} follow", *length, content.size()));
+        "it is damaged: its first line promises {} bytes, {} follow", *length, rest.size()));
   }
+  const auto content = rest.first(*length);
   if (const std::uint32_t found = base::crc32(content); found != *checksum) {
     throw std::runtime_error(
         fmt::format("it is damaged: its first line promises CRC-32 {:08X}, its content has {:08X}",
                     *checksum, found));
   }
   kept.content.assign(content.begin(), content.end());
+  const std::size_t base = line_end + 1 + *length;
+  end = {0, base, 0, base::crc32(file.first(base))};
+  while (end.length < file.size() &&
+         apply_record(file.subspan(end.length), kept.content, end) != 0) {
+  }
   return kept;
+}
+
+KeptFile decode(std::span<const std::byte> file) {
+  LogEnd end;
+  return decode(file, end);
+}
+
+std::vector<std::byte> encode_change(std::span<const std::byte> before,
+                                     std::span<const std::byte> after, LogEnd& end) {
+  const auto [first, last] = difference(before, after);
+  const Bytes data = after.subspan(first, last - first);
+  auto header = begin_record(end);
+  base::store_le(header.data() + kSize, static_cast<std::uint32_t>(after.size()));
+  base::store_le(header.data() + kOffset, static_cast<std::uint32_t>(first));
+  base::store_le(header.data() + kCount, static_cast<std::uint32_t>(data.size()));
+  base::store_le(header.data() + kDataCheck, base::crc32(data));
+  const std::uint32_t check = base::crc32(Bytes(header).first(kCheck));
+  base::store_le(header.data() + kCheck, check);
+  std::vector<std::byte> record(header.size() + data.size() + 1, kRecordEnd);
+  std::ranges::copy(header, record.begin());
+  std::ranges::copy(data, record.begin() + kRecordHeader);
+  end = {end.log + record.size(), end.length + record.size(), end.changes + 1, check};
+  return record;
 }
 
 std::string file_name_for(std::string_view device_name) {
@@ -127,76 +214,6 @@ std::string file_name_for(std::string_view device_name) {
     name += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
   return name;
-}
-
-StateDirectory::StateDirectory(const std::string& path, Use use) : path_(path) {
-  if (use == Use::own && ::mkdir(path.c_str(), 0755) != 0 && errno != EEXIST) {
-    throw std::runtime_error(
-        fmt::format("{}: cannot create the state directory: {}; create it, or name another one",
-                    path, reason(errno)));
-  }
-  directory_ = link::FileDescriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (use == Use::look && directory_.is_open()) {
-    return;
-  }
-  if (directory_.is_open()) {
-    lock_ = link::FileDescriptor(
-        ::openat(directory_.get(), "lock", O_RDWR | O_CREAT | O_CLOEXEC, 0644));
-  }
-  if (!lock_.is_open()) {
-    throw std::runtime_error(
-        fmt::format("{}: cannot use the state directory: {}; it must be a directory this user may "
-                    "write to",
-                    path, reason(errno)));
-  }
-  if (!take_lock(lock_.get())) {
-    throw std::runtime_error(fmt::format(
-        "{}: the state directory is in use by another rack; end that one or name another directory",
-        path));
-  }
-}
-
-std::optional<std::vector<std::byte>> StateDirectory::read(const std::string& name) const {
-  const link::FileDescriptor file(::openat(directory_.get(), name.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!file.is_open() && errno == ENOENT) {
-    return std::nullopt;
-  }
-  std::vector<std::byte> bytes;
-  ssize_t count = file.is_open() ? 0 : -1;
-  while (file.is_open()) {
-    const std::size_t end = bytes.size();
-    bytes.resize(end + kReadAtOnce);
-    count = ::read(file.get(), bytes.data() + end, kReadAtOnce);
-    bytes.resize(end + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
-    if (count == 0 || (count < 0 && errno != EINTR)) {
-      break;
-    }
-  }
-  if (count < 0) {
-    throw std::runtime_error(fmt::format("{}: cannot read the file: {}; check its permissions",
-                                         path_of(name), reason(errno)));
-  }
-  return bytes;
-}
-
-void StateDirectory::replace(const std::string& name, std::span<const std::byte> bytes) const {
-  const std::string temporary = name + ".new";
-  try {
-    {
-      const link::FileDescriptor file(::openat(directory_.get(), temporary.c_str(),
-                                               O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-      require(file.is_open());
-      write_all(file.get(), bytes);
-      require(::fsync(file.get()) == 0);
-    }
-    require(::renameat(directory_.get(), temporary.c_str(), directory_.get(), name.c_str()) == 0);
-    require(::fsync(directory_.get()) == 0);
-  } catch (const std::system_error& error) {
-    throw std::runtime_error(
-        fmt::format("{}: cannot write the file: {}; its old content is still there. Make room and "
-                    "check the permissions of the directory",
-                    path_of(name), error.code().message()));
-  }
 }
 
 }  // namespace stator::rack

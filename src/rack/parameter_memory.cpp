@@ -14,19 +14,21 @@ constexpr std::size_t kHeaderLength = 1 + 4;
 }  // namespace
 
 std::span<const std::byte> ParameterMemory::image(std::uint8_t group) const {
-  const auto found = images_.find(group);
-  return found != images_.end() ? std::span<const std::byte>(found->second)
-                                : std::span<const std::byte>();
+  const auto found = kept_.find(group);
+  return found != kept_.end() ? std::span<const std::byte>(found->second)
+                              : std::span<const std::byte>();
 }
 
-void ParameterMemory::store(std::uint8_t group, std::span<const std::byte> bytes) {
-  if (bytes.empty()) {
-    images_.erase(group);
-  } else {
-    images_[group].assign(bytes.begin(), bytes.end());
+void ParameterMemory::store(std::span<const GroupImage> images) {
+  for (const GroupImage& image : images) {
+    if (image.bytes.empty()) {
+      ordered_.erase(image.group);
+    } else {
+      ordered_[image.group].assign(image.bytes.begin(), image.bytes.end());
+    }
   }
   status_ = Status::busy;
-  if (keeper_.keep_parameters(content(), ++version_)) {
+  if (keeper_.keep_parameters(content(ordered_), ++version_)) {
     finish(version_, true);
   }
 }
@@ -36,17 +38,17 @@ void ParameterMemory::finish(std::uint32_t version, bool kept) {
     return;
   }
   if (kept) {
-    kept_ = images_;
+    kept_ = ordered_;
     status_ = Status::ready;
   } else {
-    images_ = kept_;
+    ordered_ = kept_;
     status_ = Status::failed;
   }
 }
 
-std::vector<std::byte> ParameterMemory::content() const {
+std::vector<std::byte> ParameterMemory::content(const Images& images) {
   std::vector<std::byte> content;
-  for (const auto& [group, image] : images_) {
+  for (const auto& [group, image] : images) {
     std::array<std::byte, kHeaderLength> header{static_cast<std::byte>(group)};
     base::store_le(header.data() + 1, static_cast<std::uint32_t>(image.size()));
     content.insert(content.end(), header.begin(), header.end());
@@ -71,8 +73,8 @@ bool ParameterMemory::restore(std::span<const std::byte> content) {
     images[group].assign(image.begin(), image.end());
     content = content.subspan(length);
   }
-  images_ = std::move(images);
-  kept_ = images_;
+  ordered_ = std::move(images);
+  kept_ = ordered_;
   return true;
 }
 

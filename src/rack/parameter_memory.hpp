@@ -35,21 +35,24 @@ class ParameterMemory final : public canopen::NonVolatileMemory {
   explicit ParameterMemory(ParameterKeeper& keeper) : keeper_(keeper) {}
 
   [[nodiscard]] std::span<const std::byte> image(std::uint8_t group) const override;
-  void store(std::uint8_t group, std::span<const std::byte> bytes) override;
+  using NonVolatileMemory::store;
+  void store(std::span<const GroupImage> images) override;
   [[nodiscard]] Status status() const override { return status_; }
 
   /// Takes over what was kept. False: the bytes are no content, nothing has changed.
   [[nodiscard]] bool restore(std::span<const std::byte> content);
+  /// The content that is known to be kept.
+  [[nodiscard]] std::vector<std::byte> kept_content() const { return content(kept_); }
   /// What has become of a content given to the keeper; only the newest counts.
   void finish(std::uint32_t version, bool kept);
 
  private:
   using Images = std::map<std::uint8_t, std::vector<std::byte>>;
 
-  [[nodiscard]] std::vector<std::byte> content() const;
+  [[nodiscard]] static std::vector<std::byte> content(const Images& images);
 
   ParameterKeeper& keeper_;
-  Images images_;
+  Images ordered_;
   Images kept_;  ///< those of the last content that is known to be kept
   std::uint32_t version_ = 0;
   Status status_ = Status::ready;

@@ -24,6 +24,12 @@ constexpr base::SimDuration kLongestSettling{100'000'000};
 /// The same for a serial line: longer than 4096 bytes at 9600 bit/s.
 constexpr base::SimDuration kLongestReply{5'000'000'000};
 
+/// With a storage, in lockstep: no device that orders on its own, between frames, writes faster.
+constexpr base::SimDuration kShortestWriteTime{5'000'000};
+
+/// Longer than a write and what answers it then.
+constexpr base::SimDuration kLongestStoring{10'000'000};
+
 constexpr base::EventRule kCarrierLost{
     "carrier-lost", base::Severity::warning,
     "the {0} network interface has no carrier: the other end is unplugged or switched off"};
@@ -264,6 +270,51 @@ std::optional<ethercat::Segment::Released> Rack::release_frame(std::size_t segme
 }
 
 void Rack::advance(base::SimTime now) {
+  if (storage_ != nullptr && !inside_ &&
+      storage_->completions() == DeviceStorage::Completions::before_time_moves) {
+    advance_with_storage(now);
+  } else {
+    advance_at_once(now);
+  }
+  advanced_to_ = std::max(advanced_to_, now);
+}
+
+/// A device may order something on the way: time moves by no more than the shortest write time, so
+/// that the device has its completion when it looks for it.
+void Rack::advance_with_storage(base::SimTime now) {
+  wait_for_completions();
+  while (advanced_to_ + kShortestWriteTime < now) {
+    advanced_to_ += kShortestWriteTime;
+    advance_at_once(advanced_to_);
+    wait_for_completions();
+  }
+  advance_at_once(now);
+}
+
+void Rack::wait_for_completions() {
+  if (!storage_->busy()) {
+    return;
+  }
+  for (const DeviceStorage::Completion& completion : storage_->wait_for_completions(advanced_to_)) {
+    complete(completion, advanced_to_);
+  }
+}
+
+void Rack::hand_over_completions(base::SimTime now) {
+  for (const DeviceStorage::Completion& completion : storage_->take_completions(now)) {
+    complete(completion, now);
+  }
+}
+
+bool Rack::complete(const DeviceStorage::Completion& completion, base::SimTime now) {
+  if (Journal* journal = told(); journal != nullptr) {
+    journal->completed(completion, now);
+  }
+  const Inside inside(inside_);
+  return storage_ != nullptr && storage_->complete(completion, now);
+}
+
+void Rack::advance_at_once(base::SimTime now) {
   Journal* journal = told();
   if (journal == nullptr) [[likely]] {
     advance_to(now);
@@ -333,12 +384,27 @@ void Rack::settle_line(std::size_t line, LockstepClock& clock) {
 
 void Rack::settle(std::size_t bus, LockstepClock& clock) {
   advance(clock.now());
-  const can::Bus& wire = buses_[bus].network->bus();
+  const CanNetwork& network = *buses_[bus].network;
+  const can::Bus& wire = network.bus();
   const base::SimTime limit = clock.now() + kLongestSettling;
-  while (!wire.idle() && wire.next_deadline() <= limit) {
-    clock.advance_to(wire.next_deadline());
+  const auto orders = [this] { return storage_ != nullptr ? storage_->orders() : 0; };
+  std::uint64_t orders_seen = orders_settled_;
+  base::SimTime stored;  // what was ordered is answered then
+  while (true) {
+    if (const std::uint64_t given = orders(); given != orders_seen) {
+      orders_seen = given;
+      stored = clock.now() + kLongestStoring;
+    }
+    const base::SimTime next = !wire.idle()           ? wire.next_deadline()
+                               : clock.now() < stored ? std::min(network.next_deadline(), stored)
+                                                      : base::SimTime::never();
+    if (next > limit) {
+      break;
+    }
+    clock.advance_to(next);
     advance(clock.now());
   }
+  orders_settled_ = orders_seen;
 }
 
 bool Rack::put(std::size_t bus, std::size_t number, can::Port& port, const can::Frame& frame) {
@@ -362,6 +428,9 @@ void Rack::put(std::size_t line, std::span<const std::byte> bytes, base::SimTime
   }
   const Inside inside(inside_);
   lines_[line].put(bytes, now);
+  if (lines_.next_deadline() <= now) {
+    lines_.advance(now);  // of other lines, what a device has sent that is on several
+  }
 }
 
 void Rack::apply(const RackEvent& event, base::SimTime now) {
@@ -398,7 +467,7 @@ void Rack::set_carrier(std::size_t segment, ethercat::MasterInterface interface,
   const bool primary = interface == ethercat::MasterInterface::primary;
   const std::size_t at = primary ? 0 : segments_[segment].devices.size() - 1;
   report(number_of({segment, at}), now, up ? kCarrierBack : kCarrierLost,
-         {primary ? "primary" : "secondary"});
+         {primary ? base::StaticText("primary") : base::StaticText("secondary")});
   segments_[segment].segment->set_carrier(interface, up);
 }
 

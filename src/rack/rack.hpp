@@ -63,9 +63,18 @@ class Rack {
   /// Lets the firmware of the segment's devices take what its last frame brought.
   void handle_bus_events(std::size_t segment, base::SimTime now);
 
-  /// Brings every device and bus to `now`, stopping at each event of the timetable, at each instant
-  /// at which wires act and at each sampling instant of the recording on the way.
+  /// Brings every device and bus to `now`, once devices have heard what became of all they ordered
+  /// to be kept (DeviceStorage::Completions::before_time_moves), stopping at each event of the
+  /// timetable, at each instant at which wires act and at each sampling instant of the recording on
+  /// the way.
   void advance(base::SimTime now);
+
+  /// Lets devices hear at `now` what has become of what they ordered to be kept, as far as it is
+  /// known (DeviceStorage::Completions::when_durable).
+  void hand_over_completions(base::SimTime now);
+  /// Lets a device hear what a recording says of it (DeviceStorage::Completions::recorded). False:
+  /// the rack has no such memory.
+  bool complete(const DeviceStorage::Completion& completion, base::SimTime now);
 
   /// The next moment at which something happens on a CAN bus on its own: a frame ends, a device
   /// sends. advance() need not stop there, but what comes of it is to go out then.
@@ -109,7 +118,10 @@ class Rack {
   void put(std::size_t line, std::span<const std::byte> bytes, base::SimTime now);
 
   /// Tells `journal` of all that is done to the rack from now on; null: nobody.
-  void set_journal(Journal* journal) { journal_ = journal; }
+  void set_journal(Journal* journal) {
+    journal_ = journal;
+    lines_.set_journal(journal);
+  }
   [[nodiscard]] Journal* journal() { return journal_; }
   /// A frame that a fault has held up and that comes out at `now` or earlier gets into `buffer`
   /// (ethercat::kMaximumFrameLength bytes). Nothing: none does. Its firmware takes what it brought.
@@ -209,6 +221,9 @@ class Rack {
                                                       std::span<std::byte> frame,
                                                       base::SimTime arrival,
                                                       ethercat::MasterInterface entry);
+  void advance_at_once(base::SimTime now);
+  void advance_with_storage(base::SimTime now);
+  void wait_for_completions();
   void advance_to(base::SimTime now);
   void take_bus_events(std::size_t segment, base::SimTime now);
   /// Who is to be told of a call: nobody of one that another call makes.
@@ -256,6 +271,8 @@ class Rack {
   std::vector<SignalTap*> taps_;
   TrafficTap* traffic_ = nullptr;
   std::unique_ptr<DeviceStorage> storage_;
+  std::uint64_t orders_settled_ = 0;  ///< given until settle() ended last
+  base::SimTime advanced_to_;
   Journal* journal_ = nullptr;
   bool inside_ = false;             ///< within a call that the journal was told of
   std::unique_ptr<Faults> faults_;  ///< go first: they know everything

@@ -151,9 +151,9 @@ void Runner::open(SegmentThread& segment, const SegmentConfiguration& configurat
 
 void Runner::start() {
   if (shared_.rack.storage() != nullptr) {
-    // A recording has to give the same answers on another disk.
-    shared_.rack.storage()->confirm_writes(shared_.clock_kind == ClockKind::real &&
-                                           shared_.rack.journal() == nullptr);
+    shared_.rack.storage()->set_completions(shared_.clock_kind == ClockKind::real
+                                                ? DeviceStorage::Completions::when_durable
+                                                : DeviceStorage::Completions::before_time_moves);
   }
   for (auto& segment : segments_) {
     segment->thread = std::thread([this, &segment = *segment] { run(segment); });

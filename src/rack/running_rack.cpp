@@ -9,8 +9,8 @@ namespace stator::rack {
 
 namespace {
 
-/// How often changes of EEPROM and firmware are looked for.
-constexpr base::SimDuration kKeepingPeriod{5'000'000};
+/// How often files are looked for that could not be written.
+constexpr base::SimDuration kKeepingPeriod{100'000'000};
 
 }  // namespace
 
@@ -36,6 +36,9 @@ void RunningRack::keep_files() {
   }
   const std::scoped_lock lock(mutex);
   const base::SimTime present = real_clock.now();
+  if (clock_kind == ClockKind::real && rack.storage()->busy()) {
+    rack.hand_over_completions(present);
+  }
   if (present >= next_keeping) {
     next_keeping = present + kKeepingPeriod;
     rack.storage()->service(present);

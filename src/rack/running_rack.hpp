@@ -55,8 +55,9 @@ struct RunningRack {
   /// To be called first by a thread that answers what comes: gives it its processor, if it has one,
   /// and its priority. What is not granted is logged.
   void enter_thread(std::optional<unsigned> cpu) const;
-  /// Looks now and then for what devices want to be kept, for which it takes the mutex, and for
-  /// what the log has counted.
+  /// Lets devices hear what has become of what they ordered to be kept, for which it takes the
+  /// mutex, and looks now and then for files that could not be written and for what the log has
+  /// counted.
   void keep_files();
   /// Does a few of the tasks that wait at the desk, if there are any; takes the mutex. For a thread
   /// that has answered what came.

@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "rack/journal.hpp"
+
 namespace stator::rack {
 
 using base::SimDuration;
@@ -12,9 +14,10 @@ using base::SimTime;
 /// The end of the line at one device.
 class SerialLine::Member final : public tmcl::SerialPort {
  public:
-  Member(SerialLine& line, devices::Device& device, std::string interface, CanNetwork* network,
-         std::size_t position)
+  Member(SerialLine& line, std::size_t number, devices::Device& device, std::string interface,
+         CanNetwork* network, std::size_t position)
       : line_(line),
+        number_(number),
         device_(device),
         interface_(std::move(interface)),
         network_(network),
@@ -27,7 +30,9 @@ class SerialLine::Member final : public tmcl::SerialPort {
   [[nodiscard]] std::size_t take(std::span<std::byte> buffer) override {
     return queue_.empty() ? 0 : queue_.pop(buffer);
   }
-  void send(std::span<const std::byte> bytes) override { line_.send(*this, bytes); }
+  void send(std::span<const std::byte> bytes, SimTime now) override {
+    line_.send(*this, bytes, now);
+  }
 
   // The line's side.
   /// Returns how many of the bytes it heard.
@@ -53,11 +58,12 @@ class SerialLine::Member final : public tmcl::SerialPort {
     return network_ != nullptr ? network_->deadline_of(position_) : SimTime::never();
   }
   [[nodiscard]] SimTime next_reply() const { return device_.next_serial_reply(); }
-  /// Where the device is on its way through time.
-  [[nodiscard]] SimTime now() const { return network_ != nullptr ? network_->now() : SimTime(); }
+  /// Its place among those of the line.
+  [[nodiscard]] std::size_t number() const { return number_; }
 
  private:
   SerialLine& line_;
+  std::size_t number_;
   devices::Device& device_;
   std::string interface_;
   CanNetwork* network_;
@@ -73,7 +79,8 @@ SerialLine::~SerialLine() = default;
 
 bool SerialLine::add(devices::Device& device, const std::string& interface, CanNetwork* network,
                      std::size_t position) {
-  auto member = std::make_unique<Member>(*this, device, interface, network, position);
+  auto member =
+      std::make_unique<Member>(*this, members_.size(), device, interface, network, position);
   if (!member->connect()) {
     return false;
   }
@@ -143,6 +150,11 @@ void SerialLine::hand_over_delayed(SimTime now) {
 void SerialLine::advance(SimTime now) {
   while (next_deadline() <= now) {
     now_ = std::max(now_, next_deadline());
+    while (next_sent() <= now_) {
+      const Sent first = std::move(sent_.front());
+      sent_.pop_front();
+      pass_on(*members_[first.member], first.bytes);
+    }
     if (next_departure_ <= now_) {
       depart(now_);
     }
@@ -177,12 +189,26 @@ void SerialLine::deliver(std::span<const std::byte> bytes, SimTime now) {
     const std::size_t heard = !rate || rate == line_speed ? member->hear(bytes) : 0;
     statistics_.bytes_lost += bytes.size() - heard;
   }
+  const bool before = std::exchange(serving_, true);
   for (const auto& member : members_) {
     member->serve(now);
   }
+  serving_ = before;
 }
 
-void SerialLine::send(const Member& member, std::span<const std::byte> bytes) {
+// A device on its way through time may be ahead of others that have something to send as well.
+void SerialLine::send(const Member& member, std::span<const std::byte> bytes, SimTime now) {
+  if (serving_ && sent_.empty()) {
+    pass_on(member, bytes);
+    return;
+  }
+  const auto later = std::ranges::find_if(sent_, [&](const Sent& other) {
+    return std::pair(other.time, other.member) > std::pair(now, member.number());
+  });
+  sent_.insert(later, {now, member.number(), {bytes.begin(), bytes.end()}});
+}
+
+void SerialLine::pass_on(const Member& member, std::span<const std::byte> bytes) {
   const auto line_speed = configuration_.pacing ? speed() : std::nullopt;
   if (!line_speed) {
     hand_out(bytes);
@@ -195,7 +221,7 @@ void SerialLine::send(const Member& member, std::span<const std::byte> bytes) {
   }
   statistics_.bytes_lost += bytes.size() - outgoing_.push(bytes);
   if (next_departure_ == SimTime::never() && !outgoing_.empty()) {
-    next_departure_ = std::max(now_, member.now()) + byte_time();
+    next_departure_ = now_ + byte_time();
   }
 }
 
@@ -212,6 +238,9 @@ void SerialLine::hand_out(std::span<const std::byte> bytes) {
 
 void SerialLine::hand_out_unspoilt(std::span<const std::byte> bytes) {
   statistics_.bytes_out += bytes.size();
+  if (journal_ != nullptr) {
+    journal_->bytes_leave(number_, bytes);
+  }
   if (output_) {
     output_(bytes);
   }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
@@ -19,6 +20,8 @@
 
 namespace stator::rack {
 
+class Journal;
+
 /// What passed over a serial line so far.
 struct SerialLineStatistics {
   std::uint64_t bytes_in = 0;    ///< from programs
@@ -35,6 +38,11 @@ struct SerialLineStatistics {
 /// with the end of its stop bit, in both directions at once; a line whose devices say no rate (USB)
 /// is not paced. The speed is that of the first device that says one: those with another neither
 /// hear nor are heard.
+///
+/// What devices send while they are brought through time goes out with advance(), in the order of
+/// the moments at which they sent it, those of one moment in the order in which they were added:
+/// neither how far time moves on at once nor which device goes first shows on the line. What they
+/// answer to bytes that reach them goes out at once.
 class SerialLine {
  public:
   /// Bytes that wait in one direction; what comes beyond them is lost, as in a UART.
@@ -55,6 +63,12 @@ class SerialLine {
            std::size_t position = 0);
   /// Where bytes for programs go from now on; empty: they are lost.
   void connect(Output output) { output_ = output; }
+  /// Tells `journal` of bytes for programs, as of line `number`, before they go there; null:
+  /// nobody.
+  void set_journal(Journal* journal, std::size_t number) {
+    journal_ = journal;
+    number_ = number;
+  }
 
   /// How many bytes put() takes at present without losing any.
   [[nodiscard]] std::size_t room() const;
@@ -63,9 +77,10 @@ class SerialLine {
   /// Lets bytes come and go whose time has come; the devices have been brought to `now`, and the
   /// line to each of its deadlines before.
   void advance(base::SimTime now);
-  /// When the next byte comes or goes; never without pacing or a fault that delays.
+  /// When the next byte comes or goes: of what devices have sent, or with pacing or a fault that
+  /// delays.
   [[nodiscard]] base::SimTime next_deadline() const {
-    return std::min({next_arrival_, next_departure_, next_delayed_});
+    return std::min({next_arrival_, next_departure_, next_delayed_, next_sent()});
   }
   /// When a device of the line does something on its own, as far as that is known.
   [[nodiscard]] base::SimTime next_device_deadline() const;
@@ -93,10 +108,21 @@ class SerialLine {
   class Member;
   using Queue = ByteQueue<kQueuedBytes>;
 
+  /// What a member has sent.
+  struct Sent {
+    base::SimTime time;
+    std::size_t member;
+    std::vector<std::byte> bytes;
+  };
+
   void put_unspoilt(std::span<const std::byte> bytes, base::SimTime now);
   void hand_over_delayed(base::SimTime now);
   void deliver(std::span<const std::byte> bytes, base::SimTime now);
-  void send(const Member& member, std::span<const std::byte> bytes);
+  void send(const Member& member, std::span<const std::byte> bytes, base::SimTime now);
+  void pass_on(const Member& member, std::span<const std::byte> bytes);
+  [[nodiscard]] base::SimTime next_sent() const {
+    return sent_.empty() ? base::SimTime::never() : sent_.front().time;
+  }
   void hand_out(std::span<const std::byte> bytes);
   void hand_out_unspoilt(std::span<const std::byte> bytes);
   void arrive(base::SimTime now);
@@ -106,10 +132,14 @@ class SerialLine {
 
   SerialLineConfiguration configuration_;
   Output output_;
+  Journal* journal_ = nullptr;
+  std::size_t number_ = 0;  ///< for the journal
   std::vector<std::unique_ptr<Member>> members_;
   base::SimTime now_;
-  Queue incoming_;  ///< paced: not yet with the devices
-  Queue outgoing_;  ///< paced: not yet with the programs
+  bool serving_ = false;   ///< devices get what has reached them
+  std::deque<Sent> sent_;  ///< while devices were brought through time; by time and member
+  Queue incoming_;         ///< paced: not yet with the devices
+  Queue outgoing_;         ///< paced: not yet with the programs
   base::SimTime next_arrival_ = base::SimTime::never();
   base::SimTime next_departure_ = base::SimTime::never();
   SerialLineStatistics statistics_;

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 #include <spdlog/logger.h>
 
-#include "rack/journal.hpp"
 #include "tmcl/telegram.hpp"
 
 namespace stator::rack {
@@ -174,9 +173,6 @@ void SerialLineThread::plan() {
 }
 
 void SerialLineThread::send(std::span<const std::byte> bytes) {
-  if (Journal* journal = shared_.rack.journal(); journal != nullptr) {
-    journal->bytes_leave(index_, bytes);
-  }
   if (const auto sent = link_->send(bytes); !sent && !std::exchange(send_failure_logged_, true)) {
     shared_.logger->warn("{}; further losses are only counted", sent.error().text);
   }

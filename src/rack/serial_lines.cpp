@@ -31,8 +31,16 @@ SerialLine& SerialLines::line_to(const std::string& link) {
 }
 
 void SerialLines::advance(base::SimTime now) {
-  for (const auto& line : lines_) {
-    line->advance(now);
+  for (base::SimTime instant = next_deadline(); instant <= now; instant = next_deadline()) {
+    for (const auto& line : lines_) {
+      line->advance(instant);
+    }
+  }
+}
+
+void SerialLines::set_journal(Journal* journal) {
+  for (std::size_t number = 0; number < lines_.size(); ++number) {
+    lines_[number]->set_journal(journal, number);
   }
 }
 

@@ -33,10 +33,15 @@ class SerialLines {
   [[nodiscard]] SerialLine& operator[](std::size_t index) { return *lines_[index]; }
   [[nodiscard]] const SerialLine& operator[](std::size_t index) const { return *lines_[index]; }
 
-  /// As those of each line.
+  /// Lets bytes come and go on all lines whose time has come, by their times, those of one moment
+  /// by the numbers of their lines; the devices have been brought to `now`, and the lines to each
+  /// of their deadlines before.
   void advance(base::SimTime now);
+  /// The next one of all lines.
   [[nodiscard]] base::SimTime next_deadline() const;
   void set_power(const devices::Device& device, bool on);
+  /// Tells `journal` of the bytes of all lines by their numbers; null: nobody.
+  void set_journal(Journal* journal);
 
  private:
   [[nodiscard]] SerialLine& line_to(const std::string& link);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <deque>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -16,17 +17,18 @@
 
 namespace stator::replay {
 
-/// What a serial line sends to programs.
+/// What a serial line has sent to programs, as long as it was not compared. Each line has its own:
+/// they are other cables, and earlier versions had the answers of several in another order.
 class Player::LineOutput {
  public:
-  LineOutput(std::deque<Output>& outputs, std::size_t line) : outputs_(outputs), line_(line) {}
-  void take(std::span<const std::byte> bytes) {
-    outputs_.push_back({line_, {bytes.begin(), bytes.end()}});
+  void take(std::span<const std::byte> bytes) { waiting_.emplace_back(bytes.begin(), bytes.end()); }
+  [[nodiscard]] const std::vector<std::byte>* first() const {
+    return waiting_.empty() ? nullptr : &waiting_.front();
   }
+  void pop() { waiting_.pop_front(); }
 
  private:
-  std::deque<Output>& outputs_;
-  std::size_t line_;
+  std::deque<std::vector<std::byte>> waiting_;
 };
 
 Player::Player(RecordingReader& recording, rack::Rack& rack,
@@ -45,15 +47,24 @@ Player::Player(RecordingReader& recording, rack::Rack& rack,
   for (const rack::BusConfiguration& bus : configuration.buses) {
     port_counts_.push_back(bus.wire ? bus.ports.size() : 0);
   }
+  if (rack::DeviceStorage* storage = rack.storage(); storage != nullptr) {
+    completions_before_ = storage->completions();
+    storage->set_completions(recording.header().version == kOldestVersion
+                                 ? rack::DeviceStorage::Completions::at_once
+                                 : rack::DeviceStorage::Completions::recorded);
+  }
   attach_ports();
   for (std::size_t line = 0; line < rack.line_count(); ++line) {
-    lines_.push_back(std::make_unique<LineOutput>(outputs_, line));
+    lines_.push_back(std::make_unique<LineOutput>());
     rack.line(line).connect(rack::SerialLine::Output::bind<&LineOutput::take>(*lines_.back()));
   }
 }
 
 Player::~Player() {
   detach_ports();
+  if (rack_.storage() != nullptr) {
+    rack_.storage()->set_completions(completions_before_);
+  }
   for (std::size_t line = 0; line < lines_.size(); ++line) {
     rack_.line(line).connect({});
   }
@@ -83,9 +94,8 @@ std::optional<Difference> Player::play(base::SimTime until, const std::string& m
   at_mark_ = false;
   while (!difference_) {
     if (!std::exchange(step_waits_, false) && !recording_.next(step_)) {
-      if (recording_.damage().empty() && !outputs_.empty()) {
-        differ(fmt::format("serial line {}", outputs_.front().line), "nothing",
-               to_hex(outputs_.front().bytes));
+      if (recording_.ending() == RecordingEnding::finished) {
+        static_cast<void>(require_quiet_lines());
       }
       break;
     }
@@ -105,10 +115,11 @@ std::optional<Difference> Player::play(base::SimTime until, const std::string& m
 }
 
 void Player::do_step() {
-  const bool compares = step_.kind == StepKind::bytes_leave || step_.kind == StepKind::signals;
-  if (!outputs_.empty() && !compares) {
-    differ(fmt::format("serial line {}", outputs_.front().line), "nothing",
-           to_hex(outputs_.front().bytes));
+  // Those that only compare may stand between a call and the bytes that came out in it: earlier
+  // versions recorded them in this order when they went back.
+  const bool compares = step_.kind == StepKind::bytes_leave || step_.kind == StepKind::signals ||
+                        step_.kind == StepKind::frame_leaves;
+  if (!compares && !require_quiet_lines()) {
     return;
   }
   const auto in = [](std::size_t index, std::size_t size) {
@@ -175,6 +186,11 @@ void Player::do_step() {
     case StepKind::fault_cleared:
       static_cast<void>(rack_.clear_faults(step_.fault, step_.time));
       break;
+    case StepKind::completion:
+      if (!rack_.complete(step_.completion, step_.time)) {
+        throw std::runtime_error("the recording is of another rack: it keeps more in files");
+      }
+      break;
     case StepKind::object_read:
     case StepKind::object_written:
       access_object();
@@ -233,16 +249,26 @@ void Player::compare_can_frame() {
 }
 
 void Player::compare_bytes() {
-  if (!outputs_.empty() && outputs_.front().line == step_.network &&
-      outputs_.front().bytes == step_.bytes) {
-    if (rack::Journal* journal = rack_.journal(); journal != nullptr) {
-      journal->bytes_leave(step_.network, step_.bytes);
-    }
-    outputs_.pop_front();
+  if (step_.network >= lines_.size()) {
+    throw std::runtime_error("the recording is of another rack: it has more networks");
+  }
+  LineOutput& line = *lines_[step_.network];
+  if (line.first() != nullptr && *line.first() == step_.bytes) {
+    line.pop();
     return;
   }
   differ(fmt::format("serial line {}", step_.network), to_hex(step_.bytes),
-         outputs_.empty() ? "nothing" : to_hex(outputs_.front().bytes));
+         line.first() == nullptr ? "nothing" : to_hex(*line.first()));
+}
+
+bool Player::require_quiet_lines() {
+  for (std::size_t line = 0; line < lines_.size(); ++line) {
+    if (const auto* bytes = lines_[line]->first(); bytes != nullptr) {
+      differ(fmt::format("serial line {}", line), "nothing", to_hex(*bytes));
+      return false;
+    }
+  }
+  return true;
 }
 
 void Player::compare_signals() {

@@ -15,23 +15,16 @@ namespace {
 /// How often the thread looks for chunks: they come some ten times a second.
 constexpr std::chrono::milliseconds kPeriod{10};
 
-[[noreturn]] void fail(const std::string& what, const std::string& path) {
-  throw std::runtime_error("cannot " + what + " recording \"" + path +
-                           "\": " + std::strerror(errno));
-}
-
 }  // namespace
 
 RecordingFile::RecordingFile(const std::string& path, const RecordingHeader& header)
-    : file_(std::fopen(path.c_str(), "wb")), chunks_(kChunks) {
-  if (file_ == nullptr) {
-    fail("create", path);
-  }
+    : file_(path), chunks_(kChunks) {
   bytes_ = kMagic.size();
-  if (std::fwrite(kMagic.data(), 1, kMagic.size(), file_.get()) != kMagic.size() ||
+  if (std::fwrite(kMagic.data(), 1, kMagic.size(), &file_.file()) != kMagic.size() ||
       !append(encode(header))) {
-    fail("write", path);
+    throw std::runtime_error("cannot write recording \"" + path + "\": " + std::strerror(errno));
   }
+  file_.give_name();
   for (Chunk& chunk : chunks_) {
     chunk.reserve(kMaximumChunk);
     empty_.push(&chunk);
@@ -80,9 +73,9 @@ bool RecordingFile::append(std::span<const std::byte> content) {
   base::store_le(std::span<std::byte>(head), 0, static_cast<std::uint32_t>(content.size()));
   base::store_le(std::span<std::byte>(head), 4, base::crc32(content));
   const bool written =
-      std::fwrite(head.data(), 1, head.size(), file_.get()) == head.size() &&
-      std::fwrite(content.data(), 1, content.size(), file_.get()) == content.size() &&
-      std::fflush(file_.get()) == 0;
+      std::fwrite(head.data(), 1, head.size(), &file_.file()) == head.size() &&
+      std::fwrite(content.data(), 1, content.size(), &file_.file()) == content.size() &&
+      std::fflush(&file_.file()) == 0;
   bytes_ += written ? head.size() + content.size() : 0;
   return written;
 }

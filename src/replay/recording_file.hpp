@@ -5,8 +5,6 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
@@ -15,6 +13,7 @@
 
 #include "rack/hand_over_queue.hpp"
 #include "replay/recording_format.hpp"
+#include "replay/regular_file.hpp"
 
 namespace stator::replay {
 
@@ -27,7 +26,8 @@ class RecordingFile {
   static constexpr std::size_t kChunks = 128;
   using Chunk = std::vector<std::byte>;
 
-  /// Creates the file with its header. Throws std::runtime_error naming the file and the reason.
+  /// Creates the file, which has its name once the header is in it. Throws std::runtime_error
+  /// naming the file and the reason.
   RecordingFile(const std::string& path, const RecordingHeader& header);
   RecordingFile(const RecordingFile&) = delete;
   RecordingFile& operator=(const RecordingFile&) = delete;
@@ -53,11 +53,7 @@ class RecordingFile {
   void run();
   bool append(std::span<const std::byte> content);
 
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-
-  std::unique_ptr<std::FILE, Close> file_;
+  NewFile file_;
   std::vector<Chunk> chunks_;
   rack::HandOverQueue<Chunk*, kChunks> empty_;
   rack::HandOverQueue<Chunk*, kChunks> full_;

@@ -35,7 +35,7 @@ std::string_view RecordingHeader::option(std::string_view name) const {
 std::vector<std::byte> encode(const RecordingHeader& header) {
   std::vector<std::byte> bytes;
   ByteWriter writer(bytes);
-  writer.number(kFormatVersion);
+  writer.number(header.version);
   writer.text(header.program);
   write_texts(writer, header.options);
   write_texts(writer, header.files);
@@ -49,9 +49,10 @@ std::vector<std::byte> encode(const RecordingHeader& header) {
 bool decode(const std::vector<std::byte>& bytes, RecordingHeader& header, std::uint64_t& version) {
   ByteReader reader(bytes);
   version = reader.number();
-  if (version != kFormatVersion) {
+  if (version < kOldestVersion || version > kFormatVersion) {
     return false;
   }
+  header.version = version;
   header.program = reader.text();
   read_texts(reader, header.options);
   read_texts(reader, header.files);

@@ -16,7 +16,10 @@
 namespace stator::replay {
 
 inline constexpr std::string_view kMagic = "StatorRn";
-inline constexpr std::uint64_t kFormatVersion = 1;
+inline constexpr std::uint64_t kFormatVersion = 2;
+/// Readable as well. Version 1 has no steps of completions: what devices ordered to be kept was
+/// kept at once.
+inline constexpr std::uint64_t kOldestVersion = 1;
 inline constexpr std::size_t kChunkHead = 8;
 inline constexpr std::size_t kMaximumHeader = std::size_t{256} << 20U;
 inline constexpr std::size_t kMaximumChunk = std::size_t{256} << 10U;
@@ -44,12 +47,14 @@ enum class StepKind : std::uint8_t {
   release = 17,
   fault = 18,
   fault_cleared = 19,
+  completion = 20,  ///< of an order to keep something
 };
 
 /// What a recording begins with: all that is needed to build the rack again.
 struct RecordingHeader {
   using Texts = std::vector<std::pair<std::string, std::string>>;
 
+  std::uint64_t version = kFormatVersion;   ///< of the format
   std::string program{};                    ///< version that recorded it
   Texts options{};                          ///< of whoever built the rack, by name
   Texts files{};                            ///< content by path, of rack file, images, kept files
@@ -60,7 +65,8 @@ struct RecordingHeader {
 };
 
 [[nodiscard]] std::vector<std::byte> encode(const RecordingHeader& header);
-/// False: this is no header of kFormatVersion; `version` then tells which it is, 0: none at all.
+/// False: this is no header of a version from kOldestVersion to kFormatVersion; `version` then
+/// tells which it is, 0: none at all.
 [[nodiscard]] bool decode(const std::vector<std::byte>& bytes, RecordingHeader& header,
                           std::uint64_t& version);
 

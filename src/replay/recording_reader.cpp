@@ -1,10 +1,11 @@
 #include "replay/recording_reader.hpp"
 
+#include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <span>
 #include <stdexcept>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -23,28 +24,35 @@ constexpr std::size_t kMostSegments = 4096;
 
 }  // namespace
 
-RecordingReader::RecordingReader(const std::string& path) : file_(std::fopen(path.c_str(), "rb")) {
-  if (file_ == nullptr) {
-    throw std::runtime_error(
-        fmt::format("cannot read recording \"{}\": {}", path, std::strerror(errno)));
+RecordingReader::RecordingReader(const std::string& path)
+    : file_(open_to_read(path)), unread_(size_of(*file_)) {
+  if (unread_ == 0) {
+    throw std::runtime_error(fmt::format(
+        "empty recording: \"{}\" has no content; nothing was recorded, record once more", path));
   }
   std::array<char, kMagic.size()> magic{};
-  if (std::fread(magic.data(), 1, magic.size(), file_.get()) != magic.size() ||
-      std::string_view(magic.data(), magic.size()) != kMagic) {
+  const std::size_t length = std::fread(magic.data(), 1, magic.size(), file_.get());
+  if (length == 0 || std::string_view(magic.data(), length) != kMagic.substr(0, length)) {
     throw std::runtime_error(fmt::format(
         "\"{}\" is no recording; \"stator run RACK --record NAME.stator\" makes one", path));
   }
+  unread_ -= std::min<std::uint64_t>(length, unread_);
   std::uint64_t version = 0;
-  if (read_chunk(kMaximumHeader) != ChunkResult::chunk) {
+  const ChunkResult first = read_chunk(kMaximumHeader);
+  if (first == ChunkResult::end_of_file || first == ChunkResult::incomplete) {
+    throw std::runtime_error(fmt::format(
+        "empty recording: \"{}\" is cut off before its first step; record once more", path));
+  }
+  if (first != ChunkResult::chunk) {
     throw std::runtime_error(fmt::format("\"{}\" is damaged within its first chunk", path));
   }
   if (!decode(chunk_, header_, version)) {
     throw std::runtime_error(
-        version == kFormatVersion
+        version >= kOldestVersion && version <= kFormatVersion
             ? fmt::format("\"{}\" is damaged within its first chunk", path)
-            : fmt::format("\"{}\" has version {} of the format, this program reads version {}; "
-                          "replay it with the program that recorded it",
-                          path, version, kFormatVersion));
+            : fmt::format("\"{}\" has version {} of the format, this program reads versions {} to "
+                          "{}; replay it with the program that recorded it",
+                          path, version, kOldestVersion, kFormatVersion));
   }
   chunk_.clear();
 }
@@ -55,20 +63,35 @@ RecordingReader::ChunkResult RecordingReader::read_chunk(std::size_t limit) {
   if (got == 0) {
     return ChunkResult::end_of_file;
   }
+  unread_ -= std::min<std::uint64_t>(got, unread_);
+  if (got != head.size()) {
+    return ChunkResult::incomplete;
+  }
   const auto length = base::load_le<std::uint32_t>(std::span<const std::byte>(head), 0);
-  if (got != head.size() || length > limit) {
+  if (length == 0 || length > limit) {
     return ChunkResult::damaged;
   }
+  if (length > unread_) {
+    return ChunkResult::incomplete;  // before there is room made for what may be no length
+  }
+  unread_ -= length;
   chunk_.resize(length);
-  if (std::fread(chunk_.data(), 1, length, file_.get()) != length ||
-      base::crc32(chunk_) != base::load_le<std::uint32_t>(std::span<const std::byte>(head), 4)) {
-    return ChunkResult::damaged;
+  if (std::fread(chunk_.data(), 1, length, file_.get()) != length) {
+    return ChunkResult::incomplete;
   }
-  return ChunkResult::chunk;
+  return base::crc32(chunk_) == base::load_le<std::uint32_t>(std::span<const std::byte>(head), 4)
+             ? ChunkResult::chunk
+             : ChunkResult::damaged;
+}
+
+bool RecordingReader::end(RecordingEnding ending, std::string reason) {
+  ending_ = ending;
+  damage_ = std::move(reason);
+  return false;
 }
 
 bool RecordingReader::next(Step& step) {
-  if (finished_) {
+  if (ending_ != RecordingEnding::none) {
     return false;
   }
   while (rest_.at_end()) {
@@ -77,23 +100,24 @@ bool RecordingReader::next(Step& step) {
         rest_ = ByteReader(chunk_);
         break;
       case ChunkResult::end_of_file:
-        finished_ = true;
-        damage_ = "the recording was not ended, e.g. because the program was killed";
-        return false;
+        return end(RecordingEnding::cut,
+                   "the recording was not ended: the program was killed, or its disk was full or "
+                   "too slow");
+      case ChunkResult::incomplete:
+        return end(RecordingEnding::cut,
+                   "the file is cut off within a chunk: the disk was full, the program was killed, "
+                   "or a copy is incomplete");
       case ChunkResult::damaged:
-        finished_ = true;
-        damage_ = "the file is damaged or cut off behind this place";
-        return false;
+        return end(RecordingEnding::damaged, "the file is damaged behind this place");
     }
   }
   step.number = ++number_;
   if (!read_step(rest_, step) || !rest_.good()) {
-    finished_ = true;
-    damage_ = fmt::format("step {} makes no sense; the file was made by another program", number_);
-    return false;
+    return end(
+        RecordingEnding::damaged,
+        fmt::format("step {} makes no sense; the file was made by another program", number_));
   }
-  finished_ = step.kind == StepKind::end;
-  return !finished_;
+  return step.kind != StepKind::end || end(RecordingEnding::finished, {});
 }
 
 base::SimTime RecordingReader::read_time(ByteReader& reader) {
@@ -201,6 +225,12 @@ bool RecordingReader::read_step(ByteReader& reader, Step& step) {
       step.fault = id == 0 ? std::nullopt : std::optional(id - 1);
       break;
     }
+    case StepKind::completion:
+      read_time(reader);
+      step.completion.memory = static_cast<std::size_t>(reader.number());
+      step.completion.version = static_cast<std::uint32_t>(reader.number());
+      step.completion.kept = reader.byte() != 0;
+      break;
     case StepKind::mark:
       step.name = reader.text();
       break;

@@ -1,8 +1,7 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdio>
-#include <memory>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,9 +9,11 @@
 #include "base/sim_time.hpp"
 #include "can/port.hpp"
 #include "ethercat/topology.hpp"
+#include "rack/device_storage.hpp"
 #include "rack/rack_configuration.hpp"
 #include "replay/byte_coding.hpp"
 #include "replay/recording_format.hpp"
+#include "replay/regular_file.hpp"
 
 namespace stator::replay {
 
@@ -34,35 +35,42 @@ struct Step {
   std::uint8_t subindex = 0;
   std::vector<std::pair<std::size_t, double>> values{};  ///< signals that have changed
   std::string name{};                                    ///< of a mark; the keys of a fault
+  rack::DeviceStorage::Completion completion{};
   std::optional<std::uint64_t> fault{};  ///< the number of one that ends; nothing: all
+};
+
+/// How a recording ends, as far as it was read.
+enum class RecordingEnding : std::uint8_t {
+  none,      ///< there may be more steps
+  finished,  ///< whoever recorded it ended it
+  cut,       ///< the rest is missing: killed, or a disk that was full or too slow
+  damaged,   ///< what follows is not what was written
 };
 
 /// Reads a recording from the front.
 class RecordingReader {
  public:
   /// Throws std::runtime_error with file, reason and remedy when it cannot be read, is no
-  /// recording, or one of another format.
+  /// recording, or one of another format, at once even if it is a FIFO, a device or endless.
   explicit RecordingReader(const std::string& path);
 
   [[nodiscard]] const RecordingHeader& header() const { return header_; }
 
-  /// Reads the next step into `step`. False: there is none; damage() tells whether the recording
-  /// was ended properly.
+  /// Reads the next step into `step`. False: there is none; ending() tells why.
   bool next(Step& step);
-  /// Why there is no next step; empty: the recording was finished.
+  [[nodiscard]] RecordingEnding ending() const { return ending_; }
+  /// The reason for people; empty: there may be more steps, or the recording was finished.
   [[nodiscard]] const std::string& damage() const { return damage_; }
 
  private:
-  enum class ChunkResult : std::uint8_t { chunk, end_of_file, damaged };
+  enum class ChunkResult : std::uint8_t { chunk, end_of_file, incomplete, damaged };
   ChunkResult read_chunk(std::size_t limit);
+  bool end(RecordingEnding ending, std::string reason);
   bool read_step(ByteReader& reader, Step& step);
   base::SimTime read_time(ByteReader& reader);
 
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-
-  std::unique_ptr<std::FILE, Close> file_;
+  FileHandle file_;
+  std::uint64_t unread_;  ///< bytes of the file
   RecordingHeader header_;
   std::vector<std::byte> chunk_;
   ByteReader rest_{{}};
@@ -70,7 +78,7 @@ class RecordingReader {
   std::vector<std::byte> request_;
   base::SimTime time_;
   std::uint64_t number_ = 0;
-  bool finished_ = false;
+  RecordingEnding ending_ = RecordingEnding::none;
   std::string damage_;
 };
 

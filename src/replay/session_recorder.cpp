@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include "replay/byte_delta.hpp"
@@ -19,7 +21,14 @@ constexpr std::size_t kNumbers = 128;
 constexpr std::size_t kBytesOfASignal = sizeof(double) + 4;
 constexpr std::size_t kMostSignals = (kMaximumChunk - kNumbers) / kBytesOfASignal;
 
+/// How long who waits for the disk waits until it looks again.
+constexpr std::chrono::milliseconds kPatience{1};
+
+/// Before there is a file.
 RecordingHeader with_signals(RecordingHeader header, const std::vector<devices::Signal>& signals) {
+  if (signals.size() > kMostSignals) {
+    throw std::runtime_error("the rack has too many signals for a recording");
+  }
   header.signal_names = names_of(signals);
   return header;
 }
@@ -42,9 +51,6 @@ SessionRecorder::SessionRecorder(rack::Rack& rack, const std::string& path, Reco
       values_(signals_.size()),
       file_(path, with_signals(std::move(header), signals_)),
       last_frames_(rack.segment_count()) {
-  if (signals_.size() > kMostSignals) {
-    throw std::runtime_error("the rack has too many signals for a recording");
-  }
   rack_.set_journal(this);
 }
 
@@ -76,6 +82,10 @@ bool SessionRecorder::begin(StepKind kind, std::size_t content) {
   }
   if (chunk_ == nullptr) {
     chunk_ = file_.take_empty();
+    while (chunk_ == nullptr && waits_for_disk_ && file_.good()) {
+      std::this_thread::sleep_for(kPatience);
+      chunk_ = file_.take_empty();
+    }
     chunk_began_ = time_;
   }
   if (chunk_ == nullptr) {
@@ -247,6 +257,17 @@ void SessionRecorder::fault_cleared(std::optional<std::uint64_t> id, base::SimTi
   if (begin(StepKind::fault_cleared)) {
     time(now);
     writer().number(id ? *id + 1 : 0);
+  }
+}
+
+void SessionRecorder::completed(const rack::DeviceStorage::Completion& completion,
+                                base::SimTime now) {
+  if (begin(StepKind::completion)) {
+    time(now);
+    ByteWriter out = writer();
+    out.number(completion.memory);
+    out.number(completion.version);
+    out.byte(completion.kept ? 1 : 0);
   }
 }
 

@@ -35,6 +35,10 @@ class SessionRecorder final : public rack::Journal {
   void mark(const std::string& name) override;
   [[nodiscard]] const std::vector<Mark>& marks() const { return marks_; }
 
+  /// Whether a disk that does not keep up holds up who does something to the rack: for racks that
+  /// run as fast as they compute. Otherwise the recording ends there.
+  void wait_for_disk(bool wait) { waits_for_disk_ = wait; }
+
   /// Ends the recording and waits for the disk; afterwards the rack tells it nothing more.
   void finish();
   /// Where the recording ends if the disk was too slow or full; never if it did not.
@@ -61,6 +65,7 @@ class SessionRecorder final : public rack::Journal {
   void release(std::size_t segment, base::SimTime now) override;
   void fault(const std::string& text, base::SimTime now) override;
   void fault_cleared(std::optional<std::uint64_t> id, base::SimTime now) override;
+  void completed(const rack::DeviceStorage::Completion& completion, base::SimTime now) override;
   void object_read(rack::DeviceAddress device, std::uint16_t index, std::uint8_t subindex) override;
   void object_written(rack::DeviceAddress device, std::uint16_t index, std::uint8_t subindex,
                       std::span<const std::byte> value, base::SimTime now) override;
@@ -84,6 +89,7 @@ class SessionRecorder final : public rack::Journal {
   base::SimTime next_signals_;
   base::SimTime broken_off_ = base::SimTime::never();
   bool finished_ = false;
+  bool waits_for_disk_ = false;
   std::vector<std::vector<std::byte>> last_frames_;  ///< by segment: the request before
   std::vector<std::byte> request_;                   ///< what frame_leaves() belongs to
   std::vector<Mark> marks_;

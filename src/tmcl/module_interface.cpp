@@ -68,7 +68,7 @@ void ModuleInterface::answer(const Telegram& telegram, base::SimTime now) {
     return;
   } else if (static_cast<Command>(request.command) == Command::get_firmware_version &&
              request.type == 0) {
-    send_version_text();
+    send_version_text(now);
     return;
   } else if (is_never_answered(request.command)) {
     obey_silently(request, now);
@@ -78,17 +78,17 @@ void ModuleInterface::answer(const Telegram& telegram, base::SimTime now) {
     reply.status = answer.status;
     reply.value = answer.value;
   }
-  port_->send(encode(reply));
+  port_->send(encode(reply), now);
 }
 
 // The only reply without checksum: host address and eight characters.
-void ModuleInterface::send_version_text() {
+void ModuleInterface::send_version_text(base::SimTime now) {
   const std::string& text = in_boot_loader() ? identity_.boot_loader_text : identity_.version_text;
   Telegram telegram{};
   telegram[0] = std::byte{kHostAddress};
   std::ranges::transform(text.substr(0, telegram.size() - 1), telegram.begin() + 1,
                          [](char character) { return static_cast<std::byte>(character); });
-  port_->send(telegram);
+  port_->send(telegram, now);
 }
 
 void ModuleInterface::obey_silently(const Request& request, base::SimTime now) {

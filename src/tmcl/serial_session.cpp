@@ -101,7 +101,7 @@ void SerialSession::serve(base::SimTime now) {
       take(byte, now);
     }
   }
-  send_event();
+  send_event(now);
 }
 
 void SerialSession::take(std::byte byte, base::SimTime now) {
@@ -118,7 +118,7 @@ void SerialSession::take(std::byte byte, base::SimTime now) {
       editor_.take(static_cast<char>(byte), addresses().module,
                    echo_mode_of(firmware_.configuration(GlobalParameter::ascii_mode)));
   if (event.echo) {
-    port_->send(std::array{static_cast<std::byte>(*event.echo)});
+    port_->send(std::array{static_cast<std::byte>(*event.echo)}, now);
   }
   if (event.complete && !answers()) {
     line_waits_ = true;
@@ -245,7 +245,7 @@ void SerialSession::send(std::span<const std::byte> bytes, base::SimTime now) {
   const std::int32_t pause =
       settings_.telegram_pause ? firmware_.configuration(GlobalParameter::telegram_pause) : 0;
   if (pause <= 0) {
-    port_->send(bytes);
+    port_->send(bytes, now);
     return;
   }
   std::ranges::copy(bytes, reply_.begin());
@@ -257,7 +257,7 @@ void SerialSession::flush(base::SimTime now) {
   finish(now);
   while (true) {
     if (holds_reply() && reply_due_ <= now) {
-      port_->send(std::span(reply_).first(reply_length_));
+      port_->send(std::span(reply_).first(reply_length_), now);
       reply_length_ = 0;
     }
     if ((!waiting_ && !line_waits_) || !answers()) {
@@ -294,10 +294,10 @@ void SerialSession::finish(base::SimTime now) {
   }
 }
 
-void SerialSession::send_event() {
+void SerialSession::send_event(base::SimTime now) {
   if (event_mask_ != 0 && !holds_reply() && firmware_.targets_reached(event_mask_)) {
     event_mask_ = 0;
-    port_->send(encode(event_));
+    port_->send(encode(event_), now);
   }
 }
 

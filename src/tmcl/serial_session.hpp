@@ -93,7 +93,7 @@ class SerialSession {
   void send(std::span<const std::byte> bytes, base::SimTime now);
   /// Sends the reply that is due, and answers what waited for that.
   void flush(base::SimTime now);
-  void send_event();
+  void send_event(base::SimTime now);
   [[nodiscard]] bool holds_reply() const { return reply_length_ != 0; }
   [[nodiscard]] bool answers() const { return !holds_reply() && !asked_ && !firmware_.busy(); }
   [[nodiscard]] Addresses addresses() const;

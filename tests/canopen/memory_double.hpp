@@ -14,10 +14,12 @@ class MemoryDouble final : public NonVolatileMemory {
     const auto found = images.find(group);
     return found == images.end() ? std::span<const std::byte>() : found->second;
   }
-  void store(std::uint8_t group, std::span<const std::byte> bytes) override {
+  void store(std::span<const GroupImage> given) override {
     ++orders;
-    if (next_status != Status::failed) {
-      images[group].assign(bytes.begin(), bytes.end());
+    for (const GroupImage& image : given) {
+      if (next_status != Status::failed) {
+        images[image.group].assign(image.bytes.begin(), image.bytes.end());
+      }
     }
   }
   [[nodiscard]] Status status() const override { return next_status; }

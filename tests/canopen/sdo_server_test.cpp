@@ -264,7 +264,7 @@ TEST(SdoServer, RefusalOfTheDictionary_ExplainsItself) {
 }
 
 /// Carries out a write when the test says so.
-class Disk final : public WriteCompletion {
+class Disk final : public dictionary::WriteCompletion {
  public:
   [[nodiscard]] std::optional<dictionary::Verdict> poll(const dictionary::Entry& entry,
                                                         base::SimTime) override {

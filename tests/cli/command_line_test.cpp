@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "cli/stator_program.hpp"
+#include "rack/kept_file.hpp"
 #include "source_paths.hpp"
 
 namespace stator {
@@ -169,6 +171,31 @@ TEST(CommandLine, DescribeRegistersOfAnUnknownControllerNamesThoseThereAre) {
   const Outcome outcome = stator("describe tmc8670 --registers --preset gold");
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.output, HasSubstr("tmc8670 --preset silicon"));
+}
+
+TEST(CommandLine, ExportWritesTheContentOfAKeptFileWithItsChanges) {
+  const std::string path = temporary("kept.eeprom");
+  const std::string image = temporary("image.bin");
+  const std::string before = "the first content";
+  const std::string after = "the later content";
+  auto file = rack::encode("eeprom", "X", std::as_bytes(std::span(before)));
+  rack::LogEnd end;
+  static_cast<void>(rack::decode(file, end));
+  const auto change =
+      rack::encode_change(std::as_bytes(std::span(before)), std::as_bytes(std::span(after)), end);
+  file.insert(file.end(), change.begin(), change.end());
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(file.data()), static_cast<std::streamsize>(file.size()));
+  EXPECT_EQ(stator("export content " + path + " -o " + image).status, 0);
+  EXPECT_EQ(content(image), after);
+  std::ofstream(path) << "\x1b[2Jsomething";
+  const Outcome damaged = stator("export content " + path);
+  EXPECT_EQ(damaged.status, 1);
+  EXPECT_THAT(damaged.output, HasSubstr(path + ": it is no file that Stator has kept"));
+  EXPECT_THAT(damaged.output, testing::Not(HasSubstr("\x1b")));
+  std::filesystem::remove(path);
+  std::filesystem::remove(image);
+  EXPECT_THAT(stator("export content " + path).output, HasSubstr("there is no such file"));
 }
 
 TEST(CommandLine, ExportWritesAnSiiImageAndAnEsiFile) {

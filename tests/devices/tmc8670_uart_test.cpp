@@ -25,7 +25,7 @@ class Wire final : public tmcl::SerialPort {
     waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(length));
     return length;
   }
-  void send(std::span<const std::byte> bytes) override {
+  void send(std::span<const std::byte> bytes, base::SimTime /*now*/) override {
     for (const std::byte byte : bytes) {
       sent.push_back(std::to_integer<std::uint8_t>(byte));
     }

@@ -34,7 +34,7 @@ class SerialCable final : public tmcl::SerialPort {
     }
     return count;
   }
-  void send(std::span<const std::byte> bytes) override {
+  void send(std::span<const std::byte> bytes, base::SimTime /*now*/) override {
     from_module_.insert(from_module_.end(), bytes.begin(), bytes.end());
   }
   void write(std::span<const std::byte> bytes) {

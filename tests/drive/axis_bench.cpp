@@ -137,11 +137,14 @@ void AxisBench::pass(base::SimDuration duration) {
 }
 
 void AxisBench::turn_shaft(std::int64_t microsteps) {
+  if (!index_mark) {
+    sensing_.encoder_count += microsteps;
+    return;
+  }
   const std::int64_t way = microsteps < 0 ? -1 : 1;
   for (; microsteps != 0; microsteps -= way) {
     sensing_.encoder_count += way;
-    sensing_.encoder_index =
-        index_mark && (sensing_.encoder_count - *index_mark) % kCountsPerRevolution == 0;
+    sensing_.encoder_index = (sensing_.encoder_count - *index_mark) % kCountsPerRevolution == 0;
     if (sensing_.encoder_index) {
       ++sensing_.encoder_index_passages;
       sensing_.encoder_index_count = sensing_.encoder_count;

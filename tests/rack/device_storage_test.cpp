@@ -232,14 +232,14 @@ TEST_F(DeviceStorageTest, DownloadThatCannotBeKept_EndsWithDiskFullAndTheOldImag
   process.download(Bytes(10, std::byte{1}));
   process.storage().flush(base::SimTime(1_s));
   process.storage().confirm_writes(true);
-  std::filesystem::create_directory(path_ + "/drive.firmware.new");
+  std::filesystem::rename(path_, path_ + ".away");
   EXPECT_TRUE(process.download(Bytes(20, std::byte{2})).in_progress);
   process.storage().wait();
   process.storage().service(base::SimTime(2_s));
   EXPECT_EQ(process.firmware().commit().error, FoeError::disk_full);
   EXPECT_EQ(process.image(), Bytes(10, std::byte{1}));
   EXPECT_EQ(process.log().count("storage-not-written"), 1U);
-  std::filesystem::remove(path_ + "/drive.firmware.new");
+  std::filesystem::rename(path_ + ".away", path_);
 }
 
 TEST_F(DeviceStorageTest, DamagedFile_IsRefusedWithReasonAndRemedy) {

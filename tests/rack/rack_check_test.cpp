@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "rack/kept_file.hpp"
+#include "rack/state_directory.hpp"
 #include "source_paths.hpp"
 
 namespace stator::rack {

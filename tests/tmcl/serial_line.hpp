@@ -27,7 +27,7 @@ class SerialLine final : public tmcl::SerialPort {
     }
     return length;
   }
-  void send(std::span<const std::byte> bytes) override {
+  void send(std::span<const std::byte> bytes, base::SimTime /*now*/) override {
     from_device.insert(from_device.end(), bytes.begin(), bytes.end());
   }
 

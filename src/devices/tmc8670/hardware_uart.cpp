@@ -76,7 +76,7 @@ void HardwareUart::answer(base::SimTime now) {
     }
   }
   sent_ = std::max(sent_, now) + datagram_time();
-  port_->send(datagram_);
+  port_->send(datagram_, now);
 }
 
 void HardwareUart::follow_speed(base::SimTime now) {

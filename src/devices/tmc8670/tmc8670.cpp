@@ -67,6 +67,7 @@ Tmc8670::Tmc8670(const Tmc8670Configuration& configuration, base::EventReporter 
       mcu_uart_(dictionary_, kFirmwareCapacity, reporter),
       error_register_(dictionary_.variable<std::uint8_t>(0x1001)),
       error_code_(dictionary_.variable<std::uint16_t>(0x603F)) {
+  stack_.set_write_completion(&storage_);
   dictionary_.on_read(0x100A, 0, dictionary::Entry::ReadHook::bind<&Tmc8670::show_version>(*this));
   controller_.set_event_reporter(reporter);
   controller_.load_sii(ethercat::build_sii_image(

@@ -12,13 +12,19 @@ constexpr auto kMotor = static_cast<std::uint8_t>(Group::motor);
 constexpr auto kPositionScale = static_cast<std::uint8_t>(Group::position_scale);
 }  // namespace
 
-void ParameterMemory::store(std::uint8_t group, std::span<const std::byte> bytes) {
-  ParameterImages::store(group, bytes);
-  if (group == kMotor) {
-    std::array<std::byte, 8> scale{};
-    base::store_le(scale, 0, std::bit_cast<std::uint64_t>(scale_()));
-    ParameterImages::store(kPositionScale, bytes.empty() ? std::span<const std::byte>() : scale);
+void ParameterMemory::store(std::span<const GroupImage> images) {
+  std::array<std::byte, 8> scale{};
+  std::array<GroupImage, kImages> order;
+  std::size_t count = 0;
+  for (const GroupImage& image : images) {
+    order.at(count++) = image;
+    if (image.group == kMotor) {
+      base::store_le(scale, 0, std::bit_cast<std::uint64_t>(scale_()));
+      const bool clears = image.bytes.empty();
+      order.at(count++) = {kPositionScale, clears ? std::span<const std::byte>() : scale};
+    }
   }
+  ParameterImages::store(std::span(order).first(count));
 }
 
 double ParameterMemory::position_scale() const {

@@ -17,7 +17,8 @@ class ParameterMemory final : public ParameterImages {
   using ScaleQuery = base::Delegate<double()>;
   explicit ParameterMemory(ScaleQuery scale) : scale_(scale) {}
 
-  void store(std::uint8_t group, std::span<const std::byte> bytes) override;
+  using ParameterImages::store;
+  void store(std::span<const GroupImage> images) override;
 
   /// The position scale that was stored; 1 if none was.
   [[nodiscard]] double position_scale() const;
