@@ -27,7 +27,7 @@ BoardMemory::BoardMemory(DeviceStorage& storage, const std::string& device,
       fail(fmt::format("it holds {} bytes, its part \"{}\" has {}", kept->size(), part.name,
                        part_.content().size()));
     }
-    reporter.report({}, rules::kBoardMemoryRestored, {base::EventArgument(path())});
+    reporter.report({}, rules::kBoardMemoryRestored, {base::SharedText(path())});
   }
   part_.connect(this);
 }
