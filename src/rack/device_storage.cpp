@@ -46,12 +46,14 @@ class DeviceStorage::Member {
   virtual void finish(const BackgroundWriter::Result& result, base::SimTime now) = 0;
 
   void handle(const BackgroundWriter::Result& result, base::SimTime now) {
-    if (!result.error.empty()) {
-      error_ = result.error;
+    error_ = result.error;
+    if (!error_.empty()) {
       reporter_.report(now, rules::kNotWritten, {EventArgument(error_)});
     }
     finish(result, now);
   }
+  /// What went wrong when its file was last written; empty: nothing.
+  [[nodiscard]] const std::string& error() const { return error_; }
 
  protected:
   [[nodiscard]] std::string file_of(std::string_view kind) const {
@@ -68,10 +70,11 @@ class DeviceStorage::Member {
   }
 
   [[noreturn]] void fail(const std::string& path, const std::string& reason) const {
-    throw std::runtime_error(
-        fmt::format("{}: device \"{}\" cannot start from this file: {}. Delete it to start without "
-                    "it, restore a copy, or name another state directory",
-                    path, name_, reason));
+    throw std::runtime_error(fmt::format(
+        "{}: device \"{}\" cannot start from this file: {}. Delete it to start without "
+        "it, or move it to {}.damaged to keep it aside; restore a copy, or name another "
+        "state directory",
+        path, name_, reason, path));
   }
 
   /// The content of one file; empty if there is none.
@@ -293,6 +296,16 @@ void DeviceStorage::flush(base::SimTime now) {
   }
   writer_.wait();
   handle_results(now);
+}
+
+std::vector<std::string> DeviceStorage::unkept() const {
+  std::vector<std::string> errors;
+  for (const auto& member : members_) {
+    if (!member->error().empty()) {
+      errors.push_back(member->error());
+    }
+  }
+  return errors;
 }
 
 void DeviceStorage::handle_results(base::SimTime now) {

@@ -59,6 +59,8 @@ class DeviceStorage {
   void wait() { writer_.wait(); }
   /// Writes what has changed and waits until it is on the disk.
   void flush(base::SimTime now);
+  /// Why, for each file that is not what its device takes for kept.
+  [[nodiscard]] std::vector<std::string> unkept() const;
 
  private:
   class Member;
