@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <CLI/CLI.hpp>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/logger.h>
 
@@ -17,7 +18,9 @@
 #include "cli/run_options.hpp"
 #include "cli/run_report.hpp"
 #include "cli/stop_signals.hpp"
+#include "link/file_descriptor.hpp"
 #include "link/machine.hpp"
+#include "rack/directory_place.hpp"
 #include "rack/runner.hpp"
 #include "rack/shared_addresses.hpp"
 
@@ -33,6 +36,23 @@ void print_trace_end(const rack::PinTrace& trace, const std::string& file) {
   fmt::print("\n");
   if (!trace.good()) {
     throw Failure(fmt::format("tracing to {} failed; is the disk full?", file));
+  }
+}
+
+/// Throws Failure if something is not on the disk that a device has been told to keep, or nothing
+/// is where the next start looks for it. `state`: the directory as it was at the start.
+void require_kept(rack::Rack& rack, const std::string& path, const link::FileDescriptor& state) {
+  if (rack.storage() == nullptr) {
+    return;
+  }
+  if (const std::string gone = rack::displacement(state.get(), path); !gone.empty()) {
+    throw Failure(fmt::format(
+        "{}: the state directory {}; the next start will not find there what devices have kept",
+        path, gone));
+  }
+  if (const auto unkept = rack.storage()->unkept(); !unkept.empty()) {
+    throw Failure(fmt::format("not everything is kept that devices should keep:\n  {}",
+                              fmt::join(unkept, "\n  ")));
   }
 }
 
@@ -70,6 +90,8 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
     logger->warn("{}", warning);
   }
   rack::Rack rack(configuration, log);
+  const link::FileDescriptor state(
+      ::open(configuration.state.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
   LiveSession session(configuration.state);
   if (header) {
     session.record(rack, options.record, std::move(*header));
@@ -107,6 +129,9 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
     web.server->stop();
   }
   runner.stop();
+  if (rack.storage() != nullptr) {
+    rack.storage()->flush(runner.now());
+  }
   print_end(configuration, rack, runner);
   if (rack.trace() != nullptr) {
     rack.trace()->finish(runner.now());
@@ -117,6 +142,7 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
         fmt::format("recording to {} failed; is the disk full?", configuration.record->file));
   }
   session.finish();
+  require_kept(rack, configuration.state, state);
   return session.wished();
 }
 
