@@ -30,9 +30,11 @@ class Memory final : public canopen::NonVolatileMemory {
     const auto found = images.find(group);
     return found == images.end() ? std::span<const std::byte>() : found->second;
   }
-  void store(std::uint8_t group, std::span<const std::byte> bytes) override {
+  void store(std::span<const GroupImage> order) override {
     ++orders;
-    images[group].assign(bytes.begin(), bytes.end());
+    for (const GroupImage& image : order) {
+      images[image.group].assign(image.bytes.begin(), image.bytes.end());
+    }
   }
   [[nodiscard]] Status status() const override { return Status::ready; }
 
