@@ -8,6 +8,7 @@
 namespace stator::canopen {
 namespace {
 
+using namespace base::literals;
 using Status = NonVolatileMemory::Status;
 
 constexpr std::array<ParameterRange, 1> kCommunication{{{0x1000, 0x1FFF}}};
@@ -33,8 +34,9 @@ struct Bench : test::TestDictionary {
     dictionary.reset_values();
     storage.load({});
   }
-  std::optional<dictionary::Verdict> poll(std::uint16_t index, std::uint8_t subindex) {
-    return storage.poll(*dictionary.find(index, subindex), {});
+  std::optional<dictionary::Verdict> poll(std::uint16_t index, std::uint8_t subindex,
+                                          base::SimTime now = {}) {
+    return storage.poll(*dictionary.find(index, subindex), now);
   }
 
   CountingSink sink;
@@ -112,11 +114,41 @@ TEST(ParameterStorage, Write_IsCompleteWhenTheMemorySaysSo) {
   bench.write(0x1010, 4, kSaveSignature);
   bench.memory.next_status = Status::busy;
   EXPECT_FALSE(bench.poll(0x1010, 4).has_value());
+  EXPECT_FALSE(bench.poll(0x1010, 4, base::SimTime(1_s)).has_value());
   EXPECT_EQ(bench.write(0x1010, 4, kSaveSignature), 0x08000022U) << "one order at a time";
   bench.memory.next_status = Status::ready;
-  const auto done = bench.poll(0x1010, 4);
+  const auto done = bench.poll(0x1010, 4, base::SimTime(1_s));
   ASSERT_TRUE(done.has_value());
   EXPECT_TRUE(done->has_value());
+}
+
+TEST(ParameterStorage, MemoryThatIsQuick_StillTakesItsWriteTime) {
+  Bench bench;
+  const base::SimTime begin(3_ms);
+  bench.write(0x1010, 1, kSaveSignature);
+  bench.memory.next_status = Status::busy;
+  EXPECT_FALSE(bench.poll(0x1010, 1, begin).has_value());
+  bench.memory.next_status = Status::ready;
+  EXPECT_FALSE(bench.poll(0x1010, 1, begin + 5_ms - 1_ns).has_value());
+  EXPECT_TRUE(bench.poll(0x1010, 1, begin + 5_ms).has_value());
+}
+
+TEST(ParameterStorage, MemoryThatIsNeverBusy_IsAnsweredAtOnce) {
+  Bench bench;
+  bench.write(0x1010, 1, kSaveSignature);
+  EXPECT_TRUE(bench.poll(0x1010, 1, base::SimTime(3_ms)).has_value());
+}
+
+TEST(ParameterStorage, CommandForSeveralGroups_IsOneOrder) {
+  Bench bench;
+  bench.write(0x1010, 1, kSaveSignature);
+  EXPECT_EQ(bench.memory.orders, 1);
+  EXPECT_FALSE(bench.memory.images[2].empty());
+  EXPECT_FALSE(bench.memory.images[4].empty());
+  bench.write(0x1011, 1, kLoadSignature);
+  EXPECT_EQ(bench.memory.orders, 2);
+  EXPECT_TRUE(bench.memory.images[2].empty());
+  EXPECT_TRUE(bench.memory.images[4].empty());
 }
 
 TEST(ParameterStorage, FailingMemory_IsAHardwareError) {

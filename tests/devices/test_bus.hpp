@@ -134,6 +134,36 @@ class TestBus {
     return Bytes(8, std::byte{0x80});
   }
 
+  /// Puts an SDO request into the mailbox.
+  void send_mailbox(std::span<const std::byte> sdo_request) {
+    const ethercat::MailboxArea area = device_.description().receive_mailbox;
+    counter_ = static_cast<std::uint8_t>(counter_ % 7 + 1);
+    Bytes mailbox(area.length);
+    base::store_le(mailbox, 0, static_cast<std::uint16_t>(2 + sdo_request.size()));
+    mailbox[5] = static_cast<std::byte>(0x03 | (counter_ << 4));
+    base::store_le(mailbox, 6, static_cast<std::uint16_t>(0x2000));
+    std::ranges::copy(sdo_request, mailbox.begin() + 8);
+    EXPECT_TRUE(write(area.offset, mailbox));
+  }
+
+  /// The SDO part of a waiting response; empty if none waits. Emergencies are put aside.
+  Bytes receive_mailbox() {
+    const ethercat::MailboxArea area = device_.description().transmit_mailbox;
+    while ((read(0x080D, 1)[0] & std::byte{0x08}) != std::byte{0}) {
+      const Bytes mailbox = read(area.offset, area.length);
+      const auto length = base::load_le<std::uint16_t>(mailbox, 0);
+      const unsigned service = base::load_le<std::uint16_t>(mailbox, 6) >> 12U;
+      if (service != 1) {
+        return {mailbox.begin() + 8, mailbox.begin() + 6 + length};
+      }
+      Emergency emergency{};
+      std::transform(mailbox.begin() + 8, mailbox.begin() + 16, emergency.begin(),
+                     [](std::byte b) { return std::to_integer<std::uint8_t>(b); });
+      emergencies_.push_back(emergency);
+    }
+    return {};
+  }
+
   /// Emergencies that have come since the last call.
   std::vector<Emergency> take_emergencies() {
     for (int idle = 0; idle < 3; ++idle) {
@@ -175,35 +205,6 @@ class TestBus {
     registers[4] = std::byte{control};
     registers[6] = std::byte{1};
     EXPECT_TRUE(write(static_cast<std::uint16_t>(0x0800 + 8 * channel), registers));
-  }
-
-  void send_mailbox(std::span<const std::byte> sdo_request) {
-    const ethercat::MailboxArea area = device_.description().receive_mailbox;
-    counter_ = static_cast<std::uint8_t>(counter_ % 7 + 1);
-    Bytes mailbox(area.length);
-    base::store_le(mailbox, 0, static_cast<std::uint16_t>(2 + sdo_request.size()));
-    mailbox[5] = static_cast<std::byte>(0x03 | (counter_ << 4));
-    base::store_le(mailbox, 6, static_cast<std::uint16_t>(0x2000));
-    std::ranges::copy(sdo_request, mailbox.begin() + 8);
-    EXPECT_TRUE(write(area.offset, mailbox));
-  }
-
-  /// The SDO part of a waiting response; empty if none waits. Emergencies are put aside.
-  Bytes receive_mailbox() {
-    const ethercat::MailboxArea area = device_.description().transmit_mailbox;
-    while ((read(0x080D, 1)[0] & std::byte{0x08}) != std::byte{0}) {
-      const Bytes mailbox = read(area.offset, area.length);
-      const auto length = base::load_le<std::uint16_t>(mailbox, 0);
-      const unsigned service = base::load_le<std::uint16_t>(mailbox, 6) >> 12U;
-      if (service != 1) {
-        return {mailbox.begin() + 8, mailbox.begin() + 6 + length};
-      }
-      Emergency emergency{};
-      std::transform(mailbox.begin() + 8, mailbox.begin() + 16, emergency.begin(),
-                     [](std::byte b) { return std::to_integer<std::uint8_t>(b); });
-      emergencies_.push_back(emergency);
-    }
-    return {};
   }
 
   devices::EtherCatDevice& device_;

@@ -163,6 +163,49 @@ TEST_F(Tmc8670Network, AHotJunctionIsToldAndABrokenOneStopsTheChip) {
   EXPECT_EQ(told_.count("absolute maximum"), 1);
 }
 
+/// Takes as long, and fails, as a test wants.
+class SlowMemory final : public canopen::NonVolatileMemory {
+ public:
+  [[nodiscard]] std::span<const std::byte> image(std::uint8_t /*group*/) const override {
+    return {};
+  }
+  void store(std::span<const GroupImage> images) override {
+    ++orders;
+    groups += images.size();
+    present = Status::busy;
+  }
+  [[nodiscard]] Status status() const override { return present; }
+  Status present = Status::ready;
+  int orders = 0;
+  std::size_t groups = 0;
+};
+
+TEST_F(Tmc8670Network, StoringIsAnsweredWhenItIsDoneAndProcessDataGoOnMeanwhile) {
+  SlowMemory memory;
+  device_->connect_memory(memory);
+  go_operational();
+  for (const auto& [end, code] :
+       {std::pair{SlowMemory::Status::ready, 0x00U}, {SlowMemory::Status::failed, 0x06060000U}}) {
+    const std::array request{std::byte{0x23}, std::byte{0x10}, std::byte{0x10}, std::byte{1},
+                             std::byte{'s'},  std::byte{'a'},  std::byte{'v'},  std::byte{'e'}};
+    bus_->send_mailbox(request);
+    for (int cycle = 0; cycle < 100; ++cycle) {
+      bus_->exchange();
+      bus_->pass(1_ms);
+      ASSERT_TRUE(bus_->receive_mailbox().empty()) << "not done after " << cycle << " cycles";
+    }
+    memory.present = end;
+    bus_->pass(1_ms);
+    const Bytes answer = bus_->receive_mailbox();
+    ASSERT_EQ(answer.size(), 8U);
+    EXPECT_EQ(answer[0], code == 0 ? std::byte{0x60} : std::byte{0x80});
+    EXPECT_EQ(base::load_le<std::uint32_t>(answer, 4), code);
+    EXPECT_EQ(base::load_le<std::uint16_t>(bus_->read(0x0130, 2)), 8U) << "still Operational";
+  }
+  EXPECT_EQ(memory.orders, 2) << "all groups together";
+  EXPECT_EQ(memory.groups, 6U);
+}
+
 TEST_F(Tmc8670Network, StoredParametersSurviveTheSupplyAndRestoredOnesAreTheDefaults) {
   bus_->bring_to(AlState::pre_operational);
   EXPECT_EQ(bus_->download<std::uint32_t>(0x1010, 1, 1), 0x08000020U) << "not the signature";

@@ -151,8 +151,10 @@ TEST(Tmcc160Storage, WhatIsInTheRacksMemoryCountsFromPowerOn) {
     [[nodiscard]] std::span<const std::byte> image(std::uint8_t group) const override {
       return images.at(group);
     }
-    void store(std::uint8_t group, std::span<const std::byte> bytes) override {
-      images.at(group).assign(bytes.begin(), bytes.end());
+    void store(std::span<const GroupImage> order) override {
+      for (const GroupImage& image : order) {
+        images.at(image.group).assign(image.bytes.begin(), image.bytes.end());
+      }
     }
     [[nodiscard]] Status status() const override { return Status::ready; }
     std::array<std::vector<std::byte>, 8> images;

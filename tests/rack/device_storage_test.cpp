@@ -1,10 +1,12 @@
 #include "rack/device_storage.hpp"
 
+#include <array>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -30,14 +32,32 @@ using testing::HasSubstr;
 using Bytes = std::vector<std::byte>;
 
 constexpr std::uint32_t kAliasWord = 4;
+constexpr unsigned kBusy = 0x8000;
+constexpr unsigned kNoAcknowledge = 0x2000;
+constexpr std::size_t kEepromNumber = 0;  ///< of a TMCM-3315's memories
+
+/// The EEPROM file of a directory that another process uses, as the next start would find it.
+class Copy {
+ public:
+  explicit Copy(const std::string& directory) {
+    std::filesystem::copy(directory, folder_.path() + "/state");
+    std::filesystem::remove(folder_.path() + "/state/lock");
+  }
+  [[nodiscard]] Bytes content() const;
+
+ private:
+  tests::TemporaryDirectory folder_;
+};
 
 /// One module with a storage, as a process has them; destroying it is the orderly end.
 class Process {
  public:
-  explicit Process(const std::string& directory,
-                   const devices::Tmcm3315Configuration& configuration = {})
+  explicit Process(
+      const std::string& directory, const devices::Tmcm3315Configuration& configuration = {},
+      DeviceStorage::Completions completions = DeviceStorage::Completions::when_durable)
       : device_(configuration), bus_(device_), storage_(directory) {
     log_.set_device_names({"drive"});
+    storage_.set_completions(completions);
     storage_.attach("drive", device_, base::EventReporter(&log_, 0));
   }
 
@@ -52,15 +72,35 @@ class Process {
     return base::load_le<std::uint16_t>(bus_.read(0x0012, 2));
   }
 
-  /// One word, as a master writes it.
+  /// Waits for the disk, as a rack does in lockstep; how many completions came.
+  std::size_t finish() {
+    const auto completions = storage_.wait_for_completions(bus_.now());
+    for (const DeviceStorage::Completion& completion : completions) {
+      EXPECT_TRUE(storage_.complete(completion, bus_.now()));
+    }
+    return completions.size();
+  }
+  [[nodiscard]] unsigned sii_status() {
+    return base::load_le<std::uint16_t>(bus_.read(0x0502, 2)) & 0xF800U;
+  }
+  [[nodiscard]] std::uint16_t kept_word(std::uint32_t word) {
+    return base::load_le<std::uint16_t>(sii(), std::size_t{2} * word);
+  }
+
+  /// One word, as a master writes it, until the device is no longer busy.
   void write_sii(std::uint32_t word, std::uint16_t value) {
+    order_sii(word, value);
+    finish();
+    bus_.pass(1_ms);
+  }
+  void order_sii(std::uint32_t word, std::uint16_t value) {
     Bytes registers(8);
     base::store_le(registers, 0, std::uint16_t{0x0201});
     base::store_le(registers, 2, word);
     base::store_le(registers, 6, value);
     ASSERT_TRUE(bus_.write(0x0502, registers));
-    bus_.pass(1_ms);
   }
+  void pass(base::SimDuration duration) { bus_.pass(duration); }
   void write_alias(std::uint16_t alias) {
     write_sii(kAliasWord, alias);
     write_sii(7, ethercat::sii_checksum(sii()));
@@ -80,8 +120,30 @@ class Process {
   DeviceStorage storage_;
 };
 
+Bytes Copy::content() const {
+  return Process(folder_.path() + "/state").sii();
+}
+
 class DeviceStorageTest : public testing::Test {
  protected:
+  ~DeviceStorageTest() override { bring_directory_back(); }
+  /// From now on nothing can be written.
+  void take_directory_away() {
+    for (const char* kind : kKinds) {
+      std::filesystem::create_directory(path_ + "/drive." + kind + ".new");
+    }
+    std::filesystem::rename(path_, path_ + ".away");
+    away_ = true;
+  }
+  void bring_directory_back() {
+    if (!std::exchange(away_, false)) {
+      return;
+    }
+    std::filesystem::rename(path_ + ".away", path_);
+    for (const char* kind : kKinds) {
+      std::filesystem::remove(path_ + "/drive." + kind + ".new");
+    }
+  }
   [[nodiscard]] bool exists(const std::string& name) const {
     return std::filesystem::exists(path_ + "/" + name);
   }
@@ -102,6 +164,10 @@ class DeviceStorageTest : public testing::Test {
 
   tests::TemporaryDirectory temporary_;
   std::string path_ = temporary_.path() + "/state";
+
+ private:
+  static constexpr std::array kKinds{"eeprom", "firmware", "parameters"};
+  bool away_ = false;
 };
 
 TEST_F(DeviceStorageTest, WithoutFiles_TheDeviceStartsFromItsOwnAndNothingIsWritten) {
@@ -156,46 +222,45 @@ TEST_F(DeviceStorageTest, AliasOfTheRackFileAgainstAKeptOne_LosesAndIsTold) {
               AllOf(HasSubstr("alias 5 of the rack file"), HasSubstr("has alias 4660")));
 }
 
-TEST_F(DeviceStorageTest, EepromFile_FollowsWhenNoWordHasComeForTheQuietTime) {
+TEST_F(DeviceStorageTest, EepromWord_IsBusyUntilItIsOnTheDisk) {
   Process process(path_);
-  base::SimTime now(1_s);
-  for (std::uint16_t i = 0; i < 10; ++i) {
-    process.write_sii(0x60 + i, i);
-    process.storage().service(now);
-    now += DeviceStorage::kQuietTime - 1_ns;
-    process.storage().service(now);
-    process.storage().wait();
-    EXPECT_FALSE(exists("drive.eeprom")) << "in the middle of a series of writes";
-  }
-  process.storage().service(now + 1_ns);
-  process.storage().wait();
-  EXPECT_TRUE(exists("drive.eeprom"));
+  process.order_sii(0x60, 0x1234);
+  process.pass(100_ms);
+  EXPECT_EQ(process.sii_status(), kBusy);
+  EXPECT_TRUE(process.storage().busy());
+  EXPECT_EQ(process.finish(), 1U);
+  EXPECT_EQ(process.sii_status(), 0U);
+  EXPECT_FALSE(process.storage().busy());
+  EXPECT_EQ(process.kept_word(0x60), 0x1234);
+  EXPECT_EQ(Copy(path_).content(), process.sii()) << "and the file has it";
+  EXPECT_EQ(process.finish(), 0U) << "it ends once";
 }
 
-TEST_F(DeviceStorageTest, EepromFileThatCannotBeWritten_IsToldAndTriedAgain) {
+TEST_F(DeviceStorageTest, EepromWordThatCannotBeKept_IsNotAcknowledgedAndTold) {
   Process process(path_);
-  std::filesystem::create_directory(path_ + "/drive.eeprom.new");
-  process.write_alias(7);
-  const base::SimTime start(1_s);
-  process.storage().service(start);
-  process.storage().service(start + DeviceStorage::kQuietTime);
-  process.storage().wait();
-  const base::SimTime failed = start + 200_ms;
-  process.storage().service(failed);
+  process.write_sii(0x60, 1);
+  const Bytes before = process.sii();
+  take_directory_away();
+  process.write_sii(0x60, 2);
+  EXPECT_EQ(process.sii_status(), kNoAcknowledge);
+  EXPECT_EQ(process.sii(), before);
   ASSERT_EQ(process.log().count("storage-not-written"), 1U);
-  EXPECT_THAT(process.log().line(process.log().events().back()),
-              HasSubstr("drive.eeprom: cannot write the file"));
-  std::filesystem::remove(path_ + "/drive.eeprom.new");
-  process.storage().service(failed + DeviceStorage::kRetryTime);
-  process.storage().wait();
-  EXPECT_TRUE(exists("drive.eeprom"));
+  EXPECT_THAT(process.log().line(process.log().events().back()), HasSubstr("drive.eeprom"));
+  EXPECT_TRUE(process.storage().unkept().empty()) << "the master knows";
+  bring_directory_back();
+  EXPECT_EQ(Copy(path_).content(), before);
+  process.write_sii(0x60, 3);
+  EXPECT_EQ(process.sii_status(), 0U);
+  EXPECT_EQ(process.kept_word(0x60), 3U);
 }
 
 TEST_F(DeviceStorageTest, FirmwareImage_IsThereAfterARestart) {
   const Bytes image(100'000, std::byte{0x5A});
   {
     Process process(path_);
-    const auto commit = process.download(image);
+    EXPECT_TRUE(process.download(image).in_progress);
+    process.finish();
+    const auto commit = process.firmware().commit();
     EXPECT_FALSE(commit.in_progress);
     EXPECT_EQ(commit.error, FoeError::none);
   }
@@ -214,15 +279,22 @@ TEST_F(DeviceStorageTest, UnfinishedDownload_IsGoneAfterARestart) {
   EXPECT_EQ(Process(path_).image(), Bytes(10, std::byte{1}));
 }
 
-TEST_F(DeviceStorageTest, ConfirmedDownload_EndsWhenItIsOnTheDisk) {
+TEST_F(DeviceStorageTest, OrderThatTheEndOfTheRunOvertakes_IsOnTheDiskAllTheSame) {
+  {
+    Process process(path_);
+    process.download(Bytes(10, std::byte{1}));
+  }
+  EXPECT_EQ(Process(path_).image(), Bytes(10, std::byte{1}));
+}
+
+TEST_F(DeviceStorageTest, Download_EndsWhenItIsOnTheDisk) {
   Process process(path_);
-  process.storage().confirm_writes(true);
   EXPECT_TRUE(process.download(Bytes(10, std::byte{1})).in_progress);
   EXPECT_TRUE(process.image().empty());
-  process.storage().wait();
+  process.storage().flush(base::SimTime(1_s));
   EXPECT_TRUE(exists("drive.firmware"));
-  EXPECT_TRUE(process.firmware().commit().in_progress) << "not looked at yet";
-  process.storage().service(base::SimTime(1_s));
+  EXPECT_TRUE(process.firmware().commit().in_progress) << "the device has not heard of it";
+  EXPECT_EQ(process.finish(), 1U);
   EXPECT_FALSE(process.firmware().commit().in_progress);
   EXPECT_EQ(process.image(), Bytes(10, std::byte{1}));
 }
@@ -230,16 +302,51 @@ TEST_F(DeviceStorageTest, ConfirmedDownload_EndsWhenItIsOnTheDisk) {
 TEST_F(DeviceStorageTest, DownloadThatCannotBeKept_EndsWithDiskFullAndTheOldImageStays) {
   Process process(path_);
   process.download(Bytes(10, std::byte{1}));
-  process.storage().flush(base::SimTime(1_s));
-  process.storage().confirm_writes(true);
-  std::filesystem::rename(path_, path_ + ".away");
+  process.finish();
+  take_directory_away();
   EXPECT_TRUE(process.download(Bytes(20, std::byte{2})).in_progress);
-  process.storage().wait();
-  process.storage().service(base::SimTime(2_s));
+  process.finish();
   EXPECT_EQ(process.firmware().commit().error, FoeError::disk_full);
   EXPECT_EQ(process.image(), Bytes(10, std::byte{1}));
   EXPECT_EQ(process.log().count("storage-not-written"), 1U);
-  std::filesystem::rename(path_ + ".away", path_);
+  EXPECT_TRUE(process.storage().unkept().empty());
+  bring_directory_back();
+}
+
+TEST_F(DeviceStorageTest, OrdersThatCountAtOnce_AreTriedAgainAndMissedAtTheEnd) {
+  Process process(path_, {}, DeviceStorage::Completions::at_once);
+  take_directory_away();
+  EXPECT_FALSE(process.download(Bytes(10, std::byte{1})).in_progress);
+  EXPECT_FALSE(process.storage().busy());
+  process.storage().flush(base::SimTime(1_s));
+  ASSERT_EQ(process.storage().unkept().size(), 1U);
+  EXPECT_THAT(process.storage().unkept().front(), HasSubstr("drive.firmware"));
+  const auto told = process.log().count("storage-not-written");
+  process.storage().service(base::SimTime(1_s) + DeviceStorage::kRetryTime - 1_ns);
+  bring_directory_back();
+  process.storage().service(base::SimTime(1_s) + DeviceStorage::kRetryTime);
+  EXPECT_EQ(process.finish(), 0U) << "the device has taken it for kept long ago";
+  EXPECT_TRUE(process.storage().unkept().empty());
+  EXPECT_EQ(process.log().count("storage-not-written"), told);
+  EXPECT_TRUE(exists("drive.firmware"));
+}
+
+TEST_F(DeviceStorageTest, RecordedFailure_IsTheDevicesAndTheFilesWhateverThisDiskDid) {
+  Process process(path_, {}, DeviceStorage::Completions::recorded);
+  process.order_sii(0x60, 1);
+  EXPECT_TRUE(process.storage().complete({kEepromNumber, 1, true}, {}));
+  process.pass(1_ms);
+  const Bytes before = process.sii();
+  process.order_sii(0x60, 2);
+  process.storage().flush({});
+  EXPECT_NE(Copy(path_).content(), before);
+  EXPECT_TRUE(process.storage().complete({kEepromNumber, 2, false}, {}));
+  process.pass(1_ms);
+  EXPECT_EQ(process.sii_status(), kNoAcknowledge);
+  EXPECT_EQ(process.sii(), before);
+  process.storage().flush({});
+  EXPECT_EQ(Copy(path_).content(), before);
+  EXPECT_FALSE(process.storage().complete({99, 1, true}, {}));
 }
 
 TEST_F(DeviceStorageTest, DamagedFile_IsRefusedWithReasonAndRemedy) {
@@ -281,7 +388,6 @@ TEST_F(DeviceStorageTest, KilledAtAnyMoment_TheNextStartFindsACompleteEeprom) {
       Process process(path_);
       for (std::uint16_t alias = 1;; ++alias) {
         process.write_alias(alias);
-        process.storage().flush(base::SimTime(1_s));
         if (::write(announcements[1], "x", 1) != 1) {
           ::_exit(1);
         }
@@ -317,7 +423,9 @@ TEST_F(DeviceStorageTest, Rack_KeepsEachDeviceUnderItsName) {
     devices::FirmwareMemory& firmware = *rack.devices(0)[1].device->firmware();
     ASSERT_EQ(firmware.open_for_writing("x"), FoeError::none);
     ASSERT_EQ(firmware.append(Bytes(5, std::byte{9})), FoeError::none);
-    ASSERT_FALSE(firmware.commit().in_progress);
+    ASSERT_TRUE(firmware.commit().in_progress);
+    rack.advance(base::SimTime(1_ms));
+    ASSERT_FALSE(firmware.commit().in_progress) << "time moves when it is kept";
   }
   EXPECT_TRUE(exists("right%2Fhand.firmware"));
   EventLog log;
