@@ -58,6 +58,38 @@ void members(Coder& coder, SegmentFaultEvent& event) {
   coder(event.fault.frames);
 }
 
+/// In the number of an event: it has further members, which the first recordings did not have
+/// and which are there only if one of them is not as it is by itself.
+constexpr std::uint64_t kHasFurther = 0x20;
+
+template <typename Coder, typename Event>
+void further_members(Coder& /*coder*/, Event& /*event*/) {}
+template <typename Coder>
+void further_members(Coder& coder, FrameFaultEvent& event) {
+  coder(event.fault.probability);
+  coder(event.fault.seed);
+}
+template <typename Coder>
+void further_members(Coder& coder, SegmentFaultEvent& event) {
+  coder(event.fault.delay);
+  coder(event.fault.probability);
+  coder(event.fault.seed);
+}
+
+template <typename Event>
+bool has_further(const Event& /*event*/) {
+  return false;
+}
+bool has_further(const FrameFaultEvent& event) {
+  const can::FrameFault other;
+  return event.fault.probability != other.probability || event.fault.seed != other.seed;
+}
+bool has_further(const SegmentFaultEvent& event) {
+  const ethercat::FrameFault other;
+  return event.fault.delay != other.delay || event.fault.probability != other.probability ||
+         event.fault.seed != other.seed;
+}
+
 struct Writing {
   ByteWriter& writer;
 
@@ -107,14 +139,17 @@ struct Reading {
 };
 
 template <std::size_t Index = 0>
-std::optional<rack::RackEvent> read_alternative(ByteReader& reader, std::uint64_t index) {
+std::optional<rack::RackEvent> read_alternative(ByteReader& reader, std::uint64_t number) {
   if constexpr (Index < std::variant_size_v<rack::RackEvent>) {
-    if (index != Index) {
-      return read_alternative<Index + 1>(reader, index);
+    if ((number & ~kHasFurther) != Index) {
+      return read_alternative<Index + 1>(reader, number);
     }
     std::variant_alternative_t<Index, rack::RackEvent> event{};
     Reading reading{reader};
     members(reading, event);
+    if ((number & kHasFurther) != 0) {
+      further_members(reading, event);
+    }
     return reader.good() ? std::optional<rack::RackEvent>(event) : std::nullopt;
   } else {
     return std::nullopt;
@@ -138,11 +173,15 @@ rack::DeviceAddress read_device(ByteReader& reader) {
 }
 
 void write_event(ByteWriter& writer, const rack::RackEvent& event) {
-  writer.number(event.index());
   std::visit(
-      [&writer](auto copy) {
+      [&writer, number = std::uint64_t{event.index()}](auto copy) {
+        const bool further = has_further(copy);
+        writer.number(number | (further ? kHasFurther : 0));
         Writing writing{writer};
         members(writing, copy);
+        if (further) {
+          further_members(writing, copy);
+        }
       },
       event);
 }

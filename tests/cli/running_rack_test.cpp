@@ -208,6 +208,21 @@ TEST_F(RecordedRack, KeepsFilesThatLieAroundItsFolder) {
   EXPECT_EQ(std::stod(last.substr(last.find(',') + 1)), 1.0) << "its program has set the output";
 }
 
+TEST_F(RecordedRack, ThatWasCutIsReplayedUpToThereWithAStatusOfItsOwn) {
+  const tests::Outcome run = tests::stator("run " + rack("../programs/switch.tmc") +
+                                           " --duration 300ms --record " + recording_);
+  EXPECT_EQ(run.status, 0) << run.output;
+  std::filesystem::resize_file(recording_, std::filesystem::file_size(recording_) - 3);
+  const tests::Outcome cut = tests::stator("replay " + recording_);
+  EXPECT_EQ(cut.status, 3) << cut.output;
+  EXPECT_THAT(cut.output, HasSubstr("replayed to the bit up to the cut at 0."));
+  EXPECT_THAT(cut.output, HasSubstr("cut off within a chunk"));
+  std::filesystem::resize_file(recording_, 0);
+  const tests::Outcome empty = tests::stator("replay " + recording_);
+  EXPECT_EQ(empty.status, 1);
+  EXPECT_THAT(empty.output, HasSubstr("empty recording"));
+}
+
 TEST_F(RecordedRack, CannotKeepAFileThatIsNamedFromTheRoot) {
   const tests::Outcome run = tests::stator("run " + rack(folder_ + "/programs/switch.tmc") +
                                            " --duration 10ms --record " + recording_);

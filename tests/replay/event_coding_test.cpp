@@ -40,8 +40,12 @@ TEST(EventCoding, GivesBackEveryKindOfEvent) {
             can::ErrorState::bus_off);
 
   rack::FrameFaultEvent can_fault{.bus = 4, .device = 5};
-  can_fault.fault = {
-      .kind = can::FrameFaultKind::delay, .frames = 6, .identifier = 0x601, .delay = 7_ms};
+  can_fault.fault = {.kind = can::FrameFaultKind::delay,
+                     .frames = 6,
+                     .identifier = 0x601,
+                     .delay = 7_ms,
+                     .probability = 0.5,
+                     .seed = 3};
   const auto fault = passed(can_fault);
   EXPECT_EQ(fault.bus, 4U);
   EXPECT_EQ(fault.device, 5U);
@@ -49,17 +53,27 @@ TEST(EventCoding, GivesBackEveryKindOfEvent) {
   EXPECT_EQ(fault.fault.frames, 6U);
   EXPECT_EQ(fault.fault.identifier, 0x601U);
   EXPECT_EQ(fault.fault.delay, 7_ms);
+  EXPECT_EQ(fault.fault.probability, 0.5);
+  EXPECT_EQ(fault.fault.seed, 3U);
   EXPECT_FALSE(passed(rack::FrameFaultEvent{}).fault.identifier);
 
   rack::SegmentFaultEvent segment_fault{.segment = 1};
-  segment_fault.fault = {
-      .kind = ethercat::FrameFaultKind::corrupt, .port = {2, 1}, .leaving = true, .frames = 3};
+  segment_fault.fault = {.kind = ethercat::FrameFaultKind::corrupt,
+                         .port = {2, 1},
+                         .leaving = true,
+                         .frames = 3,
+                         .delay = 9_ms,
+                         .probability = 0.25,
+                         .seed = 7};
   const auto frames = passed(segment_fault);
   EXPECT_EQ(frames.segment, 1U);
   EXPECT_EQ(frames.fault.kind, ethercat::FrameFaultKind::corrupt);
   EXPECT_EQ(frames.fault.port, (ethercat::SlavePort{2, 1}));
   EXPECT_TRUE(frames.fault.leaving);
   EXPECT_EQ(frames.fault.frames, 3U);
+  EXPECT_EQ(frames.fault.delay, 9_ms);
+  EXPECT_EQ(frames.fault.probability, 0.25);
+  EXPECT_EQ(frames.fault.seed, 7U);
 }
 
 TEST(EventCoding, RefusesAnUnknownOrShortEvent) {
