@@ -39,8 +39,9 @@ class LiveSession final : public web::SessionControl {
   /// The place that somebody wishes for.
   [[nodiscard]] std::optional<RecordingPlace> wished();
 
-  /// Ends the recording and says what is in it. Throws Failure if it broke off.
-  void finish();
+  /// Ends the recording and says what is in it; `asked`: since when nobody has more time. Returns
+  /// why it breaks off; empty if it does not.
+  [[nodiscard]] std::string finish(link::BackgroundOutput::Clock::time_point asked);
 
  private:
   std::string state_;

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/logging.hpp"
 #include "cli/program_version.hpp"
 
 namespace {
@@ -64,7 +65,7 @@ int main(int argc, char** argv) {
     return run(argc, argv);
   } catch (const std::exception& error) {
     std::fflush(stdout);  // what was said before stands before it, also in a file
-    std::fprintf(stderr, "stator: %s\n", error.what());
+    stator::cli::say_failure(error.what());
     return kFailure;
   }
 }

@@ -5,10 +5,12 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -20,6 +22,7 @@
 #include "cli/logging.hpp"
 #include "cli/run_options.hpp"
 #include "cli/run_report.hpp"
+#include "cli/standard_output.hpp"
 #include "link/machine.hpp"
 #include "rack/runner.hpp"
 #include "rack/shared_addresses.hpp"
@@ -34,8 +37,31 @@ void print_trace_end(const rack::PinTrace& trace, const std::string& file) {
     fmt::print(", {} lost because they came faster than they could be written", trace.dropped());
   }
   fmt::print("\n");
-  if (!trace.good()) {
-    throw Failure(fmt::format("tracing to {} failed; is the disk full?", file));
+}
+
+/// Ends all that was written while the rack ran; `asked`: since when nobody has more time. Throws
+/// Failure if something is missing in a file that somebody wants.
+void end_files(rack::Rack& rack, base::SimTime now, LiveSession& session,
+               link::BackgroundOutput::Clock::time_point asked) {
+  std::vector<std::string> missing;
+  if (rack::PinTrace* trace = rack.trace(); trace != nullptr) {
+    trace->finish(now, asked);
+    print_trace_end(*trace, trace->output().name());
+    if (trace->dropped() != 0) {
+      missing.push_back(fmt::format("trace {} is not complete: {} edges are missing",
+                                    trace->output().name(), trace->dropped()));
+    }
+  }
+  std::ranges::copy(rack.outputs().finish(asked), std::back_inserter(missing));
+  if (std::string broken_off = session.finish(asked); !broken_off.empty()) {
+    missing.push_back(std::move(broken_off));
+  }
+  if (const std::uint64_t lost = log_output()->lost(); lost != 0) {
+    fmt::print("{} lines of the log were lost, because standard error was not read in time\n",
+               lost);
+  }
+  if (!missing.empty()) {
+    throw Failure(fmt::format("{}", fmt::join(missing, "\nstator: ")));
   }
 }
 
@@ -73,6 +99,7 @@ class StopSignals {
 
 void announce(const rack::RackConfiguration& configuration, rack::Rack& rack, rack::Runner& runner,
               const OpenedWebServer& web) {
+  drain_log();  // what is printed follows on it
   print_networks(configuration, rack, runner);
   fmt::print("{}Running; Ctrl-C ends it.\n", web.announcement);
   std::fflush(stdout);
@@ -82,7 +109,7 @@ void announce(const rack::RackConfiguration& configuration, rack::Rack& rack, ra
 /// passed or somebody wishes to go back; then returns where to. A port that the system was to
 /// choose for the web server is kept in `given`.
 std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<RecordingPlace>& from,
-                                       const StopSignals& signals,
+                                       const StopSignals& signals, StandardOutput& output,
                                        std::optional<base::SimDuration> limit) {
   std::optional<RecordedRack> recorded;
   RunOptions options = given;
@@ -104,6 +131,8 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
     logger->warn("{}", warning);
   }
   rack::Rack rack(configuration, log);
+  rack.outputs().add(*log_output(),
+                     {.name = "standard error", .records = "lines", .wanted_complete = false});
   LiveSession session(configuration.state);
   if (header) {
     session.record(rack, options.record, std::move(*header));
@@ -120,6 +149,7 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
                         session.recorder() != nullptr ? &session : nullptr);
   // Only now, when nothing can fail any more.
   announce(configuration, rack, runner, web);
+  output.drain();  // what is logged follows on it
   if (web.server != nullptr) {
     given.web.http = web.server->address().text();
   }
@@ -134,27 +164,21 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   }
   while (signals.wait(limit) == SIGUSR1 && !session.wished()) {
   }
+  const auto asked = link::BackgroundOutput::Clock::now();
+  rack.outputs().stop_waiting();
   if (web.server != nullptr) {
     web.server->stop();
   }
   runner.stop();
+  drain_log(asked);  // what is printed follows on it
   print_end(configuration, rack, runner);
-  if (rack.trace() != nullptr) {
-    rack.trace()->finish(runner.now());
-    print_trace_end(*rack.trace(), configuration.trace->file);
-  }
-  if (rack.recorder() && !rack.recorder()->good()) {
-    throw Failure(
-        fmt::format("recording to {} failed; is the disk full?", configuration.record->file));
-  }
-  session.finish();
+  end_files(rack, runner.now(), session, asked);
   return session.wished();
 }
 
 void run(RunOptions options) {
-  // Line by line wherever it goes, so that it stands in its order with what is logged on standard
-  // error.
-  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
+  const auto logger = make_logger();
+  StandardOutput output;
   if (options.priority) {
     // Asked here, so that nothing has begun; threads that are made from now on have no priority of
     // the program's own start ("chrt") either.
@@ -176,7 +200,7 @@ void run(RunOptions options) {
           fmt::format("{} exists; name another file for the run that goes on", options.record));
     }
   }
-  while ((from = run_rack(options, from, signals, limit))) {
+  while ((from = run_rack(options, from, signals, output, limit))) {
     options.rack_file.clear();
     options.device.clear();
     options.state.clear();

@@ -46,21 +46,27 @@ SessionRecorder::SessionRecorder(rack::Rack& rack, const std::string& path, Reco
     throw std::runtime_error("the rack has too many signals for a recording");
   }
   rack_.set_journal(this);
+  rack_.outputs().add(file_.output(), {.name = "recording " + path,
+                                       .records = "chunks",
+                                       .ends_at_loss = true,
+                                       .wanted_complete = false});
 }
 
 SessionRecorder::~SessionRecorder() {
+  file_.output().stop_waiting();
   finish();
 }
 
-void SessionRecorder::finish() {
+void SessionRecorder::finish(link::BackgroundOutput::Clock::time_point asked) {
   if (std::exchange(finished_, true)) {
     return;
   }
   rack_.set_journal(nullptr);
+  rack_.outputs().remove(file_.output());
   if (begin(StepKind::end)) {
     flush();
   }
-  file_.finish();
+  file_.finish(asked);
   if (!file_.good()) {
     broken_off_ = std::min(broken_off_, time_);
   }
@@ -74,12 +80,12 @@ bool SessionRecorder::begin(StepKind kind, std::size_t content) {
       (chunk_->size() + content + kNumbers > kMaximumChunk || time_ - chunk_began_ >= kChunkTime)) {
     flush();
   }
-  if (chunk_ == nullptr) {
+  if (chunk_ == nullptr && broken_off_ == base::SimTime::never()) {
     chunk_ = file_.take_empty();
     chunk_began_ = time_;
   }
   if (chunk_ == nullptr) {
-    broken_off_ = time_;
+    broken_off_ = std::min(broken_off_, time_);
     return false;
   }
   writer().byte(static_cast<unsigned>(kind));
@@ -94,6 +100,9 @@ void SessionRecorder::time(base::SimTime now) {
 void SessionRecorder::flush() {
   if (chunk_ != nullptr) {
     file_.write(*std::exchange(chunk_, nullptr));
+    if (!file_.good()) {
+      broken_off_ = chunk_began_;
+    }
   }
 }
 

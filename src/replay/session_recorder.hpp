@@ -35,8 +35,10 @@ class SessionRecorder final : public rack::Journal {
   void mark(const std::string& name) override;
   [[nodiscard]] const std::vector<Mark>& marks() const { return marks_; }
 
-  /// Ends the recording and waits for the disk; afterwards the rack tells it nothing more.
-  void finish();
+  /// Ends the recording and waits for the disk, as link::BackgroundOutput::finish() does;
+  /// afterwards the rack tells it nothing more. `asked`: since when nobody has more time.
+  void finish(
+      link::BackgroundOutput::Clock::time_point asked = link::BackgroundOutput::Clock::now());
   /// Where the recording ends if the disk was too slow or full; never if it did not.
   [[nodiscard]] base::SimTime broken_off() const { return broken_off_; }
   [[nodiscard]] base::SimTime time() const { return time_; }
