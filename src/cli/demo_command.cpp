@@ -224,8 +224,11 @@ class Demo {
     require(master_.stop());
   }
 
-  /// Draws the recording, which must have been closed by the rack's end or flushed.
-  [[nodiscard]] rack::Plot plot() const {
+  /// Closes the recording and draws it.
+  [[nodiscard]] rack::Plot plot() {
+    if (const auto missing = rack_.outputs().finish(); !missing.empty()) {
+      throw Failure(missing.front());
+    }
     return picture(csv_, rack_.recorder()->rows(), signals_, start_[0]);
   }
 

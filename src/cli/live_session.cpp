@@ -80,18 +80,18 @@ std::optional<RecordingPlace> LiveSession::wished() {
   return wished_;
 }
 
-void LiveSession::finish() {
+std::string LiveSession::finish(link::BackgroundOutput::Clock::time_point asked) {
   if (!recorder_) {
-    return;
+    return {};
   }
-  recorder_->finish();
+  recorder_->finish(asked);
   fmt::print("{}: {:.3f} s recorded, {} bytes\n", recorder_->path(), recorder_->time().seconds(),
              recorder_->bytes());
-  if (recorder_->broken_off() != base::SimTime::never()) {
-    throw Failure(
-        fmt::format("the recording {} ends at {:.3f} s, because the disk was too slow or is full",
-                    recorder_->path(), recorder_->broken_off().seconds()));
+  if (recorder_->broken_off() == base::SimTime::never()) {
+    return {};
   }
+  return fmt::format("the recording {} ends at {:.3f} s, because the disk was too slow or is full",
+                     recorder_->path(), recorder_->broken_off().seconds());
 }
 
 std::string next_branch(const std::string& path) {

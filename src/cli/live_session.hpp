@@ -29,12 +29,6 @@ class LiveSession final : public web::SessionControl {
   void record(rack::Rack& rack, const std::string& path, replay::RecordingHeader header) {
     recorder_.emplace(rack, path, std::move(header));
   }
-  /// Whether the rack waits for the recording's disk, see SessionRecorder::wait_for_disk().
-  void wait_for_disk(bool wait) {
-    if (recorder_) {
-      recorder_->wait_for_disk(wait);
-    }
-  }
   [[nodiscard]] replay::SessionRecorder* recorder() { return recorder_ ? &*recorder_ : nullptr; }
 
   [[nodiscard]] Recording recording() override;
@@ -45,8 +39,9 @@ class LiveSession final : public web::SessionControl {
   /// The place that somebody wishes for.
   [[nodiscard]] std::optional<RecordingPlace> wished();
 
-  /// Ends the recording and says what is in it. Throws Failure if it broke off.
-  void finish();
+  /// Ends the recording and says what is in it; `asked`: since when nobody has more time. Returns
+  /// why it breaks off; empty if it does not.
+  [[nodiscard]] std::string finish(link::BackgroundOutput::Clock::time_point asked);
 
  private:
   std::string state_;

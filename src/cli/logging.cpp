@@ -1,18 +1,131 @@
 #include "cli/logging.hpp"
 
-#include <spdlog/sinks/stdout_color_sinks.h>
+#include <cstdint>
+#include <cstdio>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/sink.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "rack/inheriting_mutex.hpp"
 
 namespace stator::cli {
 
+namespace {
+
+constexpr const char* kName = "stator";
+/// Bytes of lines that wait for who reads them: some ten thousand lines.
+constexpr std::size_t kQueue = std::size_t{1} << 20U;
+
+std::string_view colour_of(spdlog::level::level_enum level) {
+  switch (level) {
+    case spdlog::level::info:
+      return "\033[32m";
+    case spdlog::level::warn:
+      return "\033[33m\033[1m";
+    case spdlog::level::err:
+      return "\033[31m\033[1m";
+    case spdlog::level::critical:
+      return "\033[1m\033[41m";
+    default:
+      return "\033[36m";
+  }
+}
+
+/// Threads with a real-time priority log as well, hence the mutex.
+class StandardErrorSink final : public spdlog::sinks::sink {
+ public:
+  StandardErrorSink()
+      : output_(link::BackgroundOutput::onto(STDERR_FILENO, "standard error", kQueue)),
+        in_colour_(::isatty(STDERR_FILENO) == 1),
+        formatter_(std::make_unique<spdlog::pattern_formatter>("%^%L%$ %v")) {
+    output_->set_when_full(link::WhenFull::drop);
+  }
+
+  [[nodiscard]] link::BackgroundOutput& output() { return *output_; }
+
+  void log(const spdlog::details::log_msg& message) override {
+    const std::scoped_lock lock(mutex_);
+    formatted_.clear();
+    message.color_range_start = 0;
+    message.color_range_end = 0;
+    formatter_->format(message, formatted_);
+    const std::string_view all(formatted_.data(), formatted_.size());
+    const std::size_t begin = message.color_range_start;
+    const std::size_t end = message.color_range_end;
+    const std::uint64_t lost = output_->lost();
+    text_.clear();
+    if (lost != told_) {
+      text_ = fmt::format(
+          "W {} lines of this log are missing here, because they were not read in "
+          "time\n",
+          lost - told_);
+    }
+    if (in_colour_ && begin < end) {
+      text_.append(all.substr(0, begin)).append(colour_of(message.level));
+      text_.append(all.substr(begin, end - begin)).append("\033[m").append(all.substr(end));
+    } else {
+      text_.append(all);
+    }
+    if (output_->write(text_)) {
+      told_ = lost;
+    }
+  }
+  void flush() override {}
+  void set_pattern(const std::string& pattern) override {
+    set_formatter(std::make_unique<spdlog::pattern_formatter>(pattern));
+  }
+  void set_formatter(std::unique_ptr<spdlog::formatter> formatter) override {
+    const std::scoped_lock lock(mutex_);
+    formatter_ = std::move(formatter);
+  }
+
+ private:
+  rack::InheritingMutex mutex_;  ///< of all below
+  std::unique_ptr<link::BackgroundOutput> output_;
+  bool in_colour_;
+  std::unique_ptr<spdlog::formatter> formatter_;
+  std::uint64_t told_ = 0;  ///< lost lines of which the reader knows
+  spdlog::memory_buf_t formatted_;
+  std::string text_;
+};
+
+}  // namespace
+
 std::shared_ptr<spdlog::logger> make_logger() {
-  if (auto existing = spdlog::get("stator"); existing != nullptr) {
+  if (auto existing = spdlog::get(kName); existing != nullptr) {
     return existing;
   }
-  auto logger = spdlog::stderr_color_mt("stator");
-  logger->set_pattern("%^%L%$ %v");
-  logger->flush_on(spdlog::level::info);
+  auto logger = std::make_shared<spdlog::logger>(kName, std::make_shared<StandardErrorSink>());
+  spdlog::register_logger(logger);
   return logger;
+}
+
+link::BackgroundOutput* log_output() {
+  const auto logger = spdlog::get(kName);
+  return logger == nullptr ? nullptr
+                           : &static_cast<StandardErrorSink&>(*logger->sinks().front()).output();
+}
+
+void drain_log(link::BackgroundOutput::Clock::time_point asked) {
+  if (link::BackgroundOutput* output = log_output(); output != nullptr) {
+    output->drain(asked);
+  }
+}
+
+void say_failure(std::string_view reason) {
+  if (log_output() == nullptr) {
+    fmt::print(stderr, "stator: {}\n", reason);
+    return;
+  }
+  drain_log();
+  link::write_within(STDERR_FILENO, fmt::format("stator: {}\n", reason));
 }
 
 }  // namespace stator::cli

@@ -5,6 +5,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/failure.hpp"
+#include "cli/logging.hpp"
 #include "cli/program_version.hpp"
 
 namespace {
@@ -64,7 +65,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   const auto fail = [](const std::exception& error, int status) {
     std::fflush(stdout);  // what was said before stands before it, also in a file
-    std::fprintf(stderr, "stator: %s\n", error.what());
+    stator::cli::say_failure(error.what());
     return status;
   };
   try {

@@ -53,8 +53,8 @@ void run_replay(const ReplayOptions& options) {
     throw Failure(fmt::format("{}: {}", options.recording, explain(*difference, log)));
   }
   print_end(options, player, std::chrono::steady_clock::now() - began);
-  if (rack.recorder() && !rack.recorder()->good()) {
-    throw Failure(fmt::format("writing {} failed; is the disk full?", options.csv));
+  if (const auto missing = rack.outputs().finish(); !missing.empty()) {
+    throw Failure(missing.front());
   }
   if (recorded.reader().ending() == replay::RecordingEnding::cut) {
     throw RecordingCut(fmt::format("{}: replayed to the bit up to the cut at {:.6f} s ({})",

@@ -1,10 +1,13 @@
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fcntl.h>
@@ -17,6 +20,7 @@
 #include "cli/logging.hpp"
 #include "cli/run_options.hpp"
 #include "cli/run_report.hpp"
+#include "cli/standard_output.hpp"
 #include "cli/stop_signals.hpp"
 #include "link/file_descriptor.hpp"
 #include "link/machine.hpp"
@@ -34,8 +38,31 @@ void print_trace_end(const rack::PinTrace& trace, const std::string& file) {
     fmt::print(", {} lost because they came faster than they could be written", trace.dropped());
   }
   fmt::print("\n");
-  if (!trace.good()) {
-    throw Failure(fmt::format("tracing to {} failed; is the disk full?", file));
+}
+
+/// Ends all that was written while the rack ran; `asked`: since when nobody has more time. Throws
+/// Failure if something is missing in a file that somebody wants.
+void end_files(rack::Rack& rack, base::SimTime now, LiveSession& session,
+               link::BackgroundOutput::Clock::time_point asked) {
+  std::vector<std::string> missing;
+  if (rack::PinTrace* trace = rack.trace(); trace != nullptr) {
+    trace->finish(now, asked);
+    print_trace_end(*trace, trace->output().name());
+    if (trace->dropped() != 0) {
+      missing.push_back(fmt::format("trace {} is not complete: {} edges are missing",
+                                    trace->output().name(), trace->dropped()));
+    }
+  }
+  std::ranges::copy(rack.outputs().finish(asked), std::back_inserter(missing));
+  if (std::string broken_off = session.finish(asked); !broken_off.empty()) {
+    missing.push_back(std::move(broken_off));
+  }
+  if (const std::uint64_t lost = log_output()->lost(); lost != 0) {
+    fmt::print("{} lines of the log were lost, because standard error was not read in time\n",
+               lost);
+  }
+  if (!missing.empty()) {
+    throw Failure(fmt::format("{}", fmt::join(missing, "\nstator: ")));
   }
 }
 
@@ -58,6 +85,7 @@ void require_kept(rack::Rack& rack, const std::string& path, const link::FileDes
 
 void announce(const rack::RackConfiguration& configuration, rack::Rack& rack, rack::Runner& runner,
               const OpenedWebServer& web) {
+  drain_log();  // what is printed follows on it
   print_networks(configuration, rack, runner);
   fmt::print("{}Running; Ctrl-C ends it.\n", web.announcement);
   std::fflush(stdout);
@@ -67,7 +95,7 @@ void announce(const rack::RackConfiguration& configuration, rack::Rack& rack, ra
 /// passed or somebody wishes to go back; then returns where to. A port that the system was to
 /// choose for the web server is kept in `given`.
 std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<RecordingPlace>& from,
-                                       StopSignals& signals,
+                                       StopSignals& signals, StandardOutput& output,
                                        std::optional<base::SimDuration> limit) {
   signals.starting();
   std::optional<RecordedRack> recorded;
@@ -92,15 +120,15 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   rack::Rack rack(configuration, log);
   const link::FileDescriptor state(
       ::open(configuration.state.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  rack.outputs().add(*log_output(),
+                     {.name = "standard error", .records = "lines", .wanted_complete = false});
   LiveSession session(configuration.state);
   if (header) {
     session.record(rack, options.record, std::move(*header));
   }
   base::SimTime start;
   if (from) {
-    session.wait_for_disk(true);  // this goes many times faster than it happened
     start = LiveSession::go_to(*from, *recorded, rack, log);
-    session.wait_for_disk(false);
     log.set_logger(logger);
     fmt::print("Going on from {:.6f} s of {}\n", start.seconds(), from->path);
   }
@@ -111,6 +139,7 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   signals.running();
   // Only now, when nothing can fail any more.
   announce(configuration, rack, runner, web);
+  output.drain();  // what is logged follows on it
   if (web.server != nullptr) {
     given.web.http = web.server->address().text();
   }
@@ -125,6 +154,8 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   }
   while (signals.wait(limit) == SIGUSR1 && !session.wished()) {
   }
+  const auto asked = link::BackgroundOutput::Clock::now();
+  rack.outputs().stop_waiting();
   if (web.server != nullptr) {
     web.server->stop();
   }
@@ -132,24 +163,16 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   if (rack.storage() != nullptr) {
     rack.storage()->flush(runner.now());
   }
+  drain_log(asked);  // what is printed follows on it
   print_end(configuration, rack, runner);
-  if (rack.trace() != nullptr) {
-    rack.trace()->finish(runner.now());
-    print_trace_end(*rack.trace(), configuration.trace->file);
-  }
-  if (rack.recorder() && !rack.recorder()->good()) {
-    throw Failure(
-        fmt::format("recording to {} failed; is the disk full?", configuration.record->file));
-  }
-  session.finish();
+  end_files(rack, runner.now(), session, asked);
   require_kept(rack, configuration.state, state);
   return session.wished();
 }
 
 void run(RunOptions options) {
-  // Line by line wherever it goes, so that it stands in its order with what is logged on standard
-  // error.
-  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
+  const auto logger = make_logger();
+  StandardOutput output;
   if (options.priority) {
     // Asked here, so that nothing has begun; threads that are made from now on have no priority of
     // the program's own start ("chrt") either.
@@ -173,7 +196,7 @@ void run(RunOptions options) {
           fmt::format("{} exists; name another file for the run that goes on", options.record));
     }
   }
-  while (!signals.stopped() && (from = run_rack(options, from, signals, limit))) {
+  while (!signals.stopped() && (from = run_rack(options, from, signals, output, limit))) {
     options.rack_file.clear();
     options.device.clear();
     options.state.clear();

@@ -191,10 +191,10 @@ class ProgramRun {
       return;
     }
     const std::uint64_t rows = recorder_->rows();
-    const bool good = recorder_->good();
-    recorder_.reset();
-    if (!good) {
-      throw Failure(fmt::format("recording to {} failed; is the disk full?", csv_));
+    recorder_->output().finish();
+    if (!recorder_->output().complete()) {
+      throw Failure(fmt::format("recording {} is not complete: {}", csv_,
+                                recorder_->output().what_is_missing("rows")));
     }
     if (!options_.plot.empty()) {
       draw(options_, signals_, csv_, rows);

@@ -1,13 +1,10 @@
 #include "link/can_log.hpp"
 
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <utility>
 
 #include <arpa/inet.h>
 
-#include "link/failure.hpp"
 #include "link/hexadecimal.hpp"
 #include "link/socketcan_frame.hpp"
 
@@ -16,12 +13,6 @@ namespace stator::link {
 namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-
-base::Unexpected<LinkError> file_failure(const std::string& path, const char* what) {
-  const int error = errno != 0 ? errno : EIO;
-  return fail(LinkErrorCode::file, std::string("cannot ") + what + " log file " + in_quotes(path) +
-                                       ": " + std::strerror(error));
-}
 
 std::string line_begin(base::SimTime time, const std::string& interface) {
   std::array<char, 48> text{};
@@ -40,8 +31,8 @@ void append_data(std::string& line, std::span<const std::byte> data) {
 
 /// The packet of LINKTYPE_CAN_SOCKETCAN: Linux's can_frame with the identifier in network order, as
 /// long as its data.
-base::Expected<void, LinkError> write_packet(PcapWriter& writer, base::SimTime time,
-                                             const can_frame& frame, std::size_t data) {
+bool write_packet(PcapWriter& writer, base::SimTime time, const can_frame& frame,
+                  std::size_t data) {
   can_frame packet = frame;
   packet.can_id = htonl(frame.can_id);
   return writer.write(time,
@@ -76,29 +67,19 @@ std::string candump_line(base::SimTime time, const std::string& interface,
 
 base::Expected<std::unique_ptr<CandumpLog>, LinkError> CandumpLog::open(
     const std::string& path, const std::string& interface) {
-  errno = 0;
-  std::FILE* const file = std::fopen(path.c_str(), "w");
-  if (file == nullptr) {
-    return file_failure(path, "create");
+  auto output = BackgroundOutput::create(path);
+  if (!output) {
+    return base::Unexpected{output.error()};
   }
-  return std::unique_ptr<CandumpLog>(new CandumpLog(path, interface, file));
+  return std::unique_ptr<CandumpLog>(new CandumpLog(interface, std::move(*output)));
 }
 
-base::Expected<void, LinkError> CandumpLog::write(base::SimTime time, const can::Frame& frame) {
-  return write_line(candump_line(time, interface_, frame));
+bool CandumpLog::write(base::SimTime time, const can::Frame& frame) {
+  return output_->write(candump_line(time, interface_, frame) + '\n');
 }
 
-base::Expected<void, LinkError> CandumpLog::write(base::SimTime time, const ErrorFrame& error) {
-  return write_line(candump_line(time, interface_, error));
-}
-
-base::Expected<void, LinkError> CandumpLog::write_line(const std::string& line) {
-  errno = 0;
-  if (std::fputs(line.c_str(), file_.get()) < 0 || std::fputc('\n', file_.get()) == EOF ||
-      std::fflush(file_.get()) != 0) {
-    return file_failure(path_, "write");
-  }
-  return {};
+bool CandumpLog::write(base::SimTime time, const ErrorFrame& error) {
+  return output_->write(candump_line(time, interface_, error) + '\n');
 }
 
 base::Expected<std::unique_ptr<CanCapture>, LinkError> CanCapture::open(const std::string& path) {
@@ -109,11 +90,11 @@ base::Expected<std::unique_ptr<CanCapture>, LinkError> CanCapture::open(const st
   return std::unique_ptr<CanCapture>(new CanCapture(std::move(*writer)));
 }
 
-base::Expected<void, LinkError> CanCapture::write(base::SimTime time, const can::Frame& frame) {
+bool CanCapture::write(base::SimTime time, const can::Frame& frame) {
   return write_packet(*writer_, time, to_socketcan(frame), frame.payload().size());
 }
 
-base::Expected<void, LinkError> CanCapture::write(base::SimTime time, const ErrorFrame& error) {
+bool CanCapture::write(base::SimTime time, const ErrorFrame& error) {
   return write_packet(*writer_, time, to_socketcan(error), error.data.size());
 }
 

@@ -1,12 +1,13 @@
 #pragma once
 
-#include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "base/expected.hpp"
 #include "base/sim_time.hpp"
 #include "can/frame.hpp"
+#include "link/background_output.hpp"
 #include "link/can_error_frame.hpp"
 #include "link/error.hpp"
 #include "link/pcap_writer.hpp"
@@ -20,29 +21,27 @@ namespace stator::link {
                                        const ErrorFrame& error);
 
 /// Writes frames to a text file as candump -L does; canplayer, log2asc, cantools and python-can
-/// read it. Each line is in the file before write() returns. One thread at a time.
+/// read it. A thread of its own writes them, within milliseconds and as whole lines. One thread at
+/// a time.
 class CandumpLog {
  public:
   /// Creates the file, replacing one that exists; `interface` is what stands in each line.
   static base::Expected<std::unique_ptr<CandumpLog>, LinkError> open(const std::string& path,
                                                                      const std::string& interface);
 
-  /// `time` must not be negative; readers take it as one after 1970-01-01.
-  base::Expected<void, LinkError> write(base::SimTime time, const can::Frame& frame);
-  base::Expected<void, LinkError> write(base::SimTime time, const ErrorFrame& error);
+  /// `time` must not be negative; readers take it as one after 1970-01-01. False: it is lost.
+  bool write(base::SimTime time, const can::Frame& frame);
+  bool write(base::SimTime time, const ErrorFrame& error);
+
+  /// The file: what it does when nobody takes frames, and what is missing.
+  [[nodiscard]] BackgroundOutput& output() { return *output_; }
 
  private:
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
+  CandumpLog(std::string interface, std::unique_ptr<BackgroundOutput> output)
+      : interface_(std::move(interface)), output_(std::move(output)) {}
 
-  CandumpLog(std::string path, std::string interface, std::FILE* file)
-      : path_(std::move(path)), interface_(std::move(interface)), file_(file) {}
-  base::Expected<void, LinkError> write_line(const std::string& line);
-
-  std::string path_;
   std::string interface_;
-  std::unique_ptr<std::FILE, Close> file_;
+  std::unique_ptr<BackgroundOutput> output_;
 };
 
 /// Writes frames to a capture file, which Wireshark decodes as CAN and CANopen.
@@ -50,8 +49,10 @@ class CanCapture {
  public:
   static base::Expected<std::unique_ptr<CanCapture>, LinkError> open(const std::string& path);
 
-  base::Expected<void, LinkError> write(base::SimTime time, const can::Frame& frame);
-  base::Expected<void, LinkError> write(base::SimTime time, const ErrorFrame& error);
+  bool write(base::SimTime time, const can::Frame& frame);
+  bool write(base::SimTime time, const ErrorFrame& error);
+
+  [[nodiscard]] BackgroundOutput& output() { return writer_->output(); }
 
  private:
   explicit CanCapture(std::unique_ptr<PcapWriter> writer) : writer_(std::move(writer)) {}

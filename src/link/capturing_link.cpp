@@ -6,7 +6,7 @@ base::Expected<std::size_t, LinkError> CapturingLink::receive(std::span<std::byt
                                                               base::SimDuration timeout) {
   auto received = link_.receive(buffer, timeout);
   if (received && *received != 0) {
-    capture(buffer.first(*received));
+    writer_.write(clock_(), buffer.first(*received));
   }
   return received;
 }
@@ -14,18 +14,9 @@ base::Expected<std::size_t, LinkError> CapturingLink::receive(std::span<std::byt
 base::Expected<void, LinkError> CapturingLink::send(std::span<const std::byte> frame) {
   auto sent = link_.send(frame);
   if (sent) {
-    capture(frame);
+    writer_.write(clock_(), frame);
   }
   return sent;
-}
-
-void CapturingLink::capture(std::span<const std::byte> frame) {
-  if (capture_error_) {
-    return;
-  }
-  if (const auto written = writer_.write(clock_(), frame); !written) {
-    capture_error_ = written.error();
-  }
 }
 
 }  // namespace stator::link

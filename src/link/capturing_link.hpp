@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "base/delegate.hpp"
 #include "link/ethernet_link.hpp"
 #include "link/pcap_writer.hpp"
@@ -9,15 +7,17 @@
 namespace stator::link {
 
 /// Records everything that crosses another link, both directions, in the order in which it crosses.
-/// One thread at a time uses it. The traffic has priority: when the file cannot be written any more
-/// (disk full), capturing ends, capture_error() says why, and the frames go on.
+/// One thread at a time uses it. The traffic has priority: what the file does not take is missing
+/// in it, and the frames go on.
 class CapturingLink final : public EthernetLink {
  public:
   using Clock = base::Delegate<base::SimTime()>;
 
   /// `link` and `writer` must outlive this; `clock` gives the time stamp of each frame.
   CapturingLink(EthernetLink& link, PcapWriter& writer, Clock clock)
-      : link_(link), writer_(writer), clock_(clock) {}
+      : link_(link), writer_(writer), clock_(clock) {
+    writer_.output().set_when_full(WhenFull::drop);
+  }
 
   base::Expected<std::size_t, LinkError> receive(std::span<std::byte> buffer,
                                                  base::SimDuration timeout) override;
@@ -27,16 +27,10 @@ class CapturingLink final : public EthernetLink {
   [[nodiscard]] LinkStatistics statistics() const override { return link_.statistics(); }
   [[nodiscard]] const std::string& name() const override { return link_.name(); }
 
-  /// Why capturing ended early; nothing while it works.
-  [[nodiscard]] const std::optional<LinkError>& capture_error() const { return capture_error_; }
-
  private:
-  void capture(std::span<const std::byte> frame);
-
   EthernetLink& link_;
   PcapWriter& writer_;
   Clock clock_;
-  std::optional<LinkError> capture_error_;
 };
 
 }  // namespace stator::link

@@ -1,84 +1,63 @@
 #include "link/pcap_writer.hpp"
 
-#include <cerrno>
-#include <cstring>
-
-#include <pcap/pcap.h>
+#include <utility>
 
 namespace stator::link {
 
 namespace {
 
-constexpr int kSnapshotLength = 65535;
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
-LinkError file_error(const std::string& path, const std::string& what, int error) {
-  return {LinkErrorCode::file,
-          "cannot " + what + " capture file \"" + path + "\": " + std::strerror(error)};
-}
+// The format of libpcap (pcap-savefile(5)), in the byte order of this machine, which the first word
+// tells.
+
+constexpr std::uint32_t kMagicOfNanoseconds = 0xA1B23C4D;
+constexpr std::uint16_t kMajorVersion = 2;
+constexpr std::uint16_t kMinorVersion = 4;
+constexpr std::uint32_t kSnapshotLength = 65535;
+constexpr std::uint32_t kLinkTypeEthernet = 1;
+constexpr std::uint32_t kLinkTypeSocketCan = 227;
+
+struct FileHeader {
+  std::uint32_t magic = kMagicOfNanoseconds;
+  std::uint16_t major = kMajorVersion;
+  std::uint16_t minor = kMinorVersion;
+  std::int32_t time_zone = 0;
+  std::uint32_t accuracy = 0;
+  std::uint32_t snapshot_length = kSnapshotLength;
+  std::uint32_t link_type = 0;
+};
+static_assert(sizeof(FileHeader) == 24);
+
+struct FrameHeader {
+  std::uint32_t seconds = 0;
+  std::uint32_t nanoseconds = 0;
+  std::uint32_t captured = 0;
+  std::uint32_t length = 0;
+};
+static_assert(sizeof(FrameHeader) == 16);
 
 }  // namespace
 
-struct PcapWriter::File {
-  pcap_t* format = nullptr;
-  pcap_dumper_t* dump = nullptr;
-
-  File() = default;
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-  ~File() {
-    if (dump != nullptr) {
-      pcap_dump_close(dump);
-    }
-    if (format != nullptr) {
-      pcap_close(format);
-    }
-  }
-};
-
-PcapWriter::PcapWriter(std::string path, std::unique_ptr<File> file)
-    : path_(std::move(path)), file_(std::move(file)) {}
-
-PcapWriter::~PcapWriter() = default;
-
 base::Expected<std::unique_ptr<PcapWriter>, LinkError> PcapWriter::open(const std::string& path,
                                                                         CaptureKind kind) {
-  auto file = std::make_unique<File>();
-  file->format = pcap_open_dead_with_tstamp_precision(
-      kind == CaptureKind::ethernet ? DLT_EN10MB : DLT_CAN_SOCKETCAN, kSnapshotLength,
-      PCAP_TSTAMP_PRECISION_NANO);
-  std::FILE* const stream = std::fopen(path.c_str(), "wb");
-  if (stream == nullptr) {
-    return base::Unexpected{file_error(path, "create", errno)};
+  const FileHeader header{.link_type = kind == CaptureKind::ethernet ? kLinkTypeEthernet
+                                                                     : kLinkTypeSocketCan};
+  auto output = BackgroundOutput::create(path, std::as_bytes(std::span(&header, 1)));
+  if (!output) {
+    return base::Unexpected{output.error()};
   }
-  file->dump = pcap_dump_fopen(file->format, stream);
-  if (file->dump == nullptr) {
-    const int error = errno;
-    std::fclose(stream);
-    return base::Unexpected{file_error(path, "write", error)};
-  }
-  if (pcap_dump_flush(file->dump) != 0) {
-    return base::Unexpected{file_error(path, "write", errno)};
-  }
-  return std::unique_ptr<PcapWriter>(new PcapWriter(path, std::move(file)));
+  return std::unique_ptr<PcapWriter>(new PcapWriter(std::move(*output)));
 }
 
-base::Expected<void, LinkError> PcapWriter::write(base::SimTime time,
-                                                  std::span<const std::byte> frame) {
-  pcap_pkthdr header{};
-  header.ts.tv_sec = static_cast<time_t>(time.nanoseconds() / kNanosecondsPerSecond);
-  // With nanosecond precision libpcap takes nanoseconds in the field named for microseconds.
-  header.ts.tv_usec = static_cast<suseconds_t>(time.nanoseconds() % kNanosecondsPerSecond);
-  header.caplen = static_cast<bpf_u_int32>(frame.size());
-  header.len = header.caplen;
-  errno = 0;
-  pcap_dump(reinterpret_cast<u_char*>(file_->dump), &header,
-            reinterpret_cast<const u_char*>(frame.data()));
-  if (pcap_dump_flush(file_->dump) != 0 || std::ferror(pcap_dump_file(file_->dump)) != 0) {
-    return base::Unexpected{file_error(path_, "write", errno != 0 ? errno : EIO)};
-  }
-  ++frames_written_;
-  return {};
+bool PcapWriter::write(base::SimTime time, std::span<const std::byte> frame) {
+  const auto length = static_cast<std::uint32_t>(frame.size());
+  const FrameHeader header{
+      .seconds = static_cast<std::uint32_t>(time.nanoseconds() / kNanosecondsPerSecond),
+      .nanoseconds = static_cast<std::uint32_t>(time.nanoseconds() % kNanosecondsPerSecond),
+      .captured = length,
+      .length = length};
+  return output_->write(std::as_bytes(std::span(&header, 1)), frame);
 }
 
 }  // namespace stator::link

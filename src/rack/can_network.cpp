@@ -16,9 +16,9 @@ constexpr base::SimDuration kShortestWait = 1_us;
 
 }  // namespace
 
-CanNetwork::CanNetwork(const BusConfiguration& configuration, const base::EventReporter& reporter)
+CanNetwork::CanNetwork(const BusConfiguration& configuration)
     : name_(configuration.name),
-      tap_(configuration, reporter),
+      tap_(configuration),
       bus_({.bit_rate = configuration.bit_rate,
             .ports_acknowledge = configuration.ports_acknowledge}) {
   look_at_wire();

@@ -32,9 +32,8 @@ struct NamedCanDevice {
 /// they run in periods of their own, so they do not notice.
 class CanNetwork {
  public:
-  /// `reporter` is for events of the bus itself. Throws std::runtime_error when its log or capture
-  /// cannot be opened.
-  CanNetwork(const BusConfiguration& configuration, const base::EventReporter& reporter);
+  /// Throws std::runtime_error when its log or capture cannot be opened.
+  explicit CanNetwork(const BusConfiguration& configuration);
 
   /// Adds a device, which becomes the next in devices(); `reporter` tells of its error states.
   void add(NamedCanDevice device, const base::EventReporter& reporter);
@@ -64,6 +63,8 @@ class CanNetwork {
   void withdraw(std::uint64_t fault) { bus_.withdraw(fault); }
   /// What the time stamps of log and capture add to simulated time from now on.
   void set_epoch(base::SimDuration epoch) { tap_.set_epoch(epoch); }
+  /// Gives log and capture to who looks after them; `number` is whose events they are.
+  void add_files_to(OutputFiles& outputs, std::uint16_t number) { tap_.add_to(outputs, number); }
   /// Copies all that is on the wire into `tap` as `network`; null: nothing.
   void watch_traffic(TrafficTap* tap, std::uint16_t network);
   /// Tells `observer` of everything on the wire as well; empty ends that.

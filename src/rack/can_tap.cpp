@@ -17,13 +17,24 @@ auto require(Opened opened) {
 
 }  // namespace
 
-CanTap::CanTap(const BusConfiguration& configuration, const base::EventReporter& reporter)
-    : reporter_(reporter) {
+CanTap::CanTap(const BusConfiguration& configuration) {
   if (!configuration.log.empty()) {
     log_ = require(link::CandumpLog::open(configuration.log, configuration.name));
   }
   if (!configuration.capture.empty()) {
     capture_ = require(link::CanCapture::open(configuration.capture));
+  }
+}
+
+void CanTap::add_to(OutputFiles& outputs, std::uint16_t device) {
+  if (log_ != nullptr) {
+    outputs.add(log_->output(),
+                {.name = "log " + log_->output().name(), .records = "frames", .device = device});
+  }
+  if (capture_ != nullptr) {
+    outputs.add(
+        capture_->output(),
+        {.name = "capture " + capture_->output().name(), .records = "frames", .device = device});
   }
 }
 
@@ -39,17 +50,15 @@ void CanTap::write(const can::TraceEntry& entry) {
 }
 
 template <typename File>
-void CanTap::write_to(std::unique_ptr<File>& file, const can::TraceEntry& entry) {
+void CanTap::write_to(const std::unique_ptr<File>& file, const can::TraceEntry& entry) {
   if (file == nullptr) {
     return;
   }
   const base::SimTime time = entry.time + epoch_;
-  const auto written = entry.kind == can::TraceEntry::Kind::frame
-                           ? file->write(time, entry.frame)
-                           : file->write(time, link::bus_error_frame());
-  if (!written) {
-    reporter_.report(entry.time, rules::kCanTapFailed, {base::SharedText(written.error().text)});
-    file.reset();
+  if (entry.kind == can::TraceEntry::Kind::frame) {
+    file->write(time, entry.frame);
+  } else {
+    file->write(time, link::bus_error_frame());
   }
 }
 

@@ -2,12 +2,11 @@
 
 #include <cstdint>
 #include <memory>
-#include <string>
 
-#include "base/event.hpp"
 #include "base/sim_time.hpp"
 #include "can/bus.hpp"
 #include "link/can_log.hpp"
+#include "rack/output_files.hpp"
 #include "rack/rack_configuration.hpp"
 #include "rack/traffic_tap.hpp"
 
@@ -17,14 +16,15 @@ namespace stator::rack {
 /// watches.
 class CanTap {
  public:
-  /// Opens them; throws std::runtime_error with file and reason when that fails. `reporter` is told
-  /// when one cannot be written later.
-  CanTap(const BusConfiguration& configuration, const base::EventReporter& reporter);
+  /// Opens them; throws std::runtime_error with file and reason when that fails.
+  explicit CanTap(const BusConfiguration& configuration);
 
   /// There is nothing to write to.
   [[nodiscard]] bool empty() const {
     return log_ == nullptr && capture_ == nullptr && traffic_ == nullptr;
   }
+  /// Gives the files to who looks after them; `device` is whose events they are.
+  void add_to(OutputFiles& outputs, std::uint16_t device);
   /// Also copies it for somebody who watches, as `network`; null: nobody.
   void watch(TrafficTap* traffic, std::uint16_t network) {
     traffic_ = traffic;
@@ -36,19 +36,13 @@ class CanTap {
 
  private:
   template <typename File>
-  void write_to(std::unique_ptr<File>& file, const can::TraceEntry& entry);
+  void write_to(const std::unique_ptr<File>& file, const can::TraceEntry& entry);
 
-  base::EventReporter reporter_;
   std::unique_ptr<link::CandumpLog> log_;
   std::unique_ptr<link::CanCapture> capture_;
   base::SimDuration epoch_{};
   TrafficTap* traffic_ = nullptr;
   std::uint16_t network_ = 0;
 };
-
-namespace rules {
-inline constexpr base::EventRule kCanTapFailed{"can-tap-failed", base::Severity::warning,
-                                               "{0}; this file ends here"};
-}  // namespace rules
 
 }  // namespace stator::rack

@@ -18,9 +18,9 @@ LocalPort::LocalPort(Rack& rack, std::size_t segment, LockstepClock& clock)
     : rack_(rack), segment_(segment), own_clock_(clock), clock_(clock) {}
 
 master::Result<std::size_t> LocalPort::capture(std::span<const std::byte> frame) {
-  if (capture_ != nullptr) {
-    if (const auto written = capture_->write(clock_.now(), frame); !written) {
-      return master::fail(master::ErrorCode::port, written.error().text);
+  if (capture_ != nullptr && !capture_->write(clock_.now(), frame)) {
+    if (const auto error = capture_->output().error()) {
+      return master::fail(master::ErrorCode::port, error->text);
     }
   }
   return frame.size();

@@ -1,11 +1,10 @@
 #include "rack/pin_trace.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <set>
+#include <span>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -125,20 +124,20 @@ PinTrace::PinTrace(devices::Tmc8461& chip, const TraceConfiguration& configurati
              decoded_lines(chip.io(), traced_lines(chip, configuration)), 1,
              board::LogicTrace::Sink::bind<&PinTrace::take>(*this)),
       format_("tmc8461", trace_, line_names(chip.configuration().board)),
-      file_(configuration.file, std::ios::binary),
       queue_(configuration.queue) {
-  if (!file_.is_open()) {
-    throw std::runtime_error(
-        fmt::format("cannot write the trace {}: {}; check the path and its "
-                    "permissions",
-                    configuration.file, std::generic_category().message(errno)));
+  auto output = link::BackgroundOutput::create(configuration.file,
+                                               std::as_bytes(std::span(format_.header())));
+  if (!output) {
+    throw std::runtime_error("trace: " + output.error().text +
+                             "; check the path and its permissions");
   }
-  file_ << format_.header();
+  output_ = std::move(*output);
   thread_ = std::thread([this] { run(); });
   chip.board().trace(trace_);
 }
 
 PinTrace::~PinTrace() {
+  output_->stop_waiting();
   finish({});
 }
 
@@ -215,13 +214,12 @@ void PinTrace::write_waiting() {
     format_.append(text_, std::span(queue_).subspan(next % queue_.size(), length));
     next += length;
     popped_.store(next, std::memory_order_release);
-    file_ << text_;
+    output_->write(text_);
     written_ += length;
   }
-  file_.flush();
 }
 
-void PinTrace::finish(base::SimTime now) {
+void PinTrace::finish(base::SimTime now, link::BackgroundOutput::Clock::time_point asked) {
   if (std::exchange(finished_, true)) {
     return;
   }
@@ -239,9 +237,8 @@ void PinTrace::finish(base::SimTime now) {
   }
   text_.clear();
   format_.finish(text_, now);
-  file_ << text_;
-  file_.close();
-  good_ = !file_.fail();
+  output_->write(text_);
+  output_->finish(asked);
 }
 
 }  // namespace stator::rack

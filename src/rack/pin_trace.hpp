@@ -5,7 +5,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
@@ -16,6 +16,7 @@
 #include "board/logic_trace.hpp"
 #include "board/vcd.hpp"
 #include "devices/tmc8461/tmc8461.hpp"
+#include "link/background_output.hpp"
 #include "rack/rack_configuration.hpp"
 
 namespace stator::rack {
@@ -25,7 +26,8 @@ namespace stator::rack {
 ///
 /// What finds no room in the queue is counted, and the lines concerned are unknown ("x") in the
 /// file from there on until there is room again. In lockstep nobody waits for the machine's clock;
-/// there time waits for the queue instead, so that equal runs give equal files.
+/// there time waits for the queue instead, so that equal runs give equal files, until the file does
+/// not move although the end has come.
 class PinTrace {
  public:
   /// Opens the file and begins at once. Throws std::runtime_error for a file that cannot be written
@@ -36,15 +38,17 @@ class PinTrace {
   PinTrace& operator=(const PinTrace&) = delete;
 
   /// Writes what is left, up to `now`, and closes the file. Nobody advances the chip meanwhile;
-  /// what comes later is not recorded.
-  void finish(base::SimTime now);
+  /// what comes later is not recorded. `asked`: since when nobody has more time.
+  void finish(base::SimTime now, link::BackgroundOutput::Clock::time_point asked =
+                                     link::BackgroundOutput::Clock::now());
+
+  /// The file.
+  [[nodiscard]] link::BackgroundOutput& output() { return *output_; }
 
   /// Edges that found no room.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
   /// Records in the file; right after finish().
   [[nodiscard]] std::uint64_t written() const { return written_; }
-  /// False after a write failed, e.g. because the disk is full; right after finish().
-  [[nodiscard]] bool good() const { return good_; }
 
  private:
   void take(std::span<const board::TraceRecord> records);
@@ -61,7 +65,7 @@ class PinTrace {
   bool waits_;  ///< for room, rather than losing edges
   board::LogicTrace trace_;
   board::VcdFormat format_;
-  std::ofstream file_;
+  std::unique_ptr<link::BackgroundOutput> output_;  ///< for which only the writer waits
 
   // One thread at a time puts in, that which holds the rack; the writer takes out.
   std::vector<board::TraceRecord> queue_;
@@ -74,7 +78,6 @@ class PinTrace {
 
   std::string text_;
   std::uint64_t written_ = 0;
-  bool good_ = true;
   bool finished_ = false;
   std::mutex mutex_;  ///< guards ending_
   std::condition_variable changed_;

@@ -52,7 +52,7 @@ class Inside {
 }  // namespace
 
 Rack::Rack(const RackConfiguration& configuration, EventLog& log)
-    : log_(log), lines_(configuration.lines), timetable_(configuration.events) {
+    : log_(log), outputs_(log), lines_(configuration.lines), timetable_(configuration.events) {
   std::vector<std::string> names;
   if (!configuration.state.empty()) {
     storage_ = std::make_unique<DeviceStorage>(configuration.state);
@@ -77,6 +77,8 @@ Rack::Rack(const RackConfiguration& configuration, EventLog& log)
     recorder_.emplace(configuration.record->file,
                       select_signals(signals(), configuration.record->signals),
                       configuration.record->period);
+    outputs_.add(recorder_->output(),
+                 {.name = "recording " + configuration.record->file, .records = "rows"});
   }
   faults_ = std::make_unique<Faults>(*this);
   for (const FaultConfiguration& fault : configuration.faults) {
@@ -96,6 +98,12 @@ void Rack::begin_trace(const TraceConfiguration& configuration, ClockKind clock)
       if (chip != nullptr &&
           (configuration.device.empty() || configuration.device == member.name)) {
         trace_ = std::make_unique<PinTrace>(*chip, configuration, clock);
+        outputs_.add(trace_->output(),
+                     {.name = "trace " + configuration.file,
+                      .records = "pieces",
+                      .device = static_cast<std::uint16_t>(members.first_device +
+                                                           (&member - members.devices.data())),
+                      .always_waits = true});
         return;
       }
       if (chip != nullptr) {
@@ -142,7 +150,8 @@ void Rack::add(const BusConfiguration& bus, std::vector<std::string>& names) {
   BusMembers members;
   members.wire = bus.wire;
   members.number = static_cast<std::uint16_t>(names.size() + bus.devices.size());
-  members.network = std::make_unique<CanNetwork>(bus, base::EventReporter(&log_, members.number));
+  members.network = std::make_unique<CanNetwork>(bus);
+  members.network->add_files_to(outputs_, members.number);
   members.first_device = static_cast<std::uint16_t>(names.size());
   for (const DeviceConfiguration& device : bus.devices) {
     const base::EventReporter reporter(&log_, static_cast<std::uint16_t>(names.size()));

@@ -20,6 +20,7 @@
 #include "rack/device_storage.hpp"
 #include "rack/event_log.hpp"
 #include "rack/held.hpp"
+#include "rack/output_files.hpp"
 #include "rack/pin_trace.hpp"
 #include "rack/rack_configuration.hpp"
 #include "rack/recorder.hpp"
@@ -199,6 +200,13 @@ class Rack {
   /// See EventLog::settle().
   void settle_log(base::SimTime now) { log_.settle(now); }
 
+  /// All that is written while the rack runs. Recording, trace and the files of buses are among
+  /// them from the beginning.
+  [[nodiscard]] OutputFiles& outputs() { return outputs_; }
+  [[nodiscard]] const OutputFiles& outputs() const { return outputs_; }
+  /// What events call a device.
+  [[nodiscard]] std::uint16_t number_of(DeviceAddress device) const;
+
  private:
   struct SegmentMembers {
     std::vector<NamedDevice> devices;
@@ -245,7 +253,6 @@ class Rack {
   void apply_frame_fault(const FrameFaultEvent& event, base::SimTime now);
   void apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now);
   [[nodiscard]] const devices::Input& find_input(const InputEvent& event) const;
-  [[nodiscard]] std::uint16_t number_of(DeviceAddress device) const;
   void report(std::uint16_t number, base::SimTime now, const base::EventRule& rule,
               const Arguments& arguments = {});
 
@@ -258,6 +265,7 @@ class Rack {
   void begin_trace(const TraceConfiguration& configuration, ClockKind clock);
 
   EventLog& log_;
+  OutputFiles outputs_;
   std::unique_ptr<PinTrace> trace_;  ///< outlives the chip it looks at
   std::vector<SegmentMembers> segments_;
   std::vector<BusMembers> buses_;

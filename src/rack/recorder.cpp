@@ -1,9 +1,8 @@
 #include "rack/recorder.hpp"
 
-#include <cerrno>
 #include <iterator>
+#include <span>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,13 +12,7 @@ namespace stator::rack {
 
 Recorder::Recorder(const std::string& path, std::vector<devices::Signal> signals,
                    base::SimDuration period)
-    : path_(path), file_(path), signals_(std::move(signals)), period_(period) {
-  if (!file_) {
-    throw std::runtime_error(
-        fmt::format("recording: cannot write {}: {}; choose a file in a "
-                    "directory that exists and can be written",
-                    path, std::generic_category().message(errno)));
-  }
+    : signals_(std::move(signals)), period_(period) {
   if (signals_.empty()) {
     throw std::runtime_error(
         fmt::format("recording to {}: no signal is chosen; name at least one, e.g. \"*\"", path));
@@ -32,7 +25,13 @@ Recorder::Recorder(const std::string& path, std::vector<devices::Signal> signals
   for (const devices::Signal& signal : signals_) {
     fmt::format_to(std::back_inserter(row_), ",{} [{}]", signal.name, signal.unit);
   }
-  file_ << row_ << '\n';
+  row_ += '\n';
+  auto output = link::BackgroundOutput::create(path, std::as_bytes(std::span(row_)));
+  if (!output) {
+    throw std::runtime_error("recording: " + output.error().text +
+                             "; choose a file in a directory that exists and can be written");
+  }
+  output_ = std::move(*output);
 }
 
 void Recorder::sample(base::SimTime now) {
@@ -45,8 +44,7 @@ void Recorder::sample(base::SimTime now) {
     fmt::format_to(std::back_inserter(row_), ",{}", signal.read());
   }
   row_ += '\n';
-  file_ << row_;
-  ++rows_;
+  output_->write(row_);
   next_sample_ = now + period_;
 }
 

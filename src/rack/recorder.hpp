@@ -1,18 +1,20 @@
 #pragma once
 
 #include <cstdint>
-#include <fstream>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "base/sim_time.hpp"
 #include "devices/signal.hpp"
+#include "link/background_output.hpp"
 
 namespace stator::rack {
 
 /// Writes chosen signals as CSV, one row per sampling period of simulated time: first column the
 /// time in seconds, then one column per signal headed "name [unit]". Numbers are written with the
-/// fewest digits that read back to the same value, so equal runs give equal files.
+/// fewest digits that read back to the same value, so equal runs give equal files. A thread of its
+/// own writes them.
 class Recorder {
  public:
   /// Opens `path`; throws std::runtime_error naming the file and the reason when that fails, or
@@ -25,19 +27,17 @@ class Recorder {
   /// Writes one row for `now` and moves next_sample() on by one period.
   void sample(base::SimTime now);
 
-  /// Rows written so far.
-  [[nodiscard]] std::uint64_t rows() const { return rows_; }
-  /// False after a write failed, e.g. because the disk is full.
-  [[nodiscard]] bool good() const { return file_.good(); }
+  /// Rows written so far; those that found no room are not among them.
+  [[nodiscard]] std::uint64_t rows() const { return output_->records(); }
+  /// The file: what it does when nobody takes rows, and what is missing.
+  [[nodiscard]] link::BackgroundOutput& output() { return *output_; }
 
  private:
-  std::string path_;
-  std::ofstream file_;
   std::vector<devices::Signal> signals_;
   base::SimDuration period_;
   base::SimTime next_sample_;
-  std::uint64_t rows_ = 0;
   std::string row_;
+  std::unique_ptr<link::BackgroundOutput> output_;
 };
 
 /// The signals whose name matches one of `patterns` ("*" stands for any run of characters), in the

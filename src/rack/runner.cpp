@@ -91,6 +91,9 @@ Runner::Runner(Rack& rack, const RackConfiguration& configuration,
                std::shared_ptr<spdlog::logger> logger, base::SimTime start,
                std::optional<int> priority)
     : shared_(rack, configuration, std::move(logger), start, priority) {
+  if (shared_.clock_kind == ClockKind::real) {
+    rack.outputs().lose_rather_than_wait();
+  }
   for (const SegmentConfiguration& segment : configuration.segments) {
     auto thread = std::make_unique<SegmentThread>();
     thread->index = segments_.size();
@@ -118,6 +121,11 @@ Runner::Runner(Rack& rack, const RackConfiguration& configuration,
 
 Runner::~Runner() {
   stop();
+  for (const auto& segment : segments_) {
+    if (segment->capture != nullptr) {
+      shared_.rack.outputs().remove(segment->capture->output());
+    }
+  }
 }
 
 void Runner::open(SegmentThread& segment, const SegmentConfiguration& configuration) {
@@ -146,6 +154,10 @@ void Runner::open(SegmentThread& segment, const SegmentConfiguration& configurat
       throw std::runtime_error(writer.error().text);
     }
     segment.capture = std::move(*writer);
+    shared_.rack.outputs().add(segment.capture->output(),
+                               {.name = "capture " + configuration.capture,
+                                .records = "frames",
+                                .device = shared_.rack.number_of({segment.index, 0})});
   }
 }
 
@@ -191,6 +203,7 @@ void Runner::wake() const {
 
 void Runner::stop() {
   shared_.stopping = true;
+  shared_.rack.outputs().stop_waiting();
   for (auto& segment : segments_) {
     if (segment->thread.joinable()) {
       segment->wake();
@@ -343,13 +356,8 @@ void Runner::capture(SegmentThread& segment, base::SimTime arrival,
   }
   for (const std::span<const std::byte> frame :
        {std::span<const std::byte>(segment.captured_request), answer}) {
-    if (frame.empty()) {
-      continue;
-    }
-    if (const auto written = segment.capture->write(arrival, frame); !written) {
-      shared_.logger->error("{}; capturing ends", written.error().text);
-      segment.capture.reset();
-      return;
+    if (!frame.empty()) {
+      segment.capture->write(arrival, frame);
     }
   }
 }

@@ -94,6 +94,10 @@ void RunningRack::give_up(base::SimDuration time) {
 void RunningRack::keep_files() {
   if (clock_kind == ClockKind::real) {
     rack.settle_log(real_clock.now());
+    rack.outputs().look(real_clock.now());
+  } else if (rack.outputs().have_news()) {
+    const std::scoped_lock lock(mutex);
+    rack.outputs().look(lockstep_clock.now());
   }
   if (rack.storage() == nullptr) {
     return;

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <stdexcept>
-#include <thread>
 #include <utility>
 
 #include "replay/byte_delta.hpp"
@@ -20,9 +18,6 @@ constexpr std::size_t kNumbers = 128;
 /// A step with all of them fits into a chunk.
 constexpr std::size_t kBytesOfASignal = sizeof(double) + 4;
 constexpr std::size_t kMostSignals = (kMaximumChunk - kNumbers) / kBytesOfASignal;
-
-/// How long who waits for the disk waits until it looks again.
-constexpr std::chrono::milliseconds kPatience{1};
 
 /// Before there is a file.
 RecordingHeader with_signals(RecordingHeader header, const std::vector<devices::Signal>& signals) {
@@ -52,21 +47,27 @@ SessionRecorder::SessionRecorder(rack::Rack& rack, const std::string& path, Reco
       file_(path, with_signals(std::move(header), signals_)),
       last_frames_(rack.segment_count()) {
   rack_.set_journal(this);
+  rack_.outputs().add(file_.output(), {.name = "recording " + path,
+                                       .records = "chunks",
+                                       .ends_at_loss = true,
+                                       .wanted_complete = false});
 }
 
 SessionRecorder::~SessionRecorder() {
+  file_.output().stop_waiting();
   finish();
 }
 
-void SessionRecorder::finish() {
+void SessionRecorder::finish(link::BackgroundOutput::Clock::time_point asked) {
   if (std::exchange(finished_, true)) {
     return;
   }
   rack_.set_journal(nullptr);
+  rack_.outputs().remove(file_.output());
   if (begin(StepKind::end)) {
     flush();
   }
-  file_.finish();
+  file_.finish(asked);
   if (!file_.good()) {
     broken_off_ = std::min(broken_off_, time_);
   }
@@ -80,16 +81,12 @@ bool SessionRecorder::begin(StepKind kind, std::size_t content) {
       (chunk_->size() + content + kNumbers > kMaximumChunk || time_ - chunk_began_ >= kChunkTime)) {
     flush();
   }
-  if (chunk_ == nullptr) {
+  if (chunk_ == nullptr && broken_off_ == base::SimTime::never()) {
     chunk_ = file_.take_empty();
-    while (chunk_ == nullptr && waits_for_disk_ && file_.good()) {
-      std::this_thread::sleep_for(kPatience);
-      chunk_ = file_.take_empty();
-    }
     chunk_began_ = time_;
   }
   if (chunk_ == nullptr) {
-    broken_off_ = time_;
+    broken_off_ = std::min(broken_off_, time_);
     return false;
   }
   writer().byte(static_cast<unsigned>(kind));
@@ -104,6 +101,9 @@ void SessionRecorder::time(base::SimTime now) {
 void SessionRecorder::flush() {
   if (chunk_ != nullptr) {
     file_.write(*std::exchange(chunk_, nullptr));
+    if (!file_.good()) {
+      broken_off_ = chunk_began_;
+    }
   }
 }
 

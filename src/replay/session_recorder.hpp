@@ -35,12 +35,10 @@ class SessionRecorder final : public rack::Journal {
   void mark(const std::string& name) override;
   [[nodiscard]] const std::vector<Mark>& marks() const { return marks_; }
 
-  /// Whether a disk that does not keep up holds up who does something to the rack: for racks that
-  /// run as fast as they compute. Otherwise the recording ends there.
-  void wait_for_disk(bool wait) { waits_for_disk_ = wait; }
-
-  /// Ends the recording and waits for the disk; afterwards the rack tells it nothing more.
-  void finish();
+  /// Ends the recording and waits for the disk, as link::BackgroundOutput::finish() does;
+  /// afterwards the rack tells it nothing more. `asked`: since when nobody has more time.
+  void finish(
+      link::BackgroundOutput::Clock::time_point asked = link::BackgroundOutput::Clock::now());
   /// Where the recording ends if the disk was too slow or full; never if it did not.
   [[nodiscard]] base::SimTime broken_off() const { return broken_off_; }
   [[nodiscard]] base::SimTime time() const { return time_; }
@@ -89,7 +87,6 @@ class SessionRecorder final : public rack::Journal {
   base::SimTime next_signals_;
   base::SimTime broken_off_ = base::SimTime::never();
   bool finished_ = false;
-  bool waits_for_disk_ = false;
   std::vector<std::vector<std::byte>> last_frames_;  ///< by segment: the request before
   std::vector<std::byte> request_;                   ///< what frame_leaves() belongs to
   std::vector<Mark> marks_;

@@ -38,13 +38,14 @@ TEST(CandumpLine, IsThatOfCandump) {
             "(0000000001.500000) can0 001#");
 }
 
-TEST(CandumpLog, HasEachLineAtOnce) {
+TEST(CandumpLog, HasEachLineWhileItIsOpen) {
   const tests::TemporaryDirectory directory;
   const std::string path = directory.path() + "/bus.log";
   const auto log = CandumpLog::open(path, "can0");
   ASSERT_TRUE(log) << log.error().text;
   ASSERT_TRUE((*log)->write(base::SimTime(1_s), can::data_frame(0x80, {})));
   ASSERT_TRUE((*log)->write(base::SimTime(2_s), bus_error_frame()));
+  ASSERT_TRUE((*log)->output().drain());
   std::ifstream file(path);
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}),
             "(0000000001.000000) can0 080#\n(0000000002.000000) can0 20000088#0000000000000000\n");

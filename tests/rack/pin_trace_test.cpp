@@ -51,7 +51,7 @@ TEST_F(PinTraceFile, HasEveryStepAtItsMoment) {
   board.cycles(1000);
   const auto steps = static_cast<std::size_t>(board.get("SD_CH0_STEPCOUNT"));
   board.rack.trace()->finish(board.port.now());
-  EXPECT_TRUE(board.rack.trace()->good());
+  EXPECT_TRUE(board.rack.trace()->output().complete());
   EXPECT_EQ(board.rack.trace()->dropped(), 0U);
   const std::string text = content();
   EXPECT_THAT(text, HasSubstr("$timescale 1 ns $end"));

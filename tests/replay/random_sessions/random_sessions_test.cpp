@@ -72,7 +72,6 @@ struct ScratchFile {
 struct RecordedRack {
   RecordedRack(const rack::RackConfiguration& configuration, const std::string& path)
       : rack(configuration, log), recorder(rack, path, {.program = "test"}) {
-    recorder.wait_for_disk(true);
   }
   rack::EventLog log;
   rack::Rack rack;
