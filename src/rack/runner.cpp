@@ -155,6 +155,7 @@ void Runner::start() {
     shared_.rack.storage()->confirm_writes(shared_.clock_kind == ClockKind::real &&
                                            shared_.rack.journal() == nullptr);
   }
+  shared_.begin();
   for (auto& segment : segments_) {
     segment->thread = std::thread([this, &segment = *segment] { run(segment); });
   }
@@ -215,6 +216,11 @@ base::SimTime Runner::now() {
   return shared_.now();
 }
 
+base::SimDuration Runner::lost() {
+  const std::scoped_lock lock(shared_.mutex);
+  return shared_.lost;
+}
+
 SegmentStatistics Runner::statistics(std::size_t segment) {
   const std::scoped_lock lock(shared_.mutex);
   return segments_[segment]->statistics;
@@ -231,13 +237,13 @@ const link::EthernetLink& Runner::link(std::size_t segment, MasterInterface inte
 void Runner::run(SegmentThread& segment) {
   shared_.enter_thread(segment.cpu);
   std::array<std::byte, link::kMaximumFrameLength> buffer{};
-  base::SimTime last_frame = shared_.real_clock.now();
+  base::SimTime last_frame = shared_.machine_now();
   while (!shared_.stopping) {
-    const base::SimTime now = shared_.real_clock.now();
+    const base::SimTime now = shared_.machine_now();
     watch_carriers(segment, now);
     const bool busy = now - last_frame < kIdleAfter;
     const base::SimDuration idle = shared_.desk.attended() ? kAttendedTick : kIdleTick;
-    const base::SimDuration tick = busy ? kBusyTick : idle;
+    const base::SimDuration tick = shared_.lags() ? base::SimDuration() : busy ? kBusyTick : idle;
     const auto received = segment.receive(buffer, std::min(tick, time_to_release(segment, now)));
     if (!received && received.error().code != link::LinkErrorCode::interface_down) {
       shared_.logger->error("{}; this segment stops", received.error().text);
@@ -249,10 +255,10 @@ void Runner::run(SegmentThread& segment) {
     if (received && received->length > 0) {
       if (!segment.carriers[static_cast<std::size_t>(received->entry)]) {
         segment.next_carrier_check = {};  // a frame is quicker than the next look
-        watch_carriers(segment, shared_.real_clock.now());
+        watch_carriers(segment, shared_.machine_now());
       }
       answer(segment, std::span(buffer).first(received->length), received->entry);
-      last_frame = shared_.real_clock.now();
+      last_frame = shared_.machine_now();
     }
     if (segment.next_release != base::SimTime::never()) {
       send_released(segment);
@@ -276,16 +282,14 @@ void Runner::watch_carriers(SegmentThread& segment, base::SimTime now) {
     if (up != segment.carriers[index]) {
       segment.carriers[index] = up;
       const std::scoped_lock lock(shared_.mutex);
-      const base::SimTime moment =
-          shared_.clock_kind == ClockKind::real ? now : shared_.lockstep_clock.now();
-      shared_.rack.set_carrier(segment.index, interface, up, moment);
+      shared_.rack.set_carrier(segment.index, interface, up, shared_.now());
     }
   }
 }
 
 base::SimTime Runner::arrival_of(std::span<std::byte> frame) {
   if (shared_.clock_kind == ClockKind::real) {
-    return shared_.real_clock.now();
+    return shared_.now();
   }
   // In lockstep the devices are brought to the frame before it passes: its time is the master's.
   const base::SimTime arrival = shared_.lockstep_clock.on_frame(frame);
@@ -294,7 +298,7 @@ base::SimTime Runner::arrival_of(std::span<std::byte> frame) {
 }
 
 void Runner::answer(SegmentThread& segment, std::span<std::byte> frame, MasterInterface entry) {
-  const base::SimTime received = shared_.real_clock.now();
+  const base::SimTime received = shared_.machine_now();
   if (segment.capture != nullptr) {
     segment.captured_request.assign(frame.begin(), frame.end());
   }
@@ -324,7 +328,7 @@ void Runner::answer(SegmentThread& segment, std::span<std::byte> frame, MasterIn
   lock.lock();
   shared_.rack.handle_bus_events(segment.index, arrival);
   SegmentStatistics& statistics = segment.statistics;
-  const std::int64_t took = (shared_.real_clock.now() - received).nanoseconds();
+  const std::int64_t took = (shared_.machine_now() - received).nanoseconds();
   ++statistics.frames;
   statistics.processing_ns += took;
   statistics.worst_processing_ns = std::max(statistics.worst_processing_ns, took);
@@ -380,12 +384,7 @@ void Runner::send_released(SegmentThread& segment) {
 
 void Runner::catch_up(SegmentThread& segment) {
   const std::scoped_lock lock(shared_.mutex);
-  const base::SimDuration lag = shared_.catch_up();
-  SegmentStatistics& statistics = segment.statistics;
-  statistics.worst_lag_ns = std::max(statistics.worst_lag_ns, lag.nanoseconds());
-  if (lag > kOverrun) {
-    shared_.log_overrun(++statistics.overruns, lag);
-  }
+  shared_.catch_up(segment.statistics);
 }
 
 }  // namespace stator::rack
