@@ -1,9 +1,5 @@
-#include <algorithm>
-#include <cerrno>
 #include <csignal>
-#include <cstdint>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -20,6 +16,7 @@
 #include "cli/logging.hpp"
 #include "cli/run_options.hpp"
 #include "cli/run_report.hpp"
+#include "cli/stop_signals.hpp"
 #include "link/machine.hpp"
 #include "rack/runner.hpp"
 #include "rack/shared_addresses.hpp"
@@ -39,38 +36,6 @@ void print_trace_end(const rack::PinTrace& trace, const std::string& file) {
   }
 }
 
-/// Blocks the signals that end the program in this and all later threads and waits for them here.
-class StopSignals {
- public:
-  StopSignals() {
-    ::sigemptyset(&set_);
-    ::sigaddset(&set_, SIGINT);
-    ::sigaddset(&set_, SIGTERM);
-    ::sigaddset(&set_, SIGHUP);
-    ::sigaddset(&set_, SIGUSR1);
-    ::pthread_sigmask(SIG_BLOCK, &set_, nullptr);
-  }
-
-  /// Returns when a signal came or `limit` (if any) has passed; the signal, or 0. SIGUSR1 is what
-  /// the program sends itself.
-  int wait(std::optional<base::SimDuration> limit) const {
-    int signal = 0;
-    if (!limit) {
-      ::sigwait(&set_, &signal);
-      return signal;
-    }
-    const std::int64_t nanoseconds = limit->nanoseconds();
-    const timespec time{nanoseconds / 1'000'000'000, nanoseconds % 1'000'000'000};
-    do {
-      signal = ::sigtimedwait(&set_, nullptr, &time);
-    } while (signal < 0 && errno == EINTR);
-    return std::max(signal, 0);
-  }
-
- private:
-  sigset_t set_{};
-};
-
 void announce(const rack::RackConfiguration& configuration, rack::Rack& rack, rack::Runner& runner,
               const OpenedWebServer& web) {
   print_networks(configuration, rack, runner);
@@ -82,8 +47,9 @@ void announce(const rack::RackConfiguration& configuration, rack::Rack& rack, ra
 /// passed or somebody wishes to go back; then returns where to. A port that the system was to
 /// choose for the web server is kept in `given`.
 std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<RecordingPlace>& from,
-                                       const StopSignals& signals,
+                                       StopSignals& signals,
                                        std::optional<base::SimDuration> limit) {
+  signals.starting();
   std::optional<RecordedRack> recorded;
   RunOptions options = given;
   if (from) {
@@ -118,6 +84,7 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   rack::Runner runner(rack, configuration, logger, start, options.priority);
   web = open_web_server(options.web, rack, configuration, log, runner,
                         session.recorder() != nullptr ? &session : nullptr);
+  signals.running();
   // Only now, when nothing can fail any more.
   announce(configuration, rack, runner, web);
   if (web.server != nullptr) {
@@ -166,7 +133,7 @@ void run(RunOptions options) {
   if (!options.duration.empty()) {
     limit = duration_option("--duration", options.duration);
   }
-  const StopSignals signals;
+  StopSignals signals;
   options.web.token = web::make_token();  // pages that are open outlast going back
   std::optional<RecordingPlace> from;
   if (!options.restore.empty()) {
@@ -176,7 +143,7 @@ void run(RunOptions options) {
           fmt::format("{} exists; name another file for the run that goes on", options.record));
     }
   }
-  while ((from = run_rack(options, from, signals, limit))) {
+  while (!signals.stopped() && (from = run_rack(options, from, signals, limit))) {
     options.rack_file.clear();
     options.device.clear();
     options.state.clear();
