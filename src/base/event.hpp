@@ -4,10 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <new>
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include "base/event_text.hpp"
 #include "base/sim_time.hpp"
@@ -51,30 +52,29 @@ class EventArgument {
   template <std::size_t N>
   EventArgument(char (&changeable)[N]) = delete;
   constexpr EventArgument(StaticText text)  // NOLINT: implicit
-      : kind_(Kind::text), size_(text.view().size()), value_{.text = text.view().data()} {}
+      : kind_(Kind::text), value_{.text = {text.view().data(), text.view().size()}} {}
   constexpr EventArgument(StaticList list)  // NOLINT: implicit
-      : kind_(Kind::list), size_(list.view().size()), value_{.list = list.view().data()} {}
+      : kind_(Kind::list), value_{.list = {list.view().data(), list.view().size()}} {}
   EventArgument(const SharedText& text)  // NOLINT: implicit
-      : kind_(Kind::shared_text), value_{.shared = text.content_} {
-    SharedText::share(*value_.shared);
+      : kind_(Kind::shared_text) {
+    std::construct_at(&shared(), text);
   }
 
-  constexpr EventArgument(const EventArgument& other)
-      : kind_(other.kind_), size_(other.size_), value_(other.value_) {
+  constexpr EventArgument(const EventArgument& other) : kind_(other.kind_), value_(other.value_) {
     if (kind_ == Kind::shared_text) {
-      SharedText::share(*value_.shared);
+      std::construct_at(&shared(), other.shared());
     }
   }
   constexpr EventArgument& operator=(const EventArgument& other) {
-    EventArgument copy(other);
-    std::swap(kind_, copy.kind_);
-    std::swap(size_, copy.size_);
-    std::swap(value_, copy.value_);
+    if (this != &other) {
+      std::destroy_at(this);
+      std::construct_at(this, other);
+    }
     return *this;
   }
   constexpr ~EventArgument() {
     if (kind_ == Kind::shared_text) {
-      SharedText::release(*value_.shared);
+      std::destroy_at(&shared());
     }
   }
 
@@ -86,13 +86,15 @@ class EventArgument {
   /// Empty if it is none, and valid as long as this.
   [[nodiscard]] constexpr std::string_view text() const {
     if (kind_ == Kind::shared_text) {
-      return value_.shared->text;
+      return shared().str();
     }
-    return kind_ == Kind::text ? std::string_view(value_.text, size_) : std::string_view();
+    return kind_ == Kind::text ? std::string_view(value_.text.data, value_.text.size)
+                               : std::string_view();
   }
   /// Empty if it is none.
   [[nodiscard]] constexpr std::span<const std::int64_t> list() const {
-    return is_list() ? std::span(value_.list, size_) : std::span<const std::int64_t>();
+    return is_list() ? std::span(value_.list.data, value_.list.size)
+                     : std::span<const std::int64_t>();
   }
 
   /// Both tell people the same.
@@ -103,15 +105,28 @@ class EventArgument {
 
  private:
   enum class Kind : std::uint8_t { number, text, list, shared_text };
+  template <typename T>
+  struct View {
+    const T* data;
+    std::size_t size;
+  };
+  // A constant expression makes what a literal becomes, so a SharedText lives in bytes: a member of
+  // its type would keep this from being one.
   union Value {
     std::int64_t number = 0;
-    const char* text;
-    const std::int64_t* list;
-    const SharedText::Content* shared;
+    View<char> text;
+    View<std::int64_t> list;
+    alignas(SharedText) std::array<std::byte, sizeof(SharedText)> shared;
   };
 
+  [[nodiscard]] SharedText& shared() {
+    return *std::launder(reinterpret_cast<SharedText*>(&value_.shared));
+  }
+  [[nodiscard]] const SharedText& shared() const {
+    return *std::launder(reinterpret_cast<const SharedText*>(&value_.shared));
+  }
+
   Kind kind_ = Kind::number;
-  std::size_t size_ = 0;  ///< of a static text or list
   Value value_{};
 };
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -67,33 +67,13 @@ class StaticList {
 class SharedText {
  public:
   SharedText() : SharedText(std::string()) {}
-  explicit SharedText(std::string text) : content_(new Content{{1}, std::move(text)}) {}
-  SharedText(const SharedText& other) : content_(other.content_) { share(*content_); }
-  SharedText& operator=(SharedText other) {
-    std::swap(content_, other.content_);
-    return *this;
-  }
-  ~SharedText() { release(*content_); }
+  explicit SharedText(std::string text)
+      : text_(std::make_shared<const std::string>(std::move(text))) {}
 
-  [[nodiscard]] const std::string& str() const { return content_->text; }
+  [[nodiscard]] const std::string& str() const { return *text_; }
 
  private:
-  friend class EventArgument;
-  struct Content {
-    mutable std::atomic<std::size_t> owners;
-    const std::string text;
-  };
-
-  static void share(const Content& content) {
-    content.owners.fetch_add(1, std::memory_order_relaxed);
-  }
-  static void release(const Content& content) {
-    if (content.owners.fetch_sub(1, std::memory_order_acq_rel) == 1) {
-      delete &content;
-    }
-  }
-
-  const Content* content_;
+  std::shared_ptr<const std::string> text_;
 };
 
 }  // namespace stator::base

@@ -1,5 +1,6 @@
 #include "cli/bus.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -7,6 +8,7 @@
 
 #include "cli/failure.hpp"
 #include "cli/logging.hpp"
+#include "cli/run_options.hpp"
 #include "link/open_link.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/rack_file.hpp"
@@ -30,6 +32,22 @@ void add_bus_options(CLI::App& command, BusOptions& options) {
       ->excludes(link);
   command.add_option("--record-period", options.record_period, "Simulated time between two rows")
       ->capture_default_str();
+  command
+      .add_option("--timeout", options.timeout,
+                  "How long to wait for a frame to come back before it is sent again")
+      ->capture_default_str();
+}
+
+master::MasterOptions master_options_of(const BusOptions& options) {
+  master::MasterOptions limits;
+  limits.frame_timeout = duration_option("--timeout", options.timeout);
+  if (limits.frame_timeout <= base::SimDuration()) {
+    throw Failure(fmt::format("--timeout {} leaves no time for an answer; write e.g. 10ms",
+                              options.timeout));
+  }
+  // An access to an EEPROM takes several frames.
+  limits.sii_timeout = std::max(limits.sii_timeout, limits.frame_timeout * 2);
+  return limits;
 }
 
 link::LinkAddress link_of(const std::string& text) {

@@ -10,6 +10,7 @@
 #include "link/link_address.hpp"
 #include "link/pcap_writer.hpp"
 #include "master/frame_port.hpp"
+#include "master/master_options.hpp"
 #include "rack/event_log.hpp"
 #include "rack/link_port.hpp"
 #include "rack/local_port.hpp"
@@ -29,10 +30,14 @@ struct BusOptions {
   std::string capture;  ///< pcap file, empty = none
   std::string record;   ///< CSV file, only with a rack
   std::string record_period = "1ms";
+  std::string timeout = "10ms";  ///< of a frame
 };
 
-/// Adds --link, --rack, --device, --capture, --record and --record-period to a command.
+/// Adds --link, --rack, --device, --capture, --record, --record-period and --timeout to a command.
 void add_bus_options(CLI::App& command, BusOptions& options);
+
+/// The limits of a master on that bus. Throws Failure.
+[[nodiscard]] master::MasterOptions master_options_of(const BusOptions& options);
 
 /// The link as the command line names it. Throws Failure naming the forms there are.
 [[nodiscard]] link::LinkAddress link_of(const std::string& text);

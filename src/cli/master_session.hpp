@@ -24,7 +24,8 @@ T require(master::Result<T> result) {
 class MasterSession {
  public:
   /// Opens the bus and scans it. Throws Failure.
-  explicit MasterSession(const BusOptions& options) : bus_(options), master_(bus_.port()) {
+  explicit MasterSession(const BusOptions& options)
+      : bus_(options), master_(bus_.port(), master_options_of(options)) {
     require(master_.scan());
   }
 

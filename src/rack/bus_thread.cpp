@@ -196,7 +196,7 @@ SimDuration BusThread::time_to_sleep() {
     return {};
   }
   const std::scoped_lock lock(shared_.mutex);
-  return std::min(kIdleTick, shared_.rack.next_bus_deadline() - shared_.real_clock.now());
+  return std::min(kIdleTick, shared_.rack.next_bus_deadline() - shared_.machine_now());
 }
 
 }  // namespace stator::rack

@@ -103,12 +103,12 @@ void ChipThread::run() {
 }
 
 void ChipThread::take(const link::ChipMessage& message) {
-  const base::SimTime received = shared_.real_clock.now();
+  const base::SimTime received = shared_.machine_now();
   if (shared_.clock_kind == ClockKind::real) {
     shared_.catch_up();
   }
   session_->take(message, shared_.now());
-  const std::int64_t took = (shared_.real_clock.now() - received).nanoseconds();
+  const std::int64_t took = (shared_.machine_now() - received).nanoseconds();
   ++statistics_.requests;
   statistics_.processing_ns += took;
   statistics_.worst_processing_ns = std::max(statistics_.worst_processing_ns, took);
@@ -120,7 +120,7 @@ SimDuration ChipThread::time_to_sleep() {
   }
   const std::scoped_lock lock(shared_.mutex);
   const base::SimTime next = port_.next_line_change();
-  return std::clamp(next - shared_.real_clock.now(), SimDuration(), kIdleTick);
+  return std::clamp(next - shared_.machine_now(), SimDuration(), kIdleTick);
 }
 
 void ChipThread::switch_power(bool on) {

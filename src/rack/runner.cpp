@@ -250,9 +250,9 @@ const link::EthernetLink& Runner::link(std::size_t segment, MasterInterface inte
 void Runner::run(SegmentThread& segment) {
   shared_.enter_thread(segment.cpu);
   std::array<std::byte, link::kMaximumFrameLength> buffer{};
-  base::SimTime last_frame = shared_.real_clock.now();
+  base::SimTime last_frame = shared_.machine_now();
   while (!shared_.stopping) {
-    const base::SimTime now = shared_.real_clock.now();
+    const base::SimTime now = shared_.machine_now();
     watch_carriers(segment, now);
     const bool busy = now - last_frame < kIdleAfter;
     const base::SimDuration idle = shared_.desk.attended() ? kAttendedTick : kIdleTick;
@@ -268,10 +268,10 @@ void Runner::run(SegmentThread& segment) {
     if (received && received->length > 0) {
       if (!segment.carriers[static_cast<std::size_t>(received->entry)]) {
         segment.next_carrier_check = {};  // a frame is quicker than the next look
-        watch_carriers(segment, shared_.real_clock.now());
+        watch_carriers(segment, shared_.machine_now());
       }
       answer(segment, std::span(buffer).first(received->length), received->entry);
-      last_frame = shared_.real_clock.now();
+      last_frame = shared_.machine_now();
     }
     if (segment.next_release != base::SimTime::never()) {
       send_released(segment);
@@ -311,7 +311,7 @@ base::SimTime Runner::arrival_of(std::span<std::byte> frame) {
 }
 
 void Runner::answer(SegmentThread& segment, std::span<std::byte> frame, MasterInterface entry) {
-  const base::SimTime received = shared_.real_clock.now();
+  const base::SimTime received = shared_.machine_now();
   if (segment.capture != nullptr) {
     segment.captured_request.assign(frame.begin(), frame.end());
   }
@@ -341,7 +341,7 @@ void Runner::answer(SegmentThread& segment, std::span<std::byte> frame, MasterIn
   lock.lock();
   shared_.rack.handle_bus_events(segment.index, arrival);
   SegmentStatistics& statistics = segment.statistics;
-  const std::int64_t took = (shared_.real_clock.now() - received).nanoseconds();
+  const std::int64_t took = (shared_.machine_now() - received).nanoseconds();
   ++statistics.frames;
   statistics.processing_ns += took;
   statistics.worst_processing_ns = std::max(statistics.worst_processing_ns, took);

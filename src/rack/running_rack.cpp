@@ -31,13 +31,13 @@ void RunningRack::enter_thread(std::optional<unsigned> cpu) const {
 }
 
 void RunningRack::begin() {
-  if (const base::SimDuration passed = real_clock.now() - reached; passed > kWorstLag) {
-    real_clock.set_back(passed - kWorstLag);
+  if (const base::SimDuration passed = machine_now() - reached; passed > kWorstLag) {
+    set_back(passed - kWorstLag);
   }
 }
 
 base::SimTime RunningRack::present() {
-  base::SimTime now = real_clock.now();
+  base::SimTime now = machine_now();
   if (now - reached > kOverrun) {
     now = reached + slice;
   }
@@ -47,13 +47,13 @@ base::SimTime RunningRack::present() {
 
 // No slice ends before what came last: a device is never asked for its past.
 RunningRack::Lag RunningRack::advance_slice() {
-  const base::SimTime begin = real_clock.now();
+  const base::SimTime begin = machine_now();
   const base::SimTime from = reached;
   const base::SimTime end = std::max(handed_out, std::min(begin, from + slice));
   rack.advance(end);
   reached = end;
   handed_out = end;
-  const base::SimTime now = real_clock.now();
+  const base::SimTime now = machine_now();
   adapt_slice(end - from, now - begin);
   lagging.store(end < begin, std::memory_order_relaxed);
   const base::SimDuration lag = now - end;
@@ -79,7 +79,7 @@ void RunningRack::adapt_slice(base::SimDuration simulated, base::SimDuration too
 }
 
 void RunningRack::give_up(base::SimDuration time) {
-  real_clock.set_back(time);
+  set_back(time);
   if (lost == base::SimDuration()) {
     logger->warn(
         "this machine is too slow for the rack: {:.0f} ms behind, its clock is set back by what "
@@ -93,8 +93,8 @@ void RunningRack::give_up(base::SimDuration time) {
 
 void RunningRack::keep_files() {
   if (clock_kind == ClockKind::real) {
-    rack.settle_log(real_clock.now());
-    rack.outputs().look(real_clock.now());
+    rack.settle_log(machine_now());
+    rack.outputs().look(machine_now());
   } else if (rack.outputs().have_news()) {
     const std::scoped_lock lock(mutex);
     rack.outputs().look(lockstep_clock.now());
@@ -106,7 +106,7 @@ void RunningRack::keep_files() {
   if (clock_kind == ClockKind::real && rack.storage()->busy()) {
     rack.hand_over_completions(now());
   }
-  const base::SimTime moment = real_clock.now();
+  const base::SimTime moment = machine_now();
   if (moment >= next_keeping) {
     next_keeping = moment + kKeepingPeriod;
     rack.storage()->service(moment);

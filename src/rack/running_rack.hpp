@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -57,6 +58,15 @@ struct RunningRack {
   [[nodiscard]] base::SimTime now() {
     return clock_kind == ClockKind::real ? present() : lockstep_clock.now();
   }
+  /// The machine's present in simulated time; from any thread, and what is read without the mutex
+  /// may be later than what comes afterwards, when the clock is set back.
+  [[nodiscard]] base::SimTime machine_now() const {
+    return real_clock.now() - base::SimDuration(set_back_ns.load(std::memory_order_relaxed));
+  }
+  /// The machine's present is earlier by `time` from now on. The epoch stays.
+  void set_back(base::SimDuration time) {
+    set_back_ns.fetch_add(time.nanoseconds(), std::memory_order_relaxed);
+  }
   /// What time stamps that programs see add to simulated time: nothing in lockstep, where it is the
   /// master's.
   [[nodiscard]] base::SimDuration epoch() const {
@@ -104,6 +114,7 @@ struct RunningRack {
   base::SimDuration slice = kLongestSlice;
   base::SimDuration lost;  ///< time given up
   bool overrunning = false;
+  std::atomic<std::int64_t> set_back_ns{0};
   std::atomic<bool> lagging{false};
   base::SimTime next_keeping;
   std::atomic<bool> stopping{false};

@@ -159,7 +159,7 @@ void SerialLineThread::plan() {
     time_to_sleep_ = kIdleTick;
     return;
   }
-  const SimTime now = shared_.real_clock.now();
+  const SimTime now = shared_.machine_now();
   if (line_.waits()) {
     last_wait_ = now;
   }

@@ -28,9 +28,7 @@ struct Statistics {
 class Overload : public ::testing::Test {
  protected:
   /// The machine has done something else for `time`.
-  void fall_behind(base::SimDuration time) {
-    running_.real_clock.set_back(base::SimDuration() - time);
-  }
+  void fall_behind(base::SimDuration time) { running_.set_back(base::SimDuration() - time); }
   void catch_up() {
     const std::scoped_lock lock(running_.mutex);
     running_.catch_up(statistics_);
@@ -116,7 +114,7 @@ TEST_F(Overload, WhatComesMeetsDevicesWhereTheyAreAndNeverInTheirPast) {
 
 TEST_F(Overload, ARackThatKeepsUpIsAtTheMachinesPresentAndLosesNothing) {
   for (int i = 0; i < 5; ++i) {
-    const base::SimTime before = running_.real_clock.now();
+    const base::SimTime before = running_.machine_now();
     do {
       catch_up();
     } while (running_.lags());
