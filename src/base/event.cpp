@@ -69,7 +69,7 @@ bool append_argument(std::string& sentence, std::string_view placeholder, const 
   int digits = 1;
   const std::string_view format(number.ptr, static_cast<std::size_t>(end - number.ptr));
   const bool hexadecimal = format.starts_with(":x");
-  if (argument.is_text() || argument.is_list() || !(hexadecimal || format.starts_with(":d")) ||
+  if (!argument.is_number() || !(hexadecimal || format.starts_with(":d")) ||
       std::from_chars(format.data() + 2, end, digits).ptr != end) {
     return false;
   }

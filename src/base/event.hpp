@@ -1,12 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "base/event_text.hpp"
 #include "base/sim_time.hpp"
 
 namespace stator::base {
@@ -25,40 +28,91 @@ enum class Severity : std::uint8_t {
 /// name the arguments by position: `{0}` decimal, text or list, `{0:x4}` hexadecimal with at least
 /// four digits and the field's h suffix ("6040h"), `{0:d3}` thousandths with a point ("1.500").
 struct EventRule {
-  std::string_view id;  ///< stable name for programs, e.g. "al-sm-length"
+  StaticText id;  ///< stable name for programs, e.g. "al-sm-length"
   Severity severity;
-  std::string_view text;
+  StaticText text;
 };
 
-/// A number, or a text or list of numbers that lives as long as the device that raises the event (a
-/// state's name, an object's legal values); a reader that keeps events longer keeps their sentences
-/// instead.
+/// A number, a text or a list of numbers. An event may be kept and read by any thread for as long
+/// as one likes: what it refers to is either constant (StaticText, StaticList) or shared with it
+/// (SharedText), and nothing else can be given.
 class EventArgument {
  public:
   constexpr EventArgument() = default;
-  constexpr EventArgument(std::int64_t number) : number_(number) {}  // NOLINT: implicit
-  constexpr EventArgument(std::string_view text) : text_(text) {}    // NOLINT: implicit
-  constexpr EventArgument(const char* text) : text_(text) {}         // NOLINT: implicit
-  constexpr EventArgument(int number) : number_(number) {}           // NOLINT: implicit
-  constexpr EventArgument(unsigned number) : number_(number) {}      // NOLINT: implicit
-  constexpr EventArgument(std::size_t number)                        // NOLINT: implicit
-      : number_(static_cast<std::int64_t>(number)) {}
-
-  constexpr EventArgument(std::span<const std::int64_t> list)  // NOLINT: implicit
-      : number_(static_cast<std::int64_t>(list.size())), list_(list.data()) {}
-
-  [[nodiscard]] constexpr bool is_list() const { return list_ != nullptr; }
-  [[nodiscard]] constexpr std::span<const std::int64_t> list() const {
-    return {list_, is_list() ? static_cast<std::size_t>(number_) : 0};
+  constexpr EventArgument(std::int64_t number) : value_{.number = number} {}    // NOLINT: implicit
+  constexpr EventArgument(int number) : EventArgument(std::int64_t{number}) {}  // NOLINT: implicit
+  constexpr EventArgument(unsigned number)                                      // NOLINT: implicit
+      : EventArgument(std::int64_t{number}) {}
+  constexpr EventArgument(std::size_t number)  // NOLINT: implicit
+      : EventArgument(static_cast<std::int64_t>(number)) {}
+  template <std::size_t N>
+  consteval EventArgument(const char (&literal)[N])  // NOLINT: implicit
+      : EventArgument(StaticText(literal)) {}
+  template <std::size_t N>
+  EventArgument(char (&changeable)[N]) = delete;
+  constexpr EventArgument(StaticText text)  // NOLINT: implicit
+      : kind_(Kind::text), size_(text.view().size()), value_{.text = text.view().data()} {}
+  constexpr EventArgument(StaticList list)  // NOLINT: implicit
+      : kind_(Kind::list), size_(list.view().size()), value_{.list = list.view().data()} {}
+  EventArgument(const SharedText& text)  // NOLINT: implicit
+      : kind_(Kind::shared_text), value_{.shared = text.content_} {
+    SharedText::share(*value_.shared);
   }
-  [[nodiscard]] constexpr bool is_text() const { return text_.data() != nullptr; }
-  [[nodiscard]] constexpr std::int64_t number() const { return number_; }
-  [[nodiscard]] constexpr std::string_view text() const { return text_; }
+
+  constexpr EventArgument(const EventArgument& other)
+      : kind_(other.kind_), size_(other.size_), value_(other.value_) {
+    if (kind_ == Kind::shared_text) {
+      SharedText::share(*value_.shared);
+    }
+  }
+  constexpr EventArgument& operator=(const EventArgument& other) {
+    EventArgument copy(other);
+    std::swap(kind_, copy.kind_);
+    std::swap(size_, copy.size_);
+    std::swap(value_, copy.value_);
+    return *this;
+  }
+  constexpr ~EventArgument() {
+    if (kind_ == Kind::shared_text) {
+      SharedText::release(*value_.shared);
+    }
+  }
+
+  [[nodiscard]] constexpr bool is_number() const { return kind_ == Kind::number; }
+  [[nodiscard]] constexpr bool is_list() const { return kind_ == Kind::list; }
+  [[nodiscard]] constexpr bool is_text() const { return !is_number() && !is_list(); }
+  /// 0 if it is none.
+  [[nodiscard]] constexpr std::int64_t number() const { return is_number() ? value_.number : 0; }
+  /// Empty if it is none, and valid as long as this.
+  [[nodiscard]] constexpr std::string_view text() const {
+    if (kind_ == Kind::shared_text) {
+      return value_.shared->text;
+    }
+    return kind_ == Kind::text ? std::string_view(value_.text, size_) : std::string_view();
+  }
+  /// Empty if it is none.
+  [[nodiscard]] constexpr std::span<const std::int64_t> list() const {
+    return is_list() ? std::span(value_.list, size_) : std::span<const std::int64_t>();
+  }
+
+  /// Both tell people the same.
+  friend constexpr bool operator==(const EventArgument& a, const EventArgument& b) {
+    return a.is_text() == b.is_text() && a.is_list() == b.is_list() && a.number() == b.number() &&
+           a.text() == b.text() && std::ranges::equal(a.list(), b.list());
+  }
 
  private:
-  std::int64_t number_ = 0;  ///< of a list, how many it has
-  std::string_view text_{};
-  const std::int64_t* list_ = nullptr;
+  enum class Kind : std::uint8_t { number, text, list, shared_text };
+  union Value {
+    std::int64_t number = 0;
+    const char* text;
+    const std::int64_t* list;
+    const SharedText::Content* shared;
+  };
+
+  Kind kind_ = Kind::number;
+  std::size_t size_ = 0;  ///< of a static text or list
+  Value value_{};
 };
 
 /// What happened, as data: raising one costs a copy and no allocation; words are made by the

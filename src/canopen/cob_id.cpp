@@ -77,8 +77,7 @@ Verdict check_cob_id(const Entry& entry, CobIdKind kind, std::uint64_t value,
                      const CobIdRules& limits) {
   const auto refuse = [&](AbortCode code, const base::EventRule& rule, EventArgument more = {}) {
     return dictionary::refuse(
-        code, rule,
-        {int{entry.index()}, int{entry.subindex()}, std::string_view(entry.name()), value, more});
+        code, rule, {int{entry.index()}, int{entry.subindex()}, entry.shared_name(), value, more});
   };
   if ((value & kIdentifierBits & ~std::uint64_t{kCanIdMask}) != 0) {
     return refuse(AbortCode::value_range_exceeded, rules::kCobIdExtendedFrame);

@@ -154,10 +154,10 @@ class Names {
  public:
   /// `name`, with the index behind it if another object has it already.
   std::string unique(const Object& object) {
-    if (used_.insert(object.name).second) {
-      return object.name;
+    if (used_.insert(object.name.str()).second) {
+      return object.name.str();
     }
-    std::string name = object.name + " (" + hexadecimal(object.index, 4) + "h)";
+    std::string name = object.name.str() + " (" + hexadecimal(object.index, 4) + "h)";
     used_.insert(name);
     return name;
   }

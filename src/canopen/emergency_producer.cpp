@@ -18,19 +18,19 @@ constexpr std::uint16_t kErrorReset = 0x0000;
 constexpr std::int64_t kNanosecondsPerInhibitUnit = 100'000;
 
 // What becomes of a message.
-constexpr std::string_view kSent = "its emergency has been handed to the CAN controller";
-constexpr std::string_view kInhibited =
+constexpr base::StaticText kSent = "its emergency has been handed to the CAN controller";
+constexpr base::StaticText kInhibited =
     "its emergency waits for the inhibit time 1015h or for earlier ones";
-constexpr std::string_view kStopped = "its emergency waits until the node has left Stopped";
-constexpr std::string_view kStarting =
+constexpr base::StaticText kStopped = "its emergency waits until the node has left Stopped";
+constexpr base::StaticText kStarting =
     "its emergency comes after the boot-up message, if the error lasts until then";
-constexpr std::string_view kSwitchedOff =
+constexpr base::StaticText kSwitchedOff =
     "no emergency is sent, for bit 31 of 1014h switches them off";
-constexpr std::string_view kMissing = "no emergency is sent, for the node has no 1014h";
-constexpr std::string_view kCrowded = "its emergency is lost, for eight wait already";
-constexpr std::string_view kNoRoom =
+constexpr base::StaticText kMissing = "no emergency is sent, for the node has no 1014h";
+constexpr base::StaticText kCrowded = "its emergency is lost, for eight wait already";
+constexpr base::StaticText kNoRoom =
     "its emergency is lost, for the transmit buffer of the CAN controller is full";
-constexpr std::string_view kNotTold =
+constexpr base::StaticText kNotTold =
     "no emergency is sent, for the product has no code for it: only 1001h tells";
 
 /// Codes 81xxh and 82xxh: communication, protocol (CiA 301 table 26).
@@ -147,7 +147,7 @@ void EmergencyProducer::note(const Emergency& emergency, SimTime now) {
   }
 }
 
-void EmergencyProducer::report(const Emergency& emergency, std::string_view fate,
+void EmergencyProducer::report(const Emergency& emergency, base::StaticText fate,
                                SimTime now) const {
   reporter_.report(now, rules::kEmergencyRaised,
                    {int{emergency.code}, error_register_->signed_value(),
@@ -220,7 +220,7 @@ void EmergencyProducer::record(const Emergency& emergency) {
   count.set_value(std::min<std::uint64_t>(count.value() + 1, entries.size()));
 }
 
-std::string_view EmergencyProducer::queue(const Emergency& emergency, SimTime now) {
+base::StaticText EmergencyProducer::queue(const Emergency& emergency, SimTime now) {
   // In Initialisation 1014h has yet to take the value with which the message is sent.
   const bool valid = cob_id_ != nullptr && (state_ == NmtState::initialisation ||
                                             (cob_id_->value() & kCobIdInvalid) == 0);
@@ -285,7 +285,7 @@ Verdict EmergencyProducer::check_history_written(const Entry& entry, std::uint64
   }
   return dictionary::refuse(
       AbortCode::value_range_exceeded, rules::kHistoryValue,
-      {int{entry.index()}, int{entry.subindex()}, std::string_view(entry.name()), value});
+      {int{entry.index()}, int{entry.subindex()}, entry.shared_name(), value});
 }
 
 Verdict EmergencyProducer::check_history_read(const Entry& entry) {
@@ -295,7 +295,7 @@ Verdict EmergencyProducer::check_history_read(const Entry& entry) {
   }
   return dictionary::refuse(
       AbortCode::no_data_available, rules::kHistoryEmpty,
-      {int{entry.index()}, int{entry.subindex()}, std::string_view(entry.name()), count});
+      {int{entry.index()}, int{entry.subindex()}, entry.shared_name(), count});
 }
 
 }  // namespace stator::canopen

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string_view>
 
 #include "base/event.hpp"
 #include "can/transmitter.hpp"
@@ -95,9 +94,9 @@ class EmergencyProducer final : public Service, public EmergencySink {
   void begin_anew();
   void update_register();
   void record(const Emergency& emergency);
-  void report(const Emergency& emergency, std::string_view fate, base::SimTime now) const;
+  void report(const Emergency& emergency, base::StaticText fate, base::SimTime now) const;
   /// Says, for a person, what becomes of the message.
-  std::string_view queue(const Emergency& emergency, base::SimTime now);
+  base::StaticText queue(const Emergency& emergency, base::SimTime now);
   void send_waiting(base::SimTime now);
   [[nodiscard]] bool may_send() const;
   [[nodiscard]] dictionary::Verdict check_cob_id_written(const dictionary::Entry& entry,

@@ -51,7 +51,7 @@ Verdict ErrorBehaviour::check_value(const Entry& entry, std::uint64_t value) {
   }
   return dictionary::refuse(
       dictionary::AbortCode::value_range_exceeded, rules::kErrorBehaviourValue,
-      {int{entry.index()}, int{entry.subindex()}, std::string_view(entry.name()), value});
+      {int{entry.index()}, int{entry.subindex()}, entry.shared_name(), value});
 }
 
 }  // namespace stator::canopen

@@ -2,7 +2,7 @@
 
 namespace stator::canopen {
 
-const char* to_text(NmtState state) {
+base::StaticText to_text(NmtState state) {
   switch (state) {
     case NmtState::initialisation:
       return "Initialisation";

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "base/event_text.hpp"
+
 namespace stator::canopen {
 
 /// States of the NMT slave state machine with the codes that heartbeat and node guarding report
@@ -14,6 +16,6 @@ enum class NmtState : std::uint8_t {
 };
 
 /// The standard's name, e.g. "Pre-operational". The text is of static lifetime and ends with 0.
-[[nodiscard]] const char* to_text(NmtState state);
+[[nodiscard]] base::StaticText to_text(NmtState state);
 
 }  // namespace stator::canopen

@@ -14,7 +14,7 @@ using dictionary::Verdict;
 
 std::array<EventArgument, 6> about(const Entry& entry, EventArgument a = {}, EventArgument b = {},
                                    EventArgument c = {}) {
-  return {int{entry.index()}, int{entry.subindex()}, std::string_view(entry.name()), a, b, c};
+  return {int{entry.index()}, int{entry.subindex()}, entry.shared_name(), a, b, c};
 }
 
 }  // namespace
@@ -54,7 +54,8 @@ Verdict ParameterStorage::check_signature(const Entry& entry, std::uint64_t valu
   const std::uint32_t signature = stores ? kSaveSignature : kLoadSignature;
   if (value != signature) {
     return dictionary::refuse(AbortCode::cannot_store, rules::kStorageSignature,
-                              about(entry, value, signature, stores ? "save" : "load"));
+                              about(entry, value, signature,
+                                    stores ? base::StaticText("save") : base::StaticText("load")));
   }
   // What complete access orders with one write goes together.
   if (memory_.status() == NonVolatileMemory::Status::busy && !ordered_now_) {

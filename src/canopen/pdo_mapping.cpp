@@ -42,11 +42,12 @@ bool mappable(const Entry& entry, PdoDirection direction) {
 
 std::array<EventArgument, 6> about(const Entry& entry, EventArgument a = {}, EventArgument b = {},
                                    EventArgument c = {}) {
-  return {int{entry.index()}, int{entry.subindex()}, std::string_view(entry.name()), a, b, c};
+  return {int{entry.index()}, int{entry.subindex()}, entry.shared_name(), a, b, c};
 }
 
-const char* direction_text(PdoDirection direction) {
-  return direction == PdoDirection::receive ? "receive PDO" : "transmit PDO";
+base::StaticText direction_text(PdoDirection direction) {
+  return direction == PdoDirection::receive ? base::StaticText("receive PDO")
+                                            : base::StaticText("transmit PDO");
 }
 
 }  // namespace

@@ -225,7 +225,8 @@ void PdoService::check_length(ReceivePdo& pdo, const can::Frame& frame, SimTime 
     reporter_.report(
         now, rules::kPdoLength,
         {kReceivePdoCommunication + int{pdo.number()}, int{expected}, int{frame.length},
-         taken ? "the mapped ones were taken" : "nothing was taken"});
+         taken ? base::StaticText("the mapped ones were taken")
+               : base::StaticText("nothing was taken")});
     emergencies_.raise(
         {.code = error, .error_register = kErrorRegisterCommunication, .cause = cause_of(pdo)},
         now);

@@ -21,7 +21,7 @@ constexpr std::uint16_t kFirstPdoObject = 0x1400;
 constexpr std::uint16_t kEndOfPdoObjects = 0x1C00;
 
 std::array<EventArgument, 6> about(const Entry& entry, EventArgument more = {}) {
-  return {int{entry.index()}, int{entry.subindex()}, std::string_view(entry.name()), more};
+  return {int{entry.index()}, int{entry.subindex()}, entry.shared_name(), more};
 }
 
 }  // namespace

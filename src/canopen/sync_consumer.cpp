@@ -79,18 +79,16 @@ Verdict SyncConsumer::check_identifier(const Entry& entry, std::uint64_t value) 
   if (user == nullptr) {
     return {};
   }
-  return dictionary::refuse(
-      AbortCode::value_range_exceeded, rules::kCobIdShared,
-      {int{entry.index()}, int{entry.subindex()}, std::string_view(entry.name()),
-       int{can_id_of(value)}, int{user->index()}, int{user->subindex()}});
+  return dictionary::refuse(AbortCode::value_range_exceeded, rules::kCobIdShared,
+                            {int{entry.index()}, int{entry.subindex()}, entry.shared_name(),
+                             int{can_id_of(value)}, int{user->index()}, int{user->subindex()}});
 }
 
 Verdict SyncConsumer::check_overflow(const Entry& entry, std::uint64_t value) {
   constexpr std::uint64_t kMaximumCounter = 240;
   const auto refuse = [&](AbortCode code, const base::EventRule& rule) {
     return dictionary::refuse(
-        code, rule,
-        {int{entry.index()}, int{entry.subindex()}, std::string_view(entry.name()), value});
+        code, rule, {int{entry.index()}, int{entry.subindex()}, entry.shared_name(), value});
   };
   if (value == 1 || value > kMaximumCounter) {
     return refuse(AbortCode::value_range_exceeded, rules::kSyncOverflowRange);

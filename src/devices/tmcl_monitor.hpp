@@ -49,7 +49,7 @@ class TmclMonitor : public tmcl::ModuleInterface {
   [[nodiscard]] Answer get_axis_parameter(const tmcl::Request& request) const;
   [[nodiscard]] static Answer get_global_parameter(const tmcl::Request& request, base::SimTime now);
 
-  std::string_view line_;
+  base::StaticText line_;
   std::span<const ReadableParameter> parameters_;
   const dictionary::Dictionary& dictionary_;
   /// In the order of the parameters, for each axis.

@@ -2,7 +2,7 @@
 
 namespace stator::dictionary {
 
-std::string_view to_text(DataType type) {
+base::StaticText to_text(DataType type) {
   switch (type) {
     case DataType::boolean:
       return "BOOLEAN";

@@ -2,7 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
+
+#include "base/event_text.hpp"
 
 namespace stator::dictionary {
 
@@ -26,7 +27,7 @@ enum class DataType : std::uint16_t {
 };
 
 /// The standard's name, e.g. "UNSIGNED32"; "?" for a number that is no type.
-[[nodiscard]] std::string_view to_text(DataType type);
+[[nodiscard]] base::StaticText to_text(DataType type);
 
 /// Length of a value in bits; 0 for strings and domains, whose length is the
 /// value's own.

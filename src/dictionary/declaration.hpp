@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "base/event_text.hpp"
 #include "dictionary/data_type.hpp"
 
 namespace stator::dictionary {
@@ -99,7 +100,7 @@ struct EntryDeclaration {
   std::string_view object_name{};  ///< name of the whole array or record, on its subindex 0
   /// If not empty, the only values a write may have, else abort 06090030h; `range` then only tells
   /// what the document prints.
-  std::span<const std::int64_t> legal_values{};
+  base::StaticList legal_values{};
   std::uint8_t write_states = kAllNetworkStates;  ///< NetworkState bits
   DriveCondition drive_condition = DriveCondition::none;
   /// The node-ID of a CANopen device is added to the default (CiA 301 §7.5.2 "$NODEID+80h");

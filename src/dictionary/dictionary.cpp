@@ -71,9 +71,9 @@ void check_declaration(const Entry& entry) {
   }
 }
 
-const char* write_states_text(std::uint8_t states) {
+base::StaticText write_states_text(std::uint8_t states) {
   // By the bits of NetworkState: 1 Pre-Operational, 2 Safe-Operational, 4 Operational.
-  constexpr std::array<const char*, kAllNetworkStates + 1> kTexts{
+  constexpr std::array<base::StaticText, kAllNetworkStates + 1> kTexts{
       "no state",
       "Pre-Operational",
       "Safe-Operational",
@@ -85,7 +85,7 @@ const char* write_states_text(std::uint8_t states) {
   return kTexts[states & kAllNetworkStates];
 }
 
-const char* network_state_text(NetworkState state) {
+base::StaticText network_state_text(NetworkState state) {
   switch (state) {
     case NetworkState::pre_operational:
       return "Pre-Operational";
@@ -101,7 +101,7 @@ const char* network_state_text(NetworkState state) {
 std::array<EventArgument, 6> about(const Entry& entry, EventArgument third = {},
                                    EventArgument fourth = {}) {
   return {EventArgument(int{entry.index()}), EventArgument(int{entry.subindex()}),
-          EventArgument(std::string_view(entry.name())), third, fourth};
+          entry.shared_name(), third, fourth};
 }
 
 }  // namespace
@@ -122,7 +122,8 @@ void Dictionary::add(std::span<const EntryDeclaration> declarations, const Place
     entry.declaration_ = &declaration;
     entry.index_ = static_cast<std::uint16_t>(declaration.index + placement.index_offset);
     entry.axis_ = placement.axis;
-    entry.name_ = std::string(placement.name_prefix) + std::string(declaration.name);
+    entry.name_ =
+        base::SharedText(std::string(placement.name_prefix) + std::string(declaration.name));
     entries_.push_back(std::move(entry));
   }
 }
@@ -169,11 +170,11 @@ void Dictionary::link_objects() {
     object.axis = head.axis();
     const std::string_view own_name = head.declaration().object_name;
     if (own_name.empty()) {
-      object.name = head.name();
+      object.name = head.shared_name();
     } else {
       const std::string_view prefix(head.name().data(),
                                     head.name().size() - head.declaration().name.size());
-      object.name = std::string(prefix) + std::string(own_name);
+      object.name = base::SharedText(std::string(prefix) + std::string(own_name));
     }
     object.entries = std::span(entries_).subspan(first, last - first);
     objects_.push_back(std::move(object));
@@ -319,7 +320,7 @@ Verdict Dictionary::check_value(const Entry& entry, std::uint64_t bits) const {
     }
   }
   if (declaration.drive_condition == DriveCondition::switch_on_disabled && drive_state_) {
-    if (const char* state = drive_state_(entry.axis()); state != nullptr) {
+    if (const base::StaticText state = drive_state_(entry.axis()); !state.empty()) {
       return refuse(AbortCode::device_state, rules::kDriveState,
                     about(entry, EventArgument(state)));
     }

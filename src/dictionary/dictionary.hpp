@@ -34,7 +34,9 @@ class Entry {
   [[nodiscard]] const EntryDeclaration& declaration() const { return *declaration_; }
   [[nodiscard]] std::uint16_t index() const { return index_; }
   [[nodiscard]] std::uint8_t subindex() const { return declaration_->subindex; }
-  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::string& name() const { return name_.str(); }
+  /// The name for an event, which may be kept longer than the dictionary.
+  [[nodiscard]] const base::SharedText& shared_name() const { return name_; }
   [[nodiscard]] DataType type() const { return declaration_->type; }
   /// Which axis the entry belongs to; 0 for those of the whole device.
   [[nodiscard]] std::uint8_t axis() const { return axis_; }
@@ -70,7 +72,7 @@ class Entry {
   const EntryDeclaration* declaration_ = nullptr;
   std::uint16_t index_ = 0;
   std::uint8_t axis_ = 0;
-  std::string name_;
+  base::SharedText name_;
   std::string text_;
   std::uint64_t* value_ = nullptr;
   std::uint64_t default_ = 0;
@@ -104,7 +106,7 @@ class Variable {
 /// All entries with one index.
 struct Object {
   std::uint16_t index = 0;
-  std::string name;
+  base::SharedText name;
   ObjectCode code = ObjectCode::variable;
   std::uint8_t axis = 0;
   std::span<Entry> entries;  ///< ascending subindex, without gaps being filled
@@ -190,9 +192,9 @@ class Dictionary {
   void on_read(std::uint16_t index, std::uint8_t subindex, Entry::ReadHook hook);
   void on_read_check(std::uint16_t index, std::uint8_t subindex, Entry::ReadCheckHook hook);
 
-  /// Asks the axis' owner for the state of its power drive; needed for DriveCondition. Returns null
-  /// when the axis is in Switch on disabled, else the state's name.
-  using DriveStateQuery = base::Delegate<const char*(std::uint8_t axis)>;
+  /// Asks the axis' owner for the state of its power drive; needed for DriveCondition. Returns no
+  /// text when the axis is in Switch on disabled, else the state's name.
+  using DriveStateQuery = base::Delegate<base::StaticText(std::uint8_t axis)>;
   void set_drive_state_query(DriveStateQuery query) { drive_state_ = query; }
 
   /// Reads an entry as an SDO carries it: little-endian, exactly entry.size() bytes into `out`,

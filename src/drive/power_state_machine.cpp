@@ -42,8 +42,8 @@ constexpr std::array kCommandPatterns{
 struct StateRow {
   PowerState state;
   std::uint16_t statusword;  ///< bits 0-3, 5, 6
-  const char* name;
-  const char* takes;  ///< commands that lead on, for the sentence of a refusal
+  base::StaticText name;
+  base::StaticText takes;  ///< commands that lead on, for the sentence of a refusal
 };
 
 // Bit 5 is 0 only while a quick stop is active; where the standard leaves it open it is 1.
@@ -106,7 +106,7 @@ Braking braking_by(int option) {
 
 }  // namespace
 
-const char* to_text(PowerState state) {
+base::StaticText to_text(PowerState state) {
   return row_of(state).name;
 }
 
@@ -123,7 +123,7 @@ PowerCommand command_of(std::uint16_t controlword) {
   return PowerCommand::none;
 }
 
-std::string_view to_text(PowerCommand command) {
+base::StaticText to_text(PowerCommand command) {
   switch (command) {
     case PowerCommand::none:
       return "no command";

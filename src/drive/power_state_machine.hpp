@@ -21,8 +21,8 @@ enum class PowerState : std::uint8_t {
   fault,
 };
 
-/// The standard's name, e.g. "Switch on disabled". The text is of static lifetime and ends with 0.
-[[nodiscard]] const char* to_text(PowerState state);
+/// The standard's name, e.g. "Switch on disabled".
+[[nodiscard]] base::StaticText to_text(PowerState state);
 
 /// Bits 0-3, 5 and 6 of the statusword as they code `state`.
 [[nodiscard]] std::uint16_t statusword_of(PowerState state);
@@ -41,7 +41,7 @@ enum class PowerCommand : std::uint8_t {
 
 /// The command that the pattern of `controlword` gives, never fault_reset.
 [[nodiscard]] PowerCommand command_of(std::uint16_t controlword);
-[[nodiscard]] std::string_view to_text(PowerCommand command);
+[[nodiscard]] base::StaticText to_text(PowerCommand command);
 
 /// A transition that the master commands, with the number the standard gives it.
 struct PowerTransition {

@@ -1,7 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
+
+#include "base/event_text.hpp"
 
 namespace stator::ethercat {
 
@@ -16,7 +17,7 @@ enum class AlState : std::uint8_t {
 };
 
 /// The standard's name, e.g. "Safe-Operational"; "?" for a number that is no state.
-[[nodiscard]] constexpr std::string_view to_text(AlState state) {
+[[nodiscard]] constexpr base::StaticText to_text(AlState state) {
   switch (state) {
     case AlState::init:
       return "Init";

@@ -39,9 +39,7 @@ class Cursor {
 
 Refusal length_refusal(const Object& object, AbortCode code, std::size_t came,
                        std::size_t expected) {
-  return {code,
-          &dictionary::rules::kLength,
-          {int{object.index}, 0, std::string_view(object.name), came, expected}};
+  return {code, &dictionary::rules::kLength, {int{object.index}, 0, object.name, came, expected}};
 }
 
 /// `entries` behind subindex 0.
@@ -136,10 +134,10 @@ base::Expected<std::size_t, Refusal> read_complete(const dictionary::Dictionary&
                                                    const Object& object, CompleteAccessStart start,
                                                    std::span<std::byte> out) {
   const auto outgrown = [&] {
-    return base::Unexpected<Refusal>{Refusal{
-        AbortCode::out_of_memory,
-        &dictionary::rules::kLength,
-        {int{object.index}, 0, std::string_view(object.name), object.entries.size(), out.size()}}};
+    return base::Unexpected<Refusal>{
+        Refusal{AbortCode::out_of_memory,
+                &dictionary::rules::kLength,
+                {int{object.index}, 0, object.name, object.entries.size(), out.size()}}};
   };
   std::ranges::fill(out, std::byte{0});
   Cursor cursor;

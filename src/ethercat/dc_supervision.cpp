@@ -132,10 +132,10 @@ AlStatusCode DcSupervision::choose_mode(SimTime now) {
   }
   const bool sync1 = (activation & kSync1) != 0;
   if (!capabilities_.sync0 || (sync1 && !capabilities_.sync1)) {
-    reporter_.report(
-        now, kSyncUnsupported,
-        {EventArgument(static_cast<int>(kInvalid)), EventArgument(activation),
-         EventArgument(capabilities_.sync0 ? "SYNC1" : "SYNC0"), EventArgument(to_text(wanted_))});
+    reporter_.report(now, kSyncUnsupported,
+                     {EventArgument(static_cast<int>(kInvalid)), EventArgument(activation),
+                      capabilities_.sync0 ? base::StaticText("SYNC1") : base::StaticText("SYNC0"),
+                      EventArgument(to_text(wanted_))});
     return kInvalid;
   }
   if (const AlStatusCode code = check_cycle_times(now); code != AlStatusCode::no_error) {

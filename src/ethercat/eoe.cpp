@@ -146,7 +146,7 @@ void EoeServer::report_dropped(const EoeHeader& header, std::uint8_t expected, s
 }
 
 EoeResult EoeServer::set_ip(std::span<const std::byte> block, base::SimTime now) {
-  const auto refuse = [&](const char* reason) {
+  const auto refuse = [&](base::StaticText reason) {
     reporter_.report(now, rules::kEoeIpRefused, {reason, EventArgument(block.size())});
     return EoeResult::unspecified_error;
   };

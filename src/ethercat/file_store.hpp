@@ -5,6 +5,8 @@
 #include <span>
 #include <string_view>
 
+#include "base/event_text.hpp"
+
 namespace stator::ethercat {
 
 /// Error codes of file access over EtherCAT (ETG.1000.6 §5.8, FoE error request).
@@ -27,7 +29,7 @@ enum class FoeError : std::uint32_t {
 };
 
 /// The standard's words for `error`; "unknown error" for a number it does not define.
-[[nodiscard]] std::string_view to_text(FoeError error);
+[[nodiscard]] base::StaticText to_text(FoeError error);
 
 /// The files a device offers over EtherCAT, as FoeServer needs them: one file open at a time, for
 /// reading or for writing. What is written takes the place of the old file by commit() only, so a

@@ -32,7 +32,7 @@ std::string_view as_text(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-std::string_view to_text(FoeError error) {
+base::StaticText to_text(FoeError error) {
   switch (error) {
     case FoeError::none:
       return "no error";
@@ -270,7 +270,7 @@ MailboxReply FoeServer::busy(std::span<std::byte> reply, std::uint16_t done, std
   return write(reply, FoeOperation::busy, done | std::uint32_t{entire} << 16, text);
 }
 
-MailboxReply FoeServer::refuse(std::span<std::byte> reply, FoeError error, std::string_view reason,
+MailboxReply FoeServer::refuse(std::span<std::byte> reply, FoeError error, base::StaticText reason,
                                base::SimTime now) {
   end_transfer();
   reporter_.report(now, rules::kFoeRefused,

@@ -82,7 +82,7 @@ class FoeServer final : public MailboxProtocol {
   MailboxReply busy(std::span<std::byte> reply, std::uint16_t done, std::uint16_t entire,
                     std::string_view text) const;
   /// Ends the transfer with an error for the master and a line for the person.
-  MailboxReply refuse(std::span<std::byte> reply, FoeError error, std::string_view reason,
+  MailboxReply refuse(std::span<std::byte> reply, FoeError error, base::StaticText reason,
                       base::SimTime now);
   void end_transfer();
   /// The same with a line for the person if a download is left unfinished.

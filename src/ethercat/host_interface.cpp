@@ -115,8 +115,8 @@ void SlaveController::count_host_error(std::uint8_t code) {
 void SlaveController::report_unanswered_al_control(std::uint16_t requested, bool locked) {
   if (!host_open_) {
     reporter_.report(now_, kHostClosed,
-                     {requested, loaded_ ? "the EEPROM names another one than SPI"
-                                         : "its EEPROM is not loaded"});
+                     {requested, loaded_ ? base::StaticText("the EEPROM names another one than SPI")
+                                         : base::StaticText("its EEPROM is not loaded")});
   } else if (!host_seen_) {
     reporter_.report(now_, kNoFirmware, {requested});
   } else if (locked) {

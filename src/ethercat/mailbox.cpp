@@ -14,7 +14,7 @@ using base::EventArgument;
 constexpr std::size_t kErrorReplySize = 4;
 constexpr std::uint16_t kErrorReplyType = 0x0001;
 
-std::string_view to_text(MailboxErrorCode code) {
+base::StaticText to_text(MailboxErrorCode code) {
   switch (code) {
     case MailboxErrorCode::none:
       return "no error";

@@ -25,15 +25,15 @@ bool mappable(const Entry& entry, PdoDirection direction) {
              (direction == PdoDirection::receive ? PdoMapping::receive : PdoMapping::transmit);
 }
 
-const char* pdo_name(PdoDirection direction) {
-  return direction == PdoDirection::receive ? "RxPDO" : "TxPDO";
+base::StaticText pdo_name(PdoDirection direction) {
+  return direction == PdoDirection::receive ? base::StaticText("RxPDO") : base::StaticText("TxPDO");
 }
 
 std::array<EventArgument, 6> about(const Entry& entry, EventArgument a = {}, EventArgument b = {},
                                    EventArgument c = {}) {
   return {EventArgument(int{entry.index()}),
           EventArgument(int{entry.subindex()}),
-          EventArgument(std::string_view(entry.name())),
+          entry.shared_name(),
           a,
           b,
           c};

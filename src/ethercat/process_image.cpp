@@ -96,10 +96,11 @@ Verdict ProcessImage::append_pdo(const Entry& assigned, const dictionary::Dictio
                                  const PdoConfiguration& configuration) {
   const Object* pdo = dictionary.find(static_cast<std::uint16_t>(assigned.value()));
   if (pdo == nullptr || pdo_direction(pdo->index) != direction_) {
-    return dictionary::refuse(
-        dictionary::AbortCode::value_range_exceeded, rules::kPdoMissing,
-        {int{assigned.index()}, int{assigned.subindex()}, std::string_view(assigned.name()),
-         assigned.signed_value(), direction_ == PdoDirection::receive ? "RxPDO" : "TxPDO"});
+    return dictionary::refuse(dictionary::AbortCode::value_range_exceeded, rules::kPdoMissing,
+                              {int{assigned.index()}, int{assigned.subindex()},
+                               assigned.shared_name(), assigned.signed_value(),
+                               direction_ == PdoDirection::receive ? base::StaticText("RxPDO")
+                                                                   : base::StaticText("TxPDO")});
   }
   const std::uint64_t count = pdo->entries.front().value();
   for (const Entry& source : pdo->entries.subspan(1)) {
@@ -127,9 +128,9 @@ Verdict ProcessImage::append_entry(const Entry& source, const PdoConfiguration& 
   bits_ += mapping.bits;
   const std::size_t limit = data_.size() - kSpareBytes;
   if (bytes() > limit) {
-    return dictionary::refuse(dictionary::AbortCode::pdo_length_exceeded, rules::kPdoTooLong,
-                              {int{source.index()}, int{source.subindex()},
-                               std::string_view(source.name()), bytes(), limit});
+    return dictionary::refuse(
+        dictionary::AbortCode::pdo_length_exceeded, rules::kPdoTooLong,
+        {int{source.index()}, int{source.subindex()}, source.shared_name(), bytes(), limit});
   }
   return {};
 }

@@ -140,7 +140,7 @@ SdoInformation::SdoInformation(dictionary::Dictionary& dictionary, base::EventRe
     longest_name = std::max(longest_name, entry.name().size());
   }
   for (const Object& object : dictionary.objects()) {
-    longest_name = std::max(longest_name, object.name.size());
+    longest_name = std::max(longest_name, object.name.str().size());
   }
   constexpr std::size_t kLongestDescription = 64;  // fixed fields and three values of 8 bytes
   answer_.reserve(
@@ -242,7 +242,7 @@ Verdict SdoInformation::answer_object(std::span<const std::byte> request) {
   append(object_type(object));
   append(object.max_subindex());
   append(static_cast<std::uint8_t>(object.code));
-  append_text(object.name);
+  append_text(object.name.str());
   return {};
 }
 

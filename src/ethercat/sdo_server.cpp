@@ -365,9 +365,8 @@ Verdict SdoServer::check_long_download(const Target& target, std::size_t size) c
       return Unexpected{entry.error()};
     }
     if (!(*entry)->writable()) {
-      return dictionary::refuse(
-          AbortCode::read_only, dictionary::rules::kReadOnly,
-          {int{target.index}, int{target.subindex}, std::string_view((*entry)->name())});
+      return dictionary::refuse(AbortCode::read_only, dictionary::rules::kReadOnly,
+                                {int{target.index}, int{target.subindex}, (*entry)->shared_name()});
     }
     if (!is_string((*entry)->type())) {
       expected = (*entry)->size();

@@ -80,7 +80,7 @@ Writer pdo_category(const Dictionary& dictionary, PdoDirection direction, String
     body.put(static_cast<std::uint8_t>(count));
     body.put(default_sync_manager(dictionary, pdo.index, direction));
     body.put(std::uint8_t{0});  // synchronization
-    body.put(strings.number(pdo.name));
+    body.put(strings.number(pdo.name.str()));
     body.put(std::uint16_t{0});  // flags
     for (const Entry& source : pdo.entries.subspan(1)) {
       if (source.subindex() > count) {

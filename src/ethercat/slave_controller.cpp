@@ -190,10 +190,10 @@ void SlaveController::request_reset() {
   reset_requested_ = true;
   const bool by_bus = bus_reset_progress_ == std::size(kResetKey);
   const std::optional<AlState> state = to_al_state(al_status_ & kAlStateMask);
-  reporter_.report(
-      now_, configuration_.reset_by_board ? kResetOut : kReset,
-      {by_bus ? "the master" : "its host", static_cast<int>(by_bus ? kResetByBus : kResetByHost),
-       base::EventArgument(state ? to_text(*state) : "an unknown state")});
+  reporter_.report(now_, configuration_.reset_by_board ? kResetOut : kReset,
+                   {by_bus ? base::StaticText("the master") : base::StaticText("its host"),
+                    static_cast<int>(by_bus ? kResetByBus : kResetByHost),
+                    state ? to_text(*state) : base::StaticText("an unknown state")});
   if (!configuration_.reset_by_board) {
     power_on_reset();
     return;

@@ -11,12 +11,12 @@ inline constexpr base::EventRule kBitRateDiffers{
     "would understand the other: give both the same bit rate (here it is ignored)"};
 
 /// Tells the person when a program asks for another bit rate than the bus has; `bit_rate` in bit/s.
-/// `link` must outlive the event.
 inline void report_bit_rate(const CanLink& link, const CanLinkOptions& options, base::SimTime now,
                             unsigned bit_rate) {
   if (options.bit_rate != 0 && options.bit_rate * 1'000 != bit_rate) {
-    options.reporter.report(now, kBitRateDiffers,
-                            {bit_rate, std::string_view(link.name()), options.bit_rate});
+    options.reporter.report(
+        now, kBitRateDiffers,
+        {bit_rate, base::SharedText(std::string(link.name())), options.bit_rate});
   }
 }
 

@@ -48,8 +48,7 @@ void CanTap::write_to(std::unique_ptr<File>& file, const can::TraceEntry& entry)
                            ? file->write(time, entry.frame)
                            : file->write(time, link::bus_error_frame());
   if (!written) {
-    error_ = written.error().text;
-    reporter_.report(entry.time, rules::kCanTapFailed, {base::EventArgument(error_)});
+    reporter_.report(entry.time, rules::kCanTapFailed, {base::SharedText(written.error().text)});
     file.reset();
   }
 }

@@ -44,7 +44,6 @@ class CanTap {
   base::SimDuration epoch_{};
   TrafficTap* traffic_ = nullptr;
   std::uint16_t network_ = 0;
-  std::string error_;  ///< the event refers to it
 };
 
 namespace rules {

@@ -63,12 +63,12 @@ class DeviceStorage::EepromMemory final : public KeptMemory, public ethercat::Si
                        size));
     }
     // Said first, since loading it may have something to tell of the content.
-    reporter().report({}, rules::kEepromRestored, {EventArgument(path())});
+    reporter().report({}, rules::kEepromRestored, {base::SharedText(path())});
     controller().load_sii(content);
     const std::uint16_t configured = device_.description().station_alias;
     if (configured != 0 && configured != alias_of(content)) {
       reporter().report({}, rules::kAliasOverruled,
-                        {EventArgument(path()), int{configured}, int{alias_of(content)}});
+                        {base::SharedText(path()), int{configured}, int{alias_of(content)}});
     }
   }
 
@@ -88,7 +88,7 @@ class DeviceStorage::FirmwareImage final : public KeptMemory, public devices::Fi
                          firmware_.capacity()));
       }
       reporter.report({}, rules::kFirmwareRestored,
-                      {EventArgument(path()), EventArgument(image->size())});
+                      {base::SharedText(path()), EventArgument(image->size())});
     }
     firmware_.set_keeper(this);
   }
@@ -118,7 +118,7 @@ class DeviceStorage::StoredParameters final : public KeptMemory, public Paramete
       if (!memory_.restore(*content)) {
         fail("its parameter groups are cut off");
       }
-      reporter.report({}, rules::kParametersRestored, {EventArgument(path())});
+      reporter.report({}, rules::kParametersRestored, {base::SharedText(path())});
     }
     device.connect_memory(memory_);
   }
@@ -191,8 +191,7 @@ void DeviceStorage::take_results(base::SimTime now) {
     memory.error_ = result.error;
     memory.retry_ = now + kRetryTime;
     if (!memory.kept_) {
-      const std::string& error = *errors_.insert(result.error).first;
-      memory.reporter_.report(now, rules::kNotWritten, {EventArgument(error)});
+      memory.reporter_.report(now, rules::kNotWritten, {base::SharedText(result.error)});
     }
   }
 }

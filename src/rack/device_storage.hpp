@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -110,7 +109,6 @@ class DeviceStorage {
   std::uint64_t orders_ = 0;
   base::SimTime now_;  ///< of the last look
   std::atomic<bool> busy_{false};
-  std::set<std::string> errors_;  ///< that events refer to
   std::vector<std::unique_ptr<KeptMemory>> memories_;
   BackgroundWriter writer_;
 };

@@ -193,7 +193,7 @@ void add_objects(pugi::xml_node objects, const Dictionary& dictionary) {
   for (const Object& object : dictionary.objects()) {
     pugi::xml_node node = objects.append_child("Object");
     add(node, "Index", hexadecimal(object.index, 4));
-    add(node, "Name", object.name);
+    add(node, "Name", object.name.str());
     add(node, "Type", object_type_name(object));
     add(node, "BitSize", std::to_string(object_bits(object)));
     pugi::xml_node info = node.append_child("Info");
@@ -218,7 +218,7 @@ void add_pdo(pugi::xml_node device, const Dictionary& dictionary, const Object& 
     pdo.append_attribute("Sm") = receive ? 2 : 3;
   }
   add(pdo, "Index", hexadecimal(mapping.index, 4));
-  add(pdo, "Name", mapping.name);
+  add(pdo, "Name", mapping.name.str());
   const std::uint64_t count = mapping.entries.front().default_bits();
   for (const Entry& slot : mapping.entries) {
     if (slot.subindex() == 0 || slot.subindex() > count) {

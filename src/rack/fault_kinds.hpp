@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/event_text.hpp"
+
 namespace stator::rack {
 
 /// What a fault does. Each has an effect in fault_effects_*.cpp.
@@ -62,7 +64,7 @@ struct FaultParameter {
 
 /// A kind of fault, declared once.
 struct FaultKind {
-  std::string_view name;
+  base::StaticText name;
   FaultAction action;
   int variant = 0;  ///< which of those the action knows, e.g. an ethercat::FrameFaultKind
   FaultScope scope;

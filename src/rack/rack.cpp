@@ -467,7 +467,7 @@ void Rack::set_carrier(std::size_t segment, ethercat::MasterInterface interface,
   const bool primary = interface == ethercat::MasterInterface::primary;
   const std::size_t at = primary ? 0 : segments_[segment].devices.size() - 1;
   report(number_of({segment, at}), now, up ? kCarrierBack : kCarrierLost,
-         {primary ? "primary" : "secondary"});
+         {primary ? base::StaticText("primary") : base::StaticText("secondary")});
   segments_[segment].segment->set_carrier(interface, up);
 }
 

@@ -40,7 +40,7 @@ std::int64_t in_thousandths(double value) {
   return std::llround(value * 1000.0);
 }
 
-const char* to_text(can::FrameFaultKind kind) {
+base::StaticText to_text(can::FrameFaultKind kind) {
   switch (kind) {
     case can::FrameFaultKind::drop:
       return "loss";
@@ -144,7 +144,7 @@ void Rack::apply_input(const InputEvent& event, base::SimTime now) {
     carry_out(event, now);
   } else if (event.logged) {
     report(number_of(event.device), now, kHeldInputSet,
-           {std::string_view(input.name), in_thousandths(event.value)});
+           {base::SharedText(input.name), in_thousandths(event.value)});
   }
 }
 
@@ -153,7 +153,7 @@ void Rack::carry_out(const InputEvent& event, base::SimTime now) {
   if (event.logged) {
     report(
         number_of(event.device), now, input.unit.empty() ? kUnitlessInputSet : kInputSet,
-        {std::string_view(input.name), in_thousandths(event.value), std::string_view(input.unit)});
+        {base::SharedText(input.name), in_thousandths(event.value), base::SharedText(input.unit)});
   }
   input.set(event.value);
   if (event.device.kind == NetworkKind::bus) {
@@ -217,8 +217,10 @@ void Rack::apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now
   const ethercat::FrameFault& fault = event.fault;
   const std::size_t slave = fault.port.slave;
   report(number_of({event.segment, slave, NetworkKind::segment}), now, kSegmentFault,
-         {fault.kind == ethercat::FrameFaultKind::drop ? "loss" : "destruction", fault.frames,
-          fault.leaving ? "leave" : "arrive at", std::int64_t{fault.port.port}});
+         {fault.kind == ethercat::FrameFaultKind::drop ? base::StaticText("loss")
+                                                       : base::StaticText("destruction"),
+          fault.frames, fault.leaving ? base::StaticText("leave") : base::StaticText("arrive at"),
+          std::int64_t{fault.port.port}});
   segments_[event.segment].segment->inject(fault);
 }
 

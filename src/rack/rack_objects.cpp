@@ -99,7 +99,7 @@ dictionary::Verdict Rack::write_object(DeviceAddress address, dictionary::Entry&
   }
   const bool text = dictionary::is_string(entry.type());
   report(number_of(address), now, text ? kTextSet : kObjectSet,
-         {entry.index(), std::size_t{entry.subindex()}, std::string_view(entry.name()),
+         {entry.index(), std::size_t{entry.subindex()}, entry.shared_name(),
           text ? base::EventArgument() : base::EventArgument(entry.signed_value())});
   written.objects_written(now);
   if (address.kind == NetworkKind::bus) {

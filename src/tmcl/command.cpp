@@ -11,7 +11,7 @@ namespace {
 
 struct CommandName {
   Command command;
-  std::string_view name;
+  base::StaticText name;
 };
 
 using enum Command;
@@ -32,12 +32,12 @@ constexpr std::array kNames{
 
 }  // namespace
 
-std::string_view name_of(std::uint8_t command) {
+base::StaticText name_of(std::uint8_t command) {
   if (const CommandDeclaration* declared = classic_command_set().find(command)) {
     return declared->mnemonic.empty() ? declared->name : declared->mnemonic;
   }
   const auto row = std::ranges::find(kNames, static_cast<Command>(command), &CommandName::command);
-  return row == kNames.end() ? std::string_view() : row->name;
+  return row == kNames.end() ? base::StaticText() : row->name;
 }
 
 }  // namespace stator::tmcl

@@ -1,7 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
+
+#include "base/event_text.hpp"
 
 namespace stator::tmcl {
 
@@ -80,6 +81,6 @@ enum class Command : std::uint8_t {
 
 /// Mnemonic or short name, e.g. "MVP" of 4; empty if no command has that number. Of static
 /// lifetime.
-[[nodiscard]] std::string_view name_of(std::uint8_t command);
+[[nodiscard]] base::StaticText name_of(std::uint8_t command);
 
 }  // namespace stator::tmcl

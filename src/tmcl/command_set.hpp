@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "base/event_text.hpp"
 #include "tmcl/command.hpp"
 
 namespace stator::tmcl {
@@ -62,8 +63,8 @@ struct CommandDeclaration {
   static constexpr std::size_t kOperands = 3;
 
   Command command;
-  std::string_view mnemonic;  ///< in programs and lines; empty if it has none
-  std::string_view name;      ///< for people
+  base::StaticText mnemonic;  ///< in programs and lines; empty if it has none
+  base::StaticText name;      ///< for people
   CommandUse use;
   std::array<Operand, kOperands> operands{};  ///< in the order of the text; unused ones at the end
   std::span<const Symbol> symbols{};          ///< of the operand with Meaning::symbol

@@ -347,10 +347,11 @@ void Firmware::report(const Instruction& instruction, Status status, base::SimTi
 
 void Firmware::report(const EventRule& rule, const Instruction& instruction,
                       base::SimTime now) const {
-  const std::string_view name = name_of(instruction.command);
-  reporter_.report(now, rule,
-                   {name.empty() ? base::EventArgument(int{instruction.command}) : name,
-                    int{instruction.type}, int{instruction.motor}, int{instruction.value}});
+  const base::StaticText name = name_of(instruction.command);
+  reporter_.report(
+      now, rule,
+      {name.empty() ? base::EventArgument(int{instruction.command}) : base::EventArgument(name),
+       int{instruction.type}, int{instruction.motor}, int{instruction.value}});
 }
 
 }  // namespace stator::tmcl

@@ -433,10 +433,11 @@ void Interpreter::report(const EventRule& rule, const Instruction& instruction,
     return;
   }
   reported_[address] = true;
-  const std::string_view name = name_of(instruction.command);
+  const base::StaticText name = name_of(instruction.command);
   reporter_.report(
       now, rule,
-      {int{address}, name.empty() ? base::EventArgument(int{instruction.command}) : name,
+      {int{address},
+       name.empty() ? base::EventArgument(int{instruction.command}) : base::EventArgument(name),
        static_cast<int>(status), int{instruction.type}, int{instruction.motor},
        int{instruction.value}});
 }

@@ -17,7 +17,7 @@ namespace stator::tmcl {
 
 /// Under which names a module answers.
 struct ModuleIdentity {
-  std::string_view line;          ///< for people, of static lifetime: "USB"
+  base::StaticText line;          ///< for people: "USB"
   std::string version_text;       ///< eight characters, e.g. "0160V300"
   std::string boot_loader_text;   ///< the same while the boot loader is at work, e.g. "0160B100"
   std::int32_t version_number{};  ///< module << 16 | major << 8 | minor

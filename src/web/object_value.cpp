@@ -183,9 +183,9 @@ base::Expected<std::vector<std::byte>, dictionary::Refusal> to_bytes(const dicti
                                                                      const Json& value) {
   auto bytes = encode(entry.type(), value);
   if (!bytes) {
-    return dictionary::refuse(AbortCode::value_range_exceeded, kNoValueOfType,
-                              {entry.index(), std::size_t{entry.subindex()},
-                               std::string_view(entry.name()), to_text(entry.type())});
+    return dictionary::refuse(
+        AbortCode::value_range_exceeded, kNoValueOfType,
+        {entry.index(), std::size_t{entry.subindex()}, entry.shared_name(), to_text(entry.type())});
   }
   return std::move(*bytes);
 }

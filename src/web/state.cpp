@@ -34,12 +34,13 @@ namespace {
 /// Rules about one axis say so with "axis {4}".
 std::optional<std::int64_t> axis_of(const base::Event& event) {
   constexpr std::string_view kMark = "axis {";
-  const std::size_t at = event.rule->text.find(kMark);
-  if (at == std::string_view::npos || at + kMark.size() >= event.rule->text.size()) {
+  const std::string_view text = event.rule->text;
+  const std::size_t at = text.find(kMark);
+  if (at == std::string_view::npos || at + kMark.size() >= text.size()) {
     return std::nullopt;
   }
-  const auto argument = static_cast<std::size_t>(event.rule->text[at + kMark.size()] - '0');
-  return argument < event.arguments.size() && !event.arguments[argument].is_text()
+  const auto argument = static_cast<std::size_t>(text[at + kMark.size()] - '0');
+  return argument < event.arguments.size() && event.arguments[argument].is_number()
              ? std::optional(event.arguments[argument].number())
              : std::nullopt;
 }

@@ -7,20 +7,21 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 namespace stator::base {
 namespace {
 
-std::string sentence(std::string_view text, const std::array<EventArgument, 6>& arguments = {}) {
+std::string sentence(StaticText text, const std::array<EventArgument, 6>& arguments = {}) {
   const EventRule rule{"test-rule", Severity::refusal, text};
   return to_sentence(Event{SimTime(), &rule, 0, arguments});
 }
 
 TEST(EventSentence, NumbersAndTextsStandWhereThePlaceholdersStood) {
-  EXPECT_EQ(sentence("{1} refused: SM{0} length {2}, mapping needs {3}",
-                     {2, std::string_view("SafeOp"), 6, 30}),
+  EXPECT_EQ(sentence("{1} refused: SM{0} length {2}, mapping needs {3}", {2, "SafeOp", 6, 30}),
             "SafeOp refused: SM2 length 6, mapping needs 30");
 }
 
@@ -52,7 +53,7 @@ TEST(EventSentence, AnArgumentNotGivenIsZero) {
 }
 
 TEST(EventSentence, AnEmptyTextIsATextAndNotAZero) {
-  EXPECT_EQ(sentence("\"{0}\"", {std::string_view("")}), "\"\"");
+  EXPECT_EQ(sentence("\"{0}\"", {""}), "\"\"");
 }
 
 TEST(EventSentence, MistakesInARuleStaySeen) {
@@ -63,14 +64,56 @@ TEST(EventSentence, MistakesInARuleStaySeen) {
 }
 
 TEST(EventSentence, ListsAreToldNumberByNumberAndLongRowsByTheirEnds) {
-  constexpr std::array<std::int64_t, 3> kModes{-1, 0, 3};
-  const std::span<const std::int64_t> modes(kModes);
-  EXPECT_EQ(sentence("one of {1}", {0, modes}), "one of -1, 0, 3");
-  constexpr std::array<std::int64_t, 7> kTypes{1, 2, 4, 5, 6, 7, 255};
-  const std::span<const std::int64_t> types(kTypes);
-  EXPECT_EQ(sentence("{0}", {types}), "1, 2, 4 .. 7, 255");
-  EXPECT_EQ(sentence("{0}", {types.first(1)}), "1");
-  EXPECT_EQ(sentence("{0:x4}", {types}), "{0:x4}");
+  static constexpr std::array<std::int64_t, 3> kModes{-1, 0, 3};
+  EXPECT_EQ(sentence("one of {1}", {0, StaticList(kModes)}), "one of -1, 0, 3");
+  static constexpr std::array<std::int64_t, 7> kTypes{1, 2, 4, 5, 6, 7, 255};
+  EXPECT_EQ(sentence("{0}", {StaticList(kTypes)}), "1, 2, 4 .. 7, 255");
+  static constexpr std::array<std::int64_t, 1> kOne{1};
+  EXPECT_EQ(sentence("{0}", {StaticList(kOne)}), "1");
+  EXPECT_EQ(sentence("{0:x4}", {StaticList(kTypes)}), "{0:x4}");
+}
+
+// What an event refers to is constant or shared with it: nothing else converts.
+template <typename Given>
+constexpr bool kTakesNot =
+    !std::is_constructible_v<EventArgument, Given> && !std::is_constructible_v<StaticText, Given>;
+static_assert(kTakesNot<std::string>);
+static_assert(kTakesNot<std::string&>);
+static_assert(kTakesNot<std::string_view>);
+static_assert(kTakesNot<const char*>);
+static_assert(kTakesNot<char*>);
+static_assert(kTakesNot<char (&)[8]>);
+static_assert(kTakesNot<std::span<const std::int64_t>>);
+static_assert(!std::is_constructible_v<StaticList, std::span<const std::int64_t>>);
+static_assert(!std::is_constructible_v<StaticList, std::vector<std::int64_t>>);
+static_assert(std::is_constructible_v<EventArgument, StaticText>);
+static_assert(std::is_constructible_v<EventArgument, SharedText>);
+static_assert(std::is_constructible_v<EventArgument, const char (&)[8]>);
+// A kept event is small; numbers and constant texts cost no more than their copy.
+static_assert(sizeof(EventArgument) <= 24);
+
+TEST(EventText, SharedWithAnEventStaysWhenItsMakerHasAnother) {
+  SharedText error("disk full");
+  const Event first{SimTime(), nullptr, 0, {error}};
+  error = SharedText("read-only");
+  Event second{SimTime(), nullptr, 0, {error}};
+  const Event copy = first;
+  EXPECT_EQ(copy.arguments[0].text(), "disk full");
+  EXPECT_EQ(second.arguments[0].text(), "read-only");
+  second = first;
+  EXPECT_EQ(second.arguments[0].text(), "disk full");
+  EXPECT_EQ(error.str(), "read-only");
+}
+
+TEST(EventText, ArgumentsAreEqualWhenTheyTellTheSame) {
+  static constexpr std::array<std::int64_t, 2> kSome{1, 2};
+  static constexpr std::array<std::int64_t, 2> kOthers{1, 3};
+  EXPECT_EQ(EventArgument("INIT"), EventArgument(SharedText("INIT")));
+  EXPECT_NE(EventArgument("INIT"), EventArgument("OP"));
+  EXPECT_EQ(EventArgument(5), EventArgument(5U));
+  EXPECT_NE(EventArgument(0), EventArgument(""));
+  EXPECT_NE(EventArgument(StaticList(kSome)), EventArgument(StaticList(kOthers)));
+  EXPECT_NE(EventArgument(2), EventArgument(StaticList(kSome)));
 }
 
 TEST(EventSentence, AnEventWithoutARuleSaysSo) {

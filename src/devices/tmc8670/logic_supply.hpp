@@ -12,7 +12,7 @@ namespace stator::devices::tmc8670 {
 
 /// What the document says of one of the chip's supplies, V.
 struct LogicRail {
-  const char* name;
+  base::StaticText name;
   double nominal;
   double operating_minimum;  ///< L2657-L2660
   double operating_maximum;

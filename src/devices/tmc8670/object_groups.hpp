@@ -86,7 +86,7 @@ constexpr dictionary::EntryDeclaration titled(std::string_view title,
 }
 
 /// A row that takes some values only.
-constexpr dictionary::EntryDeclaration one_of(std::span<const std::int64_t> values,
+constexpr dictionary::EntryDeclaration one_of(base::StaticList values,
                                               dictionary::EntryDeclaration row) {
   row.legal_values = values;
   return row;

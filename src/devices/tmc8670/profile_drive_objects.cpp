@@ -22,8 +22,8 @@ constexpr std::array<std::int64_t, 4> kHaltOptions{1, 2, 3, 4};
 constexpr std::array<std::int64_t, 3> kFaultReactionOptions{0, 1, 2};
 
 constexpr EntryDeclaration option_code(std::uint16_t index, std::string_view name,
-                                       std::int64_t preset, std::span<const std::int64_t> codes) {
-  return within({codes.front(), codes.back()},
+                                       std::int64_t preset, base::StaticList codes) {
+  return within({codes.view().front(), codes.view().back()},
                 one_of(codes, entry(index, 0, name, variable, integer16, read_write, no, preset, "",
                                     kProfile)));
 }

@@ -244,10 +244,9 @@ dictionary::Verdict RegisterObjects::check_width(const Entry& entry, std::uint64
   if (width == kWord || object->field.is_signed || value >> width == 0) {
     return {};
   }
-  return dictionary::refuse(
-      dictionary::AbortCode::value_too_high, kFieldTooNarrow,
-      {int{entry.index()}, int{entry.subindex()}, std::string_view(entry.name()), value,
-       (std::int64_t{1} << width) - 1});
+  return dictionary::refuse(dictionary::AbortCode::value_too_high, kFieldTooNarrow,
+                            {int{entry.index()}, int{entry.subindex()}, entry.shared_name(), value,
+                             (std::int64_t{1} << width) - 1});
 }
 
 void RegisterObjects::on_written(const Entry& entry) {

@@ -284,7 +284,7 @@ dictionary::Verdict Tmcc160::check_node_id(const dictionary::Entry& entry, std::
   }
   return dictionary::refuse(
       dictionary::AbortCode::value_range_exceeded, kNoNodeId,
-      {int{entry.index()}, int{entry.subindex()}, std::string_view(entry.name()), value});
+      {int{entry.index()}, int{entry.subindex()}, entry.shared_name(), value});
 }
 
 double Tmcc160::position_scale() const {

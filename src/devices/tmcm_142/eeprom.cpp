@@ -111,7 +111,9 @@ void Eeprom::take_back() {
 void Eeprom::restore(Group group) {
   const std::span<const std::byte> image = memory_->image(group);
   if (!image.empty() && !load(group, image)) {
-    reporter_.report({}, kForeign, {group == kParameters ? "parameters" : "program", image.size()});
+    const base::StaticText what =
+        group == kParameters ? base::StaticText("parameters") : base::StaticText("program");
+    reporter_.report({}, kForeign, {what, image.size()});
   }
 }
 

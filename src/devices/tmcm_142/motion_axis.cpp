@@ -35,7 +35,7 @@ constexpr EventRule kBowTooLarge{
 constexpr EventRule kCompare{"tmcm142-compare", Severity::information,
                              "position {0} (parameter 48) passed"};
 
-std::string_view cause_of(const DriverStage& stage) {
+base::StaticText cause_of(const DriverStage& stage) {
   using drive::AxisError;
   if (stage.overvoltage()) {
     return "the supply is above 78.5 V";
@@ -49,7 +49,7 @@ std::string_view cause_of(const DriverStage& stage) {
   return "a motor output is shorted; the stage tries again every 5 ms";
 }
 
-std::string_view text_of(SearchFailure failure) {
+base::StaticText text_of(SearchFailure failure) {
   switch (failure) {
     case SearchFailure::deviation:
       return "the encoder deviates from the motor by more than parameter 212";
@@ -136,9 +136,10 @@ void MotionAxis::stand_undriven(base::SimTime now, AxisEvents& events) {
   }
   if (moves && !undriven_told_) {
     undriven_told_ = true;
-    reporter_.report(now, kUndriven,
-                     {controller_.position(),
-                      EventArgument(shut_down_ ? "shutdown pin" : "parameter 26, bit 0")});
+    reporter_.report(
+        now, kUndriven,
+        {controller_.position(),
+         shut_down_ ? base::StaticText("shutdown pin") : base::StaticText("parameter 26, bit 0")});
   }
 }
 

@@ -127,9 +127,10 @@ void Tmcm3315::set_identity(const Tmcm3315Configuration& configuration) {
   dictionary_.find(0x1018, 3)->set_value(description_.revision);
 }
 
-const char* Tmcm3315::drive_state(std::uint8_t axis) {
+base::StaticText Tmcm3315::drive_state(std::uint8_t axis) {
   const drive::PowerState state = axes_[axis]->axis().power_state();
-  return state == drive::PowerState::switch_on_disabled ? nullptr : drive::to_text(state);
+  return state == drive::PowerState::switch_on_disabled ? base::StaticText()
+                                                        : drive::to_text(state);
 }
 
 void Tmcm3315::advance(base::SimTime now) {

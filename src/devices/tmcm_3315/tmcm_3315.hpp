@@ -100,7 +100,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   void on_output_refused(const dictionary::Entry& entry, const dictionary::Refusal& refusal,
                          base::SimTime now) override;
 
-  [[nodiscard]] const char* drive_state(std::uint8_t axis);
+  [[nodiscard]] base::StaticText drive_state(std::uint8_t axis);
   void set_identity(const Tmcm3315Configuration& configuration);
   void process_bus(base::SimTime now);
   void restart_firmware(base::SimTime now);
