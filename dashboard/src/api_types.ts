@@ -22,6 +22,7 @@ export interface RackInfo {
   readonly run: string; ///< another: the rack was started again, or went back to a snapshot
   readonly clock: string;
   readonly time_ns: number;
+  readonly lost_ns: number; ///< the machine was too slow for
   readonly networks: readonly NetworkInfo[];
   readonly devices: number;
   readonly signals: number;

@@ -1,9 +1,5 @@
-#include <algorithm>
-#include <cerrno>
 #include <csignal>
-#include <cstdint>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,6 +7,7 @@
 #include <utility>
 
 #include <CLI/CLI.hpp>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/logger.h>
 
@@ -20,7 +17,10 @@
 #include "cli/logging.hpp"
 #include "cli/run_options.hpp"
 #include "cli/run_report.hpp"
+#include "cli/stop_signals.hpp"
+#include "link/file_descriptor.hpp"
 #include "link/machine.hpp"
+#include "rack/directory_place.hpp"
 #include "rack/runner.hpp"
 #include "rack/shared_addresses.hpp"
 
@@ -39,37 +39,22 @@ void print_trace_end(const rack::PinTrace& trace, const std::string& file) {
   }
 }
 
-/// Blocks the signals that end the program in this and all later threads and waits for them here.
-class StopSignals {
- public:
-  StopSignals() {
-    ::sigemptyset(&set_);
-    ::sigaddset(&set_, SIGINT);
-    ::sigaddset(&set_, SIGTERM);
-    ::sigaddset(&set_, SIGHUP);
-    ::sigaddset(&set_, SIGUSR1);
-    ::pthread_sigmask(SIG_BLOCK, &set_, nullptr);
+/// Throws Failure if something is not on the disk that a device has been told to keep, or nothing
+/// is where the next start looks for it. `state`: the directory as it was at the start.
+void require_kept(rack::Rack& rack, const std::string& path, const link::FileDescriptor& state) {
+  if (rack.storage() == nullptr) {
+    return;
   }
-
-  /// Returns when a signal came or `limit` (if any) has passed; the signal, or 0. SIGUSR1 is what
-  /// the program sends itself.
-  int wait(std::optional<base::SimDuration> limit) const {
-    int signal = 0;
-    if (!limit) {
-      ::sigwait(&set_, &signal);
-      return signal;
-    }
-    const std::int64_t nanoseconds = limit->nanoseconds();
-    const timespec time{nanoseconds / 1'000'000'000, nanoseconds % 1'000'000'000};
-    do {
-      signal = ::sigtimedwait(&set_, nullptr, &time);
-    } while (signal < 0 && errno == EINTR);
-    return std::max(signal, 0);
+  if (const std::string gone = rack::displacement(state.get(), path); !gone.empty()) {
+    throw Failure(fmt::format(
+        "{}: the state directory {}; the next start will not find there what devices have kept",
+        path, gone));
   }
-
- private:
-  sigset_t set_{};
-};
+  if (const auto unkept = rack.storage()->unkept(); !unkept.empty()) {
+    throw Failure(fmt::format("not everything is kept that devices should keep:\n  {}",
+                              fmt::join(unkept, "\n  ")));
+  }
+}
 
 void announce(const rack::RackConfiguration& configuration, rack::Rack& rack, rack::Runner& runner,
               const OpenedWebServer& web) {
@@ -82,8 +67,9 @@ void announce(const rack::RackConfiguration& configuration, rack::Rack& rack, ra
 /// passed or somebody wishes to go back; then returns where to. A port that the system was to
 /// choose for the web server is kept in `given`.
 std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<RecordingPlace>& from,
-                                       const StopSignals& signals,
+                                       StopSignals& signals,
                                        std::optional<base::SimDuration> limit) {
+  signals.starting();
   std::optional<RecordedRack> recorded;
   RunOptions options = given;
   if (from) {
@@ -104,6 +90,8 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
     logger->warn("{}", warning);
   }
   rack::Rack rack(configuration, log);
+  const link::FileDescriptor state(
+      ::open(configuration.state.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
   LiveSession session(configuration.state);
   if (header) {
     session.record(rack, options.record, std::move(*header));
@@ -120,6 +108,7 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   rack::Runner runner(rack, configuration, logger, start, options.priority);
   web = open_web_server(options.web, rack, configuration, log, runner,
                         session.recorder() != nullptr ? &session : nullptr);
+  signals.running();
   // Only now, when nothing can fail any more.
   announce(configuration, rack, runner, web);
   if (web.server != nullptr) {
@@ -140,6 +129,9 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
     web.server->stop();
   }
   runner.stop();
+  if (rack.storage() != nullptr) {
+    rack.storage()->flush(runner.now());
+  }
   print_end(configuration, rack, runner);
   if (rack.trace() != nullptr) {
     rack.trace()->finish(runner.now());
@@ -150,6 +142,7 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
         fmt::format("recording to {} failed; is the disk full?", configuration.record->file));
   }
   session.finish();
+  require_kept(rack, configuration.state, state);
   return session.wished();
 }
 
@@ -170,7 +163,7 @@ void run(RunOptions options) {
   }
   // A limit of file sizes (ulimit -f) is to be told as a full disk is, not to end the program.
   std::signal(SIGXFSZ, SIG_IGN);
-  const StopSignals signals;
+  StopSignals signals;
   options.web.token = web::make_token();  // pages that are open outlast going back
   std::optional<RecordingPlace> from;
   if (!options.restore.empty()) {
@@ -180,7 +173,7 @@ void run(RunOptions options) {
           fmt::format("{} exists; name another file for the run that goes on", options.record));
     }
   }
-  while ((from = run_rack(options, from, signals, limit))) {
+  while (!signals.stopped() && (from = run_rack(options, from, signals, limit))) {
     options.rack_file.clear();
     options.device.clear();
     options.state.clear();

@@ -125,6 +125,14 @@ void print_end(const rack::RackConfiguration& configuration, rack::Rack& rack,
         runner.link(i).statistics().frames_dropped, statistics.overruns);
     print_lost_frames(rack.segment(i).statistics());
   }
+  if (const base::SimDuration lost = runner.lost(); lost != base::SimDuration()) {
+    const base::SimDuration ran = runner.now() - base::SimTime();
+    fmt::print(
+        "The machine was too slow for the rack: {:.3f} s simulated, {:.3f} s lost, which is {:.0f} "
+        "% "
+        "of real time\n",
+        ran.seconds(), lost.seconds(), 100.0 * ran.seconds() / (ran.seconds() + lost.seconds()));
+  }
 }
 
 }  // namespace stator::cli

@@ -108,7 +108,7 @@ bool BusThread::take_frames() {
       put_in_lockstep(*port, frames);
       continue;
     }
-    shared_.rack.advance(shared_.real_clock.now());
+    shared_.catch_up(statistics_);
     for (const can::Frame& frame : frames) {
       shared_.rack.put(index_, port->number, port->port, frame);
     }
@@ -158,11 +158,7 @@ void BusThread::put_in_lockstep(OutsidePort& port, std::span<const can::Frame> f
 
 void BusThread::catch_up() {
   const std::scoped_lock lock(shared_.mutex);
-  const SimDuration lag = shared_.catch_up();
-  statistics_.worst_lag_ns = std::max(statistics_.worst_lag_ns, lag.nanoseconds());
-  if (lag > RunningRack::kOverrun) {
-    shared_.log_overrun(++statistics_.overruns, lag);
-  }
+  shared_.catch_up(statistics_);
 }
 
 // Queueing a frame is cheap and happens under the lock, handing it to the system does not.
@@ -195,6 +191,9 @@ void BusThread::drain() {
 SimDuration BusThread::time_to_sleep() {
   if (shared_.clock_kind == ClockKind::lockstep) {
     return kIdleTick;
+  }
+  if (shared_.lags()) {
+    return {};
   }
   const std::scoped_lock lock(shared_.mutex);
   return std::min(kIdleTick, shared_.rack.next_bus_deadline() - shared_.real_clock.now());

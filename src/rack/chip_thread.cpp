@@ -105,7 +105,7 @@ void ChipThread::run() {
 void ChipThread::take(const link::ChipMessage& message) {
   const base::SimTime received = shared_.real_clock.now();
   if (shared_.clock_kind == ClockKind::real) {
-    shared_.rack.advance(received);
+    shared_.catch_up();
   }
   session_->take(message, shared_.now());
   const std::int64_t took = (shared_.real_clock.now() - received).nanoseconds();

@@ -22,7 +22,8 @@ RealClock::RealClock(base::SimTime start)
       epoch_(nanoseconds_of<TimeOfDay>() - start.nanoseconds()) {}
 
 base::SimTime RealClock::now() const {
-  return base::SimTime(base::SimDuration(nanoseconds_of<Monotonic>() - start_));
+  return base::SimTime(
+      base::SimDuration(nanoseconds_of<Monotonic>() - start_.load(std::memory_order_relaxed)));
 }
 
 std::optional<CycleRecognition::Opening> LockstepClock::first_logical_datagram(

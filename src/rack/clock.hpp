@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,7 +14,7 @@
 namespace stator::rack {
 
 /// Simulated time that follows the machine's monotonic clock from the moment of construction on,
-/// which is `start`.
+/// which is `start`. May be read by any thread at any time.
 class RealClock {
  public:
   explicit RealClock(base::SimTime start = {});
@@ -21,9 +22,13 @@ class RealClock {
   /// The time of day (CLOCK_REALTIME) at which simulated time was 0, as it was seen at
   /// construction.
   [[nodiscard]] base::SimDuration epoch() const { return epoch_; }
+  /// Simulated time is earlier by `lost` from now on. The epoch stays.
+  void set_back(base::SimDuration lost) {
+    start_.fetch_add(lost.nanoseconds(), std::memory_order_relaxed);
+  }
 
  private:
-  std::int64_t start_;  ///< CLOCK_MONOTONIC in ns
+  std::atomic<std::int64_t> start_;  ///< CLOCK_MONOTONIC in ns
   base::SimDuration epoch_;
 };
 

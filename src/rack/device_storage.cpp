@@ -9,6 +9,7 @@
 
 #include "base/byte_order.hpp"
 #include "ethercat/sii_image.hpp"
+#include "rack/board_memory.hpp"
 #include "rack/parameter_memory.hpp"
 
 namespace stator::rack {
@@ -152,6 +153,9 @@ void DeviceStorage::attach(const std::string& name, devices::EtherCatDevice& dev
   }
   add(std::make_unique<EepromMemory>(*this, name, device, reporter));
   attach_firmware(name, product, device, reporter);
+  for (const board::KeptPart& part : device.kept_parts()) {
+    add(std::make_unique<BoardMemory>(*this, name, product, part, reporter));
+  }
 }
 
 void DeviceStorage::attach(const std::string& name, const std::string& product,

@@ -17,7 +17,8 @@
 namespace stator::rack {
 
 /// Keeps what real devices keep without power in files of a state directory: EEPROM content in
-/// NAME.eeprom, a firmware image in NAME.firmware, stored parameters in NAME.parameters.
+/// NAME.eeprom, a firmware image in NAME.firmware, stored parameters in NAME.parameters, serial
+/// EEPROMs on a board in NAME.PART.memory.
 ///
 /// What a device says is kept is on the disk: files are written in a background thread, so that
 /// neither a frame nor firmware waits, and the device is busy until its order has been carried out

@@ -15,14 +15,15 @@ namespace stator::rack {
 /// they are. Changes of the content follow, each as a record that is appended (numbers of 32 bits,
 /// little endian):
 ///
-/// | byte | |
-/// |---|---|
-/// | 0 | "Srec" |
-/// | 4 | number of the change, from 1 |
-/// | 8 | what it goes on from: the check at byte 28 of the change before; for the first, CRC-32 of
-/// the first line and content | | 12 | length of the content afterwards | | 16 | where the new
-/// bytes lie in it | | 20 | how many they are | | 24 | CRC-32 of the new bytes | | 28 | CRC-32 of
-/// bytes 0 to 27 | | 32 | the new bytes, and a line feed |
+/// -  0  "Srec"
+/// -  4  number of the change, from 1
+/// -  8  check (byte 28) of the change before; of the first, CRC-32 of first line and content
+/// - 12  length of the content afterwards
+/// - 16  where the new bytes lie in it
+/// - 20  how many they are
+/// - 24  CRC-32 of the new bytes
+/// - 28  CRC-32 of bytes 0 to 27
+/// - 32  the new bytes, and a line feed
 ///
 /// A record whose end is missing at the end of the file, or is zeros, was being written when the
 /// process or the machine ended: nobody was told that it is kept, and it is passed over. Any other

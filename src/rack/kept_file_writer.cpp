@@ -8,7 +8,7 @@ namespace stator::rack {
 namespace {
 
 /// Larger ones (firmware) come as a whole new image; no copy of them is held for comparison.
-constexpr std::size_t kLargestCompared = std::size_t{1} << 20;
+constexpr std::size_t kLargestCompared = std::size_t{256} << 10;
 
 }  // namespace
 

@@ -22,8 +22,9 @@ KeptMemory::KeptMemory(DeviceStorage& storage, Identity identity, base::EventRep
 void KeptMemory::fail(const std::string& reason) const {
   throw std::runtime_error(
       fmt::format("{}: device \"{}\" cannot start from this file: {}. Delete it to start without "
-                  "it, restore a copy, or name another state directory",
-                  path_, identity_.name, reason));
+                  "it, or move it to {}.damaged to keep it aside; restore a copy, or name another "
+                  "state directory",
+                  path_, identity_.name, reason, path_));
 }
 
 std::optional<std::vector<std::byte>> KeptMemory::read() const {

@@ -155,6 +155,7 @@ void Runner::start() {
                                                 ? DeviceStorage::Completions::when_durable
                                                 : DeviceStorage::Completions::before_time_moves);
   }
+  shared_.begin();
   for (auto& segment : segments_) {
     segment->thread = std::thread([this, &segment = *segment] { run(segment); });
   }
@@ -215,6 +216,11 @@ base::SimTime Runner::now() {
   return shared_.now();
 }
 
+base::SimDuration Runner::lost() {
+  const std::scoped_lock lock(shared_.mutex);
+  return shared_.lost;
+}
+
 SegmentStatistics Runner::statistics(std::size_t segment) {
   const std::scoped_lock lock(shared_.mutex);
   return segments_[segment]->statistics;
@@ -237,7 +243,7 @@ void Runner::run(SegmentThread& segment) {
     watch_carriers(segment, now);
     const bool busy = now - last_frame < kIdleAfter;
     const base::SimDuration idle = shared_.desk.attended() ? kAttendedTick : kIdleTick;
-    const base::SimDuration tick = busy ? kBusyTick : idle;
+    const base::SimDuration tick = shared_.lags() ? base::SimDuration() : busy ? kBusyTick : idle;
     const auto received = segment.receive(buffer, std::min(tick, time_to_release(segment, now)));
     if (!received && received.error().code != link::LinkErrorCode::interface_down) {
       shared_.logger->error("{}; this segment stops", received.error().text);
@@ -276,16 +282,14 @@ void Runner::watch_carriers(SegmentThread& segment, base::SimTime now) {
     if (up != segment.carriers[index]) {
       segment.carriers[index] = up;
       const std::scoped_lock lock(shared_.mutex);
-      const base::SimTime moment =
-          shared_.clock_kind == ClockKind::real ? now : shared_.lockstep_clock.now();
-      shared_.rack.set_carrier(segment.index, interface, up, moment);
+      shared_.rack.set_carrier(segment.index, interface, up, shared_.now());
     }
   }
 }
 
 base::SimTime Runner::arrival_of(std::span<std::byte> frame) {
   if (shared_.clock_kind == ClockKind::real) {
-    return shared_.real_clock.now();
+    return shared_.now();
   }
   // In lockstep the devices are brought to the frame before it passes: its time is the master's.
   const base::SimTime arrival = shared_.lockstep_clock.on_frame(frame);
@@ -380,12 +384,7 @@ void Runner::send_released(SegmentThread& segment) {
 
 void Runner::catch_up(SegmentThread& segment) {
   const std::scoped_lock lock(shared_.mutex);
-  const base::SimDuration lag = shared_.catch_up();
-  SegmentStatistics& statistics = segment.statistics;
-  statistics.worst_lag_ns = std::max(statistics.worst_lag_ns, lag.nanoseconds());
-  if (lag > kOverrun) {
-    shared_.log_overrun(++statistics.overruns, lag);
-  }
+  shared_.catch_up(segment.statistics);
 }
 
 }  // namespace stator::rack

@@ -62,6 +62,10 @@ class Runner {
   void wake() const;
 
   [[nodiscard]] base::SimTime now();
+  /// Time that the machine was too slow for and that the rack will never catch up.
+  [[nodiscard]] base::SimDuration lost();
+  /// The same for tasks of the desk.
+  [[nodiscard]] base::SimDuration lost_in_task() const { return shared_.lost; }
   /// Of a bus with a wire.
   [[nodiscard]] BusThread& bus(std::size_t index) { return *buses_[index]; }
   [[nodiscard]] const BusThread& bus(std::size_t index) const { return *buses_[index]; }

@@ -1,5 +1,8 @@
 #include "rack/running_rack.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include <fmt/format.h>
 #include <spdlog/logger.h>
 
@@ -27,6 +30,67 @@ void RunningRack::enter_thread(std::optional<unsigned> cpu) const {
   }
 }
 
+void RunningRack::begin() {
+  if (const base::SimDuration passed = real_clock.now() - reached; passed > kWorstLag) {
+    real_clock.set_back(passed - kWorstLag);
+  }
+}
+
+base::SimTime RunningRack::present() {
+  base::SimTime now = real_clock.now();
+  if (now - reached > kOverrun) {
+    now = reached + slice;
+  }
+  handed_out = std::max(handed_out, now);
+  return handed_out;
+}
+
+// No slice ends before what came last: a device is never asked for its past.
+RunningRack::Lag RunningRack::advance_slice() {
+  const base::SimTime begin = real_clock.now();
+  const base::SimTime from = reached;
+  const base::SimTime end = std::max(handed_out, std::min(begin, from + slice));
+  rack.advance(end);
+  reached = end;
+  handed_out = end;
+  const base::SimTime now = real_clock.now();
+  adapt_slice(end - from, now - begin);
+  lagging.store(end < begin, std::memory_order_relaxed);
+  const base::SimDuration lag = now - end;
+  if (lag > kWorstLag) {
+    give_up(lag - kWorstLag);
+  }
+  const bool before = std::exchange(overrunning, lag > kOverrun);
+  return {lag, overrunning && !before};
+}
+
+// A slice that took too long is followed by one that would not have; one that was quick by twice as
+// much, so that a moment in which the machine did something else is soon forgotten.
+void RunningRack::adapt_slice(base::SimDuration simulated, base::SimDuration took) {
+  if (took > kSliceTime) {
+    const double part =
+        static_cast<double>(kSliceTime.nanoseconds()) / static_cast<double>(took.nanoseconds());
+    slice = base::SimDuration(
+        static_cast<std::int64_t>(static_cast<double>(simulated.nanoseconds()) * part));
+  } else if (simulated >= slice && took + took < kSliceTime) {
+    slice += slice;
+  }
+  slice = std::clamp(slice, kShortestSlice, kLongestSlice);
+}
+
+void RunningRack::give_up(base::SimDuration time) {
+  real_clock.set_back(time);
+  if (lost == base::SimDuration()) {
+    logger->warn(
+        "this machine is too slow for the rack: {:.0f} ms behind, its clock is set back by what "
+        "exceeds {} ms, now and whenever it falls behind so far again; run fewer devices, give it "
+        "processors of its own, or let the master make the time (clock = \"lockstep\")",
+        static_cast<double>((time + kWorstLag).nanoseconds()) * 1e-6,
+        kWorstLag.nanoseconds() / 1'000'000);
+  }
+  lost += time;
+}
+
 void RunningRack::keep_files() {
   if (clock_kind == ClockKind::real) {
     rack.settle_log(real_clock.now());
@@ -35,13 +99,13 @@ void RunningRack::keep_files() {
     return;
   }
   const std::scoped_lock lock(mutex);
-  const base::SimTime present = real_clock.now();
   if (clock_kind == ClockKind::real && rack.storage()->busy()) {
-    rack.hand_over_completions(present);
+    rack.hand_over_completions(now());
   }
-  if (present >= next_keeping) {
-    next_keeping = present + kKeepingPeriod;
-    rack.storage()->service(present);
+  const base::SimTime moment = real_clock.now();
+  if (moment >= next_keeping) {
+    next_keeping = moment + kKeepingPeriod;
+    rack.storage()->service(moment);
   }
 }
 
@@ -52,11 +116,10 @@ void RunningRack::serve_desk() {
   bool changed = false;
   {
     const std::scoped_lock lock(mutex);
-    const base::SimTime present = now();
     if (clock_kind == ClockKind::real) {
-      rack.advance(present);
+      catch_up();
     }
-    changed = desk.serve(rack, present);
+    changed = desk.serve(rack, clock_kind == ClockKind::real ? reached : lockstep_clock.now());
   }
   if (changed) {
     desk.wake_rack();

@@ -112,9 +112,8 @@ void SerialLineThread::take(std::span<const std::byte> bytes) {
   if (shared_.clock_kind == ClockKind::lockstep) {
     put_in_lockstep(bytes);
   } else {
-    const SimTime now = shared_.real_clock.now();
-    shared_.rack.advance(now);
-    shared_.rack.put(index_, bytes, now);
+    shared_.catch_up(statistics_);
+    shared_.rack.put(index_, bytes, shared_.reached);
   }
   wake_buses(before);
 }
@@ -149,11 +148,7 @@ void SerialLineThread::wake_buses(SimTime before) {
 }
 
 void SerialLineThread::catch_up() {
-  const SimDuration lag = shared_.catch_up();
-  statistics_.worst_lag_ns = std::max(statistics_.worst_lag_ns, lag.nanoseconds());
-  if (lag > RunningRack::kOverrun) {
-    shared_.log_overrun(++statistics_.overruns, lag);
-  }
+  shared_.catch_up(statistics_);
 }
 
 // How many bytes to take next, and how long to wait for them.
@@ -167,6 +162,10 @@ void SerialLineThread::plan() {
   const SimTime now = shared_.real_clock.now();
   if (line_.waits()) {
     last_wait_ = now;
+  }
+  if (shared_.lags()) {
+    time_to_sleep_ = {};
+    return;
   }
   time_to_sleep_ = std::min(now - last_wait_ < kIdleAfter ? kBusyTick : kIdleTick,
                             std::max(shared_.rack.next_line_deadline(index_) - now, SimDuration()));

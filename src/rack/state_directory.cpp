@@ -13,6 +13,8 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 
+#include "rack/directory_place.hpp"
+
 namespace stator::rack {
 
 namespace {
@@ -75,10 +77,6 @@ StateDirectory::FileStamp stamp_of(const link::FileDescriptor& file) {
   struct stat status {};
   require(::fstat(file.get(), &status) == 0);
   return stamp_of(status);
-}
-
-bool same_file(const struct stat& one, const struct stat& other) {
-  return one.st_dev == other.st_dev && one.st_ino == other.st_ino;
 }
 
 /// False: another process has it. A rack that was killed a moment ago may still hold the lock until
@@ -149,13 +147,8 @@ void StateDirectory::require_short(const std::string& name) const {
 }
 
 void StateDirectory::require_in_place() const {
-  struct stat opened {};
-  struct stat named {};
-  require(::fstat(directory_.get(), &opened) == 0);
-  if (::stat(path_.c_str(), &named) != 0 || !same_file(opened, named)) {
-    throw std::runtime_error(
-        fmt::format("the state directory has been {} since the rack was started",
-                    opened.st_nlink == 0 ? "removed" : "moved away"));
+  if (const std::string gone = displacement(directory_.get(), path_); !gone.empty()) {
+    throw std::runtime_error("the state directory " + gone);
   }
 }
 

@@ -113,6 +113,10 @@ std::string openmetrics(const State& state, const Snapshot& snapshot) {
   text.family("stator_simulated_time_seconds", "gauge", "Simulated time since power-on.",
               "seconds");
   text.sample("", number(snapshot.time.seconds()));
+  text.family("stator_lost_time_seconds", "counter",
+              "Time the machine was too slow for, by which simulated time has been set back.",
+              "seconds");
+  text.sample("", number(snapshot.lost.seconds()));
   add_networks(text, snapshot);
   text.family("stator_device_powered", "gauge", "1: the device's supply is on.");
   for (std::size_t i = 0; i < state.devices().size(); ++i) {

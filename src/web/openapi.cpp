@@ -70,11 +70,12 @@ constexpr const char* kSchemas = R"({
   },
   "Rack": {
     "type": "object",
-    "required": ["run", "clock", "time_ns", "networks", "devices", "signals"],
+    "required": ["run", "clock", "time_ns", "lost_ns", "networks", "devices", "signals"],
     "properties": {
       "run": {"type": "string", "description": "Names this run and no other: a rack that was started again or went back to a snapshot has another, and numbers of its events and faults begin anew"},
       "clock": {"enum": ["real", "lockstep"]},
       "time_ns": {"type": "integer", "description": "Simulated time since power-on"},
+      "lost_ns": {"type": "integer", "description": "Time the machine was too slow for, by which simulated time has been set back"},
       "networks": {"type": "array", "items": {"$ref": "#/components/schemas/Network"}},
       "devices": {"type": "integer"},
       "signals": {"type": "integer"}

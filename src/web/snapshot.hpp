@@ -23,6 +23,7 @@ struct Snapshot {
         signals(state.signals().size()) {}
 
   base::SimTime time;
+  base::SimDuration lost;  ///< that the machine was too slow for
   std::vector<NetworkRecord> networks;
   std::vector<DeviceState> devices;
   std::vector<double> signals;

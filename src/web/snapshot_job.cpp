@@ -53,6 +53,7 @@ class SnapshotJob final : public Job {
 
   bool run(rack::Rack& rack, base::SimTime now) override {
     snapshot_.time = now;
+    snapshot_.lost = state_.lost_in_task();
     state_.read_networks(snapshot_.networks);
     for (std::size_t i = 0; i < snapshot_.devices.size(); ++i) {
       const rack::DeviceAddress address = state_.devices()[i].address;
@@ -97,6 +98,7 @@ class SnapshotJob final : public Job {
     return {{"run", state_.run()},
             {"clock", state_.clock()},
             {"time_ns", snapshot_.time.nanoseconds()},
+            {"lost_ns", snapshot_.lost.nanoseconds()},
             {"networks", networks},
             {"devices", state_.devices().size()},
             {"signals", state_.signals().size()}};

@@ -97,6 +97,7 @@ class State {
   [[nodiscard]] const rack::EventLog& log() const { return log_; }
   /// Number of the newest event that a task has fetched.
   [[nodiscard]] std::uint64_t& fetched() { return fetched_; }
+  [[nodiscard]] base::SimDuration lost_in_task() const { return runner_.lost_in_task(); }
   void read_networks(std::vector<NetworkRecord>& networks) const;
 
   [[nodiscard]] const std::vector<NetworkRecord>& networks() const { return networks_; }

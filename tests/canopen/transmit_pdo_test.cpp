@@ -66,7 +66,7 @@ TEST(TransmitPdo, OutsideOperational_NothingIsSent) {
     bench.receive(can::remote_frame(0x185));
     bench.pdos.request(0, bench.now);
     bench.wait(1_s);
-    EXPECT_TRUE(bench.take_sent().empty()) << to_text(state);
+    EXPECT_TRUE(bench.take_sent().empty()) << to_text(state).view();
   }
 }
 

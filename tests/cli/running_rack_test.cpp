@@ -65,6 +65,12 @@ class RunningRack : public ::testing::Test {
   tests::Outcome command(const std::string& words) {
     return tests::stator(words + " --http " + address_);
   }
+  /// Its exit status.
+  int end() {
+    process_.signal(SIGINT);
+    return process_.wait();
+  }
+  [[nodiscard]] std::string log() const { return tests::content(log_); }
 
  private:
   static std::string between(const std::string& text, const std::string& first,
@@ -137,6 +143,22 @@ TEST_F(RunningRack, IsSeenAnewOnceItWentBack) {
   const std::size_t kept = after.events.size();
   ASSERT_EQ(command("inject can-drop --device spindle count=3").status, 0);
   EXPECT_GT(observer.look().events.size(), kept) << "though its numbers were seen before";
+}
+
+TEST_F(RunningRack, WhoseStateDirectoryIsRemoved_EndsWithStatus1AndSaysSo) {
+  const std::string state = tests::temporary("running.state");
+  ASSERT_NO_FATAL_FAILURE(start("--state " + state));
+  std::filesystem::remove_all(state);
+  EXPECT_EQ(end(), 1);
+  EXPECT_THAT(log(), HasSubstr(state + ": the state directory has been removed since the rack"));
+  EXPECT_THAT(log(), Not(HasSubstr("old content is still there")));
+}
+
+TEST_F(RunningRack, WhoseStateDirectoryIsThere_EndsWithStatus0) {
+  const std::string state = tests::temporary("running.state");
+  ASSERT_NO_FATAL_FAILURE(start("--state " + state));
+  EXPECT_EQ(end(), 0) << log();
+  std::filesystem::remove_all(state);
 }
 
 TEST_F(RunningRack, WithoutRecordingHasNoSnapshots) {

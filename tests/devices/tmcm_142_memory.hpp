@@ -23,9 +23,12 @@ class ModuleMemory final : public canopen::NonVolatileMemory {
     const auto found = images.find(group);
     return found == images.end() ? std::span<const std::byte>() : found->second;
   }
-  void store(std::uint8_t group, std::span<const std::byte> bytes) override {
+  using NonVolatileMemory::store;
+  void store(std::span<const GroupImage> wanted) override {
     ++orders;
-    ordered_[group].assign(bytes.begin(), bytes.end());
+    for (const GroupImage& each : wanted) {
+      ordered_[each.group].assign(each.bytes.begin(), each.bytes.end());
+    }
     status_ = Status::busy;
     if (answer != Answer::later) {
       finish(answer == Answer::kept);

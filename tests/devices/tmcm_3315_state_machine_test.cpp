@@ -146,12 +146,12 @@ TEST_F(Tmcm3315States, EveryWayOutOfOperationalStopsEveryMotorOnTheQuickStopRamp
     ASSERT_EQ(bus_->request(to), static_cast<std::uint16_t>(to));
     bus_->pass(100_ms);
     for (unsigned motor = 0; motor < 3; ++motor) {
-      EXPECT_NEAR(velocity(motor), 30'000.0, 500.0) << to_text(to) << ": 6085h = 200000";
+      EXPECT_NEAR(velocity(motor), 30'000.0, 500.0) << to_text(to).view() << ": 6085h = 200000";
       EXPECT_EQ(power_state(motor), PowerState::quick_stop_active);
     }
     bus_->pass(200_ms);
     for (unsigned motor = 0; motor < 3; ++motor) {
-      EXPECT_EQ(velocity(motor), 0.0) << to_text(to);
+      EXPECT_EQ(velocity(motor), 0.0) << to_text(to).view();
       EXPECT_EQ(power_state(motor), PowerState::switch_on_disabled);
     }
   }

@@ -22,7 +22,7 @@ void expect_refused(const Verdict& verdict, AbortCode code, std::string_view wor
 TEST(DictionaryLookUp, FindsObjectsAndEntriesByTheirNumbers) {
   const auto dictionary = make_small_drive();
   ASSERT_NE(dictionary->find(0x1018), nullptr);
-  EXPECT_EQ(dictionary->find(0x1018)->name, "Identity");
+  EXPECT_EQ(dictionary->find(0x1018)->name.str(), "Identity");
   EXPECT_EQ(dictionary->find(0x1018)->max_subindex(), 2);
   ASSERT_NE(dictionary->find(0x1018, 2), nullptr);
   EXPECT_EQ(dictionary->find(0x1018, 2)->value(), 3315U);
@@ -211,8 +211,8 @@ TEST(DictionaryWrite, InAStateThatForbidsItIsRefused) {
 
 class PowerDrive {
  public:
-  [[nodiscard]] const char* state_of(std::uint8_t /*axis*/) const { return state; }
-  const char* state = nullptr;
+  [[nodiscard]] base::StaticText state_of(std::uint8_t /*axis*/) const { return state; }
+  base::StaticText state;
 };
 
 TEST(DictionaryWrite, WhileThePowerDriveIsOnIsRefusedWhereItMustBeOff) {

@@ -114,7 +114,7 @@ TEST(DictionaryPlacement, PutsTheSameDeclarationsAtEachAxis) {
 
   const Object* limits = dictionary.find(0x707D);
   ASSERT_NE(limits, nullptr);
-  EXPECT_EQ(limits->name, "Axis 2: Software limits");
+  EXPECT_EQ(limits->name.str(), "Axis 2: Software limits");
   EXPECT_EQ(limits->axis, 2);
   EXPECT_EQ(limits->code, ObjectCode::array);
   EXPECT_EQ(limits->max_subindex(), 1);

@@ -69,7 +69,7 @@ class PowerStates : public testing::Test {
       machine_.raise_fault(input_);
       machine_.update(input_);
     }
-    EXPECT_EQ(machine_.state(), state) << to_text(state);
+    EXPECT_EQ(machine_.state(), state) << to_text(state).view();
     events_.sentences.clear();
     return machine_;
   }
@@ -137,7 +137,7 @@ TEST_F(PowerStates, EveryPatternInEveryStateLeadsWhereTheStandardSays) {
         PowerStateMachine& machine = machine_in(kAllStates[row]);
         write(static_cast<std::uint16_t>(bit7 | low));
         EXPECT_EQ(to_text(machine.state()), to_text(kAfter[row][pattern_of(bit7 | low)]))
-            << to_text(kAllStates[row]) << " controlword " << std::hex << (bit7 | low);
+            << to_text(kAllStates[row]).view() << " controlword " << std::hex << (bit7 | low);
       }
     }
   }
@@ -195,7 +195,7 @@ TEST_F(PowerStates, StatuswordCodesMatchTheirMasks) {
       Code{operation_enabled, 0x006F, 0x0027},      Code{quick_stop_active, 0x006F, 0x0007},
       Code{fault_reaction_active, 0x004F, 0x000F},  Code{fault, 0x004F, 0x0008}};
   for (const Code& code : kCodes) {
-    EXPECT_EQ(statusword_of(code.state) & code.mask, code.match) << to_text(code.state);
+    EXPECT_EQ(statusword_of(code.state) & code.mask, code.match) << to_text(code.state).view();
   }
 }
 
@@ -341,8 +341,8 @@ TEST_F(PowerStates, AFaultLeadsFromEveryStateToFault) {
     input_.at_rest = true;
     machine_.raise_fault(input_);
     pass(1_ms);
-    EXPECT_EQ(machine_.state(), fault) << to_text(state);
-    EXPECT_FALSE(machine_.bridge_enabled()) << to_text(state);
+    EXPECT_EQ(machine_.state(), fault) << to_text(state).view();
+    EXPECT_FALSE(machine_.bridge_enabled()) << to_text(state).view();
   }
 }
 
@@ -496,7 +496,7 @@ TEST_F(PowerStates, TheWorkedCodingVectorsHold) {
     machine_in(v.before);
     write(v.controlword);
     EXPECT_EQ(statusword_of(machine_.state()) & v.mask, v.after)
-        << to_text(v.before) << " controlword " << v.controlword;
+        << to_text(v.before).view() << " controlword " << v.controlword;
   }
 }
 

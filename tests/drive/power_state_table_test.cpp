@@ -117,15 +117,15 @@ TEST_F(PowerStateTable, EveryControlwordInEveryStateObeysTheTables) {
       machine_.command(controlword, input_);
       wrong += machine_.state() == after(state, controlword) ? 0 : 1;
     }
-    EXPECT_EQ(wrong, 0) << "controlwords that lead elsewhere from " << to_text(state);
+    EXPECT_EQ(wrong, 0) << "controlwords that lead elsewhere from " << to_text(state).view();
   }
 }
 
 TEST_F(PowerStateTable, StateBitsOfTheStatuswordAreThoseOfTheStateAlone) {
   for (const PowerState state : kAllStates) {
-    EXPECT_EQ(statusword_of(state) & ~0x006F, 0) << to_text(state);
+    EXPECT_EQ(statusword_of(state) & ~0x006F, 0) << to_text(state).view();
     EXPECT_EQ((statusword_of(state) & 0x0020) == 0, state == quick_stop_active)
-        << to_text(state) << ": bit 5 is 0 while a quick stop is active, and then only";
+        << to_text(state).view() << ": bit 5 is 0 while a quick stop is active, and then only";
   }
 }
 

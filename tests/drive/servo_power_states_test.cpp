@@ -195,7 +195,7 @@ TEST_F(ServoPowerStates, EveryCommandOfTheTableDoesInEveryStateWhatItMay) {
           continue;
         }
         const std::int64_t word = match | other;
-        SCOPED_TRACE(row[0] + " as " + std::to_string(word) + " in " + to_text(from));
+        SCOPED_TRACE(row[0] + " as " + std::to_string(word) + " in " + std::string(to_text(from)));
         start_in(from);
         if (from == quick_stop_active || from == operation_enabled) {
           bench_->write(0x605A, 6);
@@ -242,12 +242,12 @@ TEST_F(ServoPowerStates, PowerComesWithOperationEnabledAndGoesWithIt) {
   for (const PowerState off : {switch_on_disabled, ready_to_switch_on, fault}) {
     start_in(off);
     bench_->pass(2_ms);
-    EXPECT_FALSE(bench_->actuation.bridge_enabled) << to_text(off);
+    EXPECT_FALSE(bench_->actuation.bridge_enabled) << to_text(off).view();
   }
   for (const PowerState on : {quick_stop_active, fault_reaction_active}) {
     start_in(on);
     bench_->pass(2_ms);
-    EXPECT_TRUE(bench_->actuation.bridge_enabled) << to_text(on);
+    EXPECT_TRUE(bench_->actuation.bridge_enabled) << to_text(on).view();
   }
 }
 
@@ -386,7 +386,7 @@ TEST_F(ServoPowerStates, NmtStoppedTouchesNoOtherState) {
     start_in(other);
     bench_->axis->network_stopped(bench_->now);
     bench_->pass(10_ms);
-    EXPECT_EQ(state(), other) << to_text(other);
+    EXPECT_EQ(state(), other) << to_text(other).view();
   }
 }
 

@@ -42,7 +42,7 @@ TEST(CommandSet, EveryDocumentedCommandHasItsNumberNameAndTypes) {
     const std::string word = row[1].substr(0, row[1].find(' '));
     const bool has_mnemonic =
         std::ranges::none_of(word, [](unsigned char c) { return std::islower(c) != 0; });
-    ASSERT_EQ(declared->mnemonic, has_mnemonic ? word : "");
+    ASSERT_EQ(declared->mnemonic.view(), has_mnemonic ? word : "");
     if (!has_mnemonic) {
       EXPECT_TRUE(declared->use.direct);
       EXPECT_FALSE(declared->use.program);
@@ -57,7 +57,7 @@ TEST(CommandSet, EveryDocumentedCommandHasItsNumberNameAndTypes) {
     }
   }
   for (const CommandDeclaration& declared : classic_command_set().all()) {
-    EXPECT_TRUE(seen.contains(static_cast<std::uint8_t>(declared.command))) << declared.name;
+    EXPECT_TRUE(seen.contains(static_cast<std::uint8_t>(declared.command))) << std::string_view(declared.name);
   }
 }
 
@@ -93,14 +93,14 @@ TEST(CommandSet, OperandsStandBeforeTheUnusedOnesAndNameAFieldOnce) {
     std::set<Field> fields;
     for (std::size_t i = 0; i < each.operands.size(); ++i) {
       if (i >= each.operand_count()) {
-        EXPECT_EQ(each.operands[i].field, Field::none) << each.name;
+        EXPECT_EQ(each.operands[i].field, Field::none) << std::string_view(each.name);
       } else {
-        EXPECT_TRUE(fields.insert(each.operands[i].field).second) << each.name;
+        EXPECT_TRUE(fields.insert(each.operands[i].field).second) << std::string_view(each.name);
       }
     }
     const bool named = std::ranges::any_of(
         each.operands, [](const Operand& o) { return o.meaning == Meaning::symbol; });
-    EXPECT_EQ(named, !each.symbols.empty()) << each.name;
+    EXPECT_EQ(named, !each.symbols.empty()) << std::string_view(each.name);
   }
 }
 

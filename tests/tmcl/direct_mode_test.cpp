@@ -59,7 +59,7 @@ TEST_F(DirectMode, AnotherMotorIsAnInvalidValue) {
        {rotate_right, rotate_left, motor_stop, move_to_position, reference_search, set_coordinate,
         get_coordinate, capture_coordinate, accumulator_to_coordinate}) {
     EXPECT_EQ(status(command, 0, 1), Status::invalid_value)
-        << name_of(static_cast<std::uint8_t>(command));
+        << name_of(static_cast<std::uint8_t>(command)).view();
   }
   for (const Command command : {set_axis_parameter, get_axis_parameter, store_axis_parameter,
                                 restore_axis_parameter, accumulator_to_axis_parameter}) {
@@ -323,7 +323,7 @@ TEST_F(DirectMode, WhatControlsProgramsIsNotAvailable) {
   for (const Command command : {compare, jump_conditionally, jump_always, call_subroutine,
                                 return_from_subroutine, wait, Command::stop, clear_error_flags}) {
     EXPECT_EQ(status(command), Status::command_not_available)
-        << name_of(static_cast<std::uint8_t>(command));
+        << name_of(static_cast<std::uint8_t>(command)).view();
   }
   EXPECT_EQ(counter(), 0);
 }

@@ -41,19 +41,21 @@ tmcl::EepromKeeper::Outcome Eeprom::keep(bool refusable, base::SimTime now) {
   return write(refusable, now);
 }
 
-// The program first: none may be readable that was protected until the same command erased it.
 tmcl::EepromKeeper::Outcome Eeprom::write(bool refusable, base::SimTime now) {
   refusable_ = refusable;
   retry_ = base::SimTime::never();
+  std::array<Memory::GroupImage, kGroups.size()> orders;
+  std::size_t count = 0;
   for (const Group group : kGroups) {
     Image& image = images_[group];
     image.ordered = image.owed || writes(group) != image.writes;
     if (image.ordered) {
       image.writes = writes(group);
       copy(group, image.wanted);
-      memory_->store(group, image.wanted);
+      orders[count++] = {group, image.wanted};
     }
   }
+  memory_->store(std::span(orders).first(count));
   const Memory::Status status = memory_->status();
   if (status != Memory::Status::busy) {
     return end(status == Memory::Status::ready, now);

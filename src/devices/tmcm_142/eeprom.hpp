@@ -54,7 +54,7 @@ class Eeprom final : public tmcl::EepromKeeper {
 
  private:
   enum Group : std::uint8_t { kParameters, kProgram };
-  static constexpr std::array<Group, 2> kGroups{kProgram, kParameters};
+  static constexpr std::array<Group, 2> kGroups{kParameters, kProgram};
   /// One of the two images.
   struct Image {
     std::uint64_t writes = 0;         ///< of its cells, as in `wanted`
