@@ -22,7 +22,8 @@ import time
 
 from can_host import CanHost, SdoClient
 from ethercat_host import BOOT, LRW, OP, PREOP, SAFEOP, SYNC_MANAGER, Refused, Slave
-from kept_devices import BUS, CAN_PORT, ETHERCAT_PORT, SAVE, SERIAL_MODULE, SERIAL_PORT, TMCC160, segment
+from kept_devices import (BOARD, BUS, CAN_PORT, ETHERCAT_PORT, PINS, SAVE, SERIAL_MODULE, SERIAL_PORT, TMCC160,
+                          BoardEeprom, segment)
 from rack_process import PATIENCE, Gone, RackProcess, Silent, own_address
 from tmcl_host import GGP, LOADED, QUIT_DOWNLOAD, SAP, SCO, SGP, START_DOWNLOAD, STAP, STGP, Module, SerialHost
 
@@ -139,6 +140,7 @@ class Store:
     ms, from what moves it in lockstep."""
 
     document = "not described"
+    files = {}  # that the rack file names
 
     def __init__(self, address, lockstep):
         self.address = address
@@ -232,8 +234,27 @@ class SaveTmcc160(Store):
     begin = SaveTmc8670.begin
 
 
+class BoardPage(Store):
+    """Until the part acknowledges its address again, and a look at the page."""
+
+    rack = BOARD
+    files = {"pins.toml": PINS}
+    document = "5 (24LC64)"
+
+    def open(self):
+        self.part = BoardEeprom(self)
+        self.part.connect()
+
+    def order(self, number):
+        self.part.write_page(number % 4 * 32, self.rng.randbytes(8))
+
+    def simulated(self):
+        return self.part.slave.frames * STEP
+
+
 class Module142(Store):
     rack = SERIAL_MODULE
+    document = "5 (T-86)"
 
     def open(self):
         self.module = Module(SerialHost(self.address, SERIAL_PORT))
@@ -282,7 +303,7 @@ class Instruction(Module142):
 STORES = {"SII word, TMC8461": SiiTmc8461, "SII word, TMC8670": SiiTmc8670, "SII word, TMCM-3315": SiiTmcm3315,
           "1010h:01, TMC8670": SaveTmc8670, "1010h:01, TMCC160": SaveTmcc160, "STAP, TMCM-142": Stap,
           "STGP, TMCM-142": Stgp, "SCO, TMCM-142": Sco, "instruction, TMCM-142": Instruction,
-          "FoE 2000 bytes, TMCM-3315": FirmwareTmcm3315}
+          "page, EEPROM on a board": BoardPage, "FoE 2000 bytes, TMCM-3315": FirmwareTmcm3315}
 
 
 def measure(store, count, clock):
@@ -313,6 +334,8 @@ def run(program, directory, kind, count, lockstep):
     text = kind.rack.format(address=address)
     path.write_text((f'clock = "lockstep"\nstep = "{int(STEP * 1000)}us"\n' if lockstep else "") + text,
                     encoding="ascii")
+    for name, content in kind.files.items():
+        (directory / name).write_text(content, encoding="ascii")
     with RackProcess(program, str(path), str(directory), "--state", str(directory / "state")) as process:
         store = kind(address, lockstep)
         if lockstep:
