@@ -34,6 +34,7 @@ class Slave:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.connect((address, port))
         self.index = 0
+        self.frames = 0  # sent so far
         self.counter = 0
         self.mailboxes = None
 
@@ -45,6 +46,7 @@ class Slave:
     def exchange(self, command, register, data, position=None):
         """Data and working counter of one datagram that goes around the segment."""
         self.index = (self.index + 1) & 0xFF
+        self.frames += 1
         adp = -(self.position if position is None else position) & 0xFFFF
         head = struct.pack("<BBHHHH", command, self.index, adp, register, len(data), 0)
         body = head + data + b"\0\0"

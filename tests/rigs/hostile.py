@@ -32,7 +32,7 @@ from ethercat_host import Refused
 from kept_devices import (BUS, SERIAL_MODULE, TMCC160, Firmware, SerialTmcm142, Sii, Tmc8670Parameters,
                           Tmcc160Parameters, segment)
 from kept_model import KeptModel
-from rack_process import Gone, NotStarted, RackProcess, Silent, own_address
+from rack_process import Gone, RackProcess, Silent, own_address
 
 MEMORY = 200 << 20
 CASES_OF_A_TEMPLATE = 40
@@ -243,8 +243,9 @@ class Case:
             if not function.forged:
                 for name, device in self.template.devices.items():
                     found = self.read(name, device)
-                    allowed = self.template.histories[name] if name == hit and kind == "kept" and not function.harmless \
-                        else self.template.histories[name][-1:]
+                    allowed = self.template.histories[name]
+                    if name != hit or kind != "kept" or function.harmless:
+                        allowed = allowed[-1:]
                     if name == hit and function.factory:
                         allowed = [*allowed, self.template.histories[name][0]]
                     if found not in allowed:
@@ -325,8 +326,8 @@ class Case:
 
     def try_place(self):
         state = self.directory / "state"
-        kind = self.rng.choice(("file", "fifo", "device_node", "link_to_itself", "long", "no parent", "listening_socket",
-                                "link to file"))
+        kind = self.rng.choice(("file", "fifo", "device_node", "link_to_itself", "long", "no parent",
+                                "listening_socket", "link to file"))
         if kind == "file":
             state.write_bytes(damage.SECRET)
         elif kind == "long":
@@ -355,7 +356,8 @@ class Case:
         shutil.copytree(self.template.state, state)
         options = ["--state", str(state)]
         other = self.directory / "other.toml"
-        other.write_text(self.template.rack_file.read_text("ascii").replace(own_address(), "127.0.0.1"), encoding="ascii")
+        text = self.template.rack_file.read_text("ascii")
+        other.write_text(text.replace(own_address(), "127.0.0.1"), encoding="ascii")
         with RackProcess(self.options.stator, str(self.template.rack_file), str(self.directory), *options):
             if self.rng.random() < 0.8:
                 (state / "lock").unlink()

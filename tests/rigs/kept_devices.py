@@ -5,9 +5,11 @@ what gives the order and returns when it is answered. The generator is sent Fals
 """
 
 import itertools
+import time
 
 from can_host import CanHost, SdoClient
-from ethercat_host import BOOT, Refused, Slave
+from ethercat_host import BOOT, OP, PREOP, SAFEOP, Refused, Slave
+from rack_process import PATIENCE, Silent
 from tmcl_host import (GAP, GCO, GGP, LOADED, QUIT_DOWNLOAD, RSAP, RSGP, SAP, SCO, SGP, START_DOWNLOAD, STAP, STGP,
                        CanModule, Module, SerialHost)
 
@@ -56,8 +58,8 @@ class Sii(Device):
 
     def orders(self, rng):
         while True:
-            word = self.FIRST + rng.randrange(self.COUNT)
-            for word in range(word, min(word + rng.choice((1, 1, 2, 8)), self.FIRST + self.COUNT)):
+            begin = self.FIRST + rng.randrange(self.COUNT)
+            for word in range(begin, min(begin + rng.choice((1, 1, 2, 8)), self.FIRST + self.COUNT)):
                 value = rng.randrange(0x10000)
                 yield {f"word {word:03x}h": value}, lambda: self.slave.write_sii(word, value)
 
@@ -152,6 +154,89 @@ class Firmware(Device):
             yield {"image": image}, lambda: self.slave.write_file(image)
 
 
+class BoardEeprom(Device):
+    """An I2C EEPROM at the pins of a TMC8461, by the chip's registers in process data; a page write is one order. It is
+    answered when the part acknowledges its address again and shows what was written."""
+
+    burst = 6
+    TIMEBASE, CONTROL, ADDRESS, DATA_WRITE, STATUS, DATA_READ = 0x1000, 0x1004, 0x1008, 0x100C, 0x1200, 0x1204
+    START, STOP, SEND_ADDRESS, SEND, RECEIVE, RECEIVE_LAST = 0x20, 0x10, 0x08, 0x04, 0x02, 0x01
+    ADDRESSED, ACKNOWLEDGED, ENDED = 0x34, 0x30, {0x01, 0x02, 0x34, 0x2C, 0x54, 0x4C, 0x48, 0x28, 0x30, 0x50}
+    PART, PAGE, PAGES, USED = 0xA0, 32, 4, 12
+
+    def connect(self):
+        self.slave = Slave(self.rack.address, ETHERCAT_PORT, self.position)
+        for state in (PREOP, SAFEOP, OP):  # the chip follows by itself; outputs need Operational
+            self.slave.go(state)
+        self.slave.write(self.TIMEBASE, b"\x02")
+
+    def close(self):
+        self.slave.close()
+
+    def command(self, command, register=None, value=0):
+        """The status it ends with."""
+        if register is not None:
+            self.slave.write(register, bytes([value]))
+        self.slave.write(self.CONTROL, bytes([command]))
+        end = time.monotonic() + PATIENCE
+        while (status := self.slave.read(self.STATUS, 1)[0]) not in self.ENDED and command != self.STOP:
+            if time.monotonic() > end:
+                raise Silent(f"I2C command {command:02x}h stays at status {status:02x}h")
+        return status
+
+    def address(self, place):
+        """Waits until the part is no longer busy."""
+        end = time.monotonic() + PATIENCE
+        while True:
+            self.command(self.START)
+            if self.command(self.SEND_ADDRESS, self.ADDRESS, self.PART) == self.ADDRESSED:
+                break
+            self.stop()
+            if time.monotonic() > end:
+                raise Silent("the EEPROM does not acknowledge its address")
+        for byte in place.to_bytes(2, "big"):
+            self.command(self.SEND, self.DATA_WRITE, byte)
+
+    def stop(self):
+        self.command(self.STOP)
+        end = time.monotonic() + PATIENCE
+        while self.slave.read(self.STATUS, 1)[0] != 0:
+            if time.monotonic() > end:
+                raise Silent("the I2C master does not come to its stop")
+
+    def read_page(self, page):
+        self.address(page * self.PAGE)
+        self.command(self.START)
+        self.command(self.SEND_ADDRESS, self.ADDRESS, self.PART | 1)
+        data = []
+        for at in range(self.USED):
+            self.command(self.RECEIVE if at + 1 < self.USED else self.RECEIVE_LAST)
+            data.append(self.slave.read(self.DATA_READ, 1)[0])
+        self.stop()
+        return data
+
+    def read(self, rng):
+        return {f"byte {page * self.PAGE + at:04x}h": byte for page in range(self.PAGES)
+                for at, byte in enumerate(self.read_page(page))}
+
+    def write_page(self, place, data):
+        self.address(place)
+        for byte in data:
+            self.command(self.SEND, self.DATA_WRITE, byte)
+        self.stop()
+        page, begin = divmod(place, self.PAGE)
+        if bytes(self.read_page(page)[begin:begin + len(data)]) != data:
+            raise Refused("the page shows what it held before")
+
+    def orders(self, rng):
+        while True:
+            begin = rng.randrange(self.USED)
+            data = rng.randbytes(rng.randrange(1, self.USED - begin + 1))
+            place = rng.randrange(self.PAGES) * self.PAGE + begin
+            yield ({f"byte {place + at:04x}h": byte for at, byte in enumerate(data)},
+                   lambda: self.write_page(place, data))
+
+
 class Tmcm142(Device):
     """Cells of the EEPROM and the program memory, by every command that writes them."""
 
@@ -237,9 +322,10 @@ class CanTmcm142(Tmcm142):
 class Row:
     """A rack and the devices on it that are tried at the same time, in the order of their positions."""
 
-    def __init__(self, name, rack, *devices, lockstep=True):
+    def __init__(self, name, rack, *devices, lockstep=True, files=None):
         self.name = name
         self.rack = rack
+        self.files = files or {}  # what the rack file names, by name
         self.devices = devices
         self.lockstep = lockstep  # whether its devices answer without time that passes on its own
 
@@ -254,6 +340,37 @@ TMCC160 = '[[bus.device]]\ntype = "tmcc160"\nnode_id = 5\n'
 CAN_MODULE = '[[bus.device]]\ntype = "tmcm-142"\n'
 SERIAL_MODULE = f'[[device]]\ntype = "tmcm-142"\nname = "module"\nrs485 = "tcp:{{address}}:{SERIAL_PORT}"\n'
 
+BOARD = segment("tmc8461") + """mfc = "pins.toml"
+[segment.device.board.memory]
+type = "i2c-eeprom"
+wires = {{ scl = "MFCIO14", sda = "MFCIO15" }}
+"""
+PINS = """
+[identity]
+order_code = "TMC8461-MEMORY"
+device_emulation = true
+
+[pins]
+MFCIO14 = "SCL"
+MFCIO15 = "SDA"
+
+[write]
+start = 0x1000
+
+[write.registers]
+I2C_TIMEBASE = "always"
+I2C_CONTROL = "always"
+I2C_ADDRESS = "always"
+I2C_DATA_W = "always"
+
+[read]
+start = 0x1200
+
+[read.registers]
+I2C_STATUS = "always"
+I2C_DATA_R = "always"
+"""
+
 ROWS = [
     Row("sii-tmc8461", segment("tmc8461"), Sii),
     Row("sii-tmc8670", segment("tmc8670"), Sii),
@@ -262,6 +379,7 @@ ROWS = [
     Row("parameters-tmcc160", BUS + TMCC160, Tmcc160Parameters, lockstep=False),
     Row("firmware-tmcm-3315", segment("tmcm-3315"), Firmware),
     Row("firmware-tmc8670", segment("tmc8670"), Firmware),
+    Row("board-eeprom", BOARD, BoardEeprom, files={"pins.toml": PINS}),
     Row("serial-tmcm-142", SERIAL_MODULE, SerialTmcm142),
     Row("can-tmcm-142", BUS + CAN_MODULE, CanTmcm142),
     Row("all", segment("tmc8461", "tmc8670", "tmcm-3315") + BUS + TMCC160 + SERIAL_MODULE,

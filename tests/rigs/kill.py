@@ -147,6 +147,8 @@ class Chain:
     def run(self, kills):
         path = self.directory / "rack.toml"
         path.write_text(self.row.rack.format(address=self.rack.address), encoding="ascii")
+        for name, text in self.row.files.items():
+            (self.directory / name).write_text(text, encoding="ascii")
         for number in range(kills + 1):
             recording = self.directory / "run.stator"
             recording.unlink(missing_ok=True)
