@@ -22,8 +22,7 @@ RealClock::RealClock(base::SimTime start)
       epoch_(nanoseconds_of<TimeOfDay>() - start.nanoseconds()) {}
 
 base::SimTime RealClock::now() const {
-  return base::SimTime(
-      base::SimDuration(nanoseconds_of<Monotonic>() - start_.load(std::memory_order_relaxed)));
+  return base::SimTime(base::SimDuration(nanoseconds_of<Monotonic>() - start_));
 }
 
 std::optional<CycleRecognition::Opening> LockstepClock::first_logical_datagram(

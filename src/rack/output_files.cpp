@@ -78,7 +78,7 @@ void OutputFiles::tell(File& file, base::SimTime now) {
 
 void OutputFiles::report(const File& file, base::SimTime now, const base::EventRule& rule,
                          std::string_view text) {
-  log_.on_event({now, &rule, file.description.device, {base::EventArgument(text)}});
+  log_.on_event({now, &rule, file.description.device, {base::SharedText(std::string(text))}});
 }
 
 std::vector<std::string> OutputFiles::finish(link::BackgroundOutput::Clock::time_point asked) {
