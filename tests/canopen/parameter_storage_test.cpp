@@ -25,7 +25,7 @@ constexpr std::array<StorageCommand, 6> kCommands{{
 
 struct CountingSink final : base::EventSink {
   void on_event(const base::Event& event) override { rules.push_back(event.rule->id); }
-  std::vector<std::string_view> rules;
+  std::vector<base::StaticText> rules;
 };
 
 /// What a device does: defaults, then what is stored.

@@ -181,9 +181,9 @@ TEST_F(Tmcc160Objects, OnlyAxisZeroExists) {
 }
 
 TEST_F(Tmcc160Objects, ArraysAndRecordsCarryTheDocumentsSectionTitles) {
-  EXPECT_EQ(dictionary_.find(0x1018)->name, "Identity object");
-  EXPECT_EQ(dictionary_.find(0x2030)->name, "Torque mode settings");
-  EXPECT_EQ(dictionary_.find(0x1A03)->name, "TPDO 4 mapping parameter");
+  EXPECT_EQ(dictionary_.find(0x1018)->name.str(), "Identity object");
+  EXPECT_EQ(dictionary_.find(0x2030)->name.str(), "Torque mode settings");
+  EXPECT_EQ(dictionary_.find(0x1A03)->name.str(), "TPDO 4 mapping parameter");
 }
 
 }  // namespace

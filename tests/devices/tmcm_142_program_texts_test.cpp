@@ -317,7 +317,7 @@ TEST(Tmcm142ProgramTexts, EveryNotationMeansTheInstructionsItWasWrittenFor) {
     }
   }
   for (const CommandDeclaration& each : tmcm_142_description().commands.all()) {
-    EXPECT_TRUE(commands.contains(static_cast<std::uint8_t>(each.command))) << each.name;
+    EXPECT_TRUE(commands.contains(static_cast<std::uint8_t>(each.command))) << each.name.view();
   }
 }
 
