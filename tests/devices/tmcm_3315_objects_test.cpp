@@ -67,10 +67,10 @@ TEST_F(Tmcm3315Objects, EveryRowEqualsTheDocumentInEveryColumn) {
 }
 
 TEST_F(Tmcm3315Objects, AxesAreReachedByTheDocumentsIndexOffsets) {
-  EXPECT_EQ(dictionary_.find(0x6840)->name, "Axis 1: Controlword");
-  EXPECT_EQ(dictionary_.find(0x7040)->name, "Axis 2: Controlword");
-  EXPECT_EQ(dictionary_.find(0x2200)->name, "Axis 1: Microstep resolution");
-  EXPECT_EQ(dictionary_.find(0x2400)->name, "Axis 2: Microstep resolution");
+  EXPECT_EQ(dictionary_.find(0x6840)->name.str(), "Axis 1: Controlword");
+  EXPECT_EQ(dictionary_.find(0x7040)->name.str(), "Axis 2: Controlword");
+  EXPECT_EQ(dictionary_.find(0x2200)->name.str(), "Axis 1: Microstep resolution");
+  EXPECT_EQ(dictionary_.find(0x2400)->name.str(), "Axis 2: Microstep resolution");
   EXPECT_EQ(dictionary_.find(0x7040)->axis, 2);
 }
 
@@ -82,9 +82,9 @@ TEST_F(Tmcm3315Objects, ModuleObjectsExistOnce) {
 }
 
 TEST_F(Tmcm3315Objects, ArraysAndRecordsCarryTheDocumentsSectionTitles) {
-  EXPECT_EQ(dictionary_.find(0x1018)->name, "Identity object");
-  EXPECT_EQ(dictionary_.find(0x2002)->name, "Axis 0: Brake delay times");
-  EXPECT_EQ(dictionary_.find(0x707D)->name, "Axis 2: Software position limit");
+  EXPECT_EQ(dictionary_.find(0x1018)->name.str(), "Identity object");
+  EXPECT_EQ(dictionary_.find(0x2002)->name.str(), "Axis 0: Brake delay times");
+  EXPECT_EQ(dictionary_.find(0x707D)->name.str(), "Axis 2: Software position limit");
 }
 
 TEST_F(Tmcm3315Objects, ValuesTheDocumentLeavesOpenStartAsDecided) {

@@ -204,7 +204,7 @@ TEST_F(SdoTest, TheDictionaryDescribesItself) {
     ASSERT_NE(object, nullptr) << std::hex << index;
     const auto description = master.object_description(0, index);
     ASSERT_TRUE(description) << description.error().text;
-    EXPECT_EQ(description->name, object->name);
+    EXPECT_EQ(description->name, object->name.str());
     EXPECT_EQ(description->maximum_subindex, object->max_subindex());
     EXPECT_EQ(description->object_code, static_cast<std::uint8_t>(object->code));
     for (const dictionary::Entry& entry : object->entries) {

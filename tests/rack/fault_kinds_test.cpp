@@ -138,12 +138,12 @@ TEST(FaultKindTable, HasNoTestForAKindThatIsGone) {
 
 TEST(FaultKindTable, SaysOfEveryKindAndKeyWhatItIs) {
   for (const FaultKind& kind : fault_kinds()) {
-    EXPECT_FALSE(kind.summary.empty()) << kind.name;
-    EXPECT_FALSE(kind.effect.empty()) << kind.name;
+    EXPECT_FALSE(kind.summary.empty()) << kind.name.view();
+    EXPECT_FALSE(kind.effect.empty()) << kind.name.view();
     for (const FaultParameter& parameter : kind.parameters) {
-      EXPECT_FALSE(parameter.summary.empty()) << kind.name << " " << parameter.name;
+      EXPECT_FALSE(parameter.summary.empty()) << kind.name.view() << " " << parameter.name;
       for (const FaultParameter& common : common_fault_keys()) {
-        EXPECT_NE(parameter.name, common.name) << kind.name;
+        EXPECT_NE(parameter.name, common.name) << kind.name.view();
       }
     }
   }

@@ -129,7 +129,7 @@ TEST_P(SurroundingsCoverage, EveryProductToWhichItCanHappenHasARowThatShowsSomet
     const bool possible = under.can_have(kind);
     EXPECT_EQ(under.is_shown(kind, covered()), possible)
         << "the table of the " << product.type << " in tests/rack/surroundings_*_test.cpp says "
-        << "what its master sees of \"" << kind.name << '"';
+        << "what its master sees of \"" << kind.name.view() << '"';
     anywhere = anywhere || possible;
   }
   EXPECT_TRUE(anywhere);

@@ -146,7 +146,7 @@ INSTANTIATE_TEST_SUITE_P(All, SurroundingsFaults, ::testing::ValuesIn(rows()),
 TEST(SurroundingsFaultTable, HasARowForEveryKind) {
   for (const FaultKind& kind : surroundings_fault_kinds()) {
     EXPECT_TRUE(std::ranges::any_of(rows(), [&](const Row& row) { return kind.name == row.name; }))
-        << kind.name;
+        << kind.name.view();
   }
 }
 
