@@ -88,7 +88,7 @@ class Buffer final : public can::Transmitter {
 };
 
 /// Lets some writes to 2003h be under way for a while, and some fail.
-class Disk final : public WriteCompletion {
+class Disk final : public dictionary::WriteCompletion {
  public:
   [[nodiscard]] std::optional<dictionary::Verdict> poll(const dictionary::Entry& entry,
                                                         base::SimTime) override {
