@@ -125,6 +125,7 @@ TEST_F(BoardMemoryTest, AFileOfAnotherSizeIsRefusedWithItsPath) {
 
 TEST_F(BoardMemoryTest, PartsAndDevicesWithPointsInTheirNamesHaveFilesOfTheirOwn) {
   Bench bench({spi_eeprom("b.c")});
+  Bench other({spi_eeprom("c")});
   DeviceStorage storage(directory.path());
   const board::KeptPart part = bench.board.kept_parts().at(0);
   storage.add(
@@ -132,7 +133,6 @@ TEST_F(BoardMemoryTest, PartsAndDevicesWithPointsInTheirNamesHaveFilesOfTheirOwn
   bench.spi(0x06, 8);
   bench.spi(0x02'0000'55, 32);
   static_cast<void>(storage.wait_for_completions({}));
-  Bench other({spi_eeprom("c")});
   storage.add(std::make_unique<BoardMemory>(storage, "a.b", "TMC8461-BA",
                                             other.board.kept_parts().at(0), base::EventReporter()));
   EXPECT_EQ(other.spi(0x03'0000'00, 32) & 0xFFU, 0xFFU);

@@ -124,6 +124,7 @@ TEST_F(BusThreadTest, TimeStampsAreTheMachinesTimeAndInLockstepSimulatedTime) {
     program.send("< open can0 >< rawmode >< send 602 1 11 >");
     const std::string answer = program.read_until(" 11 >");
     runner_->stop();
+    EXPECT_TRUE(rack_->outputs().finish().empty());
     const std::string mark = "< frame 582 ";
     const std::size_t at = answer.find(mark);
     ASSERT_NE(at, std::string::npos) << answer;

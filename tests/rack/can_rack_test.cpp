@@ -186,6 +186,7 @@ TEST(CanRack, LogAndCaptureHoldWhatWasOnTheWire) {
   configuration.buses[0].capture = directory.path() + "/can.pcap";
   Bench bench(configuration);
   bench.port.send(can::data_frame(0x601, {0x40}));
+  EXPECT_TRUE(bench.rack.outputs().finish().empty());
   std::ifstream file(configuration.buses[0].log);
   std::stringstream text;
   text << file.rdbuf();

@@ -117,7 +117,7 @@ TEST_F(PinTraceFile, NamesPinsAndChipsThatExist) {
   EXPECT_THAT(refusal(elsewhere), HasSubstr("there is \"io\""));
   RackConfiguration nowhere = traced({});
   nowhere.trace->file = "/nowhere/pins.vcd";
-  EXPECT_THAT(refusal(nowhere), HasSubstr("cannot write the trace /nowhere/pins.vcd"));
+  EXPECT_THAT(refusal(nowhere), HasSubstr("cannot create \"/nowhere/pins.vcd\""));
 }
 
 }  // namespace

@@ -265,8 +265,8 @@ TEST_F(RecordingTest, OtherFilesAndVersionsAreRefused) {
   };
   EXPECT_THAT(refusal("time,axis0\n"), HasSubstr("is no recording"));
   EXPECT_THAT(refusal("StatorRn"), HasSubstr("empty recording"));
-  const std::string version_2("\x01\x00\x00\x00\xA1\x8E\x0C\x3C\x02", 9);
-  EXPECT_THAT(refusal("StatorRn" + version_2), HasSubstr("version 2"));
+  const std::string version_3("\x01\x00\x00\x00\x37\xBE\x0B\x4B\x03", 9);
+  EXPECT_THAT(refusal("StatorRn" + version_3), HasSubstr("version 3"));
   EXPECT_THROW(RecordingReader("/no/such.stator"), std::runtime_error);
 }
 
