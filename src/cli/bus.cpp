@@ -42,8 +42,8 @@ master::MasterOptions master_options_of(const BusOptions& options) {
   master::MasterOptions limits;
   limits.frame_timeout = duration_option("--timeout", options.timeout);
   if (limits.frame_timeout <= base::SimDuration()) {
-    throw Failure(fmt::format("--timeout {} leaves no time for an answer; write e.g. 10ms",
-                              options.timeout));
+    throw Failure(
+        fmt::format("--timeout {} leaves no time for an answer; write e.g. 10ms", options.timeout));
   }
   // An access to an EEPROM takes several frames.
   limits.sii_timeout = std::max(limits.sii_timeout, limits.frame_timeout * 2);

@@ -10,7 +10,8 @@ TEST(PowerStateOfStatusword, IsTheStateThatMadeIt) {
     const std::uint16_t word = statusword_of(state);
     EXPECT_EQ(power_state_of(word), state) << to_text(state).view();
     // Voltage enabled, warning, remote and what follows say nothing about the state.
-    EXPECT_EQ(power_state_of(static_cast<std::uint16_t>(word | 0xFF90)), state) << to_text(state).view();
+    EXPECT_EQ(power_state_of(static_cast<std::uint16_t>(word | 0xFF90)), state)
+        << to_text(state).view();
   }
   EXPECT_EQ(power_state_of(0x0040), PowerState::switch_on_disabled);
   EXPECT_EQ(power_state_of(0x0060), PowerState::switch_on_disabled);

@@ -57,7 +57,8 @@ TEST(CommandSet, EveryDocumentedCommandHasItsNumberNameAndTypes) {
     }
   }
   for (const CommandDeclaration& declared : classic_command_set().all()) {
-    EXPECT_TRUE(seen.contains(static_cast<std::uint8_t>(declared.command))) << std::string_view(declared.name);
+    EXPECT_TRUE(seen.contains(static_cast<std::uint8_t>(declared.command)))
+        << std::string_view(declared.name);
   }
 }
 
