@@ -22,7 +22,6 @@ using tmcl::Status;
 using enum devices::tmcm_142::AxisParameter;
 
 constexpr base::SimDuration kWriteTime = devices::tmcm_142::Eeprom::kWriteTime;
-constexpr int kMagic = 64;
 constexpr int kAddress = 66;
 constexpr int kCanReplyIdentifier = 70;
 constexpr int kTelegramPause = 75;
