@@ -22,8 +22,7 @@ std::array<std::byte, kChunkHead> head_of(std::span<const std::byte> content) {
 
 }  // namespace
 
-RecordingFile::RecordingFile(const std::string& path, const RecordingHeader& header)
-    : file_(path) {
+RecordingFile::RecordingFile(const std::string& path, const RecordingHeader& header) : file_(path) {
   const Chunk content = encode(header);
   const auto head = head_of(content);
   std::FILE* const file = &file_.file();

@@ -71,8 +71,7 @@ struct ScratchFile {
 /// A rack as its seed has it, being recorded.
 struct RecordedRack {
   RecordedRack(const rack::RackConfiguration& configuration, const std::string& path)
-      : rack(configuration, log), recorder(rack, path, {.program = "test"}) {
-  }
+      : rack(configuration, log), recorder(rack, path, {.program = "test"}) {}
   rack::EventLog log;
   rack::Rack rack;
   replay::SessionRecorder recorder;
