@@ -1,11 +1,17 @@
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <iterator>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -65,6 +71,31 @@ void end_files(rack::Rack& rack, base::SimTime now, LiveSession& session,
     throw Failure(fmt::format("{}", fmt::join(missing, "\nstator: ")));
   }
 }
+
+/// Ends the program, with status 1, if this lives longer than kPatience: nobody can take back a
+/// call that waits for a disk which does not answer.
+class DiskWatch {
+ public:
+  static constexpr std::chrono::milliseconds kPatience{700};
+
+  explicit DiskWatch(std::string directory)
+      : thread_([directory = std::move(directory)](const std::stop_token& over) {
+          std::mutex mutex;
+          std::unique_lock lock(mutex);
+          std::condition_variable_any never;
+          never.wait_for(lock, over, kPatience, [] { return false; });
+          if (!over.stop_requested()) {
+            say_failure(fmt::format(
+                "{}: the disk of the state directory does not answer; what devices were ordered to "
+                "keep last may be missing there, and nobody was told that it is kept",
+                directory));
+            std::_Exit(EXIT_FAILURE);
+          }
+        }) {}
+
+ private:
+  std::jthread thread_;
+};
 
 /// Throws Failure if something is not on the disk that a device has been told to keep, or nothing
 /// is where the next start looks for it. `state`: the directory as it was at the start.
@@ -161,6 +192,7 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   }
   runner.stop();
   if (rack.storage() != nullptr) {
+    const DiskWatch watch(configuration.state);
     rack.storage()->flush(runner.now());
   }
   drain_log(asked);  // what is printed follows on it
