@@ -30,7 +30,7 @@ enum class Severity : std::uint8_t {
 /// four digits and the field's h suffix ("6040h"), `{0:d3}` thousandths with a point ("1.500").
 struct EventRule {
   StaticText id;  ///< stable name for programs, e.g. "al-sm-length"
-  Severity severity;
+  Severity severity = Severity::information;
   StaticText text;
 };
 

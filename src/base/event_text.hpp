@@ -37,7 +37,7 @@ class StaticText {
   }
 
  private:
-  std::string_view text_{""};
+  std::string_view text_{"", 0};  // points somewhere, as that of an empty literal
 };
 
 /// The same for a list of numbers: a constant array makes one.

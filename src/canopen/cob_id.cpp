@@ -75,7 +75,8 @@ std::optional<CobIdKind> cob_id_kind(std::uint16_t index, std::uint8_t subindex)
 
 Verdict check_cob_id(const Entry& entry, CobIdKind kind, std::uint64_t value,
                      const CobIdRules& limits) {
-  const auto refuse = [&](AbortCode code, const base::EventRule& rule, EventArgument more = {}) {
+  const auto refuse = [&](AbortCode code, const base::EventRule& rule,
+                          const EventArgument& more = {}) {
     return dictionary::refuse(
         code, rule, {int{entry.index()}, int{entry.subindex()}, entry.shared_name(), value, more});
   };
