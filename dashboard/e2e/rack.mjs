@@ -98,7 +98,7 @@ export class Rack {
     let master;
     let way = revolutions;
     const next = () => {
-      master = spawn(this.stator, ["move", "--link", `udp:127.0.0.1:${this.udp}`, "--revolutions", String(way)], {
+      master = spawn(this.stator, ["move", "--link", `udp:127.0.0.1:${this.udp}`, "--timeout", "1s", "--revolutions", String(way)], {
         stdio: "ignore",
       });
       way = -way;

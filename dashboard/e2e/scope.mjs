@@ -116,7 +116,7 @@ function whileTurning(test) {
     const after = async (number) => (await (await fetch(`${rack.origin}/api/v1/events?after=${number}`)).json()).events;
     for (let attempt = 1; ; ++attempt) {
       const last = (await after(0)).at(-1)?.number ?? 0;
-      const master = spawn(rack.stator, ["move", "--link", `udp:127.0.0.1:${rack.udp}`, "--revolutions", "120", "--velocity", "51200"], {
+      const master = spawn(rack.stator, ["move", "--link", `udp:127.0.0.1:${rack.udp}`, "--timeout", "1s", "--revolutions", "120", "--velocity", "51200"], {
         stdio: ["ignore", "ignore", "pipe"],
       });
       let said = "";

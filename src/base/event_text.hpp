@@ -37,7 +37,7 @@ class StaticText {
   }
 
  private:
-  std::string_view text_{"", 0};  // points somewhere, as that of an empty literal
+  std::string_view text_;
 };
 
 /// The same for a list of numbers: a constant array makes one.

@@ -118,8 +118,10 @@ void Rack::begin_trace(const TraceConfiguration& configuration, ClockKind clock)
                            "\" to trace; there is \"" + *names.begin() + "\"");
 }
 
+// Here at once, as is a bus: should a device be refused what is kept for it, the storage, which
+// goes first, still knows those before it.
 void Rack::add(const SegmentConfiguration& segment, std::vector<std::string>& names) {
-  SegmentMembers members;
+  SegmentMembers& members = segments_.emplace_back();
   members.segment = std::make_unique<ethercat::Segment>();
   members.first_device = static_cast<std::uint16_t>(names.size());
   for (const DeviceConfiguration& device : segment.devices) {
@@ -133,7 +135,7 @@ void Rack::add(const SegmentConfiguration& segment, std::vector<std::string>& na
     }
     ethercat::SlaveController& controller = members.devices.back().device->controller();
     // Of the inputs that faults hold the one that a rack file can have set beforehand.
-    held_inputs_[{{segments_.size(), members.devices.size() - 1, NetworkKind::segment},
+    held_inputs_[{{segments_.size() - 1, members.devices.size() - 1, NetworkKind::segment},
                   devices::EtherCatDevice::kClockDeviation}] =
         Held<double>(controller.configuration().clock_deviation_ppb);
     if (device.forwarding_delay) {
@@ -143,11 +145,10 @@ void Rack::add(const SegmentConfiguration& segment, std::vector<std::string>& na
   }
   connect(*members.segment, segment);
   members.segment->set_carrier(ethercat::MasterInterface::secondary, false);
-  segments_.push_back(std::move(members));
 }
 
 void Rack::add(const BusConfiguration& bus, std::vector<std::string>& names) {
-  BusMembers members;
+  BusMembers& members = buses_.emplace_back();
   members.wire = bus.wire;
   members.number = static_cast<std::uint16_t>(names.size() + bus.devices.size());
   members.network = std::make_unique<CanNetwork>(bus);
@@ -167,7 +168,6 @@ void Rack::add(const BusConfiguration& bus, std::vector<std::string>& names) {
   }
   names.push_back(bus.name);
   log_.set_device_names(names);
-  buses_.push_back(std::move(members));
 }
 
 void Rack::connect_lines(const RackConfiguration& configuration) {
