@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <mutex>
@@ -72,19 +73,20 @@ void end_files(rack::Rack& rack, base::SimTime now, LiveSession& session,
   }
 }
 
-/// Ends the program, with status 1, if this lives longer than kPatience: nobody can take back a
-/// call that waits for a disk which does not answer.
+/// Ends the program, with status 1, if this lives longer than kPatience and `waits` says that it is
+/// for the disk of the state directory: nobody can take back a call that waits for a disk.
 class DiskWatch {
  public:
   static constexpr std::chrono::milliseconds kPatience{700};
 
-  explicit DiskWatch(std::string directory)
-      : thread_([directory = std::move(directory)](const std::stop_token& over) {
+  DiskWatch(std::string directory, std::function<bool()> waits)
+      : thread_([directory = std::move(directory),
+                 waits = std::move(waits)](const std::stop_token& over) {
           std::mutex mutex;
           std::unique_lock lock(mutex);
           std::condition_variable_any never;
           never.wait_for(lock, over, kPatience, [] { return false; });
-          if (!over.stop_requested()) {
+          if (!over.stop_requested() && waits()) {
             say_failure(fmt::format(
                 "{}: the disk of the state directory does not answer; what devices were ordered to "
                 "keep last may be missing there, and nobody was told that it is kept",
@@ -96,6 +98,22 @@ class DiskWatch {
  private:
   std::jthread thread_;
 };
+
+/// Stops the threads, which in lockstep may wait for the state directory's disk, and waits for what
+/// was ordered to be kept.
+void stop(rack::Runner& runner, rack::Rack& rack, const std::string& state) {
+  rack::DeviceStorage* const storage = rack.storage();
+  if (storage == nullptr) {
+    runner.stop();
+    return;
+  }
+  {
+    const DiskWatch watch(state, [storage] { return storage->busy(); });
+    runner.stop();
+  }
+  const DiskWatch watch(state, [] { return true; });
+  storage->flush(runner.now());
+}
 
 /// Throws Failure if something is not on the disk that a device has been told to keep, or nothing
 /// is where the next start looks for it. `state`: the directory as it was at the start.
@@ -190,11 +208,7 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   if (web.server != nullptr) {
     web.server->stop();
   }
-  runner.stop();
-  if (rack.storage() != nullptr) {
-    const DiskWatch watch(configuration.state);
-    rack.storage()->flush(runner.now());
-  }
+  stop(runner, rack, configuration.state);
   drain_log(asked);  // what is printed follows on it
   print_end(configuration, rack, runner);
   end_files(rack, runner.now(), session, asked);

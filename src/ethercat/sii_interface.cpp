@@ -1,8 +1,9 @@
 #include "ethercat/sii_interface.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
-#include <utility>
+#include <span>
 
 #include "base/byte_order.hpp"
 #include "ethercat/register_addresses.hpp"
@@ -206,12 +207,15 @@ void SiiInterface::begin_write(base::SimTime now) {
   if (keeper_ == nullptr) {
     return;
   }
-  std::vector<std::byte> content = content_;
-  std::ranges::copy(write_.word, content.begin() + static_cast<std::ptrdiff_t>(write_.offset));
+  // The cell shows its word once that is kept.
+  const auto cell = std::span(content_).subspan(write_.offset).first<2>();
+  const std::array before{cell[0], cell[1]};
+  std::ranges::copy(write_.word, cell.begin());
   write_.kept.reset();
-  if (keeper_->keep_sii(content)) {
+  if (keeper_->keep_sii(content_)) {
     write_.kept = true;
   }
+  std::ranges::copy(before, cell.begin());
 }
 
 SiiInterface::Completion SiiInterface::end_write(base::SimTime now) {

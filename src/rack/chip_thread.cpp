@@ -103,12 +103,12 @@ void ChipThread::run() {
 }
 
 void ChipThread::take(const link::ChipMessage& message) {
-  const base::SimTime received = shared_.machine_now();
+  const base::SimTime received = shared_.real_clock.now();
   if (shared_.clock_kind == ClockKind::real) {
     shared_.catch_up();
   }
   session_->take(message, shared_.now());
-  const std::int64_t took = (shared_.machine_now() - received).nanoseconds();
+  const std::int64_t took = (shared_.real_clock.now() - received).nanoseconds();
   ++statistics_.requests;
   statistics_.processing_ns += took;
   statistics_.worst_processing_ns = std::max(statistics_.worst_processing_ns, took);

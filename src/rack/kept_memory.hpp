@@ -53,7 +53,7 @@ class KeptMemory {
 
   [[nodiscard]] const std::string& product() const { return identity_.product; }
   [[nodiscard]] const base::EventReporter& reporter() const { return reporter_; }
-  /// Of the file; events refer to it.
+  /// Of the file.
   [[nodiscard]] const std::string& path() const { return path_; }
 
  private:

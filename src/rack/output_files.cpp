@@ -67,9 +67,8 @@ void OutputFiles::look(base::SimTime now) {
 void OutputFiles::tell(File& file, base::SimTime now) {
   if (const auto error = file.output->error()) {
     if (!file.failed.exchange(true)) {
-      file.error = error->text;
-      report(file, now, file.output->reader_has_gone() ? kIsLeft : kFails,
-             file.output->reader_has_gone() ? file.description.name : file.error);
+      const bool left = file.output->reader_has_gone();
+      report(file, now, left ? kIsLeft : kFails, left ? file.description.name : error->text);
     }
   } else if (!file.told.exchange(true)) {
     report(file, now, file.description.ends_at_loss ? kBreaksOff : kLoses, file.description.name);
@@ -77,8 +76,8 @@ void OutputFiles::tell(File& file, base::SimTime now) {
 }
 
 void OutputFiles::report(const File& file, base::SimTime now, const base::EventRule& rule,
-                         std::string_view text) {
-  log_.on_event({now, &rule, file.description.device, {base::SharedText(std::string(text))}});
+                         const std::string& text) {
+  log_.on_event({now, &rule, file.description.device, {base::SharedText(text)}});
 }
 
 std::vector<std::string> OutputFiles::finish(link::BackgroundOutput::Clock::time_point asked) {

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <list>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -71,7 +70,6 @@ class OutputFiles {
         : output(&written), description(std::move(said)) {}
     link::BackgroundOutput* output;
     Description description;
-    std::string error;                ///< written once, before the event that refers to it
     std::atomic<bool> told{false};    ///< of the first loss
     std::atomic<bool> failed{false};  ///< and that it ends
 
@@ -82,7 +80,7 @@ class OutputFiles {
 
   void tell(File& file, base::SimTime now);
   void report(const File& file, base::SimTime now, const base::EventRule& rule,
-              std::string_view text);
+              const std::string& text);
 
   EventLog& log_;
   std::list<File> files_;

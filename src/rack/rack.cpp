@@ -10,6 +10,7 @@
 #include "rack/faults.hpp"
 #include "rack/input_names.hpp"
 #include "rack/journal.hpp"
+#include "rack/nested_calls.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/wiring.hpp"
 
@@ -24,9 +25,6 @@ constexpr base::SimDuration kLongestSettling{100'000'000};
 /// The same for a serial line: longer than 4096 bytes at 9600 bit/s.
 constexpr base::SimDuration kLongestReply{5'000'000'000};
 
-/// With a storage, in lockstep: no device that orders on its own, between frames, writes faster.
-constexpr base::SimDuration kShortestWriteTime{5'000'000};
-
 /// Longer than a write and what answers it then.
 constexpr base::SimDuration kLongestStoring{10'000'000};
 
@@ -35,19 +33,6 @@ constexpr base::EventRule kCarrierLost{
     "the {0} network interface has no carrier: the other end is unplugged or switched off"};
 constexpr base::EventRule kCarrierBack{"carrier-back", base::Severity::information,
                                        "the {0} network interface has a carrier"};
-
-/// Until its end, calls are parts of another one.
-class Inside {
- public:
-  explicit Inside(bool& inside) : inside_(inside), before_(std::exchange(inside, true)) {}
-  Inside(const Inside&) = delete;
-  Inside& operator=(const Inside&) = delete;
-  ~Inside() { inside_ = before_; }
-
- private:
-  bool& inside_;
-  bool before_;
-};
 
 }  // namespace
 
@@ -202,7 +187,7 @@ std::optional<ethercat::MasterInterface> Rack::process_frame(std::size_t segment
   if (journal == nullptr) [[likely]] {
     return pass_frame(segment, frame, arrival, entry);
   }
-  const Inside inside(inside_);
+  const NestedCalls nested(inside_);
   journal->frame_comes(segment, entry, arrival, frame);
   const auto exit = pass_frame(segment, frame, arrival, entry);
   journal->frame_leaves(exit, frame);
@@ -237,7 +222,7 @@ std::optional<ethercat::MasterInterface> Rack::process_watched(std::size_t segme
 
 void Rack::handle_bus_events(std::size_t segment, base::SimTime now) {
   if (Journal* journal = told(); journal != nullptr) [[unlikely]] {
-    const Inside inside(inside_);
+    const NestedCalls nested(inside_);
     journal->bus_events(segment, now);
     take_bus_events(segment, now);
     return;
@@ -265,7 +250,7 @@ std::optional<ethercat::Segment::Released> Rack::release_frame(std::size_t segme
     return std::nullopt;
   }
   Journal* journal = told();
-  const Inside inside(inside_);
+  const NestedCalls nested(inside_);
   if (journal != nullptr) {
     journal->release(segment, now);
   }
@@ -288,48 +273,13 @@ void Rack::advance(base::SimTime now) {
   advanced_to_ = std::max(advanced_to_, now);
 }
 
-/// A device may order something on the way: time moves by no more than the shortest write time, so
-/// that the device has its completion when it looks for it.
-void Rack::advance_with_storage(base::SimTime now) {
-  wait_for_completions();
-  while (advanced_to_ + kShortestWriteTime < now) {
-    advanced_to_ += kShortestWriteTime;
-    advance_at_once(advanced_to_);
-    wait_for_completions();
-  }
-  advance_at_once(now);
-}
-
-void Rack::wait_for_completions() {
-  if (!storage_->busy()) {
-    return;
-  }
-  for (const DeviceStorage::Completion& completion : storage_->wait_for_completions(advanced_to_)) {
-    complete(completion, advanced_to_);
-  }
-}
-
-void Rack::hand_over_completions(base::SimTime now) {
-  for (const DeviceStorage::Completion& completion : storage_->take_completions(now)) {
-    complete(completion, now);
-  }
-}
-
-bool Rack::complete(const DeviceStorage::Completion& completion, base::SimTime now) {
-  if (Journal* journal = told(); journal != nullptr) {
-    journal->completed(completion, now);
-  }
-  const Inside inside(inside_);
-  return storage_ != nullptr && storage_->complete(completion, now);
-}
-
 void Rack::advance_at_once(base::SimTime now) {
   Journal* journal = told();
   if (journal == nullptr) [[likely]] {
     advance_to(now);
     return;
   }
-  const Inside inside(inside_);
+  const NestedCalls nested(inside_);
   journal->advance(now);
   advance_to(now);
   journal->advanced(now);
@@ -435,7 +385,7 @@ void Rack::put(std::size_t line, std::span<const std::byte> bytes, base::SimTime
   if (Journal* journal = told(); journal != nullptr) {
     journal->bytes_come(line, bytes, now);
   }
-  const Inside inside(inside_);
+  const NestedCalls nested(inside_);
   lines_[line].put(bytes, now);
   if (lines_.next_deadline() <= now) {
     lines_.advance(now);  // of other lines, what a device has sent that is on several
@@ -446,7 +396,7 @@ void Rack::apply(const RackEvent& event, base::SimTime now) {
   if (Journal* journal = told(); journal != nullptr) {
     journal->event(event, now);
   }
-  const Inside inside(inside_);
+  const NestedCalls nested(inside_);
   happen(event, now);
 }
 
@@ -455,7 +405,7 @@ base::Expected<std::uint64_t, std::string> Rack::inject(const FaultConfiguration
   if (Journal* journal = told(); journal != nullptr) {
     journal->fault(fault.text, now);
   }
-  const Inside inside(inside_);
+  const NestedCalls nested(inside_);
   return faults_->inject(fault, now);
 }
 
@@ -463,7 +413,7 @@ std::size_t Rack::clear_faults(std::optional<std::uint64_t> id, base::SimTime no
   if (Journal* journal = told(); journal != nullptr) {
     journal->fault_cleared(id, now);
   }
-  const Inside inside(inside_);
+  const NestedCalls nested(inside_);
   return id ? std::size_t{faults_->clear(*id, now) ? 1U : 0U} : faults_->clear_all(now);
 }
 
@@ -472,7 +422,7 @@ void Rack::set_carrier(std::size_t segment, ethercat::MasterInterface interface,
   if (Journal* journal = told(); journal != nullptr) {
     journal->carrier(segment, interface, up, now);
   }
-  const Inside inside(inside_);
+  const NestedCalls nested(inside_);
   const bool primary = interface == ethercat::MasterInterface::primary;
   const std::size_t at = primary ? 0 : segments_[segment].devices.size() - 1;
   report(number_of({segment, at}), now, up ? kCarrierBack : kCarrierLost,

@@ -311,7 +311,7 @@ base::SimTime Runner::arrival_of(std::span<std::byte> frame) {
 }
 
 void Runner::answer(SegmentThread& segment, std::span<std::byte> frame, MasterInterface entry) {
-  const base::SimTime received = shared_.machine_now();
+  const base::SimTime received = shared_.real_clock.now();
   if (segment.capture != nullptr) {
     segment.captured_request.assign(frame.begin(), frame.end());
   }
@@ -341,7 +341,7 @@ void Runner::answer(SegmentThread& segment, std::span<std::byte> frame, MasterIn
   lock.lock();
   shared_.rack.handle_bus_events(segment.index, arrival);
   SegmentStatistics& statistics = segment.statistics;
-  const std::int64_t took = (shared_.machine_now() - received).nanoseconds();
+  const std::int64_t took = (shared_.real_clock.now() - received).nanoseconds();
   ++statistics.frames;
   statistics.processing_ns += took;
   statistics.worst_processing_ns = std::max(statistics.worst_processing_ns, took);
