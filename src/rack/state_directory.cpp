@@ -13,6 +13,7 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 
+#include "link/file_kind.hpp"
 #include "rack/directory_place.hpp"
 
 namespace stator::rack {
@@ -43,26 +44,8 @@ void write_all(int file, std::span<const std::byte> bytes, off_t place) {
   }
 }
 
-/// What a name stands for that is no regular file; empty if it is one.
-std::string strange_kind(const struct stat& file) {
-  switch (file.st_mode & S_IFMT) {
-    case S_IFREG:
-      return {};
-    case S_IFDIR:
-      return "a directory";
-    case S_IFLNK:
-      return "a symbolic link";
-    case S_IFIFO:
-      return "a FIFO";
-    case S_IFSOCK:
-      return "a socket";
-    default:
-      return "a device";
-  }
-}
-
 void require_regular(const std::string& path, const struct stat& file, const char* remedy) {
-  if (const std::string kind = strange_kind(file); !kind.empty()) {
+  if (const std::string_view kind = link::strange_kind(file.st_mode); !kind.empty()) {
     throw std::runtime_error(
         fmt::format("{}: it is {}, where a regular file is expected; {}", path, kind, remedy));
   }
@@ -197,7 +180,7 @@ std::optional<std::vector<std::byte>> StateDirectory::read(const std::string& na
 std::optional<StateDirectory::FileStamp> StateDirectory::stamp(const std::string& name) const {
   struct stat found {};
   if (::fstatat(directory_.get(), name.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0 ||
-      !strange_kind(found).empty() || found.st_nlink != 1) {
+      !link::strange_kind(found.st_mode).empty() || found.st_nlink != 1) {
     return std::nullopt;
   }
   return stamp_of(found);

@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "link/file_kind.hpp"
 #include "rack/output_file.hpp"
 
 namespace stator::replay {
@@ -27,23 +28,9 @@ constexpr ::mode_t kMode = 0666;
                                        std::generic_category().message(error)));
 }
 
-/// What something is that is no file of a disk.
-std::string_view kind_of(::mode_t mode) {
-  switch (mode & S_IFMT) {
-    case S_IFDIR:
-      return "a directory";
-    case S_IFIFO:
-      return "a FIFO";
-    case S_IFSOCK:
-      return "a socket";
-    default:
-      return "a device";
-  }
-}
-
 [[noreturn]] void refuse(std::string_view what, const std::string& path, ::mode_t mode) {
-  throw std::runtime_error(
-      fmt::format("cannot {} recording \"{}\": it is {}; name a file", what, path, kind_of(mode)));
+  throw std::runtime_error(fmt::format("cannot {} recording \"{}\": it is {}; name a file", what,
+                                       path, link::strange_kind(mode)));
 }
 
 }  // namespace
