@@ -1,9 +1,11 @@
 #include "cli/recorded_run.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "cli/failure.hpp"
 #include "rack/text.hpp"
 
 namespace stator::cli {
@@ -25,13 +27,21 @@ void forget_files(rack::RackConfiguration& configuration) {
   }
 }
 
+rack::RackConfiguration configuration_in(const std::string& path, const RunOptions& options) {
+  try {
+    return configuration_of(options);
+  } catch (const std::runtime_error& error) {
+    throw Failure(fmt::format("{}: its rack cannot be built: {}", path, error.what()));
+  }
+}
+
 }  // namespace
 
 RecordedRack::RecordedRack(const std::string& path, const std::filesystem::path& state)
     : reader_(path),
       options_(options_of(reader_.header(), folder_.path(),
                           state.empty() ? folder_.path() / "kept" : state)),
-      configuration_(configuration_of(options_)) {
+      configuration_(configuration_in(path, options_)) {
   forget_files(configuration_);
 }
 

@@ -1,5 +1,7 @@
 #include <chrono>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -46,7 +48,13 @@ void run_replay(const ReplayOptions& options) {
                                        .signals = options.signals};
   }
   rack::EventLog log;
-  rack::Rack rack(recorded.configuration(), log);
+  std::optional<rack::Rack> built;
+  try {
+    built.emplace(recorded.configuration(), log);
+  } catch (const std::runtime_error& error) {
+    throw Failure(fmt::format("{}: its rack cannot be built: {}", options.recording, error.what()));
+  }
+  rack::Rack& rack = *built;
   replay::Player player(recorded.reader(), rack, recorded.configuration());
   const auto began = std::chrono::steady_clock::now();
   if (const auto difference = player.play(until)) {

@@ -1,5 +1,7 @@
 // A TMCM-142 that is connected to a memory answers what it has written when that is kept.
 
+#include "tmcm_142_busy.hpp"
+
 #include <algorithm>
 #include <optional>
 #include <string>
@@ -8,9 +10,6 @@
 #include <gtest/gtest.h>
 
 #include "can/frame.hpp"
-#include "devices/tmcm_142/eeprom.hpp"
-#include "tmcm_142_memory.hpp"
-#include "tmcm_142_module.hpp"
 
 namespace stator::tests {
 namespace {
@@ -28,89 +27,6 @@ constexpr int kTelegramPause = 75;
 constexpr int kProtection = 81;
 constexpr int kCoordinateStorage = 84;
 constexpr int kVariables = 2;  // a bank
-
-std::uint8_t number(Command command) {
-  return static_cast<std::uint8_t>(command);
-}
-
-struct Tmcm142Busy : testing::Test {
-  Tmcm142Busy() {
-    module.device->connect_memory(memory);
-    EXPECT_TRUE(module.device->connect_serial("usb", &usb));
-    EXPECT_TRUE(module.device->connect_serial("rs232", &rs232));
-  }
-
-  void send(SerialCable& cable, const tmcl::Request& request) {
-    cable.write(tmcl::encode(request));
-    module.device->handle_serial(module.now);
-  }
-  void send(Command command, int type, int motor, std::int32_t value = 0) {
-    send(usb, request(command, type, motor, value));
-  }
-  static tmcl::Request request(Command command, int type, int motor, std::int32_t value = 0) {
-    return {.command = number(command),
-            .type = static_cast<std::uint8_t>(type),
-            .motor = static_cast<std::uint8_t>(motor),
-            .value = value};
-  }
-  static std::vector<Reply> replies(SerialCable& cable) {
-    const std::vector<std::byte> bytes = cable.read();
-    std::vector<Reply> all;
-    for (std::size_t i = 0; i + tmcl::kTelegramLength <= bytes.size(); i += 9) {
-      tmcl::Telegram telegram{};
-      std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(i), telegram.size(),
-                  telegram.begin());
-      all.push_back(tmcl::decode_reply(telegram));
-    }
-    return all;
-  }
-  std::optional<Reply> reply() {
-    const std::vector<Reply> all = replies(usb);
-    EXPECT_LE(all.size(), 1U);
-    return all.empty() ? std::nullopt : std::optional(all.back());
-  }
-  std::optional<can::Frame> sent() {
-    const can::Frame* pending = module.device->controller().pending();
-    if (pending == nullptr) {
-      return std::nullopt;
-    }
-    const can::Frame frame = *pending;
-    module.device->controller().transmitted(frame);
-    return frame;
-  }
-  void send_frame(std::initializer_list<unsigned> data) {
-    module.device->controller().deliver(can::data_frame(1, data));
-    module.device->handle_bus_events(module.now);
-  }
-  /// The disk is ready 1 ms later, which is before the EEPROM is; then that is.
-  void write(bool kept = true) {
-    module.run(1_ms);
-    memory.finish(kept);
-    module.run(kWriteTime - 1_ms);
-  }
-  /// A command that writes, and its status.
-  std::optional<Status> written(Command command, int type, int motor, std::int32_t value = 0,
-                                bool kept = true) {
-    send(command, type, motor, value);
-    EXPECT_FALSE(reply()) << "before it is kept";
-    write(kept);
-    const std::optional<Reply> last = reply();
-    return last ? std::optional(last->status) : std::nullopt;
-  }
-  /// What another module finds in the same memory.
-  std::int32_t kept_global(int parameter, int bank = 0) const {
-    ModuleMemory copy;
-    copy.images = memory.images;
-    Tmcm142Module other;
-    other.device->connect_memory(copy);
-    return other.ggp(parameter, bank);
-  }
-
-  ModuleMemory memory{ModuleMemory::Answer::later};
-  Tmcm142Module module;
-  SerialCable usb;
-  SerialCable rs232;
-};
 
 TEST_F(Tmcm142Busy, AReplyComesWhenTheEepromIsWrittenAndTheMemoryIsReady) {
   module.run(123_us);
@@ -336,114 +252,6 @@ TEST_F(Tmcm142Busy, TheTelegramPauseComesAfterTheWrite) {
   EXPECT_TRUE(replies(rs232).empty());
   module.run(3_ms);
   EXPECT_EQ(replies(rs232).size(), 1U);
-}
-
-TEST_F(Tmcm142Busy, AProgramWaitsForTheInstructionThatWrites) {
-  // Output 1 on, AGP 3 of the variables' bank is no write, the telegram pause is; output 2 on.
-  module.device->tmcl().load_program(std::vector<tmcl::Instruction>{
-      {.command = number(Command::set_output), .type = 1, .motor = 2, .value = 1},
-      {.command = number(Command::accumulator_to_global_parameter), .type = 3, .motor = 2},
-      {.command = number(Command::set_global_parameter), .type = 75, .motor = 0, .value = 2},
-      {.command = number(Command::set_output), .type = 2, .motor = 2, .value = 1},
-      {.command = number(Command::stop)}});
-  module.run(1_ms);
-  write();
-  module.device->tmcl().start_program(module.now);
-  module.run(300_us);
-  EXPECT_EQ(module.signal("output1"), 1.0);
-  EXPECT_EQ(module.signal("program_counter"), 2.0) << "of the instruction that is executed";
-  memory.finish(true);
-  module.run(kWriteTime - 1_ns);
-  EXPECT_EQ(module.signal("output2"), 0.0);
-  EXPECT_EQ(module.signal("program_counter"), 2.0);
-  module.run(1_ns);
-  EXPECT_EQ(module.signal("output2"), 1.0) << "the next pass is at that moment";
-  EXPECT_EQ(kept_global(kTelegramPause), 2);
-  module.run(1_ms);
-  EXPECT_EQ(module.signal("program_status"), 0.0);
-}
-
-TEST_F(Tmcm142Busy, AProgramIsPassedOverWhatCannotBeKept) {
-  module.device->tmcl().load_program(std::vector<tmcl::Instruction>{
-      {.command = number(Command::set_global_parameter), .type = 75, .motor = 0, .value = 2},
-      {.command = number(Command::set_output), .type = 2, .motor = 2, .value = 1},
-      {.command = number(Command::jump_always), .value = 0}});
-  module.run(1_ms);
-  write();
-  module.device->tmcl().start_program(module.now);
-  memory.answer = ModuleMemory::Answer::failed;
-  module.run(20_ms);
-  EXPECT_EQ(module.signal("output2"), 1.0);
-  EXPECT_EQ(module.ggp(kTelegramPause), 0);
-  EXPECT_EQ(module.events.count("at address 0 refused with status 5"), 1) << "not in every pass";
-  EXPECT_GT(memory.orders, 10);
-}
-
-TEST_F(Tmcm142Busy, AHostsWriteHoldsTheProgramAndTheMotionGoesOn) {
-  module.device->tmcl().load_program(std::vector<tmcl::Instruction>{
-      {.command = number(Command::set_output), .type = 1, .motor = 2, .value = 1},
-      {.command = number(Command::set_output), .type = 1, .motor = 2, .value = 0},
-      {.command = number(Command::jump_always), .value = 0}});
-  module.run(1_ms);
-  write();
-  module.device->tmcl().start_program(module.now);
-  send(Command::rotate_right, 0, 0, 500'000);
-  EXPECT_TRUE(reply());
-  module.run(50_ms);
-  const double counter = module.signal("program_counter");
-  send(Command::store_axis_parameter, 4, 0);
-  const double position = module.signal("axis0.shaft_position");
-  module.run(kWriteTime - 1_us);
-  EXPECT_EQ(module.signal("program_counter"), counter);
-  EXPECT_GT(module.signal("axis0.shaft_position"), position);
-  memory.finish(true);
-  module.run(200_us);
-  EXPECT_TRUE(reply());
-  EXPECT_NE(module.signal("program_counter"), counter);
-}
-
-TEST_F(Tmcm142Busy, AHostHasItsTurnBesideAProgramThatWritesInEveryPass) {
-  memory.answer = ModuleMemory::Answer::later;
-  module.device->tmcl().load_program(std::vector<tmcl::Instruction>{
-      {.command = number(Command::set_global_parameter), .type = 75, .motor = 0, .value = 0},
-      {.command = number(Command::set_global_parameter), .type = 75, .motor = 0, .value = 0},
-      {.command = number(Command::jump_always), .value = 0}});
-  module.run(1_ms);
-  write();
-  module.device->tmcl().start_program(module.now);
-  module.run(150_us);
-  send(Command::get_axis_parameter, 6, 0);
-  EXPECT_FALSE(reply());
-  EXPECT_NE(module.device->next_serial_reply(), base::SimTime::never());
-  memory.finish(true);
-  module.run(kWriteTime);
-  EXPECT_TRUE(reply());
-}
-
-TEST_F(Tmcm142Busy, AProgramThatWritesInEveryPassWritesNoMoreOftenThanTheEepromCan) {
-  module.device->tmcl().load_program(std::vector<tmcl::Instruction>{
-      {.command = number(Command::set_global_parameter), .type = 75, .motor = 0, .value = 0},
-      {.command = number(Command::jump_always), .value = 0}});
-  module.run(1_ms);
-  write();
-  const int before = memory.orders;
-  module.device->tmcl().start_program(module.now);
-  for (int i = 0; i < 10'000; ++i) {
-    module.run(100_us);
-    memory.finish(true);
-  }
-  EXPECT_GT(memory.orders - before, 150);
-  EXPECT_LE(memory.orders - before, 200);
-}
-
-TEST_F(Tmcm142Busy, AStepIsAnsweredWhenItsInstructionIsKept) {
-  module.device->tmcl().load_program(std::vector<tmcl::Instruction>{
-      {.command = number(Command::set_global_parameter), .type = 75, .motor = 0, .value = 2}});
-  module.run(1_ms);
-  write();
-  EXPECT_EQ(written(Command::step_application, 0, 0), Status::success);
-  EXPECT_EQ(module.signal("program_counter"), 1.0);
-  EXPECT_EQ(kept_global(kTelegramPause), 2);
 }
 
 TEST_F(Tmcm142Busy, FactorySettingsThatCannotBeKeptAreTriedAgain) {
