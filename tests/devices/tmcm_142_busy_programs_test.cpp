@@ -19,7 +19,6 @@ using enum devices::tmcm_142::AxisParameter;
 
 constexpr base::SimDuration kWriteTime = devices::tmcm_142::Eeprom::kWriteTime;
 constexpr int kTelegramPause = 75;
-constexpr int kVariables = 2;  // a bank
 
 TEST_F(Tmcm142Busy, AProgramWaitsForTheInstructionThatWrites) {
   // Output 1 on, AGP 3 of the variables' bank is no write, the telegram pause is; output 2 on.
