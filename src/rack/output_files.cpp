@@ -46,8 +46,10 @@ void OutputFiles::lose_rather_than_wait() {
   }
 }
 
+// What gets lost from now on is told in the end only: nobody was too slow for it.
 void OutputFiles::stop_waiting() {
-  for (const File& file : files_) {
+  for (File& file : files_) {
+    file.told = true;
     file.output->stop_waiting();
   }
 }
