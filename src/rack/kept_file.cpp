@@ -12,6 +12,7 @@
 
 #include "base/byte_order.hpp"
 #include "base/crc32.hpp"
+#include "rack/kept_file_reading.hpp"
 
 namespace stator::rack {
 
@@ -62,9 +63,11 @@ std::array<std::byte, kRecordHeader> begin_record(const LogEnd& end) {
   return header;
 }
 
-[[noreturn]] void refuse_record(const LogEnd& end, std::string_view reason) {
-  throw std::runtime_error(fmt::format("it is damaged: change {} of its content, at byte {}, {}",
-                                       end.changes + 1, end.length, reason));
+using Damage = base::Unexpected<std::string>;
+
+Damage damaged_record(const LogEnd& end, std::string_view reason) {
+  return {fmt::format("it is damaged: change {} of its content, at byte {}, {}", end.changes + 1,
+                      end.length, reason)};
 }
 
 /// `bytes` without zeros at their end.
@@ -76,12 +79,13 @@ Bytes without_end_of_zeros(Bytes bytes) {
 
 /// Makes the change that `log` begins with and returns its length. 0: the file ended while it was
 /// written; then its end is missing, or was never filled and is zeros.
-std::size_t apply_record(Bytes log, std::vector<std::byte>& content, LogEnd& end) {
+base::Expected<std::size_t, std::string> apply_record(Bytes log, std::vector<std::byte>& content,
+                                                      LogEnd& end) {
   const Bytes filled = without_end_of_zeros(log);
   const auto foretold = begin_record(end);
   const std::size_t comparable = std::min(filled.size(), kForetold);
   if (!std::ranges::equal(filled.first(comparable), Bytes(foretold).first(comparable))) {
-    refuse_record(end, "is no record that goes on from what is before it");
+    return damaged_record(end, "is no record that goes on from what is before it");
   }
   if (filled.size() < kRecordHeader) {
     return 0;
@@ -90,7 +94,7 @@ std::size_t apply_record(Bytes log, std::vector<std::byte>& content, LogEnd& end
     return base::load_le<std::uint32_t>(log.data() + place);
   };
   if (base::crc32(log.first(kCheck)) != field(kCheck)) {
-    refuse_record(end, "has a header that does not agree with its checksum");
+    return damaged_record(end, "has a header that does not agree with its checksum");
   }
   const std::size_t size = field(kSize);
   const std::size_t offset = field(kOffset);
@@ -98,8 +102,8 @@ std::size_t apply_record(Bytes log, std::vector<std::byte>& content, LogEnd& end
   const bool grows = size > content.size();
   if (size > kLargestContent || offset + count > size ||
       (grows && (offset > content.size() || offset + count != size))) {
-    refuse_record(end, fmt::format("puts {} bytes at {} of {}, which had {}", count, offset, size,
-                                   content.size()));
+    return damaged_record(end, fmt::format("puts {} bytes at {} of {}, which had {}", count, offset,
+                                           size, content.size()));
   }
   const std::size_t length = kRecordHeader + count + 1;
   if (filled.size() < length) {
@@ -107,7 +111,7 @@ std::size_t apply_record(Bytes log, std::vector<std::byte>& content, LogEnd& end
   }
   const Bytes data = log.subspan(kRecordHeader, count);
   if (base::crc32(data) != field(kDataCheck) || log[length - 1] != kRecordEnd) {
-    refuse_record(end, "does not agree with its checksum");
+    return damaged_record(end, "does not agree with its checksum");
   }
   content.resize(size);
   std::ranges::copy(data, content.begin() + static_cast<std::ptrdiff_t>(offset));
@@ -142,18 +146,18 @@ std::vector<std::byte> encode(std::string_view kind, std::string_view product,
   return file;
 }
 
-KeptFile decode(std::span<const std::byte> file, LogEnd& end) {
+base::Expected<KeptFile, std::string> read_kept_file(std::span<const std::byte> file, LogEnd& end) {
   const std::string_view text(reinterpret_cast<const char*>(file.data()),
                               std::min(file.size(), kLongestHeader));
   const std::size_t line_end = text.find('\n');
   if (!text.starts_with(kMagic) || line_end == std::string_view::npos) {
-    throw std::runtime_error(
-        "it is no file that Stator has kept: its first line does not begin with \"stator 1\"");
+    return Damage{
+        "it is no file that Stator has kept: its first line does not begin with \"stator 1\""};
   }
   std::string_view line = text.substr(kMagic.size(), line_end - kMagic.size());
   // What is printed of a file is text of one line, whatever is in it.
   if (!std::ranges::all_of(line, [](char c) { return c >= ' ' && c <= '~'; })) {
-    throw std::runtime_error("it is damaged: its first line has bytes that are no text");
+    return Damage{"it is damaged: its first line has bytes that are no text"};
   }
   KeptFile kept;
   kept.kind = next_word(line);
@@ -162,25 +166,39 @@ KeptFile decode(std::span<const std::byte> file, LogEnd& end) {
   kept.product = line;
   const auto rest = file.subspan(line_end + 1);
   if (!length || !checksum) {
-    throw std::runtime_error("it is damaged: length or checksum in its first line is no number");
+    return Damage{"it is damaged: length or checksum in its first line is no number"};
   }
   if (rest.size() < *length) {
-    throw std::runtime_error(fmt::format(
-        "it is damaged: its first line promises {} bytes, {} follow", *length, rest.size()));
+    return Damage{fmt::format("it is damaged: its first line promises {} bytes, {} follow", *length,
+                              rest.size())};
   }
   const auto content = rest.first(*length);
   if (const std::uint32_t found = base::crc32(content); found != *checksum) {
-    throw std::runtime_error(
+    return Damage{
         fmt::format("it is damaged: its first line promises CRC-32 {:08X}, its content has {:08X}",
-                    *checksum, found));
+                    *checksum, found)};
   }
   kept.content.assign(content.begin(), content.end());
   const std::size_t base = line_end + 1 + *length;
   end = {0, base, 0, base::crc32(file.first(base))};
-  while (end.length < file.size() &&
-         apply_record(file.subspan(end.length), kept.content, end) != 0) {
+  while (end.length < file.size()) {
+    const auto applied = apply_record(file.subspan(end.length), kept.content, end);
+    if (!applied) {
+      return Damage{applied.error()};
+    }
+    if (*applied == 0) {
+      break;
+    }
   }
   return kept;
+}
+
+KeptFile decode(std::span<const std::byte> file, LogEnd& end) {
+  auto kept = read_kept_file(file, end);
+  if (!kept) {
+    throw std::runtime_error(kept.error());
+  }
+  return *std::move(kept);
 }
 
 KeptFile decode(std::span<const std::byte> file) {
