@@ -13,6 +13,7 @@
 #include "devices/input.hpp"
 #include "devices/signal.hpp"
 #include "dictionary/dictionary.hpp"
+#include "dictionary/write_completion.hpp"
 #include "tmcl/serial_port.hpp"
 
 namespace stator::tmcl {
@@ -36,6 +37,10 @@ class Device {
   /// Its firmware acts on objects that were written otherwise than over its network, as it does on
   /// those an SDO wrote.
   virtual void objects_written(base::SimTime now) { handle_bus_events(now); }
+
+  /// Who knows when a write of its objects is complete, as SDO servers ask; null: every write is at
+  /// once.
+  [[nodiscard]] virtual dictionary::WriteCompletion* write_completion() { return nullptr; }
 
   /// Brings firmware and plant to `now` in the device's own control periods. Time never goes back;
   /// a `now` before the last one is ignored.

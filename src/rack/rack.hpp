@@ -183,6 +183,10 @@ class Rack {
   [[nodiscard]] dictionary::Verdict write_object(DeviceAddress device, dictionary::Entry& entry,
                                                  std::span<const std::byte> value,
                                                  base::SimTime now);
+  /// What an SDO that wrote `entry` would be answered at `now`; nothing: what the write began, such
+  /// as storing parameters, is still under way. Only looks, and may be asked again and again.
+  [[nodiscard]] std::optional<dictionary::Verdict> completion_of_write(
+      DeviceAddress device, const dictionary::Entry& entry, base::SimTime now);
 
   /// Samples the tap's signals from `now` on, until it is removed.
   void add(SignalTap& tap, base::SimTime now);

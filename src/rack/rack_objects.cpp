@@ -101,11 +101,22 @@ dictionary::Verdict Rack::write_object(DeviceAddress address, dictionary::Entry&
   report(number_of(address), now, text ? kTextSet : kObjectSet,
          {entry.index(), std::size_t{entry.subindex()}, entry.shared_name(),
           text ? base::EventArgument() : base::EventArgument(entry.signed_value())});
+  // The first question belongs to the write: from it on what is ordered takes its time.
+  if (dictionary::WriteCompletion* completion = written.write_completion()) {
+    static_cast<void>(completion->poll(entry, now));
+  }
   written.objects_written(now);
   if (address.kind == NetworkKind::bus) {
     bus(address.network).touched(address.device);
   }
   return verdict;
+}
+
+std::optional<dictionary::Verdict> Rack::completion_of_write(DeviceAddress address,
+                                                             const dictionary::Entry& entry,
+                                                             base::SimTime now) {
+  dictionary::WriteCompletion* completion = device(address).write_completion();
+  return completion == nullptr ? dictionary::Verdict() : completion->poll(entry, now);
 }
 
 void Rack::add(SignalTap& tap, base::SimTime now) {

@@ -101,6 +101,7 @@ class ReadEntriesJob final : public Job {
   bool powered_ = true;
 };
 
+/// Answered when an SDO would be: what 1010h stores is kept by then.
 class WriteEntryJob final : public Job {
  public:
   WriteEntryJob(const DeviceRecord& device, Entry& entry, std::vector<std::byte> value)
@@ -109,13 +110,22 @@ class WriteEntryJob final : public Job {
   bool run(rack::Rack& rack, base::SimTime now) override {
     time_ = now;
     powered_ = rack.powered(device_.address);
-    if (powered_) {
+    if (!powered_) {
+      return true;
+    }
+    if (!written_) {
+      written_ = true;
       const auto verdict = rack.write_object(device_.address, entry_, value_, now);
       if (!verdict) {
         refusal_ = verdict.error();
+        return true;
       }
     }
-    return true;
+    const auto completion = rack.completion_of_write(device_.address, entry_, now);
+    if (completion && !*completion) {
+      refusal_ = completion->error();
+    }
+    return completion.has_value();
   }
   Response response() override {
     if (!powered_) {
@@ -130,6 +140,7 @@ class WriteEntryJob final : public Job {
   std::vector<std::byte> value_;
   base::SimTime time_;
   bool powered_ = true;
+  bool written_ = false;
   std::optional<dictionary::Refusal> refusal_;
 };
 

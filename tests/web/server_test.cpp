@@ -1,11 +1,13 @@
 #include "web/server.hpp"
 
+#include <filesystem>
 #include <span>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/byte_order.hpp"
+#include "base/temporary_directory.hpp"
 #include "web/routes.hpp"
 #include "web/served_rack.hpp"
 
@@ -123,6 +125,25 @@ TEST(WebServer, WritesObjectsAndTellsTheAbortCodesText) {
   const Answer read_only = rack.put("/api/v1/devices/drive/objects/6041/00", R"({"value": 1})");
   EXPECT_EQ(read_only.status, 403);
   EXPECT_EQ(read_only.json()["abort_code"], "0x06010002");
+}
+
+TEST(WebServer, AnswersAnOrderToStoreOnceItIsKept) {
+  const tests::TemporaryDirectory folder;
+  rack::RackConfiguration configuration = rack::single_device_rack("tmc8670");
+  configuration.segments[0].link = {link::LinkKind::udp, "127.0.0.1", free_udp_port()};
+  configuration.segments[0].devices[0].name = "servo";
+  configuration.state = folder.path() + "/state";
+  ServedRack rack(configuration);
+  const std::string store = "/api/v1/devices/servo/objects/1010/01";
+  const std::string save = R"({"value": 1702257011})";
+  ASSERT_EQ(rack.put(store, save).status, 200);
+  EXPECT_TRUE(std::filesystem::exists(configuration.state + "/servo.parameters"));
+
+  std::filesystem::remove_all(configuration.state);
+  const Answer refused = rack.put(store, save);
+  EXPECT_GE(refused.status, 400);
+  EXPECT_EQ(refused.json()["abort_code"], "0x06060000");
+  EXPECT_THAT(refused.json()["detail"].get<std::string>(), HasSubstr("could not be written"));
 }
 
 TEST(WebServer, WritesObjectsOfACanDevice) {

@@ -51,6 +51,7 @@ class Tmc8670 final : public EtherCatDevice, private ethercat::SlaveApplication 
   [[nodiscard]] FirmwareMemory* firmware() override { return &firmware_; }
   void connect_memory(canopen::NonVolatileMemory& memory) override;
   [[nodiscard]] bool stores_parameters() const override { return true; }
+  [[nodiscard]] dictionary::WriteCompletion* write_completion() override { return &storage_; }
   [[nodiscard]] std::span<const std::string_view> serial_interfaces() const override {
     return kSerialInterfaces;
   }

@@ -82,6 +82,7 @@ class Tmcc160 final : public CanDevice {
   [[nodiscard]] const dictionary::Dictionary* object_dictionary() const override {
     return &dictionary_;
   }
+  [[nodiscard]] dictionary::WriteCompletion* write_completion() override { return &storage_; }
   /// The document describes no LEDs: RUN and ERR as CiA 303-3 has them.
   [[nodiscard]] Indicators indicators() override;
   [[nodiscard]] NetworkStatus network_status() override;
