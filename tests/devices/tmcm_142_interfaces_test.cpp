@@ -130,6 +130,45 @@ TEST_F(Tmcm142Interfaces, TheReachedTargetIsToldWithinAControlPeriod) {
   EXPECT_EQ(all[0].status, Status::target_reached);
 }
 
+// A program may reach a target between two control periods, by moving it to where the axis stands.
+TEST(Tmcm142ReachedTarget, IsToldAtTheSameMomentHoweverOftenTheModuleIsLookedAt) {
+  const auto instruction = [](Command command, int type, std::int32_t value) {
+    return tmcl::Instruction{.command = static_cast<std::uint8_t>(command),
+                             .type = static_cast<std::uint8_t>(type),
+                             .motor = 0,
+                             .value = value};
+  };
+  const auto told_after = [&](base::SimDuration look) {
+    Tmcm142Configuration configuration;
+    configuration.program = {
+        instruction(Command::set_axis_parameter, static_cast<int>(max_positioning_speed), 0),
+        instruction(Command::set_axis_parameter, static_cast<int>(target_position), 1'000),
+        instruction(Command::wait, 0, 5),
+        instruction(Command::set_axis_parameter, static_cast<int>(target_position), 0),
+        instruction(Command::stop, 0, 0)};
+    Tmcm142Module module(configuration);
+    SerialCable cable;
+    EXPECT_TRUE(module.device->connect_serial("usb", &cable));
+    EXPECT_EQ(module.execute(Command::run_application, 1, 0).status, Status::success);
+    module.run(10_ms);
+    cable.write(tmcl::encode(tmcl::Request{.command = kPositionReachedEvent, .value = 1}));
+    module.device->handle_serial(module.now);
+    EXPECT_EQ(cable.read().size(), tmcl::kTelegramLength) << "told before the target is there";
+    while (module.now < base::SimTime() + 1_s) {
+      module.run(look);
+      if (!cable.read().empty()) {
+        break;
+      }
+    }
+    return module.now;
+  };
+  const base::SimTime moment = told_after(Tmcm142::kControlPeriod);
+  EXPECT_LT(moment, base::SimTime() + 100_ms);
+  EXPECT_EQ(told_after(7_us).nanoseconds() / Tmcm142::kControlPeriod.nanoseconds(),
+            moment.nanoseconds() / Tmcm142::kControlPeriod.nanoseconds());
+  EXPECT_LT(told_after(7_us) - moment, 7_us);
+}
+
 TEST_F(Tmcm142Interfaces, CanTelegramsAreAnsweredUnderTheirIdentifier) {
   const auto reply = exchange(1, {6, 6, 0, 0, 0, 0, 0});
   ASSERT_TRUE(reply);

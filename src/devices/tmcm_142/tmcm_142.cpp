@@ -276,11 +276,23 @@ void Tmcm142::tick(SimTime now) {
   }
   set_filter();
   serve_due(now);
+  tell_of_targets(now);
 }
 
+/// What an interface holds back until a moment.
 void Tmcm142::serve_due(SimTime now) {
   for (tmcl::SerialSession& session : sessions_) {
-    if (session.awaits_target() || session.next_deadline() <= now) {
+    if (session.next_deadline() <= now) {
+      session.serve(now);
+    }
+  }
+}
+
+/// In control periods only: between two of them a program may move the target to where the axis is,
+/// and when a host hears of it must not depend on when the device is looked at.
+void Tmcm142::tell_of_targets(SimTime now) {
+  for (tmcl::SerialSession& session : sessions_) {
+    if (session.awaits_target()) {
       session.serve(now);
     }
   }

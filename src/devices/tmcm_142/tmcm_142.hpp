@@ -104,6 +104,7 @@ class Tmcm142 final : public CanDevice {
   void power_on(base::SimTime now);
   void tick(base::SimTime now);
   void serve_due(base::SimTime now);
+  void tell_of_targets(base::SimTime now);
   [[nodiscard]] base::SimTime next_step() const {
     return std::min(next_tick_, eeprom_.next_poll());
   }
