@@ -1,7 +1,9 @@
 #include "cli/bus.hpp"
 
 #include <algorithm>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -65,6 +67,7 @@ Bus::Bus(const BusOptions& options) {
       throw Failure(writer.error().text);
     }
     capture_ = std::move(*writer);
+    captured_ = &capture_->output();
   }
   if (!options.link.empty()) {
     open_interface(options);
@@ -116,6 +119,23 @@ void Bus::build_rack(const BusOptions& options) {
   rack_ = std::make_unique<rack::Rack>(configuration, *log_);
   port_ = std::make_unique<rack::LocalPort>(*rack_, 0, configuration.cycle, configuration.step,
                                             std::move(capture_));
+}
+
+void Bus::end_files() {
+  std::vector<std::string> missing;
+  if (rack_ != nullptr) {
+    missing = rack_->outputs().finish();
+  }
+  if (captured_ != nullptr) {
+    captured_->finish();
+    if (!captured_->complete()) {
+      missing.push_back(fmt::format("capture {} is not complete: {}", captured_->name(),
+                                    captured_->what_is_missing("frames")));
+    }
+  }
+  if (!missing.empty()) {
+    throw Failure(fmt::format("{}", fmt::join(missing, "\nstator: ")));
+  }
 }
 
 base::SimTime Bus::time() {

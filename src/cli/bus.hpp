@@ -51,6 +51,8 @@ class Bus {
   [[nodiscard]] master::FramePort& port() { return *port_; }
   /// The rack behind the port, or null when the slaves are somewhere else.
   [[nodiscard]] rack::Rack* rack() { return rack_.get(); }
+  /// Closes the files that are written. Throws Failure with what is missing in which.
+  void end_files();
 
  private:
   void open_interface(const BusOptions& options);
@@ -60,7 +62,8 @@ class Bus {
   std::unique_ptr<rack::EventLog> log_;
   std::unique_ptr<rack::Rack> rack_;
   std::unique_ptr<link::EthernetLink> link_;
-  std::unique_ptr<link::PcapWriter> capture_;
+  std::unique_ptr<link::PcapWriter> capture_;  ///< null once the port has it
+  link::BackgroundOutput* captured_ = nullptr;
   std::unique_ptr<link::CapturingLink> capturing_link_;
   std::unique_ptr<master::FramePort> port_;
 };

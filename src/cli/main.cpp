@@ -1,3 +1,4 @@
+#include <csignal>
 #include <cstdio>
 #include <exception>
 
@@ -63,6 +64,8 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // A limit of file sizes (ulimit -f) is to be told as a full disk is, not to end the program.
+  std::signal(SIGXFSZ, SIG_IGN);
   const auto fail = [](const std::exception& error, int status) {
     std::fflush(stdout);  // what was said before stands before it, also in a file
     stator::cli::say_failure(error.what());

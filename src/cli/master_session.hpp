@@ -31,6 +31,8 @@ class MasterSession {
 
   [[nodiscard]] Bus& bus() { return bus_; }
   [[nodiscard]] master::Master& master() { return master_; }
+  /// Closes what was written meanwhile. Throws Failure with what is missing.
+  void end() { bus_.end_files(); }
 
  private:
   Bus bus_;

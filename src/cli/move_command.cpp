@@ -105,6 +105,7 @@ void move(const MoveOptions& options) {
              cycles.lost, cycles.working_counter_errors);
   require(axis.disable());
   require(master.stop());
+  session.end();
 }
 
 }  // namespace

@@ -230,8 +230,6 @@ void run(RunOptions options) {
   if (!options.duration.empty()) {
     limit = duration_option("--duration", options.duration);
   }
-  // A limit of file sizes (ulimit -f) is to be told as a full disk is, not to end the program.
-  std::signal(SIGXFSZ, SIG_IGN);
   StopSignals signals;
   options.web.token = web::make_token();  // pages that are open outlast going back
   std::optional<RecordingPlace> from;

@@ -53,6 +53,7 @@ void scan(const BusOptions& options) {
   }
   fmt::print("{} slave{} found (ports: o open, x closed with link, - no link)\n",
              session.master().slaves().size(), session.master().slaves().size() == 1 ? "" : "s");
+  session.end();
 }
 
 }  // namespace

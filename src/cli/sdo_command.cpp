@@ -174,6 +174,7 @@ void read(const SdoOptions& options) {
   require(master.start_mailbox(options.position));
   const auto data = require(master.upload(options.position, object));
   fmt::print("{} = {}\n", object_text(object), value_text(type_of(options, master, object), data));
+  session.end();
 }
 
 void write(const SdoOptions& options) {
@@ -190,6 +191,7 @@ void write(const SdoOptions& options) {
   }
   require(master.download(options.position, object, encode(*type, options.value)));
   fmt::print("{} <- {}\n", object_text(object), options.value);
+  session.end();
 }
 
 void add_common_options(CLI::App& command, SdoOptions& options) {

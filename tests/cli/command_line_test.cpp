@@ -256,6 +256,17 @@ TEST(CommandLine, MoveReachesItsTargetAndRecordsTheSameTwice) {
   std::filesystem::remove(second);
 }
 
+TEST(CommandLine, MoveTellsOfAFileThatIsNotComplete) {
+  const std::string rows = temporary("cut.csv");
+  const Outcome outcome = tests::run_in_shell(
+      "ulimit -f 64; " STATOR_PROGRAM " move --device tmcm-3315 --revolutions 1 --record " + rows +
+      " 2>&1 </dev/null");
+  EXPECT_EQ(outcome.status, 1) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("target reached"));
+  EXPECT_THAT(outcome.output, HasSubstr("recording " + rows + " is not complete: "));
+  std::filesystem::remove(rows);
+}
+
 TEST(CommandLine, MoveOutsideTheRangeOfTheTargetIsRefused) {
   const Outcome outcome = stator("move --device tmcm-3315 --to 2147483648");
   EXPECT_EQ(outcome.status, 1);
