@@ -10,6 +10,14 @@ std::int64_t floor_quotient(std::int64_t dividend, std::int64_t divisor) {
   return dividend % divisor < 0 ? quotient - 1 : quotient;
 }
 
+/// `count` N pulses were met, the last one at the count `latest`.
+void note_marks(EncoderState& state, std::int64_t count, std::int64_t latest) {
+  if (count != 0) {
+    state.latest_index = latest;
+    state.index_passages += static_cast<std::uint32_t>(count);
+  }
+}
+
 }  // namespace
 
 IncrementalEncoder::IncrementalEncoder(const EncoderParameters& parameters, std::int64_t pole_pairs)
@@ -41,22 +49,19 @@ EncoderState IncrementalEncoder::power_on(const ElectricalAngle& angle) const {
 
 void IncrementalEncoder::meet_marks(EncoderState& state, std::int64_t before) const {
   const std::int64_t cpr = parameters_.counts_per_revolution;
-  const auto meet = [&state](std::int64_t mark) {
-    state.latest_index = mark;
-    ++state.index_passages;
-  };
-  while (state.absolute >= state.index_below + cpr) {
-    state.index_below += cpr;
-    meet(state.index_below);
-  }
-  while (state.absolute < state.index_below) {
-    if (before > state.index_below) {
-      meet(state.index_below);
-    }
-    state.index_below -= cpr;
+  if (state.absolute > state.index_below) {
+    const std::int64_t met = (state.absolute - state.index_below) / cpr;
+    state.index_below += met * cpr;
+    note_marks(state, met, state.index_below);
+  } else if (state.absolute < state.index_below) {
+    const std::int64_t left = (state.index_below - state.absolute - 1) / cpr + 1;
+    // The one at or next below the count before has been met already where that stood on it.
+    const std::int64_t met = before > state.index_below ? left : left - 1;
+    note_marks(state, met, state.index_below - (left - 1) * cpr);
+    state.index_below -= left * cpr;
   }
   if (state.absolute == state.index_below && before > state.absolute) {
-    meet(state.index_below);
+    note_marks(state, 1, state.index_below);
   }
 }
 

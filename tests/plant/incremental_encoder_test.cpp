@@ -125,6 +125,42 @@ TEST(IncrementalEncoder, AnActiveLowIndexIsHighEverywhereElse) {
   EXPECT_TRUE(encoder.index(state));
 }
 
+TEST(IncrementalEncoder, ManyCountsAtOnceMeetTheMarksThatCountByCountAreMet) {
+  IncrementalEncoder encoder({.counts_per_revolution = 8, .index_position = 3}, kPolePairs);
+  EncoderState walks = encoder.power_on({});
+  EncoderState leaps = walks;
+  base::Random random(22);
+  std::int64_t place = 0;
+  const auto update = [&encoder](EncoderState& state, std::int64_t count) {
+    encoder.set_slipped(-static_cast<double>(count));
+    encoder.update(state, {});
+  };
+  for (int i = 0; i < 10'000; ++i) {
+    const std::int64_t target = place + static_cast<std::int64_t>(random.below(61)) - 30;
+    for (; place != target; place += place < target ? 1 : -1) {
+      update(walks, place);
+    }
+    update(walks, target);
+    update(leaps, target);
+    ASSERT_EQ(leaps.absolute, target);
+    ASSERT_EQ(leaps.index_below, walks.index_below) << i;
+    ASSERT_EQ(leaps.latest_index, walks.latest_index) << i;
+    ASSERT_EQ(leaps.index_passages, walks.index_passages) << i;
+  }
+}
+
+TEST(IncrementalEncoder, ALeapOfManyRevolutionsTakesNoLongerThanOne) {
+  IncrementalEncoder encoder({.counts_per_revolution = 4'000}, kPolePairs);
+  EncoderState state = encoder.power_on({});
+  encoder.set_slipped(-4e15);
+  encoder.update(state, {});
+  EXPECT_EQ(state.latest_index, 4'000'000'000'000'000);
+  EXPECT_EQ(state.index_passages, static_cast<std::uint32_t>(1'000'000'000'000));
+  encoder.set_slipped(0);
+  encoder.update(state, {});
+  EXPECT_EQ(state.latest_index, 0);
+}
+
 TEST(IncrementalEncoder, NoneFittedCountsNothing) {
   const IncrementalEncoder encoder({.counts_per_revolution = 0}, kPolePairs);
   EncoderState state = encoder.power_on({});
