@@ -47,6 +47,9 @@ base::SimTime RunningRack::present() {
 
 // No slice ends before what came last: a device is never asked for its past.
 RunningRack::Lag RunningRack::advance_slice() {
+  if (stopping) {
+    return {};  // hundreds of threads may still come for their slice
+  }
   const base::SimTime begin = machine_now();
   const base::SimTime from = reached;
   const base::SimTime end = std::max(handed_out, std::min(begin, from + slice));

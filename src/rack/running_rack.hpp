@@ -123,7 +123,7 @@ struct RunningRack {
  private:
   struct Lag {
     base::SimDuration duration;
-    bool is_new;  ///< an overrun begins
+    bool is_new = false;  ///< an overrun begins
   };
   [[nodiscard]] base::SimTime present();
   Lag advance_slice();

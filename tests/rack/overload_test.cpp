@@ -112,6 +112,16 @@ TEST_F(Overload, WhatComesMeetsDevicesWhereTheyAreAndNeverInTheirPast) {
   }
 }
 
+// Of hundreds of threads each would have its slice before it sees that it shall end.
+TEST_F(Overload, WhoIsToEndBringsTheRackNoFurther) {
+  fall_behind(10_s);
+  catch_up();
+  const base::SimTime reached = running_.reached;
+  running_.stopping = true;
+  catch_up();
+  EXPECT_EQ(running_.reached, reached);
+}
+
 TEST_F(Overload, ARackThatKeepsUpIsAtTheMachinesPresentAndLosesNothing) {
   for (int i = 0; i < 5; ++i) {
     const base::SimTime before = running_.machine_now();
