@@ -91,8 +91,9 @@ class Moment:
             self.timer.join()
 
 
-def give_orders(device, model, rng, moments, tally):
-    """Until the program is gone, or the moment has come and nothing more shall be ordered."""
+def give_orders(device, model, rng, moments, tally, unsure):
+    """Until the program is gone, or the moment has come and nothing more shall be ordered. `unsure`: a disk without
+    supply cannot take back what it refused, which is then as open as an order without an answer."""
     try:
         orders = device.orders(rng)
         outcome = None
@@ -103,9 +104,11 @@ def give_orders(device, model, rng, moments, tally):
             try:
                 give()
             except Refused:
+                tally["refused"] += 1
+                if unsure:
+                    return
                 outcome = False
                 model.refused()
-                tally["refused"] += 1
             else:
                 outcome = True
                 model.answered()
@@ -181,7 +184,7 @@ class Chain:
         self.tally["kills"] += 1
         moments, spoilt, ending = self.draw_moments(process)
         threads = [threading.Thread(target=give_orders, args=(device, model, random.Random(self.rng.random()),
-                                                              moments, self.tally))
+                                                              moments, self.tally, self.mode == "power"))
                    for device, model in zip(self.devices, self.models, strict=True)]
         for thread in threads:
             thread.start()
