@@ -19,11 +19,16 @@ COE, FOE = 3, 4
 MAILBOX_HEADER = 6
 KNOCK = 0.05  # s
 NO_OPERATION = struct.pack("<HBBHHHHH", 0x100C, 0, 0, 0, 0, 0, 0, 0)
+SII_PATIENCE = 0.5  # s after which a device ends the access to a memory that does not answer
 READ, WRITE, DATA, ACKNOWLEDGE, ERROR, BUSY = range(1, 7)  # operations of FoE
 
 
 class Refused(Exception):
     """The device said no, in the words of the protocol."""
+
+
+class GivenUp(Refused):
+    """The device has ended an access that its memory had not; what it said no to may be kept all the same."""
 
 
 class Slave:
@@ -88,14 +93,16 @@ class Slave:
     # SII
 
     def _wait_for_sii(self):
-        end = time.monotonic() + PATIENCE
+        begin = time.monotonic()
+        end = begin + PATIENCE
         while (status := self.read16(SII_CONTROL)) & SII_BUSY:
             if time.monotonic() > end:
                 raise Silent(f"the EEPROM is busy for more than {PATIENCE:.0f} s")
             time.sleep(0.0002)
         if status & SII_ERRORS:
             self.write(SII_CONTROL, bytes(2))  # which acknowledges the error
-            raise Refused(f"0502h is {status:04x}h")
+            given_up = time.monotonic() - begin > 0.9 * SII_PATIENCE
+            raise (GivenUp if given_up else Refused)(f"0502h is {status:04x}h")
 
     def read_sii(self, word, count):
         """`count` words from `word` on."""

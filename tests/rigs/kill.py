@@ -31,7 +31,7 @@ import threading
 import time
 import traceback
 
-from ethercat_host import Refused
+from ethercat_host import GivenUp, Refused
 from kept_devices import ROWS
 from kept_model import KeptModel
 from places import FullPlace, Place, PowerCutPlace, ReadOnlyPlace, have_own_mounts
@@ -91,9 +91,8 @@ class Moment:
             self.timer.join()
 
 
-def give_orders(device, model, rng, moments, tally, unsure):
-    """Until the program is gone, or the moment has come and nothing more shall be ordered. `unsure`: a disk without
-    supply cannot take back what it refused, which is then as open as an order without an answer."""
+def give_orders(device, model, rng, moments, tally):
+    """Until the program is gone, or the moment has come and nothing more shall be ordered."""
     try:
         orders = device.orders(rng)
         outcome = None
@@ -103,10 +102,10 @@ def give_orders(device, model, rng, moments, tally, unsure):
             quiet = [each.note("order") for each in moments]
             try:
                 give()
-            except Refused:
+            except Refused as reason:
                 tally["refused"] += 1
-                if unsure:
-                    return
+                if isinstance(reason, GivenUp):
+                    return  # as open as an order without an answer
                 outcome = False
                 model.refused()
             else:
@@ -184,7 +183,7 @@ class Chain:
         self.tally["kills"] += 1
         moments, spoilt, ending = self.draw_moments(process)
         threads = [threading.Thread(target=give_orders, args=(device, model, random.Random(self.rng.random()),
-                                                              moments, self.tally, self.mode == "power"))
+                                                              moments, self.tally))
                    for device, model in zip(self.devices, self.models, strict=True)]
         for thread in threads:
             thread.start()
@@ -207,6 +206,7 @@ class Chain:
         rng = random.Random(self.rng.random())
         if self.mode == "power":
             def end():
+                process.send(signal.SIGSTOP)
                 self.place.spoil(rng)
                 process.send(signal.SIGKILL)
         else:

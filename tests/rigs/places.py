@@ -11,11 +11,11 @@ import pathlib
 import shutil
 import struct
 import subprocess
+import time
 
 CLONE_NEWNS = 0x20000
 FS_IMMUTABLE = 0x10
 FS_IOC_GETFLAGS, FS_IOC_SETFLAGS = 0x80086601, 0x40086602
-EXT4_IOC_SHUTDOWN, WITHOUT_JOURNAL = 0x8004587D, 2
 
 
 def have_own_mounts():
@@ -106,10 +106,15 @@ class ReadOnlyPlace(Place):
 
 
 class PowerCutPlace(Place):
-    """A disk that loses its supply: what was not brought to it is gone when it is back."""
+    """A disk that loses its supply: what was not brought to it is gone when it is back.
+
+    It is what its image holds at that moment, so whoever writes to it is to be stopped before (SIGSTOP).
+    EXT4_IOC_SHUTDOWN would be simpler, but lets fdatasync succeed for what it loses: an append of 64 bytes by a
+    program of ten lines, in one of 20 cuts (Linux 6.18)."""
 
     def make(self):
         self.image = self.directory / "image"
+        self.kept = self.directory / "kept"
         self.disk = self.directory / "disk"
         self.disk.mkdir()
         with open(self.image, "wb") as image:
@@ -119,24 +124,23 @@ class PowerCutPlace(Place):
         self.state = self.disk / "state"
         self.state.mkdir()
         os.sync()
-        self.dead = False
 
     def _mount(self):
         _run("mount", "-o", "loop", self.image, self.disk)
 
-    def spoil(self, _rng):
-        directory = os.open(self.disk, os.O_RDONLY)
-        try:
-            fcntl.ioctl(directory, EXT4_IOC_SHUTDOWN, struct.pack("I", WITHOUT_JOURNAL))
-        finally:
-            os.close(directory)
-        self.dead = True
+    def spoil(self, rng):
+        # What was under way when the program was stopped comes to its end first: half of it is no image.
+        before, content = None, self.image.read_bytes()
+        while content != before:
+            time.sleep(0.005)
+            before, content = content, self.image.read_bytes()
+        self.kept.write_bytes(content)
 
     def mend(self):
-        if self.dead:
+        if self.kept.exists():
             _run("umount", self.disk)
+            self.kept.replace(self.image)
             self._mount()
-            self.dead = False
 
     def close(self):
         _run("umount", self.disk)

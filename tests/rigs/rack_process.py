@@ -37,6 +37,7 @@ class RackProcess:
 
     def __init__(self, program, rack, directory, *options, patience=PATIENCE, **popen):
         self.said = ""
+        self.interrupted = False
         self.log_path = os.path.join(directory, "stderr")
         with open(self.log_path, "wb") as log:
             self.process = subprocess.Popen([program, "run", rack, *options], stdin=subprocess.DEVNULL,
@@ -64,8 +65,9 @@ class RackProcess:
             return log.read(1 << 20).decode("utf-8", "replace")
 
     def send(self, number):
-        """Nothing happens if it has ended already."""
-        if self.process.returncode is None:
+        """Nothing happens if it has ended already, or was asked to before: a second SIGINT ends it at once."""
+        if self.process.returncode is None and not (number == signal.SIGINT and self.interrupted):
+            self.interrupted = number == signal.SIGINT
             self.process.send_signal(number)
 
     def end(self, number=signal.SIGINT, patience=PATIENCE):

@@ -124,10 +124,8 @@ void add_wires(Random& random, RackConfiguration& rack, const std::vector<Device
   }
 }
 
-/// Torques of hundreds of Nm at a shaft of some grams make revolutions by the thousand in a
-/// millisecond, each of which the plant counts: that is slow and shows nothing.
 constexpr double kMostValue = 60.0;
-constexpr double kMostTorque = 1.0;
+constexpr double kMostTorque = 1000.0;
 
 double random_value(Random& random, const devices::Input& input) {
   const double bound = input.unit.find('N') != std::string::npos ? kMostTorque : kMostValue;
