@@ -119,7 +119,7 @@ class Bus(Actor):
             self.try_to(self.client.download, 0x6083, 0, log_uniform(self.rng, 1000, 100000), 4)
             kind, word = self.rng.choice(((0x1010, SAVE), (0x1010, SAVE), (0x1011, LOAD)))
             self.try_to(self.client.download, kind, self.rng.choice((1, 2, 4)), word, 4)
-        self.counts["parameters stored"] += 1
+        self.counts["parameters stored, tmcc160"] += 1
 
     def layer_settings(self):
         if self.rng.random() < 0.5:

@@ -117,9 +117,9 @@ class Segment(Actor):
 
     def synchronise(self):
         """System time, offset and delay, then SYNC0 and now and then SYNC1."""
-        self.counts["with SYNC0"] += 1
         cycle = self.rng.choice((500000, 1000000, 1000000, 2000000))
         for drive in self.drives:
+            self.counts[f"SYNC0, {drive.product.type}"] += 1
             slave = drive.slave
             slave.write(0x0900, bytes(4))
             local = struct.unpack("<Q", slave.read(0x0918, 8))[0]
@@ -204,26 +204,28 @@ class Segment(Actor):
         drives = [drive for drive in self.with_mailbox() if any(each[0] == 0x1010 for each in drive.product.objects)]
         if not drives:
             return
-        slave = self.rng.choice(drives).slave
+        drive = self.rng.choice(drives)
+        slave = drive.slave
         for _ in range(self.rng.randrange(1, 4)):
             self.try_to(slave.download, 0x6083, 0, log_uniform(self.rng, 1000, 1000000), 4)
             if self.rng.random() < 0.7:
                 self.try_to(slave.download, 0x1010, self.rng.randrange(1, 5), SAVE, 4)
             else:
                 self.try_to(slave.download, 0x1011, self.rng.randrange(1, 5), LOAD, 4)
-        self.counts["parameters stored"] += 1
+        self.counts[f"parameters stored, {drive.product.type}"] += 1
 
     def firmware(self):
         drives = self.with_mailbox()
         if not drives or self.rng.random() < 0.4:
             return
-        slave = self.rng.choice(drives).slave
+        drive = self.rng.choice(drives)
+        slave = drive.slave
         slave.open_mailbox(BOOT)
         image = self.rng.randbytes(log_uniform(self.rng, 1, 12000))
         if self.rng.random() < 0.3:
             self.try_to(slave.read_file)
         slave.write_file(image)
-        self.counts["firmware by FoE"] += 1
+        self.counts[f"firmware by FoE, {drive.product.type}"] += 1
         if self.rng.random() < 0.3:
             slave.read_file()
         slave.go(INIT)

@@ -329,7 +329,7 @@ class Session:
                 def open_host(port=port):
                     return SerialHost(address, port)
                 found.append(Module(own(), counts, open_host) if placed.product == "tmcm-142"
-                             else Line(own(), counts, open_host, interface))
+                             else Line(own(), counts, open_host, placed.product, interface))
         return found
 
 

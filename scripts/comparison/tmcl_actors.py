@@ -100,8 +100,9 @@ class Line(Actor):
     chapters = ("questions", "questions", "questions", "boot_loader", "datagrams")
     KEY = (242, 0x81, 0x92, 0xA3B4C5D6)
 
-    def __init__(self, rng, counts, open_host, interface):
+    def __init__(self, rng, counts, open_host, product, interface):
         super().__init__(rng, counts)
+        self.product = product
         self.open_host = open_host
         self.interface = interface
         if interface == "hardware-uart":
@@ -151,7 +152,7 @@ class Line(Actor):
             ask(208, 0, 0, 0)
             self.tell(205, 0, 0, 0)
         time.sleep(0.01)
-        self.counts["firmware by boot loaders"] += 1
+        self.counts[f"firmware by boot loader, {self.product}"] += 1
 
     def datagrams(self):
         if self.interface != "hardware-uart":
