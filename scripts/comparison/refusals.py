@@ -26,7 +26,7 @@ def sources(folder):
 
 def frozen_commands(folder):
     """What is frozen of a folder of wrong files."""
-    if folder == SCENARIOS:
+    if folder.name == SCENARIOS.name:
         return [["test", name] for name in sources(folder)]
     return [["check", name] for name in sources(folder)]
 
