@@ -9,6 +9,8 @@ from rack_process import PATIENCE, Gone, Silent
 
 
 class CanHost:
+    patience = PATIENCE
+
     def __init__(self, address, port):
         try:
             self.socket = socket.create_connection((address, port))
@@ -27,8 +29,9 @@ class CanHost:
         except OSError as error:
             raise Gone(str(error)) from None
 
-    def receive(self, identifier, seconds=PATIENCE):
+    def receive(self, identifier, seconds=None):
         """The data of the next frame with that identifier."""
+        seconds = self.patience if seconds is None else seconds
         end = time.monotonic() + seconds
         while True:
             line, ends, rest = self.received.partition(b"\r")
@@ -41,7 +44,7 @@ class CanHost:
             try:
                 data = self.socket.recv(65536)
             except TimeoutError:
-                raise Silent(f"no frame {identifier:03x}h within {seconds:.0f} s") from None
+                raise Silent(f"no frame {identifier:03x}h within {seconds:g} s") from None
             except OSError as error:
                 raise Gone(str(error)) from None
             if not data:
@@ -56,7 +59,7 @@ class SdoClient:
         self.host = host
         self.node = node
 
-    def _ask(self, request, index, subindex, data=bytes(4), seconds=PATIENCE):
+    def _ask(self, request, index, subindex, data=bytes(4), seconds=None):
         self.host.send(0x600 + self.node, struct.pack("<BHB", request, index, subindex) + data.ljust(4, b"\0"))
         while True:
             answer = self.host.receive(0x580 + self.node, seconds)
@@ -68,7 +71,7 @@ class SdoClient:
 
     def wait_for_node(self):
         """A node boots for half a second, in which it hears nothing."""
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + self.host.patience
         while True:
             try:
                 return self._ask(0x40, 0x1000, 0, seconds=0.05)

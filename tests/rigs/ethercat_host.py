@@ -34,6 +34,8 @@ class GivenUp(Refused):
 class Slave:
     """The slave at `position`; it has a socket of its own, so slaves may be used from several threads."""
 
+    patience = PATIENCE
+
     def __init__(self, address, port, position=0):
         self.position = position
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -50,10 +52,17 @@ class Slave:
 
     def exchange(self, command, register, data, position=None):
         """Data and working counter of one datagram that goes around the segment."""
+        adp = -(self.position if position is None else position) & 0xFFFF
+        return self._exchange(command, struct.pack("<HH", adp, register), data)
+
+    def exchange_logical(self, address, data, command=LRW):
+        """The same of the segment's logical memory."""
+        return self._exchange(command, struct.pack("<I", address), data)
+
+    def _exchange(self, command, address, data):
         self.index = (self.index + 1) & 0xFF
         self.frames += 1
-        adp = -(self.position if position is None else position) & 0xFFFF
-        head = struct.pack("<BBHHHH", command, self.index, adp, register, len(data), 0)
+        head = struct.pack("<BB4sHH", command, self.index, address, len(data), 0)
         body = head + data + b"\0\0"
         frame = struct.pack("<H", len(body) | 0x1000) + body
         try:
@@ -65,7 +74,7 @@ class Slave:
 
     def _receive(self, begin):
         """The frame that begins so. Who waits knocks: that a port is closed is told to who sends there."""
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + self.patience
         while time.monotonic() < end:
             self.socket.settimeout(KNOCK)
             try:
@@ -75,7 +84,7 @@ class Slave:
                 continue
             if answer[2:4] == begin:
                 return answer
-        raise Silent(f"no answer to a frame within {PATIENCE:.0f} s")
+        raise Silent(f"no answer to a frame within {self.patience:g} s")
 
     def read(self, register, length):
         data, counter = self.exchange(APRD, register, bytes(length))
@@ -94,10 +103,10 @@ class Slave:
 
     def _wait_for_sii(self):
         begin = time.monotonic()
-        end = begin + PATIENCE
+        end = begin + self.patience
         while (status := self.read16(SII_CONTROL)) & SII_BUSY:
             if time.monotonic() > end:
-                raise Silent(f"the EEPROM is busy for more than {PATIENCE:.0f} s")
+                raise Silent(f"the EEPROM is busy for more than {self.patience:g} s")
             time.sleep(0.0002)
         if status & SII_ERRORS:
             self.write(SII_CONTROL, bytes(2))  # which acknowledges the error
@@ -123,7 +132,7 @@ class Slave:
 
     def go(self, state):
         self.write(AL_CONTROL, struct.pack("<H", state))
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + self.patience
         while (status := self.read16(AL_STATUS)) & 0x1F != state:
             if status & 0x10:
                 code = self.read16(AL_STATUS_CODE)
@@ -146,7 +155,7 @@ class Slave:
         self.counter = self.counter % 7 + 1
         first, length = self.mailboxes[:2]
         mail = struct.pack("<HHBB", len(payload), 0, 0, kind | self.counter << 4) + payload
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + self.patience
         while self.exchange(APWR, first, mail.ljust(length, b"\0"))[1] != 1:
             if time.monotonic() > end:
                 raise Silent("the mailbox stays full")
@@ -155,7 +164,7 @@ class Slave:
     def receive_mail(self, kind):
         """The payload of the next mail of that kind; others are passed over."""
         second, length = self.mailboxes[2:]
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + self.patience
         while True:
             if self.read(SYNC_MANAGER + 13, 1)[0] & 8:
                 mail = self.read(second, length)

@@ -14,6 +14,8 @@ MODULE, HOST = 1, 2
 
 
 class SerialHost:
+    patience = PATIENCE
+
     def __init__(self, address, port):
         try:
             self.socket = socket.create_connection((address, port))
@@ -29,7 +31,7 @@ class SerialHost:
         telegram = bytes([MODULE]) + core
         try:
             self.socket.sendall(telegram + bytes([sum(telegram) & 0xFF]))
-            end = time.monotonic() + PATIENCE
+            end = time.monotonic() + self.patience
             reply = b""
             while len(reply) < 9:
                 self.socket.settimeout(max(end - time.monotonic(), 0.001))
