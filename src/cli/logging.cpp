@@ -96,6 +96,24 @@ class StandardErrorSink final : public spdlog::sinks::sink {
   std::string text_;
 };
 
+/// Names in damaged files may hold what moves a terminal's cursor or changes its title: control
+/// characters, also those of two bytes (U+0080 to U+009F), become "\xNN". Lines stay.
+std::string printable(std::string_view text) {
+  std::string result;
+  const auto byte = [&text](std::size_t at) {
+    return at < text.size() ? static_cast<unsigned char>(text[at]) : 0U;
+  };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool of_two = byte(i) == 0xC2U && byte(i + 1) >= 0x80U && byte(i + 1) < 0xA0U;
+    if (of_two || (byte(i) < 0x20U && byte(i) != '\n') || byte(i) == 0x7FU) {
+      result += fmt::format("\\x{:02X}", of_two ? byte(++i) : byte(i));
+    } else {
+      result += text[i];
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 std::shared_ptr<spdlog::logger> make_logger() {
@@ -120,12 +138,13 @@ void drain_log(link::BackgroundOutput::Clock::time_point asked) {
 }
 
 void say_failure(std::string_view reason) {
+  const std::string text = fmt::format("stator: {}\n", printable(reason));
   if (log_output() == nullptr) {
-    fmt::print(stderr, "stator: {}\n", reason);
+    fmt::print(stderr, "{}", text);
     return;
   }
   drain_log();
-  link::write_within(STDERR_FILENO, fmt::format("stator: {}\n", reason));
+  link::write_within(STDERR_FILENO, text);
 }
 
 }  // namespace stator::cli

@@ -27,6 +27,15 @@ void forget_files(rack::RackConfiguration& configuration) {
   }
 }
 
+RunOptions options_in(const std::string& path, const replay::RecordingHeader& header,
+                      const std::filesystem::path& folder, const std::filesystem::path& state) {
+  try {
+    return options_of(header, folder, state);
+  } catch (const std::runtime_error& error) {
+    throw Failure(fmt::format("{}: its files cannot be laid out: {}", path, error.what()));
+  }
+}
+
 rack::RackConfiguration configuration_in(const std::string& path, const RunOptions& options) {
   try {
     return configuration_of(options);
@@ -39,7 +48,7 @@ rack::RackConfiguration configuration_in(const std::string& path, const RunOptio
 
 RecordedRack::RecordedRack(const std::string& path, const std::filesystem::path& state)
     : reader_(path),
-      options_(options_of(reader_.header(), folder_.path(),
+      options_(options_in(path, reader_.header(), folder_.path(),
                           state.empty() ? folder_.path() / "kept" : state)),
       configuration_(configuration_in(path, options_)) {
   forget_files(configuration_);

@@ -56,6 +56,12 @@ TEST(CommandLine, FailuresExitWith1AndSayWhatToDo) {
   EXPECT_THAT(link.output, HasSubstr("write ethercat:INTERFACE, udp:ADDRESS[:PORT] or tap:NAME"));
 }
 
+TEST(CommandLine, FailuresDoNotReachTheTerminalRaw) {
+  const Outcome outcome = stator("replay \"$(printf 'a\\033]0;b\\302\\233c\\n.stator')\"");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.output, HasSubstr("a\\x1B]0;b\\x9Bc\n.stator"));
+}
+
 TEST(CommandLine, AMissingInterfaceIsNamed) {
   const Outcome outcome = stator("run --device tmcm-3315 --link ethercat:nosuch0");
   EXPECT_EQ(outcome.status, 1);

@@ -17,6 +17,7 @@ import multiprocessing
 import os
 import pathlib
 import random
+import re
 import resource
 import select
 import shutil
@@ -198,9 +199,9 @@ class Case:
             text = said.decode("utf-8", "replace")
         if any(ord(letter) < 32 and letter != "\n" or 0x7F <= ord(letter) < 0xA0 for letter in text):
             self.faults.append("says control characters")
-        last = text.strip().rpartition("\n")[2]
-        if not any(name in last for name in names):
-            self.faults.append(f"its last line does not name {names[0]}")
+        failure = re.split("^stator: ", text.strip(), flags=re.MULTILINE)[-1]
+        if not any(name in failure for name in names):
+            self.faults.append(f"its failure does not name {names[0]}")
         if self.faults:
             self.faults.append(f"it said: {ascii(text[-400:])}")
 
