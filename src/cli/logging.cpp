@@ -1,5 +1,6 @@
 #include "cli/logging.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <mutex>
@@ -96,20 +97,50 @@ class StandardErrorSink final : public spdlog::sinks::sink {
   std::string text_;
 };
 
-/// Names in damaged files may hold what moves a terminal's cursor or changes its title: control
-/// characters, also those of two bytes (U+0080 to U+009F), become "\xNN". Lines stay.
+/// Length of the UTF-8 character with which `text`, which is not empty, begins; 0: it is none.
+std::size_t character_length(std::string_view text) {
+  const auto byte = [text](std::size_t at) { return static_cast<unsigned char>(text[at]); };
+  const unsigned first = byte(0);
+  if (first < 0x80U) {
+    return 1;
+  }
+  const std::size_t length = first < 0xE0U ? 2 : first < 0xF0U ? 3 : 4;
+  if (first < 0xC2U || first > 0xF4U || text.size() < length) {
+    return 0;
+  }
+  // Neither longer than needed, nor half of a surrogate pair, nor beyond the last character.
+  const unsigned least = first == 0xE0U ? 0xA0U : first == 0xF0U ? 0x90U : 0x80U;
+  const unsigned most = first == 0xEDU ? 0x9FU : first == 0xF4U ? 0x8FU : 0xBFU;
+  if (byte(1) < least || byte(1) > most) {
+    return 0;
+  }
+  for (std::size_t at = 2; at < length; ++at) {
+    if (byte(at) < 0x80U || byte(at) > 0xBFU) {
+      return 0;
+    }
+  }
+  return length;
+}
+
+bool is_control(std::string_view character) {
+  const auto last = static_cast<unsigned char>(character.back());
+  return character.size() == 1 ? last < 0x20U || last == 0x7FU
+                               : character.size() == 2 && character[0] == '\xC2' && last < 0xA0U;
+}
+
+/// Names in damaged files may hold what moves a terminal's cursor or changes its title, or no text
+/// at all: control characters and bytes that are no UTF-8 become "\xNN". Lines stay.
 std::string printable(std::string_view text) {
   std::string result;
-  const auto byte = [&text](std::size_t at) {
-    return at < text.size() ? static_cast<unsigned char>(text[at]) : 0U;
-  };
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool of_two = byte(i) == 0xC2U && byte(i + 1) >= 0x80U && byte(i + 1) < 0xA0U;
-    if (of_two || (byte(i) < 0x20U && byte(i) != '\n') || byte(i) == 0x7FU) {
-      result += fmt::format("\\x{:02X}", of_two ? byte(++i) : byte(i));
+  while (!text.empty()) {
+    const std::size_t length = character_length(text);
+    const std::string_view character = text.substr(0, std::max<std::size_t>(length, 1));
+    if (length == 0 || (is_control(character) && character != "\n")) {
+      result += fmt::format("\\x{:02X}", static_cast<unsigned char>(character.back()));
     } else {
-      result += text[i];
+      result += character;
     }
+    text.remove_prefix(character.size());
   }
   return result;
 }

@@ -57,9 +57,9 @@ TEST(CommandLine, FailuresExitWith1AndSayWhatToDo) {
 }
 
 TEST(CommandLine, FailuresDoNotReachTheTerminalRaw) {
-  const Outcome outcome = stator("replay \"$(printf 'a\\033]0;b\\302\\233c\\n.stator')\"");
+  const Outcome outcome = stator("replay \"$(printf 'a\\033]0;b\\302\\233c\\n\\377\\303\\274.stator')\"");
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_THAT(outcome.output, HasSubstr("a\\x1B]0;b\\x9Bc\n.stator"));
+  EXPECT_THAT(outcome.output, HasSubstr("a\\x1B]0;b\\x9Bc\n\\xFFü.stator"));
 }
 
 TEST(CommandLine, AMissingInterfaceIsNamed) {
