@@ -96,11 +96,11 @@ std::string answer_without_privilege(const Question& question) {
   return {text.data(), static_cast<std::size_t>(std::max<ssize_t>(length, 0))};
 }
 
-// The address sanitizer's mlockall() does nothing and succeeds.
-#if defined(__SANITIZE_ADDRESS__)
+// The mlockall() of sanitizers does nothing and succeeds.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kMemoryCanBeLocked = false;
 #elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
 constexpr bool kMemoryCanBeLocked = false;
 #else
 constexpr bool kMemoryCanBeLocked = true;
@@ -119,7 +119,7 @@ TEST(Machine, APriorityThatIsNotPermittedIsToldWithWaysToPermitIt) {
 
 TEST(Machine, MemoryThatMayNotBeLockedIsToldWithWaysToPermitIt) {
   if (!kMemoryCanBeLocked) {
-    GTEST_SKIP() << "with the address sanitizer nothing is locked, and nothing refused";
+    GTEST_SKIP() << "with this sanitizer nothing is locked, and nothing refused";
   }
   const std::string memory = answer_without_privilege([] { return lock_memory(); });
   EXPECT_THAT(memory, testing::HasSubstr("memory may not be locked"));
