@@ -69,10 +69,10 @@ class RunningRack:
         self.program = program
         self.directory = tempfile.TemporaryDirectory(prefix="stator-client-")
         self.path = os.path.join(self.directory.name, "rack.toml")
-        with open(self.path, "w", encoding="ascii") as file:
+        with open(self.path, "w", encoding="utf-8") as file:
             file.write(rack)
         token = os.path.join(self.directory.name, "token")
-        with open(token, "w", encoding="ascii") as file:
+        with open(token, "w", encoding="utf-8") as file:
             file.write(TOKEN)
         os.chmod(token, 0o600)
         self.command = [program, "run", self.path, "--http", "0", "--http-token", token, *options]
