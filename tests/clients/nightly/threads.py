@@ -68,7 +68,7 @@ def connect(address):
 def master(program, seed):
     """Stator's own, patient with a slow build; each start scans the segment."""
     dice = random.Random(seed)
-    orders = [["scan"], ["sdo", "read", "0", "1008:0"], ["move", "--revolutions", "2"]]
+    orders = [["scan"], ["sdo", "read", "1008:0"], ["move", "--revolutions", "2"]]
 
     def work():
         order = dice.choice(orders)
@@ -85,10 +85,13 @@ def can_program(address):
     link.sendall(b"O\r")
 
     def work():
-        link.sendall(b"t60584041600000000000\r")  # 6041h, statusword
         seen = b""
-        while b"t585" not in seen:
-            seen = seen[-64:] + link.recv(4096)
+        while b"t585" not in seen and not STOP.is_set():
+            link.sendall(b"t60584041600000000000\r")  # 6041h, statusword; again while the drive boots
+            again = time.monotonic() + 1.0
+            while b"t585" not in seen and time.monotonic() < again:
+                if select.select([link], [], [], 0.1)[0]:
+                    seen = seen[-64:] + link.recv(4096)
     return work
 
 
@@ -123,9 +126,14 @@ def browser(address, seed):
         except urllib.error.HTTPError as error:
             assert error.code < 500 or error.code == 503, f"{path}: {error.code}"
 
+    # Not more often than the master gets over it.
+    next_fault = time.monotonic() + 5.0
+
     def work():
+        nonlocal next_fault
         ask(dice.choice(pages))
-        if dice.random() < 0.05:
+        if time.monotonic() > next_fault:
+            next_fault = time.monotonic() + dice.uniform(5.0, 15.0)
             ask("/api/v1/faults", {"kind": "ethercat-drop", "device": "gantry", "count": 1})
     return work
 
@@ -158,7 +166,7 @@ def main():
         http = re.search(r"http://[0-9.]+:\d+", rack.wait_for(r"http://[0-9.]+:\d+")).group()
         said = rack.log()
         can = re.findall(r"slcan-tcp:([0-9.]+:\d+)", said)
-        serial = re.findall(r"tcp:([0-9.]+:\d+)", re.sub(r"slcan-tcp:\S+", "", said))
+        serial = re.findall(r"Serial line ([0-9.]+:\d+)", said)
         assert len(can) >= 2 and serial, f"no ports are announced:\n{said}"
         clients = [Client("EtherCAT master", master(program, options.seed)),
                    Client("CAN program", can_program(can[0])),
