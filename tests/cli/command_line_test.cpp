@@ -57,7 +57,8 @@ TEST(CommandLine, FailuresExitWith1AndSayWhatToDo) {
 }
 
 TEST(CommandLine, FailuresDoNotReachTheTerminalRaw) {
-  const Outcome outcome = stator("replay \"$(printf 'a\\033]0;b\\302\\233c\\n\\377\\303\\274.stator')\"");
+  const Outcome outcome =
+      stator("replay \"$(printf 'a\\033]0;b\\302\\233c\\n\\377\\303\\274.stator')\"");
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.output, HasSubstr("a\\x1B]0;b\\x9Bc\n\\xFFü.stator"));
 }
@@ -264,9 +265,9 @@ TEST(CommandLine, MoveReachesItsTargetAndRecordsTheSameTwice) {
 
 TEST(CommandLine, MoveTellsOfAFileThatIsNotComplete) {
   const std::string rows = temporary("cut.csv");
-  const Outcome outcome = tests::run_in_shell(
-      "ulimit -f 64; " STATOR_PROGRAM " move --device tmcm-3315 --revolutions 1 --record " + rows +
-      " 2>&1 </dev/null");
+  const Outcome outcome = tests::run_in_shell("ulimit -f 64; " STATOR_PROGRAM
+                                              " move --device tmcm-3315 --revolutions 1 --record " +
+                                              rows + " 2>&1 </dev/null");
   EXPECT_EQ(outcome.status, 1) << outcome.output;
   EXPECT_THAT(outcome.output, HasSubstr("target reached"));
   EXPECT_THAT(outcome.output, HasSubstr("recording " + rows + " is not complete: "));
