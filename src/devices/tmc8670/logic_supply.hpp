@@ -13,11 +13,11 @@ namespace stator::devices::tmc8670 {
 /// What the document says of one of the chip's supplies, V.
 struct LogicRail {
   base::StaticText name;
-  double nominal;
-  double operating_minimum;  ///< L2657-L2660
-  double operating_maximum;
-  double absolute_minimum;  ///< L2645-L2648
-  double absolute_maximum;
+  double nominal = 0.0;
+  double operating_minimum = 0.0;  ///< L2657-L2660
+  double operating_maximum = 0.0;
+  double absolute_minimum = 0.0;  ///< L2645-L2648
+  double absolute_maximum = 0.0;
 };
 inline constexpr std::array<LogicRail, 2> kLogicRails{{
     {"VDD_3V3", 3.3, 3.15, 3.45, -0.3, 3.63},

@@ -93,7 +93,7 @@ tmcl::EepromKeeper::Outcome Eeprom::end(bool kept, base::SimTime now) {
     }
     told_ = !kept;
   }
-  if (images_[kParameters].owed || images_[kProgram].owed) {
+  if (images_[parameters_group].owed || images_[program_group].owed) {
     retry_ = now + kRetryTime;
   }
   return outcome_;
@@ -114,17 +114,17 @@ void Eeprom::restore(Group group) {
   const std::span<const std::byte> image = memory_->image(group);
   if (!image.empty() && !load(group, image)) {
     const base::StaticText what =
-        group == kParameters ? base::StaticText("parameters") : base::StaticText("program");
+        group == parameters_group ? base::StaticText("parameters") : base::StaticText("program");
     reporter_.report({}, kForeign, {what, image.size()});
   }
 }
 
 bool Eeprom::load(Group group, std::span<const std::byte> image) {
-  return group == kParameters ? load_parameters(image) : load_program(image);
+  return group == parameters_group ? load_parameters(image) : load_program(image);
 }
 
 void Eeprom::copy(Group group, std::vector<std::byte>& image) {
-  if (group == kParameters) {
+  if (group == parameters_group) {
     copy_parameters(image);
   } else {
     copy_program(image);

@@ -53,8 +53,8 @@ class Eeprom final : public tmcl::EepromKeeper {
   void abandon() { refusable_ = false; }
 
  private:
-  enum Group : std::uint8_t { kParameters, kProgram };
-  static constexpr std::array<Group, 2> kGroups{kParameters, kProgram};
+  enum Group : std::uint8_t { parameters_group, program_group };
+  static constexpr std::array<Group, 2> kGroups{parameters_group, program_group};
   /// One of the two images.
   struct Image {
     std::uint64_t writes = 0;         ///< of its cells, as in `wanted`
@@ -65,11 +65,12 @@ class Eeprom final : public tmcl::EepromKeeper {
   };
 
   [[nodiscard]] std::uint64_t writes(Group group) const {
-    return group == kParameters ? module_.eeprom_write_count() : firmware_.memory().write_count();
+    return group == parameters_group ? module_.eeprom_write_count()
+                                     : firmware_.memory().write_count();
   }
   [[nodiscard]] bool changed() const {
-    return writes(kParameters) != images_[kParameters].writes ||
-           writes(kProgram) != images_[kProgram].writes;
+    return writes(parameters_group) != images_[parameters_group].writes ||
+           writes(program_group) != images_[program_group].writes;
   }
   [[nodiscard]] Outcome write(bool refusable, base::SimTime now);
   [[nodiscard]] Outcome end(bool kept, base::SimTime now);
