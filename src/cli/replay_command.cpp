@@ -36,7 +36,7 @@ void print_end(const ReplayOptions& options, const replay::Player& player,
       took.count(), simulated / std::max(took.count(), 1e-9));
 }
 
-void run_replay(const ReplayOptions& options) {
+void replay_recording(const ReplayOptions& options) {
   base::SimTime until = base::SimTime::never();
   if (!options.until.empty()) {
     until = base::SimTime(duration_option("--until", options.until));
@@ -72,6 +72,19 @@ void run_replay(const ReplayOptions& options) {
   if (!recorded.reader().damage().empty()) {
     throw Failure(fmt::format("{}: all that was read is the same, but {}", options.recording,
                               recorded.reader().damage()));
+  }
+}
+
+/// What a forged recording makes the player or a device refuse does not name the file.
+void run_replay(const ReplayOptions& options) {
+  try {
+    replay_recording(options);
+  } catch (const RecordingCut&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    const std::string text = error.what();
+    const bool named = text.find(options.recording) != std::string::npos;
+    throw Failure(named ? text : fmt::format("{}: {}", options.recording, text));
   }
 }
 
