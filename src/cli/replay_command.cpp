@@ -36,12 +36,11 @@ void print_end(const ReplayOptions& options, const replay::Player& player,
       took.count(), simulated / std::max(took.count(), 1e-9));
 }
 
-void replay_recording(const ReplayOptions& options) {
+void replay_recording(const ReplayOptions& options, RecordedRack& recorded) {
   base::SimTime until = base::SimTime::never();
   if (!options.until.empty()) {
     until = base::SimTime(duration_option("--until", options.until));
   }
-  RecordedRack recorded(options.recording);
   if (!options.csv.empty()) {
     recorded.configuration().record = {.file = options.csv,
                                        .period = duration_option("--period", options.period),
@@ -75,16 +74,17 @@ void replay_recording(const ReplayOptions& options) {
   }
 }
 
-/// What a forged recording makes the player or a device refuse does not name the file.
+/// The player, and devices of a forged recording, do not know the name of what they refuse.
 void run_replay(const ReplayOptions& options) {
+  RecordedRack recorded(options.recording);
   try {
-    replay_recording(options);
+    replay_recording(options, recorded);
+  } catch (const Failure&) {
+    throw;
   } catch (const RecordingCut&) {
     throw;
   } catch (const std::runtime_error& error) {
-    const std::string text = error.what();
-    const bool named = text.find(options.recording) != std::string::npos;
-    throw Failure(named ? text : fmt::format("{}: {}", options.recording, text));
+    throw Failure(fmt::format("{}: {}", options.recording, error.what()));
   }
 }
 

@@ -11,7 +11,12 @@ namespace stator::web {
 /// A request on its way through the rack's desk.
 class Job : public rack::DeskTask {
  public:
-  /// What came of it, once it is done. In the server's thread.
+  // In the server's thread, while the rack does not have it.
+
+  /// False: what it has begun goes on inside the rack, however long; it has to look again, and
+  /// others have their turn at the desk meanwhile.
+  [[nodiscard]] virtual bool complete() const { return true; }
+  /// What came of it, once it is done.
   [[nodiscard]] virtual Response response() = 0;
 };
 

@@ -108,13 +108,13 @@ class WriteEntryJob final : public Job {
       : device_(device), entry_(entry), value_(std::move(value)) {}
 
   bool run(rack::Rack& rack, base::SimTime now) override {
-    time_ = now;
     powered_ = rack.powered(device_.address);
     if (!powered_) {
       return true;
     }
     if (!written_) {
       written_ = true;
+      time_ = now;
       const auto verdict = rack.write_object(device_.address, entry_, value_, now);
       if (!verdict) {
         refusal_ = verdict.error();
@@ -122,11 +122,14 @@ class WriteEntryJob final : public Job {
       }
     }
     const auto completion = rack.completion_of_write(device_.address, entry_, now);
+    under_way_ = !completion;
     if (completion && !*completion) {
       refusal_ = completion->error();
     }
-    return completion.has_value();
+    return true;
   }
+  [[nodiscard]] bool changes() const override { return !written_; }
+  [[nodiscard]] bool complete() const override { return !powered_ || !under_way_; }
   Response response() override {
     if (!powered_) {
       return switched_off(device_);
@@ -141,6 +144,7 @@ class WriteEntryJob final : public Job {
   base::SimTime time_;
   bool powered_ = true;
   bool written_ = false;
+  bool under_way_ = false;  ///< no SDO would be answered yet
   std::optional<dictionary::Refusal> refusal_;
 };
 

@@ -76,6 +76,7 @@ void RackAccess::tick(Clock::time_point now) {
     finish_job(*task);
   }
   drop_late(now);
+  look_again();
   serve_taps();
   // Threads of networks with traffic look at the desk anyway; others sleep.
   if (posted_before_tick_ && desk_.waiting()) {
@@ -116,6 +117,11 @@ void RackAccess::finish_job(const rack::DeskTask& task) {
   if (found == waiting_.end()) {
     return;
   }
+  if (!found->job->complete() && found->waiter != nullptr) {
+    found->resting = true;
+    found->under_way = true;
+    return;
+  }
   const Waiting done = std::move(*found);
   waiting_.erase(found);
   Response response = done.job->response();
@@ -144,7 +150,21 @@ void RackAccess::drop_late(Clock::time_point now) {
   for (Waiting& each : waiting_) {
     if (each.waiter != nullptr && each.deadline <= now) {
       std::exchange(each.waiter, nullptr)
-          ->answer(problem(503, "the rack has not answered; have its links failed?"));
+          ->answer(
+              problem(503, each.under_way
+                               ? "the device still carries out what was ordered: its disk has not "
+                                 "answered, or no master moves simulated time (lockstep)"
+                               : "the rack has not answered; have its links failed?"));
+    }
+  }
+}
+
+void RackAccess::look_again() {
+  std::erase_if(waiting_,
+                [](const Waiting& each) { return each.resting && each.waiter == nullptr; });
+  for (Waiting& each : waiting_) {
+    if (each.resting && desk_.post(*each.job)) {
+      each.resting = false;
     }
   }
 }

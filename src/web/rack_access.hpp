@@ -79,6 +79,8 @@ class RackAccess {
     std::unique_ptr<Job> job;
     std::shared_ptr<Waiter> waiter;  ///< null: nobody waits any more
     Clock::time_point deadline;
+    bool resting = false;    ///< it is to look again at the next tick
+    bool under_way = false;  ///< it has rested: what it ordered has begun
   };
 
   struct Tap {
@@ -92,6 +94,7 @@ class RackAccess {
   void finish_job(const rack::DeskTask& task);
   void finish_tap(const rack::DeskTask& task);
   void drop_late(Clock::time_point now);
+  void look_again();
   void serve_taps();
   void collect();
 

@@ -146,6 +146,21 @@ TEST(WebServer, AnswersAnOrderToStoreOnceItIsKept) {
   EXPECT_THAT(refused.json()["detail"].get<std::string>(), HasSubstr("could not be written"));
 }
 
+// In lockstep nothing is stored before a master moves time.
+TEST(WebServer, ServesOthersWhileAnOrderIsUnderWay) {
+  const tests::TemporaryDirectory folder;
+  rack::RackConfiguration configuration = rack::single_device_rack("tmc8670");
+  configuration.clock = rack::ClockKind::lockstep;
+  configuration.segments[0].link = {link::LinkKind::udp, "127.0.0.1", free_udp_port()};
+  configuration.segments[0].devices[0].name = "servo";
+  configuration.state = folder.path() + "/state";
+  ServedRack rack(configuration, {.rack_time = std::chrono::milliseconds(500)});
+  const Answer late = rack.put("/api/v1/devices/servo/objects/1010/01", R"({"value": 1702257011})");
+  EXPECT_EQ(late.status, 503);
+  EXPECT_THAT(late.json()["detail"].get<std::string>(), HasSubstr("no master moves simulated"));
+  EXPECT_EQ(rack.get("/api/v1/devices/servo/objects/1018/01").status, 200);
+}
+
 TEST(WebServer, WritesObjectsOfACanDevice) {
   ServedRack rack;
   const std::string mode = "/api/v1/devices/servo/objects/6060/00";

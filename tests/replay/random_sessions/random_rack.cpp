@@ -124,6 +124,7 @@ void add_wires(Random& random, RackConfiguration& rack, const std::vector<Device
   }
 }
 
+/// Most that is put on an input; of torques, in N m, far more than any shaft here stands.
 constexpr double kMostValue = 60.0;
 constexpr double kMostTorque = 1000.0;
 
