@@ -1,10 +1,11 @@
 # A room is one folder below src/, one namespace stator::<room> and one static library stator_<room>
 # (alias stator::<room>). USES names the rooms it may include directly; scripts/check_layering.py
 # verifies every #include against the same lists. PRECOMPILED names large headers of libraries that most
-# of the room's sources include.
+# of the room's sources include. APART and ALONE are further sources, see stator_compile_together.
 function(stator_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;USES;LIBRARIES;PRECOMPILED" ${ARGN})
-  add_library(stator_${name} STATIC ${ROOM_SOURCES})
+  cmake_parse_arguments(ROOM "" "" "SOURCES;APART;ALONE;USES;LIBRARIES;PRECOMPILED" ${ARGN})
+  add_library(stator_${name} STATIC ${ROOM_SOURCES} ${ROOM_APART} ${ROOM_ALONE})
+  stator_compile_together(stator_${name} "${ROOM_SOURCES}" "${ROOM_APART}")
   add_library(stator::${name} ALIAS stator_${name})
   target_include_directories(stator_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(stator_${name} PRIVATE stator_compile_options)
@@ -17,6 +18,30 @@ function(stator_room name)
   elseif(TARGET stator_standard_headers)
     target_precompile_headers(stator_${name} REUSE_FROM stator_standard_headers)
   endif()
+endfunction()
+
+# Compiles sources of a target several at a time, which reads the headers they share once and halves the time. The names
+# that one source has for itself, in an unnamed namespace, are then seen by the next: a source with a name that another
+# one of the list has as well stands in the list `apart`, which is compiled together but not with `sources`, or in a list
+# that is not given here: such are compiled alone. The build for clang-tidy compiles each source alone and so sees what it
+# forgot to include.
+function(stator_compile_together target sources apart)
+  if(NOT STATOR_UNITY)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # To GCC each source of a group is a header, where a member of an unnamed namespace's type is a mistake.
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
+  foreach(list sources apart)
+    set(number 0)
+    foreach(source IN LISTS ${list})
+      math(EXPR group "${number} / 8")
+      math(EXPR number "${number} + 1")
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${list}_${group})
+    endforeach()
+  endforeach()
 endfunction()
 
 # Sources of a room that are compiled for processors with AVX2 or AVX-512 and run on those only. They
@@ -32,10 +57,12 @@ function(stator_vector_sources name)
 endfunction()
 
 # One GoogleTest program per room: tests/<room>/*.cpp, registered case by case with CTest, or with STATOR_TEST_SHARDS
-# in that many parts; of these the ones with the highest COST, 0 if it is not given, run first.
+# in that many parts; of these the ones with the highest COST, 0 if it is not given, run first. APART and
+# ALONE are further sources, see stator_compile_together.
 function(stator_test_suite name)
-  cmake_parse_arguments(SUITE "" "COST" "SOURCES;USES;LIBRARIES" ${ARGN})
-  add_executable(test_${name} ${SUITE_SOURCES})
+  cmake_parse_arguments(SUITE "" "COST" "SOURCES;APART;ALONE;USES;LIBRARIES" ${ARGN})
+  add_executable(test_${name} ${SUITE_SOURCES} ${SUITE_APART} ${SUITE_ALONE})
+  stator_compile_together(test_${name} "${SUITE_SOURCES}" "${SUITE_APART}")
   target_include_directories(test_${name} PRIVATE
     ${PROJECT_SOURCE_DIR}/tests ${STATOR_TEST_INCLUDES})
   foreach(used IN LISTS SUITE_USES)

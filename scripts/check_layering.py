@@ -86,7 +86,7 @@ def parse_uses(text):
         return None
     uses, keyword = {}, ""
     for token in re.finditer(r"\S+", call.group(1)):
-        if token.group() in ("SOURCES", "USES", "LIBRARIES"):
+        if token.group() in ("SOURCES", "APART", "ALONE", "USES", "LIBRARIES", "PRECOMPILED"):
             keyword = token.group()
         elif keyword == "USES":
             uses[token.group()] = text.count("\n", 0, call.start(1) + token.start()) + 1

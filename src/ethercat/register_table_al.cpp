@@ -10,7 +10,7 @@ using namespace notation;
 
 // Registers are {address, bits, name, effect, feature, repetition}, their fields {highest bit,
 // lowest bit, name, bus, host, reset, {line of the TMC8461 datasheet, of the TMC8670's}}.
-constexpr RegisterRow kRows[] = {
+constexpr RegisterRow kAlRows[] = {
     {0x0120, 16, "AL Control", E::al_control},
     {3, 0, "request_state", rw_if, rw_ack, 1, {3196, 1489}},
     {4, 4, "error_ind_ack", rw_if, rw_ack, 0, {3214, 1490}},
@@ -69,7 +69,7 @@ constexpr RegisterRow kRows[] = {
 }  // namespace
 
 std::span<const RegisterDeclaration> application_layer_registers() {
-  return RegisterTable<kRows>::registers();
+  return RegisterTable<kAlRows>::registers();
 }
 
 }  // namespace stator::ethercat

@@ -10,7 +10,7 @@ using namespace notation;
 
 // Registers are {address, bits, name, effect, feature, repetition}, their fields {highest bit,
 // lowest bit, name, bus, host, reset, {line of the TMC8461 datasheet, of the TMC8670's}}.
-constexpr RegisterRow kRows[] = {
+constexpr RegisterRow kDcRows[] = {
     {0x0900, 32, "Receive Time Port 0", E::receive_time, F::distributed_clocks},
     {31, 0, "rx_time_port0", rw_special, r, 0, {5247, 2236}},
     {0x0904, 32, "Receive Time Port 1", E::none, F::distributed_clocks},
@@ -117,7 +117,7 @@ constexpr RegisterRow kRows[] = {
 }  // namespace
 
 std::span<const RegisterDeclaration> distributed_clock_registers() {
-  return RegisterTable<kRows>::registers();
+  return RegisterTable<kDcRows>::registers();
 }
 
 }  // namespace stator::ethercat

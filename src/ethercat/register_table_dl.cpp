@@ -10,7 +10,7 @@ using namespace notation;
 
 // Registers are {address, bits, name, effect, feature, repetition}, their fields {highest bit,
 // lowest bit, name, bus, host, reset, {line of the TMC8461 datasheet, of the TMC8670's}}.
-constexpr RegisterRow kRows[] = {
+constexpr RegisterRow kDlRows[] = {
     {0x0000, 8, "Type"},
     {7, 0, "type", r, r, 0, {2409, 1263}},
     {0x0001, 8, "Revision"},
@@ -104,7 +104,7 @@ constexpr RegisterRow kRows[] = {
 }  // namespace
 
 std::span<const RegisterDeclaration> data_link_registers() {
-  return RegisterTable<kRows>::registers();
+  return RegisterTable<kDlRows>::registers();
 }
 
 }  // namespace stator::ethercat

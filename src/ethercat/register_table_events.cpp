@@ -10,7 +10,7 @@ using namespace notation;
 
 // Registers are {address, bits, name, effect, feature, repetition}, their fields {highest bit,
 // lowest bit, name, bus, host, reset, {line of the TMC8461 datasheet, of the TMC8670's}}.
-constexpr RegisterRow kRows[] = {
+constexpr RegisterRow kEventsRows[] = {
     {0x0200, 16, "ECAT Event Mask", E::event_mask},
     {15, 0, "ecat_event_mask", rw, r, 0, {3669, 1644}},
     {0x0204, 32, "AL Event Mask"},
@@ -93,7 +93,7 @@ constexpr RegisterRow kRows[] = {
 }  // namespace
 
 std::span<const RegisterDeclaration> event_registers() {
-  return RegisterTable<kRows>::registers();
+  return RegisterTable<kEventsRows>::registers();
 }
 
 }  // namespace stator::ethercat

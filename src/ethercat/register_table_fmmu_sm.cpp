@@ -10,7 +10,7 @@ using namespace notation;
 
 // Registers are {address, bits, name, effect, feature, repetition}, their fields {highest bit,
 // lowest bit, name, bus, host, reset, {line of the TMC8461 datasheet, of the TMC8670's}}.
-constexpr RegisterRow kRows[] = {
+constexpr RegisterRow kFmmuSmRows[] = {
     {0x0600, 32, "FMMU# Logical Start Address", E::fmmu, F::always, kEachFmmu},
     {31, 0, "log_start", rw, r, 0, {4809, 2065}},
     {0x0604, 16, "FMMU# Length", E::fmmu, F::always, kEachFmmu},
@@ -69,7 +69,7 @@ constexpr RegisterRow kRows[] = {
 }  // namespace
 
 std::span<const RegisterDeclaration> fmmu_and_sync_manager_registers() {
-  return RegisterTable<kRows>::registers();
+  return RegisterTable<kFmmuSmRows>::registers();
 }
 
 }  // namespace stator::ethercat

@@ -10,7 +10,7 @@ using namespace notation;
 
 // Registers are {address, bits, name, effect, feature, repetition}, their fields {highest bit,
 // lowest bit, name, bus, host, reset, {line of the TMC8461 datasheet, of the TMC8670's}}.
-constexpr RegisterRow kRows[] = {
+constexpr RegisterRow kIdentityRows[] = {
     {0x0E00, 64, "Product ID", E::none, F::product_identity},
     {63, 0, "product_id", r, r, 0, {6173, 2596}},
     {0x0E08, 64, "Vendor ID", E::none, F::product_identity},
@@ -22,7 +22,7 @@ constexpr RegisterRow kRows[] = {
 }  // namespace
 
 std::span<const RegisterDeclaration> identity_registers() {
-  return RegisterTable<kRows>::registers();
+  return RegisterTable<kIdentityRows>::registers();
 }
 
 }  // namespace stator::ethercat

@@ -10,7 +10,7 @@ using namespace notation;
 
 // Registers are {address, bits, name, effect, feature, repetition}, their fields {highest bit,
 // lowest bit, name, bus, host, reset, {line of the TMC8461 datasheet, of the TMC8670's}}.
-constexpr RegisterRow kRows[] = {
+constexpr RegisterRow kSiiMiiRows[] = {
     {0x0500, 8, "EEPROM Configuration", E::sii_access, F::sii_host_access},
     {0, 0, "offer_to_pdi", rw, r, 0, {4181, 1860}},
     {1, 1, "force_ecat_access", rw, r, 0, {4189, 1861}},
@@ -78,7 +78,7 @@ constexpr RegisterRow kRows[] = {
 }  // namespace
 
 std::span<const RegisterDeclaration> sii_and_mii_registers() {
-  return RegisterTable<kRows>::registers();
+  return RegisterTable<kSiiMiiRows>::registers();
 }
 
 }  // namespace stator::ethercat

@@ -20,7 +20,7 @@ constexpr Option kInitialSpeed{.name = "initial-speed",
                                .minimum = 1.0,
                                .maximum = 100'000.0,
                                .preset = {}};
-constexpr std::array kOptions{kInitialSpeed, kStep};
+constexpr std::array kBackEmfOptions{kInitialSpeed, kStep};
 constexpr int kSamples = 400;
 constexpr double kRpm = base::kPi / 30.0;
 constexpr std::array kParts{0.9, 0.8, 0.6, 0.4, 0.3, 0.2};
@@ -45,7 +45,7 @@ double peak_emf(const plant::ServoAxisParameters& axis, double speed) {
 }  // namespace
 
 std::span<const Option> back_emf_options() {
-  return kOptions;
+  return kBackEmfOptions;
 }
 
 Result measure_back_emf(const BenchSetup& setup, const Values& values) {

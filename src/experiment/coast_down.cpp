@@ -20,7 +20,7 @@ constexpr Option kInitialSpeed{.name = "initial-speed",
                                .minimum = 0.01,
                                .maximum = 1000.0,
                                .preset = {}};
-constexpr std::array kOptions{kInitialSpeed, kStep};
+constexpr std::array kCoastDownOptions{kInitialSpeed, kStep};
 constexpr int kSamples = 400;
 /// Speeds compared, as parts of the initial one.
 constexpr std::array kParts{0.8, 0.6, 0.4, 0.3, 0.2, 0.1};
@@ -30,7 +30,7 @@ constexpr double kClearOfDetent = 3.0;
 }  // namespace
 
 std::span<const Option> coast_down_options() {
-  return kOptions;
+  return kCoastDownOptions;
 }
 
 Result measure_coast_down(const BenchSetup& setup, const Values& values) {

@@ -13,7 +13,7 @@ namespace stator::experiment {
 
 namespace {
 
-constexpr std::array kOptions{kCurrent, kStep};
+constexpr std::array kFreeAccelerationOptions{kCurrent, kStep};
 constexpr int kSamples = 400;
 constexpr int kStarts = 8;
 constexpr double kBeyondCorner = 1.8;  ///< times the time to the corner speed that are shown
@@ -47,7 +47,7 @@ Trace mean_start(plant::StepperAxisParameters axis, double current, base::SimDur
 }  // namespace
 
 std::span<const Option> free_acceleration_options() {
-  return kOptions;
+  return kFreeAccelerationOptions;
 }
 
 /// The shaft is held by a brake until the current flows, then let go; from there the field leads

@@ -18,7 +18,7 @@ constexpr Option number(std::string_view name, std::string_view unit, std::strin
   return {name, unit, help, minimum, maximum, preset};
 }
 
-constexpr std::array kOptions{
+constexpr std::array kMoveOptions{
     number("distance", "rev", "How far", 0.01, 10'000.0, 5.0),
     number("speed", "rev/s", "Profile velocity, 6081h", 0.01, 100.0, 5.0),
     number("acceleration", "rev/s2", "Profile acceleration and deceleration, 6083h and 6084h", 0.1,
@@ -106,7 +106,7 @@ class MeanOverStretch {
 }  // namespace
 
 std::span<const Option> move_options() {
-  return kOptions;
+  return kMoveOptions;
 }
 
 Result measure_move(const BenchSetup& setup, const Values& values) {

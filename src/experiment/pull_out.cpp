@@ -42,7 +42,7 @@ constexpr Option kDamper{.name = "damper",
                          .minimum = 0.0,
                          .maximum = 10.0,
                          .preset = {}};
-constexpr std::array kOptions{kCurrent, kFrom, kTo, kPoints, kDamper, kStep};
+constexpr std::array kPullOutOptions{kCurrent, kFrom, kTo, kPoints, kDamper, kStep};
 
 constexpr double kDampingRatio = 0.25;
 constexpr double kSaturated = 2.0;  ///< regulator demand from which on voltages are square waves
@@ -180,7 +180,7 @@ void add_equations(Panel& panel, const Equations& equations, double current, dou
 }  // namespace
 
 std::span<const Option> pull_out_options() {
-  return kOptions;
+  return kPullOutOptions;
 }
 
 Result measure_pull_out(const BenchSetup& setup, const Values& values) {

@@ -32,7 +32,7 @@ constexpr Option kHysteresis{.name = "chopper-hysteresis",
                              .minimum = 0.01,
                              .maximum = 100.0,
                              .preset = 0.5};
-constexpr std::array kOptions{kBraking, kLimit, kHysteresis, kStep};
+constexpr std::array kRegenerationOptions{kBraking, kLimit, kHysteresis, kStep};
 constexpr double kRpm = base::kPi / 30.0;
 constexpr int kSamples = 400;
 constexpr std::array kParts{0.4, 0.6, 0.8, 1.0};  ///< of the time power is returned
@@ -91,7 +91,7 @@ Trace brake(const plant::ServoAxisParameters& axis, const Braking& braking, base
 }  // namespace
 
 std::span<const Option> regeneration_options() {
-  return kOptions;
+  return kRegenerationOptions;
 }
 
 /// The shaft turns at 80 % of the speed its supply allows and is braked with a constant current,

@@ -18,7 +18,7 @@ constexpr Option kSwing{.name = "swing",
                         .minimum = 1.0,
                         .maximum = 128.0,
                         .preset = 24.0};
-constexpr std::array kOptions{kCurrent, kSwing, kStep};
+constexpr std::array kResonanceOptions{kCurrent, kSwing, kStep};
 
 constexpr double kSettling = 1.0;       ///< s before the step
 constexpr double kSmallestSwing = 0.2;  ///< of the first: smaller ones are not evaluated
@@ -152,7 +152,7 @@ class DampedSwing {
 }  // namespace
 
 std::span<const Option> resonance_options() {
-  return kOptions;
+  return kResonanceOptions;
 }
 
 Result measure_resonance(const BenchSetup& setup, const Values& values) {

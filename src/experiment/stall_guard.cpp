@@ -15,7 +15,7 @@ namespace stator::experiment {
 
 namespace {
 
-constexpr std::array kOptions{
+constexpr std::array kStallGuardOptions{
     Option{.name = "speed",
            .unit = "rev/s",
            .help = "Speed at which is measured; else that of half the largest value",
@@ -98,7 +98,7 @@ class LoadedModule {
 }  // namespace
 
 std::span<const Option> stall_guard_options() {
-  return kOptions;
+  return kStallGuardOptions;
 }
 
 Result measure_stall_guard(const BenchSetup& setup, const Values& values) {

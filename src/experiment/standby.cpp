@@ -15,7 +15,7 @@ constexpr Option setting(std::string_view name, std::string_view help, double pr
   return {.name = name, .unit = "", .help = help, .minimum = 0, .maximum = 255, .preset = preset};
 }
 
-constexpr std::array kOptions{
+constexpr std::array kStandbyOptions{
     setting("run", "Run current, 2003h", 128.0),
     setting("boost", "Boost current, 204Eh; 0 = none", 200.0),
     setting("standby", "Standby current, 2004h", 40.0),
@@ -74,7 +74,7 @@ Panel all_settings(const BenchSetup& setup, Result& result) {
 }  // namespace
 
 std::span<const Option> standby_options() {
-  return kOptions;
+  return kStandbyOptions;
 }
 
 Result measure_standby(const BenchSetup& setup, const Values& values) {

@@ -26,7 +26,7 @@ constexpr Option kPoints{.name = "points",
                          .minimum = 3.0,
                          .maximum = 200.0,
                          .preset = 21.0};
-constexpr std::array kOptions{kVoltage, kPoints, kStep};
+constexpr std::array kTorqueSpeedOptions{kVoltage, kPoints, kStep};
 constexpr double kRpm = base::kPi / 30.0;
 /// kg m^2; a machine that holds the speed.
 constexpr double kFlywheel = 1e3;
@@ -87,7 +87,7 @@ double free_speed(const plant::ServoAxisParameters& axis, const ServoEquations& 
 }  // namespace
 
 std::span<const Option> torque_speed_options() {
-  return kOptions;
+  return kTorqueSpeedOptions;
 }
 
 Result measure_torque_speed(const BenchSetup& setup, const Values& values) {
