@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "base/event.hpp"
 #include "ethercat/al_state.hpp"
 
 namespace stator::ethercat {
@@ -84,5 +85,11 @@ inline constexpr std::array<AlTransition, 11> kAlTransitions{{
   }
   return std::nullopt;
 }
+
+namespace rules {
+/// Arguments: {0} state before, {1} state after.
+inline constexpr base::EventRule kAlStateChanged{"al-state-changed", base::Severity::information,
+                                                 "state {0} -> {1}"};
+}  // namespace rules
 
 }  // namespace stator::ethercat

@@ -81,8 +81,6 @@ namespace rules {
 inline constexpr base::EventRule kAlErrorRaised{
     "al-error-raised", base::Severity::fault,
     "error in {0} with AL status {1:x4}; acknowledge with bit 4 of AL control"};
-inline constexpr base::EventRule kAlStateChanged{"al-state-changed", base::Severity::information,
-                                                 "state {0} -> {1}"};
 inline constexpr base::EventRule kAlUnknownState{
     "al-unknown-state", base::Severity::refusal,
     "state change refused, AL status 0012h: AL control requests state {0}, which is none of 1, 2, "

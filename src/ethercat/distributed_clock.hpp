@@ -5,8 +5,8 @@
 #include <span>
 
 #include "base/sim_time.hpp"
+#include "ethercat/forwarding.hpp"
 #include "ethercat/register_table.hpp"
-#include "ethercat/topology.hpp"
 
 namespace stator::ethercat {
 

@@ -6,7 +6,7 @@
 
 #include "base/byte_order.hpp"
 #include "ethercat/al_state.hpp"
-#include "ethercat/application_layer.hpp"
+#include "ethercat/al_transition.hpp"
 #include "ethercat/register_addresses.hpp"
 #include "ethercat/slave_controller.hpp"
 

@@ -13,6 +13,7 @@
 #include "ethercat/distributed_clock.hpp"
 #include "ethercat/ecat_event.hpp"
 #include "ethercat/fmmu.hpp"
+#include "ethercat/forwarding.hpp"
 #include "ethercat/frame.hpp"
 #include "ethercat/frame_work.hpp"
 #include "ethercat/latch_unit.hpp"
@@ -28,7 +29,6 @@
 #include "ethercat/sync_manager.hpp"
 #include "ethercat/sync_unit.hpp"
 #include "ethercat/time_stamp.hpp"
-#include "ethercat/topology.hpp"
 #include "ethercat/watchdog.hpp"
 
 namespace stator::ethercat {

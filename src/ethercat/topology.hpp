@@ -8,10 +8,9 @@
 #include <vector>
 
 #include "base/sim_time.hpp"
+#include "ethercat/forwarding.hpp"
 
 namespace stator::ethercat {
-
-inline constexpr unsigned kPortsPerSlave = 4;
 
 /// A network interface of the master. One with cable redundancy has two: the primary at the head of
 /// a ring of slaves, the secondary at its tail.
@@ -23,17 +22,6 @@ struct SlavePort {
   std::size_t slave = 0;  ///< in the order in which slaves were added
   unsigned port = 0;      ///< 0..3
   friend bool operator==(const SlavePort&, const SlavePort&) = default;
-};
-
-/// What a slave does with frames at present.
-struct SlaveForwarding {
-  std::uint8_t open_ports = 0;  ///< bit n: loop of port n open; else frames go on to the next port
-  std::uint8_t links = 0;       ///< bit n: what leaves port n reaches the other end of the cable
-  bool marks_circulating = false;  ///< no link at port 0 and its loop closed by itself
-  base::SimDuration delay;         ///< from receiving at one port to sending at the next open one
-  std::array<base::SimDuration, kPortsPerSlave> transmit_delay{};  ///< more of what leaves a port
-  std::int32_t clock_deviation_ppb = 0;
-  std::uint8_t fifo_size = 7;  ///< of the receive FIFOs, 0x0102
 };
 
 /// Which port is connected to which. Fixed as long as nobody plugs a cable into another port.
@@ -63,13 +51,6 @@ class Wiring {
  private:
   std::vector<std::array<Peer, kPortsPerSlave>> peers_;
   std::array<std::optional<SlavePort>, kMasterInterfaces> entries_;
-};
-
-/// When the first bit of a frame reaches a slave, counted from the master's interface.
-struct ArrivalTimes {
-  base::SimDuration processing_unit;
-  std::array<base::SimDuration, kPortsPerSlave> port{};
-  std::uint8_t ports = 0;  ///< bit n: the frame is received at port n
 };
 
 /// A frame comes in at a port: what its receive FIFO makes of it.
