@@ -18,7 +18,7 @@ constexpr base::SimDuration kShortestWait = 1_us;
 
 CanNetwork::CanNetwork(const BusConfiguration& configuration)
     : name_(configuration.name),
-      tap_(configuration),
+      tap_(configuration.log, configuration.capture, configuration.name),
       bus_({.bit_rate = configuration.bit_rate,
             .ports_acknowledge = configuration.ports_acknowledge}) {
   look_at_wire();

@@ -13,8 +13,9 @@
 #include "can/port.hpp"
 #include "devices/can_device.hpp"
 #include "devices/signal.hpp"
+#include "rack/bus_configuration.hpp"
 #include "rack/can_tap.hpp"
-#include "rack/rack_configuration.hpp"
+#include "rack/rack_event.hpp"
 #include "rack/traffic_tap.hpp"
 
 namespace stator::rack {

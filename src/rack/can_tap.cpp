@@ -17,12 +17,12 @@ auto require(Opened opened) {
 
 }  // namespace
 
-CanTap::CanTap(const BusConfiguration& configuration) {
-  if (!configuration.log.empty()) {
-    log_ = require(link::CandumpLog::open(configuration.log, configuration.name));
+CanTap::CanTap(const std::string& log, const std::string& capture, const std::string& name) {
+  if (!log.empty()) {
+    log_ = require(link::CandumpLog::open(log, name));
   }
-  if (!configuration.capture.empty()) {
-    capture_ = require(link::CanCapture::open(configuration.capture));
+  if (!capture.empty()) {
+    capture_ = require(link::CanCapture::open(capture));
   }
 }
 

@@ -2,12 +2,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "base/sim_time.hpp"
 #include "can/bus.hpp"
 #include "link/can_log.hpp"
 #include "rack/output_files.hpp"
-#include "rack/rack_configuration.hpp"
 #include "rack/traffic_tap.hpp"
 
 namespace stator::rack {
@@ -16,8 +16,9 @@ namespace stator::rack {
 /// watches.
 class CanTap {
  public:
-  /// Opens them; throws std::runtime_error with file and reason when that fails.
-  explicit CanTap(const BusConfiguration& configuration);
+  /// Opens the files of the bus `name`, of which an empty one is none. Throws std::runtime_error
+  /// with file and reason when that fails.
+  CanTap(const std::string& log, const std::string& capture, const std::string& name);
 
   /// There is nothing to write to.
   [[nodiscard]] bool empty() const {

@@ -12,6 +12,11 @@
 
 namespace stator::rack {
 
+enum class ClockKind : std::uint8_t {
+  real,      ///< simulated time follows the machine's clock
+  lockstep,  ///< simulated time moves only with the master's frames
+};
+
 /// Simulated time that follows the machine's monotonic clock from the moment of construction on,
 /// which is `start`.
 class RealClock {

@@ -9,8 +9,9 @@
 #include "can/frame.hpp"
 #include "can/port.hpp"
 #include "ethercat/topology.hpp"
+#include "rack/device_address.hpp"
 #include "rack/device_storage.hpp"
-#include "rack/rack_configuration.hpp"
+#include "rack/rack_event.hpp"
 
 namespace stator::rack {
 

@@ -17,7 +17,8 @@
 #include "board/vcd.hpp"
 #include "devices/tmc8461/tmc8461.hpp"
 #include "link/background_output.hpp"
-#include "rack/rack_configuration.hpp"
+#include "rack/clock.hpp"
+#include "rack/trace_configuration.hpp"
 
 namespace stator::rack {
 

@@ -172,10 +172,12 @@ void Rack::connect_lines(const RackConfiguration& configuration) {
 
 void Rack::connect_wires(const RackConfiguration& configuration) {
   for (const WireConfiguration& wire : configuration.wires) {
-    CanNetwork* network =
-        wire.to.kind == NetworkKind::bus ? buses_[wire.to.network].network.get() : nullptr;
+    const Wires::Touched touched =
+        wire.to.kind == NetworkKind::bus
+            ? Wires::Touched::bind<&CanNetwork::touched>(*buses_[wire.to.network].network)
+            : Wires::Touched();
     wires_.add(wire, device(wire.from).signals(), inputs(wire.to),
-               held_inputs_[{wire.to, wire.input}], network);
+               held_inputs_[{wire.to, wire.input}], touched);
   }
 }
 

@@ -14,8 +14,8 @@
 #include "devices/device.hpp"
 #include "rack/byte_queue.hpp"
 #include "rack/can_network.hpp"
-#include "rack/rack_configuration.hpp"
 #include "rack/serial_faults.hpp"
+#include "rack/serial_line_configuration.hpp"
 #include "tmcl/serial_port.hpp"
 
 namespace stator::rack {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "rack/device_configuration.hpp"
 #include "rack/serial_line.hpp"
 
 namespace stator::rack {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/sim_time.hpp"
-#include "rack/rack_configuration.hpp"
+#include "rack/rack_event.hpp"
 
 namespace stator::rack {
 

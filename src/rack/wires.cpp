@@ -6,7 +6,7 @@
 namespace stator::rack {
 
 void Wires::add(const WireConfiguration& wire, std::span<const devices::Signal> signals,
-                std::span<const devices::Input> inputs, Held<double>& held, CanNetwork* network) {
+                std::span<const devices::Input> inputs, Held<double>& held, Touched touched) {
   const auto signal = std::ranges::find(signals, wire.signal, &devices::Signal::name);
   const auto input = std::ranges::find(inputs, wire.input, &devices::Input::name);
   if (signal == signals.end() || input == inputs.end()) {
@@ -16,7 +16,7 @@ void Wires::add(const WireConfiguration& wire, std::span<const devices::Signal> 
   }
   // A value is put into the ring and taken out of it at the same instant when there is no delay.
   const auto places = static_cast<std::size_t>(wire.delay / kWirePeriod) + 1;
-  wires_.push_back({wire, *signal, *input, &held, network,
+  wires_.push_back({wire, *signal, *input, &held, touched,
                     std::vector<std::optional<double>>(places, std::nullopt)});
   next_ = base::SimTime(base::SimDuration(0));
 }
@@ -46,8 +46,8 @@ void Wires::act(base::SimTime instant) {
       continue;
     }
     wire.input.set(*wire.arrived);
-    if (wire.network != nullptr) {
-      wire.network->touched(wire.configuration.to.device);
+    if (wire.touched) {
+      wire.touched(wire.configuration.to.device);
     }
   }
   next_ = instant + kWirePeriod;

@@ -5,12 +5,12 @@
 #include <span>
 #include <vector>
 
+#include "base/delegate.hpp"
 #include "base/sim_time.hpp"
 #include "devices/input.hpp"
 #include "devices/signal.hpp"
-#include "rack/can_network.hpp"
 #include "rack/held.hpp"
-#include "rack/rack_configuration.hpp"
+#include "rack/wire_configuration.hpp"
 
 namespace stator::rack {
 
@@ -20,11 +20,14 @@ namespace stator::rack {
 /// devices matters.
 class Wires {
  public:
-  /// `signals` and `inputs` are those of the devices the wire joins. `network` is the CAN network
-  /// of the second one, null for a device on EtherCAT. `held` says whether a fault holds the input
-  /// and must outlive the wires. Throws std::runtime_error when signal or input does not exist.
+  /// Is told which device of its network had an input set.
+  using Touched = base::Delegate<void(std::size_t)>;
+
+  /// `signals` and `inputs` are those of the devices the wire joins. `touched` is for the network
+  /// of the second one, empty if it need not know. `held` says whether a fault holds the input and
+  /// must outlive the wires. Throws std::runtime_error when signal or input does not exist.
   void add(const WireConfiguration& wire, std::span<const devices::Signal> signals,
-           std::span<const devices::Input> inputs, Held<double>& held, CanNetwork* network);
+           std::span<const devices::Input> inputs, Held<double>& held, Touched touched);
 
   /// When they act next; SimTime::never() if there are none.
   [[nodiscard]] base::SimTime next() const { return next_; }
@@ -38,7 +41,7 @@ class Wires {
     devices::Signal signal;
     devices::Input input;
     Held<double>* held = nullptr;
-    CanNetwork* network = nullptr;
+    Touched touched{};
     std::vector<std::optional<double>> delayed;  ///< ring of what is on its way
     std::size_t place = 0;                       ///< of the oldest value in it
     std::optional<double> arrived{};             ///< what the wire carries at its far end
