@@ -7,7 +7,7 @@
 #include "rack/fault_commands.hpp"
 #include "rack/fault_mailbox.hpp"
 #include "rack/rack.hpp"
-#include "rack/surroundings_faults.hpp"
+#include "rack/surroundings_effect.hpp"
 
 namespace stator::rack {
 

@@ -1,4 +1,4 @@
-// What faults of motor, load, sensors and supply do to a running rack.
+#include "rack/surroundings_effect.hpp"
 
 #include <algorithm>
 #include <utility>

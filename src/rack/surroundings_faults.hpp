@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -8,7 +7,6 @@
 
 #include "devices/input.hpp"
 #include "rack/fault_configuration.hpp"
-#include "rack/fault_effects.hpp"
 
 namespace stator::rack {
 
@@ -39,8 +37,5 @@ struct SettingProblem {
 };
 [[nodiscard]] SettingProblem setting_problem(const FaultConfiguration& fault,
                                              std::span<const devices::Input> inputs);
-
-[[nodiscard]] std::unique_ptr<FaultEffect> make_surroundings_effect(
-    Rack& rack, const FaultConfiguration& fault);
 
 }  // namespace stator::rack
