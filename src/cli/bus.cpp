@@ -10,7 +10,8 @@
 
 #include "cli/failure.hpp"
 #include "cli/logging.hpp"
-#include "cli/run_options.hpp"
+#include "cli/option_values.hpp"
+#include "link/link_address.hpp"
 #include "link/open_link.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/rack_file.hpp"
@@ -50,14 +51,6 @@ master::MasterOptions master_options_of(const BusOptions& options) {
   // An access to an EEPROM takes several frames.
   limits.sii_timeout = std::max(limits.sii_timeout, limits.frame_timeout * 2);
   return limits;
-}
-
-link::LinkAddress link_of(const std::string& text) {
-  const auto address = link::parse_link_address(text);
-  if (!address) {
-    throw Failure(address.error().text);
-  }
-  return *address;
 }
 
 Bus::Bus(const BusOptions& options) {

@@ -7,7 +7,6 @@
 #include "base/sim_time.hpp"
 #include "link/capturing_link.hpp"
 #include "link/ethernet_link.hpp"
-#include "link/link_address.hpp"
 #include "link/pcap_writer.hpp"
 #include "master/frame_port.hpp"
 #include "master/master_options.hpp"
@@ -38,9 +37,6 @@ void add_bus_options(CLI::App& command, BusOptions& options);
 
 /// The limits of a master on that bus. Throws Failure.
 [[nodiscard]] master::MasterOptions master_options_of(const BusOptions& options);
-
-/// The link as the command line names it. Throws Failure naming the forms there are.
-[[nodiscard]] link::LinkAddress link_of(const std::string& text);
 
 /// The opened bus. Exactly one of link, rack_file and device must be given; throws Failure
 /// otherwise or when something cannot be opened.

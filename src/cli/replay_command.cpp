@@ -10,6 +10,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/failure.hpp"
+#include "cli/option_values.hpp"
 #include "cli/recorded_run.hpp"
 
 namespace stator::cli {

@@ -25,6 +25,7 @@
 #include "cli/failure.hpp"
 #include "cli/live_session.hpp"
 #include "cli/logging.hpp"
+#include "cli/option_values.hpp"
 #include "cli/run_options.hpp"
 #include "cli/run_report.hpp"
 #include "cli/standard_output.hpp"

@@ -6,16 +6,15 @@
 
 #include <fmt/format.h>
 
-#include "cli/bus.hpp"
 #include "cli/chip_sockets.hpp"
 #include "cli/failure.hpp"
+#include "cli/option_values.hpp"
 #include "cli/run_options.hpp"
 #include "cli/serial_lines.hpp"
 #include "link/can_link_address.hpp"
 #include "link/serial_link.hpp"
 #include "rack/product_catalogue.hpp"
 #include "rack/rack_file.hpp"
-#include "rack/text.hpp"
 
 namespace stator::cli {
 
@@ -151,15 +150,6 @@ rack::TraceConfiguration trace_of(const std::string& text) {
 }
 
 }  // namespace
-
-base::SimDuration duration_option(const std::string& name, const std::string& text) {
-  const auto duration = rack::parse_duration(text);
-  if (!duration || *duration <= base::SimDuration(0)) {
-    throw Failure(
-        fmt::format("{} \"{}\" is no duration; write e.g. 1ms, 250us or 10s", name, text));
-  }
-  return *duration;
-}
 
 rack::RackConfiguration configuration_of(const RunOptions& options) {
   rack::RackConfiguration configuration = base_configuration(options);

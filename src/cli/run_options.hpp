@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "base/sim_time.hpp"
 #include "cli/web_server.hpp"
 #include "rack/rack_configuration.hpp"
 
@@ -47,9 +46,6 @@ struct RunOptions {
 
 /// Adds the options of "stator run" to `command`; `options` must outlive it.
 void add_run_options(CLI::App& command, RunOptions& options);
-
-/// Reads the duration given with option `name`. Throws Failure if `text` is none or not positive.
-[[nodiscard]] base::SimDuration duration_option(const std::string& name, const std::string& text);
 
 /// The rack file's configuration with the command line's options on top. Throws Failure for options
 /// that the rack has no place for, or std::runtime_error for a bad rack file.
