@@ -1,8 +1,8 @@
-# Run at build time: writes OUTPUT, a C++ source with the files below ROOT as web/assets.hpp declares
+# Run at build time: writes OUTPUT, a C++ source with the files below ROOT as stator/web/api/assets.hpp declares
 # them.
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/*)
 list(SORT files)
-set(source "// Made by cmake/embed_assets.cmake.\n#include \"web/assets.hpp\"\n\n#include <array>\n\n")
+set(source "// Made by cmake/embed_assets.cmake.\n#include \"stator/web/api/assets.hpp\"\n\n#include <array>\n\n")
 string(APPEND source "namespace stator::web {\n\nnamespace {\n\n")
 set(rows "")
 set(number 0)

@@ -2,7 +2,7 @@
 # of what became of them, from DOCS/<device>.csv and DATA/<device>/requirements.csv.
 file(GLOB tables ${DOCS}/*.csv)
 list(SORT tables)
-set(source "// Made by cmake/embed_conformance.cmake.\n#include \"cli/conformance_data.hpp\"\n\n#include <array>\n\n")
+set(source "// Made by cmake/embed_conformance.cmake.\n#include \"stator/cli/describe/conformance_data.hpp\"\n\n#include <array>\n\n")
 string(APPEND source "namespace stator::cli {\n\nnamespace {\n\n")
 set(index "")
 set(number 0)

@@ -1,4 +1,4 @@
-# A room is one folder below src/, one namespace stator::<room> and one static library stator_<room>
+# A room is one folder below src/stator/, one namespace stator::<room> and one static library stator_<room>
 # (alias stator::<room>). USES names the rooms it may include directly; scripts/check_layering.py
 # verifies every #include against the same lists. PRECOMPILED names large headers of libraries that most
 # of the room's sources include. APART and ALONE are further sources, see stator_compile_together.

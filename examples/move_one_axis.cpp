@@ -3,9 +3,9 @@
 
 #include <cstdio>
 
-#include "master/cia402_client.hpp"
-#include "rack/local_port.hpp"
-#include "rack/product_catalogue.hpp"
+#include "stator/master/cia402/cia402_client.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/ports/local_port.hpp"
 
 namespace {
 

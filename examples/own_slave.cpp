@@ -12,11 +12,11 @@
 #include <span>
 #include <vector>
 
-#include "base/byte_order.hpp"
-#include "ethercat/segment.hpp"
-#include "ethercat/sii_interface.hpp"
-#include "ethercat/slave_controller_presets.hpp"
-#include "link/open_link.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/ethercat/controller/slave_controller_presets.hpp"
+#include "stator/ethercat/segment/segment.hpp"
+#include "stator/ethercat/units/sii_interface.hpp"
+#include "stator/link/ethernet/open_link.hpp"
 
 namespace {
 

@@ -5,11 +5,11 @@
 #include <string_view>
 #include <vector>
 
-#include "devices/tmcm_142/parameters.hpp"
 #include "input.hpp"
-#include "tmcl/assembler.hpp"
-#include "tmcl/disassembler.hpp"
-#include "tmcl/program_image.hpp"
+#include "stator/devices/tmcm_142/parameters.hpp"
+#include "stator/tmcl/assembler/assembler.hpp"
+#include "stator/tmcl/assembler/disassembler.hpp"
+#include "stator/tmcl/assembler/program_image.hpp"
 
 namespace {
 

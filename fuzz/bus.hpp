@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <span>
 
-#include "base/sim_time.hpp"
-#include "ethercat/frame.hpp"
-#include "ethercat/segment.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/ethercat/segment/segment.hpp"
+#include "stator/ethercat/standard/frame.hpp"
 
 namespace stator::fuzz {
 

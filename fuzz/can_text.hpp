@@ -6,7 +6,7 @@
 #include <string>
 
 #include "input.hpp"
-#include "link/can_stream_session.hpp"
+#include "stator/link/can/can_stream_session.hpp"
 
 namespace stator::fuzz {
 

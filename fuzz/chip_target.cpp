@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "devices/tmc8461/tmc8461.hpp"
 #include "input.hpp"
-#include "link/chip_message.hpp"
-#include "rack/chip_session.hpp"
+#include "stator/devices/tmc8461/tmc8461.hpp"
+#include "stator/link/serial/chip_message.hpp"
+#include "stator/rack/run/chip_session.hpp"
 
 namespace {
 

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "bus.hpp"
-#include "ethercat/segment.hpp"
-#include "ethercat/sii_interface.hpp"
-#include "ethercat/slave_controller.hpp"
 #include "input.hpp"
+#include "stator/ethercat/controller/slave_controller.hpp"
+#include "stator/ethercat/segment/segment.hpp"
+#include "stator/ethercat/units/sii_interface.hpp"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "input.hpp"
-#include "rack/kept_file.hpp"
+#include "stator/rack/kept/kept_file.hpp"
 
 namespace {
 

@@ -5,10 +5,10 @@
 #include <array>
 #include <cstdint>
 
-#include "base/byte_order.hpp"
 #include "bus.hpp"
-#include "devices/tmcm_3315/tmcm_3315.hpp"
 #include "input.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace {
 

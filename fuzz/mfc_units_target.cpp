@@ -9,12 +9,12 @@
 #include <span>
 
 #include "input.hpp"
-#include "mfc/encoder.hpp"
-#include "mfc/i2c_master.hpp"
-#include "mfc/pwm.hpp"
-#include "mfc/spi_master.hpp"
-#include "mfc/step_direction.hpp"
-#include "mfc/watchdog.hpp"
+#include "stator/mfc/units/encoder.hpp"
+#include "stator/mfc/units/i2c_master.hpp"
+#include "stator/mfc/units/pwm.hpp"
+#include "stator/mfc/units/spi_master.hpp"
+#include "stator/mfc/units/step_direction.hpp"
+#include "stator/mfc/units/watchdog.hpp"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "input.hpp"
-#include "link/multicast_message.hpp"
+#include "stator/link/can/multicast_message.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace stator::link;

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "canopen/node.hpp"
 #include "input.hpp"
+#include "stator/canopen/nmt/node.hpp"
 
 namespace {
 

@@ -8,14 +8,14 @@
 #include <initializer_list>
 #include <vector>
 
-#include "base/byte_order.hpp"
-#include "canopen/emergency_producer.hpp"
-#include "canopen/nmt_command.hpp"
-#include "canopen/node.hpp"
-#include "canopen/pdo_service.hpp"
-#include "canopen/sync_consumer.hpp"
-#include "canopen/sync_producer.hpp"
 #include "input.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/canopen/emergency/emergency_producer.hpp"
+#include "stator/canopen/nmt/node.hpp"
+#include "stator/canopen/nmt_command.hpp"
+#include "stator/canopen/pdo/pdo_service.hpp"
+#include "stator/canopen/sync/sync_consumer.hpp"
+#include "stator/canopen/sync/sync_producer.hpp"
 
 namespace {
 

@@ -2,7 +2,7 @@
 // are ones that can be on a bus, and every frame it writes it reads again as the same one.
 
 #include "can_text.hpp"
-#include "link/slcan_session.hpp"
+#include "stator/link/can/slcan_session.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   stator::link::SlcanSession session(size % 2 == 0);

@@ -3,7 +3,7 @@
 #include <tuple>
 
 #include "can_text.hpp"
-#include "link/socketcand_session.hpp"
+#include "stator/link/can/socketcand_session.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   stator::link::SocketcandSession session;

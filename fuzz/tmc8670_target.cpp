@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "bus.hpp"
-#include "devices/tmc8670/tmc8670.hpp"
 #include "input.hpp"
-#include "tmcl/serial_port.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
+#include "stator/tmcl/sessions/serial_port.hpp"
 
 namespace {
 

@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "input.hpp"
-#include "tmcl/can_session.hpp"
-#include "tmcl/command.hpp"
+#include "stator/tmcl/command.hpp"
+#include "stator/tmcl/interpreter/firmware.hpp"
+#include "stator/tmcl/sessions/can_session.hpp"
+#include "stator/tmcl/sessions/serial_session.hpp"
+#include "stator/tmcl/telegram.hpp"
 #include "tmcl/fake_module.hpp"
-#include "tmcl/firmware.hpp"
 #include "tmcl/serial_line.hpp"
-#include "tmcl/serial_session.hpp"
-#include "tmcl/telegram.hpp"
 
 namespace {
 

@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "can/frame.hpp"
-#include "devices/tmcm_142/tmcm_142.hpp"
 #include "input.hpp"
-#include "tmcl/command.hpp"
+#include "stator/can/frame.hpp"
+#include "stator/devices/tmcm_142/tmcm_142.hpp"
+#include "stator/tmcl/command.hpp"
 
 namespace {
 

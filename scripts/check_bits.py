@@ -34,8 +34,8 @@ def flags_of(compiler):
 
 
 def sources():
-    found = [path for room in ROOMS for path in sorted((ROOT / "src" / room).glob("*.cpp"))]
-    found += sorted((ROOT / "src" / "control").glob(CONTROL))
+    found = [path for room in ROOMS for path in sorted((ROOT / "src" / "stator" / room).rglob("*.cpp"))]
+    found += sorted((ROOT / "src" / "stator" / "control").rglob(CONTROL))
     return found + [ROOT / "tests" / "plant" / "bits_main.cpp"]
 
 

@@ -1,10 +1,16 @@
 #!/usr/bin/env python3
-"""Checks that the rooms of src/ keep to the table in docs/architecture.md.
+"""Checks that the rooms of src/stator/ and their folders keep to the table in docs/architecture.md.
 
 Rules:
-  table     every room has a row in the table, and a room may use only rooms of rows below its own
-  uses      the USES list of src/<room>/CMakeLists.txt names only rooms the table allows
-  include   an #include "<room>/..." names the own room or one of the USES list
+  table     every room has a row in the table, and a room may use only rooms of rows below its own;
+            the row of a room with folders names them from top to bottom, and no others exist
+  uses      the USES list of src/stator/<room>/CMakeLists.txt names only rooms the table allows
+  include   an #include "stator/<room>/..." names the own room or one of the USES list
+  folder    within a room a file includes from its own folder and from lower ones; files that stand in
+            the room itself are below all its folders
+  internal  a folder internal/ is included from only by the files of the folder it stands in, and by
+            its own
+  size      no folder has more than 40 files (sources, headers, CMakeLists.txt)
   portable  a portable room includes no header of the operating system, of threads, clocks or streams,
             takes no randomness that is not seeded and calls none of libm's transcendental functions,
             whose last bits differ between machines
@@ -18,7 +24,13 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-TABLE_ROW = re.compile(r"^\|\s*`(\w+)`\s*\|.*\|\s*([^|]*?)\s*\|\s*(yes|no)\s*\|\s*$")
+SOURCES = Path("src") / "stator"
+PREFIX = "stator"
+INTERNAL = "internal"
+LARGEST_FOLDER = 40
+
+TABLE_ROW = re.compile(
+    r"^\|\s*`(\w+)`(?::\s*([^|]*?))?\s*\|.*\|\s*([^|]*?)\s*\|\s*(yes|no)\s*\|\s*$")
 
 FORBIDDEN_HEADERS = re.compile(
     r"^(thread|chrono|mutex|shared_mutex|condition_variable|future|semaphore|latch|barrier|stop_token"
@@ -31,15 +43,15 @@ _LIBM = "sin|cos|tan|sincos|asin|acos|atan|atan2|sinh|cosh|tanh|exp|exp2|expm1|l
 FORBIDDEN_NAMES = (
     (re.compile(r"\bstd::(?:%s)[fl]?\s*\(" % _LIBM),
      "calls a libm function whose last bits differ between machines",
-     "use base/trigonometry.hpp, or compute the constant outside the simulation"),
+     "use stator/base/trigonometry.hpp, or compute the constant outside the simulation"),
     (re.compile(r"(?<![\w:.>])(?:%s)[fl]?\s*\(" % _LIBM),
      "calls a libm function whose last bits differ between machines",
-     "use base/trigonometry.hpp, or compute the constant outside the simulation"),
+     "use stator/base/trigonometry.hpp, or compute the constant outside the simulation"),
     (re.compile(r"\bstd::(?:chrono|thread|jthread|mutex|this_thread|async|cout|cerr|clog)\b"
                 r"|\b(?:clock_gettime|gettimeofday|nanosleep|usleep)\s*\("),
      "uses a clock, a thread or a stream", "take time as base::SimTime and report a base::Event"),
     (re.compile(r"\bstd::(?:random_device|mt19937|rand|srand)\b|(?<![\w:.>])s?rand\s*\("),
-     "takes randomness that is not seeded from the rack file", "use base/random.hpp"),
+     "takes randomness that is not seeded from the rack file", "use stator/base/random.hpp"),
     (re.compile(r"\bthread_local\b"), "keeps state outside its objects",
      "make it a member of the object that owns it"),
 )
@@ -50,6 +62,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 @dataclass(frozen=True)
 class Room:
     name: str
+    folders: tuple  # from top to bottom
     may_use: tuple
     portable: bool
     line: int
@@ -72,9 +85,9 @@ def parse_table(text):
     for number, line in enumerate(text.splitlines(), 1):
         match = TABLE_ROW.match(line)
         if match:
-            name, uses, portable = match.groups()
-            names = tuple(re.findall(r"`(\w+)`", uses))
-            rooms[name] = Room(name, names, portable == "yes", number)
+            name, folders, uses, portable = match.groups()
+            rooms[name] = Room(name, tuple(re.findall(r"\w+", folders or "")),
+                               tuple(re.findall(r"`(\w+)`", uses)), portable == "yes", number)
     return rooms
 
 
@@ -146,13 +159,22 @@ def check_source(room, uses, rooms, path, text):
                     yield Violation(path, number, "portable", f"{name} {wrong}; {remedy}")
 
 
+def folder_of(parts):
+    """The folder of a file by the parts of its path below the room; "": the room itself."""
+    return parts[0] if len(parts) > 1 and parts[0] != INTERNAL else ""
+
+
 def check_include(room, uses, rooms, path, number, quote, header):
-    owner = header.split("/")[0]
-    if quote == '"' and "/" not in header:
-        yield Violation(path, number, "include",
-                        f'"{header}" does not name its room; write "{room.name}/{header}"')
-    elif "/" in header and owner in rooms and owner != room.name:
-        if owner not in room.may_use:
+    prefix, *parts = header.split("/")
+    if prefix == PREFIX:
+        owner = parts[0]
+        if owner == room.name:
+            yield from check_folder(room, path, number, header)
+        elif owner not in rooms:
+            yield Violation(path, number, "include",
+                            f'"{header}" names no room; write "{PREFIX}/<room>/..." with a room of the '
+                            "table")
+        elif owner not in room.may_use:
             yield Violation(path, number, "include",
                             f"{room.name} may not use {owner}, only "
                             f"{', '.join(room.may_use) or 'none'}; pass what is needed through an "
@@ -160,11 +182,75 @@ def check_include(room, uses, rooms, path, number, quote, header):
         elif owner not in uses:
             yield Violation(path, number, "include",
                             f"{owner} is not in the USES list of {room.name}; add it to "
-                            f"src/{room.name}/CMakeLists.txt")
+                            f"{SOURCES / room.name}/CMakeLists.txt")
+        yield from check_internal(path, number, header)
+    elif prefix in rooms and parts:
+        yield Violation(path, number, "include",
+                        f'"{header}" does not begin with {PREFIX}/; write "{PREFIX}/{header}", and the '
+                        "folder if the room has some")
+    elif quote == '"' and not parts:
+        yield Violation(path, number, "include",
+                        f'"{header}" does not name its room; write '
+                        f'"{Path(path).parent.relative_to(SOURCES.parent).as_posix()}/{header}"')
     elif quote == "<" and room.portable and FORBIDDEN_HEADERS.match(header):
         yield Violation(path, number, "portable",
                         f"<{header}> ties {room.name} to an operating system, a clock or a stream; "
                         "do this in link, rack or cli")
+
+
+def check_folder(room, path, number, header):
+    """That a file includes nothing of its own room that stands above it."""
+    order = [*room.folders, ""]
+    own = folder_of(Path(path).relative_to(SOURCES / room.name).parts)
+    used = folder_of(header.split("/")[2:])
+    if own in order and used in order and order.index(used) < order.index(own):
+        yield Violation(path, number, "folder",
+                        f'{own or room.name + " itself"} may not include "{header}": {used} stands above '
+                        f"it in the row of {room.name}; move the file down, split from it what both "
+                        "need, or pass it through an interface")
+
+
+def check_internal(path, number, header):
+    """That nobody includes from the internal/ folder of another."""
+    parts = header.split("/")
+    if INTERNAL in parts[:-1]:
+        owner = "/".join(parts[:parts.index(INTERNAL)])
+        folder = Path(path).parent.relative_to(SOURCES.parent)
+        if folder.name == INTERNAL:
+            folder = folder.parent
+        if folder.as_posix() != owner:
+            yield Violation(path, number, "internal",
+                            f'"{header}" is internal to {owner}; include a header of {owner} itself, or '
+                            "move what is needed there")
+
+
+def check_folders(room, folder, table_path):
+    """That the row of a room names the folders it has, and that none is too large."""
+    found = set()
+    root = SOURCES / room.name
+    for place in (folder, *sorted(p for p in folder.rglob("*") if p.is_dir())):
+        parts = place.relative_to(folder).parts
+        own = [p for p in place.iterdir()
+               if p.suffix in (".cpp", ".hpp", ".h") or p.name == "CMakeLists.txt"]
+        shown = root.joinpath(*parts).as_posix()
+        if len(own) > LARGEST_FOLDER:
+            yield Violation(shown, 1, "size",
+                            f"{len(own)} files are more than the {LARGEST_FOLDER} a folder may have; "
+                            "divide it by subject")
+        if parts and parts[-1] != INTERNAL and own:
+            if len(parts) > 1:
+                yield Violation(shown, 1, "table",
+                                f"a folder of a folder; make it a folder of {room.name}, or call it "
+                                f"{INTERNAL}")
+            elif parts[0] not in room.folders:
+                yield Violation(shown, 1, "table",
+                                f"the row of {room.name} in {table_path} does not name the folder "
+                                f"{parts[0]}; name it above all that it includes")
+            found.add(parts[0])
+    for name in room.folders:
+        if name not in found:
+            yield Violation(table_path, room.line, "table",
+                            f"{room.name} has no folder {name}; take it out of the row")
 
 
 def check_tree(root):
@@ -176,14 +262,15 @@ def check_tree(root):
         yield Violation(table_path, 1, "table", "no table of rooms found; write one row per room")
         return
     yield from check_table(rooms, table_path)
-    for folder in sorted(p for p in (root / "src").iterdir() if p.is_dir()):
+    for folder in sorted(p for p in (root / SOURCES).iterdir() if p.is_dir()):
         sources = sorted(p for p in folder.rglob("*") if p.suffix in (".cpp", ".hpp", ".h"))
         room = rooms.get(folder.name)
         if room is None:
             if sources:
-                yield Violation(f"src/{folder.name}", 1, "table",
+                yield Violation(str(SOURCES / folder.name), 1, "table",
                                 f"the room has no row in {table_path}; add the row")
             continue
+        yield from check_folders(room, folder, table_path)
         lists = folder / "CMakeLists.txt"
         build_text = lists.read_text(encoding="utf-8") if lists.exists() else ""
         uses = parse_uses(build_text)

@@ -18,7 +18,7 @@ CMAKE = """
 function(stator_mutants)
   include("@HERE@/sources.cmake")
   foreach(source IN LISTS sources)
-    string(REGEX MATCH "^src/([^/]+)" room "${source}")
+    string(REGEX MATCH "^src/stator/([^/]+)" room "${source}")
     set_source_files_properties("${CMAKE_SOURCE_DIR}/${source}"
       TARGET_DIRECTORY stator_${CMAKE_MATCH_1}
       PROPERTIES COMPILE_OPTIONS "-w;-Wno-narrowing;-O1;-D_GLIBCXX_ASSERTIONS")

@@ -72,7 +72,7 @@ def draw(root, rooms, count, seed, equivalent=frozenset()):
         generator = random.Random(f"{seed} {room}")
         share = count // len(rooms) + (index < count % len(rooms))
         files = {}
-        for file in sorted((root / "src" / room).rglob("*.cpp")):
+        for file in sorted((root / "src" / "stator" / room).rglob("*.cpp")):
             path = file.relative_to(root).as_posix()
             found = mutants_of(path, file.read_text(encoding="utf-8"), room)
             if found:

@@ -1,4 +1,4 @@
-#include "base/byte_order.hpp"
+#include "stator/base/byte_order.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "base/delegate.hpp"
+#include "stator/base/delegate.hpp"
 
 #include <string>
 

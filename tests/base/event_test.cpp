@@ -1,4 +1,4 @@
-#include "base/event.hpp"
+#include "stator/base/event.hpp"
 
 #include <array>
 #include <cstdint>

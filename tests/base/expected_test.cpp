@@ -1,4 +1,4 @@
-#include "base/expected.hpp"
+#include "stator/base/expected.hpp"
 
 #include <memory>
 #include <string>

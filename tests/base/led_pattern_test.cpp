@@ -1,4 +1,4 @@
-#include "base/led_pattern.hpp"
+#include "stator/base/led_pattern.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "base/sim_time.hpp"
+#include "stator/base/sim_time.hpp"
 
 #include <cstdint>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "base/spelling.hpp"
+#include "stator/base/spelling.hpp"
 
 #include <array>
 #include <string>

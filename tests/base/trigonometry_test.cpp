@@ -1,4 +1,4 @@
-#include "base/trigonometry.hpp"
+#include "stator/base/trigonometry.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::base {
 namespace {

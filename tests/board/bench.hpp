@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "board/board.hpp"
-#include "board/peripheral_types.hpp"
 #include "board/script_pins.hpp"
+#include "stator/board/assembly/board.hpp"
+#include "stator/board/peripheral/peripheral_types.hpp"
 
 namespace stator::board {
 

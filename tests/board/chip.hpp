@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "board/bench.hpp"
-#include "board/block_pins.hpp"
-#include "mfc/block.hpp"
-#include "mfc/register_map.hpp"
-#include "mfc/register_numbers.hpp"
+#include "stator/board/assembly/block_pins.hpp"
+#include "stator/mfc/block/block.hpp"
+#include "stator/mfc/registers/register_map.hpp"
+#include "stator/mfc/registers/register_numbers.hpp"
 
 namespace stator::board {
 

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "board/board.hpp"
-#include "board/kept_content.hpp"
+#include "stator/board/assembly/board.hpp"
+#include "stator/board/peripheral/kept_content.hpp"
 
 namespace stator::board {
 

@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "board/pins.hpp"
+#include "stator/board/lines/pins.hpp"
 
 namespace stator::board {
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "board/bench.hpp"
-#include "board/decay.hpp"
+#include "stator/board/parts/decay.hpp"
 
 namespace stator::board {
 namespace {

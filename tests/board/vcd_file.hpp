@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "board/logic_trace.hpp"
-#include "board/vcd.hpp"
+#include "stator/board/lines/logic_trace.hpp"
+#include "stator/board/lines/vcd.hpp"
 
 namespace stator::board {
 

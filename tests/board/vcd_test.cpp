@@ -1,4 +1,4 @@
-#include "board/vcd.hpp"
+#include "stator/board/lines/vcd.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "can/bus.hpp"
-#include "can/frame_length.hpp"
+#include "stator/can/bus.hpp"
+#include "stator/can/frame_length.hpp"
 
 namespace stator::can {
 namespace {

@@ -1,4 +1,4 @@
-#include "can/bus.hpp"
+#include "stator/can/bus.hpp"
 
 #include <memory>
 #include <vector>
@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "can/frame_length.hpp"
+#include "stator/can/frame_length.hpp"
 
 namespace stator::can {
 namespace {

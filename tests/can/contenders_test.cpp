@@ -1,4 +1,4 @@
-#include "can/contenders.hpp"
+#include "stator/can/contenders.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::can {
 namespace {

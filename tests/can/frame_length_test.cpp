@@ -1,11 +1,11 @@
-#include "can/frame_length.hpp"
+#include "stator/can/frame_length.hpp"
 
 #include <random>
 #include <string_view>
 
 #include <gtest/gtest.h>
 
-#include "can/arbitration.hpp"
+#include "stator/can/arbitration.hpp"
 
 namespace stator::can {
 namespace {

@@ -1,4 +1,4 @@
-#include "can/frame.hpp"
+#include "stator/can/frame.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "canopen/cob_id.hpp"
+#include "stator/canopen/cob_id.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canopen/crc16.hpp"
+#include "stator/canopen/sdo/crc16.hpp"
 
 namespace stator::canopen::test {
 

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "canopen/error_behaviour.hpp"
 #include "canopen/memory_double.hpp"
-#include "canopen/nmt_command.hpp"
-#include "canopen/node.hpp"
-#include "canopen/parameter_storage.hpp"
 #include "canopen/service_bench.hpp"
+#include "stator/canopen/emergency/error_behaviour.hpp"
+#include "stator/canopen/nmt/node.hpp"
+#include "stator/canopen/nmt_command.hpp"
+#include "stator/canopen/storage/parameter_storage.hpp"
 
 namespace stator::canopen::test {
 

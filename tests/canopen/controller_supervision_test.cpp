@@ -1,4 +1,4 @@
-#include "canopen/controller_supervision.hpp"
+#include "stator/canopen/emergency/controller_supervision.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "canopen/crc16.hpp"
+#include "stator/canopen/sdo/crc16.hpp"
 
 #include <array>
 #include <string_view>

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canopen/eds.hpp"
+#include "stator/canopen/eds/eds.hpp"
 
 namespace stator::canopen {
 namespace {

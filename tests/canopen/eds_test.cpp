@@ -1,4 +1,4 @@
-#include "canopen/eds.hpp"
+#include "stator/canopen/eds/eds.hpp"
 
 #include <array>
 #include <map>

@@ -1,4 +1,4 @@
-#include "canopen/emergency_producer.hpp"
+#include "stator/canopen/emergency/emergency_producer.hpp"
 
 #include <string>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "canopen/error_behaviour.hpp"
+#include "stator/canopen/emergency/error_behaviour.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "canopen/node.hpp"
+#include "stator/canopen/nmt/node.hpp"
 
 namespace stator::canopen {
 

@@ -1,4 +1,4 @@
-#include "canopen/indicators.hpp"
+#include "stator/canopen/nmt/indicators.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <map>
 #include <vector>
 
-#include "canopen/non_volatile_memory.hpp"
+#include "stator/canopen/storage/non_volatile_memory.hpp"
 
 namespace stator::canopen::test {
 

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/byte_order.hpp"
-#include "canopen/node.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/canopen/nmt/node.hpp"
 
 namespace stator::canopen {
 

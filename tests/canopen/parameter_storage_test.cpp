@@ -1,4 +1,4 @@
-#include "canopen/parameter_storage.hpp"
+#include "stator/canopen/storage/parameter_storage.hpp"
 
 #include <gtest/gtest.h>
 

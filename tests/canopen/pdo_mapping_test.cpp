@@ -1,4 +1,4 @@
-#include "canopen/pdo_mapping.hpp"
+#include "stator/canopen/pdo/pdo_mapping.hpp"
 
 #include <gtest/gtest.h>
 

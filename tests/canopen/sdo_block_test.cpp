@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "canopen/crc16.hpp"
 #include "sdo_client.hpp"
+#include "stator/canopen/sdo/crc16.hpp"
 
 namespace stator::canopen {
 namespace {

@@ -7,14 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "base/byte_order.hpp"
-#include "canopen/cob_id.hpp"
-#include "canopen/emergency_producer.hpp"
-#include "canopen/pdo_service.hpp"
-#include "canopen/sync_consumer.hpp"
-#include "canopen/sync_producer.hpp"
 #include "canopen/test_objects.hpp"
-#include "dictionary/dictionary.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/canopen/cob_id.hpp"
+#include "stator/canopen/emergency/emergency_producer.hpp"
+#include "stator/canopen/pdo/pdo_service.hpp"
+#include "stator/canopen/sync/sync_consumer.hpp"
+#include "stator/canopen/sync/sync_producer.hpp"
+#include "stator/dictionary/dictionary.hpp"
 
 namespace stator::canopen::test {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "dictionary/declaration.hpp"
+#include "stator/dictionary/declaration.hpp"
 
 namespace stator::canopen::test {
 

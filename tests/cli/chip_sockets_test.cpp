@@ -7,11 +7,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cli/connection_hints.hpp"
 #include "cli/stator_program.hpp"
-#include "link/link_address.hpp"
-#include "link/udp_ethernet_link.hpp"
 #include "source_paths.hpp"
+#include "stator/cli/run/connection_hints.hpp"
+#include "stator/link/ethernet/link_address.hpp"
+#include "stator/link/ethernet/udp_ethernet_link.hpp"
 
 namespace stator {
 namespace {

@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 
 #include "cli/stator_program.hpp"
-#include "rack/kept_file.hpp"
 #include "source_paths.hpp"
+#include "stator/rack/kept/kept_file.hpp"
 
 namespace stator {
 namespace {

@@ -7,9 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cli/cells.hpp"
 #include "cli/stator_program.hpp"
 #include "source_paths.hpp"
+#include "stator/cli/cells.hpp"
 
 namespace stator {
 namespace {

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "cli/failure.hpp"
-#include "cli/fault_keys.hpp"
 #include "cli/stator_program.hpp"
+#include "stator/cli/client/fault_keys.hpp"
+#include "stator/cli/failure.hpp"
 
 namespace stator::cli {
 namespace {

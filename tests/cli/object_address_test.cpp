@@ -1,8 +1,8 @@
-#include "cli/object_address.hpp"
+#include "stator/cli/master/object_address.hpp"
 
 #include <gtest/gtest.h>
 
-#include "cli/failure.hpp"
+#include "stator/cli/failure.hpp"
 
 namespace stator::cli {
 namespace {

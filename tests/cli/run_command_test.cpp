@@ -8,10 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "cli/stator_program.hpp"
-#include "link/can_link.hpp"
-#include "link/machine.hpp"
-#include "link/serial_link.hpp"
-#include "link/tcp_listener.hpp"
+#include "stator/link/can/can_link.hpp"
+#include "stator/link/ethernet/machine.hpp"
+#include "stator/link/serial/serial_link.hpp"
+#include "stator/link/system/tcp_listener.hpp"
 
 namespace stator {
 namespace {

@@ -14,9 +14,9 @@
 #include <unistd.h>
 
 #include "base/child_process.hpp"
-#include "cli/http_client.hpp"
-#include "cli/rack_overview.hpp"
 #include "cli/stator_program.hpp"
+#include "stator/cli/client/http_client.hpp"
+#include "stator/cli/client/rack_overview.hpp"
 
 namespace stator::cli {
 namespace {

@@ -1,16 +1,16 @@
 // stator run --serial
 
-#include "cli/serial_lines.hpp"
+#include "stator/cli/run/serial_lines.hpp"
 
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cli/failure.hpp"
 #include "cli/stator_program.hpp"
-#include "rack/product_catalogue.hpp"
 #include "source_paths.hpp"
+#include "stator/cli/failure.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
 
 namespace stator {
 namespace {

@@ -21,7 +21,7 @@
 #include "base/child_process.hpp"
 #include "base/temporary_directory.hpp"
 #include "cli/stator_program.hpp"
-#include "link/file_descriptor.hpp"
+#include "stator/link/system/file_descriptor.hpp"
 
 namespace stator::cli {
 namespace {

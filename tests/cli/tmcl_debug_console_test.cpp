@@ -1,4 +1,4 @@
-#include "cli/tmcl_debug_console.hpp"
+#include "stator/cli/tmcl_tools/tmcl_debug_console.hpp"
 
 #include <algorithm>
 #include <string>
@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cli/tmcl_debugger.hpp"
 #include "cli/tmcl_programs.hpp"
+#include "stator/cli/tmcl_tools/tmcl_debugger.hpp"
 
 namespace stator {
 namespace {

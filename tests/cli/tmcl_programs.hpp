@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "cli/products.hpp"
-#include "cli/tmcl_bench.hpp"
-#include "cli/tmcl_bench_options.hpp"
-#include "cli/tmcl_source.hpp"
-#include "tmcl/assembler.hpp"
+#include "stator/cli/products.hpp"
+#include "stator/cli/tmcl_tools/tmcl_bench.hpp"
+#include "stator/cli/tmcl_tools/tmcl_bench_options.hpp"
+#include "stator/cli/tmcl_tools/tmcl_source.hpp"
+#include "stator/tmcl/assembler/assembler.hpp"
 
 namespace stator::tests {
 

@@ -1,4 +1,4 @@
-#include "cli/tmcl_shell.hpp"
+#include "stator/cli/tmcl_tools/tmcl_shell.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "cli/stator_program.hpp"
-#include "cli/tmcl_bench_connection.hpp"
 #include "cli/tmcl_programs.hpp"
+#include "stator/cli/tmcl_tools/tmcl_bench_connection.hpp"
 
 namespace stator {
 namespace {

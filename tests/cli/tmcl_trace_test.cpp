@@ -1,4 +1,4 @@
-#include "cli/tmcl_trace.hpp"
+#include "stator/cli/tmcl_tools/tmcl_trace.hpp"
 
 #include <cstdio>
 #include <filesystem>
@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "cli/stator_program.hpp"
-#include "cli/tmcl_profile.hpp"
 #include "cli/tmcl_programs.hpp"
+#include "stator/cli/tmcl_tools/tmcl_profile.hpp"
 
 namespace stator {
 namespace {

@@ -1,4 +1,4 @@
-#include "cli/top_screen.hpp"
+#include "stator/cli/client/top_screen.hpp"
 
 #include <string>
 #include <vector>
@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "cli/failure.hpp"
-#include "cli/http_client.hpp"
-#include "cli/rack_overview.hpp"
+#include "stator/cli/client/http_client.hpp"
+#include "stator/cli/client/rack_overview.hpp"
+#include "stator/cli/failure.hpp"
 
 namespace stator::cli {
 namespace {

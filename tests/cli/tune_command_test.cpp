@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "cli/stator_program.hpp"
-#include "rack/rack_file.hpp"
+#include "stator/rack/file/rack_file.hpp"
 
 namespace stator {
 namespace {

@@ -1,4 +1,4 @@
-#include "control/chopper.hpp"
+#include "stator/control/stepper/chopper.hpp"
 
 #include <gtest/gtest.h>
 

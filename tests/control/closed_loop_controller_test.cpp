@@ -1,4 +1,4 @@
-#include "control/closed_loop_controller.hpp"
+#include "stator/control/stepper/closed_loop_controller.hpp"
 
 #include <algorithm>
 #include <cmath>

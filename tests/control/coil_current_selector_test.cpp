@@ -1,4 +1,4 @@
-#include "control/coil_current_selector.hpp"
+#include "stator/control/motion_controller/coil_current_selector.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "control/cool_step.hpp"
+#include "stator/control/stepper/cool_step.hpp"
 
 #include <array>
 #include <utility>

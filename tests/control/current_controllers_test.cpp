@@ -1,13 +1,13 @@
-#include "control/current_controllers.hpp"
+#include "stator/control/servo/current_controllers.hpp"
 
 #include <cmath>
 #include <cstdint>
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "control/pi_controller.hpp"
-#include "control/space_vector.hpp"
+#include "stator/base/random.hpp"
+#include "stator/control/servo/pi_controller.hpp"
+#include "stator/control/servo/space_vector.hpp"
 
 namespace stator::control {
 namespace {

@@ -1,4 +1,4 @@
-#include "control/encoder_commutation.hpp"
+#include "stator/control/servo/encoder_commutation.hpp"
 
 #include <cmath>
 #include <cstdint>

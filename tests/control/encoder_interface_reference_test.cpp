@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "control/encoder_interface.hpp"
-#include "control/motion_controller_settings.hpp"
+#include "stator/base/random.hpp"
+#include "stator/control/motion_controller/encoder_interface.hpp"
+#include "stator/control/motion_controller/motion_controller_settings.hpp"
 
 namespace stator::control::motion_controller {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "control/foc/abn_decoder.hpp"
-#include "control/foc/foc_block.hpp"
+#include "stator/base/random.hpp"
+#include "stator/control/foc/abn_decoder.hpp"
+#include "stator/control/foc/foc_block.hpp"
 
 namespace stator::control::foc {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "control/foc/analog_decoder.hpp"
-#include "control/foc/foc_block.hpp"
+#include "stator/base/random.hpp"
+#include "stator/control/foc/analog_decoder.hpp"
+#include "stator/control/foc/foc_block.hpp"
 
 namespace stator::control::foc {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "control/foc/foc_block.hpp"
-#include "control/foc/open_loop_generator.hpp"
-#include "control/foc/velocity_meter.hpp"
+#include "stator/control/foc/foc_block.hpp"
+#include "stator/control/foc/open_loop_generator.hpp"
+#include "stator/control/foc/velocity_meter.hpp"
 
 namespace stator::control::foc {
 namespace {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "control/foc/foc_block.hpp"
-#include "plant/servo_axis.hpp"
+#include "stator/control/foc/foc_block.hpp"
+#include "stator/plant/axes/servo_axis.hpp"
 
 namespace stator::control::foc {
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "control/foc/hall_decoder.hpp"
+#include "stator/control/foc/hall_decoder.hpp"
 
 namespace stator::control::foc {
 namespace {

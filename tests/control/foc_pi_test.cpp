@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "control/foc/biquad.hpp"
-#include "control/foc/control_cascade.hpp"
-#include "control/foc/pi_controller.hpp"
+#include "stator/base/random.hpp"
+#include "stator/control/foc/biquad.hpp"
+#include "stator/control/foc/control_cascade.hpp"
+#include "stator/control/foc/pi_controller.hpp"
 
 namespace stator::control::foc {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "control/foc/peripherals.hpp"
 #include "control/foc_test_block.hpp"
+#include "stator/control/foc/peripherals.hpp"
 
 namespace stator::control::foc {
 namespace {

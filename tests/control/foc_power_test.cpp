@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "control/foc/adc_engine.hpp"
-#include "control/foc/foc_block.hpp"
-#include "control/foc/pwm_engine.hpp"
+#include "stator/base/random.hpp"
+#include "stator/control/foc/adc_engine.hpp"
+#include "stator/control/foc/foc_block.hpp"
+#include "stator/control/foc/pwm_engine.hpp"
 
 namespace stator::control::foc {
 namespace {

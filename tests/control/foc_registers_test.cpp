@@ -9,11 +9,11 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "control/foc/foc_block.hpp"
-#include "control/foc/register_map.hpp"
 #include "devices/csv.hpp"
 #include "source_paths.hpp"
+#include "stator/base/random.hpp"
+#include "stator/control/foc/foc_block.hpp"
+#include "stator/control/foc/register_map.hpp"
 
 namespace stator::control::foc {
 namespace {

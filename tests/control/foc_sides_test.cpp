@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "control/foc/foc_block.hpp"
-#include "control/foc/pwm_engine.hpp"
 #include "foc_test_block.hpp"
+#include "stator/control/foc/foc_block.hpp"
+#include "stator/control/foc/pwm_engine.hpp"
 
 namespace stator::control::foc {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "control/foc/foc_block.hpp"
+#include "stator/control/foc/foc_block.hpp"
 
 namespace stator::control::foc {
 

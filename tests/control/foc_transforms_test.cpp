@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "control/foc/circular_limiter.hpp"
-#include "control/foc/transforms.hpp"
+#include "stator/base/random.hpp"
+#include "stator/control/foc/circular_limiter.hpp"
+#include "stator/control/foc/transforms.hpp"
 
 namespace stator::control::foc {
 namespace {

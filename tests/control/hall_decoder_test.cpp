@@ -1,4 +1,4 @@
-#include "control/hall_decoder.hpp"
+#include "stator/control/servo/hall_decoder.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "control/i2t_monitor.hpp"
+#include "stator/control/servo/i2t_monitor.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "control/brake_chopper.hpp"
+#include "stator/control/servo/brake_chopper.hpp"
 
 namespace stator::control {
 namespace {

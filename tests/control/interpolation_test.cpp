@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "control/interpolation_profile.hpp"
-#include "control/ramp_generator.hpp"
+#include "stator/control/ramp/interpolation_profile.hpp"
+#include "stator/control/ramp/ramp_generator.hpp"
 
 namespace stator::control {
 namespace {

@@ -1,8 +1,8 @@
-#include "control/microstep_position.hpp"
+#include "stator/control/microstep_position.hpp"
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::control {
 namespace {

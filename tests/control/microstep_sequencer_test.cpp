@@ -1,10 +1,10 @@
-#include "control/microstep_sequencer.hpp"
+#include "stator/control/stepper/microstep_sequencer.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "base/trigonometry.hpp"
+#include "stator/base/trigonometry.hpp"
 
 namespace stator::control {
 namespace {

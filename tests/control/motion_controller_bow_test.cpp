@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "control/motion_controller_ramp.hpp"
-#include "control/motion_controller_units.hpp"
 #include "control/ramp_audit.hpp"
 #include "control/random_ramps.hpp"
+#include "stator/base/random.hpp"
+#include "stator/control/motion_controller/motion_controller_ramp.hpp"
+#include "stator/control/motion_controller/motion_controller_units.hpp"
 
 namespace stator::control::motion_controller {
 namespace {

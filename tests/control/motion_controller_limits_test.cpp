@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "control/motion_controller_ramp.hpp"
-#include "control/motion_controller_units.hpp"
+#include "stator/control/motion_controller/motion_controller_ramp.hpp"
+#include "stator/control/motion_controller/motion_controller_units.hpp"
 
 namespace stator::control::motion_controller {
 namespace {

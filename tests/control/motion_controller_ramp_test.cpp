@@ -1,13 +1,13 @@
-#include "control/motion_controller_ramp.hpp"
+#include "stator/control/motion_controller/motion_controller_ramp.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "control/motion_controller_units.hpp"
 #include "control/random_ramps.hpp"
 #include "control/trapezoid_reference.hpp"
+#include "stator/base/random.hpp"
+#include "stator/control/motion_controller/motion_controller_units.hpp"
 
 namespace stator::control::motion_controller {
 namespace {

@@ -1,10 +1,10 @@
-#include "control/motion_controller.hpp"
+#include "stator/control/motion_controller/motion_controller.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::control::motion_controller {
 namespace {

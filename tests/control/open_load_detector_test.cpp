@@ -1,8 +1,8 @@
-#include "control/open_load_detector.hpp"
+#include "stator/control/stepper/open_load_detector.hpp"
 
 #include <gtest/gtest.h>
 
-#include "base/trigonometry.hpp"
+#include "stator/base/trigonometry.hpp"
 
 namespace stator::control {
 namespace {

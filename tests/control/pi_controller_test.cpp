@@ -1,11 +1,11 @@
-#include "control/pi_controller.hpp"
+#include "stator/control/servo/pi_controller.hpp"
 
 #include <cmath>
 #include <cstdint>
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::control {
 namespace {

@@ -1,10 +1,10 @@
-#include "control/position_regulator.hpp"
+#include "stator/control/motion_controller/position_regulator.hpp"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::control::motion_controller {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "control/ramp_generator.hpp"
+#include "stator/control/ramp/ramp_generator.hpp"
 
 namespace stator::control::tests {
 

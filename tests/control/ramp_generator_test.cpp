@@ -1,4 +1,4 @@
-#include "control/ramp_generator.hpp"
+#include "stator/control/ramp/ramp_generator.hpp"
 
 #include <limits>
 

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "control/ramp_generator.hpp"
 #include "control/random_ramps.hpp"
+#include "stator/control/ramp/ramp_generator.hpp"
 
 // Properties of the trapezoid that hold for every start, target and limit, over seeded random
 // cases.

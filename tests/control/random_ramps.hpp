@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "base/sim_time.hpp"
-#include "control/ramp_generator.hpp"
+#include "stator/base/random.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/control/ramp/ramp_generator.hpp"
 
 // Random commands, and properties that ramps of every shape have.
 namespace stator::control::tests {

@@ -1,4 +1,4 @@
-#include "control/reference_search.hpp"
+#include "stator/control/motion_controller/reference_search.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "control/root_finding.hpp"
+#include "stator/control/ramp/root_finding.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "control/acceleration_pulse.hpp"
+#include "stator/base/random.hpp"
+#include "stator/control/ramp/acceleration_pulse.hpp"
 
 namespace stator::control {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "control/servo_controller.hpp"
 #include "control/servo_motor_model.hpp"
+#include "stator/control/servo/servo_controller.hpp"
 
 namespace stator::control {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "base/servo_signals.hpp"
-#include "control/servo_controller.hpp"
+#include "stator/base/servo_signals.hpp"
+#include "stator/control/servo/servo_controller.hpp"
 
 namespace stator::control {
 

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "control/ramp_generator.hpp"
-#include "control/ramp_profile.hpp"
 #include "control/random_ramps.hpp"
+#include "stator/control/ramp/ramp_generator.hpp"
+#include "stator/control/ramp/ramp_profile.hpp"
 
 namespace stator::control {
 namespace {

@@ -1,4 +1,4 @@
-#include "control/space_vector.hpp"
+#include "stator/control/servo/space_vector.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "control/electrical_angle.hpp"
+#include "stator/control/servo/electrical_angle.hpp"
 
 namespace stator::control {
 namespace {

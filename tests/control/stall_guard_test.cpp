@@ -1,11 +1,11 @@
-#include "control/stall_guard.hpp"
+#include "stator/control/stepper/stall_guard.hpp"
 
 #include <array>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "base/trigonometry.hpp"
+#include "stator/base/trigonometry.hpp"
 
 namespace stator::control {
 namespace {

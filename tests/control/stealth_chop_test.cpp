@@ -1,4 +1,4 @@
-#include "control/stealth_chop.hpp"
+#include "stator/control/stepper/stealth_chop.hpp"
 
 #include <cmath>
 

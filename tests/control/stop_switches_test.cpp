@@ -1,4 +1,4 @@
-#include "control/stop_switches.hpp"
+#include "stator/control/motion_controller/stop_switches.hpp"
 
 #include <gtest/gtest.h>
 

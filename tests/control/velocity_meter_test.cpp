@@ -1,4 +1,4 @@
-#include "control/velocity_meter.hpp"
+#include "stator/control/servo/velocity_meter.hpp"
 
 #include <cmath>
 #include <cstdint>

@@ -1,10 +1,10 @@
-#include "control/wave_table.hpp"
+#include "stator/control/motion_controller/wave_table.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "base/trigonometry.hpp"
+#include "stator/base/trigonometry.hpp"
 
 namespace stator::control::motion_controller {
 namespace {

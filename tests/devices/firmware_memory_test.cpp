@@ -1,4 +1,4 @@
-#include "devices/firmware_memory.hpp"
+#include "stator/devices/firmware_memory.hpp"
 
 #include <vector>
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/event.hpp"
+#include "stator/base/event.hpp"
 
 namespace stator::tests {
 

@@ -10,13 +10,13 @@
 
 #include <gtest/gtest.h>
 
-#include "base/byte_order.hpp"
-#include "base/sim_time.hpp"
-#include "devices/ethercat_device.hpp"
-#include "dictionary/abort_code.hpp"
-#include "ethercat/al_state.hpp"
-#include "ethercat/frame.hpp"
-#include "ethercat/segment.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/devices/ethercat_device.hpp"
+#include "stator/dictionary/abort_code.hpp"
+#include "stator/ethercat/segment/segment.hpp"
+#include "stator/ethercat/standard/al_state.hpp"
+#include "stator/ethercat/standard/frame.hpp"
 
 namespace stator::tests {
 

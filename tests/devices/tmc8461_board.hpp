@@ -8,11 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "base/byte_order.hpp"
-#include "base/sim_time.hpp"
 #include "devices/test_bus.hpp"
-#include "devices/tmc8461/tmc8461.hpp"
-#include "ethercat/al_state.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/devices/tmc8461/tmc8461.hpp"
+#include "stator/ethercat/standard/al_state.hpp"
 
 namespace stator::tests {
 

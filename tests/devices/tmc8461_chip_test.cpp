@@ -9,7 +9,7 @@
 
 #include "board/bench.hpp"
 #include "devices/tmc8461_board.hpp"
-#include "ethercat/sii_image.hpp"
+#include "stator/ethercat/sii/sii_image.hpp"
 
 namespace stator::devices {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "devices/sentences.hpp"
 #include "devices/test_bus.hpp"
-#include "devices/tmc8670/tmc8670.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
 
 namespace stator::devices {
 

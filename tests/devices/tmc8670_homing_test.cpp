@@ -3,7 +3,7 @@
 #include <set>
 
 #include "devices/tmc8670_cycles.hpp"
-#include "drive/homing_methods.hpp"
+#include "stator/drive/modes/homing_methods.hpp"
 
 namespace stator::devices {
 namespace {

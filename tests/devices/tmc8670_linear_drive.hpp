@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "plant/three_phase_motor.hpp"
+#include "stator/plant/motors/three_phase_motor.hpp"
 
 namespace stator::devices::tmc8670 {
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <vector>
 
-#include "devices/tmc8670/junction.hpp"
 #include "devices/tmc8670_chip.hpp"
-#include "ethercat/led.hpp"
+#include "stator/devices/tmc8670/junction.hpp"
+#include "stator/ethercat/units/led.hpp"
 
 namespace stator::devices {
 namespace {

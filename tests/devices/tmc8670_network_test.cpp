@@ -4,8 +4,8 @@
 #include <string>
 
 #include "devices/tmc8670_chip.hpp"
-#include "ethercat/led.hpp"
-#include "ethercat/sii_image.hpp"
+#include "stator/ethercat/sii/sii_image.hpp"
+#include "stator/ethercat/units/led.hpp"
 
 namespace stator::devices {
 namespace {

@@ -9,12 +9,12 @@
 
 #include <gtest/gtest.h>
 
-#include "control/foc/foc_block.hpp"
 #include "devices/csv.hpp"
-#include "devices/tmc8670/objects.hpp"
-#include "devices/tmc8670/register_objects.hpp"
-#include "dictionary/description.hpp"
 #include "source_paths.hpp"
+#include "stator/control/foc/foc_block.hpp"
+#include "stator/devices/tmc8670/objects.hpp"
+#include "stator/devices/tmc8670/register_objects.hpp"
+#include "stator/dictionary/description.hpp"
 
 namespace stator::devices::tmc8670 {
 namespace {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string_view>
 
-#include "control/foc/register_fields.hpp"
-#include "devices/tmc8670/servo_stage.hpp"
 #include "devices/tmc8670_linear_drive.hpp"
+#include "stator/control/foc/register_fields.hpp"
+#include "stator/devices/tmc8670/servo_stage.hpp"
 
 namespace stator::devices::tmc8670 {
 

@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "control/foc/register_fields.hpp"
 #include "devices/tmc8670_chip.hpp"
-#include "tmcl/command.hpp"
+#include "stator/control/foc/register_fields.hpp"
+#include "stator/tmcl/command.hpp"
+#include "stator/tmcl/telegram.hpp"
 #include "tmcl/serial_line.hpp"
-#include "tmcl/telegram.hpp"
 
 namespace stator::devices {
 namespace {

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "devices/csv.hpp"
-#include "devices/tmcc160/emergencies.hpp"
 #include "devices/tmcc160_module.hpp"
 #include "source_paths.hpp"
+#include "stator/devices/tmcc160/emergencies.hpp"
 
 namespace stator::devices {
 namespace {

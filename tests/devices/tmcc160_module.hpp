@@ -10,10 +10,10 @@
 
 #include <gtest/gtest.h>
 
-#include "base/byte_order.hpp"
-#include "base/event.hpp"
-#include "devices/tmcc160/tmcc160.hpp"
-#include "dictionary/abort_code.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/base/event.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
+#include "stator/dictionary/abort_code.hpp"
 
 namespace stator::tests {
 

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices/tmcc160/eds.hpp"
+#include "stator/devices/tmcc160/eds.hpp"
 
 namespace stator::devices {
 namespace {

@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "devices/csv.hpp"
-#include "devices/tmcc160/objects.hpp"
-#include "dictionary/description.hpp"
 #include "source_paths.hpp"
+#include "stator/devices/tmcc160/objects.hpp"
+#include "stator/dictionary/description.hpp"
 
 namespace stator::devices::tmcc160 {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "can/frame_length.hpp"
 #include "devices/tmcc160_module.hpp"
+#include "stator/can/frame_length.hpp"
 
 namespace stator::tests {
 namespace {

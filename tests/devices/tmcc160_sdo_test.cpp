@@ -8,8 +8,8 @@
 
 #include "devices/csv.hpp"
 #include "devices/tmcc160_module.hpp"
-#include "dictionary/description.hpp"
 #include "source_paths.hpp"
+#include "stator/dictionary/description.hpp"
 
 namespace stator::devices {
 namespace {

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "devices/tmcc160_module.hpp"
-#include "tmcl/command.hpp"
+#include "stator/tmcl/command.hpp"
+#include "stator/tmcl/telegram.hpp"
 #include "tmcl/serial_line.hpp"
-#include "tmcl/telegram.hpp"
 
 namespace stator::devices {
 namespace {

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "can/frame.hpp"
-#include "devices/tmcm_142/eeprom.hpp"
+#include "stator/can/frame.hpp"
+#include "stator/devices/tmcm_142/eeprom.hpp"
 #include "tmcm_142_memory.hpp"
 #include "tmcm_142_module.hpp"
 

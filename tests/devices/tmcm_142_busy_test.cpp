@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "can/frame.hpp"
+#include "stator/can/frame.hpp"
 
 namespace stator::tests {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "can/frame.hpp"
+#include "stator/can/frame.hpp"
 #include "tmcm_142_module.hpp"
 
 namespace stator::tests {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "canopen/non_volatile_memory.hpp"
+#include "stator/canopen/storage/non_volatile_memory.hpp"
 
 namespace stator::tests {
 

@@ -11,12 +11,12 @@
 
 #include <gtest/gtest.h>
 
-#include "base/sim_time.hpp"
-#include "devices/tmcm_142/tmcm_142.hpp"
 #include "sentences.hpp"
-#include "tmcl/command.hpp"
-#include "tmcl/serial_port.hpp"
-#include "tmcl/telegram.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/devices/tmcm_142/tmcm_142.hpp"
+#include "stator/tmcl/command.hpp"
+#include "stator/tmcl/sessions/serial_port.hpp"
+#include "stator/tmcl/telegram.hpp"
 
 namespace stator::tests {
 

@@ -13,8 +13,8 @@
 #include <gtest/gtest.h>
 
 #include "devices/csv.hpp"
-#include "devices/tmcm_142/parameters.hpp"
 #include "source_paths.hpp"
+#include "stator/devices/tmcm_142/parameters.hpp"
 
 namespace stator::devices {
 namespace {

@@ -12,11 +12,11 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "devices/tmcm_142/parameters.hpp"
-#include "tmcl/assembler.hpp"
-#include "tmcl/disassembler.hpp"
-#include "tmcl/program_image.hpp"
+#include "stator/base/random.hpp"
+#include "stator/devices/tmcm_142/parameters.hpp"
+#include "stator/tmcl/assembler/assembler.hpp"
+#include "stator/tmcl/assembler/disassembler.hpp"
+#include "stator/tmcl/assembler/program_image.hpp"
 
 namespace stator::devices {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "base/event.hpp"
 #include "devices/closed_loop_module.hpp"
+#include "stator/base/event.hpp"
 
 namespace stator::devices {
 namespace {

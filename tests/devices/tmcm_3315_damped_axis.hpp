@@ -1,6 +1,6 @@
 #pragma once
 
-#include "devices/tmcm_3315/tmcm_3315.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::devices {
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "devices/csv.hpp"
-#include "devices/tmcm_3315/emergencies.hpp"
 #include "devices/tmcm_3315_driver_module.hpp"
 #include "source_paths.hpp"
+#include "stator/devices/tmcm_3315/emergencies.hpp"
 
 namespace stator::devices {
 namespace {

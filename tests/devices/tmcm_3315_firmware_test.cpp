@@ -6,8 +6,8 @@
 
 #include "devices/sentences.hpp"
 #include "devices/test_bus.hpp"
-#include "devices/tmcm_3315/tmcm_3315.hpp"
-#include "ethercat/sii_image.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
+#include "stator/ethercat/sii/sii_image.hpp"
 
 namespace stator::devices {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "devices/sentences.hpp"
 #include "devices/test_bus.hpp"
-#include "devices/tmcm_3315/tmcm_3315.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::devices {
 

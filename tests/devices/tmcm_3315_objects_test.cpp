@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "devices/csv.hpp"
-#include "devices/tmcm_3315/objects.hpp"
-#include "dictionary/description.hpp"
 #include "source_paths.hpp"
+#include "stator/devices/tmcm_3315/objects.hpp"
+#include "stator/dictionary/description.hpp"
 
 namespace stator::devices::tmcm_3315 {
 namespace {

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "control/ramp_generator.hpp"
 #include "devices/tmcm_3315_module.hpp"
+#include "stator/control/ramp/ramp_generator.hpp"
 
 namespace stator::devices {
 namespace {

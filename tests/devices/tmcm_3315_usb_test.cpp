@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "devices/tmcm_3315_module.hpp"
-#include "tmcl/command.hpp"
+#include "stator/tmcl/command.hpp"
+#include "stator/tmcl/telegram.hpp"
 #include "tmcl/serial_line.hpp"
-#include "tmcl/telegram.hpp"
 
 namespace stator::devices {
 namespace {

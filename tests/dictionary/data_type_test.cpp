@@ -1,8 +1,8 @@
-#include "dictionary/data_type.hpp"
+#include "stator/dictionary/data_type.hpp"
 
 #include <gtest/gtest.h>
 
-#include "dictionary/abort_code.hpp"
+#include "stator/dictionary/abort_code.hpp"
 
 namespace stator::dictionary {
 namespace {

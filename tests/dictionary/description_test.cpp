@@ -1,4 +1,4 @@
-#include "dictionary/description.hpp"
+#include "stator/dictionary/description.hpp"
 
 #include <gtest/gtest.h>
 

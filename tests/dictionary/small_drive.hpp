@@ -7,9 +7,9 @@
 #include <span>
 #include <string>
 
-#include "base/byte_order.hpp"
-#include "base/event.hpp"
-#include "dictionary/dictionary.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/base/event.hpp"
+#include "stator/dictionary/dictionary.hpp"
 
 namespace stator::dictionary {
 

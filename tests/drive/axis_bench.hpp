@@ -4,9 +4,9 @@
 #include <memory>
 #include <optional>
 
-#include "base/sim_time.hpp"
 #include "drive/object_bench.hpp"
-#include "drive/stepper_axis.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/drive/stepper/stepper_axis.hpp"
 
 namespace stator::drive {
 

@@ -1,6 +1,6 @@
 // Objects of CiA 402 as an axis binds them: their widths, and where those of a second axis are.
 
-#include "drive/axis_objects.hpp"
+#include "stator/drive/motion/axis_objects.hpp"
 
 #include <stdexcept>
 #include <vector>

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "drive/axis_bench.hpp"
-#include "drive/control_words.hpp"
-#include "drive/stepper_axis.hpp"
+#include "stator/drive/power/control_words.hpp"
+#include "stator/drive/stepper/stepper_axis.hpp"
 
 namespace stator::drive {
 namespace {

@@ -5,11 +5,11 @@
 #include <memory>
 #include <optional>
 
-#include "base/sim_time.hpp"
-#include "control/foc/foc_block.hpp"
-#include "drive/foc_axis.hpp"
 #include "drive/object_bench.hpp"
-#include "plant/pwm_axis.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/control/foc/foc_block.hpp"
+#include "stator/drive/foc/foc_axis.hpp"
+#include "stator/plant/axes/pwm_axis.hpp"
 
 namespace stator::drive {
 

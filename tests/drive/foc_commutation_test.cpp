@@ -1,6 +1,6 @@
 // The search for the commutation against the registers of the block alone (reading A-60).
 
-#include "drive/foc_commutation.hpp"
+#include "stator/drive/foc/foc_commutation.hpp"
 
 #include <cstdint>
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "drive/control_words.hpp"
 #include "drive/foc_bench.hpp"
+#include "stator/drive/power/control_words.hpp"
 
 namespace stator::drive {
 namespace {

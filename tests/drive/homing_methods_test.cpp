@@ -1,6 +1,6 @@
 // Where every method finds home, from everywhere.
 
-#include "drive/homing_methods.hpp"
+#include "stator/drive/modes/homing_methods.hpp"
 
 #include <cstdlib>
 #include <limits>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "drive/axis_bench.hpp"
-#include "drive/control_words.hpp"
+#include "stator/drive/power/control_words.hpp"
 
 namespace stator::drive {
 namespace {

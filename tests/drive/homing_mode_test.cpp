@@ -1,11 +1,11 @@
 // What happens to a homing on its way: start, stop, faults, limits, offset.
 
-#include "drive/homing_mode.hpp"
+#include "stator/drive/modes/homing_mode.hpp"
 
 #include <gtest/gtest.h>
 
 #include "drive/axis_bench.hpp"
-#include "drive/control_words.hpp"
+#include "stator/drive/power/control_words.hpp"
 
 namespace stator::drive {
 namespace {

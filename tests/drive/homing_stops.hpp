@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "drive/control_words.hpp"
 #include "drive/object_bench.hpp"
-#include "drive/power_state_machine.hpp"
+#include "stator/drive/power/control_words.hpp"
+#include "stator/drive/power/power_state_machine.hpp"
 
 namespace stator::drive {
 

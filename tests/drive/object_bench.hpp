@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "base/event.hpp"
-#include "base/sim_time.hpp"
-#include "dictionary/dictionary.hpp"
-#include "drive/operating_mode.hpp"
+#include "stator/base/event.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/dictionary/dictionary.hpp"
+#include "stator/drive/modes/operating_mode.hpp"
 
 namespace stator::drive {
 

@@ -1,8 +1,8 @@
-#include "drive/position_capture.hpp"
+#include "stator/drive/motion/position_capture.hpp"
 
 #include <gtest/gtest.h>
 
-#include "base/axis_signals.hpp"
+#include "stator/base/axis_signals.hpp"
 
 namespace stator::drive {
 namespace {

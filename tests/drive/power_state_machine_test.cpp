@@ -1,4 +1,4 @@
-#include "drive/power_state_machine.hpp"
+#include "stator/drive/power/power_state_machine.hpp"
 
 #include <array>
 #include <cstdint>

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "drive/power_state_machine.hpp"
+#include "stator/drive/power/power_state_machine.hpp"
 
 namespace stator::drive {
 namespace {

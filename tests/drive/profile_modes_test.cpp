@@ -1,9 +1,9 @@
-#include "drive/profile_modes.hpp"
+#include "stator/drive/modes/profile_modes.hpp"
 
 #include <gtest/gtest.h>
 
 #include "drive/axis_bench.hpp"
-#include "drive/control_words.hpp"
+#include "stator/drive/power/control_words.hpp"
 
 namespace stator::drive {
 namespace {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "drive/axis_bench.hpp"
-#include "drive/control_words.hpp"
+#include "stator/drive/power/control_words.hpp"
 
 namespace stator::drive {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/trigonometry.hpp"
+#include "stator/base/trigonometry.hpp"
 
 namespace stator::drive {
 

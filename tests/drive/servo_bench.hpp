@@ -4,10 +4,10 @@
 #include <memory>
 #include <optional>
 
-#include "base/servo_signals.hpp"
-#include "base/sim_time.hpp"
 #include "drive/object_bench.hpp"
-#include "drive/servo_axis.hpp"
+#include "stator/base/servo_signals.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/drive/servo/servo_axis.hpp"
 
 namespace stator::drive {
 

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "drive/control_words.hpp"
 #include "drive/servo_bench.hpp"
+#include "stator/drive/power/control_words.hpp"
 
 namespace stator::drive {
 namespace {

@@ -15,9 +15,9 @@
 #include <gtest/gtest.h>
 
 #include "devices/csv.hpp"
-#include "drive/control_words.hpp"
 #include "drive/servo_bench.hpp"
 #include "source_paths.hpp"
+#include "stator/drive/power/control_words.hpp"
 
 namespace stator::drive {
 namespace {

@@ -1,4 +1,4 @@
-#include "drive/state_description.hpp"
+#include "stator/drive/power/state_description.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The state machine of the touch probes, edge by edge.
 
-#include "drive/touch_probe.hpp"
+#include "stator/drive/foc/touch_probe.hpp"
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "base/event.hpp"
 #include "ethercat/test_bus.hpp"
+#include "stator/base/event.hpp"
 
 namespace stator::ethercat {
 namespace {

@@ -1,4 +1,4 @@
-#include "ethercat/application_layer.hpp"
+#include "stator/ethercat/stack/application_layer.hpp"
 
 #include "ethercat/stack_fixture.hpp"
 

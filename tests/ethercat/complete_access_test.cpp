@@ -1,4 +1,4 @@
-#include "ethercat/complete_access.hpp"
+#include "stator/ethercat/stack/complete_access.hpp"
 
 #include "ethercat/stack_fixture.hpp"
 

@@ -1,8 +1,8 @@
-#include "ethercat/dc_supervision.hpp"
+#include "stator/ethercat/stack/dc_supervision.hpp"
 
-#include "ethercat/sii_image.hpp"
 #include "ethercat/stack_fixture.hpp"
 #include "ethercat/test_bus.hpp"
+#include "stator/ethercat/sii/sii_image.hpp"
 
 namespace stator::ethercat::test {
 namespace {

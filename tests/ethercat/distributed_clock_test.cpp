@@ -1,4 +1,4 @@
-#include "ethercat/distributed_clock.hpp"
+#include "stator/ethercat/units/distributed_clock.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "ethercat/emergency.hpp"
+#include "stator/ethercat/stack/emergency.hpp"
 
 #include "ethercat/stack_fixture.hpp"
 

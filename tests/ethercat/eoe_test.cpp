@@ -1,9 +1,9 @@
-#include "ethercat/eoe.hpp"
+#include "stator/ethercat/eoe/eoe.hpp"
 
 #include <deque>
 
-#include "base/random.hpp"
 #include "ethercat/stack_fixture.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::ethercat::test {
 namespace {

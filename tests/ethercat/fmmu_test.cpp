@@ -1,9 +1,9 @@
-#include "ethercat/fmmu.hpp"
+#include "stator/ethercat/units/fmmu.hpp"
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
 #include "ethercat/test_bus.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::ethercat {
 namespace {

@@ -1,4 +1,4 @@
-#include "ethercat/foe.hpp"
+#include "stator/ethercat/stack/foe.hpp"
 
 #include <map>
 

@@ -1,4 +1,4 @@
-#include "ethercat/frame.hpp"
+#include "stator/ethercat/standard/frame.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/byte_order.hpp"
+#include "stator/base/byte_order.hpp"
 
 // Messages as tests write and print them.
 namespace stator::ethercat::test {

@@ -1,4 +1,4 @@
-#include "ethercat/latch_unit.hpp"
+#include "stator/ethercat/units/latch_unit.hpp"
 
 #include <gtest/gtest.h>
 

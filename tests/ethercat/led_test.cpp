@@ -1,4 +1,4 @@
-#include "ethercat/led.hpp"
+#include "stator/ethercat/units/led.hpp"
 
 #include <string>
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "ethercat/mailbox.hpp"
 #include "ethercat/stack_fixture.hpp"
+#include "stator/ethercat/stack/mailbox.hpp"
 
 namespace stator::ethercat::test {
 namespace {

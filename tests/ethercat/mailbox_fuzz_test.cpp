@@ -1,5 +1,5 @@
-#include "base/random.hpp"
 #include "ethercat/stack_fixture.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::ethercat::test {
 namespace {

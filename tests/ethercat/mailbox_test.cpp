@@ -1,4 +1,4 @@
-#include "ethercat/mailbox.hpp"
+#include "stator/ethercat/stack/mailbox.hpp"
 
 #include "ethercat/stack_fixture.hpp"
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
 #include "ethercat/test_bus.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::ethercat {
 namespace {

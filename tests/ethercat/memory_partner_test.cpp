@@ -1,12 +1,12 @@
-#include "ethercat/memory_partner.hpp"
+#include "stator/ethercat/controller/memory_partner.hpp"
 
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 
-#include "base/byte_order.hpp"
 #include "ethercat/test_bus.hpp"
+#include "stator/base/byte_order.hpp"
 
 namespace stator::ethercat {
 namespace {

@@ -1,12 +1,12 @@
-#include "ethercat/mii_management.hpp"
+#include "stator/ethercat/units/mii_management.hpp"
 
 #include <array>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "ethercat/slave_controller_presets.hpp"
 #include "ethercat/test_bus.hpp"
+#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::ethercat {
 namespace {

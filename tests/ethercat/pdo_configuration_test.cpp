@@ -1,4 +1,4 @@
-#include "ethercat/pdo_configuration.hpp"
+#include "stator/ethercat/stack/pdo_configuration.hpp"
 
 #include "ethercat/stack_fixture.hpp"
 

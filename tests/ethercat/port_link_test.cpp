@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "ethercat/master_delays.hpp"
-#include "ethercat/slave_controller_presets.hpp"
 #include "ethercat/test_bus.hpp"
+#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::ethercat {
 namespace {

@@ -1,5 +1,5 @@
-#include "ethercat/process_image.hpp"
 #include "ethercat/stack_fixture.hpp"
+#include "stator/ethercat/stack/process_image.hpp"
 
 namespace stator::ethercat::test {
 namespace {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "ethercat/frame.hpp"
+#include "stator/ethercat/standard/frame.hpp"
 
 // Frames as tests write them: bytes, numbers, and what came back of each datagram.
 namespace stator::ethercat::testing {

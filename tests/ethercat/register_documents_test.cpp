@@ -17,8 +17,8 @@
 #include <gtest/gtest.h>
 
 #include "devices/csv.hpp"
-#include "ethercat/register_description.hpp"
 #include "source_paths.hpp"
+#include "stator/ethercat/controller/register_description.hpp"
 
 namespace stator::ethercat {
 namespace {

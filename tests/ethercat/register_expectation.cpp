@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "devices/csv.hpp"
-#include "ethercat/slave_controller_presets.hpp"
 #include "source_paths.hpp"
+#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::ethercat::testing {
 

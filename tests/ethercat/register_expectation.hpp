@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "ethercat/slave_controller.hpp"
+#include "stator/ethercat/controller/slave_controller.hpp"
 
 namespace stator::ethercat::testing {
 

@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "devices/csv.hpp"
-#include "ethercat/slave_controller_presets.hpp"
 #include "ethercat/test_bus.hpp"
 #include "source_paths.hpp"
+#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::ethercat {
 namespace {

@@ -1,4 +1,4 @@
-#include "ethercat/sdo_information.hpp"
+#include "stator/ethercat/stack/sdo_information.hpp"
 
 #include "ethercat/stack_fixture.hpp"
 

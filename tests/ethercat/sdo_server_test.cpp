@@ -1,4 +1,4 @@
-#include "ethercat/sdo_server.hpp"
+#include "stator/ethercat/stack/sdo_server.hpp"
 
 #include "ethercat/stack_fixture.hpp"
 

@@ -1,4 +1,4 @@
-#include "ethercat/segment.hpp"
+#include "stator/ethercat/segment/segment.hpp"
 
 #include <gtest/gtest.h>
 

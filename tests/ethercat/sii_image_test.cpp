@@ -1,4 +1,4 @@
-#include "ethercat/sii_image.hpp"
+#include "stator/ethercat/sii/sii_image.hpp"
 
 #include <stdexcept>
 

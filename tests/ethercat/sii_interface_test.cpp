@@ -1,4 +1,4 @@
-#include "ethercat/sii_interface.hpp"
+#include "stator/ethercat/units/sii_interface.hpp"
 
 #include <algorithm>
 

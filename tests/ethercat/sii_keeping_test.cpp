@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "ethercat/sii_interface.hpp"
 #include "ethercat/test_bus.hpp"
+#include "stator/ethercat/units/sii_interface.hpp"
 
 namespace stator::ethercat {
 namespace {

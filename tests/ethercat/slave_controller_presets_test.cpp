@@ -1,4 +1,4 @@
-#include "ethercat/slave_controller_presets.hpp"
+#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 #include <gtest/gtest.h>
 

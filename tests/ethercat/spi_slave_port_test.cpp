@@ -1,7 +1,7 @@
 // The SPI slave protocol byte for byte: the vectors of the TMC8461's document and those that follow
 // from its rules, at the process data interface and on memory that records its accesses.
 
-#include "ethercat/spi_slave_port.hpp"
+#include "stator/ethercat/controller/spi_slave_port.hpp"
 
 #include <array>
 #include <cstddef>
@@ -14,11 +14,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "ethercat/controller_spi_memory.hpp"
-#include "ethercat/sii_interface.hpp"
-#include "ethercat/slave_controller_presets.hpp"
 #include "ethercat/test_bus.hpp"
+#include "stator/base/random.hpp"
+#include "stator/ethercat/controller/controller_spi_memory.hpp"
+#include "stator/ethercat/controller/slave_controller_presets.hpp"
+#include "stator/ethercat/units/sii_interface.hpp"
 
 namespace stator::ethercat {
 namespace {

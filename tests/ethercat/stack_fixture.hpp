@@ -13,11 +13,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/byte_order.hpp"
-#include "base/event.hpp"
-#include "dictionary/dictionary.hpp"
 #include "ethercat/hex.hpp"
-#include "ethercat/slave_stack.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/base/event.hpp"
+#include "stator/dictionary/dictionary.hpp"
+#include "stator/ethercat/stack/slave_stack.hpp"
 
 // A slave stack on a fake controller, with a small dictionary and the master's view of both: what
 // the tests of the host side are written with.

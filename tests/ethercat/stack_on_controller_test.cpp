@@ -1,6 +1,6 @@
-#include "ethercat/sii_image.hpp"
 #include "ethercat/stack_fixture.hpp"
 #include "ethercat/test_bus.hpp"
+#include "stator/ethercat/sii/sii_image.hpp"
 
 namespace stator::ethercat::test {
 namespace {

@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "ethercat/slave_controller_presets.hpp"
 #include "ethercat/test_bus.hpp"
+#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::ethercat {
 namespace {

@@ -1,9 +1,9 @@
-#include "ethercat/sync_manager.hpp"
+#include "stator/ethercat/units/sync_manager.hpp"
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
 #include "ethercat/test_bus.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::ethercat {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "ethercat/dc_bus.hpp"
-#include "ethercat/slave_controller_presets.hpp"
+#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::ethercat {
 namespace {

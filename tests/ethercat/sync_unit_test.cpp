@@ -1,10 +1,10 @@
-#include "ethercat/sync_unit.hpp"
+#include "stator/ethercat/units/sync_unit.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
 #include "ethercat/dc_bus.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::ethercat {
 namespace {

@@ -6,13 +6,13 @@
 #include <optional>
 #include <vector>
 
-#include "base/byte_order.hpp"
-#include "base/sim_time.hpp"
-#include "ethercat/frame.hpp"
 #include "ethercat/raw_frame.hpp"
-#include "ethercat/segment.hpp"
-#include "ethercat/sii_interface.hpp"
-#include "ethercat/slave_controller.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/ethercat/controller/slave_controller.hpp"
+#include "stator/ethercat/segment/segment.hpp"
+#include "stator/ethercat/standard/frame.hpp"
+#include "stator/ethercat/units/sii_interface.hpp"
 
 namespace stator::ethercat::testing {
 

@@ -1,12 +1,12 @@
-#include "ethercat/topology.hpp"
+#include "stator/ethercat/segment/topology.hpp"
 
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
 #include "ethercat/master_delays.hpp"
 #include "ethercat/test_bus.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::ethercat {
 namespace {

@@ -1,4 +1,4 @@
-#include "ethercat/watchdog.hpp"
+#include "stator/ethercat/units/watchdog.hpp"
 
 #include <gtest/gtest.h>
 

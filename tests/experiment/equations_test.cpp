@@ -1,6 +1,6 @@
 // The formulas against numbers worked out by hand for a motor with round values.
 
-#include "experiment/equations.hpp"
+#include "stator/experiment/equations.hpp"
 
 #include <cmath>
 

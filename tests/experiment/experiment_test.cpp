@@ -1,4 +1,4 @@
-#include "experiment/experiment.hpp"
+#include "stator/experiment/experiment.hpp"
 
 #include <cmath>
 #include <set>

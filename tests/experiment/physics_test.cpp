@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/equations.hpp"
-#include "experiment/experiment.hpp"
+#include "stator/experiment/equations.hpp"
+#include "stator/experiment/experiment.hpp"
 
 namespace stator::experiment {
 namespace {

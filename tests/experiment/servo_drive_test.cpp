@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "base/trigonometry.hpp"
-#include "control/servo_controller.hpp"
-#include "plant/servo_axis.hpp"
-#include "plant/three_phase_motor.hpp"
+#include "stator/base/trigonometry.hpp"
+#include "stator/control/servo/servo_controller.hpp"
+#include "stator/plant/axes/servo_axis.hpp"
+#include "stator/plant/motors/three_phase_motor.hpp"
 
 namespace stator {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "devices/tmc8670/servo_stage.hpp"
-#include "experiment/tuning/tuner.hpp"
-#include "plant/three_phase_motor.hpp"
+#include "stator/devices/tmc8670/servo_stage.hpp"
+#include "stator/experiment/tuning/tuner.hpp"
+#include "stator/plant/motors/three_phase_motor.hpp"
 
 namespace stator::experiment::tuning {
 

@@ -1,4 +1,4 @@
-#include "link/background_output.hpp"
+#include "stator/link/system/background_output.hpp"
 
 #include <array>
 #include <filesystem>
@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "base/temporary_directory.hpp"
-#include "link/file_descriptor.hpp"
+#include "stator/link/system/file_descriptor.hpp"
 
 namespace stator::link {
 namespace {

@@ -1,12 +1,12 @@
-#include "link/broadcast_manager.hpp"
+#include "stator/link/can/broadcast_manager.hpp"
 
 #include <cstring>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "link/can_exec_link.hpp"
-#include "link/socketcan_frame.hpp"
+#include "stator/link/can/can_exec_link.hpp"
+#include "stator/link/can/socketcan_frame.hpp"
 
 namespace stator::link {
 namespace {

@@ -1,4 +1,4 @@
-#include "link/can_link_address.hpp"
+#include "stator/link/can/can_link_address.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

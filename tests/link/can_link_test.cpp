@@ -1,4 +1,4 @@
-#include "link/can_link.hpp"
+#include "stator/link/can/can_link.hpp"
 
 #include <array>
 #include <chrono>
@@ -19,8 +19,8 @@
 #include <unistd.h>
 
 #include "base/temporary_directory.hpp"
-#include "link/can_exec_link.hpp"
-#include "link/file_descriptor.hpp"
+#include "stator/link/can/can_exec_link.hpp"
+#include "stator/link/system/file_descriptor.hpp"
 
 namespace stator::link {
 namespace {

@@ -1,4 +1,4 @@
-#include "link/can_log.hpp"
+#include "stator/link/can/can_log.hpp"
 
 #include <fstream>
 #include <iterator>

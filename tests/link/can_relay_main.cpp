@@ -19,8 +19,8 @@
 #include <poll.h>
 #include <sys/prctl.h>
 
-#include "base/byte_order.hpp"
-#include "link/can_link.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/link/can/can_link.hpp"
 
 namespace {
 

@@ -7,10 +7,10 @@
 #include <signal.h>
 #include <sys/resource.h>
 
-#include "link/capturing_link.hpp"
 #include "link/ethernet_frames.hpp"
-#include "link/pair.hpp"
-#include "link/pcap_writer.hpp"
+#include "stator/link/ethernet/capturing_link.hpp"
+#include "stator/link/ethernet/pair.hpp"
+#include "stator/link/system/pcap_writer.hpp"
 
 namespace stator::link {
 namespace {

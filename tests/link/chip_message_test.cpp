@@ -1,11 +1,11 @@
-#include "link/chip_message.hpp"
+#include "stator/link/serial/chip_message.hpp"
 
 #include <algorithm>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::link {
 namespace {

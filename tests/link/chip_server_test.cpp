@@ -1,6 +1,6 @@
 // The socket for firmware: who gets the chip, who is turned away, and what broken programs do.
 
-#include "link/chip_server.hpp"
+#include "stator/link/serial/chip_server.hpp"
 
 #include <algorithm>
 #include <array>

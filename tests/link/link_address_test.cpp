@@ -1,9 +1,9 @@
-#include "link/link_address.hpp"
+#include "stator/link/ethernet/link_address.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "link/open_link.hpp"
+#include "stator/link/ethernet/open_link.hpp"
 
 namespace stator::link {
 namespace {

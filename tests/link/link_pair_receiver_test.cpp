@@ -1,6 +1,6 @@
 // Both ends of one veth cable as the two links: what one sends, the other receives.
 
-#include "link/link_pair_receiver.hpp"
+#include "stator/link/ethernet/link_pair_receiver.hpp"
 
 #include <vector>
 

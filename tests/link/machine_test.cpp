@@ -1,4 +1,4 @@
-#include "link/machine.hpp"
+#include "stator/link/ethernet/machine.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "link/file_descriptor.hpp"
+#include "stator/link/system/file_descriptor.hpp"
 
 namespace stator::link {
 namespace {

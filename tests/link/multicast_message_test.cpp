@@ -1,4 +1,4 @@
-#include "link/multicast_message.hpp"
+#include "stator/link/can/multicast_message.hpp"
 
 #include <string>
 #include <string_view>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "link/message_pack.hpp"
+#include "stator/link/can/message_pack.hpp"
 
 namespace stator::link {
 namespace {

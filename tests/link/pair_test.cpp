@@ -1,4 +1,4 @@
-#include "link/pair.hpp"
+#include "stator/link/ethernet/pair.hpp"
 
 #include <array>
 #include <thread>

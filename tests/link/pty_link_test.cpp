@@ -1,4 +1,4 @@
-#include "link/pty_link.hpp"
+#include "stator/link/serial/pty_link.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "link/raw_ethernet_link.hpp"
+#include "stator/link/ethernet/raw_ethernet_link.hpp"
 
 #include <array>
 #include <atomic>

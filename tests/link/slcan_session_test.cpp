@@ -1,4 +1,4 @@
-#include "link/slcan_session.hpp"
+#include "stator/link/can/slcan_session.hpp"
 
 #include <string>
 #include <vector>

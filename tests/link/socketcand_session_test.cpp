@@ -1,4 +1,4 @@
-#include "link/socketcand_session.hpp"
+#include "stator/link/can/socketcand_session.hpp"
 
 #include <string>
 #include <vector>
@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "link/socketcand_beacon.hpp"
+#include "stator/link/can/socketcand_beacon.hpp"
 
 namespace stator::link {
 namespace {

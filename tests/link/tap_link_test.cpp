@@ -1,4 +1,4 @@
-#include "link/tap_link.hpp"
+#include "stator/link/ethernet/tap_link.hpp"
 
 #include <array>
 #include <thread>
@@ -8,9 +8,9 @@
 #include <sys/socket.h>
 
 #include "link/ethernet_frames.hpp"
-#include "link/open_link.hpp"
-#include "link/raw_ethernet_link.hpp"
 #include "link/veth_namespace.hpp"
+#include "stator/link/ethernet/open_link.hpp"
+#include "stator/link/ethernet/raw_ethernet_link.hpp"
 
 namespace stator::link {
 namespace {

@@ -1,4 +1,4 @@
-#include "link/tcp_serial_link.hpp"
+#include "stator/link/serial/tcp_serial_link.hpp"
 
 #include <array>
 #include <chrono>

@@ -16,8 +16,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "link/file_descriptor.hpp"
-#include "link/machine.hpp"
+#include "stator/link/ethernet/machine.hpp"
+#include "stator/link/system/file_descriptor.hpp"
 
 namespace stator::link {
 

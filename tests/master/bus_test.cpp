@@ -1,4 +1,4 @@
-#include "master/bus.hpp"
+#include "stator/master/bus.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "master/cia402_client.hpp"
+#include "stator/master/cia402/cia402_client.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,10 +1,10 @@
-#include "master/distributed_clocks.hpp"
+#include "stator/master/distributed_clocks.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "master/master.hpp"
 #include "master/simulated_segment.hpp"
+#include "stator/master/master.hpp"
 
 namespace stator::master {
 namespace {

@@ -1,10 +1,10 @@
-#include "master/process_data.hpp"
+#include "stator/master/process_data.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "master/master.hpp"
 #include "master/simulated_segment.hpp"
+#include "stator/master/master.hpp"
 
 namespace stator::master {
 namespace {

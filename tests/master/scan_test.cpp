@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "master/master.hpp"
 #include "master/simulated_segment.hpp"
+#include "stator/master/master.hpp"
 
 namespace stator::master {
 namespace {

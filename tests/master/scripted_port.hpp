@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "master/frame_port.hpp"
+#include "stator/master/frame_port.hpp"
 
 namespace stator::master::test {
 

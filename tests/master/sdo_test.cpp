@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "dictionary/abort_code.hpp"
-#include "master/master.hpp"
 #include "master/simulated_segment.hpp"
+#include "stator/dictionary/abort_code.hpp"
+#include "stator/master/master.hpp"
 
 namespace stator::master {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "dictionary/dictionary.hpp"
+#include "stator/dictionary/dictionary.hpp"
 
 namespace stator::master::test {
 

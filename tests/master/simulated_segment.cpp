@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "ethercat/sii_image.hpp"
+#include "stator/ethercat/sii/sii_image.hpp"
 
 namespace stator::master::test {
 

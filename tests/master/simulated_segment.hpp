@@ -4,13 +4,13 @@
 #include <memory>
 #include <vector>
 
-#include "base/random.hpp"
-#include "dictionary/dictionary.hpp"
-#include "ethercat/segment.hpp"
-#include "ethercat/slave_controller.hpp"
-#include "ethercat/slave_stack.hpp"
-#include "master/frame_port.hpp"
 #include "master/simulated_drive.hpp"
+#include "stator/base/random.hpp"
+#include "stator/dictionary/dictionary.hpp"
+#include "stator/ethercat/controller/slave_controller.hpp"
+#include "stator/ethercat/segment/segment.hpp"
+#include "stator/ethercat/stack/slave_stack.hpp"
+#include "stator/master/frame_port.hpp"
 
 namespace stator::master::test {
 

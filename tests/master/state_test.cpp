@@ -1,10 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "master/master.hpp"
-#include "master/registers.hpp"
 #include "master/scripted_port.hpp"
 #include "master/simulated_segment.hpp"
+#include "stator/master/master.hpp"
+#include "stator/master/registers.hpp"
 
 namespace stator::master {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "base/byte_order.hpp"
 #include "ethercat/test_bus.hpp"
+#include "stator/base/byte_order.hpp"
 
 namespace stator::tests {
 

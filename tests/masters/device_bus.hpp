@@ -7,12 +7,12 @@
 #include <span>
 #include <vector>
 
-#include "base/sim_time.hpp"
-#include "devices/tmcm_3315/tmcm_3315.hpp"
 #include "ethercat/hex.hpp"
 #include "ethercat/raw_frame.hpp"
-#include "ethercat/segment.hpp"
-#include "ethercat/slave_controller.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
+#include "stator/ethercat/controller/slave_controller.hpp"
+#include "stator/ethercat/segment/segment.hpp"
 
 namespace stator::tests {
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/byte_order.hpp"
 #include "masters/soem.hpp"
+#include "stator/base/byte_order.hpp"
 
 namespace stator::tests {
 namespace {

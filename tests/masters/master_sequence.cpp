@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "base/byte_order.hpp"
-#include "base/random.hpp"
 #include "ethercat/raw_frame.hpp"
-#include "ethercat/segment.hpp"
 #include "masters/slave_rules.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/base/random.hpp"
+#include "stator/ethercat/segment/segment.hpp"
 
 namespace stator::tests {
 

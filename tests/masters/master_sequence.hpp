@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "base/event.hpp"
-#include "devices/ethercat_device.hpp"
+#include "stator/base/event.hpp"
+#include "stator/devices/ethercat_device.hpp"
 
 // What a master may do to a slave in any order, and what has to hold whatever it does: random
 // sequences of AL requests, sync managers, mailboxes, process data, clocks, watchdogs, silence,

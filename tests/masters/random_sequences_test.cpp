@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/tmc8670/tmc8670.hpp"
-#include "devices/tmcm_3315/tmcm_3315.hpp"
 #include "masters/master_sequence.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::tests {
 namespace {

@@ -1,7 +1,7 @@
 // What captures of a drive on a real bus show, and masters have come to rely on.
 
-#include "base/byte_order.hpp"
 #include "masters/device_bus.hpp"
+#include "stator/base/byte_order.hpp"
 
 namespace stator::tests {
 namespace {

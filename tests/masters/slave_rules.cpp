@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "base/byte_order.hpp"
 #include "masters/device_bus.hpp"
+#include "stator/base/byte_order.hpp"
 
 namespace stator::tests {
 

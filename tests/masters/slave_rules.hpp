@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "base/event.hpp"
-#include "base/sim_time.hpp"
-#include "devices/ethercat_device.hpp"
 #include "ethercat/raw_frame.hpp"
-#include "ethercat/segment.hpp"
 #include "masters/master_sequence.hpp"
+#include "stator/base/event.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/devices/ethercat_device.hpp"
+#include "stator/ethercat/segment/segment.hpp"
 
 namespace stator::tests {
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/byte_order.hpp"
+#include "stator/base/byte_order.hpp"
 
 namespace stator::tests {
 

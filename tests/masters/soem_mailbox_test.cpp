@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "base/byte_order.hpp"
 #include "masters/soem.hpp"
+#include "stator/base/byte_order.hpp"
 
 namespace stator::tests {
 namespace {

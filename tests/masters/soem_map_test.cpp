@@ -1,7 +1,7 @@
 // What SOEM's config_map sends: mapping from objects, sync managers, FMMUs, the working counter.
 
-#include "base/byte_order.hpp"
 #include "masters/soem.hpp"
+#include "stator/base/byte_order.hpp"
 
 namespace stator::tests {
 namespace {

@@ -4,8 +4,8 @@
 #include <map>
 #include <string>
 
-#include "base/byte_order.hpp"
 #include "masters/soem.hpp"
+#include "stator/base/byte_order.hpp"
 
 namespace stator::tests {
 namespace {

@@ -7,10 +7,10 @@
 
 #include <gmock/gmock.h>
 
-#include "base/byte_order.hpp"
-#include "devices/junction/junction.hpp"
-#include "devices/tmc8461/tmc8461.hpp"
 #include "masters/soem.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/devices/junction/junction.hpp"
+#include "stator/devices/tmc8461/tmc8461.hpp"
 
 namespace stator::tests {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include "base/byte_order.hpp"
 #include "masters/device_bus.hpp"
+#include "stator/base/byte_order.hpp"
 
 namespace stator::tests {
 namespace {

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/byte_order.hpp"
-#include "mfc/block.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/mfc/block/block.hpp"
 
 namespace stator::mfc::testing {
 

@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "mfc/block.hpp"
 #include "mfc/block_fixture.hpp"
+#include "stator/mfc/block/block.hpp"
 
 namespace stator::mfc {
 namespace {

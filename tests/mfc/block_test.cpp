@@ -1,9 +1,9 @@
-#include "mfc/block.hpp"
+#include "stator/mfc/block/block.hpp"
 
 #include <gmock/gmock.h>
 
-#include "base/random.hpp"
 #include "mfc/block_fixture.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::mfc {
 namespace {

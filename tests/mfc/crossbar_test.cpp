@@ -1,9 +1,9 @@
-#include "mfc/crossbar.hpp"
+#include "stator/mfc/pins/crossbar.hpp"
 
 #include <gmock/gmock.h>
 
-#include "base/random.hpp"
 #include "mfc/csv_file.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::mfc {
 namespace {

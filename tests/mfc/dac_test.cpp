@@ -1,4 +1,4 @@
-#include "mfc/dac.hpp"
+#include "stator/mfc/units/dac.hpp"
 
 #include <cmath>
 #include <cstddef>
@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
 #include "mfc/recording_sink.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::mfc {
 namespace {

@@ -1,4 +1,4 @@
-#include "mfc/gpio.hpp"
+#include "stator/mfc/units/gpio.hpp"
 
 #include <string>
 #include <vector>

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "mfc/i2c_master.hpp"
 #include "mfc/recording_sink.hpp"
+#include "stator/mfc/units/i2c_master.hpp"
 
 namespace stator::mfc::testing {
 

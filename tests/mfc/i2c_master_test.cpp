@@ -1,4 +1,4 @@
-#include "mfc/i2c_master.hpp"
+#include "stator/mfc/units/i2c_master.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
 #include "mfc/csv_file.hpp"
 #include "mfc/i2c_bench.hpp"
 #include "mfc/recording_sink.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::mfc {
 namespace {

@@ -1,4 +1,4 @@
-#include "mfc/irq_unit.hpp"
+#include "stator/mfc/units/irq_unit.hpp"
 
 #include <gtest/gtest.h>
 

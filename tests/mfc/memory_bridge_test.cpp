@@ -1,9 +1,9 @@
-#include "mfc/memory_bridge.hpp"
+#include "stator/mfc/block/memory_bridge.hpp"
 
 #include <gmock/gmock.h>
 
-#include "base/random.hpp"
 #include "mfc/block_fixture.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::mfc {
 namespace {

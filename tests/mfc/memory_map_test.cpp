@@ -1,11 +1,11 @@
-#include "mfc/memory_map.hpp"
+#include "stator/mfc/block/memory_map.hpp"
 
 #include <vector>
 
 #include <gmock/gmock.h>
 
-#include "base/random.hpp"
 #include "mfc/csv_file.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::mfc {
 namespace {

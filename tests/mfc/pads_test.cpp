@@ -1,4 +1,4 @@
-#include "mfc/pads.hpp"
+#include "stator/mfc/pins/pads.hpp"
 
 #include <gmock/gmock.h>
 

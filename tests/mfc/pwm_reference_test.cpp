@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "mfc/pwm.hpp"
 #include "mfc/pwm_registers.hpp"
 #include "mfc/recording_sink.hpp"
+#include "stator/base/random.hpp"
+#include "stator/mfc/units/pwm.hpp"
 
 namespace stator::mfc {
 namespace {

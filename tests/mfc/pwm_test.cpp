@@ -1,4 +1,4 @@
-#include "mfc/pwm.hpp"
+#include "stator/mfc/units/pwm.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mfc/signal.hpp"
+#include "stator/mfc/pins/signal.hpp"
 
 namespace stator::mfc::testing {
 

@@ -1,12 +1,12 @@
-#include "mfc/register_map.hpp"
+#include "stator/mfc/registers/register_map.hpp"
 
 #include <set>
 
 #include <gmock/gmock.h>
 
-#include "mfc/configuration.hpp"
 #include "mfc/csv_file.hpp"
-#include "mfc/register_description.hpp"
+#include "stator/mfc/pins/configuration.hpp"
+#include "stator/mfc/registers/register_description.hpp"
 
 namespace stator::mfc {
 namespace {

@@ -1,4 +1,4 @@
-#include "mfc/regulators.hpp"
+#include "stator/mfc/units/regulators.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,12 +1,12 @@
-#include "mfc/signal.hpp"
+#include "stator/mfc/pins/signal.hpp"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "mfc/clock.hpp"
 #include "mfc/csv_file.hpp"
 #include "mfc/recording_sink.hpp"
+#include "stator/mfc/units/clock.hpp"
 
 namespace stator::mfc {
 namespace {

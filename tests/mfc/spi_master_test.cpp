@@ -1,4 +1,4 @@
-#include "mfc/spi_master.hpp"
+#include "stator/mfc/units/spi_master.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
 #include "mfc/csv_file.hpp"
 #include "mfc/recording_sink.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::mfc {
 namespace {

@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
 #include "mfc/recording_sink.hpp"
-#include "mfc/step_direction.hpp"
+#include "stator/base/random.hpp"
+#include "stator/mfc/units/step_direction.hpp"
 
 namespace stator::mfc {
 namespace {

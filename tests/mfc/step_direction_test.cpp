@@ -1,4 +1,4 @@
-#include "mfc/step_direction.hpp"
+#include "stator/mfc/units/step_direction.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
 #include "mfc/recording_sink.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::mfc {
 namespace {

@@ -1,4 +1,4 @@
-#include "mfc/watchdog.hpp"
+#include "stator/mfc/units/watchdog.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
 #include "mfc/recording_sink.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::mfc {
 namespace {

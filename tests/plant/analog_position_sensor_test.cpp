@@ -1,4 +1,4 @@
-#include "plant/analog_position_sensor.hpp"
+#include "stator/plant/sensors/analog_position_sensor.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "plant/axis_fault_inputs.hpp"
 #include "plant/commutated_pwm_axis.hpp"
 #include "plant/ideal_commutator.hpp"
 #include "plant/rotating_field.hpp"
+#include "stator/plant/axes/axis_fault_inputs.hpp"
 
 namespace stator::plant {
 namespace {

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <cstdio>
 
-#include "base/instruction_set.hpp"
-#include "base/random.hpp"
-#include "control/current_loop_batch.hpp"
-#include "plant/pwm_axis.hpp"
-#include "plant/servo_batch.hpp"
+#include "stator/base/instruction_set.hpp"
+#include "stator/base/random.hpp"
+#include "stator/control/current_loop/current_loop_batch.hpp"
+#include "stator/plant/axes/pwm_axis.hpp"
+#include "stator/plant/batch/servo_batch.hpp"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "plant/cogging.hpp"
+#include "stator/plant/motors/cogging.hpp"
 
 #include <cmath>
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <variant>
 
-#include "base/sim_time.hpp"
-#include "base/trigonometry.hpp"
-#include "plant/pwm_axis.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/base/trigonometry.hpp"
+#include "stator/plant/axes/pwm_axis.hpp"
 
 namespace stator::plant {
 

@@ -1,4 +1,4 @@
-#include "plant/current_converter.hpp"
+#include "stator/plant/sensors/current_converter.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "plant/current_sensing.hpp"
+#include "stator/plant/sensors/current_sensing.hpp"
 
 #include <cmath>
 

@@ -1,11 +1,11 @@
-#include "plant/dc_motor.hpp"
+#include "stator/plant/motors/dc_motor.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::plant {
 namespace {

@@ -1,4 +1,4 @@
-#include "plant/encoder_disturbance.hpp"
+#include "stator/plant/sensors/encoder_disturbance.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
 #include "energy_ledger.hpp"
-#include "plant/pwm_axis.hpp"
-#include "plant/switched_inverter.hpp"
+#include "stator/base/random.hpp"
+#include "stator/plant/axes/pwm_axis.hpp"
+#include "stator/plant/power/switched_inverter.hpp"
 
 namespace stator::plant {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "plant/windings.hpp"
+#include "stator/plant/power/windings.hpp"
 
 namespace stator::plant {
 

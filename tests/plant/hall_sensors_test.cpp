@@ -1,4 +1,4 @@
-#include "plant/hall_sensors.hpp"
+#include "stator/plant/sensors/hall_sensors.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "plant/holding_brake.hpp"
+#include "stator/plant/mechanics/holding_brake.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "plant/hybrid_stepper.hpp"
+#include "stator/plant/motors/hybrid_stepper.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "plant/servo_axis.hpp"
+#include "stator/plant/axes/servo_axis.hpp"
 
 namespace stator::plant {
 

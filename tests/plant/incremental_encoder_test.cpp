@@ -1,8 +1,8 @@
-#include "plant/incremental_encoder.hpp"
+#include "stator/plant/sensors/incremental_encoder.hpp"
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::plant {
 namespace {

@@ -1,11 +1,11 @@
-#include "plant/mechanical_load.hpp"
+#include "stator/plant/mechanics/mechanical_load.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "plant/stepper_axis.hpp"
+#include "stator/plant/axes/stepper_axis.hpp"
 
 namespace stator::plant {
 namespace {

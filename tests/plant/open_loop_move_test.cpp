@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "control/microstep_sequencer.hpp"
-#include "control/ramp_generator.hpp"
-#include "plant/stepper_axis.hpp"
+#include "stator/control/ramp/ramp_generator.hpp"
+#include "stator/control/stepper/microstep_sequencer.hpp"
+#include "stator/plant/axes/stepper_axis.hpp"
 
 // Ramp, sequencer and plant wired as a device wires them.
 

@@ -1,4 +1,4 @@
-#include "plant/position_switch.hpp"
+#include "stator/plant/sensors/position_switch.hpp"
 
 #include <gtest/gtest.h>
 

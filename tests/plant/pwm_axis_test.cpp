@@ -1,4 +1,4 @@
-#include "plant/pwm_axis.hpp"
+#include "stator/plant/axes/pwm_axis.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "base/trigonometry.hpp"
-#include "plant/stepper_axis.hpp"
+#include "stator/base/trigonometry.hpp"
+#include "stator/plant/axes/stepper_axis.hpp"
 
 namespace stator::plant {
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "plant/ideal_commutator.hpp"
-#include "plant/servo_axis.hpp"
+#include "stator/plant/axes/servo_axis.hpp"
 
 namespace stator::plant {
 namespace {

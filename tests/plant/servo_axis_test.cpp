@@ -1,4 +1,4 @@
-#include "plant/servo_axis.hpp"
+#include "stator/plant/axes/servo_axis.hpp"
 
 #include <bit>
 #include <cmath>

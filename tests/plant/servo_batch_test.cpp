@@ -1,4 +1,4 @@
-#include "plant/servo_batch.hpp"
+#include "stator/plant/batch/servo_batch.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "control/current_loop_batch.hpp"
+#include "stator/base/random.hpp"
+#include "stator/control/current_loop/current_loop_batch.hpp"
 
 namespace stator::plant {
 namespace {

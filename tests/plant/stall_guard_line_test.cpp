@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "control/stall_guard.hpp"
 #include "plant/rotating_field.hpp"
+#include "stator/control/stepper/stall_guard.hpp"
 
 namespace stator::plant {
 namespace {

@@ -1,4 +1,4 @@
-#include "plant/stepper_axis.hpp"
+#include "stator/plant/axes/stepper_axis.hpp"
 
 #include <bit>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "plant/stepper_motor.hpp"
+#include "stator/plant/motors/stepper_motor.hpp"
 
 #include <gtest/gtest.h>
 

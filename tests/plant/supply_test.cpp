@@ -1,6 +1,6 @@
 // The supply of a power stage: source, capacitor, brake chopper.
 
-#include "plant/supply.hpp"
+#include "stator/plant/power/supply.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "plant/switched_inverter.hpp"
+#include "stator/plant/power/switched_inverter.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "plant/switched_turn.hpp"
+#include "stator/plant/power/switched_turn.hpp"
 
 namespace stator::plant {
 namespace {

@@ -1,4 +1,4 @@
-#include "plant/synchronous_motor.hpp"
+#include "stator/plant/motors/synchronous_motor.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "plant/stepper_axis.hpp"
-#include "plant/two_body_thermal.hpp"
+#include "stator/plant/axes/stepper_axis.hpp"
+#include "stator/plant/motors/two_body_thermal.hpp"
 
 namespace stator::plant {
 namespace {

@@ -1,4 +1,4 @@
-#include "plant/three_phase_motor.hpp"
+#include "stator/plant/motors/three_phase_motor.hpp"
 
 #include <gtest/gtest.h>
 

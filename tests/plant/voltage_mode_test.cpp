@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "base/trigonometry.hpp"
-#include "plant/stepper_axis.hpp"
+#include "stator/base/trigonometry.hpp"
+#include "stator/plant/axes/stepper_axis.hpp"
 
 namespace stator::plant {
 namespace {

@@ -1,6 +1,6 @@
 // What EEPROMs on a board keep in a state directory.
 
-#include "rack/board_memory.hpp"
+#include "stator/rack/kept/board_memory.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -11,9 +11,9 @@
 
 #include "base/temporary_directory.hpp"
 #include "board/bench.hpp"
-#include "devices/tmc8461/tmc8461.hpp"
-#include "rack/device_storage.hpp"
-#include "rack/event_log.hpp"
+#include "stator/devices/tmc8461/tmc8461.hpp"
+#include "stator/rack/kept/device_storage.hpp"
+#include "stator/rack/observe/event_log.hpp"
 
 namespace stator::rack {
 namespace {

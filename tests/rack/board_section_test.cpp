@@ -1,9 +1,9 @@
-#include "rack/board_section.hpp"
+#include "stator/rack/sections/board_section.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "rack/rack_file.hpp"
+#include "stator/rack/file/rack_file.hpp"
 
 namespace stator::rack {
 namespace {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "rack/rack_file.hpp"
+#include "stator/rack/file/rack_file.hpp"
 
 namespace stator::rack {
 namespace {

@@ -1,6 +1,6 @@
 // A bus of a rack on a real port, as "stator run" runs it.
 
-#include "rack/bus_thread.hpp"
+#include "stator/rack/run/bus_thread.hpp"
 
 #include <array>
 #include <chrono>
@@ -17,11 +17,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "base/byte_order.hpp"
 #include "base/temporary_directory.hpp"
-#include "link/file_descriptor.hpp"
-#include "rack/runner.hpp"
 #include "rack/test_can_device.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/link/system/file_descriptor.hpp"
+#include "stator/rack/run/runner.hpp"
 
 namespace stator::rack {
 namespace {

@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 
 #include "base/temporary_directory.hpp"
-#include "rack/local_can_port.hpp"
-#include "rack/product_catalogue.hpp"
-#include "rack/rack_file.hpp"
 #include "rack/test_can_device.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/ports/local_can_port.hpp"
 
 namespace stator::rack {
 namespace {

@@ -1,6 +1,6 @@
 // The protocol of the socket for firmware, message by message, on a TMC8461 without sockets.
 
-#include "rack/chip_session.hpp"
+#include "stator/rack/run/chip_session.hpp"
 
 #include <initializer_list>
 #include <string>
@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/byte_order.hpp"
-#include "devices/tmc8461/tmc8461.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/devices/tmc8461/tmc8461.hpp"
 
 namespace stator::rack {
 namespace {

@@ -16,13 +16,13 @@
 
 #include "base/child_process.hpp"
 #include "ethercat/raw_frame.hpp"
-#include "link/open_link.hpp"
-#include "link/udp_ethernet_link.hpp"
-#include "master/master.hpp"
-#include "rack/link_port.hpp"
-#include "rack/rack_file.hpp"
-#include "rack/runner.hpp"
 #include "source_paths.hpp"
+#include "stator/link/ethernet/open_link.hpp"
+#include "stator/link/ethernet/udp_ethernet_link.hpp"
+#include "stator/master/master.hpp"
+#include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/ports/link_port.hpp"
+#include "stator/rack/run/runner.hpp"
 #include "stator_chip.h"
 
 namespace stator::rack {

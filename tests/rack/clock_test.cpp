@@ -1,4 +1,4 @@
-#include "rack/clock.hpp"
+#include "stator/rack/world/clock.hpp"
 
 #include <array>
 #include <initializer_list>

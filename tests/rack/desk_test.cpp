@@ -1,11 +1,11 @@
-#include "rack/desk.hpp"
+#include "stator/rack/run/desk.hpp"
 
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "rack/product_catalogue.hpp"
-#include "rack/rack.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/rack.hpp"
 
 namespace stator::rack {
 namespace {

@@ -1,4 +1,4 @@
-#include "rack/device_storage.hpp"
+#include "stator/rack/kept/device_storage.hpp"
 
 #include <array>
 #include <csignal>
@@ -13,14 +13,14 @@
 #include <unistd.h>
 
 #include "base/child_process.hpp"
-#include "base/random.hpp"
 #include "base/temporary_directory.hpp"
 #include "devices/test_bus.hpp"
-#include "devices/tmcm_3315/tmcm_3315.hpp"
-#include "ethercat/sii_interface.hpp"
-#include "rack/event_log.hpp"
-#include "rack/product_catalogue.hpp"
-#include "rack/rack.hpp"
+#include "stator/base/random.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
+#include "stator/ethercat/units/sii_interface.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/observe/event_log.hpp"
 
 namespace stator::rack {
 namespace {

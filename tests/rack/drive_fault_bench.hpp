@@ -9,11 +9,11 @@
 
 #include <gtest/gtest.h>
 
-#include "base/byte_order.hpp"
-#include "can/frame.hpp"
 #include "rack/fault_bench.hpp"
-#include "tmcl/command.hpp"
-#include "tmcl/telegram.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/can/frame.hpp"
+#include "stator/tmcl/command.hpp"
+#include "stator/tmcl/telegram.hpp"
 
 namespace stator::tests {
 

@@ -1,4 +1,4 @@
-#include "rack/eoe_bridge.hpp"
+#include "stator/rack/run/eoe_bridge.hpp"
 
 #include <array>
 #include <chrono>
@@ -11,9 +11,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "ethercat/sii_image.hpp"
-#include "rack/event_log.hpp"
-#include "rack/product_catalogue.hpp"
+#include "stator/ethercat/sii/sii_image.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/observe/event_log.hpp"
 
 namespace stator::rack {
 namespace {

@@ -1,10 +1,10 @@
-#include "rack/esi.hpp"
+#include "stator/rack/esi/esi.hpp"
 
 #include <gtest/gtest.h>
 #include <pugixml.hpp>
 
-#include "ethercat/sii_image.hpp"
-#include "rack/product_catalogue.hpp"
+#include "stator/ethercat/sii/sii_image.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
 
 namespace stator::rack {
 namespace {

@@ -1,4 +1,4 @@
-#include "rack/event_log.hpp"
+#include "stator/rack/observe/event_log.hpp"
 
 #include <cstdint>
 #include <memory>

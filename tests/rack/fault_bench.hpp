@@ -7,12 +7,12 @@
 
 #include <gtest/gtest.h>
 
-#include "base/byte_order.hpp"
-#include "rack/fault_section.hpp"
-#include "rack/faults.hpp"
 #include "rack/rack_bench.hpp"
 #include "rack/test_can_device.hpp"
 #include "rack/test_serial_device.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/rack/core/faults.hpp"
+#include "stator/rack/file/fault_section.hpp"
 
 namespace stator::tests {
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "rack/drive_fault_bench.hpp"
-#include "rack/fault_kinds.hpp"
+#include "stator/rack/faults/fault_kinds.hpp"
 
 namespace stator::tests {
 

@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "ethercat/register_addresses.hpp"
 #include "rack/fault_kind_effects.hpp"
+#include "stator/ethercat/standard/register_addresses.hpp"
 
 namespace stator::rack {
 namespace {

@@ -1,7 +1,7 @@
 // What each kind of fault does to a master, and that the rack recovers after it. Every kind of the
 // table has its row: those of one network in a file of their own, the rest here.
 
-#include "rack/fault_kinds.hpp"
+#include "stator/rack/faults/fault_kinds.hpp"
 
 #include <fstream>
 #include <sstream>
@@ -9,9 +9,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "ethercat/register_addresses.hpp"
 #include "rack/fault_kind_effects.hpp"
 #include "source_paths.hpp"
+#include "stator/ethercat/standard/register_addresses.hpp"
 
 namespace stator::rack {
 namespace {

@@ -1,13 +1,13 @@
 // When faults begin and end, and how they are asked for.
 
-#include "rack/faults.hpp"
+#include "stator/rack/core/faults.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "ethercat/register_addresses.hpp"
-#include "master/cia402_client.hpp"
 #include "rack/fault_bench.hpp"
+#include "stator/ethercat/standard/register_addresses.hpp"
+#include "stator/master/cia402/cia402_client.hpp"
 
 namespace stator::rack {
 namespace {

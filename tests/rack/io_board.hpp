@@ -8,11 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "base/byte_order.hpp"
-#include "mfc/memory_map.hpp"
 #include "rack/fault_bench.hpp"
-#include "rack/mfc_configuration_file.hpp"
 #include "source_paths.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/mfc/block/memory_map.hpp"
+#include "stator/rack/sections/mfc_configuration_file.hpp"
 
 namespace stator::rack {
 

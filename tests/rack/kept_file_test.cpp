@@ -1,4 +1,4 @@
-#include "rack/kept_file.hpp"
+#include "stator/rack/kept/kept_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,10 +7,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/byte_order.hpp"
-#include "base/crc32.hpp"
-#include "base/random.hpp"
-#include "rack/kept_file_reading.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/base/crc32.hpp"
+#include "stator/base/random.hpp"
+#include "stator/rack/kept/kept_file_reading.hpp"
 
 namespace stator::rack {
 namespace {

@@ -1,4 +1,4 @@
-#include "rack/kept_file_writer.hpp"
+#include "stator/rack/kept/kept_file_writer.hpp"
 
 #include <csignal>
 #include <filesystem>
@@ -11,11 +11,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "base/byte_order.hpp"
 #include "base/child_process.hpp"
-#include "base/random.hpp"
 #include "base/temporary_directory.hpp"
-#include "rack/background_writer.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/base/random.hpp"
+#include "stator/rack/kept/background_writer.hpp"
 
 namespace stator::rack {
 namespace {

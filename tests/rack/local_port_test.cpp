@@ -1,4 +1,4 @@
-#include "rack/local_port.hpp"
+#include "stator/rack/ports/local_port.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "master/cia402_client.hpp"
-#include "master/master.hpp"
-#include "rack/product_catalogue.hpp"
+#include "stator/master/cia402/cia402_client.hpp"
+#include "stator/master/master.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
 
 namespace stator::rack {
 namespace {

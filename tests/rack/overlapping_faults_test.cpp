@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "ethercat/register_addresses.hpp"
 #include "rack/fault_bench.hpp"
+#include "stator/ethercat/standard/register_addresses.hpp"
 
 namespace stator::rack {
 namespace {

@@ -11,8 +11,8 @@
 #include <spdlog/logger.h>
 #include <spdlog/sinks/ostream_sink.h>
 
-#include "rack/product_catalogue.hpp"
-#include "rack/running_rack.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/run/running_rack.hpp"
 
 namespace stator::rack {
 namespace {

@@ -1,4 +1,4 @@
-#include "rack/parameter_memory.hpp"
+#include "stator/rack/kept/parameter_memory.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "rack/pin_trace.hpp"
+#include "stator/rack/observe/pin_trace.hpp"
 
 #include <filesystem>
 #include <fstream>

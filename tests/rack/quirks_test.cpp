@@ -16,12 +16,12 @@
 
 #include "devices/test_bus.hpp"
 #include "devices/tmcc160_module.hpp"
-#include "rack/local_can_port.hpp"
-#include "rack/product_catalogue.hpp"
-#include "rack/quirks_section.hpp"
-#include "rack/rack.hpp"
-#include "rack/rack_file.hpp"
 #include "source_paths.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/ports/local_can_port.hpp"
+#include "stator/rack/sections/quirks_section.hpp"
 
 namespace stator::rack {
 namespace {

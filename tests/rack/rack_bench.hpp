@@ -7,12 +7,12 @@
 
 #include <gtest/gtest.h>
 
-#include "master/master.hpp"
-#include "rack/event_log.hpp"
-#include "rack/local_can_port.hpp"
-#include "rack/local_port.hpp"
-#include "rack/rack.hpp"
-#include "rack/rack_file.hpp"
+#include "stator/master/master.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/observe/event_log.hpp"
+#include "stator/rack/ports/local_can_port.hpp"
+#include "stator/rack/ports/local_port.hpp"
 
 namespace stator::tests {
 

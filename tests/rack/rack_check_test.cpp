@@ -1,4 +1,4 @@
-#include "rack/rack_check.hpp"
+#include "stator/rack/file/rack_check.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "rack/state_directory.hpp"
 #include "source_paths.hpp"
+#include "stator/rack/kept/state_directory.hpp"
 
 namespace stator::rack {
 namespace {

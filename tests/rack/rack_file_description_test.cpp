@@ -1,4 +1,4 @@
-#include "rack/rack_file_description.hpp"
+#include "stator/rack/toml/rack_file_description.hpp"
 
 #include <string>
 

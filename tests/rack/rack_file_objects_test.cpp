@@ -1,11 +1,11 @@
-#include "rack/rack_file_objects.hpp"
+#include "stator/rack/file/rack_file_objects.hpp"
 
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "rack/rack_file_error.hpp"
+#include "stator/rack/toml/rack_file_error.hpp"
 
 namespace stator::rack {
 namespace {

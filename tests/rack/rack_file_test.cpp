@@ -1,12 +1,12 @@
-#include "rack/rack_file.hpp"
+#include "stator/rack/file/rack_file.hpp"
 
 #include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "rack/text.hpp"
 #include "source_paths.hpp"
+#include "stator/rack/world/text.hpp"
 
 namespace stator::rack {
 namespace {

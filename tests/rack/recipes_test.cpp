@@ -7,14 +7,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "master/cia402_client.hpp"
-#include "rack/faults.hpp"
-#include "rack/local_can_port.hpp"
-#include "rack/local_port.hpp"
-#include "rack/rack.hpp"
-#include "rack/rack_file.hpp"
 #include "source_paths.hpp"
-#include "tmcl/telegram.hpp"
+#include "stator/master/cia402/cia402_client.hpp"
+#include "stator/rack/core/faults.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/ports/local_can_port.hpp"
+#include "stator/rack/ports/local_port.hpp"
+#include "stator/tmcl/telegram.hpp"
 
 namespace stator::rack {
 namespace {

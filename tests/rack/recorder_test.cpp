@@ -1,4 +1,4 @@
-#include "rack/recorder.hpp"
+#include "stator/rack/observe/recorder.hpp"
 
 #include <cstdio>
 #include <filesystem>

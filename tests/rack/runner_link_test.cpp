@@ -11,12 +11,12 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "link/open_link.hpp"
-#include "link/udp_ethernet_link.hpp"
-#include "master/master.hpp"
-#include "rack/link_port.hpp"
-#include "rack/product_catalogue.hpp"
-#include "rack/runner.hpp"
+#include "stator/link/ethernet/open_link.hpp"
+#include "stator/link/ethernet/udp_ethernet_link.hpp"
+#include "stator/master/master.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/ports/link_port.hpp"
+#include "stator/rack/run/runner.hpp"
 
 namespace stator::rack {
 namespace {

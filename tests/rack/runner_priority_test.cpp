@@ -19,11 +19,11 @@
 #include <unistd.h>
 
 #include "base/temporary_directory.hpp"
-#include "link/machine.hpp"
-#include "link/udp_ethernet_link.hpp"
-#include "rack/inheriting_mutex.hpp"
-#include "rack/product_catalogue.hpp"
-#include "rack/runner.hpp"
+#include "stator/link/ethernet/machine.hpp"
+#include "stator/link/ethernet/udp_ethernet_link.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/observe/inheriting_mutex.hpp"
+#include "stator/rack/run/runner.hpp"
 
 namespace stator::rack {
 namespace {

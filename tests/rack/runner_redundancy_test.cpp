@@ -8,11 +8,11 @@
 #include <spdlog/sinks/null_sink.h>
 #include <spdlog/spdlog.h>
 
-#include "ethercat/frame.hpp"
-#include "link/raw_ethernet_link.hpp"
 #include "link/veth_namespace.hpp"
-#include "rack/product_catalogue.hpp"
-#include "rack/runner.hpp"
+#include "stator/ethercat/standard/frame.hpp"
+#include "stator/link/ethernet/raw_ethernet_link.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/run/runner.hpp"
 
 namespace stator::rack {
 namespace {

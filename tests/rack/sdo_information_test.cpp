@@ -5,11 +5,11 @@
 #include <gtest/gtest.h>
 
 #include "devices/csv.hpp"
-#include "dictionary/data_type.hpp"
-#include "master/master.hpp"
-#include "rack/local_port.hpp"
-#include "rack/product_catalogue.hpp"
 #include "source_paths.hpp"
+#include "stator/dictionary/data_type.hpp"
+#include "stator/master/master.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/ports/local_port.hpp"
 
 namespace stator::rack {
 namespace {

@@ -1,6 +1,6 @@
 // Serial lines of a rack without any link: bytes and time come from the test.
 
-#include "rack/serial_line.hpp"
+#include "stator/rack/networks/serial_line.hpp"
 
 #include <memory>
 #include <vector>
@@ -8,10 +8,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "rack/event_log.hpp"
-#include "rack/rack.hpp"
 #include "rack/test_serial_device.hpp"
-#include "tmcl/telegram.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/observe/event_log.hpp"
+#include "stator/tmcl/telegram.hpp"
 
 namespace stator::rack {
 namespace {

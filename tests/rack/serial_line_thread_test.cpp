@@ -1,4 +1,4 @@
-#include "rack/serial_line_thread.hpp"
+#include "stator/rack/run/serial_line_thread.hpp"
 
 #include <chrono>
 #include <filesystem>
@@ -17,13 +17,13 @@
 #include <unistd.h>
 
 #include "base/temporary_directory.hpp"
-#include "link/file_descriptor.hpp"
-#include "link/udp_ethernet_link.hpp"
-#include "rack/event_log.hpp"
-#include "rack/rack_file.hpp"
-#include "rack/runner.hpp"
 #include "rack/test_serial_device.hpp"
-#include "tmcl/telegram.hpp"
+#include "stator/link/ethernet/udp_ethernet_link.hpp"
+#include "stator/link/system/file_descriptor.hpp"
+#include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/observe/event_log.hpp"
+#include "stator/rack/run/runner.hpp"
+#include "stator/tmcl/telegram.hpp"
 
 namespace stator::rack {
 namespace {

@@ -1,16 +1,16 @@
 // Serial lines and the devices on them in rack files.
 
-#include "rack/serial_section.hpp"
+#include "stator/rack/file/serial_section.hpp"
 
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "rack/event_log.hpp"
-#include "rack/rack.hpp"
-#include "rack/rack_file.hpp"
 #include "source_paths.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/observe/event_log.hpp"
 
 namespace stator::rack {
 namespace {

@@ -1,4 +1,4 @@
-#include "rack/servo_axis_section.hpp"
+#include "stator/rack/sections/servo_axis_section.hpp"
 
 #include <string>
 

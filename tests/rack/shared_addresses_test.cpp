@@ -1,11 +1,11 @@
-#include "rack/shared_addresses.hpp"
+#include "stator/rack/file/shared_addresses.hpp"
 
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "rack/rack_file.hpp"
+#include "stator/rack/file/rack_file.hpp"
 
 namespace stator::rack {
 namespace {

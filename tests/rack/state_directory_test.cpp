@@ -1,4 +1,4 @@
-#include "rack/state_directory.hpp"
+#include "stator/rack/kept/state_directory.hpp"
 
 #include <csignal>
 #include <filesystem>
@@ -19,8 +19,8 @@
 #include <unistd.h>
 
 #include "base/child_process.hpp"
-#include "base/random.hpp"
 #include "base/temporary_directory.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::rack {
 namespace {

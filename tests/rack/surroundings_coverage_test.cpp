@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "rack/product_catalogue.hpp"
-#include "rack/surroundings_faults.hpp"
 #include "rack/surroundings_rows.hpp"
 #include "source_paths.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/faults/surroundings_faults.hpp"
 
 namespace stator::rack {
 namespace {

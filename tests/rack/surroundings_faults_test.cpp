@@ -1,7 +1,7 @@
 // Named faults of motor, load, sensors and supply: what they set in each product, how they grow and
 // end, and what they refuse.
 
-#include "rack/surroundings_faults.hpp"
+#include "stator/rack/faults/surroundings_faults.hpp"
 
 #include <map>
 #include <string>
@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "rack/fault_bench.hpp"
-#include "rack/product_catalogue.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
 
 namespace stator::rack {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "devices/tmcm_142/parameters.hpp"
 #include "rack/surroundings_rows.hpp"
+#include "stator/devices/tmcm_142/parameters.hpp"
 
 namespace stator::tests {
 namespace {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "devices/can_device.hpp"
-#include "rack/rack_configuration.hpp"
+#include "stator/devices/can_device.hpp"
+#include "stator/rack/core/rack_configuration.hpp"
 
 namespace stator::tests {
 

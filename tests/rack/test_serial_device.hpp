@@ -7,11 +7,11 @@
 #include <optional>
 #include <vector>
 
-#include "devices/can_device.hpp"
-#include "rack/rack_configuration.hpp"
+#include "stator/devices/can_device.hpp"
+#include "stator/rack/core/rack_configuration.hpp"
+#include "stator/tmcl/interpreter/firmware.hpp"
+#include "stator/tmcl/sessions/serial_session.hpp"
 #include "tmcl/fake_module.hpp"
-#include "tmcl/firmware.hpp"
-#include "tmcl/serial_session.hpp"
 
 namespace stator::tests {
 

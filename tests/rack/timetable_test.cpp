@@ -1,6 +1,6 @@
 // Cables and power by the timetable of a rack file.
 
-#include "rack/timetable.hpp"
+#include "stator/rack/world/timetable.hpp"
 
 #include <array>
 #include <span>
@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "master/cia402_client.hpp"
 #include "rack/rack_bench.hpp"
+#include "stator/master/cia402/cia402_client.hpp"
 
 namespace stator::rack {
 namespace {

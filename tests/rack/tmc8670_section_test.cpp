@@ -1,4 +1,4 @@
-#include "rack/tmc8670_section.hpp"
+#include "stator/rack/sections/tmc8670_section.hpp"
 
 #include <array>
 #include <cstdint>
@@ -10,14 +10,14 @@
 
 #include <gtest/gtest.h>
 
-#include "base/byte_order.hpp"
 #include "base/temporary_directory.hpp"
-#include "control/foc/register_fields.hpp"
-#include "rack/device_storage.hpp"
-#include "rack/product_catalogue.hpp"
-#include "rack/rack_file.hpp"
-#include "rack/serial_line.hpp"
 #include "source_paths.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/control/foc/register_fields.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/kept/device_storage.hpp"
+#include "stator/rack/networks/serial_line.hpp"
 
 namespace stator::rack {
 namespace {

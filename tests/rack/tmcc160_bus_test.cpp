@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "rack/local_can_port.hpp"
-#include "rack/product_catalogue.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/ports/local_can_port.hpp"
 
 namespace stator::rack {
 namespace {

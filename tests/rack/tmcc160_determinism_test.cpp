@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "base/temporary_directory.hpp"
-#include "rack/local_can_port.hpp"
-#include "rack/product_catalogue.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/ports/local_can_port.hpp"
 
 namespace stator::rack {
 namespace {

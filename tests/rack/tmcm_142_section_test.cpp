@@ -1,6 +1,6 @@
 // The keys of a TMCM-142 in a rack file.
 
-#include "rack/tmcm_142_section.hpp"
+#include "stator/rack/sections/tmcm_142_section.hpp"
 
 #include <fstream>
 #include <string>
@@ -9,10 +9,10 @@
 #include <gtest/gtest.h>
 
 #include "base/temporary_directory.hpp"
-#include "rack/event_log.hpp"
-#include "rack/rack.hpp"
-#include "rack/rack_file.hpp"
-#include "tmcl/telegram.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/observe/event_log.hpp"
+#include "stator/tmcl/telegram.hpp"
 
 namespace stator::rack {
 namespace {

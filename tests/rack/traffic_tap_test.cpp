@@ -1,4 +1,4 @@
-#include "rack/traffic_tap.hpp"
+#include "stator/rack/observe/traffic_tap.hpp"
 
 #include <array>
 #include <vector>

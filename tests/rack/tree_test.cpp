@@ -9,11 +9,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/byte_order.hpp"
 #include "ethercat/master_delays.hpp"
 #include "rack/fault_bench.hpp"
-#include "rack/wiring.hpp"
 #include "source_paths.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/rack/core/wiring.hpp"
 
 namespace stator::tests {
 namespace {

@@ -1,6 +1,6 @@
 // Wires from outputs of devices to inputs of others, from the rack file to what drives make of it.
 
-#include "rack/wires.hpp"
+#include "stator/rack/world/wires.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -10,8 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "master/cia402_client.hpp"
 #include "rack/rack_bench.hpp"
+#include "stator/master/cia402/cia402_client.hpp"
 
 namespace stator::rack {
 namespace {

@@ -1,6 +1,6 @@
 // How a rack file wires devices, and what a frame makes of it.
 
-#include "rack/wiring.hpp"
+#include "stator/rack/core/wiring.hpp"
 
 #include <array>
 #include <stdexcept>
@@ -8,9 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/byte_order.hpp"
-#include "rack/rack.hpp"
-#include "rack/rack_file.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/file/rack_file.hpp"
 
 namespace stator::rack {
 namespace {

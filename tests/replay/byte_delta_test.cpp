@@ -1,4 +1,4 @@
-#include "replay/byte_delta.hpp"
+#include "stator/replay/byte_delta.hpp"
 
 #include <random>
 

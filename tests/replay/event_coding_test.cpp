@@ -1,4 +1,4 @@
-#include "replay/event_coding.hpp"
+#include "stator/replay/event_coding.hpp"
 
 #include <gtest/gtest.h>
 

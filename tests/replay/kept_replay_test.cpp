@@ -9,11 +9,11 @@
 #include <gtest/gtest.h>
 
 #include "base/temporary_directory.hpp"
-#include "ethercat/frame.hpp"
-#include "rack/local_port.hpp"
-#include "rack/product_catalogue.hpp"
-#include "replay/player.hpp"
-#include "replay/session_recorder.hpp"
+#include "stator/ethercat/standard/frame.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/ports/local_port.hpp"
+#include "stator/replay/player.hpp"
+#include "stator/replay/session_recorder.hpp"
 
 namespace stator::replay {
 namespace {

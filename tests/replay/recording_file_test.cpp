@@ -1,6 +1,6 @@
 // The file of a recording: when it has its name, and what is refused in its place.
 
-#include "replay/recording_file.hpp"
+#include "stator/replay/recording_file.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -12,8 +12,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "replay/recording_reader.hpp"
-#include "replay/regular_file.hpp"
+#include "stator/replay/recording_reader.hpp"
+#include "stator/replay/regular_file.hpp"
 
 namespace stator::replay {
 namespace {

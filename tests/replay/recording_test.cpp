@@ -7,12 +7,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "can/port.hpp"
-#include "master/master.hpp"
-#include "rack/local_port.hpp"
-#include "rack/product_catalogue.hpp"
-#include "replay/player.hpp"
-#include "replay/session_recorder.hpp"
+#include "stator/can/port.hpp"
+#include "stator/master/master.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/ports/local_port.hpp"
+#include "stator/replay/player.hpp"
+#include "stator/replay/session_recorder.hpp"
 
 namespace stator::replay {
 namespace {

@@ -11,11 +11,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "rack/product_catalogue.hpp"
 #include "rack/test_serial_device.hpp"
-#include "replay/player.hpp"
-#include "replay/session_recorder.hpp"
-#include "tmcl/telegram.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/replay/player.hpp"
+#include "stator/replay/session_recorder.hpp"
+#include "stator/tmcl/telegram.hpp"
 
 namespace stator::replay {
 namespace {

@@ -1,11 +1,11 @@
-#include "scenario/bench.hpp"
+#include "stator/scenario/bench.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "rack/rack_file.hpp"
 #include "scenario/run_scenario.hpp"
 #include "source_paths.hpp"
+#include "stator/rack/file/rack_file.hpp"
 
 namespace stator::scenario {
 namespace {

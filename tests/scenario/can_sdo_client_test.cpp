@@ -1,4 +1,4 @@
-#include "scenario/can_sdo_client.hpp"
+#include "stator/scenario/can_sdo_client.hpp"
 
 #include <deque>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "scenario/comparison.hpp"
+#include "stator/scenario/comparison.hpp"
 
 #include <cmath>
 

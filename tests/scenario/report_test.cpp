@@ -1,4 +1,4 @@
-#include "scenario/report.hpp"
+#include "stator/scenario/report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "scenario/runner.hpp"
-#include "scenario/scenario_file.hpp"
+#include "stator/scenario/runner.hpp"
+#include "stator/scenario/scenario_file.hpp"
 
 namespace stator::tests {
 

@@ -1,4 +1,4 @@
-#include "scenario/scenario_file.hpp"
+#include "stator/scenario/scenario_file.hpp"
 
 #include <fstream>
 #include <sstream>
@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "scenario/run_scenario.hpp"
-#include "scenario/step_kinds.hpp"
 #include "source_paths.hpp"
+#include "stator/scenario/step_kinds.hpp"
 
 namespace stator::scenario {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "scenario/runner.hpp"
-#include "scenario/scenario_file.hpp"
 #include "source_paths.hpp"
+#include "stator/scenario/runner.hpp"
+#include "stator/scenario/scenario_file.hpp"
 
 namespace stator::scenario {
 namespace {

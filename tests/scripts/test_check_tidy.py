@@ -8,15 +8,15 @@ from loading import load, write_tree
 check_tidy = load("check_tidy")
 
 TREE = {
-    "src/base/time.hpp": "",
-    "src/base/event.hpp": "",
-    "src/base/event.cpp": '#include "base/event.hpp"\n',
-    "src/base/unused.hpp": "",
-    "src/base/span.hpp": "",
-    "tests/base/clock.hpp": '#include "base/span.hpp"\n',
-    "tests/base/time_test.cpp": '#include "base/time.hpp"\n#include "base/clock.hpp"\n',
+    "src/stator/base/time.hpp": "",
+    "src/stator/base/event.hpp": "",
+    "src/stator/base/event.cpp": '#include "stator/base/event.hpp"\n',
+    "src/stator/base/unused.hpp": "",
+    "src/stator/base/span.hpp": "",
+    "tests/base/clock.hpp": '#include "stator/base/span.hpp"\n',
+    "tests/base/time_test.cpp": '#include "stator/base/time.hpp"\n#include "base/clock.hpp"\n',
 }
-COMPILED = {"src/base/event.cpp", "tests/base/time_test.cpp"}
+COMPILED = {"src/stator/base/event.cpp", "tests/base/time_test.cpp"}
 
 
 class SourcesToCheck(unittest.TestCase):
@@ -27,19 +27,19 @@ class SourcesToCheck(unittest.TestCase):
                 return check_tidy.sources_to_check(files, COMPILED)
 
     def test_a_source_is_checked_itself(self):
-        self.assertEqual(self.sources(["src/base/event.cpp"]), (["src/base/event.cpp"], []))
+        self.assertEqual(self.sources(["src/stator/base/event.cpp"]), (["src/stator/base/event.cpp"], []))
 
     def test_a_header_is_checked_through_the_source_of_its_name(self):
-        self.assertEqual(self.sources(["src/base/event.hpp"]), (["src/base/event.cpp"], []))
+        self.assertEqual(self.sources(["src/stator/base/event.hpp"]), (["src/stator/base/event.cpp"], []))
 
     def test_a_header_alone_is_checked_through_a_source_that_includes_it(self):
-        self.assertEqual(self.sources(["src/base/time.hpp"]), (["tests/base/time_test.cpp"], []))
+        self.assertEqual(self.sources(["src/stator/base/time.hpp"]), (["tests/base/time_test.cpp"], []))
 
     def test_a_header_that_headers_include_is_checked_through_a_source_of_theirs(self):
-        self.assertEqual(self.sources(["src/base/span.hpp"]), (["tests/base/time_test.cpp"], []))
+        self.assertEqual(self.sources(["src/stator/base/span.hpp"]), (["tests/base/time_test.cpp"], []))
 
     def test_a_header_nobody_includes_is_named(self):
-        self.assertEqual(self.sources(["src/base/unused.hpp"]), ([], ["src/base/unused.hpp"]))
+        self.assertEqual(self.sources(["src/stator/base/unused.hpp"]), ([], ["src/stator/base/unused.hpp"]))
 
 
 if __name__ == "__main__":

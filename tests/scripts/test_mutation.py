@@ -147,15 +147,15 @@ PROJECT = {
 project(sample CXX)
 set(CMAKE_CXX_STANDARD 20)
 find_package(GTest REQUIRED)
-add_library(stator_clock STATIC src/clock/clock.cpp)
+add_library(stator_clock STATIC src/stator/clock/clock.cpp)
 target_include_directories(stator_clock PUBLIC src)
 add_subdirectory(tests/clock)
 """,
     "tests/clock/CMakeLists.txt": """add_executable(test_clock clock_test.cpp)
 target_link_libraries(test_clock PRIVATE stator_clock GTest::gtest_main)
 """,
-    "src/clock/clock.hpp": "int hours_after(int hour, int later);\nint floor_to(int value, int step);\n",
-    "src/clock/clock.cpp": """#include "clock/clock.hpp"
+    "src/stator/clock/clock.hpp": "int hours_after(int hour, int later);\nint floor_to(int value, int step);\n",
+    "src/stator/clock/clock.cpp": """#include "stator/clock/clock.hpp"
 
 int hours_after(int hour, int later) {
   int at = hour + later;
@@ -172,7 +172,7 @@ int floor_to(int value, int step) {
   return value / step * step;
 }
 """,
-    "tests/clock/clock_test.cpp": """#include "clock/clock.hpp"
+    "tests/clock/clock_test.cpp": """#include "stator/clock/clock.hpp"
 
 #include <gtest/gtest.h>
 
@@ -212,14 +212,14 @@ class Campaign(unittest.TestCase):
             self.assertEqual(fates[5, ">=", ">"]["result"], "killed")
             self.assertEqual(fates[6, "at -= 24;", "nothing"]["result"], "hung")
             self.assertEqual(fates[12, "==", "!="]["result"], "not reached")
-            self.assertIn("src/clock/clock.cpp:15: / -> *", done.stdout)
+            self.assertIn("src/stator/clock/clock.cpp:15: / -> *", done.stdout)
             self.assertNotEqual(done.returncode, 0, "90 % were asked for")
             self.assertIn("90.0% are required", done.stdout)
 
             # What somebody explained is not drawn, and the same build serves again.
             write_tree(Path(root, "sample"), {"scripts/mutants/equivalent.csv":
                                               "file,line,original,change,reason\n"
-                                              "src/clock/clock.cpp,if (step == 0) {,==,!=,a test\n"})
+                                              "src/stator/clock/clock.cpp,if (step == 0) {,==,!=,a test\n"})
             done, report = self.campaign(root)
             self.assertEqual(done.returncode, 0, done.stdout)
             again = {(m["line"], m["original"], m["change"])
@@ -231,7 +231,7 @@ class Sampling(unittest.TestCase):
     def test_depends_on_the_seed_and_takes_the_same_of_each_room(self):
         with tempfile.TemporaryDirectory() as root:
             lines = "".join(f"  a += g(a, {i + 2});\n" for i in range(200))
-            write_tree(root, {f"src/{room}/{file}.cpp": f"int f(int a) {{\n{lines}  return a;\n}}\n"
+            write_tree(root, {f"src/stator/{room}/{file}.cpp": f"int f(int a) {{\n{lines}  return a;\n}}\n"
                               for room in ("one", "two") for file in "abcdef"})
 
             def drawn(seed):
@@ -239,7 +239,7 @@ class Sampling(unittest.TestCase):
 
             self.assertEqual(drawn(1), drawn(1))
             self.assertNotEqual(drawn(1), drawn(2))
-            self.assertEqual(sum("src/one/" in m for m in drawn(1)), 30)
+            self.assertEqual(sum("src/stator/one/" in m for m in drawn(1)), 30)
             self.assertEqual(len(set(drawn(1))), 60)
 
             def numbers(seed):

@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "tmcl/ascii_command.hpp"
+#include "stator/tmcl/sessions/ascii_command.hpp"
+#include "stator/tmcl/sessions/serial_session.hpp"
 #include "tmcl/firmware_fixture.hpp"
 #include "tmcl/serial_line.hpp"
-#include "tmcl/serial_session.hpp"
 
 namespace stator::tmcl {
 namespace {

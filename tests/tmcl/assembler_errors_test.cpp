@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tmcl/assembler.hpp"
+#include "stator/tmcl/assembler/assembler.hpp"
 #include "tmcl/test_module.hpp"
 
 namespace stator::tmcl {

@@ -1,4 +1,4 @@
-#include "tmcl/assembler.hpp"
+#include "stator/tmcl/assembler/assembler.hpp"
 
 #include <string>
 #include <vector>

@@ -1,11 +1,11 @@
-#include "tmcl/boot_loader.hpp"
+#include "stator/tmcl/sessions/boot_loader.hpp"
 
 #include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "tmcl/command.hpp"
+#include "stator/tmcl/command.hpp"
 
 namespace stator::tmcl {
 namespace {

@@ -1,11 +1,11 @@
-#include "tmcl/calculation.hpp"
+#include "stator/tmcl/interpreter/calculation.hpp"
 
 #include <array>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::tmcl {
 namespace {

@@ -1,4 +1,4 @@
-#include "tmcl/can_session.hpp"
+#include "stator/tmcl/sessions/can_session.hpp"
 
 #include <vector>
 

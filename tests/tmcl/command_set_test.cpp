@@ -1,4 +1,4 @@
-#include "tmcl/command_set.hpp"
+#include "stator/tmcl/command_set.hpp"
 
 #include <algorithm>
 #include <cctype>

@@ -1,4 +1,4 @@
-#include "tmcl/direct_line.hpp"
+#include "stator/tmcl/assembler/direct_line.hpp"
 
 #include <string>
 

@@ -1,4 +1,4 @@
-#include "tmcl/disassembler.hpp"
+#include "stator/tmcl/assembler/disassembler.hpp"
 
 #include <array>
 #include <cstdint>
@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "tmcl/assembler.hpp"
+#include "stator/base/random.hpp"
+#include "stator/tmcl/assembler/assembler.hpp"
 #include "tmcl/test_module.hpp"
 
 namespace stator::tmcl {

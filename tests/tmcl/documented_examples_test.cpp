@@ -13,9 +13,9 @@
 
 #include "devices/csv.hpp"
 #include "source_paths.hpp"
+#include "stator/tmcl/sessions/serial_session.hpp"
 #include "tmcl/firmware_fixture.hpp"
 #include "tmcl/serial_line.hpp"
-#include "tmcl/serial_session.hpp"
 
 namespace stator::tmcl {
 namespace {

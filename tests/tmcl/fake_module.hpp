@@ -6,11 +6,11 @@
 #include <string_view>
 #include <vector>
 
-#include "tmcl/command_set.hpp"
-#include "tmcl/module.hpp"
-#include "tmcl/module_description.hpp"
-#include "tmcl/parameter_table.hpp"
-#include "tmcl/parameter_values.hpp"
+#include "stator/tmcl/command_set.hpp"
+#include "stator/tmcl/module/module.hpp"
+#include "stator/tmcl/module/module_description.hpp"
+#include "stator/tmcl/module/parameter_table.hpp"
+#include "stator/tmcl/module/parameter_values.hpp"
 
 namespace stator::tests {
 

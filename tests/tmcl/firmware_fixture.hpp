@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "base/sim_time.hpp"
-#include "tmcl/command.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/tmcl/command.hpp"
+#include "stator/tmcl/interpreter/firmware.hpp"
 #include "tmcl/fake_module.hpp"
-#include "tmcl/firmware.hpp"
 
 namespace stator::tests {
 

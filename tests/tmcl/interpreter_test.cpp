@@ -1,4 +1,4 @@
-#include "tmcl/interpreter.hpp"
+#include "stator/tmcl/interpreter/interpreter.hpp"
 
 #include <vector>
 

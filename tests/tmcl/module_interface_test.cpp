@@ -1,6 +1,6 @@
 // What every module does on its serial line, whatever its firmware.
 
-#include "tmcl/module_interface.hpp"
+#include "stator/tmcl/sessions/module_interface.hpp"
 
 #include <string>
 #include <vector>
@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tmcl/command.hpp"
+#include "stator/tmcl/command.hpp"
 #include "tmcl/serial_line.hpp"
 
 namespace stator::tmcl {

@@ -1,11 +1,11 @@
-#include "tmcl/parameter_table.hpp"
+#include "stator/tmcl/module/parameter_table.hpp"
 
 #include <array>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
-#include "tmcl/parameter_values.hpp"
+#include "stator/tmcl/module/parameter_values.hpp"
 
 namespace stator::tmcl {
 namespace {

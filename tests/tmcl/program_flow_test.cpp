@@ -1,11 +1,11 @@
-#include "tmcl/program_flow.hpp"
+#include "stator/tmcl/assembler/program_flow.hpp"
 
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "tmcl/assembler.hpp"
+#include "stator/tmcl/assembler/assembler.hpp"
 #include "tmcl/test_module.hpp"
 
 namespace stator::tmcl {

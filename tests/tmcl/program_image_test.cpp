@@ -1,4 +1,4 @@
-#include "tmcl/program_image.hpp"
+#include "stator/tmcl/assembler/program_image.hpp"
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "tmcl/program_observer.hpp"
+#include "stator/tmcl/interpreter/program_observer.hpp"
 
 #include <vector>
 

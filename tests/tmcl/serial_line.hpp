@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tmcl/serial_port.hpp"
-#include "tmcl/telegram.hpp"
+#include "stator/tmcl/sessions/serial_port.hpp"
+#include "stator/tmcl/telegram.hpp"
 
 namespace stator::tests {
 

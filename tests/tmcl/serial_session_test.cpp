@@ -1,10 +1,10 @@
-#include "tmcl/serial_session.hpp"
+#include "stator/tmcl/sessions/serial_session.hpp"
 
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
+#include "stator/base/random.hpp"
 #include "tmcl/firmware_fixture.hpp"
 #include "tmcl/serial_line.hpp"
 

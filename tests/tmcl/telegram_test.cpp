@@ -1,13 +1,13 @@
-#include "tmcl/telegram.hpp"
+#include "stator/tmcl/telegram.hpp"
 
 #include <initializer_list>
 #include <span>
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "tmcl/command.hpp"
-#include "tmcl/telegram_receiver.hpp"
+#include "stator/base/random.hpp"
+#include "stator/tmcl/command.hpp"
+#include "stator/tmcl/sessions/telegram_receiver.hpp"
 
 namespace stator::tmcl {
 namespace {

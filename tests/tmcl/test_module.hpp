@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "tmcl/module_description.hpp"
+#include "stator/tmcl/module/module_description.hpp"
 
 namespace stator::tmcl::tests {
 

@@ -1,4 +1,4 @@
-#include "web/address.hpp"
+#include "stator/web/address.hpp"
 
 #include <cstdio>
 #include <fstream>

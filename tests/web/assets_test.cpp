@@ -1,4 +1,4 @@
-#include "web/assets.hpp"
+#include "stator/web/api/assets.hpp"
 
 #include <algorithm>
 

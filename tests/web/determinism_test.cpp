@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "link/open_link.hpp"
-#include "master/master.hpp"
-#include "rack/link_port.hpp"
+#include "stator/link/ethernet/open_link.hpp"
+#include "stator/master/master.hpp"
+#include "stator/rack/ports/link_port.hpp"
 #include "web/served_rack.hpp"
 
 namespace stator::web {

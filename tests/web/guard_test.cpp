@@ -1,4 +1,4 @@
-#include "web/guard.hpp"
+#include "stator/web/server/guard.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "web/object_value.hpp"
+#include "stator/web/api/object_value.hpp"
 
 #include <array>
 

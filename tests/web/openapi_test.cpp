@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "source_paths.hpp"
-#include "web/routes.hpp"
+#include "stator/web/api/routes.hpp"
 
 namespace stator::web {
 namespace {

@@ -1,4 +1,4 @@
-#include "web/routes.hpp"
+#include "stator/web/api/routes.hpp"
 
 #include <gtest/gtest.h>
 

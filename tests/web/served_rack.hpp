@@ -13,11 +13,11 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "link/udp_ethernet_link.hpp"
-#include "rack/product_catalogue.hpp"
-#include "rack/runner.hpp"
+#include "stator/link/ethernet/udp_ethernet_link.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/run/runner.hpp"
+#include "stator/web/server/server.hpp"
 #include "web/http_client.hpp"
-#include "web/server.hpp"
 
 namespace stator::web {
 

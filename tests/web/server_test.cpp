@@ -1,4 +1,4 @@
-#include "web/server.hpp"
+#include "stator/web/server/server.hpp"
 
 #include <filesystem>
 #include <span>
@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/byte_order.hpp"
 #include "base/temporary_directory.hpp"
-#include "web/routes.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/web/api/routes.hpp"
 #include "web/served_rack.hpp"
 
 namespace stator::web {

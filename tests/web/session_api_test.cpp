@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "stator/web/session_control.hpp"
 #include "web/served_rack.hpp"
-#include "web/session_control.hpp"
 
 namespace stator::web {
 namespace {

@@ -1,4 +1,4 @@
-#include "web/signal_stream.hpp"
+#include "stator/web/stream/signal_stream.hpp"
 
 #include <cmath>
 #include <limits>
@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "base/byte_order.hpp"
-#include "web/sample_batch.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/web/stream/sample_batch.hpp"
 #include "web/served_rack.hpp"
 
 namespace stator::web {

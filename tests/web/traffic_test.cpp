@@ -13,13 +13,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/byte_order.hpp"
-#include "ethercat/frame_text.hpp"
-#include "link/open_link.hpp"
-#include "master/master.hpp"
-#include "rack/link_port.hpp"
-#include "web/can_text.hpp"
-#include "web/ethercat_text.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/ethercat/controller/frame_text.hpp"
+#include "stator/link/ethernet/open_link.hpp"
+#include "stator/master/master.hpp"
+#include "stator/rack/ports/link_port.hpp"
+#include "stator/web/stream/can_text.hpp"
+#include "stator/web/stream/ethercat_text.hpp"
 #include "web/served_rack.hpp"
 
 namespace stator::web {

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/sim_time.hpp"
-#include "can/frame.hpp"
 #include "devices/canopen_sequences/object_rules.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/can/frame.hpp"
 
 namespace stator::tests {
 

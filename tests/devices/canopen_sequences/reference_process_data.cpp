@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/byte_order.hpp"
 #include "devices/canopen_sequences/reference_node.hpp"
+#include "stator/base/byte_order.hpp"
 
 namespace stator::tests {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "base/byte_order.hpp"
 #include "devices/canopen_sequences/abort_codes.hpp"
 #include "devices/canopen_sequences/reference_node.hpp"
+#include "stator/base/byte_order.hpp"
 
 namespace stator::tests {
 

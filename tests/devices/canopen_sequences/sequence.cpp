@@ -3,8 +3,8 @@
 #include <array>
 #include <string_view>
 
-#include "base/random.hpp"
 #include "devices/canopen_sequences/object_rules.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::tests {
 

@@ -15,11 +15,11 @@
 
 #include <gtest/gtest.h>
 
-#include "can/bus.hpp"
 #include "canopen/memory_double.hpp"
 #include "devices/canopen_sequences/reference_node.hpp"
 #include "devices/canopen_sequences/sequence.hpp"
-#include "devices/tmcc160/tmcc160.hpp"
+#include "stator/can/bus.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
 
 namespace stator::tests {
 namespace {

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "control/motion_controller_units.hpp"
 #include "devices/drive_sequences/cia402_axis.hpp"
 #include "devices/drive_sequences/object_access.hpp"
 #include "devices/drive_sequences/three_phase_sample.hpp"
 #include "devices/tmcc160_module.hpp"
 #include "devices/tmcm_142_module.hpp"
+#include "stator/control/motion_controller/motion_controller_units.hpp"
 
 namespace stator::tests {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "drive/control_words.hpp"
+#include "stator/drive/power/control_words.hpp"
 
 namespace stator::tests {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "devices/drive_sequences/recording.hpp"
-#include "drive/axis.hpp"
+#include "stator/drive/axis/axis.hpp"
 
 namespace stator::tests {
 

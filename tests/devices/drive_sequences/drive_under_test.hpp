@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "base/sim_time.hpp"
-#include "devices/device.hpp"
 #include "devices/drive_sequences/recording.hpp"
 #include "devices/drive_sequences/sequence.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/devices/device.hpp"
 
 namespace stator::tests {
 

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/byte_order.hpp"
 #include "devices/drive_sequences/cia402_axis.hpp"
 #include "devices/drive_sequences/object_access.hpp"
 #include "devices/drive_sequences/three_phase_sample.hpp"
 #include "devices/test_bus.hpp"
-#include "devices/tmc8670/tmc8670.hpp"
 #include "devices/tmc8670_chip.hpp"
-#include "devices/tmcm_3315/tmcm_3315.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::tests {
 

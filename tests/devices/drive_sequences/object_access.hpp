@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "base/sim_time.hpp"
-#include "devices/device.hpp"
 #include "devices/drive_sequences/sequence.hpp"
-#include "dictionary/dictionary.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/devices/device.hpp"
+#include "stator/dictionary/dictionary.hpp"
 
 namespace stator::tests {
 

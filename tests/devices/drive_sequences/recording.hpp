@@ -5,7 +5,7 @@
 #include <limits>
 #include <string_view>
 
-#include "base/sim_time.hpp"
+#include "stator/base/sim_time.hpp"
 
 namespace stator::tests {
 

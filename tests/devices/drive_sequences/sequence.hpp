@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tmcl/command.hpp"
+#include "stator/tmcl/command.hpp"
 
 namespace stator::tests {
 

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/random.hpp"
 #include "devices/drive_sequences/sequence.hpp"
 #include "devices/drive_sequences/vocabulary.hpp"
+#include "stator/base/random.hpp"
 
 namespace stator::tests {
 

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/sim_time.hpp"
 #include "devices/drive_sequences/drive_under_test.hpp"
 #include "devices/drive_sequences/recording.hpp"
-#include "drive/reference_switches.hpp"
-#include "plant/three_phase_motor.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/drive/motion/reference_switches.hpp"
+#include "stator/plant/motors/three_phase_motor.hpp"
 
 namespace stator::tests {
 

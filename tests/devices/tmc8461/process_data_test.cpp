@@ -1,10 +1,10 @@
 #include <gmock/gmock.h>
 
-#include "base/byte_order.hpp"
-#include "devices/tmc8461/block_on_controller.hpp"
-#include "devices/tmc8461/sii.hpp"
-#include "ethercat/slave_controller_presets.hpp"
 #include "ethercat/test_bus.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/devices/tmc8461/block_on_controller.hpp"
+#include "stator/devices/tmc8461/sii.hpp"
+#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::devices::tmc8461 {
 namespace {

@@ -1,9 +1,9 @@
-#include "devices/tmc8461/sii.hpp"
+#include "stator/devices/tmc8461/sii.hpp"
 
 #include <gmock/gmock.h>
 
-#include "base/byte_order.hpp"
-#include "ethercat/sii_image.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/ethercat/sii/sii_image.hpp"
 
 namespace stator::devices::tmc8461 {
 namespace {

@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 
-#include "base/byte_order.hpp"
-#include "ethercat/frame.hpp"
-#include "master/master.hpp"
-#include "rack/fault_section.hpp"
-#include "rack/journal.hpp"
-#include "tmcl/telegram.hpp"
+#include "stator/base/byte_order.hpp"
+#include "stator/ethercat/standard/frame.hpp"
+#include "stator/master/master.hpp"
+#include "stator/rack/file/fault_section.hpp"
+#include "stator/rack/observe/journal.hpp"
+#include "stator/tmcl/telegram.hpp"
 
 namespace stator::tests {
 

@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "base/random.hpp"
-#include "can/port.hpp"
-#include "master/frame_port.hpp"
-#include "rack/clock.hpp"
-#include "rack/rack.hpp"
-#include "rack/signal_tap.hpp"
-#include "rack/traffic_tap.hpp"
 #include "replay/random_sessions/random_rack.hpp"
+#include "stator/base/random.hpp"
+#include "stator/can/port.hpp"
+#include "stator/master/frame_port.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/observe/signal_tap.hpp"
+#include "stator/rack/observe/traffic_tap.hpp"
+#include "stator/rack/world/clock.hpp"
 
 namespace stator::tests {
 

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "rack/fault_kinds.hpp"
-#include "rack/fault_section.hpp"
-#include "rack/product_catalogue.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/faults/fault_kinds.hpp"
+#include "stator/rack/file/fault_section.hpp"
 
 namespace stator::tests {
 

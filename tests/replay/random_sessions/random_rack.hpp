@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "base/random.hpp"
-#include "rack/rack.hpp"
-#include "rack/rack_configuration.hpp"
+#include "stator/base/random.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/core/rack_configuration.hpp"
 
 namespace stator::tests {
 

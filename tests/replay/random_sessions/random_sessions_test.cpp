@@ -19,10 +19,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "replay/player.hpp"
 #include "replay/random_sessions/live_run.hpp"
 #include "replay/random_sessions/random_rack.hpp"
-#include "replay/session_recorder.hpp"
+#include "stator/replay/player.hpp"
+#include "stator/replay/session_recorder.hpp"
 
 namespace stator::tests {
 namespace {

@@ -1,4 +1,4 @@
-// The binary message of samples (src/web/sample_batch.hpp), all of it little-endian.
+// The binary message of samples (src/stator/web/stream/sample_batch.hpp), all of it little-endian.
 
 export const kBatchMagic = 0x31425353; // "SSB1"
 const kHeader = 24;

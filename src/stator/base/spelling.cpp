@@ -1,0 +1,70 @@
+#include "stator/base/spelling.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace stator::base {
+
+namespace {
+
+/// Number of edits that turn `a` into `b`: a character put in, left out or replaced, or two
+/// neighbours exchanged (Damerau and Levenshtein, no part edited twice).
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  const auto same = [&](std::size_t i, std::size_t j) { return capital(a[i]) == capital(b[j]); };
+  std::vector<std::size_t> before_last(b.size() + 1);
+  std::vector<std::size_t> last(b.size() + 1);
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::swap(before_last, last);
+    std::swap(last, row);
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      row[j + 1] = std::min({row[j] + 1, last[j + 1] + 1, last[j] + (same(i, j) ? 0 : 1)});
+      if (i > 0 && j > 0 && same(i, j - 1) && same(i - 1, j)) {
+        row[j + 1] = std::min(row[j + 1], before_last[j - 1] + 1);
+      }
+    }
+  }
+  return row.back();
+}
+
+/// So many characters tell which long name is meant.
+constexpr std::size_t kBeginning = 4;
+/// Nobody misspells longer words; a bound for the work on text of any length.
+constexpr std::size_t kLongestWord = 100;
+
+bool begins_with(std::string_view name, std::string_view beginning) {
+  return name.size() >= beginning.size() && same_word(name.substr(0, beginning.size()), beginning);
+}
+
+}  // namespace
+
+bool same_word(std::string_view a, std::string_view b) {
+  return std::ranges::equal(a, b, {}, capital, capital);
+}
+
+std::string_view closest_match(std::string_view word, std::span<const std::string_view> known) {
+  if (word.size() > kLongestWord) {
+    return {};
+  }
+  std::string_view best;
+  std::size_t best_distance = std::min(word.size() / 3 + 2, word.size());
+  for (const std::string_view candidate : known) {
+    if (const std::size_t distance = edit_distance(word, candidate); distance < best_distance) {
+      best = candidate;
+      best_distance = distance;
+    }
+  }
+  if (best.empty() && word.size() >= kBeginning) {  // a part number cut short
+    const auto longer =
+        std::ranges::find_if(known, [&](std::string_view name) { return begins_with(name, word); });
+    return longer != known.end() ? *longer : std::string_view();
+  }
+  return best;
+}
+
+}  // namespace stator::base

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "stator/cli/client/rack_overview.hpp"
+
+namespace stator::cli {
+
+/// What of an overview is on the screen.
+struct TopView {
+  std::size_t columns = 80;
+  std::size_t rows = 0;   ///< 0: as many as there are lines
+  std::size_t first = 0;  ///< line of the tables that comes first; kept within them
+  std::string filter{};   ///< only rows that contain it
+  bool typing = false;    ///< the filter is being typed
+  bool paused = false;
+  bool colours = false;
+};
+
+/// The lines of one frame, each no wider than the screen; tables above, newest events below.
+[[nodiscard]] std::vector<std::string> top_frame(const RackOverview& overview, const TopView& view);
+
+/// How many lines the tables have; the last of them can come to the top by scrolling.
+[[nodiscard]] std::size_t top_table_lines(const RackOverview& overview, const TopView& view);
+
+}  // namespace stator::cli

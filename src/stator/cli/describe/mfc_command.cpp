@@ -1,0 +1,103 @@
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "stator/cli/commands.hpp"
+#include "stator/cli/describe/mfc_listing.hpp"
+#include "stator/cli/failure.hpp"
+#include "stator/cli/files.hpp"
+#include "stator/devices/tmc8461/sii.hpp"
+#include "stator/ethercat/sii/sii_image.hpp"
+#include "stator/rack/esi/chip_esi.hpp"
+#include "stator/rack/sections/mfc_configuration_file.hpp"
+
+namespace stator::cli {
+
+namespace {
+
+struct ConfigOptions {
+  std::string file;
+  std::string sii;
+  std::string esi;
+  std::string from_sii;
+  std::string output;
+  std::string format = "table";
+};
+
+/// What an EEPROM with this image makes of a TMC8461. Throws Failure if it is none of one.
+rack::MfcConfigurationFile decode(const std::string& path) {
+  const std::string bytes = read_file(path);
+  const auto contents = ethercat::parse_sii_image(std::as_bytes(std::span(bytes)));
+  if (!contents) {
+    throw Failure(path + ": no SII image: truncated, or its checksum is wrong");
+  }
+  if (contents->parameter_ram.empty()) {
+    throw Failure(path + ": has no category 1, which holds the configuration of the I/O block");
+  }
+  rack::MfcConfigurationFile file;
+  file.configuration = mfc::Configuration(contents->parameter_ram);
+  file.identity.vendor_id = contents->vendor_id;
+  file.identity.product_code = contents->product_code;
+  file.identity.revision = contents->revision;
+  file.identity.serial_number = contents->serial_number;
+  file.identity.name = contents->name;
+  file.identity.order_code = contents->order_code;
+  file.identity.group = contents->group;
+  file.identity.station_alias = contents->station_alias;
+  file.identity.device_emulation = (contents->pdi_control & 0x0100) != 0;
+  file.identity.distributed_clocks = (contents->pdi_control & 0x0C00) != 0;
+  file.identity.sync_pulse_length = contents->sync_pulse_length;
+  file.identity.sii_size_kbit = contents->size_kbit;
+  return file;
+}
+
+void configure(const ConfigOptions& options) {
+  if (!options.from_sii.empty()) {
+    write_output(options.output, rack::mfc_configuration_text(decode(options.from_sii)), false,
+                 "a configuration");
+    return;
+  }
+  if (options.file.empty()) {
+    throw Failure("name a configuration file, or an SII image with --from-sii");
+  }
+  const rack::MfcConfigurationFile file = rack::load_mfc_configuration(options.file);
+  const auto contents = devices::tmc8461::sii_contents(file.configuration, file.identity);
+  const auto image = ethercat::compose_sii_image(contents);
+  if (!options.sii.empty()) {
+    write_file(options.sii,
+               std::string_view(reinterpret_cast<const char*>(image.data()), image.size()));
+  }
+  if (!options.esi.empty()) {
+    write_file(options.esi, rack::chip_esi_xml(contents, file.identity.vendor_name, image));
+  }
+  print_mfc_map(file.configuration, options.format);
+}
+
+}  // namespace
+
+void add_mfc_command(CLI::App& app) {
+  auto options = std::make_shared<ConfigOptions>();
+  CLI::App* group = app.add_subcommand("mfc", "The multi-function I/O block of the TMC8461");
+  group->require_subcommand(1);
+  CLI::App* command = group->add_subcommand(
+      "config", "Check a configuration, print its memory map, make SII image and ESI file");
+  command->add_option("file", options->file, "Configuration, see docs/how-to/mfc-configuration.md");
+  command->add_option("--sii", options->sii, "SII image to write");
+  command->add_option("--esi", options->esi, "ESI file to write");
+  command->add_option("--format", options->format, "Of the memory map: table or csv")
+      ->check(CLI::IsMember({"table", "csv"}))
+      ->capture_default_str();
+  CLI::Option* from = command->add_option("--from-sii", options->from_sii,
+                                          "Print the configuration that an SII image holds");
+  command->add_option("-o,--output", options->output, "With --from-sii: file to write")
+      ->needs(from);
+  command->footer(
+      "Examples:\n"
+      "  stator mfc config examples/mfc/motion.toml --sii motion.bin --esi motion.xml\n"
+      "  stator mfc config --from-sii motion.bin");
+  command->callback([options] { configure(*options); });
+}
+
+}  // namespace stator::cli

@@ -1,0 +1,204 @@
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "stator/cli/cells.hpp"
+#include "stator/cli/describe/rack_schema.hpp"
+
+namespace stator::cli {
+
+namespace {
+
+using rack::KeyDescription;
+using rack::TableDescription;
+using rack::TableVariant;
+using rack::ValueForm;
+using rack::ValueKind;
+
+constexpr std::string_view kHead =
+    "# Keys of a rack file\n"
+    "\n"
+    "Every key of every table with the values it takes and what it is when it is left out; made "
+    "from\n"
+    "the code that reads rack files by `stator check --reference`. How the parts of a rack belong\n"
+    "together is told in [the rack file](rack-file.md). Editors that know JSON schemas check and\n"
+    "complete a rack file by [rack-file.schema.json](rack-file.schema.json)\n"
+    "([how](rack-file.md#in-an-editor)).\n";
+
+/// A table that has a heading of its own.
+struct Chapter {
+  std::string path;  ///< "segment.device"
+  bool is_array = false;
+  const TableDescription* table = nullptr;
+};
+
+/// More words than these are told by the first and the last one.
+constexpr std::size_t kLongList = 12;
+
+bool any_integer(const ValueForm& form) {
+  return form.kind == ValueKind::integer &&
+         form.minimum == std::to_string(std::numeric_limits<std::int64_t>::min());
+}
+
+std::string choices_of(const ValueForm& form) {
+  if (form.choices.size() > kLongList) {
+    return fmt::format("`\"{}\"` … `\"{}\"`", form.choices.front(), form.choices.back());
+  }
+  return fmt::format("`\"{}\"`", fmt::join(form.choices, "\"`, `\""));
+}
+
+std::string range(const ValueForm& form, const std::string& unit) {
+  return fmt::format("{} to {}{}{}", form.minimum, form.maximum, unit.empty() ? "" : " ", unit);
+}
+
+std::string text_of(const ValueForm& form, const std::string& unit) {
+  switch (form.kind) {
+    case ValueKind::text:
+      return form.choices.empty() ? "text" : choices_of(form);
+    case ValueKind::boolean:
+      return "`true`, `false`";
+    case ValueKind::integer:
+      return any_integer(form) ? "integer" : "integer, " + range(form, unit);
+    case ValueKind::number:
+      return range(form, unit);
+    case ValueKind::duration:
+      return "duration, " + range(form, "");
+    case ValueKind::texts:
+      return form.choices.empty() ? "list of texts" : "list of names";
+    case ValueKind::integers:
+      return fmt::format("list of {} integers, {}", form.count, range(form, unit));
+    case ValueKind::table:
+      return "table";
+    case ValueKind::tables:
+      return "tables";
+  }
+  return {};
+}
+
+std::string values_of(const KeyDescription& key) {
+  std::string values;
+  for (const ValueForm& form : key.forms) {
+    values += (values.empty() ? "" : " or ") + text_of(form, key.unit);
+  }
+  return values;
+}
+
+std::string default_of(const KeyDescription& key) {
+  if (key.required) {
+    return "needed";
+  }
+  return key.default_value.empty() ? "" : fmt::format("`{}`", key.default_value);
+}
+
+/// A table whose keys are written with a dot: it has neither variants nor names of the user's.
+bool is_plain(const KeyDescription& key) {
+  return key.forms.size() == 1 && key.forms.front().kind == ValueKind::table &&
+         !key.table->free_names && key.table->selector.empty();
+}
+
+std::string rows_of(const TableDescription& table, const std::string& prefix,
+                    const std::string& path, std::vector<Chapter>& chapters) {
+  std::string rows;
+  for (const KeyDescription& key : table.keys) {
+    const std::string name = prefix + key.name;
+    if (is_plain(key)) {
+      rows += rows_of(*key.table, name + ".", path, chapters);
+      continue;
+    }
+    if (key.table != nullptr) {
+      const std::string below = path.empty() ? name : path + "." + name;
+      const bool is_array = key.forms.front().kind == ValueKind::tables;
+      chapters.push_back({below, is_array, key.table.get()});
+    }
+    rows += fmt::format("| `{}` | {} | {} | {} |\n", name, markdown_cell(values_of(key)),
+                        markdown_cell(default_of(key)), markdown_cell(key.summary));
+  }
+  return rows;
+}
+
+std::string table_of(const std::string& rows) {
+  return rows.empty() ? "" : "\n| Key | Values | Default | Meaning |\n|---|---|---|---|\n" + rows;
+}
+
+/// Writes chapter after chapter.
+class Reference {
+ public:
+  void add(const Chapter& chapter);
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  void add_variants(const TableDescription& table, const Chapter& chapter, const std::string& name);
+
+  std::string text_;
+  std::map<std::string, std::string> tables_;  ///< rows that have been written, and below what
+};
+
+void Reference::add(const Chapter& chapter) {
+  const TableDescription& table = *chapter.table;
+  if (table.free_names && table.keys.front().table != nullptr) {
+    const KeyDescription& any = table.keys.front();
+    add({chapter.path + "." + any.name, false, any.table.get()});
+    return;
+  }
+  const std::string name = chapter.path.empty() ? "Top level"
+                           : chapter.is_array   ? fmt::format("`[[{}]]`", chapter.path)
+                                                : fmt::format("`[{}]`", chapter.path);
+  std::vector<Chapter> below;
+  text_ += fmt::format("\n## {}\n", name);
+  text_ += table_of(rows_of(table, "", chapter.path, below));
+  add_variants(table, chapter, name);
+  for (const Chapter& each : below) {
+    add(each);
+  }
+}
+
+/// Variants with the same keys share a table.
+void Reference::add_variants(const TableDescription& table, const Chapter& chapter,
+                             const std::string& name) {
+  struct Group {
+    std::string values;
+    std::string rows;
+    std::vector<Chapter> below;
+  };
+  std::vector<Group> groups;
+  for (const TableVariant& variant : table.variants) {
+    std::vector<Chapter> below;
+    std::string rows = rows_of(*variant.table, "", chapter.path, below);
+    const std::string value = fmt::format("\"{}\"", variant.value);
+    const auto same = std::ranges::find(groups, rows, &Group::rows);
+    if (same != groups.end() && below.empty()) {
+      same->values += ", " + value;
+    } else if (!rows.empty()) {
+      groups.push_back({value, std::move(rows), std::move(below)});
+    }
+  }
+  for (const Group& group : groups) {
+    const std::string title = fmt::format("{} with `{} = {}`", name, table.selector, group.values);
+    text_ += fmt::format("\n### {}\n", title);
+    const auto [place, is_new] = tables_.try_emplace(group.rows, title);
+    text_ += is_new ? table_of(group.rows) : fmt::format("\nThe keys of {}.\n", place->second);
+    for (const Chapter& each : group.below) {
+      if (is_new) {
+        add(each);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::string rack_reference(const rack::TableDescription& rack_file) {
+  Reference reference;
+  reference.add({"", false, &rack_file});
+  return std::string(kHead) + reference.text();
+}
+
+}  // namespace stator::cli

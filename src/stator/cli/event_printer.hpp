@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdio>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "stator/base/event.hpp"
+
+namespace stator::cli {
+
+/// One line per event, "0.001500 s, refusal: ...".
+[[nodiscard]] inline std::string event_line(const base::Event& event) {
+  constexpr auto kWord = [](base::Severity severity) -> std::string_view {
+    switch (severity) {
+      case base::Severity::information:
+        return "information";
+      case base::Severity::refusal:
+        return "refusal";
+      case base::Severity::warning:
+        return "warning";
+      case base::Severity::fault:
+        return "fault";
+    }
+    return "";
+  };
+  return fmt::format("{:.6f} s, {}: {}", event.time.seconds(), kWord(event.rule->severity),
+                     base::to_sentence(event));
+}
+
+/// Prints what a device has to say to standard error, but for mere information.
+class EventPrinter final : public base::EventSink {
+ public:
+  void on_event(const base::Event& event) override {
+    if (event.rule->severity != base::Severity::information) {
+      fmt::print(stderr, "{}\n", event_line(event));
+    }
+  }
+};
+
+/// Keeps it until it is asked for.
+class EventCollector final : public base::EventSink {
+ public:
+  void on_event(const base::Event& event) override {
+    if (event.rule->severity != base::Severity::information) {
+      text_ += event_line(event) + "\n";
+    }
+  }
+  /// Whole lines.
+  [[nodiscard]] std::string take() { return std::exchange(text_, {}); }
+
+ private:
+  std::string text_;
+};
+
+}  // namespace stator::cli

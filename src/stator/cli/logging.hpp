@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "stator/link/system/background_output.hpp"
+
+namespace spdlog {
+class logger;
+}
+
+namespace stator::cli {
+
+/// A logger that writes lines to standard error, in colour on a terminal only. Calls share one
+/// logger.
+///
+/// Nobody who logs waits for who reads: lines go through a queue, and those that find no room are
+/// lost and counted. When there is room again, a line says how many there were.
+[[nodiscard]] std::shared_ptr<spdlog::logger> make_logger();
+
+/// What the logger writes to; null: there is no logger yet.
+[[nodiscard]] link::BackgroundOutput* log_output();
+
+/// Lets what was logged come out before something else is said, as far as somebody reads it; see
+/// link::BackgroundOutput::drain().
+void drain_log(
+    link::BackgroundOutput::Clock::time_point asked = link::BackgroundOutput::Clock::now());
+
+/// Says on standard error why the program ends: "stator: ...". If there is a logger, it does not
+/// wait for somebody who does not read either.
+void say_failure(std::string_view reason);
+
+}  // namespace stator::cli

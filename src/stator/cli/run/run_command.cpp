@@ -1,0 +1,261 @@
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <iterator>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spdlog/logger.h>
+
+#include "stator/cli/commands.hpp"
+#include "stator/cli/failure.hpp"
+#include "stator/cli/logging.hpp"
+#include "stator/cli/option_values.hpp"
+#include "stator/cli/run/live_session.hpp"
+#include "stator/cli/run/run_options.hpp"
+#include "stator/cli/run/run_report.hpp"
+#include "stator/cli/run/standard_output.hpp"
+#include "stator/cli/run/stop_signals.hpp"
+#include "stator/link/ethernet/machine.hpp"
+#include "stator/link/system/file_descriptor.hpp"
+#include "stator/rack/file/shared_addresses.hpp"
+#include "stator/rack/kept/directory_place.hpp"
+#include "stator/rack/run/runner.hpp"
+
+namespace stator::cli {
+
+namespace {
+
+void print_trace_end(const rack::PinTrace& trace, const std::string& file) {
+  fmt::print("{}: {} edges and words", file, trace.written());
+  if (trace.dropped() != 0) {
+    fmt::print(", {} lost because they came faster than they could be written", trace.dropped());
+  }
+  fmt::print("\n");
+}
+
+/// Ends all that was written while the rack ran; `asked`: since when nobody has more time. Throws
+/// Failure if something is missing in a file that somebody wants.
+void end_files(rack::Rack& rack, base::SimTime now, LiveSession& session,
+               link::BackgroundOutput::Clock::time_point asked) {
+  std::vector<std::string> missing;
+  if (rack::PinTrace* trace = rack.trace(); trace != nullptr) {
+    trace->finish(now, asked);
+    print_trace_end(*trace, trace->output().name());
+    if (trace->dropped() != 0) {
+      missing.push_back(fmt::format("trace {} is not complete: {} edges are missing",
+                                    trace->output().name(), trace->dropped()));
+    }
+  }
+  std::ranges::copy(rack.outputs().finish(asked), std::back_inserter(missing));
+  if (std::string broken_off = session.finish(asked); !broken_off.empty()) {
+    missing.push_back(std::move(broken_off));
+  }
+  if (const std::uint64_t lost = log_output()->lost(); lost != 0) {
+    fmt::print("{} lines of the log were lost, because standard error was not read in time\n",
+               lost);
+  }
+  if (!missing.empty()) {
+    throw Failure(fmt::format("{}", fmt::join(missing, "\nstator: ")));
+  }
+}
+
+/// Ends the program, with status 1, if this lives longer than kPatience and `waits` says that it is
+/// for the disk of the state directory: nobody can take back a call that waits for a disk.
+class DiskWatch {
+ public:
+  static constexpr std::chrono::milliseconds kPatience{700};
+
+  DiskWatch(std::string directory, std::function<bool()> waits)
+      : thread_([directory = std::move(directory),
+                 waits = std::move(waits)](const std::stop_token& over) {
+          std::mutex mutex;
+          std::unique_lock lock(mutex);
+          std::condition_variable_any never;
+          never.wait_for(lock, over, kPatience, [] { return false; });
+          if (!over.stop_requested() && waits()) {
+            say_failure(fmt::format(
+                "{}: the disk of the state directory does not answer; what devices were ordered to "
+                "keep last may be missing there, and nobody was told that it is kept",
+                directory));
+            std::_Exit(EXIT_FAILURE);
+          }
+        }) {}
+
+ private:
+  std::jthread thread_;
+};
+
+/// Stops the threads, which in lockstep may wait for the state directory's disk, and waits for what
+/// was ordered to be kept.
+void stop(rack::Runner& runner, rack::Rack& rack, const std::string& state) {
+  rack::DeviceStorage* const storage = rack.storage();
+  if (storage == nullptr) {
+    runner.stop();
+    return;
+  }
+  {
+    const DiskWatch watch(state, [storage] { return storage->busy(); });
+    runner.stop();
+  }
+  const DiskWatch watch(state, [] { return true; });
+  storage->flush(runner.now());
+}
+
+/// Throws Failure if something is not on the disk that a device has been told to keep, or nothing
+/// is where the next start looks for it. `state`: the directory as it was at the start.
+void require_kept(rack::Rack& rack, const std::string& path, const link::FileDescriptor& state) {
+  if (rack.storage() == nullptr) {
+    return;
+  }
+  if (const std::string gone = rack::displacement(state.get(), path); !gone.empty()) {
+    throw Failure(fmt::format(
+        "{}: the state directory {}; the next start will not find there what devices have kept",
+        path, gone));
+  }
+  if (const auto unkept = rack.storage()->unkept(); !unkept.empty()) {
+    throw Failure(fmt::format("not everything is kept that devices should keep:\n  {}",
+                              fmt::join(unkept, "\n  ")));
+  }
+}
+
+void announce(const rack::RackConfiguration& configuration, rack::Rack& rack, rack::Runner& runner,
+              const OpenedWebServer& web) {
+  drain_log();  // what is printed follows on it
+  print_networks(configuration, rack, runner);
+  fmt::print("{}Running; Ctrl-C ends it.\n", web.announcement);
+  std::fflush(stdout);
+}
+
+/// One rack from its start, or from a place of a recording, until a signal comes, `limit` has
+/// passed or somebody wishes to go back; then returns where to. A port that the system was to
+/// choose for the web server is kept in `given`.
+std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<RecordingPlace>& from,
+                                       StopSignals& signals, StandardOutput& output,
+                                       std::optional<base::SimDuration> limit) {
+  signals.starting();
+  std::optional<RecordedRack> recorded;
+  RunOptions options = given;
+  if (from) {
+    recorded.emplace(from->path, state_for(*from, given));
+    options = continued(given, recorded->options());
+  }
+  const rack::RackConfiguration configuration = configuration_of(options);
+  if (from) {
+    require_same_ports(configuration, recorded->configuration());
+  }
+  const auto logger = make_logger();
+  rack::EventLog log(from ? nullptr : logger);
+  std::optional<replay::RecordingHeader> header;
+  if (is_session(options.record)) {
+    header = header_of(options, configuration);  // kept files are those of power-on
+  }
+  for (const std::string& warning : rack::shared_addresses(configuration)) {
+    logger->warn("{}", warning);
+  }
+  rack::Rack rack(configuration, log);
+  const link::FileDescriptor state(
+      ::open(configuration.state.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  rack.outputs().add(*log_output(),
+                     {.name = "standard error", .records = "lines", .wanted_complete = false});
+  LiveSession session(configuration.state);
+  if (header) {
+    session.record(rack, options.record, std::move(*header));
+  }
+  base::SimTime start;
+  if (from) {
+    start = LiveSession::go_to(*from, *recorded, rack, log);
+    log.set_logger(logger);
+    fmt::print("Going on from {:.6f} s of {}\n", start.seconds(), from->path);
+  }
+  OpenedWebServer web;  // goes after the runner, which may have tasks of it
+  rack::Runner runner(rack, configuration, logger, start, options.priority);
+  web = open_web_server(options.web, rack, configuration, log, runner,
+                        session.recorder() != nullptr ? &session : nullptr);
+  signals.running();
+  // Only now, when nothing can fail any more.
+  announce(configuration, rack, runner, web);
+  output.drain();  // what is logged follows on it
+  if (web.server != nullptr) {
+    given.web.http = web.server->address().text();
+  }
+  runner.start();
+  if (options.priority) {
+    if (const auto locked = link::lock_memory(); !locked) {
+      logger->warn("{}", locked.error().text);
+    }
+  }
+  if (web.server != nullptr) {
+    web.server->start();
+  }
+  while (signals.wait(limit) == SIGUSR1 && !session.wished()) {
+  }
+  const auto asked = link::BackgroundOutput::Clock::now();
+  rack.outputs().stop_waiting();
+  if (web.server != nullptr) {
+    web.server->stop();
+  }
+  stop(runner, rack, configuration.state);
+  drain_log(asked);  // what is printed follows on it
+  print_end(configuration, rack, runner);
+  end_files(rack, runner.now(), session, asked);
+  require_kept(rack, configuration.state, state);
+  return session.wished();
+}
+
+void run(RunOptions options) {
+  const auto logger = make_logger();
+  StandardOutput output;
+  if (options.priority) {
+    // Asked here, so that nothing has begun; threads that are made from now on have no priority of
+    // the program's own start ("chrt") either.
+    if (const auto permitted = link::may_run_in_real_time(*options.priority); !permitted) {
+      throw Failure("--priority: " + permitted.error().text);
+    }
+  }
+  std::optional<base::SimDuration> limit;
+  if (!options.duration.empty()) {
+    limit = duration_option("--duration", options.duration);
+  }
+  StopSignals signals;
+  options.web.token = web::make_token();  // pages that are open outlast going back
+  std::optional<RecordingPlace> from;
+  if (!options.restore.empty()) {
+    from = parse_place(options.restore);
+    if (is_session(options.record) && std::filesystem::exists(options.record)) {
+      throw Failure(
+          fmt::format("{} exists; name another file for the run that goes on", options.record));
+    }
+  }
+  while (!signals.stopped() && (from = run_rack(options, from, signals, output, limit))) {
+    options.rack_file.clear();
+    options.device.clear();
+    options.state.clear();
+    options.record = next_branch(options.record);
+  }
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command = app.add_subcommand("run", "Run a rack of virtual devices on real interfaces");
+  add_run_options(*command, *options);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace stator::cli

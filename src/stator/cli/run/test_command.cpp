@@ -1,0 +1,162 @@
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fnmatch.h>
+
+#include "stator/cli/commands.hpp"
+#include "stator/cli/failure.hpp"
+#include "stator/cli/files.hpp"
+#include "stator/scenario/report.hpp"
+#include "stator/scenario/runner.hpp"
+#include "stator/scenario/scenario_file.hpp"
+#include "stator/scenario/step_kinds.hpp"
+
+namespace stator::cli {
+
+namespace {
+
+using scenario::ScenarioResult;
+using scenario::Status;
+
+struct TestOptions {
+  std::vector<std::string> paths;
+  std::string filter = "*";
+  std::string junit;
+  std::string html;
+  bool list = false;
+  bool steps = false;
+  bool verbose = false;
+};
+
+/// The files, and of folders all that end in .toml, by name.
+std::vector<std::string> scenario_files(const std::vector<std::string>& paths) {
+  std::vector<std::string> files;
+  for (const std::string& path : paths) {
+    if (!std::filesystem::is_directory(path)) {
+      files.push_back(path);
+      continue;
+    }
+    std::vector<std::string> found;
+    for (const auto& entry : std::filesystem::directory_iterator(path)) {
+      if (entry.path().extension() == ".toml") {
+        found.push_back(entry.path().string());
+      }
+    }
+    if (found.empty()) {
+      throw Failure(
+          fmt::format("{}: no scenario is in this folder; their names end in .toml", path));
+    }
+    std::ranges::sort(found);
+    files.insert(files.end(), found.begin(), found.end());
+  }
+  return files;
+}
+
+ScenarioResult run_read(const scenario::ScenarioRead& read) {
+  const auto start = std::chrono::steady_clock::now();
+  ScenarioResult result = read.errors.empty() ? scenario::run(read.scenario)
+                                              : scenario::unreadable(read.scenario, read.errors);
+  result.wall_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+void print_steps(const ScenarioResult& result) {
+  for (const scenario::StepResult& step : result.steps) {
+    fmt::print("  {:7}  {:12.6f} s  {}:{}: {}{}{}\n", to_text(step.status), step.begin.seconds(),
+               step.kind, step.line, step.title, step.text.empty() ? "" : "; ", step.text);
+  }
+}
+
+void print(const ScenarioResult& result, bool verbose) {
+  fmt::print("{:7} {} ({:.3f} s simulated in {:.2f} s)\n", to_text(result.status), result.name,
+             result.end.seconds(), result.wall_seconds);
+  if (!result.error.empty()) {
+    fmt::print("{}\n", result.error);
+  }
+  if (verbose) {
+    print_steps(result);
+  }
+  if (const scenario::StepResult* failed = result.failed_step()) {
+    fmt::print("  {}:{}: {}: {}\n  {}\n", result.file, failed->line, failed->kind, failed->title,
+               failed->text);
+    for (const std::string& line : result.events) {
+      fmt::print("  {}\n", line);
+    }
+  }
+}
+
+void print_step_kinds() {
+  for (const scenario::StepKind& kind : scenario::step_kinds()) {
+    fmt::print("{:20} {}\n", kind.name, kind.summary);
+  }
+  fmt::print("{:20} as the actions of an [[event]] of a rack file\n",
+             fmt::format("{}", fmt::join(rack::EventSectionReader::action_names(), ", ")));
+}
+
+void test(const TestOptions& options) {
+  if (options.steps) {
+    print_step_kinds();
+    return;
+  }
+  if (options.paths.empty()) {
+    throw Failure("there is nothing to run; name a scenario file or a folder of them");
+  }
+  std::vector<ScenarioResult> results;
+  for (const std::string& file : scenario_files(options.paths)) {
+    const scenario::ScenarioRead read = scenario::read_scenario_file(file);
+    if (fnmatch(options.filter.c_str(), read.scenario.name.c_str(), 0) != 0) {
+      continue;
+    }
+    if (options.list) {
+      fmt::print("{}  {}\n", read.scenario.name, file);
+      continue;
+    }
+    results.push_back(run_read(read));
+    print(results.back(), options.verbose);
+    std::fflush(stdout);
+  }
+  if (options.list) {
+    return;
+  }
+  if (!options.junit.empty()) {
+    write_file(options.junit, scenario::junit_report(results));
+  }
+  if (!options.html.empty()) {
+    write_file(options.html, scenario::html_report(results));
+  }
+  const auto passed = static_cast<std::size_t>(
+      std::ranges::count(results, Status::passed, &ScenarioResult::status));
+  fmt::print("{} of {} scenarios passed\n", passed, results.size());
+  if (results.empty()) {
+    throw Failure(fmt::format("no scenario is named like \"{}\"", options.filter));
+  }
+  if (passed != results.size()) {
+    throw Failure(fmt::format("{} failed", results.size() - passed));
+  }
+}
+
+}  // namespace
+
+void add_test_command(CLI::App& app) {
+  auto options = std::make_shared<TestOptions>();
+  CLI::App* command = app.add_subcommand(
+      "test", "Run scenarios: a rack, what a master does, faults, and what must be seen");
+  command->add_option("files", options->paths, "Scenario files, or folders of them");
+  command->add_option("--filter", options->filter, "Only scenarios with such names; * and ?");
+  command->add_flag("--list", options->list, "Print names and files only");
+  command->add_flag("--steps", options->steps, "Print the kinds of steps there are");
+  command->add_flag("--verbose,-v", options->verbose, "Print every step");
+  command->add_option("--junit", options->junit, "Write the results as JUnit XML to this file");
+  command->add_option("--html", options->html, "Write them as a page to this file");
+  command->callback([options] { test(*options); });
+}
+
+}  // namespace stator::cli

@@ -1,0 +1,290 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "stator/cli/commands.hpp"
+#include "stator/cli/failure.hpp"
+#include "stator/cli/simulate/simulation_output.hpp"
+#include "stator/cli/temporary_csv.hpp"
+#include "stator/experiment/experiment.hpp"
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/world/text.hpp"
+
+namespace stator::cli {
+
+namespace {
+
+struct SimulateOptions {
+  std::string rack_file;
+  std::string device;
+  unsigned axis = 0;
+  std::string motor;
+  std::map<std::string, std::string> changes;  ///< of the axis, as written
+  std::map<std::string, std::string> choices;  ///< of the experiment, as written
+  std::string plot;
+  std::string csv;
+  std::optional<double> tolerance;
+};
+
+/// What may be changed on the axis without a rack file.
+struct AxisChange {
+  const char* name;
+  const char* unit;
+  const char* help;
+  double minimum;
+  double maximum;
+  double& (*target)(plant::StepperAxisParameters&);
+  double& (*servo_target)(plant::ServoAxisParameters&);
+};
+
+using Axis = plant::StepperAxisParameters;
+using Servo = plant::ServoAxisParameters;
+constexpr std::array kAxisChanges{
+    AxisChange{"supply", "V", "Supply of the power stage", 0.1, 100.0,
+               [](Axis& axis) -> double& { return axis.supply_voltage; },
+               [](Servo& axis) -> double& { return axis.supply_voltage; }},
+    AxisChange{"inertia", "kg m2", "Inertia of the load, at the motor shaft", 0.0, 10.0,
+               [](Axis& axis) -> double& { return axis.load.inertia; },
+               [](Servo& axis) -> double& { return axis.load.inertia; }},
+    AxisChange{"viscous-friction", "N m s/rad", "Viscous friction of the load", 0.0, 10.0,
+               [](Axis& axis) -> double& { return axis.load.viscous_friction; },
+               [](Servo& axis) -> double& { return axis.load.viscous_friction; }},
+    AxisChange{"coulomb-friction", "N m", "Dry friction of the load", 0.0, 1000.0,
+               [](Axis& axis) -> double& { return axis.load.coulomb_friction; },
+               [](Servo& axis) -> double& { return axis.load.coulomb_friction; }},
+    AxisChange{"load-torque", "N m", "Constant torque against forward motion", -1000.0, 1000.0,
+               [](Axis& axis) -> double& { return axis.load.constant_torque; },
+               [](Servo& axis) -> double& { return axis.load.constant_torque; }},
+};
+
+/// The letters of a unit, so that "N m", "Nm" and "N*m" are the same.
+std::string letters(std::string_view unit) {
+  std::string result;
+  for (const char c : unit) {
+    if (c != ' ' && c != '*') {
+      result += c;
+    }
+  }
+  return result;
+}
+
+/// "0.3", "0.3Nm" or "0.3 N m" with unit "N m". Throws Failure.
+double parse_quantity(const std::string& option, const std::string& text, std::string_view unit) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const std::string_view rest(end, static_cast<std::size_t>(text.data() + text.size() - end));
+  const std::string suffix = letters(rest);
+  if (error != std::errc() || !std::isfinite(value) ||
+      (!suffix.empty() && suffix != letters(unit))) {
+    throw Failure(unit.empty()
+                      ? fmt::format("--{} \"{}\" is no plain number", option, text)
+                      : fmt::format("--{} \"{}\" is no number in {}; write e.g. {}", option, text,
+                                    unit, fmt::format("1{}", letters(unit))));
+  }
+  return value;
+}
+
+/// The axis of a device of the rack file.
+experiment::BenchSetup setup_of_device(const rack::DeviceConfiguration& device,
+                                       experiment::MotorKind kind, unsigned axis) {
+  experiment::BenchSetup setup;
+  if (kind == experiment::MotorKind::three_phase) {
+    const auto* servo = std::get_if<devices::Tmcc160Configuration>(&device.product);
+    if (servo == nullptr || axis != 0) {
+      throw Failure(fmt::format(
+          "{} has no axis {} with a three-phase motor; see \"stator devices\"", device.name, axis));
+    }
+    setup.servo = servo->axis;
+    return setup;
+  }
+  const auto* module = std::get_if<devices::Tmcm3315Configuration>(&device.product);
+  if (module == nullptr || axis >= module->axes.size()) {
+    throw Failure(fmt::format("{} has no axis {} with a stepper motor; see \"stator devices\"",
+                              device.name, axis));
+  }
+  setup.axis = module->axes[axis];
+  setup.full_scale_current = module->full_scale_current;
+  return setup;
+}
+
+/// The axis of the rack file that is asked for; without a name that of the first device on the
+/// network of its kind.
+experiment::BenchSetup setup_from_rack(const SimulateOptions& options, experiment::MotorKind kind) {
+  const rack::RackConfiguration configuration = rack::load_rack_file(options.rack_file);
+  std::vector<const rack::DeviceConfiguration*> devices;
+  for (const rack::SegmentConfiguration& segment : configuration.segments) {
+    for (const rack::DeviceConfiguration& device : segment.devices) {
+      devices.push_back(&device);
+    }
+  }
+  const auto first_on_bus = static_cast<std::ptrdiff_t>(devices.size());
+  for (const rack::BusConfiguration& bus : configuration.buses) {
+    for (const rack::DeviceConfiguration& device : bus.devices) {
+      devices.push_back(&device);
+    }
+  }
+  if (kind == experiment::MotorKind::three_phase) {
+    std::rotate(devices.begin(), devices.begin() + first_on_bus, devices.end());
+  }
+  std::set<std::string> names;
+  for (const rack::DeviceConfiguration* device : devices) {
+    names.insert(device->name);
+    if (options.device.empty() || device->name == options.device) {
+      return setup_of_device(*device, kind, options.axis);
+    }
+  }
+  throw Failure(fmt::format("{} has no device \"{}\"; it has: {}", options.rack_file,
+                            options.device, fmt::join(names, ", ")));
+}
+
+/// The motor called `name` of those on `sheets`.
+template <typename Sheets, typename Motor>
+Motor motor_named(const std::string& name, const Sheets& sheets,
+                  const std::optional<Motor>& motor) {
+  if (motor) {
+    return *motor;
+  }
+  std::set<std::string> names;
+  for (const auto& sheet : sheets) {
+    names.emplace(sheet.name);
+  }
+  const std::string guess = rack::closest_match(name, names);
+  throw Failure(fmt::format("motor \"{}\" is not known{}; the motors are: {}", name,
+                            guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
+                            fmt::join(names, ", ")));
+}
+
+void change_motor(const std::string& name, experiment::MotorKind kind,
+                  experiment::BenchSetup& setup) {
+  if (kind == experiment::MotorKind::three_phase) {
+    setup.servo.motor =
+        motor_named(name, plant::three_phase_motor_sheets(), plant::find_three_phase_motor(name));
+  } else {
+    setup.axis.motor =
+        motor_named(name, plant::stepper_motor_sheets(), plant::find_stepper_motor(name));
+  }
+}
+
+experiment::BenchSetup setup_of(const SimulateOptions& options, experiment::MotorKind kind) {
+  experiment::BenchSetup setup =
+      options.rack_file.empty() ? experiment::BenchSetup{} : setup_from_rack(options, kind);
+  if (!options.motor.empty()) {
+    change_motor(options.motor, kind, setup);
+  }
+  for (const AxisChange& change : kAxisChanges) {
+    const auto written = options.changes.find(change.name);
+    if (written == options.changes.end() || written->second.empty()) {
+      continue;
+    }
+    const double value = parse_quantity(change.name, written->second, change.unit);
+    if (value < change.minimum || value > change.maximum) {
+      throw Failure(fmt::format("--{} is {} {}; it must lie in {} .. {}", change.name, value,
+                                change.unit, change.minimum, change.maximum));
+    }
+    const bool against = std::string_view(change.name) == "load-torque";
+    const double signed_value = against ? -value : value;
+    change.target(setup.axis) = signed_value;
+    change.servo_target(setup.servo) = signed_value;
+  }
+  return setup;
+}
+
+void keep(const experiment::Result& result, const SimulateOptions& options) {
+  if (!options.csv.empty()) {
+    write_csv(result, options.csv);
+  }
+  if (options.plot.empty()) {
+    return;
+  }
+  if (!options.csv.empty()) {
+    draw(result, options.csv, options.plot);
+    return;
+  }
+  const TemporaryCsv data(options.plot);
+  write_csv(result, data.path());
+  draw(result, data.path(), options.plot);
+}
+
+void simulate(const experiment::Experiment& experiment, const SimulateOptions& options) {
+  experiment::Choices choices;
+  for (const experiment::Option& option : experiment.options) {
+    const auto written = options.choices.find(std::string(option.name));
+    if (written != options.choices.end() && !written->second.empty()) {
+      choices.set(written->first, parse_quantity(written->first, written->second, option.unit));
+    }
+  }
+  const experiment::Result result = experiment.run(setup_of(options, experiment.motor), choices);
+  print_comparisons(result);
+  keep(result, options);
+  const double worst = 100.0 * result.worst_deviation();
+  if (options.tolerance && worst > *options.tolerance) {
+    throw Failure(
+        fmt::format("{} deviates from its equation by {:.2f} %, more than the tolerance "
+                    "of {:g} %",
+                    experiment.name, worst, *options.tolerance));
+  }
+}
+
+void add_axis_options(CLI::App& command, SimulateOptions& options) {
+  command.add_option("rack", options.rack_file, "Rack file whose axis is put on the bench");
+  command.add_option("--device", options.device, "Device of the rack file; else its first");
+  command.add_option("-a,--axis", options.axis, "Axis of the device")->capture_default_str();
+  command.add_option("--motor", options.motor,
+                     "Motor, e.g. QSH5718-55-30-098 or QBL4208-61-04-013");
+  for (const AxisChange& change : kAxisChanges) {
+    command.add_option(fmt::format("--{}", change.name), options.changes[change.name], change.help)
+        ->option_text(change.unit);
+  }
+}
+
+void add_experiment_options(CLI::App& command, const experiment::Experiment& experiment,
+                            SimulateOptions& options) {
+  for (const experiment::Option& option : experiment.options) {
+    const std::string unit(option.unit.empty() ? "NUMBER" : option.unit);
+    command
+        .add_option(fmt::format("--{}", option.name), options.choices[std::string(option.name)],
+                    std::string(option.help))
+        ->option_text(option.preset ? fmt::format("{} [{:g}]", unit, *option.preset) : unit)
+        ->group("Options of the experiment");
+  }
+}
+
+}  // namespace
+
+void add_simulate_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "simulate", "Measure a motor with its load on a test bench and compare it with equations");
+  command->require_subcommand(1);
+  command->footer(
+      "Time is simulated: no bus, no interface, as fast as the machine.\n"
+      "Examples:\n"
+      "  stator simulate pull-out --motor QSH5718-79-30-163 --supply 48V --plot pull-out.svg\n"
+      "  stator simulate move racks/gantry.toml --axis 0 --distance 2rev --plot move.svg\n"
+      "  stator simulate resonance --tolerance 2 && echo as the equations say");
+  for (const experiment::Experiment& experiment : experiment::experiments()) {
+    auto options = std::make_shared<SimulateOptions>();
+    CLI::App* one =
+        command->add_subcommand(std::string(experiment.name), std::string(experiment.summary));
+    add_axis_options(*one, *options);
+    add_experiment_options(*one, experiment, *options);
+    one->add_option("--plot", options->plot, "Picture to draw, .svg or .png");
+    one->add_option("--csv", options->csv, "File for the curves' values");
+    one->add_option("--tolerance", options->tolerance,
+                    "Fail when a measurement deviates by more than so many percent")
+        ->check(CLI::Range(0.0, 100.0));
+    one->callback([options, &experiment] { simulate(experiment, *options); });
+  }
+}
+
+}  // namespace stator::cli

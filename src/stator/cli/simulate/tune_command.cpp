@@ -1,0 +1,252 @@
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "stator/cli/commands.hpp"
+#include "stator/cli/failure.hpp"
+#include "stator/cli/files.hpp"
+#include "stator/cli/simulate/tune_output.hpp"
+#include "stator/experiment/tuning/tuner.hpp"
+#include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/file/rack_file_objects.hpp"
+
+namespace stator::cli {
+
+namespace {
+
+using control::foc::MotorType;
+using devices::Tmc8670Configuration;
+using experiment::tuning::Settings;
+using experiment::tuning::Tuning;
+
+constexpr const char* kProduct = "tmc8670";
+
+struct TuneOptions {
+  std::string target;  ///< a rack file, or the product
+  std::string device;
+  std::string motor;
+  std::string output;
+  std::string plot;
+  std::optional<double> current;
+  std::string encoder_direction;
+  Settings settings;
+};
+
+/// What is tuned, and where it stands in the rack file.
+struct Target {
+  Tmc8670Configuration configuration;
+  std::string name;
+  rack::DevicePlace place;
+};
+
+Target target_from_rack(const TuneOptions& options) {
+  const rack::RackConfiguration rack = rack::load_rack_file(options.target);
+  std::vector<std::string> names;
+  for (std::size_t s = 0; s < rack.segments.size(); ++s) {
+    const auto& devices = rack.segments[s].devices;
+    for (std::size_t d = 0; d < devices.size(); ++d) {
+      const auto* found = std::get_if<Tmc8670Configuration>(&devices[d].product);
+      if (found == nullptr) {
+        continue;
+      }
+      if (options.device.empty() || devices[d].name == options.device) {
+        return {*found, devices[d].name, {s, d}};
+      }
+      names.push_back(devices[d].name);
+    }
+  }
+  if (names.empty()) {
+    throw Failure(
+        fmt::format("{} has no {}, the one product that can be tuned", options.target, kProduct));
+  }
+  throw Failure(fmt::format("{} has no {} called \"{}\"; it has: {}", options.target, kProduct,
+                            options.device, fmt::join(names, ", ")));
+}
+
+plant::MotorParameters motor_named(const std::string& name) {
+  if (const auto motor = plant::find_three_phase_motor(name)) {
+    return *motor;
+  }
+  if (const auto motor = plant::find_stepper_motor(name)) {
+    return *motor;
+  }
+  std::vector<std::string_view> names;
+  for (const auto& sheet : plant::three_phase_motor_sheets()) {
+    names.push_back(sheet.name);
+  }
+  for (const auto& sheet : plant::stepper_motor_sheets()) {
+    names.push_back(sheet.name);
+  }
+  throw Failure(
+      fmt::format("motor \"{}\" is not known; the motors are: {}", name, fmt::join(names, ", ")));
+}
+
+Target target_of(const TuneOptions& options) {
+  Target target = options.target == kProduct ? Target{{}, kProduct, {}} : target_from_rack(options);
+  if (!options.motor.empty()) {
+    target.configuration.axis.motor = motor_named(options.motor);
+  }
+  return target;
+}
+
+/// A, amplitude, that the type plate of the motor states.
+double rated_current(const plant::MotorParameters& motor) {
+  constexpr double kSquareRootOfTwo = 1.41421356237309504880;
+  if (const auto* three_phase = std::get_if<plant::ThreePhaseMotorParameters>(&motor)) {
+    return three_phase->rated_current;
+  }
+  if (const auto* stepper = std::get_if<plant::StepperMotorParameters>(&motor)) {
+    return kSquareRootOfTwo * stepper->rated_current;
+  }
+  throw Failure(
+      "the motor is a brushed one, which has no field to turn; only three-phase and "
+      "two-phase motors can be tuned");
+}
+
+/// What is known without measuring: the type plate, the data of the board, the PWM frequency.
+Settings settings_of(const TuneOptions& options, const Target& target) {
+  Settings settings = options.settings;
+  const plant::PwmAxisParameters& axis = target.configuration.axis;
+  settings.current = options.current.value_or(rated_current(axis.motor));
+  settings.motor = std::holds_alternative<plant::StepperMotorParameters>(axis.motor)
+                       ? MotorType::two_phase
+                       : MotorType::three_phase;
+  settings.board = {.counts_per_ampere = std::fabs(axis.converter.currents[0].gain),
+                    .counts_per_volt = axis.converter.voltage.gain};
+  for (const devices::tmc8670::ObjectValue& object : target.configuration.objects) {
+    if (object.index == 0x2001 && object.subindex == 1) {
+      settings.pwm_maximum = static_cast<std::int32_t>(object.bits);
+    }
+  }
+  if (!options.encoder_direction.empty()) {
+    settings.encoder_reversed = options.encoder_direction == "down";
+  }
+  settings.report = [](std::string_view text) {
+    fmt::print("{}\n", text);
+    std::fflush(stdout);
+  };
+  return settings;
+}
+
+std::string rack_of_its_own() {
+  return fmt::format("[[segment]]\n\n[[segment.device]]\ntype = \"{}\"\n", kProduct);
+}
+
+void write_rack(const TuneOptions& options, const Target& target, const Tuning& tuning,
+                const Settings& settings) {
+  const auto tuned = experiment::tuning::objects_of(tuning, settings);
+  std::vector<rack::WrittenObject> objects;
+  objects.reserve(tuned.size());
+  for (const auto& object : tuned) {
+    objects.push_back({object.object, object.meaning});
+  }
+  std::string text;
+  if (options.target == kProduct) {
+    text = rack_of_its_own();
+    if (!options.motor.empty()) {
+      text += fmt::format("axis.motor = \"{}\"\n", options.motor);
+    }
+  } else {
+    text = read_file(options.target);
+  }
+  write_file(options.output, rack::with_objects(text, options.target, target.place, objects));
+  fmt::print("\nWrote {}: {} objects of {}.\n", options.output, objects.size(), target.name);
+}
+
+void tune(const TuneOptions& options) {
+  const Target target = target_of(options);
+  const Settings settings = settings_of(options, target);
+  devices::tmc8670::ServoStage stage(target.configuration.axis);
+  fmt::print("Tuning {} with {:.3g} A\n", target.name, settings.current);
+  const Tuning tuning = experiment::tuning::tune(stage, settings);
+  print_tuning(tuning);
+  if (!options.plot.empty()) {
+    draw_tuning(tuning, options.plot);
+    fmt::print("\nDrew {0}-steps and {0}-bode (.svg, .png, .csv).\n", options.plot);
+  }
+  if (!options.output.empty()) {
+    write_rack(options, target, tuning, settings);
+  }
+}
+
+void add_wishes(CLI::App& command, TuneOptions& options) {
+  Settings& settings = options.settings;
+  command
+      .add_option("--current", options.current,
+                  "Amplitude of the tests and limit of the drive; else the motor's rated one")
+      ->option_text("A")
+      ->check(CLI::Range(0.01, 1000.0));
+  const auto bandwidth = [&](const char* name, std::optional<double>& value, const char* help) {
+    command.add_option(name, value, help)->option_text("HZ")->check(CLI::Range(0.1, 50'000.0));
+  };
+  bandwidth("--current-bandwidth", settings.current_bandwidth,
+            "Wanted -3 dB of the current loop; else a 25th of the PWM frequency");
+  bandwidth("--velocity-bandwidth", settings.velocity_bandwidth,
+            "Wanted -3 dB of the velocity loop; else a 20th of the current loop's");
+  bandwidth("--position-bandwidth", settings.position_bandwidth,
+            "Wanted -3 dB of the position loop; else a 5th of the velocity loop's");
+  command.add_option("--highest-speed", settings.highest_speed, "Speed the tests keep below")
+      ->option_text("RPM")
+      ->check(CLI::Range(10.0, 100'000.0));
+}
+
+void add_claims(CLI::App& command, TuneOptions& options) {
+  constexpr const char* kGroup = "What is known; an error if it is not so";
+  Settings& settings = options.settings;
+  command.add_option("--pole-pairs", settings.pole_pairs, "Pole pairs of the motor")
+      ->check(CLI::Range(1, 64))
+      ->group(kGroup);
+  command
+      .add_option("--encoder-resolution", settings.encoder_resolution,
+                  "Counts of the encoder per revolution, four per line")
+      ->check(CLI::Range(4, 0x7FFFFF))
+      ->group(kGroup);
+  command
+      .add_option("--encoder-direction", options.encoder_direction,
+                  "How the encoder counts while the field turns forward")
+      ->check(CLI::IsMember({"up", "down"}))
+      ->group(kGroup);
+}
+
+}  // namespace
+
+void add_tune_command(CLI::App& app) {
+  auto options = std::make_shared<TuneOptions>();
+  CLI::App* command = app.add_subcommand(
+      "tune", "Measure the motor behind a TMC8670 and set its controllers for wanted bandwidths");
+  command
+      ->add_option("rack", options->target,
+                   "Rack file with the device, or \"tmc8670\" for one as delivered")
+      ->required();
+  command->add_option("--device", options->device,
+                      "Device of the rack file; else its first tmc8670");
+  command->add_option("--motor", options->motor, "Another motor, e.g. EC45-flat-70W");
+  add_wishes(*command, *options);
+  add_claims(*command, *options);
+  command
+      ->add_option("-o,--output", options->output,
+                   "Rack file to write: the given one with the tuned objects")
+      ->option_text("FILE.toml");
+  command
+      ->add_option("--plot", options->plot,
+                   "Draw PREFIX-steps and PREFIX-bode as .svg and .png, with their .csv")
+      ->option_text("PREFIX");
+  command->footer(
+      "Knows of the motor what the registers of the chip tell, as a tool at the hardware does:\n"
+      "offsets, resistance, inductances, encoder, back-EMF, inertia, friction; then gains, then\n"
+      "steps and sines that prove them. The shaft turns. Time is simulated.\n"
+      "Examples:\n"
+      "  stator tune racks/ethercat-servo.toml --output tuned.toml --plot tuned\n"
+      "  stator tune tmc8670 --motor EC45-flat-70W --velocity-bandwidth 30");
+  command->callback([options] { tune(*options); });
+}
+
+}  // namespace stator::cli

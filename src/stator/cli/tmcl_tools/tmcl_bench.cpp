@@ -1,0 +1,81 @@
+#include "stator/cli/tmcl_tools/tmcl_bench.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "stator/cli/failure.hpp"
+#include "stator/rack/world/input_names.hpp"
+
+namespace stator::cli {
+
+TmclBench::TmclBench(TmclModule module)
+    : module_(std::move(module)), inputs_(module_.device->inputs()) {
+  firmware().interpreter().observe(&fan_);
+}
+
+TmclBench::~TmclBench() {
+  firmware().interpreter().observe(nullptr);
+}
+
+void TmclBench::start(std::span<const tmcl::Instruction> program) {
+  firmware().load_program(program);
+  firmware().start_program(now_);
+}
+
+bool TmclBench::running() const {
+  return firmware().interpreter().next_deadline() != base::SimTime::never();
+}
+
+void TmclBench::check(const std::string& input, double value) {
+  const std::string problem = rack::input_problem(inputs_, input, value);
+  if (!problem.empty()) {
+    throw Failure(problem);
+  }
+}
+
+void TmclBench::set_input(const std::string& input, double value) {
+  check(input, value);
+  std::ranges::find(inputs_, input, &devices::Input::name)->set(value);
+}
+
+void TmclBench::schedule(const InputChange& change) {
+  check(change.input, change.value);
+  // Behind those of the same time that came first, which is before them in this order.
+  const auto place =
+      std::ranges::lower_bound(changes_, change.time, std::ranges::greater{}, &InputChange::time);
+  changes_.insert(place, change);
+}
+
+bool TmclBench::advance_to_next(base::SimTime limit) {
+  sample_what_is_due();
+  base::SimTime next = std::min(limit, firmware().next_deadline());
+  if (recorder_ != nullptr) {
+    next = std::min(next, recorder_->next_sample());
+  }
+  if (!changes_.empty()) {
+    next = std::min(next, changes_.back().time);
+  }
+  const bool moves = limit > now_;
+  now_ = std::max(now_, next);
+  device().advance(now_);
+  sample_what_is_due();
+  while (!changes_.empty() && changes_.back().time <= now_) {
+    set_input(changes_.back().input, changes_.back().value);
+    changes_.pop_back();
+  }
+  return moves;
+}
+
+void TmclBench::advance_to(base::SimTime moment) {
+  while (now_ < moment) {
+    advance_to_next(moment);
+  }
+}
+
+void TmclBench::sample_what_is_due() {
+  if (recorder_ != nullptr && recorder_->next_sample() <= now_) {
+    recorder_->sample(now_);
+  }
+}
+
+}  // namespace stator::cli

@@ -1,0 +1,130 @@
+#include "stator/cli/tmcl_tools/tmcl_bench_options.hpp"
+
+#include <charconv>
+#include <set>
+#include <system_error>
+#include <type_traits>
+#include <variant>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "stator/cli/failure.hpp"
+#include "stator/cli/products.hpp"
+#include "stator/devices/tmcm_142/tmcm_142.hpp"
+#include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/world/text.hpp"
+
+namespace stator::cli {
+
+namespace {
+
+/// Null if the product is another.
+const devices::Tmcm142Configuration* tmcl_product(const rack::ProductConfiguration& product) {
+  return std::visit(
+      [](const auto& configuration) -> const devices::Tmcm142Configuration* {
+        if constexpr (std::is_same_v<std::decay_t<decltype(configuration)>,
+                                     devices::Tmcm142Configuration>) {
+          return &configuration;
+        } else {
+          return nullptr;
+        }
+      },
+      product);
+}
+
+/// The module of a rack file that is meant.
+devices::Tmcm142Configuration configuration_in_rack(const TmclBenchOptions& options) {
+  const rack::RackConfiguration configuration = rack::load_rack_file(options.rack_file);
+  std::set<std::string> names;
+  for (const rack::BusConfiguration& bus : configuration.buses) {
+    for (const rack::DeviceConfiguration& device : bus.devices) {
+      const devices::Tmcm142Configuration* module = tmcl_product(device.product);
+      if (module == nullptr) {
+        continue;
+      }
+      if (options.rack_device.empty() || options.rack_device == device.name) {
+        return *module;
+      }
+      names.insert(device.name);
+    }
+  }
+  if (names.empty()) {
+    throw Failure(fmt::format("{} has no device that runs programs in TMCL (type \"{}\")",
+                              options.rack_file, options.device));
+  }
+  throw Failure(fmt::format("{} has no module \"{}\"; it has: {}", options.rack_file,
+                            options.rack_device, fmt::join(names, ", ")));
+}
+
+}  // namespace
+
+void add_module_options(CLI::App& command, TmclBenchOptions& options) {
+  command.add_option("--device", options.device, "Module that runs the program")
+      ->capture_default_str();
+  CLI::Option* file = command.add_option("--rack", options.rack_file,
+                                         "Rack file with the module's motor, load and switches");
+  command.add_option("--name", options.rack_device, "Module of the rack file; else its first")
+      ->needs(file);
+}
+
+void add_program_options(CLI::App& command, TmclBenchOptions& options) {
+  command
+      .add_option("program", options.program,
+                  "Program: its text, or what \"stator tmcl assemble\" made of it")
+      ->required();
+  add_module_options(command, options);
+  command
+      .add_option("--input", options.inputs,
+                  "Set something around the module at the start, as often as needed; \"stator "
+                  "describe DEVICE --inputs\" lists what there is")
+      ->option_text("NAME=VALUE")
+      ->allow_extra_args(false);
+  command.add_option("--at", options.later, "The same at a later time, e.g. --at 1.5s NAME=1")
+      ->option_text("TIME NAME=VALUE")
+      ->allow_extra_args(false);
+}
+
+TmclModule make_tmcl_module(const TmclBenchOptions& options, base::EventReporter reporter) {
+  static_cast<void>(tmcl_module(options.device));
+  const devices::Tmcm142Configuration configuration =
+      options.rack_file.empty() ? devices::Tmcm142Configuration{} : configuration_in_rack(options);
+  auto device = std::make_unique<devices::Tmcm142>(configuration, reporter);
+  tmcl::Firmware& firmware = device->tmcl();
+  return {std::move(device), &firmware};
+}
+
+std::vector<InputChange> input_changes(const TmclBenchOptions& options) {
+  std::vector<InputChange> changes;
+  for (const std::string& text : options.inputs) {
+    changes.push_back(parse_input_change(text, base::SimTime()));
+  }
+  for (const auto& [time, text] : options.later) {
+    changes.push_back(parse_input_change(text, base::SimTime(duration_of("--at", time))));
+  }
+  return changes;
+}
+
+InputChange parse_input_change(const std::string& text, base::SimTime time) {
+  const std::size_t sign = text.find('=');
+  double value = 0.0;
+  if (sign != std::string::npos) {
+    const char* end = text.data() + text.size();
+    const auto [read, error] = std::from_chars(text.data() + sign + 1, end, value);
+    if (error == std::errc() && read == end) {
+      return {time, text.substr(0, sign), value};
+    }
+  }
+  throw Failure(fmt::format("\"{}\" sets no input; write NAME=VALUE, the value a number", text));
+}
+
+base::SimDuration duration_of(const std::string& option, const std::string& text) {
+  const auto duration = rack::parse_duration(text);
+  if (!duration || *duration < base::SimDuration(0)) {
+    throw Failure(
+        fmt::format("{} \"{}\" is no duration; write e.g. 1ms, 250us or 10s", option, text));
+  }
+  return *duration;
+}
+
+}  // namespace stator::cli

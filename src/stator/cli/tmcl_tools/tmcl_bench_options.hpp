@@ -1,0 +1,46 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "stator/base/event.hpp"
+#include "stator/cli/tmcl_tools/tmcl_bench.hpp"
+#include "stator/tmcl/module/module_description.hpp"
+
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's
+class App;
+}
+
+namespace stator::cli {
+
+/// What the commands have in common that run a program on a module of their own.
+struct TmclBenchOptions {
+  std::string program;
+  std::string device = "tmcm-142";
+  std::string rack_file;
+  std::string rack_device;
+  std::vector<std::string> inputs;                         ///< "NAME=VALUE", from the start on
+  std::vector<std::pair<std::string, std::string>> later;  ///< time, "NAME=VALUE"
+};
+
+/// Adds the options of a module and its surroundings, without the program.
+void add_module_options(CLI::App& command, TmclBenchOptions& options);
+/// Adds the program and what is set around the module while it runs.
+void add_program_options(CLI::App& command, TmclBenchOptions& options);
+
+/// The module that is asked for, as it is after switching on; its events go to `reporter`. Throws
+/// Failure naming the devices there are.
+[[nodiscard]] TmclModule make_tmcl_module(const TmclBenchOptions& options,
+                                          base::EventReporter reporter);
+
+/// What the options set at the start and later. Throws Failure saying how they are written.
+[[nodiscard]] std::vector<InputChange> input_changes(const TmclBenchOptions& options);
+
+/// "NAME=VALUE" at `time`. Throws Failure.
+[[nodiscard]] InputChange parse_input_change(const std::string& text, base::SimTime time);
+
+/// "10s", "250us". Throws Failure naming `option`.
+[[nodiscard]] base::SimDuration duration_of(const std::string& option, const std::string& text);
+
+}  // namespace stator::cli

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "stator/base/signal.hpp"
+
+namespace stator::devices {
+
+/// Its name is unique within the device.
+using base::Signal;
+
+}  // namespace stator::devices

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "stator/base/event_text.hpp"
+
+namespace stator::dictionary {
+
+/// Basic data types with their index in the object dictionary (CiA 301 §7.4.7, ETG.1000.6
+/// §5.6.7.3).
+enum class DataType : std::uint16_t {
+  boolean = 0x0001,
+  integer8 = 0x0002,
+  integer16 = 0x0003,
+  integer32 = 0x0004,
+  unsigned8 = 0x0005,
+  unsigned16 = 0x0006,
+  unsigned32 = 0x0007,
+  real32 = 0x0008,
+  visible_string = 0x0009,
+  octet_string = 0x000A,
+  domain = 0x000F,
+  real64 = 0x0011,
+  integer64 = 0x0015,
+  unsigned64 = 0x001B,
+};
+
+/// The standard's name, e.g. "UNSIGNED32"; "?" for a number that is no type.
+[[nodiscard]] base::StaticText to_text(DataType type);
+
+/// Length of a value in bits; 0 for strings and domains, whose length is the
+/// value's own.
+[[nodiscard]] constexpr std::size_t bit_length(DataType type) {
+  switch (type) {
+    case DataType::boolean:
+      return 1;
+    case DataType::integer8:
+    case DataType::unsigned8:
+      return 8;
+    case DataType::integer16:
+    case DataType::unsigned16:
+      return 16;
+    case DataType::integer32:
+    case DataType::unsigned32:
+    case DataType::real32:
+      return 32;
+    case DataType::real64:
+    case DataType::integer64:
+    case DataType::unsigned64:
+      return 64;
+    case DataType::visible_string:
+    case DataType::octet_string:
+    case DataType::domain:
+      return 0;
+  }
+  return 0;
+}
+
+/// Length of a value in bytes as an SDO carries it; 0 for strings.
+[[nodiscard]] constexpr std::size_t byte_length(DataType type) {
+  return (bit_length(type) + 7) / 8;
+}
+
+/// Values of any length, kept as text; a domain, a block of data such as a file (1021h), is one.
+[[nodiscard]] constexpr bool is_string(DataType type) {
+  return type == DataType::visible_string || type == DataType::octet_string ||
+         type == DataType::domain;
+}
+
+[[nodiscard]] constexpr bool is_signed(DataType type) {
+  return type == DataType::integer8 || type == DataType::integer16 || type == DataType::integer32 ||
+         type == DataType::integer64;
+}
+
+}  // namespace stator::dictionary

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "stator/base/sim_time.hpp"
+#include "stator/ethercat/standard/frame.hpp"
+
+namespace stator::master {
+
+struct MasterOptions {
+  ethercat::MacAddress source_mac{0x02, 0, 0, 0, 0, 0x01};  ///< locally administered
+  base::SimDuration frame_timeout{10'000'000};
+  int frame_retries = 3;                             ///< after the first attempt
+  base::SimDuration poll_interval{500'000};          ///< between looks at a mailbox or a state
+  base::SimDuration sii_timeout{20'000'000};         ///< for one access
+  base::SimDuration mailbox_timeout{1'000'000'000};  ///< from request to answer
+  base::SimDuration state_timeout{5'000'000'000};
+  base::SimDuration cycle_time{1'000'000};  ///< of Master::run_cycle()
+  int tolerated_lost_cycles = 3;            ///< one after the other, in Master::run_cycle()
+};
+
+}  // namespace stator::master

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <vector>
+
+#include "stator/master/bus.hpp"
+#include "stator/master/slave.hpp"
+
+namespace stator::master {
+
+[[nodiscard]] inline Station station_of(const Slave& slave) {
+  return {slave.position, slave.station_address};
+}
+
+/// Counts the slaves of a segment, requests Init from all of them, clears what an earlier master
+/// left behind, gives station addresses from 1001h and reads who the slaves are.
+[[nodiscard]] Result<std::vector<Slave>> scan_segment(Bus& bus);
+
+}  // namespace stator::master

@@ -1,0 +1,95 @@
+#include "stator/mfc/pins/signal.hpp"
+
+namespace stator::mfc {
+
+namespace {
+
+using enum SignalDirection;
+
+constexpr std::array<SignalDescription, kSignals> kTable{{
+    {Signal::zero, "ZERO", "none", none},
+    {Signal::low, "LOW", "none", output},
+    {Signal::high, "HIGH", "none", output},
+    {Signal::tri, "TRI", "none", none},
+    {Signal::a, "A", "ABN decoder", input},
+    {Signal::an, "An", "ABN decoder", input},
+    {Signal::b, "B", "ABN decoder", input},
+    {Signal::bn, "Bn", "ABN decoder", input},
+    {Signal::n, "N", "ABN decoder", input},
+    {Signal::nn, "Nn", "ABN decoder", input},
+    {Signal::sck, "SCK", "SPI", output},
+    {Signal::sdi, "SDI", "SPI", input},
+    {Signal::sdo, "SDO", "SPI", output},
+    {Signal::cs0, "CS0", "SPI", output},
+    {Signal::cs1, "CS1", "SPI", output},
+    {Signal::cs2, "CS2", "SPI", output},
+    {Signal::cs3, "CS3", "SPI", output},
+    {Signal::scl, "SCL", "I2C", output},
+    {Signal::sda, "SDA", "I2C", in_out},
+    {Signal::s0, "S0", "Step/Direction", output},
+    {Signal::d0, "D0", "Step/Direction", output},
+    {Signal::s1, "S1", "Step/Direction", output},
+    {Signal::d1, "D1", "Step/Direction", output},
+    {Signal::s2, "S2", "Step/Direction", output},
+    {Signal::d2, "D2", "Step/Direction", output},
+    {Signal::s0n, "S0n", "Step/Direction", output},
+    {Signal::d0n, "D0n", "Step/Direction", output},
+    {Signal::s1n, "S1n", "Step/Direction", output},
+    {Signal::d1n, "D1n", "Step/Direction", output},
+    {Signal::s2n, "S2n", "Step/Direction", output},
+    {Signal::d2n, "D2n", "Step/Direction", output},
+    {Signal::hs0, "HS0", "PWM", output},
+    {Signal::ls0, "LS0", "PWM", output},
+    {Signal::hs1, "HS1", "PWM", output},
+    {Signal::ls1, "LS1", "PWM", output},
+    {Signal::hs2, "HS2", "PWM", output},
+    {Signal::ls2, "LS2", "PWM", output},
+    {Signal::hs3, "HS3", "PWM", output},
+    {Signal::ls3, "LS3", "PWM", output},
+    {Signal::gpi0, "GPI0", "GPIO", input},
+    {Signal::gpi1, "GPI1", "GPIO", input},
+    {Signal::gpi2, "GPI2", "GPIO", input},
+    {Signal::gpi3, "GPI3", "GPIO", input},
+    {Signal::gpi4, "GPI4", "GPIO", input},
+    {Signal::gpi5, "GPI5", "GPIO", input},
+    {Signal::gpi6, "GPI6", "GPIO", input},
+    {Signal::gpi7, "GPI7", "GPIO", input},
+    {Signal::gpi8, "GPI8", "GPIO", input},
+    {Signal::gpi9, "GPI9", "GPIO", input},
+    {Signal::gpi10, "GPI10", "GPIO", input},
+    {Signal::gpi11, "GPI11", "GPIO", input},
+    {Signal::gpi12, "GPI12", "GPIO", input},
+    {Signal::gpi13, "GPI13", "GPIO", input},
+    {Signal::gpi14, "GPI14", "GPIO", input},
+    {Signal::gpi15, "GPI15", "GPIO", input},
+    {Signal::gpo0, "GPO0", "GPIO", output},
+    {Signal::gpo1, "GPO1", "GPIO", output},
+    {Signal::gpo2, "GPO2", "GPIO", output},
+    {Signal::gpo3, "GPO3", "GPIO", output},
+    {Signal::gpo4, "GPO4", "GPIO", output},
+    {Signal::gpo5, "GPO5", "GPIO", output},
+    {Signal::gpo6, "GPO6", "GPIO", output},
+    {Signal::gpo7, "GPO7", "GPIO", output},
+    {Signal::gpo8, "GPO8", "GPIO", output},
+    {Signal::gpo9, "GPO9", "GPIO", output},
+    {Signal::gpo10, "GPO10", "GPIO", output},
+    {Signal::gpo11, "GPO11", "GPIO", output},
+    {Signal::gpo12, "GPO12", "GPIO", output},
+    {Signal::gpo13, "GPO13", "GPIO", output},
+    {Signal::gpo14, "GPO14", "GPIO", output},
+    {Signal::gpo15, "GPO15", "GPIO", output},
+    {Signal::dac0, "DAC0", "DAC", output},
+    {Signal::pulse_a, "PULSE_A", "PWM", output},
+    {Signal::pulse_c, "PULSE_C", "PWM", output},
+    {Signal::pulse_b, "PULSE_B", "PWM", output},
+    {Signal::pulse_ab, "PULSE_AB", "PWM", output},
+    {Signal::pulse_z, "PULSE_Z", "PWM", output},
+}};
+
+}  // namespace
+
+const std::array<SignalDescription, kSignals>& signal_table() {
+  return kTable;
+}
+
+}  // namespace stator::mfc

@@ -1,0 +1,24 @@
+#include "stator/plant/batch/servo_batch_dispatch.hpp"
+#include "stator/plant/batch/servo_batch_kernel.hpp"
+
+namespace stator::plant::servo_batch {
+
+bool step_avx2(const ServoBatchConstants<double>& constants, ServoBatchBlock<double>* blocks,
+               base::ServoLanes<double>* signals, std::size_t count) {
+  return step_blocks<double, 32>(constants, blocks, signals, count);
+}
+
+bool step_avx2(const ServoBatchConstants<float>& constants, ServoBatchBlock<float>* blocks,
+               base::ServoLanes<float>* signals, std::size_t count) {
+  return step_blocks<float, 32>(constants, blocks, signals, count);
+}
+
+void refresh_avx2(ServoBatchBlock<double>* blocks, std::size_t count) {
+  refresh_blocks<double, 32>(blocks, count);
+}
+
+void refresh_avx2(ServoBatchBlock<float>* blocks, std::size_t count) {
+  refresh_blocks<float, 32>(blocks, count);
+}
+
+}  // namespace stator::plant::servo_batch

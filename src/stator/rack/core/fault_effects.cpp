@@ -1,0 +1,337 @@
+#include "stator/rack/core/fault_effects.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+#include "stator/ethercat/standard/register_addresses.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/core/surroundings_effect.hpp"
+#include "stator/rack/faults/fault_commands.hpp"
+#include "stator/rack/faults/fault_mailbox.hpp"
+
+namespace stator::rack {
+
+namespace {
+
+using base::SimTime;
+
+ethercat::AlState al_state(const std::string& name) {
+  if (name == "init") {
+    return ethercat::AlState::init;
+  }
+  return name == "pre-operational" ? ethercat::AlState::pre_operational
+                                   : ethercat::AlState::safe_operational;
+}
+
+/// A fault that is asked for where frames or bytes pass, and counted there.
+template <typename Medium, typename Fault>
+class InjectedEffect final : public FaultEffect {
+ public:
+  InjectedEffect(Medium& medium, Fault fault) : medium_(medium), fault_(std::move(fault)) {}
+
+  void begin(SimTime /*now*/) override { number_ = medium_.inject(fault_); }
+  void end(SimTime /*now*/) override { medium_.withdraw(number_); }
+  [[nodiscard]] std::optional<std::uint64_t> hits() const override { return medium_.hits(number_); }
+
+ private:
+  Medium& medium_;
+  Fault fault_;
+  std::uint64_t number_ = 0;
+};
+
+/// The bus of a rack as InjectedEffect wants it: members are known when the fault begins.
+class BusMedium {
+ public:
+  explicit BusMedium(CanNetwork& network) : network_(network) {}
+  std::uint64_t inject(const FrameFaultEvent& fault) { return network_.inject(fault); }
+  void withdraw(std::uint64_t number) { network_.withdraw(number); }
+  [[nodiscard]] std::optional<std::uint64_t> hits(std::uint64_t number) const {
+    return network_.bus().hits(number);
+  }
+
+ private:
+  CanNetwork& network_;
+};
+
+class CanFrameEffect final : public FaultEffect {
+ public:
+  CanFrameEffect(CanNetwork& network, const FrameFaultEvent& fault)
+      : medium_(network), injected_(medium_, fault) {}
+  void begin(SimTime now) override { injected_.begin(now); }
+  void end(SimTime now) override { injected_.end(now); }
+  [[nodiscard]] std::optional<std::uint64_t> hits() const override { return injected_.hits(); }
+
+ private:
+  BusMedium medium_;
+  InjectedEffect<BusMedium, FrameFaultEvent> injected_;
+};
+
+/// Holds what an event of the rack sets.
+template <typename Event>
+class HoldEffect final : public FaultEffect {
+ public:
+  HoldEffect(Rack& rack, Event event) : rack_(rack), event_(std::move(event)) {}
+
+  void begin(SimTime now) override { rack_.hold(event_, this, now); }
+  void end(SimTime now) override { rack_.release(event_, this, now); }
+
+ private:
+  Rack& rack_;
+  Event event_;
+};
+
+/// Two events of the rack: one at the begin, one at the end.
+class EventEffect final : public FaultEffect {
+ public:
+  EventEffect(Rack& rack, RackEvent begin, std::optional<RackEvent> end)
+      : rack_(rack), begin_(std::move(begin)), end_(std::move(end)) {}
+
+  void begin(SimTime now) override { rack_.apply(begin_, now); }
+  void end(SimTime now) override {
+    if (end_) {
+      rack_.apply(*end_, now);
+    }
+  }
+
+ private:
+  Rack& rack_;
+  RackEvent begin_;
+  std::optional<RackEvent> end_;
+};
+
+/// A cable that is out or, with `flap`, comes and goes. While it is in it holds nothing, so that
+/// another fault of the same cable keeps it out.
+class LinkEffect final : public FaultEffect {
+ public:
+  LinkEffect(Rack& rack, const FaultConfiguration& fault)
+      : rack_(rack),
+        out_{*fault.target.device, fault.target.port, false},
+        flap_(fault.values.find<base::SimDuration>("flap")) {}
+
+  void begin(SimTime now) override {
+    rack_.hold(out_, this, now);
+    is_out_ = true;
+    next_ = flap_ ? now + *flap_ : SimTime::never();
+  }
+  void end(SimTime now) override {
+    rack_.release(out_, this, now);
+    is_out_ = false;
+    next_ = SimTime::never();
+  }
+  [[nodiscard]] SimTime next_step() const override { return next_; }
+  void step(SimTime now) override {
+    if (!is_out_) {
+      begin(now);
+      return;
+    }
+    end(now);
+    next_ = now + *flap_;
+  }
+
+ private:
+  Rack& rack_;
+  CableEvent out_;
+  std::optional<base::SimDuration> flap_;
+  bool is_out_ = false;
+  SimTime next_ = SimTime::never();
+};
+
+/// A slave's state machine leaves for a lower state by itself; with `held` it has an error that
+/// does not go away, and no step up succeeds until the end.
+class StateEffect final : public FaultEffect {
+ public:
+  /// `held`: what the slave refuses steps up with, by the newest fault; null: with nothing.
+  StateEffect(ethercat::SlaveStack& stack, const FaultConfiguration& fault,
+              Held<ethercat::AlStatusCode>* held)
+      : stack_(stack),
+        target_(al_state(fault.values.get<std::string>("state"))),
+        code_(static_cast<ethercat::AlStatusCode>(fault.values.whole("code"))),
+        held_(held) {}
+
+  void begin(SimTime now) override {
+    if (held_ != nullptr && held_->hold(this, code_)) {
+      stack_.refuse_steps_up(code_);
+    }
+    if (stack_.state() > target_) {
+      stack_.step_down(target_, code_, now);
+    } else if (held_ != nullptr) {
+      stack_.raise_error(code_, now);
+    }
+  }
+  void end(SimTime /*now*/) override {
+    if (held_ != nullptr && held_->release(this)) {
+      stack_.refuse_steps_up(held_->value());
+    }
+  }
+
+ private:
+  ethercat::SlaveStack& stack_;
+  ethercat::AlState target_;
+  ethercat::AlStatusCode code_;
+  Held<ethercat::AlStatusCode>* held_;
+};
+
+class SiiEffect final : public FaultEffect {
+ public:
+  /// `held`: the bits of the byte that read wrong, by the newest fault.
+  SiiEffect(ethercat::SlaveController& controller, const FaultConfiguration& fault,
+            Held<std::uint8_t>& held)
+      : controller_(controller),
+        offset_(static_cast<std::size_t>(fault.values.whole("offset"))),
+        mask_(static_cast<std::uint8_t>(fault.values.whole("mask"))),
+        held_(held) {}
+
+  void begin(SimTime /*now*/) override {
+    if (held_.hold(this, mask_)) {
+      controller_.corrupt_sii(offset_, mask_);
+    }
+  }
+  void end(SimTime /*now*/) override {
+    if (held_.release(this)) {
+      controller_.corrupt_sii(offset_, held_.value());
+    }
+  }
+
+ private:
+  ethercat::SlaveController& controller_;
+  std::size_t offset_;
+  std::uint8_t mask_;
+  Held<std::uint8_t>& held_;
+};
+
+std::unique_ptr<FaultEffect> ethercat_frame(Rack& rack, const FaultConfiguration& fault) {
+  const DeviceAddress device = *fault.target.device;
+  const ethercat::FrameFault frames{
+      .kind = static_cast<ethercat::FrameFaultKind>(fault.kind->variant),
+      .port = {device.device, fault.target.port},
+      .leaving = fault.values.get<std::string>("direction") == "out",
+      .frames = static_cast<unsigned>(fault.count),
+      .delay = fault.values.find<base::SimDuration>("delay").value_or(base::SimDuration()),
+      .probability = fault.probability,
+      .seed = fault.seed};
+  return std::make_unique<InjectedEffect<ethercat::Segment, ethercat::FrameFault>>(
+      rack.segment(device.network), frames);
+}
+
+std::unique_ptr<FaultEffect> working_counter(Rack& rack, const FaultConfiguration& fault) {
+  const DeviceAddress device = *fault.target.device;
+  const ethercat::CountFault counts{
+      .slave = device.device,
+      .commands = command_mask(fault.values.get<std::string>("commands")),
+      .datagrams = static_cast<unsigned>(fault.count),
+      .probability = fault.probability,
+      .seed = fault.seed};
+  return std::make_unique<InjectedEffect<ethercat::Segment, ethercat::CountFault>>(
+      rack.segment(device.network), counts);
+}
+
+std::unique_ptr<FaultEffect> can_frame(Rack& rack, const FaultConfiguration& fault) {
+  FrameFaultEvent event;
+  event.bus = fault.target.bus;
+  if (fault.target.device) {
+    event.device = fault.target.device->device;
+  }
+  event.fault = {
+      .kind = static_cast<can::FrameFaultKind>(fault.kind->variant),
+      .frames = static_cast<unsigned>(fault.count),
+      .delay = fault.values.find<base::SimDuration>("delay").value_or(base::SimDuration()),
+      .probability = fault.probability,
+      .seed = fault.seed};
+  if (const auto identifier = fault.values.find<std::int64_t>("identifier")) {
+    event.fault.identifier = static_cast<std::uint32_t>(*identifier);
+  }
+  return std::make_unique<CanFrameEffect>(rack.bus(event.bus), event);
+}
+
+std::unique_ptr<FaultEffect> serial(Rack& rack, const FaultConfiguration& fault) {
+  const SerialFault bytes{
+      .kind = static_cast<SerialFaultKind>(fault.kind->variant),
+      .direction = fault.values.get<std::string>("direction") == "in"
+                       ? SerialDirection::to_devices
+                       : SerialDirection::to_programs,
+      .count = fault.count,
+      .probability = fault.probability,
+      .seed = fault.seed,
+      .bytes = static_cast<std::size_t>(fault.values.find<std::int64_t>("bytes").value_or(0)),
+      .delay = fault.values.find<base::SimDuration>("delay").value_or(base::SimDuration())};
+  for (std::size_t i = 0; i < rack.line_count(); ++i) {
+    if (rack.line(i).configuration().link == fault.target.line) {
+      return std::make_unique<InjectedEffect<SerialLine, SerialFault>>(rack.line(i), bytes);
+    }
+  }
+  throw std::runtime_error("there is no serial line \"" + fault.target.line + "\"");
+}
+
+std::unique_ptr<FaultEffect> set_input(Rack& rack, const FaultConfiguration& fault) {
+  const DeviceAddress device = *fault.target.device;
+  const auto& input = fault.values.get<std::string>("input");
+  std::optional<RackEvent> back;
+  if (const auto value = fault.values.find<double>("back")) {
+    back = InputEvent{device, input, *value};
+  }
+  return std::make_unique<EventEffect>(
+      rack, InputEvent{device, input, fault.values.get<double>("value")}, std::move(back));
+}
+
+devices::EtherCatDevice& slave(Rack& rack, const FaultConfiguration& fault) {
+  const DeviceAddress address = *fault.target.device;
+  return *rack.devices(address.network)[address.device].device;
+}
+
+ethercat::SlaveStack& stack(Rack& rack, const FaultConfiguration& fault) {
+  ethercat::SlaveStack* found = slave(rack, fault).slave_stack();
+  if (found == nullptr) {
+    throw std::runtime_error(fault.target.text + " has no firmware of its own");
+  }
+  return *found;
+}
+
+}  // namespace
+
+std::unique_ptr<FaultEffect> make_fault_effect(Rack& rack, const FaultConfiguration& fault,
+                                               MailboxFaults* mailbox, HeldInSlaves& held) {
+  switch (fault.kind->action) {
+    case FaultAction::ethercat_frame:
+      return ethercat_frame(rack, fault);
+    case FaultAction::can_frame:
+      return can_frame(rack, fault);
+    case FaultAction::serial:
+      return serial(rack, fault);
+    case FaultAction::link_down:
+      return std::make_unique<LinkEffect>(rack, fault);
+    case FaultAction::power_off:
+      return std::make_unique<HoldEffect<PowerEvent>>(rack,
+                                                      PowerEvent{*fault.target.device, false});
+    case FaultAction::mailbox_stall:
+    case FaultAction::mailbox_abort:
+      return std::make_unique<InjectedEffect<MailboxFaults, MailboxFault>>(*mailbox,
+                                                                           mailbox_fault(fault));
+    case FaultAction::al_error:
+      return std::make_unique<StateEffect>(stack(rack, fault), fault,
+                                           &held.refusals[*fault.target.device]);
+    case FaultAction::fall_back:
+      return std::make_unique<StateEffect>(stack(rack, fault), fault, nullptr);
+    case FaultAction::working_counter:
+      return working_counter(rack, fault);
+    case FaultAction::sii_corruption:
+      return std::make_unique<SiiEffect>(
+          slave(rack, fault).controller(), fault,
+          held.sii_bits[{*fault.target.device, fault.values.whole("offset")}]);
+    case FaultAction::clock_drift:
+      return std::make_unique<HoldEffect<InputEvent>>(
+          rack, InputEvent{*fault.target.device, devices::EtherCatDevice::kClockDeviation,
+                           static_cast<double>(fault.values.whole("ppb"))});
+    case FaultAction::can_error_state:
+      return std::make_unique<EventEffect>(
+          rack,
+          ErrorStateEvent{*fault.target.device, static_cast<can::ErrorState>(fault.kind->variant)},
+          std::nullopt);
+    case FaultAction::surroundings:
+      return make_surroundings_effect(rack, fault);
+    case FaultAction::set_input:
+      return set_input(rack, fault);
+  }
+  throw std::runtime_error("a fault without effect");
+}
+
+}  // namespace stator::rack

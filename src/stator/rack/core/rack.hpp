@@ -1,0 +1,293 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "stator/base/expected.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/devices/ethercat_device.hpp"
+#include "stator/ethercat/segment/segment.hpp"
+#include "stator/rack/core/rack_configuration.hpp"
+#include "stator/rack/kept/device_storage.hpp"
+#include "stator/rack/networks/can_network.hpp"
+#include "stator/rack/networks/serial_lines.hpp"
+#include "stator/rack/observe/event_log.hpp"
+#include "stator/rack/observe/output_files.hpp"
+#include "stator/rack/observe/pin_trace.hpp"
+#include "stator/rack/observe/recorder.hpp"
+#include "stator/rack/observe/signal_tap.hpp"
+#include "stator/rack/observe/traffic_tap.hpp"
+#include "stator/rack/world/clock.hpp"
+#include "stator/rack/world/held.hpp"
+#include "stator/rack/world/timetable.hpp"
+#include "stator/rack/world/wires.hpp"
+
+namespace stator::rack {
+
+class Faults;
+class Journal;
+
+/// An EtherCAT device of the rack with the name people gave it.
+struct NamedDevice {
+  std::string name;
+  std::unique_ptr<devices::EtherCatDevice> device;
+};
+
+/// All devices of one process and their recording. Passive: whoever owns a link or a master brings
+/// frames and time. Not thread-safe.
+class Rack {
+ public:
+  /// Builds every device. `log` gets their events and must outlive the rack. Throws
+  /// std::runtime_error when the recording cannot be opened or names signals that do not exist,
+  /// when an event sets an input that does not exist or to a value it cannot have, when a wire
+  /// joins what does not exist, when there is no chip or pin to trace, when a device has no serial
+  /// interface of a given name, or when the state directory or a file in it cannot be used.
+  Rack(const RackConfiguration& configuration, EventLog& log);
+  ~Rack();
+  Rack(const Rack&) = delete;
+  Rack& operator=(const Rack&) = delete;
+
+  /// Sends `frame` through the segment's slaves, in place, at `arrival`, from the master's
+  /// interface `entry`. Returns the interface at which it comes out; nothing: nobody answers it.
+  std::optional<ethercat::MasterInterface> process_frame(
+      std::size_t segment, std::span<std::byte> frame, base::SimTime arrival,
+      ethercat::MasterInterface entry = ethercat::MasterInterface::primary);
+
+  /// Lets the firmware of the segment's devices take what its last frame brought.
+  void handle_bus_events(std::size_t segment, base::SimTime now);
+
+  /// Brings every device and bus to `now`, once devices have heard what became of all they ordered
+  /// to be kept (DeviceStorage::Completions::before_time_moves), stopping at each event of the
+  /// timetable, at each instant at which wires act and at each sampling instant of the recording on
+  /// the way.
+  void advance(base::SimTime now);
+
+  /// Lets devices hear at `now` what has become of what they ordered to be kept, as far as it is
+  /// known (DeviceStorage::Completions::when_durable).
+  void hand_over_completions(base::SimTime now);
+  /// Lets a device hear what a recording says of it (DeviceStorage::Completions::recorded). False:
+  /// the rack has no such memory.
+  bool complete(const DeviceStorage::Completion& completion, base::SimTime now);
+
+  /// The next moment at which something happens on a CAN bus on its own: a frame ends, a device
+  /// sends. advance() need not stop there, but what comes of it is to go out then.
+  [[nodiscard]] base::SimTime next_bus_deadline() const;
+
+  /// The next moment at which a serial line or one of its devices has something to send, or
+  /// something happens to the rack.
+  [[nodiscard]] base::SimTime next_line_deadline(std::size_t line) const;
+
+  /// Lockstep: lets the replies pass to what came over a serial line. `clock` moves on as far as
+  /// that takes.
+  void settle_line(std::size_t line, LockstepClock& clock);
+
+  /// Lockstep: lets the frames pass that wait on the bus, and those that follow from them at once.
+  /// `clock` moves on as far as that takes, which is not at all on an unlimited bus.
+  void settle(std::size_t bus, LockstepClock& clock);
+
+  /// Lets `event` happen at `now`, to which the rack has been brought. Throws std::runtime_error
+  /// for an input that does not exist or a value it cannot have.
+  void apply(const RackEvent& event, base::SimTime now);
+
+  /// A fault, which `owner` stands for, holds an input, a cable or a supply as `event` has it from
+  /// now on, whatever else sets it. Throws as apply() does. The newest of several is in force.
+  /// `Event`: InputEvent, CableEvent or PowerEvent.
+  template <typename Event>
+  void hold(const Event& event, const void* owner, base::SimTime now);
+  /// That is over: what `event` names gets what an older fault wants of it, else what was set last.
+  template <typename Event>
+  void release(Event event, const void* owner, base::SimTime now);
+
+  /// What an input of a device has been set to and, under a fault, is held at. Nothing: it never
+  /// has.
+  [[nodiscard]] std::optional<double> input_value(
+      const std::pair<DeviceAddress, std::string>& input) const;
+
+  /// Hands a frame of a program to a bus through its `number`th port. False: the port has no room.
+  bool put(std::size_t bus, std::size_t number, can::Port& port, const can::Frame& frame);
+  /// Takes the oldest frame that waits at a port.
+  std::optional<can::TimedFrame> take(std::size_t bus, std::size_t number, can::Port& port);
+  /// Bytes of a program come over a serial line at `now`, to which the rack has been brought.
+  void put(std::size_t line, std::span<const std::byte> bytes, base::SimTime now);
+
+  /// Tells `journal` of all that is done to the rack from now on; null: nobody.
+  void set_journal(Journal* journal) {
+    journal_ = journal;
+    lines_.set_journal(journal);
+  }
+  [[nodiscard]] Journal* journal() { return journal_; }
+  /// A frame that a fault has held up and that comes out at `now` or earlier gets into `buffer`
+  /// (ethercat::kMaximumFrameLength bytes). Nothing: none does. Its firmware takes what it brought.
+  std::optional<ethercat::Segment::Released> release_frame(std::size_t segment, base::SimTime now,
+                                                           std::span<std::byte> buffer);
+
+  /// Arms a fault at `now`, to which the rack has been brought. Returns its number, or why it
+  /// cannot be.
+  base::Expected<std::uint64_t, std::string> inject(const FaultConfiguration& fault,
+                                                    base::SimTime now);
+  /// Ends the fault of this number; nothing: all. Returns how many ended.
+  std::size_t clear_faults(std::optional<std::uint64_t> id, base::SimTime now);
+  /// What goes wrong with the rack on demand.
+  [[nodiscard]] Faults& faults() { return *faults_; }
+
+  /// A network interface of the segment's master got or lost its carrier. At the start the primary
+  /// has one, the secondary has none.
+  void set_carrier(std::size_t segment, ethercat::MasterInterface interface, bool up,
+                   base::SimTime now);
+
+  [[nodiscard]] std::size_t segment_count() const { return segments_.size(); }
+  [[nodiscard]] const ethercat::Segment& segment(std::size_t index) const {
+    return *segments_[index].segment;
+  }
+  [[nodiscard]] ethercat::Segment& segment(std::size_t index) { return *segments_[index].segment; }
+  [[nodiscard]] std::span<NamedDevice> devices(std::size_t segment) {
+    return segments_[segment].devices;
+  }
+  [[nodiscard]] std::size_t bus_count() const { return buses_.size(); }
+  [[nodiscard]] CanNetwork& bus(std::size_t index) { return *buses_[index].network; }
+  [[nodiscard]] const CanNetwork& bus(std::size_t index) const { return *buses_[index].network; }
+  /// For events that happen to a device from outside.
+  [[nodiscard]] base::EventReporter reporter(DeviceAddress device) {
+    return base::EventReporter(&log_, number_of(device));
+  }
+  /// For events of the bus itself and of its ports.
+  [[nodiscard]] base::EventReporter bus_reporter(std::size_t index) {
+    return base::EventReporter(&log_, buses_[index].number);
+  }
+  [[nodiscard]] std::size_t line_count() const { return lines_.size(); }
+  /// Those the devices' configurations name, in the order in which they do.
+  [[nodiscard]] SerialLine& line(std::size_t index) { return lines_[index]; }
+  [[nodiscard]] const SerialLine& line(std::size_t index) const { return lines_[index]; }
+  /// Every device, those of segments first, in the order of their numbers in events of one network.
+  [[nodiscard]] std::vector<DeviceAddress> addresses() const;
+  [[nodiscard]] const std::string& name_of(DeviceAddress device);
+  [[nodiscard]] devices::Device& device(DeviceAddress device);
+  [[nodiscard]] const std::vector<devices::Input>& inputs(DeviceAddress device) const;
+  [[nodiscard]] bool powered(DeviceAddress device) const;
+  /// What the device's objects are protected by; pre_operational also stands for states below.
+  [[nodiscard]] dictionary::NetworkState network_state(DeviceAddress device);
+
+  /// Reads an entry of the device's object dictionary as an SDO would; `value` gets its bytes.
+  [[nodiscard]] dictionary::Verdict read_object(DeviceAddress device, dictionary::Entry& entry,
+                                                std::vector<std::byte>& value);
+  /// Writes one as an SDO would, with all its checks, and lets the firmware act on it at `now`, to
+  /// which the rack has been brought. What was written is an event.
+  [[nodiscard]] dictionary::Verdict write_object(DeviceAddress device, dictionary::Entry& entry,
+                                                 std::span<const std::byte> value,
+                                                 base::SimTime now);
+  /// What an SDO that wrote `entry` would be answered at `now`; nothing: what the write began, such
+  /// as storing parameters, is still under way. Only looks, and may be asked again and again.
+  [[nodiscard]] std::optional<dictionary::Verdict> completion_of_write(
+      DeviceAddress device, const dictionary::Entry& entry, base::SimTime now);
+
+  /// Samples the tap's signals from `now` on, until it is removed.
+  void add(SignalTap& tap, base::SimTime now);
+  void remove(const SignalTap& tap);
+  /// Copies all that passes over the networks into `tap` from now on; null: nothing.
+  void watch_traffic(TrafficTap* tap);
+
+  /// All signals of all devices, named "device.signal", and of all buses.
+  [[nodiscard]] std::vector<devices::Signal> signals();
+  [[nodiscard]] const std::optional<Recorder>& recorder() const { return recorder_; }
+  /// The logic analyser; null without one.
+  [[nodiscard]] PinTrace* trace() { return trace_.get(); }
+  /// Where devices keep what outlives power; null if nothing is kept.
+  [[nodiscard]] DeviceStorage* storage() { return storage_.get(); }
+  /// See EventLog::settle().
+  void settle_log(base::SimTime now) { log_.settle(now); }
+
+  /// All that is written while the rack runs. Recording, trace and the files of buses are among
+  /// them from the beginning.
+  [[nodiscard]] OutputFiles& outputs() { return outputs_; }
+  [[nodiscard]] const OutputFiles& outputs() const { return outputs_; }
+  /// What events call a device.
+  [[nodiscard]] std::uint16_t number_of(DeviceAddress device) const;
+
+ private:
+  struct SegmentMembers {
+    std::vector<NamedDevice> devices;
+    std::vector<std::vector<devices::Input>> inputs;  ///< by device
+    std::unique_ptr<ethercat::Segment> segment;
+    std::uint16_t first_device = 0;  ///< number of its first device within the rack
+  };
+
+  struct BusMembers {
+    std::unique_ptr<CanNetwork> network;
+    std::vector<std::vector<devices::Input>> inputs;  ///< by device
+    std::uint16_t first_device = 0;
+    std::uint16_t number = 0;  ///< under which the bus itself reports events
+    bool wire = true;          ///< false: its devices are on serial lines only
+  };
+
+  using Arguments = std::array<base::EventArgument, 6>;
+
+  std::optional<ethercat::MasterInterface> pass_frame(std::size_t segment,
+                                                      std::span<std::byte> frame,
+                                                      base::SimTime arrival,
+                                                      ethercat::MasterInterface entry);
+  void advance_at_once(base::SimTime now);
+  void advance_with_storage(base::SimTime now);
+  void wait_for_completions();
+  void advance_to(base::SimTime now);
+  void take_bus_events(std::size_t segment, base::SimTime now);
+  /// Who is to be told of a call: nobody of one that another call makes.
+  [[nodiscard]] Journal* told() { return inside_ ? nullptr : journal_; }
+  void happen(const RackEvent& event, base::SimTime now);
+  void add(const SegmentConfiguration& segment, std::vector<std::string>& names);
+  void add(const BusConfiguration& bus, std::vector<std::string>& names);
+  void connect_lines(const RackConfiguration& configuration);
+  void connect_wires(const RackConfiguration& configuration);
+  void advance_devices(base::SimTime now);
+  void apply_input(const InputEvent& event, base::SimTime now);
+  [[nodiscard]] Held<double>& held(const InputEvent& event);
+  [[nodiscard]] Held<bool>& held(const CableEvent& event);
+  [[nodiscard]] Held<bool>& held(const PowerEvent& event);
+  void carry_out(const InputEvent& event, base::SimTime now);
+  void carry_out(const CableEvent& event, base::SimTime now);
+  void carry_out(const PowerEvent& event, base::SimTime now);
+  void apply_error_state(const ErrorStateEvent& event, base::SimTime now);
+  void apply_frame_fault(const FrameFaultEvent& event, base::SimTime now);
+  void apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now);
+  [[nodiscard]] const devices::Input& find_input(const InputEvent& event) const;
+  void report(std::uint16_t number, base::SimTime now, const base::EventRule& rule,
+              const Arguments& arguments = {});
+
+  std::optional<ethercat::MasterInterface> process_watched(std::size_t segment,
+                                                           std::span<std::byte> frame,
+                                                           base::SimTime arrival,
+                                                           ethercat::MasterInterface entry);
+  [[nodiscard]] base::SimTime next_tap() const;
+  void sample_taps(base::SimTime now);
+  void begin_trace(const TraceConfiguration& configuration, ClockKind clock);
+
+  EventLog& log_;
+  OutputFiles outputs_;
+  std::unique_ptr<PinTrace> trace_;  ///< outlives the chip it looks at
+  std::vector<SegmentMembers> segments_;
+  std::vector<BusMembers> buses_;
+  SerialLines lines_;  ///< go first: they know devices and buses
+  Timetable timetable_;
+  std::map<std::pair<DeviceAddress, std::string>, Held<double>> held_inputs_;  ///< those ever set
+  std::map<std::pair<DeviceAddress, unsigned>, Held<bool>> held_cables_;  ///< by port; true: intact
+  std::map<DeviceAddress, Held<bool>> held_powers_;                       ///< true: on
+  Wires wires_;
+  std::optional<Recorder> recorder_;
+  std::vector<SignalTap*> taps_;
+  TrafficTap* traffic_ = nullptr;
+  std::unique_ptr<DeviceStorage> storage_;
+  std::uint64_t orders_settled_ = 0;  ///< given until settle() ended last
+  base::SimTime advanced_to_;
+  Journal* journal_ = nullptr;
+  bool inside_ = false;             ///< within a call that the journal was told of
+  std::unique_ptr<Faults> faults_;  ///< go first: they know everything
+};
+
+}  // namespace stator::rack

@@ -1,0 +1,227 @@
+// What can happen to devices of a rack from outside, at a time of the timetable or at once.
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <stdexcept>
+
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/world/input_names.hpp"
+
+namespace stator::rack {
+
+namespace {
+
+constexpr base::EventRule kCableBroken{"cable-broken", base::Severity::information,
+                                       "the cable at port {0} is broken"};
+constexpr base::EventRule kCableHealed{"cable-healed", base::Severity::information,
+                                       "the cable at port {0} is whole again"};
+constexpr base::EventRule kPowerOff{"power-off", base::Severity::information, "its power is off"};
+constexpr base::EventRule kPowerOn{"power-on", base::Severity::information,
+                                   "its power is on, it starts as after a reset"};
+constexpr base::EventRule kInputSet{"input-set", base::Severity::information,
+                                    "{0} is set to {1:d3} {2}"};
+constexpr base::EventRule kUnitlessInputSet{"input-set", base::Severity::information,
+                                            "{0} is set to {1:d3}"};
+constexpr base::EventRule kHeldInputSet{
+    "input-held", base::Severity::information,
+    "{0} is set to {1:d3}, which it gets when the fault that holds it has ended"};
+constexpr base::EventRule kDisconnected{"can-disconnected", base::Severity::information,
+                                        "its cable to the CAN bus is unplugged"};
+constexpr base::EventRule kConnected{"can-connected", base::Severity::information,
+                                     "its cable to the CAN bus is plugged in again"};
+constexpr base::EventRule kFrameFault{"can-frame-fault", base::Severity::information,
+                                      "{0} of the next {1} frames"};
+constexpr base::EventRule kFrameFaultOfIdentifier{
+    "can-frame-fault", base::Severity::information,
+    "{0} of the next {1} frames with the identifier {2:x3}"};
+constexpr base::EventRule kSegmentFault{"ethercat-frame-fault", base::Severity::information,
+                                        "{0} of the next {1} frames that {2} port {3}"};
+std::int64_t in_thousandths(double value) {
+  return std::llround(value * 1000.0);
+}
+
+base::StaticText to_text(can::FrameFaultKind kind) {
+  switch (kind) {
+    case can::FrameFaultKind::drop:
+      return "loss";
+    case can::FrameFaultKind::corrupt:
+      return "destruction";
+    case can::FrameFaultKind::duplicate:
+      return "doubling";
+    case can::FrameFaultKind::delay:
+      return "delay";
+  }
+  return "?";
+}
+
+// What an event wants of that which it sets.
+template <typename Event>
+constexpr auto kWanted = nullptr;
+template <>
+constexpr auto kWanted<InputEvent> = &InputEvent::value;
+template <>
+constexpr auto kWanted<CableEvent> = &CableEvent::intact;
+template <>
+constexpr auto kWanted<PowerEvent> = &PowerEvent::on;
+
+}  // namespace
+
+void Rack::happen(const RackEvent& event, base::SimTime now) {
+  if (const auto* cable = std::get_if<CableEvent>(&event)) {
+    if (held(*cable).set(cable->intact)) {
+      carry_out(*cable, now);
+    }
+  } else if (const auto* power = std::get_if<PowerEvent>(&event)) {
+    if (held(*power).set(power->on)) {
+      carry_out(*power, now);
+    }
+  } else if (const auto* input = std::get_if<InputEvent>(&event)) {
+    apply_input(*input, now);
+  } else if (const auto* state = std::get_if<ErrorStateEvent>(&event)) {
+    apply_error_state(*state, now);
+  } else if (const auto* fault = std::get_if<FrameFaultEvent>(&event)) {
+    apply_frame_fault(*fault, now);
+  } else if (const auto* segment_fault = std::get_if<SegmentFaultEvent>(&event)) {
+    apply_segment_fault(*segment_fault, now);
+  }
+}
+
+const devices::Input& Rack::find_input(const InputEvent& event) const {
+  const bool on_bus = event.device.kind == NetworkKind::bus;
+  const std::size_t network = event.device.network;
+  const std::vector<devices::Input>& inputs =
+      (on_bus ? buses_[network].inputs : segments_[network].inputs)[event.device.device];
+  const std::string problem = input_problem(inputs, event.input, event.value);
+  if (!problem.empty()) {
+    const std::string& name = on_bus ? buses_[network].network->devices()[event.device.device].name
+                                     : segments_[network].devices[event.device.device].name;
+    throw std::runtime_error(name + ": " + problem);
+  }
+  return *std::ranges::find(inputs, event.input, &devices::Input::name);
+}
+
+Held<double>& Rack::held(const InputEvent& event) {
+  return held_inputs_[{event.device, event.input}];
+}
+
+Held<bool>& Rack::held(const CableEvent& event) {
+  return held_cables_.try_emplace({event.device, event.port}, true).first->second;
+}
+
+Held<bool>& Rack::held(const PowerEvent& event) {
+  return held_powers_.try_emplace(event.device, true).first->second;
+}
+
+template <typename Event>
+void Rack::hold(const Event& event, const void* owner, base::SimTime now) {
+  if constexpr (std::same_as<Event, InputEvent>) {
+    static_cast<void>(find_input(event));  // throws before anything is noted
+  }
+  if (held(event).hold(owner, event.*kWanted<Event>)) {
+    carry_out(event, now);
+  }
+}
+
+template <typename Event>
+void Rack::release(Event event, const void* owner, base::SimTime now) {
+  auto& known = held(event);
+  if (known.release(owner)) {
+    event.*kWanted<Event> = known.value();
+    carry_out(event, now);
+  }
+}
+
+template void Rack::hold(const InputEvent&, const void*, base::SimTime);
+template void Rack::hold(const CableEvent&, const void*, base::SimTime);
+template void Rack::hold(const PowerEvent&, const void*, base::SimTime);
+template void Rack::release(InputEvent, const void*, base::SimTime);
+template void Rack::release(CableEvent, const void*, base::SimTime);
+template void Rack::release(PowerEvent, const void*, base::SimTime);
+
+void Rack::apply_input(const InputEvent& event, base::SimTime now) {
+  const devices::Input& input = find_input(event);
+  if (held(event).set(event.value)) {
+    carry_out(event, now);
+  } else if (event.logged) {
+    report(number_of(event.device), now, kHeldInputSet,
+           {base::SharedText(input.name), in_thousandths(event.value)});
+  }
+}
+
+void Rack::carry_out(const InputEvent& event, base::SimTime now) {
+  const devices::Input& input = find_input(event);
+  if (event.logged) {
+    report(
+        number_of(event.device), now, input.unit.empty() ? kUnitlessInputSet : kInputSet,
+        {base::SharedText(input.name), in_thousandths(event.value), base::SharedText(input.unit)});
+  }
+  input.set(event.value);
+  if (event.device.kind == NetworkKind::bus) {
+    bus(event.device.network).touched(event.device.device);
+  }
+}
+
+std::optional<double> Rack::input_value(const std::pair<DeviceAddress, std::string>& input) const {
+  const auto known = held_inputs_.find(input);
+  return known == held_inputs_.end() ? std::nullopt : std::optional(known->second.value());
+}
+
+void Rack::carry_out(const CableEvent& event, base::SimTime now) {
+  const std::uint16_t number = number_of(event.device);
+  if (event.device.kind == NetworkKind::bus) {
+    report(number, now, event.intact ? kConnected : kDisconnected);
+    bus(event.device.network).set_connected(event.device.device, event.intact);
+    return;
+  }
+  report(number, now, event.intact ? kCableHealed : kCableBroken, {event.port});
+  segments_[event.device.network].segment->set_cable({event.device.device, event.port},
+                                                     event.intact);
+}
+
+void Rack::carry_out(const PowerEvent& event, base::SimTime now) {
+  const auto [network, device, kind] = event.device;
+  const bool powered = kind == NetworkKind::bus ? bus(network).powered(device)
+                                                : segments_[network].segment->powered(device);
+  if (powered == event.on) {
+    return;
+  }
+  report(number_of(event.device), now, event.on ? kPowerOn : kPowerOff);
+  const devices::Device& switched =
+      kind == NetworkKind::bus
+          ? static_cast<const devices::Device&>(*bus(network).devices()[device].device)
+          : *segments_[network].devices[device].device;
+  lines_.set_power(switched, event.on);
+  if (kind == NetworkKind::bus) {
+    bus(network).set_power(device, event.on, now);
+    return;
+  }
+  segments_[network].segment->set_power(device, event.on);
+  segments_[network].devices[device].device->set_power(event.on, now);
+}
+
+void Rack::apply_error_state(const ErrorStateEvent& event, base::SimTime now) {
+  bus(event.device.network).set_error_state(event.device.device, event.state, now);
+}
+
+void Rack::apply_frame_fault(const FrameFaultEvent& event, base::SimTime now) {
+  const std::uint16_t number = event.device
+                                   ? number_of({event.bus, *event.device, NetworkKind::bus})
+                                   : buses_[event.bus].number;
+  const can::FrameFault& fault = event.fault;
+  report(number, now, fault.identifier ? kFrameFaultOfIdentifier : kFrameFault,
+         {to_text(fault.kind), fault.frames, fault.identifier.value_or(0)});
+  bus(event.bus).inject(event);
+}
+
+void Rack::apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now) {
+  const ethercat::FrameFault& fault = event.fault;
+  const std::size_t slave = fault.port.slave;
+  report(number_of({event.segment, slave, NetworkKind::segment}), now, kSegmentFault,
+         {fault.kind == ethercat::FrameFaultKind::drop ? base::StaticText("loss")
+                                                       : base::StaticText("destruction"),
+          fault.frames, fault.leaving ? base::StaticText("leave") : base::StaticText("arrive at"),
+          std::int64_t{fault.port.port}});
+  segments_[event.segment].segment->inject(fault);
+}
+
+}  // namespace stator::rack

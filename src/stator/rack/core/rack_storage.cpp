@@ -1,0 +1,51 @@
+// What devices of a rack have ordered to be kept: when time may move on, and who hears of the end.
+
+#include "stator/rack/core/nested_calls.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/observe/journal.hpp"
+
+namespace stator::rack {
+
+namespace {
+
+/// With a storage, in lockstep: no device that orders on its own, between frames, writes faster.
+constexpr base::SimDuration kShortestWriteTime{5'000'000};
+
+}  // namespace
+
+/// A device may order something on the way: time moves by no more than the shortest write time, so
+/// that the device has its completion when it looks for it.
+void Rack::advance_with_storage(base::SimTime now) {
+  wait_for_completions();
+  while (advanced_to_ + kShortestWriteTime < now) {
+    advanced_to_ += kShortestWriteTime;
+    advance_at_once(advanced_to_);
+    wait_for_completions();
+  }
+  advance_at_once(now);
+}
+
+void Rack::wait_for_completions() {
+  if (!storage_->busy()) {
+    return;
+  }
+  for (const DeviceStorage::Completion& completion : storage_->wait_for_completions(advanced_to_)) {
+    complete(completion, advanced_to_);
+  }
+}
+
+void Rack::hand_over_completions(base::SimTime now) {
+  for (const DeviceStorage::Completion& completion : storage_->take_completions(now)) {
+    complete(completion, now);
+  }
+}
+
+bool Rack::complete(const DeviceStorage::Completion& completion, base::SimTime now) {
+  if (Journal* journal = told(); journal != nullptr) {
+    journal->completed(completion, now);
+  }
+  const NestedCalls nested(inside_);
+  return storage_ != nullptr && storage_->complete(completion, now);
+}
+
+}  // namespace stator::rack

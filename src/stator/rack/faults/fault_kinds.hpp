@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "stator/base/event_text.hpp"
+
+namespace stator::rack {
+
+/// What a fault does. Each has an effect in fault_effects_*.cpp.
+enum class FaultAction : std::uint8_t {
+  ethercat_frame,   ///< something happens to frames on an EtherCAT cable
+  can_frame,        ///< something happens to frames on a CAN bus
+  serial,           ///< something happens to bytes on a serial line
+  link_down,        ///< a cable is out
+  power_off,        ///< a supply is off
+  mailbox_stall,    ///< the firmware does not serve its mailbox
+  mailbox_abort,    ///< it aborts SDO transfers
+  al_error,         ///< it indicates an error and goes no state up
+  fall_back,        ///< it leaves for a lower state
+  working_counter,  ///< it does not count datagrams
+  sii_corruption,   ///< its EEPROM reads wrong
+  clock_drift,      ///< its oscillator runs fast or slow
+  can_error_state,  ///< its CAN controller gets into another error state
+  surroundings,     ///< something around it fails: motor, load, sensors, supply
+  set_input,        ///< something around it is set
+};
+
+/// What a fault hits; says which keys name the target.
+enum class FaultScope : std::uint8_t {
+  port,    ///< a cable at an EtherCAT port, or that of a CAN device: `device`, `port`
+  device,  ///< `device`
+  bus,     ///< frames of a CAN bus: `bus`, or `device` for those that device sends
+  axis,    ///< something around an axis: `device`, `axis`
+  line,    ///< a serial line: `line`, or `device` for the one that device is at
+};
+[[nodiscard]] std::string_view to_text(FaultScope scope);
+
+/// The devices a fault can hit.
+enum class FaultReach : std::uint8_t {
+  any,
+  ethercat,           ///< an EtherCAT slave
+  ethercat_firmware,  ///< one with firmware of its own
+  can,                ///< a device on a CAN bus
+};
+
+enum class FaultValueType : std::uint8_t { whole, number, duration, text, choice };
+[[nodiscard]] std::string_view to_text(FaultValueType type);
+
+/// A key of a fault. Rack file, command line, REST and documentation follow from it.
+struct FaultParameter {
+  std::string_view name;
+  FaultValueType type = FaultValueType::whole;
+  std::string_view unit{};
+  double minimum = 0.0;  ///< of numbers; of durations in seconds
+  double maximum = 0.0;
+  std::string_view default_value{};  ///< as in a rack file without quotes; empty: none
+  bool needed = false;
+  std::string_view choices{};  ///< of a choice: words separated by spaces
+  std::string_view summary{};
+};
+
+/// A kind of fault, declared once.
+struct FaultKind {
+  base::StaticText name;
+  FaultAction action;
+  int variant = 0;  ///< which of those the action knows, e.g. an ethercat::FrameFaultKind
+  FaultScope scope;
+  FaultReach reach = FaultReach::any;
+  /// What `count` counts and `probability` applies to; empty: neither is possible.
+  std::string_view counted{};
+  bool momentary = false;  ///< it is over as soon as it has begun
+  std::span<const FaultParameter> parameters{};
+  std::string_view summary;
+  std::string_view effect;  ///< what the master sees
+
+  [[nodiscard]] const FaultParameter* find(std::string_view parameter) const;
+};
+
+/// All kinds, in the order people should see them.
+[[nodiscard]] std::span<const FaultKind> fault_kinds();
+/// Null: there is none of that name.
+[[nodiscard]] const FaultKind* find_fault_kind(std::string_view name);
+
+/// Keys that faults of every kind have: name, begin, end; with a count those of chance.
+[[nodiscard]] std::span<const FaultParameter> common_fault_keys();
+/// Keys of the table `when`.
+[[nodiscard]] std::span<const FaultParameter> milestone_keys();
+/// Keys that name the target of a fault of that scope.
+[[nodiscard]] std::span<const FaultParameter> target_keys(FaultScope scope);
+
+/// The page docs/faults.md.
+[[nodiscard]] std::string fault_kinds_markdown();
+
+}  // namespace stator::rack

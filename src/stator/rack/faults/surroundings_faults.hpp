@@ -1,0 +1,41 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "stator/devices/input.hpp"
+#include "stator/rack/faults/fault_configuration.hpp"
+
+namespace stator::rack {
+
+/// An input that a fault of motor, load, sensors or supply sets.
+struct FaultSetting {
+  std::string input;
+  double value = 0.0;
+  std::string_view key;  ///< of the fault, that the value comes from
+  /// The value is reached within the fault's `over`, if it has one.
+  bool ramped = false;
+};
+
+/// The kinds of FaultAction::surroundings: faults of everything around a device by the names people
+/// have for them. Each sets inputs, all of which are sound at 0.
+[[nodiscard]] std::span<const FaultKind> surroundings_fault_kinds();
+
+/// What such a fault holds from its begin on, in this order; at its end they go back the other way
+/// round to what else is wanted of them, see held.hpp. `inputs` are those of the device:
+/// names differ between products.
+[[nodiscard]] std::vector<FaultSetting> settings_of(const FaultConfiguration& fault,
+                                                    std::span<const devices::Input> inputs);
+
+/// Why such a fault cannot happen to a device with these inputs, and the key that is to blame;
+/// empty: it can.
+struct SettingProblem {
+  std::string key;
+  std::string text;
+};
+[[nodiscard]] SettingProblem setting_problem(const FaultConfiguration& fault,
+                                             std::span<const devices::Input> inputs);
+
+}  // namespace stator::rack

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "stator/rack/core/rack_configuration.hpp"
+#include "stator/rack/file/target_reader.hpp"
+#include "stator/rack/toml/toml_section.hpp"
+
+namespace stator::rack {
+
+/// Reads the [[event]] tables of a rack file against the segments and buses that stand in it.
+class EventSectionReader {
+ public:
+  /// `rack` must outlive the reader.
+  explicit EventSectionReader(const RackConfiguration& rack) : rack_(rack), targets_(rack) {}
+
+  /// Reads one [[event]], its time, its action and what the action acts upon, and appends what it
+  /// makes happen. Throws RackFileError for a device, port, cable or input that is not in the rack.
+  void read(TomlSection& section, std::vector<EventConfiguration>& events);
+  /// The same of a table that says elsewhere when `action`, one of action_names(), happens, `at`
+  /// after the rack's power-on. Does not look for keys that nobody asked for.
+  void read_action(TomlSection& section, const std::string& action, base::SimDuration at,
+                   std::vector<EventConfiguration>& events);
+  /// What can happen.
+  [[nodiscard]] static std::set<std::string> action_names();
+
+ private:
+  [[nodiscard]] RackEvent read_cable(TomlSection& section, bool intact) const;
+  [[nodiscard]] RackEvent read_frame_fault(TomlSection& section, const std::string& action) const;
+  [[nodiscard]] RackEvent read_segment_fault(TomlSection& section, DeviceAddress target,
+                                             const std::string& action) const;
+  void read_set(TomlSection& section, base::SimDuration at,
+                std::vector<EventConfiguration>& events);
+
+  const RackConfiguration& rack_;
+  TargetReader targets_;
+};
+
+}  // namespace stator::rack

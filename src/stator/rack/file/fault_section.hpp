@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "stator/rack/core/rack_configuration.hpp"
+#include "stator/rack/file/target_reader.hpp"
+#include "stator/rack/toml/toml_section.hpp"
+
+namespace stator::rack {
+
+/// Reads faults: [[fault]] tables of a rack file, and what is asked for while a rack runs. Keys and
+/// ranges are those of fault_kinds.hpp.
+class FaultReader {
+ public:
+  /// `rack` must outlive the reader.
+  explicit FaultReader(const RackConfiguration& rack) : rack_(rack), targets_(rack) {}
+
+  /// Throws RackFileError for what does not exist or does not fit.
+  [[nodiscard]] FaultConfiguration read(TomlSection& section);
+
+ private:
+  void read_target(TomlSection& section, FaultConfiguration& fault);
+  void read_bus_target(TomlSection& section, FaultConfiguration& fault);
+  void read_line_target(TomlSection& section, FaultConfiguration& fault);
+  void check_reach(TomlSection& section, const FaultConfiguration& fault) const;
+  void check_values(TomlSection& section, const FaultConfiguration& fault);
+  void read_begin(TomlSection& section, FaultConfiguration& fault);
+  void read_end(TomlSection& section, FaultConfiguration& fault) const;
+  [[nodiscard]] Milestone read_milestone(TomlSection& section, const FaultTarget& target) const;
+
+  const RackConfiguration& rack_;
+  TargetReader targets_;
+};
+
+/// Reads all [[fault]] tables below `root`. Throws as FaultReader, also for a fault that is to come
+/// after one that does not exist.
+void read_faults(TomlSection& root, RackConfiguration& rack);
+
+/// Reads one fault from the keys of a [[fault]] table. Throws RackFileError with the reason alone,
+/// as there is no file.
+[[nodiscard]] FaultConfiguration parse_fault(std::string_view text, const RackConfiguration& rack);
+
+}  // namespace stator::rack

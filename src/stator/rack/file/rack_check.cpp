@@ -1,0 +1,133 @@
+#include "stator/rack/file/rack_check.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <system_error>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/file/shared_addresses.hpp"
+#include "stator/rack/kept/device_storage.hpp"
+#include "stator/rack/toml/rack_file_steps.hpp"
+
+namespace stator::rack {
+
+namespace {
+
+/// Hands the devices what the state directory keeps for them, one after the other.
+void check_state(const RackConfiguration& configuration, Rack& rack, TomlSection& root,
+                 RackFileErrors& errors) {
+  const auto collect = [&](const auto& attach) {
+    try {
+      attach();
+    } catch (const std::runtime_error& error) {
+      errors.list.emplace_back(error.what());
+    }
+  };
+  std::error_code ignored;
+  const std::filesystem::path directory(configuration.state);
+  if (!std::filesystem::exists(directory, ignored)) {
+    const std::filesystem::path parent = directory.parent_path();
+    if (!parent.empty() && !std::filesystem::is_directory(parent, ignored)) {
+      root.refuse("state", fmt::format("\"state\" is \"{}\", which cannot be created: {} is no "
+                                       "directory; create it, or name another one",
+                                       configuration.state, parent.string()));
+    }
+    return;
+  }
+  collect([&] {
+    DeviceStorage storage(configuration.state, StateDirectory::Use::look);
+    for (std::size_t i = 0; i < configuration.segments.size(); ++i) {
+      for (NamedDevice& member : rack.devices(i)) {
+        collect([&] { storage.attach(member.name, *member.device, {}); });
+      }
+    }
+    for (std::size_t i = 0; i < configuration.buses.size(); ++i) {
+      const BusConfiguration& bus = configuration.buses[i];
+      for (std::size_t device = 0; device < bus.devices.size(); ++device) {
+        NamedCanDevice& member = rack.bus(i).devices()[device];
+        collect([&] {
+          storage.attach(member.name, product_name(bus.devices[device].product), *member.device,
+                         {});
+        });
+      }
+    }
+  });
+}
+
+void check_signals(const RecordConfiguration& record, Rack& rack, TomlSection& root) {
+  auto section = root.section("record");
+  for (const std::string& pattern : record.signals) {
+    try {
+      static_cast<void>(select_signals(rack.signals(), {pattern}));
+    } catch (const std::runtime_error& error) {
+      section->refuse("signals", error.what());
+    }
+  }
+  if (record.signals.empty()) {
+    section->refuse("signals", "no signal is chosen; name at least one, e.g. \"*\",");
+  }
+}
+
+/// What shows only when the devices are there.
+void check_devices(const RackConfiguration& configuration, TomlSection& root,
+                   RackFileErrors& errors) {
+  RackConfiguration still = configuration;
+  still.state.clear();
+  still.record.reset();
+  EventLog log;
+  try {
+    Rack rack(still, log);
+    if (configuration.record) {
+      check_signals(*configuration.record, rack, root);
+    }
+    if (!configuration.state.empty()) {
+      check_state(configuration, rack, root, errors);
+    }
+  } catch (const std::exception& error) {
+    errors.list.emplace_back(fmt::format("{}: {}", root.file(), error.what()));
+  }
+}
+
+void sort_by_place(std::vector<RackFileError>& errors, const std::string& file) {
+  std::ranges::stable_sort(errors, {}, [&file](const RackFileError& error) {
+    return std::tuple(error.file() != file, error.line() == 0, error.file(), error.line(),
+                      error.column());
+  });
+}
+
+}  // namespace
+
+RackCheck check_rack_file(const std::string& path) {
+  RackFileErrors errors;
+  RackCheck check;
+  try {
+    const std::string text = read_rack_text(path);
+    const toml::table table = parse_toml(text, path);
+    TomlSection root(path, "the rack", table, &errors);
+    RackConfiguration configuration = read_rack(root);
+    if (errors.list.empty()) {
+      check_devices(configuration, root, errors);
+    }
+    check.warnings = shared_addresses(configuration);
+    check.configuration = std::move(configuration);
+  } catch (const RackFileError& error) {
+    errors.list.push_back(error);
+  }
+  if (!errors.list.empty()) {
+    check.configuration.reset();
+  }
+  check.errors = std::move(errors.list);
+  sort_by_place(check.errors, path);
+  return check;
+}
+
+}  // namespace stator::rack

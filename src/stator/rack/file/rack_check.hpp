@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "stator/rack/core/rack_configuration.hpp"
+#include "stator/rack/toml/rack_file_error.hpp"
+
+namespace stator::rack {
+
+/// What a look at a rack file has shown.
+struct RackCheck {
+  /// In the order of the file, those of other files behind. Some tables end at an error, hence
+  /// further ones may show when these are gone.
+  std::vector<RackFileError> errors;
+  std::optional<RackConfiguration> configuration;  ///< if there is no error
+  /// What a run would warn of, sentences; of use if there is no error.
+  std::vector<std::string> warnings;
+};
+
+/// Reads the rack file at `path` and everything it names - programs, EEPROM images, configurations,
+/// the files of its state directory -, builds its devices, and tells all that a run would refuse.
+/// Opens no interface, writes nothing and creates nothing. Files to be written are checked for
+/// their directories only; whether interfaces and ports exist and are free shows in a run.
+[[nodiscard]] RackCheck check_rack_file(const std::string& path);
+
+}  // namespace stator::rack

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "stator/devices/input.hpp"
+#include "stator/rack/core/rack_configuration.hpp"
+#include "stator/rack/toml/toml_section.hpp"
+
+namespace stator::rack {
+
+/// Reads the [[wire]] tables of a rack file against the devices and events that stand in it.
+class WireSectionReader {
+ public:
+  /// `rack` must outlive the reader.
+  explicit WireSectionReader(const RackConfiguration& rack) : rack_(rack) {}
+
+  /// Reads one [[wire]]. Throws RackFileError for a device, signal or input that is not in the
+  /// rack, for an input that has a wire or an event, and for wires that form a ring.
+  [[nodiscard]] WireConfiguration read(TomlSection& section);
+
+ private:
+  /// An end of a wire: "device.name".
+  struct End {
+    DeviceAddress device;
+    std::string name;
+
+    friend auto operator<=>(const End&, const End&) = default;
+  };
+  /// What a device has; it is gone once it was asked.
+  struct Terminals {
+    std::set<std::string> signals;
+    std::vector<devices::Input> inputs;
+  };
+
+  [[nodiscard]] End read_end(TomlSection& section, const std::string& key) const;
+  [[nodiscard]] const Terminals& terminals_of(DeviceAddress device);
+  void read_levels(TomlSection& section, const devices::Input& input, WireConfiguration& wire);
+  void check_driver(TomlSection& section, const End& from, const End& to);
+
+  const RackConfiguration& rack_;
+  std::map<DeviceAddress, Terminals> terminals_;
+  std::map<End, End> drivers_;  ///< of each wired input the signal
+};
+
+}  // namespace stator::rack

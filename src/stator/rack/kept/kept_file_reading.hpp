@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "stator/base/expected.hpp"
+#include "stator/rack/kept/kept_file.hpp"
+
+namespace stator::rack {
+
+/// As decode(), for who meets damaged files as a rule and not as an exception. The error says what
+/// is wrong with the bytes; `end` is that of the part that holds then.
+[[nodiscard]] base::Expected<KeptFile, std::string> read_kept_file(std::span<const std::byte> file,
+                                                                   LogEnd& end);
+
+}  // namespace stator::rack

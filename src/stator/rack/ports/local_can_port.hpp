@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "stator/base/sim_time.hpp"
+#include "stator/can/port.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/world/clock.hpp"
+
+namespace stator::rack {
+
+/// A master's port onto a CAN bus of a rack in the same process, in lockstep: sending moves time as
+/// LockstepClock has it, and waiting does. Equal runs give equal results.
+class LocalCanPort {
+ public:
+  /// Reaches bus `bus` of `rack`, which must outlive the port.
+  LocalCanPort(Rack& rack, std::size_t bus, base::SimDuration cycle, base::SimDuration step);
+  /// The same with a clock that ports onto other networks of the rack share; it must outlive them.
+  LocalCanPort(Rack& rack, std::size_t bus, LockstepClock& clock);
+  ~LocalCanPort();
+  LocalCanPort(const LocalCanPort&) = delete;
+  LocalCanPort& operator=(const LocalCanPort&) = delete;
+
+  /// Sends a frame and lets it and what follows from it at once pass.
+  void send(const can::Frame& frame);
+  /// The oldest frame of the bus that was not taken yet.
+  [[nodiscard]] std::optional<can::TimedFrame> receive() { return port_.take(); }
+  /// Lets `duration` pass.
+  void wait(base::SimDuration duration);
+  [[nodiscard]] base::SimTime now() const { return clock_.now(); }
+
+ private:
+  void attach();
+
+  Rack& rack_;
+  std::size_t bus_;
+  LockstepClock own_clock_;
+  LockstepClock& clock_;
+  can::Port port_;
+};
+
+}  // namespace stator::rack

@@ -1,0 +1,111 @@
+#include "stator/rack/run/eoe_bridge.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/logger.h>
+
+namespace stator::rack {
+
+namespace {
+
+// The thread sleeps until a frame comes; the timeout only bounds how long it is not seen to work.
+constexpr base::SimDuration kSleep{1'000'000'000};
+
+}  // namespace
+
+EoeBridge::EoeBridge(std::unique_ptr<link::TapLink> link, std::string device,
+                     std::shared_ptr<spdlog::logger> logger)
+    : link_(std::move(link)), device_(std::move(device)), logger_(std::move(logger)) {
+  thread_ = std::thread([this] { run(); });
+}
+
+EoeBridge::~EoeBridge() {
+  stopping_ = true;
+  link_->wake();
+  thread_.join();
+}
+
+void EoeBridge::run() {
+  std::array<std::byte, ethercat::kMaximumEoeFrame> frame{};
+  while (!stopping_) {
+    const auto received = link_->receive(frame, kSleep);
+    if (!received) {
+      logger_->error("{}: {}; its EoE bridge stops", device_, received.error().text);
+      return;
+    }
+    if (*received == 0) {
+      continue;
+    }
+    const std::scoped_lock lock(mutex_);
+    if (!queue_.push(std::span(frame).first(*received))) {
+      ++frames_dropped_;
+    }
+    waiting_ = true;
+  }
+}
+
+void EoeBridge::send(std::span<const std::byte> frame) {
+  if (const auto sent = link_->send(frame); !sent && !send_failure_logged_) {
+    send_failure_logged_ = true;
+    logger_->warn("{}: EoE: {}; further failures are only counted", device_, sent.error().text);
+  }
+}
+
+std::size_t EoeBridge::take(std::span<std::byte> buffer) {
+  if (!waiting_.load(std::memory_order_relaxed)) {
+    return 0;
+  }
+  const std::scoped_lock lock(mutex_);
+  const std::size_t length = queue_.pop(buffer);
+  waiting_ = !queue_.empty();
+  return length;
+}
+
+void EoeBridge::set_ip_parameters(const ethercat::IpParameters& parameters) {
+  const auto set = link_->set_address({.mac_address = parameters.mac_address,
+                                       .address = parameters.address,
+                                       .subnet_mask = parameters.subnet_mask});
+  if (set) {
+    logger_->info("{}: EoE: interface {} has the address that the master set", device_,
+                  link_->name());
+  } else {
+    logger_->warn("{}: EoE: {}", device_, set.error().text);
+  }
+}
+
+void EoeBridges::open(Rack& rack, const RackConfiguration& configuration,
+                      const std::shared_ptr<spdlog::logger>& logger) {
+  for (std::size_t segment = 0; segment < configuration.segments.size(); ++segment) {
+    const std::vector<DeviceConfiguration>& devices = configuration.segments[segment].devices;
+    for (std::size_t i = 0; i < devices.size(); ++i) {
+      if (devices[i].eoe_interface.empty()) {
+        continue;
+      }
+      ethercat::EoeServer* server = rack.devices(segment)[i].device->eoe();
+      if (server == nullptr) {
+        throw std::runtime_error(
+            fmt::format("device \"{}\" is to be bridged to {}, but its EoE is not switched on",
+                        devices[i].name, devices[i].eoe_interface));
+      }
+      auto tap =
+          link::TapLink::open({.interface = devices[i].eoe_interface, .ether_type = std::nullopt});
+      if (!tap) {
+        throw std::runtime_error(tap.error().text);
+      }
+      connections_.push_back(
+          {server, std::make_unique<EoeBridge>(std::move(*tap), devices[i].name, logger)});
+      server->connect(connections_.back().bridge.get());
+    }
+  }
+}
+
+void EoeBridges::close() {
+  for (const Connection& connection : connections_) {
+    connection.server->connect(nullptr);
+  }
+  connections_.clear();
+}
+
+}  // namespace stator::rack

@@ -1,0 +1,297 @@
+#include "stator/replay/session_recorder.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <stdexcept>
+#include <utility>
+
+#include "stator/replay/byte_delta.hpp"
+#include "stator/replay/can_frame_coding.hpp"
+#include "stator/replay/event_coding.hpp"
+
+namespace stator::replay {
+
+namespace {
+
+/// Numbers of a step take no more, whatever their values.
+constexpr std::size_t kNumbers = 128;
+/// A step with all of them fits into a chunk.
+constexpr std::size_t kBytesOfASignal = sizeof(double) + 4;
+constexpr std::size_t kMostSignals = (kMaximumChunk - kNumbers) / kBytesOfASignal;
+
+/// Before there is a file.
+RecordingHeader with_signals(RecordingHeader header, const std::vector<devices::Signal>& signals) {
+  if (signals.size() > kMostSignals) {
+    throw std::runtime_error("the rack has too many signals for a recording");
+  }
+  header.signal_names = names_of(signals);
+  return header;
+}
+
+}  // namespace
+
+std::vector<std::string> names_of(const std::vector<devices::Signal>& signals) {
+  std::vector<std::string> names;
+  names.reserve(signals.size());
+  for (const devices::Signal& signal : signals) {
+    names.push_back(signal.name);
+  }
+  return names;
+}
+
+SessionRecorder::SessionRecorder(rack::Rack& rack, const std::string& path, RecordingHeader header)
+    : rack_(rack),
+      path_(path),
+      signals_(rack.signals()),
+      values_(signals_.size()),
+      file_(path, with_signals(std::move(header), signals_)),
+      last_frames_(rack.segment_count()) {
+  rack_.set_journal(this);
+  rack_.outputs().add(file_.output(), {.name = "recording " + path,
+                                       .records = "chunks",
+                                       .ends_at_loss = true,
+                                       .wanted_complete = false});
+}
+
+SessionRecorder::~SessionRecorder() {
+  file_.output().stop_waiting();
+  finish();
+}
+
+void SessionRecorder::finish(link::BackgroundOutput::Clock::time_point asked) {
+  if (std::exchange(finished_, true)) {
+    return;
+  }
+  rack_.set_journal(nullptr);
+  rack_.outputs().remove(file_.output());
+  if (begin(StepKind::end)) {
+    flush();
+  }
+  file_.finish(asked);
+  if (!file_.good()) {
+    broken_off_ = std::min(broken_off_, time_);
+  }
+}
+
+bool SessionRecorder::begin(StepKind kind, std::size_t content) {
+  if (broken_off_ != base::SimTime::never()) {
+    return false;
+  }
+  if (chunk_ != nullptr &&
+      (chunk_->size() + content + kNumbers > kMaximumChunk || time_ - chunk_began_ >= kChunkTime)) {
+    flush();
+  }
+  if (chunk_ == nullptr && broken_off_ == base::SimTime::never()) {
+    chunk_ = file_.take_empty();
+    chunk_began_ = time_;
+  }
+  if (chunk_ == nullptr) {
+    broken_off_ = std::min(broken_off_, time_);
+    return false;
+  }
+  writer().byte(static_cast<unsigned>(kind));
+  return true;
+}
+
+void SessionRecorder::time(base::SimTime now) {
+  writer().signed_number((now - time_).nanoseconds());
+  time_ = now;
+}
+
+void SessionRecorder::flush() {
+  if (chunk_ != nullptr) {
+    file_.write(*std::exchange(chunk_, nullptr));
+    if (!file_.good()) {
+      broken_off_ = chunk_began_;
+    }
+  }
+}
+
+void SessionRecorder::mark(const std::string& name) {
+  if (begin(StepKind::mark, name.size())) {
+    writer().text(name);
+    marks_.push_back({name, time_});
+    flush();  // who marks a moment wants to have it, even if nothing comes any more
+  }
+}
+
+void SessionRecorder::advance(base::SimTime now) {
+  if (begin(StepKind::advance)) {
+    time(now);
+  }
+}
+
+void SessionRecorder::advanced(base::SimTime now) {
+  if (now >= next_signals_) {
+    next_signals_ = now + kSignalPeriod;
+    record_signals();
+  }
+}
+
+void SessionRecorder::record_signals() {
+  const std::size_t most = signals_.size() * kBytesOfASignal;
+  if (!begin(StepKind::signals, most)) {
+    return;
+  }
+  ByteWriter out = writer();
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < signals_.size(); ++i) {
+    const double value = signals_[i].read();
+    if (const auto bits = std::bit_cast<std::uint64_t>(value); bits != values_[i]) {
+      values_[i] = bits;
+      out.number(i - next + 1);
+      out.real(value);
+      next = i + 1;
+    }
+  }
+  out.number(0);
+}
+
+void SessionRecorder::frame_comes(std::size_t segment, ethercat::MasterInterface entry,
+                                  base::SimTime arrival, std::span<const std::byte> frame) {
+  request_.assign(frame.begin(), frame.end());
+  if (!begin(StepKind::frame_comes, 2 * frame.size())) {
+    return;
+  }
+  ByteWriter out = writer();
+  out.number(segment);
+  out.byte(static_cast<unsigned>(entry));
+  time(arrival);
+  write_delta(out, last_frames_[segment], frame);
+  last_frames_[segment].assign(frame.begin(), frame.end());
+}
+
+void SessionRecorder::frame_leaves(std::optional<ethercat::MasterInterface> exit,
+                                   std::span<const std::byte> frame) {
+  if (begin(StepKind::frame_leaves, 2 * frame.size())) {
+    ByteWriter out = writer();
+    out.byte(exit ? 1 + static_cast<unsigned>(*exit) : 0);
+    write_delta(out, request_, frame);
+  }
+}
+
+void SessionRecorder::bus_events(std::size_t segment, base::SimTime now) {
+  if (begin(StepKind::bus_events)) {
+    writer().number(segment);
+    time(now);
+  }
+}
+
+void SessionRecorder::carrier(std::size_t segment, ethercat::MasterInterface interface, bool up,
+                              base::SimTime now) {
+  if (begin(StepKind::carrier)) {
+    ByteWriter out = writer();
+    out.number(segment);
+    out.byte(static_cast<unsigned>(interface));
+    out.byte(up ? 1 : 0);
+    time(now);
+  }
+}
+
+void SessionRecorder::can_frame_comes(std::size_t bus, std::size_t port, const can::Frame& frame) {
+  if (begin(StepKind::can_frame_comes)) {
+    ByteWriter out = writer();
+    out.number(bus);
+    out.number(port);
+    write_can_frame(out, frame);
+  }
+}
+
+void SessionRecorder::can_frame_leaves(std::size_t bus, std::size_t port,
+                                       const can::TimedFrame& frame) {
+  if (begin(StepKind::can_frame_leaves)) {
+    ByteWriter out = writer();
+    out.number(bus);
+    out.number(port);
+    out.signed_number(frame.time.since_power_on().nanoseconds());
+    out.byte(frame.destroyed ? 1 : 0);
+    write_can_frame(out, frame.frame);
+  }
+}
+
+void SessionRecorder::ports_replaced() {
+  static_cast<void>(begin(StepKind::ports_replaced));
+}
+
+void SessionRecorder::bytes_come(std::size_t line, std::span<const std::byte> bytes,
+                                 base::SimTime now) {
+  if (begin(StepKind::bytes_come, bytes.size())) {
+    ByteWriter out = writer();
+    out.number(line);
+    time(now);
+    out.bytes(bytes);
+  }
+}
+
+void SessionRecorder::bytes_leave(std::size_t line, std::span<const std::byte> bytes) {
+  if (begin(StepKind::bytes_leave, bytes.size())) {
+    writer().number(line);
+    writer().bytes(bytes);
+  }
+}
+
+void SessionRecorder::event(const rack::RackEvent& event, base::SimTime now) {
+  if (begin(StepKind::event, kMaximumBytes)) {
+    time(now);
+    ByteWriter out = writer();
+    write_event(out, event);
+  }
+}
+
+void SessionRecorder::release(std::size_t segment, base::SimTime now) {
+  request_.clear();
+  if (begin(StepKind::release)) {
+    writer().number(segment);
+    time(now);
+  }
+}
+
+void SessionRecorder::fault(const std::string& text, base::SimTime now) {
+  if (begin(StepKind::fault, text.size())) {
+    time(now);
+    writer().text(text);
+  }
+}
+
+void SessionRecorder::fault_cleared(std::optional<std::uint64_t> id, base::SimTime now) {
+  if (begin(StepKind::fault_cleared)) {
+    time(now);
+    writer().number(id ? *id + 1 : 0);
+  }
+}
+
+void SessionRecorder::completed(const rack::DeviceStorage::Completion& completion,
+                                base::SimTime now) {
+  if (begin(StepKind::completion)) {
+    time(now);
+    ByteWriter out = writer();
+    out.number(completion.memory);
+    out.number(completion.version);
+    out.byte(completion.kept ? 1 : 0);
+  }
+}
+
+void SessionRecorder::object_read(rack::DeviceAddress device, std::uint16_t index,
+                                  std::uint8_t subindex) {
+  if (begin(StepKind::object_read)) {
+    ByteWriter out = writer();
+    write_device(out, device);
+    out.number(index);
+    out.byte(subindex);
+  }
+}
+
+void SessionRecorder::object_written(rack::DeviceAddress device, std::uint16_t index,
+                                     std::uint8_t subindex, std::span<const std::byte> value,
+                                     base::SimTime now) {
+  if (begin(StepKind::object_written, value.size())) {
+    ByteWriter out = writer();
+    write_device(out, device);
+    out.number(index);
+    out.byte(subindex);
+    time(now);
+    out.bytes(value);
+  }
+}
+
+}  // namespace stator::replay

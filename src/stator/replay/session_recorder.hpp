@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/observe/journal.hpp"
+#include "stator/replay/byte_coding.hpp"
+#include "stator/replay/recording_file.hpp"
+
+namespace stator::replay {
+
+/// A moment of a recording that somebody gave a name.
+struct Mark {
+  std::string name;
+  base::SimTime time;
+};
+
+/// Keeps everything that is done to a rack in a recording, with what the rack gives out and the
+/// values of its signals every kSignalPeriod.
+class SessionRecorder final : public rack::Journal {
+ public:
+  static constexpr base::SimDuration kSignalPeriod{100'000'000};
+  /// Simulated time after which what was recorded goes to the file.
+  static constexpr base::SimDuration kChunkTime{100'000'000};
+
+  /// Records `rack`, at power-on, into a new file at `path`; `header` lacks the signals' names
+  /// only. Throws std::runtime_error when the file cannot be created. The rack outlives the
+  /// recorder, which has to be finished or destroyed while nobody uses the rack.
+  SessionRecorder(rack::Rack& rack, const std::string& path, RecordingHeader header);
+  ~SessionRecorder() override;
+
+  void mark(const std::string& name) override;
+  [[nodiscard]] const std::vector<Mark>& marks() const { return marks_; }
+
+  /// Ends the recording and waits for the disk, as link::BackgroundOutput::finish() does;
+  /// afterwards the rack tells it nothing more. `asked`: since when nobody has more time.
+  void finish(
+      link::BackgroundOutput::Clock::time_point asked = link::BackgroundOutput::Clock::now());
+  /// Where the recording ends if the disk was too slow or full; never if it did not.
+  [[nodiscard]] base::SimTime broken_off() const { return broken_off_; }
+  [[nodiscard]] base::SimTime time() const { return time_; }
+  [[nodiscard]] std::uint64_t bytes() const { return file_.bytes(); }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+  void advance(base::SimTime now) override;
+  void advanced(base::SimTime now) override;
+  void frame_comes(std::size_t segment, ethercat::MasterInterface entry, base::SimTime arrival,
+                   std::span<const std::byte> frame) override;
+  void frame_leaves(std::optional<ethercat::MasterInterface> exit,
+                    std::span<const std::byte> frame) override;
+  void bus_events(std::size_t segment, base::SimTime now) override;
+  void carrier(std::size_t segment, ethercat::MasterInterface interface, bool up,
+               base::SimTime now) override;
+  void can_frame_comes(std::size_t bus, std::size_t port, const can::Frame& frame) override;
+  void can_frame_leaves(std::size_t bus, std::size_t port, const can::TimedFrame& frame) override;
+  void ports_replaced() override;
+  void bytes_come(std::size_t line, std::span<const std::byte> bytes, base::SimTime now) override;
+  void bytes_leave(std::size_t line, std::span<const std::byte> bytes) override;
+  void event(const rack::RackEvent& event, base::SimTime now) override;
+  void release(std::size_t segment, base::SimTime now) override;
+  void fault(const std::string& text, base::SimTime now) override;
+  void fault_cleared(std::optional<std::uint64_t> id, base::SimTime now) override;
+  void completed(const rack::DeviceStorage::Completion& completion, base::SimTime now) override;
+  void object_read(rack::DeviceAddress device, std::uint16_t index, std::uint8_t subindex) override;
+  void object_written(rack::DeviceAddress device, std::uint16_t index, std::uint8_t subindex,
+                      std::span<const std::byte> value, base::SimTime now) override;
+
+ private:
+  /// Opens a step of `content` bytes at most beside its numbers. False: the recording has ended.
+  bool begin(StepKind kind, std::size_t content = 0);
+  void time(base::SimTime now);
+  void flush();
+  void record_signals();
+  [[nodiscard]] ByteWriter writer() { return ByteWriter(*chunk_); }
+
+  rack::Rack& rack_;
+  std::string path_;
+  std::vector<devices::Signal> signals_;
+  std::vector<std::uint64_t> values_;  ///< bits of the signals as recorded last
+  RecordingFile file_;
+  RecordingFile::Chunk* chunk_ = nullptr;
+  base::SimTime time_;
+  base::SimTime chunk_began_;
+  base::SimTime next_signals_;
+  base::SimTime broken_off_ = base::SimTime::never();
+  bool finished_ = false;
+  std::vector<std::vector<std::byte>> last_frames_;  ///< by segment: the request before
+  std::vector<std::byte> request_;                   ///< what frame_leaves() belongs to
+  std::vector<Mark> marks_;
+};
+
+/// The names of all signals, for a header.
+[[nodiscard]] std::vector<std::string> names_of(const std::vector<devices::Signal>& signals);
+
+}  // namespace stator::replay

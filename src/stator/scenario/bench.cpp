@@ -1,0 +1,267 @@
+#include "stator/scenario/bench.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "stator/base/byte_order.hpp"
+#include "stator/ethercat/standard/register_addresses.hpp"
+#include "stator/scenario/bench_masters.hpp"
+
+namespace stator::scenario {
+
+namespace {
+
+using master::ErrorCode;
+
+/// Nothing is written but the report.
+rack::RackConfiguration without_files(rack::RackConfiguration configuration) {
+  configuration.clock = rack::ClockKind::lockstep;
+  configuration.state.clear();
+  configuration.record.reset();
+  configuration.trace.reset();
+  for (rack::BusConfiguration& bus : configuration.buses) {
+    bus.log.clear();
+    bus.capture.clear();
+  }
+  return configuration;
+}
+
+}  // namespace
+
+Bench::Bench(const rack::RackConfiguration& configuration, base::SimDuration limit)
+    : configuration_(without_files(configuration)),
+      limit_(limit),
+      rack_(configuration_, log_),
+      clock_(configuration_.step, configuration_.step) {
+  for (std::size_t i = 0; i < rack_.segment_count(); ++i) {
+    segments_.push_back(std::make_unique<SegmentMaster>(*this, i));
+  }
+  for (std::size_t i = 0; i < rack_.bus_count(); ++i) {
+    buses_.push_back(std::make_unique<BusMaster>(rack_, i, clock_));
+  }
+  for (std::size_t i = 0; i < rack_.line_count(); ++i) {
+    lines_.push_back(std::make_unique<LineMaster>(rack_, i));
+  }
+}
+
+Bench::~Bench() {
+  for (const auto& line : lines_) {
+    rack_.line(line->index).connect({});
+  }
+}
+
+void Bench::begin_deed() {
+  events_before_ = log_.total();
+  for (const auto& bus : buses_) {
+    take_frames(*bus);
+    bus->before = bus->total();
+  }
+  for (const auto& segment : segments_) {
+    segment->lost_before = segment->lost();
+  }
+}
+
+std::uint64_t Bench::frames_before(std::size_t bus) const {
+  return buses_[bus]->before;
+}
+
+std::uint64_t Bench::lost_cycles(std::size_t segment) const {
+  return segments_[segment]->lost() - segments_[segment]->lost_before;
+}
+
+void Bench::cycle() {
+  if (now() - base::SimTime() >= limit_) {
+    throw TimeLimitReached{limit_};
+  }
+  const base::SimTime end = now() + configuration_.cycle;
+  for (const auto& segment : segments_) {
+    if (segment->master.process_data_configured()) {
+      // Cycles that fail are in the master's statistics.
+      static_cast<void>(segment->master.run_cycle());
+    }
+  }
+  if (now() < end) {
+    clock_.advance_to(end);
+    rack_.advance(end);
+  }
+  for (const auto& bus : buses_) {
+    take_frames(*bus);
+  }
+}
+
+void Bench::pass(base::SimDuration duration) {
+  const base::SimTime end = now() + duration;
+  while (now() < end) {
+    cycle();
+  }
+}
+
+bool Bench::wait_until(const std::function<bool()>& reached, base::SimDuration limit) {
+  const base::SimTime end = now() + limit;
+  while (!reached()) {
+    if (now() >= end) {
+      return false;
+    }
+    cycle();
+  }
+  return true;
+}
+
+master::Result<void> Bench::scan(std::size_t segment) {
+  SegmentMaster& member = *segments_[segment];
+  member.mailboxes.clear();
+  auto scanned = member.master.scan();
+  member.scanned = static_cast<bool>(scanned);
+  return scanned;
+}
+
+master::Result<master::Master*> Bench::scanned(std::size_t segment) {
+  if (!segments_[segment]->scanned) {
+    if (const auto found = scan(segment); !found) {
+      return base::Unexpected{found.error()};
+    }
+  }
+  return &segments_[segment]->master;
+}
+
+master::Result<std::size_t> Bench::position(rack::DeviceAddress device) {
+  const auto master = scanned(device.network);
+  if (!master) {
+    return base::Unexpected{master.error()};
+  }
+  // The controller keeps the address that the scan gave it, as long as it has supply.
+  std::array<std::byte, 2> bytes{};
+  rack_.segment(device.network)
+      .slave(device.device)
+      .peek(ethercat::register_address::kStationAddress, bytes);
+  const auto address = base::load_le<std::uint16_t>(bytes);
+  for (const master::Slave& slave : (*master)->slaves()) {
+    if (slave.station_address == address) {
+      return std::size_t{slave.position};
+    }
+  }
+  return master::fail(ErrorCode::no_slaves,
+                      fmt::format("{} is not where the last scan has found it; a step \"scan\" "
+                                  "looks again",
+                                  name_of(device)));
+}
+
+const rack::DeviceConfiguration& Bench::device_configuration(rack::DeviceAddress device) const {
+  return device.kind == rack::NetworkKind::segment
+             ? configuration_.segments[device.network].devices[device.device]
+             : configuration_.buses[device.network].devices[device.device];
+}
+
+std::optional<std::uint8_t> Bench::node_id(rack::DeviceAddress device) const {
+  const auto* drive =
+      std::get_if<devices::Tmcc160Configuration>(&device_configuration(device).product);
+  return drive != nullptr ? std::optional(drive->node_id) : std::nullopt;
+}
+
+std::optional<can::Frame> Bench::answer_to(std::size_t bus, const can::Frame& request,
+                                           std::uint32_t identifier, base::SimDuration timeout) {
+  take_frames(*buses_[bus]);
+  const std::uint64_t before = buses_[bus]->total();
+  send(bus, request);
+  std::optional<can::Frame> answer;
+  const auto answered = [&] {
+    const std::deque<can::TimedFrame>& all = frames(bus);
+    const std::uint64_t gone = forgotten_frames(bus);
+    for (auto i = static_cast<std::size_t>(std::max(before, gone) - gone); i < all.size(); ++i) {
+      const can::Frame& frame = all[i].frame;
+      if (!all[i].destroyed && !frame.extended && !frame.remote && frame.identifier == identifier) {
+        answer = frame;
+        return true;
+      }
+    }
+    return false;
+  };
+  wait_until(answered, timeout);
+  return answer;
+}
+
+void Bench::send(std::size_t bus, const can::Frame& frame) {
+  buses_[bus]->port.send(frame);
+  take_frames(*buses_[bus]);
+}
+
+void Bench::take_frames(BusMaster& bus) {
+  while (const auto frame = bus.port.receive()) {
+    if (bus.frames.size() == kKeptFrames) {
+      bus.frames.pop_front();
+      ++bus.forgotten;
+    }
+    bus.frames.push_back(*frame);
+  }
+}
+
+const std::deque<can::TimedFrame>& Bench::frames(std::size_t bus) {
+  take_frames(*buses_[bus]);
+  return buses_[bus]->frames;
+}
+
+std::uint64_t Bench::forgotten_frames(std::size_t bus) const {
+  return buses_[bus]->forgotten;
+}
+
+base::Expected<tmcl::Reply, std::string> Bench::ask(rack::DeviceAddress device,
+                                                    const tmcl::Instruction& instruction) {
+  const rack::DeviceConfiguration& configuration = device_configuration(device);
+  const auto* module = std::get_if<devices::Tmcm142Configuration>(&configuration.product);
+  const std::uint8_t address = module != nullptr ? module->serial_address : std::uint8_t{1};
+  tmcl::Request request{.address = address,
+                        .command = instruction.command,
+                        .type = instruction.type,
+                        .motor = instruction.motor,
+                        .value = instruction.value};
+  if (!configuration.serial.empty()) {
+    for (const auto& line : lines_) {
+      if (rack_.line(line->index).configuration().link == configuration.serial.front().line) {
+        return ask_on_line(*line, request);
+      }
+    }
+  }
+  if (module == nullptr || !configuration_.buses[device.network].wire) {
+    return base::Unexpected{
+        fmt::format("{} is reached neither over a serial line nor over CAN", name_of(device))};
+  }
+  // On CAN the telegram goes without address and checksum.
+  const tmcl::Telegram telegram = tmcl::encode(request);
+  constexpr std::size_t kCanBytes = 7;
+  const auto answer = answer_to(
+      device.network,
+      can::data_frame(module->can_id, std::span<const std::byte>(telegram).subspan(1, kCanBytes)),
+      module->can_reply_id, kTmclTimeout);
+  if (!answer || answer->length < kCanBytes) {
+    return base::Unexpected{fmt::format("no reply of {} came over CAN within {:g} s",
+                                        name_of(device), kTmclTimeout.seconds())};
+  }
+  tmcl::Telegram reply{};
+  std::ranges::copy(answer->payload().first(kCanBytes), reply.begin() + 1);
+  return tmcl::decode_reply(reply);
+}
+
+base::Expected<tmcl::Reply, std::string> Bench::ask_on_line(LineMaster& line,
+                                                            const tmcl::Request& request) {
+  line.heard.clear();
+  clock_.on_telegram();
+  rack_.advance(now());
+  rack_.put(line.index, tmcl::encode(request), now());
+  rack_.settle_line(line.index, clock_);
+  if (!wait_until([&line] { return line.heard.size() >= tmcl::kTelegramLength; }, kTmclTimeout)) {
+    return base::Unexpected{fmt::format("no reply came over {} within {:g} s, but {} bytes",
+                                        rack_.line(line.index).configuration().link,
+                                        kTmclTimeout.seconds(), line.heard.size())};
+  }
+  tmcl::Telegram telegram{};
+  std::copy_n(line.heard.begin(), telegram.size(), telegram.begin());
+  if (!tmcl::has_right_checksum(telegram)) {
+    return base::Unexpected{std::string("the reply has a wrong checksum")};
+  }
+  return tmcl::decode_reply(telegram);
+}
+
+}  // namespace stator::scenario

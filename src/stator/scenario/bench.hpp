@@ -1,0 +1,143 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "stator/base/expected.hpp"
+#include "stator/can/port.hpp"
+#include "stator/master/cia402/drive_port.hpp"
+#include "stator/master/master.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/observe/event_log.hpp"
+#include "stator/rack/ports/local_can_port.hpp"
+#include "stator/rack/ports/local_port.hpp"
+#include "stator/scenario/can_sdo_client.hpp"
+#include "stator/tmcl/instruction.hpp"
+#include "stator/tmcl/telegram.hpp"
+
+namespace stator::scenario {
+
+/// A scenario took more simulated time than it may.
+struct TimeLimitReached {
+  base::SimDuration limit;
+};
+
+/// A rack with a master on each of its networks, all in simulated time: time passes only with what
+/// the masters send and wait for, so equal scenarios give equal results. Functions that let time
+/// pass throw TimeLimitReached.
+class Bench {
+ public:
+  /// Frames of a bus that are kept, the newest.
+  static constexpr std::size_t kKeptFrames = 4096;
+  static constexpr base::SimDuration kSdoTimeout{500'000'000};
+  static constexpr base::SimDuration kTmclTimeout{200'000'000};
+  static constexpr base::SimDuration kBootTimeout{5'000'000'000};
+
+  /// Builds the rack as `configuration` has it, but for what it would write to files. Throws
+  /// std::runtime_error as rack::Rack does.
+  Bench(const rack::RackConfiguration& configuration, base::SimDuration limit);
+  Bench(const Bench&) = delete;
+  Bench& operator=(const Bench&) = delete;
+  ~Bench();
+
+  [[nodiscard]] rack::Rack& rack() { return rack_; }
+  [[nodiscard]] const rack::RackConfiguration& configuration() const { return configuration_; }
+  [[nodiscard]] const rack::EventLog& log() const { return log_; }
+  [[nodiscard]] base::SimTime now() const { return clock_.now(); }
+
+  /// Lets one bus cycle pass: every master exchanges its process data, if it has some. Cycles that
+  /// fail are in the master's statistics.
+  void cycle();
+  /// Lets `duration` pass, in whole cycles at least.
+  void pass(base::SimDuration duration);
+  /// Lets cycles pass until `reached` says so, at most for `limit`. False: it never did.
+  bool wait_until(const std::function<bool()>& reached, base::SimDuration limit);
+
+  /// A step begins that does something: what others look for counts from here on.
+  void begin_deed();
+  /// Number of the newest event of log() when the last deed began.
+  [[nodiscard]] std::uint64_t events_before() const { return events_before_; }
+  /// Frames of frames(bus) that were there before, including the forgotten ones.
+  [[nodiscard]] std::uint64_t frames_before(std::size_t bus) const;
+  /// Exchanges of process data of a segment that have failed since then.
+  [[nodiscard]] std::uint64_t lost_cycles(std::size_t segment) const;
+
+  // EtherCAT.
+
+  /// The master of a segment, which has scanned it.
+  master::Result<master::Master*> scanned(std::size_t segment);
+  /// Scans again, which takes all slaves to Init.
+  master::Result<void> scan(std::size_t segment);
+  /// Where the device was found on its segment by the last scan.
+  master::Result<std::size_t> position(rack::DeviceAddress device);
+
+  // Objects, over the device's network.
+
+  master::Result<std::vector<std::byte>> upload(rack::DeviceAddress device,
+                                                master::ObjectAddress object);
+  /// One that goes out with the process data at present is written there.
+  master::Result<void> download(rack::DeviceAddress device, master::ObjectAddress object,
+                                std::span<const std::byte> data);
+  /// The way of a CiA 402 master to the device; process data where they carry an object.
+  master::Result<master::DrivePort*> drive(rack::DeviceAddress device);
+
+  // CAN.
+
+  void send(std::size_t bus, const can::Frame& frame);
+  /// Waits for the boot-up of a CANopen node, before which it hears nothing.
+  void wait_for_boot_up(rack::DeviceAddress device);
+  /// What passed on the bus, the oldest first, but for what was sent here.
+  [[nodiscard]] const std::deque<can::TimedFrame>& frames(std::size_t bus);
+  /// Of those that were ever there, how many are no longer kept.
+  [[nodiscard]] std::uint64_t forgotten_frames(std::size_t bus) const;
+  /// Node-ID of a CANopen device; nothing: it is none.
+  [[nodiscard]] std::optional<std::uint8_t> node_id(rack::DeviceAddress device) const;
+
+  // TMCL.
+
+  /// Sends a direct command to a module, over a serial line if it is on one, else over CAN. Waits
+  /// for the reply for kTmclTimeout.
+  base::Expected<tmcl::Reply, std::string> ask(rack::DeviceAddress device,
+                                               const tmcl::Instruction& instruction);
+
+ private:
+  struct SegmentMaster;
+  struct BusMaster;
+  struct LineMaster;
+  class BenchDrivePort;
+
+  [[nodiscard]] const rack::DeviceConfiguration& device_configuration(
+      rack::DeviceAddress device) const;
+  [[nodiscard]] const std::string& name_of(rack::DeviceAddress device) {
+    return rack_.name_of(device);
+  }
+  void take_frames(BusMaster& bus);
+  /// Where the device was found, with its mailbox started.
+  master::Result<std::size_t> mailbox_position(rack::DeviceAddress device);
+  [[nodiscard]] CanSdoClient can_client(rack::DeviceAddress device);
+  /// Sends `request` and waits for a data frame with that 11-bit identifier.
+  std::optional<can::Frame> answer_to(std::size_t bus, const can::Frame& request,
+                                      std::uint32_t identifier, base::SimDuration timeout);
+  base::Expected<tmcl::Reply, std::string> ask_on_line(LineMaster& line,
+                                                       const tmcl::Request& request);
+
+  rack::RackConfiguration configuration_;
+  base::SimDuration limit_;
+  rack::EventLog log_;
+  rack::Rack rack_;
+  rack::LockstepClock clock_;
+  std::uint64_t events_before_ = 0;
+  std::vector<std::unique_ptr<SegmentMaster>> segments_;
+  std::vector<std::unique_ptr<BusMaster>> buses_;
+  std::vector<std::unique_ptr<LineMaster>> lines_;
+  std::vector<std::pair<rack::DeviceAddress, std::unique_ptr<master::DrivePort>>> drives_;
+};
+
+}  // namespace stator::scenario

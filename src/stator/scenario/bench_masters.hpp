@@ -1,0 +1,66 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "stator/scenario/bench.hpp"
+
+namespace stator::scenario {
+
+// What a bench has on each network of its rack; for its own sources.
+
+/// A frame that is not back when the next cycle begins is lost, as for masters of real machines.
+[[nodiscard]] inline master::MasterOptions master_options(const rack::RackConfiguration& rack) {
+  master::MasterOptions options;
+  options.cycle_time = rack.cycle;
+  options.frame_timeout = std::max(rack.cycle - rack.step, base::SimDuration(1));
+  return options;
+}
+
+struct Bench::SegmentMaster {
+  SegmentMaster(Bench& bench, std::size_t segment)
+      : port(bench.rack_, segment, bench.clock_),
+        master(port, master_options(bench.configuration_)) {}
+
+  rack::LocalPort port;
+  master::Master master;
+  bool scanned = false;
+  std::uint64_t lost_before = 0;  ///< cycles that had failed when the last deed began
+
+  [[nodiscard]] std::uint64_t lost() const {
+    const master::CycleStatistics& cycles = master.cycle_statistics();
+    return cycles.lost + cycles.working_counter_errors;
+  }
+  std::set<std::size_t> mailboxes{};  ///< positions whose mailbox was started since the scan
+};
+
+struct Bench::BusMaster {
+  BusMaster(rack::Rack& rack, std::size_t bus, rack::LockstepClock& clock)
+      : port(rack, bus, clock) {}
+
+  rack::LocalCanPort port;
+  std::deque<can::TimedFrame> frames{};
+  std::uint64_t forgotten = 0;
+  std::uint64_t before = 0;  ///< frames that had come when the last deed began
+
+  [[nodiscard]] std::uint64_t total() const { return forgotten + frames.size(); }
+};
+
+struct Bench::LineMaster {
+  LineMaster(rack::Rack& rack, std::size_t number) : index(number) {
+    rack.line(index).connect(rack::SerialLine::Output::bind<&LineMaster::hear>(*this));
+  }
+  void hear(std::span<const std::byte> bytes) {
+    heard.insert(heard.end(), bytes.begin(), bytes.end());
+  }
+
+  std::size_t index;
+  std::vector<std::byte> heard{};
+};
+
+}  // namespace stator::scenario

@@ -1,0 +1,162 @@
+// Objects of the devices of a bench, whatever network carries them.
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "stator/master/cia402/slave_drive_port.hpp"
+#include "stator/master/text.hpp"
+#include "stator/scenario/bench_masters.hpp"
+#include "stator/scenario/can_sdo_client.hpp"
+
+namespace stator::scenario {
+
+using master::ErrorCode;
+
+/// While one drive is waited for, all networks go on.
+class Bench::BenchDrivePort final : public master::DrivePort {
+ public:
+  BenchDrivePort(Bench& bench, rack::DeviceAddress device) : bench_(bench), device_(device) {}
+
+  master::Result<std::uint64_t> read(master::ObjectAddress object, std::size_t size) override {
+    if (device_.kind == rack::NetworkKind::segment) {
+      auto port = slave();
+      return port ? port->read(object, size) : base::Unexpected{port.error()};
+    }
+    const auto data = bench_.upload(device_, object);
+    if (!data) {
+      return base::Unexpected{data.error()};
+    }
+    if (data->size() != size) {
+      return master::fail(ErrorCode::protocol,
+                          fmt::format("{} of {} has {} bytes, {} were expected",
+                                      master::to_text(object), name(), data->size(), size));
+    }
+    return master::load_number(*data);
+  }
+  master::Result<void> write(master::ObjectAddress object, std::size_t size,
+                             std::uint64_t bits) override {
+    if (device_.kind == rack::NetworkKind::segment) {
+      auto port = slave();
+      return port ? port->write(object, size, bits) : base::Unexpected{port.error()};
+    }
+    std::array<std::byte, sizeof bits> data{};
+    master::store_number(std::span(data).first(size), bits);
+    return bench_.download(device_, object, std::span(data).first(size));
+  }
+  [[nodiscard]] bool cyclic(master::ObjectAddress object) const override {
+    if (device_.kind != rack::NetworkKind::segment) {
+      return false;
+    }
+    const auto port = slave();
+    return port && port->cyclic(object);
+  }
+  master::Result<void> run_cycle() override {
+    bench_.cycle();
+    return {};
+  }
+  [[nodiscard]] base::SimTime now() override { return bench_.now(); }
+  [[nodiscard]] std::string name() const override { return bench_.name_of(device_); }
+
+ private:
+  /// A port to the slave, wherever the last scan has found it.
+  class Slave {
+   public:
+    explicit Slave(master::Error error) : error_(std::move(error)) {}
+    Slave(master::Master& master, std::size_t position)
+        : port_(std::make_unique<master::SlaveDrivePort>(master, position)) {}
+    explicit operator bool() const { return port_ != nullptr; }
+    master::SlaveDrivePort* operator->() const { return port_.get(); }
+    [[nodiscard]] const master::Error& error() const { return error_; }
+
+   private:
+    std::unique_ptr<master::SlaveDrivePort> port_;
+    master::Error error_{};
+  };
+  [[nodiscard]] Slave slave() const {
+    const auto position = bench_.mailbox_position(device_);
+    return position ? Slave(bench_.segments_[device_.network]->master, *position)
+                    : Slave(position.error());
+  }
+
+  Bench& bench_;
+  rack::DeviceAddress device_;
+};
+
+master::Result<std::vector<std::byte>> Bench::upload(rack::DeviceAddress device,
+                                                     master::ObjectAddress object) {
+  if (device.kind == rack::NetworkKind::bus) {
+    return can_client(device).upload(object);
+  }
+  const auto position = mailbox_position(device);
+  if (!position) {
+    return base::Unexpected{position.error()};
+  }
+  return segments_[device.network]->master.upload(*position, object);
+}
+
+master::Result<void> Bench::download(rack::DeviceAddress device, master::ObjectAddress object,
+                                     std::span<const std::byte> data) {
+  if (device.kind == rack::NetworkKind::bus) {
+    return can_client(device).download(object, data);
+  }
+  const auto position = mailbox_position(device);
+  if (!position) {
+    return base::Unexpected{position.error()};
+  }
+  master::Master& master = segments_[device.network]->master;
+  master::SlaveDrivePort process_data(master, *position);
+  if (process_data.cyclic(object)) {
+    return process_data.write(object, data.size(), master::load_number(data));
+  }
+  return master.download(*position, object, data);
+}
+
+master::Result<std::size_t> Bench::mailbox_position(rack::DeviceAddress device) {
+  const auto found = position(device);
+  if (!found) {
+    return found;
+  }
+  SegmentMaster& segment = *segments_[device.network];
+  if (segment.mailboxes.insert(*found).second) {
+    if (const auto started = segment.master.start_mailbox(*found); !started) {
+      segment.mailboxes.erase(*found);
+      return base::Unexpected{started.error()};
+    }
+  }
+  return found;
+}
+
+void Bench::wait_for_boot_up(rack::DeviceAddress device) {
+  const auto booted = [&] {
+    return !rack_.powered(device) ||
+           rack_.device(device).network_status().state != "Initialisation";
+  };
+  wait_until(booted, kBootTimeout);
+}
+
+CanSdoClient Bench::can_client(rack::DeviceAddress device) {
+  const std::uint8_t node = node_id(device).value_or(0);
+  wait_for_boot_up(device);
+  return {node, [this, node, bus = device.network](const can::Frame& request) {
+            return answer_to(bus, request, CanSdoClient::kAnswer + node, kSdoTimeout);
+          }};
+}
+
+master::Result<master::DrivePort*> Bench::drive(rack::DeviceAddress device) {
+  if (rack_.device(device).object_dictionary() == nullptr) {
+    return master::fail(ErrorCode::argument,
+                        fmt::format("{} is no drive of CiA 402", name_of(device)));
+  }
+  const auto known =
+      std::ranges::find(drives_, device, [](const auto& each) { return each.first; });
+  if (known != drives_.end()) {
+    return known->second.get();
+  }
+  drives_.emplace_back(device, std::make_unique<BenchDrivePort>(*this, device));
+  return drives_.back().second.get();
+}
+
+}  // namespace stator::scenario

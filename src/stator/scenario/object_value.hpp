@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "stator/base/expected.hpp"
+#include "stator/dictionary/dictionary.hpp"
+#include "stator/master/sdo_types.hpp"
+#include "stator/rack/toml/toml_section.hpp"
+
+namespace stator::scenario {
+
+/// A value as a scenario file has it for an object: a number, a text, or bytes as they are.
+using ObjectValue = std::variant<double, std::string, std::vector<std::byte>>;
+
+/// Reads `value`, a number or a text, or `bytes`, hexadecimal such as "2B 01". Nothing: neither is
+/// there.
+[[nodiscard]] std::optional<ObjectValue> read_object_value(rack::TomlSection& section);
+
+/// The value as an SDO carries it to `entry`; null: the object is not in the device's dictionary,
+/// and a number has four bytes. Else a sentence about what does not fit; the range is the device's
+/// business.
+[[nodiscard]] base::Expected<std::vector<std::byte>, std::string> to_bytes(
+    const ObjectValue& value, const dictionary::Entry* entry);
+
+/// The number that an SDO has brought from `entry`, or as an unsigned one if it is null; nothing
+/// for texts.
+[[nodiscard]] std::optional<double> to_number(std::span<const std::byte> data,
+                                              const dictionary::Entry* entry);
+/// For people: "1000", "\"TMCM-3315\"", "2B 01".
+[[nodiscard]] std::string value_text(std::span<const std::byte> data,
+                                     const dictionary::Entry* entry);
+
+/// Reads `object`, e.g. "6040:00".
+[[nodiscard]] std::optional<master::ObjectAddress> read_object_address(rack::TomlSection& section);
+
+/// Bytes that a text like "2B 01 FF" means; nothing: it is none such.
+[[nodiscard]] std::optional<std::vector<std::byte>> parse_bytes(std::string_view text);
+/// "2B 01 FF".
+[[nodiscard]] std::string bytes_text(std::span<const std::byte> data);
+
+}  // namespace stator::scenario

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "stator/base/sim_time.hpp"
+#include "stator/rack/toml/rack_file_error.hpp"
+#include "stator/scenario/scenario.hpp"
+
+namespace stator::scenario {
+
+enum class Status : std::uint8_t {
+  passed,
+  failed,
+  not_run,  ///< a step behind one that failed
+  error,    ///< a scenario that could not be run
+};
+[[nodiscard]] std::string_view to_text(Status status);
+
+struct StepResult {
+  std::uint32_t line = 0;
+  std::string kind;
+  std::string title;
+  Status status = Status::not_run;
+  std::string text{};  ///< what was seen, or what was expected and seen instead
+  base::SimTime begin{};
+  base::SimTime end{};
+};
+
+/// A signal over the whole scenario.
+struct PlotSeries {
+  std::string name;
+  std::string unit;
+  std::vector<double> times;  ///< s
+  std::vector<double> values;
+};
+
+/// What a scenario came to.
+struct ScenarioResult {
+  std::string file;
+  std::string name;
+  std::string summary;
+  Status status = Status::passed;
+  std::string error{};  ///< of Status::error: why it could not be run
+  std::vector<StepResult> steps{};
+  base::SimTime end{};                ///< simulated time that it took
+  double wall_seconds = 0.0;          ///< filled in by whoever has a clock
+  std::vector<std::string> events{};  ///< the last lines of the rack's log; only if it failed
+  std::vector<PlotSeries> plots{};
+
+  /// The step that failed; null: none did.
+  [[nodiscard]] const StepResult* failed_step() const;
+};
+
+/// Runs a scenario in simulated time. Does not throw.
+[[nodiscard]] ScenarioResult run(const Scenario& scenario);
+
+/// The result of a scenario file that cannot be read.
+[[nodiscard]] ScenarioResult unreadable(const Scenario& scenario,
+                                        const std::vector<rack::RackFileError>& errors);
+
+}  // namespace stator::scenario

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "stator/rack/toml/rack_file_error.hpp"
+#include "stator/scenario/scenario.hpp"
+
+namespace stator::scenario {
+
+/// What reading a scenario file has shown.
+struct ScenarioRead {
+  Scenario scenario;                        ///< of use only without errors
+  std::vector<rack::RackFileError> errors;  ///< with file, line, reason and remedy
+};
+
+/// Reads a scenario file (docs/how-to/scenarios.md) and the rack it names, and tells all that is
+/// wrong with them. Files named in it are relative to it. Does not throw.
+[[nodiscard]] ScenarioRead read_scenario_file(const std::string& path);
+/// The same for the text of a scenario file; `name` stands for the file in messages.
+[[nodiscard]] ScenarioRead parse_scenario(std::string_view text, const std::string& name);
+
+}  // namespace stator::scenario

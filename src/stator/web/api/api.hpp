@@ -1,0 +1,12 @@
+#pragma once
+
+#include "stator/web/api/routes.hpp"
+#include "stator/web/job.hpp"
+#include "stator/web/state.hpp"
+
+namespace stator::web {
+
+/// Answers a request that may pass: at once, or by way of the rack. Changes nothing but `state`.
+[[nodiscard]] Answer answer(const Match& match, const Request& request, State& state);
+
+}  // namespace stator::web

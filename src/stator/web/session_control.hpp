@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "stator/base/sim_time.hpp"
+
+namespace stator::web {
+
+/// The recording of a running rack, as whoever runs it offers it to the server.
+class SessionControl {
+ public:
+  struct Snapshot {
+    std::string name;
+    base::SimTime time;
+  };
+  struct Recording {
+    std::string file;
+    base::SimTime time;
+    std::uint64_t bytes = 0;
+    bool complete = true;  ///< false: the disk was too slow or is full
+  };
+
+  SessionControl() = default;
+  SessionControl(const SessionControl&) = delete;
+  SessionControl& operator=(const SessionControl&) = delete;
+  virtual ~SessionControl() = default;
+
+  // For tasks of the desk, which hold the rack.
+
+  [[nodiscard]] virtual Recording recording() = 0;
+  [[nodiscard]] virtual std::vector<Snapshot> snapshots() = 0;
+  /// Marks the present moment. False: there is a snapshot of this name.
+  virtual bool take_snapshot(const std::string& name) = 0;
+  /// Has the run end and go on from a snapshot. False: there is none of this name.
+  virtual bool restore(const std::string& name) = 0;
+};
+
+}  // namespace stator::web

@@ -1,0 +1,184 @@
+#include "stator/web/state.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/web/address.hpp"
+
+namespace stator::web {
+
+std::string_view to_text(base::Severity severity) {
+  switch (severity) {
+    case base::Severity::information:
+      return "information";
+    case base::Severity::refusal:
+      return "refusal";
+    case base::Severity::warning:
+      return "warning";
+    case base::Severity::fault:
+      return "fault";
+  }
+  return "?";
+}
+
+nlohmann::ordered_json to_json(const EventRecord& event) {
+  return {{"number", event.number}, {"time_ns", event.time.nanoseconds()}, {"device", event.device},
+          {"rule", event.rule},     {"severity", to_text(event.severity)}, {"text", event.text}};
+}
+
+namespace {
+
+/// Rules about one axis say so with "axis {4}".
+std::optional<std::int64_t> axis_of(const base::Event& event) {
+  constexpr std::string_view kMark = "axis {";
+  const std::string_view text = event.rule->text;
+  const std::size_t at = text.find(kMark);
+  if (at == std::string_view::npos || at + kMark.size() >= text.size()) {
+    return std::nullopt;
+  }
+  const auto argument = static_cast<std::size_t>(text[at + kMark.size()] - '0');
+  return argument < event.arguments.size() && event.arguments[argument].is_number()
+             ? std::optional(event.arguments[argument].number())
+             : std::nullopt;
+}
+
+}  // namespace
+
+State::State(rack::Rack& rack, const rack::RackConfiguration& configuration,
+             const rack::EventLog& log, const rack::Runner& runner)
+    : configuration_(configuration),
+      log_(log),
+      runner_(runner),
+      run_(make_token()),
+      signals_(rack.signals()) {
+  for (std::size_t i = 0; i < configuration.segments.size(); ++i) {
+    networks_.push_back({.name = fmt::format("segment {}", i), .kind = "ethercat"});
+  }
+  for (std::size_t i = 0; i < configuration.buses.size(); ++i) {
+    if (configuration.buses[i].wire) {
+      wires_.push_back(i);
+      networks_.push_back({.name = configuration.buses[i].name, .kind = "can"});
+    }
+  }
+  for (std::size_t i = 0; i < rack.line_count(); ++i) {
+    networks_.push_back({.name = rack.line(i).configuration().link, .kind = "serial"});
+  }
+  for (const rack::DeviceAddress& address : rack.addresses()) {
+    const bool on_bus = address.kind == rack::NetworkKind::bus;
+    const rack::DeviceConfiguration& device =
+        (on_bus ? configuration.buses[address.network].devices
+                : configuration.segments[address.network].devices)[address.device];
+    devices_.push_back({.name = device.name,
+                        .product = rack::product_name(device.product),
+                        .network = on_bus ? configuration.buses[address.network].name
+                                          : fmt::format("segment {}", address.network),
+                        .address = address,
+                        .objects = rack.device(address).object_dictionary(),
+                        .inputs = &rack.inputs(address)});
+  }
+}
+
+const DeviceRecord* State::find_device(std::string_view name) const {
+  const auto found = std::ranges::find(devices_, name, &DeviceRecord::name);
+  return found == devices_.end() ? nullptr : &*found;
+}
+
+std::vector<std::size_t> State::matching(std::string_view patterns) const {
+  std::vector<bool> chosen(signals_.size(), false);
+  while (!patterns.empty()) {
+    const std::size_t end = std::min(patterns.find(','), patterns.size());
+    for (std::size_t i = 0; i < signals_.size(); ++i) {
+      chosen[i] = chosen[i] || matches(patterns.substr(0, end), signals_[i].name);
+    }
+    patterns.remove_prefix(std::min(end + 1, patterns.size()));
+  }
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (chosen[i]) {
+      numbers.push_back(i);
+    }
+  }
+  return numbers;
+}
+
+std::string_view State::clock() const {
+  return runner_.clock_kind() == rack::ClockKind::real ? "real" : "lockstep";
+}
+
+void State::take_event(std::uint64_t number, const base::Event& event) {
+  ++event_counts_[static_cast<std::size_t>(event.rule->severity)];
+  events_.push_back({.number = number,
+                     .time = event.time,
+                     .device = log_.device_name(event),
+                     .rule = event.rule->id,
+                     .severity = event.rule->severity,
+                     .text = base::to_sentence(event),
+                     .axis = axis_of(event)});
+  if (events_.size() > rack::EventLog::kKept) {
+    events_.pop_front();
+  }
+}
+
+const EventRecord* State::last_refusal(std::string_view device,
+                                       std::optional<std::int64_t> axis) const {
+  for (auto event = events_.rbegin(); event != events_.rend(); ++event) {
+    if (event->severity == base::Severity::refusal && event->device == device &&
+        (!axis || event->axis == axis)) {
+      return &*event;
+    }
+  }
+  return nullptr;
+}
+
+void State::read_networks(std::vector<NetworkRecord>& networks) const {
+  auto network = networks.begin();
+  for (std::size_t i = 0; network != networks.end() && network->kind == "ethercat"; ++i) {
+    const rack::SegmentStatistics statistics = runner_.segment_in_task(i);
+    network->frames = statistics.frames;
+    network->overruns = statistics.overruns;
+    network->worst_lag_ns = statistics.worst_lag_ns;
+    ++network;
+  }
+  for (const std::size_t bus : wires_) {
+    const rack::BusThreadStatistics& statistics = runner_.bus(bus).statistics_in_task();
+    network->frames = statistics.frames_in;
+    network->overruns = statistics.overruns;
+    network->worst_lag_ns = statistics.worst_lag_ns;
+    ++network;
+  }
+  for (std::size_t i = 0; network != networks.end(); ++i) {
+    const rack::SerialLineThreadStatistics statistics = runner_.line(i).statistics_in_task();
+    network->frames = statistics.line.bytes_in;
+    network->overruns = statistics.overruns;
+    network->worst_lag_ns = statistics.worst_lag_ns;
+    ++network;
+  }
+}
+
+// Only the last star needs to be tried again: whatever an earlier one took more, the later could
+// take as well.
+bool matches(std::string_view pattern, std::string_view name) {
+  std::size_t at = 0;
+  std::size_t star = std::string_view::npos;
+  std::size_t after_star = 0;
+  for (std::size_t i = 0; i < name.size();) {
+    if (at < pattern.size() && pattern[at] == '*') {
+      star = at++;
+      after_star = i;
+    } else if (at < pattern.size() && pattern[at] == name[i]) {
+      ++at;
+      ++i;
+    } else if (star != std::string_view::npos) {
+      at = star + 1;
+      i = ++after_star;
+    } else {
+      return false;
+    }
+  }
+  return pattern.find_first_not_of('*', at) == std::string_view::npos;
+}
+
+}  // namespace stator::web
