@@ -44,14 +44,31 @@ def find_base():
     return earlier[0] if earlier else None
 
 
+def without_includes(text):
+    """`text` without what a move changes in it."""
+    return [line for line in text.splitlines() if not line.startswith("#include ")]
+
+
+def only_moved(base, old, new):
+    """`new` is what `old` was in `base` but for lines with #include."""
+    before = git("show", f"{base}:{old}")
+    after = (ROOT / new).read_text(encoding="utf-8")
+    return before is not None and without_includes("\n".join(before)) == without_includes(after)
+
+
 def changed_files(base):
-    """Paths, relative to the root, of files that differ from `base` or are new."""
+    """Paths, relative to the root, of files that differ from `base` or are new; not of those that
+    have only moved."""
     if base is None:
         tracked = git("ls-files") or []
     else:
-        tracked = git("diff", "--name-only", "--diff-filter=d", base)
-        if tracked is None:
+        rows = git("diff", "--name-status", "--find-renames", "-l0", "--diff-filter=d", base)
+        if rows is None:
             sys.exit(f"scripts/check_tidy.py: git knows no commit '{base}'; name another with --base")
+        tracked = []
+        for status, *paths in (row.split("\t") for row in rows):
+            if not (status.startswith("R") and (ROOT / paths[1]).exists() and only_moved(base, *paths)):
+                tracked.append(paths[-1])
     untracked = git("ls-files", "--others", "--exclude-standard") or []
     return sorted({f for f in tracked + untracked if f.endswith((".cpp", ".hpp"))
                    and (ROOT / f).exists()})

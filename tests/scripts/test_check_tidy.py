@@ -1,3 +1,4 @@
+import subprocess
 import tempfile
 import unittest
 from pathlib import Path
@@ -40,6 +41,29 @@ class SourcesToCheck(unittest.TestCase):
 
     def test_a_header_nobody_includes_is_named(self):
         self.assertEqual(self.sources(["src/stator/base/unused.hpp"]), ([], ["src/stator/base/unused.hpp"]))
+
+
+class ChangedFiles(unittest.TestCase):
+    def test_what_only_moved_is_no_change(self):
+        moved = "// one\n// two\n// three\n// four\n// five\nint {};\n"
+        before = {"src/a.cpp": '#include "a.hpp"\n' + moved.format("a"), "src/b.cpp": '#include "b.hpp"\n' + moved.format("b"),
+                  "src/c.cpp": "int c;\n"}
+        after = {"src/x/a.cpp": '#include "x/a.hpp"\n' + moved.format("a"),
+                 "src/x/b.cpp": '#include "x/b.hpp"\n' + moved.format("changed"), "src/c.cpp": "int d;\n"}
+        with tempfile.TemporaryDirectory() as root:
+            def git(*arguments):
+                subprocess.run(["git", "-C", root, "-c", "user.name=a", "-c", "user.email=a@b", *arguments], check=True,
+                               stdout=subprocess.DEVNULL)
+            git("init", "--quiet")
+            write_tree(root, before)
+            git("add", "--all")
+            git("commit", "--quiet", "--message", "before")
+            for name in before:
+                (Path(root) / name).unlink()
+            write_tree(root, after)
+            git("add", "--all")
+            with mock.patch.object(check_tidy, "ROOT", Path(root)):
+                self.assertEqual(check_tidy.changed_files("HEAD"), ["src/c.cpp", "src/x/b.cpp"])
 
 
 if __name__ == "__main__":
