@@ -37,13 +37,13 @@ inline constexpr auto kEmergencies = [] {
   using enum drive::AxisError;
   using enum drive::ErrorReaction;
   namespace bits = error_register;
-  constexpr std::uint8_t kProfile = bits::kGeneric | bits::kDeviceProfile;
+  constexpr std::uint8_t kProfileSpecific = bits::kGeneric | bits::kDeviceProfile;
   constexpr std::uint8_t kOfMaker = bits::kGeneric | bits::kManufacturer;
   constexpr std::uint8_t kOfCurrent = bits::kGeneric | bits::kCurrent;
   constexpr std::uint8_t kOfVoltage = bits::kGeneric | bits::kVoltage;
   constexpr std::uint8_t kOfTemperature = bits::kGeneric | bits::kTemperature;
   return std::to_array<Emergency>({
-      {following_error, 0x8611, 0, kProfile, fault},
+      {following_error, 0x8611, 0, kProfileSpecific, fault},
       {positive_software_limit, 0xFF01, 1, kOfMaker, stop},
       {negative_software_limit, 0xFF01, 2, kOfMaker, stop},
       {positive_limit_switch, 0xFF01, 3, kOfMaker, stop},
@@ -58,9 +58,9 @@ inline constexpr auto kEmergencies = [] {
       {over_temperature_warning, 0x4210, 1, kOfTemperature, warning},
       {over_temperature, 0x4210, 2, kOfTemperature, power_off},
       {shutdown_switch, 0x5441, 0, kOfMaker, power_off},
-      {stall, 0x7121, 0, kProfile, stop},
-      {initialisation_error, 0x7122, 0, kProfile, power_off},
-      {hall_error, 0x7310, 0, kProfile, power_off},
+      {stall, 0x7121, 0, kProfileSpecific, stop},
+      {initialisation_error, 0x7122, 0, kProfileSpecific, power_off},
+      {hall_error, 0x7310, 0, kProfileSpecific, power_off},
       {driver_error, 0x5400, 0, kOfMaker, power_off},
   });
 }();
