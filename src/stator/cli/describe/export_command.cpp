@@ -10,8 +10,8 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
+#include "stator/formats/esi/esi.hpp"
 #include "stator/rack/core/product_catalogue.hpp"
-#include "stator/rack/esi/esi.hpp"
 #include "stator/rack/kept/kept_file.hpp"
 #include "stator/rack/kept/state_directory.hpp"
 
@@ -58,7 +58,7 @@ std::string file_of(const ExportOptions& options) {
   const auto device = rack::make_ethercat_device(product, {});
   const auto sii = device->sii_image();
   return options.kind == "sii" ? text_of(sii)
-                               : rack::esi_xml(device->description(), device->dictionary(), sii);
+                               : formats::esi_xml(device->description(), device->dictionary(), sii);
 }
 
 void export_file(const ExportOptions& options) {

@@ -10,7 +10,7 @@
 #include "stator/cli/files.hpp"
 #include "stator/devices/tmc8461/sii.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
-#include "stator/rack/esi/chip_esi.hpp"
+#include "stator/formats/esi/chip_esi.hpp"
 #include "stator/rack/sections/mfc_configuration_file.hpp"
 
 namespace stator::cli {
@@ -70,7 +70,7 @@ void configure(const ConfigOptions& options) {
                std::string_view(reinterpret_cast<const char*>(image.data()), image.size()));
   }
   if (!options.esi.empty()) {
-    write_file(options.esi, rack::chip_esi_xml(contents, file.identity.vendor_name, image));
+    write_file(options.esi, formats::chip_esi_xml(contents, file.identity.vendor_name, image));
   }
   print_mfc_map(file.configuration, options.format);
 }

@@ -1,19 +1,19 @@
-#include "stator/rack/esi/esi.hpp"
+#include "stator/formats/esi/esi.hpp"
 
 #include <gtest/gtest.h>
 #include <pugixml.hpp>
 
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
 
-namespace stator::rack {
+namespace stator::formats {
 namespace {
 
 class EsiOfTmcm3315 : public ::testing::Test {
  protected:
-  EsiOfTmcm3315() : device_(make_ethercat_device(devices::Tmcm3315Configuration{}, {})) {
-    const auto sii = ethercat::build_sii_image(device_->description(), device_->dictionary());
-    const std::string text = esi_xml(device_->description(), device_->dictionary(), sii);
+  EsiOfTmcm3315() {
+    const auto sii = ethercat::build_sii_image(device_.description(), device_.dictionary());
+    const std::string text = esi_xml(device_.description(), device_.dictionary(), sii);
     parsed_ = document_.load_string(text.c_str());
     node_ = document_.select_node("/EtherCATInfo/Descriptions/Devices/Device").node();
   }
@@ -22,7 +22,7 @@ class EsiOfTmcm3315 : public ::testing::Test {
     return static_cast<int>(document_.select_nodes(path).size());
   }
 
-  std::unique_ptr<devices::EtherCatDevice> device_;
+  devices::Tmcm3315 device_{devices::Tmcm3315Configuration{}};
   pugi::xml_document document_;
   pugi::xml_parse_result parsed_;
   pugi::xml_node node_;
@@ -45,7 +45,7 @@ TEST_F(EsiOfTmcm3315, OffersOperationWithAndWithoutSync0) {
 
 TEST_F(EsiOfTmcm3315, HasEveryObjectOfTheDictionary) {
   EXPECT_EQ(count("//Dictionary/Objects/Object"),
-            static_cast<int>(device_->dictionary().objects().size()));
+            static_cast<int>(device_.dictionary().objects().size()));
 }
 
 TEST_F(EsiOfTmcm3315, EveryObjectsTypeIsDeclaredWithTheSameSize) {
@@ -75,4 +75,4 @@ TEST_F(EsiOfTmcm3315, SyncManagersHaveTheLengthsOfMailboxesAndMapping) {
 }
 
 }  // namespace
-}  // namespace stator::rack
+}  // namespace stator::formats

@@ -1,4 +1,4 @@
-#include "stator/rack/esi/esi.hpp"
+#include "stator/formats/esi/esi.hpp"
 
 #include <algorithm>
 #include <sstream>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
-namespace stator::rack {
+namespace stator::formats {
 
 namespace {
 
@@ -429,4 +429,4 @@ std::string esi_xml(const ethercat::DeviceDescription& description,
   return text.str();
 }
 
-}  // namespace stator::rack
+}  // namespace stator::formats

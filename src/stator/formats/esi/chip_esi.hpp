@@ -6,7 +6,7 @@
 
 #include "stator/ethercat/sii/sii_image.hpp"
 
-namespace stator::rack {
+namespace stator::formats {
 
 /// The EtherCAT slave information file (ETG.2000) of a device without mailbox and dictionary, from
 /// what its EEPROM says: sync managers, PDOs, and `image` as ConfigData and, if there is one,
@@ -15,4 +15,4 @@ namespace stator::rack {
                                        const std::string& vendor_name,
                                        std::span<const std::byte> image);
 
-}  // namespace stator::rack
+}  // namespace stator::formats

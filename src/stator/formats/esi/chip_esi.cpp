@@ -1,4 +1,4 @@
-#include "stator/rack/esi/chip_esi.hpp"
+#include "stator/formats/esi/chip_esi.hpp"
 
 #include <algorithm>
 #include <sstream>
@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
-namespace stator::rack {
+namespace stator::formats {
 
 namespace {
 
@@ -147,4 +147,4 @@ std::string chip_esi_xml(const ethercat::SiiContents& contents, const std::strin
   return text.str();
 }
 
-}  // namespace stator::rack
+}  // namespace stator::formats

@@ -7,7 +7,7 @@
 #include "stator/dictionary/dictionary.hpp"
 #include "stator/ethercat/standard/device_description.hpp"
 
-namespace stator::rack {
+namespace stator::formats {
 
 /// The EtherCAT slave information file (ETG.2000) of a device, generated from its description, its
 /// dictionary (with data types, defaults, ranges, access and the default PDO mapping) and its SII
@@ -16,4 +16,4 @@ namespace stator::rack {
                                   const dictionary::Dictionary& dictionary,
                                   std::span<const std::byte> sii);
 
-}  // namespace stator::rack
+}  // namespace stator::formats
