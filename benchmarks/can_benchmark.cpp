@@ -17,7 +17,7 @@
 #include "stator/rack/core/product_catalogue.hpp"
 #include "stator/rack/ports/local_can_port.hpp"
 
-namespace stator::bench {
+namespace stator::benchmarks {
 namespace {
 
 using namespace base::literals;
@@ -182,4 +182,4 @@ BENCHMARK_CAPTURE(lockstep, switched_off, false)->Iterations(2000)->Unit(benchma
 BENCHMARK_CAPTURE(lockstep, turning, true)->Iterations(2000)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
-}  // namespace stator::bench
+}  // namespace stator::benchmarks

@@ -13,7 +13,7 @@
 #include "stator/rack/core/product_catalogue.hpp"
 #include "stator/rack/ports/local_port.hpp"
 
-namespace stator::bench {
+namespace stator::benchmarks {
 
 namespace {
 
@@ -101,4 +101,4 @@ std::vector<std::byte> cyclic_frame(std::size_t modules) {
   return bring_to_operational(rack, configuration);
 }
 
-}  // namespace stator::bench
+}  // namespace stator::benchmarks

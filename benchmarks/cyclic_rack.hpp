@@ -10,7 +10,7 @@
 #include "stator/rack/run/runner.hpp"
 #include "veth_echo.hpp"
 
-namespace stator::bench {
+namespace stator::benchmarks {
 
 /// A line of TMCM-3315 in Operational at the far end of a cable, run as `stator run` runs it.
 class CyclicRack {
@@ -39,4 +39,4 @@ Peer rack_peer(std::size_t modules);
 /// The frame with which a master exchanges the process data of the first of `modules`.
 std::vector<std::byte> cyclic_frame(std::size_t modules);
 
-}  // namespace stator::bench
+}  // namespace stator::benchmarks

@@ -9,7 +9,7 @@
 // against the same through RawEthernetLink, in turns in the same run. The counter `ratio` is what
 // the link keeps of the bare echo's rate. Stated limit: 0.85 for a rack, so the link must be above.
 
-namespace stator::bench {
+namespace stator::benchmarks {
 namespace {
 
 constexpr std::size_t kRounds = 9;
@@ -57,4 +57,4 @@ BENCHMARK_CAPTURE(round_trips, spin_other_core, Placement::spin_other_core)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace stator::bench
+}  // namespace stator::benchmarks

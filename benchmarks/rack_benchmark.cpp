@@ -13,7 +13,7 @@
 #include "cyclic_rack.hpp"
 #include "veth_echo.hpp"
 
-namespace stator::bench {
+namespace stator::benchmarks {
 namespace {
 
 constexpr std::size_t kRounds = 9;
@@ -50,4 +50,4 @@ BENCHMARK_CAPTURE(round_trips, spin_other_core, Placement::spin_other_core)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace stator::bench
+}  // namespace stator::benchmarks

@@ -15,7 +15,7 @@
 #include "stator/link/ethernet/machine.hpp"
 #include "stator/link/system/file_descriptor.hpp"
 
-namespace stator::bench {
+namespace stator::benchmarks {
 
 namespace {
 
@@ -181,4 +181,4 @@ std::vector<double> compare(std::span<const Peer> peers, Placement placement,
   return medians;
 }
 
-}  // namespace stator::bench
+}  // namespace stator::benchmarks

@@ -14,7 +14,7 @@
 #include "stator/link/ethernet/raw_ethernet_link.hpp"
 #include "stator/link/system/file_descriptor.hpp"
 
-namespace stator::bench {
+namespace stator::benchmarks {
 
 /// Where the two ends of the cable run and how they wait.
 enum class Placement : std::uint8_t {
@@ -72,4 +72,4 @@ std::vector<double> compare(std::span<const Peer> peers, Placement placement,
                             std::span<const std::byte> frame, std::size_t rounds,
                             std::size_t count);
 
-}  // namespace stator::bench
+}  // namespace stator::benchmarks

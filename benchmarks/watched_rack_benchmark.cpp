@@ -21,7 +21,7 @@
 #include "veth_echo.hpp"
 #include "web/http_client.hpp"
 
-namespace stator::bench {
+namespace stator::benchmarks {
 namespace {
 
 constexpr std::size_t kRounds = 7;
@@ -113,4 +113,4 @@ BENCHMARK_CAPTURE(watched_round_trips, page, kPage)->Iterations(1)->Unit(benchma
 BENCHMARK_CAPTURE(watched_round_trips, scope, kScope)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace stator::bench
+}  // namespace stator::benchmarks
