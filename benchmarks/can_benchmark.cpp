@@ -13,9 +13,9 @@
 
 #include <benchmark/benchmark.h>
 
+#include "stator/bench/local_can_port.hpp"
 #include "stator/can/bus.hpp"
 #include "stator/rack/core/product_catalogue.hpp"
-#include "stator/rack/ports/local_can_port.hpp"
 
 namespace stator::benchmarks {
 namespace {
@@ -123,7 +123,7 @@ class Drives {
   rack::EventLog log_;
   rack::RackConfiguration configuration_;
   rack::Rack rack_;
-  rack::LocalCanPort port_;
+  bench::LocalCanPort port_;
 };
 
 void sdo_round_trips(benchmark::State& state) {

@@ -9,9 +9,9 @@
 #include <spdlog/sinks/null_sink.h>
 #include <spdlog/spdlog.h>
 
+#include "stator/bench/local_port.hpp"
 #include "stator/master/master.hpp"
 #include "stator/rack/core/product_catalogue.hpp"
-#include "stator/rack/ports/local_port.hpp"
 
 namespace stator::benchmarks {
 
@@ -59,7 +59,7 @@ void require(const master::Result<void>& result) {
 /// Brings every module to Operational and returns the cyclic frame of the first of them.
 std::vector<std::byte> bring_to_operational(rack::Rack& rack,
                                             const rack::RackConfiguration& configuration) {
-  rack::LocalPort port(rack, 0, configuration.cycle, configuration.step);
+  bench::LocalPort port(rack, 0, configuration.cycle, configuration.step);
   CycleRecorder recorder(port);
   master::Master master(recorder);
   require(master.scan());

@@ -3,9 +3,9 @@
 
 #include <cstdio>
 
+#include "stator/bench/local_port.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
 #include "stator/rack/core/product_catalogue.hpp"
-#include "stator/rack/ports/local_port.hpp"
 
 namespace {
 
@@ -23,7 +23,7 @@ int move_one_axis() {
   const rack::RackConfiguration configuration = rack::single_device_rack("tmcm-3315");
   rack::EventLog log;
   rack::Rack rack(configuration, log);
-  rack::LocalPort port(rack, 0, configuration.cycle, configuration.step);
+  bench::LocalPort port(rack, 0, configuration.cycle, configuration.step);
 
   master::Master master(port);
   if (failed(master.scan()) || failed(master.configure_process_data()) ||

@@ -8,9 +8,9 @@
 
 #include "base/temporary_directory.hpp"
 #include "rack/test_can_device.hpp"
+#include "stator/bench/local_can_port.hpp"
 #include "stator/rack/core/product_catalogue.hpp"
 #include "stator/rack/file/rack_file.hpp"
-#include "stator/rack/ports/local_can_port.hpp"
 
 namespace stator::rack {
 namespace {
@@ -47,7 +47,7 @@ class Bench {
 
   EventLog log;
   Rack rack;
-  LocalCanPort port;
+  bench::LocalCanPort port;
 };
 
 TEST(CanRack, ARequestIsAnsweredAtOnceOnAnUnlimitedBus) {

@@ -17,11 +17,11 @@
 #include "base/child_process.hpp"
 #include "ethercat/raw_frame.hpp"
 #include "source_paths.hpp"
+#include "stator/bench/link_port.hpp"
 #include "stator/link/ethernet/open_link.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
 #include "stator/master/master.hpp"
 #include "stator/rack/file/rack_file.hpp"
-#include "stator/rack/ports/link_port.hpp"
 #include "stator/rack/run/runner.hpp"
 #include "stator_chip.h"
 
@@ -76,7 +76,7 @@ struct Plant {
   Rack rack;
   Runner runner;
   std::unique_ptr<link::EthernetLink> cable;
-  std::optional<LinkPort> port;
+  std::optional<bench::LinkPort> port;
   std::optional<master::Master> master;
 };
 

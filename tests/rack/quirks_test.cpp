@@ -17,10 +17,10 @@
 #include "devices/test_bus.hpp"
 #include "devices/tmcc160_module.hpp"
 #include "source_paths.hpp"
+#include "stator/bench/local_can_port.hpp"
 #include "stator/rack/core/product_catalogue.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
-#include "stator/rack/ports/local_can_port.hpp"
 #include "stator/rack/sections/quirks_section.hpp"
 
 namespace stator::rack {
@@ -446,7 +446,7 @@ TEST(CanOpenQuirks, LateBootKeepsANodeSilent) {
       "[[bus]]\n[[bus.device]]\ntype = \"tmcc160\"\nquirks = [\"late-boot\"]\n", "rack.toml");
   EventLog log;
   Rack rack(configuration, log);
-  LocalCanPort port(rack, 0, configuration.cycle, configuration.step);
+  bench::LocalCanPort port(rack, 0, configuration.cycle, configuration.step);
   port.wait(2'999_ms);
   EXPECT_FALSE(port.receive());
   port.wait(600_ms);

@@ -7,12 +7,12 @@
 
 #include <gtest/gtest.h>
 
+#include "stator/bench/local_can_port.hpp"
+#include "stator/bench/local_port.hpp"
 #include "stator/master/master.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/rack/observe/event_log.hpp"
-#include "stator/rack/ports/local_can_port.hpp"
-#include "stator/rack/ports/local_port.hpp"
 
 namespace stator::tests {
 
@@ -83,7 +83,7 @@ class SegmentBench : public RackBench {
     ASSERT_TRUE(master.exchange_process_data());
   }
 
-  rack::LocalPort port;
+  bench::LocalPort port;
   master::Master master;
 };
 
@@ -112,7 +112,7 @@ class BusBench : public RackBench {
     return identifiers;
   }
 
-  rack::LocalCanPort port;
+  bench::LocalCanPort port;
 };
 
 /// A rack whose first serial line has a host at its other end.

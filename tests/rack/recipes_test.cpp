@@ -8,12 +8,12 @@
 #include <gtest/gtest.h>
 
 #include "source_paths.hpp"
+#include "stator/bench/local_can_port.hpp"
+#include "stator/bench/local_port.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
 #include "stator/rack/core/faults.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
-#include "stator/rack/ports/local_can_port.hpp"
-#include "stator/rack/ports/local_port.hpp"
 #include "stator/tmcl/telegram.hpp"
 
 namespace stator::rack {
@@ -42,7 +42,7 @@ bool over(Rack& rack, base::SimTime now) {
 /// A patient master: whatever goes wrong, it begins anew. Its first axis moves, so that positions
 /// are passed.
 void run_segment(Rack& rack, const RackConfiguration& configuration) {
-  LocalPort port(rack, 0, configuration.cycle, configuration.step);
+  bench::LocalPort port(rack, 0, configuration.cycle, configuration.step);
   const std::size_t slaves = configuration.segments.front().devices.size();
   const auto start = [&](master::Master& master) {
     return master.scan() && master.slaves().size() == slaves && master.configure_process_data() &&
@@ -71,7 +71,7 @@ void run_segment(Rack& rack, const RackConfiguration& configuration) {
 }
 
 void run_bus(Rack& rack, const RackConfiguration& configuration) {
-  LocalCanPort port(rack, 0, configuration.cycle, configuration.step);
+  bench::LocalCanPort port(rack, 0, configuration.cycle, configuration.step);
   const auto answered = [&port] {
     while (port.receive()) {
     }

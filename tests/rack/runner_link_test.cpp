@@ -11,11 +11,11 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "stator/bench/link_port.hpp"
 #include "stator/link/ethernet/open_link.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
 #include "stator/master/master.hpp"
 #include "stator/rack/core/product_catalogue.hpp"
-#include "stator/rack/ports/link_port.hpp"
 #include "stator/rack/run/runner.hpp"
 
 namespace stator::rack {
@@ -44,7 +44,7 @@ TEST(RunnerOverUdp, AMasterScansTheRack) {
 
   const auto opened = link::open_link(configuration.segments[0].link, link::LinkEnd::master, {});
   ASSERT_TRUE(opened) << opened.error().text;
-  LinkPort port(**opened);
+  bench::LinkPort port(**opened);
   master::Master master(port);
   const auto scanned = master.scan();
   ASSERT_TRUE(scanned) << scanned.error().text;

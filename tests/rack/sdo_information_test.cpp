@@ -6,10 +6,10 @@
 
 #include "devices/csv.hpp"
 #include "source_paths.hpp"
+#include "stator/bench/local_port.hpp"
 #include "stator/dictionary/data_type.hpp"
 #include "stator/master/master.hpp"
 #include "stator/rack/core/product_catalogue.hpp"
-#include "stator/rack/ports/local_port.hpp"
 
 namespace stator::rack {
 namespace {
@@ -57,7 +57,7 @@ TEST(SdoInformation, EveryEntryOfTheTmcm3315IsReportedAsTheTableHasIt) {
   const RackConfiguration configuration = single_device_rack("tmcm-3315");
   EventLog log;
   Rack rack(configuration, log);
-  LocalPort port(rack, 0, configuration.cycle, configuration.step);
+  bench::LocalPort port(rack, 0, configuration.cycle, configuration.step);
   master::Master master(port);
   ASSERT_TRUE(master.scan());
   ASSERT_TRUE(master.start_mailbox(0));

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "stator/bench/local_can_port.hpp"
 #include "stator/rack/core/product_catalogue.hpp"
-#include "stator/rack/ports/local_can_port.hpp"
 
 namespace stator::rack {
 namespace {
@@ -33,7 +33,7 @@ class Tmcc160Bus : public ::testing::Test {
   EventLog log_;
   RackConfiguration configuration_;
   Rack rack_;
-  LocalCanPort port_;
+  bench::LocalCanPort port_;
 };
 
 TEST_F(Tmcc160Bus, ReportsItsBootUpHalfASecondAfterPowerOnAndAnswers) {

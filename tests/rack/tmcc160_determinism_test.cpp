@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "base/temporary_directory.hpp"
+#include "stator/bench/local_can_port.hpp"
 #include "stator/rack/core/product_catalogue.hpp"
-#include "stator/rack/ports/local_can_port.hpp"
 
 namespace stator::rack {
 namespace {
@@ -153,7 +153,7 @@ class Run {
   EventLog log_;
   RackConfiguration configuration_;
   Rack rack_;
-  LocalCanPort port_;
+  bench::LocalCanPort port_;
   Evidence evidence_;
 };
 

@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "base/temporary_directory.hpp"
+#include "stator/bench/local_port.hpp"
 #include "stator/ethercat/standard/frame.hpp"
 #include "stator/rack/core/product_catalogue.hpp"
-#include "stator/rack/ports/local_port.hpp"
 #include "stator/replay/player.hpp"
 #include "stator/replay/session_recorder.hpp"
 
@@ -121,7 +121,7 @@ class Bench {
   rack::Rack rack;
 
  private:
-  rack::LocalPort port_;
+  bench::LocalPort port_;
 };
 
 class KeptReplay : public ::testing::Test {

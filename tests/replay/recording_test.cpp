@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "stator/bench/local_port.hpp"
 #include "stator/can/port.hpp"
 #include "stator/master/master.hpp"
 #include "stator/rack/core/product_catalogue.hpp"
-#include "stator/rack/ports/local_port.hpp"
 #include "stator/replay/player.hpp"
 #include "stator/replay/session_recorder.hpp"
 
@@ -111,7 +111,7 @@ class Masters {
   void hear(std::span<const std::byte> bytes) { bytes_ += bytes.size(); }
 
   rack::Rack& rack_;
-  rack::LocalPort segment_;
+  bench::LocalPort segment_;
   master::Master master_;
   can::Port port_;
   std::size_t can_frames_ = 0;

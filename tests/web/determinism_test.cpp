@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "stator/bench/link_port.hpp"
 #include "stator/link/ethernet/open_link.hpp"
 #include "stator/master/master.hpp"
-#include "stator/rack/ports/link_port.hpp"
 #include "web/served_rack.hpp"
 
 namespace stator::web {
@@ -26,7 +26,7 @@ std::string content(const std::string& path) {
 void talk(const link::LinkAddress& address) {
   const auto opened = link::open_link(address, link::LinkEnd::master, {});
   ASSERT_TRUE(opened) << opened.error().text;
-  rack::LinkPort port(**opened);
+  bench::LinkPort port(**opened);
   for (int i = 0; i < 10; ++i) {
     master::Master master(port);
     ASSERT_TRUE(master.scan());

@@ -14,10 +14,10 @@
 #include <gtest/gtest.h>
 
 #include "stator/base/byte_order.hpp"
+#include "stator/bench/link_port.hpp"
 #include "stator/ethercat/controller/frame_text.hpp"
 #include "stator/link/ethernet/open_link.hpp"
 #include "stator/master/master.hpp"
-#include "stator/rack/ports/link_port.hpp"
 #include "stator/web/stream/can_text.hpp"
 #include "stator/web/stream/ethercat_text.hpp"
 #include "web/served_rack.hpp"
@@ -266,7 +266,7 @@ class Traffic : public testing::Test {
     EXPECT_TRUE(opened);
     std::atomic<bool> stopping{false};
     std::thread talker([&] {
-      rack::LinkPort port(**opened);
+      bench::LinkPort port(**opened);
       while (!stopping) {
         master::Master master(port);
         static_cast<void>(master.scan());

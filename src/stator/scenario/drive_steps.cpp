@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "stator/bench/bench.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
-#include "stator/scenario/bench.hpp"
 #include "stator/scenario/step_kinds.hpp"
 
 namespace stator::scenario {
@@ -41,7 +41,7 @@ struct AxisStep {
 
   /// Calls `act` with a client of the axis.
   template <typename Act>
-  Outcome run(Bench& bench, const Act& act) const {
+  Outcome run(bench::Bench& bench, const Act& act) const {
     const auto port = bench.drive(device);
     if (!port) {
       return fail(port.error().text);
@@ -77,7 +77,7 @@ ReadStep read_enable(rack::TomlSection& section, StepReader& reader) {
   if (mode) {
     title += " in mode " + *mode;
   }
-  return {std::move(title), [=](Bench& bench) {
+  return {std::move(title), [=](bench::Bench& bench) {
             return step.run(bench, [&](Cia402Client& client) {
               if (mode) {
                 if (auto set = client.set_mode(modes().at(*mode)); !set) {
@@ -91,14 +91,14 @@ ReadStep read_enable(rack::TomlSection& section, StepReader& reader) {
 
 ReadStep read_disable(rack::TomlSection& section, StepReader& reader) {
   const AxisStep step = read_axis(section, reader, kResponse);
-  return {title_of("disable", step, reader), [=](Bench& bench) {
+  return {title_of("disable", step, reader), [=](bench::Bench& bench) {
             return step.run(bench, [](Cia402Client& client) { return client.disable(); });
           }};
 }
 
 ReadStep read_reset_fault(rack::TomlSection& section, StepReader& reader) {
   const AxisStep step = read_axis(section, reader, kResponse);
-  return {title_of("reset the fault of", step, reader), [=](Bench& bench) {
+  return {title_of("reset the fault of", step, reader), [=](bench::Bench& bench) {
             return step.run(bench, [](Cia402Client& client) { return client.reset_fault(); });
           }};
 }
@@ -134,7 +134,7 @@ ReadStep read_move(rack::TomlSection& section, StepReader& reader) {
   std::string title =
       fmt::format("{} {} {}{}", title_of("move", step, reader), move.relative ? "by" : "to",
                   move.target, wait ? "" : ", without waiting");
-  return {std::move(title), [=](Bench& bench) {
+  return {std::move(title), [=](bench::Bench& bench) {
             return step.run(bench, [&](Cia402Client& client) -> master::Result<void> {
               if (auto set = client.set_mode(OperationMode::profile_position); !set) {
                 return set;

@@ -10,13 +10,13 @@
 #include <fmt/format.h>
 
 #include "stator/base/byte_order.hpp"
+#include "stator/bench/bench.hpp"
 #include "stator/can/arbitration.hpp"
 #include "stator/ethercat/standard/al_state.hpp"
 #include "stator/master/cia402/drive_state.hpp"
 #include "stator/master/text.hpp"
 #include "stator/rack/core/faults.hpp"
 #include "stator/rack/world/text.hpp"
-#include "stator/scenario/bench.hpp"
 #include "stator/scenario/comparison.hpp"
 #include "stator/scenario/object_value.hpp"
 #include "stator/scenario/step_kinds.hpp"
@@ -30,7 +30,7 @@ struct Look {
   bool met = false;
   std::string seen;
 };
-using Probe = std::function<Look(Bench&)>;
+using Probe = std::function<Look(bench::Bench&)>;
 
 /// When what is expected must be so.
 struct Timing {
@@ -59,7 +59,7 @@ std::string text_of(const Timing& timing) {
 }
 
 /// Looks as `timing` says. `expected` is what is looked for, in words.
-Outcome observe(Bench& bench, const Probe& probe, const Timing& timing,
+Outcome observe(bench::Bench& bench, const Probe& probe, const Timing& timing,
                 const std::string& expected) {
   Look look;
   const auto failed = [&] {
@@ -87,7 +87,8 @@ Outcome observe(Bench& bench, const Probe& probe, const Timing& timing,
 
 ReadStep expectation(std::string expected, const Timing& timing, Probe probe) {
   std::string title = expected + text_of(timing);
-  return {std::move(title), [=](Bench& bench) { return observe(bench, probe, timing, expected); }};
+  return {std::move(title),
+          [=](bench::Bench& bench) { return observe(bench, probe, timing, expected); }};
 }
 
 /// "Operation enabled" as scenario files write it.
@@ -115,7 +116,7 @@ std::set<std::string> power_states() {
 
 /// What passed on a bus since the last deed began, the oldest first.
 template <typename Visit>
-void visit_new_frames(Bench& bench, std::size_t bus, const Visit& visit) {
+void visit_new_frames(bench::Bench& bench, std::size_t bus, const Visit& visit) {
   const auto& frames = bench.frames(bus);
   const std::uint64_t gone = bench.forgotten_frames(bus);
   const std::uint64_t before = std::max(bench.frames_before(bus), gone) - gone;
@@ -145,7 +146,7 @@ ReadStep read_expect_signal(rack::TomlSection& section, StepReader& /*reader*/) 
                     "describe DEVICE --signals\" lists those of a device");
   }
   return expectation(
-      fmt::format("{} {}", *name, comparison.text()), timing, [=](Bench& bench) -> Look {
+      fmt::format("{} {}", *name, comparison.text()), timing, [=](bench::Bench& bench) -> Look {
         const std::vector<devices::Signal> signals = bench.rack().signals();
         const auto found = std::ranges::find(signals, *name, &devices::Signal::name);
         if (found == signals.end()) {
@@ -182,7 +183,7 @@ ReadStep read_expect_object(rack::TomlSection& section, StepReader& reader) {
       : text ? fmt::format("{} is \"{}\"", name, *text)
       : mask ? fmt::format("{} with mask {:X}h {}", name, *mask, comparison.text())
              : fmt::format("{} {}", name, comparison.text());
-  return expectation(expected, timing, [=](Bench& bench) -> Look {
+  return expectation(expected, timing, [=](bench::Bench& bench) -> Look {
     const auto data = bench.upload(device, *object);
     if (!data) {
       return {abort && data.error().code == master::ErrorCode::sdo_aborted &&
@@ -229,7 +230,7 @@ ReadStep read_expect_state(rack::TomlSection& section, StepReader& reader) {
   if (status) {
     expected += fmt::format(" with AL status code {:04X}h", *status);
   }
-  return expectation(std::move(expected), timing, [=](Bench& bench) -> Look {
+  return expectation(std::move(expected), timing, [=](bench::Bench& bench) -> Look {
     if (bus) {
       const auto shown = bench.rack().device(device).network_status();
       return {as_word(shown.state) == *state, "it is in " + std::string(shown.state)};
@@ -261,7 +262,7 @@ ReadStep read_expect_power_state(rack::TomlSection& section, StepReader& reader)
     section.missing("state", fmt::format("it is one of: {}", fmt::join(power_states(), ", ")));
   }
   return expectation(axis_text(reader.name_of(device), axis) + " is in " + *state, timing,
-                     [=](Bench& bench) -> Look {
+                     [=](bench::Bench& bench) -> Look {
                        const auto port = bench.drive(device);
                        if (!port) {
                          return not_seen(port);
@@ -297,7 +298,7 @@ ReadStep read_expect_register(rack::TomlSection& section, StepReader& reader) {
   }
   return expectation(
       fmt::format("{} register {:04X}h {}", reader.name_of(device), *address, comparison.text()),
-      timing, [=](Bench& bench) -> Look {
+      timing, [=](bench::Bench& bench) -> Look {
         std::array<std::byte, 8> bytes{};
         bench.rack()
             .segment(device.network)
@@ -313,7 +314,7 @@ ReadStep read_expect_lost_cycles(rack::TomlSection& section, StepReader& reader)
   const Comparison comparison = require_comparison(section);
   const Timing timing = read_timing(section);
   return expectation("the number of lost cycles " + comparison.text(), timing,
-                     [=](Bench& bench) -> Look {
+                     [=](bench::Bench& bench) -> Look {
                        const auto lost = static_cast<double>(bench.lost_cycles(segment));
                        return {comparison.met(lost), number_text(lost) + " were lost"};
                      });
@@ -338,7 +339,7 @@ ReadStep read_expect_frame(rack::TomlSection& section, StepReader& reader) {
   if (!bytes->empty()) {
     expected += " with " + bytes_text(*bytes);
   }
-  return expectation(std::move(expected), timing, [=](Bench& bench) -> Look {
+  return expectation(std::move(expected), timing, [=](bench::Bench& bench) -> Look {
     bool found = false;
     std::string last = "none with that identifier came";
     visit_new_frames(bench, bus, [&](const can::TimedFrame& each) {
@@ -370,7 +371,7 @@ ReadStep read_expect_event(rack::TomlSection& section, StepReader& reader) {
   const std::string name = device ? reader.name_of(*device) : "";
   return expectation(
       fmt::format("{} event {}{}", absent ? "no" : "an", *rule, device ? " of " + name : ""),
-      timing, [=](Bench& bench) -> Look {
+      timing, [=](bench::Bench& bench) -> Look {
         bool found = false;
         std::string seen = "it was not told";
         bench.log().visit(bench.events_before(), [&](std::uint64_t, const base::Event& event) {
@@ -394,7 +395,7 @@ ReadStep read_expect_fault(rack::TomlSection& section, StepReader& /*reader*/) {
                     "that it must be in");
   }
   return expectation(fmt::format("fault {} is {}", *name, *state), timing,
-                     [=](Bench& bench) -> Look {
+                     [=](bench::Bench& bench) -> Look {
                        std::string seen = "there is none of this name";
                        bool met = false;
                        for (const auto& fault : bench.rack().faults().list(bench.now())) {

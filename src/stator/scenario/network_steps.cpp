@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "stator/bench/bench.hpp"
 #include "stator/can/arbitration.hpp"
 #include "stator/ethercat/standard/al_state.hpp"
-#include "stator/scenario/bench.hpp"
 #include "stator/scenario/object_value.hpp"
 #include "stator/scenario/step_kinds.hpp"
 
@@ -28,7 +28,7 @@ const std::map<std::string, AlState>& al_states() {
 }
 
 /// Takes all slaves of a segment up to a state, as a master does at its start.
-master::Result<void> take_up(Bench& bench, std::size_t segment, AlState wanted) {
+master::Result<void> take_up(bench::Bench& bench, std::size_t segment, AlState wanted) {
   const auto found = bench.scanned(segment);
   if (!found || wanted == AlState::init) {
     return found ? bench.scan(segment) : base::Unexpected{found.error()};
@@ -56,7 +56,7 @@ master::Result<void> take_up(Bench& bench, std::size_t segment, AlState wanted) 
   return {};
 }
 
-master::Result<void> take_slave(Bench& bench, rack::DeviceAddress device, AlState wanted) {
+master::Result<void> take_slave(bench::Bench& bench, rack::DeviceAddress device, AlState wanted) {
   const auto position = bench.position(device);
   if (!position) {
     return base::Unexpected{position.error()};
@@ -92,7 +92,7 @@ const std::map<std::string, unsigned>& nmt_commands() {
 
 ReadStep read_scan(rack::TomlSection& section, StepReader& reader) {
   const std::size_t segment = reader.segment(section);
-  return {"scan", [segment](Bench& bench) { return outcome_of(bench.scan(segment)); }};
+  return {"scan", [segment](bench::Bench& bench) { return outcome_of(bench.scan(segment)); }};
 }
 
 ReadStep read_state(rack::TomlSection& section, StepReader& reader) {
@@ -113,7 +113,7 @@ ReadStep read_state(rack::TomlSection& section, StepReader& reader) {
   if (status) {
     title += fmt::format(", refused with {:04X}h", *status);
   }
-  return {std::move(title), [=](Bench& bench) {
+  return {std::move(title), [=](bench::Bench& bench) {
             const auto reached =
                 device ? take_slave(bench, *device, state) : take_up(bench, segment, state);
             return status ? refusal_outcome(reached, static_cast<unsigned>(*status))
@@ -136,7 +136,7 @@ ReadStep read_nmt(rack::TomlSection& section, StepReader& reader) {
   command = nmt_commands().at(*name);
   std::string title =
       fmt::format("NMT {} to {}", *name, device ? reader.name_of(*device) : "all nodes of the bus");
-  return {std::move(title), [=](Bench& bench) {
+  return {std::move(title), [=](bench::Bench& bench) {
             for (const rack::DeviceAddress each : bench.rack().addresses()) {
               const bool meant = device ? each == *device
                                         : each.kind == rack::NetworkKind::bus &&
@@ -172,7 +172,7 @@ ReadStep read_send(rack::TomlSection& section, StepReader& reader) {
   frame.length = static_cast<std::uint8_t>(bytes->size());
   std::ranges::copy(*bytes, frame.data.begin());
   return {fmt::format("frame {:03X}h {}", frame.identifier, bytes_text(*bytes)),
-          [bus, frame](Bench& bench) {
+          [bus, frame](bench::Bench& bench) {
             bench.send(bus, frame);
             return pass();
           }};
@@ -184,7 +184,7 @@ ReadStep read_wait(rack::TomlSection& section, StepReader& /*reader*/) {
   if (!time) {
     section.missing("time", "it says how long, e.g. \"200ms\"");
   }
-  return {duration_text(*time), [time](Bench& bench) {
+  return {duration_text(*time), [time](bench::Bench& bench) {
             bench.pass(*time);
             return pass();
           }};

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "stator/scenario/bench.hpp"
+#include "stator/bench/bench.hpp"
 #include "stator/scenario/comparison.hpp"
 #include "stator/scenario/object_value.hpp"
 #include "stator/scenario/step_kinds.hpp"
@@ -47,7 +47,7 @@ ReadStep read_write(rack::TomlSection& section, StepReader& reader) {
   if (abort) {
     title += fmt::format(", aborted with {:08X}h", *abort);
   }
-  return {std::move(title), [=](Bench& bench) {
+  return {std::move(title), [=](bench::Bench& bench) {
             const auto data = to_bytes(*value, find_entry(bench, device, *object));
             if (!data) {
               return fail(data.error());

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "stator/bench/bench.hpp"
 #include "stator/rack/core/faults.hpp"
-#include "stator/scenario/bench.hpp"
 #include "stator/scenario/step_kinds.hpp"
 
 namespace stator::scenario {
@@ -21,7 +21,7 @@ ReadStep read_inject(rack::TomlSection& section, StepReader& reader) {
   }
   const rack::FaultConfiguration fault = reader.faults().read(*keys);
   std::string title = fmt::format("fault {} at {}", fault.kind->name, fault.target.text);
-  return {std::move(title), [fault](Bench& bench) {
+  return {std::move(title), [fault](bench::Bench& bench) {
             const auto armed = bench.rack().inject(fault, bench.now());
             return armed ? pass() : fail(armed.error());
           }};
@@ -29,7 +29,7 @@ ReadStep read_inject(rack::TomlSection& section, StepReader& reader) {
 
 ReadStep read_clear(rack::TomlSection& section, StepReader& /*reader*/) {
   const auto name = section.text({"fault", "Name of the fault that ends; without it all end"});
-  return {name ? "end of fault " + *name : "end of all faults", [name](Bench& bench) {
+  return {name ? "end of fault " + *name : "end of all faults", [name](bench::Bench& bench) {
             std::optional<std::uint64_t> id;
             if (name) {
               for (const rack::FaultStatus& fault : bench.rack().faults().list(bench.now())) {
@@ -59,7 +59,7 @@ ReadStep read_rack_event(rack::TomlSection& section, StepReader& reader,
   if (input && !events.empty()) {
     title += fmt::format(".{} = {}", *input, std::get<rack::InputEvent>(events.back().event).value);
   }
-  return {std::move(title), [events](Bench& bench) {
+  return {std::move(title), [events](bench::Bench& bench) {
             const base::SimTime start = bench.now();
             for (const rack::EventConfiguration& each : events) {
               if (start + each.at > bench.now()) {

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "stator/bench/bench.hpp"
 #include "stator/rack/observe/recorder.hpp"
 #include "stator/rack/observe/signal_tap.hpp"
-#include "stator/scenario/bench.hpp"
 #include "stator/scenario/step_reader.hpp"
 
 namespace stator::scenario {
@@ -22,7 +22,7 @@ constexpr std::size_t kEventsTold = 20;
 /// Samples what is to be drawn while a scenario runs.
 class PlotSampler {
  public:
-  PlotSampler(Bench& bench, const Scenario& scenario) : bench_(bench) {
+  PlotSampler(bench::Bench& bench, const Scenario& scenario) : bench_(bench) {
     if (scenario.plots.empty()) {
       return;
     }
@@ -54,14 +54,14 @@ class PlotSampler {
   }
 
  private:
-  Bench& bench_;
+  bench::Bench& bench_;
   std::unique_ptr<rack::SignalTap> tap_;
 };
 
-Outcome run_action(const Step& step, Bench& bench) {
+Outcome run_action(const Step& step, bench::Bench& bench) {
   try {
     return step.action(bench);
-  } catch (const TimeLimitReached& reached) {
+  } catch (const bench::TimeLimitReached& reached) {
     return fail(
         fmt::format("the scenario's limit of {} of simulated time is reached; raise "
                     "\"limit\" if it needs more",
@@ -71,7 +71,7 @@ Outcome run_action(const Step& step, Bench& bench) {
   }
 }
 
-void run_steps(const Scenario& scenario, Bench& bench, ScenarioResult& result) {
+void run_steps(const Scenario& scenario, bench::Bench& bench, ScenarioResult& result) {
   for (std::size_t i = 0; i < scenario.steps.size() && result.status == Status::passed; ++i) {
     const Step& step = scenario.steps[i];
     StepResult& told = result.steps[i];
@@ -125,7 +125,7 @@ ScenarioResult run(const Scenario& scenario) {
     result.steps.push_back({step.line, step.kind, step.title});
   }
   try {
-    Bench bench(scenario.rack, scenario.limit);
+    bench::Bench bench(scenario.rack, scenario.limit);
     const PlotSampler sampler(bench, scenario);
     run_steps(scenario, bench, result);
     result.end = bench.now();

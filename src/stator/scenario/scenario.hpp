@@ -8,9 +8,11 @@
 #include "stator/base/sim_time.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 
-namespace stator::scenario {
-
+namespace stator::bench {
 class Bench;
+}
+
+namespace stator::scenario {
 
 /// What a step came to.
 struct Outcome {
@@ -24,8 +26,8 @@ struct Outcome {
   return {false, std::move(text)};
 }
 
-/// What a step does and looks at. May throw TimeLimitReached.
-using Action = std::function<Outcome(Bench&)>;
+/// What a step does and looks at. May throw bench::TimeLimitReached.
+using Action = std::function<Outcome(bench::Bench&)>;
 
 /// One [[step]] of a scenario.
 struct Step {

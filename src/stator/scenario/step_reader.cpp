@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "stator/scenario/bench.hpp"
+#include "stator/bench/bench.hpp"
 
 namespace stator::scenario {
 
@@ -72,7 +72,7 @@ base::SimDuration StepReader::within(rack::TomlSection& section, base::SimDurati
   return otherwise;
 }
 
-const dictionary::Entry* find_entry(Bench& bench, rack::DeviceAddress device,
+const dictionary::Entry* find_entry(bench::Bench& bench, rack::DeviceAddress device,
                                     master::ObjectAddress object) {
   const dictionary::Dictionary* objects = bench.rack().device(device).object_dictionary();
   return objects != nullptr ? objects->find(object.index, object.subindex) : nullptr;

@@ -60,7 +60,7 @@ class StepReader {
 };
 
 /// The entry of a device's dictionary; null if it has none such.
-[[nodiscard]] const dictionary::Entry* find_entry(Bench& bench, rack::DeviceAddress device,
+[[nodiscard]] const dictionary::Entry* find_entry(bench::Bench& bench, rack::DeviceAddress device,
                                                   master::ObjectAddress object);
 
 /// "gantry axis 1".

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "stator/scenario/bench.hpp"
+#include "stator/bench/bench.hpp"
 #include "stator/scenario/comparison.hpp"
 #include "stator/scenario/step_kinds.hpp"
 #include "stator/tmcl/assembler/direct_line.hpp"
@@ -49,7 +49,7 @@ ReadStep read_tmcl(rack::TomlSection& section, StepReader& reader) {
   if (!command) {
     section.missing("command", "it is a command as programs write it, e.g. \"GAP 1, 0\"");
   }
-  return {fmt::format("{}: {}", reader.name_of(device), *command), [=](Bench& bench) {
+  return {fmt::format("{}: {}", reader.name_of(device), *command), [=](bench::Bench& bench) {
             const tmcl::Firmware* firmware = bench.rack().device(device).tmcl_firmware();
             if (firmware == nullptr) {
               return fail(fmt::format("{} has no TMCL", bench.rack().name_of(device)));

@@ -82,12 +82,12 @@ void Bus::open_interface(const BusOptions& options) {
   }
   link_ = std::move(*opened);
   if (capture_ == nullptr) {
-    port_ = std::make_unique<rack::LinkPort>(*link_);
+    port_ = std::make_unique<bench::LinkPort>(*link_);
     return;
   }
   capturing_link_ = std::make_unique<link::CapturingLink>(
       *link_, *capture_, link::CapturingLink::Clock::bind<&Bus::time>(*this));
-  port_ = std::make_unique<rack::LinkPort>(*capturing_link_);
+  port_ = std::make_unique<bench::LinkPort>(*capturing_link_);
 }
 
 void Bus::build_rack(const BusOptions& options) {
@@ -110,8 +110,8 @@ void Bus::build_rack(const BusOptions& options) {
   }
   log_ = std::make_unique<rack::EventLog>(make_logger());
   rack_ = std::make_unique<rack::Rack>(configuration, *log_);
-  port_ = std::make_unique<rack::LocalPort>(*rack_, 0, configuration.cycle, configuration.step,
-                                            std::move(capture_));
+  port_ = std::make_unique<bench::LocalPort>(*rack_, 0, configuration.cycle, configuration.step,
+                                             std::move(capture_));
 }
 
 void Bus::end_files() {

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "stator/base/sim_time.hpp"
+#include "stator/bench/link_port.hpp"
+#include "stator/bench/local_port.hpp"
 #include "stator/link/ethernet/capturing_link.hpp"
 #include "stator/link/ethernet/ethernet_link.hpp"
 #include "stator/link/system/pcap_writer.hpp"
@@ -12,8 +14,6 @@
 #include "stator/master/master_options.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/observe/event_log.hpp"
-#include "stator/rack/ports/link_port.hpp"
-#include "stator/rack/ports/local_port.hpp"
 
 namespace CLI {
 class App;

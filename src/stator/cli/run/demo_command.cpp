@@ -246,7 +246,7 @@ class Demo {
   rack::RackConfiguration configuration_;
   rack::Rack rack_;
   SignalTable signals_;
-  rack::LocalPort port_;
+  bench::LocalPort port_;
   master::Master master_;
   std::vector<master::Cia402Client> axes_;
   base::SimTime begin_;

@@ -1,4 +1,4 @@
-#include "stator/rack/ports/local_port.hpp"
+#include "stator/bench/local_port.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -11,22 +11,22 @@
 #include "stator/master/master.hpp"
 #include "stator/rack/core/product_catalogue.hpp"
 
-namespace stator::rack {
+namespace stator::bench {
 namespace {
 
 using namespace base::literals;
 
 /// A rack with `modules` TMCM-3315 and a master on it.
-class Bench {
+class ModuleBench {
  public:
-  explicit Bench(unsigned modules = 1, const std::string& record = "")
+  explicit ModuleBench(unsigned modules = 1, const std::string& record = "")
       : configuration_(configuration(modules, record)),
         rack_(configuration_, log_),
         port_(rack_, 0, configuration_.cycle, configuration_.step),
         master_(port_) {}
 
   [[nodiscard]] master::Master& master() { return master_; }
-  [[nodiscard]] Rack& rack() { return rack_; }
+  [[nodiscard]] rack::Rack& rack() { return rack_; }
   [[nodiscard]] LocalPort& port() { return port_; }
 
   void bring_to_operational() {
@@ -59,8 +59,8 @@ class Bench {
   }
 
  private:
-  static RackConfiguration configuration(unsigned modules, const std::string& record) {
-    RackConfiguration rack = single_device_rack("tmcm-3315");
+  static rack::RackConfiguration configuration(unsigned modules, const std::string& record) {
+    rack::RackConfiguration rack = rack::single_device_rack("tmcm-3315");
     auto& devices = rack.segments.front().devices;
     devices.front().name = "m0";
     for (unsigned i = 1; i < modules; ++i) {
@@ -68,27 +68,27 @@ class Bench {
       devices.back().name = "m" + std::to_string(i);
     }
     if (!record.empty()) {
-      rack.record = RecordConfiguration{record, 1_ms, {"*"}};
+      rack.record = rack::RecordConfiguration{record, 1_ms, {"*"}};
     }
     return rack;
   }
 
-  EventLog log_;
-  RackConfiguration configuration_;
-  Rack rack_;
+  rack::EventLog log_;
+  rack::RackConfiguration configuration_;
+  rack::Rack rack_;
   LocalPort port_;
   master::Master master_;
 };
 
 TEST(LocalPort, AMasterFindsEveryModuleOfTheRack) {
-  Bench bench(3);
+  ModuleBench bench(3);
   ASSERT_TRUE(bench.master().scan());
   ASSERT_EQ(bench.master().slaves().size(), 3U);
   EXPECT_EQ(bench.master().slaves()[2].information.name, "TMCM-3315");
 }
 
 TEST(LocalPort, TimePassesOnlyWithFramesAndWaits) {
-  Bench bench;
+  ModuleBench bench;
   ASSERT_TRUE(bench.master().scan());
   const base::SimTime before = bench.port().now();
   EXPECT_EQ(bench.port().now(), before);
@@ -97,7 +97,7 @@ TEST(LocalPort, TimePassesOnlyWithFramesAndWaits) {
 }
 
 TEST(LocalPort, TenRevolutionsEndWithinOneMicrostepAtTheShaft) {
-  Bench bench;
+  ModuleBench bench;
   bench.bring_to_operational();
   bench.move(0, 0, 512'000);
   for (int i = 0; i < 300; ++i) {
@@ -109,7 +109,7 @@ TEST(LocalPort, TenRevolutionsEndWithinOneMicrostepAtTheShaft) {
 }
 
 TEST(LocalPort, EveryAxisOfEveryModuleMovesOnItsOwn) {
-  Bench bench(2);
+  ModuleBench bench(2);
   bench.bring_to_operational();
   bench.move(1, 2, -51'200);
   EXPECT_DOUBLE_EQ(bench.signal("m1.axis2.position_actual"), -51'200.0);
@@ -120,7 +120,7 @@ TEST(LocalPort, EveryAxisOfEveryModuleMovesOnItsOwn) {
 
 std::string recording_of_one_run(const std::string& path) {
   {
-    Bench bench(1, path);
+    ModuleBench bench(1, path);
     bench.bring_to_operational();
     bench.move(0, 0, 100'000);
   }
@@ -140,4 +140,4 @@ TEST(LocalPort, TheSameRunTwiceGivesTheSameRecording) {
 }
 
 }  // namespace
-}  // namespace stator::rack
+}  // namespace stator::bench

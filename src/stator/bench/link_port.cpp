@@ -1,9 +1,9 @@
-#include "stator/rack/ports/link_port.hpp"
+#include "stator/bench/link_port.hpp"
 
 #include <chrono>
 #include <thread>
 
-namespace stator::rack {
+namespace stator::bench {
 
 master::Result<std::size_t> LinkPort::exchange(std::span<const std::byte> frame,
                                                std::span<std::byte> reply,
@@ -24,4 +24,4 @@ void LinkPort::wait(base::SimDuration duration) {
   std::this_thread::sleep_for(std::chrono::nanoseconds(duration.nanoseconds()));
 }
 
-}  // namespace stator::rack
+}  // namespace stator::bench

@@ -6,12 +6,12 @@
 
 #include <fmt/format.h>
 
+#include "stator/bench/bench_masters.hpp"
+#include "stator/bench/can_sdo_client.hpp"
 #include "stator/master/cia402/slave_drive_port.hpp"
 #include "stator/master/text.hpp"
-#include "stator/scenario/bench_masters.hpp"
-#include "stator/scenario/can_sdo_client.hpp"
 
-namespace stator::scenario {
+namespace stator::bench {
 
 using master::ErrorCode;
 
@@ -159,4 +159,4 @@ master::Result<master::DrivePort*> Bench::drive(rack::DeviceAddress device) {
   return drives_.back().second.get();
 }
 
-}  // namespace stator::scenario
+}  // namespace stator::bench

@@ -9,17 +9,17 @@
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/world/clock.hpp"
 
-namespace stator::rack {
+namespace stator::bench {
 
 /// A master's port onto a rack in the same process, in lockstep: no privileges, no interface, and
 /// equal runs give equal results. Waiting is what makes time pass.
 class LocalPort final : public master::FramePort {
  public:
   /// Reaches segment `segment` of `rack`, which must outlive the port. `capture` may be null.
-  LocalPort(Rack& rack, std::size_t segment, base::SimDuration cycle, base::SimDuration step,
+  LocalPort(rack::Rack& rack, std::size_t segment, base::SimDuration cycle, base::SimDuration step,
             std::unique_ptr<link::PcapWriter> capture = nullptr);
   /// The same with a clock that ports onto other networks of the rack share; it must outlive them.
-  LocalPort(Rack& rack, std::size_t segment, LockstepClock& clock);
+  LocalPort(rack::Rack& rack, std::size_t segment, rack::LockstepClock& clock);
 
   master::Result<std::size_t> exchange(std::span<const std::byte> frame, std::span<std::byte> reply,
                                        base::SimDuration timeout) override;
@@ -31,12 +31,12 @@ class LocalPort final : public master::FramePort {
   void take_late();
   master::Result<std::size_t> wait_for_late(std::span<std::byte> reply, base::SimDuration timeout);
 
-  Rack& rack_;
+  rack::Rack& rack_;
   std::size_t segment_;
-  LockstepClock own_clock_;
-  LockstepClock& clock_;
+  rack::LockstepClock own_clock_;
+  rack::LockstepClock& clock_;
   std::unique_ptr<link::PcapWriter> capture_;
   std::deque<std::vector<std::byte>> late_;  ///< frames that a fault has held up
 };
 
-}  // namespace stator::rack
+}  // namespace stator::bench

@@ -12,7 +12,7 @@
 #include "stator/master/error.hpp"
 #include "stator/master/sdo_types.hpp"
 
-namespace stator::scenario {
+namespace stator::bench {
 
 /// SDO client of a CANopen node on the identifiers of the predefined connection set (CiA 301
 /// §7.2.4, §7.3.3): expedited and segmented transfers.
@@ -45,4 +45,4 @@ class CanSdoClient {
   Exchange exchange_;
 };
 
-}  // namespace stator::scenario
+}  // namespace stator::bench

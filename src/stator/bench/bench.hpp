@@ -11,26 +11,26 @@
 #include <vector>
 
 #include "stator/base/expected.hpp"
+#include "stator/bench/can_sdo_client.hpp"
+#include "stator/bench/local_can_port.hpp"
+#include "stator/bench/local_port.hpp"
 #include "stator/can/port.hpp"
 #include "stator/master/cia402/drive_port.hpp"
 #include "stator/master/master.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/observe/event_log.hpp"
-#include "stator/rack/ports/local_can_port.hpp"
-#include "stator/rack/ports/local_port.hpp"
-#include "stator/scenario/can_sdo_client.hpp"
 #include "stator/tmcl/instruction.hpp"
 #include "stator/tmcl/telegram.hpp"
 
-namespace stator::scenario {
+namespace stator::bench {
 
-/// A scenario took more simulated time than it may.
+/// A bench was asked for more simulated time than it may take.
 struct TimeLimitReached {
   base::SimDuration limit;
 };
 
 /// A rack with a master on each of its networks, all in simulated time: time passes only with what
-/// the masters send and wait for, so equal scenarios give equal results. Functions that let time
+/// the masters send and wait for, so equal calls give equal results. Functions that let time
 /// pass throw TimeLimitReached.
 class Bench {
  public:
@@ -140,4 +140,4 @@ class Bench {
   std::vector<std::pair<rack::DeviceAddress, std::unique_ptr<master::DrivePort>>> drives_;
 };
 
-}  // namespace stator::scenario
+}  // namespace stator::bench

@@ -8,16 +8,16 @@
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/world/clock.hpp"
 
-namespace stator::rack {
+namespace stator::bench {
 
 /// A master's port onto a CAN bus of a rack in the same process, in lockstep: sending moves time as
-/// LockstepClock has it, and waiting does. Equal runs give equal results.
+/// rack::LockstepClock has it, and waiting does. Equal runs give equal results.
 class LocalCanPort {
  public:
   /// Reaches bus `bus` of `rack`, which must outlive the port.
-  LocalCanPort(Rack& rack, std::size_t bus, base::SimDuration cycle, base::SimDuration step);
+  LocalCanPort(rack::Rack& rack, std::size_t bus, base::SimDuration cycle, base::SimDuration step);
   /// The same with a clock that ports onto other networks of the rack share; it must outlive them.
-  LocalCanPort(Rack& rack, std::size_t bus, LockstepClock& clock);
+  LocalCanPort(rack::Rack& rack, std::size_t bus, rack::LockstepClock& clock);
   ~LocalCanPort();
   LocalCanPort(const LocalCanPort&) = delete;
   LocalCanPort& operator=(const LocalCanPort&) = delete;
@@ -33,11 +33,11 @@ class LocalCanPort {
  private:
   void attach();
 
-  Rack& rack_;
+  rack::Rack& rack_;
   std::size_t bus_;
-  LockstepClock own_clock_;
-  LockstepClock& clock_;
+  rack::LockstepClock own_clock_;
+  rack::LockstepClock& clock_;
   can::Port port_;
 };
 
-}  // namespace stator::rack
+}  // namespace stator::bench

@@ -1,4 +1,4 @@
-#include "stator/scenario/can_sdo_client.hpp"
+#include "stator/bench/can_sdo_client.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include "stator/base/byte_order.hpp"
 #include "stator/master/text.hpp"
 
-namespace stator::scenario {
+namespace stator::bench {
 
 namespace {
 
@@ -158,4 +158,4 @@ master::Result<void> CanSdoClient::download_segments(ObjectAddress object,
   return base::Unexpected{answer.error()};
 }
 
-}  // namespace stator::scenario
+}  // namespace stator::bench

@@ -1,14 +1,14 @@
-#include "stator/rack/ports/local_can_port.hpp"
+#include "stator/bench/local_can_port.hpp"
 
-namespace stator::rack {
+namespace stator::bench {
 
-LocalCanPort::LocalCanPort(Rack& rack, std::size_t bus, base::SimDuration cycle,
+LocalCanPort::LocalCanPort(rack::Rack& rack, std::size_t bus, base::SimDuration cycle,
                            base::SimDuration step)
     : rack_(rack), bus_(bus), own_clock_(cycle, step), clock_(own_clock_) {
   attach();
 }
 
-LocalCanPort::LocalCanPort(Rack& rack, std::size_t bus, LockstepClock& clock)
+LocalCanPort::LocalCanPort(rack::Rack& rack, std::size_t bus, rack::LockstepClock& clock)
     : rack_(rack), bus_(bus), own_clock_(clock), clock_(clock) {
   attach();
 }
@@ -33,4 +33,4 @@ void LocalCanPort::wait(base::SimDuration duration) {
   rack_.advance(clock_.now());
 }
 
-}  // namespace stator::rack
+}  // namespace stator::bench

@@ -1,12 +1,12 @@
-#include "stator/rack/ports/local_port.hpp"
+#include "stator/bench/local_port.hpp"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-namespace stator::rack {
+namespace stator::bench {
 
-LocalPort::LocalPort(Rack& rack, std::size_t segment, base::SimDuration cycle,
+LocalPort::LocalPort(rack::Rack& rack, std::size_t segment, base::SimDuration cycle,
                      base::SimDuration step, std::unique_ptr<link::PcapWriter> capture)
     : rack_(rack),
       segment_(segment),
@@ -14,7 +14,7 @@ LocalPort::LocalPort(Rack& rack, std::size_t segment, base::SimDuration cycle,
       clock_(own_clock_),
       capture_(std::move(capture)) {}
 
-LocalPort::LocalPort(Rack& rack, std::size_t segment, LockstepClock& clock)
+LocalPort::LocalPort(rack::Rack& rack, std::size_t segment, rack::LockstepClock& clock)
     : rack_(rack), segment_(segment), own_clock_(clock), clock_(clock) {}
 
 master::Result<std::size_t> LocalPort::capture(std::span<const std::byte> frame) {
@@ -86,4 +86,4 @@ void LocalPort::wait(base::SimDuration duration) {
   rack_.advance(clock_.now());
 }
 
-}  // namespace stator::rack
+}  // namespace stator::bench

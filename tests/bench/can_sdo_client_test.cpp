@@ -1,11 +1,11 @@
-#include "stator/scenario/can_sdo_client.hpp"
+#include "stator/bench/can_sdo_client.hpp"
 
 #include <deque>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-namespace stator::scenario {
+namespace stator::bench {
 namespace {
 
 using master::ErrorCode;
@@ -93,4 +93,4 @@ TEST(CanSdoClient, RefusesAToggleThatDoesNotAlternate) {
 }
 
 }  // namespace
-}  // namespace stator::scenario
+}  // namespace stator::bench

@@ -4,7 +4,7 @@
 #include "stator/master/frame_port.hpp"
 #include "stator/rack/world/clock.hpp"
 
-namespace stator::rack {
+namespace stator::bench {
 
 /// A master's port onto a network interface; time is the machine's.
 class LinkPort final : public master::FramePort {
@@ -19,7 +19,7 @@ class LinkPort final : public master::FramePort {
 
  private:
   link::EthernetLink& link_;
-  RealClock clock_;
+  rack::RealClock clock_;
 };
 
-}  // namespace stator::rack
+}  // namespace stator::bench

@@ -1,4 +1,4 @@
-#include "stator/scenario/bench.hpp"
+#include "stator/bench/bench.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -7,10 +7,12 @@
 #include <fmt/format.h>
 
 #include "stator/base/byte_order.hpp"
+#include "stator/bench/bench_masters.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
+#include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
-#include "stator/scenario/bench_masters.hpp"
 
-namespace stator::scenario {
+namespace stator::bench {
 
 namespace {
 
@@ -264,4 +266,4 @@ base::Expected<tmcl::Reply, std::string> Bench::ask_on_line(LineMaster& line,
   return tmcl::decode_reply(telegram);
 }
 
-}  // namespace stator::scenario
+}  // namespace stator::bench

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "stator/scenario/bench.hpp"
+#include "stator/bench/bench.hpp"
 
-namespace stator::scenario {
+namespace stator::bench {
 
 // What a bench has on each network of its rack; for its own sources.
 
@@ -27,7 +27,7 @@ struct Bench::SegmentMaster {
       : port(bench.rack_, segment, bench.clock_),
         master(port, master_options(bench.configuration_)) {}
 
-  rack::LocalPort port;
+  LocalPort port;
   master::Master master;
   bool scanned = false;
   std::uint64_t lost_before = 0;  ///< cycles that had failed when the last deed began
@@ -43,7 +43,7 @@ struct Bench::BusMaster {
   BusMaster(rack::Rack& rack, std::size_t bus, rack::LockstepClock& clock)
       : port(rack, bus, clock) {}
 
-  rack::LocalCanPort port;
+  LocalCanPort port;
   std::deque<can::TimedFrame> frames{};
   std::uint64_t forgotten = 0;
   std::uint64_t before = 0;  ///< frames that had come when the last deed began
@@ -63,4 +63,4 @@ struct Bench::LineMaster {
   std::vector<std::byte> heard{};
 };
 
-}  // namespace stator::scenario
+}  // namespace stator::bench
