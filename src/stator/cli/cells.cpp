@@ -2,21 +2,6 @@
 
 namespace stator::cli {
 
-void append_csv_field(std::string& row, std::string_view text) {
-  if (text.find_first_of(",\"\n") == std::string_view::npos) {
-    row += text;
-    return;
-  }
-  row += '"';
-  for (const char c : text) {
-    if (c == '"') {
-      row += '"';
-    }
-    row += c;
-  }
-  row += '"';
-}
-
 std::vector<std::string> csv_fields(std::string_view line) {
   std::vector<std::string> fields(1);
   bool quoted = false;

@@ -6,10 +6,9 @@
 
 #include <fmt/format.h>
 
-namespace stator::cli {
+#include "stator/base/csv.hpp"
 
-/// Appends `text` to a row of comma-separated values, quoted where it has to be (RFC 4180).
-void append_csv_field(std::string& row, std::string_view text);
+namespace stator::cli {
 
 /// Prints one row of comma-separated values.
 template <typename Columns>
@@ -21,7 +20,7 @@ void print_csv_row(const Columns& columns) {
       row += ',';
     }
     first = false;
-    append_csv_field(row, column);
+    base::append_csv_field(row, column);
   }
   fmt::print("{}\n", row);
 }

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "stator/base/csv.hpp"
 #include "stator/cli/cells.hpp"
 #include "stator/cli/commands.hpp"
 #include "stator/cli/describe/conformance_data.hpp"
@@ -145,7 +146,7 @@ void print_csv(const std::vector<Conformance>& rows) {
       if (cell != &row.id) {
         line += ',';
       }
-      append_csv_field(line, *cell);
+      base::append_csv_field(line, *cell);
     }
     fmt::print("{}\n", line);
   }

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "stator/cli/cells.hpp"
+#include "stator/base/csv.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/rack/observe/plot.hpp"
 
@@ -99,7 +99,7 @@ void write_csv(const Result& result, const std::string& path) {
   std::string row;
   for (const Column& column : columns) {
     row += row.empty() ? "" : ",";
-    append_csv_field(row, column.heading);
+    base::append_csv_field(row, column.heading);
   }
   file << row << '\n';
   for (std::size_t n = 0; n < rows_of(result); ++n) {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "stator/cli/cells.hpp"
+#include "stator/base/csv.hpp"
 #include "stator/tmcl/command.hpp"
 
 namespace stator::cli {
@@ -95,7 +95,7 @@ void TmclTrace::executed(const tmcl::ProgramStep& step, const tmcl::Registers& r
   if (options_.csv) {
     fmt::format_to(std::back_inserter(row), "{},{},{},", seconds_text(step.time), step.address,
                    line_text);
-    append_csv_field(row, source_.command_at(step.address));
+    base::append_csv_field(row, source_.command_at(step.address));
     fmt::format_to(std::back_inserter(row), ",{},{},{},{}", registers.accumulator, registers.x,
                    flags_text(registers), status);
   } else {
