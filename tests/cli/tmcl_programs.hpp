@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "stator/cli/products.hpp"
+#include "stator/cli/tmcl/tmcl_bench_options.hpp"
 #include "stator/cli/tmcl_tools/tmcl_bench.hpp"
-#include "stator/cli/tmcl_tools/tmcl_bench_options.hpp"
 #include "stator/cli/tmcl_tools/tmcl_source.hpp"
 #include "stator/tmcl/assembler/assembler.hpp"
 

@@ -14,9 +14,9 @@
 #include "stator/cli/interruption.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/cli/tmcl/line_reader.hpp"
+#include "stator/cli/tmcl/tmcl_bench_options.hpp"
 #include "stator/cli/tmcl/tmcl_commands.hpp"
 #include "stator/cli/tmcl/tmcl_debug_screen.hpp"
-#include "stator/cli/tmcl_tools/tmcl_bench_options.hpp"
 #include "stator/cli/tmcl_tools/tmcl_debug_console.hpp"
 #include "stator/cli/tmcl_tools/tmcl_debugger.hpp"
 

@@ -10,9 +10,9 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/cli/tmcl/line_reader.hpp"
+#include "stator/cli/tmcl/tmcl_bench_options.hpp"
 #include "stator/cli/tmcl/tmcl_commands.hpp"
 #include "stator/cli/tmcl_tools/tmcl_bench_connection.hpp"
-#include "stator/cli/tmcl_tools/tmcl_bench_options.hpp"
 #include "stator/cli/tmcl_tools/tmcl_shell.hpp"
 #include "stator/link/can/can_link_address.hpp"
 

@@ -1,12 +1,29 @@
 #include "stator/cli/tmcl_tools/tmcl_bench.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <system_error>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "stator/cli/failure.hpp"
 #include "stator/rack/world/input_names.hpp"
 
 namespace stator::cli {
+
+InputChange parse_input_change(const std::string& text, base::SimTime time) {
+  const std::size_t sign = text.find('=');
+  double value = 0.0;
+  if (sign != std::string::npos) {
+    const char* end = text.data() + text.size();
+    const auto [read, error] = std::from_chars(text.data() + sign + 1, end, value);
+    if (error == std::errc() && read == end) {
+      return {time, text.substr(0, sign), value};
+    }
+  }
+  throw Failure(fmt::format("\"{}\" sets no input; write NAME=VALUE, the value a number", text));
+}
 
 TmclBench::TmclBench(TmclModule module)
     : module_(std::move(module)), inputs_(module_.device->inputs()) {

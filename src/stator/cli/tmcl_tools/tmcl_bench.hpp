@@ -28,6 +28,9 @@ struct InputChange {
   double value = 0.0;
 };
 
+/// "NAME=VALUE" at `time`. Throws Failure.
+[[nodiscard]] InputChange parse_input_change(const std::string& text, base::SimTime time);
+
 /// Where a module runs in simulated time for those who look at its program: as fast as the machine
 /// goes, from one moment at which something happens to the next.
 class TmclBench {

@@ -3,7 +3,6 @@
 #include <thread>
 
 #include "stator/cli/failure.hpp"
-#include "stator/cli/tmcl_tools/tmcl_bench_options.hpp"
 
 namespace stator::cli {
 

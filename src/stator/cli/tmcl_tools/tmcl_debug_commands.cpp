@@ -7,7 +7,6 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
 #include "stator/cli/tmcl_tools/tmcl_answer_text.hpp"
-#include "stator/cli/tmcl_tools/tmcl_bench_options.hpp"
 #include "stator/cli/tmcl_tools/tmcl_debug_console.hpp"
 #include "stator/cli/words.hpp"
 #include "stator/rack/world/text.hpp"

@@ -37,9 +37,6 @@ void add_program_options(CLI::App& command, TmclBenchOptions& options);
 /// What the options set at the start and later. Throws Failure saying how they are written.
 [[nodiscard]] std::vector<InputChange> input_changes(const TmclBenchOptions& options);
 
-/// "NAME=VALUE" at `time`. Throws Failure.
-[[nodiscard]] InputChange parse_input_change(const std::string& text, base::SimTime time);
-
 /// "10s", "250us". Throws Failure naming `option`.
 [[nodiscard]] base::SimDuration duration_of(const std::string& option, const std::string& text);
 

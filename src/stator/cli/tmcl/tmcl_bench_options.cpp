@@ -1,8 +1,6 @@
-#include "stator/cli/tmcl_tools/tmcl_bench_options.hpp"
+#include "stator/cli/tmcl/tmcl_bench_options.hpp"
 
-#include <charconv>
 #include <set>
-#include <system_error>
 #include <type_traits>
 #include <variant>
 
@@ -103,19 +101,6 @@ std::vector<InputChange> input_changes(const TmclBenchOptions& options) {
     changes.push_back(parse_input_change(text, base::SimTime(duration_of("--at", time))));
   }
   return changes;
-}
-
-InputChange parse_input_change(const std::string& text, base::SimTime time) {
-  const std::size_t sign = text.find('=');
-  double value = 0.0;
-  if (sign != std::string::npos) {
-    const char* end = text.data() + text.size();
-    const auto [read, error] = std::from_chars(text.data() + sign + 1, end, value);
-    if (error == std::errc() && read == end) {
-      return {time, text.substr(0, sign), value};
-    }
-  }
-  throw Failure(fmt::format("\"{}\" sets no input; write NAME=VALUE, the value a number", text));
 }
 
 base::SimDuration duration_of(const std::string& option, const std::string& text) {
