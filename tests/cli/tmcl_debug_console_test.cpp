@@ -13,7 +13,9 @@
 namespace stator {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using tests::module_as_new;
 using tests::program;
@@ -46,7 +48,8 @@ class TmclDebugConsole : public testing::Test {
   }
 
   cli::TmclDebugger debugger_{module_as_new, program(kText), {}};
-  cli::TmclDebugConsole console_{debugger_};
+  tests::FilesInMemory files_;
+  cli::TmclDebugConsole console_{debugger_, files_.access().read};
 };
 
 TEST_F(TmclDebugConsole, StandsBeforeTheFirstCommandAndSteps) {
@@ -135,6 +138,13 @@ TEST_F(TmclDebugConsole, ValuesAreReadAndSetByName) {
   EXPECT_EQ(say("p out[1] != 0"), "out[1] != 0 = 1\n");
 }
 
+TEST_F(TmclDebugConsole, CommandsOfAFileAreObeyedUpToTheFirstThatFails) {
+  files_.texts["begin.gdb"] = "break 5\n# a remark\nrun\nnonsense\nstep\n";
+  EXPECT_THAT(say("source begin.gdb"),
+              AllOf(HasSubstr("Breakpoint 1, Loop+3"), EndsWith("\"help\" lists them\n")));
+  EXPECT_EQ(refusal("source none.gdb"), "cannot read none.gdb: there is none\n");
+}
+
 TEST_F(TmclDebugConsole, CommandsInDirectModeMayBeCalled) {
   EXPECT_EQ(say("call GAP MAX_CURRENT, 0"), "MAX_CURRENT (axis parameter 6) = 8, of 15\n");
   EXPECT_EQ(say("call sap 6 0 99"), "refused: invalid value (status 4)\n");
@@ -213,7 +223,7 @@ TEST_F(TmclDebugConsole, WhatCannotBeDoneIsSaid) {
 
 TEST_F(TmclDebugConsole, ARefusedCommandHoldsTheProgramIfAskedTo) {
   cli::TmclDebugger debugger(module_as_new, program("SAP MAX_CURRENT, 0, 99\nSTOP\n"), {});
-  cli::TmclDebugConsole console(debugger);
+  cli::TmclDebugConsole console(debugger, files_.access().read);
   console.execute("catch refused");
   EXPECT_THAT(console.execute("run").text,
               HasSubstr("Refused with status 4: SAP MAX_CURRENT, 0, 99, 0.000100 s"));

@@ -1,13 +1,12 @@
 #include "stator/cli/tmcl_tools/tmcl_shell.hpp"
 
-#include <filesystem>
-#include <fstream>
+#include <array>
+#include <span>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cli/stator_program.hpp"
 #include "cli/tmcl_programs.hpp"
 #include "stator/cli/tmcl_tools/tmcl_bench_connection.hpp"
 
@@ -16,6 +15,7 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 class TmclShell : public testing::Test {
  protected:
@@ -30,9 +30,10 @@ class TmclShell : public testing::Test {
     return response.text;
   }
 
+  tests::FilesInMemory files_;
   cli::TmclBench bench_{tests::module_as_new()};
   cli::TmclBenchConnection connection_{bench_, "tmcm-142", cli::BenchClock::simulated};
-  cli::TmclShell shell_{connection_, cli::tmcl_module("tmcm-142")};
+  cli::TmclShell shell_{connection_, cli::tmcl_module("tmcm-142"), files_.access()};
 };
 
 TEST_F(TmclShell, CommandsAreWrittenWithCommasOrSpacesAndInAnyCase) {
@@ -72,10 +73,8 @@ TEST_F(TmclShell, MovesAreWaitedFor) {
 }
 
 TEST_F(TmclShell, ProgramsAreDownloadedReadBackRunAndStopped) {
-  const std::string path = tests::temporary("shell.tmc");
-  std::ofstream(path) << "Loop: WAIT TICKS, 0, 1\nJA Loop\n";
-  EXPECT_EQ(say("download " + path), "2 commands are in the program memory\n");
-  std::filesystem::remove(path);
+  files_.texts["loop.tmc"] = "Loop: WAIT TICKS, 0, 1\nJA Loop\n";
+  EXPECT_EQ(say("download loop.tmc"), "2 commands are in the program memory\n");
   EXPECT_EQ(say("upload 2"), "L0:      WAIT TICKS, 0, 1\n         JA L0\n");
   EXPECT_EQ(say("status"), "the program is stopped\n");
   say("run 0");
@@ -85,6 +84,17 @@ TEST_F(TmclShell, ProgramsAreDownloadedReadBackRunAndStopped) {
   EXPECT_EQ(say("status"), "the program is stopped\n");
   say("reset");
   EXPECT_EQ(say("status"), "the program is reset\n");
+}
+
+TEST_F(TmclShell, ProgramsThatCannotBeDownloadedAreRefusedAndTheirErrorsTold) {
+  EXPECT_EQ(refusal("download none.tmc"), "cannot read none.tmc: there is none\n");
+  files_.texts["wrong.tmc"] = "MVP ABS, 0\n";
+  EXPECT_EQ(refusal("download wrong.tmc"), "wrong.tmc has 1 error; it does not run\n");
+  EXPECT_THAT(files_.told, StartsWith("wrong.tmc:1:"));
+  files_.texts["empty.tmc"] = "// nothing\n";
+  EXPECT_EQ(refusal("download empty.tmc"), "empty.tmc contains no command; write at least STOP\n");
+  files_.texts["bytes.hex"] = "1c 00 00 00 00 00 00\n";
+  EXPECT_EQ(say("download bytes.hex"), "1 commands are in the program memory\n");
 }
 
 TEST_F(TmclShell, WordsAreCompletedByTheirPlaceInTheCommand) {

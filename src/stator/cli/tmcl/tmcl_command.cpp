@@ -9,6 +9,7 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
 #include "stator/cli/products.hpp"
+#include "stator/cli/tmcl/program_files.hpp"
 #include "stator/cli/tmcl/tmcl_commands.hpp"
 #include "stator/cli/tmcl_tools/program_formats.hpp"
 #include "stator/cli/tmcl_tools/tmcl_source.hpp"
@@ -37,7 +38,7 @@ struct DisassembleOptions : TmclOptions {
 void assemble(const AssembleOptions& options) {
   const std::string text = read_file(options.file);
   const tmcl::Assembly assembly = tmcl::assemble(text, tmcl_module(options.device));
-  report_diagnostics(assembly, options.file, "nothing is written");
+  report_diagnostics(assembly, options.file, "nothing is written", program_files().tell);
   const auto& program = assembly.program.instructions;
   const bool binary = options.format == "binary";
   const std::string content =

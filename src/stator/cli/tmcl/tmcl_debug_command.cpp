@@ -10,10 +10,10 @@
 
 #include "stator/cli/event_printer.hpp"
 #include "stator/cli/failure.hpp"
-#include "stator/cli/files.hpp"
 #include "stator/cli/interruption.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/cli/tmcl/line_reader.hpp"
+#include "stator/cli/tmcl/program_files.hpp"
 #include "stator/cli/tmcl/tmcl_bench_options.hpp"
 #include "stator/cli/tmcl/tmcl_commands.hpp"
 #include "stator/cli/tmcl/tmcl_debug_screen.hpp"
@@ -68,7 +68,7 @@ bool obey_options(const DebugOptions& options, Session& session) {
 
 void converse(const DebugOptions& options, TmclDebugger& debugger,
               const Interruption& interruption) {
-  TmclDebugConsole console(debugger);
+  TmclDebugConsole console(debugger, program_files().read);
   Session session(console);
   LineReader reader("(stator) ", [&console](std::string_view before, std::string_view word) {
     return console.completions(before, word);
@@ -104,16 +104,17 @@ void debug(const DebugOptions& options) {
   if (options.screen) {
     sink = &collector;
   }
-  TmclDebugger debugger([&] { return make_tmcl_module(options, base::EventReporter(sink, 0)); },
-                        load_tmcl_source(options.program, tmcl_module(options.device)),
-                        input_changes(options));
+  TmclDebugger debugger(
+      [&] { return make_tmcl_module(options, base::EventReporter(sink, 0)); },
+      load_tmcl_source(options.program, tmcl_module(options.device), program_files()),
+      input_changes(options));
   const Interruption interruption;
   debugger.set_interruption([&interruption] { return interruption.taken(); });
   if (!options.screen) {
     converse(options, debugger, interruption);
     return;
   }
-  TmclDebugConsole console(debugger);
+  TmclDebugConsole console(debugger, program_files().read);
   DebugScreenOptions screen{.commands = options.commands,
                             .take_events = [&collector] { return collector.take(); },
                             .interruption = &interruption};

@@ -16,6 +16,7 @@
 #include "stator/cli/interruption.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/cli/temporary_csv.hpp"
+#include "stator/cli/tmcl/program_files.hpp"
 #include "stator/cli/tmcl/tmcl_bench_options.hpp"
 #include "stator/cli/tmcl/tmcl_commands.hpp"
 #include "stator/cli/tmcl_tools/tmcl_bench.hpp"
@@ -127,7 +128,7 @@ class ProgramRun {
  public:
   explicit ProgramRun(const RunOptions& options)
       : options_(options),
-        source_(load_tmcl_source(options.program, tmcl_module(options.device))),
+        source_(load_tmcl_source(options.program, tmcl_module(options.device), program_files())),
         bench_(make_tmcl_module(options, base::EventReporter(&events_, 0))),
         limit_(duration_of("--for", options.limit)),
         signals_(rack::select_signals(bench_.device().signals(), options.signals.empty()

@@ -10,6 +10,7 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/cli/tmcl/line_reader.hpp"
+#include "stator/cli/tmcl/program_files.hpp"
 #include "stator/cli/tmcl/tmcl_bench_options.hpp"
 #include "stator/cli/tmcl/tmcl_commands.hpp"
 #include "stator/cli/tmcl_tools/tmcl_bench_connection.hpp"
@@ -74,7 +75,7 @@ void run_shell(const ShellOptions& options) {
     connection = std::make_unique<TmclBenchConnection>(
         *bench, options.device, machine ? BenchClock::machine : BenchClock::simulated);
   }
-  TmclShell shell(*connection, module);
+  TmclShell shell(*connection, module, program_files());
   const int refused = converse(shell, connection->name(), options.strict);
   if (options.strict && refused != 0) {
     throw Failure(fmt::format("{} command{} refused", refused, refused == 1 ? " was" : "s were"));

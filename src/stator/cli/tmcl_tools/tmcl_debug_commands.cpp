@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "stator/cli/failure.hpp"
-#include "stator/cli/files.hpp"
 #include "stator/cli/tmcl_tools/tmcl_answer_text.hpp"
 #include "stator/cli/tmcl_tools/tmcl_debug_console.hpp"
 #include "stator/cli/words.hpp"
@@ -263,8 +262,11 @@ struct DebugCommands {
   }
 
   static std::string source(Console& console, Words text) {
-    const std::string content = read_file(std::string(text));
-    Words rest = content;
+    const auto content = console.read_file_(std::string(text));
+    if (!content) {
+      throw Console::Refusal{content.error()};
+    }
+    Words rest = *content;
     std::string told;
     while (!rest.empty()) {
       const std::size_t end = std::min(rest.find('\n'), rest.size());

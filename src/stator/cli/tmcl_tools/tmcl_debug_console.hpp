@@ -5,8 +5,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "stator/cli/tmcl_tools/program_files.hpp"
 #include "stator/cli/tmcl_tools/tmcl_debugger.hpp"
 
 namespace stator::cli {
@@ -21,8 +23,9 @@ struct DebugResponse {
 /// The debugger's commands, named as gdb names them, without a terminal: lines in, text out.
 class TmclDebugConsole {
  public:
-  /// `debugger` must outlive the console.
-  explicit TmclDebugConsole(TmclDebugger& debugger) : debugger_(debugger) {}
+  /// `debugger` must outlive the console. `read_file` reads files of commands.
+  TmclDebugConsole(TmclDebugger& debugger, ReadFile read_file)
+      : debugger_(debugger), read_file_(std::move(read_file)) {}
 
   /// Obeys a line. Commands may be cut short as long as they are clear; an empty line repeats the
   /// one before where that is useful (step, next, list, ...).
@@ -54,6 +57,7 @@ class TmclDebugConsole {
   StopPoint& stop_point(std::string_view number);
 
   TmclDebugger& debugger_;
+  ReadFile read_file_;
   std::string last_line_;
   std::vector<std::pair<int, std::string>> displays_;
   int last_display_ = 0;

@@ -78,7 +78,7 @@ struct ShellCommands {
     return fmt::format("{} ({:08x}h)\n", text, static_cast<std::uint32_t>(value));
   }
   static std::string download(TmclShell& shell, Words text) {
-    const TmclSource source = load_tmcl_source(std::string(text), shell.module_);
+    const TmclSource source = load_tmcl_source(std::string(text), shell.module_, shell.files_);
     shell.send(Command::start_download);
     for (const tmcl::Instruction& each : source.program().instructions) {
       shell.send(each);

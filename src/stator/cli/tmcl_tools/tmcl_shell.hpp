@@ -2,8 +2,10 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "stator/cli/tmcl_tools/program_files.hpp"
 #include "stator/cli/tmcl_tools/tmcl_connection.hpp"
 #include "stator/tmcl/module/module_description.hpp"
 
@@ -20,9 +22,9 @@ struct ShellResponse {
 /// what has no mnemonic (run, halt, download, ...).
 class TmclShell {
  public:
-  /// Both must outlive the shell.
-  TmclShell(TmclConnection& connection, const tmcl::ModuleDescription& module)
-      : connection_(connection), module_(module) {}
+  /// Connection and module must outlive the shell.
+  TmclShell(TmclConnection& connection, const tmcl::ModuleDescription& module, ProgramFiles files)
+      : connection_(connection), module_(module), files_(std::move(files)) {}
 
   ShellResponse execute(std::string_view line);
   /// Words that may stand in place of `word`, which stands behind `before`.
@@ -42,6 +44,7 @@ class TmclShell {
 
   TmclConnection& connection_;
   const tmcl::ModuleDescription& module_;
+  ProgramFiles files_;
 };
 
 }  // namespace stator::cli

@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cstdio>
-#include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "stator/base/spelling.hpp"
 #include "stator/cli/failure.hpp"
-#include "stator/cli/files.hpp"
 #include "stator/cli/tmcl_tools/program_formats.hpp"
 #include "stator/tmcl/assembler/disassembler.hpp"
 #include "stator/tmcl/assembler/program_flow.hpp"
@@ -130,11 +127,11 @@ const std::string& TmclSource::command_at(std::size_t address) const {
 }
 
 void report_diagnostics(const tmcl::Assembly& assembly, const std::string& file,
-                        std::string_view consequence) {
+                        std::string_view consequence, const TellDiagnostic& tell) {
   for (const tmcl::Diagnostic& each : assembly.diagnostics) {
     const bool error = each.severity == tmcl::Severity::error;
-    fmt::print(stderr, "{}:{}:{}: {}: {}\n", file, each.line, each.column,
-               error ? "error" : "warning", each.message);
+    tell(fmt::format("{}:{}:{}: {}: {}", file, each.line, each.column, error ? "error" : "warning",
+                     each.message));
   }
   if (!assembly.succeeded()) {
     const auto errors = std::ranges::count(assembly.diagnostics, tmcl::Severity::error,
@@ -144,8 +141,13 @@ void report_diagnostics(const tmcl::Assembly& assembly, const std::string& file,
   }
 }
 
-TmclSource load_tmcl_source(const std::string& file, const tmcl::ModuleDescription& module) {
-  std::string content = read_file(file);
+TmclSource load_tmcl_source(const std::string& file, const tmcl::ModuleDescription& module,
+                            const ProgramFiles& files) {
+  const auto read = files.read(file);
+  if (!read) {
+    throw Failure(read.error());
+  }
+  std::string content = *read;
   if (!is_text(content)) {
     const auto program = read_program(content, file);
     if (program.size() > module.program_length) {
@@ -155,7 +157,7 @@ TmclSource load_tmcl_source(const std::string& file, const tmcl::ModuleDescripti
     content = tmcl::disassemble(program, module);
   }
   tmcl::Assembly assembly = tmcl::assemble(content, module);
-  report_diagnostics(assembly, file, "it does not run");
+  report_diagnostics(assembly, file, "it does not run", files.tell);
   if (assembly.program.instructions.empty()) {
     throw Failure(fmt::format("{} contains no command; write at least STOP", file));
   }

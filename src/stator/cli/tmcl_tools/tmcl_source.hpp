@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "stator/cli/tmcl_tools/program_files.hpp"
 #include "stator/tmcl/assembler/assembler.hpp"
 #include "stator/tmcl/assembler/program.hpp"
 #include "stator/tmcl/instruction.hpp"
@@ -53,13 +54,14 @@ class TmclSource {
 };
 
 /// Reads a program for `module`: text, or bytes in any form `stator tmcl assemble` writes. Warnings
-/// go to standard error. Throws Failure after errors.
+/// are told. Throws Failure after errors.
 [[nodiscard]] TmclSource load_tmcl_source(const std::string& file,
-                                          const tmcl::ModuleDescription& module);
+                                          const tmcl::ModuleDescription& module,
+                                          const ProgramFiles& files);
 
-/// Prints errors and warnings as compilers do. Throws Failure if there is an error; `consequence`
+/// Tells errors and warnings as compilers do. Throws Failure if there is an error; `consequence`
 /// ends its sentence: "nothing is written".
 void report_diagnostics(const tmcl::Assembly& assembly, const std::string& file,
-                        std::string_view consequence);
+                        std::string_view consequence, const TellDiagnostic& tell);
 
 }  // namespace stator::cli
