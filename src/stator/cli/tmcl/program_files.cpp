@@ -11,7 +11,7 @@
 
 namespace stator::cli {
 
-ProgramFiles program_files() {
+tmcl_tools::ProgramFiles program_files() {
   return {.read = [](const std::string& path) -> base::Expected<std::string, std::string> {
             try {
               return read_file(path);

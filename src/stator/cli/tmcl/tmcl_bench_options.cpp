@@ -12,6 +12,7 @@
 #include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/rack/world/text.hpp"
+#include "stator/tmcl_tools/failure.hpp"
 
 namespace stator::cli {
 
@@ -48,11 +49,12 @@ devices::Tmcm142Configuration configuration_in_rack(const TmclBenchOptions& opti
     }
   }
   if (names.empty()) {
-    throw Failure(fmt::format("{} has no device that runs programs in TMCL (type \"{}\")",
-                              options.rack_file, options.device));
+    throw tmcl_tools::Failure(
+        fmt::format("{} has no device that runs programs in TMCL (type \"{}\")", options.rack_file,
+                    options.device));
   }
-  throw Failure(fmt::format("{} has no module \"{}\"; it has: {}", options.rack_file,
-                            options.rack_device, fmt::join(names, ", ")));
+  throw tmcl_tools::Failure(fmt::format("{} has no module \"{}\"; it has: {}", options.rack_file,
+                                        options.rack_device, fmt::join(names, ", ")));
 }
 
 }  // namespace
@@ -83,7 +85,8 @@ void add_program_options(CLI::App& command, TmclBenchOptions& options) {
       ->allow_extra_args(false);
 }
 
-TmclModule make_tmcl_module(const TmclBenchOptions& options, base::EventReporter reporter) {
+tmcl_tools::TmclModule make_tmcl_module(const TmclBenchOptions& options,
+                                        base::EventReporter reporter) {
   static_cast<void>(tmcl_module(options.device));
   const devices::Tmcm142Configuration configuration =
       options.rack_file.empty() ? devices::Tmcm142Configuration{} : configuration_in_rack(options);
@@ -92,13 +95,14 @@ TmclModule make_tmcl_module(const TmclBenchOptions& options, base::EventReporter
   return {std::move(device), &firmware};
 }
 
-std::vector<InputChange> input_changes(const TmclBenchOptions& options) {
-  std::vector<InputChange> changes;
+std::vector<tmcl_tools::InputChange> input_changes(const TmclBenchOptions& options) {
+  std::vector<tmcl_tools::InputChange> changes;
   for (const std::string& text : options.inputs) {
-    changes.push_back(parse_input_change(text, base::SimTime()));
+    changes.push_back(tmcl_tools::parse_input_change(text, base::SimTime()));
   }
   for (const auto& [time, text] : options.later) {
-    changes.push_back(parse_input_change(text, base::SimTime(duration_of("--at", time))));
+    changes.push_back(
+        tmcl_tools::parse_input_change(text, base::SimTime(duration_of("--at", time))));
   }
   return changes;
 }

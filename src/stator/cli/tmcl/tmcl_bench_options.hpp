@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "stator/base/event.hpp"
-#include "stator/cli/tmcl_tools/tmcl_bench.hpp"
 #include "stator/tmcl/module/module_description.hpp"
+#include "stator/tmcl_tools/tmcl_bench.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's
 class App;
@@ -30,12 +30,13 @@ void add_module_options(CLI::App& command, TmclBenchOptions& options);
 void add_program_options(CLI::App& command, TmclBenchOptions& options);
 
 /// The module that is asked for, as it is after switching on; its events go to `reporter`. Throws
-/// Failure naming the devices there are.
-[[nodiscard]] TmclModule make_tmcl_module(const TmclBenchOptions& options,
-                                          base::EventReporter reporter);
+/// tmcl_tools::Failure naming the devices there are.
+[[nodiscard]] tmcl_tools::TmclModule make_tmcl_module(const TmclBenchOptions& options,
+                                                      base::EventReporter reporter);
 
-/// What the options set at the start and later. Throws Failure saying how they are written.
-[[nodiscard]] std::vector<InputChange> input_changes(const TmclBenchOptions& options);
+/// What the options set at the start and later. Throws tmcl_tools::Failure saying how they are
+/// written, and Failure if a time is none.
+[[nodiscard]] std::vector<tmcl_tools::InputChange> input_changes(const TmclBenchOptions& options);
 
 /// "10s", "250us". Throws Failure naming `option`.
 [[nodiscard]] base::SimDuration duration_of(const std::string& option, const std::string& text);

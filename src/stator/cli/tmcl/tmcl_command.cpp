@@ -11,10 +11,10 @@
 #include "stator/cli/products.hpp"
 #include "stator/cli/tmcl/program_files.hpp"
 #include "stator/cli/tmcl/tmcl_commands.hpp"
-#include "stator/cli/tmcl_tools/program_formats.hpp"
-#include "stator/cli/tmcl_tools/tmcl_source.hpp"
 #include "stator/tmcl/assembler/assembler.hpp"
 #include "stator/tmcl/assembler/disassembler.hpp"
+#include "stator/tmcl_tools/program_formats.hpp"
+#include "stator/tmcl_tools/tmcl_source.hpp"
 
 namespace stator::cli {
 
@@ -38,21 +38,22 @@ struct DisassembleOptions : TmclOptions {
 void assemble(const AssembleOptions& options) {
   const std::string text = read_file(options.file);
   const tmcl::Assembly assembly = tmcl::assemble(text, tmcl_module(options.device));
-  report_diagnostics(assembly, options.file, "nothing is written", program_files().tell);
+  tmcl_tools::report_diagnostics(assembly, options.file, "nothing is written",
+                                 program_files().tell);
   const auto& program = assembly.program.instructions;
   const bool binary = options.format == "binary";
   const std::string content =
-      binary                    ? program_as_binary(program)
-      : options.format == "hex" ? program_as_hex(program)
+      binary                    ? tmcl_tools::program_as_binary(program)
+      : options.format == "hex" ? tmcl_tools::program_as_hex(program)
       : options.format == "listing"
-          ? program_as_listing(assembly.program, text)
-          : program_as_telegrams(program, static_cast<std::uint8_t>(options.address));
+          ? tmcl_tools::program_as_listing(assembly.program, text)
+          : tmcl_tools::program_as_telegrams(program, static_cast<std::uint8_t>(options.address));
   write_output(options.output, content, binary, "this format");
 }
 
 void disassemble(const DisassembleOptions& options) {
   const tmcl::ModuleDescription& module = tmcl_module(options.device);
-  const auto program = read_program(read_file(options.file), options.file);
+  const auto program = tmcl_tools::read_program(read_file(options.file), options.file);
   if (program.size() > module.program_length) {
     throw Failure(fmt::format("{} holds {} instructions; the program memory of the {} holds {}",
                               options.file, program.size(), module.product, module.program_length));

@@ -17,8 +17,8 @@
 #include "stator/cli/tmcl/tmcl_bench_options.hpp"
 #include "stator/cli/tmcl/tmcl_commands.hpp"
 #include "stator/cli/tmcl/tmcl_debug_screen.hpp"
-#include "stator/cli/tmcl_tools/tmcl_debug_console.hpp"
-#include "stator/cli/tmcl_tools/tmcl_debugger.hpp"
+#include "stator/tmcl_tools/tmcl_debug_console.hpp"
+#include "stator/tmcl_tools/tmcl_debugger.hpp"
 
 namespace stator::cli {
 
@@ -34,11 +34,11 @@ struct DebugOptions : TmclBenchOptions {
 /// Counts what failed, for the exit status of scripts.
 class Session {
  public:
-  explicit Session(TmclDebugConsole& console) : console_(console) {}
+  explicit Session(tmcl_tools::TmclDebugConsole& console) : console_(console) {}
 
   /// False: the debugger is to end.
   bool obey(std::string_view line) {
-    const DebugResponse response = console_.execute(line);
+    const tmcl_tools::DebugResponse response = console_.execute(line);
     fmt::print(response.failed ? stderr : stdout, "{}", response.text);
     static_cast<void>(std::fflush(stdout));
     failures_ += response.failed ? 1 : 0;
@@ -47,7 +47,7 @@ class Session {
   [[nodiscard]] int failures() const { return failures_; }
 
  private:
-  TmclDebugConsole& console_;
+  tmcl_tools::TmclDebugConsole& console_;
   int failures_ = 0;
 };
 
@@ -66,9 +66,9 @@ bool obey_options(const DebugOptions& options, Session& session) {
   return true;
 }
 
-void converse(const DebugOptions& options, TmclDebugger& debugger,
+void converse(const DebugOptions& options, tmcl_tools::TmclDebugger& debugger,
               const Interruption& interruption) {
-  TmclDebugConsole console(debugger, program_files().read);
+  tmcl_tools::TmclDebugConsole console(debugger, program_files().read);
   Session session(console);
   LineReader reader("(stator) ", [&console](std::string_view before, std::string_view word) {
     return console.completions(before, word);
@@ -104,9 +104,9 @@ void debug(const DebugOptions& options) {
   if (options.screen) {
     sink = &collector;
   }
-  TmclDebugger debugger(
+  tmcl_tools::TmclDebugger debugger(
       [&] { return make_tmcl_module(options, base::EventReporter(sink, 0)); },
-      load_tmcl_source(options.program, tmcl_module(options.device), program_files()),
+      tmcl_tools::load_tmcl_source(options.program, tmcl_module(options.device), program_files()),
       input_changes(options));
   const Interruption interruption;
   debugger.set_interruption([&interruption] { return interruption.taken(); });
@@ -114,7 +114,7 @@ void debug(const DebugOptions& options) {
     converse(options, debugger, interruption);
     return;
   }
-  TmclDebugConsole console(debugger, program_files().read);
+  tmcl_tools::TmclDebugConsole console(debugger, program_files().read);
   DebugScreenOptions screen{.commands = options.commands,
                             .take_events = [&collector] { return collector.take(); },
                             .interruption = &interruption};

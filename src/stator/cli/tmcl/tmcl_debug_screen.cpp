@@ -13,8 +13,8 @@
 #define NCURSES_NOMACROS
 #include <curses.h>
 
-#include "stator/cli/tmcl_tools/tmcl_trace.hpp"
-#include "stator/cli/words.hpp"
+#include "stator/tmcl_tools/tmcl_trace.hpp"
+#include "stator/tmcl_tools/words.hpp"
 
 namespace stator::cli {
 
@@ -110,7 +110,8 @@ class InputLine {
 
 class DebugScreen {
  public:
-  DebugScreen(TmclDebugger& debugger, TmclDebugConsole& console, const DebugScreenOptions& options)
+  DebugScreen(tmcl_tools::TmclDebugger& debugger, tmcl_tools::TmclDebugConsole& console,
+              const DebugScreenOptions& options)
       : debugger_(debugger), console_(console), options_(options) {
     debugger_.set_interruption([this] { return look_while_running(); });
   }
@@ -133,7 +134,7 @@ class DebugScreen {
     running_ = true;
     // Ctrl-C that was pressed before means nothing now.
     static_cast<void>(options_.interruption->taken());
-    const DebugResponse response = console_.execute(line);
+    const tmcl_tools::DebugResponse response = console_.execute(line);
     running_ = false;
     write(options_.take_events());
     write(response.text);
@@ -286,7 +287,7 @@ class DebugScreen {
   }
 
   void draw_text() {
-    const TmclSource& source = debugger_.source();
+    const tmcl_tools::TmclSource& source = debugger_.source();
     const int width = COLS - kPanelWidth - 1;
     for (int row = 0; row < text_rows(); ++row) {
       const auto line = static_cast<std::size_t>(first_line_) + static_cast<std::size_t>(row);
@@ -321,7 +322,7 @@ class DebugScreen {
     say(fmt::format("  accu  {:>12}", state.registers.accumulator));
     say(fmt::format("  x     {:>12}", state.registers.x));
     say(fmt::format("  pc    {:>12}  depth {}", state.program_counter, debugger_.depth()));
-    say(fmt::format("  flags {}", flags_text(state.registers)));
+    say(fmt::format("  flags {}", tmcl_tools::flags_text(state.registers)));
     say(" Motion", A_BOLD);
     for (const devices::Signal& signal : debugger_.bench().device().signals()) {
       say(fmt::format("  {:18.18} {:>13.7g}", short_name(signal.name), signal.read()));
@@ -338,17 +339,17 @@ class DebugScreen {
   }
 
   void draw_status() {
-    const TmclBench& bench = debugger_.bench();
+    const tmcl_tools::TmclBench& bench = debugger_.bench();
     const auto line = debugger_.source().line_of(debugger_.address());
     print(text_rows(), 0, COLS,
-          fmt::format(" {}  {}  L{}  PC {}  {} s  {}", file_name(debugger_.source().file()),
-                      debugger_.source().place_of(debugger_.address()),
-                      line ? std::to_string(*line) : "??", debugger_.address(),
-                      seconds_text(bench.now()),
-                      running_                                   ? "running, Ctrl-C holds it"
-                      : !bench.running()                         ? "stopped"
-                      : bench.firmware().interpreter().waiting() ? "held, in a WAIT"
-                                                                 : "held"),
+          fmt::format(
+              " {}  {}  L{}  PC {}  {} s  {}", tmcl_tools::file_name(debugger_.source().file()),
+              debugger_.source().place_of(debugger_.address()), line ? std::to_string(*line) : "??",
+              debugger_.address(), tmcl_tools::seconds_text(bench.now()),
+              running_                                   ? "running, Ctrl-C holds it"
+              : !bench.running()                         ? "stopped"
+              : bench.firmware().interpreter().waiting() ? "held, in a WAIT"
+                                                         : "held"),
           A_REVERSE);
   }
 
@@ -365,8 +366,8 @@ class DebugScreen {
     ::move(row, static_cast<int>(kPrompt.size() + input_.cursor()));
   }
 
-  TmclDebugger& debugger_;
-  TmclDebugConsole& console_;
+  tmcl_tools::TmclDebugger& debugger_;
+  tmcl_tools::TmclDebugConsole& console_;
   const DebugScreenOptions& options_;
   InputLine input_;
   std::deque<std::string> output_;
@@ -378,7 +379,7 @@ class DebugScreen {
 
 }  // namespace
 
-void run_debug_screen(TmclDebugger& debugger, TmclDebugConsole& console,
+void run_debug_screen(tmcl_tools::TmclDebugger& debugger, tmcl_tools::TmclDebugConsole& console,
                       const DebugScreenOptions& options) {
   const Terminal terminal;
   DebugScreen(debugger, console, options).run();

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "stator/cli/interruption.hpp"
-#include "stator/cli/tmcl_tools/tmcl_debug_console.hpp"
-#include "stator/cli/tmcl_tools/tmcl_debugger.hpp"
+#include "stator/tmcl_tools/tmcl_debug_console.hpp"
+#include "stator/tmcl_tools/tmcl_debugger.hpp"
 
 namespace stator::cli {
 
@@ -20,7 +20,7 @@ struct DebugScreenOptions {
 /// The debugger on a full screen until the person ends it: the program's text with the present line
 /// on the left, registers and motion on the right, commands and what they told below. Standard
 /// input and output must be a terminal.
-void run_debug_screen(TmclDebugger& debugger, TmclDebugConsole& console,
+void run_debug_screen(tmcl_tools::TmclDebugger& debugger, tmcl_tools::TmclDebugConsole& console,
                       const DebugScreenOptions& options);
 
 }  // namespace stator::cli

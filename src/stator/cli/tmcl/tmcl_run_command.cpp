@@ -19,12 +19,12 @@
 #include "stator/cli/tmcl/program_files.hpp"
 #include "stator/cli/tmcl/tmcl_bench_options.hpp"
 #include "stator/cli/tmcl/tmcl_commands.hpp"
-#include "stator/cli/tmcl_tools/tmcl_bench.hpp"
-#include "stator/cli/tmcl_tools/tmcl_profile.hpp"
-#include "stator/cli/tmcl_tools/tmcl_source.hpp"
-#include "stator/cli/tmcl_tools/tmcl_trace.hpp"
 #include "stator/rack/observe/plot.hpp"
 #include "stator/rack/observe/recorder.hpp"
+#include "stator/tmcl_tools/tmcl_bench.hpp"
+#include "stator/tmcl_tools/tmcl_profile.hpp"
+#include "stator/tmcl_tools/tmcl_source.hpp"
+#include "stator/tmcl_tools/tmcl_trace.hpp"
 
 namespace stator::cli {
 
@@ -100,19 +100,21 @@ void draw(const RunOptions& options, const std::vector<devices::Signal>& signals
 }
 
 /// How the run ended, for people.
-std::string ending(const TmclBench& bench, const TmclSource& source, bool interrupted) {
+std::string ending(const tmcl_tools::TmclBench& bench, const tmcl_tools::TmclSource& source,
+                   bool interrupted) {
   const auto counter = bench.firmware().state().program_counter;
   if (!bench.running()) {
     return fmt::format("the program stopped at {} after {} s and {} instructions",
-                       source.place_of(counter), seconds_text(bench.now()), bench.executed());
+                       source.place_of(counter), tmcl_tools::seconds_text(bench.now()),
+                       bench.executed());
   }
   return fmt::format("{} after {} s and {} instructions; the program is at {}: {}",
-                     interrupted ? "interrupted" : "ended", seconds_text(bench.now()),
+                     interrupted ? "interrupted" : "ended", tmcl_tools::seconds_text(bench.now()),
                      bench.executed(), source.place_of(counter), source.command_at(counter));
 }
 
 /// Until the program stops or time is up. True: interrupted.
-bool run_program(TmclBench& bench, base::SimTime limit) {
+bool run_program(tmcl_tools::TmclBench& bench, base::SimTime limit) {
   constexpr unsigned kStepsBetweenLooks = 1000;
   const Interruption interruption;
   for (unsigned steps = 0; bench.running() && bench.advance_to_next(limit); ++steps) {
@@ -128,13 +130,14 @@ class ProgramRun {
  public:
   explicit ProgramRun(const RunOptions& options)
       : options_(options),
-        source_(load_tmcl_source(options.program, tmcl_module(options.device), program_files())),
+        source_(tmcl_tools::load_tmcl_source(options.program, tmcl_module(options.device),
+                                             program_files())),
         bench_(make_tmcl_module(options, base::EventReporter(&events_, 0))),
         limit_(duration_of("--for", options.limit)),
         signals_(rack::select_signals(bench_.device().signals(), options.signals.empty()
                                                                      ? usual_signals()
                                                                      : options.signals)) {
-    for (const InputChange& change : input_changes(options)) {
+    for (const tmcl_tools::InputChange& change : input_changes(options)) {
       if (change.time == base::SimTime()) {
         bench_.set_input(change.input, change.value);
       } else {
@@ -167,8 +170,8 @@ class ProgramRun {
     }
     trace_file_ = open_for_writing(options_.trace);
     trace_.emplace(trace_file_.get(), source_, signals_,
-                   TraceOptions{.csv = options_.trace.ends_with(".csv"),
-                                .changes_only = options_.changes_only});
+                   tmcl_tools::TraceOptions{.csv = options_.trace.ends_with(".csv"),
+                                            .changes_only = options_.changes_only});
     bench_.observe(*trace_);
   }
 
@@ -204,13 +207,13 @@ class ProgramRun {
 
   const RunOptions& options_;
   EventPrinter events_;
-  TmclSource source_;
-  TmclBench bench_;
+  tmcl_tools::TmclSource source_;
+  tmcl_tools::TmclBench bench_;
   base::SimTime limit_;
   std::vector<devices::Signal> signals_;
   File trace_file_;
-  std::optional<TmclTrace> trace_;
-  std::optional<TmclProfile> profile_;
+  std::optional<tmcl_tools::TmclTrace> trace_;
+  std::optional<tmcl_tools::TmclProfile> profile_;
   std::optional<TemporaryCsv> temporary_;
   std::string csv_;
   std::optional<rack::Recorder> recorder_;

@@ -13,9 +13,9 @@
 #include "stator/cli/tmcl/program_files.hpp"
 #include "stator/cli/tmcl/tmcl_bench_options.hpp"
 #include "stator/cli/tmcl/tmcl_commands.hpp"
-#include "stator/cli/tmcl_tools/tmcl_bench_connection.hpp"
-#include "stator/cli/tmcl_tools/tmcl_shell.hpp"
 #include "stator/link/can/can_link_address.hpp"
+#include "stator/tmcl_tools/tmcl_bench_connection.hpp"
+#include "stator/tmcl_tools/tmcl_shell.hpp"
 
 namespace stator::cli {
 
@@ -34,7 +34,7 @@ struct ShellOptions : TmclBenchOptions {
 };
 
 /// Lines until the end; the number of those that were refused.
-int converse(TmclShell& shell, const std::string& name, bool strict) {
+int converse(tmcl_tools::TmclShell& shell, const std::string& name, bool strict) {
   LineReader reader("tmcl> ", [&shell](std::string_view before, std::string_view word) {
     return shell.completions(before, word);
   });
@@ -43,7 +43,7 @@ int converse(TmclShell& shell, const std::string& name, bool strict) {
   }
   int refused = 0;
   while (const auto line = reader.read()) {
-    const ShellResponse response = shell.execute(*line);
+    const tmcl_tools::ShellResponse response = shell.execute(*line);
     fmt::print("{}", response.text);
     static_cast<void>(std::fflush(stdout));
     refused += response.refused ? 1 : 0;
@@ -56,26 +56,28 @@ int converse(TmclShell& shell, const std::string& name, bool strict) {
 
 void run_shell(const ShellOptions& options) {
   const tmcl::ModuleDescription& module = tmcl_module(options.device);
-  const TmclHostOptions host{.module_address = static_cast<std::uint8_t>(options.address),
-                             .can_id = static_cast<std::uint16_t>(options.can_id),
-                             .can_reply_id = static_cast<std::uint16_t>(options.can_reply_id),
-                             .baud_rate = options.baud_rate,
-                             .timeout = duration_of("--timeout", options.timeout)};
+  const tmcl_tools::TmclHostOptions host{
+      .module_address = static_cast<std::uint8_t>(options.address),
+      .can_id = static_cast<std::uint16_t>(options.can_id),
+      .can_reply_id = static_cast<std::uint16_t>(options.can_reply_id),
+      .baud_rate = options.baud_rate,
+      .timeout = duration_of("--timeout", options.timeout)};
   EventPrinter events;
-  std::optional<TmclBench> bench;
-  std::unique_ptr<TmclConnection> connection;
+  std::optional<tmcl_tools::TmclBench> bench;
+  std::unique_ptr<tmcl_tools::TmclConnection> connection;
   if (!options.port.empty()) {
-    connection = connect_tmcl_serial(options.port, host);
+    connection = tmcl_tools::connect_tmcl_serial(options.port, host);
   } else if (!options.can.empty()) {
-    connection = connect_tmcl_can(options.can, host);
+    connection = tmcl_tools::connect_tmcl_can(options.can, host);
   } else {
     bench.emplace(make_tmcl_module(options, base::EventReporter(&events, 0)));
     const bool person = LineReader("").interactive();
     const bool machine = options.clock.empty() ? person : options.clock == "real";
-    connection = std::make_unique<TmclBenchConnection>(
-        *bench, options.device, machine ? BenchClock::machine : BenchClock::simulated);
+    connection = std::make_unique<tmcl_tools::TmclBenchConnection>(
+        *bench, options.device,
+        machine ? tmcl_tools::BenchClock::machine : tmcl_tools::BenchClock::simulated);
   }
-  TmclShell shell(*connection, module, program_files());
+  tmcl_tools::TmclShell shell(*connection, module, program_files());
   const int refused = converse(shell, connection->name(), options.strict);
   if (options.strict && refused != 0) {
     throw Failure(fmt::format("{} command{} refused", refused, refused == 1 ? " was" : "s were"));
