@@ -39,7 +39,7 @@ int move_one_axis() {
       failed(axis.wait_for_target(base::SimDuration(5'000'000'000)))) {
     return 1;
   }
-  for (const devices::Signal& signal : rack.signals()) {
+  for (const product::Signal& signal : rack.signals()) {
     if (signal.name == "tmcm-3315.axis0.shaft_position") {
       std::printf("shaft at %.4f %s after %.3f s of simulated time\n", signal.read(),
                   signal.unit.c_str(), port.now().seconds());

@@ -83,7 +83,7 @@ class Rig {
   }
 
   void check() {
-    for (const devices::Input& input : inputs_) {
+    for (const product::Input& input : inputs_) {
       if (input.name == "axis0.ambient_temperature") {
         input.set(25.0);  // a chip that is too hot stays off
       }
@@ -93,7 +93,7 @@ class Rig {
     }
     switch_supply(false);
     switch_supply(true);
-    for (const devices::Signal& signal : signals_) {
+    for (const product::Signal& signal : signals_) {
       require(std::isfinite(signal.read()));
     }
     const dictionary::Dictionary& dictionary = device_.dictionary();
@@ -115,10 +115,10 @@ class Rig {
     device_.advance(bus_.now());
   }
   void set_world(Input& in) {
-    const devices::Input& input = inputs_[in.byte() % inputs_.size()];
+    const product::Input& input = inputs_[in.byte() % inputs_.size()];
     set(input, input.minimum + (input.maximum - input.minimum) * in.byte() / 255.0);
   }
-  void set(const devices::Input& input, double value) {
+  void set(const product::Input& input, double value) {
     input.set(value);
     if (const auto rail = std::ranges::find(kSupplies, input.name); rail != kSupplies.end()) {
       volts_[static_cast<std::size_t>(rail - kSupplies.begin())] = value;
@@ -164,8 +164,8 @@ class Rig {
   bool on_ = true;
   bool damaged_ = false;
   Tmc8670 device_{devices::Tmc8670Configuration{}};
-  std::vector<devices::Input> inputs_;
-  std::vector<devices::Signal> signals_;
+  std::vector<product::Input> inputs_;
+  std::vector<product::Signal> signals_;
   Wire mcu_;
   Wire hardware_;
   ethercat::Segment segment_;

@@ -53,7 +53,7 @@ class Rig {
          device_.tmcl().description().axis_parameters) {
       require(read(parameter.number).status == tmcl::Status::success);
     }
-    for (const devices::Signal& signal : signals_) {
+    for (const product::Signal& signal : signals_) {
       require(std::isfinite(signal.read()));
     }
   }
@@ -72,7 +72,7 @@ class Rig {
     require(device_.next_deadline() > now_);
   }
   void set_world(Input& in) {
-    const devices::Input& input = inputs_[in.byte() % inputs_.size()];
+    const product::Input& input = inputs_[in.byte() % inputs_.size()];
     input.set(input.minimum + (input.maximum - input.minimum) * in.byte() / 255.0);
   }
   void switch_supply(bool on) { device_.set_power(on, now_); }
@@ -105,8 +105,8 @@ class Rig {
   }
 
   Tmcm142 device_{devices::Tmcm142Configuration{}};
-  std::vector<devices::Input> inputs_;
-  std::vector<devices::Signal> signals_;
+  std::vector<product::Input> inputs_;
+  std::vector<product::Signal> signals_;
   base::SimTime now_;
 };
 

@@ -49,7 +49,7 @@ class ModuleBench {
   }
 
   [[nodiscard]] double signal(const std::string& name) {
-    for (const devices::Signal& candidate : rack_.signals()) {
+    for (const product::Signal& candidate : rack_.signals()) {
       if (candidate.name == name) {
         return candidate.read();
       }

@@ -12,11 +12,11 @@
 
 #include "stator/base/byte_order.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/ethercat_device.hpp"
 #include "stator/dictionary/abort_code.hpp"
 #include "stator/ethercat/segment/segment.hpp"
 #include "stator/ethercat/standard/al_state.hpp"
 #include "stator/ethercat/standard/frame.hpp"
+#include "stator/product/device/ethercat_device.hpp"
 
 namespace stator::tests {
 
@@ -28,7 +28,7 @@ class TestBus {
   using Bytes = std::vector<std::byte>;
   using Emergency = std::array<std::uint8_t, 8>;
 
-  explicit TestBus(devices::EtherCatDevice& device) : device_(device) {
+  explicit TestBus(product::EtherCatDevice& device) : device_(device) {
     segment_.append(device.controller());
   }
 
@@ -207,7 +207,7 @@ class TestBus {
     EXPECT_TRUE(write(static_cast<std::uint16_t>(0x0800 + 8 * channel), registers));
   }
 
-  devices::EtherCatDevice& device_;
+  product::EtherCatDevice& device_;
   ethercat::Segment segment_;
   base::SimTime now_;
   std::uint16_t working_counter_ = 0;

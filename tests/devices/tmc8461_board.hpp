@@ -17,7 +17,7 @@
 namespace stator::tests {
 
 /// A TMC8461 on a bus of its own, with a controller at its pins and a list of what the lines told.
-class ChipBoard final : public devices::HostLineSink {
+class ChipBoard final : public product::HostLineSink {
  public:
   using Bytes = std::vector<std::byte>;
 
@@ -35,9 +35,9 @@ class ChipBoard final : public devices::HostLineSink {
 
   /// A datagram at the PDI; what came back.
   std::vector<unsigned> pdi(std::initializer_list<unsigned> mosi) {
-    return spi(devices::HostSpi::pdi, mosi);
+    return spi(product::HostSpi::pdi, mosi);
   }
-  std::vector<unsigned> spi(devices::HostSpi port, std::initializer_list<unsigned> mosi) {
+  std::vector<unsigned> spi(product::HostSpi port, std::initializer_list<unsigned> mosi) {
     const Bytes out = bytes(mosi);
     Bytes in(out.size(), std::byte{0xAA});
     chip.exchange(port, out, in);
@@ -53,35 +53,35 @@ class ChipBoard final : public devices::HostLineSink {
     const Bytes tail = bytes(data);
     out.insert(out.end(), tail.begin(), tail.end());
     Bytes in(out.size());
-    chip.exchange(devices::HostSpi::pdi, out, in);
+    chip.exchange(product::HostSpi::pdi, out, in);
   }
 
-  [[nodiscard]] bool high(devices::HostLine line) {
-    return (chip.levels() & devices::host_line(line)) != 0;
+  [[nodiscard]] bool high(product::HostLine line) {
+    return (chip.levels() & product::host_line(line)) != 0;
   }
-  void watch(std::initializer_list<devices::HostLine> lines) {
-    devices::HostLines mask = 0;
-    for (const devices::HostLine line : lines) {
-      mask = static_cast<devices::HostLines>(mask | devices::host_line(line));
+  void watch(std::initializer_list<product::HostLine> lines) {
+    product::HostLines mask = 0;
+    for (const product::HostLine line : lines) {
+      mask = static_cast<product::HostLines>(mask | product::host_line(line));
     }
     changes.clear();
     chip.watch(mask, this);
   }
-  void on_lines(const devices::HostLineChange& change) override { changes.push_back(change); }
+  void on_lines(const product::HostLineChange& change) override { changes.push_back(change); }
   /// Times at which `line` rose, ns.
-  [[nodiscard]] std::vector<std::int64_t> rises(devices::HostLine line) const {
+  [[nodiscard]] std::vector<std::int64_t> rises(product::HostLine line) const {
     std::vector<std::int64_t> times;
-    for (const devices::HostLineChange& change : changes) {
-      if ((change.rose & devices::host_line(line)) != 0) {
+    for (const product::HostLineChange& change : changes) {
+      if ((change.rose & product::host_line(line)) != 0) {
         times.push_back((change.time - base::SimTime()).nanoseconds());
       }
     }
     return times;
   }
-  [[nodiscard]] std::vector<std::int64_t> falls(devices::HostLine line) const {
+  [[nodiscard]] std::vector<std::int64_t> falls(product::HostLine line) const {
     std::vector<std::int64_t> times;
-    for (const devices::HostLineChange& change : changes) {
-      if ((change.fell & devices::host_line(line)) != 0) {
+    for (const product::HostLineChange& change : changes) {
+      if ((change.fell & product::host_line(line)) != 0) {
         times.push_back((change.time - base::SimTime()).nanoseconds());
       }
     }
@@ -96,7 +96,7 @@ class ChipBoard final : public devices::HostLineSink {
 
   devices::Tmc8461 chip;
   TestBus bus;
-  std::vector<devices::HostLineChange> changes;
+  std::vector<product::HostLineChange> changes;
 };
 
 }  // namespace stator::tests

@@ -38,12 +38,12 @@ TEST(Tmc8461Chip, AnswersTheDocumentsFirstReadAtThePdi) {
 
 TEST(Tmc8461Chip, ResetByTheMasterPassesThroughResetOut) {
   ChipBoard board;
-  board.watch({HostLine::reset_out, HostLine::eeprom_loaded});
+  board.watch({product::HostLine::reset_out, product::HostLine::eeprom_loaded});
   board.bus_write(0x0010, {0x34, 0x12});
   reset_by_master(board);
-  EXPECT_THAT(board.rises(HostLine::reset_out), SizeIs(1));
-  EXPECT_THAT(board.falls(HostLine::reset_out), SizeIs(1)) << "the reset clears it";
-  EXPECT_FALSE(board.high(HostLine::reset_out));
+  EXPECT_THAT(board.rises(product::HostLine::reset_out), SizeIs(1));
+  EXPECT_THAT(board.falls(product::HostLine::reset_out), SizeIs(1)) << "the reset clears it";
+  EXPECT_FALSE(board.high(product::HostLine::reset_out));
   EXPECT_EQ(board.bus_read(0x0010), 0U);
   EXPECT_EQ(board.chip.reset_requests(), 1U);
 }
@@ -52,58 +52,59 @@ TEST(Tmc8461Chip, WithoutTheLoopResetOutStaysHighAndNothingIsReset) {
   ChipBoard board({.reset_loop = false});
   board.bus_write(0x0010, {0x34, 0x12});
   reset_by_master(board);
-  EXPECT_TRUE(board.high(HostLine::reset_out));
+  EXPECT_TRUE(board.high(product::HostLine::reset_out));
   EXPECT_EQ(board.bus_read(0x0010), 0x34U);
-  board.chip.set_pin(HostPin::reset, false);
-  EXPECT_FALSE(board.high(HostLine::reset_out)) << "NRESET clears it";
-  board.chip.set_pin(HostPin::reset, true);
+  board.chip.set_pin(product::HostPin::reset, false);
+  EXPECT_FALSE(board.high(product::HostLine::reset_out)) << "NRESET clears it";
+  board.chip.set_pin(product::HostPin::reset, true);
   EXPECT_EQ(board.bus_read(0x0010), 0U);
 }
 
 TEST(Tmc8461Chip, ResetByTheHostPassesThroughResetOut) {
   ChipBoard board;
-  board.watch({HostLine::reset_out});
+  board.watch({product::HostLine::reset_out});
   board.bus_write(0x0010, {0x34, 0x12});
   for (const unsigned key : {0x52U, 0x45U, 0x53U}) {
     board.pdi_write(0x0041, {key});
   }
-  EXPECT_THAT(board.rises(HostLine::reset_out), SizeIs(1));
+  EXPECT_THAT(board.rises(product::HostLine::reset_out), SizeIs(1));
   EXPECT_EQ(board.bus_read(0x0010), 0U);
 }
 
 TEST(Tmc8461Chip, HeldInResetItsSpiIsSilentAndItsLinesAreLow) {
   ChipBoard board;
-  board.chip.set_pin(HostPin::reset, false);
+  board.chip.set_pin(product::HostPin::reset, false);
   EXPECT_THAT(board.pdi({0x00, 0x02, 0xFF}), ElementsAre(0, 0, 0));
-  EXPECT_EQ(board.chip.levels(), host_line(HostLine::power));
-  board.chip.set_pin(HostPin::reset, true);
+  EXPECT_EQ(board.chip.levels(), product::host_line(product::HostLine::power));
+  board.chip.set_pin(product::HostPin::reset, true);
   EXPECT_THAT(board.pdi({0x00, 0x02, 0xFF}), ElementsAre(0, 0, 0xD0));
-  EXPECT_TRUE(board.high(HostLine::eeprom_loaded));
+  EXPECT_TRUE(board.high(product::HostLine::eeprom_loaded));
 }
 
 TEST(Tmc8461Chip, HeldInResetItPassesNoFramesAndStartsInInitWhenLetGo) {
   ChipBoard board({.device_emulation = true});
-  board.watch({HostLine::reset_out});
+  board.watch({product::HostLine::reset_out});
   board.bus.request(AlState::pre_operational);
-  board.chip.set_pin(HostPin::reset, false);
+  board.chip.set_pin(product::HostPin::reset, false);
   EXPECT_FALSE(board.bus.answers());
   EXPECT_FALSE(board.chip.controller().link(0)) << "nor does a neighbour see a link";
-  board.chip.set_pin(HostPin::reset, true);
+  board.chip.set_pin(product::HostPin::reset, true);
   EXPECT_TRUE(board.bus.answers());
   EXPECT_EQ(board.bus_read(0x0130), 1U);
-  EXPECT_THAT(board.rises(HostLine::reset_out), IsEmpty()) << "that was no register's doing";
+  EXPECT_THAT(board.rises(product::HostLine::reset_out), IsEmpty())
+      << "that was no register's doing";
   EXPECT_EQ(board.chip.reset_requests(), 0U);
 }
 
 TEST(Tmc8461Chip, PowerThatComesBackDoesNotEndItsReset) {
   ChipBoard board;
   board.chip.set_power(false, board.bus.now());
-  board.chip.set_pin(HostPin::reset, false);
+  board.chip.set_pin(product::HostPin::reset, false);
   board.chip.controller().restore_power();
   board.chip.set_power(true, board.bus.now());
   EXPECT_FALSE(board.bus.answers());
-  EXPECT_EQ(board.chip.levels(), host_line(HostLine::power));
-  board.chip.set_pin(HostPin::reset, true);
+  EXPECT_EQ(board.chip.levels(), product::host_line(product::HostLine::power));
+  board.chip.set_pin(product::HostPin::reset, true);
   EXPECT_TRUE(board.bus.answers());
 }
 
@@ -111,12 +112,12 @@ TEST(Tmc8461Chip, ResetInTheMiddleOfADatagramEndsIt) {
   ChipBoard board;
   const auto head = ChipBoard::bytes({0x80, 0x04});
   ChipBoard::Bytes in(2);
-  board.chip.select(HostSpi::pdi);
-  board.chip.transfer(HostSpi::pdi, head, in, {});
-  board.chip.set_pin(HostPin::reset, false);
-  board.chip.set_pin(HostPin::reset, true);
-  board.chip.transfer(HostSpi::pdi, ChipBoard::bytes({0x55, 0x55}), in, {});
-  board.chip.deselect(HostSpi::pdi, 0);
+  board.chip.select(product::HostSpi::pdi);
+  board.chip.transfer(product::HostSpi::pdi, head, in, {});
+  board.chip.set_pin(product::HostPin::reset, false);
+  board.chip.set_pin(product::HostPin::reset, true);
+  board.chip.transfer(product::HostSpi::pdi, ChipBoard::bytes({0x55, 0x55}), in, {});
+  board.chip.deselect(product::HostSpi::pdi, 0);
   EXPECT_EQ(board.bus_read(0x1000), 0U);
 }
 
@@ -139,17 +140,18 @@ TEST(Tmc8461Chip, WithoutEmulationAControllerAtThePdiAnswers) {
 
 TEST(Tmc8461Chip, InterruptFollowsTheEventMask) {
   ChipBoard board;
-  board.watch({HostLine::interrupt});
+  board.watch({product::HostLine::interrupt});
   board.bus.request(AlState::pre_operational);
-  ASSERT_TRUE(board.high(HostLine::interrupt)) << "the mask lets everything through at first";
+  ASSERT_TRUE(board.high(product::HostLine::interrupt))
+      << "the mask lets everything through at first";
   board.pdi_write(0x0204, {0, 0, 0, 0});
-  EXPECT_FALSE(board.high(HostLine::interrupt));
+  EXPECT_FALSE(board.high(product::HostLine::interrupt));
   board.pdi_write(0x0204, {1, 0, 0, 0});
-  EXPECT_TRUE(board.high(HostLine::interrupt));
+  EXPECT_TRUE(board.high(product::HostLine::interrupt));
   board.pdi({0x09, 0x02, 0x00, 0xFF});
-  EXPECT_FALSE(board.high(HostLine::interrupt)) << "acknowledged";
-  EXPECT_THAT(board.rises(HostLine::interrupt), SizeIs(2));
-  EXPECT_THAT(board.falls(HostLine::interrupt), SizeIs(2));
+  EXPECT_FALSE(board.high(product::HostLine::interrupt)) << "acknowledged";
+  EXPECT_THAT(board.rises(product::HostLine::interrupt), SizeIs(2));
+  EXPECT_THAT(board.falls(product::HostLine::interrupt), SizeIs(2));
 }
 
 TEST(Tmc8461Chip, InterruptPinHasTheDriverAndPolarityOfItsConfiguration) {
@@ -162,7 +164,7 @@ TEST(Tmc8461Chip, InterruptPinHasTheDriverAndPolarityOfItsConfiguration) {
        {Pin{0x03, 1.0, 0.0}, Pin{0x07, 0.5, 0.0}, Pin{0x0B, 0.0, 1.0}, Pin{0x0F, 0.5, 1.0}}) {
     ChipBoard board({.pdi_configuration = pin.configuration});
     const auto level = [&board] {
-      for (const Signal& signal : board.chip.signals()) {
+      for (const product::Signal& signal : board.chip.signals()) {
         if (signal.name == "pdi_spi_irq") {
           return signal.read();
         }
@@ -184,13 +186,13 @@ TEST(Tmc8461Chip, EepromLoadedIsShownAndABadImageClosesThePdi) {
     Tmc8461Configuration good;
     good.sii = image;
     ChipBoard board(good);
-    EXPECT_TRUE(board.high(HostLine::eeprom_loaded));
+    EXPECT_TRUE(board.high(product::HostLine::eeprom_loaded));
   }
   image[14] ^= std::byte{1};
   Tmc8461Configuration bad;
   bad.sii = image;
   ChipBoard board(bad);
-  EXPECT_FALSE(board.high(HostLine::eeprom_loaded));
+  EXPECT_FALSE(board.high(product::HostLine::eeprom_loaded));
   EXPECT_THAT(board.pdi({0x00, 0x02, 0xFF}), ElementsAre(0, 0, 0));
   EXPECT_EQ(board.chip.sii_image(), image) << "what it was given is what it exports";
 }
@@ -261,29 +263,29 @@ TEST(Tmc8461Chip, ImageDescribesTheProcessDataItWasGiven) {
 
 TEST(Tmc8461Chip, FramesAndWatchdogPulseTheirPins) {
   ChipBoard board({.device_emulation = true});
-  board.watch({HostLine::start_of_frame, HostLine::end_of_frame, HostLine::watchdog_trigger,
-               HostLine::watchdog_state});
+  board.watch({product::HostLine::start_of_frame, product::HostLine::end_of_frame,
+               product::HostLine::watchdog_trigger, product::HostLine::watchdog_state});
   board.bus_read(0x0000);
-  EXPECT_THAT(board.rises(HostLine::start_of_frame), SizeIs(1));
-  EXPECT_THAT(board.falls(HostLine::end_of_frame), SizeIs(1));
-  EXPECT_THAT(board.rises(HostLine::watchdog_trigger), IsEmpty());
+  EXPECT_THAT(board.rises(product::HostLine::start_of_frame), SizeIs(1));
+  EXPECT_THAT(board.falls(product::HostLine::end_of_frame), SizeIs(1));
+  EXPECT_THAT(board.rises(product::HostLine::watchdog_trigger), IsEmpty());
   board.bus_write(0x0810, {0x00, 0x10, 4, 0, 0x64, 0, 1, 0});
   board.bus_write(0x1000, {1, 2, 3, 4});
-  EXPECT_THAT(board.rises(HostLine::watchdog_trigger), SizeIs(1));
-  EXPECT_TRUE(board.high(HostLine::watchdog_state));
+  EXPECT_THAT(board.rises(product::HostLine::watchdog_trigger), SizeIs(1));
+  EXPECT_TRUE(board.high(product::HostLine::watchdog_state));
   const std::int64_t triggered = (board.bus.now() - SimTime()).nanoseconds();
   board.bus.pass(150_ms);
-  EXPECT_FALSE(board.high(HostLine::watchdog_state));
-  ASSERT_THAT(board.falls(HostLine::watchdog_state), SizeIs(1));
-  EXPECT_NEAR(static_cast<double>(board.falls(HostLine::watchdog_state)[0] - triggered), 100e6,
-              1000.0)
+  EXPECT_FALSE(board.high(product::HostLine::watchdog_state));
+  ASSERT_THAT(board.falls(product::HostLine::watchdog_state), SizeIs(1));
+  EXPECT_NEAR(static_cast<double>(board.falls(product::HostLine::watchdog_state)[0] - triggered),
+              100e6, 1000.0)
       << "told at its moment, not when somebody looked";
 }
 
 TEST(Tmc8461Chip, Sync0IsToldAtItsEdges) {
   ChipBoard board({.device_emulation = true});
   board.bus.pass(1_ms);
-  board.watch({HostLine::sync0});
+  board.watch({product::HostLine::sync0});
   board.bus_write(0x09A0, {0x40, 0x42, 0x0F, 0});  // 1 ms
   const std::uint64_t start = board.chip.controller().system_time(board.bus.now()) + 5'000'000;
   ChipBoard::Bytes time(8);
@@ -291,8 +293,8 @@ TEST(Tmc8461Chip, Sync0IsToldAtItsEdges) {
   board.bus.write(0x0990, time);
   board.bus_write(0x0981, {0x03});
   board.bus.pass(10_ms);
-  const auto rises = board.rises(HostLine::sync0);
-  const auto falls = board.falls(HostLine::sync0);
+  const auto rises = board.rises(product::HostLine::sync0);
+  const auto falls = board.falls(product::HostLine::sync0);
   ASSERT_GE(rises.size(), 4U);
   ASSERT_EQ(falls.size(), rises.size());
   for (std::size_t i = 0; i < rises.size(); ++i) {
@@ -305,17 +307,17 @@ TEST(Tmc8461Chip, Sync0IsToldAtItsEdges) {
 
 TEST(Tmc8461Chip, LedsBlinkAsTheirStatesSay) {
   ChipBoard board({.device_emulation = true});
-  board.watch({HostLine::run_led});
-  EXPECT_FALSE(board.high(HostLine::run_led)) << "Init";
+  board.watch({product::HostLine::run_led});
+  EXPECT_FALSE(board.high(product::HostLine::run_led)) << "Init";
   board.bus.request(AlState::pre_operational);
   board.changes.clear();
   board.bus.pass(2000_ms);
-  const auto rises = board.rises(HostLine::run_led);
+  const auto rises = board.rises(product::HostLine::run_led);
   ASSERT_THAT(rises, SizeIs(5)) << "2.5 Hz";
   EXPECT_EQ(rises[1] - rises[0], 400'000'000);
   board.bus.request(AlState::safe_operational);
   board.bus.request(AlState::operational);
-  EXPECT_TRUE(board.high(HostLine::run_led));
+  EXPECT_TRUE(board.high(product::HostLine::run_led));
 }
 
 TEST(Tmc8461Chip, LooksTheSameWhetherSomebodyLookedBeforeOrNot) {
@@ -326,7 +328,7 @@ TEST(Tmc8461Chip, LooksTheSameWhetherSomebodyLookedBeforeOrNot) {
   }
   const auto look = [](ChipBoard& board) {
     std::vector<double> values;
-    for (const Signal& signal : board.chip.signals()) {
+    for (const product::Signal& signal : board.chip.signals()) {
       values.push_back(signal.read());
     }
     return values;
@@ -345,14 +347,14 @@ TEST(Tmc8461Chip, LooksTheSameWhetherSomebodyLookedBeforeOrNot) {
 TEST(Tmc8461Chip, LinkLedsAreOnWithALinkAndFlickerWithFrames) {
   ChipBoard board;
   board.bus.pass(1000_ms);
-  EXPECT_TRUE(board.high(HostLine::link_activity0));
-  EXPECT_FALSE(board.high(HostLine::link_activity1)) << "nothing is connected there";
-  board.watch({HostLine::link_activity0});
+  EXPECT_TRUE(board.high(product::HostLine::link_activity0));
+  EXPECT_FALSE(board.high(product::HostLine::link_activity1)) << "nothing is connected there";
+  board.watch({product::HostLine::link_activity0});
   for (int i = 0; i < 20; ++i) {
     board.bus_read(0x0000);
     board.bus.pass(20_ms);
   }
-  EXPECT_GE(board.falls(HostLine::link_activity0).size(), 3U);
+  EXPECT_GE(board.falls(product::HostLine::link_activity0).size(), 3U);
 }
 
 TEST(Tmc8461Chip, PdiWatchdogSupervisesTheControllerOnceThereIsOne) {
@@ -371,27 +373,28 @@ TEST(Tmc8461Chip, LatchInputsReachTheirUnit) {
   ChipBoard board;
   board.bus_write(0x09A8, {0x01});
   board.bus.pass(1_ms);
-  board.chip.set_pin(HostPin::latch0, true);
+  board.chip.set_pin(product::HostPin::latch0, true);
   EXPECT_EQ(board.bus_read(0x09AE) & 0x05U, 0x05U);
 }
 
 TEST(Tmc8461Chip, WithoutPowerNothingAnswersAndItStartsAnew) {
   ChipBoard board({.device_emulation = true});
-  board.watch({HostLine::power, HostLine::reset_out});
+  board.watch({product::HostLine::power, product::HostLine::reset_out});
   board.bus.request(AlState::pre_operational);
   board.chip.set_power(false, board.bus.now());
   EXPECT_EQ(board.chip.levels(), 0U);
   EXPECT_THAT(board.pdi({0x00, 0x02, 0xFF}), ElementsAre(0, 0, 0));
   board.chip.controller().restore_power();
   board.chip.set_power(true, board.bus.now());
-  EXPECT_THAT(board.falls(HostLine::power), SizeIs(1));
-  EXPECT_THAT(board.rises(HostLine::power), SizeIs(1));
-  EXPECT_THAT(board.rises(HostLine::reset_out), IsEmpty()) << "that was no register's doing";
+  EXPECT_THAT(board.falls(product::HostLine::power), SizeIs(1));
+  EXPECT_THAT(board.rises(product::HostLine::power), SizeIs(1));
+  EXPECT_THAT(board.rises(product::HostLine::reset_out), IsEmpty())
+      << "that was no register's doing";
   EXPECT_EQ(board.bus_read(0x0130), 1U);
 }
 
 double signal_of(Tmc8461& chip, const std::string& name) {
-  for (const Signal& signal : chip.signals()) {
+  for (const product::Signal& signal : chip.signals()) {
     if (signal.name == name) {
       return signal.read();
     }
@@ -449,7 +452,7 @@ TEST(Tmc8461Chip, WithoutPowerItsPinsLetGoAndTheBoardGoesOn) {
 TEST(Tmc8461Chip, UnwatchedItHasNothingToDo) {
   ChipBoard board;
   EXPECT_EQ(board.chip.next_line_change(), SimTime::never());
-  board.watch({HostLine::interrupt});
+  board.watch({product::HostLine::interrupt});
   EXPECT_EQ(board.chip.next_line_change(), SimTime::never());
   board.chip.watch(0, nullptr);
   EXPECT_EQ(board.chip.next_line_change(), SimTime::never());
@@ -458,19 +461,19 @@ TEST(Tmc8461Chip, UnwatchedItHasNothingToDo) {
 TEST(Tmc8461Chip, SignalsAndInputsAreItsPins) {
   ChipBoard board;
   bool found = false;
-  for (const Signal& signal : board.chip.signals()) {
+  for (const product::Signal& signal : board.chip.signals()) {
     if (signal.name == "prom_init") {
       found = true;
       EXPECT_EQ(signal.read(), 1.0);
     }
   }
   EXPECT_TRUE(found);
-  for (const Input& input : board.chip.inputs()) {
+  for (const product::Input& input : board.chip.inputs()) {
     if (input.name == "nreset") {
       input.set(0.0);
     }
   }
-  EXPECT_FALSE(board.high(HostLine::eeprom_loaded));
+  EXPECT_FALSE(board.high(product::HostLine::eeprom_loaded));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ using tests::ChipBoard;
 using namespace base::literals;
 
 std::vector<unsigned> mfc(ChipBoard& board, std::initializer_list<unsigned> mosi) {
-  return board.spi(HostSpi::mfc, mosi);
+  return board.spi(product::HostSpi::mfc, mosi);
 }
 
 /// Registers whose value a write leaves readable, by the vectors MFC-1 and MFC-7.
@@ -89,14 +89,14 @@ TEST(MfcSpi, RegisterOfTheMasterAloneReadsZero) {
 
 TEST(MfcSpi, InterruptPinFollowsFlagsAndReadingClearsThem) {
   ChipBoard board;
-  board.watch({HostLine::mfc_interrupt});
+  board.watch({product::HostLine::mfc_interrupt});
   mfc(board, {0x19, 0x84, 0x00, 0x08, 0x00, 0x00});  // mask 51: watchdog timeout (bit 11)
   mfc(board, {0x1A, 0x84, 0xC4, 0x09, 0x00, 0x00});  // WD_TIME 53 = 2500: 100 us
   board.bus.pass(1_ms);
   const auto flags = mfc(board, {0x1A, 0x03, 0xFF, 0, 0, 0, 0xFF});
   EXPECT_EQ(flags[4] & 0x08U, 0x08U);
-  EXPECT_FALSE(board.rises(HostLine::mfc_interrupt).empty());
-  EXPECT_FALSE(board.high(HostLine::mfc_interrupt));
+  EXPECT_FALSE(board.rises(product::HostLine::mfc_interrupt).empty());
+  EXPECT_FALSE(board.high(product::HostLine::mfc_interrupt));
 }
 
 TEST(MfcSpi, RegisterReadInPiecesIsReadOnce) {
@@ -106,10 +106,10 @@ TEST(MfcSpi, RegisterReadInPiecesIsReadOnce) {
   const auto tail = ChipBoard::bytes({0x00, 0x00, 0xFF});
   ChipBoard::Bytes first(head.size());
   ChipBoard::Bytes rest(tail.size());
-  board.chip.select(HostSpi::mfc);
-  board.chip.transfer(HostSpi::mfc, head, first, {});
-  board.chip.transfer(HostSpi::mfc, tail, rest, {});
-  board.chip.deselect(HostSpi::mfc, 0);
+  board.chip.select(product::HostSpi::mfc);
+  board.chip.transfer(product::HostSpi::mfc, head, first, {});
+  board.chip.transfer(product::HostSpi::mfc, tail, rest, {});
+  board.chip.deselect(product::HostSpi::mfc, 0);
   EXPECT_EQ(first[3], std::byte{0x11});
   EXPECT_EQ(rest, ChipBoard::bytes({0x22, 0x33, 0x44}));
 }
@@ -135,14 +135,14 @@ TEST(MfcSpi, OnASharedBusOnlyTheChipSelectSaysWhoIsMeant) {
   EXPECT_THAT(mfc(board, {0x00, 0x02, 0x00, 0xFF}), ElementsAre(0, 0, 0x21, 0x01));
   EXPECT_THAT(board.pdi({0x00, 0x02, 0x00, 0xFF}), ElementsAre(0, 0, 0xD0, 0x61));
   // Both selected: both take the write.
-  board.chip.select(HostSpi::mfc);
+  board.chip.select(product::HostSpi::mfc);
   const auto write = ChipBoard::bytes({0x80, 0x06, 0x10, 0x5A});  // 1000h at both
   ChipBoard::Bytes in(write.size());
-  board.chip.select(HostSpi::pdi);
-  board.chip.transfer(HostSpi::pdi, ChipBoard::bytes({0x80, 0x04, 0x5A}), std::span(in).first(3),
-                      {});
-  board.chip.deselect(HostSpi::pdi, 0);
-  board.chip.deselect(HostSpi::mfc, 0);
+  board.chip.select(product::HostSpi::pdi);
+  board.chip.transfer(product::HostSpi::pdi, ChipBoard::bytes({0x80, 0x04, 0x5A}),
+                      std::span(in).first(3), {});
+  board.chip.deselect(product::HostSpi::pdi, 0);
+  board.chip.deselect(product::HostSpi::mfc, 0);
   EXPECT_EQ(board.bus_read(0x1000), 0x5AU);
 }
 
@@ -183,9 +183,9 @@ TEST(MfcSpi, WriteOfTheHighestTransmitByteStartsTheTransfer) {
 TEST(MfcSpi, ResetClearsTheBlock) {
   ChipBoard board;
   mfc(board, {0x00, 0x04, 0x21, 0x01});
-  board.chip.set_pin(HostPin::reset, false);
+  board.chip.set_pin(product::HostPin::reset, false);
   EXPECT_THAT(mfc(board, {0x00, 0x02, 0x00, 0xFF}), ElementsAre(0, 0, 0, 0)) << "silent";
-  board.chip.set_pin(HostPin::reset, true);
+  board.chip.set_pin(product::HostPin::reset, true);
   EXPECT_THAT(mfc(board, {0x00, 0x02, 0x00, 0xFF}), ElementsAre(0, 0, 0, 0));
 }
 
@@ -205,8 +205,8 @@ TEST(MfcSpi, ChipSelectsTriggerTransfersOfProcessData) {
     board.chip.io().drive(3, OutsideDrive::level(true), board.bus.now());
     const bool of_pdi =
         trigger == mfc::Trigger::pdi_select || trigger == mfc::Trigger::pdi_deselect;
-    const HostSpi its = of_pdi ? HostSpi::pdi : HostSpi::mfc;
-    const HostSpi other = of_pdi ? HostSpi::mfc : HostSpi::pdi;
+    const product::HostSpi its = of_pdi ? product::HostSpi::pdi : product::HostSpi::mfc;
+    const product::HostSpi other = of_pdi ? product::HostSpi::mfc : product::HostSpi::pdi;
     board.spi(other, {0x00, 0x02, 0xFF});
     EXPECT_EQ(inputs(), 0U) << static_cast<unsigned>(trigger);
     const bool falling = trigger == mfc::Trigger::pdi_select || trigger == mfc::Trigger::mfc_select;

@@ -66,7 +66,7 @@ class Tmc8670Chip : public testing::Test {
     }
   }
   double signal(const std::string& name) {
-    for (const Signal& candidate : device_->signals()) {
+    for (const product::Signal& candidate : device_->signals()) {
       if (candidate.name == name) {
         return candidate.read();
       }
@@ -75,7 +75,7 @@ class Tmc8670Chip : public testing::Test {
     return 0.0;
   }
   void set_input(const std::string& name, double value) {
-    for (const Input& candidate : device_->inputs()) {
+    for (const product::Input& candidate : device_->inputs()) {
       if (candidate.name == name) {
         EXPECT_GE(value, candidate.minimum) << name;
         EXPECT_LE(value, candidate.maximum) << name;

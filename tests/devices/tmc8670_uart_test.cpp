@@ -204,7 +204,7 @@ TEST_F(Tmc8670McuUart, EveryParameterShowsItsObject) {
   enable(3);
   write<std::int32_t>(0x60FF, 700);
   bus_->pass(300_ms);
-  for (const ReadableParameter& parameter : tmc8670::readable_parameters()) {
+  for (const product::ReadableParameter& parameter : tmc8670::readable_parameters()) {
     const tmcl::Reply reply = answer({.command = 6, .type = parameter.number});
     EXPECT_EQ(reply.status, tmcl::Status::success) << parameter.name;
   }

@@ -17,10 +17,10 @@
 
 namespace stator::tests {
 
-using devices::Input;
-using devices::Signal;
 using devices::Tmcc160;
 using devices::Tmcc160Configuration;
+using product::Input;
+using product::Signal;
 
 /// A TMCC160 on a bus without delays, and the master at its other end.
 class Tmcc160Module : public base::EventSink {

@@ -399,11 +399,11 @@ TEST(Tmcc160Pdos, HaveTheDefaultsOfTheDocument) {
 TEST(Tmcc160Signals, HaveDistinctNamesAndCanBeRead) {
   Tmcc160Module module;
   std::vector<std::string> names;
-  for (const Signal& signal : module.device->signals()) {
+  for (const product::Signal& signal : module.device->signals()) {
     EXPECT_TRUE(std::isfinite(signal.read())) << signal.name;
     names.push_back(signal.name);
   }
-  for (const Input& input : module.device->inputs()) {
+  for (const product::Input& input : module.device->inputs()) {
     EXPECT_LT(input.minimum, input.maximum) << input.name;
   }
   std::ranges::sort(names);
@@ -419,7 +419,7 @@ TEST(Tmcc160Determinism, TwoRunsHaveTheSameBits) {
     static_cast<void>(module.write(0x60FF, 0, 1'500));
     module.wait(700);
     std::vector<double> values;
-    for (const Signal& signal : module.device->signals()) {
+    for (const product::Signal& signal : module.device->signals()) {
       values.push_back(signal.read());
     }
     return values;
@@ -465,7 +465,7 @@ std::vector<double> signals_after_a_rest(base::SimDuration portion) {
   module.now = end;
   spin();
   std::vector<double> values;
-  for (const Signal& signal : module.device->signals()) {
+  for (const product::Signal& signal : module.device->signals()) {
     values.push_back(signal.read());
   }
   return values;

@@ -352,7 +352,7 @@ TEST(Tmcm142Time, SameInputsGiveTheSameBitsWhateverTheSteps) {
       module.run(step);
     }
     std::vector<double>& values = runs.emplace_back();
-    for (const devices::Signal& signal : module.device->signals()) {
+    for (const product::Signal& signal : module.device->signals()) {
       values.push_back(signal.read());
     }
   }

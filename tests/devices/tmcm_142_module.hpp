@@ -98,7 +98,7 @@ struct Tmcm142Module {
   }
   /// Sets something of the world around the module.
   void set(const std::string& input, double value) {
-    for (const devices::Input& each : device->inputs()) {
+    for (const product::Input& each : device->inputs()) {
       if (each.name == input) {
         each.set(value);
         return;
@@ -107,7 +107,7 @@ struct Tmcm142Module {
     FAIL() << "no input " << input;
   }
   [[nodiscard]] double signal(const std::string& name) {
-    for (const devices::Signal& each : device->signals()) {
+    for (const product::Signal& each : device->signals()) {
       if (each.name == name) {
         return each.read();
       }

@@ -91,7 +91,7 @@ TEST_F(ModuleIoTest, EachOutputIsSwitchedByItsBit) {
 
 TEST_F(ModuleIoTest, EveryInputHasANameOfItsOwn) {
   std::vector<std::string> names;
-  for (const Input& input : device_->inputs()) {
+  for (const product::Input& input : device_->inputs()) {
     names.push_back(input.name);
   }
   std::ranges::sort(names);

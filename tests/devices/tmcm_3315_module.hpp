@@ -74,7 +74,7 @@ class Tmcm3315Module : public testing::Test {
     return bus_->upload<std::uint16_t>(of_motor(motor, 0x6041));
   }
   double signal(const std::string& name) {
-    for (const Signal& candidate : device_->signals()) {
+    for (const product::Signal& candidate : device_->signals()) {
       if (candidate.name == name) {
         return candidate.read();
       }
@@ -83,7 +83,7 @@ class Tmcm3315Module : public testing::Test {
     return 0.0;
   }
   void set_input(const std::string& name, double value) {
-    for (const Input& candidate : device_->inputs()) {
+    for (const product::Input& candidate : device_->inputs()) {
       if (candidate.name == name) {
         EXPECT_GE(value, candidate.minimum) << name;
         EXPECT_LE(value, candidate.maximum) << name;

@@ -61,7 +61,7 @@ TEST_F(Tmcm3315Module, TheSameRunTwiceGivesTheSameSignals) {
     std::vector<double> trace;
     for (int sample = 0; sample < 300; ++sample) {
       bus.pass(2_ms);
-      for (const Signal& signal : device.signals()) {
+      for (const product::Signal& signal : device.signals()) {
         trace.push_back(signal.read());
       }
     }

@@ -141,7 +141,7 @@ TEST_F(Tmcm3315Module, TheReservedPositioningOptionIsRefused) {
 
 TEST_F(Tmcm3315Module, EverySignalHasANameOfItsOwn) {
   std::vector<std::string> names;
-  for (const Signal& signal : device_->signals()) {
+  for (const product::Signal& signal : device_->signals()) {
     names.push_back(signal.name);
   }
   EXPECT_GE(names.size(), 51U);

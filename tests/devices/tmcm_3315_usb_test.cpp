@@ -65,7 +65,7 @@ TEST_F(Tmcm3315Usb, ReadsPositionAndSpeedWhileTheBusMovesTheMotor) {
 
 TEST_F(Tmcm3315Usb, EveryParameterShowsItsObjectOnEveryAxis) {
   bus_->bring_to(AlState::pre_operational);
-  for (const ReadableParameter& parameter : tmcm_3315::readable_parameters()) {
+  for (const product::ReadableParameter& parameter : tmcm_3315::readable_parameters()) {
     for (unsigned motor = 0; motor < 3; ++motor) {
       SCOPED_TRACE(std::string(parameter.name) + " of motor " + std::to_string(motor));
       const dictionary::Entry* entry =

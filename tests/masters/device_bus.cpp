@@ -7,7 +7,7 @@
 
 namespace stator::tests {
 
-void DeviceBus::hang(std::unique_ptr<devices::EtherCatDevice> device,
+void DeviceBus::hang(std::unique_ptr<product::EtherCatDevice> device,
                      std::optional<ethercat::SlavePort> at, base::SimDuration cable_delay) {
   others_.push_back(std::move(device));
   ethercat::SlaveController& controller = others_.back()->controller();

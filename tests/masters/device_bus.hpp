@@ -48,7 +48,7 @@ class DeviceBus {
   }
   /// A device of any kind, the first one at the master, others at the port of a slave by index in
   /// the order in which they were added. Of those `device()` knows nothing.
-  void hang(std::unique_ptr<devices::EtherCatDevice> device,
+  void hang(std::unique_ptr<product::EtherCatDevice> device,
             std::optional<ethercat::SlavePort> at = std::nullopt,
             base::SimDuration cable_delay = ethercat::Segment::kDefaultCableDelay);
   /// A slave without firmware at the end of the line: a coupler without clock, a clock that is off.
@@ -115,7 +115,7 @@ class DeviceBus {
   bool process(std::span<std::byte> frame);
 
   std::vector<std::unique_ptr<devices::Tmcm3315>> devices_;
-  std::vector<std::unique_ptr<devices::EtherCatDevice>> others_;
+  std::vector<std::unique_ptr<product::EtherCatDevice>> others_;
   std::vector<std::unique_ptr<ethercat::SlaveController>> controllers_;
   ethercat::Segment segment_;
   base::SimTime now_;

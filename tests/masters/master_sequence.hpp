@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "stator/base/event.hpp"
-#include "stator/devices/ethercat_device.hpp"
+#include "stator/product/device/ethercat_device.hpp"
 
 // What a master may do to a slave in any order, and what has to hold whatever it does: random
 // sequences of AL requests, sync managers, mailboxes, process data, clocks, watchdogs, silence,
@@ -43,7 +43,7 @@ struct MasterAction {
 };
 
 /// Makes the product anew, in its state as delivered.
-using MakeDevice = std::function<std::unique_ptr<devices::EtherCatDevice>(base::EventReporter)>;
+using MakeDevice = std::function<std::unique_ptr<product::EtherCatDevice>(base::EventReporter)>;
 
 /// `length` actions; the same for the same seed.
 std::vector<MasterAction> random_actions(std::uint64_t seed, std::size_t length);

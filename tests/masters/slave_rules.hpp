@@ -12,8 +12,8 @@
 #include "masters/master_sequence.hpp"
 #include "stator/base/event.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/ethercat_device.hpp"
 #include "stator/ethercat/segment/segment.hpp"
+#include "stator/product/device/ethercat_device.hpp"
 
 namespace stator::tests {
 
@@ -98,7 +98,7 @@ class SlaveRules {
   static constexpr std::uint32_t kWithoutTrigger = 2;
   static constexpr std::uint32_t kOff = 3;
 
-  std::unique_ptr<devices::EtherCatDevice> device_;
+  std::unique_ptr<product::EtherCatDevice> device_;
   ethercat::Segment segment_;
   ethercat::testing::RawFrame frame_;
   base::SimTime now_;

@@ -144,7 +144,7 @@ TEST(CanRack, Events_SetAnInputOfADevice) {
   configuration.events = {{10_ms, InputEvent{{0, 1, NetworkKind::bus}, "level", 2.5}}};
   Bench bench(configuration);
   bench.wait_until(10_ms);
-  for (const devices::Signal& signal : bench.rack.signals()) {
+  for (const product::Signal& signal : bench.rack.signals()) {
     if (signal.name == "b.level") {
       EXPECT_EQ(signal.read(), 2.5);
     }

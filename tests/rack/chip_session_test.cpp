@@ -170,9 +170,9 @@ TEST_F(Session, LostEventsAreCountedInTheNextOne) {
 TEST_F(Session, PinsResetAndLatch) {
   greet();
   send(5, {3, 0});
-  EXPECT_EQ(chip.levels(), devices::host_line(devices::HostLine::power));
+  EXPECT_EQ(chip.levels(), product::host_line(product::HostLine::power));
   send(5, {3, 1});
-  EXPECT_NE(chip.levels() & devices::host_line(devices::HostLine::eeprom_loaded), 0U);
+  EXPECT_NE(chip.levels() & product::host_line(product::HostLine::eeprom_loaded), 0U);
 }
 
 TEST_F(Session, WhatDoesNotFitIsRefusedAndTheConnectionGoesOn) {
@@ -201,7 +201,7 @@ TEST_F(Session, LeavingEndsChipSelectAndWatching) {
   session.leave();
   EXPECT_EQ(chip.next_line_change(), SimTime::never());
   Bytes in(1);
-  chip.transfer(devices::HostSpi::pdi, Bytes{std::byte{0x55}}, in, {});
+  chip.transfer(product::HostSpi::pdi, Bytes{std::byte{0x55}}, in, {});
   std::array<std::byte, 1> value{};
   chip.controller().peek(0x1000, value);
   EXPECT_EQ(value[0], std::byte{0}) << "nobody is selected";

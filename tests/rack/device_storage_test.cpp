@@ -63,7 +63,7 @@ class Process {
   }
 
   [[nodiscard]] DeviceStorage& storage() { return storage_; }
-  [[nodiscard]] devices::FirmwareMemory& firmware() { return *device_.firmware(); }
+  [[nodiscard]] product::FirmwareMemory& firmware() { return *device_.firmware(); }
   [[nodiscard]] EventLog& log() { return log_; }
   [[nodiscard]] Bytes sii() {
     const auto content = device_.controller().sii();
@@ -421,7 +421,7 @@ TEST_F(DeviceStorageTest, Rack_KeepsEachDeviceUnderItsName) {
     EventLog log;
     Rack rack(configuration, log);
     ASSERT_NE(rack.storage(), nullptr);
-    devices::FirmwareMemory& firmware = *rack.devices(0)[1].device->firmware();
+    product::FirmwareMemory& firmware = *rack.devices(0)[1].device->firmware();
     ASSERT_EQ(firmware.open_for_writing("x"), FoeError::none);
     ASSERT_EQ(firmware.append(Bytes(5, std::byte{9})), FoeError::none);
     ASSERT_TRUE(firmware.commit().in_progress);

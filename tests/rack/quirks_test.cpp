@@ -82,7 +82,7 @@ struct Slave {
     return bus.read(area.offset, area.length);
   }
 
-  std::unique_ptr<devices::EtherCatDevice> device;
+  std::unique_ptr<product::EtherCatDevice> device;
   TestBus bus;
 };
 

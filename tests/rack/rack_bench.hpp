@@ -45,7 +45,7 @@ class RackBench {
   explicit RackBench(const std::string& file) : RackBench(rack::parse_rack_file(file, file_name)) {}
 
   [[nodiscard]] double signal(const std::string& name) {
-    for (const devices::Signal& candidate : rack.signals()) {
+    for (const product::Signal& candidate : rack.signals()) {
       if (candidate.name == name) {
         return candidate.read();
       }

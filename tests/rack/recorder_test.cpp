@@ -31,7 +31,7 @@ std::string temporary_file() {
       .string();
 }
 
-devices::Signal signal(const char* name, Ramp& ramp) {
+product::Signal signal(const char* name, Ramp& ramp) {
   return {name, "rev", base::Delegate<double()>::bind<&Ramp::read>(ramp)};
 }
 
@@ -64,7 +64,7 @@ TEST(Recorder, SaysWhichFileCannotBeWrittenAndWhy) {
 
 TEST(SelectSignals, TakesPatternsInTheOrderOfTheRack) {
   Ramp ramp;
-  const std::vector<devices::Signal> all{signal("x.axis0.p", ramp), signal("x.axis0.v", ramp),
+  const std::vector<product::Signal> all{signal("x.axis0.p", ramp), signal("x.axis0.v", ramp),
                                          signal("x.axis1.p", ramp)};
   const auto chosen = select_signals(all, {"*.axis1.*", "*.p"});
   ASSERT_EQ(chosen.size(), 2U);

@@ -4,14 +4,14 @@
 #include <memory>
 #include <vector>
 
-#include "stator/devices/can_device.hpp"
+#include "stator/product/device/can_device.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 
 namespace stator::tests {
 
 /// A small node: answers 600h + node-ID under 580h + node-ID with the same data, each SYNC with the
 /// number of SYNCs under 180h + node-ID, and sends a heartbeat on its own.
-class TestCanDevice final : public devices::CanDevice {
+class TestCanDevice final : public product::CanDevice {
  public:
   struct Settings {
     std::uint8_t node_id = 1;
@@ -57,11 +57,11 @@ class TestCanDevice final : public devices::CanDevice {
     next_heartbeat_ = on && settings_.heartbeat > base::SimDuration() ? now + settings_.heartbeat
                                                                       : base::SimTime::never();
   }
-  [[nodiscard]] std::vector<devices::Signal> signals() override {
+  [[nodiscard]] std::vector<product::Signal> signals() override {
     return {{"syncs", "1", base::Delegate<double()>::bind<&TestCanDevice::syncs>(*this)},
             {"level", "V", base::Delegate<double()>::bind<&TestCanDevice::level>(*this)}};
   }
-  [[nodiscard]] std::vector<devices::Input> inputs() override {
+  [[nodiscard]] std::vector<product::Input> inputs() override {
     return {{"level", "V", 0.0, 10.0,
              base::Delegate<void(double)>::bind<&TestCanDevice::set_level>(*this)}};
   }

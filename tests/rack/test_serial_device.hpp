@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "stator/devices/can_device.hpp"
+#include "stator/product/device/can_device.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/tmcl/interpreter/firmware.hpp"
 #include "stator/tmcl/sessions/serial_session.hpp"
@@ -17,7 +17,7 @@ namespace stator::tests {
 
 /// A TMCL module with serial interfaces "rs485" and "usb" and a CAN controller that nobody talks
 /// to.
-class TestSerialDevice final : public devices::CanDevice {
+class TestSerialDevice final : public product::CanDevice {
  public:
   static constexpr std::array<std::string_view, 2> kInterfaces{"rs485", "usb"};
 
@@ -82,7 +82,7 @@ class TestSerialDevice final : public devices::CanDevice {
   }
   void handle_bus_events(base::SimTime /*now*/) override {}
   void set_power(bool on, base::SimTime /*now*/) override { powered_ = on; }
-  [[nodiscard]] std::vector<devices::Signal> signals() override { return {}; }
+  [[nodiscard]] std::vector<product::Signal> signals() override { return {}; }
 
   std::vector<base::SimTime> served;  ///< when the interfaces were looked at
 

@@ -89,7 +89,7 @@ class Run {
       send(can::data_frame(0x080, {}));
     }
     evidence_.bus = rack_.bus(0).bus().statistics();
-    for (const devices::Signal& signal : rack_.signals()) {
+    for (const product::Signal& signal : rack_.signals()) {
       if (signal.name.ends_with(".axis0.shaft_speed")) {
         evidence_.speeds.push_back(signal.read());
       }

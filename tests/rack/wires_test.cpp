@@ -127,7 +127,7 @@ std::vector<double> run_in_steps_of(base::SimDuration step) {
     bench.rack.advance(now);
   }
   std::vector<double> values;
-  for (const devices::Signal& signal : bench.rack.signals()) {
+  for (const product::Signal& signal : bench.rack.signals()) {
     values.push_back(signal.read());
   }
   return values;

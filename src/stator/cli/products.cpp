@@ -8,7 +8,7 @@
 
 namespace stator::cli {
 
-std::unique_ptr<devices::Device> build_product(const std::string& type) {
+std::unique_ptr<product::Device> build_product(const std::string& type) {
   return rack::make_device(rack::require_product(type).default_configuration(), {});
 }
 

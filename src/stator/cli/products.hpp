@@ -3,14 +3,14 @@
 #include <memory>
 #include <string>
 
-#include "stator/devices/device.hpp"
+#include "stator/product/device/device.hpp"
 #include "stator/tmcl/module/module_description.hpp"
 
 namespace stator::cli {
 
 /// Builds the product `type` as it leaves its box; its events go nowhere. Throws Failure naming the
 /// products there are.
-[[nodiscard]] std::unique_ptr<devices::Device> build_product(const std::string& type);
+[[nodiscard]] std::unique_ptr<product::Device> build_product(const std::string& type);
 
 /// Null if the product runs no programs in TMCL.
 [[nodiscard]] const tmcl::ModuleDescription* find_tmcl_module(const std::string& type);

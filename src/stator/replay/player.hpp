@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "stator/can/port.hpp"
+#include "stator/product/device/signal.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/replay/recording_reader.hpp"
 
@@ -77,7 +78,7 @@ class Player {
   const rack::RackConfiguration& configuration_;
   std::vector<std::size_t> port_counts_;  ///< by bus
   std::vector<std::vector<std::unique_ptr<can::Port>>> ports_;
-  std::vector<devices::Signal> signals_;
+  std::vector<product::Signal> signals_;
   std::vector<double> values_;                             ///< of the signals, as recorded last
   rack::DeviceStorage::Completions completions_before_{};  ///< of the rack's storage
   class LineOutput;

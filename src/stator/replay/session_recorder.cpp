@@ -20,7 +20,7 @@ constexpr std::size_t kBytesOfASignal = sizeof(double) + 4;
 constexpr std::size_t kMostSignals = (kMaximumChunk - kNumbers) / kBytesOfASignal;
 
 /// Before there is a file.
-RecordingHeader with_signals(RecordingHeader header, const std::vector<devices::Signal>& signals) {
+RecordingHeader with_signals(RecordingHeader header, const std::vector<product::Signal>& signals) {
   if (signals.size() > kMostSignals) {
     throw std::runtime_error("the rack has too many signals for a recording");
   }
@@ -30,10 +30,10 @@ RecordingHeader with_signals(RecordingHeader header, const std::vector<devices::
 
 }  // namespace
 
-std::vector<std::string> names_of(const std::vector<devices::Signal>& signals) {
+std::vector<std::string> names_of(const std::vector<product::Signal>& signals) {
   std::vector<std::string> names;
   names.reserve(signals.size());
-  for (const devices::Signal& signal : signals) {
+  for (const product::Signal& signal : signals) {
     names.push_back(signal.name);
   }
   return names;

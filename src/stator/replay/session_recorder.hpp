@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "stator/product/device/signal.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/observe/journal.hpp"
 #include "stator/replay/byte_coding.hpp"
@@ -78,7 +79,7 @@ class SessionRecorder final : public rack::Journal {
 
   rack::Rack& rack_;
   std::string path_;
-  std::vector<devices::Signal> signals_;
+  std::vector<product::Signal> signals_;
   std::vector<std::uint64_t> values_;  ///< bits of the signals as recorded last
   RecordingFile file_;
   RecordingFile::Chunk* chunk_ = nullptr;
@@ -93,6 +94,6 @@ class SessionRecorder final : public rack::Journal {
 };
 
 /// The names of all signals, for a header.
-[[nodiscard]] std::vector<std::string> names_of(const std::vector<devices::Signal>& signals);
+[[nodiscard]] std::vector<std::string> names_of(const std::vector<product::Signal>& signals);
 
 }  // namespace stator::replay

@@ -15,6 +15,7 @@
 #include "stator/ethercat/standard/al_state.hpp"
 #include "stator/master/cia402/drive_state.hpp"
 #include "stator/master/text.hpp"
+#include "stator/product/device/signal.hpp"
 #include "stator/rack/core/faults.hpp"
 #include "stator/rack/world/text.hpp"
 #include "stator/scenario/comparison.hpp"
@@ -147,11 +148,11 @@ ReadStep read_expect_signal(rack::TomlSection& section, StepReader& /*reader*/) 
   }
   return expectation(
       fmt::format("{} {}", *name, comparison.text()), timing, [=](bench::Bench& bench) -> Look {
-        const std::vector<devices::Signal> signals = bench.rack().signals();
-        const auto found = std::ranges::find(signals, *name, &devices::Signal::name);
+        const std::vector<product::Signal> signals = bench.rack().signals();
+        const auto found = std::ranges::find(signals, *name, &product::Signal::name);
         if (found == signals.end()) {
           std::set<std::string> names;
-          for (const devices::Signal& signal : signals) {
+          for (const product::Signal& signal : signals) {
             names.insert(signal.name);
           }
           const std::string guess = rack::closest_match(*name, names);

@@ -52,7 +52,7 @@ void TmclBench::check(const std::string& input, double value) {
 
 void TmclBench::set_input(const std::string& input, double value) {
   check(input, value);
-  std::ranges::find(inputs_, input, &devices::Input::name)->set(value);
+  std::ranges::find(inputs_, input, &product::Input::name)->set(value);
 }
 
 void TmclBench::schedule(const InputChange& change) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/device.hpp"
+#include "stator/product/device/device.hpp"
 #include "stator/rack/observe/recorder.hpp"
 #include "stator/tmcl/interpreter/firmware.hpp"
 #include "stator/tmcl/interpreter/program_observer.hpp"
@@ -17,7 +17,7 @@ namespace stator::tmcl_tools {
 
 /// A complete module without interfaces, as it is after switching on at time 0.
 struct TmclModule {
-  std::unique_ptr<devices::Device> device;
+  std::unique_ptr<product::Device> device;
   tmcl::Firmware* firmware = nullptr;  ///< of `device`
 };
 
@@ -41,7 +41,7 @@ class TmclBench {
   ~TmclBench();
 
   [[nodiscard]] base::SimTime now() const { return now_; }
-  [[nodiscard]] devices::Device& device() const { return *module_.device; }
+  [[nodiscard]] product::Device& device() const { return *module_.device; }
   [[nodiscard]] tmcl::Firmware& firmware() const { return *module_.firmware; }
 
   /// Puts `program` into the memory and starts it from its first command on.
@@ -84,7 +84,7 @@ class TmclBench {
   void sample_what_is_due();
 
   TmclModule module_;
-  std::vector<devices::Input> inputs_;
+  std::vector<product::Input> inputs_;
   Fan fan_;
   base::SimTime now_;
   std::vector<InputChange> changes_;  ///< the next one last

@@ -135,7 +135,7 @@ struct DebugCommands {
 
   static std::string print(Console& console, Words text) {
     // Signals of the device are known by their full names.
-    for (const devices::Signal& signal : console.debugger_.bench().device().signals()) {
+    for (const product::Signal& signal : console.debugger_.bench().device().signals()) {
       if (signal.name == text) {
         return fmt::format("{} = {} {}\n", text, signal.read(), signal.unit);
       }

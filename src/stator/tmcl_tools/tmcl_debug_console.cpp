@@ -118,7 +118,7 @@ std::vector<std::string> TmclDebugConsole::completions(std::string_view line_bef
       offer(each.symbol);
     }
   }
-  for (const devices::Input& input : debugger_.bench().device().inputs()) {
+  for (const product::Input& input : debugger_.bench().device().inputs()) {
     offer(input.name);
   }
   return words;

@@ -139,7 +139,7 @@ std::string inputs(TmclDebugger& debugger, std::string_view pattern) {
   std::string text = ports(debugger, "in", module.digital_inputs, 0) +
                      ports(debugger, "analog", module.analog_inputs, 1);
   text += "\nFor \"set input\":\n";
-  for (const devices::Input& input : debugger.bench().device().inputs()) {
+  for (const product::Input& input : debugger.bench().device().inputs()) {
     if (matches(pattern, input.name)) {
       text +=
           fmt::format("{:32} {} .. {} {}\n", input.name, input.minimum, input.maximum, input.unit);
@@ -154,7 +154,7 @@ std::string outputs(TmclDebugger& debugger, std::string_view /*pattern*/) {
 
 std::string signals(TmclDebugger& debugger, std::string_view pattern) {
   std::string text;
-  for (const devices::Signal& signal : debugger.bench().device().signals()) {
+  for (const product::Signal& signal : debugger.bench().device().signals()) {
     if (matches(pattern, signal.name)) {
       text += fmt::format("{:32} {} {}\n", signal.name, signal.read(), signal.unit);
     }

@@ -48,7 +48,7 @@ std::string seconds_text(base::SimTime time) {
 }
 
 TmclTrace::TmclTrace(std::FILE* file, const TmclSource& source,
-                     std::vector<devices::Signal> signals, const TraceOptions& options)
+                     std::vector<product::Signal> signals, const TraceOptions& options)
     : file_(file),
       source_(source),
       signals_(std::move(signals)),
@@ -59,7 +59,7 @@ TmclTrace::TmclTrace(std::FILE* file, const TmclSource& source,
   }
   if (options_.csv) {
     std::string row = "time [s],address,line,command,accumulator,x,flags,status";
-    for (const devices::Signal& signal : signals_) {
+    for (const product::Signal& signal : signals_) {
       fmt::format_to(std::back_inserter(row), ",{} [{}]", signal.name, signal.unit);
     }
     write(row);
@@ -68,7 +68,7 @@ TmclTrace::TmclTrace(std::FILE* file, const TmclSource& source,
   std::string row =
       fmt::format("{:>12} {:>7} {:>5}  {:{}} {:>11} {:>11}  {:11} {:>6}", "TIME [s]", "ADDRESS",
                   "LINE", "COMMAND", command_width_, "ACCUMULATOR", "X", "FLAGS", "STATUS");
-  for (const devices::Signal& signal : signals_) {
+  for (const product::Signal& signal : signals_) {
     fmt::format_to(std::back_inserter(row), "  {} [{}]", signal.name, signal.unit);
   }
   write(row);
@@ -104,7 +104,7 @@ void TmclTrace::executed(const tmcl::ProgramStep& step, const tmcl::Registers& r
                     step.address, line_text, source_.command_at(step.address), command_width_,
                     registers.accumulator, registers.x, flags_text(registers), status);
   }
-  for (const devices::Signal& signal : signals_) {
+  for (const product::Signal& signal : signals_) {
     if (options_.csv) {
       fmt::format_to(std::back_inserter(row), ",{:.10g}", signal.read());
     } else {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "stator/devices/signal.hpp"
+#include "stator/product/device/signal.hpp"
 #include "stator/tmcl/interpreter/program_observer.hpp"
 #include "stator/tmcl_tools/tmcl_source.hpp"
 
@@ -31,7 +31,7 @@ struct TraceOptions {
 class TmclTrace final : public tmcl::ProgramObserver {
  public:
   /// `file` and `source` must outlive the trace. Writes the heading.
-  TmclTrace(std::FILE* file, const TmclSource& source, std::vector<devices::Signal> signals,
+  TmclTrace(std::FILE* file, const TmclSource& source, std::vector<product::Signal> signals,
             const TraceOptions& options);
 
   void executed(const tmcl::ProgramStep& step, const tmcl::Registers& registers) override;
@@ -55,7 +55,7 @@ class TmclTrace final : public tmcl::ProgramObserver {
 
   std::FILE* file_;
   const TmclSource& source_;
-  std::vector<devices::Signal> signals_;
+  std::vector<product::Signal> signals_;
   TraceOptions options_;
   std::size_t command_width_ = 20;
   std::vector<Outcome> outcomes_;  ///< by address

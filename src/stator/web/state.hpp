@@ -12,6 +12,8 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "stator/base/event.hpp"
+#include "stator/product/device/input.hpp"
+#include "stator/product/device/signal.hpp"
 #include "stator/rack/run/runner.hpp"
 #include "stator/web/session_control.hpp"
 
@@ -34,7 +36,7 @@ struct DeviceRecord {
   std::string network;  ///< name of its bus, "segment 0"
   rack::DeviceAddress address;
   const dictionary::Dictionary* objects = nullptr;  ///< null: it has none
-  const std::vector<devices::Input>* inputs = nullptr;
+  const std::vector<product::Input>* inputs = nullptr;
 };
 
 /// An event as clients get it.
@@ -73,7 +75,7 @@ class State {
   [[nodiscard]] const std::vector<DeviceRecord>& devices() const { return devices_; }
   /// Null: there is none.
   [[nodiscard]] const DeviceRecord* find_device(std::string_view name) const;
-  [[nodiscard]] const std::vector<devices::Signal>& signals() const { return signals_; }
+  [[nodiscard]] const std::vector<product::Signal>& signals() const { return signals_; }
   /// The signals that match one of comma-separated `patterns`, in which "*" stands for any run of
   /// characters.
   [[nodiscard]] std::vector<std::size_t> matching(std::string_view patterns) const;
@@ -110,7 +112,7 @@ class State {
   const rack::Runner& runner_;
   std::string run_;  ///< drawn as a token is, but gives no rights
   std::vector<DeviceRecord> devices_;
-  std::vector<devices::Signal> signals_;
+  std::vector<product::Signal> signals_;
   std::vector<NetworkRecord> networks_;  ///< names only
   std::vector<std::size_t> wires_;       ///< numbers of the buses that have one
   std::deque<EventRecord> events_;

@@ -82,7 +82,7 @@ class Trial {
         break;
       case Action::set_supply:
         reference_->set_supply(step.a != 0, now_);
-        for (const devices::Input& input : device_.inputs()) {
+        for (const product::Input& input : device_.inputs()) {
           if (input.name == "axis0.supply_voltage") {
             input.set(step.a != 0 ? 24.0 : 5.0);
           }

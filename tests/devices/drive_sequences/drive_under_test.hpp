@@ -9,7 +9,7 @@
 #include "devices/drive_sequences/recording.hpp"
 #include "devices/drive_sequences/sequence.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/device.hpp"
+#include "stator/product/device/device.hpp"
 
 namespace stator::tests {
 
@@ -48,7 +48,7 @@ class DriveUnderTest {
  protected:
   DriveUnderTest() = default;
   /// What can be set around `device`; once, before anything is performed.
-  void surround(devices::Device& device) { inputs_ = device.inputs(); }
+  void surround(product::Device& device) { inputs_ = device.inputs(); }
 
   virtual void write(const DriveStep& step) = 0;
   virtual void go_to_network_state(int state) = 0;

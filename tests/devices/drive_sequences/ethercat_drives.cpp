@@ -33,7 +33,7 @@ struct MappedObject {
 /// A device with process data on a bus of its own.
 class EtherCatDrive : public DriveUnderTest {
  protected:
-  EtherCatDrive(std::unique_ptr<devices::EtherCatDevice> device, std::uint8_t outputs,
+  EtherCatDrive(std::unique_ptr<product::EtherCatDevice> device, std::uint8_t outputs,
                 std::uint8_t inputs, std::span<const MappedObject> mapped)
       : device_(std::move(device)), bus_(*device_), mapped_(mapped) {
     surround(*device_);
@@ -44,7 +44,7 @@ class EtherCatDrive : public DriveUnderTest {
 
   [[nodiscard]] bool exchanges() const { return state_ >= 4; }
   [[nodiscard]] base::SimTime now() const { return bus_.now(); }
-  [[nodiscard]] devices::EtherCatDevice& device() { return *device_; }
+  [[nodiscard]] product::EtherCatDevice& device() { return *device_; }
 
   void write(const DriveStep& step) override {
     for (const MappedObject& object : mapped_) {
@@ -102,7 +102,7 @@ class EtherCatDrive : public DriveUnderTest {
                          : dictionary::NetworkState::pre_operational;
   }
 
-  std::unique_ptr<devices::EtherCatDevice> device_;
+  std::unique_ptr<product::EtherCatDevice> device_;
   TestBus bus_;
   std::span<const MappedObject> mapped_;
   int state_ = 8;  ///< as requested last

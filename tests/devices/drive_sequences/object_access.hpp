@@ -6,13 +6,13 @@
 
 #include "devices/drive_sequences/sequence.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/device.hpp"
 #include "stator/dictionary/dictionary.hpp"
+#include "stator/product/device/device.hpp"
 
 namespace stator::tests {
 
 /// Writes an object as an SDO would; what is refused is none of the sequences' business.
-inline void write_object(devices::Device& device, const DriveStep& step,
+inline void write_object(product::Device& device, const DriveStep& step,
                          dictionary::NetworkState state, base::SimTime now) {
   const dictionary::Dictionary& objects = *device.object_dictionary();
   dictionary::Entry* const entry = objects.find(step.index, step.subindex);

@@ -498,7 +498,7 @@ void LiveRun::change_taps() {
   }
   if (taps_.size() < kMostTaps && chance(0.6) && !signals_.empty()) {
     taps_.push_back(std::make_unique<rack::SignalTap>(
-        std::vector<devices::Signal>{signals_[random_.below(signals_.size())]},
+        std::vector<product::Signal>{signals_[random_.below(signals_.size())]},
         SimDuration(static_cast<std::int64_t>(20'000 + random_.below(3'000'000))), 64));
     rack_.add(*taps_.back(), now());
   } else if (!taps_.empty()) {

@@ -76,7 +76,7 @@ class LiveRun {
   rack::LockstepClock clock_;
   base::SimTime end_;
   std::vector<DeviceFacts> facts_;
-  std::vector<devices::Signal> signals_;
+  std::vector<product::Signal> signals_;
   std::vector<std::vector<std::unique_ptr<can::Port>>> ports_;  ///< by bus
   std::vector<std::unique_ptr<rack::SignalTap>> taps_;
   rack::TrafficTap traffic_{1024};

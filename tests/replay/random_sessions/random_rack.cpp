@@ -128,7 +128,7 @@ void add_wires(Random& random, RackConfiguration& rack, const std::vector<Device
 constexpr double kMostValue = 60.0;
 constexpr double kMostTorque = 1000.0;
 
-double random_value(Random& random, const devices::Input& input) {
+double random_value(Random& random, const product::Input& input) {
   const double bound = input.unit.find('N') != std::string::npos ? kMostTorque : kMostValue;
   const double least = std::max(input.minimum, -bound);
   const double most = std::max(std::min(input.maximum, bound), least);
@@ -181,7 +181,7 @@ std::string words_one_of(Random& random, std::string_view words) {
 }
 
 /// A value of a parameter as a rack file has it; empty: none is known.
-std::string value_of(Random& random, const FaultParameter& parameter, const devices::Input* input) {
+std::string value_of(Random& random, const FaultParameter& parameter, const product::Input* input) {
   const double least = parameter.minimum;
   const double most = std::min(parameter.maximum, least + (chance(random, 0.5) ? 10.0 : 1e6));
   switch (parameter.type) {
@@ -243,7 +243,7 @@ std::vector<DeviceFacts> facts_of(rack::Rack& rack) {
                       .name = rack.name_of(address),
                       .inputs = rack.inputs(address),
                       .signals = {}};
-    for (const devices::Signal& signal : rack.device(address).signals()) {
+    for (const product::Signal& signal : rack.device(address).signals()) {
       facts.signals.push_back(signal.name);
     }
     all.push_back(std::move(facts));
@@ -274,7 +274,7 @@ std::optional<rack::RackEvent> random_event(Random& random, const RackConfigurat
       if (device.inputs.empty()) {
         return std::nullopt;
       }
-      const devices::Input& input = one_of(random, device.inputs);
+      const product::Input& input = one_of(random, device.inputs);
       return rack::InputEvent{.device = device.address,
                               .input = input.name,
                               .value = random_value(random, input),
@@ -287,7 +287,7 @@ std::string random_fault(Random& random, const RackConfiguration& rack,
   for (int i = 0; i < kTries; ++i) {
     const rack::FaultKind& kind = one_of(random, rack::fault_kinds());
     const DeviceFacts& device = one_of(random, facts);
-    const devices::Input* input = device.inputs.empty() ? nullptr : &one_of(random, device.inputs);
+    const product::Input* input = device.inputs.empty() ? nullptr : &one_of(random, device.inputs);
     std::string text = fmt::format("kind = \"{}\"\n", kind.name);
     text += target_of(random, kind.scope, rack, device);
     for (const FaultParameter& parameter : kind.parameters) {

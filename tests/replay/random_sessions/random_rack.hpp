@@ -14,7 +14,7 @@ namespace stator::tests {
 struct DeviceFacts {
   rack::DeviceAddress address;
   std::string name;
-  std::vector<devices::Input> inputs;  ///< what sets them is not to be called
+  std::vector<product::Input> inputs;  ///< what sets them is not to be called
   std::vector<std::string> signals;    ///< names within the device
 };
 

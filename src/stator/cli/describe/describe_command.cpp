@@ -18,9 +18,9 @@
 #include "stator/cli/describe/tmcl_module_listing.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/products.hpp"
-#include "stator/devices/can_device.hpp"
 #include "stator/dictionary/description.hpp"
 #include "stator/dictionary/quirks.hpp"
+#include "stator/product/device/can_device.hpp"
 
 namespace stator::cli {
 
@@ -137,7 +137,7 @@ void print_names(const std::array<std::string_view, Columns>& header,
 
 void list_signals(const DescribeOptions& options) {
   std::vector<std::array<std::string, 2>> rows;
-  for (const devices::Signal& signal : build_product(options.device)->signals()) {
+  for (const product::Signal& signal : build_product(options.device)->signals()) {
     rows.push_back({signal.name, signal.unit});
   }
   print_names(kSignalColumns, rows, options.format);
@@ -145,7 +145,7 @@ void list_signals(const DescribeOptions& options) {
 
 void list_inputs(const DescribeOptions& options) {
   std::vector<std::array<std::string, 4>> rows;
-  for (const devices::Input& input : build_product(options.device)->inputs()) {
+  for (const product::Input& input : build_product(options.device)->inputs()) {
     rows.push_back({input.name, fmt::format("{}", input.minimum), fmt::format("{}", input.maximum),
                     input.unit});
   }
@@ -177,7 +177,7 @@ void list_quirks(const DescribeOptions& options) {
     throw Failure(
         fmt::format("a {} has no quirks; devices with CoE or CANopen have", options.device));
   }
-  const bool canopen = dynamic_cast<devices::CanDevice*>(device.get()) != nullptr;
+  const bool canopen = dynamic_cast<product::CanDevice*>(device.get()) != nullptr;
   std::vector<std::array<std::string, 4>> rows;
   for (const dictionary::QuirkDeclaration& quirk : dictionary::quirks()) {
     if (canopen ? quirk.canopen : quirk.coe) {

@@ -66,15 +66,15 @@ class SignalTable {
   }
 
  private:
-  [[nodiscard]] const devices::Signal& find(const std::string& name) const {
-    const auto found = std::ranges::find(signals_, name, &devices::Signal::name);
+  [[nodiscard]] const product::Signal& find(const std::string& name) const {
+    const auto found = std::ranges::find(signals_, name, &product::Signal::name);
     if (found == signals_.end()) {
       throw Failure(fmt::format("the rack has no signal {}", name));
     }
     return *found;
   }
 
-  std::vector<devices::Signal> signals_;
+  std::vector<product::Signal> signals_;
 };
 
 std::string axis_signal(std::size_t axis, std::string_view name) {

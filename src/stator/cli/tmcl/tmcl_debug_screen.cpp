@@ -324,7 +324,7 @@ class DebugScreen {
     say(fmt::format("  pc    {:>12}  depth {}", state.program_counter, debugger_.depth()));
     say(fmt::format("  flags {}", tmcl_tools::flags_text(state.registers)));
     say(" Motion", A_BOLD);
-    for (const devices::Signal& signal : debugger_.bench().device().signals()) {
+    for (const product::Signal& signal : debugger_.bench().device().signals()) {
       say(fmt::format("  {:18.18} {:>13.7g}", short_name(signal.name), signal.read()));
     }
     while (row < text_rows()) {

@@ -74,7 +74,7 @@ File open_for_writing(const std::string& path) {
 }
 
 /// Panels of the signals in `csv`, one for each unit.
-void draw(const RunOptions& options, const std::vector<devices::Signal>& signals,
+void draw(const RunOptions& options, const std::vector<product::Signal>& signals,
           const std::string& csv, std::uint64_t rows) {
   constexpr std::array kColours{"#1f77b4", "#d1495b", "#2a9d5c", "#e08e0b", "#8d99a6"};
   rack::Plot plot;
@@ -84,7 +84,7 @@ void draw(const RunOptions& options, const std::vector<devices::Signal>& signals
   plot.legend = rack::Plot::Legend::above;
   std::map<std::string, std::size_t> panel_of_unit;
   int column = 1;
-  for (const devices::Signal& signal : signals) {
+  for (const product::Signal& signal : signals) {
     const auto [place, added] = panel_of_unit.try_emplace(signal.unit, plot.panels.size());
     if (added) {
       plot.panels.emplace_back().label = signal.unit.empty() ? "number" : signal.unit;
@@ -210,7 +210,7 @@ class ProgramRun {
   tmcl_tools::TmclSource source_;
   tmcl_tools::TmclBench bench_;
   base::SimTime limit_;
-  std::vector<devices::Signal> signals_;
+  std::vector<product::Signal> signals_;
   File trace_file_;
   std::optional<tmcl_tools::TmclTrace> trace_;
   std::optional<tmcl_tools::TmclProfile> profile_;

@@ -75,8 +75,8 @@ double Junction::al_state() const {
   return std::to_integer<unsigned>(status[0]);
 }
 
-std::vector<Signal> Junction::signals() {
-  std::vector<Signal> all{
+std::vector<product::Signal> Junction::signals() {
+  std::vector<product::Signal> all{
       {"al_state", "", base::Delegate<double()>::bind<&Junction::al_state>(*this)}};
   for (Probe& probe : probes_) {
     if (controller_.has_port(probe.port)) {

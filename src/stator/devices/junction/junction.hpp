@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "stator/base/event.hpp"
-#include "stator/devices/ethercat_device.hpp"
+#include "stator/product/device/ethercat_device.hpp"
 
 namespace stator::devices {
 
@@ -21,7 +21,7 @@ struct JunctionConfiguration {
 /// It has no firmware, no mailbox and no process data; its AL state follows the master (device
 /// emulation). Frames come in at port 0 and go on to port 3, then 1, then 2 and back
 /// (ETG.1000.4 §4.2). Nobody's product: vendor ID and product code are made up.
-class Junction final : public EtherCatDevice {
+class Junction final : public product::EtherCatDevice {
  public:
   /// "STAT" and "JUN" in ASCII: outside of the numbers that the ETG assigns.
   static constexpr std::uint32_t kVendorId = 0x53544154;
@@ -40,8 +40,8 @@ class Junction final : public EtherCatDevice {
   void handle_bus_events(base::SimTime now) override;
   void set_power(bool on, base::SimTime now) override;
   /// AL status, and for each port whether it has a link and whether frames leave through it.
-  [[nodiscard]] std::vector<Signal> signals() override;
-  [[nodiscard]] std::vector<Input> inputs() override { return {clock_deviation_input()}; }
+  [[nodiscard]] std::vector<product::Signal> signals() override;
+  [[nodiscard]] std::vector<product::Input> inputs() override { return {clock_deviation_input()}; }
 
  private:
   struct Probe {

@@ -21,12 +21,14 @@ constexpr SimDuration kLedStep{50'000'000};
 /// A link LED flickers for so long after a frame.
 constexpr SimDuration kActivity{100'000'000};
 constexpr SimDuration kSyncLengthUnit{10};
-constexpr HostLines kLeds = host_line(HostLine::run_led) | host_line(HostLine::error_led) |
-                            host_line(HostLine::link_activity0) |
-                            host_line(HostLine::link_activity1);
-constexpr std::array kSyncLines{host_line(HostLine::sync0), host_line(HostLine::sync1)};
-constexpr std::array<const char*, kHostPins> kPinNames{"latch_in0", "latch_in1", "mfc_nes",
-                                                       "nreset"};
+constexpr product::HostLines kLeds = product::host_line(product::HostLine::run_led) |
+                                     product::host_line(product::HostLine::error_led) |
+                                     product::host_line(product::HostLine::link_activity0) |
+                                     product::host_line(product::HostLine::link_activity1);
+constexpr std::array kSyncLines{product::host_line(product::HostLine::sync0),
+                                product::host_line(product::HostLine::sync1)};
+constexpr std::array<const char*, product::kHostPins> kPinNames{"latch_in0", "latch_in1", "mfc_nes",
+                                                                "nreset"};
 
 /// "mfcio07", "mfc_hv3".
 std::string pin_name(std::size_t line) {
@@ -37,30 +39,33 @@ std::string pin_name(std::size_t line) {
   return name;
 }
 
-HostLines shown(bool level, HostLine line) {
-  return level ? host_line(line) : HostLines{0};
+product::HostLines shown(bool level, product::HostLine line) {
+  return level ? product::host_line(line) : product::HostLines{0};
 }
 
 }  // namespace
 
-HostLines Tmc8461::levels() {
+product::HostLines Tmc8461::levels() {
   if (!running()) {
-    return shown(powered_, HostLine::power);
+    return shown(powered_, product::HostLine::power);
   }
   std::array<std::byte, 1> status{};
   controller_.peek(ethercat::register_address::kDlStatus, status);
   const bool loaded = (status[0] & std::byte{1}) != std::byte{0};
   const unsigned levels =
-      shown(controller_.host_interrupt(), HostLine::interrupt) |
-      shown(controller_.sync_output(0), HostLine::sync0) |
-      shown(controller_.sync_output(1), HostLine::sync1) | shown(reset_out_, HostLine::reset_out) |
-      shown(loaded, HostLine::eeprom_loaded) |
-      shown(lit(controller_.run_led()), HostLine::run_led) |
-      shown(lit(controller_.error_led()), HostLine::error_led) |
-      shown(link_led(0), HostLine::link_activity0) | shown(link_led(1), HostLine::link_activity1) |
-      shown(controller_.process_data_watchdog_state(), HostLine::watchdog_state) |
-      shown(io_.interrupt_pin(), HostLine::mfc_interrupt) | shown(true, HostLine::power);
-  return static_cast<HostLines>(levels);
+      shown(controller_.host_interrupt(), product::HostLine::interrupt) |
+      shown(controller_.sync_output(0), product::HostLine::sync0) |
+      shown(controller_.sync_output(1), product::HostLine::sync1) |
+      shown(reset_out_, product::HostLine::reset_out) |
+      shown(loaded, product::HostLine::eeprom_loaded) |
+      shown(lit(controller_.run_led()), product::HostLine::run_led) |
+      shown(lit(controller_.error_led()), product::HostLine::error_led) |
+      shown(link_led(0), product::HostLine::link_activity0) |
+      shown(link_led(1), product::HostLine::link_activity1) |
+      shown(controller_.process_data_watchdog_state(), product::HostLine::watchdog_state) |
+      shown(io_.interrupt_pin(), product::HostLine::mfc_interrupt) |
+      shown(true, product::HostLine::power);
+  return static_cast<product::HostLines>(levels);
 }
 
 /// All LEDs keep one time, the simulated one, so that what is seen does not depend on who looked
@@ -78,8 +83,8 @@ bool Tmc8461::link_led(unsigned port) const {
   return !active || lit(ethercat::LedCode::flickering);
 }
 
-void Tmc8461::watch(HostLines watched, HostLineSink* sink) {
-  watched_ = sink != nullptr ? watched : HostLines{0};
+void Tmc8461::watch(product::HostLines watched, product::HostLineSink* sink) {
+  watched_ = sink != nullptr ? watched : product::HostLines{0};
   sink_ = sink;
   told_ = levels();
   for (unsigned output = 0; output < sync_counts_.size(); ++output) {
@@ -93,7 +98,7 @@ SimTime Tmc8461::next_line_change() {
     return SimTime::never();
   }
   SimTime next = controller_.next_deadline();
-  if ((watched_ & host_line(HostLine::mfc_interrupt)) != 0) {
+  if ((watched_ & product::host_line(product::HostLine::mfc_interrupt)) != 0) {
     next = std::min({next, io_.next_event(), board_.next_event()});
   }
   for (unsigned output = 0; output < kSyncLines.size(); ++output) {
@@ -109,17 +114,17 @@ SimTime Tmc8461::next_led_edge() const {
   return SimTime() + SimDuration((steps + 1) * kLedStep.nanoseconds());
 }
 
-void Tmc8461::publish(HostLines pulses) {
+void Tmc8461::publish(product::HostLines pulses) {
   if (sink_ == nullptr) {
     return;
   }
   pulses |= sync_pulses();
-  HostLineChange change;
+  product::HostLineChange change;
   change.time = now_;
   change.levels = levels();
-  change.rose = static_cast<HostLines>(((change.levels & ~told_) | pulses) & watched_);
-  change.fell =
-      static_cast<HostLines>(((told_ & ~change.levels) | (pulses & ~change.levels)) & watched_);
+  change.rose = static_cast<product::HostLines>(((change.levels & ~told_) | pulses) & watched_);
+  change.fell = static_cast<product::HostLines>(
+      ((told_ & ~change.levels) | (pulses & ~change.levels)) & watched_);
   told_ = change.levels;
   if ((change.rose | change.fell) != 0) {
     sink_->on_lines(change);
@@ -127,7 +132,7 @@ void Tmc8461::publish(HostLines pulses) {
 }
 
 /// SYNC outputs with a pulse since last time.
-HostLines Tmc8461::sync_pulses() {
+product::HostLines Tmc8461::sync_pulses() {
   unsigned pulses = 0;
   for (unsigned output = 0; output < kSyncLines.size(); ++output) {
     if ((watched_ & kSyncLines[output]) == 0) {
@@ -147,7 +152,7 @@ HostLines Tmc8461::sync_pulses() {
       sync_ends_[output] = SimTime::never();
     }
   }
-  return static_cast<HostLines>(pulses);
+  return static_cast<product::HostLines>(pulses);
 }
 
 double Tmc8461::Probe::level() const {
@@ -155,7 +160,7 @@ double Tmc8461::Probe::level() const {
 }
 
 void Tmc8461::Probe::drive(double value) const {
-  chip->set_pin(static_cast<HostPin>(number), value >= 0.5);
+  chip->set_pin(static_cast<product::HostPin>(number), value >= 0.5);
 }
 
 /// 0, 1, or 0.5 for a pin that floats.
@@ -210,13 +215,13 @@ double Tmc8461::interrupt_pin() const {
   return requests == active_high ? 1.0 : 0.0;
 }
 
-std::vector<Signal> Tmc8461::signals() {
-  std::vector<Signal> all{
+std::vector<product::Signal> Tmc8461::signals() {
+  std::vector<product::Signal> all{
       {"al_state", "", base::Delegate<double()>::bind<&Tmc8461::al_state>(*this)},
       {"pdi_errors", "", base::Delegate<double()>::bind<&Tmc8461::pdi_errors>(*this)},
       {"pdi_spi_irq", "", base::Delegate<double()>::bind<&Tmc8461::interrupt_pin>(*this)}};
   for (Probe& probe : line_probes_) {
-    all.push_back({std::string(kHostLineNames[probe.number]), "",
+    all.push_back({std::string(product::kHostLineNames[probe.number]), "",
                    base::Delegate<double()>::bind<&Probe::level>(probe)});
   }
   for (Probe& probe : io_probes_) {
@@ -227,8 +232,8 @@ std::vector<Signal> Tmc8461::signals() {
   return all;
 }
 
-std::vector<Input> Tmc8461::inputs() {
-  std::vector<Input> all;
+std::vector<product::Input> Tmc8461::inputs() {
+  std::vector<product::Input> all;
   for (Probe& probe : pin_probes_) {
     all.push_back({kPinNames[probe.number], "", 0.0, 1.0,
                    base::Delegate<void(double)>::bind<&Probe::drive>(probe)});

@@ -93,12 +93,12 @@ Tmc8461::Tmc8461(const Tmc8461Configuration& configuration, base::EventReporter 
   halves_.set_board(&board_);
   controller_.load_sii(sii_image());
   io_.set_emergency_pin(configuration_.emergency_released);
-  pins_[index(HostPin::emergency)] = configuration_.emergency_released;
-  pins_[index(HostPin::reset)] = true;
-  for (std::size_t i = 0; i < kHostLines; ++i) {
+  pins_[index(product::HostPin::emergency)] = configuration_.emergency_released;
+  pins_[index(product::HostPin::reset)] = true;
+  for (std::size_t i = 0; i < product::kHostLines; ++i) {
     line_probes_[i] = {this, i};
   }
-  for (std::size_t i = 0; i < kHostPins; ++i) {
+  for (std::size_t i = 0; i < product::kHostPins; ++i) {
     pin_probes_[i] = {this, i};
   }
   for (std::size_t i = 0; i < mfc::kLines; ++i) {
@@ -151,10 +151,11 @@ void Tmc8461::handle_bus_events(SimTime now) {
   now_ = std::max(now_, now);
   last_frame_ = now_;
   take_reset_request();
-  HostLines pulses = host_line(HostLine::start_of_frame) | host_line(HostLine::end_of_frame);
+  product::HostLines pulses = product::host_line(product::HostLine::start_of_frame) |
+                              product::host_line(product::HostLine::end_of_frame);
   if (controller_.process_data_watchdog_triggers() != watchdog_triggers_) {
     watchdog_triggers_ = controller_.process_data_watchdog_triggers();
-    pulses |= host_line(HostLine::watchdog_trigger);
+    pulses |= product::host_line(product::HostLine::watchdog_trigger);
   }
   publish(pulses);
 }
@@ -168,7 +169,7 @@ void Tmc8461::take_reset_request() {
   reset_out_ = true;
   if (configuration_.reset_loop) {
     reset();
-    publish(host_line(HostLine::reset_out));
+    publish(product::host_line(product::HostLine::reset_out));
   }
 }
 
@@ -212,16 +213,16 @@ void Tmc8461::set_power(bool on, SimTime now) {
   publish();
 }
 
-void Tmc8461::select(HostSpi spi) {
+void Tmc8461::select(product::HostSpi spi) {
   if (!running()) {
     return;
   }
-  if (spi == HostSpi::pdi && !host_seen_) {
+  if (spi == product::HostSpi::pdi && !host_seen_) {
     host_seen_ = true;  // from now on the PDI watchdog supervises it
     controller_.set_host_polling(false);
   }
-  trigger(spi == HostSpi::pdi ? mfc::Trigger::pdi_select : mfc::Trigger::mfc_select);
-  if (spi == HostSpi::mfc) {
+  trigger(spi == product::HostSpi::pdi ? mfc::Trigger::pdi_select : mfc::Trigger::mfc_select);
+  if (spi == product::HostSpi::mfc) {
     mfc_memory_.begin();
   }
   ports_[index(spi)].select();
@@ -229,8 +230,8 @@ void Tmc8461::select(HostSpi spi) {
 
 // On a shared bus everything selected hears the same bytes; MISO is that of the slave meant
 // (L1189).
-void Tmc8461::transfer(HostSpi spi, std::span<const std::byte> mosi, std::span<std::byte> miso,
-                       std::optional<SimDuration> read_pause) {
+void Tmc8461::transfer(product::HostSpi spi, std::span<const std::byte> mosi,
+                       std::span<std::byte> miso, std::optional<SimDuration> read_pause) {
   std::fill(miso.begin(), miso.end(), ethercat::SpiSlavePort::kUndefined);
   if (!running()) {
     return;
@@ -246,23 +247,23 @@ void Tmc8461::transfer(HostSpi spi, std::span<const std::byte> mosi, std::span<s
   publish();
 }
 
-void Tmc8461::deselect(HostSpi spi, unsigned surplus_clocks) {
+void Tmc8461::deselect(product::HostSpi spi, unsigned surplus_clocks) {
   if (!running()) {
     return;
   }
   ports_[index(spi)].deselect(surplus_clocks);
-  trigger(spi == HostSpi::pdi ? mfc::Trigger::pdi_deselect : mfc::Trigger::mfc_deselect);
+  trigger(spi == product::HostSpi::pdi ? mfc::Trigger::pdi_deselect : mfc::Trigger::mfc_deselect);
   publish();
 }
 
-void Tmc8461::set_pin(HostPin pin, bool level) {
+void Tmc8461::set_pin(product::HostPin pin, bool level) {
   const bool before = pins_[index(pin)];
   pins_[index(pin)] = level;
-  if (pin == HostPin::reset && before != level) {
+  if (pin == product::HostPin::reset && before != level) {
     hold_reset(!level);
-  } else if (pin == HostPin::latch0 || pin == HostPin::latch1) {
+  } else if (pin == product::HostPin::latch0 || pin == product::HostPin::latch1) {
     halves_.set_latch_input(static_cast<unsigned>(pin), level);
-  } else if (pin == HostPin::emergency) {
+  } else if (pin == product::HostPin::emergency) {
     halves_.advance_block(now_);
     io_.set_emergency_pin(level);
   }

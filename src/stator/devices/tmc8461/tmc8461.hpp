@@ -7,12 +7,12 @@
 #include "stator/base/event.hpp"
 #include "stator/board/assembly/block_pins.hpp"
 #include "stator/board/assembly/board.hpp"
-#include "stator/devices/ethercat_device.hpp"
 #include "stator/devices/tmc8461/block_on_controller.hpp"
 #include "stator/devices/tmc8461/configuration.hpp"
 #include "stator/devices/tmc8461/mfc_spi_memory.hpp"
 #include "stator/devices/tmc8461/process_data_objects.hpp"
 #include "stator/ethercat/controller/controller_spi_memory.hpp"
+#include "stator/product/device/ethercat_device.hpp"
 
 namespace stator::devices {
 
@@ -26,7 +26,9 @@ namespace stator::devices {
 ///
 /// Lines are looked at when something happens; edges on the clock alone (SYNC, LEDs, watchdogs) are
 /// stopped at only while somebody watches them, so an idle chip costs nothing.
-class Tmc8461 final : public EtherCatDevice, public HostPort, private mfc::PinListener {
+class Tmc8461 final : public product::EtherCatDevice,
+                      public product::HostPort,
+                      private mfc::PinListener {
  public:
   /// Throws board::BoardError for what cannot be wired.
   explicit Tmc8461(const Tmc8461Configuration& configuration, base::EventReporter reporter = {});
@@ -43,20 +45,20 @@ class Tmc8461 final : public EtherCatDevice, public HostPort, private mfc::PinLi
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;
   void set_power(bool on, base::SimTime now) override;
-  [[nodiscard]] std::vector<Signal> signals() override;
-  [[nodiscard]] std::vector<Input> inputs() override;
-  [[nodiscard]] HostPort* host_port() override { return this; }
+  [[nodiscard]] std::vector<product::Signal> signals() override;
+  [[nodiscard]] std::vector<product::Input> inputs() override;
+  [[nodiscard]] product::HostPort* host_port() override { return this; }
   [[nodiscard]] std::vector<board::KeptPart> kept_parts() override { return board_.kept_parts(); }
 
   // The controller beside it.
-  void select(HostSpi spi) override;
-  void transfer(HostSpi spi, std::span<const std::byte> mosi, std::span<std::byte> miso,
+  void select(product::HostSpi spi) override;
+  void transfer(product::HostSpi spi, std::span<const std::byte> mosi, std::span<std::byte> miso,
                 std::optional<base::SimDuration> read_pause) override;
-  void deselect(HostSpi spi, unsigned surplus_clocks) override;
-  [[nodiscard]] HostLines levels() override;
-  void watch(HostLines watched, HostLineSink* sink) override;
+  void deselect(product::HostSpi spi, unsigned surplus_clocks) override;
+  [[nodiscard]] product::HostLines levels() override;
+  void watch(product::HostLines watched, product::HostLineSink* sink) override;
   [[nodiscard]] base::SimTime next_line_change() override;
-  void set_pin(HostPin pin, bool level) override;
+  void set_pin(product::HostPin pin, bool level) override;
 
   /// The multi-function I/O block with its pins, for plants, peripherals and instruments. Whoever
   /// acts there advances the chip first.
@@ -79,9 +81,9 @@ class Tmc8461 final : public EtherCatDevice, public HostPort, private mfc::PinLi
     void drive_io(double value) const;
   };
 
-  [[nodiscard]] bool running() const { return powered_ && pins_[index(HostPin::reset)]; }
-  static constexpr std::size_t index(HostPin pin) { return static_cast<std::size_t>(pin); }
-  static constexpr std::size_t index(HostSpi spi) { return static_cast<std::size_t>(spi); }
+  [[nodiscard]] bool running() const { return powered_ && pins_[index(product::HostPin::reset)]; }
+  static constexpr std::size_t index(product::HostPin pin) { return static_cast<std::size_t>(pin); }
+  static constexpr std::size_t index(product::HostSpi spi) { return static_cast<std::size_t>(spi); }
 
   void step_to(base::SimTime moment);
   void trigger(mfc::Trigger trigger);
@@ -98,8 +100,8 @@ class Tmc8461 final : public EtherCatDevice, public HostPort, private mfc::PinLi
   /// What a reset does beside the slave controller's own.
   void reset_host_side();
   /// Tells the sink what has changed since last time; `pulses` rose and fell in between.
-  void publish(HostLines pulses = 0);
-  [[nodiscard]] HostLines sync_pulses();
+  void publish(product::HostLines pulses = 0);
+  [[nodiscard]] product::HostLines sync_pulses();
   [[nodiscard]] bool lit(ethercat::LedCode code) const;
   [[nodiscard]] bool link_led(unsigned port) const;
   [[nodiscard]] double al_state() const;
@@ -116,8 +118,8 @@ class Tmc8461 final : public EtherCatDevice, public HostPort, private mfc::PinLi
   board::BlockPins board_pins_{io_, this};
   board::Board board_{configuration_.board, board_pins_, base::SimTime()};
   tmc8461::MfcSpiMemory mfc_memory_{io_, controller_, configuration_.shared_bus};
-  std::array<ethercat::SpiSlavePort, kHostSpis> ports_{ethercat::SpiSlavePort(pdi_memory_),
-                                                       ethercat::SpiSlavePort(mfc_memory_)};
+  std::array<ethercat::SpiSlavePort, product::kHostSpis> ports_{
+      ethercat::SpiSlavePort(pdi_memory_), ethercat::SpiSlavePort(mfc_memory_)};
 
   base::SimTime now_;
   base::SimTime last_frame_ = base::SimTime::never();
@@ -125,16 +127,16 @@ class Tmc8461 final : public EtherCatDevice, public HostPort, private mfc::PinLi
   bool reset_out_ = false;
   bool host_seen_ = false;  ///< something has used the PDI
   std::uint32_t reset_requests_ = 0;
-  std::array<bool, kHostPins> pins_{};
+  std::array<bool, product::kHostPins> pins_{};
 
-  HostLineSink* sink_ = nullptr;
-  HostLines watched_ = 0;
-  HostLines told_ = 0;  ///< levels as the sink knows them
+  product::HostLineSink* sink_ = nullptr;
+  product::HostLines watched_ = 0;
+  product::HostLines told_ = 0;  ///< levels as the sink knows them
   std::array<std::uint64_t, 2> sync_counts_{};
   std::array<base::SimTime, 2> sync_ends_{base::SimTime::never(), base::SimTime::never()};
   std::uint32_t watchdog_triggers_ = 0;
-  std::array<Probe, kHostLines> line_probes_{};
-  std::array<Probe, kHostPins> pin_probes_{};
+  std::array<Probe, product::kHostLines> line_probes_{};
+  std::array<Probe, product::kHostPins> pin_probes_{};
   std::array<Probe, mfc::kLines> io_probes_{};
 };
 

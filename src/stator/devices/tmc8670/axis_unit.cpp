@@ -107,7 +107,7 @@ double AxisUnit::torque_actual() const {
   return static_cast<double>(axis_->objects().torque_actual.get());
 }
 
-void AxisUnit::append_signals(std::vector<Signal>& signals) {
+void AxisUnit::append_signals(std::vector<product::Signal>& signals) {
   const auto add = [&](const char* name, const char* unit, base::Delegate<double()> read) {
     signals.push_back({std::string("axis0.") + name, unit, read});
   };

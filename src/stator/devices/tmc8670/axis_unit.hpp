@@ -6,8 +6,6 @@
 
 #include "stator/base/event.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/input.hpp"
-#include "stator/devices/signal.hpp"
 #include "stator/devices/tmc8670/axis_world.hpp"
 #include "stator/devices/tmc8670/drive_objects.hpp"
 #include "stator/devices/tmc8670/register_objects.hpp"
@@ -15,6 +13,8 @@
 #include "stator/dictionary/dictionary.hpp"
 #include "stator/drive/foc/foc_axis.hpp"
 #include "stator/plant/axes/pwm_axis.hpp"
+#include "stator/product/device/input.hpp"
+#include "stator/product/device/signal.hpp"
 
 namespace stator::devices::tmc8670 {
 
@@ -53,9 +53,9 @@ class AxisUnit {
   [[nodiscard]] AxisWorld& world() { return world_; }
 
   /// Appends "axis0.<name>" for everything worth recording.
-  void append_signals(std::vector<Signal>& signals);
+  void append_signals(std::vector<product::Signal>& signals);
   /// Appends "axis0.<name>" for what can be set around the axis.
-  void append_inputs(std::vector<Input>& inputs) { world_.append_inputs(inputs); }
+  void append_inputs(std::vector<product::Input>& inputs) { world_.append_inputs(inputs); }
 
  private:
   void drive_pins();

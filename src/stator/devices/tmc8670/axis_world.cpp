@@ -18,7 +18,7 @@ double AxisWorld::shaft_speed() const {
   return stage_.plant().speed() / base::kTwoPi;
 }
 
-void AxisWorld::append_signals(std::vector<Signal>& signals) {
+void AxisWorld::append_signals(std::vector<product::Signal>& signals) {
   const auto add = [&](const char* name, const char* unit, base::Delegate<double()> read) {
     signals.push_back({std::string("axis0.") + name, unit, read});
   };
@@ -45,7 +45,7 @@ void AxisWorld::append_signals(std::vector<Signal>& signals) {
 }
 
 // The outputs of the chip, as an oscilloscope at its pins sees them.
-void AxisWorld::append_stage_signals(std::vector<Signal>& signals) {
+void AxisWorld::append_stage_signals(std::vector<product::Signal>& signals) {
   const auto add = [&](const char* name, base::Delegate<double()> read) {
     signals.push_back({std::string("axis0.") + name, "", read});
   };
@@ -59,7 +59,7 @@ void AxisWorld::append_stage_signals(std::vector<Signal>& signals) {
   add("status_out", Read::bind<&AxisWorld::status_out>(*this));
 }
 
-void AxisWorld::append_inputs(std::vector<Input>& inputs) {
+void AxisWorld::append_inputs(std::vector<product::Input>& inputs) {
   const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
                        base::Delegate<void(double)> set) {
     inputs.push_back({std::string("axis0.") + name, unit, minimum, maximum, set});
@@ -78,7 +78,7 @@ void AxisWorld::append_inputs(std::vector<Input>& inputs) {
   append_fault_inputs(inputs);
 }
 
-void AxisWorld::append_fault_inputs(std::vector<Input>& inputs) {
+void AxisWorld::append_fault_inputs(std::vector<product::Input>& inputs) {
   const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
                        base::Delegate<void(double)> set) {
     inputs.push_back({std::string("axis0.") + name, unit, minimum, maximum, set});

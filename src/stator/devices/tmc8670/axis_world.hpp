@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "stator/devices/input.hpp"
-#include "stator/devices/signal.hpp"
 #include "stator/devices/tmc8670/junction.hpp"
 #include "stator/devices/tmc8670/servo_stage.hpp"
 #include "stator/plant/axes/axis_fault_inputs.hpp"
 #include "stator/plant/axes/pwm_axis.hpp"
+#include "stator/product/device/input.hpp"
+#include "stator/product/device/signal.hpp"
 
 namespace stator::devices::tmc8670 {
 
@@ -33,9 +33,9 @@ class AxisWorld {
   ~AxisWorld() = default;
 
   /// Appends "axis0.<name>" for everything worth recording of the world.
-  void append_signals(std::vector<Signal>& signals);
+  void append_signals(std::vector<product::Signal>& signals);
   /// Appends "axis0.<name>" for what can be set around the axis.
-  void append_inputs(std::vector<Input>& inputs);
+  void append_inputs(std::vector<product::Input>& inputs);
 
   /// Levels of the touch probe inputs, which are virtual: the chip has no pins for them (F-80).
   [[nodiscard]] const std::array<bool, 2>& probes() const { return probes_; }
@@ -53,8 +53,8 @@ class AxisWorld {
   [[nodiscard]] const plant::PwmSensing& sensing() const { return stage_.plant().sensing(); }
   [[nodiscard]] plant::PwmAxisObservation observe() const { return stage_.plant().observe(); }
 
-  void append_stage_signals(std::vector<Signal>& signals);
-  void append_fault_inputs(std::vector<Input>& inputs);
+  void append_stage_signals(std::vector<product::Signal>& signals);
+  void append_fault_inputs(std::vector<product::Input>& inputs);
 
   template <typename Change>
   void change_faults(Change change) {

@@ -8,7 +8,7 @@ namespace {
 
 using tmcl::Status;
 
-constexpr auto kParameters = std::to_array<ReadableParameter>({
+constexpr auto kParameters = std::to_array<product::ReadableParameter>({
     {0, "target position", 0x607A},
     {1, "actual position", 0x6064},
     {2, "target speed", 0x60FF},
@@ -39,7 +39,7 @@ constexpr auto kParameters = std::to_array<ReadableParameter>({
 
 }  // namespace
 
-std::span<const ReadableParameter> readable_parameters() {
+std::span<const product::ReadableParameter> readable_parameters() {
   return kParameters;
 }
 

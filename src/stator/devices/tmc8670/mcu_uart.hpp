@@ -5,18 +5,18 @@
 #include <span>
 
 #include "stator/base/event.hpp"
-#include "stator/devices/tmcl_monitor.hpp"
 #include "stator/dictionary/dictionary.hpp"
+#include "stator/product/shell/tmcl_monitor.hpp"
 
 namespace stator::devices::tmc8670 {
 
 /// The axis parameters that can be read by the MCU UART, in ascending order of their numbers.
-[[nodiscard]] std::span<const ReadableParameter> readable_parameters();
+[[nodiscard]] std::span<const product::ReadableParameter> readable_parameters();
 
 /// The UART into the processor (L268, L734): TMCL at 115200 bit/s. Numbers are those of the
 /// maker's servo modules, since the chip's document names none; GIO reads the reference switches.
 /// Firmware is loaded through its boot loader, without a master.
-class McuUart final : public TmclMonitor {
+class McuUart final : public product::TmclMonitor {
  public:
   static constexpr std::uint32_t kBaudRate = 115'200;
 

@@ -4,8 +4,8 @@
 
 namespace stator::devices {
 
-std::vector<Signal> Tmc8670::signals() {
-  std::vector<Signal> signals;
+std::vector<product::Signal> Tmc8670::signals() {
+  std::vector<product::Signal> signals;
   axis_.append_signals(signals);
   using Read = base::Delegate<double()>;
   signals.push_back({"led_run", "", Read::bind<&Tmc8670::led_run>(*this)});
@@ -17,8 +17,8 @@ std::vector<Signal> Tmc8670::signals() {
   return signals;
 }
 
-std::vector<Input> Tmc8670::inputs() {
-  std::vector<Input> inputs;
+std::vector<product::Input> Tmc8670::inputs() {
+  std::vector<product::Input> inputs;
   axis_.append_inputs(inputs);
   append_port_inputs(inputs);
   using Set = base::Delegate<void(double)>;
@@ -28,7 +28,7 @@ std::vector<Input> Tmc8670::inputs() {
   return inputs;
 }
 
-void Tmc8670::append_port_inputs(std::vector<Input>& inputs) {
+void Tmc8670::append_port_inputs(std::vector<product::Input>& inputs) {
   using Set = base::Delegate<void(double)>;
   // -1: driven by the PHY, 0: low, 1: high
   inputs.push_back({"link_pin_in", "", -1.0, 1.0, Set::bind<&Tmc8670::hold_link_pin<0>>(*this)});

@@ -9,8 +9,6 @@
 
 #include "stator/base/event.hpp"
 #include "stator/canopen/storage/parameter_storage.hpp"
-#include "stator/devices/ethercat_device.hpp"
-#include "stator/devices/parameter_images.hpp"
 #include "stator/devices/tmc8670/axis_unit.hpp"
 #include "stator/devices/tmc8670/configuration.hpp"
 #include "stator/devices/tmc8670/hardware_uart.hpp"
@@ -19,6 +17,8 @@
 #include "stator/devices/tmc8670/synchronisation.hpp"
 #include "stator/ethercat/stack/slave_application.hpp"
 #include "stator/ethercat/stack/slave_stack.hpp"
+#include "stator/product/device/ethercat_device.hpp"
+#include "stator/product/device/parameter_images.hpp"
 
 namespace stator::devices {
 
@@ -29,7 +29,7 @@ namespace stator::devices {
 /// Three things happen in order of time: PWM periods of the FOC block, the firmware's period of 125
 /// us, and SYNC0. While the master synchronises by SYNC0 the firmware's period begins with it, so
 /// that set-points are taken over and positions are sampled at SYNC0 and nowhere else.
-class Tmc8670 final : public EtherCatDevice, private ethercat::SlaveApplication {
+class Tmc8670 final : public product::EtherCatDevice, private ethercat::SlaveApplication {
  public:
   static constexpr base::SimDuration kControlPeriod = tmc8670::AxisUnit::kControlPeriod;
   static constexpr std::array<std::string_view, 2> kSerialInterfaces{"mcu-uart", "hardware-uart"};
@@ -48,7 +48,7 @@ class Tmc8670 final : public EtherCatDevice, private ethercat::SlaveApplication 
   }
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;
-  [[nodiscard]] FirmwareMemory* firmware() override { return &firmware_; }
+  [[nodiscard]] product::FirmwareMemory* firmware() override { return &firmware_; }
   void connect_memory(canopen::NonVolatileMemory& memory) override;
   [[nodiscard]] bool stores_parameters() const override { return true; }
   [[nodiscard]] dictionary::WriteCompletion* write_completion() override { return &storage_; }
@@ -59,8 +59,8 @@ class Tmc8670 final : public EtherCatDevice, private ethercat::SlaveApplication 
   void handle_serial(base::SimTime now) override;
   [[nodiscard]] std::optional<std::uint32_t> baud_rate(std::string_view interface) const override;
   void set_power(bool on, base::SimTime now) override;
-  [[nodiscard]] std::vector<Signal> signals() override;
-  [[nodiscard]] std::vector<Input> inputs() override;
+  [[nodiscard]] std::vector<product::Signal> signals() override;
+  [[nodiscard]] std::vector<product::Input> inputs() override;
 
   [[nodiscard]] tmc8670::AxisUnit& axis() { return axis_; }
   [[nodiscard]] const ethercat::SlaveStack& stack() const { return stack_; }
@@ -109,7 +109,7 @@ class Tmc8670 final : public EtherCatDevice, private ethercat::SlaveApplication 
     return static_cast<double>(controller_.link_led(Port));
   }
   // What happens at the ports.
-  void append_port_inputs(std::vector<Input>& inputs);
+  void append_port_inputs(std::vector<product::Input>& inputs);
   template <unsigned Port>
   void set_link_partner(double kind) {
     controller_.set_link_partner(Port, static_cast<ethercat::LinkPartner>(static_cast<int>(kind)));
@@ -129,8 +129,8 @@ class Tmc8670 final : public EtherCatDevice, private ethercat::SlaveApplication 
   ethercat::DeviceDescription description_;
   dictionary::Dictionary dictionary_;
   ethercat::SlaveController controller_;
-  FirmwareMemory firmware_{kFirmwareCapacity};
-  ParameterImages memory_;
+  product::FirmwareMemory firmware_{kFirmwareCapacity};
+  product::ParameterImages memory_;
   tmc8670::AxisUnit axis_;
   tmc8670::LogicSupply supply_;
   ethercat::SlaveStack stack_;

@@ -26,7 +26,7 @@ void AxisWorld::set_supply_voltage(double voltage) {
   }
 }
 
-void AxisWorld::append_signals(std::vector<Signal>& signals) {
+void AxisWorld::append_signals(std::vector<product::Signal>& signals) {
   const auto add = [&](const char* name, const char* unit, base::Delegate<double()> read) {
     signals.push_back({std::string("axis0.") + name, unit, read});
   };
@@ -48,7 +48,7 @@ void AxisWorld::append_signals(std::vector<Signal>& signals) {
   add("driver_temperature", "degC", Read::bind<&AxisWorld::driver_temperature>(*this));
 }
 
-void AxisWorld::append_inputs(std::vector<Input>& inputs) {
+void AxisWorld::append_inputs(std::vector<product::Input>& inputs) {
   const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
                        base::Delegate<void(double)> set) {
     inputs.push_back({std::string("axis0.") + name, unit, minimum, maximum, set});

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "stator/base/servo_signals.hpp"
-#include "stator/devices/input.hpp"
-#include "stator/devices/signal.hpp"
 #include "stator/plant/axes/axis_fault_inputs.hpp"
 #include "stator/plant/axes/servo_axis.hpp"
+#include "stator/product/device/input.hpp"
+#include "stator/product/device/signal.hpp"
 
 namespace stator::devices::tmcc160 {
 
@@ -33,9 +33,9 @@ class AxisWorld {
   [[nodiscard]] const base::ServoSensing& sensing() const { return plant_.sensing(); }
 
   /// Appends "axis0.<name>" for everything worth recording of the world.
-  void append_signals(std::vector<Signal>& signals);
+  void append_signals(std::vector<product::Signal>& signals);
   /// Appends "axis0.<name>" for what can be set around the axis.
-  void append_inputs(std::vector<Input>& inputs);
+  void append_inputs(std::vector<product::Input>& inputs);
 
  private:
   using Faults = plant::ServoAxisFaults;

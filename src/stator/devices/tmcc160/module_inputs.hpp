@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "stator/base/servo_signals.hpp"
-#include "stator/devices/analog_noise.hpp"
 #include "stator/dictionary/dictionary.hpp"
+#include "stator/product/device/analog_noise.hpp"
 
 namespace stator::devices::tmcc160 {
 
@@ -28,7 +28,7 @@ class ModuleInputs {
   /// Reading of analog input IN_0 or IN_1, counts of 12 bits.
   void set_analog(std::size_t input, std::uint16_t counts) { analog_.at(input) = counts; }
   /// Of both.
-  [[nodiscard]] AnalogNoise& noise() { return noise_; }
+  [[nodiscard]] product::AnalogNoise& noise() { return noise_; }
 
  private:
   void show_digital(dictionary::Entry& entry);
@@ -39,7 +39,7 @@ class ModuleInputs {
   const base::ServoSensing& sensing_;
   bool enable_ = true;
   std::array<std::uint16_t, kAnalogInputs> analog_{};
-  AnalogNoise noise_{160};
+  product::AnalogNoise noise_{160};
 };
 
 }  // namespace stator::devices::tmcc160

@@ -5,14 +5,14 @@
 #include <span>
 
 #include "stator/base/delegate.hpp"
-#include "stator/devices/parameter_images.hpp"
 #include "stator/devices/tmcc160/parameter_groups.hpp"
+#include "stator/product/device/parameter_images.hpp"
 
 namespace stator::devices::tmcc160 {
 
 /// The module's EEPROM. What is stored and cleared with the motor group takes the position scale
 /// along, for which there is no object.
-class ParameterMemory final : public ParameterImages {
+class ParameterMemory final : public product::ParameterImages {
  public:
   using ScaleQuery = base::Delegate<double()>;
   explicit ParameterMemory(ScaleQuery scale) : scale_(scale) {}

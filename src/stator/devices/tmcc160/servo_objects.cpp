@@ -320,7 +320,7 @@ double ServoObjects::brake_chopper() const {
   return axis_->controller().brake_chopper_on() ? 1.0 : 0.0;
 }
 
-void ServoObjects::append_signals(std::vector<Signal>& signals) {
+void ServoObjects::append_signals(std::vector<product::Signal>& signals) {
   const auto add = [&](const char* name, const char* unit, base::Delegate<double()> read) {
     signals.push_back({std::string("axis0.") + name, unit, read});
   };

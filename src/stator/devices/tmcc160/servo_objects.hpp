@@ -5,10 +5,10 @@
 
 #include "stator/base/event.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/signal.hpp"
 #include "stator/devices/tmcc160/options.hpp"
 #include "stator/dictionary/dictionary.hpp"
 #include "stator/drive/servo/servo_axis.hpp"
+#include "stator/product/device/signal.hpp"
 
 namespace stator::devices::tmcc160 {
 
@@ -39,7 +39,7 @@ class ServoObjects {
   void set_limits(const drive::ServoLimits& limits) { limits_ = limits; }
 
   /// Appends "axis0.<name>" for everything worth recording of the drive.
-  void append_signals(std::vector<Signal>& signals);
+  void append_signals(std::vector<product::Signal>& signals);
 
  private:
   using Entry = dictionary::Entry;

@@ -472,16 +472,16 @@ void Tmcc160::report_error(const AxisEmergency& row, bool present, SimTime now) 
   }
 }
 
-std::vector<Signal> Tmcc160::signals() {
-  std::vector<Signal> signals;
+std::vector<product::Signal> Tmcc160::signals() {
+  std::vector<product::Signal> signals;
   objects_.append_signals(signals);
   world_.append_signals(signals);
   return signals;
 }
 
-std::vector<Input> Tmcc160::inputs() {
+std::vector<product::Input> Tmcc160::inputs() {
   using Set = base::Delegate<void(double)>;
-  std::vector<Input> inputs;
+  std::vector<product::Input> inputs;
   world_.append_inputs(inputs);
   inputs.push_back({"enable", "", 0.0, 1.0, Set::bind<&Tmcc160::input_enable>(*this)});
   inputs.push_back(
@@ -489,27 +489,27 @@ std::vector<Input> Tmcc160::inputs() {
   inputs.push_back(
       {"analog_input_1", "count", 0.0, 4095.0, Set::bind<&Tmcc160::input_analog<1>>(*this)});
   inputs.push_back({"analog_noise", "count", 0.0, 4095.0,
-                    Set::bind<&AnalogNoise::set_amplitude>(inputs_.noise())});
+                    Set::bind<&product::AnalogNoise::set_amplitude>(inputs_.noise())});
   return inputs;
 }
 
-Indicators Tmcc160::indicators() {
+product::Indicators Tmcc160::indicators() {
   bool event = false;
   for (unsigned cause = 0; cause <= canopen::kMaximumNodeId; ++cause) {
     event |=
         emergencies_.lasts(canopen::kLifeGuardOrHeartbeatError, static_cast<std::uint8_t>(cause));
   }
   const can::ErrorState state = controller_.error_state();
-  Indicators all;
-  all.add({"RUN", Indicator::Colour::green, canopen::run_led(node_.state())});
-  all.add({"ERR", Indicator::Colour::red,
+  product::Indicators all;
+  all.add({"RUN", product::Indicator::Colour::green, canopen::run_led(node_.state())});
+  all.add({"ERR", product::Indicator::Colour::red,
            canopen::error_led({.bus_off = state == can::ErrorState::bus_off,
                                .error_control_event = event,
                                .warning_limit_reached = state != can::ErrorState::error_active})});
   return all;
 }
 
-NetworkStatus Tmcc160::network_status() {
+product::NetworkStatus Tmcc160::network_status() {
   return {.machine = "nmt", .state = to_text(node_.state())};
 }
 

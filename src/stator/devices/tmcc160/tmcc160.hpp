@@ -17,8 +17,6 @@
 #include "stator/canopen/pdo/pdo_service.hpp"
 #include "stator/canopen/storage/parameter_storage.hpp"
 #include "stator/canopen/sync/sync_consumer.hpp"
-#include "stator/devices/can_device.hpp"
-#include "stator/devices/firmware_memory.hpp"
 #include "stator/devices/tmcc160/axis_world.hpp"
 #include "stator/devices/tmcc160/emergencies.hpp"
 #include "stator/devices/tmcc160/module_inputs.hpp"
@@ -28,6 +26,8 @@
 #include "stator/devices/tmcc160/servo_objects.hpp"
 #include "stator/drive/servo/servo_axis.hpp"
 #include "stator/plant/axes/servo_axis.hpp"
+#include "stator/product/device/can_device.hpp"
+#include "stator/product/device/firmware_memory.hpp"
 
 namespace stator::devices {
 
@@ -49,7 +49,7 @@ struct Tmcc160Configuration {
 
 /// The TMCC160 of Trinamic: a servo drive for one three-phase motor on CANopen with CiA 402, as
 /// "TMCC160 CANopen Firmware Manual" (firmware V3.00) describes it.
-class Tmcc160 final : public CanDevice {
+class Tmcc160 final : public product::CanDevice {
  public:
   static constexpr base::SimDuration kCurrentPeriod = control::ServoController::kPeriod;
   /// RS232 or RS485, as the module is made.
@@ -84,14 +84,14 @@ class Tmcc160 final : public CanDevice {
   }
   [[nodiscard]] dictionary::WriteCompletion* write_completion() override { return &storage_; }
   /// The document describes no LEDs: RUN and ERR as CiA 303-3 has them.
-  [[nodiscard]] Indicators indicators() override;
-  [[nodiscard]] NetworkStatus network_status() override;
+  [[nodiscard]] product::Indicators indicators() override;
+  [[nodiscard]] product::NetworkStatus network_status() override;
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;
-  [[nodiscard]] FirmwareMemory* firmware() override { return &firmware_; }
+  [[nodiscard]] product::FirmwareMemory* firmware() override { return &firmware_; }
   void set_power(bool on, base::SimTime now) override;
-  [[nodiscard]] std::vector<Signal> signals() override;
-  [[nodiscard]] std::vector<Input> inputs() override;
+  [[nodiscard]] std::vector<product::Signal> signals() override;
+  [[nodiscard]] std::vector<product::Input> inputs() override;
 
   [[nodiscard]] const canopen::Node& node() const { return node_; }
   [[nodiscard]] const canopen::EmergencyProducer& emergencies() const { return emergencies_; }
@@ -144,7 +144,7 @@ class Tmcc160 final : public CanDevice {
   dictionary::Dictionary dictionary_;
   std::string eds_;
   can::Controller controller_;
-  FirmwareMemory firmware_{kFirmwareCapacity};
+  product::FirmwareMemory firmware_{kFirmwareCapacity};
   tmcc160::ParameterMemory memory_;
 
   canopen::Node node_;

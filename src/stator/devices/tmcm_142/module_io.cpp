@@ -25,7 +25,7 @@ std::int32_t ModuleIo::converter(std::size_t channel) const {
                         kConverterCounts - 1);
 }
 
-void ModuleIo::append_signals(std::vector<Signal>& signals) {
+void ModuleIo::append_signals(std::vector<product::Signal>& signals) {
   using Read = base::Delegate<double()>;
   signals.push_back({"output0", "", Read::bind<&ModuleIo::output<0>>(*this)});
   signals.push_back({"output1", "", Read::bind<&ModuleIo::output<1>>(*this)});
@@ -33,7 +33,7 @@ void ModuleIo::append_signals(std::vector<Signal>& signals) {
   signals.push_back({"output7", "", Read::bind<&ModuleIo::output<7>>(*this)});
 }
 
-void ModuleIo::append_inputs(std::vector<Input>& inputs) {
+void ModuleIo::append_inputs(std::vector<product::Input>& inputs) {
   using Set = base::Delegate<void(double)>;
   const auto voltage = [&](const char* name, Set set) {
     inputs.push_back({name, "V", 0.0, kReferenceVoltage, set});
@@ -51,8 +51,8 @@ void ModuleIo::append_inputs(std::vector<Input>& inputs) {
   level("input7", Set::bind<&ModuleIo::set_level<7>>(*this));
   level("input8", Set::bind<&ModuleIo::set_level<8>>(*this));
   level("shutdown", Set::bind<&ModuleIo::set_shutdown>(*this));
-  inputs.push_back(
-      {"analog_noise", "count", 0.0, 1023.0, Set::bind<&AnalogNoise::set_amplitude>(noise_)});
+  inputs.push_back({"analog_noise", "count", 0.0, 1023.0,
+                    Set::bind<&product::AnalogNoise::set_amplitude>(noise_)});
 }
 
 }  // namespace stator::devices::tmcm_142

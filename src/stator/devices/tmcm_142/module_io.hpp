@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "stator/devices/analog_noise.hpp"
-#include "stator/devices/input.hpp"
-#include "stator/devices/signal.hpp"
+#include "stator/product/device/analog_noise.hpp"
+#include "stator/product/device/input.hpp"
+#include "stator/product/device/signal.hpp"
 
 namespace stator::devices::tmcm_142 {
 
@@ -45,8 +45,8 @@ class ModuleIo {
   /// Level of the shutdown pin, which a resistor pulls down (A61).
   [[nodiscard]] bool shutdown_level() const { return shutdown_; }
 
-  void append_signals(std::vector<Signal>& signals);
-  void append_inputs(std::vector<Input>& inputs);
+  void append_signals(std::vector<product::Signal>& signals);
+  void append_inputs(std::vector<product::Input>& inputs);
 
  private:
   template <std::size_t N>
@@ -68,7 +68,7 @@ class ModuleIo {
   std::array<bool, kInputs> levels_{};  ///< of those that are no voltages
   std::uint32_t outputs_ = 0;
   bool shutdown_ = false;
-  mutable AnalogNoise noise_{142};  ///< every reading is another one
+  mutable product::AnalogNoise noise_{142};  ///< every reading is another one
 };
 
 }  // namespace stator::devices::tmcm_142

@@ -9,12 +9,12 @@
 #include "stator/base/sim_time.hpp"
 #include "stator/control/motion_controller/motion_controller.hpp"
 #include "stator/control/motion_controller/reference_search.hpp"
-#include "stator/devices/input.hpp"
-#include "stator/devices/signal.hpp"
 #include "stator/devices/tmcm_142/driver_stage.hpp"
 #include "stator/devices/tmcm_142/options.hpp"
 #include "stator/plant/axes/axis_fault_inputs.hpp"
 #include "stator/plant/axes/stepper_axis.hpp"
+#include "stator/product/device/input.hpp"
+#include "stator/product/device/signal.hpp"
 
 namespace stator::devices::tmcm_142 {
 
@@ -91,8 +91,8 @@ class MotionAxis {
   [[nodiscard]] bool home_contact() const { return plant_.sensing().home_switch; }
 
   /// "axis0.<name>".
-  void append_signals(std::vector<Signal>& signals);
-  void append_inputs(std::vector<Input>& inputs);
+  void append_signals(std::vector<product::Signal>& signals);
+  void append_inputs(std::vector<product::Input>& inputs);
 
  private:
   using Faults = plant::StepperAxisFaults;

@@ -22,7 +22,7 @@ double MotionAxis::shaft_speed() const {
   return plant_.observe().speed / base::kTwoPi;
 }
 
-void MotionAxis::append_signals(std::vector<Signal>& signals) {
+void MotionAxis::append_signals(std::vector<product::Signal>& signals) {
   const auto add = [&](const char* name, const char* unit, base::Delegate<double()> read) {
     signals.push_back({std::string("axis0.") + name, unit, read});
   };
@@ -56,7 +56,7 @@ void MotionAxis::append_signals(std::vector<Signal>& signals) {
   add("driver_temperature", "degC", Read::bind<&MotionAxis::driver_temperature>(*this));
 }
 
-void MotionAxis::append_inputs(std::vector<Input>& inputs) {
+void MotionAxis::append_inputs(std::vector<product::Input>& inputs) {
   const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
                        base::Delegate<void(double)> set) {
     inputs.push_back({std::string("axis0.") + name, unit, minimum, maximum, set});

@@ -371,8 +371,8 @@ void Tmcm142::send(const tmcl::CanReply& reply) {
   static_cast<void>(controller_.send(can::data_frame(reply.identifier, reply.payload())));
 }
 
-std::vector<Signal> Tmcm142::signals() {
-  std::vector<Signal> signals;
+std::vector<product::Signal> Tmcm142::signals() {
+  std::vector<product::Signal> signals;
   module_.axis().append_signals(signals);
   module_.io().append_signals(signals);
   using Read = base::Delegate<double()>;
@@ -385,17 +385,17 @@ std::vector<Signal> Tmcm142::signals() {
   return signals;
 }
 
-std::vector<Input> Tmcm142::inputs() {
-  std::vector<Input> inputs;
+std::vector<product::Input> Tmcm142::inputs() {
+  std::vector<product::Input> inputs;
   module_.axis().append_inputs(inputs);
   module_.io().append_inputs(inputs);
   return inputs;
 }
 
-Indicators Tmcm142::indicators() {
-  Indicators all;
-  all.add(
-      {"POWER", Indicator::Colour::green, powered_ ? base::LedPattern::on : base::LedPattern::off});
+product::Indicators Tmcm142::indicators() {
+  product::Indicators all;
+  all.add({"POWER", product::Indicator::Colour::green,
+           powered_ ? base::LedPattern::on : base::LedPattern::off});
   return all;
 }
 

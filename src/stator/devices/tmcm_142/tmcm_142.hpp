@@ -11,10 +11,10 @@
 #include "stator/base/event.hpp"
 #include "stator/base/sim_time.hpp"
 #include "stator/can/controller.hpp"
-#include "stator/devices/can_device.hpp"
 #include "stator/devices/tmcm_142/eeprom.hpp"
 #include "stator/devices/tmcm_142/module.hpp"
 #include "stator/devices/tmcm_142/options.hpp"
+#include "stator/product/device/can_device.hpp"
 #include "stator/tmcl/instruction.hpp"
 #include "stator/tmcl/interpreter/firmware.hpp"
 #include "stator/tmcl/module/module_description.hpp"
@@ -49,7 +49,7 @@ struct Tmcm142Configuration {
 /// Motion controller, power stage and motor go in periods of kControlPeriod; commands of hosts and
 /// instructions of programs are executed at their own moments in between and see the state of the
 /// period before. While the supply is off the mechanics go on alone.
-class Tmcm142 final : public CanDevice {
+class Tmcm142 final : public product::CanDevice {
  public:
   static constexpr std::array<std::string_view, 4> kSerialInterfaces{"rs232", "rs485", "rs422",
                                                                      "usb"};
@@ -72,10 +72,10 @@ class Tmcm142 final : public CanDevice {
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;
   void set_power(bool on, base::SimTime now) override;
-  [[nodiscard]] std::vector<Signal> signals() override;
-  [[nodiscard]] std::vector<Input> inputs() override;
+  [[nodiscard]] std::vector<product::Signal> signals() override;
+  [[nodiscard]] std::vector<product::Input> inputs() override;
   /// The power LED is the only one the document describes (M142-HW-014).
-  [[nodiscard]] Indicators indicators() override;
+  [[nodiscard]] product::Indicators indicators() override;
   [[nodiscard]] const tmcl::Firmware* tmcl_firmware() const override { return &firmware_; }
 
   /// Bit/s of a serial interface, as it was set at the latest start (parameter 65, A59); nothing:

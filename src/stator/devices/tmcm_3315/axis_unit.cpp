@@ -278,7 +278,7 @@ double AxisUnit::encoder_count() const {
   return static_cast<double>(sensing_.encoder_count);
 }
 
-void AxisUnit::append_signals(std::vector<Signal>& signals) {
+void AxisUnit::append_signals(std::vector<product::Signal>& signals) {
   const std::string prefix = "axis" + std::to_string(number_) + ".";
   const auto add = [&](const char* name, const char* unit, base::Delegate<double()> read) {
     signals.push_back({prefix + name, unit, read});
@@ -312,7 +312,7 @@ void AxisUnit::append_signals(std::vector<Signal>& signals) {
   add("mode", "", Read::bind<&AxisUnit::mode>(*this));
 }
 
-void AxisUnit::append_inputs(std::vector<Input>& inputs) {
+void AxisUnit::append_inputs(std::vector<product::Input>& inputs) {
   const std::string prefix = "axis" + std::to_string(number_) + ".";
   const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
                        base::Delegate<void(double)> set) {

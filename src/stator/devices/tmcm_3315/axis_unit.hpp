@@ -9,8 +9,6 @@
 #include "stator/base/axis_signals.hpp"
 #include "stator/base/event.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/input.hpp"
-#include "stator/devices/signal.hpp"
 #include "stator/devices/tmcm_3315/closed_loop_objects.hpp"
 #include "stator/devices/tmcm_3315/driver_objects.hpp"
 #include "stator/devices/tmcm_3315/ramp_objects.hpp"
@@ -19,6 +17,8 @@
 #include "stator/drive/stepper/stepper_axis.hpp"
 #include "stator/plant/axes/axis_fault_inputs.hpp"
 #include "stator/plant/axes/stepper_axis.hpp"
+#include "stator/product/device/input.hpp"
+#include "stator/product/device/signal.hpp"
 
 namespace stator::devices::tmcm_3315 {
 
@@ -96,9 +96,9 @@ class AxisUnit {
   [[nodiscard]] const plant::StepperAxis& plant() const { return plant_; }
 
   /// Appends "axis<n>.<name>" for everything worth recording.
-  void append_signals(std::vector<Signal>& signals);
+  void append_signals(std::vector<product::Signal>& signals);
   /// Appends "axis<n>.<name>" for what can be set around the axis.
-  void append_inputs(std::vector<Input>& inputs);
+  void append_inputs(std::vector<product::Input>& inputs);
 
  private:
   void configure();

@@ -69,7 +69,7 @@ std::uint32_t ModuleIo::output_bits() const {
   return bits;
 }
 
-void ModuleIo::append_signals(std::vector<Signal>& signals) {
+void ModuleIo::append_signals(std::vector<product::Signal>& signals) {
   using Read = base::Delegate<double()>;
   for (std::size_t i = 0; i < kChannels; ++i) {
     const std::string number = std::to_string(i);
@@ -81,7 +81,7 @@ void ModuleIo::append_signals(std::vector<Signal>& signals) {
   }
 }
 
-void ModuleIo::append_inputs(std::vector<Input>& inputs) {
+void ModuleIo::append_inputs(std::vector<product::Input>& inputs) {
   using Set = base::Delegate<void(double)>;
   for (std::size_t i = 0; i < kChannels; ++i) {
     const std::string number = std::to_string(i);
@@ -90,8 +90,8 @@ void ModuleIo::append_inputs(std::vector<Input>& inputs) {
     inputs.push_back(
         {"analog_input" + number, "count", 0.0, 65535.0, Set::bind<&Channel::set_counts>(channel)});
   }
-  inputs.push_back(
-      {"analog_noise", "count", 0.0, 65535.0, Set::bind<&AnalogNoise::set_amplitude>(noise_)});
+  inputs.push_back({"analog_noise", "count", 0.0, 65535.0,
+                    Set::bind<&product::AnalogNoise::set_amplitude>(noise_)});
 }
 
 }  // namespace stator::devices::tmcm_3315

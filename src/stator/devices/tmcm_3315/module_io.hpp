@@ -7,11 +7,11 @@
 #include <optional>
 #include <vector>
 
-#include "stator/devices/analog_noise.hpp"
-#include "stator/devices/input.hpp"
-#include "stator/devices/signal.hpp"
 #include "stator/devices/tmcm_3315/objects.hpp"
 #include "stator/dictionary/dictionary.hpp"
+#include "stator/product/device/analog_noise.hpp"
+#include "stator/product/device/input.hpp"
+#include "stator/product/device/signal.hpp"
 
 namespace stator::devices::tmcm_3315 {
 
@@ -57,9 +57,9 @@ class ModuleIo {
   void set_counts(std::size_t input, std::uint16_t counts) { channels_[input].counts = counts; }
 
   /// "output0", "input0", "analog_input0" and so on.
-  void append_signals(std::vector<Signal>& signals);
+  void append_signals(std::vector<product::Signal>& signals);
   /// "input0", "analog_input0" and so on.
-  void append_inputs(std::vector<Input>& inputs);
+  void append_inputs(std::vector<product::Input>& inputs);
 
  private:
   static constexpr std::uint16_t kFullScale = 65535;  ///< counts of an analog input
@@ -84,7 +84,7 @@ class ModuleIo {
   dictionary::Variable<std::uint32_t> output_mask_;                           // 2703h:02
   std::array<dictionary::Variable<std::uint32_t>, kChannels> analog_inputs_;  // 270Eh
   std::array<Channel, kChannels> channels_;
-  AnalogNoise noise_{3315};
+  product::AnalogNoise noise_{3315};
 };
 
 }  // namespace stator::devices::tmcm_3315

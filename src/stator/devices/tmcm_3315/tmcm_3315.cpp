@@ -375,8 +375,8 @@ void Tmcm3315::send_emergency(const Emergency& emergency, std::uint8_t motor, ba
   stack_.send_emergency(emergency.code, bits, {emergency.detail, motor, 0, 0, 0}, now);
 }
 
-std::vector<Signal> Tmcm3315::signals() {
-  std::vector<Signal> signals;
+std::vector<product::Signal> Tmcm3315::signals() {
+  std::vector<product::Signal> signals;
   for (const auto& axis : axes_) {
     axis->append_signals(signals);
   }
@@ -384,8 +384,8 @@ std::vector<Signal> Tmcm3315::signals() {
   return signals;
 }
 
-std::vector<Input> Tmcm3315::inputs() {
-  std::vector<Input> inputs;
+std::vector<product::Input> Tmcm3315::inputs() {
+  std::vector<product::Input> inputs;
   for (const auto& axis : axes_) {
     axis->append_inputs(inputs);
   }

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "stator/base/event.hpp"
-#include "stator/devices/ethercat_device.hpp"
 #include "stator/devices/tmcm_3315/axis_unit.hpp"
 #include "stator/devices/tmcm_3315/emergencies.hpp"
 #include "stator/devices/tmcm_3315/module_io.hpp"
@@ -18,6 +17,7 @@
 #include "stator/ethercat/stack/slave_application.hpp"
 #include "stator/ethercat/stack/slave_stack.hpp"
 #include "stator/plant/axes/stepper_axis.hpp"
+#include "stator/product/device/ethercat_device.hpp"
 
 namespace stator::devices {
 
@@ -52,7 +52,7 @@ struct Tmcm3315Configuration {
 
 /// The TMCM-3315 of Trinamic: three stepper axes on EtherCAT with CoE and CiA 402, as "TMCM-3315
 /// CoE Firmware Manual" (firmware V1.09) describes it.
-class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication {
+class Tmcm3315 final : public product::EtherCatDevice, private ethercat::SlaveApplication {
  public:
   static constexpr base::SimDuration kPlantStep{50'000};
   static constexpr std::array<std::string_view, 1> kSerialInterfaces{"usb"};
@@ -70,15 +70,15 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   }
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;
-  [[nodiscard]] FirmwareMemory* firmware() override { return &firmware_; }
+  [[nodiscard]] product::FirmwareMemory* firmware() override { return &firmware_; }
   [[nodiscard]] ethercat::EoeServer* eoe() override { return stack_.eoe(); }
   [[nodiscard]] std::span<const std::string_view> serial_interfaces() const override {
     return kSerialInterfaces;
   }
   bool connect_serial(std::string_view interface, tmcl::SerialPort* port) override;
   void set_power(bool on, base::SimTime now) override;
-  [[nodiscard]] std::vector<Signal> signals() override;
-  [[nodiscard]] std::vector<Input> inputs() override;
+  [[nodiscard]] std::vector<product::Signal> signals() override;
+  [[nodiscard]] std::vector<product::Input> inputs() override;
 
   [[nodiscard]] tmcm_3315::AxisUnit& axis(std::size_t number) { return *axes_[number]; }
   [[nodiscard]] const ethercat::SlaveStack& stack() const { return stack_; }
@@ -125,7 +125,7 @@ class Tmcm3315 final : public EtherCatDevice, private ethercat::SlaveApplication
   ethercat::DeviceDescription description_;
   dictionary::Dictionary dictionary_;
   ethercat::SlaveController controller_;
-  FirmwareMemory firmware_{kFirmwareCapacity};
+  product::FirmwareMemory firmware_{kFirmwareCapacity};
   std::array<std::unique_ptr<tmcm_3315::AxisUnit>, tmcm_3315::kAxisCount> axes_;
   ethercat::SlaveStack stack_;
 

@@ -23,7 +23,7 @@ constexpr std::array<UsbMonitor::IndexOffsets, kAxisCount> kAxes{
      {kManufacturerAxisOffset, kProfileAxisOffset},
      {2 * kManufacturerAxisOffset, 2 * kProfileAxisOffset}}};
 
-constexpr auto kParameters = std::to_array<ReadableParameter>({
+constexpr auto kParameters = std::to_array<product::ReadableParameter>({
     {0, "target position", 0x607A},
     {1, "actual position", 0x6064},
     {2, "target speed", 0x60FF},
@@ -75,7 +75,7 @@ constexpr auto kParameters = std::to_array<ReadableParameter>({
 
 }  // namespace
 
-std::span<const ReadableParameter> readable_parameters() {
+std::span<const product::ReadableParameter> readable_parameters() {
   return kParameters;
 }
 

@@ -4,19 +4,19 @@
 #include <span>
 
 #include "stator/base/event.hpp"
-#include "stator/devices/tmcl_monitor.hpp"
 #include "stator/devices/tmcm_3315/module_io.hpp"
 #include "stator/devices/tmcm_3315/objects.hpp"
 #include "stator/dictionary/dictionary.hpp"
+#include "stator/product/shell/tmcl_monitor.hpp"
 
 namespace stator::devices::tmcm_3315 {
 
 /// The axis parameters that can be read by USB, in ascending order of their numbers.
-[[nodiscard]] std::span<const ReadableParameter> readable_parameters();
+[[nodiscard]] std::span<const product::ReadableParameter> readable_parameters();
 
 /// The USB interface of the module (L26). Commands and numbers are those of the maker's other
 /// stepper modules, since this module's document names none; firmware is loaded through it (L90).
-class UsbMonitor final : public TmclMonitor {
+class UsbMonitor final : public product::TmclMonitor {
  public:
   using TmclMonitor::IndexOffsets;
 

@@ -273,7 +273,7 @@ std::unique_ptr<FaultEffect> set_input(Rack& rack, const FaultConfiguration& fau
       rack, InputEvent{device, input, fault.values.get<double>("value")}, std::move(back));
 }
 
-devices::EtherCatDevice& slave(Rack& rack, const FaultConfiguration& fault) {
+product::EtherCatDevice& slave(Rack& rack, const FaultConfiguration& fault) {
   const DeviceAddress address = *fault.target.device;
   return *rack.devices(address.network)[address.device].device;
 }
@@ -319,7 +319,7 @@ std::unique_ptr<FaultEffect> make_fault_effect(Rack& rack, const FaultConfigurat
           held.sii_bits[{*fault.target.device, fault.values.whole("offset")}]);
     case FaultAction::clock_drift:
       return std::make_unique<HoldEffect<InputEvent>>(
-          rack, InputEvent{*fault.target.device, devices::EtherCatDevice::kClockDeviation,
+          rack, InputEvent{*fault.target.device, product::EtherCatDevice::kClockDeviation,
                            static_cast<double>(fault.values.whole("ppb"))});
     case FaultAction::can_error_state:
       return std::make_unique<EventEffect>(

@@ -37,8 +37,8 @@ std::string power_state_name(master::DriveState state) {
   return name;
 }
 
-devices::Signal signal_of(Rack& rack, const Milestone& milestone) {
-  for (const devices::Signal& signal : rack.device(milestone.device).signals()) {
+product::Signal signal_of(Rack& rack, const Milestone& milestone) {
+  for (const product::Signal& signal : rack.device(milestone.device).signals()) {
     if (signal.name == milestone.signal) {
       return signal;
     }
@@ -74,7 +74,7 @@ class NetworkStateWatch final : public FaultWatch {
 
 class PowerStateWatch final : public FaultWatch {
  public:
-  PowerStateWatch(devices::Signal statusword, std::string state)
+  PowerStateWatch(product::Signal statusword, std::string state)
       : statusword_(std::move(statusword)), state_(std::move(state)) {}
 
   [[nodiscard]] bool reached() override {
@@ -83,14 +83,14 @@ class PowerStateWatch final : public FaultWatch {
   }
 
  private:
-  devices::Signal statusword_;
+  product::Signal statusword_;
   std::string state_;
 };
 
 /// A signal passes a value, in either direction.
 class CrossingWatch final : public FaultWatch {
  public:
-  CrossingWatch(devices::Signal signal, double value) : signal_(std::move(signal)), value_(value) {}
+  CrossingWatch(product::Signal signal, double value) : signal_(std::move(signal)), value_(value) {}
 
   [[nodiscard]] bool reached() override {
     const bool above = signal_.read() >= value_;
@@ -100,7 +100,7 @@ class CrossingWatch final : public FaultWatch {
   }
 
  private:
-  devices::Signal signal_;
+  product::Signal signal_;
   double value_;
   std::optional<bool> above_{};
 };

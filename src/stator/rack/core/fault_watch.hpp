@@ -9,8 +9,8 @@
 
 #include "stator/base/sim_time.hpp"
 #include "stator/can/bus.hpp"
-#include "stator/devices/signal.hpp"
 #include "stator/ethercat/segment/frame_faults.hpp"
+#include "stator/product/device/signal.hpp"
 #include "stator/rack/faults/fault_configuration.hpp"
 #include "stator/rack/faults/fault_mailbox.hpp"
 #include "stator/rack/world/clock.hpp"

@@ -45,37 +45,37 @@ constexpr std::array<Product, 6> kProducts{{
      [] { return ProductConfiguration(devices::JunctionConfiguration{}); }},
 }};
 
-std::unique_ptr<devices::EtherCatDevice> make(const devices::Tmcm3315Configuration& configuration,
+std::unique_ptr<product::EtherCatDevice> make(const devices::Tmcm3315Configuration& configuration,
                                               const base::EventReporter& reporter) {
   return std::make_unique<devices::Tmcm3315>(configuration, reporter);
 }
 
-std::unique_ptr<devices::EtherCatDevice> make(const devices::Tmc8670Configuration& configuration,
+std::unique_ptr<product::EtherCatDevice> make(const devices::Tmc8670Configuration& configuration,
                                               const base::EventReporter& reporter) {
   return std::make_unique<devices::Tmc8670>(configuration, reporter);
 }
 
-std::unique_ptr<devices::EtherCatDevice> make(const devices::Tmc8461Configuration& configuration,
+std::unique_ptr<product::EtherCatDevice> make(const devices::Tmc8461Configuration& configuration,
                                               const base::EventReporter& reporter) {
   return std::make_unique<devices::Tmc8461>(configuration, reporter);
 }
 
-std::unique_ptr<devices::EtherCatDevice> make(const devices::JunctionConfiguration& configuration,
+std::unique_ptr<product::EtherCatDevice> make(const devices::JunctionConfiguration& configuration,
                                               const base::EventReporter& reporter) {
   return std::make_unique<devices::Junction>(configuration, reporter);
 }
 
-std::unique_ptr<devices::CanDevice> make(const devices::Tmcc160Configuration& configuration,
+std::unique_ptr<product::CanDevice> make(const devices::Tmcc160Configuration& configuration,
                                          const base::EventReporter& reporter) {
   return std::make_unique<devices::Tmcc160>(configuration, reporter);
 }
 
-std::unique_ptr<devices::CanDevice> make(const devices::Tmcm142Configuration& configuration,
+std::unique_ptr<product::CanDevice> make(const devices::Tmcm142Configuration& configuration,
                                          const base::EventReporter& reporter) {
   return std::make_unique<devices::Tmcm142>(configuration, reporter);
 }
 
-std::unique_ptr<devices::CanDevice> make(const OwnCanDevice& own,
+std::unique_ptr<product::CanDevice> make(const OwnCanDevice& own,
                                          const base::EventReporter& reporter) {
   return own.make(reporter);
 }
@@ -166,14 +166,14 @@ RackConfiguration single_device_rack(std::string_view type) {
   return configuration;
 }
 
-std::unique_ptr<devices::Device> make_device(const ProductConfiguration& configuration,
+std::unique_ptr<product::Device> make_device(const ProductConfiguration& configuration,
                                              const base::EventReporter& reporter) {
-  return make_kind<devices::Device>(configuration, reporter);
+  return make_kind<product::Device>(configuration, reporter);
 }
 
-std::unique_ptr<devices::EtherCatDevice> make_ethercat_device(
+std::unique_ptr<product::EtherCatDevice> make_ethercat_device(
     const ProductConfiguration& configuration, const base::EventReporter& reporter) {
-  auto device = make_kind<devices::EtherCatDevice>(configuration, reporter);
+  auto device = make_kind<product::EtherCatDevice>(configuration, reporter);
   if (device == nullptr) {
     throw std::runtime_error(fmt::format("a {} is no EtherCAT device; it belongs on a [[bus]]",
                                          product_name(configuration)));
@@ -181,9 +181,9 @@ std::unique_ptr<devices::EtherCatDevice> make_ethercat_device(
   return device;
 }
 
-std::unique_ptr<devices::CanDevice> make_can_device(const ProductConfiguration& configuration,
+std::unique_ptr<product::CanDevice> make_can_device(const ProductConfiguration& configuration,
                                                     const base::EventReporter& reporter) {
-  auto device = make_kind<devices::CanDevice>(configuration, reporter);
+  auto device = make_kind<product::CanDevice>(configuration, reporter);
   if (device == nullptr) {
     throw std::runtime_error(fmt::format("a {} is no CAN device; it belongs into a [[segment]]",
                                          product_name(configuration)));

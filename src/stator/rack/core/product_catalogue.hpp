@@ -6,9 +6,9 @@
 #include <string_view>
 
 #include "stator/base/event.hpp"
-#include "stator/devices/can_device.hpp"
-#include "stator/devices/device.hpp"
-#include "stator/devices/ethercat_device.hpp"
+#include "stator/product/device/can_device.hpp"
+#include "stator/product/device/device.hpp"
+#include "stator/product/device/ethercat_device.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 
 namespace stator::rack {
@@ -46,12 +46,12 @@ struct Product {
 [[nodiscard]] RackConfiguration single_device_rack(std::string_view type);
 
 /// Builds the device; it reports its events through `reporter`.
-[[nodiscard]] std::unique_ptr<devices::Device> make_device(
+[[nodiscard]] std::unique_ptr<product::Device> make_device(
     const ProductConfiguration& configuration, const base::EventReporter& reporter);
 /// The same for a device on EtherCAT or on CAN. Throw std::runtime_error for one that is not.
-[[nodiscard]] std::unique_ptr<devices::EtherCatDevice> make_ethercat_device(
+[[nodiscard]] std::unique_ptr<product::EtherCatDevice> make_ethercat_device(
     const ProductConfiguration& configuration, const base::EventReporter& reporter);
-[[nodiscard]] std::unique_ptr<devices::CanDevice> make_can_device(
+[[nodiscard]] std::unique_ptr<product::CanDevice> make_can_device(
     const ProductConfiguration& configuration, const base::EventReporter& reporter);
 
 }  // namespace stator::rack

@@ -121,7 +121,7 @@ void Rack::add(const SegmentConfiguration& segment, std::vector<std::string>& na
     ethercat::SlaveController& controller = members.devices.back().device->controller();
     // Of the inputs that faults hold the one that a rack file can have set beforehand.
     held_inputs_[{{segments_.size() - 1, members.devices.size() - 1, NetworkKind::segment},
-                  devices::EtherCatDevice::kClockDeviation}] =
+                  product::EtherCatDevice::kClockDeviation}] =
         Held<double>(controller.configuration().clock_deviation_ppb);
     if (device.forwarding_delay) {
       controller.set_forwarding_delay(*device.forwarding_delay);
@@ -455,11 +455,11 @@ void Rack::advance_devices(base::SimTime now) {
   }
 }
 
-std::vector<devices::Signal> Rack::signals() {
-  std::vector<devices::Signal> all;
+std::vector<product::Signal> Rack::signals() {
+  std::vector<product::Signal> all;
   for (SegmentMembers& members : segments_) {
     for (NamedDevice& member : members.devices) {
-      for (devices::Signal signal : member.device->signals()) {
+      for (product::Signal signal : member.device->signals()) {
         signal.name = member.name + "." + signal.name;
         all.push_back(std::move(signal));
       }
@@ -467,7 +467,7 @@ std::vector<devices::Signal> Rack::signals() {
   }
   for (BusMembers& members : buses_) {
     for (NamedCanDevice& member : members.network->devices()) {
-      for (devices::Signal signal : member.device->signals()) {
+      for (product::Signal signal : member.device->signals()) {
         signal.name = member.name + "." + signal.name;
         all.push_back(std::move(signal));
       }

@@ -13,8 +13,8 @@
 
 #include "stator/base/expected.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/ethercat_device.hpp"
 #include "stator/ethercat/segment/segment.hpp"
+#include "stator/product/device/ethercat_device.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/kept/device_storage.hpp"
 #include "stator/rack/networks/can_network.hpp"
@@ -38,7 +38,7 @@ class Journal;
 /// An EtherCAT device of the rack with the name people gave it.
 struct NamedDevice {
   std::string name;
-  std::unique_ptr<devices::EtherCatDevice> device;
+  std::unique_ptr<product::EtherCatDevice> device;
 };
 
 /// All devices of one process and their recording. Passive: whoever owns a link or a master brings
@@ -169,8 +169,8 @@ class Rack {
   /// Every device, those of segments first, in the order of their numbers in events of one network.
   [[nodiscard]] std::vector<DeviceAddress> addresses() const;
   [[nodiscard]] const std::string& name_of(DeviceAddress device);
-  [[nodiscard]] devices::Device& device(DeviceAddress device);
-  [[nodiscard]] const std::vector<devices::Input>& inputs(DeviceAddress device) const;
+  [[nodiscard]] product::Device& device(DeviceAddress device);
+  [[nodiscard]] const std::vector<product::Input>& inputs(DeviceAddress device) const;
   [[nodiscard]] bool powered(DeviceAddress device) const;
   /// What the device's objects are protected by; pre_operational also stands for states below.
   [[nodiscard]] dictionary::NetworkState network_state(DeviceAddress device);
@@ -195,7 +195,7 @@ class Rack {
   void watch_traffic(TrafficTap* tap);
 
   /// All signals of all devices, named "device.signal", and of all buses.
-  [[nodiscard]] std::vector<devices::Signal> signals();
+  [[nodiscard]] std::vector<product::Signal> signals();
   [[nodiscard]] const std::optional<Recorder>& recorder() const { return recorder_; }
   /// The logic analyser; null without one.
   [[nodiscard]] PinTrace* trace() { return trace_.get(); }
@@ -214,14 +214,14 @@ class Rack {
  private:
   struct SegmentMembers {
     std::vector<NamedDevice> devices;
-    std::vector<std::vector<devices::Input>> inputs;  ///< by device
+    std::vector<std::vector<product::Input>> inputs;  ///< by device
     std::unique_ptr<ethercat::Segment> segment;
     std::uint16_t first_device = 0;  ///< number of its first device within the rack
   };
 
   struct BusMembers {
     std::unique_ptr<CanNetwork> network;
-    std::vector<std::vector<devices::Input>> inputs;  ///< by device
+    std::vector<std::vector<product::Input>> inputs;  ///< by device
     std::uint16_t first_device = 0;
     std::uint16_t number = 0;  ///< under which the bus itself reports events
     bool wire = true;          ///< false: its devices are on serial lines only
@@ -256,7 +256,7 @@ class Rack {
   void apply_error_state(const ErrorStateEvent& event, base::SimTime now);
   void apply_frame_fault(const FrameFaultEvent& event, base::SimTime now);
   void apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now);
-  [[nodiscard]] const devices::Input& find_input(const InputEvent& event) const;
+  [[nodiscard]] const product::Input& find_input(const InputEvent& event) const;
   void report(std::uint16_t number, base::SimTime now, const base::EventRule& rule,
               const Arguments& arguments = {});
 

@@ -86,10 +86,10 @@ void Rack::happen(const RackEvent& event, base::SimTime now) {
   }
 }
 
-const devices::Input& Rack::find_input(const InputEvent& event) const {
+const product::Input& Rack::find_input(const InputEvent& event) const {
   const bool on_bus = event.device.kind == NetworkKind::bus;
   const std::size_t network = event.device.network;
-  const std::vector<devices::Input>& inputs =
+  const std::vector<product::Input>& inputs =
       (on_bus ? buses_[network].inputs : segments_[network].inputs)[event.device.device];
   const std::string problem = input_problem(inputs, event.input, event.value);
   if (!problem.empty()) {
@@ -97,7 +97,7 @@ const devices::Input& Rack::find_input(const InputEvent& event) const {
                                      : segments_[network].devices[event.device.device].name;
     throw std::runtime_error(name + ": " + problem);
   }
-  return *std::ranges::find(inputs, event.input, &devices::Input::name);
+  return *std::ranges::find(inputs, event.input, &product::Input::name);
 }
 
 Held<double>& Rack::held(const InputEvent& event) {
@@ -139,7 +139,7 @@ template void Rack::release(CableEvent, const void*, base::SimTime);
 template void Rack::release(PowerEvent, const void*, base::SimTime);
 
 void Rack::apply_input(const InputEvent& event, base::SimTime now) {
-  const devices::Input& input = find_input(event);
+  const product::Input& input = find_input(event);
   if (held(event).set(event.value)) {
     carry_out(event, now);
   } else if (event.logged) {
@@ -149,7 +149,7 @@ void Rack::apply_input(const InputEvent& event, base::SimTime now) {
 }
 
 void Rack::carry_out(const InputEvent& event, base::SimTime now) {
-  const devices::Input& input = find_input(event);
+  const product::Input& input = find_input(event);
   if (event.logged) {
     report(
         number_of(event.device), now, input.unit.empty() ? kUnitlessInputSet : kInputSet,
@@ -186,9 +186,9 @@ void Rack::carry_out(const PowerEvent& event, base::SimTime now) {
     return;
   }
   report(number_of(event.device), now, event.on ? kPowerOn : kPowerOff);
-  const devices::Device& switched =
+  const product::Device& switched =
       kind == NetworkKind::bus
-          ? static_cast<const devices::Device&>(*bus(network).devices()[device].device)
+          ? static_cast<const product::Device&>(*bus(network).devices()[device].device)
           : *segments_[network].devices[device].device;
   lines_.set_power(switched, event.on);
   if (kind == NetworkKind::bus) {

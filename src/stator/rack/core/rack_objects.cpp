@@ -39,14 +39,14 @@ const std::string& Rack::name_of(DeviceAddress device) {
                                          : segments_[device.network].devices[device.device].name;
 }
 
-devices::Device& Rack::device(DeviceAddress device) {
+product::Device& Rack::device(DeviceAddress device) {
   if (device.kind == NetworkKind::bus) {
     return *bus(device.network).devices()[device.device].device;
   }
   return *segments_[device.network].devices[device.device].device;
 }
 
-const std::vector<devices::Input>& Rack::inputs(DeviceAddress device) const {
+const std::vector<product::Input>& Rack::inputs(DeviceAddress device) const {
   return (device.kind == NetworkKind::bus ? buses_[device.network].inputs
                                           : segments_[device.network].inputs)[device.device];
 }
@@ -91,7 +91,7 @@ dictionary::Verdict Rack::write_object(DeviceAddress address, dictionary::Entry&
   if (Journal* journal = told(); journal != nullptr) {
     journal->object_written(address, entry.index(), entry.subindex(), value, now);
   }
-  devices::Device& written = device(address);
+  product::Device& written = device(address);
   const dictionary::Verdict verdict =
       written.object_dictionary()->write(entry, value, {network_state(address)});
   if (!verdict) {

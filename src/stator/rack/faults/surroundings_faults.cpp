@@ -17,7 +17,7 @@ using enum FaultValueType;
 /// Puts together what a fault sets.
 class Settings {
  public:
-  Settings(const FaultConfiguration& fault, std::span<const devices::Input> inputs)
+  Settings(const FaultConfiguration& fault, std::span<const product::Input> inputs)
       : fault_(fault), inputs_(inputs) {}
 
   [[nodiscard]] double number(std::string_view key) const { return fault_.values.get<double>(key); }
@@ -50,7 +50,7 @@ class Settings {
     list_.push_back({std::move(input), value, key, ramped});
   }
   [[nodiscard]] bool has(std::string_view input) const {
-    return std::ranges::find(inputs_, input, &devices::Input::name) != inputs_.end();
+    return std::ranges::find(inputs_, input, &product::Input::name) != inputs_.end();
   }
   [[nodiscard]] std::string prefix() const {
     return of_peripheral() ? text("peripheral") + "." : fmt::format("axis{}.", fault_.target.axis);
@@ -59,7 +59,7 @@ class Settings {
 
  private:
   const FaultConfiguration& fault_;
-  std::span<const devices::Input> inputs_;
+  std::span<const product::Input> inputs_;
   std::vector<FaultSetting> list_;
 };
 
@@ -424,7 +424,7 @@ std::span<const FaultKind> surroundings_fault_kinds() {
 }
 
 std::vector<FaultSetting> settings_of(const FaultConfiguration& fault,
-                                      std::span<const devices::Input> inputs) {
+                                      std::span<const product::Input> inputs) {
   Settings settings(fault, inputs);
   for (const Row& row : kRows) {
     if (row.kind.name == fault.kind->name) {
@@ -435,9 +435,9 @@ std::vector<FaultSetting> settings_of(const FaultConfiguration& fault,
 }
 
 SettingProblem setting_problem(const FaultConfiguration& fault,
-                               std::span<const devices::Input> inputs) {
+                               std::span<const product::Input> inputs) {
   for (const FaultSetting& setting : settings_of(fault, inputs)) {
-    const auto known = std::ranges::find(inputs, setting.input, &devices::Input::name);
+    const auto known = std::ranges::find(inputs, setting.input, &product::Input::name);
     if (known == inputs.end()) {
       return {std::string(setting.key),
               fmt::format("\"{}\" cannot happen to {} like this: it has no input \"{}\"; \"stator "

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "stator/devices/input.hpp"
+#include "stator/product/device/input.hpp"
 #include "stator/rack/faults/fault_configuration.hpp"
 
 namespace stator::rack {
@@ -27,7 +27,7 @@ struct FaultSetting {
 /// round to what else is wanted of them, see held.hpp. `inputs` are those of the device:
 /// names differ between products.
 [[nodiscard]] std::vector<FaultSetting> settings_of(const FaultConfiguration& fault,
-                                                    std::span<const devices::Input> inputs);
+                                                    std::span<const product::Input> inputs);
 
 /// Why such a fault cannot happen to a device with these inputs, and the key that is to blame;
 /// empty: it can.
@@ -36,6 +36,6 @@ struct SettingProblem {
   std::string text;
 };
 [[nodiscard]] SettingProblem setting_problem(const FaultConfiguration& fault,
-                                             std::span<const devices::Input> inputs);
+                                             std::span<const product::Input> inputs);
 
 }  // namespace stator::rack

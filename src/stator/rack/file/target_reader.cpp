@@ -94,7 +94,7 @@ std::size_t TargetReader::read_bus(TomlSection& section, const std::string& name
                            names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
-const std::vector<devices::Input>& TargetReader::inputs_of(DeviceAddress device) {
+const std::vector<product::Input>& TargetReader::inputs_of(DeviceAddress device) {
   const auto [place, is_new] = inputs_.try_emplace(device);
   if (is_new) {
     place->second = make_device(device_at(device).product, {})->inputs();

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "stator/devices/input.hpp"
+#include "stator/product/device/input.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/toml/toml_section.hpp"
 
@@ -27,11 +27,11 @@ class TargetReader {
   [[nodiscard]] std::size_t read_bus(TomlSection& section, const std::string& name) const;
   [[nodiscard]] const DeviceConfiguration& device_at(DeviceAddress address) const;
   /// Names and ranges only, since the devices asked for them are gone.
-  [[nodiscard]] const std::vector<devices::Input>& inputs_of(DeviceAddress device);
+  [[nodiscard]] const std::vector<product::Input>& inputs_of(DeviceAddress device);
 
  private:
   const RackConfiguration& rack_;
-  std::map<DeviceAddress, std::vector<devices::Input>> inputs_;
+  std::map<DeviceAddress, std::vector<product::Input>> inputs_;
 };
 
 }  // namespace stator::rack

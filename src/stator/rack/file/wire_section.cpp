@@ -75,7 +75,7 @@ const WireSectionReader::Terminals& WireSectionReader::terminals_of(DeviceAddres
                                                           ? rack_.buses[address.network].devices
                                                           : rack_.segments[address.network].devices;
     const auto device = make_device(devices[address.device].product, {});
-    for (const devices::Signal& signal : device->signals()) {
+    for (const product::Signal& signal : device->signals()) {
       place->second.signals.insert(signal.name);
     }
     place->second.inputs = device->inputs();
@@ -83,7 +83,7 @@ const WireSectionReader::Terminals& WireSectionReader::terminals_of(DeviceAddres
   return place->second;
 }
 
-void WireSectionReader::read_levels(TomlSection& section, const devices::Input& input,
+void WireSectionReader::read_levels(TomlSection& section, const product::Input& input,
                                     WireConfiguration& wire) {
   const auto scale =
       section.number({"scale", "Instead of a threshold: the input follows the signal times this"},
@@ -164,8 +164,8 @@ WireConfiguration WireSectionReader::read(TomlSection& section) {
                                      "--signals\" lists the signals",
                                      from.name, guess_text(from.name, source.signals)));
   }
-  const std::vector<devices::Input>& inputs = terminals_of(to.device).inputs;
-  const auto input = std::ranges::find(inputs, to.name, &devices::Input::name);
+  const std::vector<product::Input>& inputs = terminals_of(to.device).inputs;
+  const auto input = std::ranges::find(inputs, to.name, &product::Input::name);
   if (input == inputs.end()) {
     section.fail("to", input_problem(inputs, to.name, 0.0));
   }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "stator/devices/input.hpp"
+#include "stator/product/device/input.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/toml/toml_section.hpp"
 
@@ -32,12 +32,12 @@ class WireSectionReader {
   /// What a device has; it is gone once it was asked.
   struct Terminals {
     std::set<std::string> signals;
-    std::vector<devices::Input> inputs;
+    std::vector<product::Input> inputs;
   };
 
   [[nodiscard]] End read_end(TomlSection& section, const std::string& key) const;
   [[nodiscard]] const Terminals& terminals_of(DeviceAddress device);
-  void read_levels(TomlSection& section, const devices::Input& input, WireConfiguration& wire);
+  void read_levels(TomlSection& section, const product::Input& input, WireConfiguration& wire);
   void check_driver(TomlSection& section, const End& from, const End& to);
 
   const RackConfiguration& rack_;

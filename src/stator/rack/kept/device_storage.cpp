@@ -31,7 +31,7 @@ std::vector<std::byte> copy_of(std::span<const std::byte> bytes) {
 /// The EEPROM of an EtherCAT slave controller. A word is an order.
 class DeviceStorage::EepromMemory final : public KeptMemory, public ethercat::SiiKeeper {
  public:
-  EepromMemory(DeviceStorage& storage, const std::string& name, devices::EtherCatDevice& device,
+  EepromMemory(DeviceStorage& storage, const std::string& name, product::EtherCatDevice& device,
                base::EventReporter reporter)
       : KeptMemory(storage, {"eeprom", name, device.description().order_code}, reporter),
         device_(device) {
@@ -73,15 +73,15 @@ class DeviceStorage::EepromMemory final : public KeptMemory, public ethercat::Si
     }
   }
 
-  devices::EtherCatDevice& device_;
+  product::EtherCatDevice& device_;
   std::uint32_t words_ = 0;
 };
 
 /// The firmware image in a device's flash memory. A download is an order.
-class DeviceStorage::FirmwareImage final : public KeptMemory, public devices::FirmwareKeeper {
+class DeviceStorage::FirmwareImage final : public KeptMemory, public product::FirmwareKeeper {
  public:
   FirmwareImage(DeviceStorage& storage, const std::string& name, const std::string& product,
-                devices::FirmwareMemory& firmware, base::EventReporter reporter)
+                product::FirmwareMemory& firmware, base::EventReporter reporter)
       : KeptMemory(storage, {"firmware", name, product}, reporter), firmware_(firmware) {
     if (const auto image = read()) {
       if (!firmware_.restore(*image)) {
@@ -106,14 +106,14 @@ class DeviceStorage::FirmwareImage final : public KeptMemory, public devices::Fi
   }
 
  private:
-  devices::FirmwareMemory& firmware_;
+  product::FirmwareMemory& firmware_;
 };
 
 /// The parameters that a device stores.
 class DeviceStorage::StoredParameters final : public KeptMemory, public ParameterKeeper {
  public:
   StoredParameters(DeviceStorage& storage, const std::string& name, const std::string& product,
-                   devices::Device& device, base::EventReporter reporter)
+                   product::Device& device, base::EventReporter reporter)
       : KeptMemory(storage, {"parameters", name, product}, reporter), memory_(*this) {
     if (const auto content = read()) {
       if (!memory_.restore(*content)) {
@@ -145,7 +145,7 @@ DeviceStorage::~DeviceStorage() {
   }
 }
 
-void DeviceStorage::attach(const std::string& name, devices::EtherCatDevice& device,
+void DeviceStorage::attach(const std::string& name, product::EtherCatDevice& device,
                            base::EventReporter reporter) {
   const std::string& product = device.description().order_code;
   if (device.stores_parameters()) {
@@ -159,19 +159,19 @@ void DeviceStorage::attach(const std::string& name, devices::EtherCatDevice& dev
 }
 
 void DeviceStorage::attach(const std::string& name, const std::string& product,
-                           devices::CanDevice& device, base::EventReporter reporter) {
+                           product::CanDevice& device, base::EventReporter reporter) {
   attach_parameters(name, product, device, reporter);
   attach_firmware(name, product, device, reporter);
 }
 
 void DeviceStorage::attach_parameters(const std::string& name, const std::string& product,
-                                      devices::Device& device, base::EventReporter reporter) {
+                                      product::Device& device, base::EventReporter reporter) {
   add(std::make_unique<StoredParameters>(*this, name, product, device, reporter));
 }
 
 void DeviceStorage::attach_firmware(const std::string& name, const std::string& product,
-                                    devices::Device& device, base::EventReporter reporter) {
-  if (devices::FirmwareMemory* firmware = device.firmware()) {
+                                    product::Device& device, base::EventReporter reporter) {
+  if (product::FirmwareMemory* firmware = device.firmware()) {
     add(std::make_unique<FirmwareImage>(*this, name, product, *firmware, reporter));
   }
 }

@@ -8,8 +8,8 @@
 
 #include "stator/base/event.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/can_device.hpp"
-#include "stator/devices/ethercat_device.hpp"
+#include "stator/product/device/can_device.hpp"
+#include "stator/product/device/ethercat_device.hpp"
 #include "stator/rack/kept/background_writer.hpp"
 #include "stator/rack/kept/kept_file.hpp"
 #include "stator/rack/kept/kept_memory.hpp"
@@ -57,9 +57,9 @@ class DeviceStorage {
   /// Gives the device what is kept under `name` and keeps its changes from now on. The device must
   /// outlive the storage. Throws std::runtime_error with file, reason and remedy for a file that is
   /// damaged or belongs to another product.
-  void attach(const std::string& name, devices::EtherCatDevice& device,
+  void attach(const std::string& name, product::EtherCatDevice& device,
               base::EventReporter reporter);
-  void attach(const std::string& name, const std::string& product, devices::CanDevice& device,
+  void attach(const std::string& name, const std::string& product, product::CanDevice& device,
               base::EventReporter reporter);
   /// One more memory to keep.
   void add(std::unique_ptr<KeptMemory> memory);
@@ -96,10 +96,10 @@ class DeviceStorage {
   class FirmwareImage;
   class StoredParameters;
 
-  void attach_firmware(const std::string& name, const std::string& product, devices::Device& device,
+  void attach_firmware(const std::string& name, const std::string& product, product::Device& device,
                        base::EventReporter reporter);
   void attach_parameters(const std::string& name, const std::string& product,
-                         devices::Device& device, base::EventReporter reporter);
+                         product::Device& device, base::EventReporter reporter);
   void note_order();
   void take_results(base::SimTime now);
   void try_again(KeptMemory& memory);

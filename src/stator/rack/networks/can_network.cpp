@@ -51,7 +51,7 @@ void CanNetwork::trace(const can::TraceEntry& entry) {
 
 void CanNetwork::add(NamedCanDevice device, const base::EventReporter& reporter) {
   devices_.push_back(std::move(device));
-  devices::CanDevice& added = *devices_.back().device;
+  product::CanDevice& added = *devices_.back().device;
   const std::size_t member = bus_.add(
       added.controller(),
       {.bit_rate = added.bit_rate(), .recovery = added.bus_off_recovery(), .reporter = reporter});
@@ -97,7 +97,7 @@ void CanNetwork::serve(std::size_t device, base::SimTime now) {
 }
 
 void CanNetwork::refresh(std::size_t device, base::SimTime now) {
-  const devices::CanDevice& refreshed = *devices_[device].device;
+  const product::CanDevice& refreshed = *devices_[device].device;
   bus_.set_bit_rate(members_[device], refreshed.bit_rate());
   base::SimTime& deadline = deadlines_[device];
   earliest_stale_ |= deadline == earliest_;
@@ -143,7 +143,7 @@ std::uint64_t CanNetwork::inject(const FrameFaultEvent& event) {
   return bus_.inject(fault);
 }
 
-std::vector<devices::Signal> CanNetwork::signals() {
+std::vector<product::Signal> CanNetwork::signals() {
   using Read = base::Delegate<double()>;
   return {{name_ + ".load", "1", Read::bind<&CanNetwork::load>(*this)},
           {name_ + ".frames", "1", Read::bind<&CanNetwork::frames>(*this)},

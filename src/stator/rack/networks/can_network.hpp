@@ -11,8 +11,8 @@
 #include "stator/base/sim_time.hpp"
 #include "stator/can/bus.hpp"
 #include "stator/can/port.hpp"
-#include "stator/devices/can_device.hpp"
-#include "stator/devices/signal.hpp"
+#include "stator/product/device/can_device.hpp"
+#include "stator/product/device/signal.hpp"
 #include "stator/rack/networks/bus_configuration.hpp"
 #include "stator/rack/observe/can_tap.hpp"
 #include "stator/rack/observe/traffic_tap.hpp"
@@ -23,7 +23,7 @@ namespace stator::rack {
 /// A device on a CAN bus with the name people gave it.
 struct NamedCanDevice {
   std::string name;
-  std::unique_ptr<devices::CanDevice> device;
+  std::unique_ptr<product::CanDevice> device;
 };
 
 /// A CAN bus with its devices and ports. Passive: whoever feeds the ports brings the time.
@@ -78,7 +78,7 @@ class CanNetwork {
   [[nodiscard]] std::span<NamedCanDevice> devices() { return devices_; }
   [[nodiscard]] std::size_t member_of(std::size_t device) const { return members_[device]; }
   /// What can be recorded of the bus itself: load, frames, error frames.
-  [[nodiscard]] std::vector<devices::Signal> signals();
+  [[nodiscard]] std::vector<product::Signal> signals();
 
  private:
   void look_at_wire();

@@ -14,7 +14,7 @@ using base::SimTime;
 /// The end of the line at one device.
 class SerialLine::Member final : public tmcl::SerialPort {
  public:
-  Member(SerialLine& line, std::size_t number, devices::Device& device, std::string interface,
+  Member(SerialLine& line, std::size_t number, product::Device& device, std::string interface,
          CanNetwork* network, std::size_t position)
       : line_(line),
         number_(number),
@@ -50,7 +50,7 @@ class SerialLine::Member final : public tmcl::SerialPort {
     queue_.clear();
   }
   [[nodiscard]] bool waits() const { return !queue_.empty(); }
-  [[nodiscard]] const devices::Device& device() const { return device_; }
+  [[nodiscard]] const product::Device& device() const { return device_; }
   [[nodiscard]] std::optional<std::uint32_t> baud_rate() const {
     return device_.baud_rate(interface_);
   }
@@ -64,7 +64,7 @@ class SerialLine::Member final : public tmcl::SerialPort {
  private:
   SerialLine& line_;
   std::size_t number_;
-  devices::Device& device_;
+  product::Device& device_;
   std::string interface_;
   CanNetwork* network_;
   std::size_t position_;
@@ -77,7 +77,7 @@ SerialLine::SerialLine(SerialLineConfiguration configuration)
 
 SerialLine::~SerialLine() = default;
 
-bool SerialLine::add(devices::Device& device, const std::string& interface, CanNetwork* network,
+bool SerialLine::add(product::Device& device, const std::string& interface, CanNetwork* network,
                      std::size_t position) {
   auto member =
       std::make_unique<Member>(*this, members_.size(), device, interface, network, position);
@@ -266,7 +266,7 @@ bool SerialLine::waits() const {
   return std::ranges::any_of(members_, [](const auto& member) { return member->waits(); });
 }
 
-void SerialLine::set_power(const devices::Device& device, bool on) {
+void SerialLine::set_power(const product::Device& device, bool on) {
   for (const auto& member : members_) {
     if (&member->device() == &device) {
       member->set_power(on);

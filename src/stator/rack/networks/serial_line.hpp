@@ -11,7 +11,7 @@
 
 #include "stator/base/delegate.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/device.hpp"
+#include "stator/product/device/device.hpp"
 #include "stator/rack/networks/byte_queue.hpp"
 #include "stator/rack/networks/can_network.hpp"
 #include "stator/rack/networks/serial_faults.hpp"
@@ -59,7 +59,7 @@ class SerialLine {
 
   /// Connects a device's interface. `network` is the CAN bus the device is on with the number
   /// `position`, or null. False: the device has no such interface.
-  bool add(devices::Device& device, const std::string& interface, CanNetwork* network = nullptr,
+  bool add(product::Device& device, const std::string& interface, CanNetwork* network = nullptr,
            std::size_t position = 0);
   /// Where bytes for programs go from now on; empty: they are lost.
   void connect(Output output) { output_ = output; }
@@ -96,7 +96,7 @@ class SerialLine {
   /// Bytes wait for a device that looks at its interface in its next period only.
   [[nodiscard]] bool waits() const;
   /// The supply of `device` was switched: without it nothing is heard.
-  void set_power(const devices::Device& device, bool on);
+  void set_power(const product::Device& device, bool on);
 
   [[nodiscard]] const SerialLineConfiguration& configuration() const { return configuration_; }
   [[nodiscard]] std::size_t members() const { return members_.size(); }

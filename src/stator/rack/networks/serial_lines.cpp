@@ -52,7 +52,7 @@ base::SimTime SerialLines::next_deadline() const {
   return next;
 }
 
-void SerialLines::set_power(const devices::Device& device, bool on) {
+void SerialLines::set_power(const product::Device& device, bool on) {
   for (const auto& line : lines_) {
     line->set_power(device, on);
   }

@@ -14,7 +14,7 @@ namespace stator::rack {
 /// A device with the serial interfaces its configuration connects to lines.
 struct SerialMember {
   const DeviceConfiguration& configuration;
-  devices::Device& device;
+  product::Device& device;
   CanNetwork* network = nullptr;  ///< the CAN bus it is on, if any
   std::size_t position = 0;       ///< its number there
 };
@@ -40,7 +40,7 @@ class SerialLines {
   void advance(base::SimTime now);
   /// The next one of all lines.
   [[nodiscard]] base::SimTime next_deadline() const;
-  void set_power(const devices::Device& device, bool on);
+  void set_power(const product::Device& device, bool on);
   /// Tells `journal` of the bytes of all lines by their numbers; null: nobody.
   void set_journal(Journal* journal);
 

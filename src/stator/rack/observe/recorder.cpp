@@ -10,7 +10,7 @@
 
 namespace stator::rack {
 
-Recorder::Recorder(const std::string& path, std::vector<devices::Signal> signals,
+Recorder::Recorder(const std::string& path, std::vector<product::Signal> signals,
                    base::SimDuration period)
     : signals_(std::move(signals)), period_(period) {
   if (signals_.empty()) {
@@ -22,7 +22,7 @@ Recorder::Recorder(const std::string& path, std::vector<devices::Signal> signals
         fmt::format("recording to {}: the sampling period must be longer than 0", path));
   }
   row_ = "time [s]";
-  for (const devices::Signal& signal : signals_) {
+  for (const product::Signal& signal : signals_) {
     fmt::format_to(std::back_inserter(row_), ",{} [{}]", signal.name, signal.unit);
   }
   row_ += '\n';
@@ -40,7 +40,7 @@ void Recorder::sample(base::SimTime now) {
   const std::int64_t nanoseconds = now.nanoseconds();
   fmt::format_to(std::back_inserter(row_), "{}.{:09}", nanoseconds / 1'000'000'000,
                  nanoseconds % 1'000'000'000);
-  for (const devices::Signal& signal : signals_) {
+  for (const product::Signal& signal : signals_) {
     fmt::format_to(std::back_inserter(row_), ",{}", signal.read());
   }
   row_ += '\n';
@@ -48,7 +48,7 @@ void Recorder::sample(base::SimTime now) {
   next_sample_ = now + period_;
 }
 
-std::vector<devices::Signal> select_signals(const std::vector<devices::Signal>& available,
+std::vector<product::Signal> select_signals(const std::vector<product::Signal>& available,
                                             const std::vector<std::string>& patterns) {
   std::vector<bool> chosen(available.size(), false);
   for (const std::string& pattern : patterns) {
@@ -61,14 +61,14 @@ std::vector<devices::Signal> select_signals(const std::vector<devices::Signal>& 
     }
     if (!matched) {
       std::string names;
-      for (const devices::Signal& signal : available) {
+      for (const product::Signal& signal : available) {
         names += "\n  " + signal.name;
       }
       throw std::runtime_error(
           fmt::format("no signal matches \"{}\"; the rack has:{}", pattern, names));
     }
   }
-  std::vector<devices::Signal> result;
+  std::vector<product::Signal> result;
   for (std::size_t i = 0; i < available.size(); ++i) {
     if (chosen[i]) {
       result.push_back(available[i]);

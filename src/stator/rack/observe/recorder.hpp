@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/signal.hpp"
 #include "stator/link/system/background_output.hpp"
+#include "stator/product/device/signal.hpp"
 
 namespace stator::rack {
 
@@ -19,7 +19,7 @@ class Recorder {
  public:
   /// Opens `path`; throws std::runtime_error naming the file and the reason when that fails, or
   /// when `signals` is empty or `period` is not positive.
-  Recorder(const std::string& path, std::vector<devices::Signal> signals, base::SimDuration period);
+  Recorder(const std::string& path, std::vector<product::Signal> signals, base::SimDuration period);
 
   /// The next moment to sample; the rack brings its devices there and calls sample().
   [[nodiscard]] base::SimTime next_sample() const { return next_sample_; }
@@ -33,7 +33,7 @@ class Recorder {
   [[nodiscard]] link::BackgroundOutput& output() { return *output_; }
 
  private:
-  std::vector<devices::Signal> signals_;
+  std::vector<product::Signal> signals_;
   base::SimDuration period_;
   base::SimTime next_sample_;
   std::string row_;
@@ -43,7 +43,7 @@ class Recorder {
 /// The signals whose name matches one of `patterns` ("*" stands for any run of characters), in the
 /// order of `available`. Throws std::runtime_error naming a pattern that matches nothing and the
 /// names that exist.
-std::vector<devices::Signal> select_signals(const std::vector<devices::Signal>& available,
+std::vector<product::Signal> select_signals(const std::vector<product::Signal>& available,
                                             const std::vector<std::string>& patterns);
 
 }  // namespace stator::rack

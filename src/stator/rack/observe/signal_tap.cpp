@@ -5,7 +5,7 @@
 
 namespace stator::rack {
 
-SignalTap::SignalTap(std::vector<devices::Signal> signals, base::SimDuration period,
+SignalTap::SignalTap(std::vector<product::Signal> signals, base::SimDuration period,
                      std::size_t capacity)
     : signals_(std::move(signals)),
       period_(period),
@@ -31,7 +31,7 @@ void SignalTap::sample(base::SimTime now) {
   const std::size_t at = written % times_.size();
   times_[at] = now;
   double* value = values_.data() + at * signals_.size();
-  for (const devices::Signal& signal : signals_) {
+  for (const product::Signal& signal : signals_) {
     *value++ = signal.read();
   }
   written_.store(written + 1, std::memory_order_release);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/signal.hpp"
+#include "stator/product/device/signal.hpp"
 
 namespace stator::rack {
 
@@ -17,7 +17,7 @@ namespace stator::rack {
 class SignalTap {
  public:
   /// Rows of `signals` every `period` (> 0), of which `capacity` (>= 1) wait at most.
-  SignalTap(std::vector<devices::Signal> signals, base::SimDuration period, std::size_t capacity);
+  SignalTap(std::vector<product::Signal> signals, base::SimDuration period, std::size_t capacity);
 
   // For whoever holds the rack.
 
@@ -29,7 +29,7 @@ class SignalTap {
 
   // For the one thread that reads.
 
-  [[nodiscard]] const std::vector<devices::Signal>& signals() const { return signals_; }
+  [[nodiscard]] const std::vector<product::Signal>& signals() const { return signals_; }
   [[nodiscard]] base::SimDuration period() const { return period_; }
   /// Rows that wait.
   [[nodiscard]] std::size_t size() const {
@@ -52,7 +52,7 @@ class SignalTap {
     return (read_.load(std::memory_order_relaxed) + index) % times_.size();
   }
 
-  std::vector<devices::Signal> signals_;
+  std::vector<product::Signal> signals_;
   base::SimDuration period_;
   base::SimTime next_sample_ = base::SimTime::never();
   std::vector<base::SimTime> times_;

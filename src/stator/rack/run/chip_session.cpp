@@ -16,13 +16,13 @@ namespace {
 using namespace link::chip_protocol;
 using base::SimDuration;
 using base::SimTime;
-using devices::HostPin;
-using devices::HostSpi;
 using link::ChipMessage;
+using product::HostPin;
+using product::HostSpi;
 
-constexpr devices::HostLines kAllLines = (1U << devices::kHostLines) - 1;
+constexpr product::HostLines kAllLines = (1U << product::kHostLines) - 1;
 
-void store_status(std::span<std::byte> out, devices::HostLines levels, SimTime now) {
+void store_status(std::span<std::byte> out, product::HostLines levels, SimTime now) {
   base::store_le(out.data(), levels);
   base::store_le(out.data() + 4, static_cast<std::uint64_t>((now - SimTime()).nanoseconds()));
 }
@@ -33,7 +33,7 @@ unsigned number(std::byte byte) {
 
 }  // namespace
 
-ChipSession::ChipSession(devices::HostPort& port, std::string name, Output output)
+ChipSession::ChipSession(product::HostPort& port, std::string name, Output output)
     : port_(port), name_(std::move(name)), output_(std::move(output)) {
   miso_.reserve(kMaximumTransfer);
   body_.reserve(kStatusLength + kMaximumTransfer);
@@ -102,7 +102,7 @@ void ChipSession::greet(const ChipMessage& message) {
   output_.greeted();
   std::array<std::byte, 6> content{};
   content[0] = std::byte{kVersion};
-  content[1] = static_cast<std::byte>((1U << devices::kHostSpis) - 1);
+  content[1] = static_cast<std::byte>((1U << product::kHostSpis) - 1);
   base::store_le(content.data() + 2, static_cast<std::uint16_t>(kMaximumTransfer));
   base::store_le(content.data() + 4, kAllLines);
   std::vector<std::byte> all(content.begin(), content.end());
@@ -117,7 +117,7 @@ void ChipSession::transfer(const ChipMessage& message) {
     return;
   }
   const unsigned port = number(message.body[0]);
-  if (port >= devices::kHostSpis) {
+  if (port >= product::kHostSpis) {
     output_.refuse(message.tag, Refusal::unknown_target, "SPI port 0 is the PDI, 1 is MFC CTRL");
     return;
   }
@@ -146,7 +146,7 @@ void ChipSession::watch(const ChipMessage& message) {
     return;
   }
   const auto mask = base::load_le<std::uint16_t>(message.body.data());
-  port_.watch(static_cast<devices::HostLines>(mask & kAllLines), this);
+  port_.watch(static_cast<product::HostLines>(mask & kAllLines), this);
   reply(message);
 }
 
@@ -156,7 +156,7 @@ void ChipSession::set_pin(const ChipMessage& message) {
     return;
   }
   const unsigned pin = number(message.body[0]);
-  if (pin >= devices::kHostPins) {
+  if (pin >= product::kHostPins) {
     output_.refuse(message.tag, Refusal::unknown_target,
                    "the pins are 0 LATCH_IN0, 1 LATCH_IN1, 2 MFC_NES, 3 NRESET");
     return;
@@ -188,7 +188,7 @@ void ChipSession::malformed(const ChipMessage& message, std::string_view form) {
   output_.refuse(message.tag, Refusal::malformed, form);
 }
 
-void ChipSession::on_lines(const devices::HostLineChange& change) {
+void ChipSession::on_lines(const product::HostLineChange& change) {
   std::array<std::byte, kEventLength> body{};
   base::store_le(body.data(), change.levels);
   base::store_le(body.data() + 2, change.rose);

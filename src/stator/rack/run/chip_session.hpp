@@ -8,15 +8,15 @@
 #include <vector>
 
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/host_port.hpp"
 #include "stator/link/serial/chip_message.hpp"
+#include "stator/product/device/host_port.hpp"
 
 namespace stator::rack {
 
 /// Answers the requests of a program (link::chip_protocol) at the pins of a chip and tells it of
 /// their changes. Without sockets, threads and clocks: those are its owner's, who brings the chip
 /// to the present before each call.
-class ChipSession final : public devices::HostLineSink {
+class ChipSession final : public product::HostLineSink {
  public:
   /// Where answers and events go.
   struct Output {
@@ -29,7 +29,7 @@ class ChipSession final : public devices::HostLineSink {
 
   /// `name` is the device's, for the program. `port` and what `output` refers to outlive the
   /// session.
-  ChipSession(devices::HostPort& port, std::string name, Output output);
+  ChipSession(product::HostPort& port, std::string name, Output output);
   ~ChipSession() override { leave(); }
 
   /// A program has connected.
@@ -39,7 +39,7 @@ class ChipSession final : public devices::HostLineSink {
   /// One message came at `now`.
   void take(const link::ChipMessage& message, base::SimTime now);
 
-  void on_lines(const devices::HostLineChange& change) override;
+  void on_lines(const product::HostLineChange& change) override;
 
  private:
   using Body = std::span<const std::byte>;
@@ -52,11 +52,11 @@ class ChipSession final : public devices::HostLineSink {
   void reply(const link::ChipMessage& request, Body content = {});
   void malformed(const link::ChipMessage& message, std::string_view form);
 
-  devices::HostPort& port_;
+  product::HostPort& port_;
   std::string name_;
   Output output_;
   bool greeted_ = false;
-  std::array<bool, devices::kHostSpis> selected_{};
+  std::array<bool, product::kHostSpis> selected_{};
   std::uint16_t lost_ = 0;  ///< events since the last one that went out
   base::SimTime now_;
   std::vector<std::byte> miso_;

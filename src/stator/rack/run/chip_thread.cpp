@@ -19,9 +19,9 @@ using link::ChipServer;
 /// Longest sleep: how late the end of a connection is noticed when nothing happens.
 constexpr SimDuration kIdleTick{100'000'000};
 
-devices::HostPort& port_of(RunningRack& shared, DeviceAddress device) {
+product::HostPort& port_of(RunningRack& shared, DeviceAddress device) {
   const NamedDevice& member = shared.rack.devices(device.network)[device.device];
-  devices::HostPort* port = member.device->host_port();
+  product::HostPort* port = member.device->host_port();
   if (port == nullptr) {
     throw std::runtime_error(fmt::format(
         "{} has its own firmware and no pins for one of yours; \"spi\" belongs to a chip, e.g. a "

@@ -53,7 +53,7 @@ class ChipThread {
 
   RunningRack& shared_;
   DeviceAddress device_;
-  devices::HostPort& port_;
+  product::HostPort& port_;
   std::unique_ptr<link::ChipServer> server_;
   std::optional<ChipSession> session_;
   ChipThreadStatistics statistics_;

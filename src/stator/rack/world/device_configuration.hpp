@@ -10,7 +10,6 @@
 
 #include "stator/base/event.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/can_device.hpp"
 #include "stator/devices/junction/junction.hpp"
 #include "stator/devices/tmc8461/tmc8461.hpp"
 #include "stator/devices/tmc8670/tmc8670.hpp"
@@ -18,13 +17,14 @@
 #include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 #include "stator/ethercat/segment/segment.hpp"
+#include "stator/product/device/can_device.hpp"
 
 namespace stator::rack {
 
 /// A CAN device that is none of the products: a class of one's own, in a program that uses Stator
 /// as a library.
 struct OwnCanDevice {
-  std::function<std::unique_ptr<devices::CanDevice>(const base::EventReporter&)> make;
+  std::function<std::unique_ptr<product::CanDevice>(const base::EventReporter&)> make;
 };
 
 /// Configuration of one product; a further product is a further alternative.
@@ -44,7 +44,7 @@ struct WiringConfiguration {
 
 /// A serial interface of a device and the line it is connected to.
 struct SerialConnection {
-  std::string interface;  ///< one of devices::Device::serial_interfaces()
+  std::string interface;  ///< one of product::Device::serial_interfaces()
   std::string line;       ///< e.g. "pty:/tmp/module"; see link::kSerialLinkForms
 
   friend bool operator==(const SerialConnection&, const SerialConnection&) = default;

@@ -9,9 +9,9 @@
 
 namespace stator::rack {
 
-std::string input_problem(std::span<const devices::Input> inputs, const std::string& name,
+std::string input_problem(std::span<const product::Input> inputs, const std::string& name,
                           double value) {
-  const auto input = std::ranges::find(inputs, name, &devices::Input::name);
+  const auto input = std::ranges::find(inputs, name, &product::Input::name);
   if (input != inputs.end()) {
     if (value >= input->minimum && value <= input->maximum) {
       return "";
@@ -20,7 +20,7 @@ std::string input_problem(std::span<const devices::Input> inputs, const std::str
                        input->maximum, input->unit.empty() ? "" : " ", input->unit);
   }
   std::set<std::string> names;
-  for (const devices::Input& known : inputs) {
+  for (const product::Input& known : inputs) {
     names.insert(known.name);
   }
   const std::string guess = closest_match(name, names);

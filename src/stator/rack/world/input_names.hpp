@@ -3,13 +3,13 @@
 #include <span>
 #include <string>
 
-#include "stator/devices/input.hpp"
+#include "stator/product/device/input.hpp"
 
 namespace stator::rack {
 
 /// Why an input called `name` cannot be set to `value`: it does not exist, or the value lies
 /// outside its range. Empty: it can.
-[[nodiscard]] std::string input_problem(std::span<const devices::Input> inputs,
+[[nodiscard]] std::string input_problem(std::span<const product::Input> inputs,
                                         const std::string& name, double value);
 
 }  // namespace stator::rack

@@ -30,7 +30,7 @@ struct PowerEvent {
 /// Something around a device is set: a switch is pressed, a torque acts, a supply sags.
 struct InputEvent {
   DeviceAddress device;
-  std::string input;  ///< one of devices::Device::inputs()
+  std::string input;  ///< one of product::Device::inputs()
   double value = 0.0;
   bool logged = true;  ///< false: one of the many small steps of a ramp
 };

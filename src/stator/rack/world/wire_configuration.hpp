@@ -11,9 +11,9 @@ namespace stator::rack {
 /// A signal of one device that sets an input of another, see wires.hpp.
 struct WireConfiguration {
   DeviceAddress from;
-  std::string signal;  ///< one of devices::Device::signals()
+  std::string signal;  ///< one of product::Device::signals()
   DeviceAddress to;
-  std::string input;  ///< one of devices::Device::inputs()
+  std::string input;  ///< one of product::Device::inputs()
   /// A digital wire carries `high` while the signal is at or above the threshold, else `low`;
   /// without a threshold the wire is analog.
   std::optional<double> threshold{0.5};

@@ -5,10 +5,10 @@
 
 namespace stator::rack {
 
-void Wires::add(const WireConfiguration& wire, std::span<const devices::Signal> signals,
-                std::span<const devices::Input> inputs, Held<double>& held, Touched touched) {
-  const auto signal = std::ranges::find(signals, wire.signal, &devices::Signal::name);
-  const auto input = std::ranges::find(inputs, wire.input, &devices::Input::name);
+void Wires::add(const WireConfiguration& wire, std::span<const product::Signal> signals,
+                std::span<const product::Input> inputs, Held<double>& held, Touched touched) {
+  const auto signal = std::ranges::find(signals, wire.signal, &product::Signal::name);
+  const auto input = std::ranges::find(inputs, wire.input, &product::Input::name);
   if (signal == signals.end() || input == inputs.end()) {
     throw std::runtime_error("a wire from \"" + wire.signal + "\" to \"" + wire.input +
                              "\": the device has no " +

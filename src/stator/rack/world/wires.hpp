@@ -7,8 +7,8 @@
 
 #include "stator/base/delegate.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/input.hpp"
-#include "stator/devices/signal.hpp"
+#include "stator/product/device/input.hpp"
+#include "stator/product/device/signal.hpp"
 #include "stator/rack/world/held.hpp"
 #include "stator/rack/world/wire_configuration.hpp"
 
@@ -26,8 +26,8 @@ class Wires {
   /// `signals` and `inputs` are those of the devices the wire joins. `touched` is for the network
   /// of the second one, empty if it need not know. `held` says whether a fault holds the input and
   /// must outlive the wires. Throws std::runtime_error when signal or input does not exist.
-  void add(const WireConfiguration& wire, std::span<const devices::Signal> signals,
-           std::span<const devices::Input> inputs, Held<double>& held, Touched touched);
+  void add(const WireConfiguration& wire, std::span<const product::Signal> signals,
+           std::span<const product::Input> inputs, Held<double>& held, Touched touched);
 
   /// When they act next; SimTime::never() if there are none.
   [[nodiscard]] base::SimTime next() const { return next_; }
@@ -38,8 +38,8 @@ class Wires {
  private:
   struct Wire {
     WireConfiguration configuration;
-    devices::Signal signal;
-    devices::Input input;
+    product::Signal signal;
+    product::Input input;
     Held<double>* held = nullptr;
     Touched touched{};
     std::vector<std::optional<double>> delayed;  ///< ring of what is on its way

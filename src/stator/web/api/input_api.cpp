@@ -48,7 +48,7 @@ class SetInputJob final : public Job {
 
 struct InputAddress {
   const DeviceRecord* device = nullptr;
-  const devices::Input* input = nullptr;
+  const product::Input* input = nullptr;
 };
 
 /// "gantry.axis0.load_torque"; names of devices may have dots as well.
@@ -58,7 +58,7 @@ InputAddress find_input(const State& state, std::string_view name) {
       continue;
     }
     const auto found = std::ranges::find(*device.inputs, name.substr(device.name.size() + 1),
-                                         &devices::Input::name);
+                                         &product::Input::name);
     if (found != device.inputs->end()) {
       return {&device, &*found};
     }
@@ -114,7 +114,7 @@ class ReadInputsJob final : public Job {
 std::unique_ptr<Job> read_all_inputs(const State& state) {
   auto job = std::make_unique<ReadInputsJob>(true);
   for (const DeviceRecord& device : state.devices()) {
-    for (const devices::Input& input : *device.inputs) {
+    for (const product::Input& input : *device.inputs) {
       job->add({&device, &input});
     }
   }

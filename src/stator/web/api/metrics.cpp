@@ -132,7 +132,7 @@ std::string openmetrics(const State& state, const Snapshot& snapshot) {
   }
   text.family("stator_signal", "gauge", "Present value of a signal in its unit.");
   for (std::size_t i = 0; i < state.signals().size(); ++i) {
-    const devices::Signal& signal = state.signals()[i];
+    const product::Signal& signal = state.signals()[i];
     text.sample(fmt::format(R"(signal="{}",unit="{}")", escaped(signal.name), escaped(signal.unit)),
                 number(snapshot.signals[i]));
   }

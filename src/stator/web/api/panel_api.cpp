@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "stator/drive/power/state_description.hpp"
+#include "stator/product/device/device.hpp"
 #include "stator/web/json_text.hpp"
 
 namespace stator::web {
@@ -38,8 +39,8 @@ const std::array<Shown, 6> kShown{{
     {"shaft_angle", {"shaft_position"}},
 }};
 
-const devices::Signal* find_signal(const State& state, std::string_view name) {
-  for (const devices::Signal& signal : state.signals()) {
+const product::Signal* find_signal(const State& state, std::string_view name) {
+  for (const product::Signal& signal : state.signals()) {
     if (signal.name == name) {
       return &signal;
     }
@@ -51,8 +52,8 @@ const devices::Signal* find_signal(const State& state, std::string_view name) {
 struct Axis {
   std::string name;
   std::int64_t number = 0;
-  const devices::Signal* statusword = nullptr;  ///< null: it is none of CiA 402
-  const devices::Signal* mode = nullptr;
+  const product::Signal* statusword = nullptr;  ///< null: it is none of CiA 402
+  const product::Signal* mode = nullptr;
   Json signals = Json::object();
   double statusword_value = 0.0;
   double mode_value = 0.0;
@@ -87,7 +88,7 @@ class PanelJob final : public Job {
       : state_(state), device_(device), axes_(axes_of(state, device)) {}
 
   bool run(rack::Rack& rack, base::SimTime /*now*/) override {
-    devices::Device& device = rack.device(device_.address);
+    product::Device& device = rack.device(device_.address);
     powered_ = rack.powered(device_.address);
     leds_ = device.indicators();
     network_ = device.network_status();
@@ -117,9 +118,9 @@ class PanelJob final : public Job {
  private:
   Json leds() const {
     Json all = Json::array();
-    for (const devices::Indicator& led : leds_) {
+    for (const product::Indicator& led : leds_) {
       all.push_back({{"name", led.name},
-                     {"colour", led.colour == devices::Indicator::Colour::red ? "red" : "green"},
+                     {"colour", led.colour == product::Indicator::Colour::red ? "red" : "green"},
                      {"pattern", powered_ ? to_text(led.pattern) : "off"}});
     }
     return all;
@@ -168,8 +169,8 @@ class PanelJob final : public Job {
   std::vector<Axis> axes_;
   bool powered_ = false;
   bool program_ = false;
-  devices::Indicators leds_;
-  devices::NetworkStatus network_;
+  product::Indicators leds_;
+  product::NetworkStatus network_;
 };
 
 }  // namespace

@@ -115,7 +115,7 @@ class SnapshotJob final : public Job {
   Json signals() {
     Json all = Json::array();
     for (const std::size_t i : chosen_) {
-      const devices::Signal& signal = state_.signals()[i];
+      const product::Signal& signal = state_.signals()[i];
       all.push_back(
           {{"name", signal.name}, {"unit", signal.unit}, {"value", finite(snapshot_.signals[i])}});
     }

@@ -25,8 +25,8 @@ constexpr std::size_t kMostPatterns = 64;
 /// Values in one message at most.
 constexpr std::size_t kValuesPerMessage = 4096;
 
-std::vector<devices::Signal> tapped(const State& state, const Subscription& subscription) {
-  std::vector<devices::Signal> signals;
+std::vector<product::Signal> tapped(const State& state, const Subscription& subscription) {
+  std::vector<product::Signal> signals;
   signals.reserve(subscription.signals.size());
   for (const std::size_t i : subscription.signals) {
     signals.push_back(state.signals()[i]);

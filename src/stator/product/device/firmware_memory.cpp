@@ -1,8 +1,8 @@
-#include "stator/devices/firmware_memory.hpp"
+#include "stator/product/device/firmware_memory.hpp"
 
 #include <algorithm>
 
-namespace stator::devices {
+namespace stator::product {
 
 using ethercat::FoeError;
 
@@ -79,4 +79,4 @@ void FirmwareMemory::abort() {
   writing_ = false;
 }
 
-}  // namespace stator::devices
+}  // namespace stator::product

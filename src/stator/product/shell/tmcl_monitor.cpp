@@ -1,4 +1,4 @@
-#include "stator/devices/tmcl_monitor.hpp"
+#include "stator/product/shell/tmcl_monitor.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -6,7 +6,7 @@
 
 #include "stator/tmcl/command.hpp"
 
-namespace stator::devices {
+namespace stator::product {
 
 namespace {
 
@@ -147,4 +147,4 @@ TmclMonitor::Answer TmclMonitor::get_global_parameter(const tmcl::Request& reque
   }
 }
 
-}  // namespace stator::devices
+}  // namespace stator::product

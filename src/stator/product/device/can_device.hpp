@@ -3,9 +3,9 @@
 #include <string_view>
 
 #include "stator/can/controller.hpp"
-#include "stator/devices/device.hpp"
+#include "stator/product/device/device.hpp"
 
-namespace stator::devices {
+namespace stator::product {
 
 /// A complete product on a CAN bus. The bus delivers frames to its controller and fetches what it
 /// sends; handle_bus_events() lets the firmware take them, and is called also when the controller
@@ -34,4 +34,4 @@ class CanDevice : public Device {
   [[nodiscard]] virtual std::string_view eds() const { return {}; }
 };
 
-}  // namespace stator::devices
+}  // namespace stator::product

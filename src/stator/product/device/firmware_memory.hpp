@@ -7,7 +7,7 @@
 
 #include "stator/ethercat/stack/file_store.hpp"
 
-namespace stator::devices {
+namespace stator::product {
 
 /// Who keeps firmware images beyond the life of the process: files of the rack.
 class FirmwareKeeper {
@@ -72,4 +72,4 @@ class FirmwareMemory final : public ethercat::FileStore {
   std::uint32_t opened_contents_ = 0;
 };
 
-}  // namespace stator::devices
+}  // namespace stator::product

@@ -5,7 +5,7 @@
 
 #include "stator/base/random.hpp"
 
-namespace stator::devices {
+namespace stator::product {
 
 /// Disturbance of a converter's readings, equally distributed; none by default. A seed gives the
 /// same readings in every run.
@@ -32,4 +32,4 @@ class AnalogNoise {
   std::int32_t amplitude_ = 0;
 };
 
-}  // namespace stator::devices
+}  // namespace stator::product

@@ -2,8 +2,8 @@
 
 #include "stator/base/input.hpp"
 
-namespace stator::devices {
+namespace stator::product {
 
 using base::Input;
 
-}  // namespace stator::devices
+}  // namespace stator::product

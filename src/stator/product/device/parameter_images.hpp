@@ -8,7 +8,7 @@
 
 #include "stator/canopen/storage/non_volatile_memory.hpp"
 
-namespace stator::devices {
+namespace stator::product {
 
 /// The EEPROM of a device for its parameters: that of the rack once it is connected, else memory
 /// that lasts as long as the device. Groups are numbered 0 to 7.
@@ -30,4 +30,4 @@ class ParameterImages : public canopen::NonVolatileMemory {
   std::array<std::vector<std::byte>, kImages> images_;
 };
 
-}  // namespace stator::devices
+}  // namespace stator::product

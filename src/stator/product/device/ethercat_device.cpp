@@ -1,4 +1,4 @@
-#include "stator/devices/ethercat_device.hpp"
+#include "stator/product/device/ethercat_device.hpp"
 
 #include <array>
 
@@ -7,7 +7,7 @@
 #include "stator/ethercat/standard/al_status_text.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
 
-namespace stator::devices {
+namespace stator::product {
 
 namespace {
 
@@ -51,4 +51,4 @@ NetworkStatus EtherCatDevice::network_status() {
           .status_text = to_text(static_cast<ethercat::AlStatusCode>(number))};
 }
 
-}  // namespace stator::devices
+}  // namespace stator::product

@@ -10,7 +10,7 @@
 #include "stator/dictionary/dictionary.hpp"
 #include "stator/tmcl/sessions/module_interface.hpp"
 
-namespace stator::devices {
+namespace stator::product {
 
 /// An axis parameter of TMCL and the object whose value it shows; index of axis 0.
 struct ReadableParameter {
@@ -56,4 +56,4 @@ class TmclMonitor : public tmcl::ModuleInterface {
   std::vector<std::vector<dictionary::Entry*>> sources_;
 };
 
-}  // namespace stator::devices
+}  // namespace stator::product

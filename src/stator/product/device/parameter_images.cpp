@@ -1,6 +1,6 @@
-#include "stator/devices/parameter_images.hpp"
+#include "stator/product/device/parameter_images.hpp"
 
-namespace stator::devices {
+namespace stator::product {
 
 std::span<const std::byte> ParameterImages::image(std::uint8_t group) const {
   return connected_ != nullptr ? connected_->image(group)
@@ -17,4 +17,4 @@ void ParameterImages::store(std::span<const GroupImage> images) {
   }
 }
 
-}  // namespace stator::devices
+}  // namespace stator::product

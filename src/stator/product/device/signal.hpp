@@ -2,9 +2,9 @@
 
 #include "stator/base/signal.hpp"
 
-namespace stator::devices {
+namespace stator::product {
 
 /// Its name is unique within the device.
 using base::Signal;
 
-}  // namespace stator::devices
+}  // namespace stator::product

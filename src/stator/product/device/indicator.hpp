@@ -7,7 +7,7 @@
 
 #include "stator/base/led_pattern.hpp"
 
-namespace stator::devices {
+namespace stator::product {
 
 /// What a status LED of a device shows.
 struct Indicator {
@@ -44,4 +44,4 @@ struct NetworkStatus {
   std::string_view status_text{};  ///< its meaning
 };
 
-}  // namespace stator::devices
+}  // namespace stator::product

@@ -10,7 +10,7 @@
 #include "stator/base/sim_time.hpp"
 #include "stator/ethercat/controller/spi_slave_port.hpp"
 
-namespace stator::devices {
+namespace stator::product {
 
 /// The SPI slaves of a chip, by the number programs give them.
 enum class HostSpi : std::uint8_t {
@@ -112,4 +112,4 @@ class HostPort {
   virtual void set_pin(HostPin pin, bool level) = 0;
 };
 
-}  // namespace stator::devices
+}  // namespace stator::product

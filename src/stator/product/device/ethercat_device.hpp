@@ -5,15 +5,15 @@
 #include <vector>
 
 #include "stator/board/peripheral/kept_content.hpp"
-#include "stator/devices/device.hpp"
-#include "stator/devices/host_port.hpp"
 #include "stator/ethercat/controller/slave_controller.hpp"
 #include "stator/ethercat/eoe/eoe.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
 #include "stator/ethercat/stack/slave_stack.hpp"
 #include "stator/ethercat/standard/device_description.hpp"
+#include "stator/product/device/device.hpp"
+#include "stator/product/device/host_port.hpp"
 
-namespace stator::devices {
+namespace stator::product {
 
 /// A complete EtherCAT product. Frames go through its slave controller (ethercat::Segment does
 /// that). What becomes of the controller when the supply is switched is said to its segment
@@ -62,4 +62,4 @@ class EtherCatDevice : public Device {
   }
 };
 
-}  // namespace stator::devices
+}  // namespace stator::product

@@ -1,10 +1,10 @@
-#include "stator/devices/firmware_memory.hpp"
+#include "stator/product/device/firmware_memory.hpp"
 
 #include <vector>
 
 #include <gtest/gtest.h>
 
-namespace stator::devices {
+namespace stator::product {
 namespace {
 
 using ethercat::FoeError;
@@ -137,4 +137,4 @@ TEST_F(FirmwareMemoryTest, NewerDownload_TakesThePlaceOfTheOneBeingKept) {
 }
 
 }  // namespace
-}  // namespace stator::devices
+}  // namespace stator::product

@@ -8,19 +8,19 @@
 
 #include "stator/base/sim_time.hpp"
 #include "stator/canopen/storage/non_volatile_memory.hpp"
-#include "stator/devices/firmware_memory.hpp"
-#include "stator/devices/indicator.hpp"
-#include "stator/devices/input.hpp"
-#include "stator/devices/signal.hpp"
 #include "stator/dictionary/dictionary.hpp"
 #include "stator/dictionary/write_completion.hpp"
+#include "stator/product/device/firmware_memory.hpp"
+#include "stator/product/device/indicator.hpp"
+#include "stator/product/device/input.hpp"
+#include "stator/product/device/signal.hpp"
 #include "stator/tmcl/sessions/serial_port.hpp"
 
 namespace stator::tmcl {
 class Firmware;
 }
 
-namespace stator::devices {
+namespace stator::product {
 
 /// A complete product, whatever network it is on: firmware, drives and plants. Passive: time comes
 /// in by advance(), what its network brings through the controller its kind of device adds.
@@ -96,4 +96,4 @@ class Device {
   [[nodiscard]] virtual std::vector<Input> inputs() { return {}; }
 };
 
-}  // namespace stator::devices
+}  // namespace stator::product
