@@ -15,7 +15,9 @@
 
 #include "stator/bench/local_can_port.hpp"
 #include "stator/can/bus.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
+#include "stator/rack/core/device_making.hpp"
 
 namespace stator::benchmarks {
 namespace {
@@ -106,7 +108,8 @@ class Drives {
 
  private:
   static rack::RackConfiguration make(unsigned drives) {
-    rack::RackConfiguration configuration = rack::single_device_rack("tmcc160");
+    rack::RackConfiguration configuration =
+        rack::single_device_rack("tmcc160", devices::products());
     rack::BusConfiguration& bus = configuration.buses.front();
     bus.bit_rate = std::nullopt;
     const rack::DeviceConfiguration first = bus.devices.front();
@@ -114,8 +117,7 @@ class Drives {
     for (unsigned i = 1; i <= drives; ++i) {
       rack::DeviceConfiguration& device = bus.devices.emplace_back(first);
       device.name = "drive-" + std::to_string(i);
-      std::get<devices::Tmcc160Configuration>(device.product).node_id =
-          static_cast<std::uint8_t>(i);
+      device.setup.as<devices::Tmcc160Configuration>().node_id = static_cast<std::uint8_t>(i);
     }
     return configuration;
   }

@@ -10,15 +10,17 @@
 #include <spdlog/spdlog.h>
 
 #include "stator/bench/local_port.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/master/master.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 
 namespace stator::benchmarks {
 
 namespace {
 
 rack::RackConfiguration line_of(std::size_t modules) {
-  rack::RackConfiguration configuration = rack::single_device_rack("tmcm-3315");
+  rack::RackConfiguration configuration =
+      rack::single_device_rack("tmcm-3315", devices::products());
   auto& devices = configuration.segments.front().devices;
   for (std::size_t i = 1; i < modules; ++i) {
     devices.push_back(devices.front());

@@ -45,7 +45,7 @@ void measure_periods(benchmark::State& bench, const Prepare& prepare, const Act&
     }
     least = std::min(least, seconds_since(begin) / kModules);
   }
-  bench.SetItemsProcessed(static_cast<std::int64_t>(bench.iterations() * kModules));
+  bench.SetItemsProcessed(bench.iterations() * static_cast<std::int64_t>(kModules));
   bench.counters["least_ns"] = least * 1e9;
   bench.counters["of_limit"] = least / kLimit;
 }

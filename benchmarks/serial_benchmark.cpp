@@ -28,6 +28,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "stator/devices/tmcm_142/product.hpp"
+#include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "stator/link/serial/serial_link.hpp"
 #include "stator/link/system/file_descriptor.hpp"
 #include "stator/rack/core/rack.hpp"
@@ -149,7 +151,7 @@ struct RunningModule {
     rack::BusConfiguration bus = rack::bus_without_wire();
     rack::DeviceConfiguration device;
     device.name = "module";
-    device.product = devices::Tmcm142Configuration{};
+    device.setup = devices::tmcm_142_product()->defaults();
     device.serial = {{"usb", link}};
     bus.devices = {device};
     configuration.buses = {bus};
@@ -224,10 +226,10 @@ void Serial_InProcess(benchmark::State& bench) {
   rack::BusConfiguration bus = rack::bus_without_wire();
   for (std::int64_t i = 0; i < bench.range(0); ++i) {
     devices::Tmcm142Configuration module;
-    module.serial_address = static_cast<std::uint8_t>(i + 1);
+    module.tmcl.serial = static_cast<std::uint8_t>(i + 1);
     rack::DeviceConfiguration device;
     device.name = std::to_string(i);
-    device.product = module;
+    device.setup = {devices::tmcm_142_product(), module};
     device.serial = {{"rs485", "pty:line"}};
     bus.devices.push_back(device);
   }

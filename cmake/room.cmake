@@ -1,14 +1,18 @@
 # A room is one folder below src/stator/, one namespace stator::<room> and one static library stator_<room>
 # (alias stator::<room>). USES names the rooms it may include directly; scripts/check_layering.py
 # verifies every #include against the same lists. PRECOMPILED names large headers of libraries that most
-# of the room's sources include. APART and ALONE are further sources, see stator_compile_together.
+# of the room's sources include. APART and ALONE are further sources, see stator_compile_together. UNHURRIED:
+# nothing in the room runs in every cycle, so that it is compiled quickly rather than well.
 function(stator_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;APART;ALONE;USES;LIBRARIES;PRECOMPILED" ${ARGN})
+  cmake_parse_arguments(ROOM "UNHURRIED" "" "SOURCES;APART;ALONE;USES;LIBRARIES;PRECOMPILED" ${ARGN})
   add_library(stator_${name} STATIC ${ROOM_SOURCES} ${ROOM_APART} ${ROOM_ALONE})
   stator_compile_together(stator_${name} "${ROOM_SOURCES}" "${ROOM_APART}")
   add_library(stator::${name} ALIAS stator_${name})
   target_include_directories(stator_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(stator_${name} PRIVATE stator_compile_options)
+  if(ROOM_UNHURRIED)
+    target_compile_options(stator_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
   foreach(used IN LISTS ROOM_USES)
     target_link_libraries(stator_${name} PUBLIC stator_${used})
   endforeach()

@@ -4,8 +4,9 @@
 #include <cstdio>
 
 #include "stator/bench/local_port.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 
 namespace {
 
@@ -20,7 +21,8 @@ bool failed(const master::Result<void>& result) {
 }
 
 int move_one_axis() {
-  const rack::RackConfiguration configuration = rack::single_device_rack("tmcm-3315");
+  const rack::RackConfiguration configuration =
+      rack::single_device_rack("tmcm-3315", devices::products());
   rack::EventLog log;
   rack::Rack rack(configuration, log);
   bench::LocalPort port(rack, 0, configuration.cycle, configuration.step);

@@ -91,8 +91,8 @@ class Session {
 
   static devices::Tmcm3315Configuration everything() {
     devices::Tmcm3315Configuration configuration;
-    configuration.ethernet_over_ethercat = true;
-    configuration.firmware_erase_time = base::SimDuration(1'000'000);
+    configuration.coe.ethernet_over_ethercat = true;
+    configuration.coe.firmware_erase_time = base::SimDuration(1'000'000);
     return configuration;
   }
 

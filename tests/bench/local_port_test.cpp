@@ -7,9 +7,10 @@
 
 #include <gtest/gtest.h>
 
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
 #include "stator/master/master.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 
 namespace stator::bench {
 namespace {
@@ -60,7 +61,7 @@ class ModuleBench {
 
  private:
   static rack::RackConfiguration configuration(unsigned modules, const std::string& record) {
-    rack::RackConfiguration rack = rack::single_device_rack("tmcm-3315");
+    rack::RackConfiguration rack = rack::single_device_rack("tmcm-3315", devices::products());
     auto& devices = rack.segments.front().devices;
     devices.front().name = "m0";
     for (unsigned i = 1; i < modules; ++i) {

@@ -10,8 +10,12 @@
 #include "cli/stator_program.hpp"
 #include "source_paths.hpp"
 #include "stator/cli/run/connection_hints.hpp"
+#include "stator/devices/tmc8461/product.hpp"
+#include "stator/devices/tmc8461/tmc8461.hpp"
+#include "stator/devices/tmcm_3315/product.hpp"
 #include "stator/link/ethernet/link_address.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
+#include "stator/product/catalogue/product.hpp"
 
 namespace stator {
 namespace {
@@ -52,19 +56,19 @@ TEST(ChipSockets, AChipThatFollowsTheMasterNeedsNoFirmware) {
 }
 
 TEST(ConnectionHints, NameWhatTheSegmentHas) {
-  const auto hints = [](std::vector<rack::ProductConfiguration> products, const char* link) {
+  const auto hints = [](const std::vector<product::Setup>& setups, const char* link) {
     rack::SegmentConfiguration segment;
     segment.link = *link::parse_link_address(link);
-    for (rack::ProductConfiguration& product : products) {
-      segment.devices.push_back({.name = "device", .product = std::move(product)});
+    for (const product::Setup& setup : setups) {
+      segment.devices.push_back({.name = "device", .setup = setup});
     }
     return cli::connection_hints(segment);
   };
-  const devices::Tmc8461Configuration chip;
-  devices::Tmc8461Configuration chip_with_objects;
-  chip_with_objects.mailbox_bytes = 128;
-  chip_with_objects.coe = true;
-  const devices::Tmcm3315Configuration drive;
+  const product::Setup chip = devices::tmc8461_product()->defaults();
+  product::Setup chip_with_objects = chip;
+  chip_with_objects.as<devices::Tmc8461Configuration>().mailbox_bytes = 128;
+  chip_with_objects.as<devices::Tmc8461Configuration>().coe = true;
+  const product::Setup drive = devices::tmcm_3315_product()->defaults();
   for (const std::string link : {"udp:127.0.0.1", "ethercat:nosuch0"}) {
     const char* text = link.c_str();
     EXPECT_THAT(hints({chip}, text), AllOf(HasSubstr("stator scan --link"), Not(HasSubstr("move")),

@@ -10,7 +10,10 @@
 #include "cli/stator_program.hpp"
 #include "source_paths.hpp"
 #include "stator/cli/failure.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmcm_142/product.hpp"
+#include "stator/devices/tmcm_142/tmcm_142.hpp"
+#include "stator/rack/core/device_making.hpp"
 
 namespace stator {
 namespace {
@@ -23,24 +26,24 @@ using tests::stator;
 
 TEST(SerialLines, ModulesHaveAddressesAndIdentifiersInARowWithoutThatOfReplies) {
   for (unsigned offset = 0; offset < 4; ++offset) {
-    rack::ProductConfiguration product = devices::Tmcm142Configuration{};
-    cli::count_address(product, offset);
-    const auto& module = std::get<devices::Tmcm142Configuration>(product);
-    EXPECT_EQ(module.serial_address, 1 + offset);
-    EXPECT_EQ(module.can_id, offset == 0 ? 1U : 2 + offset);
-    EXPECT_EQ(module.can_reply_id, 2);
+    product::Setup setup = devices::tmcm_142_product()->defaults();
+    cli::count_address(setup, offset);
+    const auto& module = setup.as<devices::Tmcm142Configuration>();
+    EXPECT_EQ(module.tmcl.serial, 1 + offset);
+    EXPECT_EQ(module.tmcl.can, offset == 0 ? 1U : 2 + offset);
+    EXPECT_EQ(module.tmcl.can_reply, 2);
   }
-  rack::ProductConfiguration product = devices::Tmcm142Configuration{};
-  EXPECT_THROW(cli::count_address(product, 255), cli::Failure);
+  product::Setup setup = devices::tmcm_142_product()->defaults();
+  EXPECT_THROW(cli::count_address(setup, 255), cli::Failure);
 }
 
 TEST(SerialLines, OneModuleIsOnItsFirstInterfaceAndSeveralShareRs485) {
-  rack::RackConfiguration one = rack::single_device_rack("tmcm-142");
+  rack::RackConfiguration one = rack::single_device_rack("tmcm-142", devices::products());
   cli::connect_serial_lines({"pty:/tmp/a=b", "usb=tcp:4001"}, one);
   EXPECT_THAT(one.buses[0].devices[0].serial,
               ElementsAre(rack::SerialConnection{"rs232", "pty:/tmp/a=b"},
                           rack::SerialConnection{"usb", "tcp:4001"}));
-  rack::RackConfiguration two = rack::single_device_rack("tmcm-142");
+  rack::RackConfiguration two = rack::single_device_rack("tmcm-142", devices::products());
   two.buses[0].devices.push_back(two.buses[0].devices[0]);
   cli::connect_serial_lines({"pty:/tmp/a"}, two);
   for (const rack::DeviceConfiguration& device : two.buses[0].devices) {

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "cli/stator_program.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
 #include "stator/rack/file/rack_file.hpp"
 
 namespace stator {
@@ -71,9 +73,9 @@ TEST(TuneCommand, WritesTheRackFileWithItsCommentsAndTheTunedObjects) {
   EXPECT_THAT(text, Not(HasSubstr("\"2030:05\"")));  // changed where it stands, not said twice
   EXPECT_THAT(text, HasSubstr("  \"2010:01\" = 4096"));
 
-  const rack::RackConfiguration configuration = rack::load_rack_file(tuned);
+  const rack::RackConfiguration configuration = rack::load_rack_file(tuned, devices::products());
   const auto& device = configuration.segments.at(0).devices.at(1);
-  const auto& objects = std::get<devices::Tmc8670Configuration>(device.product).objects;
+  const auto& objects = device.setup.as<devices::Tmc8670Configuration>().objects;
   EXPECT_EQ(objects.size(), 26U);  // 25 tuned, and 6081h
 
   // Whoever tunes it again finds the same.
@@ -88,9 +90,9 @@ TEST(TuneCommand, WritesTheRackFileWithItsCommentsAndTheTunedObjects) {
 TEST(TuneCommand, WritesObjectsIntoARackFileThatHasNone) {
   const std::string tuned = temporary("own.toml");
   ASSERT_EQ(stator("tune tmc8670 --motor EC45-flat-70W -o " + tuned).status, 0);
-  const rack::RackConfiguration configuration = rack::load_rack_file(tuned);
+  const rack::RackConfiguration configuration = rack::load_rack_file(tuned, devices::products());
   const auto& device = configuration.segments.at(0).devices.at(0);
-  EXPECT_EQ(std::get<devices::Tmc8670Configuration>(device.product).objects.size(), 25U);
+  EXPECT_EQ(device.setup.as<devices::Tmc8670Configuration>().objects.size(), 25U);
   EXPECT_THAT(content(tuned), HasSubstr("\"2000:02\" = 8 "));
   std::filesystem::remove(tuned);
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "devices/tmcm_3315_module.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::devices {
 

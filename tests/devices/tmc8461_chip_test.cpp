@@ -9,6 +9,7 @@
 
 #include "board/bench.hpp"
 #include "devices/tmc8461_board.hpp"
+#include "stator/devices/tmc8461/tmc8461.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
 
 namespace stator::devices {

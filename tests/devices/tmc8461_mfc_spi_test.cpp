@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/tmc8461_board.hpp"
+#include "stator/devices/tmc8461/tmc8461.hpp"
 
 namespace stator::devices {
 namespace {

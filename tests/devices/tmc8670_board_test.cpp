@@ -3,6 +3,7 @@
 #include <string>
 
 #include "devices/tmc8670_chip.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
 
 namespace stator::devices {
 namespace {

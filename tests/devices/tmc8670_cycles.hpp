@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "devices/tmc8670_chip.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
 
 namespace stator::devices {
 

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "devices/tmc8670_cycles.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
 #include "stator/drive/modes/homing_methods.hpp"
 
 namespace stator::devices {

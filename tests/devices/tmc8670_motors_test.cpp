@@ -5,6 +5,7 @@
 
 #include "devices/tmc8670_chip.hpp"
 #include "stator/devices/tmc8670/junction.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
 #include "stator/ethercat/units/led.hpp"
 
 namespace stator::devices {

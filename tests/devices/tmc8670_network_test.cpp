@@ -4,6 +4,7 @@
 #include <string>
 
 #include "devices/tmc8670_chip.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
 #include "stator/ethercat/units/led.hpp"
 

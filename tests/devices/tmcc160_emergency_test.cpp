@@ -10,6 +10,7 @@
 #include "devices/tmcc160_module.hpp"
 #include "source_paths.hpp"
 #include "stator/devices/tmcc160/emergencies.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
 
 namespace stator::devices {
 namespace {

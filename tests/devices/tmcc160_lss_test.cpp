@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/tmcc160_module.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
 
 namespace stator::tests {
 namespace {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "stator/devices/tmcc160/eds.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
 
 namespace stator::devices {
 namespace {

@@ -4,6 +4,7 @@
 
 #include "devices/tmcc160_module.hpp"
 #include "stator/can/frame_length.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
 
 namespace stator::tests {
 namespace {

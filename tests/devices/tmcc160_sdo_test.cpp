@@ -9,6 +9,7 @@
 #include "devices/csv.hpp"
 #include "devices/tmcc160_module.hpp"
 #include "source_paths.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
 #include "stator/dictionary/description.hpp"
 
 namespace stator::devices {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/tmcc160_shaft_drive.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
 
 namespace stator::devices {
 namespace {

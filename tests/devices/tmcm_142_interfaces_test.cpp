@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "stator/can/frame.hpp"
+#include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "tmcm_142_module.hpp"
 
 namespace stator::tests {
@@ -315,7 +316,7 @@ TEST(Tmcm142ConfigurationValues, OutOfRangeAreRefused) {
     change(configuration);
     EXPECT_THROW(Tmcm142 device(configuration), std::invalid_argument);
   };
-  refused([](Tmcm142Configuration& c) { c.can_id = 0x800; });
+  refused([](Tmcm142Configuration& c) { c.tmcl.can = 0x800; });
   refused([](Tmcm142Configuration& c) { c.can_bit_rate = 0; });
   refused([](Tmcm142Configuration& c) { c.baud_rate = 12; });
   refused([](Tmcm142Configuration& c) { c.dip_switches.address = 16; });

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "tmcm_142_module.hpp"
 
 namespace stator::tests {

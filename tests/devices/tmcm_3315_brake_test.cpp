@@ -1,6 +1,7 @@
 // The automatic brake control (2002h, 200Ah, 200Ch) with a weight hanging at the motor.
 
 #include "devices/tmcm_3315_module.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::devices {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "devices/closed_loop_module.hpp"
 #include "stator/base/event.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::devices {
 namespace {

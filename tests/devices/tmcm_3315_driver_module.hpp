@@ -1,6 +1,7 @@
 #pragma once
 
 #include "devices/tmcm_3315_module.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::devices {
 

@@ -246,7 +246,7 @@ class Tmcm3315WithFlash : public Tmcm3315Firmware {
   Tmcm3315WithFlash() : Tmcm3315Firmware(with_erase_time()) {}
   static Tmcm3315Configuration with_erase_time() {
     Tmcm3315Configuration configuration;
-    configuration.firmware_erase_time = 300_ms;
+    configuration.coe.firmware_erase_time = 300_ms;
     return configuration;
   }
 };
@@ -264,9 +264,9 @@ class Tmcm3315WithChoices : public Tmcm3315Firmware {
   Tmcm3315WithChoices() : Tmcm3315Firmware(choices()) {}
   static Tmcm3315Configuration choices() {
     Tmcm3315Configuration configuration;
-    configuration.emergencies = false;
-    configuration.require_outputs = true;
-    configuration.identification = 5;
+    configuration.coe.emergencies = false;
+    configuration.coe.require_outputs = true;
+    configuration.coe.identification = 5;
     return configuration;
   }
 };

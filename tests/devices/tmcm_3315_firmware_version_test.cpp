@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "devices/tmcm_3315_module.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::devices {
 namespace {

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "devices/tmcm_3315_module.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::devices {
 namespace {

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "devices/closed_loop_module.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::devices {
 namespace {

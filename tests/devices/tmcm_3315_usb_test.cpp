@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "devices/tmcm_3315_module.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 #include "stator/tmcl/command.hpp"
 #include "stator/tmcl/telegram.hpp"
 #include "tmcl/serial_line.hpp"

@@ -12,6 +12,7 @@
 #include "devices/csv.hpp"
 #include "ethercat/test_bus.hpp"
 #include "source_paths.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
 #include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::ethercat {

@@ -5,6 +5,7 @@
 
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
+#include "stator/rack/core/device_making.hpp"
 
 namespace stator::formats {
 namespace {

@@ -1,6 +1,7 @@
 // ethercrab cannot take a message that it has not asked for, so emergencies can be switched off.
 
 #include "masters/soem.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::tests {
 namespace {
@@ -8,7 +9,7 @@ namespace {
 TEST(EthercrabEmergency, WithEmergenciesOffNoMessageComesUnasked) {
   for (const bool emergencies : {true, false}) {
     devices::Tmcm3315Configuration configuration;
-    configuration.emergencies = emergencies;
+    configuration.coe.emergencies = emergencies;
     DeviceBus bus(0);
     bus.add_device(configuration);
     Soem soem(bus);

@@ -11,6 +11,7 @@
 
 #include "masters/soem.hpp"
 #include "stator/base/byte_order.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::tests {
 namespace {
@@ -33,8 +34,8 @@ class Slave {
  public:
   Slave() : soem(bus) {
     devices::Tmcm3315Configuration configuration;
-    configuration.ethernet_over_ethercat = true;
-    configuration.firmware_erase_time = 500_ms;
+    configuration.coe.ethernet_over_ethercat = true;
+    configuration.coe.firmware_erase_time = 500_ms;
     bus.add_device(configuration);
     soem.config_init();
   }

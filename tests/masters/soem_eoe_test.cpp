@@ -1,6 +1,7 @@
 // What SOEM's EoE functions and eoe_test send.
 
 #include "masters/soem.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::tests {
 namespace {
@@ -10,7 +11,7 @@ class SoemEoe : public ::testing::Test {
  protected:
   static devices::Tmcm3315Configuration configuration() {
     devices::Tmcm3315Configuration configuration;
-    configuration.ethernet_over_ethercat = true;
+    configuration.coe.ethernet_over_ethercat = true;
     return configuration;
   }
   SoemEoe() : bus(0), soem(bus) {

@@ -6,6 +6,7 @@
 
 #include "masters/soem.hpp"
 #include "stator/base/byte_order.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::tests {
 namespace {
@@ -161,7 +162,7 @@ TEST(SoemScan, SiiReadsInterleavedOverAllSlavesGiveEachItsOwnContent) {
   for (std::uint32_t i = 0; i < 3; ++i) {
     devices::Tmcm3315Configuration configuration;
     configuration.serial_number = 100 + i;
-    configuration.station_alias = static_cast<std::uint16_t>(7 + i);
+    configuration.coe.station_alias = static_cast<std::uint16_t>(7 + i);
     bus.add_device(configuration);
   }
   Soem soem(bus);

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmc8461/tmc8461.hpp"
 #include "stator/rack/file/rack_file.hpp"
 
 namespace stator::rack {
@@ -12,8 +14,9 @@ using ::testing::HasSubstr;
 
 board::BoardConfiguration read(const std::string& board) {
   const RackConfiguration rack =
-      parse_rack_file("[[segment]]\n[[segment.device]]\ntype = \"tmc8461\"\n" + board, "t.toml");
-  return std::get<devices::Tmc8461Configuration>(rack.segments[0].devices[0].product).board;
+      parse_rack_file("[[segment]]\n[[segment.device]]\ntype = \"tmc8461\"\n" + board, "t.toml",
+                      devices::products());
+  return rack.segments[0].devices[0].setup.as<devices::Tmc8461Configuration>().board;
 }
 
 std::string refusal(const std::string& board) {

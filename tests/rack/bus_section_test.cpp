@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
 #include "stator/rack/file/rack_file.hpp"
 
 namespace stator::rack {
@@ -20,7 +22,7 @@ name = "lift"
 )";
 
 RackConfiguration parse(const std::string& text) {
-  return parse_rack_file(text, "test.toml");
+  return parse_rack_file(text, "test.toml", devices::products());
 }
 
 std::string refusal_of(const std::string& text) {
@@ -46,7 +48,7 @@ TEST(BusSection, SaysLittleAndGetsTheDefaults) {
   EXPECT_TRUE(bus.ports_acknowledge);
   EXPECT_TRUE(bus.ports.empty());
   EXPECT_EQ(bus.devices.at(0).name, "lift");
-  EXPECT_EQ(std::get<devices::Tmcc160Configuration>(bus.devices[0].product).node_id, 1);
+  EXPECT_EQ(bus.devices[0].setup.as<devices::Tmcc160Configuration>().node_id, 1);
 }
 
 TEST(BusSection, EveryKeyIsTaken) {
@@ -86,7 +88,7 @@ name = "other"
   EXPECT_EQ(bus.capture, "can.pcap");
   EXPECT_EQ(bus.cpu, 1U);
   EXPECT_THAT(bus.devices.at(0).serial, ElementsAre(SerialConnection{"serial", "pty:/tmp/serial"}));
-  const auto& drive = std::get<devices::Tmcc160Configuration>(bus.devices[0].product);
+  const auto& drive = bus.devices[0].setup.as<devices::Tmcc160Configuration>();
   EXPECT_EQ(drive.node_id, 5);
   EXPECT_EQ(drive.bit_rate, 250);
   EXPECT_EQ(drive.boot_time, 0_ms);
@@ -102,8 +104,7 @@ TEST(BusSection, ADriveWithLssCanBeDeliveredWithoutANodeId) {
   for (const char* keys : {"lss = true\n", "friendly = true\n"}) {
     const RackConfiguration rack =
         parse(kOneDrive + std::string("node_id = 255\nmaps_as_maker_eds = true\n") + keys);
-    const auto& drive =
-        std::get<devices::Tmcc160Configuration>(rack.buses.at(0).devices.at(0).product);
+    const auto& drive = rack.buses.at(0).devices.at(0).setup.as<devices::Tmcc160Configuration>();
     EXPECT_EQ(drive.node_id, 255);
     EXPECT_TRUE(drive.options.maps_as_maker_eds);
   }

@@ -9,7 +9,9 @@
 #include "base/temporary_directory.hpp"
 #include "rack/test_can_device.hpp"
 #include "stator/bench/local_can_port.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file.hpp"
 
 namespace stator::rack {
@@ -235,9 +237,8 @@ TEST(CanRack, StoredParameters_AreReadyWhenTheyAreOnTheDisk) {
 /// client sends nothing more until it has its answer.
 std::vector<base::SimDuration> times_to_store() {
   const tests::TemporaryDirectory directory;
-  RackConfiguration configuration = single_device_rack("tmcc160");
-  std::get<devices::Tmcc160Configuration>(configuration.buses[0].devices[0].product).boot_time =
-      5_ms;
+  RackConfiguration configuration = single_device_rack("tmcc160", devices::products());
+  configuration.buses[0].devices[0].setup.as<devices::Tmcc160Configuration>().boot_time = 5_ms;
   configuration.state = directory.path();
   Bench bench(configuration);
   bench.wait_until(20_ms);

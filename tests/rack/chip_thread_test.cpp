@@ -18,6 +18,7 @@
 #include "ethercat/raw_frame.hpp"
 #include "source_paths.hpp"
 #include "stator/bench/link_port.hpp"
+#include "stator/devices/tmcm_3315/product.hpp"
 #include "stator/link/ethernet/open_link.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
 #include "stator/master/master.hpp"
@@ -46,7 +47,7 @@ std::uint16_t free_port() {
 RackConfiguration chip_rack(ClockKind clock) {
   static int number = 0;
   RackConfiguration configuration =
-      load_rack_file(std::string(STATOR_SOURCE_DIR) + "/racks/tmc8461.toml");
+      load_rack_file(std::string(STATOR_SOURCE_DIR) + "/racks/tmc8461.toml", devices::products());
   configuration.clock = clock;
   configuration.segments[0].link = {link::LinkKind::udp, "127.0.0.1", free_port()};
   configuration.segments[0].devices[0].host_link = "unix:" + ::testing::TempDir() +
@@ -272,7 +273,7 @@ TEST(ChipClient, WrongAddressesAreExplained) {
 
 TEST(ChipThread, DeviceWithFirmwareOfItsOwnHasNoSocket) {
   RackConfiguration configuration = chip_rack(ClockKind::real);
-  configuration.segments[0].devices[0].product = devices::Tmcm3315Configuration{};
+  configuration.segments[0].devices[0].setup = devices::tmcm_3315_product()->defaults();
   EventLog log;
   Rack rack(configuration, log);
   try {

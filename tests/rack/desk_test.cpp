@@ -4,7 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/rack.hpp"
 
 namespace stator::rack {
@@ -29,7 +30,7 @@ class CountingTask final : public DeskTask {
 class DeskTest : public testing::Test {
  protected:
   EventLog log;
-  Rack rack{single_device_rack("tmcm-3315"), log};
+  Rack rack{single_device_rack("tmcm-3315", devices::products()), log};
   Desk desk;
 };
 

@@ -16,9 +16,10 @@
 #include "base/temporary_directory.hpp"
 #include "devices/test_bus.hpp"
 #include "stator/base/random.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 #include "stator/ethercat/units/sii_interface.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/observe/event_log.hpp"
 
@@ -215,7 +216,7 @@ TEST_F(DeviceStorageTest, AliasOfTheRackFileAgainstAKeptOne_LosesAndIsTold) {
     process.write_alias(0x1234);
   }
   devices::Tmcm3315Configuration configuration;
-  configuration.station_alias = 5;
+  configuration.coe.station_alias = 5;
   Process process(path_, configuration);
   EXPECT_EQ(process.alias_register(), 0x1234U);
   ASSERT_EQ(process.log().count("storage-alias-overruled"), 1U);
@@ -411,7 +412,7 @@ TEST_F(DeviceStorageTest, KilledAtAnyMoment_TheNextStartFindsWhatWasAnswered) {
 }
 
 TEST_F(DeviceStorageTest, Rack_KeepsEachDeviceUnderItsName) {
-  RackConfiguration configuration = single_device_rack("tmcm-3315");
+  RackConfiguration configuration = single_device_rack("tmcm-3315", devices::products());
   auto& members = configuration.segments.front().devices;
   members.push_back(members.front());
   members[0].name = "left";
@@ -438,7 +439,7 @@ TEST_F(DeviceStorageTest, Rack_KeepsEachDeviceUnderItsName) {
 
 TEST_F(DeviceStorageTest, RackWithoutAStateDirectory_KeepsNothing) {
   EventLog log;
-  Rack rack(single_device_rack("tmcm-3315"), log);
+  Rack rack(single_device_rack("tmcm-3315", devices::products()), log);
   EXPECT_EQ(rack.storage(), nullptr);
 }
 

@@ -11,8 +11,13 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmc8670/product.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
+#include "stator/devices/tmcm_3315/product.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/observe/event_log.hpp"
 
 namespace stator::rack {
@@ -113,13 +118,13 @@ TEST_F(EoeBridgeTest, AnAddressThatCannotBeSetIsTold) {
 
 TEST_F(EoeBridgeTest, DevicesWithAMailboxReachTheMachineThroughIt) {
   devices::Tmcm3315Configuration module;
-  module.ethernet_over_ethercat = true;
+  module.coe.ethernet_over_ethercat = true;
   devices::Tmc8670Configuration chip;
-  chip.ethernet_over_ethercat = true;
-  for (const ProductConfiguration& product :
-       {ProductConfiguration(module), ProductConfiguration(chip)}) {
-    SCOPED_TRACE(product_name(product));
-    const auto device = make_ethercat_device(product, base::EventReporter());
+  chip.coe.ethernet_over_ethercat = true;
+  for (const product::Setup& setup : {product::Setup(devices::tmcm_3315_product(), module),
+                                      product::Setup(devices::tmc8670_product(), chip)}) {
+    SCOPED_TRACE(setup.product().identity().type);
+    const auto device = make_ethercat_device(setup, base::EventReporter());
     ASSERT_NE(device->eoe(), nullptr);
     const auto sii = ethercat::parse_sii_image(device->controller().sii());
     ASSERT_TRUE(sii);
@@ -137,7 +142,7 @@ TEST_F(EoeBridgeTest, DevicesWithAMailboxReachTheMachineThroughIt) {
 }
 
 TEST(EoeBridges, ADeviceWhoseEoeIsOffCannotBeBridged) {
-  RackConfiguration configuration = single_device_rack("tmcm-3315");
+  RackConfiguration configuration = single_device_rack("tmcm-3315", devices::products());
   EventLog log;
   Rack rack(configuration, log);
   EXPECT_EQ(rack.devices(0).front().device->eoe(), nullptr);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "rack/fault_bench.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
 
@@ -295,7 +296,7 @@ TEST(FaultSection, MistakesAreExplained) {
 }
 
 TEST(FaultSection, WhatIsAskedForWhileARackRunsHasNoPlaceInAFile) {
-  const RackConfiguration rack = parse_rack_file(kTwoModules, "test.toml");
+  const RackConfiguration rack = parse_rack_file(kTwoModules, "test.toml", devices::products());
   try {
     (void)parse_fault("kind = 'ethercat-drop'\ndevice = 'middle'", rack);
     FAIL() << "accepted";

@@ -11,6 +11,7 @@
 #include "rack/fault_bench.hpp"
 #include "source_paths.hpp"
 #include "stator/base/byte_order.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/mfc/block/memory_map.hpp"
 #include "stator/rack/sections/mfc_configuration_file.hpp"
 
@@ -21,7 +22,8 @@ namespace stator::rack {
 class IoBoard : public tests::WithFaults<tests::SegmentBench> {
  public:
   static RackConfiguration without_events() {
-    RackConfiguration rack = load_rack_file(STATOR_SOURCE_DIR "/racks/io-board.toml");
+    RackConfiguration rack =
+        load_rack_file(STATOR_SOURCE_DIR "/racks/io-board.toml", devices::products());
     rack.events.clear();
     return rack;
   }

@@ -11,7 +11,8 @@
 #include <spdlog/logger.h>
 #include <spdlog/sinks/ostream_sink.h>
 
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/run/running_rack.hpp"
 
 namespace stator::rack {
@@ -46,7 +47,7 @@ class Overload : public ::testing::Test {
     return count;
   }
 
-  const RackConfiguration configuration_ = single_device_rack("tmcm-3315");
+  const RackConfiguration configuration_ = single_device_rack("tmcm-3315", devices::products());
   EventLog log_;
   Rack rack_{configuration_, log_};
   std::ostringstream text_;

@@ -18,7 +18,9 @@
 #include "devices/tmcc160_module.hpp"
 #include "source_paths.hpp"
 #include "stator/bench/local_can_port.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/rack/sections/quirks_section.hpp"
@@ -37,14 +39,15 @@ constexpr std::byte kAbort{0x80};
 
 RackConfiguration slave_rack(const std::string& type, const std::string& quirks) {
   return parse_rack_file(
-      fmt::format("[[segment]]\n[[segment.device]]\ntype = \"{}\"\n{}", type, quirks), "rack.toml");
+      fmt::format("[[segment]]\n[[segment.device]]\ntype = \"{}\"\n{}", type, quirks), "rack.toml",
+      devices::products());
 }
 
 /// A device with CoE in Pre-Operational, and a master.
 struct Slave {
   explicit Slave(const std::string& quirks, const std::string& type = "tmcm-3315",
                  bool start = true)
-      : device(make_ethercat_device(slave_rack(type, quirks).segments[0].devices[0].product, {})),
+      : device(make_ethercat_device(slave_rack(type, quirks).segments[0].devices[0].setup, {})),
         bus(*device) {
     if (start) {
       bus.bring_to(AlState::pre_operational);
@@ -312,7 +315,7 @@ TEST(CoeQuirksOfARack, LateBootKeepsADeviceWithoutPower) {
 TEST(Quirks, AreRefusedWhereAProductDoesNotHaveThem) {
   const auto refused = [](const std::string& rack) -> std::string {
     try {
-      static_cast<void>(parse_rack_file(rack, "rack.toml"));
+      static_cast<void>(parse_rack_file(rack, "rack.toml", devices::products()));
     } catch (const RackFileError& error) {
       return error.what();
     }
@@ -372,10 +375,9 @@ TEST(Quirks, EachIsTriedOnEveryNetworkThatHasIt) {
 }
 
 tests::Tmcc160Module node(const std::string& quirks) {
-  const RackConfiguration rack =
-      parse_rack_file("[[bus]]\n[[bus.device]]\ntype = \"tmcc160\"\n" + quirks, "rack.toml");
-  return tests::Tmcc160Module(
-      std::get<devices::Tmcc160Configuration>(rack.buses[0].devices[0].product));
+  const RackConfiguration rack = parse_rack_file(
+      "[[bus]]\n[[bus.device]]\ntype = \"tmcc160\"\n" + quirks, "rack.toml", devices::products());
+  return tests::Tmcc160Module(rack.buses[0].devices[0].setup.as<devices::Tmcc160Configuration>());
 }
 
 TEST(CanOpenQuirks, ExpeditedUploadsDoNotSayTheirSize) {
@@ -442,8 +444,9 @@ TEST(CanOpenQuirks, BlockTransferIsRefusedAndSegmentsAreTaken) {
 }
 
 TEST(CanOpenQuirks, LateBootKeepsANodeSilent) {
-  RackConfiguration configuration = parse_rack_file(
-      "[[bus]]\n[[bus.device]]\ntype = \"tmcc160\"\nquirks = [\"late-boot\"]\n", "rack.toml");
+  RackConfiguration configuration =
+      parse_rack_file("[[bus]]\n[[bus.device]]\ntype = \"tmcc160\"\nquirks = [\"late-boot\"]\n",
+                      "rack.toml", devices::products());
   EventLog log;
   Rack rack(configuration, log);
   bench::LocalCanPort port(rack, 0, configuration.cycle, configuration.step);

@@ -9,6 +9,7 @@
 
 #include "stator/bench/local_can_port.hpp"
 #include "stator/bench/local_port.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/master/master.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
@@ -30,7 +31,7 @@ name = "right"
 /// Why a rack file is refused.
 inline std::string refusal_of_rack(const std::string& file) {
   try {
-    static_cast<void>(rack::parse_rack_file(file, "test.toml"));
+    static_cast<void>(rack::parse_rack_file(file, "test.toml", devices::products()));
   } catch (const rack::RackFileError& error) {
     return error.what();
   }
@@ -42,7 +43,8 @@ class RackBench {
  public:
   explicit RackBench(rack::RackConfiguration wanted)
       : configuration(std::move(wanted)), rack(configuration, log) {}
-  explicit RackBench(const std::string& file) : RackBench(rack::parse_rack_file(file, file_name)) {}
+  explicit RackBench(const std::string& file)
+      : RackBench(rack::parse_rack_file(file, file_name, devices::products())) {}
 
   [[nodiscard]] double signal(const std::string& name) {
     for (const product::Signal& candidate : rack.signals()) {
@@ -68,7 +70,7 @@ class SegmentBench : public RackBench {
         port(rack, 0, configuration.cycle, configuration.step),
         master(port) {}
   explicit SegmentBench(const std::string& file = kTwoModules)
-      : SegmentBench(rack::parse_rack_file(file, file_name)) {}
+      : SegmentBench(rack::parse_rack_file(file, file_name, devices::products())) {}
 
   [[nodiscard]] base::SimTime now() { return port.now(); }
   /// Lets simulated time pass up to `moment` after the start.
@@ -92,7 +94,8 @@ class BusBench : public RackBench {
  public:
   explicit BusBench(rack::RackConfiguration wanted)
       : RackBench(std::move(wanted)), port(rack, 0, configuration.cycle, configuration.step) {}
-  explicit BusBench(const std::string& file) : BusBench(rack::parse_rack_file(file, file_name)) {}
+  explicit BusBench(const std::string& file)
+      : BusBench(rack::parse_rack_file(file, file_name, devices::products())) {}
 
   [[nodiscard]] base::SimTime now() const { return port.now(); }
   /// What came since the last call.
@@ -123,7 +126,8 @@ class LineBench : public RackBench {
   explicit LineBench(rack::RackConfiguration wanted) : RackBench(std::move(wanted)) {
     rack.line(0).connect(rack::SerialLine::Output::bind<&LineBench::hear>(*this));
   }
-  explicit LineBench(const std::string& file) : LineBench(rack::parse_rack_file(file, file_name)) {}
+  explicit LineBench(const std::string& file)
+      : LineBench(rack::parse_rack_file(file, file_name, devices::products())) {}
 
   [[nodiscard]] base::SimTime now() const { return now_; }
   void wait(base::SimDuration duration) {

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "source_paths.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/rack/kept/state_directory.hpp"
 
 namespace stator::rack {
@@ -38,7 +39,7 @@ class RackCheckTest : public ::testing::Test {
   }
   [[nodiscard]] RackCheck check(const std::string& text) const {
     write("rack.toml", text);
-    return check_rack_file(path("rack.toml"));
+    return check_rack_file(path("rack.toml"), devices::products());
   }
   /// "LINE key" of each error of the rack file itself.
   static std::vector<std::string> places(const RackCheck& check) {
@@ -58,7 +59,7 @@ TEST_F(RackCheckTest, EveryRackInTheRepositoryIsInOrder) {
     if (entry.is_directory()) {
       continue;
     }
-    const RackCheck checked = check_rack_file(entry.path().string());
+    const RackCheck checked = check_rack_file(entry.path().string(), devices::products());
     for (const RackFileError& error : checked.errors) {
       ADD_FAILURE() << error.what();
     }
@@ -116,7 +117,7 @@ TEST_F(RackCheckTest, WhatFollowsFromAnErrorIsNotTold) {
 
 TEST_F(RackCheckTest, SyntaxErrorsAndMissingFilesAreErrorsToo) {
   EXPECT_THAT(places(check("clock = \n")), ElementsAre("1 "));
-  const RackCheck missing = check_rack_file(path("nothing.toml"));
+  const RackCheck missing = check_rack_file(path("nothing.toml"), devices::products());
   ASSERT_EQ(missing.errors.size(), 1U);
   EXPECT_THAT(missing.errors[0].what(), HasSubstr("No such file"));
 }

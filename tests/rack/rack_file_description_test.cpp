@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "stator/devices/catalogue/products.hpp"
+
 namespace stator::rack {
 namespace {
 
@@ -13,7 +15,7 @@ using ::testing::ElementsAre;
 using ::testing::SizeIs;
 
 const TableDescription& description() {
-  static const TableDescription table = describe_rack_file();
+  static const TableDescription table = describe_rack_file(devices::products());
   return table;
 }
 

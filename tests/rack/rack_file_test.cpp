@@ -6,6 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "source_paths.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 #include "stator/rack/world/text.hpp"
 
 namespace stator::rack {
@@ -23,7 +26,7 @@ type = "tmcm-3315"
 
 std::string refusal_of(const std::string& text) {
   try {
-    (void)parse_rack_file(text, "test.toml");
+    (void)parse_rack_file(text, "test.toml", devices::products());
   } catch (const RackFileError& error) {
     return error.what();
   }
@@ -31,11 +34,11 @@ std::string refusal_of(const std::string& text) {
 }
 
 const devices::Tmcm3315Configuration& module_of(const RackConfiguration& rack) {
-  return std::get<devices::Tmcm3315Configuration>(rack.segments.at(0).devices.at(0).product);
+  return rack.segments.at(0).devices.at(0).setup.as<devices::Tmcm3315Configuration>();
 }
 
 TEST(RackFile, AMinimalFileGetsTheDocumentedDefaults) {
-  const RackConfiguration rack = parse_rack_file(kMinimal, "test.toml");
+  const RackConfiguration rack = parse_rack_file(kMinimal, "test.toml", devices::products());
   EXPECT_EQ(rack.clock, ClockKind::real);
   EXPECT_EQ(rack.cycle, 1_ms);
   ASSERT_EQ(rack.segments.size(), 1U);
@@ -57,20 +60,20 @@ firmware_erase_time = "200ms"
 home_offset_is_position = true
 firmware = "1.07"
 )",
-                                                 "test.toml");
+                                                 "test.toml", devices::products());
   EXPECT_EQ(rack.state, "kept");
-  EXPECT_FALSE(module_of(rack).emergencies);
-  EXPECT_TRUE(module_of(rack).require_outputs);
-  EXPECT_EQ(module_of(rack).identification, 5);
-  EXPECT_EQ(module_of(rack).firmware_erase_time, 200_ms);
+  EXPECT_FALSE(module_of(rack).coe.emergencies);
+  EXPECT_TRUE(module_of(rack).coe.require_outputs);
+  EXPECT_EQ(module_of(rack).coe.identification, 5);
+  EXPECT_EQ(module_of(rack).coe.firmware_erase_time, 200_ms);
   EXPECT_TRUE(module_of(rack).home_offset_is_position);
   EXPECT_EQ(module_of(rack).firmware, devices::tmcm_3315::FirmwareVersion::v1_07);
-  const RackConfiguration plain = parse_rack_file(kMinimal, "test.toml");
+  const RackConfiguration plain = parse_rack_file(kMinimal, "test.toml", devices::products());
   EXPECT_EQ(plain.state, "");
-  EXPECT_TRUE(module_of(plain).emergencies);
-  EXPECT_FALSE(module_of(plain).require_outputs);
-  EXPECT_FALSE(module_of(plain).identification);
-  EXPECT_EQ(module_of(plain).firmware_erase_time, 0_ms);
+  EXPECT_TRUE(module_of(plain).coe.emergencies);
+  EXPECT_FALSE(module_of(plain).coe.require_outputs);
+  EXPECT_FALSE(module_of(plain).coe.identification);
+  EXPECT_EQ(module_of(plain).coe.firmware_erase_time, 0_ms);
   EXPECT_FALSE(module_of(plain).home_offset_is_position);
   EXPECT_EQ(module_of(plain).firmware, devices::tmcm_3315::FirmwareVersion::v1_09);
 }
@@ -84,7 +87,7 @@ open_inputs_high = true
 left_switch.pressed_to = -1.0
 [[segment.device.axis]]
 )",
-                                                 "test.toml");
+                                                 "test.toml", devices::products());
   const plant::StepperAxisParameters& axis = module_of(rack).axes[0];
   EXPECT_EQ(axis.brake.output, 3);
   EXPECT_EQ(axis.brake.pull_in_duty, 0.6);
@@ -131,7 +134,7 @@ encoder.index_active_low = true
 left_switch.pressed_to = -2.0
 home_switch = { pressed_from = 0.0, pressed_to = 0.5, normally_closed = true }
 )",
-                                                 "test.toml");
+                                                 "test.toml", devices::products());
   EXPECT_EQ(rack.clock, ClockKind::lockstep);
   EXPECT_EQ(rack.cycle, 2_ms);
   EXPECT_EQ(rack.step, 100_us);
@@ -146,7 +149,7 @@ home_switch = { pressed_from = 0.0, pressed_to = 0.5, normally_closed = true }
   EXPECT_EQ(segment.capture, "run.pcap");
   EXPECT_EQ(segment.devices.at(0).name, "gantry");
   const auto& module = module_of(rack);
-  EXPECT_EQ(module.station_alias, 17);
+  EXPECT_EQ(module.coe.station_alias, 17);
   const plant::StepperAxisParameters& axis = module.axes[0];
   EXPECT_DOUBLE_EQ(axis.motor.resistance, 0.8);
   EXPECT_DOUBLE_EQ(axis.motor.inductance, 3.2e-3);
@@ -229,7 +232,7 @@ TEST(RackFile, EveryKindOfLinkIsTaken) {
   const auto link_of = [](const std::string& text) {
     return parse_rack_file(
                "[[segment]]\nlink = \"" + text + "\"\n[[segment.device]]\ntype = \"tmcm-3315\"\n",
-               "test.toml")
+               "test.toml", devices::products())
         .segments[0]
         .link;
   };
@@ -241,14 +244,14 @@ TEST(RackFile, EveryKindOfLinkIsTaken) {
 }
 
 TEST(RackFile, EoeIsOffUnlessATapInterfaceIsNamed) {
-  const RackConfiguration off = parse_rack_file(kMinimal, "test.toml");
+  const RackConfiguration off = parse_rack_file(kMinimal, "test.toml", devices::products());
   EXPECT_EQ(off.segments[0].devices[0].eoe_interface, "");
-  EXPECT_FALSE(module_of(off).ethernet_over_ethercat);
+  EXPECT_FALSE(module_of(off).coe.ethernet_over_ethercat);
 
-  const RackConfiguration on =
-      parse_rack_file(std::string(kMinimal) + "eoe = \"tap:gantry0\"\n", "test.toml");
+  const RackConfiguration on = parse_rack_file(std::string(kMinimal) + "eoe = \"tap:gantry0\"\n",
+                                               "test.toml", devices::products());
   EXPECT_EQ(on.segments[0].devices[0].eoe_interface, "gantry0");
-  EXPECT_TRUE(module_of(on).ethernet_over_ethercat);
+  EXPECT_TRUE(module_of(on).coe.ethernet_over_ethercat);
 
   for (const char* wrong : {"gantry0", "udp:127.0.0.1", "tap:"}) {
     EXPECT_THAT(refusal_of(std::string(kMinimal) + "eoe = \"" + wrong + "\"\n"),
@@ -261,10 +264,13 @@ TEST(RackFile, EoeBelongsToProductsWhoseFirmwareHasAMailbox) {
   const auto with_eoe = [](const std::string& type) {
     return "[[segment]]\n[[segment.device]]\ntype = \"" + type + "\"\neoe = \"tap:eoe0\"\n";
   };
-  const RackConfiguration servo = parse_rack_file(with_eoe("tmc8670"), "test.toml");
+  const RackConfiguration servo =
+      parse_rack_file(with_eoe("tmc8670"), "test.toml", devices::products());
   EXPECT_EQ(servo.segments[0].devices[0].eoe_interface, "eoe0");
-  EXPECT_TRUE(std::get<devices::Tmc8670Configuration>(servo.segments[0].devices[0].product)
-                  .ethernet_over_ethercat);
+  EXPECT_TRUE(servo.segments[0]
+                  .devices[0]
+                  .setup.as<devices::Tmc8670Configuration>()
+                  .coe.ethernet_over_ethercat);
   EXPECT_THAT(refusal_of(with_eoe("tmc8461")),
               AllOf(HasSubstr("no firmware of its own"), HasSubstr("tmcm-3315 or tmc8670")));
 }
@@ -291,7 +297,7 @@ TEST(RackFile, SyntaxErrorsNameLineAndColumn) {
 
 TEST(RackFile, AFileThatDoesNotExistIsNamed) {
   try {
-    (void)load_rack_file("/nonexistent/rack.toml");
+    (void)load_rack_file("/nonexistent/rack.toml", devices::products());
     FAIL() << "a missing file was read";
   } catch (const RackFileError& error) {
     EXPECT_THAT(error.what(), HasSubstr("/nonexistent/rack.toml"));
@@ -305,7 +311,8 @@ TEST(RackFile, EveryRackInTheRepositoryIsAccepted) {
     if (entry.is_directory()) {
       continue;  // recipes have a test of their own
     }
-    EXPECT_NO_THROW((void)load_rack_file(entry.path().string())) << entry.path();
+    EXPECT_NO_THROW((void)load_rack_file(entry.path().string(), devices::products()))
+        << entry.path();
     ++count;
   }
   EXPECT_GT(count, 0);

@@ -10,6 +10,7 @@
 #include "source_paths.hpp"
 #include "stator/bench/local_can_port.hpp"
 #include "stator/bench/local_port.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
 #include "stator/rack/core/faults.hpp"
 #include "stator/rack/core/rack.hpp"
@@ -129,7 +130,7 @@ void run_line(Rack& rack) {
 class Recipes : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Recipes, RunToTheirEndAndLeaveARackThatWorks) {
-  RackConfiguration configuration = load_rack_file(GetParam());
+  RackConfiguration configuration = load_rack_file(GetParam(), devices::products());
   ASSERT_FALSE(configuration.faults.empty());
   EventLog log;
   Rack rack(configuration, log);

@@ -12,10 +12,11 @@
 #include <unistd.h>
 
 #include "stator/bench/link_port.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/link/ethernet/open_link.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
 #include "stator/master/master.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/run/runner.hpp"
 
 namespace stator::rack {
@@ -35,7 +36,7 @@ std::uint16_t free_port() {
 }
 
 TEST(RunnerOverUdp, AMasterScansTheRack) {
-  RackConfiguration configuration = single_device_rack("tmcm-3315");
+  RackConfiguration configuration = single_device_rack("tmcm-3315", devices::products());
   configuration.segments[0].link = {link::LinkKind::udp, "127.0.0.1", free_port()};
   EventLog log;
   Rack rack(configuration, log);
@@ -56,7 +57,7 @@ TEST(RunnerOverUdp, AMasterScansTheRack) {
 
 TEST(RunnerOverUdp, AFrameThatGetsLostIsCountedAndCaptured) {
   const std::string capture = ::testing::TempDir() + "/stator-lost-" + std::to_string(::getpid());
-  RackConfiguration configuration = single_device_rack("tmcm-3315");
+  RackConfiguration configuration = single_device_rack("tmcm-3315", devices::products());
   configuration.segments[0].link = {link::LinkKind::udp, "127.0.0.1", free_port()};
   configuration.segments[0].capture = capture;
   configuration.events.push_back(
@@ -91,7 +92,7 @@ TEST(RunnerOverUdp, AFrameThatGetsLostIsCountedAndCaptured) {
 }
 
 TEST(RunnerLinks, ASegmentWithoutALinkIsToldTheFormsThereAre) {
-  const RackConfiguration configuration = single_device_rack("tmcm-3315");
+  const RackConfiguration configuration = single_device_rack("tmcm-3315", devices::products());
   EventLog log;
   Rack rack(configuration, log);
   try {

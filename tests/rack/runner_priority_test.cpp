@@ -19,9 +19,10 @@
 #include <unistd.h>
 
 #include "base/temporary_directory.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/link/ethernet/machine.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/observe/inheriting_mutex.hpp"
 #include "stator/rack/run/runner.hpp"
 
@@ -88,12 +89,12 @@ class RunnerPriority : public testing::Test {
   [[nodiscard]] RackConfiguration everything() const {
     const auto probe = link::UdpEthernetLink::listen({.address = "127.0.0.1", .port = 0});
     EXPECT_TRUE(probe) << probe.error().text;
-    RackConfiguration configuration = single_device_rack("tmc8461");
+    RackConfiguration configuration = single_device_rack("tmc8461", devices::products());
     SegmentConfiguration& segment = configuration.segments.front();
     segment.link = {link::LinkKind::udp, "127.0.0.1",
                     probe ? (*probe)->local_port() : std::uint16_t{}};
     segment.devices.front().host_link = "tcp:0";
-    configuration.buses = single_device_rack("tmcm-142").buses;
+    configuration.buses = single_device_rack("tmcm-142", devices::products()).buses;
     BusConfiguration& bus = configuration.buses.front();
     bus.ports = {"slcan-tcp:0"};
     bus.devices.front().serial = {{"rs232", "tcp:0"}};
@@ -158,7 +159,7 @@ TEST_F(RunnerPriority, AMutexLendsItsHolderThePriorityOfWhoWaits) {
 }
 
 TEST_F(RunnerPriority, TheWarningOfAnOverrunNamesItUnlessItIsGiven) {
-  const RackConfiguration configuration = single_device_rack("tmcm-3315");
+  const RackConfiguration configuration = single_device_rack("tmcm-3315", devices::products());
   Rack rack(configuration, log_);
   const RunningRack without(rack, configuration, logger(), {});
   without.log_overrun(3, base::SimDuration(28'400'000));

@@ -9,9 +9,10 @@
 #include <spdlog/spdlog.h>
 
 #include "link/veth_namespace.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/ethercat/standard/frame.hpp"
 #include "stator/link/ethernet/raw_ethernet_link.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/run/runner.hpp"
 
 namespace stator::rack {
@@ -34,7 +35,7 @@ class RunnerRedundancy : public ::testing::Test {
       return std::ranges::count(link::network_interfaces(), true,
                                 &link::NetworkInterface::running) >= 4;
     }));
-    configuration_ = single_device_rack("tmcm-3315");
+    configuration_ = single_device_rack("tmcm-3315", devices::products());
     SegmentConfiguration& segment = configuration_.segments.front();
     segment.devices.push_back(segment.devices.front());
     segment.devices.back().name = "second";

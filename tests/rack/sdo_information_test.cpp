@@ -7,9 +7,10 @@
 #include "devices/csv.hpp"
 #include "source_paths.hpp"
 #include "stator/bench/local_port.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/dictionary/data_type.hpp"
 #include "stator/master/master.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 
 namespace stator::rack {
 namespace {
@@ -54,7 +55,7 @@ std::string mapping_of(std::uint16_t flags) {
 }
 
 TEST(SdoInformation, EveryEntryOfTheTmcm3315IsReportedAsTheTableHasIt) {
-  const RackConfiguration configuration = single_device_rack("tmcm-3315");
+  const RackConfiguration configuration = single_device_rack("tmcm-3315", devices::products());
   EventLog log;
   Rack rack(configuration, log);
   bench::LocalPort port(rack, 0, configuration.cycle, configuration.step);

@@ -18,6 +18,7 @@
 
 #include "base/temporary_directory.hpp"
 #include "rack/test_serial_device.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
 #include "stator/link/system/file_descriptor.hpp"
 #include "stator/rack/file/rack_file.hpp"
@@ -109,7 +110,7 @@ type = "tmcm-3315"
 name = "lift"
 usb = "pty:)" + port() + R"("
 )",
-                                                    "test.toml");
+                                                    "test.toml", devices::products());
   std::uint16_t free_port = 0;
   {
     const auto probe = link::UdpEthernetLink::listen({.address = "127.0.0.1", .port = 0});

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "source_paths.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/rack/observe/event_log.hpp"
@@ -21,7 +22,7 @@ using testing::HasSubstr;
 
 std::string refusal_of(const std::string& text) {
   try {
-    static_cast<void>(parse_rack_file(text, "test.toml"));
+    static_cast<void>(parse_rack_file(text, "test.toml", devices::products()));
   } catch (const RackFileError& error) {
     return error.what();
   }
@@ -46,8 +47,9 @@ TEST(SerialSection, MistakesOfALineAreExplained) {
 }
 
 TEST(SerialSection, DevicesOnSerialLinesOnlyAreOnNoBus) {
-  const RackConfiguration configuration = parse_rack_file(
-      device() + "[[bus]]\n[[bus.device]]\ntype = \"tmcc160\"\nname = \"b\"\n", "t");
+  const RackConfiguration configuration =
+      parse_rack_file(device() + "[[bus]]\n[[bus.device]]\ntype = \"tmcc160\"\nname = \"b\"\n", "t",
+                      devices::products());
   ASSERT_EQ(configuration.buses.size(), 2U);
   EXPECT_TRUE(configuration.buses[0].wire);
   EXPECT_FALSE(configuration.buses[1].wire);
@@ -86,8 +88,8 @@ TEST(SerialSection, OnlyRs485AndRs422ShareALine) {
 
 TEST(SerialSection, RacksWithSerialLinesCanBeBuilt) {
   for (const char* name : {"tmcl-module", "rs485-line"}) {
-    const RackConfiguration configuration =
-        load_rack_file(STATOR_SOURCE_DIR "/racks/" + std::string(name) + ".toml");
+    const RackConfiguration configuration = load_rack_file(
+        STATOR_SOURCE_DIR "/racks/" + std::string(name) + ".toml", devices::products());
     EventLog log;
     const Rack rack(configuration, log);
     EXPECT_EQ(rack.line_count(), 1U) << name;
@@ -103,7 +105,7 @@ wait = "adaptive"
 spin_time = "50us"
 cpu = 1
 )",
-                                                          "t");
+                                                          "t", devices::products());
   ASSERT_EQ(configuration.lines.size(), 1U);
   const SerialLineConfiguration& line = configuration.lines[0];
   EXPECT_EQ(line.link, "pty:/tmp/a");

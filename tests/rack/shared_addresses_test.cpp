@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/rack/file/rack_file.hpp"
 
 namespace stator::rack {
@@ -15,7 +16,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 std::vector<std::string> shared(const std::string& text) {
-  return shared_addresses(parse_rack_file(text, "test.toml"));
+  return shared_addresses(parse_rack_file(text, "test.toml", devices::products()));
 }
 
 /// "[[bus.device]]" of a drive or module.

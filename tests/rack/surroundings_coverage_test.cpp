@@ -10,7 +10,8 @@
 
 #include "rack/surroundings_rows.hpp"
 #include "source_paths.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/faults/surroundings_faults.hpp"
 
 namespace stator::rack {
@@ -19,9 +20,10 @@ namespace {
 using tests::CoveredFault;
 
 /// A rack with that product alone; the chip has a board.
-RackConfiguration rack_of(const Product& product) {
-  return product.type == "tmc8461" ? load_rack_file(STATOR_SOURCE_DIR "/racks/io-board.toml")
-                                   : single_device_rack(product.type);
+RackConfiguration rack_of(const std::string& product) {
+  return product == "tmc8461"
+             ? load_rack_file(STATOR_SOURCE_DIR "/racks/io-board.toml", devices::products())
+             : single_device_rack(product, devices::products());
 }
 
 std::vector<CoveredFault> covered() {
@@ -79,8 +81,8 @@ std::vector<std::string> variants_of(const FaultKind& kind,
 /// One product, and what can be asked for around it.
 class ProductUnderFaults {
  public:
-  explicit ProductUnderFaults(const Product& product)
-      : product_(product.type), rack_(rack_of(product)), device_(rack_.rack.addresses().front()) {
+  explicit ProductUnderFaults(const std::string& product)
+      : product_(product), rack_(rack_of(product)), device_(rack_.rack.addresses().front()) {
     for (const product::Input& input : rack_.rack.inputs(device_)) {
       const std::string owner = input.name.substr(0, input.name.find('.'));
       if (owner != input.name && !owner.starts_with("axis0") && !has_peripheral(owner)) {
@@ -124,11 +126,12 @@ class SurroundingsCoverage : public ::testing::TestWithParam<std::string_view> {
 TEST_P(SurroundingsCoverage, EveryProductToWhichItCanHappenHasARowThatShowsSomething) {
   const FaultKind& kind = *find_fault_kind(GetParam());
   bool anywhere = false;
-  for (const Product& product : products()) {
-    ProductUnderFaults under(product);
+  for (const auto& product : devices::products().products()) {
+    ProductUnderFaults under(product->identity().type);
     const bool possible = under.can_have(kind);
     EXPECT_EQ(under.is_shown(kind, covered()), possible)
-        << "the table of the " << product.type << " in tests/rack/surroundings_*_test.cpp says "
+        << "the table of the " << product->identity().type
+        << " in tests/rack/surroundings_*_test.cpp says "
         << "what its master sees of \"" << kind.name.view() << '"';
     anywhere = anywhere || possible;
   }

@@ -10,7 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "rack/fault_bench.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/rack/core/device_making.hpp"
 
 namespace stator::rack {
 namespace {
@@ -50,14 +51,15 @@ name = "feeder"
 
 /// What a fault asked for with `keys` sets at its begin, as "input=value input=value".
 std::string settings(const std::string& keys) {
-  static const RackConfiguration kRack = parse_rack_file(kProducts, "test.toml");
+  static const RackConfiguration kRack =
+      parse_rack_file(kProducts, "test.toml", devices::products());
   const FaultConfiguration fault = parse_fault(keys, kRack);
   const DeviceAddress address = *fault.target.device;
   const DeviceConfiguration& device = address.kind == NetworkKind::bus
                                           ? kRack.buses[address.network].devices[address.device]
                                           : kRack.segments[address.network].devices[address.device];
   std::string text;
-  const auto made = make_device(device.product, {});
+  const auto made = device.setup.make();
   for (const FaultSetting& setting : settings_of(fault, made->inputs())) {
     text += text.empty() ? "" : " ";
     text += setting.input + "=" + std::to_string(setting.value);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "stator/product/catalogue/product.hpp"
 #include "stator/product/device/can_device.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 
@@ -97,10 +98,13 @@ inline rack::RackConfiguration rack_with_bus(unsigned devices,
     settings.node_id = static_cast<std::uint8_t>(i + 1);
     settings.heartbeat = heartbeat;
     settings.bit_rate = bit_rate.value_or(settings.bit_rate);
-    bus.devices.push_back({std::string(1, static_cast<char>('a' + i)),
-                           rack::OwnCanDevice{[settings](const base::EventReporter&) {
-                             return std::make_unique<TestCanDevice>(settings);
-                           }}});
+    bus.devices.push_back(
+        {std::string(1, static_cast<char>('a' + i)),
+         product::make_product({.type = "test", .network = product::NetworkKind::bus},
+                               [settings](const base::EventReporter&) {
+                                 return std::make_unique<TestCanDevice>(settings);
+                               })
+             ->defaults()});
   }
   return configuration;
 }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "stator/product/catalogue/product.hpp"
 #include "stator/product/device/can_device.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/tmcl/interpreter/firmware.hpp"
@@ -113,9 +114,11 @@ inline rack::RackConfiguration rack_with_line(const std::string& link,
   for (const TestSerialDevice::Settings& settings : all) {
     rack::DeviceConfiguration device;
     device.name = std::string(1, static_cast<char>('a' + bus.devices.size()));
-    device.product = rack::OwnCanDevice{[settings](const base::EventReporter&) {
-      return std::make_unique<TestSerialDevice>(settings);
-    }};
+    device.setup = product::make_product({.type = "test", .network = product::NetworkKind::bus},
+                                         [settings](const base::EventReporter&) {
+                                           return std::make_unique<TestSerialDevice>(settings);
+                                         })
+                       ->defaults();
     device.serial.push_back({"rs485", link});
     bus.devices.push_back(device);
   }

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "rack/rack_bench.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
 
 namespace stator::rack {
@@ -20,7 +21,7 @@ using ::testing::HasSubstr;
 using tests::kTwoModules;
 
 RackConfiguration two_modules(const std::string& events) {
-  return parse_rack_file(kTwoModules + events, "test.toml");
+  return parse_rack_file(kTwoModules + events, "test.toml", devices::products());
 }
 
 std::string refusal_of(const std::string& events) {

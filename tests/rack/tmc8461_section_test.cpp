@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "rack/rack_bench.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmc8461/tmc8461.hpp"
 
 namespace stator::rack {
 namespace {
@@ -16,8 +18,10 @@ std::string file(const std::string& keys) {
   return "[[segment]]\n[[segment.device]]\ntype = \"tmc8461\"\n" + keys + "\n";
 }
 devices::Tmc8461Configuration parsed(const std::string& keys) {
-  return std::get<devices::Tmc8461Configuration>(
-      parse_rack_file(file(keys), "test.toml").segments[0].devices[0].product);
+  return parse_rack_file(file(keys), "test.toml", devices::products())
+      .segments[0]
+      .devices[0]
+      .setup.as<devices::Tmc8461Configuration>();
 }
 
 TEST(Tmc8461Section, StrapsAreThoseOfTheBoard) {

@@ -14,7 +14,10 @@
 #include "source_paths.hpp"
 #include "stator/base/byte_order.hpp"
 #include "stator/control/foc/register_fields.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmc8670/product.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/rack/kept/device_storage.hpp"
 #include "stator/rack/networks/serial_line.hpp"
@@ -68,7 +71,7 @@ TEST(Tmc8670Section, KeysOfTheWorldReachTheirPlaces) {
     left_switch = { pressed_to = -1 }
     noise_seed = 5
   )");
-  EXPECT_EQ(configuration.station_alias, 7);
+  EXPECT_EQ(configuration.coe.station_alias, 7);
   EXPECT_EQ(configuration.serial_number, 99U);
   EXPECT_EQ(configuration.controller, "silicon");
   EXPECT_EQ(configuration.clock_deviation_ppb, -20'000);
@@ -144,7 +147,7 @@ TEST(Tmc8670Section, ObjectsGetOtherDefaults) {
     objects = { "2030:03" = 312, "6065h" = 1000, "2013:1" = -5 }
   )");
   ASSERT_EQ(configuration.objects.size(), 3U);
-  const auto device = make_ethercat_device(configuration, {});
+  const auto device = make_ethercat_device({devices::tmc8670_product(), configuration}, {});
   const dictionary::Dictionary& dictionary = device->dictionary();
   EXPECT_EQ(dictionary.find(0x2030, 3)->value(), 312U);
   EXPECT_EQ(dictionary.find(0x6065, 0)->value(), 1000U);
@@ -196,10 +199,11 @@ TEST(Tmc8670Section, DeadTimeIsAtMostATenthOfThePeriodTheChipIsDeliveredWith) {
 }
 
 TEST(Tmc8670Section, TheReadyRackFileIsRead) {
-  const RackConfiguration rack = load_rack_file(STATOR_SOURCE_DIR "/racks/ethercat-servo.toml");
+  const RackConfiguration rack =
+      load_rack_file(STATOR_SOURCE_DIR "/racks/ethercat-servo.toml", devices::products());
   ASSERT_EQ(rack.segments.size(), 1U);
   const auto& configuration =
-      std::get<devices::Tmc8670Configuration>(rack.segments[0].devices.at(0).product);
+      rack.segments[0].devices.at(0).setup.as<devices::Tmc8670Configuration>();
   EXPECT_GT(configuration.objects.size(), 10U);
 }
 

@@ -4,7 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "stator/bench/local_can_port.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/rack/core/device_making.hpp"
 
 namespace stator::rack {
 namespace {
@@ -17,7 +18,7 @@ const can::Frame kReadDeviceType = can::data_frame(0x601, {0x40, 0x00, 0x10, 0, 
 class Tmcc160Bus : public ::testing::Test {
  protected:
   Tmcc160Bus()
-      : configuration_(single_device_rack("tmcc160")),
+      : configuration_(single_device_rack("tmcc160", devices::products())),
         rack_(configuration_, log_),
         port_(rack_, 0, 1_ms, 50_us) {}
 

@@ -11,7 +11,9 @@
 
 #include "base/temporary_directory.hpp"
 #include "stator/bench/local_can_port.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
+#include "stator/rack/core/device_making.hpp"
 
 namespace stator::rack {
 namespace {
@@ -100,17 +102,15 @@ class Run {
  private:
   static RackConfiguration configure(std::optional<std::uint32_t> bit_rate,
                                      const std::string& directory) {
-    RackConfiguration configuration = single_device_rack("tmcc160");
+    RackConfiguration configuration = single_device_rack("tmcc160", devices::products());
     BusConfiguration& bus = configuration.buses.front();
     bus.bit_rate = bit_rate;
     bus.capture = directory + "/run.pcap";
     const DeviceConfiguration drive = bus.devices.front();
     bus.devices.clear();
     for (unsigned i = 0; i < kDrives; ++i) {
-      devices::Tmcc160Configuration product =
-          std::get<devices::Tmcc160Configuration>(drive.product);
-      product.node_id = static_cast<std::uint8_t>(i + 1);
-      bus.devices.push_back({"drive" + std::to_string(i + 1), product});
+      bus.devices.push_back({"drive" + std::to_string(i + 1), drive.setup});
+      *bus.devices.back().setup.node_id() = static_cast<std::uint8_t>(i + 1);
     }
     configuration.record = RecordConfiguration{directory + "/run.csv", 1_ms, {"*"}};
     const DeviceAddress disturbed{0, 5, NetworkKind::bus};

@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "base/temporary_directory.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/rack/observe/event_log.hpp"
@@ -26,13 +28,14 @@ std::string with(const std::string& keys) {
 }
 
 Tmcm142Configuration module_with(const std::string& keys) {
-  const RackConfiguration configuration = parse_rack_file(with(keys), "test.toml");
-  return std::get<Tmcm142Configuration>(configuration.buses.at(0).devices.at(0).product);
+  const RackConfiguration configuration =
+      parse_rack_file(with(keys), "test.toml", devices::products());
+  return configuration.buses.at(0).devices.at(0).setup.as<Tmcm142Configuration>();
 }
 
 std::string refusal_of(const std::string& keys) {
   try {
-    static_cast<void>(parse_rack_file(with(keys), "test.toml"));
+    static_cast<void>(parse_rack_file(with(keys), "test.toml", devices::products()));
   } catch (const RackFileError& error) {
     return error.what();
   }
@@ -58,10 +61,10 @@ dip_switches.interface = "rs422"
 motor = "QSH6018-86-28-310"
 supply_voltage = 48.0
 )");
-  EXPECT_EQ(module.serial_address, 5);
+  EXPECT_EQ(module.tmcl.serial, 5);
   EXPECT_EQ(module.baud_rate, 7);
-  EXPECT_EQ(module.can_id, 0x123);
-  EXPECT_EQ(module.can_reply_id, 0x7FF);
+  EXPECT_EQ(module.tmcl.can, 0x123);
+  EXPECT_EQ(module.tmcl.can_reply, 0x7FF);
   EXPECT_EQ(module.can_bit_rate, 6);
   EXPECT_TRUE(module.auto_start);
   EXPECT_EQ(module.instruction_time, 5_us);
@@ -77,7 +80,7 @@ supply_voltage = 48.0
 TEST(Tmcm142Section, WithoutKeysItIsAsDelivered) {
   const Tmcm142Configuration module = module_with("");
   const Tmcm142Configuration delivered;
-  EXPECT_EQ(module.serial_address, delivered.serial_address);
+  EXPECT_EQ(module.tmcl.serial, delivered.tmcl.serial);
   EXPECT_EQ(module.baud_rate, delivered.baud_rate);
   EXPECT_EQ(module.can_bit_rate, delivered.can_bit_rate);
   EXPECT_TRUE(module.program.empty());
@@ -112,7 +115,7 @@ class Tmcm142Program : public testing::Test {
 TEST_F(Tmcm142Program, ATextIsAssembledAndRuns) {
   write("a.tmc", "SGP 0, 2, 4711\nSTOP\n");
   const RackConfiguration configuration =
-      parse_rack_file(with(key("a.tmc") + "auto_start = true\n"), "test.toml");
+      parse_rack_file(with(key("a.tmc") + "auto_start = true\n"), "test.toml", devices::products());
   EventLog log;
   Rack rack(configuration, log);
   rack.advance(base::SimTime(10_ms));
@@ -123,9 +126,9 @@ TEST_F(Tmcm142Program, ATextIsAssembledAndRuns) {
 TEST_F(Tmcm142Program, ItsPathBeginsAtTheRackFile) {
   write("a.tmc", "STOP\n");
   write("rack.toml", with("program = \"a.tmc\"\n"));
-  const RackConfiguration configuration = load_rack_file(path("rack.toml"));
-  const auto& product = configuration.buses.at(0).devices.at(0).product;
-  EXPECT_EQ(std::get<Tmcm142Configuration>(product).program.size(), 1U);
+  const RackConfiguration configuration = load_rack_file(path("rack.toml"), devices::products());
+  const product::Setup& setup = configuration.buses.at(0).devices.at(0).setup;
+  EXPECT_EQ(setup.as<Tmcm142Configuration>().program.size(), 1U);
 }
 
 TEST_F(Tmcm142Program, AnImageIsTakenAsItIs) {

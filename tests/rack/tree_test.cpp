@@ -13,6 +13,8 @@
 #include "rack/fault_bench.hpp"
 #include "source_paths.hpp"
 #include "stator/base/byte_order.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/junction/junction.hpp"
 #include "stator/rack/core/wiring.hpp"
 
 namespace stator::tests {
@@ -179,7 +181,8 @@ TEST(JunctionTree, AJunctionWithoutPowerTakesItsBranchesWithIt) {
 }
 
 TEST(JunctionTree, ReadyRackIsWhatItSays) {
-  const auto configuration = rack::load_rack_file(STATOR_SOURCE_DIR "/racks/tree.toml");
+  const auto configuration =
+      rack::load_rack_file(STATOR_SOURCE_DIR "/racks/tree.toml", devices::products());
   SegmentBench bench(configuration);
   bench.bring_to_operational(6);
   std::vector<std::string> names;

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "stator/base/byte_order.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
 
@@ -24,7 +25,8 @@ std::string device(const std::string& name, const std::string& keys = "") {
 }
 
 RackConfiguration parse(const std::string& devices, const std::string& segment_keys = "") {
-  return parse_rack_file("[[segment]]\n" + segment_keys + "\n" + devices, "test.toml");
+  return parse_rack_file("[[segment]]\n" + segment_keys + "\n" + devices, "test.toml",
+                         devices::products());
 }
 
 std::string refusal_of(const std::string& devices, const std::string& segment_keys = "") {

@@ -10,8 +10,9 @@
 
 #include "base/temporary_directory.hpp"
 #include "stator/bench/local_port.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/ethercat/standard/frame.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/replay/player.hpp"
 #include "stator/replay/session_recorder.hpp"
 
@@ -41,7 +42,7 @@ class Bench {
     }
   }
   static rack::RackConfiguration configuration(const std::string& state) {
-    rack::RackConfiguration result = rack::single_device_rack("tmc8670");
+    rack::RackConfiguration result = rack::single_device_rack("tmc8670", devices::products());
     result.state = state;
     return result;
   }

@@ -9,8 +9,10 @@
 
 #include "stator/bench/local_port.hpp"
 #include "stator/can/port.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
 #include "stator/master/master.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/replay/player.hpp"
 #include "stator/replay/session_recorder.hpp"
 
@@ -26,15 +28,15 @@ constexpr const char* kLine = "pty:/tmp/none";
 /// A stepper drive on a segment, a servo on a CAN bus with one port, a module on a serial line, and
 /// a load that comes at 30 ms.
 rack::RackConfiguration mixed_rack(double load = 0.1) {
-  rack::RackConfiguration configuration = rack::single_device_rack("tmcm-3315");
+  rack::RackConfiguration configuration =
+      rack::single_device_rack("tmcm-3315", devices::products());
   configuration.segments[0].devices[0].name = "drive";
-  configuration.buses = rack::single_device_rack("tmcc160").buses;
+  configuration.buses = rack::single_device_rack("tmcc160", devices::products()).buses;
   configuration.buses[0].devices[0].name = "servo";
-  std::get<devices::Tmcc160Configuration>(configuration.buses[0].devices[0].product).boot_time =
-      5_ms;
+  configuration.buses[0].devices[0].setup.as<devices::Tmcc160Configuration>().boot_time = 5_ms;
   configuration.buses[0].ports = {"slcan:/tmp/none"};
   rack::BusConfiguration lines = rack::bus_without_wire();
-  lines.devices = rack::single_device_rack("tmcm-142").buses[0].devices;
+  lines.devices = rack::single_device_rack("tmcm-142", devices::products()).buses[0].devices;
   lines.devices[0].name = "module";
   lines.devices[0].serial = {{.interface = "rs485", .line = kLine}};
   configuration.buses.push_back(lines);
@@ -272,7 +274,7 @@ TEST_F(RecordingTest, OtherFilesAndVersionsAreRefused) {
 
 TEST_F(RecordingTest, AnotherRackIsRefused) {
   ASSERT_NO_FATAL_FAILURE(record(path_));
-  Bench bench(rack::single_device_rack("tmcm-3315"));
+  Bench bench(rack::single_device_rack("tmcm-3315", devices::products()));
   RecordingReader reader(path_);
   EXPECT_THROW(Player(reader, bench.rack(), bench.configuration()), std::runtime_error);
 }

@@ -12,7 +12,8 @@
 #include <unistd.h>
 
 #include "rack/test_serial_device.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/replay/player.hpp"
 #include "stator/replay/session_recorder.hpp"
 #include "stator/tmcl/telegram.hpp"
@@ -27,7 +28,7 @@ using ::testing::ElementsAre;
 /// Two modules, each with a bus and a line of its own: the first answers after 5 ms, the second
 /// after 2 ms. Beside them a chip on a segment, and something that happens at 10 ms.
 rack::RackConfiguration two_lines() {
-  rack::RackConfiguration configuration = rack::single_device_rack("tmc8461");
+  rack::RackConfiguration configuration = rack::single_device_rack("tmc8461", devices::products());
   for (const std::uint8_t pause : {std::uint8_t{5}, std::uint8_t{2}}) {
     const std::string line = "pty:/tmp/line" + std::to_string(configuration.buses.size());
     configuration.buses.push_back(tests::rack_with_line(line, {{.pause = pause}}).buses[0]);

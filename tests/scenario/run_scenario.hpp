@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/scenario/runner.hpp"
 #include "stator/scenario/scenario_file.hpp"
 
@@ -14,7 +15,8 @@ inline constexpr const char* kDrive = "product = \"tmcc160\"\n";
 
 /// Reads the text of a scenario, which must be without error, and runs it.
 inline scenario::ScenarioResult run_text(const std::string& text) {
-  const scenario::ScenarioRead read = scenario::parse_scenario(text, "test.toml");
+  const scenario::ScenarioRead read =
+      scenario::parse_scenario(text, "test.toml", devices::products());
   for (const rack::RackFileError& error : read.errors) {
     ADD_FAILURE() << error.what();
   }
@@ -31,7 +33,8 @@ inline std::string failure_of(const std::string& text) {
 /// All errors of a scenario that cannot be read, a line each.
 inline std::string errors_of(const std::string& text) {
   std::string lines;
-  for (const rack::RackFileError& error : scenario::parse_scenario(text, "test.toml").errors) {
+  for (const rack::RackFileError& error :
+       scenario::parse_scenario(text, "test.toml", devices::products()).errors) {
     lines += std::string(error.what()) + "\n";
   }
   return lines;

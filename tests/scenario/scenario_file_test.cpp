@@ -8,6 +8,7 @@
 
 #include "scenario/run_scenario.hpp"
 #include "source_paths.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/scenario/step_kinds.hpp"
 
 namespace stator::scenario {
@@ -35,7 +36,7 @@ note = "again"
 do = "wait"
 time = "20ms"
 )",
-                                           "test.toml");
+                                           "test.toml", devices::products());
   ASSERT_TRUE(read.errors.empty()) << read.errors.front().what();
   const Scenario& scenario = read.scenario;
   EXPECT_EQ(scenario.name, "It waits");
@@ -51,7 +52,7 @@ time = "20ms"
 
 TEST(ScenarioFile, IsNamedLikeItsFileWithoutAName) {
   const ScenarioRead read = parse_scenario("product = \"tmcm-3315\"\n[[step]]\ndo = \"scan\"\n",
-                                           "folder/lost-frame.toml");
+                                           "folder/lost-frame.toml", devices::products());
   EXPECT_EQ(read.scenario.name, "lost-frame");
 }
 
@@ -64,7 +65,7 @@ name = "own"
 [[step]]
 do = "scan"
 )",
-                                           "test.toml");
+                                           "test.toml", devices::products());
   ASSERT_TRUE(read.errors.empty()) << read.errors.front().what();
   EXPECT_EQ(read.scenario.rack.segments.front().devices.front().name, "own");
 }
@@ -112,7 +113,7 @@ TEST(ScenarioFile, NeedsARackAndSteps) {
 }
 
 TEST(ScenarioFile, TellsThatAFileIsMissing) {
-  const ScenarioRead read = read_scenario_file("nosuch.toml");
+  const ScenarioRead read = read_scenario_file("nosuch.toml", devices::products());
   ASSERT_EQ(read.errors.size(), 1U);
   EXPECT_THAT(read.errors.front().what(), HasSubstr("cannot read the scenario file"));
 }

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "source_paths.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/scenario/runner.hpp"
 #include "stator/scenario/scenario_file.hpp"
 
@@ -24,7 +25,7 @@ std::vector<std::string> shipped() {
 class ShippedScenario : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(ShippedScenario, PassesAlikeEachTime) {
-  const ScenarioRead read = read_scenario_file(GetParam());
+  const ScenarioRead read = read_scenario_file(GetParam(), devices::products());
   for (const rack::RackFileError& error : read.errors) {
     ADD_FAILURE() << error.what();
   }

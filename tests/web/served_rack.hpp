@@ -13,8 +13,10 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/run/runner.hpp"
 #include "stator/web/server/server.hpp"
 #include "web/http_client.hpp"
@@ -68,11 +70,12 @@ class ServedRack {
   }
 
   static rack::RackConfiguration configuration(rack::ClockKind clock, const std::string& record) {
-    rack::RackConfiguration configuration = rack::single_device_rack("tmcm-3315");
+    rack::RackConfiguration configuration =
+        rack::single_device_rack("tmcm-3315", devices::products());
     configuration.clock = clock;
     configuration.segments[0].link = {link::LinkKind::udp, "127.0.0.1", free_udp_port()};
     configuration.segments[0].devices[0].name = "drive";
-    configuration.buses = rack::single_device_rack("tmcc160").buses;
+    configuration.buses = rack::single_device_rack("tmcc160", devices::products()).buses;
     configuration.buses[0].devices[0].name = "servo";
     configuration.buses[0].ports = {"slcan:" + ::testing::TempDir() + "stator-web-" +
                                     std::to_string(::getpid())};
@@ -85,10 +88,11 @@ class ServedRack {
 
   /// One TMCL module "module" on a CAN bus, with a program in its memory.
   static rack::RackConfiguration module_with(std::vector<tmcl::Instruction> program) {
-    rack::RackConfiguration configuration = rack::single_device_rack("tmcm-142");
+    rack::RackConfiguration configuration =
+        rack::single_device_rack("tmcm-142", devices::products());
     rack::DeviceConfiguration& device = configuration.buses[0].devices[0];
     device.name = "module";
-    std::get<devices::Tmcm142Configuration>(device.product).program = std::move(program);
+    device.setup.as<devices::Tmcm142Configuration>().program = std::move(program);
     configuration.buses[0].ports = {"slcan:" + ::testing::TempDir() + "stator-web-tmcl-" +
                                     std::to_string(::getpid())};
     return configuration;

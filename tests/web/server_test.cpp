@@ -8,6 +8,8 @@
 
 #include "base/temporary_directory.hpp"
 #include "stator/base/byte_order.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/web/api/routes.hpp"
 #include "web/served_rack.hpp"
 
@@ -129,7 +131,7 @@ TEST(WebServer, WritesObjectsAndTellsTheAbortCodesText) {
 
 TEST(WebServer, AnswersAnOrderToStoreOnceItIsKept) {
   const tests::TemporaryDirectory folder;
-  rack::RackConfiguration configuration = rack::single_device_rack("tmc8670");
+  rack::RackConfiguration configuration = rack::single_device_rack("tmc8670", devices::products());
   configuration.segments[0].link = {link::LinkKind::udp, "127.0.0.1", free_udp_port()};
   configuration.segments[0].devices[0].name = "servo";
   configuration.state = folder.path() + "/state";
@@ -149,7 +151,7 @@ TEST(WebServer, AnswersAnOrderToStoreOnceItIsKept) {
 // In lockstep nothing is stored before a master moves time.
 TEST(WebServer, ServesOthersWhileAnOrderIsUnderWay) {
   const tests::TemporaryDirectory folder;
-  rack::RackConfiguration configuration = rack::single_device_rack("tmc8670");
+  rack::RackConfiguration configuration = rack::single_device_rack("tmc8670", devices::products());
   configuration.clock = rack::ClockKind::lockstep;
   configuration.segments[0].link = {link::LinkKind::udp, "127.0.0.1", free_udp_port()};
   configuration.segments[0].devices[0].name = "servo";
@@ -237,7 +239,8 @@ TEST(WebServer, NeedsATokenForAllButHealthWhenOthersReachIt) {
 }
 
 TEST(WebServer, DoesNotOpenToOthersWithoutAToken) {
-  rack::RackConfiguration configuration = rack::single_device_rack("tmcm-3315");
+  rack::RackConfiguration configuration =
+      rack::single_device_rack("tmcm-3315", devices::products());
   configuration.segments[0].link = {link::LinkKind::udp, "127.0.0.1", free_udp_port()};
   rack::EventLog log;
   rack::Rack rack(configuration, log);

@@ -15,9 +15,11 @@
 
 #include "stator/base/byte_order.hpp"
 #include "stator/bench/link_port.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/ethercat/controller/frame_text.hpp"
 #include "stator/link/ethernet/open_link.hpp"
 #include "stator/master/master.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/web/stream/can_text.hpp"
 #include "stator/web/stream/ethercat_text.hpp"
 #include "web/served_rack.hpp"
@@ -35,7 +37,8 @@ constexpr ethercat::MacAddress kSource{2, 0, 0, 0, 0, 1};
 /// A device's dictionary, for names and types.
 const dictionary::Dictionary& objects() {
   static const auto device = rack::make_ethercat_device(
-      rack::single_device_rack("tmcm-3315").segments[0].devices[0].product, base::EventReporter());
+      rack::single_device_rack("tmcm-3315", devices::products()).segments[0].devices[0].setup,
+      base::EventReporter());
   return *device->object_dictionary();
 }
 

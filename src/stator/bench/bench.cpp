@@ -8,9 +8,8 @@
 
 #include "stator/base/byte_order.hpp"
 #include "stator/bench/bench_masters.hpp"
-#include "stator/devices/tmcc160/tmcc160.hpp"
-#include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
+#include "stator/product/catalogue/product.hpp"
 
 namespace stator::bench {
 
@@ -158,9 +157,8 @@ const rack::DeviceConfiguration& Bench::device_configuration(rack::DeviceAddress
 }
 
 std::optional<std::uint8_t> Bench::node_id(rack::DeviceAddress device) const {
-  const auto* drive =
-      std::get_if<devices::Tmcc160Configuration>(&device_configuration(device).product);
-  return drive != nullptr ? std::optional(drive->node_id) : std::nullopt;
+  const std::uint8_t* const node_id = device_configuration(device).setup.node_id();
+  return node_id != nullptr ? std::optional(*node_id) : std::nullopt;
 }
 
 std::optional<can::Frame> Bench::answer_to(std::size_t bus, const can::Frame& request,
@@ -212,8 +210,8 @@ std::uint64_t Bench::forgotten_frames(std::size_t bus) const {
 base::Expected<tmcl::Reply, std::string> Bench::ask(rack::DeviceAddress device,
                                                     const tmcl::Instruction& instruction) {
   const rack::DeviceConfiguration& configuration = device_configuration(device);
-  const auto* module = std::get_if<devices::Tmcm142Configuration>(&configuration.product);
-  const std::uint8_t address = module != nullptr ? module->serial_address : std::uint8_t{1};
+  const product::TmclAddress* const module = configuration.setup.tmcl_address();
+  const std::uint8_t address = module != nullptr ? module->serial : std::uint8_t{1};
   tmcl::Request request{.address = address,
                         .command = instruction.command,
                         .type = instruction.type,
@@ -235,8 +233,8 @@ base::Expected<tmcl::Reply, std::string> Bench::ask(rack::DeviceAddress device,
   constexpr std::size_t kCanBytes = 7;
   const auto answer = answer_to(
       device.network,
-      can::data_frame(module->can_id, std::span<const std::byte>(telegram).subspan(1, kCanBytes)),
-      module->can_reply_id, kTmclTimeout);
+      can::data_frame(module->can, std::span<const std::byte>(telegram).subspan(1, kCanBytes)),
+      module->can_reply, kTmclTimeout);
   if (!answer || answer->length < kCanBytes) {
     return base::Unexpected{fmt::format("no reply of {} came over CAN within {:g} s",
                                         name_of(device), kTmclTimeout.seconds())};

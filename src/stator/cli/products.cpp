@@ -1,27 +1,41 @@
 #include "stator/cli/products.hpp"
 
+#include <vector>
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "stator/cli/failure.hpp"
-#include "stator/devices/tmcm_142/parameters.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/product/catalogue/product.hpp"
+#include "stator/rack/core/device_making.hpp"
 
 namespace stator::cli {
 
+std::shared_ptr<const product::Product> find_product(const std::string& type) {
+  return rack::require_product(type, devices::products());
+}
+
 std::unique_ptr<product::Device> build_product(const std::string& type) {
-  return rack::make_device(rack::require_product(type).default_configuration(), {});
+  return find_product(type)->defaults().make();
 }
 
 const tmcl::ModuleDescription* find_tmcl_module(const std::string& type) {
-  const tmcl::ModuleDescription& only = devices::tmcm_142_description();
-  return type == only.product ? &only : nullptr;
+  const auto product = devices::products().find(type);
+  return product != nullptr ? product->tmcl_module() : nullptr;
 }
 
 const tmcl::ModuleDescription& tmcl_module(const std::string& type) {
   const tmcl::ModuleDescription* module = find_tmcl_module(type);
   if (module == nullptr) {
+    std::vector<std::string> modules;
+    for (const auto& product : devices::products().products()) {
+      if (product->tmcl_module() != nullptr) {
+        modules.push_back(product->identity().type);
+      }
+    }
     throw Failure(fmt::format("\"{}\" runs no programs in TMCL; the device that does is {}", type,
-                              devices::tmcm_142_description().product));
+                              fmt::join(modules, " or ")));
   }
   return *module;
 }

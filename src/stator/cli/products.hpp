@@ -3,10 +3,13 @@
 #include <memory>
 #include <string>
 
-#include "stator/product/device/device.hpp"
+#include "stator/product/catalogue/product.hpp"
 #include "stator/tmcl/module/module_description.hpp"
 
 namespace stator::cli {
+
+/// The product `type`. Throws std::runtime_error naming the products there are.
+[[nodiscard]] std::shared_ptr<const product::Product> find_product(const std::string& type);
 
 /// Builds the product `type` as it leaves its box; its events go nowhere. Throws Failure naming the
 /// products there are.

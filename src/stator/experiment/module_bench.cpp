@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
+
 namespace stator::experiment {
 
 namespace {

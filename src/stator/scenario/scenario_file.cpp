@@ -8,7 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/product/catalogue/catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/rack/toml/rack_file_steps.hpp"
 #include "stator/rack/toml/toml_section.hpp"
@@ -26,24 +27,24 @@ std::string beside(const std::string& file, const std::string& path) {
   return (std::filesystem::path(file).parent_path() / path).lexically_normal().string();
 }
 
-std::set<std::string> product_types() {
+std::set<std::string> product_types(const product::Catalogue& catalogue) {
   std::set<std::string> types;
-  for (const rack::Product& product : rack::products()) {
-    types.insert(std::string(product.type));
+  for (const auto& product : catalogue.products()) {
+    types.insert(product->identity().type);
   }
   return types;
 }
 
 /// The rack under test: a rack file, a product as it leaves its box, or tables of a rack file.
-rack::RackConfiguration read_scenario_rack(TomlSection& root) {
+rack::RackConfiguration read_scenario_rack(TomlSection& root, const product::Catalogue& catalogue) {
   const auto product = root.choice(
-      {"product", "Instead of a rack: one device as it leaves its box"}, product_types());
+      {"product", "Instead of a rack: one device as it leaves its box"}, product_types(catalogue));
   if (product) {
-    return rack::single_device_rack(*product);
+    return rack::single_device_rack(*product, catalogue);
   }
   if (root.is_table("rack")) {
     auto section = root.section("rack");
-    return rack::read_rack(*section);
+    return rack::read_rack(*section, catalogue);
   }
   const auto file = root.text({"rack", "A rack file, or a table with the keys of one"});
   if (!file) {
@@ -51,7 +52,7 @@ rack::RackConfiguration read_scenario_rack(TomlSection& root) {
                  "a scenario needs a rack file (\"rack\"), a device (\"product\"), or a "
                  "table [rack]");
   }
-  return rack::load_rack_file(beside(root.file(), *file));
+  return rack::load_rack_file(beside(root.file(), *file), catalogue);
 }
 
 const StepKind* find_kind(const std::string& name) {
@@ -86,12 +87,12 @@ Step read_step(TomlSection& section, StepReader& reader) {
   return step;
 }
 
-void read_scenario(TomlSection& root, Scenario& scenario) {
+void read_scenario(TomlSection& root, const product::Catalogue& catalogue, Scenario& scenario) {
   scenario.name = root.text({"name", "What the scenario shows, for lists and reports"})
                       .value_or(std::filesystem::path(scenario.file).stem().string());
   root.text({"summary", "What it is good for, for reports"}, scenario.summary);
   std::optional<rack::RackConfiguration> rack;
-  root.attempt([&] { rack = read_scenario_rack(root); });
+  root.attempt([&] { rack = read_scenario_rack(root, catalogue); });
   if (rack) {
     scenario.rack = std::move(*rack);
   }
@@ -115,14 +116,15 @@ void read_scenario(TomlSection& root, Scenario& scenario) {
 
 }  // namespace
 
-ScenarioRead parse_scenario(std::string_view text, const std::string& name) {
+ScenarioRead parse_scenario(std::string_view text, const std::string& name,
+                            const product::Catalogue& catalogue) {
   ScenarioRead read;
   read.scenario.file = name;
   rack::RackFileErrors errors;
   try {
     const toml::table table = rack::parse_toml(text, name);
     TomlSection root(name, "the scenario", table, &errors);
-    root.attempt([&] { read_scenario(root, read.scenario); });
+    root.attempt([&] { read_scenario(root, catalogue, read.scenario); });
   } catch (const rack::RackFileError& error) {
     errors.list.push_back(error);
   }
@@ -130,9 +132,9 @@ ScenarioRead parse_scenario(std::string_view text, const std::string& name) {
   return read;
 }
 
-ScenarioRead read_scenario_file(const std::string& path) {
+ScenarioRead read_scenario_file(const std::string& path, const product::Catalogue& catalogue) {
   try {
-    return parse_scenario(rack::read_rack_text(path, "scenario file"), path);
+    return parse_scenario(rack::read_rack_text(path, "scenario file"), path, catalogue);
   } catch (const rack::RackFileError& error) {
     ScenarioRead read;
     read.scenario.file = path;

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "stator/product/catalogue/catalogue.hpp"
 #include "stator/rack/toml/rack_file_error.hpp"
 #include "stator/scenario/scenario.hpp"
 
@@ -15,10 +16,13 @@ struct ScenarioRead {
   std::vector<rack::RackFileError> errors;  ///< with file, line, reason and remedy
 };
 
-/// Reads a scenario file (docs/how-to/scenarios.md) and the rack it names, and tells all that is
+/// Reads a scenario file (docs/how-to/scenarios.md) and the rack it names, of devices of
+/// `catalogue`, and tells all that is
 /// wrong with them. Files named in it are relative to it. Does not throw.
-[[nodiscard]] ScenarioRead read_scenario_file(const std::string& path);
+[[nodiscard]] ScenarioRead read_scenario_file(const std::string& path,
+                                              const product::Catalogue& catalogue);
 /// The same for the text of a scenario file; `name` stands for the file in messages.
-[[nodiscard]] ScenarioRead parse_scenario(std::string_view text, const std::string& name);
+[[nodiscard]] ScenarioRead parse_scenario(std::string_view text, const std::string& name,
+                                          const product::Catalogue& catalogue);
 
 }  // namespace stator::scenario

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/web/address.hpp"
 
 namespace stator::web {
@@ -72,7 +72,7 @@ State::State(rack::Rack& rack, const rack::RackConfiguration& configuration,
         (on_bus ? configuration.buses[address.network].devices
                 : configuration.segments[address.network].devices)[address.device];
     devices_.push_back({.name = device.name,
-                        .product = rack::product_name(device.product),
+                        .product = device.setup.product().identity().name(),
                         .network = on_bus ? configuration.buses[address.network].name
                                           : fmt::format("segment {}", address.network),
                         .address = address,

@@ -8,7 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/faults/fault_kinds.hpp"
 #include "stator/rack/file/fault_section.hpp"
 
@@ -44,17 +46,18 @@ SimDuration microseconds(Random& random, std::uint64_t from, std::uint64_t to) {
 /// Takes a product out of its box, with cables at some of its serial interfaces.
 rack::DeviceConfiguration device(Random& random, std::string_view type, std::string name,
                                  const std::vector<std::string>& links) {
-  RackConfiguration box = rack::single_device_rack(type);
+  RackConfiguration box = rack::single_device_rack(type, devices::products());
   rack::DeviceConfiguration device =
       box.segments.empty() ? box.buses[0].devices[0] : box.segments[0].devices[0];
   device.name = std::move(name);
   device.serial.clear();
-  if (auto* servo = std::get_if<devices::Tmcc160Configuration>(&device.product)) {
-    servo->boot_time = SimDuration(2'000'000);
+  if (type == "tmcc160") {
+    device.setup.as<devices::Tmcc160Configuration>().boot_time = SimDuration(2'000'000);
   }
-  for (const std::string_view interface : rack::find_product(type)->serial_interfaces) {
+  for (const product::SerialInterface& interface :
+       device.setup.product().identity().serial_interfaces) {
     if (!links.empty() && chance(random, 0.6)) {
-      device.serial.push_back({std::string(interface), one_of(random, links)});
+      device.serial.push_back({interface.name, one_of(random, links)});
     }
   }
   return device;

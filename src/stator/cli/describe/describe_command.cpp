@@ -20,6 +20,7 @@
 #include "stator/cli/products.hpp"
 #include "stator/dictionary/description.hpp"
 #include "stator/dictionary/quirks.hpp"
+#include "stator/product/catalogue/product.hpp"
 #include "stator/product/device/can_device.hpp"
 
 namespace stator::cli {
@@ -172,12 +173,13 @@ std::string parameter_of(const dictionary::QuirkDeclaration& quirk) {
 }
 
 void list_quirks(const DescribeOptions& options) {
-  const auto device = build_product(options.device);
-  if (device->object_dictionary() == nullptr) {
+  const auto product = find_product(options.device);
+  const product::Setup setup = product->defaults();
+  if (setup.quirks() == nullptr) {
     throw Failure(
         fmt::format("a {} has no quirks; devices with CoE or CANopen have", options.device));
   }
-  const bool canopen = dynamic_cast<product::CanDevice*>(device.get()) != nullptr;
+  const bool canopen = product->identity().network == product::NetworkKind::bus;
   std::vector<std::array<std::string, 4>> rows;
   for (const dictionary::QuirkDeclaration& quirk : dictionary::quirks()) {
     if (canopen ? quirk.canopen : quirk.coe) {
@@ -189,7 +191,7 @@ void list_quirks(const DescribeOptions& options) {
 }
 
 void list_io_block(const DescribeOptions& options) {
-  if (options.device != "tmc8461") {
+  if (!find_product(options.device)->identity().io_block) {
     throw Failure(
         fmt::format("a {} has no multi-function I/O block; a tmc8461 has one", options.device));
   }

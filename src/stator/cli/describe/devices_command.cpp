@@ -2,7 +2,8 @@
 #include <fmt/format.h>
 
 #include "stator/cli/commands.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/product/catalogue/product.hpp"
 
 namespace stator::cli {
 
@@ -10,8 +11,9 @@ void add_devices_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("devices", "List the products that can be run");
   command->callback([] {
     fmt::print("{:12}  {:58}  {}\n", "DEVICE", "WHAT IT IS", "REACHED OVER");
-    for (const rack::Product& product : rack::products()) {
-      fmt::print("{:12}  {:58}  {}\n", product.type, product.summary, product.reached_over);
+    for (const auto& product : devices::products().products()) {
+      const product::Identity& identity = product->identity();
+      fmt::print("{:12}  {:58}  {}\n", identity.type, identity.summary, identity.reached_over);
     }
   });
 }

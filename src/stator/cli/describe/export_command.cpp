@@ -11,7 +11,8 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
 #include "stator/formats/esi/esi.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/product/catalogue/product.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/kept/kept_file.hpp"
 #include "stator/rack/kept/state_directory.hpp"
 
@@ -50,12 +51,11 @@ std::string file_of(const ExportOptions& options) {
   if (options.kind == "content") {
     return content_of(options.device);
   }
-  const rack::ProductConfiguration product =
-      rack::require_product(options.device).default_configuration();
+  const product::Setup setup = find_product(options.device)->defaults();
   if (options.kind == "eds") {
-    return std::string(rack::make_can_device(product, {})->eds());
+    return std::string(rack::make_can_device(setup, {})->eds());
   }
-  const auto device = rack::make_ethercat_device(product, {});
+  const auto device = rack::make_ethercat_device(setup, {});
   const auto sii = device->sii_image();
   return options.kind == "sii" ? text_of(sii)
                                : formats::esi_xml(device->description(), device->dictionary(), sii);

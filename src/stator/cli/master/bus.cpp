@@ -11,9 +11,10 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/logging.hpp"
 #include "stator/cli/option_values.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/link/ethernet/link_address.hpp"
 #include "stator/link/ethernet/open_link.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/rack/world/text.hpp"
 
@@ -91,9 +92,9 @@ void Bus::open_interface(const BusOptions& options) {
 }
 
 void Bus::build_rack(const BusOptions& options) {
-  rack::RackConfiguration configuration = options.rack_file.empty()
-                                              ? rack::single_device_rack(options.device)
-                                              : rack::load_rack_file(options.rack_file);
+  rack::RackConfiguration configuration =
+      options.rack_file.empty() ? rack::single_device_rack(options.device, devices::products())
+                                : rack::load_rack_file(options.rack_file, devices::products());
   if (configuration.segments.empty()) {
     throw Failure(
         "this command is an EtherCAT master, and there are only CAN devices; run them with "

@@ -11,8 +11,9 @@
 #include "stator/cli/describe/rack_schema.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/run/serial_lines.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/link/ethernet/link_address.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_check.hpp"
 #include "stator/rack/toml/rack_file_description.hpp"
 
@@ -57,7 +58,7 @@ std::string place_on_bus(const rack::BusConfiguration& bus,
   }
   const std::string ports = bus.ports.empty() ? std::string("no port (give one with --port)")
                                               : fmt::format("{}", fmt::join(bus.ports, ", "));
-  return fmt::format("bus {}{}, {}", bus.name, address_text(device.product), ports);
+  return fmt::format("bus {}{}, {}", bus.name, address_text(device.setup), ports);
 }
 
 DeviceLine line_of(const rack::DeviceConfiguration& device, std::string place) {
@@ -73,7 +74,7 @@ DeviceLine line_of(const rack::DeviceConfiguration& device, std::string place) {
   if (!device.eoe_interface.empty()) {
     append("EoE to " + device.eoe_interface);
   }
-  return {device.name, rack::product_name(device.product), std::move(place)};
+  return {device.name, device.setup.product().identity().name(), std::move(place)};
 }
 
 std::vector<DeviceLine> lines_of(const rack::RackConfiguration& configuration) {
@@ -124,14 +125,14 @@ void print_json(const rack::RackCheck& check) {
 
 void check(const CheckOptions& options) {
   if (options.schema || options.reference) {
-    const rack::TableDescription rack_file = rack::describe_rack_file();
+    const rack::TableDescription rack_file = rack::describe_rack_file(devices::products());
     fmt::print("{}", options.schema ? rack_schema(rack_file) : rack_reference(rack_file));
     return;
   }
   if (options.rack_file.empty()) {
     throw Failure("name a rack file, e.g. stator check racks/gantry.toml");
   }
-  const rack::RackCheck check = rack::check_rack_file(options.rack_file);
+  const rack::RackCheck check = rack::check_rack_file(options.rack_file, devices::products());
   if (options.format == "json") {
     print_json(check);
   } else {

@@ -1,11 +1,9 @@
 #include "stator/cli/run/chip_sockets.hpp"
 
-#include <variant>
-
 #include <fmt/format.h>
 
 #include "stator/cli/failure.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/product/catalogue/product.hpp"
 
 namespace stator::cli {
 
@@ -16,11 +14,11 @@ void connect_chip(const std::string& link, rack::RackConfiguration& configuratio
   auto& devices = configuration.segments.empty() ? configuration.buses.front().devices
                                                  : configuration.segments.front().devices;
   rack::DeviceConfiguration& device = devices.front();
-  if (!std::holds_alternative<devices::Tmc8461Configuration>(device.product)) {
+  if (!device.setup.product().identity().host_port) {
     throw Failure(fmt::format(
         "--spi {}: a {} has its own firmware and no pins for one of yours; --spi belongs "
         "to a chip, e.g. --device tmc8461",
-        link, rack::product_of(device.product)->type));
+        link, device.setup.product().identity().type));
   }
   if (devices.size() > 1) {
     throw Failure(
@@ -38,22 +36,10 @@ void print_chip(const std::string& socket) {
       socket);
 }
 
-namespace {
-
-/// By its pin, or by its EEPROM (word 0, bit 8) as it leaves its box.
-bool emulates(const devices::Tmc8461Configuration& chip) {
-  constexpr std::byte kEmulation{0x01};
-  return chip.device_emulation ||
-         (chip.sii.size() > 1 && (chip.sii[1] & kEmulation) != std::byte{0});
-}
-
-}  // namespace
-
 void print_chips_without_firmware(const rack::RackConfiguration& configuration) {
   for (const rack::SegmentConfiguration& segment : configuration.segments) {
     for (const rack::DeviceConfiguration& device : segment.devices) {
-      const auto* chip = std::get_if<devices::Tmc8461Configuration>(&device.product);
-      if (chip != nullptr && !emulates(*chip) && device.host_link.empty()) {
+      if (device.setup.product().waits_for_host(device.setup) && device.host_link.empty()) {
         fmt::print(
             "{} has no firmware, so it stays in Init: give it a socket for one with --spi or "
             "\"spi\" "

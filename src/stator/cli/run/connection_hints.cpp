@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "stator/product/catalogue/product.hpp"
 #include "stator/rack/core/wiring.hpp"
 
 namespace stator::cli {
@@ -60,8 +61,7 @@ bool installed(std::string_view program) {
 }
 
 bool has_axis(const rack::DeviceConfiguration& device) {
-  return !std::holds_alternative<devices::Tmc8461Configuration>(device.product) &&
-         !std::holds_alternative<devices::JunctionConfiguration>(device.product);
+  return !product::Setup(device.setup).axes().empty();
 }
 
 /// " --position N" of the first device with an axis, where it is not the first; nothing if there is
@@ -80,8 +80,7 @@ std::optional<std::string> position_of_axis(const rack::SegmentConfiguration& se
 /// Some device has objects that slaveinfo can list.
 bool has_objects(const rack::SegmentConfiguration& segment) {
   return std::ranges::any_of(segment.devices, [](const rack::DeviceConfiguration& device) {
-    const auto* chip = std::get_if<devices::Tmc8461Configuration>(&device.product);
-    return chip == nullptr ? has_axis(device) : (chip->mailbox_bytes > 0 && chip->coe);
+    return device.setup.product().has_objects(device.setup);
   });
 }
 

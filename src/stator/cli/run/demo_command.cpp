@@ -13,8 +13,10 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/logging.hpp"
 #include "stator/cli/master/master_session.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/plant/axes/stepper_axis.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/observe/plot.hpp"
 
 namespace stator::cli {
@@ -43,13 +45,14 @@ constexpr std::array<DemoMove, 3> kMoves{{
 
 /// The demonstration's rack: one module whose axes carry different loads.
 rack::RackConfiguration demo_rack(const std::string& csv) {
-  rack::RackConfiguration configuration = rack::single_device_rack("tmcm-3315");
+  rack::RackConfiguration configuration =
+      rack::single_device_rack("tmcm-3315", devices::products());
   rack::DeviceConfiguration& device = configuration.segments.front().devices.front();
-  auto& module = std::get<devices::Tmcm3315Configuration>(device.product);
-  module.axes[1].load.inertia = 3e-5;
-  module.axes[1].load.coulomb_friction = 0.02;
-  module.axes[2].load.inertia = 1e-5;
-  module.axes[2].load.viscous_friction = 2e-3;
+  const std::vector<product::AxisSetup> axes = device.setup.axes();
+  axes.at(1).stepper->load.inertia = 3e-5;
+  axes.at(1).stepper->load.coulomb_friction = 0.02;
+  axes.at(2).stepper->load.inertia = 1e-5;
+  axes.at(2).stepper->load.viscous_friction = 2e-3;
   configuration.record = rack::RecordConfiguration{csv, base::SimDuration(100'000), {"*"}};
   return configuration;
 }

@@ -11,9 +11,11 @@
 #include "stator/cli/run/chip_sockets.hpp"
 #include "stator/cli/run/run_options.hpp"
 #include "stator/cli/run/serial_lines.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/link/can/can_link_address.hpp"
 #include "stator/link/serial/serial_link.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/product/catalogue/product.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file.hpp"
 
 namespace stator::cli {
@@ -32,7 +34,7 @@ rack::RackConfiguration base_configuration(const RunOptions& options) {
     refuse(!options.serial.empty(), "--serial",
            "a rack file names the serial lines of its devices");
     refuse(!options.spi.empty(), "--spi", "a rack file names the sockets of its chips");
-    return rack::load_rack_file(options.rack_file);
+    return rack::load_rack_file(options.rack_file, devices::products());
   }
   if (options.device.empty()) {
     throw Failure(
@@ -41,13 +43,14 @@ rack::RackConfiguration base_configuration(const RunOptions& options) {
         "one: "
         "with --serial pty:/tmp/stator-serial)");
   }
-  rack::RackConfiguration configuration = rack::single_device_rack(options.device);
+  rack::RackConfiguration configuration =
+      rack::single_device_rack(options.device, devices::products());
   auto& devices = configuration.segments.empty() ? configuration.buses.front().devices
                                                  : configuration.segments.front().devices;
   for (unsigned i = 1; i < options.count; ++i) {
     devices.push_back(devices.front());
     devices.back().name = fmt::format("{}-{}", devices.front().name, i + 1);
-    count_address(devices.back().product, i);
+    count_address(devices.back().setup, i);
   }
   connect_serial_lines(options.serial, configuration);
   connect_chip(options.spi, configuration);
@@ -57,13 +60,9 @@ rack::RackConfiguration base_configuration(const RunOptions& options) {
 void switch_emergencies_off(rack::RackConfiguration& configuration) {
   for (rack::SegmentConfiguration& segment : configuration.segments) {
     for (rack::DeviceConfiguration& device : segment.devices) {
-      std::visit(
-          [](auto& product) {
-            if constexpr (requires { product.emergencies; }) {
-              product.emergencies = false;
-            }
-          },
-          device.product);
+      if (product::CoeOptions* const coe = device.setup.coe(); coe != nullptr) {
+        coe->emergencies = false;
+      }
     }
   }
 }

@@ -9,7 +9,7 @@
 #include "stator/cli/run/connection_hints.hpp"
 #include "stator/cli/run/serial_lines.hpp"
 #include "stator/link/can/can_link.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/wiring.hpp"
 
 namespace stator::cli {
@@ -26,8 +26,8 @@ void print_buses(const rack::RackConfiguration& configuration, rack::Runner& run
                bus.bit_rate ? fmt::format("{} kbit/s", *bus.bit_rate / 1000) : "unlimited",
                bus.devices.size(), bus.devices.size() == 1 ? "" : "s");
     for (const rack::DeviceConfiguration& device : bus.devices) {
-      fmt::print("  {}  ({}{})\n", device.name, rack::product_name(device.product),
-                 address_text(device.product));
+      fmt::print("  {}  ({}{})\n", device.name, device.setup.product().identity().name(),
+                 address_text(device.setup));
     }
     for (std::size_t port = 0; port < runner.bus(i).ports(); ++port) {
       fmt::print("Programs connect to {}:\n  {}\n", runner.bus(i).port(port).name(),

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <string_view>
 #include <utility>
-#include <variant>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "stator/canopen/nmt/node.hpp"
 #include "stator/cli/failure.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/product/catalogue/product.hpp"
 
 namespace stator::cli {
 
@@ -20,37 +19,37 @@ constexpr unsigned kSerialAddresses = 0x100;
 constexpr unsigned kCanIdentifiers = 0x800;
 constexpr std::string_view kShared = "rs485";
 
-void count_tmcl_address(devices::Tmcm142Configuration& configuration, unsigned offset) {
-  const unsigned address = configuration.serial_address + offset;
-  unsigned identifier = configuration.can_id + offset;
-  const unsigned reply = configuration.can_reply_id;
-  if (configuration.can_id < reply && identifier >= reply) {
+void count_tmcl_address(product::TmclAddress& tmcl, unsigned offset) {
+  const unsigned address = tmcl.serial + offset;
+  unsigned identifier = tmcl.can + offset;
+  const unsigned reply = tmcl.can_reply;
+  if (tmcl.can < reply && identifier >= reply) {
     ++identifier;
   }
   if (address >= kSerialAddresses || identifier >= kCanIdentifiers) {
     throw Failure(fmt::format("--count {}: a serial line has addresses up to {}", offset + 1,
                               kSerialAddresses - 1));
   }
-  configuration.serial_address = static_cast<std::uint8_t>(address);
-  configuration.can_id = static_cast<std::uint16_t>(identifier);
+  tmcl.serial = static_cast<std::uint8_t>(address);
+  tmcl.can = static_cast<std::uint16_t>(identifier);
 }
 
-/// The interface that a line without one means.
-std::string_view default_interface(const rack::Product& product, std::size_t devices) {
-  const auto& interfaces = product.serial_interfaces;
+/// The interface that a line without one means; there is one at least.
+std::string default_interface(const std::vector<std::string>& interfaces, std::size_t devices) {
   const bool shared = devices > 1 && std::ranges::find(interfaces, kShared) != interfaces.end();
-  return shared ? kShared : interfaces.front();
+  return shared ? std::string(kShared) : interfaces.front();
 }
 
-rack::SerialConnection connection_of(const std::string& text, const rack::Product& product,
+rack::SerialConnection connection_of(const std::string& text, const product::Identity& identity,
                                      std::size_t devices) {
+  const std::vector<std::string> interfaces = identity.serial_interface_names();
   const std::size_t equals = text.find('=');
   const bool named = equals != std::string::npos && equals < text.find(':');
   const std::string interface =
-      named ? text.substr(0, equals) : std::string(default_interface(product, devices));
-  if (std::ranges::find(product.serial_interfaces, interface) == product.serial_interfaces.end()) {
+      named ? text.substr(0, equals) : default_interface(interfaces, devices);
+  if (std::ranges::find(interfaces, interface) == interfaces.end()) {
     throw Failure(fmt::format("--serial {}: a {} has no interface \"{}\"; it has {}", text,
-                              product.type, interface, fmt::join(product.serial_interfaces, ", ")));
+                              identity.type, interface, fmt::join(interfaces, ", ")));
   }
   if (devices > 1 && interface != kShared && interface != "rs422") {
     throw Failure(
@@ -75,15 +74,15 @@ void for_each_device(const rack::RackConfiguration& configuration, const Visit& 
   }
 }
 
-std::string serial_address_text(const rack::ProductConfiguration& product) {
-  const auto* const module = std::get_if<devices::Tmcm142Configuration>(&product);
-  return module != nullptr ? fmt::format(", address {}", module->serial_address) : "";
+std::string serial_address_text(const product::Setup& setup) {
+  const product::TmclAddress* const tmcl = setup.tmcl_address();
+  return tmcl != nullptr ? fmt::format(", address {}", tmcl->serial) : "";
 }
 
 /// How programs talk over a line.
 struct LineUse {
   std::string_view class_name = "serial_tmcl";  ///< PyTrinamic's name of it
-  std::uint32_t baud_rate = devices::tmcm_142::kBaudRates.front();
+  std::uint32_t baud_rate = 9600;
 };
 
 /// What the interface at the line speaks, and how fast: that of the last device named on it.
@@ -95,12 +94,12 @@ LineUse use_of(const rack::RackConfiguration& configuration,
     if (found == device.serial.end()) {
       return;
     }
-    if (const auto* module = std::get_if<devices::Tmcm142Configuration>(&device.product)) {
-      use.baud_rate = devices::tmcm_142::kBaudRates.at(module->baud_rate);
-    } else if (std::holds_alternative<devices::Tmc8670Configuration>(device.product)) {
-      const bool registers = found->interface == devices::Tmc8670::kSerialInterfaces[1];
-      use = registers ? LineUse{"uart_ic", devices::tmc8670::HardwareUart::kDefaultBaudRate}
-                      : LineUse{"serial_tmcl", devices::tmc8670::McuUart::kBaudRate};
+    for (const product::SerialInterface& each :
+         device.setup.product().serial_interfaces(device.setup)) {
+      if (each.name == found->interface) {
+        const bool registers = each.protocol == product::SerialProtocol::registers;
+        use = {registers ? "uart_ic" : "serial_tmcl", each.baud_rate.value_or(use.baud_rate)};
+      }
     }
   });
   return use;
@@ -131,37 +130,27 @@ std::string hints(const rack::RackConfiguration& configuration,
 
 }  // namespace
 
-void count_address(rack::ProductConfiguration& product, unsigned offset) {
-  std::visit(
-      [offset](auto& configuration) {
-        if constexpr (requires { configuration.node_id; }) {
-          if (configuration.node_id + offset > canopen::kMaximumNodeId) {
-            throw Failure(fmt::format("--count {}: a CAN bus has node-IDs up to {}", offset + 1,
-                                      canopen::kMaximumNodeId));
-          }
-          configuration.node_id = static_cast<std::uint8_t>(configuration.node_id + offset);
-        } else if constexpr (requires { configuration.serial_address; }) {
-          count_tmcl_address(configuration, offset);
-        }
-      },
-      product);
+void count_address(product::Setup& setup, unsigned offset) {
+  if (std::uint8_t* const node_id = setup.node_id(); node_id != nullptr) {
+    if (*node_id + offset > canopen::kMaximumNodeId) {
+      throw Failure(fmt::format("--count {}: a CAN bus has node-IDs up to {}", offset + 1,
+                                canopen::kMaximumNodeId));
+    }
+    *node_id = static_cast<std::uint8_t>(*node_id + offset);
+  } else if (product::TmclAddress* const tmcl = setup.tmcl_address(); tmcl != nullptr) {
+    count_tmcl_address(*tmcl, offset);
+  }
 }
 
-std::string address_text(const rack::ProductConfiguration& product) {
-  return std::visit(
-      [](const auto& configuration) -> std::string {
-        if constexpr (requires { configuration.node_id; }) {
-          return canopen::is_node_id(configuration.node_id)
-                     ? fmt::format(", node-ID {}", configuration.node_id)
-                     : ", without a node-ID";
-        } else if constexpr (requires { configuration.serial_address; }) {
-          return fmt::format(", identifier {}, replies to {}", configuration.can_id,
-                             configuration.can_reply_id);
-        } else {
-          return {};
-        }
-      },
-      product);
+std::string address_text(const product::Setup& setup) {
+  if (const std::uint8_t* const node_id = setup.node_id(); node_id != nullptr) {
+    return canopen::is_node_id(*node_id) ? fmt::format(", node-ID {}", *node_id)
+                                         : ", without a node-ID";
+  }
+  const product::TmclAddress* const tmcl = setup.tmcl_address();
+  return tmcl == nullptr
+             ? ""
+             : fmt::format(", identifier {}, replies to {}", tmcl->can, tmcl->can_reply);
 }
 
 void connect_serial_lines(const std::vector<std::string>& lines,
@@ -169,8 +158,8 @@ void connect_serial_lines(const std::vector<std::string>& lines,
   for (const std::string& text : lines) {
     auto& devices = configuration.segments.empty() ? configuration.buses.front().devices
                                                    : configuration.segments.front().devices;
-    const rack::Product& product = *rack::product_of(devices.front().product);
-    const rack::SerialConnection connection = connection_of(text, product, devices.size());
+    const rack::SerialConnection connection =
+        connection_of(text, devices.front().setup.product().identity(), devices.size());
     for (rack::DeviceConfiguration& device : devices) {
       device.serial.push_back(connection);
     }
@@ -183,8 +172,8 @@ void print_line(const rack::RackConfiguration& configuration,
   for_each_device(configuration, [&line](const rack::DeviceConfiguration& device) {
     for (const rack::SerialConnection& connection : device.serial) {
       if (connection.line == line.link) {
-        fmt::print("  {}  ({}, {}{})\n", device.name, rack::product_name(device.product),
-                   connection.interface, serial_address_text(device.product));
+        fmt::print("  {}  ({}, {}{})\n", device.name, device.setup.product().identity().name(),
+                   connection.interface, serial_address_text(device.setup));
       }
     }
   });

@@ -13,6 +13,7 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/scenario/report.hpp"
 #include "stator/scenario/runner.hpp"
 #include "stator/scenario/scenario_file.hpp"
@@ -111,7 +112,7 @@ void test(const TestOptions& options) {
   }
   std::vector<ScenarioResult> results;
   for (const std::string& file : scenario_files(options.paths)) {
-    const scenario::ScenarioRead read = scenario::read_scenario_file(file);
+    const scenario::ScenarioRead read = scenario::read_scenario_file(file, devices::products());
     if (fnmatch(options.filter.c_str(), read.scenario.name.c_str(), 0) != 0) {
       continue;
     }

@@ -16,8 +16,10 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/simulate/simulation_output.hpp"
 #include "stator/cli/temporary_csv.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/experiment/experiment.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/product/catalogue/product.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/rack/world/text.hpp"
 
@@ -98,30 +100,32 @@ double parse_quantity(const std::string& option, const std::string& text, std::s
 /// The axis of a device of the rack file.
 experiment::BenchSetup setup_of_device(const rack::DeviceConfiguration& device,
                                        experiment::MotorKind kind, unsigned axis) {
+  product::Setup copy = device.setup;
+  const std::vector<product::AxisSetup> axes = copy.axes();
+  const product::AxisSetup found = axis < axes.size() ? axes[axis] : product::AxisSetup{};
   experiment::BenchSetup setup;
   if (kind == experiment::MotorKind::three_phase) {
-    const auto* servo = std::get_if<devices::Tmcc160Configuration>(&device.product);
-    if (servo == nullptr || axis != 0) {
+    if (found.servo == nullptr) {
       throw Failure(fmt::format(
           "{} has no axis {} with a three-phase motor; see \"stator devices\"", device.name, axis));
     }
-    setup.servo = servo->axis;
+    setup.servo = *found.servo;
     return setup;
   }
-  const auto* module = std::get_if<devices::Tmcm3315Configuration>(&device.product);
-  if (module == nullptr || axis >= module->axes.size()) {
+  if (found.stepper == nullptr || found.full_scale_current == 0.0) {
     throw Failure(fmt::format("{} has no axis {} with a stepper motor; see \"stator devices\"",
                               device.name, axis));
   }
-  setup.axis = module->axes[axis];
-  setup.full_scale_current = module->full_scale_current;
+  setup.axis = *found.stepper;
+  setup.full_scale_current = found.full_scale_current;
   return setup;
 }
 
 /// The axis of the rack file that is asked for; without a name that of the first device on the
 /// network of its kind.
 experiment::BenchSetup setup_from_rack(const SimulateOptions& options, experiment::MotorKind kind) {
-  const rack::RackConfiguration configuration = rack::load_rack_file(options.rack_file);
+  const rack::RackConfiguration configuration =
+      rack::load_rack_file(options.rack_file, devices::products());
   std::vector<const rack::DeviceConfiguration*> devices;
   for (const rack::SegmentConfiguration& segment : configuration.segments) {
     for (const rack::DeviceConfiguration& device : segment.devices) {

@@ -14,6 +14,8 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
 #include "stator/cli/simulate/tune_output.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
 #include "stator/experiment/tuning/tuner.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/rack/file/rack_file_objects.hpp"
@@ -48,12 +50,12 @@ struct Target {
 };
 
 Target target_from_rack(const TuneOptions& options) {
-  const rack::RackConfiguration rack = rack::load_rack_file(options.target);
+  const rack::RackConfiguration rack = rack::load_rack_file(options.target, devices::products());
   std::vector<std::string> names;
   for (std::size_t s = 0; s < rack.segments.size(); ++s) {
     const auto& devices = rack.segments[s].devices;
     for (std::size_t d = 0; d < devices.size(); ++d) {
-      const auto* found = std::get_if<Tmc8670Configuration>(&devices[d].product);
+      const auto* found = devices[d].setup.find<Tmc8670Configuration>();
       if (found == nullptr) {
         continue;
       }

@@ -1,15 +1,14 @@
 #include "stator/cli/tmcl/tmcl_bench_options.hpp"
 
 #include <set>
-#include <type_traits>
-#include <variant>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "stator/cli/failure.hpp"
 #include "stator/cli/products.hpp"
-#include "stator/devices/tmcm_142/tmcm_142.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/product/catalogue/product.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/rack/world/text.hpp"
 #include "stator/tmcl_tools/failure.hpp"
@@ -18,32 +17,18 @@ namespace stator::cli {
 
 namespace {
 
-/// Null if the product is another.
-const devices::Tmcm142Configuration* tmcl_product(const rack::ProductConfiguration& product) {
-  return std::visit(
-      [](const auto& configuration) -> const devices::Tmcm142Configuration* {
-        if constexpr (std::is_same_v<std::decay_t<decltype(configuration)>,
-                                     devices::Tmcm142Configuration>) {
-          return &configuration;
-        } else {
-          return nullptr;
-        }
-      },
-      product);
-}
-
 /// The module of a rack file that is meant.
-devices::Tmcm142Configuration configuration_in_rack(const TmclBenchOptions& options) {
-  const rack::RackConfiguration configuration = rack::load_rack_file(options.rack_file);
+product::Setup setup_in_rack(const TmclBenchOptions& options) {
+  const rack::RackConfiguration configuration =
+      rack::load_rack_file(options.rack_file, devices::products());
   std::set<std::string> names;
   for (const rack::BusConfiguration& bus : configuration.buses) {
     for (const rack::DeviceConfiguration& device : bus.devices) {
-      const devices::Tmcm142Configuration* module = tmcl_product(device.product);
-      if (module == nullptr) {
+      if (device.setup.product().tmcl_module() == nullptr) {
         continue;
       }
       if (options.rack_device.empty() || options.rack_device == device.name) {
-        return *module;
+        return device.setup;
       }
       names.insert(device.name);
     }
@@ -88,11 +73,11 @@ void add_program_options(CLI::App& command, TmclBenchOptions& options) {
 tmcl_tools::TmclModule make_tmcl_module(const TmclBenchOptions& options,
                                         base::EventReporter reporter) {
   static_cast<void>(tmcl_module(options.device));
-  const devices::Tmcm142Configuration configuration =
-      options.rack_file.empty() ? devices::Tmcm142Configuration{} : configuration_in_rack(options);
-  auto device = std::make_unique<devices::Tmcm142>(configuration, reporter);
-  tmcl::Firmware& firmware = device->tmcl();
-  return {std::move(device), &firmware};
+  const product::Setup setup =
+      options.rack_file.empty() ? find_product(options.device)->defaults() : setup_in_rack(options);
+  std::unique_ptr<product::Device> device = setup.make(reporter);
+  tmcl::Firmware* const firmware = device->tmcl_firmware();
+  return {std::move(device), firmware};
 }
 
 std::vector<tmcl_tools::InputChange> input_changes(const TmclBenchOptions& options) {

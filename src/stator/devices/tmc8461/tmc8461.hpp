@@ -48,6 +48,9 @@ class Tmc8461 final : public product::EtherCatDevice,
   [[nodiscard]] std::vector<product::Signal> signals() override;
   [[nodiscard]] std::vector<product::Input> inputs() override;
   [[nodiscard]] product::HostPort* host_port() override { return this; }
+  [[nodiscard]] std::optional<product::TracedPins> traced_pins() override {
+    return product::TracedPins{"tmc8461", board_, configuration_.board, io()};
+  }
   [[nodiscard]] std::vector<board::KeptPart> kept_parts() override { return board_.kept_parts(); }
 
   // The controller beside it.

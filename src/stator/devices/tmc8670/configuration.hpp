@@ -11,6 +11,7 @@
 #include "stator/devices/tmc8670/objects.hpp"
 #include "stator/dictionary/quirks.hpp"
 #include "stator/plant/axes/pwm_axis.hpp"
+#include "stator/product/catalogue/parts.hpp"
 
 namespace stator::devices {
 
@@ -35,16 +36,10 @@ struct Tmc8670Configuration {
   /// "System time PDI controlled": the host steers the distributed clock (0910h) and not the bus.
   bool host_controls_time = false;
   std::uint32_t serial_number = 0;  ///< 1018h:04
-  std::uint16_t station_alias = 0;
 
-  bool emergencies = true;       ///< send CoE emergencies
-  bool require_outputs = false;  ///< Operational only after outputs have come
-  /// Explicit device identification; the chip has no ID switch, so by default it has none.
-  std::optional<std::uint16_t> identification;
-  /// Ethernet over EtherCAT, which the document's firmware does not name; to test masters with.
-  bool ethernet_over_ethercat = false;
-  /// How long a firmware download waits for the flash to be erased.
-  base::SimDuration firmware_erase_time;
+  /// The chip has no ID switch, so by default no identification; its firmware's document does not
+  /// name Ethernet over EtherCAT, so by default none.
+  product::CoeOptions coe;
   dictionary::Quirks quirks;  ///< what it does otherwise than it should
 };
 

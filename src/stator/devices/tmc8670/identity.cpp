@@ -39,7 +39,7 @@ ethercat::DeviceDescription describe(const Tmc8670Configuration& configuration) 
   description.order_code = "TMC8670";
   description.name = "TMC8670";
   description.group = "Drives";
-  description.station_alias = configuration.station_alias;
+  description.station_alias = configuration.coe.station_alias;
   description.receive_mailbox = kReceiveMailbox;
   description.transmit_mailbox = kTransmitMailbox;
   description.output_offset = kOutputs;
@@ -48,7 +48,7 @@ ethercat::DeviceDescription describe(const Tmc8670Configuration& configuration) 
   description.bootstrap_transmit_mailbox = kTransmitMailbox;
   description.coe = true;
   description.foe = true;
-  description.eoe = configuration.ethernet_over_ethercat;
+  description.eoe = configuration.coe.ethernet_over_ethercat;
   description.sdo_information = true;
   description.complete_access = true;
   description.pdo_assign = true;
@@ -64,12 +64,12 @@ ethercat::DeviceDescription describe(const Tmc8670Configuration& configuration) 
 ethercat::SlaveStackOptions stack_options(const Tmc8670Configuration& configuration,
                                           ethercat::FileStore& files) {
   ethercat::SlaveStackOptions options;
-  options.emergencies = configuration.emergencies;
-  options.require_outputs = configuration.require_outputs;
-  options.device_identification = configuration.identification;
+  options.emergencies = configuration.coe.emergencies;
+  options.require_outputs = configuration.coe.require_outputs;
+  options.device_identification = configuration.coe.identification;
   options.files = &files;
   options.quirks = configuration.quirks;
-  options.foe = {.bootstrap_only = true, .erase_time = configuration.firmware_erase_time};
+  options.foe = {.bootstrap_only = true, .erase_time = configuration.coe.firmware_erase_time};
   options.process_memory_end = kProcessMemoryEnd;
   options.distributed_clocks.sync0 = true;
   options.distributed_clocks.shortest_cycle = kShortestCycle;

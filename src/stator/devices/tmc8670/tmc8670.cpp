@@ -72,7 +72,7 @@ Tmc8670::Tmc8670(const Tmc8670Configuration& configuration, base::EventReporter 
   controller_.set_event_reporter(reporter);
   controller_.load_sii(ethercat::build_sii_image(
       ethercat::with_quirks(description_, configuration.quirks), dictionary_,
-      {.device_identification = configuration.identification.has_value()}));
+      {.device_identification = configuration.coe.identification.has_value()}));
 }
 
 void Tmc8670::show_version(dictionary::Entry& entry) {

@@ -70,9 +70,9 @@ Tmcm142::Tables::Tables(const Tmcm142Configuration& configuration)
       global(copy_of(tmcm_142::global_parameters())),
       description(tmcm_142_description()) {
   const auto number = [](auto parameter) { return static_cast<std::uint8_t>(parameter); };
-  set_default(global, number(GlobalParameter::serial_address), configuration.serial_address);
-  set_default(global, number(GlobalParameter::can_identifier), configuration.can_id);
-  set_default(global, number(GlobalParameter::can_reply_identifier), configuration.can_reply_id);
+  set_default(global, number(GlobalParameter::serial_address), configuration.tmcl.serial);
+  set_default(global, number(GlobalParameter::can_identifier), configuration.tmcl.can);
+  set_default(global, number(GlobalParameter::can_reply_identifier), configuration.tmcl.can_reply);
   set_default(global, number(GlobalParameter::auto_start), configuration.auto_start ? 1 : 0);
   set_default(global, number(ModuleParameter::can_bit_rate), configuration.can_bit_rate);
   set_default(global, number(ModuleParameter::baud_rate), configuration.baud_rate);

@@ -14,6 +14,7 @@
 #include "stator/devices/tmcm_142/eeprom.hpp"
 #include "stator/devices/tmcm_142/module.hpp"
 #include "stator/devices/tmcm_142/options.hpp"
+#include "stator/product/catalogue/parts.hpp"
 #include "stator/product/device/can_device.hpp"
 #include "stator/tmcl/instruction.hpp"
 #include "stator/tmcl/interpreter/firmware.hpp"
@@ -30,12 +31,10 @@ struct Tmcm142Configuration {
   plant::StepperAxisParameters axis = tmcm_142::default_axis();
   tmcm_142::Options options;
   tmcm_142::DipSwitches dip_switches;
-  std::uint8_t serial_address = 1;  ///< global parameter 66 as delivered
-  std::uint16_t can_id = 1;         ///< 71 as delivered, 0..7FFh
-  std::uint16_t can_reply_id = 2;   ///< 70 as delivered, 0..7FFh
-  std::uint8_t can_bit_rate = 8;    ///< 69 as delivered: index, 8 = 1000 kbit/s
-  std::uint8_t baud_rate = 0;       ///< 65 as delivered: index, 0 = 9600
-  bool auto_start = false;          ///< 77 as delivered
+  product::TmclAddress tmcl;
+  std::uint8_t can_bit_rate = 8;  ///< 69 as delivered: index, 8 = 1000 kbit/s
+  std::uint8_t baud_rate = 0;     ///< 65 as delivered: index, 0 = 9600
+  bool auto_start = false;        ///< 77 as delivered
   /// What is in the program memory as delivered.
   std::vector<tmcl::Instruction> program;
   base::SimDuration instruction_time{100'000};  ///< of programs (A85), at least 1 ns
@@ -77,6 +76,7 @@ class Tmcm142 final : public product::CanDevice {
   /// The power LED is the only one the document describes (M142-HW-014).
   [[nodiscard]] product::Indicators indicators() override;
   [[nodiscard]] const tmcl::Firmware* tmcl_firmware() const override { return &firmware_; }
+  [[nodiscard]] tmcl::Firmware* tmcl_firmware() override { return &firmware_; }
 
   /// Bit/s of a serial interface, as it was set at the latest start (parameter 65, A59); nothing:
   /// it has none (USB).

@@ -50,7 +50,7 @@ ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration)
   description.order_code = "TMCM-3315";
   description.name = "TMCM-3315";
   description.group = "Drives";
-  description.station_alias = configuration.station_alias;
+  description.station_alias = configuration.coe.station_alias;
   description.receive_mailbox = kReceiveMailbox;
   description.transmit_mailbox = kTransmitMailbox;
   description.output_offset = kOutputs;
@@ -59,7 +59,7 @@ ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration)
   description.bootstrap_transmit_mailbox = kTransmitMailbox;
   description.coe = true;
   description.foe = true;
-  description.eoe = configuration.ethernet_over_ethercat;
+  description.eoe = configuration.coe.ethernet_over_ethercat;
   description.sdo_information = true;
   description.complete_access = true;
   description.pdo_assign = true;
@@ -74,12 +74,12 @@ ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration)
 ethercat::SlaveStackOptions stack_options(const Tmcm3315Configuration& configuration,
                                           ethercat::FileStore& files) {
   ethercat::SlaveStackOptions options;
-  options.emergencies = configuration.emergencies;
-  options.require_outputs = configuration.require_outputs;
-  options.device_identification = configuration.identification;
+  options.emergencies = configuration.coe.emergencies;
+  options.require_outputs = configuration.coe.require_outputs;
+  options.device_identification = configuration.coe.identification;
   options.files = &files;
   options.quirks = configuration.quirks;
-  options.foe = {.bootstrap_only = true, .erase_time = configuration.firmware_erase_time};
+  options.foe = {.bootstrap_only = true, .erase_time = configuration.coe.firmware_erase_time};
   options.process_memory_end = kProcessMemoryEnd;
   options.distributed_clocks.sync0 = true;
   options.distributed_clocks.shortest_cycle = kShortestCycle;
@@ -118,7 +118,7 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
   controller_.set_event_reporter(reporter);
   controller_.load_sii(ethercat::build_sii_image(
       ethercat::with_quirks(description_, configuration.quirks), dictionary_,
-      {.device_identification = configuration.identification.has_value()}));
+      {.device_identification = configuration.coe.identification.has_value()}));
   feed_brakes();
 }
 

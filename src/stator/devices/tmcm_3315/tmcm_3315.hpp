@@ -17,6 +17,7 @@
 #include "stator/ethercat/stack/slave_application.hpp"
 #include "stator/ethercat/stack/slave_stack.hpp"
 #include "stator/plant/axes/stepper_axis.hpp"
+#include "stator/product/catalogue/parts.hpp"
 #include "stator/product/device/ethercat_device.hpp"
 
 namespace stator::devices {
@@ -34,19 +35,13 @@ struct Tmcm3315Configuration {
   std::uint32_t product_code = 3315;      ///< 1018h:02; printed without h, hence decimal
   std::optional<std::uint32_t> revision;  ///< 1018h:03; none: that of the firmware
   std::uint32_t serial_number = 0;        ///< in the SII only, 1018h has no entry for it
-  std::uint16_t station_alias = 0;
 
-  bool emergencies = true;       ///< send CoE emergencies
-  bool require_outputs = false;  ///< Operational only after outputs have come
-  /// Explicit device identification; the module has no ID switch, so by default it has none.
-  std::optional<std::uint16_t> identification;
-  /// How long a firmware download waits for the flash to be erased.
-  base::SimDuration firmware_erase_time;
+  /// The module has no ID switch, so by default no identification; its document names CoE and FoE
+  /// only, so by default no Ethernet over EtherCAT.
+  product::CoeOptions coe;
   /// At home the position becomes the home offset 607Ch, as on many drives, instead of its
   /// negative.
   bool home_offset_is_position = false;
-  /// Ethernet over EtherCAT, which the module does not have: its document names CoE and FoE only.
-  bool ethernet_over_ethercat = false;
   dictionary::Quirks quirks;  ///< what it does otherwise than it should
 };
 

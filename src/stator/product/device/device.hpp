@@ -88,6 +88,7 @@ class Device {
   [[nodiscard]] virtual NetworkStatus network_status() { return {}; }
   /// What runs TMCL programs in it; null: nothing does.
   [[nodiscard]] virtual const tmcl::Firmware* tmcl_firmware() const { return nullptr; }
+  [[nodiscard]] virtual tmcl::Firmware* tmcl_firmware() { return nullptr; }
 
   /// Everything that can be recorded, with names unique within the device.
   [[nodiscard]] virtual std::vector<Signal> signals() = 0;

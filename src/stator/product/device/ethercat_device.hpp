@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "stator/board/peripheral/kept_content.hpp"
@@ -13,7 +15,24 @@
 #include "stator/product/device/device.hpp"
 #include "stator/product/device/host_port.hpp"
 
+namespace stator::board {
+class Board;
+struct BoardConfiguration;
+}  // namespace stator::board
+
+namespace stator::mfc {
+class Block;
+}
+
 namespace stator::product {
+
+/// The pins of an I/O block, with what is wired to them.
+struct TracedPins {
+  std::string_view name;  ///< of the chip, in files
+  board::Board& board;
+  const board::BoardConfiguration& wiring;
+  const mfc::Block& block;
+};
 
 /// A complete EtherCAT product. Frames go through its slave controller (ethercat::Segment does
 /// that). What becomes of the controller when the supply is switched is said to its segment
@@ -47,6 +66,9 @@ class EtherCatDevice : public Device {
   void set_clock_deviation(double ppb) {
     controller().set_clock_deviation(static_cast<std::int32_t>(ppb));
   }
+
+  /// Pins that a logic analyser can be put to; nothing: it has none.
+  [[nodiscard]] virtual std::optional<TracedPins> traced_pins() { return std::nullopt; }
 
   /// What keeps content without supply among the parts that are wired to its pins.
   [[nodiscard]] virtual std::vector<board::KeptPart> kept_parts() { return {}; }

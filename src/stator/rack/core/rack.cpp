@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/faults.hpp"
 #include "stator/rack/core/nested_calls.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
 #include "stator/rack/core/wiring.hpp"
 #include "stator/rack/observe/journal.hpp"
 #include "stator/rack/world/input_names.hpp"
@@ -79,10 +79,9 @@ void Rack::begin_trace(const TraceConfiguration& configuration, ClockKind clock)
   std::set<std::string> names;
   for (SegmentMembers& members : segments_) {
     for (NamedDevice& member : members.devices) {
-      auto* chip = dynamic_cast<devices::Tmc8461*>(member.device.get());
-      if (chip != nullptr &&
-          (configuration.device.empty() || configuration.device == member.name)) {
-        trace_ = std::make_unique<PinTrace>(*chip, configuration, clock);
+      const std::optional<product::TracedPins> pins = member.device->traced_pins();
+      if (pins && (configuration.device.empty() || configuration.device == member.name)) {
+        trace_ = std::make_unique<PinTrace>(*pins, configuration, clock);
         outputs_.add(trace_->output(),
                      {.name = "trace " + configuration.file,
                       .records = "pieces",
@@ -91,7 +90,7 @@ void Rack::begin_trace(const TraceConfiguration& configuration, ClockKind clock)
                       .always_waits = true});
         return;
       }
-      if (chip != nullptr) {
+      if (pins) {
         names.insert(member.name);
       }
     }
@@ -113,7 +112,7 @@ void Rack::add(const SegmentConfiguration& segment, std::vector<std::string>& na
     const base::EventReporter reporter(&log_, static_cast<std::uint16_t>(names.size()));
     names.push_back(device.name);
     log_.set_device_names(names);
-    members.devices.push_back({device.name, make_ethercat_device(device.product, reporter)});
+    members.devices.push_back({device.name, make_ethercat_device(device.setup, reporter)});
     members.inputs.push_back(members.devices.back().device->inputs());
     if (storage_ != nullptr) {
       storage_->attach(device.name, *members.devices.back().device, reporter);
@@ -143,10 +142,11 @@ void Rack::add(const BusConfiguration& bus, std::vector<std::string>& names) {
     const base::EventReporter reporter(&log_, static_cast<std::uint16_t>(names.size()));
     names.push_back(device.name);
     log_.set_device_names(names);
-    NamedCanDevice member{device.name, make_can_device(device.product, reporter)};
+    NamedCanDevice member{device.name, make_can_device(device.setup, reporter)};
     members.inputs.push_back(member.device->inputs());
     if (storage_ != nullptr) {
-      storage_->attach(device.name, product_name(device.product), *member.device, reporter);
+      storage_->attach(device.name, device.setup.product().identity().name(), *member.device,
+                       reporter);
     }
     members.network->add(std::move(member), reporter);
     members.network->set_connected(members.inputs.size() - 1, bus.wire);

@@ -36,14 +36,14 @@ bool is_server(const link::CanLinkAddress& address) {
          ((address.kind == slcan_tcp || address.kind == socketcand) && address.port != 0);
 }
 
-BusConfiguration read_bus(TomlSection& section, std::size_t number, std::set<std::string>& names) {
+BusConfiguration read_bus(TomlSection& section, std::size_t number, DeviceReading& reading) {
   BusConfiguration bus;
   bus.name = section
                  .text({"name",
                         "Unique in the rack; prefix of its own signals and log lines; can0, can1, "
                         "… by default"})
                  .value_or(fmt::format("can{}", number));
-  if (!names.insert(bus.name).second) {
+  if (!reading.names.insert(bus.name).second) {
     section.refuse("name",
                    fmt::format("the name \"{}\" is given twice; give each bus and device its "
                                "own \"name\"",
@@ -73,7 +73,7 @@ BusConfiguration read_bus(TomlSection& section, std::size_t number, std::set<std
   }
   for (TomlSection& device : section.sections({"device", "The CAN devices on it"})) {
     device.attempt([&] {
-      bus.devices.push_back(read_device(device, names, NetworkKind::bus));
+      bus.devices.push_back(read_device(device, reading, NetworkKind::bus));
       device.finish();
     });
   }
@@ -86,10 +86,9 @@ BusConfiguration read_bus(TomlSection& section, std::size_t number, std::set<std
 
 }  // namespace
 
-void read_buses(TomlSection& root, std::set<std::string>& names,
-                std::vector<BusConfiguration>& buses) {
+void read_buses(TomlSection& root, DeviceReading& reading, std::vector<BusConfiguration>& buses) {
   for (TomlSection& section : root.sections({"bus", "CAN devices on one wire"})) {
-    section.attempt([&] { buses.push_back(read_bus(section, buses.size(), names)); });
+    section.attempt([&] { buses.push_back(read_bus(section, buses.size(), reading)); });
   }
 }
 

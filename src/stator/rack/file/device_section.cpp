@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <map>
 #include <optional>
-#include <variant>
 
 #include <fmt/format.h>
 
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/devices/junction/junction.hpp"
+#include "stator/devices/tmc8461/tmc8461.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
+#include "stator/devices/tmcm_142/tmcm_142.hpp"
+#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
+#include "stator/product/catalogue/product.hpp"
 #include "stator/rack/file/serial_section.hpp"
 #include "stator/rack/sections/coe_keys.hpp"
 #include "stator/rack/sections/quirks_section.hpp"
@@ -31,11 +36,11 @@ void read_product(TomlSection& section, devices::Tmcm3315Configuration& configur
   section.integer({"alias",
                    "Configured station alias (SII word 4); an EEPROM file in the state directory "
                    "has precedence"},
-                  0, 0xFFFF, configuration.station_alias);
+                  0, 0xFFFF, configuration.coe.station_alias);
   section.choice(
       {"firmware", "1.07 has neither the N-channel latch 200Fh nor cyclic synchronous velocity"},
       firmware_versions(), configuration.firmware);
-  read_coe_keys(section, configuration);
+  read_coe_keys(section, configuration.coe);
   section.boolean({"home_offset_is_position",
                    "At home the position becomes the home offset 607Ch instead of its negative"},
                   configuration.home_offset_is_position);
@@ -79,18 +84,32 @@ void read_product(TomlSection& section, devices::JunctionConfiguration& configur
                   configuration.clock_deviation_ppb);
 }
 
-[[noreturn]] void read_product(TomlSection& section, OwnCanDevice& /*configuration*/) {
-  section.fail("type", "a device of one's own has no place in a rack file");
+/// Reads the keys of the product `setup` is of, if it is of this one.
+template <typename Configuration>
+bool read_if(TomlSection& section, product::Setup& setup) {
+  if (setup.find<Configuration>() == nullptr) {
+    return false;
+  }
+  read_product(section, setup.as<Configuration>());
+  return true;
+}
+
+void read_product(TomlSection& section, product::Setup& setup) {
+  static_cast<void>(read_if<devices::Tmcm3315Configuration>(section, setup) ||
+                    read_if<devices::Tmc8670Configuration>(section, setup) ||
+                    read_if<devices::Tmcc160Configuration>(section, setup) ||
+                    read_if<devices::Tmcm142Configuration>(section, setup) ||
+                    read_if<devices::Tmc8461Configuration>(section, setup) ||
+                    read_if<devices::JunctionConfiguration>(section, setup));
 }
 
 }  // namespace
 
-DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& names,
-                                NetworkKind network) {
+DeviceConfiguration read_device(TomlSection& section, DeviceReading& reading, NetworkKind network) {
   std::set<std::string> types;
-  for (const Product& product : products()) {
-    if (product.network == network) {
-      types.emplace(product.type);
+  for (const auto& product : reading.catalogue.products()) {
+    if (product->identity().network == network) {
+      types.insert(product->identity().type);
     }
   }
   const std::optional<std::string> type =
@@ -107,18 +126,15 @@ DeviceConfiguration read_device(TomlSection& section, std::set<std::string>& nam
           .text({"name",
                  "Unique in the rack; prefix of its signals and log lines; by default its type"})
           .value_or(*type);
-  const Product& product = *find_product(*type);
-  device.product = product.default_configuration();
-  device.serial = read_serial_connections(section, product);
-  if (!names.insert(device.name).second) {
+  const auto product = reading.catalogue.find(*type);
+  device.setup = product->defaults();
+  device.serial = read_serial_connections(section, product->identity());
+  if (!reading.names.insert(device.name).second) {
     section.refuse("name", fmt::format("the name \"{}\" is given twice; give each device its own "
                                        "\"name\"",
                                        device.name));
   }
-  section.attempt([&] {
-    std::visit([&section](auto& configuration) { read_product(section, configuration); },
-               device.product);
-  });
+  section.attempt([&] { read_product(section, device.setup); });
   return device;
 }
 

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "stator/ethercat/standard/frame.hpp"
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/faults/fault_commands.hpp"
 #include "stator/rack/faults/surroundings_faults.hpp"
 #include "stator/rack/toml/rack_file_steps.hpp"
@@ -270,9 +270,7 @@ void FaultReader::check_reach(TomlSection& section, const FaultConfiguration& fa
     section.fail("device", fmt::format("\"{}\" is not on EtherCAT, so \"{}\" cannot happen to it",
                                        device.name, fault.kind->name));
   }
-  if (reach == FaultReach::ethercat_firmware &&
-      (std::holds_alternative<devices::Tmc8461Configuration>(device.product) ||
-       std::holds_alternative<devices::JunctionConfiguration>(device.product))) {
+  if (reach == FaultReach::ethercat_firmware && !device.setup.product().identity().own_firmware) {
     section.fail("device", fmt::format("\"{}\" has no firmware of its own, so \"{}\" cannot happen "
                                        "to it; a program beside a chip can do that",
                                        device.name, fault.kind->name));

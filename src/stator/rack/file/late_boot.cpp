@@ -11,15 +11,8 @@ namespace stator::rack {
 namespace {
 
 base::SimDuration late_boot_of(const DeviceConfiguration& device) {
-  return std::visit(
-      [](const auto& product) {
-        if constexpr (requires { product.quirks; }) {
-          return product.quirks.late_boot;
-        } else {
-          return base::SimDuration();
-        }
-      },
-      device.product);
+  const dictionary::Quirks* const quirks = device.setup.quirks();
+  return quirks != nullptr ? quirks->late_boot : base::SimDuration();
 }
 
 void delay(DeviceAddress device, base::SimDuration time, std::vector<EventConfiguration>& events) {

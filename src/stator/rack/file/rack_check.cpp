@@ -12,7 +12,8 @@
 
 #include <fmt/format.h>
 
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/product/catalogue/catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/shared_addresses.hpp"
 #include "stator/rack/kept/device_storage.hpp"
@@ -55,8 +56,8 @@ void check_state(const RackConfiguration& configuration, Rack& rack, TomlSection
       for (std::size_t device = 0; device < bus.devices.size(); ++device) {
         NamedCanDevice& member = rack.bus(i).devices()[device];
         collect([&] {
-          storage.attach(member.name, product_name(bus.devices[device].product), *member.device,
-                         {});
+          storage.attach(member.name, bus.devices[device].setup.product().identity().name(),
+                         *member.device, {});
         });
       }
     }
@@ -106,14 +107,14 @@ void sort_by_place(std::vector<RackFileError>& errors, const std::string& file) 
 
 }  // namespace
 
-RackCheck check_rack_file(const std::string& path) {
+RackCheck check_rack_file(const std::string& path, const product::Catalogue& catalogue) {
   RackFileErrors errors;
   RackCheck check;
   try {
     const std::string text = read_rack_text(path);
     const toml::table table = parse_toml(text, path);
     TomlSection root(path, "the rack", table, &errors);
-    RackConfiguration configuration = read_rack(root);
+    RackConfiguration configuration = read_rack(root, catalogue);
     if (errors.list.empty()) {
       check_devices(configuration, root, errors);
     }

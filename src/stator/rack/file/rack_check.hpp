@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "stator/product/catalogue/catalogue.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/toml/rack_file_error.hpp"
 
@@ -18,10 +19,12 @@ struct RackCheck {
   std::vector<std::string> warnings;
 };
 
-/// Reads the rack file at `path` and everything it names - programs, EEPROM images, configurations,
-/// the files of its state directory -, builds its devices, and tells all that a run would refuse.
-/// Opens no interface, writes nothing and creates nothing. Files to be written are checked for
-/// their directories only; whether interfaces and ports exist and are free shows in a run.
-[[nodiscard]] RackCheck check_rack_file(const std::string& path);
+/// Reads the rack file at `path`, of devices of `catalogue`, and everything it names - programs,
+/// EEPROM images, configurations, the files of its state directory -, builds its devices, and tells
+/// all that a run would refuse. Opens no interface, writes nothing and creates nothing. Files to be
+/// written are checked for their directories only; whether interfaces and ports exist and are free
+/// shows in a run.
+[[nodiscard]] RackCheck check_rack_file(const std::string& path,
+                                        const product::Catalogue& catalogue);
 
 }  // namespace stator::rack

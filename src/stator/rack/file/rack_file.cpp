@@ -12,6 +12,7 @@
 
 #include "stator/link/ethernet/link_address.hpp"
 #include "stator/link/serial/chip_server.hpp"
+#include "stator/product/catalogue/catalogue.hpp"
 #include "stator/rack/core/wiring.hpp"
 #include "stator/rack/file/bus_section.hpp"
 #include "stator/rack/file/device_section.hpp"
@@ -43,16 +44,13 @@ void read_eoe(TomlSection& section, DeviceConfiguration& device) {
     return;
   }
   device.eoe_interface = address->name;
-  const auto switch_on = [&](auto& configuration) {
-    if constexpr (requires { configuration.ethernet_over_ethercat; }) {
-      configuration.ethernet_over_ethercat = true;
-    } else {
-      section.refuse("eoe",
-                     "this chip has no firmware of its own whose mailbox could carry Ethernet; "
-                     "firmware at its pins may offer EoE itself, or run a tmcm-3315 or tmc8670");
-    }
-  };
-  std::visit(switch_on, device.product);
+  if (product::CoeOptions* const coe = device.setup.coe(); coe != nullptr) {
+    coe->ethernet_over_ethercat = true;
+  } else {
+    section.refuse("eoe",
+                   "this chip has no firmware of its own whose mailbox could carry Ethernet; "
+                   "firmware at its pins may offer EoE itself, or run a tmcm-3315 or tmc8670");
+  }
 }
 
 /// The socket for the firmware beside a chip.
@@ -63,7 +61,7 @@ void read_host_link(TomlSection& section, DeviceConfiguration& device) {
     return;
   }
   device.host_link = *text;
-  if (!std::holds_alternative<devices::Tmc8461Configuration>(device.product)) {
+  if (!device.setup.product().identity().host_port) {
     section.refuse("spi",
                    "this product has no pins for a firmware of yours; \"spi\" belongs "
                    "to a chip, e.g. a tmc8461");
@@ -74,9 +72,9 @@ void read_host_link(TomlSection& section, DeviceConfiguration& device) {
   }
 }
 
-DeviceConfiguration read_segment_device(TomlSection& section, std::set<std::string>& names,
+DeviceConfiguration read_segment_device(TomlSection& section, DeviceReading& reading,
                                         std::span<const DeviceConfiguration> before) {
-  DeviceConfiguration device = read_device(section, names, NetworkKind::segment);
+  DeviceConfiguration device = read_device(section, reading, NetworkKind::segment);
   read_eoe(section, device);
   read_host_link(section, device);
   section.attempt([&] { read_wiring(section, before, device); });
@@ -98,7 +96,7 @@ void read_link(TomlSection& section, const TomlKey& key, link::LinkAddress& link
   link = *address;
 }
 
-SegmentConfiguration read_segment(TomlSection& section, std::set<std::string>& names) {
+SegmentConfiguration read_segment(TomlSection& section, DeviceReading& reading) {
   SegmentConfiguration segment;
   read_link(section, {"link", "ethercat:INTERFACE, udp:ADDRESS[:PORT], tap:NAME or in-process"},
             segment.link);
@@ -119,7 +117,7 @@ SegmentConfiguration read_segment(TomlSection& section, std::set<std::string>& n
   for (TomlSection& device :
        section.sections({"device", "The EtherCAT slaves, first = next to the master"})) {
     device.attempt(
-        [&] { segment.devices.push_back(read_segment_device(device, names, segment.devices)); });
+        [&] { segment.devices.push_back(read_segment_device(device, reading, segment.devices)); });
   }
   if (segment.devices.empty() && section.sections("device").empty()) {
     section.refuse("device", "a segment needs at least one [[segment.device]]");
@@ -143,7 +141,7 @@ RecordConfiguration read_record(TomlSection section) {
 
 }  // namespace
 
-RackConfiguration read_rack(TomlSection& root) {
+RackConfiguration read_rack(TomlSection& root, const product::Catalogue& catalogue) {
   RackConfiguration configuration;
   root.choice({"clock", "real: the machine's time; lockstep: time moves only with the master"},
               clock_kinds(), configuration.clock);
@@ -154,13 +152,13 @@ RackConfiguration read_rack(TomlSection& root) {
                 configuration.step);
   configuration.state =
       root.text({"state", "Directory in which devices keep what outlives power"}).value_or("");
-  std::set<std::string> device_names;
+  DeviceReading devices{catalogue};
   for (TomlSection& segment :
        root.sections({"segment", "EtherCAT slaves behind one interface, or two in a ring"})) {
-    segment.attempt([&] { configuration.segments.push_back(read_segment(segment, device_names)); });
+    segment.attempt([&] { configuration.segments.push_back(read_segment(segment, devices)); });
   }
-  root.attempt([&] { read_buses(root, device_names, configuration.buses); });
-  root.attempt([&] { read_line_devices(root, device_names, configuration.buses); });
+  root.attempt([&] { read_buses(root, devices, configuration.buses); });
+  root.attempt([&] { read_line_devices(root, devices, configuration.buses); });
   if (configuration.segments.empty() && configuration.buses.empty() &&
       root.sections("segment").empty() && root.sections("bus").empty() &&
       root.sections("device").empty()) {
@@ -207,10 +205,11 @@ toml::table parse_toml(std::string_view text, const std::string& name) {
   }
 }
 
-RackConfiguration parse_rack_file(std::string_view text, const std::string& name) {
+RackConfiguration parse_rack_file(std::string_view text, const std::string& name,
+                                  const product::Catalogue& catalogue) {
   const toml::table table = parse_toml(text, name);
   TomlSection root(name, "the rack", table);
-  return read_rack(root);
+  return read_rack(root, catalogue);
 }
 
 std::string read_rack_text(const std::string& path, std::string_view what) {
@@ -224,8 +223,8 @@ std::string read_rack_text(const std::string& path, std::string_view what) {
   return text;
 }
 
-RackConfiguration load_rack_file(const std::string& path) {
-  return parse_rack_file(read_rack_text(path), path);
+RackConfiguration load_rack_file(const std::string& path, const product::Catalogue& catalogue) {
+  return parse_rack_file(read_rack_text(path), path, catalogue);
 }
 
 }  // namespace stator::rack

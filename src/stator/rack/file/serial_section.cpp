@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "stator/link/serial/serial_link.hpp"
+#include "stator/product/catalogue/product.hpp"
 #include "stator/rack/file/device_section.hpp"
 #include "stator/rack/file/rack_file.hpp"
 
@@ -78,10 +79,9 @@ SerialLineConfiguration read_line(TomlSection& section) {
 }  // namespace
 
 std::vector<SerialConnection> read_serial_connections(TomlSection& section,
-                                                      const Product& product) {
+                                                      const product::Identity& identity) {
   std::vector<SerialConnection> connections;
-  for (const std::string_view name : product.serial_interfaces) {
-    const std::string interface(name);
+  for (const auto& [interface, protocol, baud_rate] : identity.serial_interfaces) {
     const std::optional<std::string> line =
         section.text({interface, "Serial line at that interface: pty:PATH or tcp:[ADDRESS:]PORT"});
     if (!line) {
@@ -95,21 +95,23 @@ std::vector<SerialConnection> read_serial_connections(TomlSection& section,
   return connections;
 }
 
-void read_line_devices(TomlSection& root, std::set<std::string>& names,
+void read_line_devices(TomlSection& root, DeviceReading& reading,
                        std::vector<BusConfiguration>& buses) {
   BusConfiguration bus = bus_without_wire();
   for (TomlSection& section :
        root.sections({"device", "Devices that are reached over serial lines only"})) {
     section.attempt([&] {
-      bus.devices.push_back(read_device(section, names, NetworkKind::bus));
+      bus.devices.push_back(read_device(section, reading, NetworkKind::bus));
       const DeviceConfiguration& device = bus.devices.back();
       if (device.serial.empty()) {
-        const Product& product = *product_of(device.product);
         section.refuse(
-            "type", fmt::format("\"{}\" cannot be reached: a [[device]] needs a serial line; write "
-                                "{} = \"{}\", or put it on a [[bus]]",
-                                device.name, fmt::join(product.serial_interfaces, " or "),
-                                link::kSerialLinkForms));
+            "type",
+            fmt::format(
+                "\"{}\" cannot be reached: a [[device]] needs a serial line; write "
+                "{} = \"{}\", or put it on a [[bus]]",
+                device.name,
+                fmt::join(device.setup.product().identity().serial_interface_names(), " or "),
+                link::kSerialLinkForms));
       }
       section.finish();
     });

@@ -4,20 +4,20 @@
 #include <string>
 #include <vector>
 
-#include "stator/rack/core/product_catalogue.hpp"
-#include "stator/rack/core/rack_configuration.hpp"
+#include "stator/product/catalogue/product.hpp"
+#include "stator/rack/file/device_section.hpp"
 #include "stator/rack/toml/toml_section.hpp"
 
 namespace stator::rack {
 
 /// Reads the lines to which a device's serial interfaces are connected: keys of the interfaces'
 /// names. Throws RackFileError.
-[[nodiscard]] std::vector<SerialConnection> read_serial_connections(TomlSection& section,
-                                                                    const Product& product);
+[[nodiscard]] std::vector<SerialConnection> read_serial_connections(
+    TomlSection& section, const product::Identity& identity);
 
 /// Reads the [[device]] tables of a rack file: devices that are reached over serial lines only.
 /// They get a bus without wire, which becomes the last of `buses`. Throws RackFileError.
-void read_line_devices(TomlSection& root, std::set<std::string>& names,
+void read_line_devices(TomlSection& root, DeviceReading& reading,
                        std::vector<BusConfiguration>& buses);
 
 /// Reads the [[line]] tables of a rack file, when all its devices are in `configuration`. Throws

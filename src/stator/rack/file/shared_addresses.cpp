@@ -10,6 +10,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "stator/devices/tmcc160/tmcc160.hpp"
+#include "stator/devices/tmcm_142/tmcm_142.hpp"
+#include "stator/product/catalogue/product.hpp"
+
 namespace stator::rack {
 
 namespace {
@@ -41,29 +45,17 @@ constexpr Words words_for(Kind kind) {
 using Address = std::pair<Kind, unsigned>;
 using Holders = std::map<Address, std::vector<std::string>>;
 
-bool has_interface(const Tmcm142Configuration& module, std::string_view interface) {
-  return !module.dip_switches.interface || *module.dip_switches.interface == interface;
+std::optional<Address> address_on_bus(const product::Setup& setup) {
+  if (const std::uint8_t* const node_id = setup.node_id(); node_id != nullptr) {
+    return Address{Kind::node_id, *node_id};
+  }
+  const std::optional<unsigned> identifier = setup.product().tmcl_identifier(setup);
+  return identifier ? std::optional(Address{Kind::can_id, *identifier}) : std::nullopt;
 }
 
-std::optional<Address> address_on_bus(const ProductConfiguration& product) {
-  if (const auto* drive = std::get_if<Tmcc160Configuration>(&product)) {
-    return Address{Kind::node_id, drive->node_id};
-  }
-  const auto* module = std::get_if<Tmcm142Configuration>(&product);
-  if (module == nullptr || !has_interface(*module, "can")) {
-    return std::nullopt;
-  }
-  return Address{Kind::can_id, module->can_id + module->dip_switches.address};
-}
-
-std::optional<Address> address_on_line(const ProductConfiguration& product,
-                                       std::string_view interface) {
-  const auto* module = std::get_if<Tmcm142Configuration>(&product);
-  if (module == nullptr || !has_interface(*module, interface)) {
-    return std::nullopt;
-  }
-  const unsigned added = interface == "rs422" ? module->dip_switches.address : 0;
-  return Address{Kind::address, (module->serial_address + added) & 0xFFU};
+std::optional<Address> address_on_line(const product::Setup& setup, std::string_view interface) {
+  const std::optional<unsigned> address = setup.product().tmcl_address_on(setup, interface);
+  return address ? std::optional(Address{Kind::address, *address}) : std::nullopt;
 }
 
 void tell(const std::string& network, const Holders& holders, std::vector<std::string>& sentences) {
@@ -88,11 +80,11 @@ std::vector<std::string> shared_addresses(const RackConfiguration& configuration
   for (const BusConfiguration& bus : configuration.buses) {
     Holders on_bus;
     for (const DeviceConfiguration& device : bus.devices) {
-      if (const auto address = address_on_bus(device.product); address && bus.wire) {
+      if (const auto address = address_on_bus(device.setup); address && bus.wire) {
         on_bus[*address].push_back(device.name);
       }
       for (const SerialConnection& connection : device.serial) {
-        if (const auto address = address_on_line(device.product, connection.interface)) {
+        if (const auto address = address_on_line(device.setup, connection.interface)) {
           lines[connection.line][*address].push_back(device.name);
         }
       }

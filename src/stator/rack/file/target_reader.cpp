@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/wiring.hpp"
 #include "stator/rack/world/text.hpp"
 
@@ -97,7 +97,7 @@ std::size_t TargetReader::read_bus(TomlSection& section, const std::string& name
 const std::vector<product::Input>& TargetReader::inputs_of(DeviceAddress device) {
   const auto [place, is_new] = inputs_.try_emplace(device);
   if (is_new) {
-    place->second = make_device(device_at(device).product, {})->inputs();
+    place->second = device_at(device).setup.make()->inputs();
   }
   return place->second;
 }

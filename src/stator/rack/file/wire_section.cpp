@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/world/input_names.hpp"
 #include "stator/rack/world/text.hpp"
 
@@ -74,7 +74,7 @@ const WireSectionReader::Terminals& WireSectionReader::terminals_of(DeviceAddres
     const std::vector<DeviceConfiguration>& devices = address.kind == NetworkKind::bus
                                                           ? rack_.buses[address.network].devices
                                                           : rack_.segments[address.network].devices;
-    const auto device = make_device(devices[address.device].product, {});
+    const auto device = devices[address.device].setup.make();
     for (const product::Signal& signal : device->signals()) {
       place->second.signals.insert(signal.name);
     }

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "stator/rack/core/product_catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/wiring.hpp"
 #include "stator/rack/world/text.hpp"
 
@@ -39,7 +39,7 @@ std::size_t read_after(TomlSection& section, const std::string& name,
 
 void require_port(TomlSection& section, const char* key, unsigned port,
                   const DeviceConfiguration& device) {
-  const unsigned ports = ports_of(device.product);
+  const unsigned ports = device.setup.product().ports(device.setup);
   if (port >= ports) {
     section.fail(key, fmt::format("\"{}\" is {}, but \"{}\" has the ports 0 to {}", key, port,
                                   device.name, ports - 1));

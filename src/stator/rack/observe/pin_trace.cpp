@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "stator/board/assembly/board.hpp"
+#include "stator/mfc/block/block.hpp"
 #include "stator/mfc/pins/signal.hpp"
 #include "stator/rack/world/text.hpp"
 
@@ -62,12 +64,13 @@ std::uint32_t converter_lines(const mfc::Block& block) {
   return lines;
 }
 
-std::uint32_t traced_lines(devices::Tmc8461& chip, const TraceConfiguration& configuration) {
+std::uint32_t traced_lines(const product::TracedPins& pins,
+                           const TraceConfiguration& configuration) {
   std::uint32_t lines = 0;
   for (const std::string& pin : configuration.pins) {
     lines |= bit(line_of(pin));
   }
-  return lines != 0 ? lines : wired_lines(chip.configuration().board) & ~converter_lines(chip.io());
+  return lines != 0 ? lines : wired_lines(pins.wiring) & ~converter_lines(pins.block);
 }
 
 /// The buses among `lines`, as the crossbar leads to them now.
@@ -118,12 +121,13 @@ std::array<std::string, board::kLines> line_names(const board::BoardConfiguratio
 
 }  // namespace
 
-PinTrace::PinTrace(devices::Tmc8461& chip, const TraceConfiguration& configuration, ClockKind clock)
+PinTrace::PinTrace(const product::TracedPins& pins, const TraceConfiguration& configuration,
+                   ClockKind clock)
     : waits_(clock == ClockKind::lockstep),
-      trace_(traced_lines(chip, configuration),
-             decoded_lines(chip.io(), traced_lines(chip, configuration)), 1,
+      trace_(traced_lines(pins, configuration),
+             decoded_lines(pins.block, traced_lines(pins, configuration)), 1,
              board::LogicTrace::Sink::bind<&PinTrace::take>(*this)),
-      format_("tmc8461", trace_, line_names(chip.configuration().board)),
+      format_(pins.name, trace_, line_names(pins.wiring)),
       queue_(configuration.queue) {
   auto output = link::BackgroundOutput::create(configuration.file,
                                                std::as_bytes(std::span(format_.header())));
@@ -133,7 +137,7 @@ PinTrace::PinTrace(devices::Tmc8461& chip, const TraceConfiguration& configurati
   }
   output_ = std::move(*output);
   thread_ = std::thread([this] { run(); });
-  chip.board().trace(trace_);
+  pins.board.trace(trace_);
 }
 
 PinTrace::~PinTrace() {

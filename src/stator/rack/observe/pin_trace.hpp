@@ -15,8 +15,8 @@
 #include "stator/base/sim_time.hpp"
 #include "stator/board/lines/logic_trace.hpp"
 #include "stator/board/lines/vcd.hpp"
-#include "stator/devices/tmc8461/tmc8461.hpp"
 #include "stator/link/system/background_output.hpp"
+#include "stator/product/device/ethercat_device.hpp"
 #include "stator/rack/observe/trace_configuration.hpp"
 #include "stator/rack/world/clock.hpp"
 
@@ -32,8 +32,9 @@ namespace stator::rack {
 class PinTrace {
  public:
   /// Opens the file and begins at once. Throws std::runtime_error for a file that cannot be written
-  /// or pins that do not exist. `chip` must not be advanced after the trace has ended its life.
-  PinTrace(devices::Tmc8461& chip, const TraceConfiguration& configuration, ClockKind clock);
+  /// or pins that do not exist. The chip must not be advanced after the trace has ended its life.
+  PinTrace(const product::TracedPins& pins, const TraceConfiguration& configuration,
+           ClockKind clock);
   ~PinTrace();
   PinTrace(const PinTrace&) = delete;
   PinTrace& operator=(const PinTrace&) = delete;

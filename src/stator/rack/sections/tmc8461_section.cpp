@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "stator/devices/tmc8461/sii.hpp"
+#include "stator/devices/tmc8461/tmc8461.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
 #include "stator/rack/sections/board_section.hpp"
 #include "stator/rack/sections/mfc_configuration_file.hpp"

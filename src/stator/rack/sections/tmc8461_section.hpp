@@ -1,6 +1,7 @@
 #pragma once
 
 #include "stator/devices/tmc8461/configuration.hpp"
+#include "stator/devices/tmc8461/tmc8461.hpp"
 #include "stator/rack/toml/toml_section.hpp"
 
 namespace stator::rack {

@@ -12,6 +12,7 @@
 #include "stator/base/byte_order.hpp"
 #include "stator/base/event.hpp"
 #include "stator/devices/tmc8670/objects.hpp"
+#include "stator/devices/tmc8670/tmc8670.hpp"
 #include "stator/dictionary/dictionary.hpp"
 #include "stator/rack/sections/coe_keys.hpp"
 #include "stator/rack/sections/phy_keys.hpp"
@@ -144,7 +145,7 @@ void read_tmc8670(TomlSection& section, devices::Tmc8670Configuration& configura
   section.integer({"alias",
                    "Configured station alias (SII word 4); an EEPROM file in the state directory "
                    "has precedence"},
-                  0, 0xFFFF, configuration.station_alias);
+                  0, 0xFFFF, configuration.coe.station_alias);
   section.integer({"serial_number", "1018h:04 and SII"}, 0, 0xFFFFFFFF,
                   configuration.serial_number);
   configuration.controller =
@@ -154,7 +155,7 @@ void read_tmc8670(TomlSection& section, devices::Tmc8670Configuration& configura
   section.integer({"clock_deviation_ppb", "Error of its oscillator", "ppb"}, -1'000'000, 1'000'000,
                   configuration.clock_deviation_ppb);
   read_straps(section, configuration);
-  read_coe_keys(section, configuration);
+  read_coe_keys(section, configuration.coe);
   if (auto objects = section.section(
           {"objects",
            "Other defaults of objects; keys are index and subindex in hexadecimal, \"2030:03\""})) {

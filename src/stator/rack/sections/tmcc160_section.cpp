@@ -7,6 +7,7 @@
 
 #include "stator/canopen/node_id.hpp"
 #include "stator/devices/tmcc160/objects.hpp"
+#include "stator/devices/tmcc160/tmcc160.hpp"
 #include "stator/rack/sections/quirks_section.hpp"
 #include "stator/rack/sections/servo_axis_section.hpp"
 

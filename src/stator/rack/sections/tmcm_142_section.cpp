@@ -19,6 +19,7 @@
 
 #include "stator/devices/tmcm_142/options.hpp"
 #include "stator/devices/tmcm_142/parameters.hpp"
+#include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "stator/rack/sections/stepper_axis_section.hpp"
 #include "stator/tmcl/assembler/assembler.hpp"
 #include "stator/tmcl/assembler/program_image.hpp"
@@ -150,13 +151,13 @@ void read_dip_switches(TomlSection section, devices::tmcm_142::DipSwitches& swit
 
 void read_tmcm_142(TomlSection& section, devices::Tmcm142Configuration& configuration) {
   section.integer({"address", "On serial lines as delivered (66)"}, 0, 0xFF,
-                  configuration.serial_address);
+                  configuration.tmcl.serial);
   set_rate(section, {"baud_rate", "As delivered (global parameter 65)", "bit/s"},
            devices::tmcm_142::kBaudRates, 1, 0, configuration.baud_rate);
   section.integer({"can_id", "CAN identifier to the module as delivered (71)"}, 0, 0x7FF,
-                  configuration.can_id);
+                  configuration.tmcl.can);
   section.integer({"can_reply_id", "CAN identifier of its replies as delivered (70)"}, 0, 0x7FF,
-                  configuration.can_reply_id);
+                  configuration.tmcl.can_reply);
   set_rate(section, {"bit_rate", "On CAN as delivered (69)", "kbit/s"},
            devices::tmcm_142::kCanBitRates, 1000, 1, configuration.can_bit_rate);
   section.boolean(

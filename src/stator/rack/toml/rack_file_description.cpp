@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 
+#include "stator/product/catalogue/catalogue.hpp"
 #include "stator/rack/faults/fault_kinds.hpp"
 #include "stator/rack/toml/rack_file_steps.hpp"
 #include "stator/rack/toml/toml_section.hpp"
@@ -183,7 +184,7 @@ bool TableDescription::complete() const {
                              [](const TableVariant& each) { return each.table->complete(); });
 }
 
-TableDescription describe_rack_file() {
+TableDescription describe_rack_file(const product::Catalogue& catalogue) {
   TableDescription description;
   std::vector<std::string> racks(kRacks.begin(), kRacks.end());
   racks.push_back(rack_with_faults());
@@ -194,7 +195,7 @@ TableDescription describe_rack_file() {
       before = size_of(description);
       RackFileErrors errors;  // of tables that are not there
       TomlSection root("", "the rack", table, &errors, &description);
-      root.attempt([&root] { static_cast<void>(read_rack(root)); });
+      root.attempt([&] { static_cast<void>(read_rack(root, catalogue)); });
     } while (size_of(description) != before);
   }
   return description;

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "stator/product/catalogue/catalogue.hpp"
+
 namespace stator::rack {
 
 // What can stand in a rack file, as the functions that read one say it: they are run with sections
@@ -77,7 +79,7 @@ struct TableDescription {
   [[nodiscard]] bool complete() const;
 };
 
-/// All keys of a rack file.
-[[nodiscard]] TableDescription describe_rack_file();
+/// All keys of a rack file of devices of `catalogue`.
+[[nodiscard]] TableDescription describe_rack_file(const product::Catalogue& catalogue);
 
 }  // namespace stator::rack

@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "stator/product/catalogue/catalogue.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/toml/toml_section.hpp"
 
@@ -17,6 +18,6 @@ namespace stator::rack {
 [[nodiscard]] toml::table parse_toml(std::string_view text, const std::string& name);
 /// The rack that `root` describes, of use only if no error was collected. Where errors are
 /// collected, it is checked as well that files can be written and servers do not share a port.
-[[nodiscard]] RackConfiguration read_rack(TomlSection& root);
+[[nodiscard]] RackConfiguration read_rack(TomlSection& root, const product::Catalogue& catalogue);
 
 }  // namespace stator::rack

@@ -2,15 +2,12 @@
 
 #include <compare>
 #include <cstddef>
-#include <cstdint>
+
+#include "stator/product/catalogue/identity.hpp"
 
 namespace stator::rack {
 
-/// What devices are wired with.
-enum class NetworkKind : std::uint8_t {
-  segment,  ///< EtherCAT
-  bus,      ///< CAN
-};
+using product::NetworkKind;
 
 /// A device by its place in the rack.
 struct DeviceAddress {

@@ -1,37 +1,16 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
-#include <memory>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
-#include "stator/base/event.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/devices/junction/junction.hpp"
-#include "stator/devices/tmc8461/tmc8461.hpp"
-#include "stator/devices/tmc8670/tmc8670.hpp"
-#include "stator/devices/tmcc160/tmcc160.hpp"
-#include "stator/devices/tmcm_142/tmcm_142.hpp"
-#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 #include "stator/ethercat/segment/segment.hpp"
-#include "stator/product/device/can_device.hpp"
+#include "stator/product/catalogue/product.hpp"
+#include "stator/product/catalogue/setup.hpp"
 
 namespace stator::rack {
-
-/// A CAN device that is none of the products: a class of one's own, in a program that uses Stator
-/// as a library.
-struct OwnCanDevice {
-  std::function<std::unique_ptr<product::CanDevice>(const base::EventReporter&)> make;
-};
-
-/// Configuration of one product; a further product is a further alternative.
-using ProductConfiguration =
-    std::variant<devices::Tmcm3315Configuration, devices::Tmcc160Configuration,
-                 devices::Tmcm142Configuration, devices::Tmc8670Configuration,
-                 devices::Tmc8461Configuration, devices::JunctionConfiguration, OwnCanDevice>;
 
 /// The cable in front of a device, on the master's side of it. See wiring.hpp for the defaults.
 struct WiringConfiguration {
@@ -52,7 +31,7 @@ struct SerialConnection {
 
 struct DeviceConfiguration {
   std::string name;  ///< unique within the rack; prefix of its signals
-  ProductConfiguration product;
+  product::Setup setup;
   WiringConfiguration wiring{};
   /// Of its slave controller, from port to port; default: the product's own.
   std::optional<base::SimDuration> forwarding_delay{};

@@ -12,6 +12,7 @@
 #include "stator/ethercat/controller/slave_controller.hpp"
 #include "stator/ethercat/stack/pdo_configuration.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
+#include "stator/product/catalogue/product.hpp"
 #include "stator/rack/core/wiring.hpp"
 #include "stator/tmcl/interpreter/firmware.hpp"
 #include "stator/web/job.hpp"
@@ -124,16 +125,9 @@ void read_node(const tmcl::Firmware* firmware, NodeMap& node) {
   }
 }
 
-std::uint8_t node_id_of(const rack::ProductConfiguration& configuration) {
-  return std::visit(
-      [](const auto& product) -> std::uint8_t {
-        if constexpr (requires { product.node_id; }) {
-          return product.node_id;
-        } else {
-          return 0;
-        }
-      },
-      configuration);
+std::uint8_t node_id_of(const product::Setup& setup) {
+  const std::uint8_t* const node_id = setup.node_id();
+  return node_id != nullptr ? *node_id : std::uint8_t{0};
 }
 
 /// Where each device of a segment stands in the order in which frames pass them.
@@ -207,7 +201,7 @@ TrafficMap empty_traffic_map(const State& state) {
     map.buses[device.address.network].push_back(
         {.name = device.name,
          .objects = device.objects,
-         .node_id = node_id_of(bus.devices[device.address.device].product)});
+         .node_id = node_id_of(bus.devices[device.address.device].setup)});
   }
   return map;
 }

@@ -1,0 +1,32 @@
+#include "stator/product/catalogue/product.hpp"
+
+namespace stator::product {
+
+namespace {
+
+class OwnProduct final : public Product {
+ public:
+  OwnProduct(Identity identity, DeviceMaker maker)
+      : identity_(std::move(identity)), maker_(std::move(maker)) {}
+
+  [[nodiscard]] const Identity& identity() const override { return identity_; }
+  [[nodiscard]] Setup defaults() const override { return {shared_from_this(), Nothing{}}; }
+  [[nodiscard]] std::unique_ptr<Device> make(const Setup& /*setup*/,
+                                             base::EventReporter reporter) const override {
+    return maker_(reporter);
+  }
+
+ private:
+  struct Nothing {};
+
+  Identity identity_;
+  DeviceMaker maker_;
+};
+
+}  // namespace
+
+std::shared_ptr<const Product> make_product(Identity identity, DeviceMaker maker) {
+  return std::make_shared<OwnProduct>(std::move(identity), std::move(maker));
+}
+
+}  // namespace stator::product

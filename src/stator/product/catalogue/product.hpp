@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "stator/base/event.hpp"
+#include "stator/product/catalogue/identity.hpp"
+#include "stator/product/catalogue/parts.hpp"
+#include "stator/product/catalogue/setup.hpp"
+#include "stator/product/device/device.hpp"
+
+namespace stator::tmcl {
+struct ModuleDescription;
+}
+
+namespace stator::product {
+
+/// A product that can be run: what it is, how one is configured and built, and what a device that
+/// is not built yet has. Constant for those of this project, made at run time for one from a file
+/// or of a program's own. Belongs to a std::shared_ptr, which a Setup keeps.
+class Product : public std::enable_shared_from_this<Product> {
+ public:
+  Product() = default;
+  Product(const Product&) = delete;
+  Product& operator=(const Product&) = delete;
+  virtual ~Product() = default;
+
+  [[nodiscard]] virtual const Identity& identity() const = 0;
+  /// As it leaves its box.
+  [[nodiscard]] virtual Setup defaults() const = 0;
+  /// Builds a device of its network's kind: an EtherCatDevice for a segment, a CanDevice for a bus.
+  /// Throws std::logic_error if the setup is another product's or contradicts itself.
+  [[nodiscard]] virtual std::unique_ptr<Device> make(const Setup& setup,
+                                                     base::EventReporter reporter) const = 0;
+
+  // What a setup of this product has; nothing by default. The pointers lead into the setup.
+  [[nodiscard]] virtual const CoeOptions* coe(const Setup& /*setup*/) const { return nullptr; }
+  [[nodiscard]] virtual const dictionary::Quirks* quirks(const Setup& /*setup*/) const {
+    return nullptr;
+  }
+  /// Of a node on CANopen.
+  [[nodiscard]] virtual const std::uint8_t* node_id(const Setup& /*setup*/) const {
+    return nullptr;
+  }
+  /// Of a module with TMCL that is addressed.
+  [[nodiscard]] virtual const TmclAddress* tmcl_address(const Setup& /*setup*/) const {
+    return nullptr;
+  }
+  [[nodiscard]] virtual std::vector<AxisSetup> axes(Setup& /*setup*/) const { return {}; }
+
+  /// Ports for EtherCAT cables.
+  [[nodiscard]] virtual unsigned ports(const Setup& /*setup*/) const { return identity().ports; }
+  /// Its serial interfaces as they are configured.
+  [[nodiscard]] virtual std::vector<SerialInterface> serial_interfaces(
+      const Setup& /*setup*/) const {
+    return identity().serial_interfaces;
+  }
+  /// The identifier by which commands of TMCL reach it on CAN, with what switches on its board add;
+  /// nothing: it has none, or its interface is switched off.
+  [[nodiscard]] virtual std::optional<unsigned> tmcl_identifier(const Setup& /*setup*/) const {
+    return std::nullopt;
+  }
+  /// The same for its address on a serial interface.
+  [[nodiscard]] virtual std::optional<unsigned> tmcl_address_on(
+      const Setup& /*setup*/, std::string_view /*interface*/) const {
+    return std::nullopt;
+  }
+  /// Masters can list its objects.
+  [[nodiscard]] virtual bool has_objects(const Setup& /*setup*/) const {
+    return identity().own_firmware;
+  }
+  /// Without a firmware at its pins it stays in Init.
+  [[nodiscard]] virtual bool waits_for_host(const Setup& /*setup*/) const { return false; }
+
+  /// For which programs in TMCL are written; null: it runs none.
+  [[nodiscard]] virtual const tmcl::ModuleDescription* tmcl_module() const { return nullptr; }
+};
+
+/// A product whose devices are of the class `DeviceClass`, made from a `Configuration` and an event
+/// reporter.
+template <typename Configuration, typename DeviceClass>
+class ProductOf : public Product {
+ public:
+  explicit ProductOf(Identity identity) : identity_(std::move(identity)) {}
+
+  [[nodiscard]] const Identity& identity() const override { return identity_; }
+  [[nodiscard]] Setup defaults() const override { return {shared_from_this(), Configuration{}}; }
+  [[nodiscard]] std::unique_ptr<Device> make(const Setup& setup,
+                                             base::EventReporter reporter) const override {
+    return std::make_unique<DeviceClass>(of(setup), reporter);
+  }
+
+ protected:
+  [[nodiscard]] static const Configuration& of(const Setup& setup) {
+    return setup.as<Configuration>();
+  }
+  [[nodiscard]] static Configuration& of(Setup& setup) { return setup.as<Configuration>(); }
+
+ private:
+  Identity identity_;
+};
+
+using DeviceMaker = std::function<std::unique_ptr<Device>(base::EventReporter)>;
+
+/// A product of a program's own that has nothing to be configured; `maker` builds its devices.
+[[nodiscard]] std::shared_ptr<const Product> make_product(Identity identity, DeviceMaker maker);
+
+}  // namespace stator::product
