@@ -98,13 +98,15 @@ inline rack::RackConfiguration rack_with_bus(unsigned devices,
     settings.node_id = static_cast<std::uint8_t>(i + 1);
     settings.heartbeat = heartbeat;
     settings.bit_rate = bit_rate.value_or(settings.bit_rate);
-    bus.devices.push_back(
-        {std::string(1, static_cast<char>('a' + i)),
-         product::make_product({.type = "test", .network = product::NetworkKind::bus},
-                               [settings](const base::EventReporter&) {
-                                 return std::make_unique<TestCanDevice>(settings);
-                               })
-             ->defaults()});
+    bus.devices.push_back({std::string(1, static_cast<char>('a' + i)),
+                           product::make_product({.type = "test",
+                                                  .summary = "for tests",
+                                                  .reached_over = "CAN",
+                                                  .network = product::NetworkKind::bus},
+                                                 [settings](const base::EventReporter&) {
+                                                   return std::make_unique<TestCanDevice>(settings);
+                                                 })
+                               ->defaults()});
   }
   return configuration;
 }

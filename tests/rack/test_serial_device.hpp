@@ -114,7 +114,10 @@ inline rack::RackConfiguration rack_with_line(const std::string& link,
   for (const TestSerialDevice::Settings& settings : all) {
     rack::DeviceConfiguration device;
     device.name = std::string(1, static_cast<char>('a' + bus.devices.size()));
-    device.setup = product::make_product({.type = "test", .network = product::NetworkKind::bus},
+    device.setup = product::make_product({.type = "test",
+                                          .summary = "for tests",
+                                          .reached_over = "CAN",
+                                          .network = product::NetworkKind::bus},
                                          [settings](const base::EventReporter&) {
                                            return std::make_unique<TestSerialDevice>(settings);
                                          })
