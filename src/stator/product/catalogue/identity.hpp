@@ -30,9 +30,9 @@ struct SerialInterface {
 
 /// What is known of a product whatever it is configured to.
 struct Identity {
-  std::string type;     ///< e.g. "tmcm-3315": what a rack file's `type` and commands name
-  std::string summary;  ///< what it is, in half a line
-  std::string reached_over;
+  std::string type;       ///< e.g. "tmcm-3315": what a rack file's `type` and commands name
+  std::string summary{};  ///< what it is, in half a line
+  std::string reached_over{};
   NetworkKind network = NetworkKind::segment;
   unsigned ports = 0;  ///< for EtherCAT cables, numbered from 0; see Product::ports()
   std::vector<SerialInterface> serial_interfaces{};
