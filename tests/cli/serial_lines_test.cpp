@@ -61,6 +61,10 @@ TEST(SerialLines, MistakesAreExplained) {
               HasSubstr("write pty:PATH or tcp:[ADDRESS:]PORT"));
   EXPECT_THAT(refusal_of("--device tmcm-142 --count 2 --serial usb=tcp:0"),
               HasSubstr("2 devices cannot share the line of a usb"));
+  for (const std::string line : {"tcp:0", "usb=tcp:0"}) {
+    EXPECT_THAT(refusal_of("--device tmc8461 --link udp:127.0.0.1 --serial " + line),
+                HasSubstr("--serial " + line + ": a tmc8461 has no serial interface"));
+  }
   EXPECT_THAT(refusal_of("--device tmcm-142"), HasSubstr("or a serial line with --serial"));
   EXPECT_THAT(refusal_of(STATOR_SOURCE_DIR "/racks/rs485-line.toml --serial tcp:0"),
               HasSubstr("a rack file names the serial lines"));

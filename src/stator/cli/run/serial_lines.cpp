@@ -43,6 +43,10 @@ std::string default_interface(const std::vector<std::string>& interfaces, std::s
 rack::SerialConnection connection_of(const std::string& text, const product::Identity& identity,
                                      std::size_t devices) {
   const std::vector<std::string> interfaces = identity.serial_interface_names();
+  if (interfaces.empty()) {
+    throw Failure(fmt::format("--serial {}: a {} has no serial interface; leave --serial out", text,
+                              identity.type));
+  }
   const std::size_t equals = text.find('=');
   const bool named = equals != std::string::npos && equals < text.find(':');
   const std::string interface =
@@ -82,7 +86,7 @@ std::string serial_address_text(const product::Setup& setup) {
 /// How programs talk over a line.
 struct LineUse {
   std::string_view class_name = "serial_tmcl";  ///< PyTrinamic's name of it
-  std::uint32_t baud_rate = 9600;
+  std::uint32_t baud_rate = 9600;               ///< of those to which it does not matter
 };
 
 /// What the interface at the line speaks, and how fast: that of the last device named on it.
