@@ -60,18 +60,6 @@ TEST(Catalogue, FindsProductsByTypeInTheOrderInWhichTheyCame) {
   EXPECT_THROW(catalogue.add(std::make_shared<LampProduct>("lamp")), std::logic_error);
 }
 
-TEST(Catalogue, ASchemeMakesProductsFromTheRestOfTheType) {
-  Catalogue catalogue;
-  const auto resolver = [](std::string_view rest) -> std::shared_ptr<const Product> {
-    return rest == "none" ? nullptr : std::make_shared<LampProduct>("esi:" + std::string(rest));
-  };
-  catalogue.add_scheme("esi", resolver);
-  EXPECT_EQ(catalogue.find("esi:drive.xml")->identity().type, "esi:drive.xml");
-  EXPECT_EQ(catalogue.find("esi:none"), nullptr);
-  EXPECT_EQ(catalogue.find("eds:drive.xml"), nullptr);
-  EXPECT_THROW(catalogue.add_scheme("esi", resolver), std::logic_error);
-}
-
 TEST(Setup, IsCopiedWithItsConfigurationAndOutlivesTheCatalogue) {
   product::Setup setup;
   {

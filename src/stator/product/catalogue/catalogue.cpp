@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace stator::product {
 
@@ -12,30 +13,10 @@ void Catalogue::add(std::shared_ptr<const Product> product) {
   products_.push_back(std::move(product));
 }
 
-void Catalogue::add_scheme(std::string scheme, Resolver resolver) {
-  if (std::ranges::find(schemes_, scheme, &std::pair<std::string, Resolver>::first) !=
-      schemes_.end()) {
-    throw std::logic_error("there are two schemes \"" + scheme + "\" of products");
-  }
-  schemes_.emplace_back(std::move(scheme), std::move(resolver));
-}
-
 std::shared_ptr<const Product> Catalogue::find(std::string_view type) const {
-  for (const auto& product : products_) {
-    if (product->identity().type == type) {
-      return product;
-    }
-  }
-  const std::size_t colon = type.find(':');
-  if (colon == std::string_view::npos) {
-    return nullptr;
-  }
-  for (const auto& [scheme, resolver] : schemes_) {
-    if (scheme == type.substr(0, colon)) {
-      return resolver(type.substr(colon + 1));
-    }
-  }
-  return nullptr;
+  const auto found = std::ranges::find_if(
+      products_, [type](const auto& product) { return product->identity().type == type; });
+  return found != products_.end() ? *found : nullptr;
 }
 
 }  // namespace stator::product

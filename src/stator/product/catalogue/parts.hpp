@@ -38,8 +38,8 @@ struct AxisSetup {
   plant::StepperAxisParameters* stepper = nullptr;
   plant::ServoAxisParameters* servo = nullptr;
   plant::PwmAxisParameters* pwm = nullptr;
-  double full_scale_current =
-      0.0;  ///< A, peak of a coil for a setting of 255; 0: it has no such settings
+  /// A, peak of a coil for a current setting of 255; 0: its currents are not set so.
+  double full_scale_current = 0.0;
 };
 
 }  // namespace stator::product

@@ -77,7 +77,8 @@ class Product : public std::enable_shared_from_this<Product> {
   /// Without a firmware at its pins it stays in Init.
   [[nodiscard]] virtual bool waits_for_host(const Setup& /*setup*/) const { return false; }
 
-  /// For which programs in TMCL are written; null: it runs none.
+  /// For which programs in TMCL are written, and which its devices' tmcl_firmware() runs; null: it
+  /// runs none.
   [[nodiscard]] virtual const tmcl::ModuleDescription* tmcl_module() const { return nullptr; }
 };
 

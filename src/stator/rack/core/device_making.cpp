@@ -14,10 +14,19 @@ namespace stator::rack {
 
 namespace {
 
-/// The device as what devices of its product's network are.
+/// The device as what devices of its product's network are. Products of a program's own may promise
+/// one kind and make another.
 template <typename Kind>
 std::unique_ptr<Kind> make(const product::Setup& setup, const base::EventReporter& reporter) {
-  return std::unique_ptr<Kind>(static_cast<Kind*>(setup.make(reporter).release()));
+  std::unique_ptr<product::Device> device = setup.make(reporter);
+  auto* const kind = dynamic_cast<Kind*>(device.get());
+  if (kind == nullptr) {
+    throw std::logic_error(
+        fmt::format("the product \"{}\" makes devices that do not belong on its network",
+                    setup.product().identity().type));
+  }
+  static_cast<void>(device.release());
+  return std::unique_ptr<Kind>(kind);
 }
 
 }  // namespace

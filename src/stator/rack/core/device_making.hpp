@@ -21,7 +21,7 @@ namespace stator::rack {
                                                    const product::Catalogue& catalogue);
 
 /// Builds a device on EtherCAT or on CAN, which reports its events through `reporter`. Throw
-/// std::runtime_error for one that is not.
+/// std::runtime_error for one that is not, std::logic_error if its product makes no such device.
 [[nodiscard]] std::unique_ptr<product::EtherCatDevice> make_ethercat_device(
     const product::Setup& setup, const base::EventReporter& reporter);
 [[nodiscard]] std::unique_ptr<product::CanDevice> make_can_device(
