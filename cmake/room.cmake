@@ -27,10 +27,10 @@ function(stator_room name)
   endif()
 endfunction()
 
-# Compiles sources of a target several at a time, which reads the headers they share once and halves the time. The names
-# that one source has for itself, in an unnamed namespace, are then seen by the next: a source with a name that another
-# one of the list has as well stands in the list `apart`, which is compiled together but not with `sources`, or in a list
-# that is not given here: such are compiled alone. The build for clang-tidy compiles each source alone and so sees what it
+# Compiles sources of a target several at a time, which reads the headers they share once. The names that one source
+# has for itself, in an unnamed namespace, are then seen by the next: a source with a name that another one of the
+# list has as well stands in the list `apart`, which is compiled together but not with `sources`, or in a list that is
+# not given here: such are compiled alone. The build for clang-tidy compiles each source alone and so sees what it
 # forgot to include.
 function(stator_compile_together target sources apart)
   if(NOT STATOR_UNITY)
