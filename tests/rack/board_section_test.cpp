@@ -1,11 +1,10 @@
-#include "stator/rack/sections/board_section.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/devices/tmc8461/tmc8461.hpp"
 #include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/file/rack_file_error.hpp"
 
 namespace stator::rack {
 namespace {

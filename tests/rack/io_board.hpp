@@ -12,8 +12,9 @@
 #include "source_paths.hpp"
 #include "stator/base/byte_order.hpp"
 #include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmc8461/mfc_configuration_keys.hpp"
 #include "stator/mfc/block/memory_map.hpp"
-#include "stator/rack/sections/mfc_configuration_file.hpp"
+#include "stator/rack/file/rack_file_steps.hpp"
 
 namespace stator::rack {
 
@@ -104,8 +105,16 @@ class IoBoard : public tests::WithFaults<tests::SegmentBench> {
     return std::nullopt;
   }
 
-  mfc::MemoryMap map_{
-      load_mfc_configuration(STATOR_SOURCE_DIR "/examples/mfc/io-board.toml").configuration};
+  [[nodiscard]] static mfc::Configuration configuration() {
+    const std::string path = STATOR_SOURCE_DIR "/examples/mfc/io-board.toml";
+    devices::tmc8461::MfcConfigurationFile file;
+    read_tree(
+        parse_rack_tree(read_rack_text(path), path), path, "the configuration",
+        [&](settings::Reader& root) { devices::tmc8461::read_mfc_configuration(root, file); });
+    return file.configuration;
+  }
+
+  mfc::MemoryMap map_{configuration()};
 };
 
 }  // namespace stator::rack

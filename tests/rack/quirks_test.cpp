@@ -20,10 +20,10 @@
 #include "stator/bench/local_can_port.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/devices/tmcc160/tmcc160.hpp"
+#include "stator/product/shell/quirk_keys.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
-#include "stator/rack/sections/quirks_section.hpp"
 
 namespace stator::rack {
 namespace {

@@ -44,7 +44,7 @@ class RackCheckTest : public ::testing::Test {
   /// "LINE key" of each error of the rack file itself.
   static std::vector<std::string> places(const RackCheck& check) {
     std::vector<std::string> places;
-    for (const RackFileError& error : check.errors) {
+    for (const settings::Problem& error : check.errors) {
       places.push_back(std::to_string(error.line()) + " " + error.key());
     }
     return places;
@@ -60,7 +60,7 @@ TEST_F(RackCheckTest, EveryRackInTheRepositoryIsInOrder) {
       continue;
     }
     const RackCheck checked = check_rack_file(entry.path().string(), devices::products());
-    for (const RackFileError& error : checked.errors) {
+    for (const settings::Problem& error : checked.errors) {
       ADD_FAILURE() << error.what();
     }
     EXPECT_TRUE(checked.configuration.has_value()) << entry.path();

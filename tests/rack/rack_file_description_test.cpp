@@ -1,4 +1,4 @@
-#include "stator/rack/toml/rack_file_description.hpp"
+#include "stator/rack/file/rack_file_description.hpp"
 
 #include <string>
 
@@ -14,17 +14,19 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::SizeIs;
 
-const TableDescription& description() {
-  static const TableDescription table = describe_rack_file(devices::products());
+const settings::TableDescription& description() {
+  static const settings::TableDescription table = describe_rack_file(devices::products());
   return table;
 }
 
-const TableDescription& below(const TableDescription& table, const std::string& key) {
+const settings::TableDescription& below(const settings::TableDescription& table,
+                                        const std::string& key) {
   return *table.find(key)->table;
 }
 
-const TableDescription& variant(const TableDescription& table, const std::string& value) {
-  for (const TableVariant& each : table.variants) {
+const settings::TableDescription& variant(const settings::TableDescription& table,
+                                          const std::string& value) {
+  for (const settings::TableVariant& each : table.variants) {
     if (each.value == value) {
       return *each.table;
     }
@@ -32,8 +34,8 @@ const TableDescription& variant(const TableDescription& table, const std::string
   throw std::runtime_error("there is no variant " + value);
 }
 
-void require_summaries(const TableDescription& table, const std::string& path) {
-  for (const KeyDescription& key : table.keys) {
+void require_summaries(const settings::TableDescription& table, const std::string& path) {
+  for (const settings::KeyDescription& key : table.keys) {
     EXPECT_FALSE(key.summary.empty())
         << "give " << path << key.name << " a summary where it is read";
     // What can be wired to a chip's pins has descriptions of its own.
@@ -41,7 +43,7 @@ void require_summaries(const TableDescription& table, const std::string& path) {
       require_summaries(*key.table, path + key.name + ".");
     }
   }
-  for (const TableVariant& each : table.variants) {
+  for (const settings::TableVariant& each : table.variants) {
     require_summaries(*each.table, path + "(" + each.value + ").");
   }
 }
@@ -51,32 +53,32 @@ TEST(RackFileDescription, EveryKeyHasASummary) {
 }
 
 TEST(RackFileDescription, TellsTypeRangeUnitAndDefaultOfAKey) {
-  const TableDescription& device =
+  const settings::TableDescription& device =
       variant(below(below(description(), "segment"), "device"), "tmcm-3315");
-  const KeyDescription& alias = *device.find("alias");
+  const settings::KeyDescription& alias = *device.find("alias");
   ASSERT_THAT(alias.forms, SizeIs(1));
-  EXPECT_EQ(alias.forms[0].kind, ValueKind::integer);
+  EXPECT_EQ(alias.forms[0].kind, settings::ValueKind::integer);
   EXPECT_EQ(alias.forms[0].minimum, "0");
   EXPECT_EQ(alias.forms[0].maximum, "65535");
   EXPECT_EQ(alias.default_value, "0");
 
-  const KeyDescription& inertia = *below(below(device, "axis"), "load").find("inertia");
+  const settings::KeyDescription& inertia = *below(below(device, "axis"), "load").find("inertia");
   EXPECT_EQ(inertia.unit, "kg m²");
   EXPECT_EQ(inertia.default_value, "0");
 
-  const KeyDescription& firmware = *device.find("firmware");
+  const settings::KeyDescription& firmware = *device.find("firmware");
   EXPECT_THAT(firmware.forms.at(0).choices, ElementsAre("1.07", "1.08", "1.09"));
   EXPECT_EQ(firmware.default_value, "\"1.09\"");
 }
 
 TEST(RackFileDescription, AKeyMayHaveSeveralForms) {
-  const KeyDescription& rate = *below(description(), "bus").find("bit_rate");
+  const settings::KeyDescription& rate = *below(description(), "bus").find("bit_rate");
   EXPECT_THAT(rate.forms, SizeIs(2));
   EXPECT_EQ(rate.default_value, "1000");
 }
 
 TEST(RackFileDescription, KeysDependOnTheTypeOfADevice) {
-  const TableDescription& device = below(below(description(), "bus"), "device");
+  const settings::TableDescription& device = below(below(description(), "bus"), "device");
   EXPECT_EQ(device.selector, "type");
   EXPECT_TRUE(device.find("type")->required);
   EXPECT_NE(variant(device, "tmcc160").find("node_id"), nullptr);
@@ -85,18 +87,18 @@ TEST(RackFileDescription, KeysDependOnTheTypeOfADevice) {
 }
 
 TEST(RackFileDescription, MotorDataHasTheKeysOfEveryKindOfMotor) {
-  const TableDescription& device =
+  const settings::TableDescription& device =
       variant(below(below(description(), "segment"), "device"), "tmc8670");
-  const TableDescription& axis = below(device, "axis");
+  const settings::TableDescription& axis = below(device, "axis");
   EXPECT_THAT(axis.find("motor")->forms.at(0).choices, Contains("dc"));
-  const TableDescription& motor = below(axis, "motor_data");
+  const settings::TableDescription& motor = below(axis, "motor_data");
   EXPECT_NE(motor.find("flux_linkage"), nullptr);
   EXPECT_NE(motor.find("torque_constant"), nullptr) << "of a brushed motor";
   EXPECT_NE(motor.find("inductance"), nullptr) << "of a stepper motor";
 }
 
 TEST(RackFileDescription, EveryActionOfAnEventIsThere) {
-  const TableDescription& event = below(description(), "event");
+  const settings::TableDescription& event = below(description(), "event");
   EXPECT_NE(variant(event, "set").find("over"), nullptr);
   EXPECT_NE(variant(event, "break").find("port"), nullptr);
   EXPECT_NE(variant(event, "drop").find("identifier"), nullptr) << "on a CAN bus";
@@ -105,12 +107,12 @@ TEST(RackFileDescription, EveryActionOfAnEventIsThere) {
 }
 
 TEST(RackFileDescription, PeripheralsOfAChipHaveNamesOfTheirOwn) {
-  const TableDescription& device =
+  const settings::TableDescription& device =
       variant(below(below(description(), "segment"), "device"), "tmc8461");
-  const TableDescription& board = below(device, "board");
+  const settings::TableDescription& board = below(device, "board");
   EXPECT_TRUE(board.free_names);
   ASSERT_THAT(board.keys, SizeIs(1));
-  const TableDescription& peripheral = *board.keys.front().table;
+  const settings::TableDescription& peripheral = *board.keys.front().table;
   EXPECT_NE(variant(peripheral, "led").find("wires"), nullptr);
 }
 

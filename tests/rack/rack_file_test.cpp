@@ -9,7 +9,7 @@
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/devices/tmc8670/tmc8670.hpp"
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::rack {
 namespace {
@@ -316,17 +316,6 @@ TEST(RackFile, EveryRackInTheRepositoryIsAccepted) {
     ++count;
   }
   EXPECT_GT(count, 0);
-}
-
-TEST(ParseDuration, ReadsNumbersWithUnits) {
-  EXPECT_EQ(parse_duration("1ms"), 1_ms);
-  EXPECT_EQ(parse_duration("2.5 s"), 2500_ms);
-  EXPECT_EQ(parse_duration("250us"), 250_us);
-  EXPECT_EQ(parse_duration("7ns"), 7_ns);
-  EXPECT_FALSE(parse_duration("7").has_value());
-  EXPECT_FALSE(parse_duration("ms").has_value());
-  EXPECT_FALSE(parse_duration("1e300s").has_value());
-  EXPECT_FALSE(parse_duration("nans").has_value());
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
 // The keys of a TMCM-142 in a rack file.
 
-#include "stator/rack/sections/tmcm_142_section.hpp"
-
 #include <fstream>
 #include <string>
 
@@ -13,6 +11,7 @@
 #include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/file/rack_file_error.hpp"
 #include "stator/rack/observe/event_log.hpp"
 #include "stator/tmcl/telegram.hpp"
 

@@ -17,7 +17,7 @@ inline constexpr const char* kDrive = "product = \"tmcc160\"\n";
 inline scenario::ScenarioResult run_text(const std::string& text) {
   const scenario::ScenarioRead read =
       scenario::parse_scenario(text, "test.toml", devices::products());
-  for (const rack::RackFileError& error : read.errors) {
+  for (const settings::Problem& error : read.errors) {
     ADD_FAILURE() << error.what();
   }
   return scenario::run(read.scenario);
@@ -33,7 +33,7 @@ inline std::string failure_of(const std::string& text) {
 /// All errors of a scenario that cannot be read, a line each.
 inline std::string errors_of(const std::string& text) {
   std::string lines;
-  for (const rack::RackFileError& error :
+  for (const settings::Problem& error :
        scenario::parse_scenario(text, "test.toml", devices::products()).errors) {
     lines += std::string(error.what()) + "\n";
   }

@@ -26,7 +26,7 @@ class ShippedScenario : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(ShippedScenario, PassesAlikeEachTime) {
   const ScenarioRead read = read_scenario_file(GetParam(), devices::products());
-  for (const rack::RackFileError& error : read.errors) {
+  for (const settings::Problem& error : read.errors) {
     ADD_FAILURE() << error.what();
   }
   EXPECT_FALSE(read.scenario.summary.empty());

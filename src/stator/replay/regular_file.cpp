@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "stator/link/system/file_kind.hpp"
-#include "stator/rack/toml/output_file.hpp"
+#include "stator/rack/file/system_files.hpp"
 
 namespace stator::replay {
 

@@ -44,7 +44,7 @@ std::string Comparison::text(std::string_view unit) const {
   return fmt::format("is {}", fmt::join(parts, " and "));
 }
 
-Comparison read_comparison(rack::TomlSection& section) {
+Comparison read_comparison(rack::TableReader& section) {
   Comparison comparison;
   comparison.equals = section.number({"equals", "The value must be this"}, -kAnyValue, kAnyValue);
   const auto tolerance =
@@ -62,7 +62,7 @@ Comparison read_comparison(rack::TomlSection& section) {
   return comparison;
 }
 
-Comparison require_comparison(rack::TomlSection& section) {
+Comparison require_comparison(rack::TableReader& section) {
   const Comparison comparison = read_comparison(section);
   if (comparison.empty()) {
     section.refuse_missing("equals",

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "stator/rack/toml/toml_section.hpp"
+#include "stator/rack/file/table_reader.hpp"
 
 namespace stator::scenario {
 
@@ -24,9 +24,9 @@ struct Comparison {
 };
 
 /// Reads `equals`, `tolerance`, `differs`, `above` and `below`.
-[[nodiscard]] Comparison read_comparison(rack::TomlSection& section);
+[[nodiscard]] Comparison read_comparison(rack::TableReader& section);
 /// The same of a table that must have one of them.
-[[nodiscard]] Comparison require_comparison(rack::TomlSection& section);
+[[nodiscard]] Comparison require_comparison(rack::TableReader& section);
 
 /// "12.5 mm"; numbers as short as they are exact.
 [[nodiscard]] std::string number_text(double value, std::string_view unit = {});

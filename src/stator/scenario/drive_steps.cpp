@@ -52,7 +52,7 @@ struct AxisStep {
   }
 };
 
-AxisStep read_axis(rack::TomlSection& section, StepReader& reader, base::SimDuration otherwise) {
+AxisStep read_axis(rack::TableReader& section, StepReader& reader, base::SimDuration otherwise) {
   AxisStep step;
   step.device = reader.device(section);
   step.axis = StepReader::axis(section);
@@ -66,7 +66,7 @@ std::string title_of(const char* what, const AxisStep& step, StepReader& reader)
 
 }  // namespace
 
-ReadStep read_enable(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_enable(rack::TableReader& section, StepReader& reader) {
   const AxisStep step = read_axis(section, reader, kResponse);
   std::set<std::string> names;
   for (const auto& [name, mode] : modes()) {
@@ -89,21 +89,21 @@ ReadStep read_enable(rack::TomlSection& section, StepReader& reader) {
           }};
 }
 
-ReadStep read_disable(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_disable(rack::TableReader& section, StepReader& reader) {
   const AxisStep step = read_axis(section, reader, kResponse);
   return {title_of("disable", step, reader), [=](bench::Bench& bench) {
             return step.run(bench, [](Cia402Client& client) { return client.disable(); });
           }};
 }
 
-ReadStep read_reset_fault(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_reset_fault(rack::TableReader& section, StepReader& reader) {
   const AxisStep step = read_axis(section, reader, kResponse);
   return {title_of("reset the fault of", step, reader), [=](bench::Bench& bench) {
             return step.run(bench, [](Cia402Client& client) { return client.reset_fault(); });
           }};
 }
 
-ReadStep read_move(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_move(rack::TableReader& section, StepReader& reader) {
   AxisStep step = read_axis(section, reader, kMove);
   const base::SimDuration limit = step.within;
   step.within = kResponse;
@@ -112,7 +112,7 @@ ReadStep read_move(rack::TomlSection& section, StepReader& reader) {
                                       std::numeric_limits<std::int32_t>::min(),
                                       std::numeric_limits<std::int32_t>::max());
   section.boolean({"relative", "The target is counted from the one before"}, move.relative);
-  const auto unsigned32 = [&section](const rack::TomlKey& key) {
+  const auto unsigned32 = [&section](const settings::KeyWords& key) {
     const auto value = section.integer(key, 0, std::numeric_limits<std::uint32_t>::max());
     return value ? std::optional(static_cast<std::uint32_t>(*value)) : std::nullopt;
   };

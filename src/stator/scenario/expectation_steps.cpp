@@ -17,10 +17,10 @@
 #include "stator/master/text.hpp"
 #include "stator/product/device/signal.hpp"
 #include "stator/rack/core/faults.hpp"
-#include "stator/rack/world/text.hpp"
 #include "stator/scenario/comparison.hpp"
 #include "stator/scenario/object_value.hpp"
 #include "stator/scenario/step_kinds.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::scenario {
 
@@ -39,7 +39,7 @@ struct Timing {
   base::SimDuration hold;    ///< from then on it must be so for this time
 };
 
-Timing read_timing(rack::TomlSection& section) {
+Timing read_timing(rack::TableReader& section) {
   Timing timing;
   section.duration({"within", "It must become so within this time; without it: at once"},
                    base::SimDuration(), kLongestStep, timing.within);
@@ -129,7 +129,7 @@ void visit_new_frames(bench::Bench& bench, std::size_t bus, const Visit& visit) 
 }
 
 /// Whether something that is told once must have been told, or must not.
-bool read_absent(rack::TomlSection& section) {
+bool read_absent(rack::TableReader& section) {
   bool absent = false;
   section.boolean({"absent", "It must not be there"}, absent);
   return absent;
@@ -137,7 +137,7 @@ bool read_absent(rack::TomlSection& section) {
 
 }  // namespace
 
-ReadStep read_expect_signal(rack::TomlSection& section, StepReader& /*reader*/) {
+ReadStep read_expect_signal(rack::TableReader& section, StepReader& /*reader*/) {
   const auto name = section.text({"signal", "Device and signal, \"gantry.axis0.shaft_speed\""});
   const Comparison comparison = require_comparison(section);
   const Timing timing = read_timing(section);
@@ -155,7 +155,7 @@ ReadStep read_expect_signal(rack::TomlSection& section, StepReader& /*reader*/) 
           for (const product::Signal& signal : signals) {
             names.insert(signal.name);
           }
-          const std::string guess = rack::closest_match(*name, names);
+          const std::string guess = settings::closest_match(*name, names);
           return {false, fmt::format("the rack has no such signal{}",
                                      guess.empty() ? "" : "; did you mean \"" + guess + "\"?")};
         }
@@ -164,7 +164,7 @@ ReadStep read_expect_signal(rack::TomlSection& section, StepReader& /*reader*/) 
       });
 }
 
-ReadStep read_expect_object(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_expect_object(rack::TableReader& section, StepReader& reader) {
   const rack::DeviceAddress device = reader.device(section);
   const auto object = read_object_address(section);
   const auto text = section.text({"text", "What a text must be"});
@@ -176,7 +176,7 @@ ReadStep read_expect_object(rack::TomlSection& section, StepReader& reader) {
       text || abort ? read_comparison(section) : require_comparison(section);
   const Timing timing = read_timing(section);
   if (!object) {
-    throw rack::RackFileError("");
+    rack::TableReader::abandon();
   }
   const std::string name = fmt::format("{} {}", reader.name_of(device), master::to_text(*object));
   const std::string expected =
@@ -212,7 +212,7 @@ ReadStep read_expect_object(rack::TomlSection& section, StepReader& reader) {
   });
 }
 
-ReadStep read_expect_state(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_expect_state(rack::TableReader& section, StepReader& reader) {
   const rack::DeviceAddress device = reader.device(section);
   const bool bus = device.kind == rack::NetworkKind::bus;
   const auto state =
@@ -252,7 +252,7 @@ ReadStep read_expect_state(rack::TomlSection& section, StepReader& reader) {
   });
 }
 
-ReadStep read_expect_power_state(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_expect_power_state(rack::TableReader& section, StepReader& reader) {
   constexpr std::uint16_t kStatusword = 0x6041;
   constexpr unsigned kAxisDistance = 0x800;
   const rack::DeviceAddress device = reader.device(section);
@@ -281,7 +281,7 @@ ReadStep read_expect_power_state(rack::TomlSection& section, StepReader& reader)
                      });
 }
 
-ReadStep read_expect_register(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_expect_register(rack::TableReader& section, StepReader& reader) {
   constexpr std::int64_t kLastRegister = 0x0FFF;
   const rack::DeviceAddress device = reader.device(section);
   if (device.kind != rack::NetworkKind::segment) {
@@ -310,7 +310,7 @@ ReadStep read_expect_register(rack::TomlSection& section, StepReader& reader) {
       });
 }
 
-ReadStep read_expect_lost_cycles(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_expect_lost_cycles(rack::TableReader& section, StepReader& reader) {
   const std::size_t segment = reader.segment(section);
   const Comparison comparison = require_comparison(section);
   const Timing timing = read_timing(section);
@@ -321,7 +321,7 @@ ReadStep read_expect_lost_cycles(rack::TomlSection& section, StepReader& reader)
                      });
 }
 
-ReadStep read_expect_frame(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_expect_frame(rack::TableReader& section, StepReader& reader) {
   const std::size_t bus = reader.bus(section);
   const auto identifier =
       section.integer({"identifier", "Of the frame, e.g. 0x705"}, 0, can::kExtendedIdentifierMask);
@@ -361,7 +361,7 @@ ReadStep read_expect_frame(rack::TomlSection& section, StepReader& reader) {
   });
 }
 
-ReadStep read_expect_event(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_expect_event(rack::TableReader& section, StepReader& reader) {
   const auto rule = section.text({"event", "Name of the event, as the log file has it"});
   const auto device = reader.any_device(section);
   const bool absent = read_absent(section);
@@ -386,7 +386,7 @@ ReadStep read_expect_event(rack::TomlSection& section, StepReader& reader) {
       });
 }
 
-ReadStep read_expect_fault(rack::TomlSection& section, StepReader& /*reader*/) {
+ReadStep read_expect_fault(rack::TableReader& section, StepReader& /*reader*/) {
   const auto name = section.text({"fault", "Name of the fault"});
   const auto state = section.choice({"state", "What it must be"}, {"armed", "active", "done"});
   const Timing timing = read_timing(section);

@@ -90,12 +90,12 @@ const std::map<std::string, unsigned>& nmt_commands() {
 
 }  // namespace
 
-ReadStep read_scan(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_scan(rack::TableReader& section, StepReader& reader) {
   const std::size_t segment = reader.segment(section);
   return {"scan", [segment](bench::Bench& bench) { return outcome_of(bench.scan(segment)); }};
 }
 
-ReadStep read_state(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_state(rack::TableReader& section, StepReader& reader) {
   const auto device = reader.any_device(section);
   if (device && device->kind != rack::NetworkKind::segment) {
     section.fail("device", fmt::format("\"{}\" is on no EtherCAT segment; on a CAN bus it is "
@@ -121,7 +121,7 @@ ReadStep read_state(rack::TomlSection& section, StepReader& reader) {
           }};
 }
 
-ReadStep read_nmt(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_nmt(rack::TableReader& section, StepReader& reader) {
   const auto device = reader.any_device(section);
   const std::size_t bus = device ? device->network : reader.bus(section);
   std::optional<unsigned> command;
@@ -152,7 +152,7 @@ ReadStep read_nmt(rack::TomlSection& section, StepReader& reader) {
           }};
 }
 
-ReadStep read_send(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_send(rack::TableReader& section, StepReader& reader) {
   const std::size_t bus = reader.bus(section);
   can::Frame frame;
   const auto identifier =
@@ -178,7 +178,7 @@ ReadStep read_send(rack::TomlSection& section, StepReader& reader) {
           }};
 }
 
-ReadStep read_wait(rack::TomlSection& section, StepReader& /*reader*/) {
+ReadStep read_wait(rack::TableReader& section, StepReader& /*reader*/) {
   const auto time = section.duration({"time", "How much simulated time passes"},
                                      base::SimDuration(1), kLongestStep);
   if (!time) {

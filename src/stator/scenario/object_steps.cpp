@@ -26,7 +26,7 @@ Outcome aborted_outcome(const master::Result<void>& written, std::uint32_t expec
 
 }  // namespace
 
-ReadStep read_write(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_write(rack::TableReader& section, StepReader& reader) {
   const rack::DeviceAddress device = reader.device(section);
   const auto object = read_object_address(section);
   const auto value = read_object_value(section);
@@ -36,7 +36,7 @@ ReadStep read_write(rack::TomlSection& section, StepReader& reader) {
     section.missing("value", "it is what is written");
   }
   if (!object) {
-    throw rack::RackFileError("");
+    rack::TableReader::abandon();
   }
   const std::string shown =
       std::holds_alternative<double>(*value)        ? number_text(std::get<double>(*value))

@@ -50,16 +50,21 @@ bool is_text(const dictionary::Entry* entry) {
 
 }  // namespace
 
-std::optional<ObjectValue> read_object_value(rack::TomlSection& section) {
+std::optional<ObjectValue> read_object_value(rack::TableReader& section) {
   std::optional<ObjectValue> value;
-  if (section.is_text("value")) {
-    if (const auto text = section.text({"value", "A text, for objects that are one"})) {
-      value = *text;
-    }
-  } else if (const auto number =
-                 section.number({"value", "What is written"}, -kAnyValue, kAnyValue)) {
-    value = *number;
-  }
+  section.either(
+      section.is_text("value"),
+      [&] {
+        if (const auto number =
+                section.number({"value", "What is written"}, -kAnyValue, kAnyValue)) {
+          value = *number;
+        }
+      },
+      [&] {
+        if (const auto text = section.text({"value", "A text, for objects that are one"})) {
+          value = *text;
+        }
+      });
   if (const auto text = section.text({"bytes", "Instead of value: bytes as they are, \"2B 01\""})) {
     if (const auto bytes = parse_bytes(*text)) {
       value = *bytes;
@@ -127,7 +132,7 @@ std::string value_text(std::span<const std::byte> data, const dictionary::Entry*
   return number ? number_text(*number) : bytes_text(data);
 }
 
-std::optional<master::ObjectAddress> read_object_address(rack::TomlSection& section) {
+std::optional<master::ObjectAddress> read_object_address(rack::TableReader& section) {
   const auto text = section.text({"object", "Index and subindex in hexadecimal, \"6040:00\""});
   if (!text) {
     section.refuse_missing("object", "it names an object, e.g. \"6040:00\"");

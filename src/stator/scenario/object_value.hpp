@@ -11,7 +11,7 @@
 #include "stator/base/expected.hpp"
 #include "stator/dictionary/dictionary.hpp"
 #include "stator/master/sdo_types.hpp"
-#include "stator/rack/toml/toml_section.hpp"
+#include "stator/rack/file/table_reader.hpp"
 
 namespace stator::scenario {
 
@@ -20,7 +20,7 @@ using ObjectValue = std::variant<double, std::string, std::vector<std::byte>>;
 
 /// Reads `value`, a number or a text, or `bytes`, hexadecimal such as "2B 01". Nothing: neither is
 /// there.
-[[nodiscard]] std::optional<ObjectValue> read_object_value(rack::TomlSection& section);
+[[nodiscard]] std::optional<ObjectValue> read_object_value(rack::TableReader& section);
 
 /// The value as an SDO carries it to `entry`; null: the object is not in the device's dictionary,
 /// and a number has four bytes. Else a sentence about what does not fit; the range is the device's
@@ -37,7 +37,7 @@ using ObjectValue = std::variant<double, std::string, std::vector<std::byte>>;
                                      const dictionary::Entry* entry);
 
 /// Reads `object`, e.g. "6040:00".
-[[nodiscard]] std::optional<master::ObjectAddress> read_object_address(rack::TomlSection& section);
+[[nodiscard]] std::optional<master::ObjectAddress> read_object_address(rack::TableReader& section);
 
 /// Bytes that a text like "2B 01 FF" means; nothing: it is none such.
 [[nodiscard]] std::optional<std::vector<std::byte>> parse_bytes(std::string_view text);

@@ -12,7 +12,7 @@
 
 namespace stator::scenario {
 
-ReadStep read_inject(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_inject(rack::TableReader& section, StepReader& reader) {
   auto keys = section.section({"fault", "The fault, with the keys of a [[fault]] of a rack file"});
   if (!keys) {
     section.missing("fault",
@@ -27,7 +27,7 @@ ReadStep read_inject(rack::TomlSection& section, StepReader& reader) {
           }};
 }
 
-ReadStep read_clear(rack::TomlSection& section, StepReader& /*reader*/) {
+ReadStep read_clear(rack::TableReader& section, StepReader& /*reader*/) {
   const auto name = section.text({"fault", "Name of the fault that ends; without it all end"});
   return {name ? "end of fault " + *name : "end of all faults", [name](bench::Bench& bench) {
             std::optional<std::uint64_t> id;
@@ -46,7 +46,7 @@ ReadStep read_clear(rack::TomlSection& section, StepReader& /*reader*/) {
           }};
 }
 
-ReadStep read_rack_event(rack::TomlSection& section, StepReader& reader,
+ReadStep read_rack_event(rack::TableReader& section, StepReader& reader,
                          const std::string& action) {
   std::vector<rack::EventConfiguration> events;
   reader.events().read_action(section, action, base::SimDuration(), events);

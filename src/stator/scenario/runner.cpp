@@ -140,11 +140,10 @@ ScenarioResult run(const Scenario& scenario) {
   return result;
 }
 
-ScenarioResult unreadable(const Scenario& scenario,
-                          const std::vector<rack::RackFileError>& errors) {
+ScenarioResult unreadable(const Scenario& scenario, const std::vector<settings::Problem>& errors) {
   ScenarioResult result{scenario.file, scenario.name, scenario.summary};
   result.status = Status::error;
-  for (const rack::RackFileError& error : errors) {
+  for (const settings::Problem& error : errors) {
     result.error += (result.error.empty() ? "" : "\n") + std::string(error.what());
   }
   return result;

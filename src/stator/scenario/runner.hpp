@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "stator/base/sim_time.hpp"
-#include "stator/rack/toml/rack_file_error.hpp"
+#include "stator/rack/file/rack_file_error.hpp"
 #include "stator/scenario/scenario.hpp"
 
 namespace stator::scenario {
@@ -58,6 +58,6 @@ struct ScenarioResult {
 
 /// The result of a scenario file that cannot be read.
 [[nodiscard]] ScenarioResult unreadable(const Scenario& scenario,
-                                        const std::vector<rack::RackFileError>& errors);
+                                        const std::vector<settings::Problem>& errors);
 
 }  // namespace stator::scenario

@@ -1,6 +1,7 @@
 #include "stator/scenario/scenario_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -11,21 +12,18 @@
 #include "stator/product/catalogue/catalogue.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file.hpp"
-#include "stator/rack/toml/rack_file_steps.hpp"
-#include "stator/rack/toml/toml_section.hpp"
+#include "stator/rack/file/rack_file_steps.hpp"
+#include "stator/rack/file/system_files.hpp"
+#include "stator/rack/file/table_reader.hpp"
 #include "stator/scenario/step_kinds.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::scenario {
 
 namespace {
 
 using namespace base::literals;
-using rack::TomlSection;
-
-/// A path in a scenario file is relative to it.
-std::string beside(const std::string& file, const std::string& path) {
-  return (std::filesystem::path(file).parent_path() / path).lexically_normal().string();
-}
+using rack::TableReader;
 
 std::set<std::string> product_types(const product::Catalogue& catalogue) {
   std::set<std::string> types;
@@ -36,11 +34,12 @@ std::set<std::string> product_types(const product::Catalogue& catalogue) {
 }
 
 /// The rack under test: a rack file, a product as it leaves its box, or tables of a rack file.
-rack::RackConfiguration read_scenario_rack(TomlSection& root, const product::Catalogue& catalogue) {
+rack::RackConfiguration read_scenario_rack(TableReader& root, const product::Catalogue& catalogue,
+                                           rack::Changes changes) {
   const auto product = root.choice(
       {"product", "Instead of a rack: one device as it leaves its box"}, product_types(catalogue));
   if (product) {
-    return rack::single_device_rack(*product, catalogue);
+    return rack::load_single_device(*product, catalogue, changes);
   }
   if (root.is_table("rack")) {
     auto section = root.section("rack");
@@ -52,7 +51,7 @@ rack::RackConfiguration read_scenario_rack(TomlSection& root, const product::Cat
                  "a scenario needs a rack file (\"rack\"), a device (\"product\"), or a "
                  "table [rack]");
   }
-  return rack::load_rack_file(beside(root.file(), *file), catalogue);
+  return rack::load_rack_file(rack::system_files().beside(root.file(), *file), catalogue, changes);
 }
 
 const StepKind* find_kind(const std::string& name) {
@@ -61,38 +60,44 @@ const StepKind* find_kind(const std::string& name) {
 }
 
 std::set<std::string> kind_names() {
-  std::set<std::string> names = rack::EventSectionReader::action_names();
+  const std::vector<std::string>& events = rack::EventSectionReader::action_names();
+  std::set<std::string> names(events.begin(), events.end());
   for (const StepKind& kind : step_kinds()) {
     names.insert(std::string(kind.name));
   }
   return names;
 }
 
-Step read_step(TomlSection& section, StepReader& reader) {
+Step read_step(TableReader& section, StepReader& reader) {
   Step step;
   step.line = section.line();
   const auto note = section.text({"note", "What the step is there for, for reports"});
-  const auto name = section.selector({"do", "What the step does"}, kind_names());
-  if (!name) {
-    section.missing("do", fmt::format("it must be one of: {}", fmt::join(kind_names(), ", ")));
+  const std::set<std::string> names = kind_names();
+  const bool selected =
+      section.select({"do", "What the step does"}, names,
+                     "it must be one of: " + settings::joined(names), [&](const std::string& name) {
+                       step.kind = name;
+                       const StepKind* kind = find_kind(name);
+                       ReadStep read = kind != nullptr ? kind->read(section, reader)
+                                                       : read_rack_event(section, reader, name);
+                       step.looks = kind != nullptr && kind->looks;
+                       step.title = note.value_or(read.title);
+                       step.action = std::move(read.action);
+                       section.finish();
+                     });
+  if (!selected) {
+    TableReader::abandon();
   }
-  step.kind = *name;
-  const StepKind* kind = find_kind(*name);
-  ReadStep read =
-      kind != nullptr ? kind->read(section, reader) : read_rack_event(section, reader, *name);
-  step.looks = kind != nullptr && kind->looks;
-  step.title = note.value_or(read.title);
-  step.action = std::move(read.action);
-  section.finish();
   return step;
 }
 
-void read_scenario(TomlSection& root, const product::Catalogue& catalogue, Scenario& scenario) {
+void read_scenario(TableReader& root, const product::Catalogue& catalogue, rack::Changes changes,
+                   Scenario& scenario) {
   scenario.name = root.text({"name", "What the scenario shows, for lists and reports"})
                       .value_or(std::filesystem::path(scenario.file).stem().string());
   root.text({"summary", "What it is good for, for reports"}, scenario.summary);
   std::optional<rack::RackConfiguration> rack;
-  root.attempt([&] { rack = read_scenario_rack(root, catalogue); });
+  root.attempt([&] { rack = read_scenario_rack(root, catalogue, changes); });
   if (rack) {
     scenario.rack = std::move(*rack);
   }
@@ -103,7 +108,7 @@ void read_scenario(TomlSection& root, const product::Catalogue& catalogue, Scena
   root.texts({"plot", "Signals that a report draws, names with * as wild card"}, scenario.plots);
   if (rack) {
     StepReader reader(scenario.rack);
-    for (TomlSection& step :
+    for (TableReader& step :
          root.sections({"step", "What is done and looked at, one after the other"})) {
       step.attempt([&] { scenario.steps.push_back(read_step(step, reader)); });
     }
@@ -114,32 +119,60 @@ void read_scenario(TomlSection& root, const product::Catalogue& catalogue, Scena
   }
 }
 
+/// Makes the changes of the scenario's own keys, and of a rack that stands in it; returns those of
+/// a rack that stands elsewhere.
+std::vector<std::string> apply_own_changes(rack::Changes changes, settings::Value& tree,
+                                           settings::Problems& problems) {
+  constexpr std::array<std::string_view, 8> kOwnKeys{"name",  "summary", "product", "rack",
+                                                     "cycle", "limit",   "plot",    "step"};
+  std::vector<std::string> own;
+  std::vector<std::string> others;
+  for (const std::string& change : changes) {
+    const bool is_own =
+        std::ranges::find(kOwnKeys, change.substr(0, change.find_first_of(".[="))) !=
+        kOwnKeys.end();
+    (is_own ? own : others).push_back(change);
+  }
+  rack::apply_changes(own, tree, problems);
+  auto* const root = tree.find<settings::Table>();
+  const auto rack = root->find("rack");
+  if (rack != root->end() && rack->second.is<settings::Table>()) {
+    rack::apply_changes(others, rack->second, problems);
+    others.clear();
+  }
+  return others;
+}
+
 }  // namespace
 
 ScenarioRead parse_scenario(std::string_view text, const std::string& name,
-                            const product::Catalogue& catalogue) {
+                            const product::Catalogue& catalogue, rack::Changes changes) {
   ScenarioRead read;
   read.scenario.file = name;
-  rack::RackFileErrors errors;
+  settings::Problems problems;
+  problems.everything = true;
   try {
-    const toml::table table = rack::parse_toml(text, name);
-    TomlSection root(name, "the scenario", table, &errors);
-    root.attempt([&] { read_scenario(root, catalogue, read.scenario); });
+    settings::Value tree = rack::parse_rack_tree(text, name);
+    const auto of_rack = apply_own_changes(changes, tree, problems);
+    const settings::Reading reading{problems, &rack::system_files(), name};
+    TableReader root(reading, "the scenario", tree);
+    root.attempt([&] { read_scenario(root, catalogue, of_rack, read.scenario); });
   } catch (const rack::RackFileError& error) {
-    errors.list.push_back(error);
+    problems.list.push_back(error.problem());
   }
-  read.errors = std::move(errors.list);
+  read.errors = std::move(problems.list);
   return read;
 }
 
-ScenarioRead read_scenario_file(const std::string& path, const product::Catalogue& catalogue) {
+ScenarioRead read_scenario_file(const std::string& path, const product::Catalogue& catalogue,
+                                rack::Changes changes) {
   try {
-    return parse_scenario(rack::read_rack_text(path, "scenario file"), path, catalogue);
+    return parse_scenario(rack::read_rack_text(path, "scenario file"), path, catalogue, changes);
   } catch (const rack::RackFileError& error) {
     ScenarioRead read;
     read.scenario.file = path;
     read.scenario.name = std::filesystem::path(path).stem().string();
-    read.errors.push_back(error);
+    read.errors.push_back(error.problem());
     return read;
   }
 }

@@ -5,24 +5,28 @@
 #include <vector>
 
 #include "stator/product/catalogue/catalogue.hpp"
-#include "stator/rack/toml/rack_file_error.hpp"
+#include "stator/rack/file/changes.hpp"
 #include "stator/scenario/scenario.hpp"
+#include "stator/settings/problem.hpp"
 
 namespace stator::scenario {
 
 /// What reading a scenario file has shown.
 struct ScenarioRead {
-  Scenario scenario;                        ///< of use only without errors
-  std::vector<rack::RackFileError> errors;  ///< with file, line, reason and remedy
+  Scenario scenario;                      ///< of use only without errors
+  std::vector<settings::Problem> errors;  ///< with file, line, reason and remedy
 };
 
 /// Reads a scenario file (docs/how-to/scenarios.md) and the rack it names, of devices of
-/// `catalogue`, and tells all that is
-/// wrong with them. Files named in it are relative to it. Does not throw.
+/// `catalogue`, and tells all that is wrong with them. Files named in it are relative to it.
+/// `changes` are made before: a path that begins with a key of the scenario ("step[3].target=0") is
+/// the scenario's, others are the rack's. Does not throw.
 [[nodiscard]] ScenarioRead read_scenario_file(const std::string& path,
-                                              const product::Catalogue& catalogue);
+                                              const product::Catalogue& catalogue,
+                                              rack::Changes changes = {});
 /// The same for the text of a scenario file; `name` stands for the file in messages.
 [[nodiscard]] ScenarioRead parse_scenario(std::string_view text, const std::string& name,
-                                          const product::Catalogue& catalogue);
+                                          const product::Catalogue& catalogue,
+                                          rack::Changes changes = {});
 
 }  // namespace stator::scenario

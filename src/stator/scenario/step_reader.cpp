@@ -12,7 +12,7 @@ constexpr unsigned kMostAxes = 6;
 
 }  // namespace
 
-rack::DeviceAddress StepReader::device(rack::TomlSection& section) {
+rack::DeviceAddress StepReader::device(rack::TableReader& section) {
   std::size_t devices = 0;
   rack::DeviceAddress only;
   for (std::size_t i = 0; i < rack_.segments.size(); ++i) {
@@ -31,7 +31,7 @@ rack::DeviceAddress StepReader::device(rack::TomlSection& section) {
   return targets_.read_target(section);
 }
 
-std::optional<rack::DeviceAddress> StepReader::any_device(rack::TomlSection& section) {
+std::optional<rack::DeviceAddress> StepReader::any_device(rack::TableReader& section) {
   if (!section.contains("device")) {
     static_cast<void>(section.text({"device", "Name of the device; without it all"}));
     return std::nullopt;
@@ -39,12 +39,12 @@ std::optional<rack::DeviceAddress> StepReader::any_device(rack::TomlSection& sec
   return targets_.read_target(section);
 }
 
-unsigned StepReader::axis(rack::TomlSection& section) {
+unsigned StepReader::axis(rack::TableReader& section) {
   return static_cast<unsigned>(
       section.integer({"axis", "Axis of the device"}, 0, kMostAxes - 1).value_or(0));
 }
 
-std::size_t StepReader::segment(rack::TomlSection& section) const {
+std::size_t StepReader::segment(rack::TableReader& section) const {
   if (rack_.segments.empty()) {
     section.fail("do", "the rack has no EtherCAT segment");
   }
@@ -54,7 +54,7 @@ std::size_t StepReader::segment(rack::TomlSection& section) const {
                                       .value_or(0));
 }
 
-std::size_t StepReader::bus(rack::TomlSection& section) const {
+std::size_t StepReader::bus(rack::TableReader& section) const {
   if (const auto name = section.text({"bus", "Name of the CAN bus; the first one without it"})) {
     return targets_.read_bus(section, *name);
   }
@@ -66,7 +66,7 @@ std::size_t StepReader::bus(rack::TomlSection& section) const {
   section.fail("do", "the rack has no CAN bus");
 }
 
-base::SimDuration StepReader::within(rack::TomlSection& section, base::SimDuration otherwise) {
+base::SimDuration StepReader::within(rack::TableReader& section, base::SimDuration otherwise) {
   section.duration({"within", "How long it is waited for at most, in simulated time"},
                    base::SimDuration(), kLongestStep, otherwise);
   return otherwise;

@@ -12,8 +12,8 @@
 #include "stator/master/sdo_types.hpp"
 #include "stator/rack/file/event_section.hpp"
 #include "stator/rack/file/fault_section.hpp"
+#include "stator/rack/file/table_reader.hpp"
 #include "stator/rack/file/target_reader.hpp"
-#include "stator/rack/toml/toml_section.hpp"
 #include "stator/scenario/scenario.hpp"
 
 namespace stator::scenario {
@@ -36,20 +36,20 @@ class StepReader {
   [[nodiscard]] rack::FaultReader& faults() { return faults_; }
 
   /// The device that `device` names; a rack with one needs no name. Throws RackFileError.
-  [[nodiscard]] rack::DeviceAddress device(rack::TomlSection& section);
+  [[nodiscard]] rack::DeviceAddress device(rack::TableReader& section);
   /// The same for a step that may do without; nothing: the key is not there.
-  [[nodiscard]] std::optional<rack::DeviceAddress> any_device(rack::TomlSection& section);
+  [[nodiscard]] std::optional<rack::DeviceAddress> any_device(rack::TableReader& section);
   [[nodiscard]] const std::string& name_of(rack::DeviceAddress device) const {
     return targets_.device_at(device).name;
   }
   /// `axis`, 0 without it.
-  [[nodiscard]] static unsigned axis(rack::TomlSection& section);
+  [[nodiscard]] static unsigned axis(rack::TableReader& section);
   /// `segment`, counted from 0, which is the default. Throws RackFileError.
-  [[nodiscard]] std::size_t segment(rack::TomlSection& section) const;
+  [[nodiscard]] std::size_t segment(rack::TableReader& section) const;
   /// `bus`, the first one with a wire by default. Throws RackFileError.
-  [[nodiscard]] std::size_t bus(rack::TomlSection& section) const;
+  [[nodiscard]] std::size_t bus(rack::TableReader& section) const;
   /// `within`, how long something is waited for at most.
-  [[nodiscard]] static base::SimDuration within(rack::TomlSection& section,
+  [[nodiscard]] static base::SimDuration within(rack::TableReader& section,
                                                 base::SimDuration otherwise);
 
  private:

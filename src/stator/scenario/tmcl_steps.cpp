@@ -36,7 +36,7 @@ std::string reply_text(const tmcl::Reply& reply) {
 
 }  // namespace
 
-ReadStep read_tmcl(rack::TomlSection& section, StepReader& reader) {
+ReadStep read_tmcl(rack::TableReader& section, StepReader& reader) {
   const rack::DeviceAddress device = reader.device(section);
   const auto command =
       section.text({"command", "As programs write it, e.g. \"MVP ABS, 0, 51200\""});

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 #include "stator/tmcl/assembler/direct_line.hpp"
 #include "stator/tmcl_tools/failure.hpp"
 #include "stator/tmcl_tools/tmcl_answer_text.hpp"
@@ -56,7 +56,7 @@ struct DebugCommands {
     if (text.empty()) {
       return console.told(console.debugger_.resume());
     }
-    const auto duration = rack::parse_duration(text);
+    const auto duration = settings::parse_duration(text);
     if (!duration) {
       throw Console::Refusal{fmt::format("\"{}\" is no duration; write e.g. 500ms", text)};
     }

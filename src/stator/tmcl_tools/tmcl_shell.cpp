@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "stator/base/spelling.hpp"
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 #include "stator/tmcl/assembler/direct_line.hpp"
 #include "stator/tmcl/assembler/disassembler.hpp"
 #include "stator/tmcl/command.hpp"
@@ -110,7 +110,7 @@ struct ShellCommands {
     constexpr base::SimDuration kLook{10'000'000};
     constexpr int kLooks = 6000;
     constexpr std::uint8_t kPositionReached = 8;
-    if (const auto duration = rack::parse_duration(text)) {
+    if (const auto duration = settings::parse_duration(text)) {
       return shell.connection_.pass(*duration) ? "the target was reached\n" : "";
     }
     if (text != "pos" && text != "event") {

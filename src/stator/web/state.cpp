@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "stator/formats/json/schema.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/file/rack_file_description.hpp"
 #include "stator/web/address.hpp"
 
 namespace stator::web {
@@ -179,6 +181,13 @@ bool matches(std::string_view pattern, std::string_view name) {
     }
   }
   return pattern.find_first_not_of('*', at) == std::string_view::npos;
+}
+
+const std::string& State::keys() {
+  if (keys_.empty()) {
+    keys_ = formats::json_schema(rack::describe_rack_file(catalogue), rack::kRackFileTitle, "rack");
+  }
+  return keys_;
 }
 
 }  // namespace stator::web

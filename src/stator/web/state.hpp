@@ -12,6 +12,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "stator/base/event.hpp"
+#include "stator/product/catalogue/catalogue.hpp"
 #include "stator/product/device/input.hpp"
 #include "stator/product/device/signal.hpp"
 #include "stator/rack/run/runner.hpp"
@@ -94,6 +95,9 @@ class State {
   [[nodiscard]] const EventRecord* last_refusal(std::string_view device,
                                                 std::optional<std::int64_t> axis = {}) const;
 
+  /// All keys of rack files of devices of `catalogue`, as a JSON schema.
+  [[nodiscard]] const std::string& keys();
+
   // For tasks of the desk, which hold the rack.
 
   [[nodiscard]] const rack::EventLog& log() const { return log_; }
@@ -105,8 +109,10 @@ class State {
   [[nodiscard]] const std::vector<NetworkRecord>& networks() const { return networks_; }
   ServerCounters counters;
   SessionControl* session = nullptr;  ///< null: nothing is recorded
+  product::Catalogue catalogue;       ///< products whose keys are told
 
  private:
+  std::string keys_;  ///< empty until somebody asked
   const rack::RackConfiguration& configuration_;
   const rack::EventLog& log_;
   const rack::Runner& runner_;

@@ -18,7 +18,7 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/describe/conformance_data.hpp"
 #include "stator/cli/failure.hpp"
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::cli {
 
@@ -76,7 +76,7 @@ const ConformanceTables& tables_of(const std::string& device) {
     }
     names.emplace(tables.device);
   }
-  const std::string guess = rack::closest_match(device, names);
+  const std::string guess = settings::closest_match(device, names);
   throw Failure(fmt::format("there is no product \"{}\"{}; the products are: {}", device,
                             guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
                             fmt::join(names, ", ")));

@@ -8,10 +8,11 @@
 #include "stator/cli/describe/mfc_listing.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
+#include "stator/devices/tmc8461/mfc_configuration_keys.hpp"
 #include "stator/devices/tmc8461/sii.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
 #include "stator/formats/esi/chip_esi.hpp"
-#include "stator/rack/sections/mfc_configuration_file.hpp"
+#include "stator/rack/file/rack_file_steps.hpp"
 
 namespace stator::cli {
 
@@ -27,7 +28,7 @@ struct ConfigOptions {
 };
 
 /// What an EEPROM with this image makes of a TMC8461. Throws Failure if it is none of one.
-rack::MfcConfigurationFile decode(const std::string& path) {
+devices::tmc8461::MfcConfigurationFile decode(const std::string& path) {
   const std::string bytes = read_file(path);
   const auto contents = ethercat::parse_sii_image(std::as_bytes(std::span(bytes)));
   if (!contents) {
@@ -36,7 +37,7 @@ rack::MfcConfigurationFile decode(const std::string& path) {
   if (contents->parameter_ram.empty()) {
     throw Failure(path + ": has no category 1, which holds the configuration of the I/O block");
   }
-  rack::MfcConfigurationFile file;
+  devices::tmc8461::MfcConfigurationFile file;
   file.configuration = mfc::Configuration(contents->parameter_ram);
   file.identity.vendor_id = contents->vendor_id;
   file.identity.product_code = contents->product_code;
@@ -55,14 +56,18 @@ rack::MfcConfigurationFile decode(const std::string& path) {
 
 void configure(const ConfigOptions& options) {
   if (!options.from_sii.empty()) {
-    write_output(options.output, rack::mfc_configuration_text(decode(options.from_sii)), false,
-                 "a configuration");
+    write_output(options.output, devices::tmc8461::mfc_configuration_text(decode(options.from_sii)),
+                 false, "a configuration");
     return;
   }
   if (options.file.empty()) {
     throw Failure("name a configuration file, or an SII image with --from-sii");
   }
-  const rack::MfcConfigurationFile file = rack::load_mfc_configuration(options.file);
+  devices::tmc8461::MfcConfigurationFile file;
+  rack::read_tree(
+      rack::parse_rack_tree(rack::read_rack_text(options.file, "configuration"), options.file),
+      options.file, "the configuration",
+      [&](settings::Reader& root) { devices::tmc8461::read_mfc_configuration(root, file); });
   const auto contents = devices::tmc8461::sii_contents(file.configuration, file.identity);
   const auto image = ethercat::compose_sii_image(contents);
   if (!options.sii.empty()) {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "stator/rack/sections/mfc_configuration_file.hpp"
+#include "stator/mfc/pins/configuration.hpp"
 
 namespace stator::cli {
 

@@ -1,8 +1,11 @@
+#include "stator/cli/describe/rack_reference.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -11,17 +14,16 @@
 #include <fmt/format.h>
 
 #include "stator/cli/cells.hpp"
-#include "stator/cli/describe/rack_schema.hpp"
 
 namespace stator::cli {
 
 namespace {
 
-using rack::KeyDescription;
-using rack::TableDescription;
-using rack::TableVariant;
-using rack::ValueForm;
-using rack::ValueKind;
+using settings::KeyDescription;
+using settings::TableDescription;
+using settings::TableVariant;
+using settings::ValueForm;
+using settings::ValueKind;
 
 constexpr std::string_view kHead =
     "# Keys of a rack file\n"
@@ -37,61 +39,61 @@ constexpr std::string_view kHead =
 struct Chapter {
   std::string path;  ///< "segment.device"
   bool is_array = false;
-  const TableDescription* table = nullptr;
+  const settings::TableDescription* table = nullptr;
 };
 
 /// More words than these are told by the first and the last one.
 constexpr std::size_t kLongList = 12;
 
-bool any_integer(const ValueForm& form) {
-  return form.kind == ValueKind::integer &&
+bool any_integer(const settings::ValueForm& form) {
+  return form.kind == settings::ValueKind::integer &&
          form.minimum == std::to_string(std::numeric_limits<std::int64_t>::min());
 }
 
-std::string choices_of(const ValueForm& form) {
+std::string choices_of(const settings::ValueForm& form) {
   if (form.choices.size() > kLongList) {
     return fmt::format("`\"{}\"` … `\"{}\"`", form.choices.front(), form.choices.back());
   }
   return fmt::format("`\"{}\"`", fmt::join(form.choices, "\"`, `\""));
 }
 
-std::string range(const ValueForm& form, const std::string& unit) {
+std::string range(const settings::ValueForm& form, const std::string& unit) {
   return fmt::format("{} to {}{}{}", form.minimum, form.maximum, unit.empty() ? "" : " ", unit);
 }
 
-std::string text_of(const ValueForm& form, const std::string& unit) {
+std::string text_of(const settings::ValueForm& form, const std::string& unit) {
   switch (form.kind) {
-    case ValueKind::text:
+    case settings::ValueKind::text:
       return form.choices.empty() ? "text" : choices_of(form);
-    case ValueKind::boolean:
+    case settings::ValueKind::boolean:
       return "`true`, `false`";
-    case ValueKind::integer:
+    case settings::ValueKind::integer:
       return any_integer(form) ? "integer" : "integer, " + range(form, unit);
-    case ValueKind::number:
+    case settings::ValueKind::number:
       return range(form, unit);
-    case ValueKind::duration:
+    case settings::ValueKind::duration:
       return "duration, " + range(form, "");
-    case ValueKind::texts:
+    case settings::ValueKind::texts:
       return form.choices.empty() ? "list of texts" : "list of names";
-    case ValueKind::integers:
+    case settings::ValueKind::integers:
       return fmt::format("list of {} integers, {}", form.count, range(form, unit));
-    case ValueKind::table:
+    case settings::ValueKind::table:
       return "table";
-    case ValueKind::tables:
+    case settings::ValueKind::tables:
       return "tables";
   }
   return {};
 }
 
-std::string values_of(const KeyDescription& key) {
+std::string values_of(const settings::KeyDescription& key) {
   std::string values;
-  for (const ValueForm& form : key.forms) {
+  for (const settings::ValueForm& form : key.forms) {
     values += (values.empty() ? "" : " or ") + text_of(form, key.unit);
   }
   return values;
 }
 
-std::string default_of(const KeyDescription& key) {
+std::string default_of(const settings::KeyDescription& key) {
   if (key.required) {
     return "needed";
   }
@@ -99,15 +101,15 @@ std::string default_of(const KeyDescription& key) {
 }
 
 /// A table whose keys are written with a dot: it has neither variants nor names of the user's.
-bool is_plain(const KeyDescription& key) {
-  return key.forms.size() == 1 && key.forms.front().kind == ValueKind::table &&
+bool is_plain(const settings::KeyDescription& key) {
+  return key.forms.size() == 1 && key.forms.front().kind == settings::ValueKind::table &&
          !key.table->free_names && key.table->selector.empty();
 }
 
-std::string rows_of(const TableDescription& table, const std::string& prefix,
+std::string rows_of(const settings::TableDescription& table, const std::string& prefix,
                     const std::string& path, std::vector<Chapter>& chapters) {
   std::string rows;
-  for (const KeyDescription& key : table.keys) {
+  for (const settings::KeyDescription& key : table.keys) {
     const std::string name = prefix + key.name;
     if (is_plain(key)) {
       rows += rows_of(*key.table, name + ".", path, chapters);
@@ -115,7 +117,7 @@ std::string rows_of(const TableDescription& table, const std::string& prefix,
     }
     if (key.table != nullptr) {
       const std::string below = path.empty() ? name : path + "." + name;
-      const bool is_array = key.forms.front().kind == ValueKind::tables;
+      const bool is_array = key.forms.front().kind == settings::ValueKind::tables;
       chapters.push_back({below, is_array, key.table.get()});
     }
     rows += fmt::format("| `{}` | {} | {} | {} |\n", name, markdown_cell(values_of(key)),
@@ -135,16 +137,17 @@ class Reference {
   [[nodiscard]] const std::string& text() const { return text_; }
 
  private:
-  void add_variants(const TableDescription& table, const Chapter& chapter, const std::string& name);
+  void add_variants(const settings::TableDescription& table, const Chapter& chapter,
+                    const std::string& name);
 
   std::string text_;
   std::map<std::string, std::string> tables_;  ///< rows that have been written, and below what
 };
 
 void Reference::add(const Chapter& chapter) {
-  const TableDescription& table = *chapter.table;
+  const settings::TableDescription& table = *chapter.table;
   if (table.free_names && table.keys.front().table != nullptr) {
-    const KeyDescription& any = table.keys.front();
+    const settings::KeyDescription& any = table.keys.front();
     add({chapter.path + "." + any.name, false, any.table.get()});
     return;
   }
@@ -161,7 +164,7 @@ void Reference::add(const Chapter& chapter) {
 }
 
 /// Variants with the same keys share a table.
-void Reference::add_variants(const TableDescription& table, const Chapter& chapter,
+void Reference::add_variants(const settings::TableDescription& table, const Chapter& chapter,
                              const std::string& name) {
   struct Group {
     std::string values;
@@ -169,7 +172,7 @@ void Reference::add_variants(const TableDescription& table, const Chapter& chapt
     std::vector<Chapter> below;
   };
   std::vector<Group> groups;
-  for (const TableVariant& variant : table.variants) {
+  for (const settings::TableVariant& variant : table.variants) {
     std::vector<Chapter> below;
     std::string rows = rows_of(*variant.table, "", chapter.path, below);
     const std::string value = fmt::format("\"{}\"", variant.value);
@@ -193,9 +196,38 @@ void Reference::add_variants(const TableDescription& table, const Chapter& chapt
   }
 }
 
+/// Keys of variants are told once each, whatever the value of the selector.
+void add_paths(const TableDescription& table, const std::string& prefix,
+               std::set<std::string>& told, std::string& lines) {
+  for (const KeyDescription& key : table.keys) {
+    const std::string path = prefix + key.name;
+    if (key.table == nullptr || key.forms.size() > 1) {
+      const std::string line =
+          fmt::format("{}\t{}\t{}\t{}\n", path, values_of(key), default_of(key), key.summary);
+      if (told.insert(line).second) {
+        lines += line;
+      }
+    }
+    if (key.table != nullptr) {
+      const bool is_array = key.forms.front().kind == ValueKind::tables;
+      add_paths(*key.table, path + (is_array ? "[]." : "."), told, lines);
+    }
+  }
+  for (const TableVariant& variant : table.variants) {
+    add_paths(*variant.table, prefix, told, lines);
+  }
+}
+
 }  // namespace
 
-std::string rack_reference(const rack::TableDescription& rack_file) {
+std::string rack_key_paths(const settings::TableDescription& rack_file) {
+  std::set<std::string> told;
+  std::string lines;
+  add_paths(rack_file, "", told, lines);
+  return lines;
+}
+
+std::string rack_reference(const settings::TableDescription& rack_file) {
   Reference reference;
   reference.add({"", false, &rack_file});
   return std::string(kHead) + reference.text();

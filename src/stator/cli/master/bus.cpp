@@ -16,7 +16,7 @@
 #include "stator/link/ethernet/open_link.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file.hpp"
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::cli {
 
@@ -27,6 +27,7 @@ void add_bus_options(CLI::App& command, BusOptions& options) {
                                   "Rack file: run its first segment in this process, in lockstep");
   auto* device = command.add_option("--device", options.device,
                                     "Product: run one such device in this process, in lockstep");
+  add_set_option(command, options.changes);
   link->excludes(rack)->excludes(device);
   rack->excludes(device);
   command.add_option("--capture", options.capture, "Write all frames to this pcap file");
@@ -93,8 +94,9 @@ void Bus::open_interface(const BusOptions& options) {
 
 void Bus::build_rack(const BusOptions& options) {
   rack::RackConfiguration configuration =
-      options.rack_file.empty() ? rack::single_device_rack(options.device, devices::products())
-                                : rack::load_rack_file(options.rack_file, devices::products());
+      options.rack_file.empty()
+          ? rack::load_single_device(options.device, devices::products(), options.changes)
+          : rack::load_rack_file(options.rack_file, devices::products(), options.changes);
   if (configuration.segments.empty()) {
     throw Failure(
         "this command is an EtherCAT master, and there are only CAN devices; run them with "
@@ -102,7 +104,7 @@ void Bus::build_rack(const BusOptions& options) {
         "run\" and talk to them with a CANopen master");
   }
   if (!options.record.empty()) {
-    const auto period = rack::parse_duration(options.record_period);
+    const auto period = settings::parse_duration(options.record_period);
     if (!period) {
       throw Failure(fmt::format("--record-period \"{}\" is no duration; write e.g. 1ms or 250us",
                                 options.record_period));

@@ -25,6 +25,7 @@ namespace stator::cli {
 struct BusOptions {
   std::string link;  ///< as link::parse_link_address() reads it
   std::string rack_file;
+  std::vector<std::string> changes;
   std::string device;   ///< product type: a rack with one such device
   std::string capture;  ///< pcap file, empty = none
   std::string record;   ///< CSV file, only with a rack

@@ -11,7 +11,7 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/master/master_session.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::cli {
 
@@ -66,7 +66,7 @@ base::SimDuration time_limit(const MoveOptions& options, double distance) {
 }
 
 void move(const MoveOptions& options) {
-  const auto settle = rack::parse_duration(options.settle);
+  const auto settle = settings::parse_duration(options.settle);
   if (!settle || *settle < base::SimDuration(0)) {
     throw Failure(
         fmt::format("--settle \"{}\" is no duration; write e.g. 200ms or 0s", options.settle));

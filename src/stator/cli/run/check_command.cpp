@@ -8,14 +8,16 @@
 #include <nlohmann/json.hpp>
 
 #include "stator/cli/commands.hpp"
-#include "stator/cli/describe/rack_schema.hpp"
+#include "stator/cli/describe/rack_reference.hpp"
 #include "stator/cli/failure.hpp"
+#include "stator/cli/option_values.hpp"
 #include "stator/cli/run/serial_lines.hpp"
 #include "stator/devices/catalogue/products.hpp"
+#include "stator/formats/json/schema.hpp"
 #include "stator/link/ethernet/link_address.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_check.hpp"
-#include "stator/rack/toml/rack_file_description.hpp"
+#include "stator/rack/file/rack_file_description.hpp"
 
 namespace stator::cli {
 
@@ -23,9 +25,11 @@ namespace {
 
 struct CheckOptions {
   std::string rack_file;
+  std::vector<std::string> changes;
   std::string format = "text";
   bool schema = false;
   bool reference = false;
+  bool keys = false;
 };
 
 /// One device, and where it is reached.
@@ -95,7 +99,7 @@ std::vector<DeviceLine> lines_of(const rack::RackConfiguration& configuration) {
 
 void print_json(const rack::RackCheck& check) {
   nlohmann::ordered_json errors = nlohmann::ordered_json::array();
-  for (const rack::RackFileError& error : check.errors) {
+  for (const settings::Problem& error : check.errors) {
     nlohmann::ordered_json object;
     if (error.line() != 0) {
       object["file"] = error.file();
@@ -124,19 +128,22 @@ void print_json(const rack::RackCheck& check) {
 }
 
 void check(const CheckOptions& options) {
-  if (options.schema || options.reference) {
-    const rack::TableDescription rack_file = rack::describe_rack_file(devices::products());
-    fmt::print("{}", options.schema ? rack_schema(rack_file) : rack_reference(rack_file));
+  if (options.schema || options.reference || options.keys) {
+    const settings::TableDescription rack_file = rack::describe_rack_file(devices::products());
+    fmt::print("{}", options.schema ? formats::json_schema(rack_file, rack::kRackFileTitle, "rack")
+                     : options.reference ? rack_reference(rack_file)
+                                         : rack_key_paths(rack_file));
     return;
   }
   if (options.rack_file.empty()) {
     throw Failure("name a rack file, e.g. stator check racks/gantry.toml");
   }
-  const rack::RackCheck check = rack::check_rack_file(options.rack_file, devices::products());
+  const rack::RackCheck check =
+      rack::check_rack_file(options.rack_file, devices::products(), options.changes);
   if (options.format == "json") {
     print_json(check);
   } else {
-    for (const rack::RackFileError& error : check.errors) {
+    for (const settings::Problem& error : check.errors) {
       fmt::print("{}\n", error.what());
     }
   }
@@ -162,6 +169,7 @@ void add_check_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "check", "Tell what is wrong with a rack file, or what is in it, without running it");
   CLI::Option* rack_file = command->add_option("rack", options->rack_file, "Rack file (TOML)");
+  add_set_option(*command, options->changes);
   command->add_option("--format", options->format, "text, or json for editors")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
@@ -173,6 +181,11 @@ void add_check_command(CLI::App& app) {
   command
       ->add_flag("--reference", options->reference,
                  "Print all keys of rack files with values, defaults and meaning, in Markdown")
+      ->excludes(rack_file)
+      ->excludes(schema);
+  command
+      ->add_flag("--keys", options->keys,
+                 "Print one line per key for completion: path, values, default, meaning, with tabs")
       ->excludes(rack_file)
       ->excludes(schema);
   command->footer(

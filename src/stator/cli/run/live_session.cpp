@@ -144,7 +144,7 @@ void require_same_ports(const rack::RackConfiguration& configuration,
 }
 
 RunOptions continued(RunOptions given, const RunOptions& recorded) {
-  if (!given.rack_file.empty() || !given.device.empty()) {
+  if (!given.rack_file.empty() || !given.device.empty() || !given.changes.empty()) {
     throw Failure("--restore takes the rack out of the recording; name none beside it");
   }
   given.rack_file = recorded.rack_file;
@@ -153,6 +153,7 @@ RunOptions continued(RunOptions given, const RunOptions& recorded) {
   given.no_emergencies = recorded.no_emergencies;
   given.spi = recorded.spi;
   given.serial = recorded.serial;
+  given.changes = recorded.changes;
   given.bit_rate = recorded.bit_rate;
   const auto fill = [](auto& member, const auto& value) {
     if (member.empty()) {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "stator/cli/failure.hpp"
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::cli {
 
@@ -61,7 +61,7 @@ RecordingPlace parse_place(const std::string& text) {
   }
   RecordingPlace place{.path = text.substr(0, sign)};
   const std::string rest = text.substr(sign + 1);
-  if (const auto time = rack::parse_duration(rest)) {
+  if (const auto time = settings::parse_duration(rest)) {
     place.time = base::SimTime(*time);
   } else {
     place.mark = rest;

@@ -34,7 +34,7 @@ rack::RackConfiguration base_configuration(const RunOptions& options) {
     refuse(!options.serial.empty(), "--serial",
            "a rack file names the serial lines of its devices");
     refuse(!options.spi.empty(), "--spi", "a rack file names the sockets of its chips");
-    return rack::load_rack_file(options.rack_file, devices::products());
+    return rack::load_rack_file(options.rack_file, devices::products(), options.changes);
   }
   if (options.device.empty()) {
     throw Failure(
@@ -44,7 +44,7 @@ rack::RackConfiguration base_configuration(const RunOptions& options) {
         "with --serial pty:/tmp/stator-serial)");
   }
   rack::RackConfiguration configuration =
-      rack::single_device_rack(options.device, devices::products());
+      rack::load_single_device(options.device, devices::products(), options.changes);
   auto& devices = configuration.segments.empty() ? configuration.buses.front().devices
                                                  : configuration.segments.front().devices;
   for (unsigned i = 1; i < options.count; ++i) {
@@ -75,7 +75,7 @@ void apply_to_segment(const RunOptions& options, rack::SegmentConfiguration& seg
     segment.redundant_link = link_of(options.redundant);
   }
   if (!options.wait.empty()) {
-    segment.wait = rack::wait_modes().at(options.wait);
+    segment.wait = settings::meaning_of<link::WaitMode>(rack::kWaitModes, options.wait);
   }
   if (segment.link.in_process()) {
     throw Failure(
@@ -167,7 +167,7 @@ rack::RackConfiguration configuration_of(const RunOptions& options) {
   }
   apply_to_first_network(options, configuration);
   if (!options.clock.empty()) {
-    configuration.clock = rack::clock_kinds().at(options.clock);
+    configuration.clock = settings::meaning_of<rack::ClockKind>(rack::kClockKinds, options.clock);
   }
   if (!options.record.empty() && !is_session(options.record)) {
     configuration.record.emplace();

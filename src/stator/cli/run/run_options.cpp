@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "stator/cli/option_values.hpp"
 #include "stator/link/can/can_link_address.hpp"
 #include "stator/link/ethernet/link_address.hpp"
 #include "stator/link/ethernet/machine.hpp"
@@ -16,6 +17,7 @@ bool is_session(const std::string& path) {
 
 void add_run_options(CLI::App& command, RunOptions& options) {
   auto* file = command.add_option("rack", options.rack_file, "Rack file (TOML)");
+  add_set_option(command, options.changes);
   command.add_option("--device", options.device, "Product to run instead of a rack file")
       ->excludes(file);
   command

@@ -16,6 +16,7 @@ namespace stator::cli {
 /// What "stator run" is asked for on the command line.
 struct RunOptions {
   std::string rack_file;
+  std::vector<std::string> changes;  ///< of the rack file, PATH=VALUE
   std::string device;
   unsigned count = 1;
   std::string link;

@@ -11,11 +11,12 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
 #include "stator/cli/program_version.hpp"
+#include "stator/rack/file/rack_file_steps.hpp"
+#include "stator/settings/value.hpp"
 
 namespace stator::cli {
 
@@ -40,22 +41,23 @@ void for_each_option(Options& options, const Text& text, const List& list) {
   text("clock", options.clock);
   list("port", options.ports);
   list("serial", options.serial);
+  list("set", options.changes);
 }
 
 /// Adds the files that a rack file names to `paths`, from the rack file's folder.
-void collect(const toml::node& node, std::vector<fs::path>& paths) {
-  if (const toml::array* array = node.as_array(); array != nullptr) {
-    for (const toml::node& element : *array) {
+void collect(const settings::Value& node, std::vector<fs::path>& paths) {
+  if (const auto* const list = node.find<settings::List>()) {
+    for (const settings::Value& element : *list) {
       collect(element, paths);
     }
   }
-  const toml::table* table = node.as_table();
+  const auto* const table = node.find<settings::Table>();
   if (table == nullptr) {
     return;
   }
   for (const auto& [key, value] : *table) {
-    const auto text = value.value<std::string>();
-    if (!text || std::ranges::find(kFileKeys, key.str()) == kFileKeys.end()) {
+    const auto* const text = value.find<std::string>();
+    if (text == nullptr || std::ranges::find(kFileKeys, key) == kFileKeys.end()) {
       collect(value, paths);
       continue;
     }
@@ -93,7 +95,7 @@ fs::path kept_folder(const fs::path& folder, const std::vector<fs::path>& paths)
 void keep_rack(const fs::path& rack, RecordingHeader& header) {
   const std::string text = read_file(rack.string());
   std::vector<fs::path> paths;
-  collect(toml::parse(text), paths);
+  collect(rack::parse_rack_tree(text, rack.string()), paths);
   const fs::path folder = kept_folder(rack.parent_path(), paths);
   const auto keep = [&](const fs::path& path, std::string content) {
     const std::string name = (folder / path).lexically_normal().generic_string();

@@ -13,11 +13,13 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
+#include "stator/cli/option_values.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/scenario/report.hpp"
 #include "stator/scenario/runner.hpp"
 #include "stator/scenario/scenario_file.hpp"
 #include "stator/scenario/step_kinds.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::cli {
 
@@ -28,6 +30,7 @@ using scenario::Status;
 
 struct TestOptions {
   std::vector<std::string> paths;
+  std::vector<std::string> changes;
   std::string filter = "*";
   std::string junit;
   std::string html;
@@ -98,8 +101,9 @@ void print_step_kinds() {
   for (const scenario::StepKind& kind : scenario::step_kinds()) {
     fmt::print("{:20} {}\n", kind.name, kind.summary);
   }
+  const std::vector<std::string>& actions = rack::EventSectionReader::action_names();
   fmt::print("{:20} as the actions of an [[event]] of a rack file\n",
-             fmt::format("{}", fmt::join(rack::EventSectionReader::action_names(), ", ")));
+             settings::joined({actions.begin(), actions.end()}));
 }
 
 void test(const TestOptions& options) {
@@ -112,7 +116,8 @@ void test(const TestOptions& options) {
   }
   std::vector<ScenarioResult> results;
   for (const std::string& file : scenario_files(options.paths)) {
-    const scenario::ScenarioRead read = scenario::read_scenario_file(file, devices::products());
+    const scenario::ScenarioRead read =
+        scenario::read_scenario_file(file, devices::products(), options.changes);
     if (fnmatch(options.filter.c_str(), read.scenario.name.c_str(), 0) != 0) {
       continue;
     }
@@ -151,6 +156,7 @@ void add_test_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "test", "Run scenarios: a rack, what a master does, faults, and what must be seen");
   command->add_option("files", options->paths, "Scenario files, or folders of them");
+  add_set_option(*command, options->changes);
   command->add_option("--filter", options->filter, "Only scenarios with such names; * and ?");
   command->add_flag("--list", options->list, "Print names and files only");
   command->add_flag("--steps", options->steps, "Print the kinds of steps there are");

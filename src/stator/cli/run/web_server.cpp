@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "stator/cli/failure.hpp"
+#include "stator/devices/catalogue/products.hpp"
 
 namespace stator::cli {
 
@@ -37,8 +38,10 @@ OpenedWebServer open_web_server(const WebOptions& options, rack::Rack& rack,
   if (options.http.empty()) {
     return {};
   }
-  web::ServerConfiguration server{
-      .address = web::parse_address(options.http), .token = {}, .session = session};
+  web::ServerConfiguration server{.address = web::parse_address(options.http),
+                                  .token = {},
+                                  .session = session,
+                                  .catalogue = devices::products()};
   if (!options.token_file.empty()) {
     server.token = web::read_token(options.token_file);
   } else if (server.address.loopback()) {

@@ -14,6 +14,7 @@
 
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
+#include "stator/cli/option_values.hpp"
 #include "stator/cli/simulate/simulation_output.hpp"
 #include "stator/cli/temporary_csv.hpp"
 #include "stator/devices/catalogue/products.hpp"
@@ -21,7 +22,7 @@
 #include "stator/product/catalogue/product.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file.hpp"
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::cli {
 
@@ -29,6 +30,7 @@ namespace {
 
 struct SimulateOptions {
   std::string rack_file;
+  std::vector<std::string> rack_changes;
   std::string device;
   unsigned axis = 0;
   std::string motor;
@@ -125,7 +127,7 @@ experiment::BenchSetup setup_of_device(const rack::DeviceConfiguration& device,
 /// network of its kind.
 experiment::BenchSetup setup_from_rack(const SimulateOptions& options, experiment::MotorKind kind) {
   const rack::RackConfiguration configuration =
-      rack::load_rack_file(options.rack_file, devices::products());
+      rack::load_rack_file(options.rack_file, devices::products(), options.rack_changes);
   std::vector<const rack::DeviceConfiguration*> devices;
   for (const rack::SegmentConfiguration& segment : configuration.segments) {
     for (const rack::DeviceConfiguration& device : segment.devices) {
@@ -163,7 +165,7 @@ Motor motor_named(const std::string& name, const Sheets& sheets,
   for (const auto& sheet : sheets) {
     names.emplace(sheet.name);
   }
-  const std::string guess = rack::closest_match(name, names);
+  const std::string guess = settings::closest_match(name, names);
   throw Failure(fmt::format("motor \"{}\" is not known{}; the motors are: {}", name,
                             guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
                             fmt::join(names, ", ")));
@@ -242,6 +244,7 @@ void simulate(const experiment::Experiment& experiment, const SimulateOptions& o
 
 void add_axis_options(CLI::App& command, SimulateOptions& options) {
   command.add_option("rack", options.rack_file, "Rack file whose axis is put on the bench");
+  add_set_option(command, options.rack_changes);
   command.add_option("--device", options.device, "Device of the rack file; else its first");
   command.add_option("-a,--axis", options.axis, "Axis of the device")->capture_default_str();
   command.add_option("--motor", options.motor,

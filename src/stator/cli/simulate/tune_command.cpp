@@ -13,12 +13,14 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
+#include "stator/cli/option_values.hpp"
 #include "stator/cli/simulate/tune_output.hpp"
 #include "stator/devices/catalogue/products.hpp"
+#include "stator/devices/tmc8670/keys.hpp"
 #include "stator/devices/tmc8670/tmc8670.hpp"
 #include "stator/experiment/tuning/tuner.hpp"
+#include "stator/formats/toml/edit.hpp"
 #include "stator/rack/file/rack_file.hpp"
-#include "stator/rack/file/rack_file_objects.hpp"
 
 namespace stator::cli {
 
@@ -33,6 +35,7 @@ constexpr const char* kProduct = "tmc8670";
 
 struct TuneOptions {
   std::string target;  ///< a rack file, or the product
+  std::vector<std::string> changes;
   std::string device;
   std::string motor;
   std::string output;
@@ -42,15 +45,17 @@ struct TuneOptions {
   Settings settings;
 };
 
-/// What is tuned, and where it stands in the rack file.
+/// What is tuned.
 struct Target {
   Tmc8670Configuration configuration;
   std::string name;
-  rack::DevicePlace place;
+  std::size_t segment = 0;  ///< where it stands in the rack file
+  std::size_t place = 0;
 };
 
 Target target_from_rack(const TuneOptions& options) {
-  const rack::RackConfiguration rack = rack::load_rack_file(options.target, devices::products());
+  const rack::RackConfiguration rack =
+      rack::load_rack_file(options.target, devices::products(), options.changes);
   std::vector<std::string> names;
   for (std::size_t s = 0; s < rack.segments.size(); ++s) {
     const auto& devices = rack.segments[s].devices;
@@ -60,7 +65,7 @@ Target target_from_rack(const TuneOptions& options) {
         continue;
       }
       if (options.device.empty() || devices[d].name == options.device) {
-        return {*found, devices[d].name, {s, d}};
+        return {*found, devices[d].name, s, d};
       }
       names.push_back(devices[d].name);
     }
@@ -92,7 +97,7 @@ plant::MotorParameters motor_named(const std::string& name) {
 }
 
 Target target_of(const TuneOptions& options) {
-  Target target = options.target == kProduct ? Target{{}, kProduct, {}} : target_from_rack(options);
+  Target target = options.target == kProduct ? Target{{}, kProduct} : target_from_rack(options);
   if (!options.motor.empty()) {
     target.configuration.axis.motor = motor_named(options.motor);
   }
@@ -145,10 +150,11 @@ std::string rack_of_its_own() {
 void write_rack(const TuneOptions& options, const Target& target, const Tuning& tuning,
                 const Settings& settings) {
   const auto tuned = experiment::tuning::objects_of(tuning, settings);
-  std::vector<rack::WrittenObject> objects;
+  std::vector<formats::TomlEntry> objects;
   objects.reserve(tuned.size());
-  for (const auto& object : tuned) {
-    objects.push_back({object.object, object.meaning});
+  for (const auto& [object, meaning] : tuned) {
+    objects.push_back({fmt::format("{:04X}:{:02X}", object.index, object.subindex),
+                       std::to_string(static_cast<std::int64_t>(object.bits)), meaning});
   }
   std::string text;
   if (options.target == kProduct) {
@@ -159,7 +165,17 @@ void write_rack(const TuneOptions& options, const Target& target, const Tuning& 
   } else {
     text = read_file(options.target);
   }
-  write_file(options.output, rack::with_objects(text, options.target, target.place, objects));
+  const auto written = formats::with_entries(
+      text, options.target, {"segment", target.segment, "device", target.place}, "objects", objects,
+      [](std::string_view left, std::string_view right) {
+        const auto a = devices::tmc8670::object_named(left);
+        const auto b = devices::tmc8670::object_named(right);
+        return a && b && a->index == b->index && a->subindex == b->subindex;
+      });
+  if (!written) {
+    throw Failure(written.error().text());
+  }
+  write_file(options.output, *written);
   fmt::print("\nWrote {}: {} objects of {}.\n", options.output, objects.size(), target.name);
 }
 
@@ -228,6 +244,7 @@ void add_tune_command(CLI::App& app) {
       ->add_option("rack", options->target,
                    "Rack file with the device, or \"tmc8670\" for one as delivered")
       ->required();
+  add_set_option(*command, options->changes);
   command->add_option("--device", options->device,
                       "Device of the rack file; else its first tmc8670");
   command->add_option("--motor", options->motor, "Another motor, e.g. EC45-flat-70W");

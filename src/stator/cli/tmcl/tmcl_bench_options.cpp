@@ -6,11 +6,12 @@
 #include <fmt/format.h>
 
 #include "stator/cli/failure.hpp"
+#include "stator/cli/option_values.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/product/catalogue/product.hpp"
 #include "stator/rack/file/rack_file.hpp"
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 #include "stator/tmcl_tools/failure.hpp"
 
 namespace stator::cli {
@@ -20,7 +21,7 @@ namespace {
 /// The module of a rack file that is meant.
 product::Setup setup_in_rack(const TmclBenchOptions& options) {
   const rack::RackConfiguration configuration =
-      rack::load_rack_file(options.rack_file, devices::products());
+      rack::load_rack_file(options.rack_file, devices::products(), options.changes);
   std::set<std::string> names;
   for (const rack::BusConfiguration& bus : configuration.buses) {
     for (const rack::DeviceConfiguration& device : bus.devices) {
@@ -49,6 +50,7 @@ void add_module_options(CLI::App& command, TmclBenchOptions& options) {
       ->capture_default_str();
   CLI::Option* file = command.add_option("--rack", options.rack_file,
                                          "Rack file with the module's motor, load and switches");
+  add_set_option(command, options.changes);
   command.add_option("--name", options.rack_device, "Module of the rack file; else its first")
       ->needs(file);
 }
@@ -93,7 +95,7 @@ std::vector<tmcl_tools::InputChange> input_changes(const TmclBenchOptions& optio
 }
 
 base::SimDuration duration_of(const std::string& option, const std::string& text) {
-  const auto duration = rack::parse_duration(text);
+  const auto duration = settings::parse_duration(text);
   if (!duration || *duration < base::SimDuration(0)) {
     throw Failure(
         fmt::format("{} \"{}\" is no duration; write e.g. 1ms, 250us or 10s", option, text));

@@ -19,6 +19,7 @@ struct TmclBenchOptions {
   std::string program;
   std::string device = "tmcm-142";
   std::string rack_file;
+  std::vector<std::string> changes;
   std::string rack_device;
   std::vector<std::string> inputs;                         ///< "NAME=VALUE", from the start on
   std::vector<std::pair<std::string, std::string>> later;  ///< time, "NAME=VALUE"

@@ -1,6 +1,7 @@
 #include "stator/devices/junction/product.hpp"
 
 #include "stator/devices/junction/junction.hpp"
+#include "stator/devices/junction/keys.hpp"
 
 namespace stator::devices {
 
@@ -24,7 +25,8 @@ std::shared_ptr<const product::Product> junction_product() {
                         .reached_over = "EtherCAT",
                         .network = product::NetworkKind::segment,
                         .ports = JunctionConfiguration{}.ports,
-                        .own_firmware = false});
+                        .own_firmware = false},
+      &kJunctionKeys);
 }
 
 }  // namespace stator::devices

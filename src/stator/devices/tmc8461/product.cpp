@@ -1,5 +1,6 @@
 #include "stator/devices/tmc8461/product.hpp"
 
+#include "stator/devices/tmc8461/keys.hpp"
 #include "stator/devices/tmc8461/tmc8461.hpp"
 
 namespace stator::devices {
@@ -36,7 +37,8 @@ std::shared_ptr<const product::Product> tmc8461_product() {
                         .ports = 2,
                         .own_firmware = false,
                         .host_port = true,
-                        .io_block = true});
+                        .io_block = true},
+      &kTmc8461Keys);
 }
 
 }  // namespace stator::devices

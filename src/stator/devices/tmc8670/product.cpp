@@ -1,6 +1,7 @@
 #include "stator/devices/tmc8670/product.hpp"
 
 #include "stator/devices/tmc8670/hardware_uart.hpp"
+#include "stator/devices/tmc8670/keys.hpp"
 #include "stator/devices/tmc8670/mcu_uart.hpp"
 #include "stator/devices/tmc8670/tmc8670.hpp"
 
@@ -26,17 +27,19 @@ class Tmc8670Product final : public product::ProductOf<Tmc8670Configuration, Tmc
 }  // namespace
 
 std::shared_ptr<const product::Product> tmc8670_product() {
-  return std::make_shared<Tmc8670Product>(product::Identity{
-      .type = "tmc8670",
-      .summary = "servo drive in a chip, field-oriented control, CiA 402, TMC8670",
-      .reached_over = "EtherCAT (CoE, FoE)",
-      .network = product::NetworkKind::segment,
-      .ports = 2,
-      .serial_interfaces = {{.name = std::string(Tmc8670::kSerialInterfaces[0]),
-                             .baud_rate = tmc8670::McuUart::kBaudRate},
-                            {.name = std::string(Tmc8670::kSerialInterfaces[1]),
-                             .protocol = product::SerialProtocol::registers,
-                             .baud_rate = tmc8670::HardwareUart::kDefaultBaudRate}}});
+  return std::make_shared<Tmc8670Product>(
+      product::Identity{
+          .type = "tmc8670",
+          .summary = "servo drive in a chip, field-oriented control, CiA 402, TMC8670",
+          .reached_over = "EtherCAT (CoE, FoE)",
+          .network = product::NetworkKind::segment,
+          .ports = 2,
+          .serial_interfaces = {{.name = std::string(Tmc8670::kSerialInterfaces[0]),
+                                 .baud_rate = tmc8670::McuUart::kBaudRate},
+                                {.name = std::string(Tmc8670::kSerialInterfaces[1]),
+                                 .protocol = product::SerialProtocol::registers,
+                                 .baud_rate = tmc8670::HardwareUart::kDefaultBaudRate}}},
+      &kTmc8670Keys);
 }
 
 }  // namespace stator::devices

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "stator/devices/tmc8670/emergencies.hpp"
-#include "stator/devices/tmc8670/firmware_version.hpp"
 #include "stator/devices/tmc8670/identity.hpp"
+#include "stator/devices/tmc8670/internal/firmware_version.hpp"
 #include "stator/devices/tmc8670/parameter_groups.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
 

@@ -1,5 +1,6 @@
 #include "stator/devices/tmcc160/product.hpp"
 
+#include "stator/devices/tmcc160/keys.hpp"
 #include "stator/devices/tmcc160/tmcc160.hpp"
 
 namespace stator::devices {
@@ -24,12 +25,14 @@ class Tmcc160Product final : public product::ProductOf<Tmcc160Configuration, Tmc
 }  // namespace
 
 std::shared_ptr<const product::Product> tmcc160_product() {
-  return std::make_shared<Tmcc160Product>(product::Identity{
-      .type = "tmcc160",
-      .summary = "servo drive for a three-phase motor, CiA 402, TMCC160",
-      .reached_over = "CAN (CANopen)",
-      .network = product::NetworkKind::bus,
-      .serial_interfaces = {{.name = std::string(Tmcc160::kSerialInterfaces[0])}}});
+  return std::make_shared<Tmcc160Product>(
+      product::Identity{
+          .type = "tmcc160",
+          .summary = "servo drive for a three-phase motor, CiA 402, TMCC160",
+          .reached_over = "CAN (CANopen)",
+          .network = product::NetworkKind::bus,
+          .serial_interfaces = {{.name = std::string(Tmcc160::kSerialInterfaces[0])}}},
+      &kTmcc160Keys);
 }
 
 }  // namespace stator::devices

@@ -1,5 +1,6 @@
 #include "stator/devices/tmcm_142/product.hpp"
 
+#include "stator/devices/tmcm_142/keys.hpp"
 #include "stator/devices/tmcm_142/parameters.hpp"
 #include "stator/devices/tmcm_142/tmcm_142.hpp"
 
@@ -62,7 +63,7 @@ std::shared_ptr<const product::Product> tmcm_142_product() {
   for (const std::string_view interface : Tmcm142::kSerialInterfaces) {
     identity.serial_interfaces.push_back({.name = std::string(interface)});
   }
-  return std::make_shared<Tmcm142Product>(std::move(identity));
+  return std::make_shared<Tmcm142Product>(std::move(identity), &kTmcm142Keys);
 }
 
 }  // namespace stator::devices

@@ -1,5 +1,6 @@
 #include "stator/devices/tmcm_3315/product.hpp"
 
+#include "stator/devices/tmcm_3315/keys.hpp"
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
 namespace stator::devices {
@@ -28,13 +29,15 @@ class Tmcm3315Product final : public product::ProductOf<Tmcm3315Configuration, T
 }  // namespace
 
 std::shared_ptr<const product::Product> tmcm_3315_product() {
-  return std::make_shared<Tmcm3315Product>(product::Identity{
-      .type = "tmcm-3315",
-      .summary = "three-axis stepper module, CiA 402, TMCM-3315",
-      .reached_over = "EtherCAT (CoE, FoE)",
-      .network = product::NetworkKind::segment,
-      .ports = 2,
-      .serial_interfaces = {{.name = std::string(Tmcm3315::kSerialInterfaces[0])}}});
+  return std::make_shared<Tmcm3315Product>(
+      product::Identity{
+          .type = "tmcm-3315",
+          .summary = "three-axis stepper module, CiA 402, TMCM-3315",
+          .reached_over = "EtherCAT (CoE, FoE)",
+          .network = product::NetworkKind::segment,
+          .ports = 2,
+          .serial_interfaces = {{.name = std::string(Tmcm3315::kSerialInterfaces[0])}}},
+      &kTmcm3315Keys);
 }
 
 }  // namespace stator::devices

@@ -13,6 +13,7 @@
 #include "stator/product/catalogue/parts.hpp"
 #include "stator/product/catalogue/setup.hpp"
 #include "stator/product/device/device.hpp"
+#include "stator/settings/section.hpp"
 
 namespace stator::tmcl {
 struct ModuleDescription;
@@ -33,6 +34,9 @@ class Product : public std::enable_shared_from_this<Product> {
   [[nodiscard]] virtual const Identity& identity() const = 0;
   /// As it leaves its box.
   [[nodiscard]] virtual Setup defaults() const = 0;
+  /// Reads the product's own keys of a device's table over what `setup` has: those it adds to what
+  /// every device has (type, name, serial lines, wiring). Also called to describe them.
+  virtual void read_keys(settings::Reader& /*reader*/, Setup& /*setup*/) const {}
   /// Builds a device of its network's kind: an EtherCatDevice for a segment, a CanDevice for a bus.
   /// Throws std::logic_error if the setup is another product's or contradicts itself.
   [[nodiscard]] virtual std::unique_ptr<Device> make(const Setup& setup,
@@ -87,13 +91,21 @@ class Product : public std::enable_shared_from_this<Product> {
 template <typename Configuration, typename DeviceClass>
 class ProductOf : public Product {
  public:
-  explicit ProductOf(Identity identity) : identity_(std::move(identity)) {}
+  /// `keys` are those of a rack file that fill a configuration; they must outlive the product, as
+  /// constants do. Null: it has none.
+  explicit ProductOf(Identity identity, const settings::Section<Configuration>* keys = nullptr)
+      : identity_(std::move(identity)), keys_(keys) {}
 
   [[nodiscard]] const Identity& identity() const override { return identity_; }
   [[nodiscard]] Setup defaults() const override { return {shared_from_this(), Configuration{}}; }
   [[nodiscard]] std::unique_ptr<Device> make(const Setup& setup,
                                              base::EventReporter reporter) const override {
     return std::make_unique<DeviceClass>(of(setup), reporter);
+  }
+  void read_keys(settings::Reader& reader, Setup& setup) const override {
+    if (keys_ != nullptr) {
+      settings::read_keys(*keys_, reader, of(setup));
+    }
   }
 
  protected:
@@ -104,6 +116,7 @@ class ProductOf : public Product {
 
  private:
   Identity identity_;
+  const settings::Section<Configuration>* keys_;
 };
 
 using DeviceMaker = std::function<std::unique_ptr<Device>(base::EventReporter)>;

@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "stator/product/catalogue/catalogue.hpp"
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::rack {
 
@@ -40,7 +40,7 @@ std::shared_ptr<const product::Product> require_product(std::string_view type,
   for (const auto& product : catalogue.products()) {
     types.insert(product->identity().type);
   }
-  const std::string guess = closest_match(type, types);
+  const std::string guess = settings::closest_match(type, types);
   throw std::runtime_error(fmt::format(
       "there is no product \"{}\"{}; the products are: {}", type,
       guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess), fmt::join(types, ", ")));

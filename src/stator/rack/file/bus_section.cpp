@@ -1,32 +1,34 @@
 #include "stator/rack/file/bus_section.hpp"
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "stator/link/can/can_link_address.hpp"
 #include "stator/rack/file/device_section.hpp"
+#include "stator/rack/file/rack_file.hpp"
 
 namespace stator::rack {
 
 namespace {
 
 /// "unlimited" or kbit/s.
-std::optional<std::uint32_t> read_bit_rate(TomlSection& section,
-                                           std::optional<std::uint32_t> otherwise) {
+void read_bit_rate(const settings::KeyWords& key, settings::Reader& reader, BusConfiguration& bus) {
   constexpr std::int64_t kSlowest = 5;
   constexpr std::int64_t kFastest = 1000;
-  const TomlKey key("bit_rate",
-                    "Each frame takes the time its bits take; unlimited: frames take no time",
-                    "kbit/s");
-  section.note_default(key, std::to_string(*otherwise / 1000));
-  if (section.is_text("bit_rate")) {
-    section.choice(key, {"unlimited"});
-    return std::nullopt;
-  }
-  const auto rate = section.integer(key, kSlowest, kFastest);
-  return rate ? static_cast<std::uint32_t>(*rate * 1000) : otherwise;
+  reader.note_default(key, std::to_string(*bus.bit_rate / 1000));
+  const auto read_rate = [&] {
+    if (const auto rate = reader.integer(key, kSlowest, kFastest)) {
+      bus.bit_rate = static_cast<std::uint32_t>(*rate * 1000);
+    }
+  };
+  reader.either(reader.is_text(key.name), read_rate, [&] {
+    reader.choice(key, {"unlimited"});
+    bus.bit_rate.reset();
+  });
 }
 
 /// Only one can listen there; networks of the system take any number.
@@ -36,7 +38,38 @@ bool is_server(const link::CanLinkAddress& address) {
          ((address.kind == slcan_tcp || address.kind == socketcand) && address.port != 0);
 }
 
-BusConfiguration read_bus(TomlSection& section, std::size_t number, DeviceReading& reading) {
+void read_ports(const settings::KeyWords& key, settings::Reader& reader, BusConfiguration& bus) {
+  reader.texts(key, bus.ports);
+  for (const std::string& port : bus.ports) {
+    if (const auto address = link::parse_can_link_address(port); !address) {
+      reader.refuse(key.name, address.error().text);
+    } else if (is_server(*address)) {
+      reader.claim(key.name, to_text(*address));
+    }
+  }
+}
+
+constexpr std::array kBusRows{
+    settings::custom<BusConfiguration, read_bit_rate>(
+        "bit_rate", "Each frame takes the time its bits take; unlimited: frames take no time",
+        "kbit/s"),
+    settings::boolean<&BusConfiguration::ports_acknowledge>(
+        "ports_acknowledge", "false: only devices acknowledge frames"),
+    settings::custom<BusConfiguration, read_ports>(
+        "ports",
+        "Where programs connect: slcan:PATH, slcan-tcp:PORT, socketcand:PORT, "
+        "socketcan:INTERFACE, udp-multicast:, can-exec:NAME"),
+    settings::output<&BusConfiguration::log>("log",
+                                             "candump log of everything on the wire, with the "
+                                             "machine's time; in lockstep with simulated "
+                                             "time"),
+    settings::output<&BusConfiguration::capture>("capture", "The same as a pcap file"),
+    settings::whole<&BusConfiguration::cpu>("cpu", kProcessors,
+                                            "Processor the bus's thread is tied to"),
+};
+constexpr settings::Section<BusConfiguration> kBusKeys{kBusRows};
+
+BusConfiguration read_bus(TableReader& section, std::size_t number, DeviceReading& reading) {
   BusConfiguration bus;
   bus.name = section
                  .text({"name",
@@ -49,32 +82,13 @@ BusConfiguration read_bus(TomlSection& section, std::size_t number, DeviceReadin
                                "own \"name\"",
                                bus.name));
   }
-  bus.bit_rate = read_bit_rate(section, bus.bit_rate);
-  section.boolean({"ports_acknowledge", "false: only devices acknowledge frames"},
-                  bus.ports_acknowledge);
-  section.texts({"ports",
-                 "Where programs connect: slcan:PATH, slcan-tcp:PORT, socketcand:PORT, "
-                 "socketcan:INTERFACE, udp-multicast:, can-exec:NAME"},
-                bus.ports);
-  for (const std::string& port : bus.ports) {
-    if (const auto address = link::parse_can_link_address(port); !address) {
-      section.refuse("ports", address.error().text);
-    } else if (is_server(*address)) {
-      section.claim("ports", to_text(*address));
-    }
-  }
-  bus.log = section.output(
-      {"log",
-       "candump log of everything on the wire, with the machine's time; in lockstep with simulated "
-       "time"});
-  bus.capture = section.output({"capture", "The same as a pcap file"});
-  if (const auto cpu = section.integer({"cpu", "Processor the bus's thread is tied to"}, 0, 1023)) {
-    bus.cpu = static_cast<unsigned>(*cpu);
-  }
-  for (TomlSection& device : section.sections({"device", "The CAN devices on it"})) {
+  settings::read_keys(kBusKeys, section, bus);
+  for (TableReader& device : section.sections({"device", "The CAN devices on it"})) {
     device.attempt([&] {
-      bus.devices.push_back(read_device(device, reading, NetworkKind::bus));
-      device.finish();
+      read_device(device, reading, NetworkKind::bus, [&](DeviceConfiguration configuration) {
+        bus.devices.push_back(std::move(configuration));
+        device.finish();
+      });
     });
   }
   if (bus.devices.empty() && section.sections("device").empty()) {
@@ -86,8 +100,8 @@ BusConfiguration read_bus(TomlSection& section, std::size_t number, DeviceReadin
 
 }  // namespace
 
-void read_buses(TomlSection& root, DeviceReading& reading, std::vector<BusConfiguration>& buses) {
-  for (TomlSection& section : root.sections({"bus", "CAN devices on one wire"})) {
+void read_buses(TableReader& root, DeviceReading& reading, std::vector<BusConfiguration>& buses) {
+  for (TableReader& section : root.sections({"bus", "CAN devices on one wire"})) {
     section.attempt([&] { buses.push_back(read_bus(section, buses.size(), reading)); });
   }
 }

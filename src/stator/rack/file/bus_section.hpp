@@ -4,12 +4,12 @@
 
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/file/device_section.hpp"
-#include "stator/rack/toml/toml_section.hpp"
+#include "stator/rack/file/table_reader.hpp"
 
 namespace stator::rack {
 
 /// Reads the [[bus]] tables of a rack file and appends them to `buses`. The names of buses and
 /// their devices become some of its names. Throws RackFileError.
-void read_buses(TomlSection& root, DeviceReading& reading, std::vector<BusConfiguration>& buses);
+void read_buses(TableReader& root, DeviceReading& reading, std::vector<BusConfiguration>& buses);
 
 }  // namespace stator::rack

@@ -2,11 +2,13 @@
 
 #include <set>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "stator/can/arbitration.hpp"
 #include "stator/rack/world/input_names.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::rack {
 
@@ -39,20 +41,18 @@ const std::map<std::string, can::FrameFaultKind>& bus_faults() {
 
 }  // namespace
 
-std::set<std::string> EventSectionReader::action_names() {
-  std::set<std::string> names{"break", "heal",    "power-off",    "power-on",
-                              "set",   "bus-off", "error-passive"};
-  for (const auto& [name, kind] : segment_faults()) {
-    names.insert(name);
-  }
-  for (const auto& [name, kind] : bus_faults()) {
-    names.insert(name);
-  }
+const std::vector<std::string>& EventSectionReader::action_names() {
+  static const std::vector<std::string> names{"set",      "break",     "heal",          "power-off",
+                                              "power-on", "bus-off",   "error-passive", "drop",
+                                              "corrupt",  "duplicate", "delay"};
   return names;
 }
 
-RackEvent EventSectionReader::read_cable(TomlSection& section, bool intact) const {
+RackEvent EventSectionReader::read_cable(TableReader& section, bool intact) const {
   const DeviceAddress target = targets_.read_target(section);
+  if (section.describes()) {
+    return CableEvent{target, targets_.read_port(section, target), intact};
+  }
   if (target.kind == NetworkKind::bus && !rack_.buses[target.network].wire) {
     section.fail("device", fmt::format("\"{}\" has serial lines only, whose cables do not break",
                                        targets_.device_at(target).name));
@@ -63,17 +63,19 @@ RackEvent EventSectionReader::read_cable(TomlSection& section, bool intact) cons
   return CableEvent{target, targets_.read_port(section, target), intact};
 }
 
-RackEvent EventSectionReader::read_segment_fault(TomlSection& section, DeviceAddress target,
+RackEvent EventSectionReader::read_segment_fault(TableReader& section, DeviceAddress target,
                                                  const std::string& action) const {
   const auto kind = segment_faults().find(action);
-  if (kind == segment_faults().end()) {
+  if (kind == segment_faults().end() && !section.describes()) {
     section.fail("action",
                  fmt::format("\"{}\" is on EtherCAT, where frames can be hit by \"drop\" and "
                              "\"corrupt\" only",
                              targets_.device_at(target).name));
   }
   SegmentFaultEvent event{target.network, {}};
-  event.fault.kind = kind->second;
+  if (kind != segment_faults().end()) {
+    event.fault.kind = kind->second;
+  }
   event.fault.port = {target.device, targets_.read_port(section, target)};
   event.fault.leaving =
       section.choice({"direction", "Frames that arrive at the port or that leave it"},
@@ -83,7 +85,7 @@ RackEvent EventSectionReader::read_segment_fault(TomlSection& section, DeviceAdd
   return event;
 }
 
-RackEvent EventSectionReader::read_frame_fault(TomlSection& section,
+RackEvent EventSectionReader::read_frame_fault(TableReader& section,
                                                const std::string& action) const {
   FrameFaultEvent event;
   event.fault.kind = bus_faults().at(action);
@@ -92,7 +94,9 @@ RackEvent EventSectionReader::read_frame_fault(TomlSection& section,
     event.bus = targets_.read_bus(section, *bus);
   } else {
     const DeviceAddress target = targets_.read_target(section);
-    if (target.kind == NetworkKind::segment) {
+    if (section.describes() && segment_faults().contains(action)) {
+      static_cast<void>(read_segment_fault(section, target, action));
+    } else if (target.kind == NetworkKind::segment && !section.describes()) {
       return read_segment_fault(section, target, action);
     }
     targets_.require_can(section, target);
@@ -109,27 +113,27 @@ RackEvent EventSectionReader::read_frame_fault(TomlSection& section,
   }
   if (event.fault.kind == can::FrameFaultKind::delay) {
     const auto delay = section.duration({"delay", "How long the sender is held back"}, 1_us, 60_s);
-    if (!delay) {
+    if (!delay && !section.describes()) {
       section.missing("delay", "it says how long frames are held back, e.g. \"5ms\"");
     }
-    event.fault.delay = *delay;
+    event.fault.delay = delay.value_or(0_ns);
   }
   return event;
 }
 
-void EventSectionReader::read_set(TomlSection& section, base::SimDuration at,
+void EventSectionReader::read_set(TableReader& section, base::SimDuration at,
                                   std::vector<EventConfiguration>& events) {
   const DeviceAddress target = targets_.read_target(section);
   const std::optional<std::string> input =
       section.text({"input", "What is set, see stator describe DEVICE --inputs"});
   const std::optional<double> value =
       section.number({"value", "Its new value, which stays"}, -kAnyValue, kAnyValue);
-  if (!input || !value) {
+  if (!section.describes() && (!input || !value)) {
     section.fail(input ? "value" : "input",
                  "\"set\" needs \"input\", which names what is set, and \"value\"; \"stator "
                  "describe DEVICE --inputs\" lists the inputs");
   }
-  if (section.collects_errors() && !section.errors()->list.empty()) {
+  if (section.describes() || !section.problems().list.empty()) {
     // A device with errors may not be there to be asked.
     static_cast<void>(
         section.number({"from", "A ramp begins at this value"}, -kAnyValue, kAnyValue));
@@ -163,22 +167,24 @@ void EventSectionReader::read_set(TomlSection& section, base::SimDuration at,
   events.push_back({at, InputEvent{target, *input, *value}});
 }
 
-void EventSectionReader::read(TomlSection& section, std::vector<EventConfiguration>& events) {
+void EventSectionReader::read(TableReader& section, std::vector<EventConfiguration>& events) {
   const std::optional<base::SimDuration> at =
       section.duration({"at", "When, counted from the start of the rack"}, 0_ns, kLatest);
   if (!at) {
-    section.missing("at", "it says when, e.g. \"5s\" after the rack's start");
+    section.refuse_missing("at", "it says when, e.g. \"5s\" after the rack's start");
+    if (!section.describes()) {
+      TableReader::abandon();
+    }
   }
-  const auto action = section.selector({"action", "What happens"}, action_names());
-  if (!action) {
-    section.missing("action",
-                    fmt::format("it must be one of: {}", fmt::join(action_names(), ", ")));
-  }
-  read_action(section, *action, *at, events);
-  section.finish();
+  const std::set<std::string> names(action_names().begin(), action_names().end());
+  section.select({"action", "What happens"}, action_names(),
+                 "it must be one of: " + settings::joined(names), [&](const std::string& action) {
+                   read_action(section, action, at.value_or(0_ns), events);
+                   section.finish();
+                 });
 }
 
-void EventSectionReader::read_action(TomlSection& section, const std::string& action,
+void EventSectionReader::read_action(TableReader& section, const std::string& action,
                                      base::SimDuration at,
                                      std::vector<EventConfiguration>& events) {
   if (action == "set") {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "stator/rack/core/rack_configuration.hpp"
+#include "stator/rack/file/table_reader.hpp"
 #include "stator/rack/file/target_reader.hpp"
-#include "stator/rack/toml/toml_section.hpp"
 
 namespace stator::rack {
 
@@ -18,20 +18,20 @@ class EventSectionReader {
 
   /// Reads one [[event]], its time, its action and what the action acts upon, and appends what it
   /// makes happen. Throws RackFileError for a device, port, cable or input that is not in the rack.
-  void read(TomlSection& section, std::vector<EventConfiguration>& events);
+  void read(TableReader& section, std::vector<EventConfiguration>& events);
   /// The same of a table that says elsewhere when `action`, one of action_names(), happens, `at`
   /// after the rack's power-on. Does not look for keys that nobody asked for.
-  void read_action(TomlSection& section, const std::string& action, base::SimDuration at,
+  void read_action(TableReader& section, const std::string& action, base::SimDuration at,
                    std::vector<EventConfiguration>& events);
   /// What can happen.
-  [[nodiscard]] static std::set<std::string> action_names();
+  [[nodiscard]] static const std::vector<std::string>& action_names();
 
  private:
-  [[nodiscard]] RackEvent read_cable(TomlSection& section, bool intact) const;
-  [[nodiscard]] RackEvent read_frame_fault(TomlSection& section, const std::string& action) const;
-  [[nodiscard]] RackEvent read_segment_fault(TomlSection& section, DeviceAddress target,
+  [[nodiscard]] RackEvent read_cable(TableReader& section, bool intact) const;
+  [[nodiscard]] RackEvent read_frame_fault(TableReader& section, const std::string& action) const;
+  [[nodiscard]] RackEvent read_segment_fault(TableReader& section, DeviceAddress target,
                                              const std::string& action) const;
-  void read_set(TomlSection& section, base::SimDuration at,
+  void read_set(TableReader& section, base::SimDuration at,
                 std::vector<EventConfiguration>& events);
 
   const RackConfiguration& rack_;

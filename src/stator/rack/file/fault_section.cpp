@@ -13,9 +13,9 @@
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/faults/fault_commands.hpp"
 #include "stator/rack/faults/surroundings_faults.hpp"
-#include "stator/rack/toml/rack_file_steps.hpp"
+#include "stator/rack/file/rack_file_steps.hpp"
 #include "stator/rack/world/input_names.hpp"
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::rack {
 
@@ -49,9 +49,9 @@ std::string written_default(const FaultParameter& parameter) {
   }
 }
 
-std::optional<FaultValue> given_value(TomlSection& section, const FaultParameter& parameter) {
-  const TomlKey key(std::string(parameter.name), std::string(parameter.summary),
-                    std::string(parameter.unit));
+std::optional<FaultValue> given_value(TableReader& section, const FaultParameter& parameter) {
+  const settings::KeyWords key(std::string(parameter.name), std::string(parameter.summary),
+                               std::string(parameter.unit));
   if (!parameter.default_value.empty()) {
     section.note_default(key, written_default(parameter));
   }
@@ -86,7 +86,7 @@ std::optional<FaultValue> default_value(const FaultParameter& parameter) {
     case FaultValueType::number:
       return std::stod(text);
     case FaultValueType::duration:
-      return parse_duration(text).value_or(base::SimDuration());
+      return settings::parse_duration(text).value_or(base::SimDuration());
     default:
       return text;
   }
@@ -97,7 +97,7 @@ std::string missing(const FaultParameter& parameter) {
 }
 
 /// Reads a row of a table; given or by default.
-std::optional<FaultValue> value_of(TomlSection& section, const FaultParameter& parameter) {
+std::optional<FaultValue> value_of(TableReader& section, const FaultParameter& parameter) {
   auto value = given_value(section, parameter);
   if (!value && parameter.needed) {
     section.refuse(std::string(parameter.name), missing(parameter));
@@ -110,7 +110,7 @@ const FaultParameter& common(std::string_view name) {
 }
 
 template <typename T>
-std::optional<T> read_common(TomlSection& section, std::string_view name) {
+std::optional<T> read_common(TableReader& section, std::string_view name) {
   const auto value = given_value(section, common(name));
   return value ? std::optional<T>(std::get<T>(*value)) : std::nullopt;
 }
@@ -151,31 +151,40 @@ std::optional<FaultObject> parse_fault_object(std::string_view text) {
   return FaultObject{static_cast<std::uint16_t>(index), static_cast<std::uint8_t>(subindex)};
 }
 
-FaultConfiguration FaultReader::read(TomlSection& section) {
-  const std::set<std::string> names = kind_names();
+FaultConfiguration FaultReader::read(TableReader& section) {
   FaultConfiguration fault;
   fault.name = read_common<std::string>(section, "name").value_or("");
-  const auto kind = section.selector({"kind", "What goes wrong, see stator faults"}, names);
-  if (!kind) {
-    section.fail("kind",
-                 fmt::format("\"kind\" is missing; it must be one of: {}", fmt::join(names, ", ")));
+  const std::set<std::string> names = kind_names();
+  const bool read =
+      section.select({"kind", "What goes wrong, see stator faults"}, names,
+                     "it must be one of: " + settings::joined(names), [&](const std::string& kind) {
+                       fault.kind = find_fault_kind(kind);
+                       read_target(section, fault);
+                       for (const FaultParameter& parameter : fault.kind->parameters) {
+                         if (auto value = value_of(section, parameter)) {
+                           fault.values.set(parameter.name, std::move(*value));
+                         }
+                       }
+                       if (!section.describes()) {
+                         check_reach(section, fault);
+                         check_values(section, fault);
+                       }
+                       read_end(section, fault);
+                       read_begin(section, fault);
+                       section.finish();
+                     });
+  if (!read) {
+    TableReader::abandon();
   }
-  fault.kind = find_fault_kind(*kind);
-  read_target(section, fault);
-  for (const FaultParameter& parameter : fault.kind->parameters) {
-    if (auto value = value_of(section, parameter)) {
-      fault.values.set(parameter.name, std::move(*value));
-    }
-  }
-  check_reach(section, fault);
-  check_values(section, fault);
-  read_end(section, fault);
-  read_begin(section, fault);
-  section.finish();
   return fault;
 }
 
-void FaultReader::read_target(TomlSection& section, FaultConfiguration& fault) {
+void FaultReader::read_target(TableReader& section, FaultConfiguration& fault) {
+  read_what_it_hits(section, fault);
+  section.note_required("device");
+}
+
+void FaultReader::read_what_it_hits(TableReader& section, FaultConfiguration& fault) {
   FaultTarget& target = fault.target;
   if (fault.kind->scope == FaultScope::bus) {
     read_bus_target(section, fault);
@@ -186,8 +195,10 @@ void FaultReader::read_target(TomlSection& section, FaultConfiguration& fault) {
     return;
   }
   target.device = targets_.read_target(section);
-  target.text = targets_.device_at(*target.device).name;
-  if (fault.kind->scope == FaultScope::port && target.device->kind == NetworkKind::segment) {
+  target.text = name_of(section, *target.device);
+  const bool has_ports = section.describes() ? fault.kind->reach != FaultReach::can
+                                             : target.device->kind == NetworkKind::segment;
+  if (fault.kind->scope == FaultScope::port && has_ports) {
     target.port = targets_.read_port(section, *target.device);
     target.text += fmt::format(" port {}", target.port);
   }
@@ -198,7 +209,11 @@ void FaultReader::read_target(TomlSection& section, FaultConfiguration& fault) {
   }
 }
 
-void FaultReader::read_bus_target(TomlSection& section, FaultConfiguration& fault) {
+std::string FaultReader::name_of(const TableReader& section, DeviceAddress device) const {
+  return section.describes() ? "" : targets_.device_at(device).name;
+}
+
+void FaultReader::read_bus_target(TableReader& section, FaultConfiguration& fault) {
   FaultTarget& target = fault.target;
   if (const auto bus = section.text({"bus", "Instead of device: all frames of this bus"})) {
     target.bus = targets_.read_bus(section, *bus);
@@ -207,10 +222,10 @@ void FaultReader::read_bus_target(TomlSection& section, FaultConfiguration& faul
   }
   target.device = targets_.read_can_target(section);
   target.bus = target.device->network;
-  target.text = targets_.device_at(*target.device).name;
+  target.text = name_of(section, *target.device);
 }
 
-void FaultReader::read_line_target(TomlSection& section, FaultConfiguration& fault) {
+void FaultReader::read_line_target(TableReader& section, FaultConfiguration& fault) {
   std::map<std::string, DeviceAddress> lines;  // with the first device of each
   const auto note = [&](DeviceAddress address) {
     for (const SerialConnection& connection : targets_.device_at(address).serial) {
@@ -225,7 +240,12 @@ void FaultReader::read_line_target(TomlSection& section, FaultConfiguration& fau
     return texts.empty() ? "none" : fmt::format("{}", fmt::join(texts, ", "));
   };
   FaultTarget& target = fault.target;
-  if (const auto line = section.text({"line", "The serial line, as devices name it"})) {
+  const auto line = section.text({"line", "The serial line, as devices name it"});
+  if (section.describes()) {
+    target.device = targets_.read_target(section);
+    return;
+  }
+  if (line) {
     for (std::size_t network = 0; network < rack_.segments.size(); ++network) {
       for (std::size_t i = 0; i < rack_.segments[network].devices.size(); ++i) {
         note({network, i, NetworkKind::segment});
@@ -258,7 +278,7 @@ void FaultReader::read_line_target(TomlSection& section, FaultConfiguration& fau
   target.text = target.line;
 }
 
-void FaultReader::check_reach(TomlSection& section, const FaultConfiguration& fault) const {
+void FaultReader::check_reach(TableReader& section, const FaultConfiguration& fault) const {
   if (!fault.target.device) {
     return;
   }
@@ -283,7 +303,7 @@ void FaultReader::check_reach(TomlSection& section, const FaultConfiguration& fa
   }
 }
 
-void FaultReader::check_values(TomlSection& section, const FaultConfiguration& fault) {
+void FaultReader::check_values(TableReader& section, const FaultConfiguration& fault) {
   const FaultValues& values = fault.values;
   if (const auto object = values.find<std::string>("object");
       object && !parse_fault_object(*object)) {
@@ -300,7 +320,7 @@ void FaultReader::check_values(TomlSection& section, const FaultConfiguration& f
   if (!around && fault.kind->action != FaultAction::set_input) {
     return;
   }
-  if (section.collects_errors() && !section.errors()->list.empty()) {
+  if (!section.problems().list.empty()) {
     return;  // a device with errors may not be there to be asked
   }
   if (around) {
@@ -324,7 +344,7 @@ void FaultReader::check_values(TomlSection& section, const FaultConfiguration& f
   }
 }
 
-void FaultReader::read_begin(TomlSection& section, FaultConfiguration& fault) {
+void FaultReader::read_begin(TableReader& section, FaultConfiguration& fault) {
   fault.at = read_common<base::SimDuration>(section, "at");
   fault.after = read_common<std::string>(section, "after").value_or("");
   fault.wait = read_common<base::SimDuration>(section, "wait").value_or(base::SimDuration());
@@ -342,7 +362,7 @@ void FaultReader::read_begin(TomlSection& section, FaultConfiguration& fault) {
   }
 }
 
-void FaultReader::read_end(TomlSection& section, FaultConfiguration& fault) const {
+void FaultReader::read_end(TableReader& section, FaultConfiguration& fault) const {
   const FaultKind& kind = *fault.kind;
   fault.duration = read_common<base::SimDuration>(section, "for");
   if (fault.duration && kind.momentary) {
@@ -367,7 +387,7 @@ void FaultReader::read_end(TomlSection& section, FaultConfiguration& fault) cons
   fault.seed = static_cast<std::uint64_t>(read_common<std::int64_t>(section, "seed").value_or(1));
 }
 
-Milestone FaultReader::read_milestone(TomlSection& section, const FaultTarget& target) const {
+Milestone FaultReader::read_milestone(TableReader& section, const FaultTarget& target) const {
   Milestone milestone;
   FaultValues values;
   for (const FaultParameter& key : milestone_keys()) {
@@ -376,6 +396,9 @@ Milestone FaultReader::read_milestone(TomlSection& section, const FaultTarget& t
     }
   }
   section.finish();
+  if (section.describes()) {
+    return milestone;
+  }
   if (values.has("device")) {
     milestone.device = targets_.read_target(section);
   } else if (target.device) {
@@ -446,11 +469,11 @@ Milestone FaultReader::read_milestone(TomlSection& section, const FaultTarget& t
   return milestone;
 }
 
-void read_faults(TomlSection& root, RackConfiguration& rack) {
+void read_faults(TableReader& root, RackConfiguration& rack) {
   FaultReader reader(rack);
   std::set<std::string> names;
-  std::vector<std::pair<TomlSection, std::string>> followers;
-  for (TomlSection& section : root.sections({"fault", "What goes wrong, from when to when"})) {
+  std::vector<std::pair<TableReader, std::string>> followers;
+  for (TableReader& section : root.sections({"fault", "What goes wrong, from when to when"})) {
     section.attempt([&] {
       FaultConfiguration fault = reader.read(section);
       if (!fault.name.empty() && !names.insert(fault.name).second) {
@@ -464,7 +487,7 @@ void read_faults(TomlSection& root, RackConfiguration& rack) {
   }
   for (auto& [section, after] : followers) {
     if (!names.contains(after)) {
-      const std::string guess = closest_match(after, names);
+      const std::string guess = settings::closest_match(after, names);
       section.refuse(
           "after", fmt::format("there is no fault \"{}\"{}", after,
                                guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess)));
@@ -473,9 +496,10 @@ void read_faults(TomlSection& root, RackConfiguration& rack) {
 }
 
 FaultConfiguration parse_fault(std::string_view text, const RackConfiguration& rack) {
-  const toml::table table = parse_toml(text, "");
-  TomlSection section("", "the fault", table);
-  FaultConfiguration fault = FaultReader(rack).read(section);
+  const settings::Value tree = parse_rack_tree(text, "");
+  FaultConfiguration fault;
+  read_tree(tree, "", "the fault",
+            [&](TableReader& section) { fault = FaultReader(rack).read(section); });
   fault.text = text;
   return fault;
 }

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "stator/rack/core/rack_configuration.hpp"
+#include "stator/rack/file/table_reader.hpp"
 #include "stator/rack/file/target_reader.hpp"
-#include "stator/rack/toml/toml_section.hpp"
 
 namespace stator::rack {
 
@@ -18,17 +18,20 @@ class FaultReader {
   explicit FaultReader(const RackConfiguration& rack) : rack_(rack), targets_(rack) {}
 
   /// Throws RackFileError for what does not exist or does not fit.
-  [[nodiscard]] FaultConfiguration read(TomlSection& section);
+  [[nodiscard]] FaultConfiguration read(TableReader& section);
 
  private:
-  void read_target(TomlSection& section, FaultConfiguration& fault);
-  void read_bus_target(TomlSection& section, FaultConfiguration& fault);
-  void read_line_target(TomlSection& section, FaultConfiguration& fault);
-  void check_reach(TomlSection& section, const FaultConfiguration& fault) const;
-  void check_values(TomlSection& section, const FaultConfiguration& fault);
-  void read_begin(TomlSection& section, FaultConfiguration& fault);
-  void read_end(TomlSection& section, FaultConfiguration& fault) const;
-  [[nodiscard]] Milestone read_milestone(TomlSection& section, const FaultTarget& target) const;
+  /// Nothing where a table is described.
+  [[nodiscard]] std::string name_of(const TableReader& section, DeviceAddress device) const;
+  void read_target(TableReader& section, FaultConfiguration& fault);
+  void read_what_it_hits(TableReader& section, FaultConfiguration& fault);
+  void read_bus_target(TableReader& section, FaultConfiguration& fault);
+  void read_line_target(TableReader& section, FaultConfiguration& fault);
+  void check_reach(TableReader& section, const FaultConfiguration& fault) const;
+  void check_values(TableReader& section, const FaultConfiguration& fault);
+  void read_begin(TableReader& section, FaultConfiguration& fault);
+  void read_end(TableReader& section, FaultConfiguration& fault) const;
+  [[nodiscard]] Milestone read_milestone(TableReader& section, const FaultTarget& target) const;
 
   const RackConfiguration& rack_;
   TargetReader targets_;
@@ -36,7 +39,7 @@ class FaultReader {
 
 /// Reads all [[fault]] tables below `root`. Throws as FaultReader, also for a fault that is to come
 /// after one that does not exist.
-void read_faults(TomlSection& root, RackConfiguration& rack);
+void read_faults(TableReader& root, RackConfiguration& rack);
 
 /// Reads one fault from the keys of a [[fault]] table. Throws RackFileError with the reason alone,
 /// as there is no file.

@@ -15,22 +15,23 @@
 #include "stator/product/catalogue/catalogue.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/rack.hpp"
+#include "stator/rack/file/rack_file_steps.hpp"
 #include "stator/rack/file/shared_addresses.hpp"
+#include "stator/rack/file/system_files.hpp"
 #include "stator/rack/kept/device_storage.hpp"
-#include "stator/rack/toml/rack_file_steps.hpp"
 
 namespace stator::rack {
 
 namespace {
 
 /// Hands the devices what the state directory keeps for them, one after the other.
-void check_state(const RackConfiguration& configuration, Rack& rack, TomlSection& root,
-                 RackFileErrors& errors) {
+void check_state(const RackConfiguration& configuration, Rack& rack, TableReader& root,
+                 settings::Problems& problems) {
   const auto collect = [&](const auto& attach) {
     try {
       attach();
     } catch (const std::runtime_error& error) {
-      errors.list.emplace_back(error.what());
+      problems.list.emplace_back(error.what());
     }
   };
   std::error_code ignored;
@@ -64,7 +65,7 @@ void check_state(const RackConfiguration& configuration, Rack& rack, TomlSection
   });
 }
 
-void check_signals(const RecordConfiguration& record, Rack& rack, TomlSection& root) {
+void check_signals(const RecordConfiguration& record, Rack& rack, TableReader& root) {
   auto section = root.section("record");
   for (const std::string& pattern : record.signals) {
     try {
@@ -79,8 +80,8 @@ void check_signals(const RecordConfiguration& record, Rack& rack, TomlSection& r
 }
 
 /// What shows only when the devices are there.
-void check_devices(const RackConfiguration& configuration, TomlSection& root,
-                   RackFileErrors& errors) {
+void check_devices(const RackConfiguration& configuration, TableReader& root,
+                   settings::Problems& problems) {
   RackConfiguration still = configuration;
   still.state.clear();
   still.record.reset();
@@ -91,15 +92,15 @@ void check_devices(const RackConfiguration& configuration, TomlSection& root,
       check_signals(*configuration.record, rack, root);
     }
     if (!configuration.state.empty()) {
-      check_state(configuration, rack, root, errors);
+      check_state(configuration, rack, root, problems);
     }
   } catch (const std::exception& error) {
-    errors.list.emplace_back(fmt::format("{}: {}", root.file(), error.what()));
+    problems.list.emplace_back(fmt::format("{}: {}", root.file(), error.what()));
   }
 }
 
-void sort_by_place(std::vector<RackFileError>& errors, const std::string& file) {
-  std::ranges::stable_sort(errors, {}, [&file](const RackFileError& error) {
+void sort_by_place(std::vector<settings::Problem>& problems, const std::string& file) {
+  std::ranges::stable_sort(problems, {}, [&file](const settings::Problem& error) {
     return std::tuple(error.file() != file, error.line() == 0, error.file(), error.line(),
                       error.column());
   });
@@ -107,26 +108,31 @@ void sort_by_place(std::vector<RackFileError>& errors, const std::string& file) 
 
 }  // namespace
 
-RackCheck check_rack_file(const std::string& path, const product::Catalogue& catalogue) {
-  RackFileErrors errors;
+RackCheck check_rack_file(const std::string& path, const product::Catalogue& catalogue,
+                          Changes changes) {
+  settings::Problems problems;
+  problems.everything = true;
   RackCheck check;
   try {
-    const std::string text = read_rack_text(path);
-    const toml::table table = parse_toml(text, path);
-    TomlSection root(path, "the rack", table, &errors);
-    RackConfiguration configuration = read_rack(root, catalogue);
-    if (errors.list.empty()) {
-      check_devices(configuration, root, errors);
-    }
-    check.warnings = shared_addresses(configuration);
-    check.configuration = std::move(configuration);
+    settings::Value tree = parse_rack_tree(read_rack_text(path), path);
+    apply_changes(changes, tree, problems);
+    const settings::Reading reading{problems, &system_files(), path};
+    TableReader root(reading, "the rack", tree);
+    root.attempt([&] {
+      RackConfiguration configuration = read_rack(root, catalogue);
+      if (problems.list.empty()) {
+        check_devices(configuration, root, problems);
+      }
+      check.warnings = shared_addresses(configuration);
+      check.configuration = std::move(configuration);
+    });
   } catch (const RackFileError& error) {
-    errors.list.push_back(error);
+    problems.list.push_back(error.problem());
   }
-  if (!errors.list.empty()) {
+  if (!problems.list.empty()) {
     check.configuration.reset();
   }
-  check.errors = std::move(errors.list);
+  check.errors = std::move(problems.list);
   sort_by_place(check.errors, path);
   return check;
 }

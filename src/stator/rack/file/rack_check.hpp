@@ -2,10 +2,12 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "stator/product/catalogue/catalogue.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
-#include "stator/rack/toml/rack_file_error.hpp"
+#include "stator/rack/file/changes.hpp"
+#include "stator/settings/problem.hpp"
 
 namespace stator::rack {
 
@@ -13,7 +15,7 @@ namespace stator::rack {
 struct RackCheck {
   /// In the order of the file, those of other files behind. Some tables end at an error, hence
   /// further ones may show when these are gone.
-  std::vector<RackFileError> errors;
+  std::vector<settings::Problem> errors;
   std::optional<RackConfiguration> configuration;  ///< if there is no error
   /// What a run would warn of, sentences; of use if there is no error.
   std::vector<std::string> warnings;
@@ -24,7 +26,8 @@ struct RackCheck {
 /// all that a run would refuse. Opens no interface, writes nothing and creates nothing. Files to be
 /// written are checked for their directories only; whether interfaces and ports exist and are free
 /// shows in a run.
+/// `changes` are made to it before it is read.
 [[nodiscard]] RackCheck check_rack_file(const std::string& path,
-                                        const product::Catalogue& catalogue);
+                                        const product::Catalogue& catalogue, Changes changes = {});
 
 }  // namespace stator::rack

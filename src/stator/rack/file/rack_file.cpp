@@ -1,38 +1,40 @@
 #include "stator/rack/file/rack_file.hpp"
 
-#include <cerrno>
-#include <fstream>
-#include <iterator>
+#include <array>
 #include <set>
-#include <span>
-#include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "stator/formats/toml/toml.hpp"
 #include "stator/link/ethernet/link_address.hpp"
 #include "stator/link/serial/chip_server.hpp"
 #include "stator/product/catalogue/catalogue.hpp"
+#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/wiring.hpp"
 #include "stator/rack/file/bus_section.hpp"
 #include "stator/rack/file/device_section.hpp"
 #include "stator/rack/file/event_section.hpp"
 #include "stator/rack/file/fault_section.hpp"
 #include "stator/rack/file/late_boot.hpp"
+#include "stator/rack/file/rack_file_steps.hpp"
 #include "stator/rack/file/serial_section.hpp"
+#include "stator/rack/file/system_files.hpp"
 #include "stator/rack/file/wire_section.hpp"
 #include "stator/rack/file/wiring_section.hpp"
-#include "stator/rack/toml/rack_file_steps.hpp"
+#include "stator/settings/key.hpp"
+#include "stator/settings/path.hpp"
 
 namespace stator::rack {
 
 namespace {
 
-using base::SimDuration;
+constexpr base::SimDuration kLongestPeriod(3'600'000'000'000);
 using namespace base::literals;
 
 /// Switches Ethernet over EtherCAT on, bridged to a TAP interface.
-void read_eoe(TomlSection& section, DeviceConfiguration& device) {
+void read_eoe(TableReader& section, DeviceConfiguration& device) {
   const std::optional<std::string> eoe = section.text(
       {"eoe", "tap:NAME: switches Ethernet over EtherCAT on and bridges it to that TAP interface"});
   if (!eoe) {
@@ -54,7 +56,7 @@ void read_eoe(TomlSection& section, DeviceConfiguration& device) {
 }
 
 /// The socket for the firmware beside a chip.
-void read_host_link(TomlSection& section, DeviceConfiguration& device) {
+void read_host_link(TableReader& section, DeviceConfiguration& device) {
   const std::optional<std::string> text = section.text(
       {"spi", "unix:PATH or tcp:[ADDRESS:]PORT: socket for the firmware beside a chip"});
   if (!text) {
@@ -72,52 +74,83 @@ void read_host_link(TomlSection& section, DeviceConfiguration& device) {
   }
 }
 
-DeviceConfiguration read_segment_device(TomlSection& section, DeviceReading& reading,
-                                        std::span<const DeviceConfiguration> before) {
-  DeviceConfiguration device = read_device(section, reading, NetworkKind::segment);
-  read_eoe(section, device);
-  read_host_link(section, device);
-  section.attempt([&] { read_wiring(section, before, device); });
-  section.finish();
-  return device;
+void read_segment_device(TableReader& section, DeviceReading& reading,
+                         std::vector<DeviceConfiguration>& devices) {
+  read_device(section, reading, NetworkKind::segment, [&](DeviceConfiguration device) {
+    read_eoe(section, device);
+    read_host_link(section, device);
+    section.attempt([&] { read_wiring(section, devices, device); });
+    section.finish();
+    if (!section.describes()) {
+      devices.push_back(std::move(device));
+    }
+  });
 }
 
-/// Reads the link under `key`, if there is one.
-void read_link(TomlSection& section, const TomlKey& key, link::LinkAddress& link) {
-  const std::optional<std::string> text = section.text(key);
+template <link::LinkAddress SegmentConfiguration::*Link>
+void read_link(const settings::KeyWords& key, settings::Reader& reader,
+               SegmentConfiguration& segment) {
+  const std::optional<std::string> text = reader.text(key);
   if (!text) {
     return;
   }
   const auto address = link::parse_link_address(*text);
   if (!address) {
-    section.refuse(key.name, address.error().text);
+    reader.refuse(key.name, address.error().text);
     return;
   }
-  link = *address;
+  segment.*Link = *address;
 }
 
-SegmentConfiguration read_segment(TomlSection& section, DeviceReading& reading) {
+constexpr std::array kSegmentRows{
+    settings::custom<SegmentConfiguration, read_link<&SegmentConfiguration::link>>(
+        "link", "ethercat:INTERFACE, udp:ADDRESS[:PORT], tap:NAME or in-process"),
+    settings::custom<SegmentConfiguration, read_link<&SegmentConfiguration::redundant_link>>(
+        "redundant",
+        "The master's second interface, at the free end of the last device: cable redundancy"),
+    settings::word<&SegmentConfiguration::wait>("wait", kWaitModes,
+                                                "How its thread waits for frames"),
+    settings::duration<&SegmentConfiguration::spin_time>("spin_time", {1_us, 1_s},
+                                                         "Of wait = adaptive"),
+    settings::whole<&SegmentConfiguration::cpu>("cpu", kProcessors,
+                                                "Processor the segment's thread is tied to"),
+    settings::output<&SegmentConfiguration::capture>(
+        "capture", "pcap file of everything that crosses the link"),
+};
+constexpr std::array kSegmentRules{settings::Rule<SegmentConfiguration>{
+    "redundant", [](const SegmentConfiguration& segment, const settings::Reader&) {
+      return redundancy_problem(segment);
+    }}};
+constexpr settings::Section<SegmentConfiguration> kSegmentKeys{kSegmentRows, kSegmentRules};
+
+constexpr std::array kRecordRows{
+    settings::output<&RecordConfiguration::file>("file", "CSV file to write"),
+    settings::duration<&RecordConfiguration::period>("period", {1_us, kLongestPeriod},
+                                                     "Simulated time between two rows"),
+    settings::texts<&RecordConfiguration::signals>("signals", "Names with * as wild card"),
+};
+constexpr settings::Section<RecordConfiguration> kRecordKeys{kRecordRows};
+
+constexpr std::array kRackRows{
+    settings::word<&RackConfiguration::clock>(
+        "clock", kClockKinds,
+        "real: the machine's time; lockstep: time moves only with the master"),
+    settings::duration<&RackConfiguration::cycle>(
+        "cycle", {50_us, 1_s},
+        "Lockstep: simulated time per process-data exchange, on a CAN bus per SYNC"),
+    settings::duration<&RackConfiguration::step>("step", {1_us, 1_s},
+                                                 "Lockstep: simulated time per other frame"),
+    settings::text<&RackConfiguration::state>(
+        "state", "Directory in which devices keep what outlives power"),
+};
+constexpr settings::Section<RackConfiguration> kRackKeys{kRackRows};
+
+SegmentConfiguration read_segment(TableReader& section, DeviceReading& reading) {
   SegmentConfiguration segment;
-  read_link(section, {"link", "ethercat:INTERFACE, udp:ADDRESS[:PORT], tap:NAME or in-process"},
-            segment.link);
-  read_link(section,
-            {"redundant",
-             "The master's second interface, at the free end of the last device: cable redundancy"},
-            segment.redundant_link);
-  if (const std::string problem = redundancy_problem(segment); !problem.empty()) {
-    section.refuse("redundant", problem);
-  }
-  section.choice({"wait", "How its thread waits for frames"}, wait_modes(), segment.wait);
-  section.duration({"spin_time", "Of wait = adaptive"}, 1_us, 1_s, segment.spin_time);
-  if (const auto cpu =
-          section.integer({"cpu", "Processor the segment's thread is tied to"}, 0, 1023)) {
-    segment.cpu = static_cast<unsigned>(*cpu);
-  }
-  segment.capture = section.output({"capture", "pcap file of everything that crosses the link"});
-  for (TomlSection& device :
+  settings::read_keys(kSegmentKeys, section, segment);
+  for (TableReader& device :
        section.sections({"device", "The EtherCAT slaves, first = next to the master"})) {
-    device.attempt(
-        [&] { segment.devices.push_back(read_segment_device(device, reading, segment.devices)); });
+    device.attempt([&] { read_segment_device(device, reading, segment.devices); });
   }
   if (segment.devices.empty() && section.sections("device").empty()) {
     section.refuse("device", "a segment needs at least one [[segment.device]]");
@@ -126,34 +159,23 @@ SegmentConfiguration read_segment(TomlSection& section, DeviceReading& reading) 
   return segment;
 }
 
-RecordConfiguration read_record(TomlSection section) {
+RecordConfiguration read_record(TableReader section) {
   RecordConfiguration record;
-  record.file = section.output({"file", "CSV file to write"});
+  settings::read_keys(kRecordKeys, section, record);
   if (record.file.empty()) {
     section.refuse_missing("file", "it names the CSV file to write");
   }
-  section.duration({"period", "Simulated time between two rows"}, 1_us,
-                   SimDuration(3'600'000'000'000), record.period);
-  section.texts({"signals", "Names with * as wild card"}, record.signals);
   section.finish();
   return record;
 }
 
 }  // namespace
 
-RackConfiguration read_rack(TomlSection& root, const product::Catalogue& catalogue) {
+RackConfiguration read_rack(TableReader& root, const product::Catalogue& catalogue) {
   RackConfiguration configuration;
-  root.choice({"clock", "real: the machine's time; lockstep: time moves only with the master"},
-              clock_kinds(), configuration.clock);
-  root.duration(
-      {"cycle", "Lockstep: simulated time per process-data exchange, on a CAN bus per SYNC"}, 50_us,
-      1_s, configuration.cycle);
-  root.duration({"step", "Lockstep: simulated time per other frame"}, 1_us, 1_s,
-                configuration.step);
-  configuration.state =
-      root.text({"state", "Directory in which devices keep what outlives power"}).value_or("");
+  settings::read_keys(kRackKeys, root, configuration);
   DeviceReading devices{catalogue};
-  for (TomlSection& segment :
+  for (TableReader& segment :
        root.sections({"segment", "EtherCAT slaves behind one interface, or two in a ring"})) {
     segment.attempt([&] { configuration.segments.push_back(read_segment(segment, devices)); });
   }
@@ -169,13 +191,13 @@ RackConfiguration read_rack(TomlSection& root, const product::Catalogue& catalog
     configuration.record = read_record(std::move(*record));
   }
   EventSectionReader events(configuration);
-  for (TomlSection& event : root.sections({"event", "What happens at a given time"})) {
+  for (TableReader& event : root.sections({"event", "What happens at a given time"})) {
     event.attempt([&] { events.read(event, configuration.events); });
   }
   read_faults(root, configuration);
   apply_late_boot(configuration);
   WireSectionReader wires(configuration);
-  for (TomlSection& wire :
+  for (TableReader& wire :
        root.sections({"wire", "What a signal of one device does to an input of another"})) {
     wire.attempt([&] { configuration.wires.push_back(wires.read(wire)); });
   }
@@ -183,48 +205,60 @@ RackConfiguration read_rack(TomlSection& root, const product::Catalogue& catalog
   return configuration;
 }
 
-const std::map<std::string, ClockKind>& clock_kinds() {
-  static const std::map<std::string, ClockKind> kinds{{"real", ClockKind::real},
-                                                      {"lockstep", ClockKind::lockstep}};
-  return kinds;
-}
-
-const std::map<std::string, link::WaitMode>& wait_modes() {
-  static const std::map<std::string, link::WaitMode> modes{{"block", link::WaitMode::block},
-                                                           {"spin", link::WaitMode::spin},
-                                                           {"adaptive", link::WaitMode::adaptive}};
-  return modes;
-}
-
-toml::table parse_toml(std::string_view text, const std::string& name) {
-  try {
-    return toml::parse(text, name);
-  } catch (const toml::parse_error& error) {
-    const toml::source_position place = error.source().begin;
-    throw RackFileError(name, place.line, place.column, "", std::string(error.description()));
+settings::Value parse_rack_tree(std::string_view text, const std::string& name) {
+  auto tree = formats::parse_toml(text, name);
+  if (!tree) {
+    throw RackFileError(tree.error());
   }
+  return std::move(*tree);
+}
+
+RackConfiguration read_rack_tree(settings::Value tree, const std::string& name,
+                                 const product::Catalogue& catalogue, Changes changes) {
+  settings::Problems problems;
+  apply_changes(changes, tree, problems);
+  if (!problems.list.empty()) {
+    throw RackFileError(problems.list.front());
+  }
+  RackConfiguration configuration;
+  read_tree(tree, name, "the rack",
+            [&](TableReader& root) { configuration = read_rack(root, catalogue); });
+  return configuration;
 }
 
 RackConfiguration parse_rack_file(std::string_view text, const std::string& name,
                                   const product::Catalogue& catalogue) {
-  const toml::table table = parse_toml(text, name);
-  TomlSection root(name, "the rack", table);
-  return read_rack(root, catalogue);
+  return read_rack_tree(parse_rack_tree(text, name), name, catalogue);
 }
 
 std::string read_rack_text(const std::string& path, std::string_view what) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file.is_open() || file.bad()) {
+  auto text = system_files().content(path);
+  if (!text) {
     throw RackFileError(
-        fmt::format("{}: cannot read the {}: {}; check the path and its permissions", path, what,
-                    std::generic_category().message(errno)));
+        settings::Problem(fmt::format("{}: cannot read the {}: {}; check the path and its "
+                                      "permissions",
+                                      path, what, text.error())));
   }
-  return text;
+  return std::move(*text);
 }
 
-RackConfiguration load_rack_file(const std::string& path, const product::Catalogue& catalogue) {
-  return parse_rack_file(read_rack_text(path), path, catalogue);
+RackConfiguration load_rack_file(const std::string& path, const product::Catalogue& catalogue,
+                                 Changes changes) {
+  return read_rack_tree(parse_rack_tree(read_rack_text(path), path), path, catalogue, changes);
+}
+
+RackConfiguration load_single_device(const std::string& type, const product::Catalogue& catalogue,
+                                     Changes changes) {
+  RackConfiguration configuration = single_device_rack(type, catalogue);
+  if (changes.empty()) {
+    return configuration;
+  }
+  const bool on_bus = configuration.segments.empty();
+  settings::Value tree;
+  static_cast<void>(
+      settings::set(tree, settings::Path{on_bus ? "bus" : "segment", 0U, "device", 0U, "type"},
+                    settings::Value(type)));
+  return read_rack_tree(std::move(tree), "", catalogue, changes);
 }
 
 }  // namespace stator::rack

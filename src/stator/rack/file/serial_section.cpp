@@ -1,6 +1,7 @@
 #include "stator/rack/file/serial_section.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
 
@@ -17,6 +18,19 @@ namespace stator::rack {
 namespace {
 
 using namespace base::literals;
+
+constexpr std::array kLineRows{
+    settings::text<&SerialLineConfiguration::link>("link", "The line as devices name it"),
+    settings::boolean<&SerialLineConfiguration::pacing>(
+        "pacing", "Bytes take the time of their bits at the devices' baud rate"),
+    settings::word<&SerialLineConfiguration::wait>("wait", kWaitModes,
+                                                   "How its thread waits for bytes"),
+    settings::duration<&SerialLineConfiguration::spin_time>("spin_time", {1_us, 1_s},
+                                                            "Of wait = adaptive"),
+    settings::whole<&SerialLineConfiguration::cpu>("cpu", kProcessors,
+                                                   "Processor the line's thread is tied to"),
+};
+constexpr settings::Section<SerialLineConfiguration> kLineKeys{kLineRows};
 
 /// One end of a line at a device.
 struct LineEnd {
@@ -45,7 +59,7 @@ std::map<std::string, std::vector<LineEnd>> lines_of_devices(
 }
 
 /// Only RS-485 and RS-422 take more than two ends: the program's and a device's.
-void check_ends(TomlSection& root, const std::string& line, const std::vector<LineEnd>& ends) {
+void check_ends(TableReader& root, const std::string& line, const std::vector<LineEnd>& ends) {
   const auto point_to_point = std::ranges::find_if(ends, [](const LineEnd& end) {
     return end.interface != "rs485" && end.interface != "rs422";
   });
@@ -57,28 +71,19 @@ void check_ends(TomlSection& root, const std::string& line, const std::vector<Li
   }
 }
 
-SerialLineConfiguration read_line(TomlSection& section) {
+SerialLineConfiguration read_line(TableReader& section) {
   SerialLineConfiguration line;
-  const std::optional<std::string> link = section.text({"link", "The line as devices name it"});
-  section.boolean({"pacing", "Bytes take the time of their bits at the devices' baud rate"},
-                  line.pacing);
-  section.choice({"wait", "How its thread waits for bytes"}, wait_modes(), line.wait);
-  section.duration({"spin_time", "Of wait = adaptive"}, 1_us, 1_s, line.spin_time);
-  if (const auto cpu =
-          section.integer({"cpu", "Processor the line's thread is tied to"}, 0, 1023)) {
-    line.cpu = static_cast<unsigned>(*cpu);
-  }
-  if (!link) {
+  settings::read_keys(kLineKeys, section, line);
+  if (!section.contains("link") || section.is_refused("link")) {
     section.missing("link",
                     fmt::format("it is the line as devices name it, {}", link::kSerialLinkForms));
   }
-  line.link = *link;
   return line;
 }
 
 }  // namespace
 
-std::vector<SerialConnection> read_serial_connections(TomlSection& section,
+std::vector<SerialConnection> read_serial_connections(TableReader& section,
                                                       const product::Identity& identity) {
   std::vector<SerialConnection> connections;
   for (const auto& [interface, protocol, baud_rate] : identity.serial_interfaces) {
@@ -95,25 +100,26 @@ std::vector<SerialConnection> read_serial_connections(TomlSection& section,
   return connections;
 }
 
-void read_line_devices(TomlSection& root, DeviceReading& reading,
+void read_line_devices(TableReader& root, DeviceReading& reading,
                        std::vector<BusConfiguration>& buses) {
   BusConfiguration bus = bus_without_wire();
-  for (TomlSection& section :
+  for (TableReader& section :
        root.sections({"device", "Devices that are reached over serial lines only"})) {
     section.attempt([&] {
-      bus.devices.push_back(read_device(section, reading, NetworkKind::bus));
-      const DeviceConfiguration& device = bus.devices.back();
-      if (device.serial.empty()) {
-        section.refuse(
-            "type",
-            fmt::format(
-                "\"{}\" cannot be reached: a [[device]] needs a serial line; write "
-                "{} = \"{}\", or put it on a [[bus]]",
-                device.name,
-                fmt::join(device.setup.product().identity().serial_interface_names(), " or "),
-                link::kSerialLinkForms));
-      }
-      section.finish();
+      read_device(section, reading, NetworkKind::bus, [&](DeviceConfiguration device) {
+        if (device.serial.empty()) {
+          section.refuse(
+              "type",
+              fmt::format(
+                  "\"{}\" cannot be reached: a [[device]] needs a serial line; write "
+                  "{} = \"{}\", or put it on a [[bus]]",
+                  device.name,
+                  fmt::join(device.setup.product().identity().serial_interface_names(), " or "),
+                  link::kSerialLinkForms));
+        }
+        section.finish();
+        bus.devices.push_back(std::move(device));
+      });
     });
   }
   if (!bus.devices.empty()) {
@@ -121,13 +127,13 @@ void read_line_devices(TomlSection& root, DeviceReading& reading,
   }
 }
 
-void read_lines(TomlSection& root, RackConfiguration& configuration) {
+void read_lines(TableReader& root, RackConfiguration& configuration) {
   std::set<std::string> named;
   for (const auto& [line, ends] : lines_of_devices(configuration)) {
     check_ends(root, line, ends);
     named.insert(line);
   }
-  for (TomlSection& section :
+  for (TableReader& section :
        root.sections({"line", "How bytes pass over a serial line that devices name"})) {
     section.attempt([&] {
       SerialLineConfiguration line = read_line(section);

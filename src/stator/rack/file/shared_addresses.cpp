@@ -10,16 +10,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "stator/devices/tmcc160/tmcc160.hpp"
-#include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "stator/product/catalogue/product.hpp"
 
 namespace stator::rack {
 
 namespace {
-
-using devices::Tmcc160Configuration;
-using devices::Tmcm142Configuration;
 
 /// A kind of address, with the key of a rack file that sets it.
 enum class Kind : std::uint8_t { node_id, can_id, address };

@@ -6,15 +6,18 @@
 
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/wiring.hpp"
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::rack {
 
-DeviceAddress TargetReader::read_target(TomlSection& section) const {
+DeviceAddress TargetReader::read_target(TableReader& section) const {
   const std::optional<std::string> name =
       section.text({"device",
                     "Name of the device; of drop and the like: only frames this device sends, on "
                     "EtherCAT those that pass its port"});
+  if (section.describes()) {
+    return {};
+  }
   if (!name) {
     section.missing("device", "it names the device to which this happens");
   }
@@ -38,7 +41,7 @@ DeviceAddress TargetReader::read_target(TomlSection& section) const {
   if (found) {
     return *found;
   }
-  const std::string guess = closest_match(*name, names);
+  const std::string guess = settings::closest_match(*name, names);
   section.fail_for_reference(
       "device", fmt::format("\"device\" is \"{}\"{}; the devices are: {}", *name,
                             guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
@@ -50,35 +53,39 @@ const DeviceConfiguration& TargetReader::device_at(DeviceAddress address) const 
                                           : rack_.segments[address.network].devices[address.device];
 }
 
-void TargetReader::require_can(TomlSection& section, DeviceAddress target) const {
+void TargetReader::require_can(TableReader& section, DeviceAddress target) const {
+  if (section.describes()) {
+    return;
+  }
   if (target.kind != NetworkKind::bus || !rack_.buses[target.network].wire) {
     section.fail("device", fmt::format("\"{}\" is on no CAN bus, so this cannot happen to it",
                                        device_at(target).name));
   }
 }
 
-DeviceAddress TargetReader::read_can_target(TomlSection& section) const {
+DeviceAddress TargetReader::read_can_target(TableReader& section) const {
   const DeviceAddress target = read_target(section);
   require_can(section, target);
   return target;
 }
 
 /// A port of an EtherCAT device with a cable, by default the one it is reached through.
-unsigned TargetReader::read_port(TomlSection& section, DeviceAddress target) const {
+unsigned TargetReader::read_port(TableReader& section, DeviceAddress target) const {
+  const auto given =
+      section.integer({"port", "Port at which the cable ends; by default entry_port"}, 0, 3);
+  if (section.describes()) {
+    return 0;
+  }
   const SegmentConfiguration& segment = rack_.segments[target.network];
   const DeviceConfiguration& device = segment.devices[target.device];
-  unsigned port = device.wiring.entry_port;
-  if (const auto given =
-          section.integer({"port", "Port at which the cable ends; by default entry_port"}, 0, 3)) {
-    port = static_cast<unsigned>(*given);
-  }
+  const unsigned port = given ? static_cast<unsigned>(*given) : device.wiring.entry_port;
   if (!has_cable(segment, target.device, port)) {
     section.refuse("port", fmt::format("port {} of \"{}\" has no cable", port, device.name));
   }
   return port;
 }
 
-std::size_t TargetReader::read_bus(TomlSection& section, const std::string& name) const {
+std::size_t TargetReader::read_bus(TableReader& section, const std::string& name) const {
   std::set<std::string> names;
   for (std::size_t i = 0; i < rack_.buses.size(); ++i) {
     if (!rack_.buses[i].wire) {

@@ -6,25 +6,25 @@
 
 #include "stator/product/device/input.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
-#include "stator/rack/toml/toml_section.hpp"
+#include "stator/rack/file/table_reader.hpp"
 
 namespace stator::rack {
 
-/// Reads what of a rack something happens to: devices, ports, buses, inputs. All throw
-/// RackFileError for what is not in the rack.
+/// Reads what of a rack something happens to: devices, ports, buses, inputs. What is not in the
+/// rack ends reading (TableReader::fail); where a table is described, there is nothing to be in it.
 class TargetReader {
  public:
   /// `rack` must outlive the reader.
   explicit TargetReader(const RackConfiguration& rack) : rack_(rack) {}
 
   /// The device that `device` names.
-  [[nodiscard]] DeviceAddress read_target(TomlSection& section) const;
+  [[nodiscard]] DeviceAddress read_target(TableReader& section) const;
   /// The same on a CAN bus with a wire.
-  [[nodiscard]] DeviceAddress read_can_target(TomlSection& section) const;
-  void require_can(TomlSection& section, DeviceAddress target) const;
+  [[nodiscard]] DeviceAddress read_can_target(TableReader& section) const;
+  void require_can(TableReader& section, DeviceAddress target) const;
   /// A port of an EtherCAT device with a cable, by default the one it is reached through.
-  [[nodiscard]] unsigned read_port(TomlSection& section, DeviceAddress target) const;
-  [[nodiscard]] std::size_t read_bus(TomlSection& section, const std::string& name) const;
+  [[nodiscard]] unsigned read_port(TableReader& section, DeviceAddress target) const;
+  [[nodiscard]] std::size_t read_bus(TableReader& section, const std::string& name) const;
   [[nodiscard]] const DeviceConfiguration& device_at(DeviceAddress address) const;
   /// Names and ranges only, since the devices asked for them are gone.
   [[nodiscard]] const std::vector<product::Input>& inputs_of(DeviceAddress device);

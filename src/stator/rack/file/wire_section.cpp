@@ -8,7 +8,7 @@
 
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/world/input_names.hpp"
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::rack {
 
@@ -19,19 +19,20 @@ using namespace base::literals;
 constexpr base::SimDuration kLongestDelay = 1_s;
 constexpr double kAnyValue = 1e12;
 
-std::string guess_text(const std::string& word, const std::set<std::string>& known) {
-  const std::string guess = closest_match(word, known);
-  return guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess);
-}
-
 }  // namespace
 
-WireSectionReader::End WireSectionReader::read_end(TomlSection& section,
+WireSectionReader::End WireSectionReader::read_end(TableReader& section,
                                                    const std::string& key) const {
   const bool from = key == "from";
   const std::optional<std::string> text =
       section.text({key, from ? "Device and signal that the wire begins at"
                               : "Device and input that the wire ends at"});
+  if (section.describes()) {
+    if (from) {
+      section.note_required(key);
+    }
+    return {};
+  }
   if (!text) {
     section.missing(
         key, fmt::format("it names a device and its {}, e.g. \"{}\"", from ? "signal" : "input",
@@ -63,7 +64,7 @@ WireSectionReader::End WireSectionReader::read_end(TomlSection& section,
     section.fail_for_reference(
         key, fmt::format("\"{}\" is \"{}\", which does not begin with a device and a dot{}; the "
                          "devices are: {}",
-                         key, *text, guess_text(device, names), fmt::join(names, ", ")));
+                         key, *text, settings::guess_text(device, names), fmt::join(names, ", ")));
   }
   return {*found, text->substr(length + 1)};
 }
@@ -83,7 +84,7 @@ const WireSectionReader::Terminals& WireSectionReader::terminals_of(DeviceAddres
   return place->second;
 }
 
-void WireSectionReader::read_levels(TomlSection& section, const product::Input& input,
+void WireSectionReader::read_levels(TableReader& section, const product::Input& input,
                                     WireConfiguration& wire) {
   const auto scale =
       section.number({"scale", "Instead of a threshold: the input follows the signal times this"},
@@ -125,7 +126,7 @@ void WireSectionReader::read_levels(TomlSection& section, const product::Input& 
   }
 }
 
-void WireSectionReader::check_driver(TomlSection& section, const End& from, const End& to) {
+void WireSectionReader::check_driver(TableReader& section, const End& from, const End& to) {
   if (drivers_.contains(to)) {
     section.refuse("to", "another [[wire]] leads to this input already; an input has one wire");
     return;
@@ -154,22 +155,32 @@ void WireSectionReader::check_driver(TomlSection& section, const End& from, cons
   drivers_.emplace(to, from);
 }
 
-WireConfiguration WireSectionReader::read(TomlSection& section) {
-  const End from = read_end(section, "from");
-  const End to = read_end(section, "to");
-  WireConfiguration wire{from.device, from.name, to.device, to.name};
+product::Input WireSectionReader::input_between(TableReader& section, const End& from,
+                                                const End& to) {
+  if (section.describes()) {
+    return {};
+  }
   const Terminals& source = terminals_of(from.device);
   if (!source.signals.contains(from.name)) {
-    section.fail("from", fmt::format("there is no signal \"{}\"{}; \"stator describe DEVICE "
-                                     "--signals\" lists the signals",
-                                     from.name, guess_text(from.name, source.signals)));
+    section.fail(
+        "from",
+        fmt::format("there is no signal \"{}\"{}; \"stator describe DEVICE --signals\" lists "
+                    "the signals",
+                    from.name, settings::guess_text(from.name, source.signals)));
   }
   const std::vector<product::Input>& inputs = terminals_of(to.device).inputs;
   const auto input = std::ranges::find(inputs, to.name, &product::Input::name);
   if (input == inputs.end()) {
     section.fail("to", input_problem(inputs, to.name, 0.0));
   }
-  read_levels(section, *input, wire);
+  return *input;
+}
+
+WireConfiguration WireSectionReader::read(TableReader& section) {
+  const End from = read_end(section, "from");
+  const End to = read_end(section, "to");
+  WireConfiguration wire{from.device, from.name, to.device, to.name};
+  read_levels(section, input_between(section, from, to), wire);
   wire.delay = section
                    .duration({"delay", "A multiple of 50us after which the input follows"}, 0_ns,
                              kLongestDelay)
@@ -177,7 +188,9 @@ WireConfiguration WireSectionReader::read(TomlSection& section) {
   if (wire.delay.nanoseconds() % kWirePeriod.nanoseconds() != 0) {
     section.refuse("delay", "\"delay\" must be a multiple of 50us, at which wires act");
   }
-  check_driver(section, from, to);
+  if (!section.describes()) {
+    check_driver(section, from, to);
+  }
   section.finish();
   return wire;
 }

@@ -7,7 +7,7 @@
 
 #include "stator/product/device/input.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
-#include "stator/rack/toml/toml_section.hpp"
+#include "stator/rack/file/table_reader.hpp"
 
 namespace stator::rack {
 
@@ -19,7 +19,7 @@ class WireSectionReader {
 
   /// Reads one [[wire]]. Throws RackFileError for a device, signal or input that is not in the
   /// rack, for an input that has a wire or an event, and for wires that form a ring.
-  [[nodiscard]] WireConfiguration read(TomlSection& section);
+  [[nodiscard]] WireConfiguration read(TableReader& section);
 
  private:
   /// An end of a wire: "device.name".
@@ -35,10 +35,13 @@ class WireSectionReader {
     std::vector<product::Input> inputs;
   };
 
-  [[nodiscard]] End read_end(TomlSection& section, const std::string& key) const;
+  [[nodiscard]] End read_end(TableReader& section, const std::string& key) const;
   [[nodiscard]] const Terminals& terminals_of(DeviceAddress device);
-  void read_levels(TomlSection& section, const product::Input& input, WireConfiguration& wire);
-  void check_driver(TomlSection& section, const End& from, const End& to);
+  /// The input at the end of a wire, whose signal is there, too. Nothing where a table is
+  /// described.
+  [[nodiscard]] product::Input input_between(TableReader& section, const End& from, const End& to);
+  void read_levels(TableReader& section, const product::Input& input, WireConfiguration& wire);
+  void check_driver(TableReader& section, const End& from, const End& to);
 
   const RackConfiguration& rack_;
   std::map<DeviceAddress, Terminals> terminals_;

@@ -8,7 +8,7 @@
 
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/wiring.hpp"
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::rack {
 
@@ -19,7 +19,7 @@ using namespace base::literals;
 // 100 m of copper delay a frame by half a microsecond; fibre converters by more.
 constexpr base::SimDuration kLongestDelay = 1_ms;
 
-std::size_t read_after(TomlSection& section, const std::string& name,
+std::size_t read_after(TableReader& section, const std::string& name,
                        std::span<const DeviceConfiguration> before) {
   std::set<std::string> names;
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -28,7 +28,7 @@ std::size_t read_after(TomlSection& section, const std::string& name,
     }
     names.insert(before[i].name);
   }
-  const std::string guess = closest_match(name, names);
+  const std::string guess = settings::closest_match(name, names);
   section.fail_for_reference(
       "after",
       fmt::format("\"after\" is \"{}\"{}; it must name a device above this one in the same "
@@ -37,7 +37,7 @@ std::size_t read_after(TomlSection& section, const std::string& name,
                   names.empty() ? "there is none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
-void require_port(TomlSection& section, const char* key, unsigned port,
+void require_port(TableReader& section, const char* key, unsigned port,
                   const DeviceConfiguration& device) {
   const unsigned ports = device.setup.product().ports(device.setup);
   if (port >= ports) {
@@ -47,7 +47,7 @@ void require_port(TomlSection& section, const char* key, unsigned port,
 }
 
 /// What is wrong with the port of the device this one hangs at.
-void require_free_port(TomlSection& section, std::span<const DeviceConfiguration> before,
+void require_free_port(TableReader& section, std::span<const DeviceConfiguration> before,
                        const Attachment& attachment) {
   const DeviceConfiguration& parent = before[*attachment.parent];
   require_port(section, "port", attachment.parent_port, parent);
@@ -65,7 +65,7 @@ void require_free_port(TomlSection& section, std::span<const DeviceConfiguration
 
 }  // namespace
 
-void read_wiring(TomlSection& section, std::span<const DeviceConfiguration> before,
+void read_wiring(TableReader& section, std::span<const DeviceConfiguration> before,
                  DeviceConfiguration& device) {
   WiringConfiguration& wiring = device.wiring;
   if (const auto after = section.text({"after",

@@ -3,14 +3,14 @@
 #include <span>
 
 #include "stator/rack/core/rack_configuration.hpp"
-#include "stator/rack/toml/toml_section.hpp"
+#include "stator/rack/file/table_reader.hpp"
 
 namespace stator::rack {
 
 /// Reads where a device hangs and how long cable and device delay a frame: the keys `after`,
 /// `port`, `entry_port`, `cable_delay` and `forwarding_delay`. `before` are the devices above it in
 /// the segment. Throws RackFileError for a device or port that does not exist or is taken.
-void read_wiring(TomlSection& section, std::span<const DeviceConfiguration> before,
+void read_wiring(TableReader& section, std::span<const DeviceConfiguration> before,
                  DeviceConfiguration& device);
 
 }  // namespace stator::rack

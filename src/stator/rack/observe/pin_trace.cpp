@@ -12,7 +12,7 @@
 #include "stator/board/assembly/board.hpp"
 #include "stator/mfc/block/block.hpp"
 #include "stator/mfc/pins/signal.hpp"
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::rack {
 
@@ -49,7 +49,7 @@ Line line_of(const std::string& name) {
   for (Line line = 0; line < board::kLines; ++line) {
     names.insert(board::line_name(line));
   }
-  const std::string guess = closest_match(name, names);
+  const std::string guess = settings::closest_match(name, names);
   throw std::runtime_error(fmt::format(
       "there is no pin \"{}\" to trace{}; the pins are: {}", name,
       guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess), fmt::join(names, ", ")));

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::rack {
 
@@ -23,7 +23,7 @@ std::string input_problem(std::span<const product::Input> inputs, const std::str
   for (const product::Input& known : inputs) {
     names.insert(known.name);
   }
-  const std::string guess = closest_match(name, names);
+  const std::string guess = settings::closest_match(name, names);
   return fmt::format("there is no input \"{}\"{}; the inputs are: {}", name,
                      guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
                      fmt::join(names, ", "));

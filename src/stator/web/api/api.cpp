@@ -70,6 +70,8 @@ Answer answer(const Match& match, const Request& request, State& state) {
       return answer_asset(request, "/assets/" + match.parameters[0]);
     case Operation::openapi:
       return Response{.body = openapi_document()};
+    case Operation::keys:
+      return Response{.body = state.keys()};
     case Operation::metrics:
       return make_snapshot_job(state, operation, state.matching("*"));
     case Operation::health:

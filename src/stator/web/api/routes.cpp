@@ -57,6 +57,13 @@ constexpr auto kRoutes = std::to_array<Route>({
      .id = "getRack",
      .summary = "The rack: its clock, its networks and what they have done so far",
      .schema = "Rack"},
+    {.operation = Operation::keys,
+     .method = "GET",
+     .path = "/api/v1/keys",
+     .id = "listKeys",
+     .summary = "All keys of rack files with range, unit, default and meaning, as a JSON schema: "
+                "what editors check and forms are made from",
+     .schema = "Any"},
     {.operation = Operation::devices,
      .method = "GET",
      .path = "/api/v1/devices",

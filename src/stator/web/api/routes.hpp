@@ -39,6 +39,7 @@ enum class Operation : std::uint8_t {
   state_machines,
   program,
   traffic,
+  keys,
   fault_kinds,
   faults,
   inject_fault,

@@ -64,6 +64,7 @@ class Server::Implementation {
         accept_pause_(context_),
         tick_(context_) {
     server_.state.session = configuration.session;
+    server_.state.catalogue = configuration.catalogue;
     if (configuration.token.empty() && !address_.loopback()) {
       throw std::runtime_error(fmt::format(
           "a web server at {} is open to other machines and needs a token: name a file with "

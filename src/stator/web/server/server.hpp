@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "stator/product/catalogue/catalogue.hpp"
 #include "stator/rack/run/runner.hpp"
 #include "stator/web/address.hpp"
 #include "stator/web/server/server_limits.hpp"
@@ -15,6 +16,7 @@ struct ServerConfiguration {
   std::string token;  ///< empty only on loopback: nobody may write then
   ServerLimits limits{};
   SessionControl* session = nullptr;  ///< the recording of the run; outlives the server
+  product::Catalogue catalogue{};     ///< products whose keys it tells
 };
 
 /// Serves a running rack to browsers and programs: REST, a stream of signals, metrics. One thread,

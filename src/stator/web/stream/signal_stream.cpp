@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "stator/rack/world/text.hpp"
+#include "stator/settings/words.hpp"
 #include "stator/web/json_text.hpp"
 #include "stator/web/problem.hpp"
 #include "stator/web/stream/sample_batch.hpp"
@@ -90,7 +90,7 @@ std::variant<Subscription, Response> parse_subscription(std::string_view text, c
   }
   const Json period = message.value("period", Json("10ms"));
   const auto duration = period.is_string()
-                            ? rack::parse_duration(period.get_ref<const std::string&>())
+                            ? settings::parse_duration(period.get_ref<const std::string&>())
                             : std::nullopt;
   if (!duration || *duration < kShortestPeriod || *duration > kLongestPeriod ||
       *duration % kShortestPeriod != base::SimDuration(0)) {

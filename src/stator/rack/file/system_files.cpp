@@ -1,0 +1,58 @@
+#include "stator/rack/file/system_files.hpp"
+
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "stator/formats/toml/toml.hpp"
+
+namespace stator::rack {
+
+std::string output_problem(const std::string& path) {
+  std::error_code ignored;
+  const std::filesystem::path file(path);
+  if (std::filesystem::is_directory(file, ignored)) {
+    return fmt::format("cannot write {}: it is a directory; name a file in it", path);
+  }
+  // An existing file is opened for writing, of another one the directory gets an entry.
+  const bool exists = std::filesystem::exists(file, ignored);
+  const std::filesystem::path parent =
+      file.parent_path().empty() ? std::filesystem::path(".") : file.parent_path();
+  const int access = exists ? ::access(file.c_str(), W_OK) : ::access(parent.c_str(), W_OK | X_OK);
+  if (access == 0) {
+    return {};
+  }
+  return fmt::format(
+      "cannot write {}: {}; choose a file in a directory that exists and can be written", path,
+      std::generic_category().message(errno));
+}
+
+base::Expected<std::string, std::string> SystemFiles::content(const std::string& path) const {
+  std::ifstream file(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file.is_open() || file.bad()) {
+    return base::Unexpected{std::generic_category().message(errno)};
+  }
+  return text;
+}
+
+base::Expected<settings::Value, settings::Problem> SystemFiles::tree(
+    const std::string& text, const std::string& path) const {
+  return formats::parse_toml(text, path);
+}
+
+std::string SystemFiles::beside(const std::string& file, const std::string& path) const {
+  return (std::filesystem::path(file).parent_path() / path).lexically_normal().string();
+}
+
+const settings::Files& system_files() {
+  static const SystemFiles files;
+  return files;
+}
+
+}  // namespace stator::rack

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace stator::settings {
+
+class Reader;
+
+template <typename T>
+struct Key;
+
+/// What the values of several keys must be to each other.
+template <typename T>
+struct Rule {
+  std::string_view key;  ///< that is refused
+  /// The sentence against the values; empty: they are good.
+  std::string (*objection)(const T&, const Reader&);
+};
+
+/// The keys of one table, which fill a `T`. Who declares or reads one includes key.hpp.
+template <typename T>
+struct Section {
+  std::span<const Key<T>> keys;
+  std::span<const Rule<T>> rules{};
+  /// What changes by the table being there, before its keys are read. Null: nothing.
+  void (*when_given)(T&) = nullptr;
+};
+
+/// Reads the keys of a section into `target`, where others may read further keys of the table.
+template <typename T>
+void read_keys(const Section<T>& section, Reader& reader, T& target);
+
+}  // namespace stator::settings
