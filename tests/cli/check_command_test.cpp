@@ -58,6 +58,25 @@ TEST(CheckCommand, TellsEveryErrorWithItsPlaceAndExitsWith1) {
   std::filesystem::remove(path);
 }
 
+TEST(CheckCommand, TakesChangesAndNamesThem) {
+  const std::string gantry = "check " STATOR_SOURCE_DIR "/racks/gantry.toml ";
+  EXPECT_EQ(stator(gantry + "--set 'gantry.axis[1].load.inertia=2e-4' --set clock=lockstep").status,
+            0);
+  const Outcome wrong = stator(gantry + "--set 'gantry.axis[1].load.inertia=heavy'");
+  EXPECT_EQ(wrong.status, 1);
+  EXPECT_THAT(wrong.output,
+              HasSubstr("--set gantry.axis[1].load.inertia=heavy: \"inertia\" must be "
+                        "a number in [load]"));
+}
+
+TEST(CheckCommand, ListsTheKeysForCompletion) {
+  const Outcome outcome = stator("check --keys");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.output,
+              HasSubstr("segment[].device[].axis[].load.inertia\t0 to 10 kg m²\t`0`\tAt the motor "
+                        "shaft\n"));
+}
+
 // STATOR_WRITE_RACK_REFERENCE=1 test_cli --gtest_filter='CheckCommand.*' renews the files.
 void expect_documented(const std::string& option, const std::string& file) {
   const Outcome outcome = stator("check " + option);

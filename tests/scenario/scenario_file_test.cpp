@@ -146,5 +146,24 @@ TEST(StepKinds, StandInTheDocumentation) {
   }
 }
 
+TEST(ScenarioFile, TakesChangesOfItsStepsAndOfItsRack) {
+  const std::string text =
+      "name = \"a\"\nlimit = \"1s\"\n[[step]]\ndo = \"wait\"\ntime = "
+      "\"10ms\"\n[rack]\n[[rack.segment]]\n"
+      "[[rack.segment.device]]\ntype = \"tmcm-3315\"\nname = \"x\"\n";
+  const auto read = [&](const std::vector<std::string>& changes) {
+    return parse_scenario(text, "a.toml", devices::products(), changes);
+  };
+  const ScenarioRead changed = read({"step[0].note=short", "limit=2s", "x.axis[0].motor=nosuch"});
+  EXPECT_EQ(changed.scenario.limit, base::SimDuration(2'000'000'000));
+  ASSERT_EQ(changed.errors.size(), 1U);
+  EXPECT_THAT(changed.errors.front().text(),
+              testing::HasSubstr("--set x.axis[0].motor=nosuch: \"motor\" is \"nosuch\""));
+  const ScenarioRead step = read({"step[0].note=short", "clock=lockstep"});
+  ASSERT_EQ(step.scenario.steps.size(), 1U);
+  EXPECT_EQ(step.scenario.steps[0].title, "short");
+  EXPECT_EQ(step.scenario.rack.clock, rack::ClockKind::lockstep);
+}
+
 }  // namespace
 }  // namespace stator::scenario

@@ -46,8 +46,11 @@ class ServedRack {
                 std::make_shared<spdlog::logger>("test",
                                                  std::make_shared<spdlog::sinks::null_sink_mt>())) {
     server_ = std::make_unique<Server>(
-        ServerConfiguration{
-            .address = {address, 0}, .token = kToken, .limits = limits, .session = session},
+        ServerConfiguration{.address = {address, 0},
+                            .token = kToken,
+                            .limits = limits,
+                            .session = session,
+                            .catalogue = devices::products()},
         rack_, configuration_, log_, runner_);
     runner_.start();
     server_->start();

@@ -42,6 +42,17 @@ TEST(WebServer, DescribesTheRackAndItsDevices) {
   EXPECT_EQ(rack.get("/api/v1/devices/nobody").status, 404);
 }
 
+TEST(WebServer, TellsTheKeysOfRackFiles) {
+  ServedRack rack;
+  const Answer answer = rack.get("/api/v1/keys");
+  EXPECT_EQ(answer.status, 200);
+  const auto schema = answer.json();
+  EXPECT_EQ(schema["title"], "Rack file of Stator");
+  EXPECT_EQ(schema["properties"]["clock"]["default"], "real");
+  EXPECT_THAT(answer.body, HasSubstr("At the motor shaft. 0 to 10 kg m²."));
+  EXPECT_EQ(rack.get("/api/v1/keys").body, answer.body);
+}
+
 TEST(WebServer, NamesEachRunOfTheRack) {
   const auto run_of = [](ServedRack& rack) { return rack.get("/api/v1/rack").json()["run"]; };
   nlohmann::json first;
