@@ -13,7 +13,8 @@
 #include <vector>
 
 #include "stator/base/byte_order.hpp"
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
+#include "stator/devices/tmc8461/controller.hpp"
+#include "stator/ethercat/controller/slave_controller.hpp"
 #include "stator/ethercat/segment/segment.hpp"
 #include "stator/ethercat/units/sii_interface.hpp"
 #include "stator/link/ethernet/open_link.hpp"
@@ -142,8 +143,7 @@ int run(const char* address_text) {
     std::fprintf(stderr, "%s\n", cable.error().text.c_str());
     return 1;
   }
-  ethercat::SlaveController controller(
-      ethercat::find_slave_controller_preset("tmc8461")->configuration);
+  ethercat::SlaveController controller(devices::tmc8461::kController.configuration);
   controller.load_sii(eeprom());
   ethercat::Segment segment;
   segment.append(controller);

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "ethercat/controllers.hpp"
 #include "ethercat/test_bus.hpp"
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::ethercat {
 namespace {
@@ -236,8 +236,7 @@ TEST_F(Mii, PhyThatIsNotFound_GivesItsPortNoLinkAndSaysSoAtTheStart) {
 }
 
 TEST_F(Mii, PhyThatIsNotFound_DoesNotMatterWhereThePinAloneCounts) {
-  SlaveControllerConfiguration configuration =
-      find_slave_controller_preset("tmc8670", "silicon")->configuration;
+  SlaveControllerConfiguration configuration = testing::controller_of("tmc8670", "silicon");
   configuration.mii.phy_addresses = {7, 9};
   TestBus other(2, configuration);
   EXPECT_EQ(other.broadcast_read(0x0000, 1).working_counter, 2U);

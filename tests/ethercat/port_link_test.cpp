@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "ethercat/controllers.hpp"
 #include "ethercat/master_delays.hpp"
 #include "ethercat/test_bus.hpp"
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::ethercat {
 namespace {
@@ -116,7 +116,7 @@ TEST(PortLink, PhyThatAMasterMisconfiguresIsConfiguredAtTheNextNegotiation) {
 
 /// The TMC8670 without link detection through the management bus: the pin alone counts.
 SlaveControllerConfiguration without_detection() {
-  return find_slave_controller_preset("tmc8670", "silicon")->configuration;
+  return testing::controller_of("tmc8670", "silicon");
 }
 
 TEST(PortLink, WithoutDetectionOfAMisconfiguredPhyGoesDownAndNobodyRepairsIt) {

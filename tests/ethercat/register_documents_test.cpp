@@ -17,6 +17,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/csv.hpp"
+#include "ethercat/controllers.hpp"
 #include "source_paths.hpp"
 #include "stator/ethercat/controller/register_description.hpp"
 
@@ -168,7 +169,7 @@ std::vector<Row> document_rows(const std::string& device) {
 
 std::vector<Row> declared_rows(std::string_view device, std::string_view preset = {}) {
   std::vector<Row> rows;
-  const SlaveControllerPreset* found = find_slave_controller_preset(device, preset);
+  const ControllerPreset* found = testing::find_controller(device, preset);
   for (const RegisterDescription& row : describe_registers(*found)) {
     const auto number = [](const std::string& text) {
       return static_cast<unsigned>(std::stoul(text, nullptr, 0));

@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "devices/csv.hpp"
+#include "ethercat/controllers.hpp"
 #include "source_paths.hpp"
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::ethercat::testing {
 
@@ -183,7 +183,7 @@ void add_document(ControllerExpectation& expectation, const std::vector<Document
 
 ControllerExpectation expectation_of(std::string_view device, std::string_view preset) {
   ControllerExpectation expectation;
-  expectation.configuration = find_slave_controller_preset(device, preset)->configuration;
+  expectation.configuration = controller_of(device, preset);
   expectation.name = device == "tmcm-3315" ? "tmcm3315" : std::string(device);
   return expectation;
 }

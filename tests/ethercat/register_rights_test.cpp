@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "ethercat/controllers.hpp"
 #include "ethercat/test_bus.hpp"
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::ethercat {
 namespace {
@@ -93,7 +93,12 @@ unsigned rights(const RegisterMap::Byte& byte) {
 }
 
 TEST(Registers, BytesThatAreDealtWithTogether_AllowAndCauseTheSame) {
-  for (const SlaveControllerPreset& preset : slave_controller_presets()) {
+  std::vector<ControllerPreset> presets;
+  for (const auto& product : devices::products().products()) {
+    const auto controllers = product->controllers();
+    presets.insert(presets.end(), controllers.begin(), controllers.end());
+  }
+  for (const ControllerPreset& preset : presets) {
     const SlaveControllerConfiguration& chip = preset.configuration;
     const RegisterMap map(chip.features, chip.answered_features, chip.fmmu_count,
                           chip.sync_manager_count);

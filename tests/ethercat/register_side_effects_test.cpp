@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 
 #include "devices/csv.hpp"
+#include "ethercat/controllers.hpp"
 #include "ethercat/test_bus.hpp"
 #include "source_paths.hpp"
 #include "stator/devices/tmc8670/tmc8670.hpp"
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::ethercat {
 namespace {
@@ -33,7 +33,7 @@ constexpr std::uint32_t kActivationEvent = 1U << 4;
 constexpr std::uint32_t kWatchdogEvent = 1U << 6;
 
 SlaveControllerConfiguration chip() {
-  return find_slave_controller_preset("tmc8670", "document")->configuration;
+  return testing::controller_of("tmc8670", "document");
 }
 SlaveControllerConfiguration acknowledging_by_write() {
   SlaveControllerConfiguration configuration = chip();

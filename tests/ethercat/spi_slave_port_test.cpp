@@ -14,10 +14,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "ethercat/controllers.hpp"
 #include "ethercat/test_bus.hpp"
 #include "stator/base/random.hpp"
 #include "stator/ethercat/controller/controller_spi_memory.hpp"
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
 #include "stator/ethercat/units/sii_interface.hpp"
 
 namespace stator::ethercat {
@@ -308,7 +308,7 @@ class PdiSpi : public ::testing::Test {
     return bus.write(0, address, bytes(values)).working_counter == 1;
   }
 
-  stator::ethercat::testing::TestBus bus{1, find_slave_controller_preset("tmc8461")->configuration};
+  stator::ethercat::testing::TestBus bus{1, stator::ethercat::testing::controller_of("tmc8461")};
   ControllerSpiMemory memory{controller()};
   SpiSlavePort port{memory};
 };

@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include "ethercat/controllers.hpp"
 #include "ethercat/test_bus.hpp"
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::ethercat {
 namespace {
@@ -128,8 +128,7 @@ class SyncManagerProbe : public ::testing::TestWithParam<SyncManagerCase> {
  protected:
   /// A controller with sync manager 0 in the state of the case.
   struct World {
-    explicit World(const SyncManagerCase& probe)
-        : bus(1, find_slave_controller_preset(probe.preset)->configuration) {
+    explicit World(const SyncManagerCase& probe) : bus(1, testing::controller_of(probe.preset)) {
       const unsigned mode = probe.buffered ? 0U : 2U;
       const unsigned direction = probe.bus_writes ? 4U : 0U;
       const unsigned reserved = probe.state == State::wrong_mode ? 1U : 0U;

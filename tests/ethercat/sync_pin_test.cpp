@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "ethercat/controllers.hpp"
 #include "ethercat/dc_bus.hpp"
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::ethercat {
 namespace {
@@ -40,7 +40,7 @@ constexpr std::array<Levels, 8> kLevels{{
 }};
 
 const SlaveControllerConfiguration& chip_of(std::string_view device) {
-  return find_slave_controller_preset(device, {})->configuration;
+  return testing::controller_of(device);
 }
 
 TEST(SyncUnit, Pin_FollowsDriverPolarityAndDirection) {

@@ -1,10 +1,10 @@
 #include <gmock/gmock.h>
 
+#include "ethercat/controllers.hpp"
 #include "ethercat/test_bus.hpp"
 #include "stator/base/byte_order.hpp"
 #include "stator/devices/tmc8461/block_on_controller.hpp"
 #include "stator/devices/tmc8461/sii.hpp"
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
 
 namespace stator::devices::tmc8461 {
 namespace {
@@ -83,7 +83,7 @@ class Standalone : public ::testing::Test {
   }
 
   static ethercat::SlaveControllerConfiguration preset() {
-    return ethercat::find_slave_controller_preset("tmc8461")->configuration;
+    return ethercat::testing::controller_of("tmc8461");
   }
   mfc::Configuration configuration;
   TestBus bus{1, preset()};

@@ -8,6 +8,8 @@
 
 #include "stator/cli/cells.hpp"
 #include "stator/cli/failure.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/ethercat/controller/controller_preset.hpp"
 #include "stator/ethercat/controller/register_description.hpp"
 
 namespace stator::cli {
@@ -16,15 +18,20 @@ namespace {
 
 using ethercat::RegisterDescription;
 
-const ethercat::SlaveControllerPreset& require_preset(const std::string& device,
-                                                      const std::string& name) {
-  if (const auto* preset = ethercat::find_slave_controller_preset(device, name);
-      preset != nullptr) {
-    return *preset;
+const ethercat::ControllerPreset& require_preset(const std::string& device,
+                                                 const std::string& name) {
+  if (const auto product = devices::products().find(device)) {
+    if (const auto* preset = ethercat::find_preset(product->controllers(), name);
+        preset != nullptr) {
+      return *preset;
+    }
   }
   std::string known;
-  for (const ethercat::SlaveControllerPreset& preset : ethercat::slave_controller_presets()) {
-    known += fmt::format("\n  {} --preset {}: {}", preset.device, preset.name, preset.summary);
+  for (const auto& product : devices::products().products()) {
+    for (const ethercat::ControllerPreset& preset : product->controllers()) {
+      known += fmt::format("\n  {} --preset {}: {}", product->identity().type, preset.name,
+                           preset.summary);
+    }
   }
   throw Failure(fmt::format("there is no slave controller \"{}\"{}; those there are:{}", device,
                             name.empty() ? "" : fmt::format(" with preset \"{}\"", name), known));

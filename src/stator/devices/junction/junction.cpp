@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
+#include "stator/devices/junction/controller.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
 
 namespace stator::devices {
@@ -37,8 +37,7 @@ ethercat::DeviceDescription describe(const JunctionConfiguration& configuration)
 }
 
 ethercat::SlaveControllerConfiguration controller_of(const JunctionConfiguration& configuration) {
-  ethercat::SlaveControllerConfiguration chip =
-      ethercat::find_slave_controller_preset("junction")->configuration;
+  ethercat::SlaveControllerConfiguration chip = kJunctionController.configuration;
   chip.port_descriptor = 0;
   for (unsigned port = 0; port < configuration.ports; ++port) {
     chip.port_descriptor |= static_cast<std::uint8_t>(kMiiPort << (2 * port));

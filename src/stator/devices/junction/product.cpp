@@ -1,5 +1,6 @@
 #include "stator/devices/junction/product.hpp"
 
+#include "stator/devices/junction/controller.hpp"
 #include "stator/devices/junction/junction.hpp"
 #include "stator/devices/junction/keys.hpp"
 
@@ -13,6 +14,9 @@ class JunctionProduct final : public product::ProductOf<JunctionConfiguration, J
 
   [[nodiscard]] unsigned ports(const product::Setup& setup) const override {
     return of(setup).ports;
+  }
+  [[nodiscard]] std::span<const ethercat::ControllerPreset> controllers() const override {
+    return {&kJunctionController, 1};
   }
 };
 

@@ -1,5 +1,6 @@
 #include "stator/devices/tmc8461/product.hpp"
 
+#include "stator/devices/tmc8461/controller.hpp"
 #include "stator/devices/tmc8461/keys.hpp"
 #include "stator/devices/tmc8461/tmc8461.hpp"
 
@@ -23,6 +24,9 @@ class Tmc8461Product final : public product::ProductOf<Tmc8461Configuration, Tmc
   }
   [[nodiscard]] bool waits_for_host(const product::Setup& setup) const override {
     return !emulates(of(setup));
+  }
+  [[nodiscard]] std::span<const ethercat::ControllerPreset> controllers() const override {
+    return {&tmc8461::kController, 1};
   }
 };
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "stator/base/byte_order.hpp"
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
+#include "stator/devices/tmc8461/controller.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
 
 namespace stator::devices {
@@ -53,8 +53,7 @@ ethercat::DeviceDescription describe(const Tmc8461Configuration& configuration) 
 }
 
 ethercat::SlaveControllerConfiguration controller_of(const Tmc8461Configuration& configuration) {
-  ethercat::SlaveControllerConfiguration chip =
-      ethercat::find_slave_controller_preset("tmc8461")->configuration;
+  ethercat::SlaveControllerConfiguration chip = tmc8461::kController.configuration;
   chip.device_emulation = configuration.device_emulation;
   chip.acknowledge_by_write = configuration.acknowledge_by_write;
   chip.reset_by_board = true;

@@ -3,7 +3,7 @@
 #include <stdexcept>
 
 #include "stator/devices/tmc8670/axis_unit.hpp"
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
+#include "stator/devices/tmc8670/internal/controllers.hpp"
 
 namespace stator::devices::tmc8670 {
 
@@ -79,8 +79,8 @@ ethercat::SlaveStackOptions stack_options(const Tmc8670Configuration& configurat
 }
 
 ethercat::SlaveControllerConfiguration controller_of(const Tmc8670Configuration& configuration) {
-  const ethercat::SlaveControllerPreset* preset =
-      ethercat::find_slave_controller_preset("tmc8670", configuration.controller);
+  const ethercat::ControllerPreset* preset =
+      ethercat::find_preset(kControllers, configuration.controller);
   if (preset == nullptr) {
     throw std::logic_error("a TMC8670 has no slave controller preset " + configuration.controller);
   }

@@ -12,6 +12,7 @@
 
 #include "stator/base/byte_order.hpp"
 #include "stator/base/event.hpp"
+#include "stator/devices/tmc8670/internal/controllers.hpp"
 #include "stator/dictionary/dictionary.hpp"
 #include "stator/plant/keys/pwm_axis_keys.hpp"
 #include "stator/product/shell/coe_keys.hpp"
@@ -123,8 +124,12 @@ void read_axis(const settings::KeyWords& key, settings::Reader& reader,
   }
 }
 
-std::array<std::string_view, 2> controller_presets() {
-  return {"document", "silicon"};
+std::array<std::string_view, kControllers.size()> controller_presets() {
+  std::array<std::string_view, kControllers.size()> names;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    names[i] = kControllers[i].name;
+  }
+  return names;
 }
 
 constexpr std::array kAutomatic{settings::Word{"automatic", 0}};

@@ -1,6 +1,7 @@
 #include "stator/devices/tmc8670/product.hpp"
 
 #include "stator/devices/tmc8670/hardware_uart.hpp"
+#include "stator/devices/tmc8670/internal/controllers.hpp"
 #include "stator/devices/tmc8670/keys.hpp"
 #include "stator/devices/tmc8670/mcu_uart.hpp"
 #include "stator/devices/tmc8670/tmc8670.hpp"
@@ -21,6 +22,9 @@ class Tmc8670Product final : public product::ProductOf<Tmc8670Configuration, Tmc
   }
   [[nodiscard]] std::vector<product::AxisSetup> axes(product::Setup& setup) const override {
     return {{.pwm = &of(setup).axis}};
+  }
+  [[nodiscard]] std::span<const ethercat::ControllerPreset> controllers() const override {
+    return tmc8670::kControllers;
   }
 };
 

@@ -1,5 +1,6 @@
 #include "stator/devices/tmcm_3315/product.hpp"
 
+#include "stator/devices/tmcm_3315/controller.hpp"
 #include "stator/devices/tmcm_3315/keys.hpp"
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
@@ -23,6 +24,9 @@ class Tmcm3315Product final : public product::ProductOf<Tmcm3315Configuration, T
       axes.push_back({.stepper = &axis, .full_scale_current = of(setup).full_scale_current});
     }
     return axes;
+  }
+  [[nodiscard]] std::span<const ethercat::ControllerPreset> controllers() const override {
+    return {&tmcm_3315::kController, 1};
   }
 };
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <utility>
 
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
+#include "stator/devices/tmcm_3315/controller.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
 
 namespace stator::devices {
@@ -93,7 +93,7 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
     : configuration_(configuration),
       reporter_(reporter),
       description_(describe(configuration)),
-      controller_(ethercat::find_slave_controller_preset("tmcm-3315")->configuration),
+      controller_(tmcm_3315::kController.configuration),
       axes_([&] {
         tmcm_3315::add_objects(dictionary_, configuration.firmware);
         std::array<std::unique_ptr<AxisUnit>, tmcm_3315::kAxisCount> axes;

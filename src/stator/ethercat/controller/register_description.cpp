@@ -99,7 +99,7 @@ std::string notes_of(const RegisterDeclaration& declaration, const RegisterField
 
 class Describer {
  public:
-  explicit Describer(const SlaveControllerPreset& preset)
+  explicit Describer(const ControllerPreset& preset)
       : preset_(preset),
         map_(preset.configuration.features, preset.configuration.answered_features,
              preset.configuration.fmmu_count, preset.configuration.sync_manager_count),
@@ -116,22 +116,19 @@ class Describer {
                             has_feature(preset_.configuration.features, declaration.write_feature)};
     for (const RegisterField& field : declaration.fields) {
       const unsigned bits = field.bit_hi - field.bit_lo + 1U;
-      const unsigned line =
-          preset_.document == RegisterDocument::tmc8670 ? field.lines.tmc8670 : field.lines.tmc8461;
-      rows_.push_back(
-          {hexadecimal(address, 4), std::to_string(declaration.width),
-           with_channel(declaration.name, channel), std::to_string(field.bit_hi),
-           std::to_string(field.bit_lo), std::string(field.name), access_text(field.bus, presence),
-           access_text(field.host, presence), reset_text(field_value(reset_, address, field), bits),
-           line == 0 ? "" : "L" + std::to_string(line), notes_of(declaration, field, presence)});
+      rows_.push_back({hexadecimal(address, 4), std::to_string(declaration.width),
+                       with_channel(declaration.name, channel), std::to_string(field.bit_hi),
+                       std::to_string(field.bit_lo), std::string(field.name),
+                       access_text(field.bus, presence), access_text(field.host, presence),
+                       reset_text(field_value(reset_, address, field), bits),
+                       line_text(field.lines), notes_of(declaration, field, presence)});
     }
   }
 
   void add_process_memory() {
     const unsigned bits = preset_.configuration.ram_kilobytes * 8192U;
-    const bool tmc8670 = preset_.document == RegisterDocument::tmc8670;
     rows_.push_back({"0x1000", std::to_string(bits), "Process Data RAM", std::to_string(bits - 1),
-                     "0", "pdram", "(r/w)", "(r/w)", "0", tmc8670 ? "L1248" : "L6202",
+                     "0", "pdram", "(r/w)", "(r/w)", "0", line_text(kProcessMemoryLines),
                      "while 0x0110.0 is 1; as the sync managers allow"});
   }
 
@@ -143,7 +140,12 @@ class Describer {
   }
 
  private:
-  const SlaveControllerPreset& preset_;
+  [[nodiscard]] std::string line_text(const DocumentLines& lines) const {
+    const unsigned line = lines.in(preset_.document);
+    return line == 0 ? "" : "L" + std::to_string(line);
+  }
+
+  const ControllerPreset& preset_;
   RegisterMap map_;
   std::vector<std::byte> reset_;
   std::vector<RegisterDescription> rows_;
@@ -151,7 +153,7 @@ class Describer {
 
 }  // namespace
 
-std::vector<RegisterDescription> describe_registers(const SlaveControllerPreset& preset) {
+std::vector<RegisterDescription> describe_registers(const ControllerPreset& preset) {
   Describer describer(preset);
   for (const std::span<const RegisterDeclaration> group : register_groups()) {
     for (const RegisterDeclaration& declaration : group) {

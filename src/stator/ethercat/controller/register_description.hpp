@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
+#include "stator/ethercat/controller/controller_preset.hpp"
 
 namespace stator::ethercat {
 
@@ -36,7 +36,6 @@ inline constexpr std::array<std::string_view, 11> kRegisterColumns{
 
 /// All fields of all registers of a controller by address, and its process memory as one row at the
 /// end. Of the registers not built those that answer are there, as read-only.
-[[nodiscard]] std::vector<RegisterDescription> describe_registers(
-    const SlaveControllerPreset& preset);
+[[nodiscard]] std::vector<RegisterDescription> describe_registers(const ControllerPreset& preset);
 
 }  // namespace stator::ethercat

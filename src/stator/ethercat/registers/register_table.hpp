@@ -82,12 +82,24 @@ struct Repetition {
   std::uint8_t distance = 0;
 };
 
-/// Lines of the documents at which a field stands: TMC8461 and TMC8670 datasheet as text. 0: not
-/// in that document.
-struct DocumentLines {
-  std::uint16_t tmc8461 = 0;
-  std::uint16_t tmc8670 = 0;
+/// The documents that describe the registers, as text.
+enum class RegisterDocument : std::uint8_t {
+  controller,  ///< of a slave controller on its own: TMC8461 datasheet
+  drive,       ///< of a drive and its slave controller in one chip: TMC8670 datasheet
 };
+
+/// Lines of the documents at which a field stands. 0: not in that document.
+struct DocumentLines {
+  std::uint16_t controller = 0;
+  std::uint16_t drive = 0;
+
+  [[nodiscard]] constexpr std::uint16_t in(RegisterDocument document) const {
+    return document == RegisterDocument::controller ? controller : drive;
+  }
+};
+
+/// Where they begin to describe the process memory.
+inline constexpr DocumentLines kProcessMemoryLines{6202, 1248};
 
 /// One field of a register as the document's table has it, a row each. A field named "reserved"
 /// takes writes where its right says so, but stores nothing and reads 0.

@@ -1,5 +1,7 @@
 #include "stator/product/catalogue/product.hpp"
 
+#include "stator/ethercat/controller/controller_preset.hpp"
+
 namespace stator::product {
 
 namespace {
@@ -24,6 +26,10 @@ class OwnProduct final : public Product {
 };
 
 }  // namespace
+
+std::span<const ethercat::ControllerPreset> Product::controllers() const {
+  return {};
+}
 
 std::shared_ptr<const Product> make_product(Identity identity, DeviceMaker maker) {
   return std::make_shared<OwnProduct>(std::move(identity), std::move(maker));

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -15,6 +16,9 @@
 #include "stator/product/device/device.hpp"
 #include "stator/settings/section.hpp"
 
+namespace stator::ethercat {
+struct ControllerPreset;
+}
 namespace stator::tmcl {
 struct ModuleDescription;
 }
@@ -80,6 +84,10 @@ class Product : public std::enable_shared_from_this<Product> {
   }
   /// Without a firmware at its pins it stays in Init.
   [[nodiscard]] virtual bool waits_for_host(const Setup& /*setup*/) const { return false; }
+
+  /// Its slave controller in each reading of its documents, the default first; nothing: its
+  /// registers are not described, or it has none.
+  [[nodiscard]] virtual std::span<const ethercat::ControllerPreset> controllers() const;
 
   /// For which programs in TMCL are written, and which its devices' tmcl_firmware() runs; null: it
   /// runs none.

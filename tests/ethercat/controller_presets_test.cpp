@@ -1,7 +1,6 @@
-#include "stator/ethercat/controller/slave_controller_presets.hpp"
-
 #include <gtest/gtest.h>
 
+#include "ethercat/controllers.hpp"
 #include "ethercat/test_bus.hpp"
 
 namespace stator::ethercat {
@@ -9,6 +8,8 @@ namespace {
 
 using base::literals::operator""_ms;
 using testing::bytes;
+using testing::controller_of;
+using testing::find_controller;
 using testing::host_read;
 using testing::host_write;
 using testing::number;
@@ -16,14 +17,14 @@ using testing::TestBus;
 using testing::zeros;
 
 TestBus bus_of(std::string_view device, std::string_view preset = {}) {
-  return TestBus(1, find_slave_controller_preset(device, preset)->configuration);
+  return TestBus(1, controller_of(device, preset));
 }
 
-TEST(SlaveControllerPresets, AreFoundByDeviceAndName) {
-  EXPECT_EQ(find_slave_controller_preset("tmc8670")->name, "document");
-  EXPECT_EQ(find_slave_controller_preset("tmc8670", "silicon")->name, "silicon");
-  EXPECT_EQ(find_slave_controller_preset("tmc8670", "gold"), nullptr);
-  EXPECT_EQ(find_slave_controller_preset("tmc8462"), nullptr);
+TEST(ControllerPresets, AreFoundByProductAndName) {
+  EXPECT_EQ(find_controller("tmc8670")->name, "document");
+  EXPECT_EQ(find_controller("tmc8670", "silicon")->name, "silicon");
+  EXPECT_EQ(find_controller("tmc8670", "gold"), nullptr);
+  EXPECT_EQ(find_controller("tmc8462"), nullptr);
 }
 
 TEST(Tmc8461Preset, IdentifiesItselfAsTheDocumentPrints) {
@@ -43,7 +44,7 @@ TEST(Tmc8461Preset, Has16KilobytesFrom1000h) {
 }
 
 TEST(Tmc8461Preset, BeforeTheEepromIsLoaded_ShowsTheDocumentsResetValues) {
-  SlaveController bare(find_slave_controller_preset("tmc8461")->configuration);
+  SlaveController bare(controller_of("tmc8461"));
   const auto shown = [&bare](std::uint16_t address, std::size_t length) {
     testing::Bytes value(length);
     bare.peek(address, value);
