@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "stator/devices/catalogue/products.hpp"
+
 namespace stator::experiment {
 namespace {
 
@@ -78,10 +80,22 @@ TEST(Experiments, GiveEqualResultsForEqualInput) {
   }
 }
 
+TEST(Experiments, NeedAModuleThatCanBePutOnTheBench) {
+  const Experiment& move = require_experiment("move");
+  BenchSetup setup;
+  EXPECT_THAT(complaint([&] { static_cast<void>(move.run(setup)); }),
+              HasSubstr("choose a product for it"));
+  setup.module = devices::products().find("tmcc160");
+  EXPECT_THAT(complaint([&] { static_cast<void>(move.run(setup)); }),
+              HasSubstr("a tmcc160 cannot be put on the bench"));
+}
+
 TEST(Experiments, GiveEveryCurveAValueForEveryX) {
+  BenchSetup setup;
+  setup.module = devices::products().find("tmcm-3315");
   for (const Experiment& experiment : experiments()) {
     const Choices few = experiment.name == "pull-out" ? Choices{{"points", 3.0}} : Choices{};
-    for (const Panel& panel : experiment.run({}, few).panels) {
+    for (const Panel& panel : experiment.run(setup, few).panels) {
       EXPECT_FALSE(panel.x.empty()) << experiment.name;
       for (const Curve& curve : panel.curves) {
         EXPECT_EQ(curve.values.size(), panel.x.size()) << experiment.name << ": " << curve.title;

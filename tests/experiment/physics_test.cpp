@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/experiment/equations.hpp"
 #include "stator/experiment/experiment.hpp"
 
@@ -30,6 +31,7 @@ class Physics : public testing::TestWithParam<Bench> {
     BenchSetup setup;
     setup.axis.motor = *plant::find_stepper_motor(GetParam().motor);
     setup.axis.supply_voltage = GetParam().supply;
+    setup.module = devices::products().find("tmcm-3315");
     return setup;
   }
   /// Every judged quantity lies within the tolerance, and at least `quantities` are judged.

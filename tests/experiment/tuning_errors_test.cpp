@@ -25,14 +25,15 @@ TEST_P(TuningStops, WithItsReason) {
   const Trouble& trouble = GetParam();
   plant::PwmAxisParameters parameters = axis_with(kMotor);
   trouble.change(parameters);
-  devices::tmc8670::ServoStage stage(parameters);
+  devices::tmc8670::TunableStage tunable(parameters);
+  devices::tmc8670::ServoStage& stage = tunable.stage();
   plant::PwmAxisFaults faults;
   trouble.fault(faults);
   stage.plant().set_faults(faults);
   Settings settings = settings_for(parameters);
   trouble.claim(settings);
   try {
-    static_cast<void>(tune(stage, settings));
+    static_cast<void>(tune(tunable, settings));
     FAIL() << "was tuned all the same";
   } catch (const TuningError& error) {
     EXPECT_EQ(error.obstacle(), trouble.obstacle) << error.what();

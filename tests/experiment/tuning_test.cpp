@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "experiment/tuning_axis.hpp"
+#include "stator/devices/catalogue/products.hpp"
 
 namespace stator::experiment::tuning {
 namespace {
@@ -44,8 +45,9 @@ class TuningOf : public testing::TestWithParam<NamedMotor> {
 TEST_P(TuningOf, FindsTheMotorAndSetsTheLoopsWanted) {
   plant::PwmAxisParameters parameters = axis();
   const plant::ThreePhaseMotorParameters& motor = motor_of(parameters);
-  devices::tmc8670::ServoStage stage(parameters);
-  const Tuning tuning = tune(stage, settings_for(parameters));
+  devices::tmc8670::TunableStage tunable(parameters);
+  devices::tmc8670::ServoStage& stage = tunable.stage();
+  const Tuning tuning = tune(tunable, settings_for(parameters));
   const auto near = [](double found, double truth, double share, const char* what) {
     EXPECT_NEAR(found / truth, 1.0, share) << what << ": " << found << " instead of " << truth;
   };
@@ -88,8 +90,9 @@ TEST(TuningAlignment, IsWithinTwoDegreesFromEveryAngle) {
   for (int k = 0; k < 8; ++k) {
     plant::PwmAxisParameters parameters = axis_with("QBL4208-61-04-013");
     parameters.initial_revolutions = k / 8.0 / motor_of(parameters).pole_pairs;
-    devices::tmc8670::ServoStage stage(parameters);
-    Chip chip(stage, settings_for(parameters));
+    devices::tmc8670::TunableStage tunable(parameters);
+    devices::tmc8670::ServoStage& stage = tunable.stage();
+    Chip chip(tunable, settings_for(parameters));
     Winding winding;
     measure_offsets(chip, winding);
     measure_resistance(chip, winding);
@@ -105,7 +108,7 @@ TEST(TuningAlignment, HoldsForTheCounterAsItWasAtPowerOn) {
   plant::PwmAxisParameters parameters = axis_with("QBL4208-61-04-013");
   parameters.initial_revolutions = 0.37;
   parameters.encoders[0].reversed = true;
-  devices::tmc8670::ServoStage tuned(parameters);
+  devices::tmc8670::TunableStage tuned(parameters);
   const Tuning tuning = tune(tuned, settings_for(parameters));
   devices::tmc8670::ServoStage fresh(parameters);
   fresh.block().set(field("N_POLE_PAIRS"), tuning.encoder.pole_pairs);
@@ -122,14 +125,15 @@ TEST(TuningLoops, HaveTheBandwidthsAskedFor) {
   };
   for (const Wish& wish : {Wish{600.0, 30.0, 5.0}, Wish{2000.0, 100.0, 25.0}}) {
     plant::PwmAxisParameters parameters = axis_with("QBL4208-61-04-013");
-    devices::tmc8670::ServoStage stage(parameters);
+    devices::tmc8670::TunableStage tunable(parameters);
+    devices::tmc8670::ServoStage& stage = tunable.stage();
     stage.block().set(field("PWM_BBM_H"), 0);  // the model has no dead time
     stage.block().set(field("PWM_BBM_L"), 0);
     Settings settings = settings_for(parameters);
     settings.current_bandwidth = wish.current;
     settings.velocity_bandwidth = wish.velocity;
     settings.position_bandwidth = wish.position;
-    const Tuning tuning = tune(stage, settings);
+    const Tuning tuning = tune(tunable, settings);
     EXPECT_NEAR(tuning.verification.current.bandwidth / wish.current, 1.0, 0.10);
     EXPECT_NEAR(tuning.verification.velocity.bandwidth / wish.velocity, 1.0, 0.10);
     const StepResponse& step = tuning.verification.position_step;
@@ -141,8 +145,8 @@ TEST(TuningLoops, HaveTheBandwidthsAskedFor) {
 
 TEST(TuningLoops, FollowTheLinearModel) {
   plant::PwmAxisParameters parameters = axis_with("QBL4208-61-04-013");
-  devices::tmc8670::ServoStage stage(parameters);
-  const Tuning tuning = tune(stage, settings_for(parameters));
+  devices::tmc8670::TunableStage tunable(parameters);
+  const Tuning tuning = tune(tunable, settings_for(parameters));
   for (const BodePlot* plot : {&tuning.verification.current, &tuning.verification.velocity}) {
     for (std::size_t n = 0; n < plot->frequency.size(); ++n) {
       // Below, the rotor swings on the spring of the current that holds it.
@@ -156,14 +160,15 @@ TEST(TuningLoops, FollowTheLinearModel) {
 TEST(TuningOfTheSupply, BurnsWhatBrakingReturnsInsteadOfRaisingItWithoutBound) {
   plant::PwmAxisParameters parameters = axis_with("QBL4208-61-04-013");
   parameters.load.inertia = 2e-4;  // 7 J at the highest speed, 0.14 J in the capacitor at 24 V
-  devices::tmc8670::ServoStage stage(parameters);
+  devices::tmc8670::TunableStage tunable(parameters);
+  devices::tmc8670::ServoStage& stage = tunable.stage();
   Settings settings = settings_for(parameters);
   settings.current_bandwidth = 500.0;
   settings.velocity_bandwidth = 10.0;
   // Never off again once on: the brake chopper remembers a peak of 1.4 times the supply.
   stage.block().set(field("ADC_VM_LIMIT_LOW"), 0);
   stage.block().set(field("ADC_VM_LIMIT_HIGH"), 33'600);
-  const Tuning tuning = tune(stage, settings);
+  const Tuning tuning = tune(tunable, settings);
   EXPECT_FALSE(stage.block().outputs().brake_chopper);
   EXPECT_NEAR(tuning.mechanics.inertia.value / (4.8e-6 + 2e-4), 1.0, 0.05);
 }
@@ -172,21 +177,24 @@ TEST(TuningOfReversedAmplifiers, TurnsTheScaleRound) {
   plant::PwmAxisParameters parameters = axis_with("QBL4208-61-04-013");
   parameters.converter.currents[0].gain = -1000.0;
   parameters.converter.currents[1].gain = -1000.0;
-  devices::tmc8670::ServoStage stage(parameters);
-  const Tuning tuning = tune(stage, settings_for(parameters));
+  devices::tmc8670::TunableStage tunable(parameters);
+  const Tuning tuning = tune(tunable, settings_for(parameters));
   EXPECT_EQ(tuning.winding.current_scale, -256);
   EXPECT_NEAR(tuning.winding.resistance.value / 0.37, 1.0, 0.03);
 }
 
 TEST(TuningObjects, HoldWhatTheRegistersWereSetTo) {
   plant::PwmAxisParameters parameters = axis_with("QBL4208-61-04-013");
-  devices::tmc8670::ServoStage stage(parameters);
+  devices::tmc8670::TunableStage tunable(parameters);
+  devices::tmc8670::ServoStage& stage = tunable.stage();
   const Settings settings = settings_for(parameters);
-  const Tuning tuning = tune(stage, settings);
+  const Tuning tuning = tune(tunable, settings);
+  const auto product = devices::products().find("tmc8670");
+  const product::TunedDrive drive = tuned_drive(tuning, settings);
   const auto value_of = [&](unsigned index, unsigned subindex) {
-    for (const TunedObject& tuned : objects_of(tuning, settings)) {
-      if (tuned.object.index == index && tuned.object.subindex == subindex) {
-        return static_cast<std::int64_t>(tuned.object.bits);
+    for (const product::TunedObject& tuned : product->tuning()->objects_of(drive)) {
+      if (tuned.index == index && tuned.subindex == subindex) {
+        return tuned.value;
       }
     }
     ADD_FAILURE() << std::hex << index << ':' << subindex << " is missing";
@@ -215,11 +223,12 @@ TEST(TuningOfAStepper, FindsItsTwoPhases) {
   parameters.motor = motor;
   parameters.supply_voltage = 48.0;
   parameters.encoders[0].counts_per_revolution = 40'000;
-  devices::tmc8670::ServoStage stage(parameters);
+  devices::tmc8670::TunableStage tunable(parameters);
+  devices::tmc8670::ServoStage& stage = tunable.stage();
   Settings settings;
   settings.motor = control::foc::MotorType::two_phase;
   settings.current = std::sqrt(2.0) * motor.rated_current;
-  const Tuning tuning = tune(stage, settings);
+  const Tuning tuning = tune(tunable, settings);
   // The path of a phase leads through two transistors.
   EXPECT_NEAR(tuning.winding.resistance.value /
                   (motor.resistance + 2.0 * parameters.inverter.on_resistance),

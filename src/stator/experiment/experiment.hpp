@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -11,6 +12,10 @@
 #include "stator/experiment/result.hpp"
 #include "stator/plant/axes/servo_axis.hpp"
 #include "stator/plant/axes/stepper_axis.hpp"
+
+namespace stator::product {
+class Product;
+}
 
 namespace stator::experiment {
 
@@ -54,6 +59,9 @@ struct BenchSetup {
   plant::StepperAxisParameters axis;
   double full_scale_current = 3.0;  ///< A, peak of a coil at setting 255 of a module
   plant::ServoAxisParameters servo{};
+  /// Whose firmware drives the stepper axis in experiments with a module: a product with an
+  /// axis_bench().
+  std::shared_ptr<const product::Product> module{};
 };
 
 /// The options of the experiment that runs, with every name checked.

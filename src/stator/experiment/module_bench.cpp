@@ -5,52 +5,49 @@
 
 #include <fmt/format.h>
 
-#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
+#include "stator/control/microstep_position.hpp"
+#include "stator/dictionary/dictionary.hpp"
+#include "stator/product/catalogue/product.hpp"
 
 namespace stator::experiment {
 
-namespace {
-
-constexpr double kMicrostepsPerRevolution = 51'200.0;
-
-devices::Tmcm3315Configuration module_around(const BenchSetup& setup) {
-  devices::Tmcm3315Configuration configuration;
-  configuration.axes[0] = setup.axis;
-  configuration.full_scale_current = setup.full_scale_current;
-  return configuration;
-}
-
-std::int64_t microsteps(double revolutions) {
-  return std::llround(revolutions * kMicrostepsPerRevolution);
-}
-
-}  // namespace
-
-ModuleBench::ModuleBench(const BenchSetup& setup) : device_(module_around(setup)) {
-  device_.axis(0).set_network_operational(true, now_);
+ModuleBench::ModuleBench(const BenchSetup& setup) {
+  if (setup.module) {
+    bench_ = setup.module->axis_bench(setup.axis, setup.full_scale_current);
+    type_ = setup.module->identity().type;
+    name_ = setup.module->identity().name();
+  }
+  if (!bench_) {
+    throw ExperimentError(
+        type_.empty()
+            ? "the bench has no module to drive the motor; choose a product for it"
+            : fmt::format("a {} cannot be put on the bench; choose a stepper module whose "
+                          "axes are commanded through objects",
+                          type_));
+  }
 }
 
 void ModuleBench::write_bits(std::uint16_t index, std::uint8_t subindex, std::uint64_t bits,
                              std::size_t length) {
-  dictionary::Entry* entry = device_.dictionary().find(index, subindex);
+  dictionary::Entry* entry = bench_->dictionary().find(index, subindex);
   std::array<std::byte, sizeof bits> bytes{};
   for (std::size_t i = 0; i < length; ++i) {
     bytes[i] = static_cast<std::byte>(bits >> (8 * i));
   }
   const dictionary::AccessContext context{.network_state = dictionary::NetworkState::operational};
   if (entry == nullptr ||
-      !device_.dictionary().write(*entry, std::span(bytes).first(length), context)) {
+      !bench_->dictionary().write(*entry, std::span(bytes).first(length), context)) {
     throw ExperimentError(
         fmt::format("the module refuses to write {:04X}h:{:02X}; see its object dictionary with "
-                    "\"stator describe tmcm-3315\"",
-                    index, subindex));
+                    "\"stator describe {}\"",
+                    index, subindex, type_));
   }
-  device_.axis(0).apply(now_);
+  bench_->apply(now_);
 }
 
 std::int64_t ModuleBench::read(std::uint16_t index, std::uint8_t subindex) {
-  dictionary::Entry& entry = *device_.dictionary().find(index, subindex);
-  static_cast<void>(device_.dictionary().prepare_read(entry));
+  dictionary::Entry& entry = *bench_->dictionary().find(index, subindex);
+  static_cast<void>(bench_->dictionary().prepare_read(entry));
   return entry.signed_value();
 }
 
@@ -85,8 +82,8 @@ void ModuleBench::set_acceleration(double revolutions) {
 }
 
 void ModuleBench::step() {
-  now_ = now_ + devices::Tmcm3315::kPlantStep;
-  device_.advance(now_);
+  now_ = now_ + bench_->plant_step();
+  bench_->advance(now_);
 }
 
 void ModuleBench::run(double seconds) {
@@ -96,10 +93,6 @@ void ModuleBench::run(double seconds) {
   }
 }
 
-double ModuleBench::period() {
-  return devices::Tmcm3315::kPlantStep.seconds();
-}
-
 double ModuleBench::current_amplitude() {
   const std::array<double, 2> current = plant().state().motor.current;
   return std::hypot(current[0], current[1]);
@@ -107,11 +100,16 @@ double ModuleBench::current_amplitude() {
 
 double ModuleBench::demand_revolutions() {
   const control::MicrostepPosition& position = ramp().position();
-  return (static_cast<double>(position.microsteps) + position.fraction) / kMicrostepsPerRevolution;
+  return (static_cast<double>(position.microsteps) + position.fraction) /
+         bench_->microsteps_per_revolution();
 }
 
 double ModuleBench::demand_speed() {
-  return ramp().velocity() / kMicrostepsPerRevolution;
+  return ramp().velocity() / bench_->microsteps_per_revolution();
+}
+
+std::int64_t ModuleBench::microsteps(double revolutions) const {
+  return std::llround(revolutions * bench_->microsteps_per_revolution());
 }
 
 double current_of_setting(int setting, double full_scale) {

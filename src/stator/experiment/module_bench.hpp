@@ -1,16 +1,21 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <string>
 
-#include "stator/devices/tmcm_3315/tmcm_3315.hpp"
+#include "stator/control/ramp/ramp_generator.hpp"
 #include "stator/experiment/experiment.hpp"
+#include "stator/plant/axes/stepper_axis.hpp"
+#include "stator/product/device/axis_bench.hpp"
 
 namespace stator::experiment {
 
-/// A TMCM-3315 on the bench, its first axis wired to the motor under test and commanded through its
-/// objects, without a bus. The network counts as operational.
+/// A stepper module on the bench: an axis is wired to the motor under test and commanded through
+/// the module's objects, without a bus. The network counts as operational.
 class ModuleBench {
  public:
+  /// Throws ExperimentError if the setup has no module that can be put there.
   explicit ModuleBench(const BenchSetup& setup);
 
   /// Writes an object as an SDO does, hooks and checks included, and lets the axis obey. Throws
@@ -29,16 +34,16 @@ class ModuleBench {
   void start_move(double revolutions, double speed, double acceleration);
   /// Takes up a speed in revolutions per second, profile velocity mode.
   void turn(double speed, double acceleration);
-  /// Lets one plant step (50 us) pass.
+  /// The order code of the module.
+  [[nodiscard]] const std::string& name() const { return name_; }
+  /// Lets one plant step pass.
   void step();
   void run(double seconds);
 
   [[nodiscard]] double time() const { return (now_ - base::SimTime()).seconds(); }  ///< s
-  [[nodiscard]] static double period();  ///< s of one step
-  [[nodiscard]] const control::RampGenerator& ramp() {
-    return device_.axis(0).axis().motion().ramp();
-  }
-  [[nodiscard]] plant::StepperAxis& plant() { return device_.axis(0).plant(); }
+  [[nodiscard]] double period() const { return bench_->plant_step().seconds(); }    ///< s of a step
+  [[nodiscard]] const control::RampGenerator& ramp() const { return bench_->ramp(); }
+  [[nodiscard]] plant::StepperAxis& plant() { return bench_->plant(); }
   [[nodiscard]] double current_amplitude();  ///< A, of the current vector
   /// Of the set-point, revolutions since power-on.
   [[nodiscard]] double demand_revolutions();
@@ -50,7 +55,11 @@ class ModuleBench {
   void write_bits(std::uint16_t index, std::uint8_t subindex, std::uint64_t bits,
                   std::size_t length);
 
-  devices::Tmcm3315 device_;
+  [[nodiscard]] std::int64_t microsteps(double revolutions) const;
+
+  std::unique_ptr<product::AxisBench> bench_;
+  std::string type_;
+  std::string name_;
   base::SimTime now_;
 };
 

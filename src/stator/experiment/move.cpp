@@ -143,7 +143,7 @@ Result measure_move(const BenchSetup& setup, const Values& values) {
   MeanOverStretch cruising(ramp, ramp + cruise);
   double arrival = std::nan("");
   double peak_speed = 0.0;
-  const auto steps = static_cast<int>((duration + kAfter) / ModuleBench::period());
+  const auto steps = static_cast<int>((duration + kAfter) / bench.period());
   const int every = std::max(1, steps / kSamples);
   for (int n = 0; n <= steps; ++n) {
     const double time = bench.time() - begin;
@@ -182,9 +182,9 @@ Result measure_move(const BenchSetup& setup, const Values& values) {
         mean_load_angle("at constant speed", cruising.value(), load_angle(full_speed_torque)));
   }
   result.remarks.push_back(
-      fmt::format("TMCM-3315, {:.3g} A amplitude (setting {} of {:g} A); J = {:.3g} kg m². "
+      fmt::format("{}, {:.3g} A amplitude (setting {} of {:g} A); J = {:.3g} kg m². "
                   "Deviations of load angles are parts of 90°, where the motor pulls out.",
-                  current, run, setup.full_scale_current, equations.inertia()));
+                  bench.name(), current, run, setup.full_scale_current, equations.inertia()));
   return result;
 }
 

@@ -69,6 +69,7 @@ class LoadedModule {
     pass(kSettling, load);
     return pass(kMeasuring, load);
   }
+  [[nodiscard]] const std::string& name() const { return module_.name(); }
   [[nodiscard]] bool in_step() { return module_.plant().state().motor.speed > 0.5 * speed_; }
 
  private:
@@ -79,7 +80,7 @@ class LoadedModule {
 
   double pass(double seconds, double load) {
     double sum = 0.0;
-    const auto samples = static_cast<int>(std::lround(seconds / ModuleBench::period()));
+    const auto samples = static_cast<int>(std::lround(seconds / module_.period()));
     for (int n = 0; n < samples; ++n) {
       // The damper's flywheel turns with the set-point: its torque is 0 but for oscillations.
       const double flywheel = module_.demand_speed() * base::kTwoPi;
@@ -103,7 +104,8 @@ std::span<const Option> stall_guard_options() {
 
 Result measure_stall_guard(const BenchSetup& setup, const Values& values) {
   const BenchSetup bench{.axis = uncoupled(setup.axis),
-                         .full_scale_current = setup.full_scale_current};
+                         .full_scale_current = setup.full_scale_current,
+                         .module = setup.module};
   const Equations equations(bench.axis);
   const int run = static_cast<int>(values["run"]);
   const int threshold = static_cast<int>(values["threshold"]);
@@ -159,10 +161,10 @@ Result measure_stall_guard(const BenchSetup& setup, const Values& values) {
   measured.values.push_back(std::numeric_limits<double>::quiet_NaN());
   line.values.push_back(expected(pull_out));
   panel.curves = {measured, line};
-  result.remarks.push_back(fmt::format(
-      "TMCM-3315, {:.3g} A amplitude, {:.2f} rev/s, threshold {}: pull-out at {:.3g} N m. "
-      "Deviations are parts of the value without load.",
-      current, speed / base::kTwoPi, threshold, pull_out));
+  result.remarks.push_back(
+      fmt::format("{}, {:.3g} A amplitude, {:.2f} rev/s, threshold {}: pull-out at {:.3g} N m. "
+                  "Deviations are parts of the value without load.",
+                  module.name(), current, speed / base::kTwoPi, threshold, pull_out));
   result.panels = {panel};
   return result;
 }

@@ -146,8 +146,8 @@ Result measure_standby(const BenchSetup& setup, const Values& values) {
   result.panels = {speed, current};
   result.panels.push_back(all_settings(setup, result));
   result.remarks.push_back(
-      fmt::format("TMCM-3315 with {:g} A full scale: run {}, boost {}, standby {} after {:g} s.",
-                  setup.full_scale_current, run, boost, standby, delay));
+      fmt::format("{} with {:g} A full scale: run {}, boost {}, standby {} after {:g} s.",
+                  bench.name(), setup.full_scale_current, run, boost, standby, delay));
   return result;
 }
 

@@ -20,6 +20,7 @@
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/experiment/experiment.hpp"
 #include "stator/product/catalogue/product.hpp"
+#include "stator/product/device/axis_bench.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/settings/words.hpp"
@@ -182,6 +183,17 @@ void change_motor(const std::string& name, experiment::MotorKind kind,
   }
 }
 
+/// The first product that can be put on the bench, whatever its axis; null if there is none.
+std::shared_ptr<const product::Product> module_for_bench() {
+  const experiment::BenchSetup any;
+  for (const auto& product : devices::products().products()) {
+    if (product->axis_bench(any.axis, any.full_scale_current) != nullptr) {
+      return product;
+    }
+  }
+  return nullptr;
+}
+
 experiment::BenchSetup setup_of(const SimulateOptions& options, experiment::MotorKind kind) {
   experiment::BenchSetup setup =
       options.rack_file.empty() ? experiment::BenchSetup{} : setup_from_rack(options, kind);
@@ -202,6 +214,9 @@ experiment::BenchSetup setup_of(const SimulateOptions& options, experiment::Moto
     const double signed_value = against ? -value : value;
     change.target(setup.axis) = signed_value;
     change.servo_target(setup.servo) = signed_value;
+  }
+  if (kind == experiment::MotorKind::two_phase) {
+    setup.module = module_for_bench();
   }
   return setup;
 }

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <set>
@@ -16,10 +15,11 @@
 #include "stator/cli/option_values.hpp"
 #include "stator/cli/simulate/tune_output.hpp"
 #include "stator/devices/catalogue/products.hpp"
-#include "stator/devices/tmc8670/keys.hpp"
-#include "stator/devices/tmc8670/tmc8670.hpp"
 #include "stator/experiment/tuning/tuner.hpp"
 #include "stator/formats/toml/edit.hpp"
+#include "stator/plant/axes/pwm_axis.hpp"
+#include "stator/product/catalogue/product.hpp"
+#include "stator/product/catalogue/tuning.hpp"
 #include "stator/rack/file/rack_file.hpp"
 
 namespace stator::cli {
@@ -27,14 +27,11 @@ namespace stator::cli {
 namespace {
 
 using control::foc::MotorType;
-using devices::Tmc8670Configuration;
 using experiment::tuning::Settings;
 using experiment::tuning::Tuning;
 
-constexpr const char* kProduct = "tmc8670";
-
 struct TuneOptions {
-  std::string target;  ///< a rack file, or the product
+  std::string target;  ///< a rack file, or a product
   std::vector<std::string> changes;
   std::string device;
   std::string motor;
@@ -47,11 +44,26 @@ struct TuneOptions {
 
 /// What is tuned.
 struct Target {
-  Tmc8670Configuration configuration;
+  product::Setup setup;
   std::string name;
-  std::size_t segment = 0;  ///< where it stands in the rack file
+  bool as_delivered = false;  ///< in no rack file
+  std::size_t segment = 0;    ///< where it stands in the rack file
   std::size_t place = 0;
+
+  [[nodiscard]] const product::Tuning& tuning() const { return *setup.product().tuning(); }
+  [[nodiscard]] plant::PwmAxisParameters& axis() { return *setup.axes().front().pwm; }
 };
+
+/// The types of the products that can be tuned.
+std::vector<std::string> tunable_products() {
+  std::vector<std::string> types;
+  for (const auto& product : devices::products().products()) {
+    if (product->tuning() != nullptr) {
+      types.push_back(product->identity().type);
+    }
+  }
+  return types;
+}
 
 Target target_from_rack(const TuneOptions& options) {
   const rack::RackConfiguration rack =
@@ -60,21 +72,22 @@ Target target_from_rack(const TuneOptions& options) {
   for (std::size_t s = 0; s < rack.segments.size(); ++s) {
     const auto& devices = rack.segments[s].devices;
     for (std::size_t d = 0; d < devices.size(); ++d) {
-      const auto* found = devices[d].setup.find<Tmc8670Configuration>();
-      if (found == nullptr) {
+      if (devices[d].setup.product().tuning() == nullptr) {
         continue;
       }
       if (options.device.empty() || devices[d].name == options.device) {
-        return {*found, devices[d].name, s, d};
+        return {.setup = devices[d].setup, .name = devices[d].name, .segment = s, .place = d};
       }
       names.push_back(devices[d].name);
     }
   }
+  const std::vector<std::string> types = tunable_products();
+  const std::string tunable = fmt::format("{}", fmt::join(types, " or "));
   if (names.empty()) {
-    throw Failure(
-        fmt::format("{} has no {}, the one product that can be tuned", options.target, kProduct));
+    throw Failure(fmt::format("{} has no {}, {} that can be tuned", options.target, tunable,
+                              types.size() == 1 ? "the one product" : "the products"));
   }
-  throw Failure(fmt::format("{} has no {} called \"{}\"; it has: {}", options.target, kProduct,
+  throw Failure(fmt::format("{} has no {} called \"{}\"; it has: {}", options.target, tunable,
                             options.device, fmt::join(names, ", ")));
 }
 
@@ -97,9 +110,13 @@ plant::MotorParameters motor_named(const std::string& name) {
 }
 
 Target target_of(const TuneOptions& options) {
-  Target target = options.target == kProduct ? Target{{}, kProduct} : target_from_rack(options);
+  const auto product = devices::products().find(options.target);
+  Target target = product && product->tuning() != nullptr ? Target{.setup = product->defaults(),
+                                                                   .name = product->identity().type,
+                                                                   .as_delivered = true}
+                                                          : target_from_rack(options);
   if (!options.motor.empty()) {
-    target.configuration.axis.motor = motor_named(options.motor);
+    target.axis().motor = motor_named(options.motor);
   }
   return target;
 }
@@ -119,20 +136,17 @@ double rated_current(const plant::MotorParameters& motor) {
 }
 
 /// What is known without measuring: the type plate, the data of the board, the PWM frequency.
-Settings settings_of(const TuneOptions& options, const Target& target) {
+Settings settings_of(const TuneOptions& options, Target& target) {
   Settings settings = options.settings;
-  const plant::PwmAxisParameters& axis = target.configuration.axis;
+  const plant::PwmAxisParameters& axis = target.axis();
   settings.current = options.current.value_or(rated_current(axis.motor));
   settings.motor = std::holds_alternative<plant::StepperMotorParameters>(axis.motor)
                        ? MotorType::two_phase
                        : MotorType::three_phase;
-  settings.board = {.counts_per_ampere = std::fabs(axis.converter.currents[0].gain),
-                    .counts_per_volt = axis.converter.voltage.gain};
-  for (const devices::tmc8670::ObjectValue& object : target.configuration.objects) {
-    if (object.index == 0x2001 && object.subindex == 1) {
-      settings.pwm_maximum = static_cast<std::int32_t>(object.bits);
-    }
-  }
+  const product::TuningBoard board = target.tuning().board(target.setup);
+  settings.board = {.counts_per_ampere = board.counts_per_ampere,
+                    .counts_per_volt = board.counts_per_volt};
+  settings.pwm_maximum = board.pwm_maximum.value_or(settings.pwm_maximum);
   if (!options.encoder_direction.empty()) {
     settings.encoder_reversed = options.encoder_direction == "down";
   }
@@ -143,22 +157,23 @@ Settings settings_of(const TuneOptions& options, const Target& target) {
   return settings;
 }
 
-std::string rack_of_its_own() {
-  return fmt::format("[[segment]]\n\n[[segment.device]]\ntype = \"{}\"\n", kProduct);
+std::string rack_of_its_own(const Target& target) {
+  return fmt::format("[[segment]]\n\n[[segment.device]]\ntype = \"{}\"\n",
+                     target.setup.product().identity().type);
 }
 
 void write_rack(const TuneOptions& options, const Target& target, const Tuning& tuning,
                 const Settings& settings) {
-  const auto tuned = experiment::tuning::objects_of(tuning, settings);
+  const auto tuned = target.tuning().objects_of(experiment::tuning::tuned_drive(tuning, settings));
   std::vector<formats::TomlEntry> objects;
   objects.reserve(tuned.size());
-  for (const auto& [object, meaning] : tuned) {
+  for (const product::TunedObject& object : tuned) {
     objects.push_back({fmt::format("{:04X}:{:02X}", object.index, object.subindex),
-                       std::to_string(static_cast<std::int64_t>(object.bits)), meaning});
+                       std::to_string(object.value), object.meaning});
   }
   std::string text;
-  if (options.target == kProduct) {
-    text = rack_of_its_own();
+  if (target.as_delivered) {
+    text = rack_of_its_own(target);
     if (!options.motor.empty()) {
       text += fmt::format("axis.motor = \"{}\"\n", options.motor);
     }
@@ -167,10 +182,8 @@ void write_rack(const TuneOptions& options, const Target& target, const Tuning& 
   }
   const auto written = formats::with_entries(
       text, options.target, {"segment", target.segment, "device", target.place}, "objects", objects,
-      [](std::string_view left, std::string_view right) {
-        const auto a = devices::tmc8670::object_named(left);
-        const auto b = devices::tmc8670::object_named(right);
-        return a && b && a->index == b->index && a->subindex == b->subindex;
+      [&target](std::string_view left, std::string_view right) {
+        return target.tuning().same_object(left, right);
       });
   if (!written) {
     throw Failure(written.error().text());
@@ -180,11 +193,11 @@ void write_rack(const TuneOptions& options, const Target& target, const Tuning& 
 }
 
 void tune(const TuneOptions& options) {
-  const Target target = target_of(options);
+  Target target = target_of(options);
   const Settings settings = settings_of(options, target);
-  devices::tmc8670::ServoStage stage(target.configuration.axis);
+  const auto stage = target.tuning().stage(target.setup);
   fmt::print("Tuning {} with {:.3g} A\n", target.name, settings.current);
-  const Tuning tuning = experiment::tuning::tune(stage, settings);
+  const Tuning tuning = experiment::tuning::tune(*stage, settings);
   print_tuning(tuning);
   if (!options.plot.empty()) {
     draw_tuning(tuning, options.plot);

@@ -2,6 +2,7 @@
 
 #include "stator/devices/tmc8670/hardware_uart.hpp"
 #include "stator/devices/tmc8670/internal/controllers.hpp"
+#include "stator/devices/tmc8670/internal/tuning.hpp"
 #include "stator/devices/tmc8670/keys.hpp"
 #include "stator/devices/tmc8670/mcu_uart.hpp"
 #include "stator/devices/tmc8670/tmc8670.hpp"
@@ -26,6 +27,10 @@ class Tmc8670Product final : public product::ProductOf<Tmc8670Configuration, Tmc
   [[nodiscard]] std::span<const ethercat::ControllerPreset> controllers() const override {
     return tmc8670::kControllers;
   }
+  [[nodiscard]] const product::Tuning* tuning() const override { return &tuning_; }
+
+ private:
+  tmc8670::Tuning tuning_;
 };
 
 }  // namespace

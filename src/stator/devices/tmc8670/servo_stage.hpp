@@ -5,6 +5,7 @@
 #include "stator/base/sim_time.hpp"
 #include "stator/control/foc/foc_block.hpp"
 #include "stator/plant/axes/pwm_axis.hpp"
+#include "stator/product/catalogue/tuning.hpp"
 
 namespace stator::devices::tmc8670 {
 
@@ -49,6 +50,30 @@ class ServoStage {
   plant::PwmAxis plant_;
   control::foc::Inputs inputs_;
   bool brake_released_ = false;
+};
+
+/// A stage of its own as a tuning tool has it.
+class TunableStage final : public product::TuningStage {
+ public:
+  explicit TunableStage(const plant::PwmAxisParameters& parameters) : stage_(parameters) {}
+
+  [[nodiscard]] std::int32_t get(const control::foc::Field& field) const override {
+    return stage_.block().get(field);
+  }
+  void set(const control::foc::Field& field, std::int64_t value) override {
+    stage_.block().set(field, value);
+  }
+  void write(std::uint8_t address, std::uint32_t value) override {
+    stage_.block().write(address, value);
+  }
+  void step() override { stage_.step(); }
+  void set_enable(bool enable) override { stage_.set_enable(enable); }
+  void set_brake_released(bool released) override { stage_.set_brake_released(released); }
+
+  [[nodiscard]] ServoStage& stage() { return stage_; }
+
+ private:
+  ServoStage stage_;
 };
 
 }  // namespace stator::devices::tmc8670

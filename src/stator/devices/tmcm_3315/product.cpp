@@ -3,10 +3,43 @@
 #include "stator/devices/tmcm_3315/controller.hpp"
 #include "stator/devices/tmcm_3315/keys.hpp"
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"
+#include "stator/product/device/axis_bench.hpp"
 
 namespace stator::devices {
 
 namespace {
+
+/// Its first axis, commanded without a bus.
+class BenchedAxis final : public product::AxisBench {
+ public:
+  BenchedAxis(const plant::StepperAxisParameters& axis, double full_scale_current)
+      : module_(around(axis, full_scale_current)) {
+    module_.axis(0).set_network_operational(true, base::SimTime());
+  }
+
+  [[nodiscard]] const dictionary::Dictionary& dictionary() const override {
+    return module_.dictionary();
+  }
+  void apply(base::SimTime now) override { module_.axis(0).apply(now); }
+  void advance(base::SimTime now) override { module_.advance(now); }
+  [[nodiscard]] base::SimDuration plant_step() const override { return Tmcm3315::kPlantStep; }
+  [[nodiscard]] double microsteps_per_revolution() const override { return 51'200.0; }
+  [[nodiscard]] const control::RampGenerator& ramp() override {
+    return module_.axis(0).axis().motion().ramp();
+  }
+  [[nodiscard]] plant::StepperAxis& plant() override { return module_.axis(0).plant(); }
+
+ private:
+  static Tmcm3315Configuration around(const plant::StepperAxisParameters& axis,
+                                      double full_scale_current) {
+    Tmcm3315Configuration configuration;
+    configuration.axes[0] = axis;
+    configuration.full_scale_current = full_scale_current;
+    return configuration;
+  }
+
+  Tmcm3315 module_;
+};
 
 class Tmcm3315Product final : public product::ProductOf<Tmcm3315Configuration, Tmcm3315> {
  public:
@@ -27,6 +60,10 @@ class Tmcm3315Product final : public product::ProductOf<Tmcm3315Configuration, T
   }
   [[nodiscard]] std::span<const ethercat::ControllerPreset> controllers() const override {
     return {&tmcm_3315::kController, 1};
+  }
+  [[nodiscard]] std::unique_ptr<product::AxisBench> axis_bench(
+      const plant::StepperAxisParameters& axis, double full_scale_current) const override {
+    return std::make_unique<BenchedAxis>(axis, full_scale_current);
   }
 };
 

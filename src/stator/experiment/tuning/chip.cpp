@@ -21,7 +21,7 @@ constexpr std::int32_t kUnknownResolution = 0xFFFFFF;  // the counter then shows
 
 }  // namespace
 
-Chip::Chip(devices::tmc8670::ServoStage& stage, const Settings& settings)
+Chip::Chip(product::TuningStage& stage, const Settings& settings)
     : stage_(&stage),
       settings_(settings),
       ampere_(1.0 / settings.board.counts_per_ampere),
@@ -138,8 +138,8 @@ void Chip::hold_current(std::int64_t flux) {
 }
 
 void Chip::set_voltage(std::int64_t ud, std::int64_t uq) {
-  stage_->block().write(field("UD_EXT").address, control::foc::placed(ud, field("UD_EXT")) |
-                                                     control::foc::placed(uq, field("UQ_EXT")));
+  stage_->write(field("UD_EXT").address, control::foc::placed(ud, field("UD_EXT")) |
+                                             control::foc::placed(uq, field("UQ_EXT")));
 }
 
 Sample Chip::sample() const {

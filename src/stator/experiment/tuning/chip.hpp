@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "stator/control/foc/register_fields.hpp"
-#include "stator/devices/tmc8670/servo_stage.hpp"
 #include "stator/experiment/tuning/settings.hpp"
+#include "stator/product/catalogue/tuning.hpp"
 
 namespace stator::experiment::tuning {
 
@@ -22,12 +22,10 @@ struct Sample {
 /// behind the registers; nothing here looks at the plant.
 class Chip {
  public:
-  Chip(devices::tmc8670::ServoStage& stage, const Settings& settings);
+  Chip(product::TuningStage& stage, const Settings& settings);
 
-  [[nodiscard]] std::int32_t get(const control::foc::Field& f) const {
-    return stage_->block().get(f);
-  }
-  void set(const control::foc::Field& f, std::int64_t value) { stage_->block().set(f, value); }
+  [[nodiscard]] std::int32_t get(const control::foc::Field& f) const { return stage_->get(f); }
+  void set(const control::foc::Field& f, std::int64_t value) { stage_->set(f, value); }
 
   /// One PWM period; follows the encoder.
   void step();
@@ -76,7 +74,7 @@ class Chip {
  private:
   void follow_encoder();
 
-  devices::tmc8670::ServoStage* stage_;
+  product::TuningStage* stage_;
   Settings settings_;
   double ampere_;
   double volt_share_;

@@ -1,7 +1,5 @@
 #include "stator/experiment/tuning/tuner.hpp"
 
-#include <cmath>
-
 #include <fmt/format.h>
 
 namespace stator::experiment::tuning {
@@ -22,7 +20,7 @@ void report_mechanics(const Chip& chip, const Mechanics& mechanics) {
 
 }  // namespace
 
-Tuning tune(devices::tmc8670::ServoStage& stage, const Settings& settings) {
+Tuning tune(product::TuningStage& stage, const Settings& settings) {
   Chip chip(stage, settings);
   Tuning result;
   try {
@@ -55,42 +53,25 @@ Tuning tune(devices::tmc8670::ServoStage& stage, const Settings& settings) {
   return result;
 }
 
-std::vector<TunedObject> objects_of(const Tuning& tuning, const Settings& settings) {
-  constexpr std::int64_t kAbn = 3;
-  constexpr std::int64_t kAbnMechanical = 9;
-  std::vector<TunedObject> objects;
-  const auto add = [&](std::uint16_t index, int subindex, std::int64_t value, std::string meaning) {
-    objects.push_back({{.index = index,
-                        .subindex = static_cast<std::uint8_t>(subindex),
-                        .bits = static_cast<std::uint64_t>(value)},
-                       std::move(meaning)});
-  };
-  const Encoder& encoder = tuning.encoder;
-  const auto& offsets = tuning.winding.offsets;
-  add(0x2000, 1, static_cast<std::int64_t>(settings.motor), "motor type");
-  add(0x2000, 2, encoder.pole_pairs, "pole pairs");
-  add(0x2000, 3, tuning.winding.current_scale, "current scale");
-  add(0x2000, 4, std::lround(offsets[0].value), "current offset 0");
-  add(0x2000, 5, std::lround(offsets[1].value), "current offset 1");
-  add(0x2001, 1, settings.pwm_maximum, "PWM maximum count, which the gains hold for");
-  add(0x2001, 5, 1, "space vectors");
-  add(0x2010, 1, encoder.resolution, "encoder positions per revolution");
-  add(0x2010, 7, encoder.reversed ? 1 : 0, "encoder direction");
-  add(0x2010, 8, std::lround(encoder.offset.value), "encoder electrical offset");
-  add(0x2020, 1, kAbn, "commutation by the encoder");
-  add(0x2020, 2, kAbnMechanical, "velocity of the shaft, rpm");
-  add(0x2020, 3, kAbnMechanical, "position of the shaft");
-  int subindex = 0;  // gains stand in the order of 2030h
-  for (const Gain& gain : tuning.design.gains) {
-    add(0x2030, ++subindex, gain.value, fmt::format("{}, {}", gain.name, gain.format));
+product::TunedDrive tuned_drive(const Tuning& tuning, const Settings& settings) {
+  const LoopDesign& design = tuning.design;
+  product::TunedDrive drive{
+      .motor = settings.motor,
+      .pole_pairs = tuning.encoder.pole_pairs,
+      .current_scale = tuning.winding.current_scale,
+      .current_offsets = {tuning.winding.offsets[0].value, tuning.winding.offsets[1].value},
+      .pwm_maximum = settings.pwm_maximum,
+      .encoder_resolution = tuning.encoder.resolution,
+      .encoder_reversed = tuning.encoder.reversed,
+      .encoder_offset = tuning.encoder.offset.value,
+      .gains = {},
+      .torque_limit = design.torque_limit,
+      .torque_counts = design.torque_limit * settings.board.counts_per_ampere,
+      .velocity_limit = design.velocity_limit};
+  for (const Gain& gain : design.gains) {
+    drive.gains.push_back({.name = gain.name, .format = gain.format, .value = gain.value});
   }
-  add(0x2030, 8, 1, "advanced structure");
-  add(0x2030, 9, 0, "velocity in every PWM period");
-  add(0x2030, 10, 0, "position in every PWM period");
-  add(0x2031, 1, std::lround(tuning.design.torque_limit * settings.board.counts_per_ampere),
-      fmt::format("torque and flux limit, {:.3g} A", tuning.design.torque_limit));
-  add(0x2031, 3, std::lround(tuning.design.velocity_limit), "velocity limit, rpm");
-  return objects;
+  return drive;
 }
 
 }  // namespace stator::experiment::tuning

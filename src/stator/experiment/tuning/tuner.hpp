@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "stator/devices/tmc8670/objects.hpp"
-#include "stator/devices/tmc8670/servo_stage.hpp"
 #include "stator/experiment/result.hpp"
 #include "stator/experiment/tuning/encoder.hpp"
 #include "stator/experiment/tuning/loop_design.hpp"
@@ -15,6 +13,7 @@
 #include "stator/experiment/tuning/tuning_error.hpp"
 #include "stator/experiment/tuning/verification.hpp"
 #include "stator/experiment/tuning/winding.hpp"
+#include "stator/product/catalogue/tuning.hpp"
 
 namespace stator::experiment::tuning {
 
@@ -31,16 +30,10 @@ struct Tuning {
 /// current loops, flux linkage, inertia and friction, gains of the outer loops, proof. Knows of the
 /// motor what the registers of the FOC block tell. Leaves the registers set and the power stage
 /// off. Throws TuningError for what cannot be measured.
-[[nodiscard]] Tuning tune(devices::tmc8670::ServoStage& stage, const Settings& settings);
+[[nodiscard]] Tuning tune(product::TuningStage& stage, const Settings& settings);
 
-/// A tuned value as an object of the device, and what it is.
-struct TunedObject {
-  devices::tmc8670::ObjectValue object;
-  std::string meaning;
-};
-
-/// The objects that hold the result, by index.
-[[nodiscard]] std::vector<TunedObject> objects_of(const Tuning& tuning, const Settings& settings);
+/// What the drive is to be set to, for its product to make objects of.
+[[nodiscard]] product::TunedDrive tuned_drive(const Tuning& tuning, const Settings& settings);
 
 /// Steps with the linear model beside them, for a picture.
 [[nodiscard]] Result step_curves(const Verification& verification);

@@ -1,6 +1,7 @@
 #include "stator/product/catalogue/product.hpp"
 
 #include "stator/ethercat/controller/controller_preset.hpp"
+#include "stator/product/device/axis_bench.hpp"
 
 namespace stator::product {
 
@@ -29,6 +30,11 @@ class OwnProduct final : public Product {
 
 std::span<const ethercat::ControllerPreset> Product::controllers() const {
   return {};
+}
+
+std::unique_ptr<AxisBench> Product::axis_bench(const plant::StepperAxisParameters& /*axis*/,
+                                               double /*full_scale_current*/) const {
+  return nullptr;
 }
 
 std::shared_ptr<const Product> make_product(Identity identity, DeviceMaker maker) {

@@ -19,11 +19,17 @@
 namespace stator::ethercat {
 struct ControllerPreset;
 }
+namespace stator::plant {
+struct StepperAxisParameters;
+}
 namespace stator::tmcl {
 struct ModuleDescription;
 }
 
 namespace stator::product {
+
+class AxisBench;
+class Tuning;
 
 /// A product that can be run: what it is, how one is configured and built, and what a device that
 /// is not built yet has. Constant for those of this project, made at run time for one from a file
@@ -88,6 +94,13 @@ class Product : public std::enable_shared_from_this<Product> {
   /// Its slave controller in each reading of its documents, the default first; nothing: its
   /// registers are not described, or it has none.
   [[nodiscard]] virtual std::span<const ethercat::ControllerPreset> controllers() const;
+
+  /// A module as it leaves its box with one axis wired to what `axis` says, for a test bench;
+  /// `full_scale_current` is that of AxisSetup. Null: it has no axis that can be commanded so.
+  [[nodiscard]] virtual std::unique_ptr<AxisBench> axis_bench(
+      const plant::StepperAxisParameters& axis, double full_scale_current) const;
+  /// How its controllers are tuned; null: they cannot be.
+  [[nodiscard]] virtual const Tuning* tuning() const { return nullptr; }
 
   /// For which programs in TMCL are written, and which its devices' tmcl_firmware() runs; null: it
   /// runs none.
