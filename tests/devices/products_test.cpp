@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "stator/product/catalogue/io_configuration.hpp"
 #include "stator/product/device/can_device.hpp"
 #include "stator/product/device/ethercat_device.hpp"
 
@@ -37,7 +38,7 @@ TEST(Products, SayOfThemselvesWhatIsTrueOfTheirDevices) {
     if (slave != nullptr) {
       EXPECT_EQ(identity.own_firmware, slave->slave_stack() != nullptr);
       EXPECT_EQ(identity.host_port, slave->host_port() != nullptr);
-      EXPECT_EQ(identity.io_block, slave->traced_pins().has_value());
+      EXPECT_EQ(product->io_configuration() != nullptr, slave->traced_pins().has_value());
       EXPECT_EQ(product->has_objects(setup), slave->object_dictionary() != nullptr);
     }
     const std::vector<product::Input> inputs = device->inputs();

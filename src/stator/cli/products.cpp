@@ -12,8 +12,32 @@
 
 namespace stator::cli {
 
+namespace {
+
+bool runs_tmcl(const product::Product& product) {
+  return product.tmcl_module() != nullptr;
+}
+
+}  // namespace
+
 std::shared_ptr<const product::Product> find_product(const std::string& type) {
   return rack::require_product(type, devices::products());
+}
+
+std::vector<std::string> types_of_products(
+    const std::function<bool(const product::Product&)>& is_so) {
+  std::vector<std::string> types;
+  for (const auto& product : devices::products().products()) {
+    if (is_so(*product)) {
+      types.push_back(product->identity().type);
+    }
+  }
+  return types;
+}
+
+std::string first_product(const std::function<bool(const product::Product&)>& is_so) {
+  const std::vector<std::string> types = types_of_products(is_so);
+  return types.empty() ? std::string() : types.front();
 }
 
 std::unique_ptr<product::Device> build_product(const std::string& type) {
@@ -25,17 +49,15 @@ const tmcl::ModuleDescription* find_tmcl_module(const std::string& type) {
   return product != nullptr ? product->tmcl_module() : nullptr;
 }
 
+std::string usual_tmcl_module() {
+  return first_product(runs_tmcl);
+}
+
 const tmcl::ModuleDescription& tmcl_module(const std::string& type) {
   const tmcl::ModuleDescription* module = find_tmcl_module(type);
   if (module == nullptr) {
-    std::vector<std::string> modules;
-    for (const auto& product : devices::products().products()) {
-      if (product->tmcl_module() != nullptr) {
-        modules.push_back(product->identity().type);
-      }
-    }
     throw Failure(fmt::format("\"{}\" runs no programs in TMCL; the device that does is {}", type,
-                              fmt::join(modules, " or ")));
+                              fmt::join(types_of_products(runs_tmcl), " or ")));
   }
   return *module;
 }

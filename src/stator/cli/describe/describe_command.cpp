@@ -20,6 +20,7 @@
 #include "stator/cli/products.hpp"
 #include "stator/dictionary/description.hpp"
 #include "stator/dictionary/quirks.hpp"
+#include "stator/product/catalogue/io_configuration.hpp"
 #include "stator/product/catalogue/product.hpp"
 #include "stator/product/device/can_device.hpp"
 
@@ -191,9 +192,12 @@ void list_quirks(const DescribeOptions& options) {
 }
 
 void list_io_block(const DescribeOptions& options) {
-  if (!find_product(options.device)->identity().io_block) {
-    throw Failure(
-        fmt::format("a {} has no multi-function I/O block; a tmc8461 has one", options.device));
+  const auto has_block = [](const product::Product& product) {
+    return product.io_configuration() != nullptr;
+  };
+  if (!has_block(*find_product(options.device))) {
+    throw Failure(fmt::format("a {} has no multi-function I/O block; a {} has one", options.device,
+                              fmt::join(types_of_products(has_block), " or a ")));
   }
   if (options.mfc) {
     list_mfc_fields(options.format);

@@ -8,10 +8,10 @@
 #include "stator/cli/describe/mfc_listing.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
-#include "stator/devices/tmc8461/mfc_configuration_keys.hpp"
-#include "stator/devices/tmc8461/sii.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
 #include "stator/formats/esi/chip_esi.hpp"
+#include "stator/product/catalogue/io_configuration.hpp"
 #include "stator/rack/file/rack_file_steps.hpp"
 
 namespace stator::cli {
@@ -27,8 +27,18 @@ struct ConfigOptions {
   std::string format = "table";
 };
 
-/// What an EEPROM with this image makes of a TMC8461. Throws Failure if it is none of one.
-devices::tmc8461::MfcConfigurationFile decode(const std::string& path) {
+/// Of the first product with an I/O block. Throws Failure if there is none.
+std::unique_ptr<product::IoConfiguration> new_configuration() {
+  for (const auto& product : devices::products().products()) {
+    if (auto configuration = product->io_configuration()) {
+      return configuration;
+    }
+  }
+  throw Failure("no product has a multi-function I/O block");
+}
+
+/// What an EEPROM with this image makes of the block. Throws Failure if it is none of one.
+std::string decode(const std::string& path) {
   const std::string bytes = read_file(path);
   const auto contents = ethercat::parse_sii_image(std::as_bytes(std::span(bytes)));
   if (!contents) {
@@ -37,47 +47,34 @@ devices::tmc8461::MfcConfigurationFile decode(const std::string& path) {
   if (contents->parameter_ram.empty()) {
     throw Failure(path + ": has no category 1, which holds the configuration of the I/O block");
   }
-  devices::tmc8461::MfcConfigurationFile file;
-  file.configuration = mfc::Configuration(contents->parameter_ram);
-  file.identity.vendor_id = contents->vendor_id;
-  file.identity.product_code = contents->product_code;
-  file.identity.revision = contents->revision;
-  file.identity.serial_number = contents->serial_number;
-  file.identity.name = contents->name;
-  file.identity.order_code = contents->order_code;
-  file.identity.group = contents->group;
-  file.identity.station_alias = contents->station_alias;
-  file.identity.device_emulation = (contents->pdi_control & 0x0100) != 0;
-  file.identity.distributed_clocks = (contents->pdi_control & 0x0C00) != 0;
-  file.identity.sync_pulse_length = contents->sync_pulse_length;
-  file.identity.sii_size_kbit = contents->size_kbit;
-  return file;
+  const auto configuration = new_configuration();
+  configuration->take(*contents);
+  return configuration->text();
 }
 
 void configure(const ConfigOptions& options) {
   if (!options.from_sii.empty()) {
-    write_output(options.output, devices::tmc8461::mfc_configuration_text(decode(options.from_sii)),
-                 false, "a configuration");
+    write_output(options.output, decode(options.from_sii), false, "a configuration");
     return;
   }
   if (options.file.empty()) {
     throw Failure("name a configuration file, or an SII image with --from-sii");
   }
-  devices::tmc8461::MfcConfigurationFile file;
+  const auto configuration = new_configuration();
   rack::read_tree(
       rack::parse_rack_tree(rack::read_rack_text(options.file, "configuration"), options.file),
       options.file, "the configuration",
-      [&](settings::Reader& root) { devices::tmc8461::read_mfc_configuration(root, file); });
-  const auto contents = devices::tmc8461::sii_contents(file.configuration, file.identity);
+      [&](settings::Reader& root) { configuration->read(root); });
+  const auto contents = configuration->sii_contents();
   const auto image = ethercat::compose_sii_image(contents);
   if (!options.sii.empty()) {
     write_file(options.sii,
                std::string_view(reinterpret_cast<const char*>(image.data()), image.size()));
   }
   if (!options.esi.empty()) {
-    write_file(options.esi, formats::chip_esi_xml(contents, file.identity.vendor_name, image));
+    write_file(options.esi, formats::chip_esi_xml(contents, configuration->vendor_name(), image));
   }
-  print_mfc_map(file.configuration, options.format);
+  print_mfc_map(configuration->block(), options.format);
 }
 
 }  // namespace

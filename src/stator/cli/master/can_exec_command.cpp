@@ -13,6 +13,7 @@
 
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
+#include "stator/cli/products.hpp"
 #include "stator/link/can/can_exec_protocol.hpp"
 
 namespace stator::cli {
@@ -49,6 +50,13 @@ std::string find_library(const std::string& given) {
                   places.front().string()));
 }
 
+/// One to show in an example.
+std::string product_on_can() {
+  return first_product([](const product::Product& product) {
+    return product.identity().network == product::NetworkKind::bus;
+  });
+}
+
 /// "NAME", or "NAME=AS" where the program wants another name; as kBusesVariable has it.
 std::string to_entry(const std::string& bus) {
   const std::size_t equals = bus.find('=');
@@ -60,8 +68,8 @@ std::string to_entry(const std::string& bus) {
     throw Failure(
         fmt::format("no bus \"{0}\" runs; start it first, with the port "
                     "\"can-exec:{0}\" and as the same user: stator run --device "
-                    "tmcc160 --port can-exec:{0}",
-                    name));
+                    "{1} --port can-exec:{0}",
+                    name, product_on_can()));
   }
   return as + "=" + path;
 }
@@ -76,8 +84,9 @@ std::vector<std::string> running_buses() {
   std::ranges::sort(names);
   if (names.empty()) {
     throw Failure(
-        "no bus runs; start one first, as the same user: stator run --device tmcc160 --port "
-        "can-exec:can0");
+        fmt::format("no bus runs; start one first, as the same user: stator run --device {} --port "
+                    "can-exec:can0",
+                    product_on_can()));
   }
   return names;
 }

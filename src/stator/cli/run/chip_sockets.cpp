@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "stator/cli/failure.hpp"
+#include "stator/cli/products.hpp"
 #include "stator/product/catalogue/product.hpp"
 
 namespace stator::cli {
@@ -14,11 +15,14 @@ void connect_chip(const std::string& link, rack::RackConfiguration& configuratio
   auto& devices = configuration.segments.empty() ? configuration.buses.front().devices
                                                  : configuration.segments.front().devices;
   rack::DeviceConfiguration& device = devices.front();
-  if (!device.setup.product().identity().host_port) {
+  const auto has_pins = [](const product::Product& product) {
+    return product.identity().host_port;
+  };
+  if (!has_pins(device.setup.product())) {
     throw Failure(fmt::format(
         "--spi {}: a {} has its own firmware and no pins for one of yours; --spi belongs "
-        "to a chip, e.g. --device tmc8461",
-        link, device.setup.product().identity().type));
+        "to a chip, e.g. --device {}",
+        link, device.setup.product().identity().type, first_product(has_pins)));
   }
   if (devices.size() > 1) {
     throw Failure(

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -16,6 +17,7 @@
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
 #include "stator/plant/axes/stepper_axis.hpp"
+#include "stator/product/catalogue/product.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/observe/plot.hpp"
 
@@ -43,10 +45,24 @@ constexpr std::array<DemoMove, 3> kMoves{{
     {7.5, 4.0, 20.0, "#2a9d5c"},
 }};
 
+/// The first product on EtherCAT with a stepper axis for every move.
+std::shared_ptr<const product::Product> demo_product() {
+  for (const auto& product : devices::products().products()) {
+    product::Setup setup = product->defaults();
+    const std::vector<product::AxisSetup> axes = setup.axes();
+    if (product->identity().network == product::NetworkKind::segment &&
+        axes.size() >= kMoves.size() &&
+        std::ranges::all_of(axes, [](const auto& axis) { return axis.stepper != nullptr; })) {
+      return product;
+    }
+  }
+  throw Failure(fmt::format("no product on EtherCAT has {} stepper axes", kMoves.size()));
+}
+
 /// The demonstration's rack: one module whose axes carry different loads.
-rack::RackConfiguration demo_rack(const std::string& csv) {
+rack::RackConfiguration demo_rack(const product::Product& product, const std::string& csv) {
   rack::RackConfiguration configuration =
-      rack::single_device_rack("tmcm-3315", devices::products());
+      rack::single_device_rack(product.identity().type, devices::products());
   rack::DeviceConfiguration& device = configuration.segments.front().devices.front();
   const std::vector<product::AxisSetup> axes = device.setup.axes();
   axes.at(1).stepper->load.inertia = 3e-5;
@@ -57,19 +73,23 @@ rack::RackConfiguration demo_rack(const std::string& csv) {
   return configuration;
 }
 
-/// Looks signals up by name; the rack must outlive it.
+/// Looks signals of a device's axes up by name; the rack must outlive it.
 class SignalTable {
  public:
-  explicit SignalTable(rack::Rack& rack) : signals_(rack.signals()) {}
+  SignalTable(rack::Rack& rack, std::string device)
+      : signals_(rack.signals()), device_(std::move(device)) {}
 
-  [[nodiscard]] double read(const std::string& name) const { return find(name).read(); }
+  [[nodiscard]] double read(std::size_t axis, std::string_view name) const {
+    return find(axis, name).read();
+  }
   /// Column in a recording of all signals, 1 = time.
-  [[nodiscard]] int column(const std::string& name) const {
-    return static_cast<int>(&find(name) - signals_.data()) + 2;
+  [[nodiscard]] int column(std::size_t axis, std::string_view name) const {
+    return static_cast<int>(&find(axis, name) - signals_.data()) + 2;
   }
 
  private:
-  [[nodiscard]] const product::Signal& find(const std::string& name) const {
+  [[nodiscard]] const product::Signal& find(std::size_t axis, std::string_view of_axis) const {
+    const std::string name = fmt::format("{}.axis{}.{}", device_, axis, of_axis);
     const auto found = std::ranges::find(signals_, name, &product::Signal::name);
     if (found == signals_.end()) {
       throw Failure(fmt::format("the rack has no signal {}", name));
@@ -78,11 +98,8 @@ class SignalTable {
   }
 
   std::vector<product::Signal> signals_;
+  std::string device_;
 };
-
-std::string axis_signal(std::size_t axis, std::string_view name) {
-  return fmt::format("tmcm-3315.axis{}.{}", axis, name);
-}
 
 struct AxisOutcome {
   double peak_following_error = 0.0;  ///< microsteps, demand against shaft
@@ -92,11 +109,11 @@ struct AxisOutcome {
 };
 
 void observe(const SignalTable& signals, std::size_t axis, AxisOutcome& outcome) {
-  const double demand = signals.read(axis_signal(axis, "position_demand"));
-  const double shaft = signals.read(axis_signal(axis, "shaft_position")) * kMicrostepsPerRevolution;
+  const double demand = signals.read(axis, "position_demand");
+  const double shaft = signals.read(axis, "shaft_position") * kMicrostepsPerRevolution;
   outcome.peak_following_error = std::max(outcome.peak_following_error, std::abs(demand - shaft));
   outcome.peak_velocity =
-      std::max(outcome.peak_velocity, std::abs(signals.read(axis_signal(axis, "shaft_speed"))));
+      std::max(outcome.peak_velocity, std::abs(signals.read(axis, "shaft_speed")));
 }
 
 void start(master::Cia402Client& axis, const DemoMove& move) {
@@ -113,17 +130,17 @@ void start(master::Cia402Client& axis, const DemoMove& move) {
 }
 
 /// `start` is the moment at which axis 0 was told to move.
-rack::Plot picture(const std::string& csv, std::uint64_t rows, const SignalTable& signals,
-                   base::SimTime start) {
-  rack::Plot plot{.title = "TMCM-3315: three axes in profile position mode",
+rack::Plot picture(const product::Product& product, const std::string& csv, std::uint64_t rows,
+                   const SignalTable& signals, base::SimTime start) {
+  rack::Plot plot{.title = product.identity().name() + ": three axes in profile position mode",
                   .csv_path = csv,
                   .rows = rows,
                   .panels = {}};
   const auto panel = [&](const std::string& label, std::string_view signal, double scale) {
     rack::PlotPanel result{.label = label, .curves = {}, .window = {}};
     for (std::size_t axis = 0; axis < kMoves.size(); ++axis) {
-      result.curves.push_back({signals.column(axis_signal(axis, signal)), scale,
-                               fmt::format("axis {}", axis), std::string(kMoves[axis].colour)});
+      result.curves.push_back({signals.column(axis, signal), scale, fmt::format("axis {}", axis),
+                               std::string(kMoves[axis].colour)});
     }
     return result;
   };
@@ -131,10 +148,8 @@ rack::Plot picture(const std::string& csv, std::uint64_t rows, const SignalTable
   plot.panels.push_back(panel("speed / rev/s", "shaft_speed", 1.0));
   plot.panels.push_back(panel("follow. error / µstep", "following_error", 1.0));
   rack::PlotPanel currents{.label = "coils, axis 0 / A", .curves = {}, .window = {}};
-  currents.curves.push_back(
-      {signals.column(axis_signal(0, "coil_current_a")), 1.0, "phase A", "#1f77b4"});
-  currents.curves.push_back(
-      {signals.column(axis_signal(0, "coil_current_b")), 1.0, "phase B", "#e08e0b"});
+  currents.curves.push_back({signals.column(0, "coil_current_a"), 1.0, "phase A", "#1f77b4"});
+  currents.curves.push_back({signals.column(0, "coil_current_b"), 1.0, "phase B", "#e08e0b"});
   rack::PlotPanel first_steps = currents;
   first_steps.label = "first 150 ms / A";
   first_steps.window = std::pair(start.seconds() - 0.01, start.seconds() + 0.14);
@@ -151,10 +166,11 @@ class Demo {
  public:
   explicit Demo(const std::string& directory)
       : csv_((std::filesystem::path(directory) / "motion.csv").string()),
+        product_(demo_product()),
         log_(make_logger()),
-        configuration_(demo_rack(csv_)),
+        configuration_(demo_rack(*product_, csv_)),
         rack_(configuration_, log_),
-        signals_(rack_),
+        signals_(rack_, configuration_.segments.front().devices.front().name),
         port_(rack_, 0, configuration_.cycle, configuration_.step,
               capture((std::filesystem::path(directory) / "bus.pcap").string())),
         master_(port_) {}
@@ -232,7 +248,7 @@ class Demo {
     if (const auto missing = rack_.outputs().finish(); !missing.empty()) {
       throw Failure(missing.front());
     }
-    return picture(csv_, rack_.recorder()->rows(), signals_, start_[0]);
+    return picture(*product_, csv_, rack_.recorder()->rows(), signals_, start_[0]);
   }
 
  private:
@@ -245,6 +261,7 @@ class Demo {
   }
 
   std::string csv_;
+  std::shared_ptr<const product::Product> product_;
   rack::EventLog log_;
   rack::RackConfiguration configuration_;
   rack::Rack rack_;

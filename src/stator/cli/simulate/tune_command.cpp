@@ -13,6 +13,7 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
 #include "stator/cli/option_values.hpp"
+#include "stator/cli/products.hpp"
 #include "stator/cli/simulate/tune_output.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/experiment/tuning/tuner.hpp"
@@ -54,17 +55,6 @@ struct Target {
   [[nodiscard]] plant::PwmAxisParameters& axis() { return *setup.axes().front().pwm; }
 };
 
-/// The types of the products that can be tuned.
-std::vector<std::string> tunable_products() {
-  std::vector<std::string> types;
-  for (const auto& product : devices::products().products()) {
-    if (product->tuning() != nullptr) {
-      types.push_back(product->identity().type);
-    }
-  }
-  return types;
-}
-
 Target target_from_rack(const TuneOptions& options) {
   const rack::RackConfiguration rack =
       rack::load_rack_file(options.target, devices::products(), options.changes);
@@ -81,7 +71,8 @@ Target target_from_rack(const TuneOptions& options) {
       names.push_back(devices[d].name);
     }
   }
-  const std::vector<std::string> types = tunable_products();
+  const std::vector<std::string> types =
+      types_of_products([](const auto& product) { return product.tuning() != nullptr; });
   const std::string tunable = fmt::format("{}", fmt::join(types, " or "));
   if (names.empty()) {
     throw Failure(fmt::format("{} has no {}, {} that can be tuned", options.target, tunable,

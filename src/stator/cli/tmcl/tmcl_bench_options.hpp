@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "stator/base/event.hpp"
+#include "stator/cli/products.hpp"
 #include "stator/tmcl/module/module_description.hpp"
 #include "stator/tmcl_tools/tmcl_bench.hpp"
 
@@ -17,7 +18,7 @@ namespace stator::cli {
 /// What the commands have in common that run a program on a module of their own.
 struct TmclBenchOptions {
   std::string program;
-  std::string device = "tmcm-142";
+  std::string device = usual_tmcl_module();
   std::string rack_file;
   std::vector<std::string> changes;
   std::string rack_device;

@@ -23,7 +23,7 @@ namespace {
 struct TmclOptions {
   std::string file;
   std::string output;
-  std::string device = "tmcm-142";
+  std::string device = usual_tmcl_module();
 };
 
 struct AssembleOptions : TmclOptions {

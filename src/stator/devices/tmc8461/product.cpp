@@ -2,7 +2,10 @@
 
 #include "stator/devices/tmc8461/controller.hpp"
 #include "stator/devices/tmc8461/keys.hpp"
+#include "stator/devices/tmc8461/mfc_configuration_keys.hpp"
+#include "stator/devices/tmc8461/sii.hpp"
 #include "stator/devices/tmc8461/tmc8461.hpp"
+#include "stator/product/catalogue/io_configuration.hpp"
 
 namespace stator::devices {
 
@@ -14,6 +17,38 @@ bool emulates(const Tmc8461Configuration& chip) {
   return chip.device_emulation ||
          (chip.sii.size() > 1 && (chip.sii[1] & kEmulation) != std::byte{0});
 }
+
+class BlockConfiguration final : public product::IoConfiguration {
+ public:
+  void read(settings::Reader& root) override { tmc8461::read_mfc_configuration(root, file_); }
+  void take(const ethercat::SiiContents& contents) override {
+    file_.configuration = mfc::Configuration(contents.parameter_ram);
+    file_.identity.vendor_id = contents.vendor_id;
+    file_.identity.product_code = contents.product_code;
+    file_.identity.revision = contents.revision;
+    file_.identity.serial_number = contents.serial_number;
+    file_.identity.name = contents.name;
+    file_.identity.order_code = contents.order_code;
+    file_.identity.group = contents.group;
+    file_.identity.station_alias = contents.station_alias;
+    file_.identity.device_emulation = (contents.pdi_control & 0x0100) != 0;
+    file_.identity.distributed_clocks = (contents.pdi_control & 0x0C00) != 0;
+    file_.identity.sync_pulse_length = contents.sync_pulse_length;
+    file_.identity.sii_size_kbit = contents.size_kbit;
+  }
+
+  [[nodiscard]] std::string text() const override { return tmc8461::mfc_configuration_text(file_); }
+  [[nodiscard]] ethercat::SiiContents sii_contents() const override {
+    return tmc8461::sii_contents(file_.configuration, file_.identity);
+  }
+  [[nodiscard]] const std::string& vendor_name() const override {
+    return file_.identity.vendor_name;
+  }
+  [[nodiscard]] const mfc::Configuration& block() const override { return file_.configuration; }
+
+ private:
+  tmc8461::MfcConfigurationFile file_;
+};
 
 class Tmc8461Product final : public product::ProductOf<Tmc8461Configuration, Tmc8461> {
  public:
@@ -28,6 +63,9 @@ class Tmc8461Product final : public product::ProductOf<Tmc8461Configuration, Tmc
   [[nodiscard]] std::span<const ethercat::ControllerPreset> controllers() const override {
     return {&tmc8461::kController, 1};
   }
+  [[nodiscard]] std::unique_ptr<product::IoConfiguration> io_configuration() const override {
+    return std::make_unique<BlockConfiguration>();
+  }
 };
 
 }  // namespace
@@ -40,8 +78,7 @@ std::shared_ptr<const product::Product> tmc8461_product() {
                         .network = product::NetworkKind::segment,
                         .ports = 2,
                         .own_firmware = false,
-                        .host_port = true,
-                        .io_block = true},
+                        .host_port = true},
       &kTmc8461Keys);
 }
 

@@ -38,7 +38,6 @@ struct Identity {
   std::vector<SerialInterface> serial_interfaces{};
   bool own_firmware = true;  ///< false: what runs beside it, or nobody, is its firmware
   bool host_port = false;    ///< it has pins for a firmware of the user's
-  bool io_block = false;     ///< it has a multi-function I/O block (MFC)
 
   /// The order code in capitals, for people and files, e.g. "TMCM-3315".
   [[nodiscard]] std::string name() const;

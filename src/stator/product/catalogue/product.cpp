@@ -1,6 +1,7 @@
 #include "stator/product/catalogue/product.hpp"
 
 #include "stator/ethercat/controller/controller_preset.hpp"
+#include "stator/product/catalogue/io_configuration.hpp"
 #include "stator/product/device/axis_bench.hpp"
 
 namespace stator::product {
@@ -30,6 +31,10 @@ class OwnProduct final : public Product {
 
 std::span<const ethercat::ControllerPreset> Product::controllers() const {
   return {};
+}
+
+std::unique_ptr<IoConfiguration> Product::io_configuration() const {
+  return nullptr;
 }
 
 std::unique_ptr<AxisBench> Product::axis_bench(const plant::StepperAxisParameters& /*axis*/,

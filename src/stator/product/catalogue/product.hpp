@@ -29,6 +29,7 @@ struct ModuleDescription;
 namespace stator::product {
 
 class AxisBench;
+class IoConfiguration;
 class Tuning;
 
 /// A product that can be run: what it is, how one is configured and built, and what a device that
@@ -94,6 +95,10 @@ class Product : public std::enable_shared_from_this<Product> {
   /// Its slave controller in each reading of its documents, the default first; nothing: its
   /// registers are not described, or it has none.
   [[nodiscard]] virtual std::span<const ethercat::ControllerPreset> controllers() const;
+
+  /// Of its multi-function I/O block (MFC), as an EEPROM leaves it that says nothing of it; null:
+  /// it has no such block.
+  [[nodiscard]] virtual std::unique_ptr<IoConfiguration> io_configuration() const;
 
   /// A module as it leaves its box with one axis wired to what `axis` says, for a test bench;
   /// `full_scale_current` is that of AxisSetup. Null: it has no axis that can be commanded so.
