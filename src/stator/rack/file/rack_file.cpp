@@ -2,15 +2,18 @@
 
 #include <array>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "stator/formats/toml/toml.hpp"
 #include "stator/link/ethernet/link_address.hpp"
 #include "stator/link/serial/chip_server.hpp"
 #include "stator/product/catalogue/catalogue.hpp"
+#include "stator/product/catalogue/product.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/wiring.hpp"
 #include "stator/rack/file/bus_section.hpp"
@@ -33,8 +36,21 @@ namespace {
 constexpr base::SimDuration kLongestPeriod(3'600'000'000'000);
 using namespace base::literals;
 
+/// The types of the products for which `is_so` holds.
+template <typename Predicate>
+std::vector<std::string> types_of_products(const product::Catalogue& catalogue, Predicate is_so) {
+  std::vector<std::string> types;
+  for (const auto& product : catalogue.products()) {
+    if (is_so(*product)) {
+      types.push_back(product->identity().type);
+    }
+  }
+  return types;
+}
+
 /// Switches Ethernet over EtherCAT on, bridged to a TAP interface.
-void read_eoe(TableReader& section, DeviceConfiguration& device) {
+void read_eoe(TableReader& section, const product::Catalogue& catalogue,
+              DeviceConfiguration& device) {
   const std::optional<std::string> eoe = section.text(
       {"eoe", "tap:NAME: switches Ethernet over EtherCAT on and bridges it to that TAP interface"});
   if (!eoe) {
@@ -49,14 +65,22 @@ void read_eoe(TableReader& section, DeviceConfiguration& device) {
   if (product::CoeOptions* const coe = device.setup.coe(); coe != nullptr) {
     coe->ethernet_over_ethercat = true;
   } else {
-    section.refuse("eoe",
-                   "this chip has no firmware of its own whose mailbox could carry Ethernet; "
-                   "firmware at its pins may offer EoE itself, or run a tmcm-3315 or tmc8670");
+    const auto with_coe = types_of_products(catalogue, [](const product::Product& product) {
+      const product::Setup setup = product.defaults();
+      return setup.coe() != nullptr;
+    });
+    section.refuse(
+        "eoe",
+        "this chip has no firmware of its own whose mailbox could carry Ethernet; "
+        "firmware at its pins may offer EoE itself" +
+            (with_coe.empty() ? std::string()
+                              : fmt::format(", or run a {}", fmt::join(with_coe, " or "))));
   }
 }
 
 /// The socket for the firmware beside a chip.
-void read_host_link(TableReader& section, DeviceConfiguration& device) {
+void read_host_link(TableReader& section, const product::Catalogue& catalogue,
+                    DeviceConfiguration& device) {
   const std::optional<std::string> text = section.text(
       {"spi", "unix:PATH or tcp:[ADDRESS:]PORT: socket for the firmware beside a chip"});
   if (!text) {
@@ -64,9 +88,11 @@ void read_host_link(TableReader& section, DeviceConfiguration& device) {
   }
   device.host_link = *text;
   if (!device.setup.product().identity().host_port) {
+    const auto chips = types_of_products(
+        catalogue, [](const product::Product& product) { return product.identity().host_port; });
     section.refuse("spi",
-                   "this product has no pins for a firmware of yours; \"spi\" belongs "
-                   "to a chip, e.g. a tmc8461");
+                   "this product has no pins for a firmware of yours; \"spi\" belongs to a chip" +
+                       (chips.empty() ? std::string() : ", e.g. a " + chips.front()));
   } else if (const auto checked = link::check_chip_link(*text); !checked) {
     section.refuse("spi", checked.error().text);
   } else {
@@ -77,8 +103,8 @@ void read_host_link(TableReader& section, DeviceConfiguration& device) {
 void read_segment_device(TableReader& section, DeviceReading& reading,
                          std::vector<DeviceConfiguration>& devices) {
   read_device(section, reading, NetworkKind::segment, [&](DeviceConfiguration device) {
-    read_eoe(section, device);
-    read_host_link(section, device);
+    read_eoe(section, reading.catalogue, device);
+    read_host_link(section, reading.catalogue, device);
     section.attempt([&] { read_wiring(section, devices, device); });
     section.finish();
     if (!section.describes()) {
