@@ -2,6 +2,7 @@
 
 #include "stator/drive/motion/axis_objects.hpp"
 
+#include <array>
 #include <stdexcept>
 #include <vector>
 
@@ -58,6 +59,8 @@ TEST(IntegerObjects, ThatADictionaryLacksAreNamedAtOnceOrReadAsZero) {
   const IntegerObject optional = IntegerObject::optional(bench.dictionary, 0x6082);
   EXPECT_FALSE(optional.exists());
   EXPECT_EQ(optional.get(), 0);
+  optional.set(5);
+  EXPECT_EQ(optional.get(), 0);
 }
 
 TEST(AxisObjectsOfCia402, AreHigherBy800hForTheSecondAxis) {
@@ -68,6 +71,14 @@ TEST(AxisObjectsOfCia402, AreHigherBy800hForTheSecondAxis) {
   EXPECT_EQ(second.dictionary.find(0x6864, 0)->signed_value(), -123);
   objects.torque_actual.set(45);
   EXPECT_EQ(second.dictionary.find(0x6877, 0)->signed_value(), 45);
+}
+
+TEST(AxisObjectsOfCia402, OfTorqueNeedNotBeThere) {
+  const FocBench bench;
+  for (const std::uint16_t torque : std::to_array<std::uint16_t>({0x6071, 0x6077, 0x60B2})) {
+    const Objects without(bench, 0, torque);
+    EXPECT_NO_THROW(AxisObjects(without.dictionary, 0)) << std::hex << torque;
+  }
 }
 
 TEST(AxisObjectsOfCia402, ThatAFocAxisShowsAreHigherBy800hForTheSecondAxisToo) {

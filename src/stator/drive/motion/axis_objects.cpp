@@ -26,7 +26,9 @@ IntegerObject IntegerObject::optional(const dictionary::Dictionary& dictionary,
 }
 
 void IntegerObject::set(std::int64_t value) const {
-  entry_->set_value(static_cast<std::uint64_t>(std::clamp(value, minimum_, maximum_)));
+  if (exists()) {
+    entry_->set_value(static_cast<std::uint64_t>(std::clamp(value, minimum_, maximum_)));
+  }
 }
 
 AxisObjects::AxisObjects(const dictionary::Dictionary& dictionary, std::uint16_t index_offset) {
@@ -66,8 +68,8 @@ AxisObjects::AxisObjects(const dictionary::Dictionary& dictionary, std::uint16_t
   bind_optional(sensor_selection, 0x606A);
   bind_optional(velocity_demand, 0x606B);
   bind(velocity_actual, 0x606C);
-  target_torque = integer(0x6071);
-  torque_actual = integer(0x6077);
+  target_torque = optional_integer(0x6071);
+  torque_actual = optional_integer(0x6077);
   bind(target_position, 0x607A);
   bind(home_offset, 0x607C);
   bind(minimum_position, 0x607D, 1);
@@ -89,7 +91,7 @@ AxisObjects::AxisObjects(const dictionary::Dictionary& dictionary, std::uint16_t
   }
   bind_optional(position_offset, 0x60B0);
   bind_optional(velocity_offset, 0x60B1);
-  torque_offset = integer(0x60B2);
+  torque_offset = optional_integer(0x60B2);
   bind_optional(interpolation_value, 0x60C2, 1);
   bind_optional(interpolation_index, 0x60C2, 2);
   bind_optional(positioning_option, 0x60F2);

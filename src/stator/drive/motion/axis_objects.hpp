@@ -19,7 +19,8 @@ class IntegerObject {
   static IntegerObject optional(const dictionary::Dictionary& dictionary, std::uint16_t index);
   [[nodiscard]] bool exists() const { return entry_ != nullptr; }
   [[nodiscard]] std::int64_t get() const { return exists() ? entry_->signed_value() : 0; }
-  /// Stores `value`, saturated to what the object's type holds (up to 32 bits); the object exists.
+  /// Stores `value`, saturated to what the object's type holds (up to 32 bits); nothing happens
+  /// where it is missing.
   void set(std::int64_t value) const;
 
  private:
@@ -51,7 +52,8 @@ class OptionalVariable {
 };
 
 /// The objects of CiA 402 that one axis works with, bound once. Index offset: 0 for the first axis,
-/// 800h for the second and so on (CiA 402-1). Optional ones read as 0 where a product lacks them.
+/// 800h for the second and so on (CiA 402-1). Every product declares those that are not optional;
+/// optional ones read as 0 where a product lacks them.
 struct AxisObjects {
   AxisObjects(const dictionary::Dictionary& dictionary, std::uint16_t index_offset);
 
@@ -74,8 +76,8 @@ struct AxisObjects {
   OptionalVariable<std::int16_t> sensor_selection;       // 606Ah, 0 = encoder
   OptionalVariable<std::int32_t> velocity_demand;        // 606Bh
   dictionary::Variable<std::int32_t> velocity_actual;    // 606Ch
-  IntegerObject target_torque;                           // 6071h, mA
-  IntegerObject torque_actual;                           // 6077h, mA
+  IntegerObject target_torque;                           // 6071h, optional, mA
+  IntegerObject torque_actual;                           // 6077h, optional, mA
   dictionary::Variable<std::int32_t> target_position;    // 607Ah
   dictionary::Variable<std::int32_t> home_offset;        // 607Ch
   dictionary::Variable<std::int32_t> minimum_position;   // 607Dh:01
@@ -95,7 +97,7 @@ struct AxisObjects {
   std::array<OptionalVariable<std::uint32_t>, 4> jerk;          // 60A4h:01 to 04
   OptionalVariable<std::int32_t> position_offset;               // 60B0h
   OptionalVariable<std::int32_t> velocity_offset;               // 60B1h
-  IntegerObject torque_offset;                                  // 60B2h, as 6071h
+  IntegerObject torque_offset;                                  // 60B2h, optional, as 6071h
   OptionalVariable<std::uint8_t> interpolation_value;           // 60C2h:01
   OptionalVariable<std::int8_t> interpolation_index;            // 60C2h:02
   OptionalVariable<std::uint16_t> positioning_option;           // 60F2h
