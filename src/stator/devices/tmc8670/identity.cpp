@@ -4,6 +4,7 @@
 
 #include "stator/devices/tmc8670/axis_unit.hpp"
 #include "stator/devices/tmc8670/internal/controllers.hpp"
+#include "stator/product/shell/coe_stack.hpp"
 
 namespace stator::devices::tmc8670 {
 
@@ -63,13 +64,10 @@ ethercat::DeviceDescription describe(const Tmc8670Configuration& configuration) 
 
 ethercat::SlaveStackOptions stack_options(const Tmc8670Configuration& configuration,
                                           ethercat::FileStore& files) {
-  ethercat::SlaveStackOptions options;
-  options.emergencies = configuration.coe.emergencies;
-  options.require_outputs = configuration.coe.require_outputs;
-  options.device_identification = configuration.coe.identification;
+  ethercat::SlaveStackOptions options =
+      product::coe_stack_options(configuration.coe, configuration.quirks);
   options.files = &files;
-  options.quirks = configuration.quirks;
-  options.foe = {.bootstrap_only = true, .erase_time = configuration.coe.firmware_erase_time};
+  options.foe.bootstrap_only = true;
   options.process_memory_end = kProcessMemoryEnd;
   options.distributed_clocks.sync0 = true;
   options.distributed_clocks.shortest_cycle = kShortestCycle;

@@ -7,7 +7,7 @@
 #include "stator/devices/tmc8670/identity.hpp"
 #include "stator/devices/tmc8670/internal/firmware_version.hpp"
 #include "stator/devices/tmc8670/parameter_groups.hpp"
-#include "stator/ethercat/sii/sii_image.hpp"
+#include "stator/product/shell/coe_stack.hpp"
 
 namespace stator::devices {
 
@@ -70,9 +70,8 @@ Tmc8670::Tmc8670(const Tmc8670Configuration& configuration, base::EventReporter 
   stack_.set_write_completion(&storage_);
   dictionary_.on_read(0x100A, 0, dictionary::Entry::ReadHook::bind<&Tmc8670::show_version>(*this));
   controller_.set_event_reporter(reporter);
-  controller_.load_sii(ethercat::build_sii_image(
-      ethercat::with_quirks(description_, configuration.quirks), dictionary_,
-      {.device_identification = configuration.coe.identification.has_value()}));
+  controller_.load_sii(
+      product::coe_sii_image(description_, dictionary_, configuration.coe, configuration.quirks));
 }
 
 void Tmc8670::show_version(dictionary::Entry& entry) {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "stator/devices/tmcm_3315/controller.hpp"
-#include "stator/ethercat/sii/sii_image.hpp"
+#include "stator/product/shell/coe_stack.hpp"
 
 namespace stator::devices {
 
@@ -73,13 +73,10 @@ ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration)
 
 ethercat::SlaveStackOptions stack_options(const Tmcm3315Configuration& configuration,
                                           ethercat::FileStore& files) {
-  ethercat::SlaveStackOptions options;
-  options.emergencies = configuration.coe.emergencies;
-  options.require_outputs = configuration.coe.require_outputs;
-  options.device_identification = configuration.coe.identification;
+  ethercat::SlaveStackOptions options =
+      product::coe_stack_options(configuration.coe, configuration.quirks);
   options.files = &files;
-  options.quirks = configuration.quirks;
-  options.foe = {.bootstrap_only = true, .erase_time = configuration.coe.firmware_erase_time};
+  options.foe.bootstrap_only = true;
   options.process_memory_end = kProcessMemoryEnd;
   options.distributed_clocks.sync0 = true;
   options.distributed_clocks.shortest_cycle = kShortestCycle;
@@ -116,9 +113,8 @@ Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReport
   dictionary_.set_drive_state_query(Query::bind<&Tmcm3315::drive_state>(*this));
   set_identity(configuration);
   controller_.set_event_reporter(reporter);
-  controller_.load_sii(ethercat::build_sii_image(
-      ethercat::with_quirks(description_, configuration.quirks), dictionary_,
-      {.device_identification = configuration.coe.identification.has_value()}));
+  controller_.load_sii(
+      product::coe_sii_image(description_, dictionary_, configuration.coe, configuration.quirks));
   feed_brakes();
 }
 
