@@ -157,6 +157,7 @@ constexpr std::array kChipRows = settings::rows(
         settings::boolean<&Tmc8670Configuration::host_controls_time>(
             "host_controls_time", "0910h to 0935h are the host's to write, not the master's"),
         settings::keys<product::kCoeKeys, &Tmc8670Configuration::coe>(),
+        settings::keys<product::kFirmwareDownloadKeys, &Tmc8670Configuration::coe>(),
         settings::custom<Tmc8670Configuration, read_objects>(
             "objects",
             "Other defaults of objects; keys are index and subindex in hexadecimal, \"2030:03\""),

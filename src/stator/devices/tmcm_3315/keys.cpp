@@ -29,6 +29,7 @@ constexpr std::array kModuleRows{
         "firmware", kFirmwareVersions,
         "1.07 has neither the N-channel latch 200Fh nor cyclic synchronous velocity"),
     settings::keys<product::kCoeKeys, &Tmcm3315Configuration::coe>(),
+    settings::keys<product::kFirmwareDownloadKeys, &Tmcm3315Configuration::coe>(),
     settings::boolean<&Tmcm3315Configuration::home_offset_is_position>(
         "home_offset_is_position",
         "At home the position becomes the home offset 607Ch instead of its negative"),

@@ -18,6 +18,9 @@ constexpr std::array kCoeRows{
     settings::whole<&CoeOptions::identification>(
         "identification", {0, 0xFFFF},
         "Explicit device identification: what an ID switch would show"),
+};
+
+constexpr std::array kFirmwareDownloadRows{
     settings::duration<&CoeOptions::firmware_erase_time>(
         "firmware_erase_time", {0_us, 60_s},
         "How long a firmware download is answered busy while the flash is erased"),
@@ -26,5 +29,6 @@ constexpr std::array kCoeRows{
 }  // namespace
 
 constinit const settings::Section<CoeOptions> kCoeKeys{kCoeRows};
+constinit const settings::Section<CoeOptions> kFirmwareDownloadKeys{kFirmwareDownloadRows};
 
 }  // namespace stator::product
