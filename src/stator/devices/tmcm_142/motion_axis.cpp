@@ -68,8 +68,8 @@ base::StaticText text_of(SearchFailure failure) {
 MotionAxis::MotionAxis(const plant::StepperAxisParameters& plant, base::EventReporter reporter)
     : reporter_(reporter),
       plant_(plant),
-      fault_inputs_(plant_, {plant::AxisPart::limit_switches, plant::AxisPart::home_switch,
-                             plant::AxisPart::encoder, plant::AxisPart::driver_thermometer}) {}
+      instruments_(plant_, {plant::AxisPart::limit_switches, plant::AxisPart::home_switch,
+                            plant::AxisPart::encoder, plant::AxisPart::driver_thermometer}) {}
 
 void MotionAxis::restart() {
   controller_ = Controller();

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -11,8 +10,8 @@
 #include "stator/control/motion_controller/reference_search.hpp"
 #include "stator/devices/tmcm_142/driver_stage.hpp"
 #include "stator/devices/tmcm_142/options.hpp"
-#include "stator/plant/axes/axis_fault_inputs.hpp"
 #include "stator/plant/axes/stepper_axis.hpp"
+#include "stator/plant/axes/stepper_axis_instruments.hpp"
 #include "stator/product/device/input.hpp"
 #include "stator/product/device/signal.hpp"
 
@@ -92,30 +91,11 @@ class MotionAxis {
 
   /// "axis0.<name>".
   void append_signals(std::vector<product::Signal>& signals);
-  void append_inputs(std::vector<product::Input>& inputs);
+  void append_inputs(std::vector<product::Input>& inputs) {
+    instruments_.append_inputs(inputs, "axis0.");
+  }
 
  private:
-  using Faults = plant::StepperAxisFaults;
-
-  template <std::array<bool, 2> Faults::*Fault, std::size_t Phase>
-  void set_phase_fault(double level) {
-    Faults faults = plant_.state().faults;
-    (faults.*Fault)[Phase] = level >= 0.5;
-    plant_.set_faults(faults);
-  }
-  void set_high_side_short(double level) {
-    Faults faults = plant_.state().faults;
-    faults.high_side = level >= 0.5;
-    plant_.set_faults(faults);
-  }
-  void lose_counts(double counts) { plant_.lose_encoder_counts(static_cast<std::int64_t>(counts)); }
-  void set_load_torque(double torque) { plant_.set_external_torque(torque); }
-  void set_supply_voltage(double voltage) { plant_.set_supply_voltage(voltage); }
-  void set_ambient_temperature(double celsius) { plant_.set_ambient_temperature(celsius); }
-  void press_left_switch(double pressed) { plant_.press_left_switch(pressed >= 0.5); }
-  void press_right_switch(double pressed) { plant_.press_right_switch(pressed >= 0.5); }
-  void press_home_switch(double pressed) { plant_.press_home_switch(pressed >= 0.5); }
-
   [[nodiscard]] double position() const { return controller_.position(); }
   [[nodiscard]] double target_position() const { return controller_.target_position(); }
   [[nodiscard]] double velocity() const;
@@ -139,16 +119,6 @@ class MotionAxis {
   [[nodiscard]] double full_step_pulses() const {
     return static_cast<double>(controller_.full_step_pulses());
   }
-  [[nodiscard]] double shaft_position() const { return plant_.observe().shaft_revolutions; }
-  [[nodiscard]] double shaft_speed() const;
-  [[nodiscard]] double coil_current_a() const { return plant_.sensing().coil_current[0]; }
-  [[nodiscard]] double coil_current_b() const { return plant_.sensing().coil_current[1]; }
-  [[nodiscard]] double torque() const { return plant_.observe().electromagnetic_torque; }
-  [[nodiscard]] double load_torque() const { return plant_.observe().load_torque; }
-  [[nodiscard]] double load_angle() const { return plant_.observe().load_angle; }
-  [[nodiscard]] double supply_voltage() const { return plant_.sensing().supply_voltage; }
-  [[nodiscard]] double winding_temperature() const { return plant_.observe().winding_temperature; }
-  [[nodiscard]] double driver_temperature() const { return plant_.sensing().driver_temperature; }
 
   void begin_motion();
   void stand_undriven(base::SimTime now, AxisEvents& events);
@@ -158,7 +128,7 @@ class MotionAxis {
 
   base::EventReporter reporter_;
   plant::StepperAxis plant_;
-  plant::AxisFaultInputs<plant::StepperAxis> fault_inputs_;
+  plant::StepperAxisInstruments instruments_;
   Controller controller_;
   control::motion_controller::ReferenceSearch search_;
   DriverStage stage_;

@@ -1,0 +1,48 @@
+#include "stator/plant/axes/stepper_axis_instruments.hpp"
+
+namespace stator::plant {
+
+void StepperAxisInstruments::append_signals(std::vector<base::Signal>& signals,
+                                            const std::string& prefix) {
+  const auto add = [&](const char* name, const char* unit, base::Delegate<double()> read) {
+    signals.push_back({prefix + name, unit, read});
+  };
+  using Self = StepperAxisInstruments;
+  using Read = base::Delegate<double()>;
+  add("shaft_position", "rev", Read::bind<&Self::shaft_position>(*this));
+  add("shaft_speed", "rev/s", Read::bind<&Self::shaft_speed>(*this));
+  add("coil_current_a", "A", Read::bind<&Self::coil_current<0>>(*this));
+  add("coil_current_b", "A", Read::bind<&Self::coil_current<1>>(*this));
+  add("torque", "Nm", Read::bind<&Self::torque>(*this));
+  add("load_torque", "Nm", Read::bind<&Self::load_torque>(*this));
+  add("load_angle", "rad", Read::bind<&Self::load_angle>(*this));
+  add("supply_voltage", "V", Read::bind<&Self::supply_voltage>(*this));
+  add("winding_temperature", "degC", Read::bind<&Self::winding_temperature>(*this));
+  add("driver_temperature", "degC", Read::bind<&Self::driver_temperature>(*this));
+}
+
+void StepperAxisInstruments::append_inputs(std::vector<base::Input>& inputs,
+                                           const std::string& prefix) {
+  const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
+                       base::Delegate<void(double)> set) {
+    inputs.push_back({prefix + name, unit, minimum, maximum, set});
+  };
+  using Self = StepperAxisInstruments;
+  using Set = base::Delegate<void(double)>;
+  add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&Self::set_load_torque>(*this));
+  add("supply_voltage", "V", 0.0, 100.0, Set::bind<&Self::set_supply_voltage>(*this));
+  add("left_switch", "", 0.0, 1.0, Set::bind<&Self::press_left_switch>(*this));
+  add("right_switch", "", 0.0, 1.0, Set::bind<&Self::press_right_switch>(*this));
+  add("home_switch", "", 0.0, 1.0, Set::bind<&Self::press_home_switch>(*this));
+  add("ambient_temperature", "degC", -50.0, 200.0,
+      Set::bind<&Self::set_ambient_temperature>(*this));
+  add("open_a", "", 0.0, 1.0, Set::bind<&Self::set_phase_fault<&Faults::open, 0>>(*this));
+  add("open_b", "", 0.0, 1.0, Set::bind<&Self::set_phase_fault<&Faults::open, 1>>(*this));
+  add("short_a", "", 0.0, 1.0, Set::bind<&Self::set_phase_fault<&Faults::shorted, 0>>(*this));
+  add("short_b", "", 0.0, 1.0, Set::bind<&Self::set_phase_fault<&Faults::shorted, 1>>(*this));
+  add("short_high_side", "", 0.0, 1.0, Set::bind<&Self::set_high_side_short>(*this));
+  add("encoder_counts_lost", "count", -1e6, 1e6, Set::bind<&Self::lose_counts>(*this));
+  fault_inputs_.append(inputs, prefix);
+}
+
+}  // namespace stator::plant
