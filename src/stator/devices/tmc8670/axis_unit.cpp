@@ -38,10 +38,10 @@ void AxisUnit::restart() {
   stage_.set_enable(false);
   stage_.set_brake_released(false);
   registers_.write_all();
-  axis_.emplace(
-      dictionary_,
-      drive::AxisConfiguration{.reactions = error_reactions(), .control_period = kControlPeriod},
-      reporter_, stage_.block());
+  axis_.emplace(dictionary_,
+                drive::AxisConfiguration{.reactions = drive::reactions_of(kEmergencies),
+                                         .control_period = kControlPeriod},
+                reporter_, stage_.block());
   objects_.configure(*axis_);
 }
 

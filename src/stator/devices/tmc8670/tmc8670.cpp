@@ -18,7 +18,6 @@ using base::SimDuration;
 using base::SimTime;
 using ethercat::AlState;
 using ethercat::AlStatusCode;
-using tmc8670::Emergency;
 
 constexpr SimDuration kSync0Interrupt{50'000};
 constexpr SimDuration kSync0Grace{62'500};  // half a period of the firmware
@@ -65,8 +64,7 @@ Tmc8670::Tmc8670(const Tmc8670Configuration& configuration, base::EventReporter 
       synchronisation_(dictionary_, reporter),
       hardware_uart_(axis_.stage().block()),
       mcu_uart_(dictionary_, kFirmwareCapacity, reporter),
-      error_register_(dictionary_.variable<std::uint8_t>(0x1001)),
-      error_code_(dictionary_.variable<std::uint16_t>(0x603F)) {
+      error_report_(dictionary_, tmc8670::kEmergencies) {
   stack_.set_write_completion(&storage_);
   dictionary_.on_read(0x100A, 0, dictionary::Entry::ReadHook::bind<&Tmc8670::show_version>(*this));
   controller_.set_event_reporter(reporter);
@@ -256,8 +254,7 @@ void Tmc8670::stop_firmware(SimTime now) {
   dictionary_.reset_values();
   synchronisation_.forget_wishes();
   storage_.load(now);
-  reported_errors_ = {};
-  reported_resets_ = 0;
+  error_report_.restart();
   junction_hot_ = false;
   axis_.restart();
   stack_.reset(now);
@@ -299,32 +296,14 @@ void Tmc8670::before_inputs(SimTime /*now*/) {
 
 void Tmc8670::on_output_refused(const dictionary::Entry& /*entry*/,
                                 const dictionary::Refusal& /*refusal*/, SimTime now) {
-  namespace bits = tmc8670::error_register;
+  namespace bits = drive::error_register;
   send_emergency(tmc8670::kParameterError, bits::kGeneric | bits::kDeviceProfile, 0, now);
 }
 
 void Tmc8670::report_errors(SimTime now) {
-  const drive::FocAxis& axis = axis_.axis();
-  const drive::AxisErrors before = reported_errors_;
-  if (axis.fault_resets() == reported_resets_ && axis.errors() == before) {
-    return;
-  }
-  reported_errors_ = axis.errors();
-  unsigned bits = 0;
-  for (const Emergency& row : tmc8670::kEmergencies) {
-    bits |= reported_errors_.has(row.error) ? row.register_bits : 0U;
-  }
-  error_register_.set(static_cast<std::uint8_t>(bits));
-  if (std::exchange(reported_resets_, axis.fault_resets()) != axis.fault_resets()) {
-    error_code_.set(tmc8670::kFaultReset);
-    send_emergency(tmc8670::kFaultReset, 0, 0, now);
-  }
-  for (const Emergency& row : tmc8670::kEmergencies) {
-    if (reported_errors_.has(row.error) && !before.has(row.error)) {
-      error_code_.set(row.code);
-      send_emergency(row.code, row.register_bits, row.detail, now);
-    }
-  }
+  error_report_.update(axis_.axis(), [&](const drive::AxisEmergency& row) {
+    send_emergency(row.code, row.register_bits, row.detail, now);
+  });
 }
 
 void Tmc8670::watch_junction(SimTime now) {
@@ -337,7 +316,7 @@ void Tmc8670::watch_junction(SimTime now) {
   }
   const bool hot = celsius > tmc8670::kJunctionOperating;
   if (hot && !junction_hot_) [[unlikely]] {
-    namespace bits = tmc8670::error_register;
+    namespace bits = drive::error_register;
     reporter_.report(now, kJunctionHot,
                      {static_cast<int>(celsius), static_cast<int>(tmc8670::kJunctionOperating)});
     send_emergency(0x4210, bits::kGeneric | bits::kTemperature, 1, now);
@@ -347,7 +326,7 @@ void Tmc8670::watch_junction(SimTime now) {
 
 void Tmc8670::send_emergency(std::uint16_t code, std::uint8_t register_bits, std::uint8_t detail,
                              SimTime now) {
-  const auto bits = static_cast<std::uint8_t>(error_register_.get() | register_bits);
+  const auto bits = static_cast<std::uint8_t>(error_report_.error_register() | register_bits);
   stack_.send_emergency(code, bits, {detail, 0, 0, 0, 0}, now);
 }
 

@@ -15,6 +15,7 @@
 #include "stator/devices/tmc8670/logic_supply.hpp"
 #include "stator/devices/tmc8670/mcu_uart.hpp"
 #include "stator/devices/tmc8670/synchronisation.hpp"
+#include "stator/drive/axis/error_report.hpp"
 #include "stator/ethercat/stack/slave_application.hpp"
 #include "stator/ethercat/stack/slave_stack.hpp"
 #include "stator/product/device/ethercat_device.hpp"
@@ -139,8 +140,7 @@ class Tmc8670 final : public product::EtherCatDevice, private ethercat::SlaveApp
   tmc8670::HardwareUart hardware_uart_;
   tmc8670::McuUart mcu_uart_;
 
-  dictionary::Variable<std::uint8_t> error_register_;  // 1001h
-  dictionary::Variable<std::uint16_t> error_code_;     // 603Fh
+  drive::ErrorReport error_report_;
 
   base::SimTime next_period_;  ///< when the next PWM period begins
   base::SimTime next_tick_{kControlPeriod};
@@ -153,8 +153,6 @@ class Tmc8670 final : public product::EtherCatDevice, private ethercat::SlaveApp
   std::uint64_t sync0_pulses_ = 0;  ///< the firmware has seen
   /// An interrupt routine takes its time: pulses that a master sets too close are seen as one.
   base::SimTime sync0_earliest_;
-  drive::AxisErrors reported_errors_;  ///< as last told to the master
-  std::uint32_t reported_resets_ = 0;
   bool junction_hot_ = false;  ///< told
 };
 

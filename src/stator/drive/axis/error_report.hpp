@@ -1,0 +1,94 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include "stator/dictionary/dictionary.hpp"
+#include "stator/drive/axis/axis.hpp"
+#include "stator/drive/axis/axis_error.hpp"
+
+namespace stator::drive {
+
+/// Bits of the error register 1001h (CiA 301 §7.5.2.2).
+namespace error_register {
+inline constexpr std::uint8_t kGeneric = 1U << 0;
+inline constexpr std::uint8_t kCurrent = 1U << 1;
+inline constexpr std::uint8_t kVoltage = 1U << 2;
+inline constexpr std::uint8_t kTemperature = 1U << 3;
+inline constexpr std::uint8_t kDeviceProfile = 1U << 5;
+inline constexpr std::uint8_t kManufacturer = 1U << 7;
+}  // namespace error_register
+
+/// An error of the axis as a master sees it: code of emergency and 603Fh (CiA 402-2 annex A, where
+/// it has one for the case), first additional byte, bits of 1001h, and what the drive does.
+struct AxisEmergency {
+  AxisError error{};
+  std::uint16_t code = 0;
+  std::uint8_t detail = 0;
+  std::uint8_t register_bits = 0;
+  ErrorReaction reaction{};
+};
+
+/// The reactions of a product's table, by AxisError. An error without a row is only an event.
+template <std::size_t Rows>
+constexpr ErrorReactions reactions_of(const std::array<AxisEmergency, Rows>& table) {
+  ErrorReactions reactions{};
+  for (const AxisEmergency& row : table) {
+    reactions[static_cast<std::size_t>(row.error)] = row.reaction;
+  }
+  return reactions;
+}
+
+/// Keeps 1001h and 603Fh of a device with one axis, and says what its master has to be told.
+class ErrorReport {
+ public:
+  /// `table` must outlive the report, as constants do. Throws std::logic_error if an object is
+  /// missing.
+  ErrorReport(const dictionary::Dictionary& dictionary, std::span<const AxisEmergency> table)
+      : table_(table),
+        register_(dictionary.variable<std::uint8_t>(0x1001)),
+        code_(dictionary.variable<std::uint16_t>(0x603F)) {}
+
+  /// The firmware starts anew, with objects that have been reset.
+  void restart() {
+    errors_ = {};
+    resets_ = 0;
+  }
+  /// Calls `tell` with each row whose error has appeared since the last call, and with one of code
+  /// 0 if a fault was reset. Cheap when nothing has changed.
+  template <typename Tell>
+  void update(const Axis& axis, const Tell& tell) {
+    if (axis.fault_resets() == resets_ && axis.errors() == errors_) [[likely]] {
+      return;
+    }
+    const AxisErrors before = std::exchange(errors_, axis.errors());
+    unsigned bits = 0;
+    for (const AxisEmergency& row : table_) {
+      bits |= errors_.has(row.error) ? row.register_bits : 0U;
+    }
+    register_.set(static_cast<std::uint8_t>(bits));
+    if (std::exchange(resets_, axis.fault_resets()) != axis.fault_resets()) {
+      code_.set(0);
+      tell(AxisEmergency{});
+    }
+    for (const AxisEmergency& row : table_) {
+      if (errors_.has(row.error) && !before.has(row.error)) {
+        code_.set(row.code);
+        tell(row);
+      }
+    }
+  }
+  [[nodiscard]] std::uint8_t error_register() const { return register_.get(); }
+
+ private:
+  std::span<const AxisEmergency> table_;
+  dictionary::Variable<std::uint8_t> register_;  // 1001h
+  dictionary::Variable<std::uint16_t> code_;     // 603Fh
+  AxisErrors errors_;                            ///< as last told
+  std::uint32_t resets_ = 0;
+};
+
+}  // namespace stator::drive
