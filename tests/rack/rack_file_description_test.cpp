@@ -86,6 +86,14 @@ TEST(RackFileDescription, KeysDependOnTheTypeOfADevice) {
   EXPECT_NE(variant(device, "tmcm-142").find("can_id"), nullptr);
 }
 
+TEST(RackFileDescription, IsThereForACatalogueThatHasNoProductForANetwork) {
+  product::Catalogue of_segments;
+  of_segments.add(devices::products().find("tmcm-3315"));
+  const settings::TableDescription table = describe_rack_file(of_segments);
+  EXPECT_NE(variant(below(below(table, "segment"), "device"), "tmcm-3315").find("axis"), nullptr);
+  EXPECT_THAT(below(below(table, "bus"), "device").variants, SizeIs(0));
+}
+
 TEST(RackFileDescription, MotorDataHasTheKeysOfEveryKindOfMotor) {
   const settings::TableDescription& device =
       variant(below(below(description(), "segment"), "device"), "tmc8670");
