@@ -31,9 +31,13 @@ void StepperAxisInstruments::append_inputs(std::vector<base::Input>& inputs,
   using Set = base::Delegate<void(double)>;
   add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&Self::set_load_torque>(*this));
   add("supply_voltage", "V", 0.0, 100.0, Set::bind<&Self::set_supply_voltage>(*this));
-  add("left_switch", "", 0.0, 1.0, Set::bind<&Self::press_left_switch>(*this));
-  add("right_switch", "", 0.0, 1.0, Set::bind<&Self::press_right_switch>(*this));
-  add("home_switch", "", 0.0, 1.0, Set::bind<&Self::press_home_switch>(*this));
+  if (has(AxisPart::limit_switches)) {
+    add("left_switch", "", 0.0, 1.0, Set::bind<&Self::press_left_switch>(*this));
+    add("right_switch", "", 0.0, 1.0, Set::bind<&Self::press_right_switch>(*this));
+  }
+  if (has(AxisPart::home_switch)) {
+    add("home_switch", "", 0.0, 1.0, Set::bind<&Self::press_home_switch>(*this));
+  }
   add("ambient_temperature", "degC", -50.0, 200.0,
       Set::bind<&Self::set_ambient_temperature>(*this));
   add("open_a", "", 0.0, 1.0, Set::bind<&Self::set_phase_fault<&Faults::open, 0>>(*this));
@@ -41,7 +45,9 @@ void StepperAxisInstruments::append_inputs(std::vector<base::Input>& inputs,
   add("short_a", "", 0.0, 1.0, Set::bind<&Self::set_phase_fault<&Faults::shorted, 0>>(*this));
   add("short_b", "", 0.0, 1.0, Set::bind<&Self::set_phase_fault<&Faults::shorted, 1>>(*this));
   add("short_high_side", "", 0.0, 1.0, Set::bind<&Self::set_high_side_short>(*this));
-  add("encoder_counts_lost", "count", -1e6, 1e6, Set::bind<&Self::lose_counts>(*this));
+  if (has(AxisPart::encoder)) {
+    add("encoder_counts_lost", "count", -1e6, 1e6, Set::bind<&Self::lose_counts>(*this));
+  }
   fault_inputs_.append(inputs, prefix);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -21,7 +22,7 @@ class StepperAxisInstruments {
   /// Of an axis that has `parts` beside its shaft. It and the instruments must outlive the signals
   /// and inputs.
   StepperAxisInstruments(StepperAxis& axis, std::initializer_list<AxisPart> parts)
-      : axis_(axis), fault_inputs_(axis, parts) {}
+      : axis_(axis), parts_(parts), fault_inputs_(axis, parts) {}
 
   void append_signals(std::vector<base::Signal>& signals, const std::string& prefix);
   void append_inputs(std::vector<base::Input>& inputs, const std::string& prefix);
@@ -61,7 +62,12 @@ class StepperAxisInstruments {
     axis_.set_faults(faults);
   }
 
+  [[nodiscard]] bool has(AxisPart part) const {
+    return std::find(parts_.begin(), parts_.end(), part) != parts_.end();
+  }
+
   StepperAxis& axis_;
+  std::vector<AxisPart> parts_;
   AxisFaultInputs<StepperAxis> fault_inputs_;
 };
 
