@@ -1,8 +1,22 @@
 #include "stator/settings/value.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace stator::settings {
+
+Value::Value() = default;
+Value::Value(Content content, Place place)
+    : content_(std::move(content)), place_(std::move(place)) {}
+Value::Value(Table table, Place place)
+    : content_(std::in_place_type<Table>, std::move(table)), place_(std::move(place)) {}
+Value::Value(List list, Place place)
+    : content_(std::in_place_type<List>, std::move(list)), place_(std::move(place)) {}
+Value::Value(const Value& other) = default;
+Value::Value(Value&& other) noexcept = default;
+Value& Value::operator=(const Value& other) = default;
+Value& Value::operator=(Value&& other) noexcept = default;
+Value::~Value() = default;
 
 const Value* Value::at(std::string_view name) const {
   const Table* const table = find<Table>();

@@ -36,9 +36,16 @@ class Value {
   using Content =
       std::variant<std::monostate, bool, std::int64_t, double, std::string, List, Table>;
 
-  Value() = default;
-  explicit Value(Content content, Place place = {})
-      : content_(std::move(content)), place_(std::move(place)) {}
+  // In value.cpp, since every user would compile the code for all alternatives.
+  Value();
+  explicit Value(Content content, Place place = {});
+  explicit Value(Table table, Place place = {});
+  explicit Value(List list, Place place = {});
+  Value(const Value& other);
+  Value(Value&& other) noexcept;
+  Value& operator=(const Value& other);
+  Value& operator=(Value&& other) noexcept;
+  ~Value();
 
   /// The content if it is of that type, else null. Numbers are what they were written as: 1 is no
   /// double and 1.0 no std::int64_t.
