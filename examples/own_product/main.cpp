@@ -2,11 +2,13 @@
 // one more, so a rack file can name it, and all that works with products works with it. Time passes
 // only while the master works, so the seconds of the moves are over in some milliseconds.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <exception>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "own_product/own_stepper.hpp"
 #include "stator/bench/bench.hpp"
@@ -35,15 +37,12 @@ bool failed(const Result& result) {
   return !result;
 }
 
-/// What the plant itself says of the drive's shaft, revolutions.
-double shaft(bench::Bench& bench) {
-  const std::string name = bench.rack().name_of(kDrive) + ".axis0.shaft_position";
-  for (const product::Signal& signal : bench.rack().signals()) {
-    if (signal.name == name) {
-      return signal.read();
-    }
-  }
-  return NAN;
+/// What can be seen of the drive, whatever its master is told: its shaft, its counter.
+double seen(bench::Bench& bench, const char* signal) {
+  const std::vector<product::Signal> signals = bench.rack().signals();
+  const std::string name = bench.rack().name_of(kDrive) + ".axis0." + signal;
+  const auto found = std::ranges::find(signals, name, &product::Signal::name);
+  return found == signals.end() ? NAN : found->read();
 }
 
 bool tell(bench::Bench& bench, const char* what, double is, double expected) {
@@ -66,27 +65,25 @@ bool move(bench::Bench& bench) {
     return false;
   }
   bench.pass(200_ms);  // in which the load comes to rest
-  bool good = tell(bench, "profile position, shaft at (rev)", shaft(bench), 2.0);
+  bool good = tell(bench, "profile position, shaft at (rev)", seen(bench, "shaft_position"), 2.0);
 
   if (failed(axis.set_mode(OperationMode::profile_velocity)) ||
       failed(axis.write<std::int32_t>(0x60FF, 0, kMicrosteps))) {
     return false;
   }
   bench.pass(1_s);
-  const double before = shaft(bench);
+  const double before = seen(bench, "shaft_position");
   bench.pass(1_s);
-  good &= tell(bench, "profile velocity, shaft turns at (rev/s)", shaft(bench) - before, 1.0);
+  good &= tell(bench, "profile velocity, shaft turns at (rev/s)",
+               seen(bench, "shaft_position") - before, 1.0);
 
   if (failed(axis.set_mode(OperationMode::homing)) ||
       failed(axis.write<std::int8_t>(0x6098, 0, kHomeSwitch)) ||
       failed(axis.write<std::uint16_t>(0x6040, 0, kHoming)) || failed(axis.wait_for_target(20_s))) {
     return false;
   }
-  const auto home = axis.position_actual();
-  return !failed(home) &&
-         tell(bench, "homing, shaft ahead of its zero by (rev)",
-              shaft(bench) - static_cast<double>(*home) / kMicrosteps, -0.5) &&
-         good;
+  const double zero = seen(bench, "shaft_position") - seen(bench, "position_actual") / kMicrosteps;
+  return tell(bench, "homing, position 0 of the drive is at (rev)", zero, -0.5) && good;
 }
 
 }  // namespace

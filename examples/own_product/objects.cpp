@@ -9,15 +9,11 @@ namespace own_product {
 
 namespace {
 
-using stator::dictionary::DataType;
-using stator::dictionary::Default;
-using stator::dictionary::EntryDeclaration;
-using stator::dictionary::hex;
-using stator::dictionary::ObjectCode;
-using enum stator::dictionary::DataType;
-using enum stator::dictionary::ObjectCode;
-using enum stator::dictionary::Access;
-using enum stator::dictionary::PdoMapping;
+using namespace stator::dictionary;
+using enum DataType;
+using enum ObjectCode;
+using enum Access;
+using enum PdoMapping;
 
 constexpr std::array<std::int64_t, 6> kModes{0, 1, 3, 6, 8, 9};
 constexpr std::array<std::int64_t, 4> kQuickStopOptions{1, 2, 5, 6};

@@ -10,7 +10,6 @@ namespace own_product {
 namespace {
 
 using namespace stator;
-using base::SimTime;
 using ethercat::AlState;
 
 // The controller is the default of ethercat::SlaveControllerConfiguration, which has the registers
@@ -20,10 +19,9 @@ constexpr ethercat::MailboxArea kTransmitMailbox{0x1100, 256};
 constexpr std::uint16_t kOutputs = 0x1200;
 constexpr std::uint16_t kInputs = 0x1400;
 
-constexpr std::uint8_t kMicrostepResolution = 8;  ///< 256 microsteps per full step
-constexpr int kFullStepsPerPolePair = 4;
+// drive::StepperSettings has 256 microsteps per full step, of which a pair of poles makes four.
+constexpr std::int64_t kMicrostepsPerPolePair = 4 * 256;
 constexpr double kFullCurrent = 255.0;  ///< of control::CoilCurrentSettings
-constexpr base::SimDuration kStandbyDelay{100'000'000};
 
 ethercat::DeviceDescription describe(const OwnStepperConfiguration& configuration) {
   ethercat::DeviceDescription description;
@@ -73,16 +71,14 @@ void OwnStepper::restart(SimTime now) {
   axis_.emplace(dictionary_, drive::AxisConfiguration{.reactions = drive::reactions_of(kErrors)},
                 reporter_);
   drive::StepperSettings& settings = axis_->stepper_settings();
-  settings.microstep_resolution = kMicrostepResolution;
   settings.microsteps_per_revolution =
-      std::int64_t{kFullStepsPerPolePair * configuration_.axis.motor.pole_pairs}
-      << kMicrostepResolution;
+      kMicrostepsPerPolePair * configuration_.axis.motor.pole_pairs;
   settings.full_scale_current = configuration_.run_current;
   settings.currents = {
       .run = static_cast<std::uint8_t>(kFullCurrent),
       .standby = static_cast<std::uint8_t>(kFullCurrent * configuration_.standby_current /
                                            configuration_.run_current),
-      .standby_delay = kStandbyDelay};
+      .standby_delay = base::SimDuration(100'000'000)};
   axis_->tick(now);
   stack_.reset(now);
 }
@@ -151,10 +147,9 @@ void OwnStepper::report_errors(SimTime now) {
 }
 
 std::vector<product::Signal> OwnStepper::signals() {
-  using Read = base::Delegate<double()>;
   std::vector<product::Signal> signals{
-      {"axis0.position_actual", "microstep", Read::bind<&OwnStepper::position_actual>(*this)},
-      {"axis0.statusword", "", Read::bind<&OwnStepper::statusword>(*this)}};
+      {"axis0.position_actual", "microstep",
+       base::Delegate<double()>::bind<&OwnStepper::position_actual>(*this)}};
   instruments_.append_signals(signals, "axis0.");
   return signals;
 }

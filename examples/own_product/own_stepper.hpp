@@ -20,8 +20,7 @@ namespace own_product {
 
 inline constexpr std::string_view kType = "own-stepper";  ///< what a rack file's `type` names
 inline constexpr std::uint32_t kVendorId = 0x0C0FFEE0;    ///< made up; the ETG assigns real ones
-inline constexpr std::uint32_t kProductCode = 1;
-inline constexpr std::uint32_t kRevision = 0x00010000;
+inline constexpr std::uint32_t kProductCode = 1, kRevision = 0x00010000;
 
 /// What one drive is ordered with and what is connected to it.
 struct OwnStepperConfiguration {
@@ -74,7 +73,6 @@ class OwnStepper final : public stator::product::EtherCatDevice,
   [[nodiscard]] double position_actual() const {
     return static_cast<double>(axis_->actual_position());
   }
-  [[nodiscard]] double statusword() const { return axis_->objects().statusword.get(); }
 
   OwnStepperConfiguration configuration_;
   stator::base::EventReporter reporter_;

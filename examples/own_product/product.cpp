@@ -1,6 +1,5 @@
 #include <array>
 #include <string>
-#include <vector>
 
 #include "own_product/own_stepper.hpp"
 #include "stator/plant/keys/stepper_axis_keys.hpp"
@@ -38,7 +37,7 @@ constexpr std::array kRules{settings::Rule<Configuration>{
 
 constexpr settings::Section<Configuration> kKeys{kRows, kRules};
 
-/// What others find in a configuration: faults and scenarios, `stator`'s commands, benches.
+/// What others find in a configuration.
 class OwnStepperProduct final : public product::ProductOf<Configuration, OwnStepper> {
  public:
   using ProductOf::ProductOf;
@@ -48,9 +47,6 @@ class OwnStepperProduct final : public product::ProductOf<Configuration, OwnStep
   }
   [[nodiscard]] const dictionary::Quirks* quirks(const product::Setup& setup) const override {
     return &of(setup).quirks;
-  }
-  [[nodiscard]] std::vector<product::AxisSetup> axes(product::Setup& setup) const override {
-    return {{.stepper = &of(setup).axis, .full_scale_current = of(setup).run_current}};
   }
 };
 

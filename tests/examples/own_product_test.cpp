@@ -142,8 +142,9 @@ TEST(OwnProductDrive, FollowsTargetsThatComeInEachCycle) {
 
 TEST(OwnProductDrive, ShowsThePositionOfItsEncoderIfItIsSelected) {
   DriveBench drive(master::OperationMode::profile_position);
-  drive.bench.rack().apply(rack::InputEvent{.input = "axis0.load_torque", .value = 0.3},
-                           drive.bench.now());
+  drive.bench.rack().apply(
+      rack::InputEvent{.device = {}, .input = "axis0.load_torque", .value = 0.3},
+      drive.bench.now());
   drive.bench.pass(200_ms);
   EXPECT_EQ(*drive.axis->position_actual(), 0) << "the ramp's";
   ASSERT_TRUE(drive.axis->write<std::int16_t>(0x606A, 0, 0));
@@ -155,12 +156,14 @@ TEST(OwnProductDrive, ShowsThePositionOfItsEncoderIfItIsSelected) {
 TEST(OwnProductDrive, FaultsWhenItsSupplySagsAndGoesOnAfterAReset) {
   DriveBench drive(master::OperationMode::profile_velocity);
   rack::Rack& rack = drive.bench.rack();
-  rack.apply(rack::InputEvent{.input = "axis0.supply_voltage", .value = 5.0}, drive.bench.now());
+  rack.apply(rack::InputEvent{.device = {}, .input = "axis0.supply_voltage", .value = 5.0},
+             drive.bench.now());
   drive.bench.pass(20_ms);
   EXPECT_EQ(*drive.axis->state(), master::DriveState::fault);
   EXPECT_EQ(*drive.axis->read<std::uint16_t>(0x603F), 0x3220U);
   EXPECT_EQ(*drive.axis->read<std::uint8_t>(0x1001), 0x05U);
-  rack.apply(rack::InputEvent{.input = "axis0.supply_voltage", .value = 24.0}, drive.bench.now());
+  rack.apply(rack::InputEvent{.device = {}, .input = "axis0.supply_voltage", .value = 24.0},
+             drive.bench.now());
   drive.bench.pass(20_ms);
   EXPECT_TRUE(drive.axis->reset_fault());
   EXPECT_EQ(*drive.axis->read<std::uint8_t>(0x1001), 0U);
@@ -170,10 +173,10 @@ TEST(OwnProductDrive, FaultsWhenItsSupplySagsAndGoesOnAfterAReset) {
 TEST(OwnProductDrive, StartsAnewWithItsSupply) {
   DriveBench drive(master::OperationMode::profile_velocity);
   rack::Rack& rack = drive.bench.rack();
-  rack.apply(rack::PowerEvent{.on = false}, drive.bench.now());
+  rack.apply(rack::PowerEvent{.device = {}, .on = false}, drive.bench.now());
   drive.bench.pass(100_ms);
   EXPECT_NEAR(drive.signal("coil_current_a"), 0.0, 1e-6);
-  rack.apply(rack::PowerEvent{.on = true}, drive.bench.now());
+  rack.apply(rack::PowerEvent{.device = {}, .on = true}, drive.bench.now());
   drive.bench.pass(100_ms);
   ASSERT_TRUE(drive.bench.scan(0));
   const auto master = drive.bench.scanned(0);
