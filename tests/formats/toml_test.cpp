@@ -3,6 +3,7 @@
 #include <string>
 #include <variant>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace stator::formats {
@@ -11,6 +12,7 @@ namespace {
 using settings::List;
 using settings::Table;
 using settings::Value;
+using ::testing::HasSubstr;
 
 TEST(Toml, BecomesATreeWithThePlaceOfEachValue) {
   const auto tree = parse_toml(
@@ -49,6 +51,41 @@ TEST(Toml, ValuesOfOptionsNeedNoQuotes) {
   EXPECT_EQ(std::get<List>(parse_toml_value("[1, 2]")).size(), 2U);
   EXPECT_EQ(std::get<std::string>(parse_toml_value("1\nb = 2")), "1\nb = 2")
       << "no second key comes in";
+}
+
+/// A text some times.
+std::string repeated(const std::string& text, int count) {
+  std::string all;
+  for (int i = 0; i < count; ++i) {
+    all += text;
+  }
+  return all;
+}
+
+TEST(Toml, WhatIsNestedTooDeepIsRefused) {
+  const auto refused = [](const std::string& text) {
+    const auto tree = parse_toml(text, "a.toml");
+    return tree ? "" : tree.error().text();
+  };
+  const auto deep = HasSubstr("deeper than 256");
+  EXPECT_EQ(refused("a" + repeated(".a", 200) + " = 1\n"), "");
+  EXPECT_THAT(refused("b = 1\na" + repeated(".a", 1'000'000) + " = 1\n"), deep);
+  EXPECT_THAT(refused("b = 1\na" + repeated(".a", 300) + " = 1\n"), HasSubstr("a.toml:2:514: "));
+  EXPECT_THAT(refused("[a" + repeated(".a", 1'000'000) + "]\n"), deep);
+  EXPECT_THAT(refused("[[a" + repeated(" . \"a\"", 1'000'000) + "]]\n"), deep);
+  EXPECT_THAT(refused("a = " + repeated("[", 1'000'000)), deep);
+  EXPECT_THAT(refused("a = " + repeated("{a.b.c.d.e=", 100)), deep);
+  EXPECT_THAT(refused("[a" + repeated(".a", 200) + "]\nb" + repeated(".b", 100) + " = 1\n"), deep);
+  // Dots of anything else.
+  EXPECT_EQ(
+      refused("[t.u] # " + repeated(".", 1'000) + "\na = [" + repeated("1.5, \n", 1'000) +
+              "]\nb = \"" + repeated(".\\\"", 1'000) + "\"\nc = '''\n" + repeated("x.y'\n", 1'000) +
+              "'''''\nd.e = { f = \"\"\"" + repeated(".\\\n", 999) +
+              "\"\"\"\"\", g.h = [[1.5], [2.5]] }\n" + repeated("[[v.w]]\nx.y = 1.5\n", 999)),
+      "");
+  EXPECT_EQ(std::get<std::string>(parse_toml_value("{a" + repeated(".a", 300) + "=1}")).size(),
+            605U)
+      << "a word, as anything that is no value";
 }
 
 }  // namespace

@@ -42,6 +42,19 @@ TEST(Path, OfOtherTextsSaysWhatIsExpectedWhere) {
   EXPECT_THAT(problem_of("\"a"), HasSubstr("a name is expected"));
 }
 
+TEST(Path, HasNoMoreStepsThanAnyKey) {
+  std::string text = "a";
+  for (int i = 1; i < 256; ++i) {
+    text += i % 2 == 0 ? ".a" : "[0]";
+  }
+  EXPECT_EQ(path_of(text).size(), 256U);
+  EXPECT_THAT(problem_of(text + ".a"), HasSubstr("the path has 257 steps"));
+  for (int i = 0; i < 10; ++i) {
+    text += '.' + text;
+  }
+  EXPECT_THAT(problem_of(text), HasSubstr("no key is more than 256 deep"));
+}
+
 TEST(Path, LeadsThroughTablesAndLists) {
   Table inner;
   inner.emplace("x", Value(std::int64_t{5}));

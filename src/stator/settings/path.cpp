@@ -1,7 +1,9 @@
 #include "stator/settings/path.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cstddef>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,6 +13,8 @@ namespace stator::settings {
 namespace {
 
 constexpr std::size_t kLongestList = 1000;
+/// Each step is a table or list in another one; trees are destroyed by calls within calls.
+constexpr std::ptrdiff_t kLongestPath = 256;
 
 bool is_plain(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
@@ -37,6 +41,13 @@ std::string take_name(std::string_view& rest) {
 }  // namespace
 
 base::Expected<Path, std::string> parse_path(std::string_view text) {
+  const auto steps = std::ranges::count_if(text, [](char c) { return c == '.' || c == '['; });
+  if (steps >= kLongestPath) {
+    return base::Unexpected{
+        fmt::format("the path has {} steps; no key is more than {} deep, see "
+                    "docs/rack-file-keys.md",
+                    steps + 1, kLongestPath)};
+  }
   Path path;
   std::string_view rest = text;
   const auto wrong = [&](std::string_view expected) {

@@ -17,7 +17,8 @@ using PathStep = std::variant<std::string, std::size_t>;
 using Path = std::vector<PathStep>;
 
 /// Reads "gantry.axis[1].load.inertia". A name with other characters than letters, digits, "_" and
-/// "-" stands in quotes: objects."2030:03". The error says what is wrong with the text.
+/// "-" stands in quotes: objects."2030:03". More than 256 steps are none. The error says what is
+/// wrong with the text.
 [[nodiscard]] base::Expected<Path, std::string> parse_path(std::string_view text);
 
 /// The value a path leads to, or null.
