@@ -6,7 +6,7 @@
 namespace stator::base {
 
 /// The entry of `known` that is most alike to `word`, else the first that begins with it; empty
-/// when none is close. Letter case does not count. For "did you mean" in messages: it allocates.
+/// when none is close. Letter case does not count. For "did you mean" in messages.
 [[nodiscard]] std::string_view closest_match(std::string_view word,
                                              std::span<const std::string_view> known);
 

@@ -1,10 +1,11 @@
 #include "stator/rack/file/system_files.hpp"
 
 #include <cerrno>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -34,8 +35,16 @@ std::string output_problem(const std::string& path) {
 
 base::Expected<std::string, std::string> SystemFiles::content(const std::string& path) const {
   std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file.is_open() || file.bad()) {
+  if (!file.is_open()) {
+    return base::Unexpected{std::generic_category().message(errno)};
+  }
+  std::string text;
+  std::vector<char> piece(std::size_t{1} << 16U);
+  while (file) {  // reading throws nothing, not of a folder either
+    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    text.append(piece.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  if (file.bad()) {
     return base::Unexpected{std::generic_category().message(errno)};
   }
   return text;
