@@ -184,6 +184,12 @@ void write_rack(const TuneOptions& options, const Target& target, const Tuning& 
 }
 
 void tune(const TuneOptions& options) {
+  if (!options.output.empty() && options.target.ends_with(".json")) {
+    throw Failure(
+        fmt::format("--output writes a rack file in TOML with its comments, and {} is "
+                    "JSON; tune it without --output, or name a TOML file",
+                    options.target));
+  }
   Target target = target_of(options);
   const Settings settings = settings_of(options, target);
   const auto stage = target.tuning().stage(target.setup);

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "stator/formats/toml/toml.hpp"
 #include "stator/link/ethernet/link_address.hpp"
 #include "stator/link/serial/chip_server.hpp"
 #include "stator/product/catalogue/catalogue.hpp"
@@ -234,7 +233,7 @@ RackConfiguration read_rack(TableReader& root, const product::Catalogue& catalog
 }
 
 settings::Value parse_rack_tree(std::string_view text, const std::string& name) {
-  auto tree = formats::parse_toml(text, name);
+  auto tree = tree_of_text(text, name);
   if (!tree) {
     throw RackFileError(tree.error());
   }
@@ -242,15 +241,16 @@ settings::Value parse_rack_tree(std::string_view text, const std::string& name) 
 }
 
 RackConfiguration read_rack_tree(settings::Value tree, const std::string& name,
-                                 const product::Catalogue& catalogue, Changes changes) {
+                                 const product::Catalogue& catalogue, Changes changes,
+                                 const settings::Files& files) {
   settings::Problems problems;
   apply_changes(changes, tree, problems);
   if (!problems.list.empty()) {
     throw RackFileError(problems.list.front());
   }
   RackConfiguration configuration;
-  read_tree(tree, name, "the rack",
-            [&](TableReader& root) { configuration = read_rack(root, catalogue); });
+  const auto read = [&](TableReader& root) { configuration = read_rack(root, catalogue); };
+  read_tree(tree, name, "the rack", read, files);
   return configuration;
 }
 

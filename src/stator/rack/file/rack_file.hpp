@@ -10,13 +10,16 @@
 #include "stator/rack/file/changes.hpp"
 #include "stator/rack/file/rack_file_error.hpp"
 #include "stator/settings/key.hpp"
+#include "stator/rack/file/system_files.hpp"
+#include "stator/settings/files.hpp"
 #include "stator/settings/value.hpp"
 
 namespace stator::rack {
 
 /// Reads a rack file (docs/rack-file.md) of devices of `catalogue`. Throws RackFileError with file,
-/// line, reason and remedy for a file that cannot be read, is no TOML, has unknown keys or values
-/// out of range. `changes` are made to it before it is read.
+/// line, reason and remedy for a file that cannot be read, is no TOML - or JSON, where its name
+/// ends in ".json" -, has unknown keys or values out of range. `changes` are made to it before it
+/// is read.
 [[nodiscard]] RackConfiguration load_rack_file(const std::string& path,
                                                const product::Catalogue& catalogue,
                                                Changes changes = {});
@@ -26,9 +29,11 @@ namespace stator::rack {
                                                 const product::Catalogue& catalogue);
 
 /// The same for a tree, whoever made it; problems of it name the file `name` where it is not empty.
+/// What it names is looked for in `files`.
 [[nodiscard]] RackConfiguration read_rack_tree(settings::Value tree, const std::string& name,
                                                const product::Catalogue& catalogue,
-                                               Changes changes = {});
+                                               Changes changes = {},
+                                               const settings::Files& files = system_files());
 
 /// A rack of one device as it leaves its box, with `changes`, whose paths begin with its type, e.g.
 /// "tmcm-3315.axis[0].supply_voltage=24". Throws RackFileError, std::runtime_error for a type that

@@ -15,15 +15,20 @@ namespace stator::rack {
 /// The text of a file that is a `what`. Throws RackFileError.
 [[nodiscard]] std::string read_rack_text(const std::string& path,
                                          std::string_view what = "rack file");
-/// The text as a tree. Throws RackFileError.
+/// The text as a tree: of JSON where `name` ends in ".json", else of TOML. Throws RackFileError.
 [[nodiscard]] settings::Value parse_rack_tree(std::string_view text, const std::string& name);
 /// Calls `read` with a reader of the tree, which problems name `path` and its file `name`. Throws
-/// RackFileError for the first problem that was found.
+/// RackFileError for the first problem that was found. What the tree names is looked for in
+/// `files`.
 template <typename Read>
 void read_tree(const settings::Value& tree, const std::string& name, const std::string& path,
-               const Read& read) {
+               const Read& read, const settings::Files& files = system_files()) {
+  if (!tree.is<settings::Table>()) {
+    throw RackFileError(settings::Problem(name, tree.place().line, tree.place().column, "",
+                                          path + " must be a table"));
+  }
   settings::Problems problems;
-  const settings::Reading reading{problems, &system_files(), name};
+  const settings::Reading reading{problems, &files, name};
   TableReader root(reading, path, tree);
   root.attempt([&] { read(root); });
   if (!problems.list.empty()) {

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "stator/formats/json/json.hpp"
 #include "stator/formats/toml/toml.hpp"
 
 namespace stator::rack {
@@ -33,6 +34,20 @@ std::string output_problem(const std::string& path) {
       std::generic_category().message(errno));
 }
 
+base::Expected<settings::Value, settings::Problem> tree_of_text(std::string_view text,
+                                                                const std::string& name) {
+  if (!name.ends_with(".json")) {
+    return formats::parse_toml(text, name);
+  }
+  auto tree = formats::parse_json(text, name);
+  if (tree && !tree->is<settings::Table>()) {
+    return base::Unexpected{settings::Problem(name, tree->place().line, tree->place().column, "",
+                                              "the text is no object; write it in braces, e.g. "
+                                              "{\"segment\": [...]}")};
+  }
+  return tree;
+}
+
 base::Expected<std::string, std::string> SystemFiles::content(const std::string& path) const {
   std::ifstream file(path, std::ios::binary);
   if (!file.is_open()) {
@@ -52,7 +67,7 @@ base::Expected<std::string, std::string> SystemFiles::content(const std::string&
 
 base::Expected<settings::Value, settings::Problem> SystemFiles::tree(
     const std::string& text, const std::string& path) const {
-  return formats::parse_toml(text, path);
+  return tree_of_text(text, path);
 }
 
 std::string SystemFiles::beside(const std::string& file, const std::string& path) const {

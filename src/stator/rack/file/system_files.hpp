@@ -1,13 +1,22 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
+#include "stator/base/expected.hpp"
 #include "stator/settings/files.hpp"
+#include "stator/settings/problem.hpp"
+#include "stator/settings/value.hpp"
 
 namespace stator::rack {
 
 /// Why the file cannot be written, with the remedy; empty: it can.
 [[nodiscard]] std::string output_problem(const std::string& path);
+
+/// A configuration as a tree: JSON where the name of its file ends in ".json", else TOML. Always a
+/// table.
+[[nodiscard]] base::Expected<settings::Value, settings::Problem> tree_of_text(
+    std::string_view text, const std::string& name);
 
 /// The machine's files.
 class SystemFiles final : public settings::Files {
