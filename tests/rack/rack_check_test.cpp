@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -139,10 +140,116 @@ TEST_F(RackCheckTest, NamedFilesAreReadWithAllTheirErrors) {
   ASSERT_EQ(mfc.errors.size(), 2U);
   EXPECT_EQ(mfc.errors[0].file(), path("mfc.toml"));
   EXPECT_THAT(places(mfc), ElementsAre("2 MFCIO00", "3 MFCIO99"));
+}
 
+TEST_F(RackCheckTest, MissingFilesAreToldByTheirNames) {
+  const auto sentence = [this](const std::string& text) {
+    const RackCheck checked = check(text);
+    return checked.errors.size() == 1 ? checked.errors[0].text() : "not one error";
+  };
+  const std::string chip = "[[segment]]\n[[segment.device]]\ntype = \"tmc8461\"\n";
+  EXPECT_THAT(sentence(chip + "sii = \"no.bin\"\n"),
+              HasSubstr("rack.toml:4:7: cannot read the EEPROM image " + path("no.bin") +
+                        ": No such file or directory; check the path"));
+  EXPECT_THAT(sentence(chip + "mfc = \"no.toml\"\n"),
+              HasSubstr(path("no.toml") + ": cannot read the configuration: No such file"));
   EXPECT_THAT(
-      places(check("[[segment]]\n[[segment.device]]\ntype = \"tmc8461\"\nsii = \"no.bin\"\n")),
-      ElementsAre("4 sii"));
+      sentence("[[device]]\ntype = \"tmcm-142\"\nrs485 = \"pty:/tmp/x\"\n"
+               "program = \"no.tmc\"\n"),
+      HasSubstr("rack.toml:4:11: cannot read the program " + path("no.tmc") + ": No such file"));
+  // A folder can be opened, but not read.
+  EXPECT_THAT(sentence(chip + "sii = \".\"\n"),
+              HasSubstr("cannot read the EEPROM image " + path("") + ": Is a directory"));
+}
+
+TEST_F(RackCheckTest, KeysThatContradictEachOtherAreTold) {
+  write("pins.toml", "[pins]\nMFCIO00 = \"A\"\n");
+  write("image.bin", std::string(256, '\0'));
+  const std::string segment = "[[segment]]\n[[segment.device]]\ntype = ";
+  EXPECT_THAT(places(check(segment + "\"tmc8461\"\nmfc = \"pins.toml\"\nsii = \"image.bin\"\n")),
+              ElementsAre("4 mfc"));
+  const std::string module = segment + "\"tmcm-3315\"\nname = \"x\"\n";
+  EXPECT_THAT(places(check(module + "[[segment.device.axis]]\nload.end_stops = { minimum = 1, "
+                                    "maximum = -1 }\n")),
+              ElementsAre("6 end_stops"));
+  EXPECT_THAT(places(check(module + "[[fault]]\nkind = \"link-down\"\ndevice = \"x\"\nat = \"1s\"\n"
+                                    "when = { cycles = 5 }\n")),
+              ElementsAre("8 at"));
+  EXPECT_THAT(places(check(module + "[[event]]\nat = \"1s\"\naction = \"set\"\ndevice = \"x\"\n"
+                                    "input = \"input0\"\nvalue = 1\n"
+                                    "[[wire]]\nfrom = \"x.output0\"\nto = \"x.input0\"\n")),
+              ElementsAre("13 to"));
+  EXPECT_THAT(places(check(module + "[[wire]]\nfrom = \"x.output0\"\nto = \"x.input0\"\n"
+                                    "scale = 2\ninverted = true\n")),
+              ElementsAre("9 inverted"));
+  EXPECT_THAT(places(check(module + "[[event]]\nat = \"1s\"\naction = \"set\"\ndevice = \"x\"\n"
+                                    "input = \"input0\"\nvalue = 1\nover = \"5ms\"\n")),
+              ElementsAre("11 over"));
+}
+
+/// The text with the number of each repetition in place of "#".
+std::string repeated(const std::string& text, int count) {
+  std::string all;
+  for (int i = 0; i < count; ++i) {
+    const std::size_t number = text.find('#');
+    all += number == std::string::npos
+               ? text
+               : text.substr(0, number) + std::to_string(i) + text.substr(number + 1);
+  }
+  return all;
+}
+
+TEST_F(RackCheckTest, TenThousandErrorsAreAllTold) {
+  const std::string text =
+      "[[segment]]\n[[segment.device]]\ntype = \"tmcm-3315\"\nname = \"x\"\n" +
+      repeated("key# = 1\n", 4450) +
+      repeated("[[event]]\nat = \"1s\"\naction = \"break\"\ndevice = \"y#\"\n", 3000) +
+      repeated("[[line]]\nlink = \"pty:/#\"\n", 2000) +
+      repeated("[[bus]]\nbit_rate = 2\n[[bus.device]]\ntype = \"tmcc160\"\nname = \"d#\"\n", 50) +
+      repeated("[[fault]]\nname = \"#\"\nkind = \"none\"\n", 400) +
+      repeated("[[wire]]\nfrom = \"x.output0\"\nto = \"x.no#\"\n", 100);
+  const RackCheck checked = check(text);
+  EXPECT_EQ(checked.errors.size(), 10'000U);
+  EXPECT_TRUE(std::ranges::is_sorted(checked.errors, {}, &settings::Problem::line));
+  EXPECT_FALSE(checked.configuration.has_value());
+}
+
+TEST_F(RackCheckTest, WiringThatIsWrongMakesNoOtherKeyUnknown) {
+  const std::string text =
+      "[[segment]]\n[[segment.device]]\ntype = \"tmcm-3315\"\nname = \"x\"\nafter = \"y\"\nport = "
+      "1\n"
+      "entry_port = 1\ncable_delay = \"10ns\"\nforwarding_delay = \"1us\"\n";
+  EXPECT_THAT(places(check(text)), ElementsAre("5 after"));
+  EXPECT_THAT(places(check(text + "colour = 1\n")), ElementsAre("5 after"));
+}
+
+TEST_F(RackCheckTest, WhatIsNestedAThousandDeepIsRefused) {
+  constexpr int kDeep = 1000;
+  const auto sentence = [this](const std::string& name, const std::string& text) {
+    write(name, text);
+    const RackCheck checked = check_rack_file(path(name), devices::products());
+    EXPECT_FALSE(checked.configuration.has_value());
+    return checked.errors.size() == 1 ? checked.errors[0].text() : "not one error";
+  };
+  const auto is_too_deep = HasSubstr("deeper than 256");
+  EXPECT_THAT(sentence("a.toml", "segment = " + repeated("[", kDeep) + repeated("]", kDeep) + "\n"),
+              is_too_deep);
+  EXPECT_THAT(sentence("b.toml",
+                       "segment = " + repeated("{a = ", kDeep) + "1" + repeated("}", kDeep) + "\n"),
+              is_too_deep);
+  EXPECT_THAT(sentence("c.toml", "segment" + repeated(".a", kDeep) + " = 1\n"), is_too_deep);
+  EXPECT_THAT(sentence("d.toml", "[segment" + repeated(".a", kDeep) + "]\n"), is_too_deep);
+  EXPECT_THAT(
+      sentence("a.json", "{\"segment\": " + repeated("[", kDeep) + repeated("]", kDeep) + "}"),
+      is_too_deep);
+  EXPECT_THAT(sentence("b.json", repeated("{\"segment\": ", kDeep) + "1" + repeated("}", kDeep)),
+              is_too_deep);
+  const std::string change = "segment[0]" + repeated(".a", kDeep) + "=1";
+  write("e.toml", "");
+  const RackCheck changed =
+      check_rack_file(path("e.toml"), devices::products(), std::span(&change, 1));
+  ASSERT_EQ(changed.errors.size(), 2U);  // the rack is empty as well
+  EXPECT_THAT(changed.errors[1].text(), HasSubstr("no key is more than 256 deep"));
 }
 
 TEST_F(RackCheckTest, SignalsMustExistAndFilesMustBeWritable) {
