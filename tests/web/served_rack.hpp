@@ -45,13 +45,12 @@ class ServedRack {
         runner_(rack_, configuration_,
                 std::make_shared<spdlog::logger>("test",
                                                  std::make_shared<spdlog::sinks::null_sink_mt>())) {
-    server_ = std::make_unique<Server>(
-        ServerConfiguration{.address = {address, 0},
-                            .token = kToken,
-                            .limits = limits,
-                            .session = session,
-                            .catalogue = devices::products()},
-        rack_, configuration_, log_, runner_);
+    server_ = std::make_unique<Server>(ServerConfiguration{.address = {address, 0},
+                                                           .token = kToken,
+                                                           .limits = limits,
+                                                           .session = session,
+                                                           .catalogue = devices::products()},
+                                       rack_, configuration_, log_, runner_);
     runner_.start();
     server_->start();
   }

@@ -9,9 +9,9 @@
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/file/changes.hpp"
 #include "stator/rack/file/rack_file_error.hpp"
-#include "stator/settings/key.hpp"
 #include "stator/rack/file/system_files.hpp"
 #include "stator/settings/files.hpp"
+#include "stator/settings/key.hpp"
 #include "stator/settings/value.hpp"
 
 namespace stator::rack {
