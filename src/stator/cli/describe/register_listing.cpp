@@ -1,6 +1,8 @@
 #include "stator/cli/describe/register_listing.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,6 +20,25 @@ namespace {
 
 using ethercat::RegisterDescription;
 
+struct KnownPreset {
+  std::string product;
+  const ethercat::ControllerPreset* preset;
+};
+
+/// Those of all products, the larger controllers first.
+std::vector<KnownPreset> known_presets() {
+  std::vector<KnownPreset> known;
+  for (const auto& product : devices::products().products()) {
+    for (const ethercat::ControllerPreset& preset : product->controllers()) {
+      known.push_back({product->identity().type, &preset});
+    }
+  }
+  std::ranges::stable_sort(known, std::greater(), [](const KnownPreset& one) {
+    return one.preset->configuration.ram_kilobytes;
+  });
+  return known;
+}
+
 const ethercat::ControllerPreset& require_preset(const std::string& device,
                                                  const std::string& name) {
   if (const auto product = devices::products().find(device)) {
@@ -27,11 +48,9 @@ const ethercat::ControllerPreset& require_preset(const std::string& device,
     }
   }
   std::string known;
-  for (const auto& product : devices::products().products()) {
-    for (const ethercat::ControllerPreset& preset : product->controllers()) {
-      known += fmt::format("\n  {} --preset {}: {}", product->identity().type, preset.name,
-                           preset.summary);
-    }
+  for (const KnownPreset& each : known_presets()) {
+    known += fmt::format("\n  {} --preset {}: {}", each.product, each.preset->name,
+                         each.preset->summary);
   }
   throw Failure(fmt::format("there is no slave controller \"{}\"{}; those there are:{}", device,
                             name.empty() ? "" : fmt::format(" with preset \"{}\"", name), known));
