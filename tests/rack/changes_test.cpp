@@ -73,8 +73,8 @@ TEST(Changes, ThatAreNoneAreToldSo) {
   EXPECT_THAT(problems_with({"gantry", "gantry..x=1", "gantry.alias.x=1", "segment[5000].link=1"}),
               ElementsAre(HasSubstr("--set gantry: has no value; write PATH=VALUE"),
                           HasSubstr("a name is expected at \".x\""),
-                          HasSubstr("--set segment[5000].link=1: \"segment\" has no [5000]"),
-                          HasSubstr("\"alias\" must be a whole number")));
+                          HasSubstr("\"segment[0].device[0].alias\" is no table"),
+                          HasSubstr("--set segment[5000].link=1: \"segment\" has no [5000]")));
 }
 
 TEST(Changes, OfOneDeviceAsItLeavesItsBox) {

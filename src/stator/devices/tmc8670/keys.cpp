@@ -71,6 +71,10 @@ void refuse_name(settings::Reader& reader, const std::string& name) {
                           "\"6065\" or \"2030:03\"");
 }
 
+std::string unsuitable(const std::string& name, std::int64_t value, const std::string& reason) {
+  return '"' + name + "\" cannot be " + std::to_string(value) + ": " + reason;
+}
+
 void read_objects(const settings::KeyWords& key, settings::Reader& reader,
                   Tmc8670Configuration& configuration) {
   auto table = reader.section(key);
@@ -92,7 +96,7 @@ void read_objects(const settings::KeyWords& key, settings::Reader& reader,
     }
     object->bits = static_cast<std::uint64_t>(*value);
     if (const std::string reason = objection(dictionary, *object); !reason.empty()) {
-      table->refuse(name, '"' + name + "\" cannot be " + std::to_string(*value) + ": " + reason);
+      table->refuse(name, unsuitable(name, *value, reason));
       continue;
     }
     configuration.objects.push_back(*object);

@@ -64,6 +64,11 @@ Instructions image_in(const settings::FileContent& file, settings::Reader& reade
   return program;
 }
 
+std::string first_error(const std::string& path, const tmcl::Diagnostic& error) {
+  return path + ':' + std::to_string(error.line) + ':' + std::to_string(error.column) + ": " +
+         error.message + "; \"stator tmcl assemble " + path + "\" lists all errors";
+}
+
 /// All errors of a text are problems of its file, if everything is to be known.
 void refuse_text(const std::string& path, const std::vector<tmcl::Diagnostic>& diagnostics,
                  settings::Reader& reader) {
@@ -72,9 +77,7 @@ void refuse_text(const std::string& path, const std::vector<tmcl::Diagnostic>& d
       continue;
     }
     if (!reader.problems().everything) {
-      reader.refuse("program", path + ':' + std::to_string(each.line) + ':' +
-                                   std::to_string(each.column) + ": " + each.message +
-                                   "; \"stator tmcl assemble " + path + "\" lists all errors");
+      reader.refuse("program", first_error(path, each));
       return;
     }
     reader.problems().list.emplace_back(path, static_cast<std::uint32_t>(each.line),
