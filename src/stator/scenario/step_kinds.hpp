@@ -11,7 +11,7 @@ namespace stator::scenario {
 struct StepKind {
   std::string_view name;
   std::string_view summary;
-  /// Throws RackFileError where it cannot go on.
+  /// Ends reading where it cannot go on.
   ReadStep (*read)(rack::TableReader& section, StepReader& reader);
   /// It looks and does nothing: what it looks for may have happened since the last step that did.
   bool looks = false;

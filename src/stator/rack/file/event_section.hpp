@@ -17,7 +17,7 @@ class EventSectionReader {
   explicit EventSectionReader(const RackConfiguration& rack) : rack_(rack), targets_(rack) {}
 
   /// Reads one [[event]], its time, its action and what the action acts upon, and appends what it
-  /// makes happen. Throws RackFileError for a device, port, cable or input that is not in the rack.
+  /// makes happen. Ends reading for a device, port, cable or input that is not in the rack.
   void read(TableReader& section, std::vector<EventConfiguration>& events);
   /// The same of a table that says elsewhere when `action`, one of action_names(), happens, `at`
   /// after the rack's power-on. Does not look for keys that nobody asked for.

@@ -17,7 +17,7 @@ class FaultReader {
   /// `rack` must outlive the reader.
   explicit FaultReader(const RackConfiguration& rack) : rack_(rack), targets_(rack) {}
 
-  /// Throws RackFileError for what does not exist or does not fit.
+  /// Ends reading for what does not exist or does not fit.
   [[nodiscard]] FaultConfiguration read(TableReader& section);
 
  private:

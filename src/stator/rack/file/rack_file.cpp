@@ -104,13 +104,9 @@ void read_segment_device(TableReader& section, DeviceReading& reading,
   read_device(section, reading, NetworkKind::segment, [&](DeviceConfiguration device) {
     read_eoe(section, reading.catalogue, device);
     read_host_link(section, reading.catalogue, device);
-    // Of wiring that is wrong not all keys were asked for, so none can be called unknown.
-    if (section.attempt([&] { read_wiring(section, devices, device); })) {
-      section.finish();
-    }
-    if (!section.describes()) {
-      devices.push_back(std::move(device));
-    }
+    devices.push_back(std::move(device));
+    section.attempt([&] { read_wiring(section, devices); });
+    section.finish();
   });
 }
 

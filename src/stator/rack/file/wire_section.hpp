@@ -17,7 +17,7 @@ class WireSectionReader {
   /// `rack` must outlive the reader.
   explicit WireSectionReader(const RackConfiguration& rack) : rack_(rack) {}
 
-  /// Reads one [[wire]]. Throws RackFileError for a device, signal or input that is not in the
+  /// Reads one [[wire]]. Ends reading for a device, signal or input that is not in the
   /// rack, for an input that has a wire or an event, and for wires that form a ring.
   [[nodiscard]] WireConfiguration read(TableReader& section);
 

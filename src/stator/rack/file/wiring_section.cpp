@@ -65,16 +65,27 @@ void require_free_port(TableReader& section, std::span<const DeviceConfiguration
 
 }  // namespace
 
-void read_wiring(TableReader& section, std::span<const DeviceConfiguration> before,
-                 DeviceConfiguration& device) {
+void read_wiring(TableReader& section, std::span<DeviceConfiguration> devices) {
+  DeviceConfiguration& device = devices.back();
+  const std::span<const DeviceConfiguration> before = devices.first(devices.size() - 1);
   WiringConfiguration& wiring = device.wiring;
-  if (const auto after = section.text({"after",
-                                       "Name of the device it hangs at, one above it in the same "
-                                       "segment; by default the one above"})) {
+  // All keys are read before one can end the reading, so that none is called unknown.
+  const auto after = section.text({"after",
+                                   "Name of the device it hangs at, one above it in the same "
+                                   "segment; by default the one above"});
+  const auto port = section.integer(
+      {"port", "Port of that device; by default the one away from the master"}, 0, 3);
+  section.note_default("entry_port", "0");
+  const auto entry_port =
+      section.integer({"entry_port", "Port of this device towards the master"}, 0, 3);
+  section.duration({"cable_delay", "Of the cable in front of it, one way"}, 0_ns, kLongestDelay,
+                   wiring.cable_delay);
+  device.forwarding_delay = section.duration(
+      {"forwarding_delay", "Of its slave controller, from port to port"}, 40_ns, kLongestDelay);
+  if (after) {
     wiring.after = read_after(section, *after, before);
   }
-  if (const auto port = section.integer(
-          {"port", "Port of that device; by default the one away from the master"}, 0, 3)) {
+  if (port) {
     wiring.port = static_cast<unsigned>(*port);
     if (before.empty()) {
       section.refuse(
@@ -83,19 +94,11 @@ void read_wiring(TableReader& section, std::span<const DeviceConfiguration> befo
           "cable is \"entry_port\"");
     }
   }
-  section.note_default("entry_port", "0");
-  if (const auto port =
-          section.integer({"entry_port", "Port of this device towards the master"}, 0, 3)) {
-    wiring.entry_port = static_cast<unsigned>(*port);
+  if (entry_port) {
+    wiring.entry_port = static_cast<unsigned>(*entry_port);
     require_port(section, "entry_port", wiring.entry_port, device);
   }
-  section.duration({"cable_delay", "Of the cable in front of it, one way"}, 0_ns, kLongestDelay,
-                   wiring.cable_delay);
-  device.forwarding_delay = section.duration(
-      {"forwarding_delay", "Of its slave controller, from port to port"}, 40_ns, kLongestDelay);
   if (!before.empty()) {
-    std::vector<DeviceConfiguration> devices(before.begin(), before.end());
-    devices.push_back(device);
     require_free_port(section, before, attachment_of(devices, before.size()));
   }
 }

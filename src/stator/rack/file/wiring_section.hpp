@@ -7,10 +7,9 @@
 
 namespace stator::rack {
 
-/// Reads where a device hangs and how long cable and device delay a frame: the keys `after`,
-/// `port`, `entry_port`, `cable_delay` and `forwarding_delay`. `before` are the devices above it in
-/// the segment. Throws RackFileError for a device or port that does not exist or is taken.
-void read_wiring(TableReader& section, std::span<const DeviceConfiguration> before,
-                 DeviceConfiguration& device);
+/// Reads where the last one of `devices` hangs and how long cable and device delay a frame: the
+/// keys `after`, `port`, `entry_port`, `cable_delay` and `forwarding_delay`. The others are above
+/// it in the segment. Ends reading for a device or port that does not exist or is taken.
+void read_wiring(TableReader& section, std::span<DeviceConfiguration> devices);
 
 }  // namespace stator::rack
