@@ -35,7 +35,7 @@ class StepReader {
   [[nodiscard]] rack::EventSectionReader& events() { return events_; }
   [[nodiscard]] rack::FaultReader& faults() { return faults_; }
 
-  /// The device that `device` names; a rack with one needs no name. Ends reading.
+  /// The device that `device` names; a rack with one needs no name. Ends reading where there is none.
   [[nodiscard]] rack::DeviceAddress device(rack::TableReader& section);
   /// The same for a step that may do without; nothing: the key is not there.
   [[nodiscard]] std::optional<rack::DeviceAddress> any_device(rack::TableReader& section);
@@ -44,9 +44,9 @@ class StepReader {
   }
   /// `axis`, 0 without it.
   [[nodiscard]] static unsigned axis(rack::TableReader& section);
-  /// `segment`, counted from 0, which is the default. Ends reading.
+  /// `segment`, counted from 0, which is the default. Ends reading where there is none.
   [[nodiscard]] std::size_t segment(rack::TableReader& section) const;
-  /// `bus`, the first one with a wire by default. Ends reading.
+  /// `bus`, the first one with a wire by default. Ends reading where there is none.
   [[nodiscard]] std::size_t bus(rack::TableReader& section) const;
   /// `within`, how long something is waited for at most.
   [[nodiscard]] static base::SimDuration within(rack::TableReader& section,

@@ -9,7 +9,7 @@
 namespace stator::rack {
 
 /// Reads the [[bus]] tables of a rack file and appends them to `buses`. The names of buses and
-/// their devices become some of its names. Ends reading.
+/// their devices become some of its names.
 void read_buses(TableReader& root, DeviceReading& reading, std::vector<BusConfiguration>& buses);
 
 }  // namespace stator::rack

@@ -11,12 +11,12 @@
 namespace stator::rack {
 
 /// Reads the lines to which a device's serial interfaces are connected: keys of the interfaces'
-/// names. Ends reading.
+/// names.
 [[nodiscard]] std::vector<SerialConnection> read_serial_connections(
     TableReader& section, const product::Identity& identity);
 
 /// Reads the [[device]] tables of a rack file: devices that are reached over serial lines only.
-/// They get a bus without wire, which becomes the last of `buses`. Ends reading.
+/// They get a bus without wire, which becomes the last of `buses`.
 void read_line_devices(TableReader& root, DeviceReading& reading,
                        std::vector<BusConfiguration>& buses);
 
