@@ -35,7 +35,8 @@ class StepReader {
   [[nodiscard]] rack::EventSectionReader& events() { return events_; }
   [[nodiscard]] rack::FaultReader& faults() { return faults_; }
 
-  /// The device that `device` names; a rack with one needs no name. Ends reading where there is none.
+  /// The device that `device` names; a rack with one needs no name. Ends reading where there is
+  /// none.
   [[nodiscard]] rack::DeviceAddress device(rack::TableReader& section);
   /// The same for a step that may do without; nothing: the key is not there.
   [[nodiscard]] std::optional<rack::DeviceAddress> any_device(rack::TableReader& section);
