@@ -110,7 +110,7 @@ base::Expected<void, std::string> set(Value& root, std::span<const PathStep> pat
       auto* const table = target->find<Table>();
       if (table == nullptr) {
         return base::Unexpected{
-            fmt::format("\"{}\" is no table, so it has no \"{}\"", passed, *name)};
+            fmt::format(R"("{}" is no table, so it has no "{}")", passed, *name)};
       }
       target = &(*table)[*name];
       passed += (passed.empty() ? "" : ".") + *name;

@@ -81,7 +81,7 @@ constexpr std::array kDcMotorRules{settings::Rule<DcMotorParameters>{
     "static_friction",
     [](const DcMotorParameters& motor, const settings::Reader& /*reader*/) -> std::string {
       return motor.static_friction < motor.coulomb_friction
-                 ? "\"static_friction\" must not be below \"coulomb_friction\""
+                 ? R"("static_friction" must not be below "coulomb_friction")"
                  : "";
     }}};
 

@@ -62,7 +62,7 @@ constexpr std::array kThreePhaseMotorRules{settings::Rule<ThreePhaseMotorParamet
     "static_friction",
     [](const ThreePhaseMotorParameters& motor, const settings::Reader& /*reader*/) -> std::string {
       return motor.static_friction < motor.coulomb_friction
-                 ? "\"static_friction\" must not be below \"coulomb_friction\""
+                 ? R"("static_friction" must not be below "coulomb_friction")"
                  : "";
     }}};
 

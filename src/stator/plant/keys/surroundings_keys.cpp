@@ -38,7 +38,7 @@ constexpr std::array kLoadRules{settings::Rule<MechanicalLoad>{
     "end_stop_minimum",
     [](const MechanicalLoad& load, const settings::Reader& /*reader*/) -> std::string {
       return load.end_stop_minimum >= load.end_stop_maximum
-                 ? "\"end_stop_minimum\" must lie below \"end_stop_maximum\""
+                 ? R"("end_stop_minimum" must lie below "end_stop_maximum")"
                  : "";
     }}};
 
@@ -118,7 +118,7 @@ constexpr std::array kSwitchRules{settings::Rule<PositionSwitch>{
     "pressed_from",
     [](const PositionSwitch& position_switch, const settings::Reader& /*reader*/) -> std::string {
       return position_switch.pressed_from > position_switch.pressed_to
-                 ? "\"pressed_from\" must not lie above \"pressed_to\""
+                 ? R"("pressed_from" must not lie above "pressed_to")"
                  : "";
     }}};
 
