@@ -220,7 +220,7 @@ TEST_F(RackCheckTest, WiringThatIsWrongMakesNoOtherKeyUnknown) {
       "1\n"
       "entry_port = 1\ncable_delay = \"10ns\"\nforwarding_delay = \"1us\"\n";
   EXPECT_THAT(places(check(text)), ElementsAre("5 after"));
-  EXPECT_THAT(places(check(text + "colour = 1\n")), ElementsAre("5 after"));
+  EXPECT_THAT(places(check(text + "colour = 1\n")), ElementsAre("5 after", "10 colour"));
 }
 
 TEST_F(RackCheckTest, WhatIsNestedAThousandDeepIsRefused) {

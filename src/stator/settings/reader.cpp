@@ -93,7 +93,7 @@ std::optional<std::string> Reader::one_of(const KeyWords& key, std::string value
   if (choices.contains(value)) {
     return value;
   }
-  refuse(key.name, fmt::format("\"{}\" is \"{}\"{}; it must be one of: {}", key.name, value,
+  refuse(key.name, fmt::format(R"("{}" is "{}"{}; it must be one of: {})", key.name, value,
                                guess_text(value, choices), joined(choices)));
   return std::nullopt;
 }
@@ -177,8 +177,7 @@ std::optional<base::SimDuration> Reader::duration(const KeyWords& key, base::Sim
   const std::optional<base::SimDuration> value = parse_duration(*text);
   if (!value) {
     refuse(key.name,
-           fmt::format("\"{}\" is \"{}\"; write a number with its unit, e.g. \"1ms\", \"250us\", "
-                       "\"2s\"",
+           fmt::format(R"("{}" is "{}"; write a number with its unit, e.g. "1ms", "250us", "2s")",
                        key.name, *text));
     return std::nullopt;
   }
@@ -208,7 +207,7 @@ std::optional<std::vector<std::string>> Reader::texts_of(const KeyWords& key, co
     }
   }
   if (array == nullptr || values.size() != array->size()) {
-    refuse(key.name, fmt::format("\"{}\" must be a list of texts, e.g. [\"a\", \"b\"]", key.name));
+    refuse(key.name, fmt::format(R"("{}" must be a list of texts, e.g. ["a", "b"])", key.name));
     return std::nullopt;
   }
   return values;
@@ -316,7 +315,7 @@ void Reader::texts(const KeyWords& key, std::vector<std::string>& target) {
 }
 
 std::string Reader::output(const KeyWords& key) {
-  const std::string path = text(key).value_or("");
+  std::string path = text(key).value_or("");
   if (problems().everything && reading_->files != nullptr && !path.empty()) {
     if (const std::string problem = reading_->files->output_problem(path); !problem.empty()) {
       refuse(key.name, problem);

@@ -19,7 +19,7 @@ Value& Value::operator=(Value&& other) noexcept = default;
 Value::~Value() = default;
 
 const Value* Value::at(std::string_view name) const {
-  const Table* const table = find<Table>();
+  const auto* const table = find<Table>();
   if (table == nullptr) {
     return nullptr;
   }
@@ -28,7 +28,7 @@ const Value* Value::at(std::string_view name) const {
 }
 
 bool Value::is_list_of_tables() const {
-  const List* const list = find<List>();
+  const auto* const list = find<List>();
   return list != nullptr && !list->empty() &&
          std::ranges::all_of(*list, [](const Value& element) { return element.is<Table>(); });
 }
