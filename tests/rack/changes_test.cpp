@@ -87,6 +87,16 @@ TEST(Changes, OfOneDeviceAsItLeavesItsBox) {
   EXPECT_EQ(*drive.buses.at(0).devices.at(0).setup.node_id(), 9);
 }
 
+TEST(Changes, OfOneDeviceAreNamedWhereTheyAreWrong) {
+  try {
+    static_cast<void>(load_single_device("tmcm-3315", devices::products(),
+                                         std::vector<std::string>{"tmcm-3315.alias=-1"}));
+    FAIL() << "it was taken";
+  } catch (const RackFileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("--set tmcm-3315.alias=-1: \"alias\" is -1"));
+  }
+}
+
 TEST(Changes, WithoutAnyNothingChanges) {
   EXPECT_THAT(problems_with({}), IsEmpty());
 }

@@ -8,8 +8,8 @@
 
 namespace stator::cli {
 
-void add_set_option(CLI::App& command, std::vector<std::string>& changes) {
-  command
+CLI::Option* add_set_option(CLI::App& command, std::vector<std::string>& changes) {
+  return command
       .add_option(
           "--set", changes,
           "Change a value of the rack, as often as needed, e.g. gantry.axis[1].load.inertia=2e-4 "

@@ -8,13 +8,14 @@
 
 namespace CLI {
 class App;
+class Option;
 }
 
 namespace stator::cli {
 
 /// Adds --set, which changes single values of the rack the command takes (rack::apply_changes);
 /// `changes` must outlive the command.
-void add_set_option(CLI::App& command, std::vector<std::string>& changes);
+CLI::Option* add_set_option(CLI::App& command, std::vector<std::string>& changes);
 
 /// Reads the duration given with option `name`. Throws Failure if `text` is none or not positive.
 [[nodiscard]] base::SimDuration duration_option(const std::string& name, const std::string& text);

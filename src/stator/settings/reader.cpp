@@ -41,13 +41,13 @@ const Value* Reader::find(const KeyWords& key, ValueForm form) {
 }
 
 Problem Reader::problem_at(const std::string& key, const std::string& reason) const {
-  if (reading_->file.empty()) {
-    return Problem(reason);
-  }
   const Value* const node = table_->at(key);
   const Place& place = node != nullptr ? node->place() : table_->place();
-  return {place.source != nullptr ? *place.source : reading_->file, place.line, place.column, key,
-          fmt::format("{} in {}", reason, path_)};
+  const std::string& file = place.source != nullptr ? *place.source : reading_->file;
+  if (file.empty()) {
+    return Problem(reason);
+  }
+  return {file, place.line, place.column, key, fmt::format("{} in {}", reason, path_)};
 }
 
 void Reader::refuse_missing(const std::string& key, const std::string& explanation) {

@@ -27,7 +27,7 @@ void add_bus_options(CLI::App& command, BusOptions& options) {
                                   "Rack file: run its first segment in this process, in lockstep");
   auto* device = command.add_option("--device", options.device,
                                     "Product: run one such device in this process, in lockstep");
-  add_set_option(command, options.changes);
+  add_set_option(command, options.changes)->excludes(link);
   link->excludes(rack)->excludes(device);
   rack->excludes(device);
   command.add_option("--capture", options.capture, "Write all frames to this pcap file");

@@ -15,6 +15,7 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
 #include "stator/cli/program_version.hpp"
+#include "stator/rack/file/changes.hpp"
 #include "stator/rack/file/rack_file_steps.hpp"
 #include "stator/settings/value.hpp"
 
@@ -92,10 +93,13 @@ fs::path kept_folder(const fs::path& folder, const std::vector<fs::path>& paths)
 }
 
 /// Keeps a rack file and what it names, as they lie to each other.
-void keep_rack(const fs::path& rack, RecordingHeader& header) {
+void keep_rack(const fs::path& rack, rack::Changes changes, RecordingHeader& header) {
   const std::string text = read_file(rack.string());
+  settings::Value tree = rack::parse_rack_tree(text, rack.string());
+  settings::Problems problems;  // the rack runs, so there are none
+  rack::apply_changes(changes, tree, problems);
   std::vector<fs::path> paths;
-  collect(rack::parse_rack_tree(text, rack.string()), paths);
+  collect(tree, paths);
   const fs::path folder = kept_folder(rack.parent_path(), paths);
   const auto keep = [&](const fs::path& path, std::string content) {
     const std::string name = (folder / path).lexically_normal().generic_string();
@@ -159,7 +163,7 @@ RecordingHeader header_of(const RunOptions& options, const rack::RackConfigurati
   keep("count", std::to_string(options.count));
   keep("no-emergencies", options.no_emergencies ? "true" : "");
   if (!options.rack_file.empty()) {
-    keep_rack(options.rack_file, header);
+    keep_rack(options.rack_file, options.changes, header);
   }
   if (!configuration.state.empty()) {
     keep("state", "kept");

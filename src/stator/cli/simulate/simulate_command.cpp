@@ -258,8 +258,9 @@ void simulate(const experiment::Experiment& experiment, const SimulateOptions& o
 }
 
 void add_axis_options(CLI::App& command, SimulateOptions& options) {
-  command.add_option("rack", options.rack_file, "Rack file whose axis is put on the bench");
-  add_set_option(command, options.rack_changes);
+  CLI::Option* const rack =
+      command.add_option("rack", options.rack_file, "Rack file whose axis is put on the bench");
+  add_set_option(command, options.rack_changes)->needs(rack);
   command.add_option("--device", options.device, "Device of the rack file; else its first");
   command.add_option("-a,--axis", options.axis, "Axis of the device")->capture_default_str();
   command.add_option("--motor", options.motor,

@@ -100,12 +100,18 @@ plant::MotorParameters motor_named(const std::string& name) {
       fmt::format("motor \"{}\" is not known; the motors are: {}", name, fmt::join(names, ", ")));
 }
 
+/// One as it leaves its box, with what --set changes of it.
+Target target_as_delivered(const std::string& type, const TuneOptions& options) {
+  const rack::RackConfiguration rack =
+      rack::load_single_device(type, devices::products(), options.changes);
+  return {.setup = rack.segments.front().devices.front().setup, .name = type, .as_delivered = true};
+}
+
 Target target_of(const TuneOptions& options) {
   const auto product = devices::products().find(options.target);
-  Target target = product && product->tuning() != nullptr ? Target{.setup = product->defaults(),
-                                                                   .name = product->identity().type,
-                                                                   .as_delivered = true}
-                                                          : target_from_rack(options);
+  Target target = product && product->tuning() != nullptr
+                      ? target_as_delivered(options.target, options)
+                      : target_from_rack(options);
   if (!options.motor.empty()) {
     target.axis().motor = motor_named(options.motor);
   }

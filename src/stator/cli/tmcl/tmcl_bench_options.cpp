@@ -43,6 +43,14 @@ product::Setup setup_in_rack(const TmclBenchOptions& options) {
                                         options.rack_device, fmt::join(names, ", ")));
 }
 
+/// The product, with what --set changes of it.
+product::Setup setup_as_delivered(const TmclBenchOptions& options) {
+  const rack::RackConfiguration rack =
+      rack::load_single_device(options.device, devices::products(), options.changes);
+  return rack.segments.empty() ? rack.buses.front().devices.front().setup
+                               : rack.segments.front().devices.front().setup;
+}
+
 }  // namespace
 
 void add_module_options(CLI::App& command, TmclBenchOptions& options) {
@@ -76,7 +84,7 @@ tmcl_tools::TmclModule make_tmcl_module(const TmclBenchOptions& options,
                                         base::EventReporter reporter) {
   static_cast<void>(tmcl_module(options.device));
   const product::Setup setup =
-      options.rack_file.empty() ? find_product(options.device)->defaults() : setup_in_rack(options);
+      options.rack_file.empty() ? setup_as_delivered(options) : setup_in_rack(options);
   std::unique_ptr<product::Device> device = setup.make(reporter);
   tmcl::Firmware* const firmware = device->tmcl_firmware();
   return {std::move(device), firmware};

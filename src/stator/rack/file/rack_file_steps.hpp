@@ -24,8 +24,10 @@ template <typename Read>
 void read_tree(const settings::Value& tree, const std::string& name, const std::string& path,
                const Read& read, const settings::Files& files = system_files()) {
   if (!tree.is<settings::Table>()) {
-    throw RackFileError(settings::Problem(name, tree.place().line, tree.place().column, "",
-                                          path + " must be a table"));
+    const std::string reason = path + " must be a table";
+    throw RackFileError(
+        name.empty() ? settings::Problem(reason)
+                     : settings::Problem(name, tree.place().line, tree.place().column, "", reason));
   }
   settings::Problems problems;
   const settings::Reading reading{problems, &files, name};
