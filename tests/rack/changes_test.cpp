@@ -101,5 +101,14 @@ TEST(Changes, WithoutAnyNothingChanges) {
   EXPECT_THAT(problems_with({}), IsEmpty());
 }
 
+TEST(Changes, FilesThatTheyNameAreAmongThoseOfTheRack) {
+  const std::string board = STATOR_SOURCE_DIR "/racks/io-board.toml";
+  EXPECT_THAT(load_rack_file(board, devices::products()).named_files,
+              ElementsAre("../examples/mfc/io-board.toml"));
+  const std::vector<std::string> change{"segment[0].device[0].mfc=../examples/mfc/./io-board.toml"};
+  EXPECT_THAT(load_rack_file(board, devices::products(), change).named_files,
+              ElementsAre("../examples/mfc/./io-board.toml"));
+}
+
 }  // namespace
 }  // namespace stator::rack

@@ -112,5 +112,18 @@ TEST(Reader, ListsOfTablesAreReadOneByOne) {
   EXPECT_THAT(other.problems(), ElementsAre(HasSubstr("must be written as [[t]]")));
 }
 
+TEST(Reader, NotesTheFilesThatKeysNameAsTheyNameThem) {
+  const Value tree(
+      Table{{"image", Value(std::string("../b.bin"))}, {"log", Value(std::string("c.log"))}});
+  Problems problems;
+  std::vector<std::string> named;
+  const Reading reading{problems, nullptr, "a.toml", &named};
+  Reader reader(reading, "the file", tree);
+  EXPECT_EQ(reader.file("image", "image"), std::nullopt) << "nobody opens files here";
+  EXPECT_EQ(reader.file("other", "image"), std::nullopt);
+  EXPECT_EQ(reader.output("log"), "c.log");
+  EXPECT_THAT(named, ElementsAre("../b.bin")) << "what is written is not read";
+}
+
 }  // namespace
 }  // namespace stator::settings

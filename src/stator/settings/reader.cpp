@@ -324,8 +324,16 @@ std::string Reader::output(const KeyWords& key) {
   return path;
 }
 
+std::optional<std::string> Reader::file_name(const KeyWords& key) {
+  std::optional<std::string> name = text(key);
+  if (name && reading_->named_files != nullptr) {
+    reading_->named_files->push_back(*name);
+  }
+  return name;
+}
+
 std::optional<FileContent> Reader::file(const KeyWords& key, std::string_view what) {
-  const std::optional<std::string> name = text(key);
+  const std::optional<std::string> name = file_name(key);
   if (!name || reading_->files == nullptr) {
     return std::nullopt;
   }

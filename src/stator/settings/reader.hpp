@@ -44,6 +44,8 @@ struct Reading {
   /// Those the tree names; null: none are read or looked at.
   const Files* files = nullptr;
   std::string file{};  ///< that the tree comes from; empty: none, problems tell no place
+  /// Gets the files that keys of the tree name to be read, as they name them; null: nobody asks.
+  std::vector<std::string>* named_files = nullptr;
 };
 
 /// Reads one table key by key and remembers which keys exist, so that finish() can refuse those
@@ -181,6 +183,8 @@ class Reader {
   /// The name of a file to be written; empty if it is not there. Where everything is to be known,
   /// it is looked at whether it can be.
   std::string output(const KeyWords& key);
+  /// The name, as it is written, of a file to be read, for keys whose files file() cannot read.
+  std::optional<std::string> file_name(const KeyWords& key);
   /// What is in the file that `key` names relative to the file this table comes from. `what` is
   /// what people call it, e.g. "EEPROM image".
   std::optional<FileContent> file(const KeyWords& key, std::string_view what);

@@ -1,7 +1,6 @@
 #include "stator/cli/run/session_files.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstddef>
 #include <cstdlib>
@@ -15,9 +14,6 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
 #include "stator/cli/program_version.hpp"
-#include "stator/rack/file/changes.hpp"
-#include "stator/rack/file/rack_file_steps.hpp"
-#include "stator/settings/value.hpp"
 
 namespace stator::cli {
 
@@ -28,8 +24,6 @@ using replay::RecordingHeader;
 
 constexpr std::string_view kRackFolder = "rack/";
 constexpr std::string_view kStateFolder = "state/";
-/// Keys of a rack file whose values are files beside it.
-constexpr std::array<std::string_view, 3> kFileKeys{"sii", "mfc", "program"};
 
 /// The options that decide what a rack does, in both directions.
 template <typename Options, typename Text, typename List>
@@ -45,32 +39,19 @@ void for_each_option(Options& options, const Text& text, const List& list) {
   list("set", options.changes);
 }
 
-/// Adds the files that a rack file names to `paths`, from the rack file's folder.
-void collect(const settings::Value& node, std::vector<fs::path>& paths) {
-  if (const auto* const list = node.find<settings::List>()) {
-    for (const settings::Value& element : *list) {
-      collect(element, paths);
-    }
-  }
-  const auto* const table = node.find<settings::Table>();
-  if (table == nullptr) {
-    return;
-  }
-  for (const auto& [key, value] : *table) {
-    const auto* const text = value.find<std::string>();
-    if (text == nullptr || std::ranges::find(kFileKeys, key) == kFileKeys.end()) {
-      collect(value, paths);
-      continue;
-    }
-    const fs::path path = fs::path(*text).lexically_normal();
-    if (path.is_absolute()) {
+/// Files that a rack file names, from the rack file's folder.
+std::vector<fs::path> paths_of(const std::vector<std::string>& named_files) {
+  std::vector<fs::path> paths;
+  for (const std::string& name : named_files) {
+    paths.push_back(fs::path(name).lexically_normal());
+    if (paths.back().is_absolute()) {
       throw Failure(fmt::format(
           "a recording keeps the files that the rack file names, and \"{}\" would lie elsewhere on "
           "another machine; name it as it lies beside the rack file",
-          *text));
+          name));
     }
-    paths.push_back(path);
   }
+  return paths;
 }
 
 /// The rack file's folder with as many of those around it as `paths` climb up: below it they and
@@ -93,20 +74,16 @@ fs::path kept_folder(const fs::path& folder, const std::vector<fs::path>& paths)
 }
 
 /// Keeps a rack file and what it names, as they lie to each other.
-void keep_rack(const fs::path& rack, rack::Changes changes, RecordingHeader& header) {
-  const std::string text = read_file(rack.string());
-  settings::Value tree = rack::parse_rack_tree(text, rack.string());
-  settings::Problems problems;  // the rack runs, so there are none
-  rack::apply_changes(changes, tree, problems);
-  std::vector<fs::path> paths;
-  collect(tree, paths);
+void keep_rack(const fs::path& rack, const std::vector<std::string>& named_files,
+               RecordingHeader& header) {
+  const std::vector<fs::path> paths = paths_of(named_files);
   const fs::path folder = kept_folder(rack.parent_path(), paths);
   const auto keep = [&](const fs::path& path, std::string content) {
     const std::string name = (folder / path).lexically_normal().generic_string();
     header.files.emplace_back(std::string(kRackFolder) + name, std::move(content));
     return name;
   };
-  header.options.emplace_back("rack", keep(rack.filename(), text));
+  header.options.emplace_back("rack", keep(rack.filename(), read_file(rack.string())));
   for (const fs::path& path : paths) {
     keep(path, read_file((rack.parent_path() / path).string()));
   }
@@ -163,7 +140,12 @@ RecordingHeader header_of(const RunOptions& options, const rack::RackConfigurati
   keep("count", std::to_string(options.count));
   keep("no-emergencies", options.no_emergencies ? "true" : "");
   if (!options.rack_file.empty()) {
-    keep_rack(options.rack_file, options.changes, header);
+    keep_rack(options.rack_file, configuration.named_files, header);
+  } else if (!configuration.named_files.empty()) {
+    throw Failure(fmt::format(
+        "a recording keeps the files that a rack file names, and \"{}\" stands in a --set of a "
+        "device without one; write a rack file with the device to record it",
+        configuration.named_files.front()));
   }
   if (!configuration.state.empty()) {
     keep("state", "kept");

@@ -58,7 +58,7 @@ void take_over(const BoardIdentity& identity, Tmc8461Configuration& configuratio
 /// The EEPROM from a configuration of the I/O block; it says as well who the board is.
 void read_mfc_configuration_file(const settings::KeyWords& key, settings::Reader& reader,
                                  Tmc8461Configuration& configuration) {
-  const auto name = reader.text(key);
+  const auto name = reader.file_name(key);
   if (!name) {
     return;
   }

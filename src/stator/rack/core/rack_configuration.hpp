@@ -56,6 +56,8 @@ struct RackConfiguration {
   std::vector<EventConfiguration> events;  ///< in any order
   std::vector<FaultConfiguration> faults;
   std::vector<WireConfiguration> wires;  ///< one at most for each input
+  /// That devices were made of, e.g. EEPROM images, as the rack file names them.
+  std::vector<std::string> named_files;
 };
 
 }  // namespace stator::rack

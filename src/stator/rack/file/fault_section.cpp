@@ -99,6 +99,9 @@ std::string missing(const FaultParameter& parameter) {
 /// Reads a row of a table; given or by default.
 std::optional<FaultValue> value_of(TableReader& section, const FaultParameter& parameter) {
   auto value = given_value(section, parameter);
+  if (parameter.needed) {
+    section.note_required(std::string(parameter.name));
+  }
   if (!value && parameter.needed) {
     section.refuse(std::string(parameter.name), missing(parameter));
   }
@@ -180,11 +183,6 @@ FaultConfiguration FaultReader::read(TableReader& section) {
 }
 
 void FaultReader::read_target(TableReader& section, FaultConfiguration& fault) {
-  read_what_it_hits(section, fault);
-  section.note_required("device");
-}
-
-void FaultReader::read_what_it_hits(TableReader& section, FaultConfiguration& fault) {
   FaultTarget& target = fault.target;
   if (fault.kind->scope == FaultScope::bus) {
     read_bus_target(section, fault);
@@ -195,6 +193,7 @@ void FaultReader::read_what_it_hits(TableReader& section, FaultConfiguration& fa
     return;
   }
   target.device = targets_.read_target(section);
+  section.note_required("device");
   target.text = name_of(section, *target.device);
   const bool has_ports = section.describes() ? fault.kind->reach != FaultReach::can
                                              : target.device->kind == NetworkKind::segment;

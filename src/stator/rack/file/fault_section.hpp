@@ -24,7 +24,6 @@ class FaultReader {
   /// Nothing where a table is described.
   [[nodiscard]] std::string name_of(const TableReader& section, DeviceAddress device) const;
   void read_target(TableReader& section, FaultConfiguration& fault);
-  void read_what_it_hits(TableReader& section, FaultConfiguration& fault);
   void read_bus_target(TableReader& section, FaultConfiguration& fault);
   void read_line_target(TableReader& section, FaultConfiguration& fault);
   void check_reach(TableReader& section, const FaultConfiguration& fault) const;

@@ -225,6 +225,9 @@ RackConfiguration read_rack(TableReader& root, const product::Catalogue& catalog
     wire.attempt([&] { configuration.wires.push_back(wires.read(wire)); });
   }
   root.finish();
+  if (const auto* const names = root.reading().named_files) {
+    configuration.named_files = *names;
+  }
   return configuration;
 }
 

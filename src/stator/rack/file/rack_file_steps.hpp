@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "stator/product/catalogue/catalogue.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
@@ -30,7 +31,8 @@ void read_tree(const settings::Value& tree, const std::string& name, const std::
                      : settings::Problem(name, tree.place().line, tree.place().column, "", reason));
   }
   settings::Problems problems;
-  const settings::Reading reading{problems, &files, name};
+  std::vector<std::string> named_files;
+  const settings::Reading reading{problems, &files, name, &named_files};
   TableReader root(reading, path, tree);
   root.attempt([&] { read(root); });
   if (!problems.list.empty()) {

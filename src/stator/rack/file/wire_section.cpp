@@ -28,9 +28,7 @@ WireSectionReader::End WireSectionReader::read_end(TableReader& section,
       section.text({key, from ? "Device and signal that the wire begins at"
                               : "Device and input that the wire ends at"});
   if (section.describes()) {
-    if (from) {
-      section.note_required(key);
-    }
+    section.note_required(key);
     return {};
   }
   if (!text) {
