@@ -179,5 +179,72 @@ TEST(Keys, DescribeThemselves) {
   EXPECT_THAT(problems.list, IsEmpty());
 }
 
+struct Post {
+  std::optional<double> height{};
+  std::optional<std::string> label{};
+  std::optional<Colour> colour{};
+  double depth = 0.5;
+};
+
+constexpr std::array kPostRows{
+    needed(number<&Post::height>("height", {0, 9, "m"}, "Above the ground"), "it says how high"),
+    needed(word<&Post::colour>("colour", kColours, "Of the paint")),
+    text<&Post::label>("label", "On the post"),
+    number<&Post::depth>("depth", {0, 9, "m"}, "In the ground"),
+};
+constexpr std::array kPostRules{
+    Rule<Post>{.key = "depth",
+               .holds = [](const Post& post) { return !post.height || post.depth <= *post.height; },
+               .sentence = "it would not be seen"}};
+constinit const Section<Post> kPostKeys{kPostRows, kPostRules};
+
+/// What is told of a post, and whether it is good.
+std::vector<std::string> told_of_post(const std::string& toml, bool good) {
+  const Value tree = *formats::parse_toml(toml, "");
+  Problems problems;
+  const Reading reading{problems};
+  Reader reader(reading, "the post", tree);
+  Post post;
+  EXPECT_EQ(read_keys(kPostKeys, reader, post), good) << toml;
+  std::vector<std::string> told;
+  for (const Problem& problem : problems.list) {
+    told.push_back(problem.text());
+  }
+  return told;
+}
+
+TEST(Keys, ThatAreNeededAreMissedOneAtATime) {
+  EXPECT_THAT(told_of_post("height = 2\ncolour = \"red\"\nlabel = \"a\"\n", true), IsEmpty());
+  EXPECT_THAT(told_of_post("label = \"a\"\n", false),
+              ElementsAre("\"height\" is missing; it says how high"));
+  EXPECT_THAT(told_of_post("height = 2\n", false),
+              ElementsAre("\"colour\" is missing; it is one of: green, red"));
+  EXPECT_THAT(told_of_post("height = \"tall\"\ndepth = 5\n", false),
+              ElementsAre("\"height\" must be a number"))
+      << "rules look at posts that have a height only";
+  EXPECT_THAT(told_of_post("height = 2\ncolour = \"red\"\ndepth = 5\n", false),
+              ElementsAre("it would not be seen"));
+}
+
+TEST(Keys, ThatAreNeededAreDescribedAsSuch) {
+  const Value none(Table{});
+  TableDescription description;
+  Problems problems;
+  const Reading reading{problems};
+  Reader reader(reading, "the post", none, &description);
+  Post post;
+  EXPECT_TRUE(read_keys(kPostKeys, reader, post));
+  EXPECT_TRUE(description.find("height")->required);
+  EXPECT_TRUE(description.find("colour")->required);
+  EXPECT_FALSE(description.find("label")->required);
+  EXPECT_EQ(description.find("height")->default_value, "") << "it is optional";
+  EXPECT_THAT(problems.list, IsEmpty());
+}
+
+TEST(Words, AreFoundByWhatTheyStandFor) {
+  EXPECT_EQ(name_of(kColours, Colour::green), "green");
+  EXPECT_EQ(meaning_of<Colour>(kColours, "red"), Colour::red);
+}
+
 }  // namespace
 }  // namespace stator::settings

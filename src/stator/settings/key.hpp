@@ -16,6 +16,7 @@
 #include "stator/base/sim_time.hpp"
 #include "stator/settings/reader.hpp"
 #include "stator/settings/section.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::settings {
 
@@ -52,6 +53,12 @@ struct DurationRange {
 
 /// A word and the value it stands for.
 struct Word {
+  constexpr Word(std::string_view word, std::int64_t meaning) : name(word), value(meaning) {}
+  template <typename Meaning>
+  requires std::is_enum_v<Meaning>
+  constexpr Word(std::string_view word, Meaning meaning)
+      : Word(word, static_cast<std::int64_t>(meaning)) {}
+
   std::string_view name;
   std::int64_t value;
 };
@@ -66,6 +73,16 @@ constexpr Meaning meaning_of(std::span<const Word> words, std::string_view word)
   return static_cast<Meaning>(words[i].value);
 }
 
+/// The word for a value, which has one.
+template <typename Meaning>
+constexpr std::string_view name_of(std::span<const Word> words, Meaning meaning) {
+  std::size_t i = 0;
+  while (words[i].value != static_cast<std::int64_t>(meaning)) {
+    ++i;
+  }
+  return words[i].name;
+}
+
 /// One key of the struct `T`. Made by the functions below.
 template <typename T>
 struct Key {
@@ -76,6 +93,9 @@ struct Key {
   double minimum = 0.0;
   double maximum = 0.0;
   std::span<const Word> words{};
+  bool needed = false;  ///< the table says nothing without it
+  std::string_view
+      explanation{};  ///< told where a needed one is missing; empty: what the words are
   /// Reads the key into `target`, which has the default.
   void (*read)(const Key&, Reader&, T& target);
 
@@ -89,19 +109,49 @@ struct Key {
   }
 };
 
+namespace internal {
+
+/// Whether a key that is needed is there and has been read; what is wrong is told.
 template <typename T>
-void read_keys(const Section<T>& section, Reader& reader, T& target) {
+bool is_good(const Key<T>& key, Reader& reader) {
+  const std::string name(key.name);
+  reader.note_required(name);
+  if (reader.describes()) {
+    return true;
+  }
+  if (!reader.contains(name)) {
+    reader.refuse_missing(name, key.explanation.empty() ? "it is one of: " + joined(key.names())
+                                                        : std::string(key.explanation));
+  }
+  return !reader.is_refused(name);
+}
+
+}  // namespace internal
+
+template <typename T>
+bool read_keys(const Section<T>& section, Reader& reader, T& target) {
   if (section.when_given != nullptr) {
     section.when_given(target);
   }
   for (const Key<T>& key : section.keys) {
     key.read(key, reader, target);
   }
-  for (const Rule<T>& rule : section.rules) {
-    if (std::string sentence = rule.objection(target, reader); !sentence.empty()) {
-      reader.refuse(std::string(rule.key), sentence);
+  for (const Key<T>& key : section.keys) {
+    if (key.needed && !internal::is_good(key, reader)) {
+      return false;
     }
   }
+  bool good = true;
+  for (const Rule<T>& rule : section.rules) {
+    const std::string sentence = rule.objection != nullptr ? rule.objection(target, reader)
+                                 : rule.holds(target)      ? std::string()
+                                                           : std::string(rule.sentence);
+    if (!sentence.empty()) {
+      reader.refuse(std::string(rule.key), sentence);
+      good = false;
+    }
+  }
+  return good;
 }
 
 /// Reads a table that has the keys of the section and no others.
@@ -291,14 +341,22 @@ inline constexpr auto kReadKeys =
 inline constexpr auto kReadBoolean = [](const auto& key, Reader& reader, bool& member) {
   reader.boolean(key.key_words(), member);
 };
-inline constexpr auto kReadNumber = [](const auto& key, Reader& reader, double& member) {
-  reader.number(key.key_words(), key.minimum, key.maximum, member);
+inline constexpr auto kReadNumber = [](const auto& key, Reader& reader, auto& member) {
+  if constexpr (!kIsOptional<decltype(member)>) {
+    reader.number(key.key_words(), key.minimum, key.maximum, member);
+  } else if (const auto value = reader.number(key.key_words(), key.minimum, key.maximum)) {
+    member = *value;
+  }
 };
 inline constexpr auto kReadDegrees = [](const auto& key, Reader& reader, double& member) {
   reader.degrees(key.key_words(), key.minimum, key.maximum, member);
 };
-inline constexpr auto kReadText = [](const auto& key, Reader& reader, std::string& member) {
-  reader.text(key.key_words(), member);
+inline constexpr auto kReadText = [](const auto& key, Reader& reader, auto& member) {
+  if constexpr (!kIsOptional<decltype(member)>) {
+    reader.text(key.key_words(), member);
+  } else if (auto text = reader.text(key.key_words())) {
+    member = std::move(text);
+  }
 };
 inline constexpr auto kReadTexts = [](const auto& key, Reader& reader,
                                       std::vector<std::string>& member) {
@@ -322,7 +380,7 @@ constexpr auto boolean(std::string_view name, std::string_view summary) {
   return internal::row<internal::kReadBoolean, Path...>(name, summary);
 }
 
-/// A number.
+/// A number; into an optional member, too.
 template <auto... Path>
 constexpr auto number(std::string_view name, Range range, std::string_view summary) {
   return internal::row<internal::kReadNumber, Path...>(name, summary, range);
@@ -369,7 +427,7 @@ constexpr auto duration(std::string_view name, DurationRange range, std::string_
       name, summary, WholeRange{range.minimum.nanoseconds(), range.maximum.nanoseconds()});
 }
 
-/// A text.
+/// A text; into an optional member, too.
 template <auto... Path>
 constexpr auto text(std::string_view name, std::string_view summary) {
   return internal::row<internal::kReadText, Path...>(name, summary);
@@ -430,6 +488,15 @@ constexpr auto one_of(std::string_view name, std::string_view summary) {
 template <const auto& Below, auto... Path>
 constexpr auto keys() {
   return internal::row<internal::kReadKeys<Below>, Path...>({}, {});
+}
+
+/// A key without which the table says nothing. Where it is missing that is told with the
+/// explanation, e.g. "it says how long", for words also without one; of several the first.
+template <typename T>
+constexpr Key<T> needed(Key<T> key, std::string_view explanation = {}) {
+  key.needed = true;
+  key.explanation = explanation;
+  return key;
 }
 
 /// The keys of several arrays in one, in their order: what structs of several types have in common

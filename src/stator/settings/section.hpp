@@ -16,7 +16,10 @@ template <typename T>
 struct Rule {
   std::string_view key;  ///< that is refused
   /// The sentence against the values; empty: they are good.
-  std::string (*objection)(const T&, const Reader&);
+  std::string (*objection)(const T&, const Reader&) = nullptr;
+  // The same where the sentence is always the same.
+  bool (*holds)(const T&) = nullptr;
+  std::string_view sentence{};
 };
 
 /// The keys of one table, which fill a `T`. Who declares or reads one includes key.hpp.
@@ -29,7 +32,9 @@ struct Section {
 };
 
 /// Reads the keys of a section into `target`, where others may read further keys of the table.
+/// Returns whether what is needed is there and no rule of the section objects; rules are asked only
+/// where what is needed is there.
 template <typename T>
-void read_keys(const Section<T>& section, Reader& reader, T& target);
+bool read_keys(const Section<T>& section, Reader& reader, T& target);
 
 }  // namespace stator::settings
