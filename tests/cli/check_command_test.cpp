@@ -1,4 +1,3 @@
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -77,24 +76,12 @@ TEST(CheckCommand, ListsTheKeysForCompletion) {
                         "shaft\n"));
 }
 
-// STATOR_WRITE_RACK_REFERENCE=1 test_cli --gtest_filter='CheckCommand.*' renews the files.
-void expect_documented(const std::string& option, const std::string& file) {
-  const Outcome outcome = stator("check " + option);
-  EXPECT_EQ(outcome.status, 0);
-  const std::string path = STATOR_SOURCE_DIR "/docs/" + file;
-  if (std::getenv("STATOR_WRITE_RACK_REFERENCE") != nullptr) {  // NOLINT(concurrency-mt-unsafe)
-    std::ofstream(path) << outcome.output;
-  }
-  EXPECT_TRUE(tests::content(path) == outcome.output)
-      << path << " is out of date; the line above this test says how to renew it";
-}
-
 TEST(CheckCommand, ItsSchemaIsTheFileInTheDocumentation) {
-  expect_documented("--schema", "rack-file.schema.json");
+  tests::expect_documented("check --schema", "rack-file.schema.json");
 }
 
 TEST(CheckCommand, ItsReferenceIsThePageInTheDocumentation) {
-  expect_documented("--reference", "rack-file-keys.md");
+  tests::expect_documented("check --reference", "rack-file-keys.md");
 }
 
 }  // namespace

@@ -57,6 +57,10 @@ struct TableVariant {
 /// The keys of one table.
 struct TableDescription {
   std::deque<KeyDescription> keys;
+  /// The keys are those of another kind of file, "rack-file", or of an array in it,
+  /// "rack-file#fault": docs/rack-file-keys.md and docs/rack-file.schema.json have them. Empty:
+  /// they stand here only.
+  std::string kind_of_file;
   /// Names are the user's; the only key stands for all of them.
   bool free_names = false;
   std::string selector;  ///< key whose value decides about further keys; empty: none

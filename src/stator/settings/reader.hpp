@@ -177,6 +177,8 @@ class Reader {
   }
   /// Says that the table needs a key.
   void note_required(const std::string& key);
+  /// Says that the table has the keys of another file: TableDescription::kind_of_file.
+  void note_kind_of_file(std::string_view kind);
   /// Says what stands for a key that is not there, where no target shows it.
   void note_default(const KeyWords& key, const std::string& written);
 

@@ -17,6 +17,12 @@ void Reader::note_required(const std::string& key) {
   }
 }
 
+void Reader::note_kind_of_file(std::string_view kind) {
+  if (description_ != nullptr) {
+    description_->kind_of_file = kind;
+  }
+}
+
 void Reader::note_default(const KeyWords& key, const std::string& written) {
   if (description_ == nullptr || contains(key.name)) {
     return;

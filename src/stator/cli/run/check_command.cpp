@@ -8,12 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "stator/cli/commands.hpp"
-#include "stator/cli/describe/rack_reference.hpp"
+#include "stator/cli/describe/key_reference.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/option_values.hpp"
 #include "stator/cli/run/serial_lines.hpp"
 #include "stator/devices/catalogue/products.hpp"
-#include "stator/formats/json/schema.hpp"
 #include "stator/link/ethernet/link_address.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_check.hpp"
@@ -27,10 +26,25 @@ struct CheckOptions {
   std::string rack_file;
   std::vector<std::string> changes;
   std::string format = "text";
-  bool schema = false;
-  bool reference = false;
-  bool keys = false;
+  KeyOptions keys;
 };
+
+constexpr FileKind kRackFiles{
+    .plural = "rack files",
+    .title = rack::kRackFileTitle,
+    .name = "rack",
+    .head =
+        "# Keys of a rack file\n"
+        "\n"
+        "Every key of every table with the values it takes and what it is when it is left out; "
+        "made from\n"
+        "the code that reads rack files by `stator check --reference`. How the parts of a rack "
+        "belong\n"
+        "together is told in [the rack file](rack-file.md). Editors that know JSON schemas "
+        "check and\n"
+        "complete a rack file by [rack-file.schema.json](rack-file.schema.json)\n"
+        "([how](rack-file.md#in-an-editor)).\n",
+    .describe = rack::describe_rack_file};
 
 /// One device, and where it is reached.
 struct DeviceLine {
@@ -128,11 +142,7 @@ void print_json(const rack::RackCheck& check) {
 }
 
 void check(const CheckOptions& options) {
-  if (options.schema || options.reference || options.keys) {
-    const settings::TableDescription rack_file = rack::describe_rack_file(devices::products());
-    fmt::print("{}", options.schema ? formats::json_schema(rack_file, rack::kRackFileTitle, "rack")
-                     : options.reference ? rack_reference(rack_file)
-                                         : rack_key_paths(rack_file));
+  if (options.keys.print(devices::products())) {
     return;
   }
   if (options.rack_file.empty()) {
@@ -173,21 +183,7 @@ void add_check_command(CLI::App& app) {
   command->add_option("--format", options->format, "text, or json for editors")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
-  CLI::Option* schema =
-      command
-          ->add_flag("--schema", options->schema,
-                     "Print the JSON schema of rack files, for editors that check and complete")
-          ->excludes(rack_file);
-  command
-      ->add_flag("--reference", options->reference,
-                 "Print all keys of rack files with values, defaults and meaning, in Markdown")
-      ->excludes(rack_file)
-      ->excludes(schema);
-  command
-      ->add_flag("--keys", options->keys,
-                 "Print one line per key for completion: path, values, default, meaning, with tabs")
-      ->excludes(rack_file)
-      ->excludes(schema);
+  options->keys.add(*command, rack_file, kRackFiles);
   command->footer(
       "Reads the file and everything it names, builds the devices and opens no interface. Exit\n"
       "status 1 if a run would be refused.\n"

@@ -31,6 +31,14 @@ Json value_of(const std::string& written) {
 
 Json table_schema(const settings::TableDescription& table);
 
+/// Of the schema of "rack-file", or "rack-file#fault", beside this one.
+std::string address_of(const std::string& kind_of_file) {
+  const std::size_t end = std::min(kind_of_file.find('#'), kind_of_file.size());
+  const std::string array = kind_of_file.substr(std::min(end + 1, kind_of_file.size()));
+  return kind_of_file.substr(0, end) + ".schema.json" +
+         (array.empty() ? "" : "#/properties/" + array + "/items");
+}
+
 void add_limits(Json& schema, const settings::ValueForm& form) {
   if (form.minimum == std::to_string(std::numeric_limits<std::int64_t>::min())) {
     return;
@@ -80,6 +88,9 @@ Json form_schema(const settings::KeyDescription& key, const settings::ValueForm&
       schema["maxItems"] = form.count;
       break;
     case settings::ValueKind::table:
+      if (!key.table->kind_of_file.empty()) {
+        return {{"$ref", address_of(key.table->kind_of_file)}};
+      }
       return table_schema(*key.table);
     case settings::ValueKind::tables:
       schema["type"] = "array";

@@ -1,4 +1,4 @@
-#include "stator/cli/describe/rack_reference.hpp"
+#include "stator/cli/describe/key_reference.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -11,9 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "stator/cli/cells.hpp"
+#include "stator/formats/json/schema.hpp"
 
 namespace stator::cli {
 
@@ -24,16 +26,6 @@ using settings::TableDescription;
 using settings::TableVariant;
 using settings::ValueForm;
 using settings::ValueKind;
-
-constexpr std::string_view kHead =
-    "# Keys of a rack file\n"
-    "\n"
-    "Every key of every table with the values it takes and what it is when it is left out; made "
-    "from\n"
-    "the code that reads rack files by `stator check --reference`. How the parts of a rack belong\n"
-    "together is told in [the rack file](rack-file.md). Editors that know JSON schemas check and\n"
-    "complete a rack file by [rack-file.schema.json](rack-file.schema.json)\n"
-    "([how](rack-file.md#in-an-editor)).\n";
 
 /// A table that has a heading of its own.
 struct Chapter {
@@ -100,10 +92,20 @@ std::string default_of(const settings::KeyDescription& key) {
   return key.default_value.empty() ? "" : fmt::format("`{}`", key.default_value);
 }
 
+/// With a link to keys that stand on another page.
+std::string linked_values_of(const settings::KeyDescription& key) {
+  std::string page = key.table != nullptr ? key.table->kind_of_file : "";
+  if (page.empty()) {
+    return values_of(key);
+  }
+  page.insert(std::min(page.find('#'), page.size()), "-keys.md");
+  return fmt::format("{} ([keys]({}))", values_of(key), page);
+}
+
 /// A table whose keys are written with a dot: it has neither variants nor names of the user's.
 bool is_plain(const settings::KeyDescription& key) {
   return key.forms.size() == 1 && key.forms.front().kind == settings::ValueKind::table &&
-         !key.table->free_names && key.table->selector.empty();
+         !key.table->free_names && key.table->selector.empty() && key.table->kind_of_file.empty();
 }
 
 std::string rows_of(const settings::TableDescription& table, const std::string& prefix,
@@ -115,12 +117,12 @@ std::string rows_of(const settings::TableDescription& table, const std::string& 
       rows += rows_of(*key.table, name + ".", path, chapters);
       continue;
     }
-    if (key.table != nullptr) {
+    if (key.table != nullptr && key.table->kind_of_file.empty()) {
       const std::string below = path.empty() ? name : path + "." + name;
       const bool is_array = key.forms.front().kind == settings::ValueKind::tables;
       chapters.push_back({below, is_array, key.table.get()});
     }
-    rows += fmt::format("| `{}` | {} | {} | {} |\n", name, markdown_cell(values_of(key)),
+    rows += fmt::format("| `{}` | {} | {} | {} |\n", name, markdown_cell(linked_values_of(key)),
                         markdown_cell(default_of(key)), markdown_cell(key.summary));
   }
   return rows;
@@ -220,17 +222,49 @@ void add_paths(const TableDescription& table, const std::string& prefix,
 
 }  // namespace
 
-std::string rack_key_paths(const settings::TableDescription& rack_file) {
+std::string key_paths(const settings::TableDescription& file) {
   std::set<std::string> told;
   std::string lines;
-  add_paths(rack_file, "", told, lines);
+  add_paths(file, "", told, lines);
   return lines;
 }
 
-std::string rack_reference(const settings::TableDescription& rack_file) {
+std::string key_reference(const settings::TableDescription& file, std::string_view head) {
   Reference reference;
-  reference.add({"", false, &rack_file});
-  return std::string(kHead) + reference.text();
+  reference.add({"", false, &file});
+  return std::string(head) + reference.text();
+}
+
+void KeyOptions::add(CLI::App& command, CLI::Option* file, const FileKind& kind) {
+  kind_ = &kind;
+  CLI::Option* schema =
+      command
+          .add_flag("--schema", schema_,
+                    fmt::format("Print the JSON schema of {}, for editors that check and complete",
+                                kind.plural))
+          ->excludes(file);
+  command
+      .add_flag("--reference", reference_,
+                fmt::format("Print all keys of {} with values, defaults and meaning, in Markdown",
+                            kind.plural))
+      ->excludes(file)
+      ->excludes(schema);
+  command
+      .add_flag("--keys", keys_,
+                "Print one line per key for completion: path, values, default, meaning, with tabs")
+      ->excludes(file)
+      ->excludes(schema);
+}
+
+bool KeyOptions::print(const product::Catalogue& catalogue) const {
+  if (!schema_ && !reference_ && !keys_) {
+    return false;
+  }
+  const settings::TableDescription file = kind_->describe(catalogue);
+  fmt::print("{}", schema_      ? formats::json_schema(file, kind_->title, std::string(kind_->name))
+                   : reference_ ? key_reference(file, kind_->head)
+                                : key_paths(file));
+  return true;
 }
 
 }  // namespace stator::cli
