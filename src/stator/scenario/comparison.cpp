@@ -1,5 +1,6 @@
 #include "stator/scenario/comparison.hpp"
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -9,7 +10,28 @@ namespace stator::scenario {
 
 namespace {
 
-constexpr double kAnyValue = 1e18;
+constexpr settings::Range kAnyValue{-1e18, 1e18};
+
+void read_tolerance(const settings::KeyWords& key, settings::Reader& reader,
+                    Comparison& comparison) {
+  const auto tolerance = reader.number(key, 0.0, kAnyValue.maximum);
+  if (tolerance && !comparison.equals) {
+    reader.refuse(key.name, "\"tolerance\" belongs to \"equals\", which is not there");
+  }
+  comparison.tolerance = tolerance.value_or(0.0);
+}
+
+constexpr std::array kComparisonRows{
+    settings::number<&Comparison::equals>("equals", kAnyValue, "The value must be this"),
+    settings::custom<Comparison, read_tolerance>("tolerance", "How far it may be from equals"),
+    settings::number<&Comparison::differs>("differs", kAnyValue, "The value must not be this"),
+    settings::number<&Comparison::above>("above", kAnyValue, "The value must be greater than this"),
+    settings::number<&Comparison::below>("below", kAnyValue, "The value must be less than this")};
+
+constexpr std::array kNeededComparisonRules{settings::Rule<Comparison>{
+    .key = "equals",
+    .holds = [](const Comparison& comparison) { return !comparison.empty(); },
+    .sentence = kNothingExpected}};
 
 }  // namespace
 
@@ -44,32 +66,8 @@ std::string Comparison::text(std::string_view unit) const {
   return fmt::format("is {}", fmt::join(parts, " and "));
 }
 
-Comparison read_comparison(rack::TableReader& section) {
-  Comparison comparison;
-  comparison.equals = section.number({"equals", "The value must be this"}, -kAnyValue, kAnyValue);
-  const auto tolerance =
-      section.number({"tolerance", "How far it may be from equals"}, 0.0, kAnyValue);
-  if (tolerance && !comparison.equals) {
-    section.refuse("tolerance", "\"tolerance\" belongs to \"equals\", which is not there");
-  }
-  comparison.tolerance = tolerance.value_or(0.0);
-  comparison.differs =
-      section.number({"differs", "The value must not be this"}, -kAnyValue, kAnyValue);
-  comparison.above =
-      section.number({"above", "The value must be greater than this"}, -kAnyValue, kAnyValue);
-  comparison.below =
-      section.number({"below", "The value must be less than this"}, -kAnyValue, kAnyValue);
-  return comparison;
-}
-
-Comparison require_comparison(rack::TableReader& section) {
-  const Comparison comparison = read_comparison(section);
-  if (comparison.empty()) {
-    section.refuse_missing("equals",
-                           "the step must say what is expected: \"equals\" (with \"tolerance\"), "
-                           "\"differs\", \"above\", \"below\"");
-  }
-  return comparison;
-}
+constinit const settings::Section<Comparison> kComparisonKeys{kComparisonRows};
+constinit const settings::Section<Comparison> kNeededComparisonKeys{kComparisonRows,
+                                                                    kNeededComparisonRules};
 
 }  // namespace stator::scenario

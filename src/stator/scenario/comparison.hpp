@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "stator/rack/file/table_reader.hpp"
+#include "stator/settings/key.hpp"
 
 namespace stator::scenario {
 
@@ -23,10 +23,13 @@ struct Comparison {
   [[nodiscard]] std::string text(std::string_view unit = {}) const;
 };
 
-/// Reads `equals`, `tolerance`, `differs`, `above` and `below`.
-[[nodiscard]] Comparison read_comparison(rack::TableReader& section);
-/// The same of a table that must have one of them.
-[[nodiscard]] Comparison require_comparison(rack::TableReader& section);
+/// `equals`, `tolerance`, `differs`, `above` and `below`.
+extern const settings::Section<Comparison> kComparisonKeys;
+/// The same of a table that must have one of them, else it is told that nothing is expected.
+extern const settings::Section<Comparison> kNeededComparisonKeys;
+inline constexpr std::string_view kNothingExpected =
+    "\"equals\" is missing; the step must say what is expected: \"equals\" (with \"tolerance\"), "
+    "\"differs\", \"above\", \"below\"";
 
 /// "12.5 mm"; numbers as short as they are exact.
 [[nodiscard]] std::string number_text(double value, std::string_view unit = {});

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
-#include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -26,6 +26,12 @@ namespace stator::scenario {
 
 namespace {
 
+using settings::needed;
+using settings::Reader;
+using settings::Rule;
+using settings::Section;
+using settings::Word;
+
 /// What one look has shown.
 struct Look {
   bool met = false;
@@ -39,14 +45,12 @@ struct Timing {
   base::SimDuration hold;    ///< from then on it must be so for this time
 };
 
-Timing read_timing(rack::TableReader& section) {
-  Timing timing;
-  section.duration({"within", "It must become so within this time; without it: at once"},
-                   base::SimDuration(), kLongestStep, timing.within);
-  section.duration({"for", "From then on it must stay so for this time"}, base::SimDuration(),
-                   kLongestStep, timing.hold);
-  return timing;
-}
+constexpr std::array kTimingRows{
+    settings::duration<&Timing::within>("within", kStepTimes,
+                                        "It must become so within this time; without it: at once"),
+    settings::duration<&Timing::hold>("for", kStepTimes,
+                                      "From then on it must stay so for this time")};
+constexpr Section<Timing> kTimingKeys{kTimingRows};
 
 std::string text_of(const Timing& timing) {
   std::string text;
@@ -86,7 +90,7 @@ Outcome observe(bench::Bench& bench, const Probe& probe, const Timing& timing,
   return pass(look.seen);
 }
 
-ReadStep expectation(std::string expected, const Timing& timing, Probe probe) {
+ReadStep expectation(const std::string& expected, const Timing& timing, const Probe& probe) {
   std::string title = expected + text_of(timing);
   return {std::move(title),
           [=](bench::Bench& bench) { return observe(bench, probe, timing, expected); }};
@@ -107,14 +111,6 @@ Look not_seen(const master::Result<T>& result) {
   return {false, result.error().text};
 }
 
-std::set<std::string> power_states() {
-  std::set<std::string> names;
-  for (std::uint8_t i = 0; i <= static_cast<std::uint8_t>(master::DriveState::fault); ++i) {
-    names.insert(as_word(to_text(static_cast<master::DriveState>(i))));
-  }
-  return names;
-}
-
 /// What passed on a bus since the last deed began, the oldest first.
 template <typename Visit>
 void visit_new_frames(bench::Bench& bench, std::size_t bus, const Visit& visit) {
@@ -128,34 +124,39 @@ void visit_new_frames(bench::Bench& bench, std::size_t bus, const Visit& visit) 
   }
 }
 
-/// Whether something that is told once must have been told, or must not.
-bool read_absent(rack::TableReader& section) {
-  bool absent = false;
-  section.boolean({"absent", "It must not be there"}, absent);
-  return absent;
+/// Of something that is told once.
+template <auto... Path>
+constexpr auto absent_key() {
+  return settings::boolean<Path...>("absent", "It must not be there");
 }
 
-}  // namespace
+struct ExpectSignal {
+  std::optional<std::string> signal{};
+  Comparison comparison{};
+  Timing timing{};
+};
+constexpr std::array kSignalRows{
+    needed(settings::text<&ExpectSignal::signal>("signal",
+                                                 "Device and signal, \"gantry.axis0.shaft_speed\""),
+           "it names a signal, e.g. \"gantry.axis0.shaft_speed\"; \"stator "
+           "describe DEVICE --signals\" lists those of a device"),
+    settings::keys<kNeededComparisonKeys, &ExpectSignal::comparison>(),
+    settings::keys<kTimingKeys, &ExpectSignal::timing>()};
+constexpr Section<ExpectSignal> kSignalKeys{kSignalRows};
 
-ReadStep read_expect_signal(rack::TableReader& section, StepReader& /*reader*/) {
-  const auto name = section.text({"signal", "Device and signal, \"gantry.axis0.shaft_speed\""});
-  const Comparison comparison = require_comparison(section);
-  const Timing timing = read_timing(section);
-  if (!name) {
-    section.missing("signal",
-                    "it names a signal, e.g. \"gantry.axis0.shaft_speed\"; \"stator "
-                    "describe DEVICE --signals\" lists those of a device");
-  }
+ReadStep step_of(const ExpectSignal& step, const StepReader& /*reader*/) {
+  const std::string& name = *step.signal;
+  const Comparison& comparison = step.comparison;
   return expectation(
-      fmt::format("{} {}", *name, comparison.text()), timing, [=](bench::Bench& bench) -> Look {
+      fmt::format("{} {}", name, comparison.text()), step.timing, [=](bench::Bench& bench) -> Look {
         const std::vector<product::Signal> signals = bench.rack().signals();
-        const auto found = std::ranges::find(signals, *name, &product::Signal::name);
+        const auto found = std::ranges::find(signals, name, &product::Signal::name);
         if (found == signals.end()) {
           std::set<std::string> names;
           for (const product::Signal& signal : signals) {
             names.insert(signal.name);
           }
-          const std::string guess = settings::closest_match(*name, names);
+          const std::string guess = settings::closest_match(name, names);
           return {false, fmt::format("the rack has no such signal{}",
                                      guess.empty() ? "" : "; did you mean \"" + guess + "\"?")};
         }
@@ -164,192 +165,288 @@ ReadStep read_expect_signal(rack::TableReader& section, StepReader& /*reader*/) 
       });
 }
 
-ReadStep read_expect_object(rack::TableReader& section, StepReader& reader) {
-  const rack::DeviceAddress device = reader.device(section);
-  const auto object = read_object_address(section);
-  const auto text = section.text({"text", "What a text must be"});
-  const auto mask = section.integer({"mask", "Only these bits count, e.g. 0x006F"}, 1,
-                                    std::numeric_limits<std::int64_t>::max());
-  const auto abort = section.integer(
-      {"abort", "The transfer must be aborted with this code, e.g. 0x06020000"}, 1, 0xFFFFFFFF);
-  const Comparison comparison =
-      text || abort ? read_comparison(section) : require_comparison(section);
-  const Timing timing = read_timing(section);
-  if (!object) {
-    rack::TableReader::abandon();
+/// What an object must be.
+struct ExpectedObject {
+  std::optional<std::string> text{};
+  std::optional<std::int64_t> mask{};
+  std::optional<std::uint32_t> abort{};
+  Comparison comparison{};
+};
+constexpr std::array kExpectedObjectRows{
+    settings::text<&ExpectedObject::text>("text", "What a text must be"),
+    settings::whole<&ExpectedObject::mask>("mask", {1, std::numeric_limits<std::int64_t>::max()},
+                                           "Only these bits count, e.g. 0x006F"),
+    settings::whole<&ExpectedObject::abort>(
+        "abort", {1, 0xFFFFFFFF}, "The transfer must be aborted with this code, e.g. 0x06020000"),
+    settings::keys<kComparisonKeys, &ExpectedObject::comparison>()};
+constexpr std::array kExpectedObjectRules{Rule<ExpectedObject>{
+    .key = "equals",
+    .holds =
+        [](const ExpectedObject& expected) {
+          return expected.text || expected.abort || !expected.comparison.empty();
+        },
+    .sentence = kNothingExpected}};
+constexpr Section<ExpectedObject> kExpectedObjectKeys{kExpectedObjectRows, kExpectedObjectRules};
+
+struct ExpectObject {
+  Target on{};
+  std::optional<master::ObjectAddress> object{};
+  ExpectedObject expected{};
+  Timing timing{};
+};
+constexpr std::array kObjectRows{settings::keys<kObjectKeys, &ExpectObject::object>(),
+                                 settings::keys<kExpectedObjectKeys, &ExpectObject::expected>(),
+                                 settings::keys<kTimingKeys, &ExpectObject::timing>()};
+constexpr std::array kObjectRules{kNeedsObject<ExpectObject>};
+constexpr Section<ExpectObject> kExpectObjectKeys{kObjectRows, kObjectRules};
+
+Look look_at_object(bench::Bench& bench, const ExpectObject& step) {
+  const auto& [text, mask, abort, comparison] = step.expected;
+  const auto data = bench.upload(*step.on.device, *step.object);
+  if (!data) {
+    return {abort && data.error().code == master::ErrorCode::sdo_aborted &&
+                data.error().detail == *abort,
+            data.error().text};
   }
-  const std::string name = fmt::format("{} {}", reader.name_of(device), master::to_text(*object));
-  const std::string expected =
-      abort  ? fmt::format("{} is aborted with {:08X}h", name, *abort)
-      : text ? fmt::format("{} is \"{}\"", name, *text)
-      : mask ? fmt::format("{} with mask {:X}h {}", name, *mask, comparison.text())
-             : fmt::format("{} {}", name, comparison.text());
-  return expectation(expected, timing, [=](bench::Bench& bench) -> Look {
-    const auto data = bench.upload(device, *object);
-    if (!data) {
-      return {abort && data.error().code == master::ErrorCode::sdo_aborted &&
-                  data.error().detail == static_cast<std::uint32_t>(*abort),
-              data.error().text};
+  const dictionary::Entry* entry = find_entry(bench, *step.on.device, *step.object);
+  const std::string seen = "it is " + value_text(*data, entry);
+  if (abort) {
+    return {false, seen};
+  }
+  if (text) {
+    const auto wanted = std::as_bytes(std::span(*text));
+    return {std::ranges::equal(*data, wanted), seen};
+  }
+  const auto number = to_number(*data, entry);
+  if (!number) {
+    return {false, seen + ", which is no number"};
+  }
+  if (!mask) {
+    return {comparison.met(*number), seen};
+  }
+  const std::int64_t bits = static_cast<std::int64_t>(*number) & *mask;
+  return {comparison.met(static_cast<double>(bits)), fmt::format("{}, masked {}", seen, bits)};
+}
+
+ReadStep step_of(const ExpectObject& step, const StepReader& reader) {
+  const auto& [text, mask, abort, comparison] = step.expected;
+  const std::string name =
+      fmt::format("{} {}", reader.name_of(*step.on.device), master::to_text(*step.object));
+  return expectation(abort  ? fmt::format("{} is aborted with {:08X}h", name, *abort)
+                     : text ? fmt::format("{} is \"{}\"", name, *text)
+                     : mask ? fmt::format("{} with mask {:X}h {}", name, *mask, comparison.text())
+                            : fmt::format("{} {}", name, comparison.text()),
+                     step.timing,
+                     [step](bench::Bench& bench) { return look_at_object(bench, step); });
+}
+
+struct ExpectState {
+  Target on{};
+  std::optional<std::string> state{};
+  std::optional<std::uint16_t> al_status{};
+  Timing timing{};
+};
+
+constexpr std::array<std::string_view, 5> slave_states() {
+  return {"init", "bootstrap", "pre-operational", "safe-operational", "operational"};
+}
+constexpr std::array<std::string_view, 3> node_states() {
+  return {"pre-operational", "operational", "stopped"};
+}
+template <auto Names>
+constexpr auto state_key() {
+  return settings::one_of<Names, &ExpectState::state>(
+      "state", "Of the EtherCAT state machine, or of CANopen's network management");
+}
+constexpr std::array kSlaveStateRows{
+    state_key<slave_states>(), settings::whole<&ExpectState::al_status>(
+                                   "al_status", {0, 0xFFFF}, "AL status code 0134h, 0: no error")};
+constexpr Section<ExpectState> kSlaveStateKeys{kSlaveStateRows};
+constexpr std::array kNodeStateRows{state_key<node_states>()};
+constexpr Section<ExpectState> kNodeStateKeys{kNodeStateRows};
+
+bool on_bus(const ExpectState& step) {
+  return step.on.device && step.on.device->kind == rack::NetworkKind::bus;
+}
+
+/// By the network that the device is on.
+void read_state(const settings::KeyWords& /*key*/, Reader& reader, ExpectState& step) {
+  reader.either(
+      on_bus(step), [&] { settings::read_keys(kSlaveStateKeys, reader, step); },
+      [&] { settings::read_keys(kNodeStateKeys, reader, step); });
+}
+constexpr std::array kStateRows{settings::custom<ExpectState, read_state>({}, {}),
+                                settings::keys<kTimingKeys, &ExpectState::timing>()};
+constexpr std::array kStateRules{
+    Rule<ExpectState>{.key = "state",
+                      .holds = [](const ExpectState& step) { return step.state || step.al_status; },
+                      .sentence = "\"state\" is missing; it says which state is expected"}};
+constexpr Section<ExpectState> kStateKeys{kStateRows, kStateRules};
+
+Look look_at_slave(bench::Bench& bench, const ExpectState& step) {
+  const rack::DeviceAddress device = *step.on.device;
+  const auto position = bench.position(device);
+  if (!position) {
+    return not_seen(position);
+  }
+  const auto shown = (*bench.scanned(device.network))->al_status(*position);
+  if (!shown) {
+    return not_seen(shown);
+  }
+  const auto code = static_cast<std::uint16_t>(shown->code);
+  return {(!step.state || as_word(ethercat::to_text(shown->state)) == *step.state) &&
+              (!step.al_status || code == *step.al_status),
+          fmt::format("it is in {} with AL status code {:04X}h", ethercat::to_text(shown->state),
+                      code)};
+}
+
+ReadStep step_of(const ExpectState& step, const StepReader& reader) {
+  std::string expected =
+      reader.name_of(*step.on.device) + " is in " + step.state.value_or("any state");
+  if (step.al_status) {
+    expected += fmt::format(" with AL status code {:04X}h", *step.al_status);
+  }
+  return expectation(expected, step.timing, [step](bench::Bench& bench) -> Look {
+    if (!on_bus(step)) {
+      return look_at_slave(bench, step);
     }
-    const dictionary::Entry* entry = find_entry(bench, device, *object);
-    const std::string seen = "it is " + value_text(*data, entry);
-    if (abort) {
-      return {false, seen};
-    }
-    if (text) {
-      const auto wanted = std::as_bytes(std::span(*text));
-      return {std::ranges::equal(*data, wanted), seen};
-    }
-    const auto number = to_number(*data, entry);
-    if (!number) {
-      return {false, seen + ", which is no number"};
-    }
-    if (!mask) {
-      return {comparison.met(*number), seen};
-    }
-    const std::int64_t bits = static_cast<std::int64_t>(*number) & *mask;
-    return {comparison.met(static_cast<double>(bits)), fmt::format("{}, masked {}", seen, bits)};
+    const auto shown = bench.rack().device(*step.on.device).network_status();
+    return {as_word(shown.state) == *step.state, "it is in " + std::string(shown.state)};
   });
 }
 
-ReadStep read_expect_state(rack::TableReader& section, StepReader& reader) {
-  const rack::DeviceAddress device = reader.device(section);
-  const bool bus = device.kind == rack::NetworkKind::bus;
-  const auto state =
-      section.choice({"state", "Of the EtherCAT state machine, or of CANopen's network management"},
-                     bus ? std::set<std::string>{"pre-operational", "operational", "stopped"}
-                         : std::set<std::string>{"init", "bootstrap", "pre-operational",
-                                                 "safe-operational", "operational"});
-  const auto status =
-      bus ? std::nullopt
-          : section.integer({"al_status", "AL status code 0134h, 0: no error"}, 0, 0xFFFF);
-  const Timing timing = read_timing(section);
-  if (!state && !status) {
-    section.missing("state", "it says which state is expected");
-  }
-  std::string expected = reader.name_of(device) + " is in " + state.value_or("any state");
-  if (status) {
-    expected += fmt::format(" with AL status code {:04X}h", *status);
-  }
-  return expectation(std::move(expected), timing, [=](bench::Bench& bench) -> Look {
-    if (bus) {
-      const auto shown = bench.rack().device(device).network_status();
-      return {as_word(shown.state) == *state, "it is in " + std::string(shown.state)};
-    }
-    const auto position = bench.position(device);
-    if (!position) {
-      return not_seen(position);
-    }
-    const auto shown = (*bench.scanned(device.network))->al_status(*position);
-    if (!shown) {
-      return not_seen(shown);
-    }
-    const auto code = static_cast<std::uint16_t>(shown->code);
-    const bool met = (!state || as_word(ethercat::to_text(shown->state)) == *state) &&
-                     (!status || code == *status);
-    return {met, fmt::format("it is in {} with AL status code {:04X}h",
-                             ethercat::to_text(shown->state), code)};
-  });
-}
+/// As master::to_text(), but as scenario files write it.
+constexpr std::array kPowerStates{
+    Word{"not-ready-to-switch-on", master::DriveState::not_ready_to_switch_on},
+    Word{"switch-on-disabled", master::DriveState::switch_on_disabled},
+    Word{"ready-to-switch-on", master::DriveState::ready_to_switch_on},
+    Word{"switched-on", master::DriveState::switched_on},
+    Word{"operation-enabled", master::DriveState::operation_enabled},
+    Word{"quick-stop-active", master::DriveState::quick_stop_active},
+    Word{"fault-reaction-active", master::DriveState::fault_reaction_active},
+    Word{"fault", master::DriveState::fault}};
 
-ReadStep read_expect_power_state(rack::TableReader& section, StepReader& reader) {
+struct ExpectPowerState {
+  Target on{};
+  unsigned axis = 0;
+  std::optional<master::DriveState> state{};
+  Timing timing{};
+};
+constexpr std::array kPowerStateRows{axis_key<&ExpectPowerState::axis>(),
+                                     needed(settings::word<&ExpectPowerState::state>(
+                                         "state", kPowerStates, "Of the power drive system")),
+                                     settings::keys<kTimingKeys, &ExpectPowerState::timing>()};
+constexpr Section<ExpectPowerState> kPowerStateKeys{kPowerStateRows};
+
+ReadStep step_of(const ExpectPowerState& step, const StepReader& reader) {
   constexpr std::uint16_t kStatusword = 0x6041;
   constexpr unsigned kAxisDistance = 0x800;
-  const rack::DeviceAddress device = reader.device(section);
-  const unsigned axis = StepReader::axis(section);
-  const auto state = section.choice({"state", "Of the power drive system"}, power_states());
-  const Timing timing = read_timing(section);
-  if (!state) {
-    section.missing("state", fmt::format("it is one of: {}", fmt::join(power_states(), ", ")));
-  }
-  return expectation(axis_text(reader.name_of(device), axis) + " is in " + *state, timing,
-                     [=](bench::Bench& bench) -> Look {
-                       const auto port = bench.drive(device);
-                       if (!port) {
-                         return not_seen(port);
-                       }
-                       const auto word = (*port)->read(
-                           {static_cast<std::uint16_t>(kStatusword + axis * kAxisDistance), 0}, 2);
-                       if (!word) {
-                         return not_seen(word);
-                       }
-                       const auto shown = master::drive_state(static_cast<std::uint16_t>(*word));
-                       const std::string_view name =
-                           shown ? to_text(*shown) : "no state of CiA 402";
-                       return {as_word(name) == *state,
-                               fmt::format("it is in {}, statusword {:04X}h", name, *word)};
-                     });
-}
-
-ReadStep read_expect_register(rack::TableReader& section, StepReader& reader) {
-  constexpr std::int64_t kLastRegister = 0x0FFF;
-  const rack::DeviceAddress device = reader.device(section);
-  if (device.kind != rack::NetworkKind::segment) {
-    section.fail("device",
-                 fmt::format("\"{}\" has no EtherCAT slave controller", reader.name_of(device)));
-  }
-  const auto address =
-      section.integer({"address", "Of the register, e.g. 0x0300"}, 0, kLastRegister);
-  std::size_t size = 1;
-  section.integer({"size", "Bytes of the register"}, 1, 8, size);
-  const Comparison comparison = require_comparison(section);
-  const Timing timing = read_timing(section);
-  if (!address) {
-    section.missing("address", "it is the register's address, e.g. 0x0300");
-  }
   return expectation(
-      fmt::format("{} register {:04X}h {}", reader.name_of(device), *address, comparison.text()),
-      timing, [=](bench::Bench& bench) -> Look {
-        std::array<std::byte, 8> bytes{};
-        bench.rack()
-            .segment(device.network)
-            .slave(device.device)
-            .peek(static_cast<std::uint16_t>(*address), std::span(bytes).first(size));
-        const auto value = static_cast<double>(base::load_le<std::uint64_t>(bytes));
-        return {comparison.met(value), "it is " + number_text(value)};
+      fmt::format("{} is in {}", axis_text(reader.name_of(*step.on.device), step.axis),
+                  settings::name_of(kPowerStates, *step.state)),
+      step.timing, [=](bench::Bench& bench) -> Look {
+        const auto port = bench.drive(*step.on.device);
+        if (!port) {
+          return not_seen(port);
+        }
+        const auto word = (*port)->read(
+            {static_cast<std::uint16_t>(kStatusword + step.axis * kAxisDistance), 0}, 2);
+        if (!word) {
+          return not_seen(word);
+        }
+        const auto shown = master::drive_state(static_cast<std::uint16_t>(*word));
+        return {shown == step.state,
+                fmt::format("it is in {}, statusword {:04X}h",
+                            shown ? to_text(*shown) : "no state of CiA 402", *word)};
       });
 }
 
-ReadStep read_expect_lost_cycles(rack::TableReader& section, StepReader& reader) {
-  const std::size_t segment = reader.segment(section);
-  const Comparison comparison = require_comparison(section);
-  const Timing timing = read_timing(section);
-  return expectation("the number of lost cycles " + comparison.text(), timing,
-                     [=](bench::Bench& bench) -> Look {
-                       const auto lost = static_cast<double>(bench.lost_cycles(segment));
-                       return {comparison.met(lost), number_text(lost) + " were lost"};
+struct ExpectRegister {
+  Target on{};
+  std::optional<std::uint16_t> address{};
+  std::size_t size = 1;
+  Comparison comparison{};
+  Timing timing{};
+};
+constexpr std::array kRegisterRows{
+    needed(settings::whole<&ExpectRegister::address>("address", {0, 0x0FFF},
+                                                     "Of the register, e.g. 0x0300"),
+           "it is the register's address, e.g. 0x0300"),
+    settings::whole<&ExpectRegister::size>("size", {1, 8}, "Bytes of the register"),
+    settings::keys<kNeededComparisonKeys, &ExpectRegister::comparison>(),
+    settings::keys<kTimingKeys, &ExpectRegister::timing>()};
+constexpr Section<ExpectRegister> kRegisterKeys{kRegisterRows};
+
+ReadStep step_of(const ExpectRegister& step, const StepReader& reader) {
+  const rack::DeviceAddress device = *step.on.device;
+  return expectation(fmt::format("{} register {:04X}h {}", reader.name_of(device), *step.address,
+                                 step.comparison.text()),
+                     step.timing, [=](bench::Bench& bench) -> Look {
+                       std::array<std::byte, 8> bytes{};
+                       bench.rack()
+                           .segment(device.network)
+                           .slave(device.device)
+                           .peek(*step.address, std::span(bytes).first(step.size));
+                       const auto value = static_cast<double>(base::load_le<std::uint64_t>(bytes));
+                       return {step.comparison.met(value), "it is " + number_text(value)};
                      });
 }
 
-ReadStep read_expect_frame(rack::TableReader& section, StepReader& reader) {
-  const std::size_t bus = reader.bus(section);
-  const auto identifier =
-      section.integer({"identifier", "Of the frame, e.g. 0x705"}, 0, can::kExtendedIdentifierMask);
-  const auto data =
-      section.text({"data", "Its first bytes in hexadecimal, e.g. \"05\"; without it any"});
-  const bool absent = read_absent(section);
-  const Timing timing = read_timing(section);
-  if (!identifier) {
-    section.missing("identifier", "it is the frame's identifier, e.g. 0x705");
+struct ExpectLostCycles {
+  Target on{};
+  Comparison comparison{};
+  Timing timing{};
+};
+constexpr std::array kLostCyclesRows{
+    settings::keys<kNeededComparisonKeys, &ExpectLostCycles::comparison>(),
+    settings::keys<kTimingKeys, &ExpectLostCycles::timing>()};
+constexpr Section<ExpectLostCycles> kLostCyclesKeys{kLostCyclesRows};
+
+ReadStep step_of(const ExpectLostCycles& step, const StepReader& /*reader*/) {
+  return expectation("the number of lost cycles " + step.comparison.text(), step.timing,
+                     [=](bench::Bench& bench) -> Look {
+                       const auto lost = static_cast<double>(bench.lost_cycles(step.on.network));
+                       return {step.comparison.met(lost), number_text(lost) + " were lost"};
+                     });
+}
+
+struct ExpectFrame {
+  Target on{};
+  std::optional<std::uint32_t> identifier{};
+  std::string data{};
+  bool absent = false;
+  Timing timing{};
+};
+constexpr std::array kFrameRows{
+    needed(settings::whole<&ExpectFrame::identifier>(
+               "identifier", {0, can::kExtendedIdentifierMask}, "Of the frame, e.g. 0x705"),
+           "it is the frame's identifier, e.g. 0x705"),
+    settings::text<&ExpectFrame::data>(
+        "data", "Its first bytes in hexadecimal, e.g. \"05\"; without it any"),
+    absent_key<&ExpectFrame::absent>(), settings::keys<kTimingKeys, &ExpectFrame::timing>()};
+constexpr std::array kFrameRules{Rule<ExpectFrame>{
+    .key = "data",
+    .holds = [](const ExpectFrame& step) { return parse_bytes(step.data).has_value(); },
+    .sentence = R"("data" must be bytes in hexadecimal, e.g. "05")"}};
+constexpr Section<ExpectFrame> kFrameKeys{kFrameRows, kFrameRules};
+
+ReadStep step_of(const ExpectFrame& step, const StepReader& /*reader*/) {
+  const std::vector<std::byte> bytes = *parse_bytes(step.data);
+  std::string expected =
+      fmt::format("{} frame {:03X}h", step.absent ? "no" : "a", *step.identifier);
+  if (!bytes.empty()) {
+    expected += " with " + bytes_text(bytes);
   }
-  const auto bytes = parse_bytes(data.value_or(""));
-  if (!bytes) {
-    section.fail("data", "\"data\" must be bytes in hexadecimal, e.g. \"05\"");
-  }
-  std::string expected = fmt::format("{} frame {:03X}h", absent ? "no" : "a", *identifier);
-  if (!bytes->empty()) {
-    expected += " with " + bytes_text(*bytes);
-  }
-  return expectation(std::move(expected), timing, [=](bench::Bench& bench) -> Look {
+  return expectation(expected, step.timing, [=](bench::Bench& bench) -> Look {
     bool found = false;
     std::string last = "none with that identifier came";
-    visit_new_frames(bench, bus, [&](const can::TimedFrame& each) {
-      if (each.frame.identifier != static_cast<std::uint32_t>(*identifier)) {
+    visit_new_frames(bench, step.on.network, [&](const can::TimedFrame& each) {
+      if (each.frame.identifier != *step.identifier) {
         return;
       }
       const auto payload = each.frame.payload();
-      const bool fits = payload.size() >= bytes->size() &&
-                        std::ranges::equal(payload.first(bytes->size()), *bytes);
+      const bool fits =
+          payload.size() >= bytes.size() && std::ranges::equal(payload.first(bytes.size()), bytes);
       if (fits || !found) {
         last = fmt::format("{} came at {:.6f} s",
                            payload.empty() ? "an empty one" : bytes_text(payload),
@@ -357,56 +454,108 @@ ReadStep read_expect_frame(rack::TableReader& section, StepReader& reader) {
       }
       found = found || fits;
     });
-    return {found != absent, last};
+    return {found != step.absent, last};
   });
 }
 
-ReadStep read_expect_event(rack::TableReader& section, StepReader& reader) {
-  const auto rule = section.text({"event", "Name of the event, as the log file has it"});
-  const auto device = reader.any_device(section);
-  const bool absent = read_absent(section);
-  const Timing timing = read_timing(section);
-  if (!rule) {
-    section.missing("event", "it names an event, e.g. \"state-refused\"");
-  }
+struct ExpectEvent {
+  std::optional<std::string> event{};
+  Target on{};
+  bool absent = false;
+  Timing timing{};
+};
+constexpr auto kEventName =
+    settings::text<&ExpectEvent::event>("event", "Name of the event, as the log file has it");
+/// Stands above what the device's name is read by, which may end reading; that it is needed is told
+/// after the other keys.
+constexpr std::array kEventNameRows{kEventName};
+constexpr Section<ExpectEvent> kEventNameKeys{kEventNameRows};
+constexpr std::array kEventRows{needed(kEventName, "it names an event, e.g. \"state-refused\""),
+                                absent_key<&ExpectEvent::absent>(),
+                                settings::keys<kTimingKeys, &ExpectEvent::timing>()};
+constexpr Section<ExpectEvent> kExpectEventKeys{kEventRows};
+
+ReadStep step_of(const ExpectEvent& step, const StepReader& reader) {
+  const auto& device = step.on.device;
   const std::string name = device ? reader.name_of(*device) : "";
   return expectation(
-      fmt::format("{} event {}{}", absent ? "no" : "an", *rule, device ? " of " + name : ""),
-      timing, [=](bench::Bench& bench) -> Look {
+      fmt::format("{} event {}{}", step.absent ? "no" : "an", *step.event,
+                  device ? " of " + name : ""),
+      step.timing, [=](bench::Bench& bench) -> Look {
         bool found = false;
         std::string seen = "it was not told";
         bench.log().visit(bench.events_before(), [&](std::uint64_t, const base::Event& event) {
-          if (event.rule->id == *rule && (!device || bench.log().device_name(event) == name)) {
+          if (event.rule->id == *step.event &&
+              (!step.on.device || bench.log().device_name(event) == name)) {
             found = true;
             seen = fmt::format("{:.6f} s {}", event.time.seconds(), bench.log().line(event));
           }
           return true;
         });
-        return {found != absent, seen};
+        return {found != step.absent, seen};
       });
 }
 
-ReadStep read_expect_fault(rack::TableReader& section, StepReader& /*reader*/) {
-  const auto name = section.text({"fault", "Name of the fault"});
-  const auto state = section.choice({"state", "What it must be"}, {"armed", "active", "done"});
-  const Timing timing = read_timing(section);
-  if (!name || !state) {
-    section.missing(name ? "state" : "fault",
-                    "the step needs the name of a fault and the state "
-                    "that it must be in");
-  }
-  return expectation(fmt::format("fault {} is {}", *name, *state), timing,
+constexpr std::array<std::string_view, 3> fault_states() {
+  return {"armed", "active", "done"};
+}
+
+struct ExpectFault {
+  std::optional<std::string> fault{};
+  std::optional<std::string> state{};
+  Timing timing{};
+};
+constexpr std::string_view kFaultNeeds =
+    "the step needs the name of a fault and the state that it must be in";
+constexpr std::array kFaultRows{
+    needed(settings::text<&ExpectFault::fault>("fault", "Name of the fault"), kFaultNeeds),
+    needed(settings::one_of<fault_states, &ExpectFault::state>("state", "What it must be"),
+           kFaultNeeds),
+    settings::keys<kTimingKeys, &ExpectFault::timing>()};
+constexpr Section<ExpectFault> kExpectFaultKeys{kFaultRows};
+
+ReadStep step_of(const ExpectFault& step, const StepReader& /*reader*/) {
+  return expectation(fmt::format("fault {} is {}", *step.fault, *step.state), step.timing,
                      [=](bench::Bench& bench) -> Look {
                        std::string seen = "there is none of this name";
                        bool met = false;
                        for (const auto& fault : bench.rack().faults().list(bench.now())) {
-                         if (fault.name == *name) {
-                           met = to_text(fault.state) == *state;
+                         if (fault.name == *step.fault) {
+                           met = to_text(fault.state) == *step.state;
                            seen = fmt::format("it is {}", to_text(fault.state));
                          }
                        }
                        return {met, seen};
                      });
 }
+
+}  // namespace
+
+constinit const StepKind kExpectSignal =
+    expectation_kind<ExpectSignal, &kSignalKeys>("expect-signal", "A signal has a value");
+constinit const StepKind kExpectObject =
+    expectation_kind<ExpectObject, &StepReader::device, &kExpectObjectKeys>(
+        "expect-object", "An object has a value, as an SDO reads it");
+constinit const StepKind kExpectState =
+    expectation_kind<ExpectState, &StepReader::device, &kStateKeys>(
+        "expect-state", "A device is in a state of its network");
+constinit const StepKind kExpectPowerState =
+    expectation_kind<ExpectPowerState, &StepReader::device, &kPowerStateKeys>(
+        "expect-power-state", "An axis is in a state of the power drive system");
+constinit const StepKind kExpectRegister =
+    expectation_kind<ExpectRegister, &StepReader::slave, &kRegisterKeys>(
+        "expect-register", "A register of a slave controller has a value");
+constinit const StepKind kExpectLostCycles =
+    expectation_kind<ExpectLostCycles, &StepReader::segment, &kLostCyclesKeys>(
+        "expect-lost-cycles",
+        "So many exchanges of process data have failed since the last step that did something");
+constinit const StepKind kExpectFrame =
+    expectation_kind<ExpectFrame, &StepReader::bus, &kFrameKeys>(
+        "expect-frame", "A frame has come over a CAN bus since the last step that did something");
+constinit const StepKind kExpectEvent =
+    expectation_kind<ExpectEvent, &kEventNameKeys, &StepReader::any_device, &kExpectEventKeys>(
+        "expect-event", "The rack has told an event since the last step that did something");
+constinit const StepKind kExpectFault = expectation_kind<ExpectFault, &kExpectFaultKeys>(
+    "expect-fault", "A fault is armed, active or done");
 
 }  // namespace stator::scenario

@@ -1,4 +1,6 @@
 // Steps that write objects; those that read one are expectations.
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -24,38 +26,50 @@ Outcome aborted_outcome(const master::Result<void>& written, std::uint32_t expec
   return fail(fmt::format("expected the abort code {:08X}h; {}", expected, error.text));
 }
 
-}  // namespace
+struct Write {
+  Target on{};
+  std::optional<master::ObjectAddress> object{};
+  std::optional<ObjectValue> value{};
+  std::optional<std::uint32_t> abort{};  ///< the transfer must be aborted with
+};
+constexpr std::array kWriteRows{
+    settings::keys<kObjectKeys, &Write::object>(),
+    settings::keys<kObjectValueKeys, &Write::value>(),
+    settings::whole<&Write::abort>("abort", {1, 0xFFFFFFFF},
+                                   "The transfer must be aborted with this code, e.g. 0x06090030")};
+constexpr std::array kWriteRules{
+    settings::Rule<Write>{.key = "value",
+                          .holds = [](const Write& step) { return step.value.has_value(); },
+                          .sentence = "\"value\" is missing; it is what is written"},
+    kNeedsObject<Write>};
+constexpr settings::Section<Write> kWriteKeys{kWriteRows, kWriteRules};
 
-ReadStep read_write(rack::TableReader& section, StepReader& reader) {
-  const rack::DeviceAddress device = reader.device(section);
-  const auto object = read_object_address(section);
-  const auto value = read_object_value(section);
-  const auto abort = section.integer(
-      {"abort", "The transfer must be aborted with this code, e.g. 0x06090030"}, 1, 0xFFFFFFFF);
-  if (!value) {
-    section.missing("value", "it is what is written");
-  }
-  if (!object) {
-    rack::TableReader::abandon();
-  }
-  const std::string shown =
-      std::holds_alternative<double>(*value)        ? number_text(std::get<double>(*value))
-      : std::holds_alternative<std::string>(*value) ? "\"" + std::get<std::string>(*value) + "\""
-                                                    : bytes_text(std::get<2>(*value));
-  std::string title = fmt::format("{} {:04X}h:{:02X} = {}", reader.name_of(device), object->index,
-                                  object->subindex, shown);
-  if (abort) {
-    title += fmt::format(", aborted with {:08X}h", *abort);
+std::string text_of(const ObjectValue& value) {
+  return std::holds_alternative<double>(value)        ? number_text(std::get<double>(value))
+         : std::holds_alternative<std::string>(value) ? "\"" + std::get<std::string>(value) + "\""
+                                                      : bytes_text(std::get<2>(value));
+}
+
+ReadStep step_of(const Write& step, const StepReader& reader) {
+  std::string title = fmt::format("{} {:04X}h:{:02X} = {}", reader.name_of(*step.on.device),
+                                  step.object->index, step.object->subindex, text_of(*step.value));
+  if (step.abort) {
+    title += fmt::format(", aborted with {:08X}h", *step.abort);
   }
   return {std::move(title), [=](bench::Bench& bench) {
-            const auto data = to_bytes(*value, find_entry(bench, device, *object));
+            const rack::DeviceAddress device = *step.on.device;
+            const auto data = to_bytes(*step.value, find_entry(bench, device, *step.object));
             if (!data) {
               return fail(data.error());
             }
-            const auto written = bench.download(device, *object, *data);
-            return abort ? aborted_outcome(written, static_cast<std::uint32_t>(*abort))
-                         : outcome_of(written);
+            const auto written = bench.download(device, *step.object, *data);
+            return step.abort ? aborted_outcome(written, *step.abort) : outcome_of(written);
           }};
 }
+
+}  // namespace
+
+constinit const StepKind kWrite =
+    step_kind<Write, &StepReader::device, &kWriteKeys>("write", "An object is written by SDO");
 
 }  // namespace stator::scenario

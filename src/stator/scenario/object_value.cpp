@@ -1,10 +1,12 @@
 #include "stator/scenario/object_value.hpp"
 
+#include <array>
 #include <bit>
 #include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -48,34 +50,60 @@ bool is_text(const dictionary::Entry* entry) {
   return entry != nullptr && dictionary::is_string(entry->type());
 }
 
+void read_value(const settings::KeyWords& key, settings::Reader& reader,
+                std::optional<ObjectValue>& value) {
+  const auto keep = [&value](const auto& given) {
+    if (given) {
+      value = *given;
+    }
+  };
+  reader.either(
+      reader.is_text(key.name), [&] { keep(reader.number(key, -kAnyValue, kAnyValue)); },
+      [&] { keep(reader.text(key)); });
+}
+
+void read_bytes(const settings::KeyWords& key, settings::Reader& reader,
+                std::optional<ObjectValue>& value) {
+  const auto text = reader.text(key);
+  if (!text) {
+    return;
+  }
+  if (auto bytes = parse_bytes(*text)) {
+    value = std::move(*bytes);
+  } else {
+    reader.refuse(key.name, fmt::format("\"{}\" is no list of bytes in hexadecimal; write e.g. "
+                                        "\"2B 01 FF\"",
+                                        *text));
+  }
+}
+
+constexpr std::array kValueRows{settings::custom<std::optional<ObjectValue>, read_value>(
+                                    "value", "What is written; a text for objects that are one"),
+                                settings::custom<std::optional<ObjectValue>, read_bytes>(
+                                    "bytes", "Instead of value: bytes as they are, \"2B 01\"")};
+
+void read_object(const settings::KeyWords& key, settings::Reader& reader,
+                 std::optional<master::ObjectAddress>& object) {
+  const auto text = reader.text(key);
+  if (!text) {
+    reader.refuse_missing(key.name, "it names an object, e.g. \"6040:00\"");
+  } else if (const auto named = rack::parse_fault_object(*text)) {
+    object = master::ObjectAddress{named->index, named->subindex.value_or(0)};
+  } else {
+    reader.refuse(key.name, fmt::format("\"{}\" is no object; write its index and subindex in "
+                                        "hexadecimal, e.g. \"6040:00\"",
+                                        *text));
+  }
+}
+
+constexpr std::array kObjectRows{
+    settings::custom<std::optional<master::ObjectAddress>, read_object>(
+        "object", "Index and subindex in hexadecimal, \"6040:00\"")};
+
 }  // namespace
 
-std::optional<ObjectValue> read_object_value(rack::TableReader& section) {
-  std::optional<ObjectValue> value;
-  section.either(
-      section.is_text("value"),
-      [&] {
-        if (const auto number =
-                section.number({"value", "What is written"}, -kAnyValue, kAnyValue)) {
-          value = *number;
-        }
-      },
-      [&] {
-        if (const auto text = section.text({"value", "A text, for objects that are one"})) {
-          value = *text;
-        }
-      });
-  if (const auto text = section.text({"bytes", "Instead of value: bytes as they are, \"2B 01\""})) {
-    if (const auto bytes = parse_bytes(*text)) {
-      value = *bytes;
-    } else {
-      section.refuse("bytes", fmt::format("\"{}\" is no list of bytes in hexadecimal; write e.g. "
-                                          "\"2B 01 FF\"",
-                                          *text));
-    }
-  }
-  return value;
-}
+constinit const settings::Section<std::optional<ObjectValue>> kObjectValueKeys{kValueRows};
+constinit const settings::Section<std::optional<master::ObjectAddress>> kObjectKeys{kObjectRows};
 
 base::Expected<std::vector<std::byte>, std::string> to_bytes(const ObjectValue& value,
                                                              const dictionary::Entry* entry) {
@@ -130,22 +158,6 @@ std::string value_text(std::span<const std::byte> data, const dictionary::Entry*
   }
   const auto number = to_number(data, entry);
   return number ? number_text(*number) : bytes_text(data);
-}
-
-std::optional<master::ObjectAddress> read_object_address(rack::TableReader& section) {
-  const auto text = section.text({"object", "Index and subindex in hexadecimal, \"6040:00\""});
-  if (!text) {
-    section.refuse_missing("object", "it names an object, e.g. \"6040:00\"");
-    return std::nullopt;
-  }
-  const auto object = rack::parse_fault_object(*text);
-  if (!object) {
-    section.refuse("object", fmt::format("\"{}\" is no object; write its index and subindex in "
-                                         "hexadecimal, e.g. \"6040:00\"",
-                                         *text));
-    return std::nullopt;
-  }
-  return master::ObjectAddress{object->index, object->subindex.value_or(0)};
 }
 
 std::optional<std::vector<std::byte>> parse_bytes(std::string_view text) {

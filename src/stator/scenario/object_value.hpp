@@ -11,16 +11,24 @@
 #include "stator/base/expected.hpp"
 #include "stator/dictionary/dictionary.hpp"
 #include "stator/master/sdo_types.hpp"
-#include "stator/rack/file/table_reader.hpp"
+#include "stator/settings/key.hpp"
 
 namespace stator::scenario {
 
 /// A value as a scenario file has it for an object: a number, a text, or bytes as they are.
 using ObjectValue = std::variant<double, std::string, std::vector<std::byte>>;
 
-/// Reads `value`, a number or a text, or `bytes`, hexadecimal such as "2B 01". Nothing: neither is
-/// there.
-[[nodiscard]] std::optional<ObjectValue> read_object_value(rack::TableReader& section);
+/// `value`, a number or a text, or `bytes`, hexadecimal such as "2B 01". Nothing: neither is there.
+extern const settings::Section<std::optional<ObjectValue>> kObjectValueKeys;
+
+/// `object`, e.g. "6040:00", which must be there. Nothing: that is told.
+extern const settings::Section<std::optional<master::ObjectAddress>> kObjectKeys;
+/// Ends a step that has none.
+template <typename T>
+inline constexpr settings::Rule<T> kNeedsObject{
+    .key = "object",
+    .holds = [](const T& step) { return step.object.has_value(); },
+    .sentence = "its row has told already what is wrong"};
 
 /// The value as an SDO carries it to `entry`; null: the object is not in the device's dictionary,
 /// and a number has four bytes. Else a sentence about what does not fit; the range is the device's
@@ -35,9 +43,6 @@ using ObjectValue = std::variant<double, std::string, std::vector<std::byte>>;
 /// For people: "1000", "\"TMCM-3315\"", "2B 01".
 [[nodiscard]] std::string value_text(std::span<const std::byte> data,
                                      const dictionary::Entry* entry);
-
-/// Reads `object`, e.g. "6040:00".
-[[nodiscard]] std::optional<master::ObjectAddress> read_object_address(rack::TableReader& section);
 
 /// Bytes that a text like "2B 01 FF" means; nothing: it is none such.
 [[nodiscard]] std::optional<std::vector<std::byte>> parse_bytes(std::string_view text);

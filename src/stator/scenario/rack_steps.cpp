@@ -1,5 +1,5 @@
 // Steps of whoever stands beside the rack: faults, cables, power, inputs.
-#include <memory>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,27 +8,51 @@
 
 #include "stator/bench/bench.hpp"
 #include "stator/rack/core/faults.hpp"
+#include "stator/rack/file/rack_file_description.hpp"
 #include "stator/scenario/step_kinds.hpp"
 
 namespace stator::scenario {
 
-ReadStep read_inject(rack::TableReader& section, StepReader& reader) {
-  auto keys = section.section({"fault", "The fault, with the keys of a [[fault]] of a rack file"});
-  if (!keys) {
-    section.missing("fault",
-                    "it says what goes wrong, e.g. { kind = \"motor-stall\", device = "
-                    "\"gantry\" }");
-  }
-  const rack::FaultConfiguration fault = reader.faults().read(*keys);
-  std::string title = fmt::format("fault {} at {}", fault.kind->name, fault.target.text);
-  return {std::move(title), [fault](bench::Bench& bench) {
+namespace {
+
+struct Inject {
+  std::optional<settings::Reader> table{};
+  rack::FaultConfiguration fault{};
+};
+
+void read_table(const settings::KeyWords& key, settings::Reader& reader, Inject& step) {
+  step.table = reader.section(key);
+}
+constexpr std::array kInjectRows{settings::needed(
+    settings::custom<Inject, read_table>("fault",
+                                         "The fault, with the keys of a [[fault]] of a rack file"),
+    R"(it says what goes wrong, e.g. { kind = "motor-stall", device = "gantry" })")};
+constexpr settings::Section<Inject> kInjectKeys{kInjectRows};
+
+void read_fault(rack::TableReader& /*section*/, StepReader& reader, Inject& step) {
+  rack::TableReader table(*step.table);
+  table.note_kind_of_file(std::string(rack::kRackFileKind) + "#fault");
+  step.fault = reader.faults().read(table);
+}
+
+ReadStep step_of(const Inject& step, const StepReader& /*reader*/) {
+  const rack::FaultConfiguration& fault = step.fault;
+  return {fmt::format("fault {} at {}", fault.kind->name, fault.target.text),
+          [fault](bench::Bench& bench) {
             const auto armed = bench.rack().inject(fault, bench.now());
             return armed ? pass() : fail(armed.error());
           }};
 }
 
-ReadStep read_clear(rack::TableReader& section, StepReader& /*reader*/) {
-  const auto name = section.text({"fault", "Name of the fault that ends; without it all end"});
+struct Clear {
+  std::optional<std::string> fault{};
+};
+constexpr std::array kClearRows{
+    settings::text<&Clear::fault>("fault", "Name of the fault that ends; without it all end")};
+constexpr settings::Section<Clear> kClearKeys{kClearRows};
+
+ReadStep step_of(const Clear& step, const StepReader& /*reader*/) {
+  const std::optional<std::string>& name = step.fault;
   return {name ? "end of fault " + *name : "end of all faults", [name](bench::Bench& bench) {
             std::optional<std::uint64_t> id;
             if (name) {
@@ -45,6 +69,13 @@ ReadStep read_clear(rack::TableReader& section, StepReader& /*reader*/) {
             return pass();
           }};
 }
+
+}  // namespace
+
+constinit const StepKind kInject =
+    step_kind<Inject, &kInjectKeys, &read_fault>("inject", "A fault is put into the rack");
+constinit const StepKind kClear =
+    step_kind<Clear, &kClearKeys>("clear", "A fault is ended, or all are");
 
 ReadStep read_rack_event(rack::TableReader& section, StepReader& reader,
                          const std::string& action) {

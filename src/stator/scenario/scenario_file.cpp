@@ -12,10 +12,12 @@
 #include "stator/product/catalogue/catalogue.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/file/rack_file_description.hpp"
 #include "stator/rack/file/rack_file_steps.hpp"
 #include "stator/rack/file/system_files.hpp"
 #include "stator/rack/file/table_reader.hpp"
 #include "stator/scenario/step_kinds.hpp"
+#include "stator/settings/key.hpp"
 #include "stator/settings/words.hpp"
 
 namespace stator::scenario {
@@ -24,63 +26,87 @@ namespace {
 
 using namespace base::literals;
 using rack::TableReader;
+using settings::KeyWords;
+using settings::Reader;
 
-std::set<std::string> product_types(const product::Catalogue& catalogue) {
+/// A scenario file as it is read, key after key: what a key refers to stands above it.
+struct File {
+  const product::Catalogue* catalogue = nullptr;
+  rack::Changes changes{};  ///< of a rack that stands elsewhere
+  Scenario scenario{};
+  std::optional<std::string> product{};
+  bool has_rack = false;
+  std::optional<base::SimDuration> cycle{};
+};
+
+void read_product(const KeyWords& key, Reader& reader, File& file) {
   std::set<std::string> types;
-  for (const auto& product : catalogue.products()) {
+  for (const auto& product : file.catalogue->products()) {
     types.insert(product->identity().type);
   }
-  return types;
+  file.product = reader.choice(key, types);
 }
 
-/// The rack under test: a rack file, a product as it leaves its box, or tables of a rack file.
-rack::RackConfiguration read_scenario_rack(TableReader& root, const product::Catalogue& catalogue,
-                                           rack::Changes changes) {
-  const auto product = root.choice(
-      {"product", "Instead of a rack: one device as it leaves its box"}, product_types(catalogue));
-  if (product) {
-    return rack::load_single_device(*product, catalogue, changes);
+/// Of a table with the keys of a rack file.
+void read_rack_table(const KeyWords& key, Reader& reader, File& file) {
+  auto below = reader.section(key);
+  if (reader.describes()) {
+    below->note_kind_of_file(rack::kRackFileKind);
+    return;
   }
-  if (root.is_table("rack")) {
-    auto section = root.section("rack");
-    return rack::read_rack(*section, catalogue);
-  }
-  const auto file = root.text({"rack", "A rack file, or a table with the keys of one"});
-  if (!file) {
-    root.missing("rack",
-                 "a scenario needs a rack file (\"rack\"), a device (\"product\"), or a "
-                 "table [rack]");
-  }
-  return rack::load_rack_file(rack::system_files().beside(root.file(), *file), catalogue, changes);
+  TableReader table(std::move(*below));
+  file.has_rack =
+      table.attempt([&] { file.scenario.rack = rack::read_rack(table, *file.catalogue); });
 }
 
-const StepKind* find_kind(const std::string& name) {
-  const auto found = std::ranges::find(step_kinds(), name, &StepKind::name);
-  return found != step_kinds().end() ? &*found : nullptr;
+/// Of another file, or of the product.
+void load_rack(Reader& reader, File& file, const std::optional<std::string>& path) {
+  try {
+    file.scenario.rack =
+        path ? rack::load_rack_file(rack::system_files().beside(reader.file(), *path),
+                                    *file.catalogue, file.changes)
+             : rack::load_single_device(*file.product, *file.catalogue, file.changes);
+    file.has_rack = true;
+  } catch (const rack::RackFileError& error) {
+    reader.problems().list.push_back(error.problem());
+  }
 }
 
-std::set<std::string> kind_names() {
-  const std::vector<std::string>& events = rack::EventSectionReader::action_names();
-  std::set<std::string> names(events.begin(), events.end());
-  for (const StepKind& kind : step_kinds()) {
-    names.insert(std::string(kind.name));
+/// The rack under test: a product as it leaves its box, a rack file, or tables of one.
+void read_rack(const KeyWords& key, Reader& reader, File& file) {
+  if (file.product) {
+    load_rack(reader, file, std::nullopt);
+    return;
   }
-  return names;
+  reader.either(
+      reader.is_table(key.name),
+      [&] {
+        if (const auto path = reader.text(key)) {
+          load_rack(reader, file, path);
+        } else if (!reader.describes()) {
+          reader.refuse_missing(key.name,
+                                "a scenario needs a rack file (\"rack\"), a device (\"product\"), "
+                                "or a table [rack]");
+        }
+      },
+      [&] { read_rack_table(key, reader, file); });
 }
 
 Step read_step(TableReader& section, StepReader& reader) {
   Step step;
   step.line = section.line();
   const auto note = section.text({"note", "What the step is there for, for reports"});
-  const std::set<std::string> names = kind_names();
+  const std::vector<std::string> names = step_names();
   const bool selected =
       section.select({"do", "What the step does"}, names,
-                     "it must be one of: " + settings::joined(names), [&](const std::string& name) {
+                     "it must be one of: " + settings::joined({names.begin(), names.end()}),
+                     [&](const std::string& name) {
                        step.kind = name;
-                       const StepKind* kind = find_kind(name);
-                       ReadStep read = kind != nullptr ? kind->read(section, reader)
-                                                       : read_rack_event(section, reader, name);
-                       step.looks = kind != nullptr && kind->looks;
+                       const auto kind = std::ranges::find(step_kinds(), name, &StepKind::name);
+                       const bool is_kind = kind != step_kinds().end();
+                       ReadStep read = is_kind ? kind->read(section, reader)
+                                               : read_rack_event(section, reader, name);
+                       step.looks = is_kind && kind->looks;
                        step.title = note.value_or(read.title);
                        step.action = std::move(read.action);
                        section.finish();
@@ -91,46 +117,48 @@ Step read_step(TableReader& section, StepReader& reader) {
   return step;
 }
 
-void read_scenario(TableReader& root, const product::Catalogue& catalogue, rack::Changes changes,
-                   Scenario& scenario) {
-  scenario.name = root.text({"name", "What the scenario shows, for lists and reports"})
-                      .value_or(std::filesystem::path(scenario.file).stem().string());
-  root.text({"summary", "What it is good for, for reports"}, scenario.summary);
-  std::optional<rack::RackConfiguration> rack;
-  root.attempt([&] { rack = read_scenario_rack(root, catalogue, changes); });
-  if (rack) {
-    scenario.rack = std::move(*rack);
+void read_steps(const KeyWords& key, Reader& reader, File& file) {
+  if (!file.has_rack && !reader.describes()) {
+    return;
   }
-  root.duration({"cycle", "Simulated time per bus cycle, instead of the rack's"}, 50_us, 1_s,
-                scenario.rack.cycle);
-  root.duration({"limit", "Simulated time after which the scenario has failed"}, 1_ms, kLongestStep,
-                scenario.limit);
-  root.texts({"plot", "Signals that a report draws, names with * as wild card"}, scenario.plots);
-  if (rack) {
-    StepReader reader(scenario.rack);
-    for (TableReader& step :
-         root.sections({"step", "What is done and looked at, one after the other"})) {
-      step.attempt([&] { scenario.steps.push_back(read_step(step, reader)); });
-    }
-    if (root.sections("step").empty()) {
-      root.refuse("step", "a scenario needs at least one [[step]]");
-    }
-    root.finish();
+  StepReader steps(file.scenario.rack);
+  std::vector<Reader> tables = reader.sections(key);
+  for (Reader& each : tables) {
+    TableReader table(std::move(each));
+    table.attempt([&] { file.scenario.steps.push_back(read_step(table, steps)); });
+  }
+  if (tables.empty()) {
+    reader.refuse(key.name, "a scenario needs at least one [[step]]");
   }
 }
+
+constexpr std::array kFileRows{
+    settings::text<&File::scenario, &Scenario::name>(
+        "name", "What the scenario shows, for lists and reports"),
+    settings::text<&File::scenario, &Scenario::summary>("summary",
+                                                        "What it is good for, for reports"),
+    settings::custom<File, read_product>("product",
+                                         "Instead of a rack: one device as it leaves its box"),
+    settings::custom<File, read_rack>("rack", "A rack file, or a table with the keys of one"),
+    settings::duration<&File::cycle>("cycle", {50_us, 1_s},
+                                     "Simulated time per bus cycle, instead of the rack's"),
+    settings::duration<&File::scenario, &Scenario::limit>(
+        "limit", {1_ms, kLongestStep}, "Simulated time after which the scenario has failed"),
+    settings::texts<&File::scenario, &Scenario::plots>(
+        "plot", "Signals that a report draws, names with * as wild card"),
+    settings::custom<File, read_steps>("step", "What is done and looked at, one after the other")};
+constexpr settings::Section<File> kFileKeys{kFileRows};
 
 /// Makes the changes of the scenario's own keys, and of a rack that stands in it; returns those of
 /// a rack that stands elsewhere.
 std::vector<std::string> apply_own_changes(rack::Changes changes, settings::Value& tree,
                                            settings::Problems& problems) {
-  constexpr std::array<std::string_view, 8> kOwnKeys{"name",  "summary", "product", "rack",
-                                                     "cycle", "limit",   "plot",    "step"};
   std::vector<std::string> own;
   std::vector<std::string> others;
   for (const std::string& change : changes) {
+    const std::string key = change.substr(0, change.find_first_of(".[="));
     const bool is_own =
-        std::ranges::find(kOwnKeys, change.substr(0, change.find_first_of(".[="))) !=
-        kOwnKeys.end();
+        std::ranges::find(kFileRows, key, &settings::Key<File>::name) != kFileRows.end();
     (is_own ? own : others).push_back(change);
   }
   rack::apply_changes(own, tree, problems);
@@ -145,23 +173,39 @@ std::vector<std::string> apply_own_changes(rack::Changes changes, settings::Valu
 
 }  // namespace
 
+settings::TableDescription describe_scenario_file(const product::Catalogue& catalogue) {
+  const settings::Value nothing{settings::Table{}};
+  settings::TableDescription description;
+  settings::Problems problems;  // of tables that are not there
+  const settings::Reading reading{problems};
+  Reader root(reading, "the scenario", nothing, &description);
+  File file{.catalogue = &catalogue};
+  settings::read_keys(kFileKeys, root, file);
+  return description;
+}
+
 ScenarioRead parse_scenario(std::string_view text, const std::string& name,
                             const product::Catalogue& catalogue, rack::Changes changes) {
-  ScenarioRead read;
-  read.scenario.file = name;
+  File file{.catalogue = &catalogue};
+  file.scenario.file = name;
   settings::Problems problems;
   problems.everything = true;
   try {
     settings::Value tree = rack::parse_rack_tree(text, name);
     const auto of_rack = apply_own_changes(changes, tree, problems);
     const settings::Reading reading{problems, &rack::system_files(), name};
-    TableReader root(reading, "the scenario", tree);
-    root.attempt([&] { read_scenario(root, catalogue, of_rack, read.scenario); });
+    Reader root(reading, "the scenario", tree);
+    file.changes = of_rack;
+    file.scenario.name = std::filesystem::path(name).stem().string();
+    settings::read_keys(kFileKeys, root, file);
+    file.scenario.rack.cycle = file.cycle.value_or(file.scenario.rack.cycle);
+    if (file.has_rack) {
+      root.finish();
+    }
   } catch (const rack::RackFileError& error) {
     problems.list.push_back(error.problem());
   }
-  read.errors = std::move(problems.list);
-  return read;
+  return {std::move(file.scenario), std::move(problems.list)};
 }
 
 ScenarioRead read_scenario_file(const std::string& path, const product::Catalogue& catalogue,

@@ -7,6 +7,7 @@
 #include "stator/product/catalogue/catalogue.hpp"
 #include "stator/rack/file/changes.hpp"
 #include "stator/scenario/scenario.hpp"
+#include "stator/settings/description.hpp"
 #include "stator/settings/problem.hpp"
 
 namespace stator::scenario {
@@ -16,6 +17,14 @@ struct ScenarioRead {
   Scenario scenario;                      ///< of use only without errors
   std::vector<settings::Problem> errors;  ///< with file, line, reason and remedy
 };
+
+/// Of the schema.
+inline constexpr std::string_view kScenarioFileTitle = "Scenario file of Stator";
+
+/// All keys of a scenario file for racks of devices of `catalogue`. Those of a rack in it are told
+/// to be those of a rack file.
+[[nodiscard]] settings::TableDescription describe_scenario_file(
+    const product::Catalogue& catalogue);
 
 /// Reads a scenario file (docs/how-to/scenarios.md) and the rack it names, of devices of
 /// `catalogue`, and tells all that is wrong with them. Files named in it are relative to it.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -15,6 +17,7 @@
 #include "stator/rack/file/table_reader.hpp"
 #include "stator/rack/file/target_reader.hpp"
 #include "stator/scenario/scenario.hpp"
+#include "stator/settings/key.hpp"
 
 namespace stator::scenario {
 
@@ -24,6 +27,15 @@ struct ReadStep {
   Action action;
 };
 
+/// What of the rack a step acts upon: as it is written, and what that means there.
+struct Target {
+  std::optional<std::string> device_name{};
+  std::optional<std::string> bus_name{};
+  std::optional<rack::DeviceAddress> device{};  ///< nothing: all
+  std::size_t network = 0;                      ///< segment or bus
+  std::size_t last_segment = 0xFFFF;            ///< that the rack has
+};
+
 /// What the steps of one scenario are read against.
 class StepReader {
  public:
@@ -31,27 +43,28 @@ class StepReader {
   explicit StepReader(const rack::RackConfiguration& rack)
       : rack_(rack), targets_(rack), events_(rack), faults_(rack) {}
 
-  [[nodiscard]] const rack::RackConfiguration& rack() const { return rack_; }
   [[nodiscard]] rack::EventSectionReader& events() { return events_; }
   [[nodiscard]] rack::FaultReader& faults() { return faults_; }
-
-  /// The device that `device` names; a rack with one needs no name. Ends reading where there is
-  /// none.
-  [[nodiscard]] rack::DeviceAddress device(rack::TableReader& section);
-  /// The same for a step that may do without; nothing: the key is not there.
-  [[nodiscard]] std::optional<rack::DeviceAddress> any_device(rack::TableReader& section);
   [[nodiscard]] const std::string& name_of(rack::DeviceAddress device) const {
     return targets_.device_at(device).name;
   }
-  /// `axis`, 0 without it.
-  [[nodiscard]] static unsigned axis(rack::TableReader& section);
-  /// `segment`, counted from 0, which is the default. Ends reading where there is none.
-  [[nodiscard]] std::size_t segment(rack::TableReader& section) const;
-  /// `bus`, the first one with a wire by default. Ends reading where there is none.
-  [[nodiscard]] std::size_t bus(rack::TableReader& section) const;
-  /// `within`, how long something is waited for at most.
-  [[nodiscard]] static base::SimDuration within(rack::TableReader& section,
-                                                base::SimDuration otherwise);
+
+  // Each reads its keys into a target and looks up what they name, which ends reading where there
+  // is no such thing in the rack. Where a table is described the keys are all.
+
+  /// `device`; a rack with one needs no name for it.
+  void device(rack::TableReader& section, Target& on) const;
+  /// The same of a device with an EtherCAT slave controller.
+  void slave(rack::TableReader& section, Target& on) const;
+  /// `device`, or none.
+  void any_device(rack::TableReader& section, Target& on) const;
+  void segment(rack::TableReader& section, Target& on) const;
+  /// `bus`, the first one with a wire by default.
+  void bus(rack::TableReader& section, Target& on) const;
+  /// One slave, or all of a segment.
+  void slaves(rack::TableReader& section, Target& on) const;
+  /// One node, or all of a bus.
+  void nodes(rack::TableReader& section, Target& on) const;
 
  private:
   const rack::RackConfiguration& rack_;
@@ -59,6 +72,25 @@ class StepReader {
   rack::EventSectionReader events_;
   rack::FaultReader faults_;
 };
+
+/// The longest time that a step may wait for something.
+inline constexpr base::SimDuration kLongestStep{std::int64_t{86'400} * 1'000'000'000};
+inline constexpr settings::DurationRange kStepTimes{base::SimDuration(), kLongestStep};
+
+// Keys of several steps.
+
+template <auto... Path>
+constexpr auto axis_key() {
+  constexpr std::int64_t kMostAxes = 6;
+  return settings::whole<Path...>("axis", {0, kMostAxes - 1}, "Axis of the device");
+}
+
+/// How long something is waited for.
+template <auto... Path>
+constexpr auto within_key() {
+  return settings::duration<Path...>("within", kStepTimes,
+                                     "How long it is waited for at most, in simulated time");
+}
 
 /// The entry of a device's dictionary; null if it has none such.
 [[nodiscard]] const dictionary::Entry* find_entry(bench::Bench& bench, rack::DeviceAddress device,
@@ -74,8 +106,5 @@ template <typename T>
 Outcome outcome_of(const master::Result<T>& result) {
   return result ? pass() : fail(result.error().text);
 }
-
-/// The longest time that a step may wait for something.
-inline constexpr base::SimDuration kLongestStep{std::int64_t{86'400} * 1'000'000'000};
 
 }  // namespace stator::scenario

@@ -1,5 +1,6 @@
 // Direct commands to TMCL modules.
-#include <map>
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -15,59 +16,60 @@ namespace stator::scenario {
 
 namespace {
 
-/// What is expected of the reply.
-struct Expected {
-  tmcl::Status status = tmcl::Status::success;
-  Comparison value;
-
-  [[nodiscard]] bool met(const tmcl::Reply& reply) const {
-    return reply.status == status && value.met(static_cast<double>(reply.value));
-  }
-  [[nodiscard]] std::string text() const {
-    return fmt::format("status {} ({}){}", static_cast<int>(status), status_text(status),
-                       value.empty() ? "" : " and a value that " + value.text());
-  }
+struct Command {
+  Target on{};
+  std::optional<std::string> command{};
+  std::uint8_t status = static_cast<std::uint8_t>(tmcl::Status::success);
+  Comparison value{};
+  base::SimDuration within{};
 };
+constexpr std::array kCommandRows{
+    settings::needed(settings::text<&Command::command>(
+                         "command", "As programs write it, e.g. \"MVP ABS, 0, 51200\""),
+                     "it is a command as programs write it, e.g. \"GAP 1, 0\""),
+    settings::whole<&Command::status>("status", {0, 255},
+                                      "Status that the reply must have, 100 is success"),
+    settings::keys<kComparisonKeys, &Command::value>(), within_key<&Command::within>()};
+constexpr settings::Section<Command> kCommandKeys{kCommandRows};
 
-std::string reply_text(const tmcl::Reply& reply) {
-  return fmt::format("status {} ({}), value {}", static_cast<int>(reply.status),
-                     status_text(reply.status), reply.value);
+std::string status_name(tmcl::Status status) {
+  return fmt::format("status {} ({})", static_cast<int>(status), status_text(status));
+}
+
+ReadStep step_of(const Command& step, const StepReader& reader) {
+  return {
+      fmt::format("{}: {}", reader.name_of(*step.on.device), *step.command),
+      [=](bench::Bench& bench) {
+        const rack::DeviceAddress device = *step.on.device;
+        const tmcl::Firmware* firmware = bench.rack().device(device).tmcl_firmware();
+        if (firmware == nullptr) {
+          return fail(fmt::format("{} has no TMCL", bench.rack().name_of(device)));
+        }
+        const auto instruction = tmcl::parse_direct_line(*step.command, firmware->description());
+        if (!instruction) {
+          return fail(fmt::format("\"{}\" is no command: {}", *step.command, instruction.error()));
+        }
+        const auto status = static_cast<tmcl::Status>(step.status);
+        std::string seen;
+        const bool met = bench.wait_until(
+            [&] {
+              const auto reply = bench.ask(device, *instruction);
+              seen = reply ? fmt::format("{}, value {}", status_name(reply->status), reply->value)
+                           : reply.error();
+              return reply && reply->status == status &&
+                     step.value.met(static_cast<double>(reply->value));
+            },
+            step.within);
+        return met ? pass(seen)
+                   : fail(fmt::format(
+                         "expected {}{}; {}", status_name(status),
+                         step.value.empty() ? "" : " and a value that " + step.value.text(), seen));
+      }};
 }
 
 }  // namespace
 
-ReadStep read_tmcl(rack::TableReader& section, StepReader& reader) {
-  const rack::DeviceAddress device = reader.device(section);
-  const auto command =
-      section.text({"command", "As programs write it, e.g. \"MVP ABS, 0, 51200\""});
-  Expected expected;
-  auto status = static_cast<std::uint8_t>(expected.status);
-  section.integer({"status", "Status that the reply must have, 100 is success"}, 0, 255, status);
-  expected.status = static_cast<tmcl::Status>(status);
-  expected.value = read_comparison(section);
-  const base::SimDuration within = StepReader::within(section, base::SimDuration());
-  if (!command) {
-    section.missing("command", "it is a command as programs write it, e.g. \"GAP 1, 0\"");
-  }
-  return {fmt::format("{}: {}", reader.name_of(device), *command), [=](bench::Bench& bench) {
-            const tmcl::Firmware* firmware = bench.rack().device(device).tmcl_firmware();
-            if (firmware == nullptr) {
-              return fail(fmt::format("{} has no TMCL", bench.rack().name_of(device)));
-            }
-            const auto instruction = tmcl::parse_direct_line(*command, firmware->description());
-            if (!instruction) {
-              return fail(fmt::format("\"{}\" is no command: {}", *command, instruction.error()));
-            }
-            std::string seen;
-            const bool met = bench.wait_until(
-                [&] {
-                  const auto reply = bench.ask(device, *instruction);
-                  seen = reply ? reply_text(*reply) : reply.error();
-                  return reply && expected.met(*reply);
-                },
-                within);
-            return met ? pass(seen) : fail(fmt::format("expected {}; {}", expected.text(), seen));
-          }};
-}
+constinit const StepKind kTmcl = step_kind<Command, &StepReader::device, &kCommandKeys>(
+    "tmcl", "A direct command is sent to a TMCL module");
 
 }  // namespace stator::scenario

@@ -18,6 +18,11 @@ DeviceAddress TargetReader::read_target(TableReader& section) const {
   if (section.describes()) {
     return {};
   }
+  return find_device(section, name);
+}
+
+DeviceAddress TargetReader::find_device(TableReader& section,
+                                        const std::optional<std::string>& name) const {
   if (!name) {
     section.missing("device", "it names the device to which this happens");
   }

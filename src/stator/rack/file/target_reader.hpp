@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ class TargetReader {
 
   /// The device that `device` names.
   [[nodiscard]] DeviceAddress read_target(TableReader& section) const;
+  /// The same where the key has been read: it is `name`, or not there.
+  [[nodiscard]] DeviceAddress find_device(TableReader& section,
+                                          const std::optional<std::string>& name) const;
   /// The same on a CAN bus with a wire.
   [[nodiscard]] DeviceAddress read_can_target(TableReader& section) const;
   void require_can(TableReader& section, DeviceAddress target) const;
