@@ -106,7 +106,8 @@ class Questions:
 
     def all(self):
         yield from self._helps([])
-        yield from (["devices"], ["check", "--schema"], ["check", "--reference"], ["test", "--steps"],
+        yield from (["devices"], ["check", "--schema"], ["check", "--reference"], ["test", "--schema"],
+                    ["test", "--reference"], ["test", "--steps"],
                     ["test", "--list", "scenarios"], ["faults"], ["faults", "--format", "markdown"])
         yield from (["faults", kind] for kind in self.faults)
         yield from (["faults", kind, "--format", "markdown"] for kind in self.faults)

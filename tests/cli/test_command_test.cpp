@@ -89,5 +89,28 @@ TEST_F(TestCommand, SaysWhatItNeeds) {
               AllOf(HasSubstr("expect-signal"), HasSubstr("inject")));
 }
 
+TEST(TestCommandKeys, AreListedForCompletion) {
+  const Outcome outcome = stator("test --keys");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.output,
+              AllOf(HasSubstr("limit\tduration, \"1ms\" to \"86400s\"\t`\"60s\"`\tSimulated time "
+                              "after which the scenario has failed\n"),
+                    HasSubstr("step[].target\tinteger, -2147483648 to 2147483647\tneeded\tTarget "
+                              "position in the drive's units\n"),
+                    HasSubstr("step[].fault.kind\t"), HasSubstr("rack\ttext or table\t")));
+}
+
+TEST(TestCommandKeys, AreAskedForWithoutFiles) {
+  EXPECT_NE(stator("test --schema " STATOR_SOURCE_DIR "/scenarios").status, 0);
+}
+
+TEST(TestCommandKeys, TheirSchemaIsTheFileInTheDocumentation) {
+  tests::expect_documented("test --schema", "scenario.schema.json");
+}
+
+TEST(TestCommandKeys, TheirReferenceIsThePageInTheDocumentation) {
+  tests::expect_documented("test --reference", "scenario-keys.md");
+}
+
 }  // namespace
 }  // namespace stator

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""The JSON schema of rack files, in the hands of a validator as editors have one.
+"""The JSON schemas of rack files and scenarios, in the hands of a validator as editors have one.
 
-Ready racks must be valid, and what `stator check` refuses for a key, a type or a range must not be.
+Ready racks and scenarios must be valid, and what `stator check` and `stator test` refuse for a key, a type or a range
+must not be. The schema of scenarios refers to that of rack files, which lies beside it.
 """
 
 import argparse
@@ -10,6 +11,7 @@ import pathlib
 import subprocess
 import sys
 import tomllib
+import warnings
 
 from running_rack import unavailable
 
@@ -18,7 +20,7 @@ try:
 except ImportError as error:
     unavailable(str(error), "scripts/setup test installs what is needed")
 
-RACKS = pathlib.Path(__file__).resolve().parents[2] / "racks"
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 HEAD = '[[segment]]\n[[segment.device]]\ntype = "tmcm-3315"\n'
 WRONG = {
@@ -38,29 +40,56 @@ WRONG = {
 }
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--stator", required=True)
-    arguments = parser.parse_args()
-    printed = subprocess.run([arguments.stator, "check", "--schema"], check=True,
-                             capture_output=True, text=True).stdout
-    schema = json.loads(printed)
-    jsonschema.Draft7Validator.check_schema(schema)
-    validator = jsonschema.Draft7Validator(schema)
+STEP = 'product = "tmcm-3315"\n[[step]]\n'
+WRONG_SCENARIOS = {
+    "a key nobody knows": 'colour = "red"\n' + STEP + 'do = "scan"\n',
+    "a step without a kind": STEP + 'note = "nothing"\n',
+    "a kind of step that there is not": STEP + 'do = "wiat"\n',
+    "a step without what it needs": STEP + 'do = "wait"\n',
+    "a key of another step": STEP + 'do = "wait"\ntime = "1s"\ntarget = 5\n',
+    "a value out of range": STEP + 'do = "enable"\naxis = 6\n',
+    "a state of no network": STEP + 'do = "expect-state"\nstate = "asleep"\n',
+    "a key of another event": STEP + 'do = "power-off"\ndevice = "tmcm-3315"\nport = 1\n',
+    "a fault that there is not": STEP + 'do = "inject"\nfault = { kind = "moon" }\n',
+    "a fault as a name where a table belongs": STEP + 'do = "inject"\nfault = "jam"\n',
+    "a rack with a key nobody knows": '[rack]\ncolour = "red"\n[[rack.segment]]\n[[rack.segment.device]]\n'
+                                      'type = "tmcm-3315"\n[[step]]\ndo = "scan"\n',
+}
 
+
+def schema_of(stator, command):
+    schema = json.loads(subprocess.run([stator, command, "--schema"], check=True, capture_output=True, text=True).stdout)
+    jsonschema.Draft7Validator.check_schema(schema)
+    return schema
+
+
+def failures_of(validator, folder, wrong):
+    """How many good files are not valid, and wrong ones are."""
     failures = 0
-    racks = sorted(RACKS.glob("*.toml"))
-    assert racks, "there are no ready racks"
-    for path in racks:
+    files = sorted((ROOT / folder).glob("*.toml"))
+    assert files, f"there are no ready {folder}"
+    for path in files:
         with open(path, "rb") as file:
             for error in validator.iter_errors(tomllib.load(file)):
                 failures += 1
                 print(f"{path.name}: {'/'.join(map(str, error.path))}: {error.message[:300]}")
-    for name, text in WRONG.items():
+    for name, text in wrong.items():
         if validator.is_valid(tomllib.loads(text)):
             failures += 1
-            print(f"the schema allows {name}")
-    print(f"{len(racks)} racks, {len(WRONG)} mistakes, {failures} failures")
+            print(f"the schema of {folder} allows {name}")
+    print(f"{len(files)} {folder}, {len(wrong)} mistakes, {failures} failures")
+    return failures
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--stator", required=True)
+    arguments = parser.parse_args()
+    racks, scenarios = (schema_of(arguments.stator, command) for command in ("check", "test"))
+    warnings.simplefilter("ignore", DeprecationWarning)  # what replaces it is not everywhere yet
+    beside = jsonschema.RefResolver("scenario.schema.json", scenarios, store={"rack-file.schema.json": racks})
+    failures = failures_of(jsonschema.Draft7Validator(racks), "racks", WRONG)
+    failures += failures_of(jsonschema.Draft7Validator(scenarios, resolver=beside), "scenarios", WRONG_SCENARIOS)
     return 1 if failures else 0
 
 

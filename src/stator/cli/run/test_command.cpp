@@ -11,6 +11,7 @@
 #include <fnmatch.h>
 
 #include "stator/cli/commands.hpp"
+#include "stator/cli/describe/key_reference.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
 #include "stator/cli/option_values.hpp"
@@ -37,7 +38,24 @@ struct TestOptions {
   bool list = false;
   bool steps = false;
   bool verbose = false;
+  KeyOptions keys;
 };
+
+constexpr FileKind kScenarioFiles{
+    .plural = "scenario files",
+    .title = scenario::kScenarioFileTitle,
+    .name = "scenario",
+    .head =
+        "# Keys of a scenario file\n"
+        "\n"
+        "Every key with the values it takes and what it is when it is left out; made from the "
+        "code that reads\n"
+        "scenario files by `stator test --reference`. What scenarios are for and what steps do "
+        "is told in\n"
+        "[scenarios](how-to/scenarios.md). Editors that know JSON schemas check and complete "
+        "scenarios by\n"
+        "[scenario.schema.json](scenario.schema.json) ([how](rack-file.md#in-an-editor)).\n",
+    .describe = scenario::describe_scenario_file};
 
 /// The files, and of folders all that end in .toml, by name.
 std::vector<std::string> scenario_files(const std::vector<std::string>& paths) {
@@ -111,6 +129,9 @@ void test(const TestOptions& options) {
     print_step_kinds();
     return;
   }
+  if (options.keys.print(devices::products())) {
+    return;
+  }
   if (options.paths.empty()) {
     throw Failure("there is nothing to run; name a scenario file or a folder of them");
   }
@@ -155,11 +176,13 @@ void add_test_command(CLI::App& app) {
   auto options = std::make_shared<TestOptions>();
   CLI::App* command = app.add_subcommand(
       "test", "Run scenarios: a rack, what a master does, faults, and what must be seen");
-  command->add_option("files", options->paths, "Scenario files, or folders of them");
+  CLI::Option* files =
+      command->add_option("files", options->paths, "Scenario files, or folders of them");
   add_set_option(*command, options->changes);
   command->add_option("--filter", options->filter, "Only scenarios with such names; * and ?");
   command->add_flag("--list", options->list, "Print names and files only");
   command->add_flag("--steps", options->steps, "Print the kinds of steps there are");
+  options->keys.add(*command, files, kScenarioFiles);
   command->add_flag("--verbose,-v", options->verbose, "Print every step");
   command->add_option("--junit", options->junit, "Write the results as JUnit XML to this file");
   command->add_option("--html", options->html, "Write them as a page to this file");
