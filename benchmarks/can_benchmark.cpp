@@ -18,6 +18,7 @@
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/devices/tmcc160/tmcc160.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/observe/event_log.hpp"
 
 namespace stator::benchmarks {
 namespace {

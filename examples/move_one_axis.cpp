@@ -7,6 +7,7 @@
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/observe/event_log.hpp"
 
 namespace {
 

@@ -11,6 +11,7 @@
 #include "stator/master/cia402/cia402_client.hpp"
 #include "stator/master/master.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/observe/event_log.hpp"
 
 namespace stator::bench {
 namespace {

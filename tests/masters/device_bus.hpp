@@ -50,7 +50,7 @@ class DeviceBus {
   /// the order in which they were added. Of those `device()` knows nothing.
   void hang(std::unique_ptr<product::EtherCatDevice> device,
             std::optional<ethercat::SlavePort> at = std::nullopt,
-            base::SimDuration cable_delay = ethercat::Segment::kDefaultCableDelay);
+            base::SimDuration cable_delay = ethercat::kDefaultCableDelay);
   /// A slave without firmware at the end of the line: a coupler without clock, a clock that is off.
   ethercat::SlaveController& add_controller(
       const ethercat::SlaveControllerConfiguration& configuration);

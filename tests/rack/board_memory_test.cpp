@@ -47,7 +47,7 @@ struct Process {
   }
   /// What is ordered ends, and the write time of the part too.
   void settle() {
-    for (const DeviceStorage::Completion& each : storage.wait_for_completions(bench.board.time())) {
+    for (const StorageCompletion& each : storage.wait_for_completions(bench.board.time())) {
       storage.complete(each, bench.board.time());
     }
     bench.wait(5_ms);

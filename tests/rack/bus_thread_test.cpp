@@ -21,6 +21,9 @@
 #include "rack/test_can_device.hpp"
 #include "stator/base/byte_order.hpp"
 #include "stator/link/system/file_descriptor.hpp"
+#include "stator/rack/networks/can_network.hpp"
+#include "stator/rack/observe/event_log.hpp"
+#include "stator/rack/observe/output_files.hpp"
 #include "stator/rack/run/runner.hpp"
 
 namespace stator::rack {

@@ -13,6 +13,10 @@
 #include "stator/devices/tmcc160/tmcc160.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/kept/device_storage.hpp"
+#include "stator/rack/networks/can_network.hpp"
+#include "stator/rack/observe/event_log.hpp"
+#include "stator/rack/observe/output_files.hpp"
 
 namespace stator::rack {
 namespace {

@@ -23,6 +23,7 @@
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
 #include "stator/master/master.hpp"
 #include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/observe/event_log.hpp"
 #include "stator/rack/run/runner.hpp"
 #include "stator_chip.h"
 

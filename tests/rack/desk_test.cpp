@@ -7,6 +7,8 @@
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/rack.hpp"
+#include "stator/rack/observe/event_log.hpp"
+#include "stator/rack/observe/signal_tap.hpp"
 
 namespace stator::rack {
 namespace {

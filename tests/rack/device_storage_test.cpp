@@ -20,6 +20,7 @@
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 #include "stator/ethercat/units/sii_interface.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/core/named_device.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/observe/event_log.hpp"
 
@@ -77,7 +78,7 @@ class Process {
   /// Waits for the disk, as a rack does in lockstep; how many completions came.
   std::size_t finish() {
     const auto completions = storage_.wait_for_completions(bus_.now());
-    for (const DeviceStorage::Completion& completion : completions) {
+    for (const StorageCompletion& completion : completions) {
       EXPECT_TRUE(storage_.complete(completion, bus_.now()));
     }
     return completions.size();

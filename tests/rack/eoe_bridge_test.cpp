@@ -18,6 +18,7 @@
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/core/named_device.hpp"
 #include "stator/rack/observe/event_log.hpp"
 
 namespace stator::rack {

@@ -11,8 +11,10 @@
 #include "rack/test_can_device.hpp"
 #include "rack/test_serial_device.hpp"
 #include "stator/base/byte_order.hpp"
+#include "stator/ethercat/segment/segment.hpp"
 #include "stator/rack/core/faults.hpp"
 #include "stator/rack/file/fault_section.hpp"
+#include "stator/rack/networks/can_network.hpp"
 
 namespace stator::tests {
 

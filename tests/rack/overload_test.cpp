@@ -13,6 +13,7 @@
 
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/observe/event_log.hpp"
 #include "stator/rack/run/running_rack.hpp"
 
 namespace stator::rack {

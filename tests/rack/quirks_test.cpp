@@ -24,6 +24,7 @@
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/observe/event_log.hpp"
 
 namespace stator::rack {
 namespace {

@@ -11,8 +11,11 @@
 #include "stator/bench/local_port.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/master/master.hpp"
+#include "stator/rack/core/named_device.hpp"
 #include "stator/rack/core/rack.hpp"
+#include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/networks/serial_line.hpp"
 #include "stator/rack/observe/event_log.hpp"
 
 namespace stator::tests {

@@ -15,6 +15,8 @@
 #include "stator/rack/core/faults.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/networks/serial_line.hpp"
+#include "stator/rack/observe/event_log.hpp"
 #include "stator/tmcl/telegram.hpp"
 
 namespace stator::rack {

@@ -13,10 +13,12 @@
 
 #include "stator/bench/link_port.hpp"
 #include "stator/devices/catalogue/products.hpp"
+#include "stator/ethercat/segment/segment.hpp"
 #include "stator/link/ethernet/open_link.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
 #include "stator/master/master.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/observe/event_log.hpp"
 #include "stator/rack/run/runner.hpp"
 
 namespace stator::rack {

@@ -23,6 +23,7 @@
 #include "stator/link/ethernet/machine.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/observe/event_log.hpp"
 #include "stator/rack/observe/inheriting_mutex.hpp"
 #include "stator/rack/run/runner.hpp"
 

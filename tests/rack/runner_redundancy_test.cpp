@@ -13,6 +13,7 @@
 #include "stator/ethercat/standard/frame.hpp"
 #include "stator/link/ethernet/raw_ethernet_link.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/observe/event_log.hpp"
 #include "stator/rack/run/runner.hpp"
 
 namespace stator::rack {

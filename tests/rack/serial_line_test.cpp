@@ -10,6 +10,7 @@
 
 #include "rack/test_serial_device.hpp"
 #include "stator/rack/core/rack.hpp"
+#include "stator/rack/networks/can_network.hpp"
 #include "stator/rack/observe/event_log.hpp"
 #include "stator/tmcl/telegram.hpp"
 

@@ -22,6 +22,7 @@
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
 #include "stator/link/system/file_descriptor.hpp"
 #include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/networks/can_network.hpp"
 #include "stator/rack/observe/event_log.hpp"
 #include "stator/rack/run/runner.hpp"
 #include "stator/tmcl/telegram.hpp"

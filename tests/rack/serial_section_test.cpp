@@ -11,6 +11,7 @@
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/networks/can_network.hpp"
 #include "stator/rack/observe/event_log.hpp"
 
 namespace stator::rack {

@@ -10,6 +10,7 @@
 
 #include "rack/rack_bench.hpp"
 #include "stator/devices/catalogue/products.hpp"
+#include "stator/ethercat/segment/segment.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
 
 namespace stator::rack {

@@ -6,6 +6,7 @@
 #include "stator/bench/local_can_port.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/observe/event_log.hpp"
 
 namespace stator::rack {
 namespace {

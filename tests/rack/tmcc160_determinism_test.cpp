@@ -11,9 +11,12 @@
 
 #include "base/temporary_directory.hpp"
 #include "stator/bench/local_can_port.hpp"
+#include "stator/can/bus.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/devices/tmcc160/tmcc160.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/networks/can_network.hpp"
+#include "stator/rack/observe/event_log.hpp"
 
 namespace stator::rack {
 namespace {

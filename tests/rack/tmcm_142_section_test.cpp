@@ -12,6 +12,7 @@
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/rack/file/rack_file_error.hpp"
+#include "stator/rack/networks/can_network.hpp"
 #include "stator/rack/observe/event_log.hpp"
 #include "stator/tmcl/telegram.hpp"
 

@@ -10,8 +10,10 @@
 
 #include "stator/base/byte_order.hpp"
 #include "stator/devices/catalogue/products.hpp"
+#include "stator/rack/core/named_device.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/observe/event_log.hpp"
 
 namespace stator::rack {
 namespace {

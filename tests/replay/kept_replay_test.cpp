@@ -13,6 +13,8 @@
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/ethercat/standard/frame.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/core/named_device.hpp"
+#include "stator/rack/observe/event_log.hpp"
 #include "stator/replay/player.hpp"
 #include "stator/replay/session_recorder.hpp"
 

@@ -13,6 +13,9 @@
 #include "stator/devices/tmcc160/tmcc160.hpp"
 #include "stator/master/master.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/networks/can_network.hpp"
+#include "stator/rack/networks/serial_line.hpp"
+#include "stator/rack/observe/event_log.hpp"
 #include "stator/replay/player.hpp"
 #include "stator/replay/session_recorder.hpp"
 

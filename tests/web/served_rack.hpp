@@ -17,6 +17,8 @@
 #include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/observe/event_log.hpp"
 #include "stator/rack/run/runner.hpp"
 #include "stator/web/server/server.hpp"
 #include "web/http_client.hpp"

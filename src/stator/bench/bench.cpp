@@ -8,6 +8,7 @@
 
 #include "stator/base/byte_order.hpp"
 #include "stator/bench/bench_masters.hpp"
+#include "stator/ethercat/segment/segment.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
 #include "stator/product/catalogue/product.hpp"
 

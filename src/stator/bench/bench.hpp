@@ -18,7 +18,10 @@
 #include "stator/master/cia402/drive_port.hpp"
 #include "stator/master/master.hpp"
 #include "stator/rack/core/rack.hpp"
+#include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/observe/event_log.hpp"
+#include "stator/rack/world/clock.hpp"
+#include "stator/rack/world/device_address.hpp"
 #include "stator/tmcl/instruction.hpp"
 #include "stator/tmcl/telegram.hpp"
 

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "stator/bench/bench.hpp"
+#include "stator/rack/core/rack_configuration.hpp"
+#include "stator/rack/networks/serial_line.hpp"
 
 namespace stator::bench {
 

@@ -10,6 +10,7 @@
 #include "stator/bench/can_sdo_client.hpp"
 #include "stator/master/cia402/slave_drive_port.hpp"
 #include "stator/master/text.hpp"
+#include "stator/product/device/device.hpp"
 
 namespace stator::bench {
 

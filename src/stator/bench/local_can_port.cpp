@@ -1,5 +1,7 @@
 #include "stator/bench/local_can_port.hpp"
 
+#include "stator/rack/networks/can_network.hpp"
+
 namespace stator::bench {
 
 LocalCanPort::LocalCanPort(rack::Rack& rack, std::size_t bus, base::SimDuration cycle,

@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "stator/ethercat/segment/segment.hpp"
+
 namespace stator::bench {
 
 LocalPort::LocalPort(rack::Rack& rack, std::size_t segment, base::SimDuration cycle,

@@ -9,8 +9,12 @@
 
 #include <fmt/format.h>
 
+#include "stator/dictionary/dictionary.hpp"
 #include "stator/ethercat/standard/frame.hpp"
+#include "stator/product/device/device.hpp"
 #include "stator/rack/file/fault_section.hpp"
+#include "stator/rack/networks/can_network.hpp"
+#include "stator/rack/networks/serial_line.hpp"
 #include "stator/rack/observe/journal.hpp"
 #include "stator/replay/session_recorder.hpp"
 #include "stator/replay/step_text.hpp"

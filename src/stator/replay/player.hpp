@@ -10,6 +10,7 @@
 #include "stator/can/port.hpp"
 #include "stator/product/device/signal.hpp"
 #include "stator/rack/core/rack.hpp"
+#include "stator/rack/kept/device_storage.hpp"
 #include "stator/replay/recording_reader.hpp"
 
 namespace stator::replay {

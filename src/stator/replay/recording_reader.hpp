@@ -10,7 +10,7 @@
 #include "stator/can/port.hpp"
 #include "stator/ethercat/segment/topology.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
-#include "stator/rack/kept/device_storage.hpp"
+#include "stator/rack/kept/storage_completion.hpp"
 #include "stator/replay/byte_coding.hpp"
 #include "stator/replay/recording_format.hpp"
 #include "stator/replay/regular_file.hpp"
@@ -35,7 +35,7 @@ struct Step {
   std::uint8_t subindex = 0;
   std::vector<std::pair<std::size_t, double>> values{};  ///< signals that have changed
   std::string name{};                                    ///< of a mark; the keys of a fault
-  rack::DeviceStorage::Completion completion{};
+  rack::StorageCompletion completion{};
   std::optional<std::uint64_t> fault{};  ///< the number of one that ends; nothing: all
 };
 

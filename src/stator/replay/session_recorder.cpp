@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "stator/rack/observe/output_files.hpp"
 #include "stator/replay/byte_delta.hpp"
 #include "stator/replay/can_frame_coding.hpp"
 #include "stator/replay/event_coding.hpp"
@@ -260,8 +261,7 @@ void SessionRecorder::fault_cleared(std::optional<std::uint64_t> id, base::SimTi
   }
 }
 
-void SessionRecorder::completed(const rack::DeviceStorage::Completion& completion,
-                                base::SimTime now) {
+void SessionRecorder::completed(const rack::StorageCompletion& completion, base::SimTime now) {
   if (begin(StepKind::completion)) {
     time(now);
     ByteWriter out = writer();

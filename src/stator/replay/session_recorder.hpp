@@ -64,7 +64,7 @@ class SessionRecorder final : public rack::Journal {
   void release(std::size_t segment, base::SimTime now) override;
   void fault(const std::string& text, base::SimTime now) override;
   void fault_cleared(std::optional<std::uint64_t> id, base::SimTime now) override;
-  void completed(const rack::DeviceStorage::Completion& completion, base::SimTime now) override;
+  void completed(const rack::StorageCompletion& completion, base::SimTime now) override;
   void object_read(rack::DeviceAddress device, std::uint16_t index, std::uint8_t subindex) override;
   void object_written(rack::DeviceAddress device, std::uint16_t index, std::uint8_t subindex,
                       std::span<const std::byte> value, base::SimTime now) override;

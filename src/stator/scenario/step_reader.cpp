@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "stator/bench/bench.hpp"
+#include "stator/product/device/device.hpp"
 
 namespace stator::scenario {
 

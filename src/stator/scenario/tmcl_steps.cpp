@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "stator/bench/bench.hpp"
+#include "stator/product/device/device.hpp"
 #include "stator/scenario/comparison.hpp"
 #include "stator/scenario/step_kinds.hpp"
 #include "stator/tmcl/assembler/direct_line.hpp"

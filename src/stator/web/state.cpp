@@ -8,6 +8,7 @@
 #include "stator/formats/json/schema.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file_description.hpp"
+#include "stator/rack/observe/event_log.hpp"
 #include "stator/web/address.hpp"
 
 namespace stator::web {

@@ -10,7 +10,10 @@
 #include "stator/base/byte_order.hpp"
 #include "stator/ethercat/standard/frame.hpp"
 #include "stator/master/master.hpp"
+#include "stator/product/device/device.hpp"
 #include "stator/rack/file/fault_section.hpp"
+#include "stator/rack/networks/can_network.hpp"
+#include "stator/rack/networks/serial_line.hpp"
 #include "stator/rack/observe/journal.hpp"
 #include "stator/tmcl/telegram.hpp"
 

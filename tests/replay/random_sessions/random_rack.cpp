@@ -13,6 +13,7 @@
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/faults/fault_kinds.hpp"
 #include "stator/rack/file/fault_section.hpp"
+#include "stator/rack/observe/event_log.hpp"
 
 namespace stator::tests {
 

@@ -21,6 +21,8 @@
 
 #include "replay/random_sessions/live_run.hpp"
 #include "replay/random_sessions/random_rack.hpp"
+#include "stator/rack/networks/serial_line.hpp"
+#include "stator/rack/observe/event_log.hpp"
 #include "stator/replay/player.hpp"
 #include "stator/replay/session_recorder.hpp"
 

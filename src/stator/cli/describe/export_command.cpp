@@ -10,6 +10,7 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
+#include "stator/cli/products.hpp"
 #include "stator/formats/esi/esi.hpp"
 #include "stator/product/catalogue/product.hpp"
 #include "stator/rack/core/device_making.hpp"

@@ -16,6 +16,7 @@
 #include "stator/link/ethernet/open_link.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file.hpp"
+#include "stator/rack/observe/output_files.hpp"
 #include "stator/settings/words.hpp"
 
 namespace stator::cli {

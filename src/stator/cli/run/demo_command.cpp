@@ -19,7 +19,9 @@
 #include "stator/plant/axes/stepper_axis.hpp"
 #include "stator/product/catalogue/product.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/observe/output_files.hpp"
 #include "stator/rack/observe/plot.hpp"
+#include "stator/rack/observe/recorder.hpp"
 
 namespace stator::cli {
 

@@ -12,6 +12,7 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/option_values.hpp"
 #include "stator/cli/run/recorded_run.hpp"
+#include "stator/rack/observe/output_files.hpp"
 
 namespace stator::cli {
 

@@ -34,6 +34,8 @@
 #include "stator/link/system/file_descriptor.hpp"
 #include "stator/rack/file/shared_addresses.hpp"
 #include "stator/rack/kept/directory_place.hpp"
+#include "stator/rack/observe/output_files.hpp"
+#include "stator/rack/observe/pin_trace.hpp"
 #include "stator/rack/run/runner.hpp"
 
 namespace stator::cli {

@@ -5,12 +5,15 @@
 
 #include <fmt/format.h>
 
+#include "stator/can/bus.hpp"
 #include "stator/cli/run/chip_sockets.hpp"
 #include "stator/cli/run/connection_hints.hpp"
 #include "stator/cli/run/serial_lines.hpp"
 #include "stator/link/can/can_link.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/core/named_device.hpp"
 #include "stator/rack/core/wiring.hpp"
+#include "stator/rack/networks/can_network.hpp"
 
 namespace stator::cli {
 

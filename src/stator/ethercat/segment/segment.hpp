@@ -10,6 +10,7 @@
 #include "stator/base/sim_time.hpp"
 #include "stator/ethercat/controller/slave_controller.hpp"
 #include "stator/ethercat/segment/frame_faults.hpp"
+#include "stator/ethercat/segment/released_frame.hpp"
 #include "stator/ethercat/segment/topology.hpp"
 #include "stator/ethercat/standard/frame.hpp"
 
@@ -38,8 +39,6 @@ struct SegmentStatistics {
 /// end of the present frame.
 class Segment {
  public:
-  static constexpr base::SimDuration kDefaultCableDelay{10};
-
   Segment() = default;
   ~Segment();
   Segment(const Segment&) = delete;
@@ -83,16 +82,12 @@ class Segment {
   /// How often a fault has hit; nothing: as often as it should, or it was withdrawn.
   [[nodiscard]] std::optional<std::uint64_t> hits(std::uint64_t number) const;
 
-  /// A frame that waited on a cable and comes out.
-  struct Released {
-    std::size_t length = 0;
-    MasterInterface exit = MasterInterface::primary;
-  };
   /// When the next held frame goes on; never() if there is none.
   [[nodiscard]] base::SimTime next_release() const { return next_release_; }
   /// Lets frames go on whose time has come until one comes out, which gets into `buffer`
   /// (kMaximumFrameLength bytes). Nothing: none does at `now`.
-  [[nodiscard]] std::optional<Released> release(base::SimTime now, std::span<std::byte> buffer);
+  [[nodiscard]] std::optional<ReleasedFrame> release(base::SimTime now,
+                                                     std::span<std::byte> buffer);
 
   /// Tells `observer` of every frame from now on; null ends that.
   void observe(FrameObserver* observer);

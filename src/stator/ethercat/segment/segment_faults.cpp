@@ -223,7 +223,7 @@ void Segment::find_next_release() {
   }
 }
 
-std::optional<Segment::Released> Segment::release(base::SimTime now, std::span<std::byte> buffer) {
+std::optional<ReleasedFrame> Segment::release(base::SimTime now, std::span<std::byte> buffer) {
   while (next_release_ <= now) {
     const auto due = std::ranges::min_element(held_, {}, &HeldFrame::release);
     HeldFrame held = *due;
@@ -232,7 +232,7 @@ std::optional<Segment::Released> Segment::release(base::SimTime now, std::span<s
     const std::optional<MasterInterface> exit = go_on(held, now);
     if (exit) {
       std::ranges::copy(std::span(held.bytes).first(held.length), buffer.begin());
-      return Released{held.length, *exit};
+      return ReleasedFrame{held.length, *exit};
     }
   }
   return std::nullopt;

@@ -17,6 +17,9 @@ namespace stator::ethercat {
 enum class MasterInterface : std::uint8_t { primary, secondary };
 inline constexpr std::size_t kMasterInterfaces = 2;
 
+/// Of a cable of which nothing else is said: two metres.
+inline constexpr base::SimDuration kDefaultCableDelay{10};
+
 /// One end of a cable at a slave.
 struct SlavePort {
   std::size_t slave = 0;  ///< in the order in which slaves were added

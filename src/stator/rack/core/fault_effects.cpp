@@ -3,11 +3,19 @@
 #include <stdexcept>
 #include <utility>
 
+#include "stator/ethercat/controller/slave_controller.hpp"
+#include "stator/ethercat/segment/segment.hpp"
+#include "stator/ethercat/stack/slave_stack.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
+#include "stator/product/device/ethercat_device.hpp"
+#include "stator/rack/core/named_device.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/core/surroundings_effect.hpp"
 #include "stator/rack/faults/fault_commands.hpp"
 #include "stator/rack/faults/fault_mailbox.hpp"
+#include "stator/rack/networks/can_network.hpp"
+#include "stator/rack/networks/serial_faults.hpp"
+#include "stator/rack/networks/serial_line.hpp"
 
 namespace stator::rack {
 

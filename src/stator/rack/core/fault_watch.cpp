@@ -5,9 +5,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "stator/ethercat/segment/segment.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
 #include "stator/master/cia402/drive_state.hpp"
+#include "stator/product/device/device.hpp"
 #include "stator/rack/core/rack.hpp"
+#include "stator/rack/networks/can_network.hpp"
 
 namespace stator::rack {
 

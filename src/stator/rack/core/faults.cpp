@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "stator/ethercat/stack/slave_stack.hpp"
+#include "stator/rack/core/named_device.hpp"
 #include "stator/rack/core/rack.hpp"
 
 namespace stator::rack {

@@ -244,9 +244,8 @@ void Rack::take_bus_events(std::size_t segment, base::SimTime now) {
   }
 }
 
-std::optional<ethercat::Segment::Released> Rack::release_frame(std::size_t segment,
-                                                               base::SimTime now,
-                                                               std::span<std::byte> buffer) {
+std::optional<ethercat::ReleasedFrame> Rack::release_frame(std::size_t segment, base::SimTime now,
+                                                           std::span<std::byte> buffer) {
   ethercat::Segment& wires = *segments_[segment].segment;
   if (wires.next_release() > now) {
     return std::nullopt;

@@ -13,10 +13,13 @@
 
 #include "stator/base/expected.hpp"
 #include "stator/base/sim_time.hpp"
+#include "stator/ethercat/segment/released_frame.hpp"
 #include "stator/ethercat/segment/segment.hpp"
-#include "stator/product/device/ethercat_device.hpp"
+#include "stator/product/device/device.hpp"
+#include "stator/rack/core/named_device.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/kept/device_storage.hpp"
+#include "stator/rack/kept/storage_completion.hpp"
 #include "stator/rack/networks/can_network.hpp"
 #include "stator/rack/networks/serial_lines.hpp"
 #include "stator/rack/observe/event_log.hpp"
@@ -34,12 +37,6 @@ namespace stator::rack {
 
 class Faults;
 class Journal;
-
-/// An EtherCAT device of the rack with the name people gave it.
-struct NamedDevice {
-  std::string name;
-  std::unique_ptr<product::EtherCatDevice> device;
-};
 
 /// All devices of one process and their recording. Passive: whoever owns a link or a master brings
 /// frames and time. Not thread-safe.
@@ -75,7 +72,7 @@ class Rack {
   void hand_over_completions(base::SimTime now);
   /// Lets a device hear what a recording says of it (DeviceStorage::Completions::recorded). False:
   /// the rack has no such memory.
-  bool complete(const DeviceStorage::Completion& completion, base::SimTime now);
+  bool complete(const StorageCompletion& completion, base::SimTime now);
 
   /// The next moment at which something happens on a CAN bus on its own: a frame ends, a device
   /// sends. advance() need not stop there, but what comes of it is to go out then.
@@ -126,8 +123,8 @@ class Rack {
   [[nodiscard]] Journal* journal() { return journal_; }
   /// A frame that a fault has held up and that comes out at `now` or earlier gets into `buffer`
   /// (ethercat::kMaximumFrameLength bytes). Nothing: none does. Its firmware takes what it brought.
-  std::optional<ethercat::Segment::Released> release_frame(std::size_t segment, base::SimTime now,
-                                                           std::span<std::byte> buffer);
+  std::optional<ethercat::ReleasedFrame> release_frame(std::size_t segment, base::SimTime now,
+                                                       std::span<std::byte> buffer);
 
   /// Arms a fault at `now`, to which the rack has been brought. Returns its number, or why it
   /// cannot be.

@@ -29,18 +29,18 @@ void Rack::wait_for_completions() {
   if (!storage_->busy()) {
     return;
   }
-  for (const DeviceStorage::Completion& completion : storage_->wait_for_completions(advanced_to_)) {
+  for (const StorageCompletion& completion : storage_->wait_for_completions(advanced_to_)) {
     complete(completion, advanced_to_);
   }
 }
 
 void Rack::hand_over_completions(base::SimTime now) {
-  for (const DeviceStorage::Completion& completion : storage_->take_completions(now)) {
+  for (const StorageCompletion& completion : storage_->take_completions(now)) {
     complete(completion, now);
   }
 }
 
-bool Rack::complete(const DeviceStorage::Completion& completion, base::SimTime now) {
+bool Rack::complete(const StorageCompletion& completion, base::SimTime now) {
   if (Journal* journal = told(); journal != nullptr) {
     journal->completed(completion, now);
   }

@@ -71,7 +71,7 @@ void connect_cables(Network& network, const SegmentConfiguration& configuration)
   if (configuration.redundant()) {
     network.connect(MasterInterface::secondary,
                     SlavePort{devices.size() - 1, far_port(devices.back())},
-                    ethercat::Segment::kDefaultCableDelay);
+                    ethercat::kDefaultCableDelay);
   }
 }
 

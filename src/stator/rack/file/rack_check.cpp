@@ -14,11 +14,15 @@
 
 #include "stator/product/catalogue/catalogue.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/core/named_device.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file_steps.hpp"
 #include "stator/rack/file/shared_addresses.hpp"
 #include "stator/rack/file/system_files.hpp"
 #include "stator/rack/kept/device_storage.hpp"
+#include "stator/rack/networks/can_network.hpp"
+#include "stator/rack/observe/event_log.hpp"
+#include "stator/rack/observe/recorder.hpp"
 
 namespace stator::rack {
 

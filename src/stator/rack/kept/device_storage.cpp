@@ -9,6 +9,8 @@
 
 #include "stator/base/byte_order.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
+#include "stator/product/device/can_device.hpp"
+#include "stator/product/device/ethercat_device.hpp"
 #include "stator/rack/kept/board_memory.hpp"
 #include "stator/rack/kept/parameter_memory.hpp"
 
@@ -200,9 +202,9 @@ void DeviceStorage::take_results(base::SimTime now) {
   }
 }
 
-std::vector<DeviceStorage::Completion> DeviceStorage::take_completions(base::SimTime now) {
+std::vector<StorageCompletion> DeviceStorage::take_completions(base::SimTime now) {
   take_results(now);
-  std::vector<Completion> completions;
+  std::vector<StorageCompletion> completions;
   for (const auto& memory : memories_) {
     if (memory->written_ > memory->finished_) {
       completions.push_back({memory->number_, memory->written_, memory->kept_});
@@ -211,12 +213,12 @@ std::vector<DeviceStorage::Completion> DeviceStorage::take_completions(base::Sim
   return completions;
 }
 
-std::vector<DeviceStorage::Completion> DeviceStorage::wait_for_completions(base::SimTime now) {
+std::vector<StorageCompletion> DeviceStorage::wait_for_completions(base::SimTime now) {
   writer_.wait();
   return take_completions(now);
 }
 
-bool DeviceStorage::complete(const Completion& completion, base::SimTime now) {
+bool DeviceStorage::complete(const StorageCompletion& completion, base::SimTime now) {
   if (completion.memory >= memories_.size()) {
     return false;
   }

@@ -8,11 +8,16 @@
 
 #include "stator/base/event.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/product/device/can_device.hpp"
-#include "stator/product/device/ethercat_device.hpp"
 #include "stator/rack/kept/background_writer.hpp"
 #include "stator/rack/kept/kept_file.hpp"
 #include "stator/rack/kept/kept_memory.hpp"
+#include "stator/rack/kept/storage_completion.hpp"
+
+namespace stator::product {
+class CanDevice;
+class Device;
+class EtherCatDevice;
+}  // namespace stator::product
 
 namespace stator::rack {
 
@@ -37,13 +42,6 @@ class DeviceStorage {
     when_durable,       ///< with the machine's clock: with the first look after that
     recorded,           ///< when and as a recording says
     at_once,            ///< with the order: recordings made before format 2 have none
-  };
-
-  /// The end of an order.
-  struct Completion {
-    std::size_t memory = 0;     ///< number of the memory within the storage
-    std::uint32_t version = 0;  ///< of the order; those before it end with it
-    bool kept = false;
   };
 
   /// Throws std::runtime_error as StateDirectory does.
@@ -74,11 +72,11 @@ class DeviceStorage {
   [[nodiscard]] std::uint64_t orders() const { return orders_; }
 
   /// The completions that have come and no device has heard of; failures are reported as of `now`.
-  [[nodiscard]] std::vector<Completion> take_completions(base::SimTime now);
+  [[nodiscard]] std::vector<StorageCompletion> take_completions(base::SimTime now);
   /// The same once all orders have been carried out, or have failed.
-  [[nodiscard]] std::vector<Completion> wait_for_completions(base::SimTime now);
+  [[nodiscard]] std::vector<StorageCompletion> wait_for_completions(base::SimTime now);
   /// Tells a device of the end of its order. False: there is no such memory.
-  bool complete(const Completion& completion, base::SimTime now);
+  bool complete(const StorageCompletion& completion, base::SimTime now);
 
   /// Tries again, now and then, to write what a device takes for kept although it could not be
   /// written. `now` is the machine's time, as the real clock has it: in lockstep simulated time may

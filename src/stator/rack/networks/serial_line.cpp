@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "stator/product/device/device.hpp"
+#include "stator/rack/networks/can_network.hpp"
 #include "stator/rack/observe/journal.hpp"
 
 namespace stator::rack {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -11,15 +12,18 @@
 
 #include "stator/base/delegate.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/product/device/device.hpp"
 #include "stator/rack/networks/byte_queue.hpp"
-#include "stator/rack/networks/can_network.hpp"
 #include "stator/rack/networks/serial_faults.hpp"
 #include "stator/rack/networks/serial_line_configuration.hpp"
 #include "stator/tmcl/sessions/serial_port.hpp"
 
+namespace stator::product {
+class Device;
+}
+
 namespace stator::rack {
 
+class CanNetwork;
 class Journal;
 
 /// What passed over a serial line so far.

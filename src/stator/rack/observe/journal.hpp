@@ -9,7 +9,7 @@
 #include "stator/can/frame.hpp"
 #include "stator/can/port.hpp"
 #include "stator/ethercat/segment/topology.hpp"
-#include "stator/rack/kept/device_storage.hpp"
+#include "stator/rack/kept/storage_completion.hpp"
 #include "stator/rack/world/device_address.hpp"
 #include "stator/rack/world/rack_event.hpp"
 
@@ -71,7 +71,7 @@ class Journal {
                               std::span<const std::byte> value, base::SimTime now) = 0;
 
   /// A device hears what has become of its order to keep something.
-  virtual void completed(const DeviceStorage::Completion& completion, base::SimTime now) = 0;
+  virtual void completed(const StorageCompletion& completion, base::SimTime now) = 0;
 
   /// Somebody gives the present moment a name.
   virtual void mark(const std::string& name) = 0;

@@ -9,6 +9,7 @@
 #include <spdlog/logger.h>
 
 #include "stator/link/can/can_link_address.hpp"
+#include "stator/rack/networks/can_network.hpp"
 
 namespace stator::rack {
 

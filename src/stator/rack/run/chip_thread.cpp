@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <spdlog/logger.h>
 
+#include "stator/rack/core/named_device.hpp"
+
 namespace stator::rack {
 
 namespace {

@@ -9,6 +9,8 @@
 #include "stator/link/serial/chip_server.hpp"
 #include "stator/rack/run/chip_session.hpp"
 #include "stator/rack/run/running_rack.hpp"
+#include "stator/rack/world/device_address.hpp"
+#include "stator/rack/world/device_configuration.hpp"
 
 namespace stator::rack {
 

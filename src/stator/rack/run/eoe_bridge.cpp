@@ -6,6 +6,10 @@
 #include <fmt/format.h>
 #include <spdlog/logger.h>
 
+#include "stator/rack/core/named_device.hpp"
+#include "stator/rack/core/rack_configuration.hpp"
+#include "stator/rack/world/device_configuration.hpp"
+
 namespace stator::rack {
 
 namespace {

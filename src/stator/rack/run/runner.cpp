@@ -9,8 +9,11 @@
 #include <fmt/format.h>
 #include <spdlog/logger.h>
 
+#include "stator/ethercat/segment/segment.hpp"
 #include "stator/link/ethernet/link_pair_receiver.hpp"
 #include "stator/link/ethernet/open_link.hpp"
+#include "stator/rack/kept/device_storage.hpp"
+#include "stator/rack/observe/output_files.hpp"
 
 namespace stator::rack {
 
@@ -372,7 +375,7 @@ base::SimDuration Runner::time_to_release(const SegmentThread& segment, base::Si
 void Runner::send_released(SegmentThread& segment) {
   std::array<std::byte, ethercat::kMaximumFrameLength> frame{};
   while (true) {
-    std::optional<ethercat::Segment::Released> released;
+    std::optional<ethercat::ReleasedFrame> released;
     base::SimTime now;
     {
       const std::scoped_lock lock(shared_.mutex);

@@ -7,6 +7,8 @@
 #include <spdlog/logger.h>
 
 #include "stator/link/ethernet/machine.hpp"
+#include "stator/rack/kept/device_storage.hpp"
+#include "stator/rack/observe/output_files.hpp"
 
 namespace stator::rack {
 

@@ -9,6 +9,7 @@
 
 #include "stator/base/sim_time.hpp"
 #include "stator/rack/core/rack.hpp"
+#include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/observe/inheriting_mutex.hpp"
 #include "stator/rack/run/desk.hpp"
 #include "stator/rack/world/clock.hpp"

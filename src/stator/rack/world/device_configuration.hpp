@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "stator/base/sim_time.hpp"
-#include "stator/ethercat/segment/segment.hpp"
-#include "stator/product/catalogue/product.hpp"
+#include "stator/ethercat/segment/topology.hpp"
 #include "stator/product/catalogue/setup.hpp"
 
 namespace stator::rack {
@@ -18,7 +17,7 @@ struct WiringConfiguration {
       after{};                     ///< device of the segment it hangs at; default: the one before
   std::optional<unsigned> port{};  ///< port of that device; default: the one away from the master
   unsigned entry_port = 0;         ///< port of this device
-  base::SimDuration cable_delay = ethercat::Segment::kDefaultCableDelay;
+  base::SimDuration cable_delay = ethercat::kDefaultCableDelay;
 };
 
 /// A serial interface of a device and the line it is connected to.

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "stator/rack/observe/event_log.hpp"
 #include "stator/web/json_text.hpp"
 
 namespace stator::web {

@@ -11,7 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include "stator/ethercat/standard/register_addresses.hpp"
+#include "stator/rack/core/named_device.hpp"
 #include "stator/rack/core/wiring.hpp"
+#include "stator/rack/networks/can_network.hpp"
 #include "stator/web/json_text.hpp"
 
 namespace stator::web {

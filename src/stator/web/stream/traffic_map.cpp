@@ -13,6 +13,7 @@
 #include "stator/ethercat/stack/pdo_configuration.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
 #include "stator/product/catalogue/product.hpp"
+#include "stator/rack/core/named_device.hpp"
 #include "stator/rack/core/wiring.hpp"
 #include "stator/tmcl/interpreter/firmware.hpp"
 #include "stator/web/job.hpp"
