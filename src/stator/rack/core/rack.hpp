@@ -1,9 +1,7 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,32 +9,47 @@
 #include <utility>
 #include <vector>
 
+#include "stator/base/event.hpp"
 #include "stator/base/expected.hpp"
 #include "stator/base/sim_time.hpp"
+#include "stator/can/port.hpp"
+#include "stator/dictionary/declaration.hpp"
+#include "stator/dictionary/refusal.hpp"
 #include "stator/ethercat/segment/released_frame.hpp"
-#include "stator/ethercat/segment/segment.hpp"
-#include "stator/product/device/device.hpp"
-#include "stator/rack/core/named_device.hpp"
-#include "stator/rack/core/rack_configuration.hpp"
-#include "stator/rack/kept/device_storage.hpp"
-#include "stator/rack/kept/storage_completion.hpp"
-#include "stator/rack/networks/can_network.hpp"
-#include "stator/rack/networks/serial_lines.hpp"
-#include "stator/rack/observe/event_log.hpp"
-#include "stator/rack/observe/output_files.hpp"
-#include "stator/rack/observe/pin_trace.hpp"
-#include "stator/rack/observe/recorder.hpp"
-#include "stator/rack/observe/signal_tap.hpp"
-#include "stator/rack/observe/traffic_tap.hpp"
-#include "stator/rack/world/clock.hpp"
-#include "stator/rack/world/held.hpp"
-#include "stator/rack/world/timetable.hpp"
-#include "stator/rack/world/wires.hpp"
+#include "stator/ethercat/segment/topology.hpp"
+#include "stator/product/device/input.hpp"
+#include "stator/product/device/signal.hpp"
+#include "stator/rack/world/device_address.hpp"
+#include "stator/rack/world/rack_event.hpp"
+
+namespace stator::dictionary {
+class Entry;
+}
+namespace stator::ethercat {
+class Segment;
+}
+namespace stator::product {
+class Device;
+}
 
 namespace stator::rack {
 
+class CanNetwork;
+class DeviceStorage;
+class EventLog;
 class Faults;
 class Journal;
+class LockstepClock;
+class OutputFiles;
+class PinTrace;
+class Recorder;
+class SerialLine;
+class SignalTap;
+class TrafficTap;
+struct FaultConfiguration;
+struct NamedDevice;
+struct RackConfiguration;
+struct StorageCompletion;
 
 /// All devices of one process and their recording. Passive: whoever owns a link or a master brings
 /// frames and time. Not thread-safe.
@@ -116,11 +129,8 @@ class Rack {
   void put(std::size_t line, std::span<const std::byte> bytes, base::SimTime now);
 
   /// Tells `journal` of all that is done to the rack from now on; null: nobody.
-  void set_journal(Journal* journal) {
-    journal_ = journal;
-    lines_.set_journal(journal);
-  }
-  [[nodiscard]] Journal* journal() { return journal_; }
+  void set_journal(Journal* journal);
+  [[nodiscard]] Journal* journal();
   /// A frame that a fault has held up and that comes out at `now` or earlier gets into `buffer`
   /// (ethercat::kMaximumFrameLength bytes). Nothing: none does. Its firmware takes what it brought.
   std::optional<ethercat::ReleasedFrame> release_frame(std::size_t segment, base::SimTime now,
@@ -140,29 +150,21 @@ class Rack {
   void set_carrier(std::size_t segment, ethercat::MasterInterface interface, bool up,
                    base::SimTime now);
 
-  [[nodiscard]] std::size_t segment_count() const { return segments_.size(); }
-  [[nodiscard]] const ethercat::Segment& segment(std::size_t index) const {
-    return *segments_[index].segment;
-  }
-  [[nodiscard]] ethercat::Segment& segment(std::size_t index) { return *segments_[index].segment; }
-  [[nodiscard]] std::span<NamedDevice> devices(std::size_t segment) {
-    return segments_[segment].devices;
-  }
-  [[nodiscard]] std::size_t bus_count() const { return buses_.size(); }
-  [[nodiscard]] CanNetwork& bus(std::size_t index) { return *buses_[index].network; }
-  [[nodiscard]] const CanNetwork& bus(std::size_t index) const { return *buses_[index].network; }
+  [[nodiscard]] std::size_t segment_count() const;
+  [[nodiscard]] const ethercat::Segment& segment(std::size_t index) const;
+  [[nodiscard]] ethercat::Segment& segment(std::size_t index);
+  [[nodiscard]] std::span<NamedDevice> devices(std::size_t segment);
+  [[nodiscard]] std::size_t bus_count() const;
+  [[nodiscard]] CanNetwork& bus(std::size_t index);
+  [[nodiscard]] const CanNetwork& bus(std::size_t index) const;
   /// For events that happen to a device from outside.
-  [[nodiscard]] base::EventReporter reporter(DeviceAddress device) {
-    return base::EventReporter(&log_, number_of(device));
-  }
+  [[nodiscard]] base::EventReporter reporter(DeviceAddress device);
   /// For events of the bus itself and of its ports.
-  [[nodiscard]] base::EventReporter bus_reporter(std::size_t index) {
-    return base::EventReporter(&log_, buses_[index].number);
-  }
-  [[nodiscard]] std::size_t line_count() const { return lines_.size(); }
+  [[nodiscard]] base::EventReporter bus_reporter(std::size_t index);
+  [[nodiscard]] std::size_t line_count() const;
   /// Those the devices' configurations name, in the order in which they do.
-  [[nodiscard]] SerialLine& line(std::size_t index) { return lines_[index]; }
-  [[nodiscard]] const SerialLine& line(std::size_t index) const { return lines_[index]; }
+  [[nodiscard]] SerialLine& line(std::size_t index);
+  [[nodiscard]] const SerialLine& line(std::size_t index) const;
   /// Every device, those of segments first, in the order of their numbers in events of one network.
   [[nodiscard]] std::vector<DeviceAddress> addresses() const;
   [[nodiscard]] const std::string& name_of(DeviceAddress device);
@@ -193,97 +195,39 @@ class Rack {
 
   /// All signals of all devices, named "device.signal", and of all buses.
   [[nodiscard]] std::vector<product::Signal> signals();
-  [[nodiscard]] const std::optional<Recorder>& recorder() const { return recorder_; }
+  /// The recording; null without one.
+  [[nodiscard]] const Recorder* recorder() const;
   /// The logic analyser; null without one.
-  [[nodiscard]] PinTrace* trace() { return trace_.get(); }
+  [[nodiscard]] PinTrace* trace();
   /// Where devices keep what outlives power; null if nothing is kept.
-  [[nodiscard]] DeviceStorage* storage() { return storage_.get(); }
+  [[nodiscard]] DeviceStorage* storage();
   /// See EventLog::settle().
-  void settle_log(base::SimTime now) { log_.settle(now); }
+  void settle_log(base::SimTime now);
 
   /// All that is written while the rack runs. Recording, trace and the files of buses are among
   /// them from the beginning.
-  [[nodiscard]] OutputFiles& outputs() { return outputs_; }
-  [[nodiscard]] const OutputFiles& outputs() const { return outputs_; }
+  [[nodiscard]] OutputFiles& outputs();
+  [[nodiscard]] const OutputFiles& outputs() const;
   /// What events call a device.
   [[nodiscard]] std::uint16_t number_of(DeviceAddress device) const;
 
  private:
-  struct SegmentMembers {
-    std::vector<NamedDevice> devices;
-    std::vector<std::vector<product::Input>> inputs;  ///< by device
-    std::unique_ptr<ethercat::Segment> segment;
-    std::uint16_t first_device = 0;  ///< number of its first device within the rack
-  };
-
-  struct BusMembers {
-    std::unique_ptr<CanNetwork> network;
-    std::vector<std::vector<product::Input>> inputs;  ///< by device
-    std::uint16_t first_device = 0;
-    std::uint16_t number = 0;  ///< under which the bus itself reports events
-    bool wire = true;          ///< false: its devices are on serial lines only
-  };
-
-  using Arguments = std::array<base::EventArgument, 6>;
+  struct Parts;
 
   std::optional<ethercat::MasterInterface> pass_frame(std::size_t segment,
                                                       std::span<std::byte> frame,
                                                       base::SimTime arrival,
                                                       ethercat::MasterInterface entry);
+  void connect_wires(const RackConfiguration& configuration);
   void advance_at_once(base::SimTime now);
   void advance_with_storage(base::SimTime now);
   void wait_for_completions();
   void advance_to(base::SimTime now);
   void take_bus_events(std::size_t segment, base::SimTime now);
   /// Who is to be told of a call: nobody of one that another call makes.
-  [[nodiscard]] Journal* told() { return inside_ ? nullptr : journal_; }
-  void happen(const RackEvent& event, base::SimTime now);
-  void add(const SegmentConfiguration& segment, std::vector<std::string>& names);
-  void add(const BusConfiguration& bus, std::vector<std::string>& names);
-  void connect_lines(const RackConfiguration& configuration);
-  void connect_wires(const RackConfiguration& configuration);
-  void advance_devices(base::SimTime now);
-  void apply_input(const InputEvent& event, base::SimTime now);
-  [[nodiscard]] Held<double>& held(const InputEvent& event);
-  [[nodiscard]] Held<bool>& held(const CableEvent& event);
-  [[nodiscard]] Held<bool>& held(const PowerEvent& event);
-  void carry_out(const InputEvent& event, base::SimTime now);
-  void carry_out(const CableEvent& event, base::SimTime now);
-  void carry_out(const PowerEvent& event, base::SimTime now);
-  void apply_error_state(const ErrorStateEvent& event, base::SimTime now);
-  void apply_frame_fault(const FrameFaultEvent& event, base::SimTime now);
-  void apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now);
-  [[nodiscard]] const product::Input& find_input(const InputEvent& event) const;
-  void report(std::uint16_t number, base::SimTime now, const base::EventRule& rule,
-              const Arguments& arguments = {});
+  [[nodiscard]] Journal* told();
 
-  std::optional<ethercat::MasterInterface> process_watched(std::size_t segment,
-                                                           std::span<std::byte> frame,
-                                                           base::SimTime arrival,
-                                                           ethercat::MasterInterface entry);
-  [[nodiscard]] base::SimTime next_tap() const;
-  void sample_taps(base::SimTime now);
-  void begin_trace(const TraceConfiguration& configuration, ClockKind clock);
-
-  EventLog& log_;
-  OutputFiles outputs_;
-  std::unique_ptr<PinTrace> trace_;  ///< outlives the chip it looks at
-  std::vector<SegmentMembers> segments_;
-  std::vector<BusMembers> buses_;
-  SerialLines lines_;  ///< go first: they know devices and buses
-  Timetable timetable_;
-  std::map<std::pair<DeviceAddress, std::string>, Held<double>> held_inputs_;  ///< those ever set
-  std::map<std::pair<DeviceAddress, unsigned>, Held<bool>> held_cables_;  ///< by port; true: intact
-  std::map<DeviceAddress, Held<bool>> held_powers_;                       ///< true: on
-  Wires wires_;
-  std::optional<Recorder> recorder_;
-  std::vector<SignalTap*> taps_;
-  TrafficTap* traffic_ = nullptr;
-  std::unique_ptr<DeviceStorage> storage_;
-  std::uint64_t orders_settled_ = 0;  ///< given until settle() ended last
-  base::SimTime advanced_to_;
-  Journal* journal_ = nullptr;
-  bool inside_ = false;             ///< within a call that the journal was told of
+  std::unique_ptr<Parts> parts_;
   std::unique_ptr<Faults> faults_;  ///< go first: they know everything
 };
 

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <stdexcept>
 
+#include "stator/rack/core/internal/rack_parts.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/world/input_names.hpp"
 
@@ -66,7 +67,7 @@ constexpr auto kWanted<PowerEvent> = &PowerEvent::on;
 
 }  // namespace
 
-void Rack::happen(const RackEvent& event, base::SimTime now) {
+void Rack::Parts::happen(const RackEvent& event, base::SimTime now) {
   if (const auto* cable = std::get_if<CableEvent>(&event)) {
     if (held(*cable).set(cable->intact)) {
       carry_out(*cable, now);
@@ -86,48 +87,48 @@ void Rack::happen(const RackEvent& event, base::SimTime now) {
   }
 }
 
-const product::Input& Rack::find_input(const InputEvent& event) const {
+const product::Input& Rack::Parts::find_input(const InputEvent& event) const {
   const bool on_bus = event.device.kind == NetworkKind::bus;
   const std::size_t network = event.device.network;
   const std::vector<product::Input>& inputs =
-      (on_bus ? buses_[network].inputs : segments_[network].inputs)[event.device.device];
+      (on_bus ? buses[network].inputs : segments[network].inputs)[event.device.device];
   const std::string problem = input_problem(inputs, event.input, event.value);
   if (!problem.empty()) {
-    const std::string& name = on_bus ? buses_[network].network->devices()[event.device.device].name
-                                     : segments_[network].devices[event.device.device].name;
+    const std::string& name = on_bus ? buses[network].network->devices()[event.device.device].name
+                                     : segments[network].devices[event.device.device].name;
     throw std::runtime_error(name + ": " + problem);
   }
   return *std::ranges::find(inputs, event.input, &product::Input::name);
 }
 
-Held<double>& Rack::held(const InputEvent& event) {
-  return held_inputs_[{event.device, event.input}];
+Held<double>& Rack::Parts::held(const InputEvent& event) {
+  return held_inputs[{event.device, event.input}];
 }
 
-Held<bool>& Rack::held(const CableEvent& event) {
-  return held_cables_.try_emplace({event.device, event.port}, true).first->second;
+Held<bool>& Rack::Parts::held(const CableEvent& event) {
+  return held_cables.try_emplace({event.device, event.port}, true).first->second;
 }
 
-Held<bool>& Rack::held(const PowerEvent& event) {
-  return held_powers_.try_emplace(event.device, true).first->second;
+Held<bool>& Rack::Parts::held(const PowerEvent& event) {
+  return held_powers.try_emplace(event.device, true).first->second;
 }
 
 template <typename Event>
 void Rack::hold(const Event& event, const void* owner, base::SimTime now) {
   if constexpr (std::same_as<Event, InputEvent>) {
-    static_cast<void>(find_input(event));  // throws before anything is noted
+    static_cast<void>(parts_->find_input(event));  // throws before anything is noted
   }
-  if (held(event).hold(owner, event.*kWanted<Event>)) {
-    carry_out(event, now);
+  if (parts_->held(event).hold(owner, event.*kWanted<Event>)) {
+    parts_->carry_out(event, now);
   }
 }
 
 template <typename Event>
 void Rack::release(Event event, const void* owner, base::SimTime now) {
-  auto& known = held(event);
+  auto& known = parts_->held(event);
   if (known.release(owner)) {
     event.*kWanted<Event> = known.value();
-    carry_out(event, now);
+    parts_->carry_out(event, now);
   }
 }
 
@@ -138,7 +139,7 @@ template void Rack::release(InputEvent, const void*, base::SimTime);
 template void Rack::release(CableEvent, const void*, base::SimTime);
 template void Rack::release(PowerEvent, const void*, base::SimTime);
 
-void Rack::apply_input(const InputEvent& event, base::SimTime now) {
+void Rack::Parts::apply_input(const InputEvent& event, base::SimTime now) {
   const product::Input& input = find_input(event);
   if (held(event).set(event.value)) {
     carry_out(event, now);
@@ -148,7 +149,7 @@ void Rack::apply_input(const InputEvent& event, base::SimTime now) {
   }
 }
 
-void Rack::carry_out(const InputEvent& event, base::SimTime now) {
+void Rack::Parts::carry_out(const InputEvent& event, base::SimTime now) {
   const product::Input& input = find_input(event);
   if (event.logged) {
     report(
@@ -157,63 +158,63 @@ void Rack::carry_out(const InputEvent& event, base::SimTime now) {
   }
   input.set(event.value);
   if (event.device.kind == NetworkKind::bus) {
-    bus(event.device.network).touched(event.device.device);
+    buses[event.device.network].network->touched(event.device.device);
   }
 }
 
 std::optional<double> Rack::input_value(const std::pair<DeviceAddress, std::string>& input) const {
-  const auto known = held_inputs_.find(input);
-  return known == held_inputs_.end() ? std::nullopt : std::optional(known->second.value());
+  const auto known = parts_->held_inputs.find(input);
+  return known == parts_->held_inputs.end() ? std::nullopt : std::optional(known->second.value());
 }
 
-void Rack::carry_out(const CableEvent& event, base::SimTime now) {
+void Rack::Parts::carry_out(const CableEvent& event, base::SimTime now) {
   const std::uint16_t number = number_of(event.device);
   if (event.device.kind == NetworkKind::bus) {
     report(number, now, event.intact ? kConnected : kDisconnected);
-    bus(event.device.network).set_connected(event.device.device, event.intact);
+    buses[event.device.network].network->set_connected(event.device.device, event.intact);
     return;
   }
   report(number, now, event.intact ? kCableHealed : kCableBroken, {event.port});
-  segments_[event.device.network].segment->set_cable({event.device.device, event.port},
-                                                     event.intact);
+  segments[event.device.network].segment->set_cable({event.device.device, event.port},
+                                                    event.intact);
 }
 
-void Rack::carry_out(const PowerEvent& event, base::SimTime now) {
+void Rack::Parts::carry_out(const PowerEvent& event, base::SimTime now) {
   const auto [network, device, kind] = event.device;
-  const bool powered = kind == NetworkKind::bus ? bus(network).powered(device)
-                                                : segments_[network].segment->powered(device);
+  const bool powered = kind == NetworkKind::bus ? buses[network].network->powered(device)
+                                                : segments[network].segment->powered(device);
   if (powered == event.on) {
     return;
   }
   report(number_of(event.device), now, event.on ? kPowerOn : kPowerOff);
   const product::Device& switched =
       kind == NetworkKind::bus
-          ? static_cast<const product::Device&>(*bus(network).devices()[device].device)
-          : *segments_[network].devices[device].device;
-  lines_.set_power(switched, event.on);
+          ? static_cast<const product::Device&>(*buses[network].network->devices()[device].device)
+          : *segments[network].devices[device].device;
+  lines.set_power(switched, event.on);
   if (kind == NetworkKind::bus) {
-    bus(network).set_power(device, event.on, now);
+    buses[network].network->set_power(device, event.on, now);
     return;
   }
-  segments_[network].segment->set_power(device, event.on);
-  segments_[network].devices[device].device->set_power(event.on, now);
+  segments[network].segment->set_power(device, event.on);
+  segments[network].devices[device].device->set_power(event.on, now);
 }
 
-void Rack::apply_error_state(const ErrorStateEvent& event, base::SimTime now) {
-  bus(event.device.network).set_error_state(event.device.device, event.state, now);
+void Rack::Parts::apply_error_state(const ErrorStateEvent& event, base::SimTime now) {
+  buses[event.device.network].network->set_error_state(event.device.device, event.state, now);
 }
 
-void Rack::apply_frame_fault(const FrameFaultEvent& event, base::SimTime now) {
+void Rack::Parts::apply_frame_fault(const FrameFaultEvent& event, base::SimTime now) {
   const std::uint16_t number = event.device
                                    ? number_of({event.bus, *event.device, NetworkKind::bus})
-                                   : buses_[event.bus].number;
+                                   : buses[event.bus].number;
   const can::FrameFault& fault = event.fault;
   report(number, now, fault.identifier ? kFrameFaultOfIdentifier : kFrameFault,
          {to_text(fault.kind), fault.frames, fault.identifier.value_or(0)});
-  bus(event.bus).inject(event);
+  buses[event.bus].network->inject(event);
 }
 
-void Rack::apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now) {
+void Rack::Parts::apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now) {
   const ethercat::FrameFault& fault = event.fault;
   const std::size_t slave = fault.port.slave;
   report(number_of({event.segment, slave, NetworkKind::segment}), now, kSegmentFault,
@@ -221,7 +222,7 @@ void Rack::apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now
                                                        : base::StaticText("destruction"),
           fault.frames, fault.leaving ? base::StaticText("leave") : base::StaticText("arrive at"),
           std::int64_t{fault.port.port}});
-  segments_[event.segment].segment->inject(fault);
+  segments[event.segment].segment->inject(fault);
 }
 
 }  // namespace stator::rack

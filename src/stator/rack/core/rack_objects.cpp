@@ -1,7 +1,8 @@
-// What the rack offers for single devices, beside their networks.
+// What the rack has: networks, devices and their objects, files, who watches.
 #include <algorithm>
 #include <array>
 
+#include "stator/rack/core/internal/rack_parts.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/observe/journal.hpp"
 
@@ -19,15 +20,91 @@ constexpr base::EventRule kTextSet{"object-set", base::Severity::information,
 
 }  // namespace
 
+std::size_t Rack::segment_count() const {
+  return parts_->segments.size();
+}
+
+const ethercat::Segment& Rack::segment(std::size_t index) const {
+  return *parts_->segments[index].segment;
+}
+
+ethercat::Segment& Rack::segment(std::size_t index) {
+  return *parts_->segments[index].segment;
+}
+
+std::span<NamedDevice> Rack::devices(std::size_t segment) {
+  return parts_->segments[segment].devices;
+}
+
+std::size_t Rack::bus_count() const {
+  return parts_->buses.size();
+}
+
+CanNetwork& Rack::bus(std::size_t index) {
+  return *parts_->buses[index].network;
+}
+
+const CanNetwork& Rack::bus(std::size_t index) const {
+  return *parts_->buses[index].network;
+}
+
+std::size_t Rack::line_count() const {
+  return parts_->lines.size();
+}
+
+SerialLine& Rack::line(std::size_t index) {
+  return parts_->lines[index];
+}
+
+const SerialLine& Rack::line(std::size_t index) const {
+  return parts_->lines[index];
+}
+
+std::uint16_t Rack::number_of(DeviceAddress device) const {
+  return parts_->number_of(device);
+}
+
+base::EventReporter Rack::reporter(DeviceAddress device) {
+  return base::EventReporter(&parts_->log, number_of(device));
+}
+
+base::EventReporter Rack::bus_reporter(std::size_t index) {
+  return base::EventReporter(&parts_->log, parts_->buses[index].number);
+}
+
+const Recorder* Rack::recorder() const {
+  return parts_->recorder ? &*parts_->recorder : nullptr;
+}
+
+PinTrace* Rack::trace() {
+  return parts_->trace.get();
+}
+
+DeviceStorage* Rack::storage() {
+  return parts_->storage.get();
+}
+
+void Rack::settle_log(base::SimTime now) {
+  parts_->log.settle(now);
+}
+
+OutputFiles& Rack::outputs() {
+  return parts_->outputs;
+}
+
+const OutputFiles& Rack::outputs() const {
+  return parts_->outputs;
+}
+
 std::vector<DeviceAddress> Rack::addresses() const {
   std::vector<DeviceAddress> all;
-  for (std::size_t network = 0; network < segments_.size(); ++network) {
-    for (std::size_t i = 0; i < segments_[network].devices.size(); ++i) {
+  for (std::size_t network = 0; network < parts_->segments.size(); ++network) {
+    for (std::size_t i = 0; i < parts_->segments[network].devices.size(); ++i) {
       all.push_back({network, i, NetworkKind::segment});
     }
   }
-  for (std::size_t network = 0; network < buses_.size(); ++network) {
-    for (std::size_t i = 0; i < buses_[network].inputs.size(); ++i) {
+  for (std::size_t network = 0; network < parts_->buses.size(); ++network) {
+    for (std::size_t i = 0; i < parts_->buses[network].inputs.size(); ++i) {
       all.push_back({network, i, NetworkKind::bus});
     }
   }
@@ -35,20 +112,21 @@ std::vector<DeviceAddress> Rack::addresses() const {
 }
 
 const std::string& Rack::name_of(DeviceAddress device) {
-  return device.kind == NetworkKind::bus ? bus(device.network).devices()[device.device].name
-                                         : segments_[device.network].devices[device.device].name;
+  return device.kind == NetworkKind::bus
+             ? bus(device.network).devices()[device.device].name
+             : parts_->segments[device.network].devices[device.device].name;
 }
 
 product::Device& Rack::device(DeviceAddress device) {
   if (device.kind == NetworkKind::bus) {
     return *bus(device.network).devices()[device.device].device;
   }
-  return *segments_[device.network].devices[device.device].device;
+  return *parts_->segments[device.network].devices[device.device].device;
 }
 
 const std::vector<product::Input>& Rack::inputs(DeviceAddress device) const {
-  return (device.kind == NetworkKind::bus ? buses_[device.network].inputs
-                                          : segments_[device.network].inputs)[device.device];
+  return (device.kind == NetworkKind::bus ? parts_->buses[device.network].inputs
+                                          : parts_->segments[device.network].inputs)[device.device];
 }
 
 bool Rack::powered(DeviceAddress device) const {
@@ -62,7 +140,8 @@ dictionary::NetworkState Rack::network_state(DeviceAddress device) {
     return bus(device.network).devices()[device.device].device->network_state();
   }
   std::array<std::byte, 1> status{};
-  segments_[device.network].devices[device.device].device->controller().peek(kAlStatus, status);
+  parts_->segments[device.network].devices[device.device].device->controller().peek(kAlStatus,
+                                                                                    status);
   switch (std::to_integer<unsigned>(status[0]) & kAlStateMask) {
     case 8:
       return NetworkState::operational;
@@ -98,9 +177,9 @@ dictionary::Verdict Rack::write_object(DeviceAddress address, dictionary::Entry&
     return verdict;
   }
   const bool text = dictionary::is_string(entry.type());
-  report(number_of(address), now, text ? kTextSet : kObjectSet,
-         {entry.index(), std::size_t{entry.subindex()}, entry.shared_name(),
-          text ? base::EventArgument() : base::EventArgument(entry.signed_value())});
+  parts_->report(parts_->number_of(address), now, text ? kTextSet : kObjectSet,
+                 {entry.index(), std::size_t{entry.subindex()}, entry.shared_name(),
+                  text ? base::EventArgument() : base::EventArgument(entry.signed_value())});
   // The first question belongs to the write: from it on what is ordered takes its time.
   if (dictionary::WriteCompletion* completion = written.write_completion()) {
     static_cast<void>(completion->poll(entry, now));
@@ -119,35 +198,29 @@ std::optional<dictionary::Verdict> Rack::completion_of_write(DeviceAddress addre
   return completion == nullptr ? dictionary::Verdict() : completion->poll(entry, now);
 }
 
+void Rack::set_journal(Journal* journal) {
+  parts_->journal = journal;
+  parts_->lines.set_journal(journal);
+}
+
+Journal* Rack::journal() {
+  return parts_->journal;
+}
+
 void Rack::add(SignalTap& tap, base::SimTime now) {
   tap.begin(now);
-  taps_.push_back(&tap);
+  parts_->taps.push_back(&tap);
 }
 
 void Rack::remove(const SignalTap& tap) {
-  std::erase(taps_, &tap);
+  std::erase(parts_->taps, &tap);
 }
 
 void Rack::watch_traffic(TrafficTap* tap) {
-  traffic_ = tap;
-  for (std::size_t i = 0; i < buses_.size(); ++i) {
-    buses_[i].network->watch_traffic(tap, static_cast<std::uint16_t>(segments_.size() + i));
-  }
-}
-
-base::SimTime Rack::next_tap() const {
-  base::SimTime next = base::SimTime::never();
-  for (const SignalTap* tap : taps_) {
-    next = std::min(next, tap->next_sample());
-  }
-  return next;
-}
-
-void Rack::sample_taps(base::SimTime now) {
-  for (SignalTap* tap : taps_) {
-    if (tap->next_sample() <= now) {
-      tap->sample(now);
-    }
+  parts_->traffic = tap;
+  for (std::size_t i = 0; i < parts_->buses.size(); ++i) {
+    parts_->buses[i].network->watch_traffic(
+        tap, static_cast<std::uint16_t>(parts_->segments.size() + i));
   }
 }
 

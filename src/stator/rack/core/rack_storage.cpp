@@ -1,5 +1,6 @@
 // What devices of a rack have ordered to be kept: when time may move on, and who hears of the end.
 
+#include "stator/rack/core/internal/rack_parts.hpp"
 #include "stator/rack/core/nested_calls.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/observe/journal.hpp"
@@ -17,25 +18,26 @@ constexpr base::SimDuration kShortestWriteTime{5'000'000};
 /// that the device has its completion when it looks for it.
 void Rack::advance_with_storage(base::SimTime now) {
   wait_for_completions();
-  while (advanced_to_ + kShortestWriteTime < now) {
-    advanced_to_ += kShortestWriteTime;
-    advance_at_once(advanced_to_);
+  while (parts_->advanced_to + kShortestWriteTime < now) {
+    parts_->advanced_to += kShortestWriteTime;
+    advance_at_once(parts_->advanced_to);
     wait_for_completions();
   }
   advance_at_once(now);
 }
 
 void Rack::wait_for_completions() {
-  if (!storage_->busy()) {
+  if (!parts_->storage->busy()) {
     return;
   }
-  for (const StorageCompletion& completion : storage_->wait_for_completions(advanced_to_)) {
-    complete(completion, advanced_to_);
+  for (const StorageCompletion& completion :
+       parts_->storage->wait_for_completions(parts_->advanced_to)) {
+    complete(completion, parts_->advanced_to);
   }
 }
 
 void Rack::hand_over_completions(base::SimTime now) {
-  for (const StorageCompletion& completion : storage_->take_completions(now)) {
+  for (const StorageCompletion& completion : parts_->storage->take_completions(now)) {
     complete(completion, now);
   }
 }
@@ -44,8 +46,8 @@ bool Rack::complete(const StorageCompletion& completion, base::SimTime now) {
   if (Journal* journal = told(); journal != nullptr) {
     journal->completed(completion, now);
   }
-  const NestedCalls nested(inside_);
-  return storage_ != nullptr && storage_->complete(completion, now);
+  const NestedCalls nested(parts_->inside);
+  return parts_->storage != nullptr && parts_->storage->complete(completion, now);
 }
 
 }  // namespace stator::rack

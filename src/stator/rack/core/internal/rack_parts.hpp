@@ -1,0 +1,117 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "stator/base/event.hpp"
+#include "stator/base/sim_time.hpp"
+#include "stator/ethercat/segment/segment.hpp"
+#include "stator/product/device/input.hpp"
+#include "stator/rack/core/named_device.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/core/rack_configuration.hpp"
+#include "stator/rack/kept/device_storage.hpp"
+#include "stator/rack/networks/can_network.hpp"
+#include "stator/rack/networks/serial_lines.hpp"
+#include "stator/rack/observe/event_log.hpp"
+#include "stator/rack/observe/output_files.hpp"
+#include "stator/rack/observe/pin_trace.hpp"
+#include "stator/rack/observe/recorder.hpp"
+#include "stator/rack/observe/signal_tap.hpp"
+#include "stator/rack/observe/traffic_tap.hpp"
+#include "stator/rack/world/clock.hpp"
+#include "stator/rack/world/held.hpp"
+#include "stator/rack/world/rack_event.hpp"
+#include "stator/rack/world/timetable.hpp"
+#include "stator/rack/world/wires.hpp"
+
+namespace stator::rack {
+
+/// What a rack consists of but for its faults, and what can happen to that. Rack brings it through
+/// time and tells its journal.
+struct Rack::Parts {
+  struct SegmentMembers {
+    std::vector<NamedDevice> devices;
+    std::vector<std::vector<product::Input>> inputs;  ///< by device
+    std::unique_ptr<ethercat::Segment> segment;
+    std::uint16_t first_device = 0;  ///< number of its first device within the rack
+  };
+
+  struct BusMembers {
+    std::unique_ptr<CanNetwork> network;
+    std::vector<std::vector<product::Input>> inputs;  ///< by device
+    std::uint16_t first_device = 0;
+    std::uint16_t number = 0;  ///< under which the bus itself reports events
+    bool wire = true;          ///< false: its devices are on serial lines only
+  };
+
+  using Arguments = std::array<base::EventArgument, 6>;
+
+  /// Without networks; `events` gets the events of all and must outlive the parts.
+  Parts(const RackConfiguration& configuration, EventLog& events);
+
+  /// Builds the devices of a network, whose names it adds to `names`.
+  void add(const SegmentConfiguration& segment, std::vector<std::string>& names);
+  void add(const BusConfiguration& bus, std::vector<std::string>& names);
+  void connect_lines(const RackConfiguration& configuration);
+  void begin_trace(const TraceConfiguration& configuration, ClockKind clock);
+
+  /// Lets an event of the timetable or of a program happen, unless a fault holds what it sets.
+  void happen(const RackEvent& event, base::SimTime now);
+  /// Throws std::runtime_error for an input that does not exist or a value it cannot have.
+  [[nodiscard]] const product::Input& find_input(const InputEvent& event) const;
+  [[nodiscard]] Held<double>& held(const InputEvent& event);
+  [[nodiscard]] Held<bool>& held(const CableEvent& event);
+  [[nodiscard]] Held<bool>& held(const PowerEvent& event);
+  /// Sets what is in force from now on.
+  void carry_out(const InputEvent& event, base::SimTime now);
+  void carry_out(const CableEvent& event, base::SimTime now);
+  void carry_out(const PowerEvent& event, base::SimTime now);
+  void apply_input(const InputEvent& event, base::SimTime now);
+  void apply_error_state(const ErrorStateEvent& event, base::SimTime now);
+  void apply_frame_fault(const FrameFaultEvent& event, base::SimTime now);
+  void apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now);
+
+  /// What events call a device.
+  [[nodiscard]] std::uint16_t number_of(DeviceAddress device) const;
+  void report(std::uint16_t number, base::SimTime now, const base::EventRule& rule,
+              const Arguments& arguments = {});
+  void advance_devices(base::SimTime now);
+  /// Passes a frame through a segment while somebody watches.
+  std::optional<ethercat::MasterInterface> process_watched(std::size_t segment,
+                                                           std::span<std::byte> frame,
+                                                           base::SimTime arrival,
+                                                           ethercat::MasterInterface entry);
+  [[nodiscard]] base::SimTime next_tap() const;
+  void sample_taps(base::SimTime now);
+
+  EventLog& log;
+  OutputFiles outputs;
+  std::unique_ptr<PinTrace> trace;  ///< outlives the chip it looks at
+  std::vector<SegmentMembers> segments;
+  std::vector<BusMembers> buses;
+  SerialLines lines;  ///< go first: they know devices and buses
+  Timetable timetable;
+  std::map<std::pair<DeviceAddress, std::string>, Held<double>> held_inputs;  ///< those ever set
+  std::map<std::pair<DeviceAddress, unsigned>, Held<bool>> held_cables;  ///< by port; true: intact
+  std::map<DeviceAddress, Held<bool>> held_powers;                       ///< true: on
+  Wires wires;
+  std::optional<Recorder> recorder;
+  std::vector<SignalTap*> taps;
+  TrafficTap* traffic = nullptr;
+  std::unique_ptr<DeviceStorage> storage;
+  std::uint64_t orders_settled = 0;  ///< given until settle() ended last
+  base::SimTime advanced_to;
+  Journal* journal = nullptr;
+  bool inside = false;  ///< within a call that the journal was told of
+};
+
+}  // namespace stator::rack
