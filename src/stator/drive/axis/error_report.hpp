@@ -18,6 +18,7 @@ inline constexpr std::uint8_t kGeneric = 1U << 0;
 inline constexpr std::uint8_t kCurrent = 1U << 1;
 inline constexpr std::uint8_t kVoltage = 1U << 2;
 inline constexpr std::uint8_t kTemperature = 1U << 3;
+inline constexpr std::uint8_t kCommunication = 1U << 4;
 inline constexpr std::uint8_t kDeviceProfile = 1U << 5;
 inline constexpr std::uint8_t kManufacturer = 1U << 7;
 }  // namespace error_register
@@ -30,6 +31,11 @@ struct AxisEmergency {
   std::uint8_t detail = 0;
   std::uint8_t register_bits = 0;
   ErrorReaction reaction{};
+  /// It concerns the whole device and not one of its motors.
+  bool of_device = false;
+  /// The device's document has a code for it; the others show in 1001h, and products may keep from
+  /// telling of them.
+  bool documented = true;
 };
 
 /// The reactions of a product's table, by AxisError. An error without a row is only an event.
@@ -40,6 +46,28 @@ constexpr ErrorReactions reactions_of(const std::array<AxisEmergency, Rows>& tab
     reactions[static_cast<std::size_t>(row.error)] = row.reaction;
   }
   return reactions;
+}
+
+/// Calls `act` with each row of `table` whose error is in `these` and not in `those`: with the
+/// errors of now and of before those that have appeared, the other way round those that have gone.
+template <typename Act>
+void for_each_row_only_in(std::span<const AxisEmergency> table, const AxisErrors& these,
+                          const AxisErrors& those, const Act& act) {
+  for (const AxisEmergency& row : table) {
+    if (these.has(row.error) && !those.has(row.error)) {
+      act(row);
+    }
+  }
+}
+
+/// What 1001h shows of errors.
+constexpr std::uint8_t register_bits_of(std::span<const AxisEmergency> table,
+                                        const AxisErrors& errors) {
+  unsigned bits = 0;
+  for (const AxisEmergency& row : table) {
+    bits |= errors.has(row.error) ? row.register_bits : 0U;
+  }
+  return static_cast<std::uint8_t>(bits);
 }
 
 /// Keeps 1001h and 603Fh of a device with one axis, and says what its master has to be told.
@@ -65,21 +93,15 @@ class ErrorReport {
       return;
     }
     const AxisErrors before = std::exchange(errors_, axis.errors());
-    unsigned bits = 0;
-    for (const AxisEmergency& row : table_) {
-      bits |= errors_.has(row.error) ? row.register_bits : 0U;
-    }
-    register_.set(static_cast<std::uint8_t>(bits));
+    register_.set(register_bits_of(table_, errors_));
     if (std::exchange(resets_, axis.fault_resets()) != axis.fault_resets()) {
       code_.set(0);
       tell(AxisEmergency{});
     }
-    for (const AxisEmergency& row : table_) {
-      if (errors_.has(row.error) && !before.has(row.error)) {
-        code_.set(row.code);
-        tell(row);
-      }
-    }
+    for_each_row_only_in(table_, errors_, before, [&](const AxisEmergency& row) {
+      code_.set(row.code);
+      tell(row);
+    });
   }
   [[nodiscard]] std::uint8_t error_register() const { return register_.get(); }
 
