@@ -38,53 +38,16 @@ constexpr EntryDeclaration fixed(std::uint16_t index, std::uint8_t subindex, std
 
 // A row without a range takes every value of its type.
 
-// Identity, errors (CiA 301 §7.5.2).
-constexpr auto kIdentity = std::to_array<EntryDeclaration>({
+// What CiA 301 wants besides, and process data of all that can be mapped, come from the firmware's
+// shell (product::StandardObjects).
+constexpr auto kDevice = std::to_array<EntryDeclaration>({
     // Profile 402 in the low word, a stepper drive in the high one (CiA 402-2).
     {.index = 0x1000, .name = "Device type", .access = constant, .default_value = hex(0x00040192)},
-    {.index = 0x1001,
-     .name = "Error register",
-     .type = unsigned8,
-     .access = read_only,
-     .mapping = transmit},
-    {.index = 0x1008,
-     .name = "Manufacturer device name",
-     .type = visible_string,
-     .access = constant,
-     .default_value = "Own stepper"},
     {.index = 0x100A,
      .name = "Manufacturer software version",
      .type = visible_string,
      .access = constant,
      .default_value = "1.0"},
-    fixed(0x1018, 0, "Identity object", record, unsigned8, 4),
-    fixed(0x1018, 1, "Vendor ID", record, unsigned32, hex(kVendorId)),
-    fixed(0x1018, 2, "Product code", record, unsigned32, hex(kProductCode)),
-    fixed(0x1018, 3, "Revision number", record, unsigned32, hex(kRevision)),
-    fixed(0x1018, 4, "Serial number", record, unsigned32, 0),
-});
-
-// Process data: one PDO in each direction, which masters cannot change.
-constexpr auto kProcessData = std::to_array<EntryDeclaration>({
-    fixed(0x1600, 0, "Receive PDO mapping", record, unsigned8, 4),
-    fixed(0x1600, 1, "Mapped object", record, unsigned32, hex(0x60400010)),
-    fixed(0x1600, 2, "Mapped object", record, unsigned32, hex(0x60600008)),
-    fixed(0x1600, 3, "Mapped object", record, unsigned32, hex(0x607A0020)),
-    fixed(0x1600, 4, "Mapped object", record, unsigned32, hex(0x60FF0020)),
-    fixed(0x1A00, 0, "Transmit PDO mapping", record, unsigned8, 4),
-    fixed(0x1A00, 1, "Mapped object", record, unsigned32, hex(0x60410010)),
-    fixed(0x1A00, 2, "Mapped object", record, unsigned32, hex(0x60610008)),
-    fixed(0x1A00, 3, "Mapped object", record, unsigned32, hex(0x60640020)),
-    fixed(0x1A00, 4, "Mapped object", record, unsigned32, hex(0x606C0020)),
-    fixed(0x1C00, 0, "Sync manager communication type", array, unsigned8, 4),
-    fixed(0x1C00, 1, "Mailbox receive", array, unsigned8, 1),
-    fixed(0x1C00, 2, "Mailbox send", array, unsigned8, 2),
-    fixed(0x1C00, 3, "Process data outputs", array, unsigned8, 3),
-    fixed(0x1C00, 4, "Process data inputs", array, unsigned8, 4),
-    fixed(0x1C12, 0, "Sync manager 2 PDO assignment", array, unsigned8, 1),
-    fixed(0x1C12, 1, "Assigned PDO", array, unsigned16, hex(0x1600)),
-    fixed(0x1C13, 0, "Sync manager 3 PDO assignment", array, unsigned8, 1),
-    fixed(0x1C13, 1, "Assigned PDO", array, unsigned16, hex(0x1A00)),
 });
 
 constexpr std::string_view kPosition = "microstep";
@@ -93,11 +56,7 @@ constexpr std::string_view kAcceleration = "microstep/s^2";
 
 // Power drive system and modes of operation (CiA 402-2 §8, §9).
 constexpr auto kDrive = std::to_array<EntryDeclaration>({
-    {.index = 0x603F,
-     .name = "Error code",
-     .type = unsigned16,
-     .access = read_only,
-     .mapping = transmit},
+    {.index = 0x603F, .name = "Error code", .type = unsigned16, .access = read_only},
     {.index = 0x6040, .name = "Controlword", .type = unsigned16, .mapping = receive},
     {.index = 0x6041,
      .name = "Statusword",
@@ -271,14 +230,11 @@ constexpr auto kHoming = std::to_array<EntryDeclaration>({
 
 }  // namespace
 
-stator::dictionary::Dictionary& add_objects(stator::dictionary::Dictionary& dictionary) {
-  dictionary.add(kIdentity);
-  dictionary.add(kProcessData);
+void add_objects(stator::dictionary::Dictionary& dictionary) {
+  dictionary.add(kDevice);
   dictionary.add(kDrive);
   dictionary.add(kMotion);
   dictionary.add(kHoming);
-  dictionary.finish();
-  return dictionary;
 }
 
 }  // namespace own_product

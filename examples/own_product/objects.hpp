@@ -7,8 +7,8 @@
 
 namespace own_product {
 
-/// Declares every object of the drive in `dictionary`, which it returns.
-stator::dictionary::Dictionary& add_objects(stator::dictionary::Dictionary& dictionary);
+/// Declares the drive's own objects.
+void add_objects(stator::dictionary::Dictionary& dictionary);
 
 /// What errors of the axis do and what the master is told of them (CiA 402-2 annex A).
 inline constexpr auto kErrors = [] {

@@ -1,7 +1,5 @@
 #include "own_product/own_stepper.hpp"
 
-#include <utility>
-
 #include "own_product/objects.hpp"
 #include "stator/product/shell/coe_stack.hpp"
 
@@ -10,7 +8,6 @@ namespace own_product {
 namespace {
 
 using namespace stator;
-using ethercat::AlState;
 
 // The controller is the default of ethercat::SlaveControllerConfiguration, which has the registers
 // of a TMC8461: 8 sync managers, process memory from 1000h on.
@@ -43,33 +40,31 @@ ethercat::DeviceDescription describe(const OwnStepperConfiguration& configuratio
   return description;
 }
 
+product::EtherCatFirmwareParts parts(const OwnStepperConfiguration& configuration) {
+  return {.description = describe(configuration),
+          .stack = product::coe_stack_options(configuration.coe, configuration.quirks),
+          .coe = configuration.coe,
+          .quirks = configuration.quirks};
+}
+
 }  // namespace
 
 OwnStepper::OwnStepper(const OwnStepperConfiguration& configuration, base::EventReporter reporter)
-    : configuration_(configuration),
-      reporter_(reporter),
-      description_(describe(configuration)),
-      controller_(ethercat::SlaveControllerConfiguration{}),
-      stack_(controller_, add_objects(dictionary_), description_, *this, reporter,
-             product::coe_stack_options(configuration.coe, configuration.quirks)),
-      error_report_(dictionary_, kErrors),
+    : EtherCatFirmware(parts(configuration), add_objects, reporter),
+      configuration_(configuration),
+      error_report_(objects(), kErrors),
       plant_(configuration.axis),
       instruments_(plant_, {plant::AxisPart::limit_switches, plant::AxisPart::home_switch,
                             plant::AxisPart::brake, plant::AxisPart::encoder,
                             plant::AxisPart::driver_thermometer}) {
-  controller_.set_event_reporter(reporter);
-  controller_.load_sii(
-      product::coe_sii_image(description_, dictionary_, configuration.coe, configuration.quirks));
-  restart(SimTime());
+  restart_firmware(SimTime());
 }
 
 /// The firmware starts; motor and load go on.
 void OwnStepper::restart(SimTime now) {
-  dictionary_.reset_values();
   error_report_.restart();
-  outputs_came_ = false;
-  axis_.emplace(dictionary_, drive::AxisConfiguration{.reactions = drive::reactions_of(kErrors)},
-                reporter_);
+  axis_.emplace(objects(), drive::AxisConfiguration{.reactions = drive::reactions_of(kErrors)},
+                reporter());
   drive::StepperSettings& settings = axis_->stepper_settings();
   settings.microsteps_per_revolution =
       kMicrostepsPerPolePair * configuration_.axis.motor.pole_pairs;
@@ -80,69 +75,39 @@ void OwnStepper::restart(SimTime now) {
                                            configuration_.run_current),
       .standby_delay = base::SimDuration(100'000'000)};
   axis_->tick(now);
-  stack_.reset(now);
 }
 
-void OwnStepper::advance(SimTime now) {
-  while (now_ + kPlantStep <= now) {
+void OwnStepper::step_world(SimTime until) {
+  for (; now_ + kPlantStep <= until; now_ += kPlantStep) {
     plant_.step(axis_->step(kPlantStep, plant_.sensing()), kPlantStep);
-    now_ += kPlantStep;
-    if (now_ >= next_tick_) {
-      next_tick_ += kControlPeriod;
-      if (powered_) {
-        tick(now_);
-      }
-    }
   }
-  controller_.advance(now);
 }
 
 /// One period of the firmware.
 void OwnStepper::tick(SimTime now) {
-  controller_.advance(now);
-  stack_.process(now);
   const drive::SwitchInputs& inputs = axis_->settings().reference.switches;
   axis_->conditions().set_switches(inputs.pressed(drive::switch_levels(plant_.sensing())));
   axis_->tick(now);
   report_errors(now);
-  outputs_came_ = false;
-  stack_.publish_inputs(now);
 }
 
 /// A frame has passed: what it brought is obeyed at once, as by an interrupt.
-void OwnStepper::handle_bus_events(SimTime now) {
-  if (!powered_) {
-    return;
-  }
-  if (controller_.take_reset_request()) {
-    restart(now);
-  }
-  stack_.process(now);
+void OwnStepper::apply(SimTime now) {
   axis_->apply(now);
   report_errors(now);
-  if (std::exchange(outputs_came_, false)) {
-    stack_.publish_inputs(now);
-  }
 }
 
-void OwnStepper::set_power(bool on, SimTime now) {
-  powered_ = on;
-  // Without power the axis is what it is before the firmware has started: switched off.
-  restart(now);
-  static_cast<void>(controller_.take_reset_request());
-}
-
-void OwnStepper::on_state(AlState from, AlState to, SimTime now) {
-  if (to == AlState::operational) {
+void OwnStepper::network_operational(bool operational, SimTime now) {
+  if (operational) {
     axis_->conditions().network_operational = true;
-  } else if (from == AlState::operational) {
+  } else {
     axis_->network_left_operational(now);
   }
 }
 
 void OwnStepper::report_errors(SimTime now) {
   error_report_.update(*axis_, [&](const drive::AxisEmergency& row) {
-    stack_.send_emergency(row.code, error_report_.error_register(), {row.detail}, now);
+    send_emergency(row.code, row.register_bits, {row.detail}, now);
   });
 }
 

@@ -9,12 +9,10 @@
 #include "stator/base/event.hpp"
 #include "stator/drive/axis/error_report.hpp"
 #include "stator/drive/stepper/stepper_axis.hpp"
-#include "stator/ethercat/stack/slave_application.hpp"
-#include "stator/ethercat/stack/slave_stack.hpp"
 #include "stator/plant/axes/stepper_axis.hpp"
 #include "stator/plant/axes/stepper_axis_instruments.hpp"
 #include "stator/product/catalogue/product.hpp"
-#include "stator/product/device/ethercat_device.hpp"
+#include "stator/product/shell/ethercat_firmware.hpp"
 
 namespace own_product {
 
@@ -35,39 +33,24 @@ struct OwnStepperConfiguration {
 /// velocity, homing, cyclic synchronous position and velocity. Positions are microsteps, 256 for
 /// each full step; velocities microsteps per second. All of its work is done by parts of the rooms;
 /// this class wires them.
-class OwnStepper final : public stator::product::EtherCatDevice,
-                         private stator::ethercat::SlaveApplication {
+class OwnStepper final : public stator::product::EtherCatFirmware {
  public:
   static constexpr stator::base::SimDuration kPlantStep{50'000};
-  static constexpr stator::base::SimDuration kControlPeriod{1'000'000};
 
   explicit OwnStepper(const OwnStepperConfiguration& configuration,
                       stator::base::EventReporter reporter = {});
 
-  [[nodiscard]] stator::ethercat::SlaveController& controller() override { return controller_; }
-  [[nodiscard]] const stator::dictionary::Dictionary& dictionary() const override {
-    return dictionary_;
-  }
-  [[nodiscard]] const stator::ethercat::DeviceDescription& description() const override {
-    return description_;
-  }
-  [[nodiscard]] stator::ethercat::SlaveStack* slave_stack() override { return &stack_; }
-
-  void advance(stator::base::SimTime now) override;
-  void handle_bus_events(stator::base::SimTime now) override;
-  void set_power(bool on, stator::base::SimTime now) override;
   [[nodiscard]] std::vector<stator::product::Signal> signals() override;
   [[nodiscard]] std::vector<stator::product::Input> inputs() override;
 
  private:
   using SimTime = stator::base::SimTime;
 
-  void on_state(stator::ethercat::AlState from, stator::ethercat::AlState to, SimTime now) override;
-  void on_outputs(SimTime /*now*/) override { outputs_came_ = true; }
-  void before_inputs(SimTime /*now*/) override {}
-
-  void restart(SimTime now);
-  void tick(SimTime now);
+  void restart(SimTime now) override;
+  void tick(SimTime now) override;
+  void step_world(SimTime until) override;
+  void apply(SimTime now) override;
+  void network_operational(bool operational, SimTime now) override;
   void report_errors(SimTime now);
 
   [[nodiscard]] double position_actual() const {
@@ -75,19 +58,11 @@ class OwnStepper final : public stator::product::EtherCatDevice,
   }
 
   OwnStepperConfiguration configuration_;
-  stator::base::EventReporter reporter_;
-  stator::ethercat::DeviceDescription description_;
-  stator::dictionary::Dictionary dictionary_;
-  stator::ethercat::SlaveController controller_;
-  stator::ethercat::SlaveStack stack_;
   stator::drive::ErrorReport error_report_;
   stator::plant::StepperAxis plant_;
   stator::plant::StepperAxisInstruments instruments_;
   std::optional<stator::drive::StepperAxis> axis_;  ///< made anew when the firmware starts
   SimTime now_;                                     ///< up to which the plant has come
-  SimTime next_tick_{kControlPeriod};
-  bool powered_ = true;
-  bool outputs_came_ = false;
 };
 
 /// To be added to a catalogue.

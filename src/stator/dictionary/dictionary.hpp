@@ -153,6 +153,9 @@ class Dictionary {
   /// such.
   void finish();
 
+  /// finish() has been called.
+  [[nodiscard]] bool finished() const { return !values_.empty(); }
+
   /// Sets every value to its default, without hooks: what power-on does.
   void reset_values();
   /// The same for the objects from `first` to `last`.

@@ -7,9 +7,6 @@
 
 namespace stator::devices::tmc8670 {
 
-/// A mapped object did not take its value from process data.
-inline constexpr std::uint16_t kParameterError = 0x6320;
-
 /// The chip's document has none of it (A-01, F-78).
 inline constexpr auto kEmergencies = [] {
   using enum drive::AxisError;

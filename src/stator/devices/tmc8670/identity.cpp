@@ -62,11 +62,9 @@ ethercat::DeviceDescription describe(const Tmc8670Configuration& configuration) 
   return description;
 }
 
-ethercat::SlaveStackOptions stack_options(const Tmc8670Configuration& configuration,
-                                          ethercat::FileStore& files) {
+ethercat::SlaveStackOptions stack_options(const Tmc8670Configuration& configuration) {
   ethercat::SlaveStackOptions options =
       product::coe_stack_options(configuration.coe, configuration.quirks);
-  options.files = &files;
   options.foe.bootstrap_only = true;
   options.process_memory_end = kProcessMemoryEnd;
   options.distributed_clocks.sync0 = true;

@@ -111,7 +111,7 @@ void AxisUnit::restart(base::SimTime now) {
   axis_.emplace(dictionary_,
                 drive::AxisConfiguration{.number = number_,
                                          .profile_offset = profile_offset(number_),
-                                         .reactions = error_reactions()},
+                                         .reactions = drive::reactions_of(kEmergencies)},
                 reporter_);
   tick(now, 0);
 }

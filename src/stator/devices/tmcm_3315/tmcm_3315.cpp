@@ -1,6 +1,5 @@
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 
-#include <span>
 #include <utility>
 
 #include "stator/devices/tmcm_3315/controller.hpp"
@@ -12,7 +11,6 @@ namespace {
 
 using ethercat::AlState;
 using tmcm_3315::AxisUnit;
-using tmcm_3315::Emergency;
 
 constexpr std::uint32_t kVendorId = 0x00000286;
 constexpr std::uint8_t kWholeModule = 255;  // motor number of module-wide emergencies
@@ -71,11 +69,9 @@ ethercat::DeviceDescription describe(const Tmcm3315Configuration& configuration)
   return description;
 }
 
-ethercat::SlaveStackOptions stack_options(const Tmcm3315Configuration& configuration,
-                                          ethercat::FileStore& files) {
+ethercat::SlaveStackOptions stack_options(const Tmcm3315Configuration& configuration) {
   ethercat::SlaveStackOptions options =
       product::coe_stack_options(configuration.coe, configuration.quirks);
-  options.files = &files;
   options.foe.bootstrap_only = true;
   options.process_memory_end = kProcessMemoryEnd;
   options.distributed_clocks.sync0 = true;
@@ -84,43 +80,48 @@ ethercat::SlaveStackOptions stack_options(const Tmcm3315Configuration& configura
   return options;
 }
 
+product::EtherCatFirmwareParts parts(const Tmcm3315Configuration& configuration) {
+  return {.description = describe(configuration),
+          .controller = tmcm_3315::kController.configuration,
+          .stack = stack_options(configuration),
+          .coe = configuration.coe,
+          .quirks = configuration.quirks,
+          .rules = {.sync0_until_stopped = true,
+                    .refused_output_bytes = {0, kWholeModule},
+                    .firmware_capacity = Tmcm3315::kFirmwareCapacity,
+                    .new_firmware = &kNewFirmware}};
+}
+
 }  // namespace
 
 Tmcm3315::Tmcm3315(const Tmcm3315Configuration& configuration, base::EventReporter reporter)
-    : configuration_(configuration),
-      reporter_(reporter),
-      description_(describe(configuration)),
-      controller_(tmcm_3315::kController.configuration),
-      axes_([&] {
-        tmcm_3315::add_objects(dictionary_, configuration.firmware);
-        std::array<std::unique_ptr<AxisUnit>, tmcm_3315::kAxisCount> axes;
-        for (std::uint8_t n = 0; n < tmcm_3315::kAxisCount; ++n) {
-          axes[n] = std::make_unique<AxisUnit>(
-              dictionary_, n, configuration.axes[n],
-              tmcm_3315::AxisUnitConfiguration{configuration.full_scale_current,
-                                               configuration.driver_limits,
-                                               configuration.home_offset_is_position},
-              reporter);
-        }
-        return axes;
-      }()),
-      stack_(controller_, dictionary_, description_, *this, reporter,
-             stack_options(configuration, firmware_)),
-      error_register_(dictionary_.variable<std::uint8_t>(0x1001)),
-      io_(dictionary_),
-      usb_(dictionary_, io_, configuration.firmware, kFirmwareCapacity, reporter) {
+    : EtherCatFirmware(
+          parts(configuration),
+          [&](dictionary::Dictionary& objects) {
+            tmcm_3315::add_objects(objects, configuration.firmware);
+          },
+          reporter),
+      product_code_(configuration.product_code),
+      io_(objects()),
+      usb_(objects(), io_, configuration.firmware, kFirmwareCapacity, reporter) {
+  set_boot_loader(usb_);
+  for (std::uint8_t n = 0; n < tmcm_3315::kAxisCount; ++n) {
+    axes_[n] = std::make_unique<AxisUnit>(
+        objects(), n, configuration.axes[n],
+        tmcm_3315::AxisUnitConfiguration{configuration.full_scale_current,
+                                         configuration.driver_limits,
+                                         configuration.home_offset_is_position},
+        reporter);
+  }
   using Query = dictionary::Dictionary::DriveStateQuery;
-  dictionary_.set_drive_state_query(Query::bind<&Tmcm3315::drive_state>(*this));
-  set_identity(configuration);
-  controller_.set_event_reporter(reporter);
-  controller_.load_sii(
-      product::coe_sii_image(description_, dictionary_, configuration.coe, configuration.quirks));
+  objects().set_drive_state_query(Query::bind<&Tmcm3315::drive_state>(*this));
+  set_identity();
   feed_brakes();
 }
 
-void Tmcm3315::set_identity(const Tmcm3315Configuration& configuration) {
-  dictionary_.find(0x1018, 2)->set_value(configuration.product_code);
-  dictionary_.find(0x1018, 3)->set_value(description_.revision);
+void Tmcm3315::set_identity() {
+  objects().find(0x1018, 2)->set_value(product_code_);
+  objects().find(0x1018, 3)->set_value(description().revision);
 }
 
 base::StaticText Tmcm3315::drive_state(std::uint8_t axis) {
@@ -129,40 +130,16 @@ base::StaticText Tmcm3315::drive_state(std::uint8_t axis) {
                                                         : drive::to_text(state);
 }
 
-void Tmcm3315::advance(base::SimTime now) {
-  while (true) {
-    const base::SimTime step_end = now_ + kPlantStep;
-    const base::SimTime sync0 = controller_.next_sync_edge(0);
-    if (sync0 <= now && sync0 <= step_end && sync0 >= sync0_earliest_) {
-      sync0_earliest_ = sync0 + kPlantStep;
-      controller_.advance(sync0);
-      take_sync0(sync0);
-      continue;
-    }
-    if (step_end > now) {
-      break;
-    }
+void Tmcm3315::step_world(base::SimTime until) {
+  while (now_ + kPlantStep <= until) {
     for (const auto& axis : axes_) {
       axis->step(kPlantStep);
     }
     now_ += kPlantStep;
-    if (now_ >= next_tick_) {
-      next_tick_ += kControlPeriod;
-      if (powered_) {
-        tick(now_);
-      }
-    }
   }
-  controller_.advance(now);
 }
 
 void Tmcm3315::tick(base::SimTime now) {
-  controller_.advance(now);
-  if (usb_.in_boot_loader()) {
-    run_boot_loader(now);
-    return;
-  }
-  process_bus(now);
   io_.read_inputs();
   for (const auto& axis : axes_) {
     axis->axis().conditions().shutdown_switch = shutdown_switch_;
@@ -171,42 +148,11 @@ void Tmcm3315::tick(base::SimTime now) {
   switch_outputs();
   usb_.serve(now);
   report_errors(now);
-  if (!stack_.synchronous()) {
-    outputs_came_ = false;
-    stack_.publish_inputs(now);
-  }
 }
 
-void Tmcm3315::run_boot_loader(base::SimTime now) {
-  if (usb_.take_boot_request()) {
-    stop_firmware(now);
-  }
-  usb_.serve(now);
-  if (!usb_.start_requested()) {
-    return;
-  }
-  if (const std::span<const std::byte> image = usb_.loaded_image(); !image.empty()) {
-    // It fits, since the boot loader has no more memory; what cannot be kept leaves the old one.
-    static_cast<void>(firmware_.open_for_writing("usb"));
-    static_cast<void>(firmware_.append(image));
-    static_cast<void>(firmware_.commit());
-    reporter_.report(now, kNewFirmware, {base::EventArgument(image.size())});
-  }
-  restart_firmware(now);
-}
-
-void Tmcm3315::take_sync0(base::SimTime now) {
-  const std::uint64_t pulses = controller_.sync_pulse_count(0);
-  if (std::exchange(sync0_pulses_, pulses) != pulses) {
-    stack_.sync0(now);
-  }
-}
-
-void Tmcm3315::on_sync0(base::SimTime now) {
-  apply_commands(now);
-  outputs_came_ = false;
+void Tmcm3315::at_sync0(base::SimTime now) {
+  apply(now);
   switch_outputs();
-  stack_.publish_inputs(now);
 }
 
 bool Tmcm3315::connect_serial(std::string_view interface, tmcl::SerialPort* port) {
@@ -217,48 +163,8 @@ bool Tmcm3315::connect_serial(std::string_view interface, tmcl::SerialPort* port
   return true;
 }
 
-void Tmcm3315::set_power(bool on, base::SimTime now) {
-  powered_ = on;
-  // Without power the axes are what they are before the firmware has started: switched off.
-  restart_firmware(now);
-  static_cast<void>(controller_.take_reset_request());
-}
-
-void Tmcm3315::handle_bus_events(base::SimTime now) {
-  if (!powered_ || usb_.in_boot_loader()) {
-    return;
-  }
-  if (controller_.take_reset_request()) {
-    restart_firmware(now);
-  }
-  take_sync0(now);  // one that the frame has overtaken
-  process_bus(now);
-  apply_commands(now);
-  if (outputs_came_) {
-    outputs_came_ = false;
-    switch_outputs();
-    stack_.publish_inputs(now);
-  }
-}
-
-void Tmcm3315::process_bus(base::SimTime now) {
-  stack_.process(now);
-  if (restart_due_) {
-    reporter_.report(now, kNewFirmware, {base::EventArgument(firmware_.size())});
-    restart_firmware(now);
-  }
-}
-
-void Tmcm3315::restart_firmware(base::SimTime now) {
-  downloads_in_force_ = firmware_.downloads();
-  usb_.restart();
-  stop_firmware(now);
-}
-
-void Tmcm3315::stop_firmware(base::SimTime now) {
-  restart_due_ = false;
-  dictionary_.reset_values();
-  set_identity(configuration_);
+void Tmcm3315::restart(base::SimTime now) {
+  set_identity();
   io_.restart();
   reported_errors_ = {};
   reported_resets_ = {};
@@ -266,10 +172,9 @@ void Tmcm3315::stop_firmware(base::SimTime now) {
     axis->restart(now);
   }
   feed_brakes();
-  stack_.reset(now);
 }
 
-void Tmcm3315::apply_commands(base::SimTime now) {
+void Tmcm3315::apply(base::SimTime now) {
   bool obeyed = false;
   for (const auto& axis : axes_) {
     obeyed |= axis->apply(now);
@@ -280,29 +185,11 @@ void Tmcm3315::apply_commands(base::SimTime now) {
   report_errors(now);
 }
 
-void Tmcm3315::on_state(AlState from, AlState to, base::SimTime now) {
-  if (from == AlState::bootstrap) {
-    restart_due_ = firmware_.downloads() != downloads_in_force_;
-  }
-  const bool operational = to == AlState::operational;
-  if (!operational && from != AlState::operational) {
-    return;
-  }
+void Tmcm3315::network_operational(bool operational, base::SimTime now) {
   for (const auto& axis : axes_) {
     axis->set_network_operational(operational, now);
   }
   switch_outputs();
-}
-
-void Tmcm3315::on_outputs(base::SimTime /*now*/) {
-  outputs_came_ = true;
-}
-
-void Tmcm3315::before_inputs(base::SimTime /*now*/) {}
-
-void Tmcm3315::on_output_refused(const dictionary::Entry& /*entry*/,
-                                 const dictionary::Refusal& /*refusal*/, base::SimTime now) {
-  send_emergency(tmcm_3315::kParameterError, kWholeModule, now);
 }
 
 void Tmcm3315::switch_outputs() {
@@ -310,7 +197,7 @@ void Tmcm3315::switch_outputs() {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     brakes[i] = axes_[i]->brake_feed();
   }
-  io_.switch_outputs(stack_.state() == AlState::operational, brakes);
+  io_.switch_outputs(stack().state() == AlState::operational, brakes);
   feed_brakes();
 }
 
@@ -324,26 +211,21 @@ void Tmcm3315::feed_brakes() {
 void Tmcm3315::report_errors(base::SimTime now) {
   for (std::uint8_t motor = 0; motor < tmcm_3315::kAxisCount; ++motor) {
     const drive::StepperAxis& axis = axes_[motor]->axis();
-    const drive::AxisErrors before = reported_errors_[motor];
-    if (axis.fault_resets() == reported_resets_[motor] && axis.errors() == before) {
+    if (axis.fault_resets() == reported_resets_[motor] &&
+        axis.errors() == reported_errors_[motor]) {
       continue;
     }
-    reported_errors_[motor] = axis.errors();
-    error_register_.set(error_register());
-    if (axis.fault_resets() != reported_resets_[motor]) {
-      reported_resets_[motor] = axis.fault_resets();
-      send_emergency(tmcm_3315::kFaultReset, motor, now);
+    const drive::AxisErrors before = std::exchange(reported_errors_[motor], axis.errors());
+    show_errors();
+    if (std::exchange(reported_resets_[motor], axis.fault_resets()) != axis.fault_resets()) {
+      send(drive::AxisEmergency{}, motor, now);
     }
-    for (const tmcm_3315::AxisEmergency& row : tmcm_3315::kAxisEmergencies) {
-      if (!axis.errors().has(row.error) || before.has(row.error)) {
-        continue;
-      }
-      if (!row.whole_module) {
-        send_emergency(row.emergency, motor, now);
-      } else if (!told_by_another(motor, row.error)) {
-        send_emergency(row.emergency, kWholeModule, now);
-      }
-    }
+    drive::for_each_row_only_in(tmcm_3315::kEmergencies, axis.errors(), before,
+                                [&](const drive::AxisEmergency& row) {
+                                  if (!row.of_device || !told_by_another(motor, row.error)) {
+                                    send(row, row.of_device ? kWholeModule : motor, now);
+                                  }
+                                });
   }
 }
 
@@ -356,19 +238,16 @@ bool Tmcm3315::told_by_another(std::uint8_t motor, drive::AxisError error) const
   return false;
 }
 
-std::uint8_t Tmcm3315::error_register() const {
+void Tmcm3315::show_errors() {
   unsigned bits = 0;
   for (const drive::AxisErrors& errors : reported_errors_) {
-    for (const tmcm_3315::AxisEmergency& row : tmcm_3315::kAxisEmergencies) {
-      bits |= errors.has(row.error) ? row.emergency.register_bits : 0U;
-    }
+    bits |= drive::register_bits_of(tmcm_3315::kEmergencies, errors);
   }
-  return static_cast<std::uint8_t>(bits);
+  error_register().set(static_cast<std::uint8_t>(bits));
 }
 
-void Tmcm3315::send_emergency(const Emergency& emergency, std::uint8_t motor, base::SimTime now) {
-  const auto bits = static_cast<std::uint8_t>(error_register_.get() | emergency.register_bits);
-  stack_.send_emergency(emergency.code, bits, {emergency.detail, motor, 0, 0, 0}, now);
+void Tmcm3315::send(const drive::AxisEmergency& row, std::uint8_t motor, base::SimTime now) {
+  send_emergency(row.code, row.register_bits, {row.detail, motor}, now);
 }
 
 std::vector<product::Signal> Tmcm3315::signals() {
