@@ -73,7 +73,7 @@ TEST(Tmcc160EmergencyTable, HasEveryRowOfTheDocument) {
       return std::stoul(digits, nullptr, base);
     };
     bool found = false;
-    for (const tmcc160::AxisEmergency& ours : tmcc160::kAxisEmergencies) {
+    for (const drive::AxisEmergency& ours : tmcc160::kAxisEmergencies) {
       found |= ours.code == number(row[0], 16) && ours.detail == number(row[1], 10) &&
                (ours.of_device ? 255U : 0U) == number(row[2], 10) &&
                ours.register_bits == number(row[8], 16) && ours.documented;
