@@ -1,5 +1,7 @@
 // ethercrab cannot take a message that it has not asked for, so emergencies can be switched off.
 
+#include <gtest/gtest.h>
+
 #include "masters/soem.hpp"
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 

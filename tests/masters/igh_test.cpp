@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "masters/device_bus.hpp"
 #include "stator/base/byte_order.hpp"
 

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "masters/soem.hpp"
 #include "stator/base/byte_order.hpp"
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"

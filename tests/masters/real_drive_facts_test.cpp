@@ -1,5 +1,7 @@
 // What captures of a drive on a real bus show, and masters have come to rely on.
 
+#include <gtest/gtest.h>
+
 #include "masters/device_bus.hpp"
 #include "stator/base/byte_order.hpp"
 

@@ -1,5 +1,7 @@
 // What SOEM's EoE functions and eoe_test send.
 
+#include <gtest/gtest.h>
+
 #include "masters/soem.hpp"
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 

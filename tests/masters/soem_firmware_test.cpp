@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <gtest/gtest.h>
+
 #include "masters/soem.hpp"
 #include "stator/base/byte_order.hpp"
 

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <gtest/gtest.h>
+
 #include "masters/soem.hpp"
 #include "stator/base/byte_order.hpp"
 

@@ -1,5 +1,7 @@
 // What SOEM's config_map sends: mapping from objects, sync managers, FMMUs, the working counter.
 
+#include <gtest/gtest.h>
+
 #include "masters/soem.hpp"
 #include "stator/base/byte_order.hpp"
 

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include <gtest/gtest.h>
+
 #include "masters/soem.hpp"
 
 namespace stator::tests {

@@ -4,6 +4,8 @@
 #include <map>
 #include <string>
 
+#include <gtest/gtest.h>
+
 #include "masters/soem.hpp"
 #include "stator/base/byte_order.hpp"
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"

@@ -1,5 +1,7 @@
 // How masters start SYNC0 and SYNC1, and what they read of the pulses.
 
+#include <gtest/gtest.h>
+
 #include "masters/soem.hpp"
 
 namespace stator::tests {

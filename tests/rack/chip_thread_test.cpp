@@ -18,6 +18,7 @@
 #include "ethercat/raw_frame.hpp"
 #include "source_paths.hpp"
 #include "stator/bench/link_port.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/devices/tmcm_3315/product.hpp"
 #include "stator/link/ethernet/open_link.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
