@@ -98,8 +98,8 @@ base::StaticText network_state_text(NetworkState state) {
 }
 
 /// {0} index, {1} subindex, {2} name, then what the rule adds.
-std::array<EventArgument, 6> about(const Entry& entry, EventArgument third = {},
-                                   EventArgument fourth = {}) {
+std::array<EventArgument, 6> about(const Entry& entry, const EventArgument& third = {},
+                                   const EventArgument& fourth = {}) {
   return {EventArgument(int{entry.index()}), EventArgument(int{entry.subindex()}),
           entry.shared_name(), third, fourth};
 }

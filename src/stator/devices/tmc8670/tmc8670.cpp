@@ -12,7 +12,6 @@ namespace stator::devices {
 
 namespace {
 
-using base::EventArgument;
 using base::SimDuration;
 using base::SimTime;
 using ethercat::AlState;
