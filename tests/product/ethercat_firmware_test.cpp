@@ -8,7 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "devices/sentences.hpp"
 #include "devices/test_bus.hpp"
+#include "stator/product/shell/boot_loading.hpp"
 
 namespace stator::product {
 namespace {
@@ -192,6 +194,17 @@ TEST(EtherCatFirmware, WithoutPowerNothingButTheWorldGoesOn) {
   EXPECT_EQ(lamp.calls.front(), "restart " + std::to_string(off.nanoseconds() / 1000));
   EXPECT_EQ(lamp.calls.back(), "restart " + std::to_string(bus.now().nanoseconds() / 1000));
   EXPECT_EQ(lamp.slave_stack()->state(), AlState::init);
+}
+
+TEST(EtherCatFirmware, TellsOfANewImageInItsOwnWordsOrInThoseOfAll) {
+  static constexpr base::EventRule kOwn{"lamp-new-image", base::Severity::information,
+                                        "the lamp has {0} bytes of new firmware"};
+  tests::Sentences told;
+  const base::EventReporter reporter(&told, 0);
+  report_new_firmware(12, &kOwn, reporter, base::SimTime());
+  report_new_firmware(34, nullptr, reporter, base::SimTime());
+  EXPECT_EQ(told.count("the lamp has 12 bytes of new firmware"), 1);
+  EXPECT_EQ(told.count("restarting with a new firmware image, 34 bytes"), 1);
 }
 
 }  // namespace

@@ -32,15 +32,23 @@ inline std::uint16_t free_udp_port() {
   return probe ? (*probe)->local_port() : std::uint16_t{0};
 }
 
+/// With time for answers that take long on a busy machine with sanitizers.
+inline ServerLimits patient_limits() {
+  ServerLimits limits;
+  limits.request_time = std::chrono::minutes(2);
+  return limits;
+}
+
 /// A TMCM-3315 "drive" behind UDP, a TMCC160 "servo" on a CAN bus, and a server for both.
 class ServedRack {
  public:
-  explicit ServedRack(const ServerLimits& limits = {},
+  explicit ServedRack(const ServerLimits& limits = patient_limits(),
                       rack::ClockKind clock = rack::ClockKind::real,
                       const std::string& address = "127.0.0.1", const std::string& record = {},
                       SessionControl* session = nullptr)
       : ServedRack(configuration(clock, record), limits, address, session) {}
-  explicit ServedRack(rack::RackConfiguration configuration, const ServerLimits& limits = {},
+  explicit ServedRack(rack::RackConfiguration configuration,
+                      const ServerLimits& limits = patient_limits(),
                       const std::string& address = "127.0.0.1", SessionControl* session = nullptr)
       : configuration_(std::move(configuration)),
         rack_(configuration_, log_),

@@ -5,8 +5,23 @@
 
 namespace stator::product {
 
+namespace {
+
+/// Argument: {0} bytes.
+constexpr base::EventRule kNewFirmware{
+    "new-firmware", base::Severity::information,
+    "restarting with a new firmware image, {0} bytes; the virtual device keeps the image and "
+    "behaves as before, it does not run it"};
+
+}  // namespace
+
+void report_new_firmware(std::size_t size, const base::EventRule* rule,
+                         const base::EventReporter& reporter, base::SimTime now) {
+  reporter.report(now, rule != nullptr ? *rule : kNewFirmware, {base::EventArgument(size)});
+}
+
 void keep_loaded_image(const tmcl::ModuleInterface& loader, FirmwareMemory& memory,
-                       const base::EventRule& new_firmware, const base::EventReporter& reporter,
+                       const base::EventRule* rule, const base::EventReporter& reporter,
                        base::SimTime now) {
   const std::span<const std::byte> image = loader.loaded_image();
   if (image.empty()) {
@@ -16,7 +31,7 @@ void keep_loaded_image(const tmcl::ModuleInterface& loader, FirmwareMemory& memo
   static_cast<void>(memory.open_for_writing("boot loader"));
   static_cast<void>(memory.append(image));
   static_cast<void>(memory.commit());
-  reporter.report(now, new_firmware, {base::EventArgument(image.size())});
+  report_new_firmware(image.size(), rule, reporter, now);
 }
 
 }  // namespace stator::product

@@ -148,7 +148,7 @@ void CanOpenFirmware::run_boot_loader(SimTime now) {
   }
   boot_loader_->serve(now);
   if (boot_loader_->start_requested()) {
-    keep_loaded_image(*boot_loader_, firmware_, *rules_.new_firmware, reporter_, now);
+    keep_loaded_image(*boot_loader_, firmware_, rules_.new_firmware, reporter_, now);
     start_firmware(now);
   }
 }

@@ -111,7 +111,7 @@ void EtherCatFirmware::run_boot_loader(SimTime now) {
   tick_without_firmware(now);
   boot_loader_->serve(now);
   if (boot_loader_->start_requested()) {
-    keep_loaded_image(*boot_loader_, firmware_, *rules_.new_firmware, reporter_, now);
+    keep_loaded_image(*boot_loader_, firmware_, rules_.new_firmware, reporter_, now);
     restart_firmware(now);
   }
 }
@@ -156,7 +156,7 @@ void EtherCatFirmware::process_bus(SimTime now) {
   before_bus();
   stack_.process(now);
   if (restart_due_) {
-    reporter_.report(now, *rules_.new_firmware, {base::EventArgument(firmware_.size())});
+    report_new_firmware(firmware_.size(), rules_.new_firmware, reporter_, now);
     restart_firmware(now);
   }
 }

@@ -46,7 +46,8 @@ struct EtherCatFirmwareRules {
   std::array<std::uint8_t, 5> refused_output_bytes{};
   /// Most bytes of a firmware image; 0: the product takes none.
   std::size_t firmware_capacity = 0;
-  /// A new image is there and the firmware starts again; argument: {0} bytes.
+  /// A new image is there and the firmware starts again; argument: {0} bytes. Null: in the words of
+  /// all that have none of their own.
   const base::EventRule* new_firmware = nullptr;
 };
 
