@@ -15,7 +15,7 @@ namespace stator::web {
 
 HttpClient::HttpClient(std::uint16_t port, int receive_buffer) : port_(port) {
   socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  const timeval limit{10, 0};
+  const timeval limit{120, 0};  // for busy machines with sanitizers
   ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
   ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
   if (receive_buffer != 0) {
