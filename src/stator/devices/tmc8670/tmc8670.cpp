@@ -204,7 +204,7 @@ void Tmc8670::watch_junction(SimTime now) {
     namespace bits = drive::error_register;
     reporter().report(now, kJunctionHot,
                       {static_cast<int>(celsius), static_cast<int>(tmc8670::kJunctionOperating)});
-    send_emergency(0x4210, bits::kGeneric | bits::kTemperature, {1}, now);
+    send_emergency(0x4210, bits::kOfTemperature, {1}, now);
   }
   junction_hot_ = hot;
 }

@@ -18,16 +18,15 @@ inline constexpr std::uint16_t kCommunicationError = 0x8100;
 /// Rows that services of the node raise.
 inline constexpr auto kServiceEmergencies = [] {
   namespace bits = drive::error_register;
-  constexpr std::uint8_t kOfCommunication = bits::kGeneric | bits::kCommunication;
   return std::to_array<canopen::EmergencyRule>({
-      {kParameterError, bits::kGeneric | bits::kDeviceProfile, {0, 255}},
-      {kCommunicationError, kOfCommunication, {0, 255}},
-      {0x8110, kOfCommunication, {0, 255}},  // byte 1: which
-      {0x8120, kOfCommunication, {0, 255}},
-      {0x8130, kOfCommunication, {0, 255}},
-      {0x8140, kOfCommunication, {0, 255}},
-      {0x8210, kOfCommunication, {0, 255}},
-      {0x8220, kOfCommunication, {0, 255}},
+      {kParameterError, bits::kOfDeviceProfile, {0, 255}},
+      {kCommunicationError, bits::kOfCommunication, {0, 255}},
+      {0x8110, bits::kOfCommunication, {0, 255}},  // byte 1: which
+      {0x8120, bits::kOfCommunication, {0, 255}},
+      {0x8130, bits::kOfCommunication, {0, 255}},
+      {0x8140, bits::kOfCommunication, {0, 255}},
+      {0x8210, bits::kOfCommunication, {0, 255}},
+      {0x8220, bits::kOfCommunication, {0, 255}},
   });
 }();
 
@@ -36,35 +35,30 @@ inline constexpr auto kAxisEmergencies = [] {
   using enum drive::AxisError;
   using enum drive::ErrorReaction;
   namespace bits = drive::error_register;
-  constexpr std::uint8_t kProfileSpecific = bits::kGeneric | bits::kDeviceProfile;
-  constexpr std::uint8_t kOfMaker = bits::kGeneric | bits::kManufacturer;
-  constexpr std::uint8_t kOfCurrent = bits::kGeneric | bits::kCurrent;
-  constexpr std::uint8_t kOfVoltage = bits::kGeneric | bits::kVoltage;
-  constexpr std::uint8_t kOfTemperature = bits::kGeneric | bits::kTemperature;
   return std::to_array<drive::AxisEmergency>({
       {open_load_a, 0x1000, 1, bits::kGeneric, warning},
       {open_load_b, 0x1000, 2, bits::kGeneric, warning},
-      {overcurrent_high_side, 0x2310, 0, kOfCurrent, power_off},
-      {overcurrent_b, 0x2311, 0, kOfCurrent, power_off},
-      {overcurrent_a, 0x2312, 0, kOfCurrent, power_off},
+      {overcurrent_high_side, 0x2310, 0, bits::kOfCurrent, power_off},
+      {overcurrent_b, 0x2311, 0, bits::kOfCurrent, power_off},
+      {overcurrent_a, 0x2312, 0, bits::kOfCurrent, power_off},
       // The document names two bridges. A short of the third one loads its high side.
-      {overcurrent_c, 0x2310, 0, kOfCurrent, power_off},
-      {stall, 0x3230, 0, kProfileSpecific, stop},
-      {over_temperature_warning, 0x4310, 1, kOfTemperature, warning},
-      {over_temperature, 0x4310, 2, kOfTemperature, power_off},
-      {shutdown_switch, 0x5441, 0, kOfMaker, power_off, true},
-      {following_error, 0x8611, 0, kProfileSpecific, fault},
-      {undervoltage, 0xFF00, 0, kOfVoltage, fault},
-      {positive_software_limit, 0xFF01, 1, kOfMaker, stop},
-      {negative_software_limit, 0xFF01, 2, kOfMaker, stop},
-      {positive_limit_switch, 0xFF01, 3, kOfMaker, stop},
-      {negative_limit_switch, 0xFF01, 4, kOfMaker, stop},
+      {overcurrent_c, 0x2310, 0, bits::kOfCurrent, power_off},
+      {stall, 0x3230, 0, bits::kOfDeviceProfile, stop},
+      {over_temperature_warning, 0x4310, 1, bits::kOfTemperature, warning},
+      {over_temperature, 0x4310, 2, bits::kOfTemperature, power_off},
+      {shutdown_switch, 0x5441, 0, bits::kOfManufacturer, power_off, true},
+      {following_error, 0x8611, 0, bits::kOfDeviceProfile, fault},
+      {undervoltage, 0xFF00, 0, bits::kOfVoltage, fault},
+      {positive_software_limit, 0xFF01, 1, bits::kOfManufacturer, stop},
+      {negative_software_limit, 0xFF01, 2, bits::kOfManufacturer, stop},
+      {positive_limit_switch, 0xFF01, 3, bits::kOfManufacturer, stop},
+      {negative_limit_switch, 0xFF01, 4, bits::kOfManufacturer, stop},
       // Braking would feed the supply further: the motor coasts.
-      {overvoltage, 0x3110, 0, kOfVoltage, power_off, false, false},
-      {hall_error, 0x7305, 0, kProfileSpecific, fault, false, false},
-      {initialisation_error, 0x7305, 1, kProfileSpecific, fault, false, false},
+      {overvoltage, 0x3110, 0, bits::kOfVoltage, power_off, false, false},
+      {hall_error, 0x7305, 0, bits::kOfDeviceProfile, fault, false, false},
+      {initialisation_error, 0x7305, 1, bits::kOfDeviceProfile, fault, false, false},
       {driver_error, 0x1000, 0, bits::kGeneric, power_off, false, false},
-      {overload, 0x1000, 0, kOfCurrent, message, false, false},
+      {overload, 0x1000, 0, bits::kOfCurrent, message, false, false},
   });
 }();
 static_assert(kAxisEmergencies.size() == drive::kAxisErrorCount);

@@ -21,6 +21,13 @@ inline constexpr std::uint8_t kTemperature = 1U << 3;
 inline constexpr std::uint8_t kCommunication = 1U << 4;
 inline constexpr std::uint8_t kDeviceProfile = 1U << 5;
 inline constexpr std::uint8_t kManufacturer = 1U << 7;
+// Every error sets the generic bit beside that of its class.
+inline constexpr std::uint8_t kOfCurrent = kGeneric | kCurrent;
+inline constexpr std::uint8_t kOfVoltage = kGeneric | kVoltage;
+inline constexpr std::uint8_t kOfTemperature = kGeneric | kTemperature;
+inline constexpr std::uint8_t kOfCommunication = kGeneric | kCommunication;
+inline constexpr std::uint8_t kOfDeviceProfile = kGeneric | kDeviceProfile;
+inline constexpr std::uint8_t kOfManufacturer = kGeneric | kManufacturer;
 }  // namespace error_register
 
 /// An error of the axis as a master sees it: code of emergency and 603Fh (CiA 402-2 annex A, where
