@@ -111,10 +111,10 @@ void OwnStepper::report_errors(SimTime now) {
   });
 }
 
-std::vector<product::Signal> OwnStepper::signals() {
+std::vector<product::Signal> OwnStepper::signals() const {
   std::vector<product::Signal> signals{
       {"axis0.position_actual", "microstep",
-       base::Delegate<double()>::bind<&OwnStepper::position_actual>(*this)}};
+       base::SignalReader::bind<&OwnStepper::position_actual>(*this)}};
   instruments_.append_signals(signals, "axis0.");
   return signals;
 }

@@ -40,7 +40,7 @@ class OwnStepper final : public stator::product::EtherCatFirmware {
   explicit OwnStepper(const OwnStepperConfiguration& configuration,
                       stator::base::EventReporter reporter = {});
 
-  [[nodiscard]] std::vector<stator::product::Signal> signals() override;
+  [[nodiscard]] std::vector<stator::product::Signal> signals() const override;
   [[nodiscard]] std::vector<stator::product::Input> inputs() override;
 
  private:

@@ -16,7 +16,7 @@ class Lamp final : public Device {
   void advance(base::SimTime /*now*/) override {}
   void handle_bus_events(base::SimTime /*now*/) override {}
   void set_power(bool /*on*/, base::SimTime /*now*/) override {}
-  [[nodiscard]] std::vector<Signal> signals() override { return {}; }
+  [[nodiscard]] std::vector<Signal> signals() const override { return {}; }
   [[nodiscard]] double watts() const { return watts_; }
 
  private:

@@ -67,7 +67,7 @@ class DimmedLamp final : public EtherCatFirmware {
     calls.clear();
   }
 
-  [[nodiscard]] std::vector<Signal> signals() override { return {}; }
+  [[nodiscard]] std::vector<Signal> signals() const override { return {}; }
 
   std::vector<std::string> calls;
 

@@ -15,7 +15,7 @@ using namespace base::literals;
 
 struct Ramp {
   double value = 0.0;
-  double read() { return value; }
+  [[nodiscard]] double read() const { return value; }
 };
 
 std::string content(const std::string& path) {
@@ -32,7 +32,7 @@ std::string temporary_file() {
 }
 
 product::Signal signal(const char* name, Ramp& ramp) {
-  return {name, "rev", base::Delegate<double()>::bind<&Ramp::read>(ramp)};
+  return {name, "rev", base::SignalReader::bind<&Ramp::read>(ramp)};
 }
 
 TEST(Recorder, WritesOneRowPerSampleWithShortestNumbers) {

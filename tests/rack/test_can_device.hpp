@@ -27,6 +27,7 @@ class TestCanDevice final : public product::CanDevice {
   }
 
   [[nodiscard]] can::Controller& controller() override { return controller_; }
+  [[nodiscard]] const can::Controller& controller() const override { return controller_; }
   [[nodiscard]] std::uint32_t bit_rate() const override { return settings_.bit_rate; }
   [[nodiscard]] base::SimTime next_deadline() const override { return next_heartbeat_; }
   void connect_memory(canopen::NonVolatileMemory& memory) override { memory_ = &memory; }
@@ -58,9 +59,9 @@ class TestCanDevice final : public product::CanDevice {
     next_heartbeat_ = on && settings_.heartbeat > base::SimDuration() ? now + settings_.heartbeat
                                                                       : base::SimTime::never();
   }
-  [[nodiscard]] std::vector<product::Signal> signals() override {
-    return {{"syncs", "1", base::Delegate<double()>::bind<&TestCanDevice::syncs>(*this)},
-            {"level", "V", base::Delegate<double()>::bind<&TestCanDevice::level>(*this)}};
+  [[nodiscard]] std::vector<product::Signal> signals() const override {
+    return {{"syncs", "1", base::SignalReader::bind<&TestCanDevice::syncs>(*this)},
+            {"level", "V", base::SignalReader::bind<&TestCanDevice::level>(*this)}};
   }
   [[nodiscard]] std::vector<product::Input> inputs() override {
     return {{"level", "V", 0.0, 10.0,

@@ -40,6 +40,7 @@ class TestSerialDevice final : public product::CanDevice {
   }
 
   [[nodiscard]] can::Controller& controller() override { return controller_; }
+  [[nodiscard]] const can::Controller& controller() const override { return controller_; }
   [[nodiscard]] std::uint32_t bit_rate() const override { return 1'000'000; }
   [[nodiscard]] base::SimTime next_deadline() const override {
     return std::min(next_serial_reply(), settings_.at_once ? base::SimTime::never() : next_period_);
@@ -83,7 +84,7 @@ class TestSerialDevice final : public product::CanDevice {
   }
   void handle_bus_events(base::SimTime /*now*/) override {}
   void set_power(bool on, base::SimTime /*now*/) override { powered_ = on; }
-  [[nodiscard]] std::vector<product::Signal> signals() override { return {}; }
+  [[nodiscard]] std::vector<product::Signal> signals() const override { return {}; }
 
   std::vector<base::SimTime> served;  ///< when the interfaces were looked at
 

@@ -17,8 +17,8 @@ namespace {
 using namespace base::literals;
 
 struct Ramp {
-  double value = 0.0;
-  double read() { return value++; }
+  mutable double value = 0.0;  ///< rises with each reading
+  [[nodiscard]] double read() const { return value++; }
 };
 
 TEST(SignalPattern, MatchesAnyRunOfCharactersAtAStar) {
@@ -44,8 +44,7 @@ class StreamQueueTest : public testing::Test {
   }
 
   Ramp ramp;
-  rack::SignalTap tap{
-      {{"ramp", "rev", base::Delegate<double()>::bind<&Ramp::read>(ramp)}}, 1_ms, 4096};
+  rack::SignalTap tap{{{"ramp", "rev", base::SignalReader::bind<&Ramp::read>(ramp)}}, 1_ms, 4096};
   ServerCounters counters;
   StreamQueue queue{counters};
 };
@@ -102,8 +101,8 @@ TEST_F(StreamQueueTest, CountsRowsThatTheTapLost) {
 TEST(SampleBatch, HasTimesAndColumnsWhereTheHeaderSays) {
   Ramp ramp;
   Ramp other{.value = std::numeric_limits<double>::quiet_NaN()};
-  rack::SignalTap tap({{"ramp", "rev", base::Delegate<double()>::bind<&Ramp::read>(ramp)},
-                       {"gap", "", base::Delegate<double()>::bind<&Ramp::read>(other)}},
+  rack::SignalTap tap({{"ramp", "rev", base::SignalReader::bind<&Ramp::read>(ramp)},
+                       {"gap", "", base::SignalReader::bind<&Ramp::read>(other)}},
                       50_us, 8);
   tap.begin({});
   for (int i = 0; i < 3; ++i) {
@@ -193,8 +192,7 @@ TEST_F(SubscriptionTest, AndItsEventsOutliveSamplesThatGiveWay) {
   static constexpr base::EventRule kRule{
       .id = "test", .severity = base::Severity::fault, .text = "it broke"};
   Ramp ramp;
-  rack::SignalTap tap({{"ramp", "rev", base::Delegate<double()>::bind<&Ramp::read>(ramp)}}, 1_ms,
-                      4096);
+  rack::SignalTap tap({{"ramp", "rev", base::SignalReader::bind<&Ramp::read>(ramp)}}, 1_ms, 4096);
   tap.begin({});
   ServerCounters counters;
   StreamQueue queue(counters);

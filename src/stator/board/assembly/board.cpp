@@ -178,7 +178,7 @@ std::vector<KeptPart> Board::kept_parts() {
   return result;
 }
 
-std::vector<base::Signal> Board::signals() {
+std::vector<base::Signal> Board::signals() const {
   std::vector<base::Signal> result;
   for (const Place& place : places_) {
     for (base::Signal& signal : place.peripheral->signals()) {

@@ -43,7 +43,7 @@ class Board final : private LineListener, private PeripheralHost {
   [[nodiscard]] base::SimTime time() const { return now_; }
 
   /// Of all peripherals, as "peripheral.value".
-  [[nodiscard]] std::vector<base::Signal> signals();
+  [[nodiscard]] std::vector<base::Signal> signals() const;
   [[nodiscard]] std::vector<base::Input> inputs();
   /// Those that keep content without supply; they live as long as the board.
   [[nodiscard]] std::vector<KeptPart> kept_parts();

@@ -26,8 +26,8 @@ class Potentiometer final : public Peripheral, public AnalogSource {
     return wiper() + noise_ * (2.0 * random.uniform() - 1.0);
   }
 
-  std::vector<base::Signal> signals() override {
-    return {{"voltage", "V", base::Delegate<double()>::bind<&Potentiometer::wiper>(*this)}};
+  std::vector<base::Signal> signals() const override {
+    return {{"voltage", "V", base::SignalReader::bind<&Potentiometer::wiper>(*this)}};
   }
   std::vector<base::Input> inputs() override {
     return {
@@ -65,8 +65,8 @@ class RcFilter final : public Peripheral, public AnalogSource {
   [[nodiscard]] double voltage(base::SimTime now) const override {
     return target_ + (from_ - target_) * decay((now - since_).seconds() * rate_);
   }
-  std::vector<base::Signal> signals() override {
-    return {{"voltage", "V", base::Delegate<double()>::bind<&RcFilter::present>(*this)}};
+  std::vector<base::Signal> signals() const override {
+    return {{"voltage", "V", base::SignalReader::bind<&RcFilter::present>(*this)}};
   }
 
  private:
@@ -83,8 +83,8 @@ class Led final : public Peripheral {
  public:
   explicit Led(const Settings& settings) : active_low_(settings.flag("active_low")) {}
 
-  std::vector<base::Signal> signals() override {
-    return {{"brightness", "", base::Delegate<double()>::bind<&Led::brightness>(*this)}};
+  std::vector<base::Signal> signals() const override {
+    return {{"brightness", "", base::SignalReader::bind<&Led::brightness>(*this)}};
   }
 
  private:
@@ -104,8 +104,8 @@ class Load final : public Peripheral {
         short_current_(settings.number("short_current")) {}
 
   void begin(base::SimTime now) override { apply(now); }
-  std::vector<base::Signal> signals() override {
-    return {{"current", "A", base::Delegate<double()>::bind<&Load::current>(*this)}};
+  std::vector<base::Signal> signals() const override {
+    return {{"current", "A", base::SignalReader::bind<&Load::current>(*this)}};
   }
   std::vector<base::Input> inputs() override {
     return {{"resistance", "ohm", 0.0, 1e9,

@@ -88,8 +88,8 @@ class BridgeMotor final : public Peripheral {
 
   Shaft* shaft() override { return &shaft_; }
 
-  std::vector<base::Signal> signals() override {
-    using Read = base::Delegate<double()>;
+  std::vector<base::Signal> signals() const override {
+    using Read = base::SignalReader;
     return {{"position", "rev", Read::bind<&BridgeMotor::revolutions>(*this)},
             {"speed", "1/min", Read::bind<&BridgeMotor::speed>(*this)},
             {"torque", "Nm", Read::bind<&BridgeMotor::torque>(*this)},

@@ -64,8 +64,8 @@ class Encoder final : public Peripheral, public ShaftObserver {
     }
   }
 
-  std::vector<base::Signal> signals() override {
-    return {{"count", "count", base::Delegate<double()>::bind<&Encoder::count>(*this)}};
+  std::vector<base::Signal> signals() const override {
+    return {{"count", "count", base::SignalReader::bind<&Encoder::count>(*this)}};
   }
   std::vector<base::Input> inputs() override {
     using Set = base::Delegate<void(double)>;

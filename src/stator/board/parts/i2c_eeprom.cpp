@@ -61,8 +61,8 @@ class I2cEeprom final : public Peripheral, public mfc::I2cSlave {
     addressed_ = false;
   }
 
-  std::vector<base::Signal> signals() override {
-    return {{"writes", "", base::Delegate<double()>::bind<&I2cEeprom::writes>(*this)}};
+  std::vector<base::Signal> signals() const override {
+    return {{"writes", "", base::SignalReader::bind<&I2cEeprom::writes>(*this)}};
   }
 
  private:

@@ -54,9 +54,9 @@ class TemperatureSensor final : public Peripheral, public mfc::I2cSlave {
   void acknowledged(base::SimTime /*now*/, bool /*acknowledge*/) override {}
   void stop(base::SimTime /*now*/) override {}
 
-  std::vector<base::Signal> signals() override {
-    return {{"temperature", "degree C",
-             base::Delegate<double()>::bind<&TemperatureSensor::measured>(*this)}};
+  std::vector<base::Signal> signals() const override {
+    return {
+        {"temperature", "degree C", base::SignalReader::bind<&TemperatureSensor::measured>(*this)}};
   }
   std::vector<base::Input> inputs() override {
     return {{"temperature", "degree C", -55.0, 125.0,
@@ -142,7 +142,7 @@ class PortExpander final : public Peripheral, public mfc::I2cSlave {
     outside_ = static_cast<std::uint8_t>(value >= 0.5 ? outside_ | bit : outside_ & ~bit);
     show(now());
   }
-  std::vector<base::Signal> signals() override {
+  std::vector<base::Signal> signals() const override {
     std::vector<base::Signal> result;
     numbered_.append_signals(result, "p");
     return result;

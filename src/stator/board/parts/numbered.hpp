@@ -21,10 +21,10 @@ class Numbered {
     }
   }
 
-  void append_signals(std::vector<base::Signal>& signals, const std::string& prefix) {
-    for (Item& item : items_) {
-      signals.push_back({prefix + std::to_string(item.number), "",
-                         base::Delegate<double()>::bind<&Item::read>(item)});
+  void append_signals(std::vector<base::Signal>& signals, const std::string& prefix) const {
+    for (const Item& item : items_) {
+      signals.push_back(
+          {prefix + std::to_string(item.number), "", base::SignalReader::bind<&Item::read>(item)});
     }
   }
   void append_inputs(std::vector<base::Input>& inputs, const std::string& prefix,

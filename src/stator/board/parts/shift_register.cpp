@@ -38,7 +38,7 @@ class ShiftRegister final : public Peripheral, public SpiSlave {
 
   [[nodiscard]] double number_value(std::size_t k) const { return outputs_[k]; }
   void set_number(std::size_t /*k*/, double /*value*/) {}
-  std::vector<base::Signal> signals() override {
+  std::vector<base::Signal> signals() const override {
     std::vector<base::Signal> result;
     numbered_.append_signals(result, "output");
     return result;

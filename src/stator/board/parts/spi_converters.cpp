@@ -66,8 +66,8 @@ class SpiAdc final : public Peripheral, public SpiSlave {
     clock_ = clock_ < kEnd ? clock_ + 1 : clock_;
   }
 
-  std::vector<base::Signal> signals() override {
-    return {{"code", "", base::Delegate<double()>::bind<&SpiAdc::code>(*this)}};
+  std::vector<base::Signal> signals() const override {
+    return {{"code", "", base::SignalReader::bind<&SpiAdc::code>(*this)}};
   }
   std::vector<base::Input> inputs() override {
     std::vector<base::Input> result;
@@ -173,8 +173,8 @@ class SpiDac final : public Peripheral, public SpiSlave {
     }
   }
 
-  std::vector<base::Signal> signals() override {
-    using Read = base::Delegate<double()>;
+  std::vector<base::Signal> signals() const override {
+    using Read = base::SignalReader;
     return {{"voltage_a", "V", Read::bind<&SpiDac::voltage_of<0>>(*this)},
             {"voltage_b", "V", Read::bind<&SpiDac::voltage_of<1>>(*this)}};
   }

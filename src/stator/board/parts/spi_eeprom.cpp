@@ -71,8 +71,8 @@ class SpiEeprom final : public Peripheral, public SpiSlave {
     }
   }
 
-  std::vector<base::Signal> signals() override {
-    return {{"writes", "", base::Delegate<double()>::bind<&SpiEeprom::writes>(*this)}};
+  std::vector<base::Signal> signals() const override {
+    return {{"writes", "", base::SignalReader::bind<&SpiEeprom::writes>(*this)}};
   }
 
  private:

@@ -65,8 +65,8 @@ class SpiStepperDriver final : public StepperPeripheral, public SpiSlave {
     wake(now);
   }
 
-  std::vector<base::Signal> signals() override {
-    using Read = base::Delegate<double()>;
+  std::vector<base::Signal> signals() const override {
+    using Read = base::SignalReader;
     std::vector<base::Signal> result = StepperPeripheral::signals();
     result.push_back({"steps", "1/256 step", Read::bind<&SpiStepperDriver::steps>(*this)});
     result.push_back({"stall_guard", "", Read::bind<&SpiStepperDriver::stall_guard>(*this)});

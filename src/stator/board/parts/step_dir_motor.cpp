@@ -46,8 +46,8 @@ class StepDirMotor final : public StepperPeripheral {
     wake(now);
   }
 
-  std::vector<base::Signal> signals() override {
-    using Read = base::Delegate<double()>;
+  std::vector<base::Signal> signals() const override {
+    using Read = base::SignalReader;
     std::vector<base::Signal> result = StepperPeripheral::signals();
     result.push_back({"steps", "microstep", Read::bind<&StepDirMotor::steps>(*this)});
     result.push_back({"lost_steps", "full step", Read::bind<&StepDirMotor::lost_steps>(*this)});

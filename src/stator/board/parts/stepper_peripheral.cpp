@@ -14,7 +14,7 @@ void StepperPeripheral::advance(base::SimTime now) {
   }
 }
 
-std::vector<base::Signal> StepperPeripheral::signals() {
+std::vector<base::Signal> StepperPeripheral::signals() const {
   std::vector<base::Signal> result;
   world_.append_signals(result);
   return result;

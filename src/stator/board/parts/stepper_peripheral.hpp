@@ -17,7 +17,7 @@ class StepperPeripheral : public Peripheral, public StepFollower {
   StepFollower* step_follower() override { return this; }
   void steps_come(base::SimTime now) override { wake(now); }
   Shaft* shaft() override { return &world_.shaft(); }
-  std::vector<base::Signal> signals() override;
+  std::vector<base::Signal> signals() const override;
   std::vector<base::Input> inputs() override;
 
   [[nodiscard]] const plant::StepperAxisFaults& faults() const { return world_.axis().faults(); }

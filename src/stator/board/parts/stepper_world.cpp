@@ -84,8 +84,8 @@ double StepperWorld::load_angle() const {
   return axis_.observe().load_angle * (180.0 / base::kPi);
 }
 
-void StepperWorld::append_signals(std::vector<base::Signal>& signals) {
-  using Read = base::Delegate<double()>;
+void StepperWorld::append_signals(std::vector<base::Signal>& signals) const {
+  using Read = base::SignalReader;
   signals.push_back({"position", "rev", Read::bind<&StepperWorld::revolutions>(*this)});
   signals.push_back({"speed", "1/min", Read::bind<&StepperWorld::speed>(*this)});
   signals.push_back({"load_angle", "degree", Read::bind<&StepperWorld::load_angle>(*this)});

@@ -57,7 +57,7 @@ class StepperWorld {
   [[nodiscard]] const PlantGrid& grid() const { return grid_; }
   [[nodiscard]] const plant::StepperAxis& axis() const { return axis_; }
 
-  void append_signals(std::vector<base::Signal>& signals);
+  void append_signals(std::vector<base::Signal>& signals) const;
 
   /// What people can set.
   void set_load_torque(double torque);

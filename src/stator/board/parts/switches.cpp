@@ -36,8 +36,8 @@ class Contact : public Peripheral {
     bounce_on(now);
   }
 
-  std::vector<base::Signal> signals() override {
-    return {{"closed", "", base::Delegate<double()>::bind<&Contact::closed>(*this)}};
+  std::vector<base::Signal> signals() const override {
+    return {{"closed", "", base::SignalReader::bind<&Contact::closed>(*this)}};
   }
 
  protected:

@@ -87,7 +87,7 @@ class Peripheral {
   [[nodiscard]] virtual KeptContent* kept_content() { return nullptr; }
 
   /// What can be recorded and what can be set; names are unique within the peripheral.
-  [[nodiscard]] virtual std::vector<base::Signal> signals() { return {}; }
+  [[nodiscard]] virtual std::vector<base::Signal> signals() const { return {}; }
   [[nodiscard]] virtual std::vector<base::Input> inputs() { return {}; }
 
  protected:

@@ -74,14 +74,14 @@ double Junction::al_state() const {
   return std::to_integer<unsigned>(status[0]);
 }
 
-std::vector<product::Signal> Junction::signals() {
+std::vector<product::Signal> Junction::signals() const {
   std::vector<product::Signal> all{
-      {"al_state", "", base::Delegate<double()>::bind<&Junction::al_state>(*this)}};
-  for (Probe& probe : probes_) {
+      {"al_state", "", base::SignalReader::bind<&Junction::al_state>(*this)}};
+  for (const Probe& probe : probes_) {
     if (controller_.has_port(probe.port)) {
       const std::string port = "port" + std::to_string(probe.port);
-      all.push_back({port + "_link", "", base::Delegate<double()>::bind<&Probe::link>(probe)});
-      all.push_back({port + "_open", "", base::Delegate<double()>::bind<&Probe::open>(probe)});
+      all.push_back({port + "_link", "", base::SignalReader::bind<&Probe::link>(probe)});
+      all.push_back({port + "_open", "", base::SignalReader::bind<&Probe::open>(probe)});
     }
   }
   return all;

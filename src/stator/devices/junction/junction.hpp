@@ -31,6 +31,7 @@ class Junction final : public product::EtherCatDevice {
   explicit Junction(const JunctionConfiguration& configuration, base::EventReporter reporter = {});
 
   [[nodiscard]] ethercat::SlaveController& controller() override { return controller_; }
+  [[nodiscard]] const ethercat::SlaveController& controller() const override { return controller_; }
   [[nodiscard]] const ethercat::DeviceDescription& description() const override {
     return description_;
   }
@@ -40,7 +41,7 @@ class Junction final : public product::EtherCatDevice {
   void handle_bus_events(base::SimTime now) override;
   void set_power(bool on, base::SimTime now) override;
   /// AL status, and for each port whether it has a link and whether frames leave through it.
-  [[nodiscard]] std::vector<product::Signal> signals() override;
+  [[nodiscard]] std::vector<product::Signal> signals() const override;
   [[nodiscard]] std::vector<product::Input> inputs() override { return {clock_deviation_input()}; }
 
  private:

@@ -215,18 +215,17 @@ double Tmc8461::interrupt_pin() const {
   return requests == active_high ? 1.0 : 0.0;
 }
 
-std::vector<product::Signal> Tmc8461::signals() {
+std::vector<product::Signal> Tmc8461::signals() const {
   std::vector<product::Signal> all{
-      {"al_state", "", base::Delegate<double()>::bind<&Tmc8461::al_state>(*this)},
-      {"pdi_errors", "", base::Delegate<double()>::bind<&Tmc8461::pdi_errors>(*this)},
-      {"pdi_spi_irq", "", base::Delegate<double()>::bind<&Tmc8461::interrupt_pin>(*this)}};
-  for (Probe& probe : line_probes_) {
+      {"al_state", "", base::SignalReader::bind<&Tmc8461::al_state>(*this)},
+      {"pdi_errors", "", base::SignalReader::bind<&Tmc8461::pdi_errors>(*this)},
+      {"pdi_spi_irq", "", base::SignalReader::bind<&Tmc8461::interrupt_pin>(*this)}};
+  for (const Probe& probe : line_probes_) {
     all.push_back({std::string(product::kHostLineNames[probe.number]), "",
-                   base::Delegate<double()>::bind<&Probe::level>(probe)});
+                   base::SignalReader::bind<&Probe::level>(probe)});
   }
-  for (Probe& probe : io_probes_) {
-    all.push_back(
-        {pin_name(probe.number), "", base::Delegate<double()>::bind<&Probe::io_level>(probe)});
+  for (const Probe& probe : io_probes_) {
+    all.push_back({pin_name(probe.number), "", base::SignalReader::bind<&Probe::io_level>(probe)});
   }
   std::ranges::move(board_.signals(), std::back_inserter(all));
   return all;

@@ -35,6 +35,7 @@ class Tmc8461 final : public product::EtherCatDevice,
 
   // The device.
   [[nodiscard]] ethercat::SlaveController& controller() override { return controller_; }
+  [[nodiscard]] const ethercat::SlaveController& controller() const override { return controller_; }
   [[nodiscard]] const ethercat::DeviceDescription& description() const override {
     return description_;
   }
@@ -45,7 +46,7 @@ class Tmc8461 final : public product::EtherCatDevice,
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;
   void set_power(bool on, base::SimTime now) override;
-  [[nodiscard]] std::vector<product::Signal> signals() override;
+  [[nodiscard]] std::vector<product::Signal> signals() const override;
   [[nodiscard]] std::vector<product::Input> inputs() override;
   [[nodiscard]] product::HostPort* host_port() override { return this; }
   [[nodiscard]] std::optional<product::TracedPins> traced_pins() override {

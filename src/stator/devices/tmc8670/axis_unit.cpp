@@ -107,11 +107,11 @@ double AxisUnit::torque_actual() const {
   return static_cast<double>(axis_->objects().torque_actual.get());
 }
 
-void AxisUnit::append_signals(std::vector<product::Signal>& signals) {
-  const auto add = [&](const char* name, const char* unit, base::Delegate<double()> read) {
+void AxisUnit::append_signals(std::vector<product::Signal>& signals) const {
+  const auto add = [&](const char* name, const char* unit, base::SignalReader read) {
     signals.push_back({std::string("axis0.") + name, unit, read});
   };
-  using Read = base::Delegate<double()>;
+  using Read = base::SignalReader;
   add("position_demand", "increment", Read::bind<&AxisUnit::position_demand>(*this));
   add("position_actual", "increment", Read::bind<&AxisUnit::position_actual>(*this));
   add("velocity_demand", "rpm", Read::bind<&AxisUnit::velocity_demand>(*this));

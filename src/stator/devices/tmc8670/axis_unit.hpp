@@ -53,7 +53,7 @@ class AxisUnit {
   [[nodiscard]] AxisWorld& world() { return world_; }
 
   /// Appends "axis0.<name>" for everything worth recording.
-  void append_signals(std::vector<product::Signal>& signals);
+  void append_signals(std::vector<product::Signal>& signals) const;
   /// Appends "axis0.<name>" for what can be set around the axis.
   void append_inputs(std::vector<product::Input>& inputs) { world_.append_inputs(inputs); }
 

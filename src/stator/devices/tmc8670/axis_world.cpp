@@ -18,11 +18,11 @@ double AxisWorld::shaft_speed() const {
   return stage_.plant().speed() / base::kTwoPi;
 }
 
-void AxisWorld::append_signals(std::vector<product::Signal>& signals) {
-  const auto add = [&](const char* name, const char* unit, base::Delegate<double()> read) {
+void AxisWorld::append_signals(std::vector<product::Signal>& signals) const {
+  const auto add = [&](const char* name, const char* unit, base::SignalReader read) {
     signals.push_back({std::string("axis0.") + name, unit, read});
   };
-  using Read = base::Delegate<double()>;
+  using Read = base::SignalReader;
   add("shaft_position", "rev", Read::bind<&AxisWorld::shaft_position>(*this));
   add("shaft_speed", "rev/s", Read::bind<&AxisWorld::shaft_speed>(*this));
   add("torque", "Nm", Read::bind<&AxisWorld::torque>(*this));
@@ -45,11 +45,11 @@ void AxisWorld::append_signals(std::vector<product::Signal>& signals) {
 }
 
 // The outputs of the chip, as an oscilloscope at its pins sees them.
-void AxisWorld::append_stage_signals(std::vector<product::Signal>& signals) {
-  const auto add = [&](const char* name, base::Delegate<double()> read) {
+void AxisWorld::append_stage_signals(std::vector<product::Signal>& signals) const {
+  const auto add = [&](const char* name, base::SignalReader read) {
     signals.push_back({std::string("axis0.") + name, "", read});
   };
-  using Read = base::Delegate<double()>;
+  using Read = base::SignalReader;
   add("duty_u", Read::bind<&AxisWorld::duty<0>>(*this));
   add("duty_v", Read::bind<&AxisWorld::duty<1>>(*this));
   add("duty_w", Read::bind<&AxisWorld::duty<2>>(*this));

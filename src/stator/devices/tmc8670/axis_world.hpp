@@ -33,7 +33,7 @@ class AxisWorld {
   ~AxisWorld() = default;
 
   /// Appends "axis0.<name>" for everything worth recording of the world.
-  void append_signals(std::vector<product::Signal>& signals);
+  void append_signals(std::vector<product::Signal>& signals) const;
   /// Appends "axis0.<name>" for what can be set around the axis.
   void append_inputs(std::vector<product::Input>& inputs);
 
@@ -53,7 +53,7 @@ class AxisWorld {
   [[nodiscard]] const plant::PwmSensing& sensing() const { return stage_.plant().sensing(); }
   [[nodiscard]] plant::PwmAxisObservation observe() const { return stage_.plant().observe(); }
 
-  void append_stage_signals(std::vector<product::Signal>& signals);
+  void append_stage_signals(std::vector<product::Signal>& signals) const;
   void append_fault_inputs(std::vector<product::Input>& inputs);
 
   template <typename Change>

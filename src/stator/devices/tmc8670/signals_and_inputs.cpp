@@ -4,10 +4,10 @@
 
 namespace stator::devices {
 
-std::vector<product::Signal> Tmc8670::signals() {
+std::vector<product::Signal> Tmc8670::signals() const {
   std::vector<product::Signal> signals;
   axis_.append_signals(signals);
-  using Read = base::Delegate<double()>;
+  using Read = base::SignalReader;
   signals.push_back({"led_run", "", Read::bind<&Tmc8670::led_run>(*this)});
   signals.push_back({"led_error", "", Read::bind<&Tmc8670::led_error>(*this)});
   signals.push_back({"led_link_in", "", Read::bind<&Tmc8670::led_link<0>>(*this)});

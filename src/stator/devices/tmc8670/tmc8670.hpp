@@ -47,7 +47,7 @@ class Tmc8670 final : public product::EtherCatFirmware {
   void handle_serial(base::SimTime now) override;
   [[nodiscard]] std::optional<std::uint32_t> baud_rate(std::string_view interface) const override;
   void set_power(bool on, base::SimTime now) override;
-  [[nodiscard]] std::vector<product::Signal> signals() override;
+  [[nodiscard]] std::vector<product::Signal> signals() const override;
   [[nodiscard]] std::vector<product::Input> inputs() override;
 
   [[nodiscard]] tmc8670::AxisUnit& axis() { return axis_; }

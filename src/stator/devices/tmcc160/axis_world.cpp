@@ -26,11 +26,11 @@ void AxisWorld::set_supply_voltage(double voltage) {
   }
 }
 
-void AxisWorld::append_signals(std::vector<product::Signal>& signals) {
-  const auto add = [&](const char* name, const char* unit, base::Delegate<double()> read) {
+void AxisWorld::append_signals(std::vector<product::Signal>& signals) const {
+  const auto add = [&](const char* name, const char* unit, base::SignalReader read) {
     signals.push_back({std::string("axis0.") + name, unit, read});
   };
-  using Read = base::Delegate<double()>;
+  using Read = base::SignalReader;
   add("shaft_position", "rev", Read::bind<&AxisWorld::shaft_position>(*this));
   add("shaft_speed", "rev/s", Read::bind<&AxisWorld::shaft_speed>(*this));
   add("phase_current_u", "A", Read::bind<&AxisWorld::phase_current_u>(*this));

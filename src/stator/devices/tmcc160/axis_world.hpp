@@ -33,7 +33,7 @@ class AxisWorld {
   [[nodiscard]] const base::ServoSensing& sensing() const { return plant_.sensing(); }
 
   /// Appends "axis0.<name>" for everything worth recording of the world.
-  void append_signals(std::vector<product::Signal>& signals);
+  void append_signals(std::vector<product::Signal>& signals) const;
   /// Appends "axis0.<name>" for what can be set around the axis.
   void append_inputs(std::vector<product::Input>& inputs);
 

@@ -320,11 +320,11 @@ double ServoObjects::brake_chopper() const {
   return axis_->controller().brake_chopper_on() ? 1.0 : 0.0;
 }
 
-void ServoObjects::append_signals(std::vector<product::Signal>& signals) {
-  const auto add = [&](const char* name, const char* unit, base::Delegate<double()> read) {
+void ServoObjects::append_signals(std::vector<product::Signal>& signals) const {
+  const auto add = [&](const char* name, const char* unit, base::SignalReader read) {
     signals.push_back({std::string("axis0.") + name, unit, read});
   };
-  using Read = base::Delegate<double()>;
+  using Read = base::SignalReader;
   add("position_demand", "increment", Read::bind<&ServoObjects::position_demand>(*this));
   add("position_actual", "increment", Read::bind<&ServoObjects::position_actual>(*this));
   add("velocity_demand", "rpm", Read::bind<&ServoObjects::velocity_demand>(*this));

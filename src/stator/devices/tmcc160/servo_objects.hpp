@@ -39,7 +39,7 @@ class ServoObjects {
   void set_limits(const drive::ServoLimits& limits) { limits_ = limits; }
 
   /// Appends "axis0.<name>" for everything worth recording of the drive.
-  void append_signals(std::vector<product::Signal>& signals);
+  void append_signals(std::vector<product::Signal>& signals) const;
 
  private:
   using Entry = dictionary::Entry;

@@ -357,7 +357,7 @@ void Tmcc160::report_error(const AxisEmergency& row, bool present, SimTime now) 
   }
 }
 
-std::vector<product::Signal> Tmcc160::signals() {
+std::vector<product::Signal> Tmcc160::signals() const {
   std::vector<product::Signal> signals;
   objects_.append_signals(signals);
   world_.append_signals(signals);

@@ -62,7 +62,7 @@ class Tmcc160 final : public product::CanOpenFirmware {
     return base::SimDuration(1'000'000'000);
   }
   [[nodiscard]] dictionary::WriteCompletion* write_completion() override { return &storage_; }
-  [[nodiscard]] std::vector<product::Signal> signals() override;
+  [[nodiscard]] std::vector<product::Signal> signals() const override;
   [[nodiscard]] std::vector<product::Input> inputs() override;
 
   [[nodiscard]] drive::ServoAxis& axis() { return *axis_; }

@@ -25,8 +25,8 @@ std::int32_t ModuleIo::converter(std::size_t channel) const {
                         kConverterCounts - 1);
 }
 
-void ModuleIo::append_signals(std::vector<product::Signal>& signals) {
-  using Read = base::Delegate<double()>;
+void ModuleIo::append_signals(std::vector<product::Signal>& signals) const {
+  using Read = base::SignalReader;
   signals.push_back({"output0", "", Read::bind<&ModuleIo::output<0>>(*this)});
   signals.push_back({"output1", "", Read::bind<&ModuleIo::output<1>>(*this)});
   signals.push_back({"output2", "", Read::bind<&ModuleIo::output<2>>(*this)});

@@ -45,7 +45,7 @@ class ModuleIo {
   /// Level of the shutdown pin, which a resistor pulls down (A61).
   [[nodiscard]] bool shutdown_level() const { return shutdown_; }
 
-  void append_signals(std::vector<product::Signal>& signals);
+  void append_signals(std::vector<product::Signal>& signals) const;
   void append_inputs(std::vector<product::Input>& inputs);
 
  private:

@@ -90,7 +90,7 @@ class MotionAxis {
   [[nodiscard]] bool home_contact() const { return plant_.sensing().home_switch; }
 
   /// "axis0.<name>".
-  void append_signals(std::vector<product::Signal>& signals);
+  void append_signals(std::vector<product::Signal>& signals) const;
   void append_inputs(std::vector<product::Input>& inputs) {
     instruments_.append_inputs(inputs, "axis0.");
   }

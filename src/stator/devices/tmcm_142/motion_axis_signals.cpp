@@ -17,11 +17,11 @@ double MotionAxis::target_velocity() const {
   return controller_.target_velocity() * kVelocityUnit;
 }
 
-void MotionAxis::append_signals(std::vector<product::Signal>& signals) {
-  const auto add = [&](const char* name, const char* unit, base::Delegate<double()> read) {
+void MotionAxis::append_signals(std::vector<product::Signal>& signals) const {
+  const auto add = [&](const char* name, const char* unit, base::SignalReader read) {
     signals.push_back({std::string("axis0.") + name, unit, read});
   };
-  using Read = base::Delegate<double()>;
+  using Read = base::SignalReader;
   add("position_actual", "microstep", Read::bind<&MotionAxis::position>(*this));
   add("position_target", "microstep", Read::bind<&MotionAxis::target_position>(*this));
   add("velocity_actual", "pps", Read::bind<&MotionAxis::velocity>(*this));

@@ -371,11 +371,11 @@ void Tmcm142::send(const tmcl::CanReply& reply) {
   static_cast<void>(controller_.send(can::data_frame(reply.identifier, reply.payload())));
 }
 
-std::vector<product::Signal> Tmcm142::signals() {
+std::vector<product::Signal> Tmcm142::signals() const {
   std::vector<product::Signal> signals;
   module_.axis().append_signals(signals);
   module_.io().append_signals(signals);
-  using Read = base::Delegate<double()>;
+  using Read = base::SignalReader;
   signals.push_back({"alarm", "", Read::bind<&Tmcm142::alarm>(*this)});
   signals.push_back({"power_led", "", Read::bind<&Tmcm142::power_led>(*this)});
   signals.push_back({"program_status", "", Read::bind<&Tmcm142::program_status>(*this)});
@@ -392,7 +392,7 @@ std::vector<product::Input> Tmcm142::inputs() {
   return inputs;
 }
 
-product::Indicators Tmcm142::indicators() {
+product::Indicators Tmcm142::indicators() const {
   product::Indicators all;
   all.add({"POWER", product::Indicator::Colour::green,
            powered_ ? base::LedPattern::on : base::LedPattern::off});

@@ -58,6 +58,7 @@ class Tmcm142 final : public product::CanDevice {
   explicit Tmcm142(const Tmcm142Configuration& configuration, base::EventReporter reporter = {});
 
   [[nodiscard]] can::Controller& controller() override { return controller_; }
+  [[nodiscard]] const can::Controller& controller() const override { return controller_; }
   [[nodiscard]] std::uint32_t bit_rate() const override { return bit_rate_; }
   [[nodiscard]] base::SimTime next_deadline() const override;
   void connect_memory(canopen::NonVolatileMemory& memory) override;
@@ -71,10 +72,10 @@ class Tmcm142 final : public product::CanDevice {
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;
   void set_power(bool on, base::SimTime now) override;
-  [[nodiscard]] std::vector<product::Signal> signals() override;
+  [[nodiscard]] std::vector<product::Signal> signals() const override;
   [[nodiscard]] std::vector<product::Input> inputs() override;
   /// The power LED is the only one the document describes (M142-HW-014).
-  [[nodiscard]] product::Indicators indicators() override;
+  [[nodiscard]] product::Indicators indicators() const override;
   [[nodiscard]] const tmcl::Firmware* tmcl_firmware() const override { return &firmware_; }
   [[nodiscard]] tmcl::Firmware* tmcl_firmware() override { return &firmware_; }
 

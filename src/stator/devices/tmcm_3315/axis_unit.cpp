@@ -278,12 +278,12 @@ double AxisUnit::encoder_count() const {
   return static_cast<double>(sensing_.encoder_count);
 }
 
-void AxisUnit::append_signals(std::vector<product::Signal>& signals) {
+void AxisUnit::append_signals(std::vector<product::Signal>& signals) const {
   const std::string prefix = "axis" + std::to_string(number_) + ".";
-  const auto add = [&](const char* name, const char* unit, base::Delegate<double()> read) {
+  const auto add = [&](const char* name, const char* unit, base::SignalReader read) {
     signals.push_back({prefix + name, unit, read});
   };
-  using Read = base::Delegate<double()>;
+  using Read = base::SignalReader;
   add("position_demand", "microstep", Read::bind<&AxisUnit::position_demand>(*this));
   add("position_actual", "microstep", Read::bind<&AxisUnit::position_actual>(*this));
   add("velocity_demand", "pps", Read::bind<&AxisUnit::velocity_demand>(*this));

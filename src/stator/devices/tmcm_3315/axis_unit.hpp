@@ -96,7 +96,7 @@ class AxisUnit {
   [[nodiscard]] const plant::StepperAxis& plant() const { return plant_; }
 
   /// Appends "axis<n>.<name>" for everything worth recording.
-  void append_signals(std::vector<product::Signal>& signals);
+  void append_signals(std::vector<product::Signal>& signals) const;
   /// Appends "axis<n>.<name>" for what can be set around the axis.
   void append_inputs(std::vector<product::Input>& inputs);
 

@@ -69,11 +69,11 @@ std::uint32_t ModuleIo::output_bits() const {
   return bits;
 }
 
-void ModuleIo::append_signals(std::vector<product::Signal>& signals) {
-  using Read = base::Delegate<double()>;
+void ModuleIo::append_signals(std::vector<product::Signal>& signals) const {
+  using Read = base::SignalReader;
   for (std::size_t i = 0; i < kChannels; ++i) {
     const std::string number = std::to_string(i);
-    Channel& channel = channels_[i];
+    const Channel& channel = channels_[i];
     signals.push_back({"output" + number, "", Read::bind<&Channel::duty>(channel)});
     signals.push_back({"input" + number, "", Read::bind<&Channel::read_level>(channel)});
     signals.push_back(

@@ -57,7 +57,7 @@ class ModuleIo {
   void set_counts(std::size_t input, std::uint16_t counts) { channels_[input].counts = counts; }
 
   /// "output0", "input0", "analog_input0" and so on.
-  void append_signals(std::vector<product::Signal>& signals);
+  void append_signals(std::vector<product::Signal>& signals) const;
   /// "input0", "analog_input0" and so on.
   void append_inputs(std::vector<product::Input>& inputs);
 

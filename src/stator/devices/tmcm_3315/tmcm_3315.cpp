@@ -250,7 +250,7 @@ void Tmcm3315::send(const drive::AxisEmergency& row, std::uint8_t motor, base::S
   send_emergency(row.code, row.register_bits, {row.detail, motor}, now);
 }
 
-std::vector<product::Signal> Tmcm3315::signals() {
+std::vector<product::Signal> Tmcm3315::signals() const {
   std::vector<product::Signal> signals;
   for (const auto& axis : axes_) {
     axis->append_signals(signals);

@@ -59,7 +59,7 @@ class Tmcm3315 final : public product::EtherCatFirmware {
     return kSerialInterfaces;
   }
   bool connect_serial(std::string_view interface, tmcl::SerialPort* port) override;
-  [[nodiscard]] std::vector<product::Signal> signals() override;
+  [[nodiscard]] std::vector<product::Signal> signals() const override;
   [[nodiscard]] std::vector<product::Input> inputs() override;
 
   [[nodiscard]] tmcm_3315::AxisUnit& axis(std::size_t number) { return *axes_[number]; }

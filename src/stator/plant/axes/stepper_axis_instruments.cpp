@@ -3,12 +3,12 @@
 namespace stator::plant {
 
 void StepperAxisInstruments::append_signals(std::vector<base::Signal>& signals,
-                                            const std::string& prefix) {
-  const auto add = [&](const char* name, const char* unit, base::Delegate<double()> read) {
+                                            const std::string& prefix) const {
+  const auto add = [&](const char* name, const char* unit, base::SignalReader read) {
     signals.push_back({prefix + name, unit, read});
   };
   using Self = StepperAxisInstruments;
-  using Read = base::Delegate<double()>;
+  using Read = base::SignalReader;
   add("shaft_position", "rev", Read::bind<&Self::shaft_position>(*this));
   add("shaft_speed", "rev/s", Read::bind<&Self::shaft_speed>(*this));
   add("coil_current_a", "A", Read::bind<&Self::coil_current<0>>(*this));

@@ -24,7 +24,7 @@ class StepperAxisInstruments {
   StepperAxisInstruments(StepperAxis& axis, std::initializer_list<AxisPart> parts)
       : axis_(axis), parts_(parts), fault_inputs_(axis, parts) {}
 
-  void append_signals(std::vector<base::Signal>& signals, const std::string& prefix);
+  void append_signals(std::vector<base::Signal>& signals, const std::string& prefix) const;
   void append_inputs(std::vector<base::Input>& inputs, const std::string& prefix);
 
  private:

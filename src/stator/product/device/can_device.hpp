@@ -13,6 +13,7 @@ namespace stator::product {
 class CanDevice : public Device {
  public:
   [[nodiscard]] virtual can::Controller& controller() = 0;
+  [[nodiscard]] virtual const can::Controller& controller() const = 0;
 
   /// What its NMT state means for writes of its objects.
   [[nodiscard]] virtual dictionary::NetworkState network_state() const {

@@ -83,15 +83,15 @@ class Device {
   virtual void set_power(bool on, base::SimTime now) = 0;
 
   /// What its status LEDs show while it has supply.
-  [[nodiscard]] virtual Indicators indicators() { return {}; }
+  [[nodiscard]] virtual Indicators indicators() const { return {}; }
   /// Where its network's state machine stands while it has supply.
-  [[nodiscard]] virtual NetworkStatus network_status() { return {}; }
+  [[nodiscard]] virtual NetworkStatus network_status() const { return {}; }
   /// What runs TMCL programs in it; null: nothing does.
   [[nodiscard]] virtual const tmcl::Firmware* tmcl_firmware() const { return nullptr; }
   [[nodiscard]] virtual tmcl::Firmware* tmcl_firmware() { return nullptr; }
 
   /// Everything that can be recorded, with names unique within the device.
-  [[nodiscard]] virtual std::vector<Signal> signals() = 0;
+  [[nodiscard]] virtual std::vector<Signal> signals() const = 0;
 
   /// Everything around the device that can be set while it runs.
   [[nodiscard]] virtual std::vector<Input> inputs() { return {}; }

@@ -20,7 +20,7 @@ base::LedPattern pattern(ethercat::LedCode code) {
 
 }  // namespace
 
-Indicators EtherCatDevice::indicators() {
+Indicators EtherCatDevice::indicators() const {
   using Colour = Indicator::Colour;
   constexpr std::array<std::string_view, ethercat::SlaveController::kPorts> kLinkLeds{
       "L/A IN", "L/A OUT", "L/A 2", "L/A 3"};
@@ -36,7 +36,7 @@ Indicators EtherCatDevice::indicators() {
   return all;
 }
 
-NetworkStatus EtherCatDevice::network_status() {
+NetworkStatus EtherCatDevice::network_status() const {
   namespace address = ethercat::register_address;
   std::array<std::byte, 2> status{};
   std::array<std::byte, 2> code{};

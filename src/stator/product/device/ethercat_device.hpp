@@ -40,6 +40,7 @@ struct TracedPins {
 class EtherCatDevice : public Device {
  public:
   [[nodiscard]] virtual ethercat::SlaveController& controller() = 0;
+  [[nodiscard]] virtual const ethercat::SlaveController& controller() const = 0;
   [[nodiscard]] virtual const ethercat::DeviceDescription& description() const = 0;
   /// What masters are told of its objects by SII image and ESI file. Without CoE these are only the
   /// names of its process data.
@@ -48,8 +49,8 @@ class EtherCatDevice : public Device {
     return description().coe ? &dictionary() : nullptr;
   }
   /// RUN and ERR as ETG.1300 has them, and a link/activity LED for each port.
-  [[nodiscard]] Indicators indicators() override;
-  [[nodiscard]] NetworkStatus network_status() override;
+  [[nodiscard]] Indicators indicators() const override;
+  [[nodiscard]] NetworkStatus network_status() const override;
 
   /// The EEPROM's content as the device leaves its box.
   [[nodiscard]] virtual std::vector<std::byte> sii_image() const {

@@ -183,7 +183,7 @@ void CanOpenFirmware::set_power(bool on, SimTime now) {
   restart(now);
 }
 
-Indicators CanOpenFirmware::indicators() {
+Indicators CanOpenFirmware::indicators() const {
   bool event = false;
   for (unsigned cause = 0; cause <= canopen::kMaximumNodeId; ++cause) {
     event |=
@@ -199,7 +199,7 @@ Indicators CanOpenFirmware::indicators() {
   return all;
 }
 
-NetworkStatus CanOpenFirmware::network_status() {
+NetworkStatus CanOpenFirmware::network_status() const {
   return {.machine = "nmt", .state = to_text(node_.state())};
 }
 

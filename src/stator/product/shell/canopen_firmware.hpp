@@ -49,6 +49,7 @@ struct CanOpenFirmwareRules {
 class CanOpenFirmware : public CanDevice {
  public:
   [[nodiscard]] can::Controller& controller() final { return controller_; }
+  [[nodiscard]] const can::Controller& controller() const final { return controller_; }
   [[nodiscard]] dictionary::NetworkState network_state() const final;
   [[nodiscard]] const dictionary::Dictionary& dictionary() const { return dictionary_; }
   [[nodiscard]] const dictionary::Dictionary* object_dictionary() const final {
@@ -60,8 +61,8 @@ class CanOpenFirmware : public CanDevice {
     return firmware_.capacity() != 0 ? &firmware_ : nullptr;
   }
   /// RUN and ERR as CiA 303-3 has them.
-  [[nodiscard]] Indicators indicators() override;
-  [[nodiscard]] NetworkStatus network_status() override;
+  [[nodiscard]] Indicators indicators() const override;
+  [[nodiscard]] NetworkStatus network_status() const override;
   [[nodiscard]] base::SimTime next_deadline() const final;
   void objects_written(base::SimTime now) final { apply(now); }
   void advance(base::SimTime now) final;

@@ -70,7 +70,7 @@ struct EtherCatFirmwareParts {
 class EtherCatFirmware : public EtherCatDevice, protected ethercat::SlaveApplication {
  public:
   [[nodiscard]] ethercat::SlaveController& controller() final { return controller_; }
-  [[nodiscard]] const ethercat::SlaveController& controller() const { return controller_; }
+  [[nodiscard]] const ethercat::SlaveController& controller() const final { return controller_; }
   [[nodiscard]] const dictionary::Dictionary& dictionary() const final { return dictionary_; }
   [[nodiscard]] ethercat::SlaveStack* slave_stack() final { return &stack_; }
   [[nodiscard]] const ethercat::SlaveStack& stack() const { return stack_; }

@@ -324,18 +324,18 @@ void Rack::set_carrier(std::size_t segment, ethercat::MasterInterface interface,
   parts_->segments[segment].segment->set_carrier(interface, up);
 }
 
-std::vector<product::Signal> Rack::signals() {
+std::vector<product::Signal> Rack::signals() const {
   std::vector<product::Signal> all;
-  for (Parts::SegmentMembers& members : parts_->segments) {
-    for (NamedDevice& member : members.devices) {
+  for (const Parts::SegmentMembers& members : parts_->segments) {
+    for (const NamedDevice& member : members.devices) {
       for (product::Signal signal : member.device->signals()) {
         signal.name = member.name + "." + signal.name;
         all.push_back(std::move(signal));
       }
     }
   }
-  for (Parts::BusMembers& members : parts_->buses) {
-    for (NamedCanDevice& member : members.network->devices()) {
+  for (const Parts::BusMembers& members : parts_->buses) {
+    for (const NamedCanDevice& member : members.network->devices()) {
       for (product::Signal signal : member.device->signals()) {
         signal.name = member.name + "." + signal.name;
         all.push_back(std::move(signal));

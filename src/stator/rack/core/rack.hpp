@@ -194,7 +194,7 @@ class Rack {
   void watch_traffic(TrafficTap* tap);
 
   /// All signals of all devices, named "device.signal", and of all buses.
-  [[nodiscard]] std::vector<product::Signal> signals();
+  [[nodiscard]] std::vector<product::Signal> signals() const;
   /// The recording; null without one.
   [[nodiscard]] const Recorder* recorder() const;
   /// The logic analyser; null without one.

@@ -143,8 +143,8 @@ std::uint64_t CanNetwork::inject(const FrameFaultEvent& event) {
   return bus_.inject(fault);
 }
 
-std::vector<product::Signal> CanNetwork::signals() {
-  using Read = base::Delegate<double()>;
+std::vector<product::Signal> CanNetwork::signals() const {
+  using Read = base::SignalReader;
   return {{name_ + ".load", "1", Read::bind<&CanNetwork::load>(*this)},
           {name_ + ".frames", "1", Read::bind<&CanNetwork::frames>(*this)},
           {name_ + ".error_frames", "1", Read::bind<&CanNetwork::error_frames>(*this)}};

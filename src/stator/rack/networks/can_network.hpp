@@ -76,9 +76,10 @@ class CanNetwork {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const can::Bus& bus() const { return bus_; }
   [[nodiscard]] std::span<NamedCanDevice> devices() { return devices_; }
+  [[nodiscard]] std::span<const NamedCanDevice> devices() const { return devices_; }
   [[nodiscard]] std::size_t member_of(std::size_t device) const { return members_[device]; }
   /// What can be recorded of the bus itself: load, frames, error frames.
-  [[nodiscard]] std::vector<product::Signal> signals();
+  [[nodiscard]] std::vector<product::Signal> signals() const;
 
  private:
   void look_at_wire();
