@@ -240,7 +240,7 @@ void Serial_InProcess(benchmark::State& bench) {
   for (auto _ : bench) {
     now += 20_us;
     rack.advance(now);
-    rack.line(0).put(kQuestion, now);
+    rack.put(0, kQuestion, now);
   }
   if (rack.line(0).statistics().bytes_out != rack.line(0).statistics().bytes_in) {
     bench.SkipWithError("not every question was answered");

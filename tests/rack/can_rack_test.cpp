@@ -48,7 +48,7 @@ class Bench {
   }
   void wait_until(base::SimDuration moment) { port.wait(base::SimTime(moment) - port.now()); }
   [[nodiscard]] TestCanDevice& device(std::size_t index) {
-    return dynamic_cast<TestCanDevice&>(*rack.bus(0).devices()[index].device);
+    return own<TestCanDevice>(rack.device({0, index, NetworkKind::bus}));
   }
 
   EventLog log;

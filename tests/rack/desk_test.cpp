@@ -15,10 +15,10 @@ namespace {
 
 using namespace base::literals;
 
-class CountingTask final : public DeskTask {
+class CountingTask final : public Act {
  public:
   explicit CountingTask(int parts) : parts_(parts) {}
-  bool run(Rack& /*rack*/, base::SimTime now) override {
+  bool act(Rack& /*rack*/, base::SimTime now) override {
     seen = now;
     return ++calls == parts_;
   }

@@ -423,7 +423,8 @@ TEST_F(DeviceStorageTest, Rack_KeepsEachDeviceUnderItsName) {
     EventLog log;
     Rack rack(configuration, log);
     ASSERT_NE(rack.storage(), nullptr);
-    product::FirmwareMemory& firmware = *rack.devices(0)[1].device->firmware();
+    product::FirmwareMemory& firmware =
+        *tests::own<product::EtherCatDevice>(rack.device({0, 1, NetworkKind::segment})).firmware();
     ASSERT_EQ(firmware.open_for_writing("x"), FoeError::none);
     ASSERT_EQ(firmware.append(Bytes(5, std::byte{9})), FoeError::none);
     ASSERT_TRUE(firmware.commit().in_progress);
@@ -433,8 +434,15 @@ TEST_F(DeviceStorageTest, Rack_KeepsEachDeviceUnderItsName) {
   EXPECT_TRUE(exists("right%2Fhand.firmware"));
   EventLog log;
   Rack rack(configuration, log);
-  EXPECT_TRUE(rack.devices(0)[0].device->firmware()->image().empty());
-  EXPECT_EQ(rack.devices(0)[1].device->firmware()->image().size(), 5U);
+  EXPECT_TRUE(tests::own<product::EtherCatDevice>(rack.device({0, 0, NetworkKind::segment}))
+                  .firmware()
+                  ->image()
+                  .empty());
+  EXPECT_EQ(tests::own<product::EtherCatDevice>(rack.device({0, 1, NetworkKind::segment}))
+                .firmware()
+                ->image()
+                .size(),
+            5U);
   EXPECT_THAT(log.line(log.events().back()), HasSubstr("right/hand: firmware image of 5 bytes"));
 }
 

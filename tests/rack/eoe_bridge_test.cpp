@@ -2,6 +2,10 @@
 
 #include <array>
 #include <chrono>
+#include <deque>
+#include <mutex>
+#include <span>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -18,7 +22,7 @@
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
 #include "stator/rack/core/device_making.hpp"
-#include "stator/rack/core/named_device.hpp"
+#include "stator/rack/networks/eoe_port.hpp"
 #include "stator/rack/observe/event_log.hpp"
 
 namespace stator::rack {
@@ -45,7 +49,11 @@ class EoeBridgeTest : public testing::Test {
     auto tap = link::TapLink::adopt(link::FileDescriptor(ends[0]),
                                     {.interface = "eoe0", .ether_type = std::nullopt});
     EXPECT_TRUE(tap) << tap.error().text;
-    bridge_ = std::make_unique<EoeBridge>(std::move(*tap), "gantry", logger_);
+    bridge_ = std::make_unique<EoeBridge>(std::move(*tap), "gantry", logger_,
+                                          [this](std::span<const std::byte> frame) {
+                                            const std::scoped_lock lock(mutex_);
+                                            delivered_.emplace_back(frame.begin(), frame.end());
+                                          });
   }
 
   void machine_sends(const Bytes& frame) const {
@@ -58,48 +66,50 @@ class EoeBridgeTest : public testing::Test {
     buffer.resize(length > 0 ? static_cast<std::size_t>(length) : 0);
     return buffer;
   }
-  /// The next frame the firmware gets; the bridge's thread may still be about to bring it.
-  [[nodiscard]] Bytes firmware_takes() const {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-    Bytes buffer(ethercat::kMaximumEoeFrame);
-    std::size_t length = 0;
-    while (length == 0 && std::chrono::steady_clock::now() < deadline) {
-      length = bridge_->take(buffer);
+  /// The next frame the bridge delivers; its thread may still be about to bring it.
+  [[nodiscard]] Bytes delivered() {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (std::chrono::steady_clock::now() < deadline) {
+      const std::scoped_lock lock(mutex_);
+      if (!delivered_.empty()) {
+        const Bytes frame = std::move(delivered_.front());
+        delivered_.pop_front();
+        return frame;
+      }
       std::this_thread::yield();
     }
-    buffer.resize(length);
-    return buffer;
+    return {};
   }
 
   std::ostringstream text_;
   std::shared_ptr<spdlog::logger> logger_ = std::make_shared<spdlog::logger>(
       "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_));
   link::FileDescriptor machine_;
+  std::mutex mutex_;
+  std::deque<Bytes> delivered_;
   std::unique_ptr<EoeBridge> bridge_;
 };
 
 TEST_F(EoeBridgeTest, FramesPassBothWaysUnchanged) {
   machine_sends(frame_of(60, 1));
   machine_sends(frame_of(1518, 2));
-  EXPECT_EQ(firmware_takes(), frame_of(60, 1));
-  EXPECT_EQ(firmware_takes(), frame_of(1518, 2));
-  Bytes buffer(ethercat::kMaximumEoeFrame);
-  EXPECT_EQ(bridge_->take(buffer), 0U);
+  EXPECT_EQ(delivered(), frame_of(60, 1));
+  EXPECT_EQ(delivered(), frame_of(1518, 2));
 
   bridge_->send(frame_of(1514, 3));
   EXPECT_EQ(machine_receives(), frame_of(1514, 3));
 }
 
-TEST_F(EoeBridgeTest, WhatNobodyTakesIsDroppedOldestFirst) {
-  for (unsigned i = 0; i < EoeBridge::kQueuedFrames + 3; ++i) {
-    machine_sends(frame_of(60, i));
+TEST(EoePort, WhatNobodyTakesIsDroppedOldestFirst) {
+  EoePort port({});
+  for (unsigned i = 0; i < EoePort::kQueuedFrames + 3; ++i) {
+    port.put(frame_of(60, i));
   }
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (bridge_->frames_dropped() < 3 && std::chrono::steady_clock::now() < deadline) {
-    std::this_thread::yield();
-  }
-  EXPECT_EQ(bridge_->frames_dropped(), 3U);
-  EXPECT_EQ(firmware_takes(), frame_of(60, 3));
+  EXPECT_EQ(port.frames_dropped(), 3U);
+  Bytes buffer(ethercat::kMaximumEoeFrame);
+  ASSERT_EQ(port.take(buffer), 60U);
+  buffer.resize(60);
+  EXPECT_EQ(buffer, frame_of(60, 3));
 }
 
 TEST_F(EoeBridgeTest, AFrameTheInterfaceRefusesIsToldOnceAndCounted) {
@@ -130,7 +140,10 @@ TEST_F(EoeBridgeTest, DevicesWithAMailboxReachTheMachineThroughIt) {
     const auto sii = ethercat::parse_sii_image(device->controller().sii());
     ASSERT_TRUE(sii);
     EXPECT_EQ(sii->mailbox_protocols, 0x000E) << "EoE, CoE and FoE";
-    device->eoe()->connect(bridge_.get());
+    EoePort port({});
+    port.connect({.frame = [this](std::span<const std::byte> sent) { bridge_->send(sent); },
+                  .ip_parameters = {}});
+    device->eoe()->connect(&port);
     Bytes fragment(ethercat::EoeHeader::kSize);
     ethercat::EoeHeader{.last_fragment = true, .offset = 2}.encode(fragment);
     const Bytes frame = frame_of(60);
@@ -146,11 +159,11 @@ TEST(EoeBridges, ADeviceWhoseEoeIsOffCannotBeBridged) {
   RackConfiguration configuration = single_device_rack("tmcm-3315", devices::products());
   EventLog log;
   Rack rack(configuration, log);
-  EXPECT_EQ(rack.devices(0).front().device->eoe(), nullptr);
   configuration.segments[0].devices[0].eoe_interface = "eoe0";
+  RunningRack shared(rack, configuration, nullptr, {});
   EoeBridges bridges;
   try {
-    bridges.open(rack, configuration, nullptr);
+    bridges.open(shared, configuration);
     FAIL() << "was bridged";
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr("not switched on"));

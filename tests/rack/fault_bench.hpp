@@ -12,7 +12,7 @@
 #include "rack/test_serial_device.hpp"
 #include "stator/base/byte_order.hpp"
 #include "stator/ethercat/segment/segment.hpp"
-#include "stator/rack/core/faults.hpp"
+#include "stator/rack/faults/faults.hpp"
 #include "stator/rack/file/fault_section.hpp"
 #include "stator/rack/networks/can_network.hpp"
 
@@ -25,14 +25,13 @@ class WithFaults : public Bench {
   using Bench::Bench;
 
   std::uint64_t inject(const std::string& keys) {
-    const auto armed =
-        this->rack.faults().inject(rack::parse_fault(keys, this->configuration), this->now());
+    const auto armed = this->rack.inject(rack::parse_fault(keys, this->configuration), this->now());
     EXPECT_TRUE(armed) << armed.error();
     return armed ? *armed : 0;
   }
-  void clear(std::uint64_t fault) { EXPECT_TRUE(this->rack.faults().clear(fault, this->now())); }
+  void clear(std::uint64_t fault) { EXPECT_EQ(this->rack.clear_faults(fault, this->now()), 1U); }
   [[nodiscard]] rack::FaultStatus status(std::uint64_t fault) {
-    for (const rack::FaultStatus& status : this->rack.faults().list(this->now())) {
+    for (const rack::FaultStatus& status : this->rack.faults(this->now())) {
       if (status.id == fault) {
         return status;
       }
@@ -110,7 +109,7 @@ class BusFaultBench : public WithFaults<BusBench> {
                          base::SimDuration heartbeat = {})
       : WithFaults(rack_with_bus(2, bit_rate, heartbeat)) {}
 
-  [[nodiscard]] const can::Bus& bus() { return rack.bus(0).bus(); }
+  [[nodiscard]] const can::Bus& bus() const { return rack.bus(0).bus(); }
   std::vector<std::uint32_t> ask(std::uint32_t identifier) {
     static_cast<void>(received());
     port.send(can::data_frame(identifier, {1, 2}));

@@ -12,6 +12,7 @@
 #include "rack/fault_kind_effects.hpp"
 #include "source_paths.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
+#include "stator/rack/faults/surroundings_effect.hpp"
 
 namespace stator::rack {
 namespace {
@@ -117,7 +118,7 @@ TEST_P(FaultKinds, DoWhatTheirTableTellsAndTheRackRecovers) {
 std::vector<std::string_view> all_kinds() {
   std::vector<std::string_view> names;
   for (const FaultKind& kind : fault_kinds()) {
-    if (kind.action != FaultAction::surroundings) {  // they are in surroundings_faults_test.cpp
+    if (kind.make != surroundings_effect) {  // they are in surroundings_faults_test.cpp
       names.push_back(kind.name);
     }
   }

@@ -1,6 +1,6 @@
 // When faults begin and end, and how they are asked for.
 
-#include "stator/rack/core/faults.hpp"
+#include "stator/rack/faults/faults.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -198,12 +198,12 @@ TEST(Faults, Clear_EndsWhatIsActiveAndTakesBackWhatWaits) {
   const auto waits = bench.inject("kind = 'power-off'\ndevice = 'left'\nat = '1s'");
   EXPECT_EQ(bench.status(active).remaining, "until it is cleared");
   EXPECT_EQ(bench.scan(), 1U);
-  EXPECT_EQ(bench.rack.faults().clear_all(bench.now()), 2U);
+  EXPECT_EQ(bench.rack.clear_faults(std::nullopt, bench.now()), 2U);
   EXPECT_EQ(bench.state(active), FaultState::done);
   EXPECT_EQ(bench.state(waits), FaultState::done);
   bench.port.wait(2_s);
   EXPECT_EQ(bench.scan(), 2U);
-  EXPECT_FALSE(bench.rack.faults().clear(99, bench.now()));
+  EXPECT_EQ(bench.rack.clear_faults(99, bench.now()), 0U);
 }
 
 TEST(Faults, ClearAll_LetsNothingBeginThatComesAfter) {
@@ -217,7 +217,7 @@ kind = "power-off"
 device = "right"
 after = "cut"
 )"));
-  bench.rack.faults().clear_all(bench.now());
+  bench.rack.clear_faults(std::nullopt, bench.now());
   bench.port.wait(1_ms);
   EXPECT_EQ(bench.scan(), 2U);
   EXPECT_EQ(bench.log.count("power-off"), 0U);
@@ -246,13 +246,11 @@ TEST(Faults, Probability_HitsTheSameFramesWithTheSameSeed) {
 
 TEST(Faults, WithoutAny_NothingIsDueAndNobodyIsWatched) {
   SegmentFaultBench bench;
-  EXPECT_EQ(bench.rack.faults().next(), base::SimTime::never());
-  EXPECT_FALSE(bench.rack.faults().looking());
+  EXPECT_EQ(bench.rack.next_bus_deadline(), base::SimTime::never());
   const auto fault = bench.inject("kind = 'ethercat-drop'\ndevice = 'right'\ncount = 1");
   EXPECT_FALSE(returns(bench));
   EXPECT_EQ(bench.state(fault), FaultState::done);
-  EXPECT_EQ(bench.rack.faults().next(), base::SimTime::never());
-  EXPECT_FALSE(bench.rack.faults().looking());
+  EXPECT_EQ(bench.rack.next_bus_deadline(), base::SimTime::never());
 }
 
 std::string refusal_of(const std::string& fault) {
@@ -307,7 +305,7 @@ TEST(FaultSection, WhatIsAskedForWhileARackRunsHasNoPlaceInAFile) {
 
 TEST(FaultSection, ASignalThatDoesNotExistIsRefusedWhenTheRackIsBuilt) {
   SegmentFaultBench bench;
-  const auto refused = bench.rack.faults().inject(
+  const auto refused = bench.rack.inject(
       parse_fault("kind = 'power-off'\ndevice = 'left'\nwhen = { signal = 'axis9.x', value = 1 }",
                   bench.configuration),
       bench.now());

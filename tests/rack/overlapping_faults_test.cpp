@@ -121,7 +121,10 @@ class OverlappingDrifts : public ::testing::Test, public tests::SegmentFaultBenc
             "[[segment]]\n[[segment.device]]\ntype = 'tmc8670'\nname = 'right'\n"
             "clock_deviation_ppb = 700\n") {}
   [[nodiscard]] std::int32_t deviation() {
-    return rack.devices(0)[0].device->controller().configuration().clock_deviation_ppb;
+    return rack.slave({0, 0, NetworkKind::segment})
+        .controller()
+        .configuration()
+        .clock_deviation_ppb;
   }
 };
 

@@ -43,9 +43,10 @@ node_id = 2
                                                           "test.toml", catalogue());
   EventLog log;
   Rack rack(configuration, log);
-  ASSERT_EQ(rack.bus(0).devices().size(), 2U);
-  EXPECT_EQ(rack.bus(0).devices()[0].name, "own");
-  EXPECT_NE(dynamic_cast<tests::TestCanDevice*>(rack.bus(0).devices()[0].device.get()), nullptr);
+  const DeviceAddress own{0, 0, NetworkKind::bus};
+  ASSERT_THAT(rack.addresses(), testing::SizeIs(2));
+  EXPECT_EQ(rack.name_of(own), "own");
+  EXPECT_NE(dynamic_cast<const tests::TestCanDevice*>(&rack.device(own)), nullptr);
 }
 
 TEST(OwnProduct, IsUnknownToThoseWhoWereNotGivenIt) {

@@ -121,13 +121,19 @@ class BusBench : public RackBench {
   bench::LocalCanPort port;
 };
 
+/// A test may touch its device behind the rack's back.
+template <typename Device>
+Device& own(const product::Device& device) {
+  return const_cast<Device&>(dynamic_cast<const Device&>(device));
+}
+
 /// A rack whose first serial line has a host at its other end.
 class LineBench : public RackBench {
  public:
   using Bytes = std::vector<std::byte>;
 
   explicit LineBench(rack::RackConfiguration wanted) : RackBench(std::move(wanted)) {
-    rack.line(0).connect(rack::SerialLine::Output::bind<&LineBench::hear>(*this));
+    rack.connect_line(0, rack::SerialLine::Output::bind<&LineBench::hear>(*this));
   }
   explicit LineBench(const std::string& file)
       : LineBench(rack::parse_rack_file(file, file_name, devices::products())) {}
@@ -140,7 +146,7 @@ class LineBench : public RackBench {
   /// What comes within `patience` after `request`.
   Bytes ask(std::span<const std::byte> request, base::SimDuration patience) {
     heard_.clear();
-    rack.line(0).put(request, now_);
+    rack.put(0, request, now_);
     wait(patience);
     return heard_;
   }

@@ -12,8 +12,8 @@
 #include "stator/bench/local_port.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
-#include "stator/rack/core/faults.hpp"
 #include "stator/rack/core/rack.hpp"
+#include "stator/rack/faults/faults.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/rack/networks/serial_line.hpp"
 #include "stator/rack/observe/event_log.hpp"
@@ -37,9 +37,8 @@ std::vector<std::string> recipes() {
 }
 
 bool over(Rack& rack, base::SimTime now) {
-  return std::ranges::all_of(rack.faults().list(now), [](const FaultStatus& fault) {
-    return fault.state == FaultState::done;
-  });
+  return std::ranges::all_of(
+      rack.faults(now), [](const FaultStatus& fault) { return fault.state == FaultState::done; });
 }
 
 /// A patient master: whatever goes wrong, it begins anew. Its first axis moves, so that positions
@@ -94,13 +93,13 @@ void run_bus(Rack& rack, const RackConfiguration& configuration) {
 class Host {
  public:
   explicit Host(Rack& rack) : rack_(rack) {
-    rack_.line(0).connect(SerialLine::Output::bind<&Host::hear>(*this));
+    rack_.connect_line(0, SerialLine::Output::bind<&Host::hear>(*this));
   }
   bool answered() {
     heard_.clear();
     const tmcl::Telegram telegram =
         tmcl::encode(tmcl::Request{.address = 3, .command = 136, .type = 1});
-    rack_.line(0).put(telegram, now);
+    rack_.put(0, telegram, now);
     now += 100_ms;
     rack_.advance(now);
     unsigned sum = 0;
@@ -143,7 +142,7 @@ TEST_P(Recipes, RunToTheirEndAndLeaveARackThatWorks) {
   } else {
     run_bus(rack, configuration);
   }
-  for (const FaultStatus& fault : rack.faults().list(kLimit)) {
+  for (const FaultStatus& fault : rack.faults(kLimit)) {
     EXPECT_TRUE(fault.begun) << fault.kind << " never began";
   }
 }

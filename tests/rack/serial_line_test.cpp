@@ -269,7 +269,7 @@ TEST_F(SerialLineTest, TheInterfacesOfOneDeviceMayBeOnDifferentLines) {
   build(configuration);
   ASSERT_EQ(rack().line_count(), 2U);
   put(question(1), kStart);
-  rack().line(1).put(question(1), kStart);
+  rack().put(1, question(1), kStart);
   EXPECT_EQ(rack().line(1).statistics().bytes_out, 9U) << "no pause on USB";
   EXPECT_EQ(rack().line(0).statistics().bytes_out, 0U);
   rack().advance(kStart + 15_ms);

@@ -83,7 +83,7 @@ class ProductUnderFaults {
  public:
   explicit ProductUnderFaults(const std::string& product)
       : product_(product), rack_(rack_of(product)), device_(rack_.rack.addresses().front()) {
-    for (const product::Input& input : rack_.rack.inputs(device_)) {
+    for (const product::InputRange& input : rack_.rack.inputs(device_)) {
       const std::string owner = input.name.substr(0, input.name.find('.'));
       if (owner != input.name && !owner.starts_with("axis0") && !has_peripheral(owner)) {
         peripherals_.push_back(owner);

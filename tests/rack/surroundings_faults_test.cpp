@@ -60,7 +60,9 @@ std::string settings(const std::string& keys) {
                                           : kRack.segments[address.network].devices[address.device];
   std::string text;
   const auto made = device.setup.make();
-  for (const FaultSetting& setting : settings_of(fault, made->inputs())) {
+  const auto all = made->inputs();
+  const std::vector<product::InputRange> inputs(all.begin(), all.end());
+  for (const FaultSetting& setting : settings_of(fault, inputs)) {
     text += text.empty() ? "" : " ";
     text += setting.input + "=" + std::to_string(setting.value);
     text.erase(text.find_last_not_of('0') + 1);

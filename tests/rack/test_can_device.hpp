@@ -68,13 +68,13 @@ class TestCanDevice final : public product::CanDevice {
              base::Delegate<void(double)>::bind<&TestCanDevice::set_level>(*this)}};
   }
 
-  [[nodiscard]] double syncs() { return syncs_; }
+  [[nodiscard]] double syncs() const { return syncs_; }
   [[nodiscard]] canopen::NonVolatileMemory* memory() { return memory_; }
 
   std::vector<base::SimTime> times;  ///< at which frames were taken
 
  private:
-  double level() { return level_; }
+  double level() const { return level_; }
   void set_level(double level) { level_ = level; }
 
   Settings settings_;

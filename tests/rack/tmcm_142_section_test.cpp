@@ -119,7 +119,7 @@ TEST_F(Tmcm142Program, ATextIsAssembledAndRuns) {
   EventLog log;
   Rack rack(configuration, log);
   rack.advance(base::SimTime(10_ms));
-  auto& module = dynamic_cast<devices::Tmcm142&>(*rack.bus(0).devices()[0].device);
+  const auto& module = dynamic_cast<const devices::Tmcm142&>(rack.device({0, 0, NetworkKind::bus}));
   EXPECT_EQ(module.module().read_global_parameter(2, 0), 4711);
 }
 

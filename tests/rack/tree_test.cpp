@@ -141,7 +141,7 @@ TEST(JunctionTree, OurMasterSynchronisesItsClocks) {
   ASSERT_EQ(tree.scan(), 7U);
   const auto synchronised = tree.master.synchronize_clocks();
   ASSERT_TRUE(synchronised) << synchronised.error().text;
-  ethercat::Segment& segment = tree.rack.segment(0);
+  const ethercat::Segment& segment = tree.rack.segment(0);
   const std::uint64_t reference = segment.slave(0).system_time(tree.now());
   for (std::size_t i = 1; i < segment.size(); ++i) {
     const auto apart =

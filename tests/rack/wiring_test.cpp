@@ -132,7 +132,7 @@ TEST(Wiring, ForwardingAndCableDelays_ReachTheSegment) {
   latch.append(ethercat::Command::bwr, 0, 0x09000000, std::size_t{4});
   ASSERT_TRUE(slow.process_frame(0, latch.finish(), base::SimTime(1_ms)));
   std::array<std::byte, 8> times{};
-  slow.devices(0)[0].device->controller().peek(0x0900, times);
+  slow.slave({}).controller().peek(0x0900, times);
   const auto port0 = base::load_le<std::uint32_t>(times.data());
   const auto port1 = base::load_le<std::uint32_t>(times.data() + 4);
   EXPECT_EQ(port1 - port0, 300U + 2 * 500U + 2000U);

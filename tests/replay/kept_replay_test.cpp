@@ -86,7 +86,7 @@ class Bench {
     return rack.device({}).object_dictionary()->find(0x2030, 3)->value();
   }
   [[nodiscard]] unsigned word() {
-    return base::load_le<std::uint16_t>(rack.devices(0)[0].device->controller().sii(), 0xC0);
+    return base::load_le<std::uint16_t>(rack.slave({}).controller().sii(), 0xC0);
   }
   void take_directory_away() {
     std::filesystem::create_directory(folder_.path() + "/state/tmc8670.eeprom.new");

@@ -68,15 +68,10 @@ class Bench {
 class Masters {
  public:
   explicit Masters(rack::Rack& rack)
-      : rack_(rack), segment_(rack, 0, 1_ms, 50_us), master_(segment_) {
-    port_.set_hears_errors(true);
-    rack_.bus(0).add(port_);
-    rack_.line(0).connect(rack::SerialLine::Output::bind<&Masters::hear>(*this));
+      : rack_(rack), segment_(rack, 0, 1_ms, 50_us), master_(segment_), port_(rack, 0) {
+    rack_.connect_line(0, rack::SerialLine::Output::bind<&Masters::hear>(*this));
   }
-  ~Masters() {
-    rack_.bus(0).remove(port_);
-    rack_.line(0).connect({});
-  }
+  ~Masters() { rack_.connect_line(0, {}); }
 
   void start() {
     ASSERT_TRUE(master_.scan());
@@ -98,7 +93,7 @@ class Masters {
     ASSERT_TRUE(rack_.write_object({}, *mode, value, segment_.now()));
     for (const SimTime begin = segment_.now(); segment_.now() < begin + 20_ms;) {
       segment_.wait(300_us);
-      while (rack_.take(0, 0, port_)) {
+      while (port_.take()) {
         ++can_frames_;
       }
     }
@@ -110,7 +105,7 @@ class Masters {
   void ask_servo(unsigned index) {
     const can::Frame ask =
         can::data_frame(0x601, {0x40, index & 0xFFU, index >> 8U, 0x00, 0x00, 0x00, 0x00, 0x00});
-    ASSERT_TRUE(rack_.put(0, 0, port_, ask));
+    ASSERT_TRUE(port_.put(ask));
   }
   void send(const std::vector<std::byte>& bytes) { rack_.put(0, bytes, segment_.now()); }
   void hear(std::span<const std::byte> bytes) { bytes_ += bytes.size(); }
@@ -118,7 +113,7 @@ class Masters {
   rack::Rack& rack_;
   bench::LocalPort segment_;
   master::Master master_;
-  can::Port port_;
+  rack::BusPort port_;
   std::size_t can_frames_ = 0;
   std::size_t bytes_ = 0;
 };
@@ -211,18 +206,15 @@ TEST_F(RecordingTest, ABranchHasItsOwnRecordingFromPowerOn) {
       Player player(reader, bench.rack(), bench.configuration());
       ASSERT_FALSE(player.play(SimTime::never(), "middle"));
     }
-    recorder.ports_replaced();
+    bench.rack().execute({rack::command::ReplacePorts{}});
     const SimTime middle = recorder.time();
-    can::Port port;
-    port.set_hears_errors(true);
-    bench.rack().bus(0).add(port);
+    rack::BusPort port(bench.rack(), 0);
     for (int i = 1; i <= 50; ++i) {
-      bench.rack().put(0, 0, port, can::data_frame(0x601, {0x40, 0x64, 0x60, 0, 0, 0, 0, 0}));
+      port.put(can::data_frame(0x601, {0x40, 0x64, 0x60, 0, 0, 0, 0, 0}));
       bench.rack().advance(middle + 1_ms * i);
-      while (bench.rack().take(0, 0, port)) {
+      while (port.take()) {
       }
     }
-    bench.rack().bus(0).remove(port);
     recorder.finish();
   }
   Bench bench(mixed_rack());

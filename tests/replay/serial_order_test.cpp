@@ -47,7 +47,7 @@ class Bench {
   Bench() : configuration_(two_lines()), rack_(configuration_, log_) {}
   ~Bench() {
     for (std::size_t line = 0; line < hosts_.size(); ++line) {
-      rack_.line(line).connect({});
+      rack_.connect_line(line, {});
     }
   }
   Bench(const Bench&) = delete;
@@ -61,7 +61,7 @@ class Bench {
   void listen() {
     for (std::size_t line = 0; line < rack_.line_count(); ++line) {
       hosts_.push_back(std::make_unique<Host>(Host{answers_, line}));
-      rack_.line(line).connect(rack::SerialLine::Output::bind<&Host::hear>(*hosts_.back()));
+      rack_.connect_line(line, rack::SerialLine::Output::bind<&Host::hear>(*hosts_.back()));
     }
   }
   /// Asks both at 1 ms.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "stator/base/delegate.hpp"
 
@@ -9,11 +10,20 @@ namespace stator::base {
 /// Something of the world around a device that a person, a timetable or a test may set while it
 /// runs, e.g. "axis0.load_torque" in "Nm" or "axis1.home_switch" (0 or 1). The counterpart of
 /// Signal. Values are finite and lie in minimum..maximum; who sets one checks that.
-struct Input {
+struct InputRange {
   std::string name;  ///< unique within the device
   std::string unit;
   double minimum = 0.0;
   double maximum = 1.0;
+};
+
+/// The same with the way to set it, for whoever stands for the world around the device.
+struct Input : InputRange {
+  Input() = default;
+  Input(std::string name_of_it, std::string unit_of_it, double lowest, double highest,
+        Delegate<void(double)> setter)
+      : InputRange{std::move(name_of_it), std::move(unit_of_it), lowest, highest}, set(setter) {}
+
   Delegate<void(double)> set;
 };
 

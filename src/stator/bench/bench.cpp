@@ -51,7 +51,7 @@ Bench::Bench(const rack::RackConfiguration& configuration, base::SimDuration lim
 
 Bench::~Bench() {
   for (const auto& line : lines_) {
-    rack_.line(line->index).connect({});
+    rack_.connect_line(line->index, {});
   }
 }
 

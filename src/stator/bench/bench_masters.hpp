@@ -55,7 +55,7 @@ struct Bench::BusMaster {
 
 struct Bench::LineMaster {
   LineMaster(rack::Rack& rack, std::size_t number) : index(number) {
-    rack.line(index).connect(rack::SerialLine::Output::bind<&LineMaster::hear>(*this));
+    rack.connect_line(index, rack::SerialLine::Output::bind<&LineMaster::hear>(*this));
   }
   void hear(std::span<const std::byte> bytes) {
     heard.insert(heard.end(), bytes.begin(), bytes.end());

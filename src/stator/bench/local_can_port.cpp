@@ -4,25 +4,23 @@
 
 namespace stator::bench {
 
+namespace {
+
+/// One thread: nobody would take what the bus waits for.
+constexpr rack::BusPort::Options kPort{.hears_errors = false, .lossy = true};
+
+}  // namespace
+
 LocalCanPort::LocalCanPort(rack::Rack& rack, std::size_t bus, base::SimDuration cycle,
                            base::SimDuration step)
-    : rack_(rack), bus_(bus), own_clock_(cycle, step), clock_(own_clock_) {
-  attach();
-}
+    : rack_(rack),
+      bus_(bus),
+      own_clock_(cycle, step),
+      clock_(own_clock_),
+      port_(rack, bus, kPort) {}
 
 LocalCanPort::LocalCanPort(rack::Rack& rack, std::size_t bus, rack::LockstepClock& clock)
-    : rack_(rack), bus_(bus), own_clock_(clock), clock_(clock) {
-  attach();
-}
-
-void LocalCanPort::attach() {
-  port_.set_lossy(true);  // one thread: nobody would take what the bus waits for
-  rack_.bus(bus_).add(port_);
-}
-
-LocalCanPort::~LocalCanPort() {
-  rack_.bus(bus_).remove(port_);
-}
+    : rack_(rack), bus_(bus), own_clock_(clock), clock_(clock), port_(rack, bus, kPort) {}
 
 void LocalCanPort::send(const can::Frame& frame) {
   rack_.advance(clock_.on_frame(frame));

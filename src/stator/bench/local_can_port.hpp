@@ -5,6 +5,7 @@
 
 #include "stator/base/sim_time.hpp"
 #include "stator/can/port.hpp"
+#include "stator/rack/core/bus_port.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/world/clock.hpp"
 
@@ -18,7 +19,6 @@ class LocalCanPort {
   LocalCanPort(rack::Rack& rack, std::size_t bus, base::SimDuration cycle, base::SimDuration step);
   /// The same with a clock that ports onto other networks of the rack share; it must outlive them.
   LocalCanPort(rack::Rack& rack, std::size_t bus, rack::LockstepClock& clock);
-  ~LocalCanPort();
   LocalCanPort(const LocalCanPort&) = delete;
   LocalCanPort& operator=(const LocalCanPort&) = delete;
 
@@ -31,13 +31,11 @@ class LocalCanPort {
   [[nodiscard]] base::SimTime now() const { return clock_.now(); }
 
  private:
-  void attach();
-
   rack::Rack& rack_;
   std::size_t bus_;
   rack::LockstepClock own_clock_;
   rack::LockstepClock& clock_;
-  can::Port port_;
+  rack::BusPort port_;
 };
 
 }  // namespace stator::bench

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <deque>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -12,28 +11,15 @@
 #include "stator/dictionary/dictionary.hpp"
 #include "stator/ethercat/standard/frame.hpp"
 #include "stator/product/device/device.hpp"
+#include "stator/rack/core/host_pins.hpp"
 #include "stator/rack/file/fault_section.hpp"
 #include "stator/rack/networks/can_network.hpp"
+#include "stator/rack/networks/eoe_port.hpp"
 #include "stator/rack/networks/serial_line.hpp"
-#include "stator/rack/observe/journal.hpp"
 #include "stator/replay/session_recorder.hpp"
 #include "stator/replay/step_text.hpp"
 
 namespace stator::replay {
-
-/// What a serial line has sent to programs, as long as it was not compared. Each line has its own:
-/// they are other cables, and earlier versions had the answers of several in another order.
-class Player::LineOutput {
- public:
-  void take(std::span<const std::byte> bytes) { waiting_.emplace_back(bytes.begin(), bytes.end()); }
-  [[nodiscard]] const std::vector<std::byte>* first() const {
-    return waiting_.empty() ? nullptr : &waiting_.front();
-  }
-  void pop() { waiting_.pop_front(); }
-
- private:
-  std::deque<std::vector<std::byte>> waiting_;
-};
 
 Player::Player(RecordingReader& recording, rack::Rack& rack,
                const rack::RackConfiguration& configuration)
@@ -57,40 +43,43 @@ Player::Player(RecordingReader& recording, rack::Rack& rack,
                                  ? rack::DeviceStorage::Completions::at_once
                                  : rack::DeviceStorage::Completions::recorded);
   }
-  attach_ports();
+  open_ports();
   for (std::size_t line = 0; line < rack.line_count(); ++line) {
-    lines_.push_back(std::make_unique<LineOutput>());
-    rack.line(line).connect(rack::SerialLine::Output::bind<&LineOutput::take>(*lines_.back()));
+    lines_.push_back(std::make_unique<Output>());
+    rack.connect_line(line, rack::SerialLine::Output::bind<&Output::take>(*lines_.back()));
+  }
+  for (const rack::DeviceAddress& device : rack.addresses()) {
+    if (rack.connect_eoe(device, {})) {
+      Output& output = eoe_[device];
+      rack.connect_eoe(
+          device, {.frame = [&output](std::span<const std::byte> frame) { output.take(frame); }});
+    }
   }
 }
 
 Player::~Player() {
-  detach_ports();
+  close_ports();
   if (rack_.storage() != nullptr) {
     rack_.storage()->set_completions(completions_before_);
   }
   for (std::size_t line = 0; line < lines_.size(); ++line) {
-    rack_.line(line).connect({});
+    rack_.connect_line(line, {});
+  }
+  for (const auto& [device, output] : eoe_) {
+    rack_.connect_eoe(device, {});
   }
 }
 
-void Player::attach_ports() {
+void Player::open_ports() {
   ports_.resize(port_counts_.size());
   for (std::size_t bus = 0; bus < port_counts_.size(); ++bus) {
     for (std::size_t i = 0; i < port_counts_[bus]; ++i) {
-      ports_[bus].push_back(std::make_unique<can::Port>());
-      ports_[bus].back()->set_hears_errors(true);
-      rack_.bus(bus).add(*ports_[bus].back());
+      ports_[bus].push_back(std::make_unique<rack::BusPort>(rack_, bus));
     }
   }
 }
 
-void Player::detach_ports() {
-  for (std::size_t bus = 0; bus < ports_.size(); ++bus) {
-    for (const auto& port : ports_[bus]) {
-      rack_.bus(bus).remove(*port);
-    }
-  }
+void Player::close_ports() {
   ports_.clear();
 }
 
@@ -99,7 +88,7 @@ std::optional<Difference> Player::play(base::SimTime until, const std::string& m
   while (!difference_) {
     if (!std::exchange(step_waits_, false) && !recording_.next(step_)) {
       if (recording_.ending() == RecordingEnding::finished) {
-        static_cast<void>(require_quiet_lines());
+        static_cast<void>(require_quiet_outputs());
       }
       break;
     }
@@ -122,20 +111,17 @@ void Player::do_step() {
   // Those that only compare may stand between a call and the bytes that came out in it: earlier
   // versions recorded them in this order when they went back.
   const bool compares = step_.kind == StepKind::bytes_leave || step_.kind == StepKind::signals ||
-                        step_.kind == StepKind::frame_leaves;
-  if (!compares && !require_quiet_lines()) {
+                        step_.kind == StepKind::frame_leaves ||
+                        step_.kind == StepKind::host_answers ||
+                        step_.kind == StepKind::eoe_frame_leaves;
+  if (!compares && !require_quiet_outputs()) {
     return;
   }
-  const auto in = [](std::size_t index, std::size_t size) {
-    if (index >= size) {
-      throw std::runtime_error("the recording is of another rack: it has more networks");
-    }
-    return index;
-  };
+  if (const auto command = command_of_step()) {
+    rack_.execute(*command);
+    return;
+  }
   switch (step_.kind) {
-    case StepKind::advance:
-      rack_.advance(step_.time);
-      break;
     case StepKind::frame_comes:
       ++counts_.frames;
       frame_ = step_.bytes;
@@ -145,83 +131,108 @@ void Player::do_step() {
     case StepKind::frame_leaves:
       compare_frame();
       break;
-    case StepKind::bus_events:
-      rack_.handle_bus_events(in(step_.network, rack_.segment_count()), step_.time);
+    case StepKind::release:
+      release(in(step_.network, rack_.segment_count()));
       break;
-    case StepKind::carrier:
-      rack_.set_carrier(in(step_.network, rack_.segment_count()), step_.interface, step_.up,
-                        step_.time);
-      break;
-    case StepKind::can_frame_comes: {
-      ++counts_.can_frames;
-      auto& ports = ports_[in(step_.network, ports_.size())];
-      static_cast<void>(rack_.put(step_.network, step_.port, *ports[in(step_.port, ports.size())],
-                                  step_.can.frame));
-      break;
-    }
     case StepKind::can_frame_leaves:
-      in(step_.port, ports_[in(step_.network, ports_.size())].size());
       compare_can_frame();
       break;
     case StepKind::ports_replaced:
-      if (rack::Journal* journal = rack_.journal(); journal != nullptr) {
-        journal->ports_replaced();
-      }
-      detach_ports();
-      attach_ports();
-      break;
-    case StepKind::bytes_come:
-      counts_.bytes += step_.bytes.size();
-      rack_.put(in(step_.network, rack_.line_count()), step_.bytes, step_.time);
+      rack_.execute({rack::command::ReplacePorts{}});
+      close_ports();
+      open_ports();
       break;
     case StepKind::bytes_leave:
-      compare_bytes();
+      compare_output(*lines_[in(step_.network, lines_.size())],
+                     fmt::format("serial line {}", step_.network));
       break;
-    case StepKind::event:
-      rack_.apply(*step_.event, step_.time);
-      break;
-    case StepKind::release:
-      in(step_.network, rack_.segment_count());
-      release();
-      break;
-    case StepKind::fault:
-      inject();
-      break;
-    case StepKind::fault_cleared:
-      static_cast<void>(rack_.clear_faults(step_.fault, step_.time));
-      break;
-    case StepKind::completion:
-      if (!rack_.complete(step_.completion, step_.time)) {
-        throw std::runtime_error("the recording is of another rack: it keeps more in files");
+    case StepKind::host_answers:
+      if (miso_ != step_.bytes) {
+        differ("answer at the pins of a chip", to_hex(step_.bytes), to_hex(miso_));
       }
       break;
-    case StepKind::object_read:
-    case StepKind::object_written:
-      access_object();
+    case StepKind::eoe_frame_leaves:
+      compare_output(eoe_[bridged_of_step()],
+                     fmt::format("EoE of {}", rack_.name_of(step_.device)));
       break;
     case StepKind::signals:
       compare_signals();
       break;
-    case StepKind::mark:
-      if (rack::Journal* journal = rack_.journal(); journal != nullptr) {
-        journal->mark(step_.name);
-      }
-      break;
-    case StepKind::end:
+    default:
       break;
   }
 }
 
-void Player::release() {
+std::size_t Player::in(std::size_t index, std::size_t size) {
+  if (index >= size) {
+    throw std::runtime_error("the recording is of another rack: it has more networks");
+  }
+  return index;
+}
+
+std::optional<rack::Command> Player::command_of_step() {
+  namespace command = rack::command;
+  switch (step_.kind) {
+    case StepKind::advance:
+      return command::Advance{step_.time};
+    case StepKind::bus_events:
+      return command::TakeBusEvents{in(step_.network, rack_.segment_count()), step_.time};
+    case StepKind::carrier:
+      return command::SetCarrier{in(step_.network, rack_.segment_count()), step_.interface,
+                                 step_.up, step_.time};
+    case StepKind::can_frame_comes:
+      ++counts_.can_frames;
+      return command::PutCanFrame{in(step_.network, ports_.size()),
+                                  in(step_.port, ports_[step_.network].size()), step_.can.frame};
+    case StepKind::bytes_come:
+      counts_.bytes += step_.bytes.size();
+      return command::PutBytes{in(step_.network, rack_.line_count()), step_.bytes, step_.time};
+    case StepKind::event:
+      return command::ApplyEvent{*step_.event, step_.time};
+    case StepKind::fault:
+      return command::InjectFault{fault_of_step(), step_.time};
+    case StepKind::fault_cleared:
+      return command::ClearFault{step_.fault, step_.time};
+    case StepKind::completion:
+      if (rack_.storage() == nullptr || !rack_.storage()->has(step_.completion.memory)) {
+        throw std::runtime_error("the recording is of another rack: it keeps more in files");
+      }
+      return command::CompleteStorage{step_.completion, step_.time};
+    case StepKind::object_read:
+      require_object();
+      return command::ReadObject{step_.device, step_.index, step_.subindex};
+    case StepKind::object_written:
+      require_object();
+      return command::WriteObject{step_.device, step_.index, step_.subindex, step_.bytes,
+                                  step_.time};
+    case StepKind::host_select:
+      return command::SelectHostSpi{chip_of_step(), step_.spi};
+    case StepKind::host_transfer:
+      miso_.assign(step_.bytes.size(), std::byte{0});
+      return command::TransferHostSpi{chip_of_step(), step_.spi, step_.bytes, miso_, step_.pause};
+    case StepKind::host_deselect:
+      return command::DeselectHostSpi{chip_of_step(), step_.spi, step_.surplus_clocks};
+    case StepKind::host_pin:
+      return command::SetHostPin{chip_of_step(), step_.pin, step_.up};
+    case StepKind::eoe_frame_comes:
+      return command::PutEoeFrame{bridged_of_step(), step_.bytes};
+    case StepKind::mark:
+      return command::Mark{step_.name};
+    default:
+      return std::nullopt;
+  }
+}
+
+void Player::release(std::size_t segment) {
   frame_.resize(ethercat::kMaximumFrameLength);
-  const auto released = rack_.release_frame(step_.network, step_.time, frame_);
+  const auto released = rack_.release_frame(segment, step_.time, frame_);
   exit_ = released ? std::optional(released->exit) : std::nullopt;
   frame_.resize(released ? released->length : 0);
 }
 
-void Player::inject() {
+rack::FaultConfiguration Player::fault_of_step() const {
   try {
-    static_cast<void>(rack_.inject(rack::parse_fault(step_.name, configuration_), step_.time));
+    return rack::parse_fault(step_.name, configuration_);
   } catch (const std::runtime_error& error) {
     throw std::runtime_error("the recording has a fault that this rack cannot have: " +
                              std::string(error.what()));
@@ -242,8 +253,8 @@ void Player::compare_frame() {
 }
 
 void Player::compare_can_frame() {
-  can::Port& port = *ports_[step_.network][step_.port];
-  const auto got = rack_.take(step_.network, step_.port, port);
+  auto& ports = ports_[in(step_.network, ports_.size())];
+  const auto got = ports[in(step_.port, ports.size())]->take();
   if (got && got->frame == step_.can.frame && got->time == step_.can.time &&
       got->destroyed == step_.can.destroyed) {
     return;
@@ -252,23 +263,25 @@ void Player::compare_can_frame() {
          to_text(step_.can), got ? to_text(*got) : "no frame");
 }
 
-void Player::compare_bytes() {
-  if (step_.network >= lines_.size()) {
-    throw std::runtime_error("the recording is of another rack: it has more networks");
-  }
-  LineOutput& line = *lines_[step_.network];
-  if (line.first() != nullptr && *line.first() == step_.bytes) {
-    line.pop();
+void Player::compare_output(Output& output, std::string place) {
+  if (output.first() != nullptr && *output.first() == step_.bytes) {
+    output.pop();
     return;
   }
-  differ(fmt::format("serial line {}", step_.network), to_hex(step_.bytes),
-         line.first() == nullptr ? "nothing" : to_hex(*line.first()));
+  differ(std::move(place), to_hex(step_.bytes),
+         output.first() == nullptr ? "nothing" : to_hex(*output.first()));
 }
 
-bool Player::require_quiet_lines() {
+bool Player::require_quiet_outputs() {
   for (std::size_t line = 0; line < lines_.size(); ++line) {
     if (const auto* bytes = lines_[line]->first(); bytes != nullptr) {
       differ(fmt::format("serial line {}", line), "nothing", to_hex(*bytes));
+      return false;
+    }
+  }
+  for (const auto& [device, output] : eoe_) {
+    if (const auto* frame = output.first(); frame != nullptr) {
+      differ(fmt::format("EoE of {}", rack_.name_of(device)), "nothing", to_hex(*frame));
       return false;
     }
   }
@@ -292,23 +305,29 @@ void Player::compare_signals() {
   }
 }
 
-void Player::access_object() {
-  dictionary::Entry* entry = nullptr;
-  if (exists(step_.device)) {
-    const dictionary::Dictionary* objects = rack_.device(step_.device).object_dictionary();
-    entry = objects != nullptr ? objects->find(step_.index, step_.subindex) : nullptr;
-  }
-  if (entry == nullptr) {
+void Player::require_object() {
+  const dictionary::Dictionary* objects =
+      exists(step_.device) ? rack_.device(step_.device).object_dictionary() : nullptr;
+  if (objects == nullptr || objects->find(step_.index, step_.subindex) == nullptr) {
     throw std::runtime_error(
         fmt::format("the recording is of another rack: {:04X}h:{:02X} is not there", step_.index,
                     step_.subindex));
   }
-  if (step_.kind == StepKind::object_written) {
-    static_cast<void>(rack_.write_object(step_.device, *entry, step_.bytes, step_.time));
-  } else {
-    std::vector<std::byte> value;
-    static_cast<void>(rack_.read_object(step_.device, *entry, value));
+}
+
+rack::DeviceAddress Player::chip_of_step() {
+  if (!exists(step_.device) || step_.device.kind != rack::NetworkKind::segment ||
+      !rack::HostPins::exist(rack_, step_.device)) {
+    throw std::runtime_error("the recording is of another rack: a chip is not there");
   }
+  return step_.device;
+}
+
+rack::DeviceAddress Player::bridged_of_step() {
+  if (!eoe_.contains(step_.device)) {
+    throw std::runtime_error("the recording is of another rack: a bridge of EoE is not there");
+  }
+  return step_.device;
 }
 
 bool Player::exists(rack::DeviceAddress device) {

@@ -2,13 +2,17 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
+#include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "stator/can/port.hpp"
 #include "stator/product/device/signal.hpp"
+#include "stator/rack/core/bus_port.hpp"
+#include "stator/rack/core/command.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/kept/device_storage.hpp"
 #include "stator/replay/recording_reader.hpp"
@@ -58,19 +62,45 @@ class Player {
   [[nodiscard]] const PlayerCounts& counts() const { return counts_; }
 
  private:
-  void attach_ports();
-  void detach_ports();
+  /// What a serial line, or the EoE of a device, has sent to programs, as long as it was not
+  /// compared. Each has its own: they are other cables, and earlier versions had the answers of
+  /// several lines in another order.
+  class Output {
+   public:
+    void take(std::span<const std::byte> bytes) {
+      waiting_.emplace_back(bytes.begin(), bytes.end());
+    }
+    [[nodiscard]] const std::vector<std::byte>* first() const {
+      return waiting_.empty() ? nullptr : &waiting_.front();
+    }
+    void pop() { waiting_.pop_front(); }
+
+   private:
+    std::deque<std::vector<std::byte>> waiting_;
+  };
+
+  /// Compares the bytes of the step with the first that wait, which are of `place`.
+  void compare_output(Output& output, std::string place);
+
+  void open_ports();
+  void close_ports();
   void do_step();
+  /// What the step does to the rack; nothing: it only compares. Throws std::runtime_error when the
+  /// rack lacks what it names.
+  [[nodiscard]] std::optional<rack::Command> command_of_step();
   void compare_frame();
   void compare_can_frame();
-  void compare_bytes();
-  /// True if nothing has come out of serial lines that was not recorded; else that is the
-  /// difference.
-  bool require_quiet_lines();
+  /// True if nothing has come out that was not recorded; else that is the difference.
+  bool require_quiet_outputs();
   void compare_signals();
-  void access_object();
-  void release();
-  void inject();
+  void release(std::size_t segment);
+  /// `index`, which is below `size`. Throws std::runtime_error if it is not.
+  static std::size_t in(std::size_t index, std::size_t size);
+  [[nodiscard]] rack::FaultConfiguration fault_of_step() const;
+  /// The step's device, which has such pins, EoE or an object of such index and subindex.
+  [[nodiscard]] rack::DeviceAddress chip_of_step();
+  [[nodiscard]] rack::DeviceAddress bridged_of_step();
+  void require_object();
   void differ(std::string place, std::string expected, std::string got);
   [[nodiscard]] bool exists(rack::DeviceAddress device);
 
@@ -78,12 +108,13 @@ class Player {
   rack::Rack& rack_;
   const rack::RackConfiguration& configuration_;
   std::vector<std::size_t> port_counts_;  ///< by bus
-  std::vector<std::vector<std::unique_ptr<can::Port>>> ports_;
+  std::vector<std::vector<std::unique_ptr<rack::BusPort>>> ports_;
   std::vector<product::Signal> signals_;
   std::vector<double> values_;                             ///< of the signals, as recorded last
   rack::DeviceStorage::Completions completions_before_{};  ///< of the rack's storage
-  class LineOutput;
-  std::vector<std::unique_ptr<LineOutput>> lines_;
+  std::vector<std::unique_ptr<Output>> lines_;
+  std::map<rack::DeviceAddress, Output> eoe_;  ///< frames of the master, not yet compared
+  std::vector<std::byte> miso_;                ///< what a chip answered last
   Step step_;
   bool step_waits_ = false;       ///< it was read but is later than the last play() went
   std::vector<std::byte> frame_;  ///< the last one, as it left

@@ -16,9 +16,9 @@
 namespace stator::replay {
 
 inline constexpr std::string_view kMagic = "StatorRn";
-inline constexpr std::uint64_t kFormatVersion = 2;
-/// Readable as well. Version 1 has no steps of completions: what devices ordered to be kept was
-/// kept at once.
+inline constexpr std::uint64_t kFormatVersion = 3;
+/// Readable as well. Version 2 has no steps of a chip's host and of EoE; such racks were refused.
+/// Version 1 has no steps of completions either: what devices ordered to be kept was kept at once.
 inline constexpr std::uint64_t kOldestVersion = 1;
 inline constexpr std::size_t kChunkHead = 8;
 inline constexpr std::size_t kMaximumHeader = std::size_t{256} << 20U;
@@ -48,6 +48,13 @@ enum class StepKind : std::uint8_t {
   fault = 18,
   fault_cleared = 19,
   completion = 20,  ///< of an order to keep something
+  host_select = 21,
+  host_transfer = 22,
+  host_answers = 23,
+  host_deselect = 24,
+  host_pin = 25,
+  eoe_frame_comes = 26,
+  eoe_frame_leaves = 27,
 };
 
 /// What a recording begins with: all that is needed to build the rack again.

@@ -22,6 +22,11 @@ namespace {
 /// More segments than any rack has: a number above is damage.
 constexpr std::size_t kMostSegments = 4096;
 
+void read_bytes(ByteReader& reader, Step& step) {
+  const auto bytes = reader.bytes();
+  step.bytes.assign(bytes.begin(), bytes.end());
+}
+
 }  // namespace
 
 RecordingReader::RecordingReader(const std::string& path)
@@ -173,15 +178,13 @@ bool RecordingReader::read_step(ByteReader& reader, Step& step) {
       step.can.frame = read_can_frame(reader);
       break;
     case StepKind::bytes_come:
-    case StepKind::bytes_leave: {
+    case StepKind::bytes_leave:
       step.network = static_cast<std::size_t>(reader.number());
       if (step.kind == StepKind::bytes_come) {
         read_time(reader);
       }
-      const auto bytes = reader.bytes();
-      step.bytes.assign(bytes.begin(), bytes.end());
+      read_bytes(reader, step);
       break;
-    }
     case StepKind::event:
       read_time(reader);
       step.event = read_event(reader);
@@ -196,8 +199,7 @@ bool RecordingReader::read_step(ByteReader& reader, Step& step) {
       step.subindex = static_cast<std::uint8_t>(reader.byte());
       if (step.kind == StepKind::object_written) {
         read_time(reader);
-        const auto bytes = reader.bytes();
-        step.bytes.assign(bytes.begin(), bytes.end());
+        read_bytes(reader, step);
       }
       break;
     case StepKind::signals: {
@@ -233,6 +235,40 @@ bool RecordingReader::read_step(ByteReader& reader, Step& step) {
       break;
     case StepKind::mark:
       step.name = reader.text();
+      break;
+    case StepKind::host_select:
+    case StepKind::host_transfer:
+    case StepKind::host_deselect:
+      step.device = read_device(reader);
+      step.spi = static_cast<product::HostSpi>(reader.byte());
+      if (static_cast<std::size_t>(step.spi) >= product::kHostSpis) {
+        return false;
+      }
+      if (step.kind == StepKind::host_deselect) {
+        step.surplus_clocks = reader.byte();
+      } else if (step.kind == StepKind::host_transfer) {
+        const std::uint64_t pause = reader.number();
+        step.pause = pause == 0
+                         ? std::nullopt
+                         : std::optional(base::SimDuration(static_cast<std::int64_t>(pause - 1)));
+        read_bytes(reader, step);
+      }
+      break;
+    case StepKind::host_answers:
+      read_bytes(reader, step);
+      break;
+    case StepKind::host_pin:
+      step.device = read_device(reader);
+      step.pin = static_cast<product::HostPin>(reader.byte());
+      step.up = reader.byte() != 0;
+      if (static_cast<std::size_t>(step.pin) >= product::kHostPins) {
+        return false;
+      }
+      break;
+    case StepKind::eoe_frame_comes:
+    case StepKind::eoe_frame_leaves:
+      step.device = read_device(reader);
+      read_bytes(reader, step);
       break;
     case StepKind::ports_replaced:
     case StepKind::end:

@@ -9,6 +9,7 @@
 #include "stator/base/sim_time.hpp"
 #include "stator/can/port.hpp"
 #include "stator/ethercat/segment/topology.hpp"
+#include "stator/product/device/host_port.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/kept/storage_completion.hpp"
 #include "stator/replay/byte_coding.hpp"
@@ -37,6 +38,10 @@ struct Step {
   std::string name{};                                    ///< of a mark; the keys of a fault
   rack::StorageCompletion completion{};
   std::optional<std::uint64_t> fault{};  ///< the number of one that ends; nothing: all
+  product::HostSpi spi = product::HostSpi::pdi;
+  std::optional<base::SimDuration> pause{};  ///< of a transfer
+  unsigned surplus_clocks = 0;               ///< of a deselection
+  product::HostPin pin = product::HostPin::latch0;
 };
 
 /// How a recording ends, as far as it was read.

@@ -4,6 +4,7 @@
 #include <bit>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 
 #include "stator/rack/observe/output_files.hpp"
 #include "stator/replay/byte_delta.hpp"
@@ -108,17 +109,21 @@ void SessionRecorder::flush() {
   }
 }
 
-void SessionRecorder::mark(const std::string& name) {
-  if (begin(StepKind::mark, name.size())) {
-    writer().text(name);
-    marks_.push_back({name, time_});
+void SessionRecorder::command(const rack::Command& command) {
+  std::visit([this](const auto& kind) { record(kind); }, command);
+}
+
+void SessionRecorder::record(const rack::command::Mark& command) {
+  if (begin(StepKind::mark, command.name.size())) {
+    writer().text(command.name);
+    marks_.push_back({command.name, time_});
     flush();  // who marks a moment wants to have it, even if nothing comes any more
   }
 }
 
-void SessionRecorder::advance(base::SimTime now) {
+void SessionRecorder::record(const rack::command::Advance& command) {
   if (begin(StepKind::advance)) {
-    time(now);
+    time(command.now);
   }
 }
 
@@ -171,30 +176,29 @@ void SessionRecorder::frame_leaves(std::optional<ethercat::MasterInterface> exit
   }
 }
 
-void SessionRecorder::bus_events(std::size_t segment, base::SimTime now) {
+void SessionRecorder::record(const rack::command::TakeBusEvents& command) {
   if (begin(StepKind::bus_events)) {
-    writer().number(segment);
-    time(now);
+    writer().number(command.segment);
+    time(command.now);
   }
 }
 
-void SessionRecorder::carrier(std::size_t segment, ethercat::MasterInterface interface, bool up,
-                              base::SimTime now) {
+void SessionRecorder::record(const rack::command::SetCarrier& command) {
   if (begin(StepKind::carrier)) {
     ByteWriter out = writer();
-    out.number(segment);
-    out.byte(static_cast<unsigned>(interface));
-    out.byte(up ? 1 : 0);
-    time(now);
+    out.number(command.segment);
+    out.byte(static_cast<unsigned>(command.interface));
+    out.byte(command.up ? 1 : 0);
+    time(command.now);
   }
 }
 
-void SessionRecorder::can_frame_comes(std::size_t bus, std::size_t port, const can::Frame& frame) {
+void SessionRecorder::record(const rack::command::PutCanFrame& command) {
   if (begin(StepKind::can_frame_comes)) {
     ByteWriter out = writer();
-    out.number(bus);
-    out.number(port);
-    write_can_frame(out, frame);
+    out.number(command.bus);
+    out.number(command.port);
+    write_can_frame(out, command.frame);
   }
 }
 
@@ -210,17 +214,16 @@ void SessionRecorder::can_frame_leaves(std::size_t bus, std::size_t port,
   }
 }
 
-void SessionRecorder::ports_replaced() {
+void SessionRecorder::record(const rack::command::ReplacePorts& /*command*/) {
   static_cast<void>(begin(StepKind::ports_replaced));
 }
 
-void SessionRecorder::bytes_come(std::size_t line, std::span<const std::byte> bytes,
-                                 base::SimTime now) {
-  if (begin(StepKind::bytes_come, bytes.size())) {
+void SessionRecorder::record(const rack::command::PutBytes& command) {
+  if (begin(StepKind::bytes_come, command.bytes.size())) {
     ByteWriter out = writer();
-    out.number(line);
-    time(now);
-    out.bytes(bytes);
+    out.number(command.line);
+    time(command.now);
+    out.bytes(command.bytes);
   }
 }
 
@@ -231,66 +234,122 @@ void SessionRecorder::bytes_leave(std::size_t line, std::span<const std::byte> b
   }
 }
 
-void SessionRecorder::event(const rack::RackEvent& event, base::SimTime now) {
+void SessionRecorder::record(const rack::command::ApplyEvent& command) {
   if (begin(StepKind::event, kMaximumBytes)) {
-    time(now);
+    time(command.now);
     ByteWriter out = writer();
-    write_event(out, event);
+    write_event(out, command.event);
   }
 }
 
-void SessionRecorder::release(std::size_t segment, base::SimTime now) {
+void SessionRecorder::record(const rack::command::ReleaseFrame& command) {
   request_.clear();
   if (begin(StepKind::release)) {
-    writer().number(segment);
-    time(now);
+    writer().number(command.segment);
+    time(command.now);
   }
 }
 
-void SessionRecorder::fault(const std::string& text, base::SimTime now) {
-  if (begin(StepKind::fault, text.size())) {
-    time(now);
-    writer().text(text);
+void SessionRecorder::record(const rack::command::InjectFault& command) {
+  if (begin(StepKind::fault, command.fault.text.size())) {
+    time(command.now);
+    writer().text(command.fault.text);
   }
 }
 
-void SessionRecorder::fault_cleared(std::optional<std::uint64_t> id, base::SimTime now) {
+void SessionRecorder::record(const rack::command::ClearFault& command) {
   if (begin(StepKind::fault_cleared)) {
-    time(now);
-    writer().number(id ? *id + 1 : 0);
+    time(command.now);
+    writer().number(command.id ? *command.id + 1 : 0);
   }
 }
 
-void SessionRecorder::completed(const rack::StorageCompletion& completion, base::SimTime now) {
+void SessionRecorder::record(const rack::command::CompleteStorage& command) {
   if (begin(StepKind::completion)) {
-    time(now);
+    time(command.now);
     ByteWriter out = writer();
-    out.number(completion.memory);
-    out.number(completion.version);
-    out.byte(completion.kept ? 1 : 0);
+    out.number(command.completion.memory);
+    out.number(command.completion.version);
+    out.byte(command.completion.kept ? 1 : 0);
   }
 }
 
-void SessionRecorder::object_read(rack::DeviceAddress device, std::uint16_t index,
-                                  std::uint8_t subindex) {
+void SessionRecorder::record(const rack::command::ReadObject& command) {
   if (begin(StepKind::object_read)) {
     ByteWriter out = writer();
-    write_device(out, device);
-    out.number(index);
-    out.byte(subindex);
+    write_device(out, command.device);
+    out.number(command.index);
+    out.byte(command.subindex);
   }
 }
 
-void SessionRecorder::object_written(rack::DeviceAddress device, std::uint16_t index,
-                                     std::uint8_t subindex, std::span<const std::byte> value,
-                                     base::SimTime now) {
-  if (begin(StepKind::object_written, value.size())) {
+void SessionRecorder::record(const rack::command::WriteObject& command) {
+  if (begin(StepKind::object_written, command.value.size())) {
+    ByteWriter out = writer();
+    write_device(out, command.device);
+    out.number(command.index);
+    out.byte(command.subindex);
+    time(command.now);
+    out.bytes(command.value);
+  }
+}
+
+void SessionRecorder::record(const rack::command::SelectHostSpi& command) {
+  if (begin(StepKind::host_select)) {
+    ByteWriter out = writer();
+    write_device(out, command.device);
+    out.byte(static_cast<unsigned>(command.spi));
+  }
+}
+
+void SessionRecorder::record(const rack::command::TransferHostSpi& command) {
+  if (begin(StepKind::host_transfer, command.mosi.size())) {
+    ByteWriter out = writer();
+    write_device(out, command.device);
+    out.byte(static_cast<unsigned>(command.spi));
+    out.number(command.pause ? static_cast<std::uint64_t>(command.pause->nanoseconds()) + 1 : 0);
+    out.bytes(command.mosi);
+  }
+}
+
+void SessionRecorder::host_spi_answers(std::span<const std::byte> miso) {
+  if (begin(StepKind::host_answers, miso.size())) {
+    writer().bytes(miso);
+  }
+}
+
+void SessionRecorder::record(const rack::command::DeselectHostSpi& command) {
+  if (begin(StepKind::host_deselect)) {
+    ByteWriter out = writer();
+    write_device(out, command.device);
+    out.byte(static_cast<unsigned>(command.spi));
+    out.byte(command.surplus_clocks);
+  }
+}
+
+void SessionRecorder::record(const rack::command::SetHostPin& command) {
+  if (begin(StepKind::host_pin)) {
+    ByteWriter out = writer();
+    write_device(out, command.device);
+    out.byte(static_cast<unsigned>(command.pin));
+    out.byte(command.level ? 1 : 0);
+  }
+}
+
+void SessionRecorder::record(const rack::command::PutEoeFrame& command) {
+  if (begin(StepKind::eoe_frame_comes, command.frame.size())) {
+    ByteWriter out = writer();
+    write_device(out, command.device);
+    out.bytes(command.frame);
+  }
+}
+
+void SessionRecorder::eoe_frame_leaves(rack::DeviceAddress device,
+                                       std::span<const std::byte> frame) {
+  if (begin(StepKind::eoe_frame_leaves, frame.size())) {
     ByteWriter out = writer();
     write_device(out, device);
-    out.number(index);
-    out.byte(subindex);
-    time(now);
-    out.bytes(value);
+    out.bytes(frame);
   }
 }
 

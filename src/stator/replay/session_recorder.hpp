@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "stator/product/device/signal.hpp"
+#include "stator/rack/core/command.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/observe/journal.hpp"
 #include "stator/replay/byte_coding.hpp"
@@ -33,7 +34,8 @@ class SessionRecorder final : public rack::Journal {
   SessionRecorder(rack::Rack& rack, const std::string& path, RecordingHeader header);
   ~SessionRecorder() override;
 
-  void mark(const std::string& name) override;
+  /// Gives the present moment a name.
+  void mark(const std::string& name) { rack_.execute({rack::command::Mark{name}}); }
   [[nodiscard]] const std::vector<Mark>& marks() const { return marks_; }
 
   /// Ends the recording and waits for the disk, as link::BackgroundOutput::finish() does;
@@ -46,30 +48,39 @@ class SessionRecorder final : public rack::Journal {
   [[nodiscard]] std::uint64_t bytes() const { return file_.bytes(); }
   [[nodiscard]] const std::string& path() const { return path_; }
 
-  void advance(base::SimTime now) override;
+  void command(const rack::Command& command) override;
   void advanced(base::SimTime now) override;
   void frame_comes(std::size_t segment, ethercat::MasterInterface entry, base::SimTime arrival,
                    std::span<const std::byte> frame) override;
   void frame_leaves(std::optional<ethercat::MasterInterface> exit,
                     std::span<const std::byte> frame) override;
-  void bus_events(std::size_t segment, base::SimTime now) override;
-  void carrier(std::size_t segment, ethercat::MasterInterface interface, bool up,
-               base::SimTime now) override;
-  void can_frame_comes(std::size_t bus, std::size_t port, const can::Frame& frame) override;
   void can_frame_leaves(std::size_t bus, std::size_t port, const can::TimedFrame& frame) override;
-  void ports_replaced() override;
-  void bytes_come(std::size_t line, std::span<const std::byte> bytes, base::SimTime now) override;
   void bytes_leave(std::size_t line, std::span<const std::byte> bytes) override;
-  void event(const rack::RackEvent& event, base::SimTime now) override;
-  void release(std::size_t segment, base::SimTime now) override;
-  void fault(const std::string& text, base::SimTime now) override;
-  void fault_cleared(std::optional<std::uint64_t> id, base::SimTime now) override;
-  void completed(const rack::StorageCompletion& completion, base::SimTime now) override;
-  void object_read(rack::DeviceAddress device, std::uint16_t index, std::uint8_t subindex) override;
-  void object_written(rack::DeviceAddress device, std::uint16_t index, std::uint8_t subindex,
-                      std::span<const std::byte> value, base::SimTime now) override;
+  void host_spi_answers(std::span<const std::byte> miso) override;
+  void eoe_frame_leaves(rack::DeviceAddress device, std::span<const std::byte> frame) override;
 
  private:
+  // The step of each command.
+  void record(const rack::command::Advance& command);
+  void record(const rack::command::TakeBusEvents& command);
+  void record(const rack::command::SetCarrier& command);
+  void record(const rack::command::ReleaseFrame& command);
+  void record(const rack::command::PutCanFrame& command);
+  void record(const rack::command::ReplacePorts& command);
+  void record(const rack::command::PutBytes& command);
+  void record(const rack::command::ApplyEvent& command);
+  void record(const rack::command::InjectFault& command);
+  void record(const rack::command::ClearFault& command);
+  void record(const rack::command::ReadObject& command);
+  void record(const rack::command::WriteObject& command);
+  void record(const rack::command::CompleteStorage& command);
+  void record(const rack::command::SelectHostSpi& command);
+  void record(const rack::command::TransferHostSpi& command);
+  void record(const rack::command::DeselectHostSpi& command);
+  void record(const rack::command::SetHostPin& command);
+  void record(const rack::command::PutEoeFrame& command);
+  void record(const rack::command::Mark& command);
+
   /// Opens a step of `content` bytes at most beside its numbers. False: the recording has ended.
   bool begin(StepKind kind, std::size_t content = 0);
   void time(base::SimTime now);

@@ -18,7 +18,7 @@
 #include "stator/master/text.hpp"
 #include "stator/product/device/device.hpp"
 #include "stator/product/device/signal.hpp"
-#include "stator/rack/core/faults.hpp"
+#include "stator/rack/faults/faults.hpp"
 #include "stator/scenario/comparison.hpp"
 #include "stator/scenario/object_value.hpp"
 #include "stator/scenario/step_kinds.hpp"
@@ -521,7 +521,7 @@ ReadStep step_of(const ExpectFault& step, const StepReader& /*reader*/) {
                      [=](bench::Bench& bench) -> Look {
                        std::string seen = "there is none of this name";
                        bool met = false;
-                       for (const auto& fault : bench.rack().faults().list(bench.now())) {
+                       for (const auto& fault : bench.rack().faults(bench.now())) {
                          if (fault.name == *step.fault) {
                            met = to_text(fault.state) == *step.state;
                            seen = fmt::format("it is {}", to_text(fault.state));

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "stator/bench/bench.hpp"
-#include "stator/rack/core/faults.hpp"
+#include "stator/rack/faults/faults.hpp"
 #include "stator/rack/file/rack_file_description.hpp"
 #include "stator/scenario/step_kinds.hpp"
 
@@ -56,7 +56,7 @@ ReadStep step_of(const Clear& step, const StepReader& /*reader*/) {
   return {name ? "end of fault " + *name : "end of all faults", [name](bench::Bench& bench) {
             std::optional<std::uint64_t> id;
             if (name) {
-              for (const rack::FaultStatus& fault : bench.rack().faults().list(bench.now())) {
+              for (const rack::FaultStatus& fault : bench.rack().faults(bench.now())) {
                 if (fault.name == *name && fault.state != rack::FaultState::done) {
                   id = fault.id;
                 }

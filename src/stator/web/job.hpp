@@ -8,9 +8,17 @@
 
 namespace stator::web {
 
-/// A request on its way through the rack's desk.
-class Job : public rack::DeskTask {
+/// A request on its way through the rack's desk: a LookJob or an ActJob.
+class Job {
  public:
+  Job() = default;
+  Job(const Job&) = delete;
+  Job& operator=(const Job&) = delete;
+  virtual ~Job() = default;
+
+  /// What the desk gets.
+  [[nodiscard]] virtual rack::DeskTask& task() = 0;
+
   // In the server's thread, while the rack does not have it.
 
   /// False: what it has begun goes on inside the rack, however long; it has to look again, and
@@ -18,6 +26,18 @@ class Job : public rack::DeskTask {
   [[nodiscard]] virtual bool complete() const { return true; }
   /// What came of it, once it is done.
   [[nodiscard]] virtual Response response() = 0;
+};
+
+/// One that only looks at the rack.
+class LookJob : public Job, public rack::Look {
+ public:
+  [[nodiscard]] rack::DeskTask& task() final { return *this; }
+};
+
+/// One that does something to it.
+class ActJob : public Job, public rack::Act {
+ public:
+  [[nodiscard]] rack::DeskTask& task() final { return *this; }
 };
 
 /// What a request gets: an answer at once, or one by way of the rack.

@@ -37,7 +37,7 @@ struct DeviceRecord {
   std::string network;  ///< name of its bus, "segment 0"
   rack::DeviceAddress address;
   const dictionary::Dictionary* objects = nullptr;  ///< null: it has none
-  const std::vector<product::Input>* inputs = nullptr;
+  const std::vector<product::InputRange>* inputs = nullptr;
 };
 
 /// An event as clients get it.

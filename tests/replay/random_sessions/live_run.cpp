@@ -90,19 +90,12 @@ LiveRun::LiveRun(rack::Rack& rack, const rack::RackConfiguration& configuration,
   for (std::size_t bus = 0; bus < ports_.size(); ++bus) {
     for (std::size_t i = 0;
          configuration.buses[bus].wire && i < configuration.buses[bus].ports.size(); ++i) {
-      ports_[bus].push_back(std::make_unique<can::Port>());
-      ports_[bus].back()->set_hears_errors(true);
-      rack_.bus(bus).add(*ports_[bus].back());
+      ports_[bus].push_back(std::make_unique<rack::BusPort>(rack_, bus));
     }
   }
 }
 
 LiveRun::~LiveRun() {
-  for (std::size_t bus = 0; bus < ports_.size(); ++bus) {
-    for (const auto& port : ports_[bus]) {
-      rack_.bus(bus).remove(*port);
-    }
-  }
   for (const auto& tap : taps_) {
     rack_.remove(*tap);
   }
@@ -348,7 +341,7 @@ void LiveRun::talk_on_bus(std::size_t bus) {
     return;
   }
   const std::size_t number = random_.below(ports_[bus].size());
-  can::Port& port = *ports_[bus][number];
+  rack::BusPort& port = *ports_[bus][number];
   for (std::uint64_t count = 1 + random_.below(4); count > 0; --count) {
     const can::Frame frame = random_can_frame();
     if (port.room() == 0) {
@@ -357,11 +350,11 @@ void LiveRun::talk_on_bus(std::size_t bus) {
     if (real_) {
       now_ += SimDuration(static_cast<std::int64_t>(random_.below(50'000)));
       rack_.advance(now_);
-      static_cast<void>(rack_.put(bus, number, port, frame));
+      static_cast<void>(port.put(frame));
       continue;
     }
     rack_.advance(clock_.on_frame(frame));
-    static_cast<void>(rack_.put(bus, number, port, frame));
+    static_cast<void>(port.put(frame));
     rack_.settle(bus, clock_);
     if (chance(0.8)) {
       drain(bus);
@@ -375,7 +368,7 @@ void LiveRun::talk_on_bus(std::size_t bus) {
 
 void LiveRun::drain(std::size_t bus) {
   for (std::size_t i = 0; i < ports_[bus].size(); ++i) {
-    while (rack_.take(bus, i, *ports_[bus][i])) {
+    while (ports_[bus][i]->take()) {
     }
   }
 }
@@ -463,9 +456,9 @@ void LiveRun::desk() {
           chance(0.3) ? std::nullopt : std::optional(1 + random_.below(6)), now()));
       break;
     case 3:
-      if (rack::Journal* journal = rack_.journal(); journal != nullptr && chance(0.3)) {
+      if (chance(0.3)) {
         marks_.push_back(fmt::format("mark{}", marks_.size()));
-        journal->mark(marks_.back());
+        rack_.execute({rack::command::Mark{marks_.back()}});
       }
       break;
     default:

@@ -77,7 +77,7 @@ class LiveRun {
   base::SimTime end_;
   std::vector<DeviceFacts> facts_;
   std::vector<product::Signal> signals_;
-  std::vector<std::vector<std::unique_ptr<can::Port>>> ports_;  ///< by bus
+  std::vector<std::vector<std::unique_ptr<rack::BusPort>>> ports_;  ///< by bus
   std::vector<std::unique_ptr<rack::SignalTap>> taps_;
   rack::TrafficTap traffic_{1024};
   bool inside_ = false;                     ///< others() was called by what it called

@@ -132,7 +132,7 @@ void add_wires(Random& random, RackConfiguration& rack, const std::vector<Device
 constexpr double kMostValue = 60.0;
 constexpr double kMostTorque = 1000.0;
 
-double random_value(Random& random, const product::Input& input) {
+double random_value(Random& random, const product::InputRange& input) {
   const double bound = input.unit.find('N') != std::string::npos ? kMostTorque : kMostValue;
   const double least = std::max(input.minimum, -bound);
   const double most = std::max(std::min(input.maximum, bound), least);
@@ -185,7 +185,8 @@ std::string words_one_of(Random& random, std::string_view words) {
 }
 
 /// A value of a parameter as a rack file has it; empty: none is known.
-std::string value_of(Random& random, const FaultParameter& parameter, const product::Input* input) {
+std::string value_of(Random& random, const FaultParameter& parameter,
+                     const product::InputRange* input) {
   const double least = parameter.minimum;
   const double most = std::min(parameter.maximum, least + (chance(random, 0.5) ? 10.0 : 1e6));
   switch (parameter.type) {
@@ -278,7 +279,7 @@ std::optional<rack::RackEvent> random_event(Random& random, const RackConfigurat
       if (device.inputs.empty()) {
         return std::nullopt;
       }
-      const product::Input& input = one_of(random, device.inputs);
+      const product::InputRange& input = one_of(random, device.inputs);
       return rack::InputEvent{.device = device.address,
                               .input = input.name,
                               .value = random_value(random, input),
@@ -291,7 +292,8 @@ std::string random_fault(Random& random, const RackConfiguration& rack,
   for (int i = 0; i < kTries; ++i) {
     const rack::FaultKind& kind = one_of(random, rack::fault_kinds());
     const DeviceFacts& device = one_of(random, facts);
-    const product::Input* input = device.inputs.empty() ? nullptr : &one_of(random, device.inputs);
+    const product::InputRange* input =
+        device.inputs.empty() ? nullptr : &one_of(random, device.inputs);
     std::string text = fmt::format("kind = \"{}\"\n", kind.name);
     text += target_of(random, kind.scope, rack, device);
     for (const FaultParameter& parameter : kind.parameters) {

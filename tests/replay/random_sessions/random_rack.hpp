@@ -14,8 +14,8 @@ namespace stator::tests {
 struct DeviceFacts {
   rack::DeviceAddress address;
   std::string name;
-  std::vector<product::Input> inputs;  ///< what sets them is not to be called
-  std::vector<std::string> signals;    ///< names within the device
+  std::vector<product::InputRange> inputs;  ///< what sets them is not to be called
+  std::vector<std::string> signals;         ///< names within the device
 };
 
 /// A rack that is made of a seed: products on segments, buses and serial lines, paced or not, with

@@ -165,7 +165,7 @@ std::string branch_off(const rack::RackConfiguration& configuration, const std::
     if (!player.at_mark()) {
       return "going back: the mark is not there";
     }
-    restored.recorder.ports_replaced();
+    restored.rack.execute({rack::command::ReplacePorts{}});
     start = player.now();
   }
   {

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "stator/cli/failure.hpp"
-#include "stator/rack/observe/journal.hpp"
+#include "stator/rack/core/command.hpp"
 
 namespace stator::cli {
 
@@ -34,9 +34,7 @@ base::SimTime LiveSession::go_to(const RecordingPlace& from, RecordedRack& recor
   if (reader.ending() == replay::RecordingEnding::cut) {
     fmt::print("{}: {}\n", from.path, reader.damage());
   }
-  if (rack::Journal* journal = rack.journal(); journal != nullptr) {
-    journal->ports_replaced();  // the player's go, those of the run come
-  }
+  rack.execute({rack::command::ReplacePorts{}});  // the player's go, those of the run come
   return player.now();
 }
 

@@ -56,8 +56,8 @@ void print_networks(const rack::RackConfiguration& configuration, rack::Rack& ra
     fmt::print("Segment on {}{}: {} device{}\n", runner.link(i).name(), redundant,
                segment.devices.size(), segment.devices.size() == 1 ? "" : "s");
     for (const std::size_t device : rack::frame_order(segment)) {
-      const rack::NamedDevice& member = rack.devices(i)[device];
-      fmt::print("  {}  ({})\n", member.name, member.device->description().name);
+      const rack::DeviceAddress address{i, device, rack::NetworkKind::segment};
+      fmt::print("  {}  ({})\n", rack.name_of(address), rack.slave(address).description().name);
     }
     fmt::print("{}", connection_hints(segment));
   }

@@ -115,16 +115,6 @@ TemporaryFolder::~TemporaryFolder() {
 }
 
 RecordingHeader header_of(const RunOptions& options, const rack::RackConfiguration& configuration) {
-  for (const rack::SegmentConfiguration& segment : configuration.segments) {
-    for (const rack::DeviceConfiguration& device : segment.devices) {
-      if (!device.eoe_interface.empty() || !device.host_link.empty()) {
-        throw Failure(fmt::format(
-            "{}: what comes {} is not recorded yet; take \"{}\" out of the rack file to record",
-            device.name, device.host_link.empty() ? "over EoE" : "from firmware at a socket",
-            device.host_link.empty() ? "eoe" : "spi"));
-      }
-    }
-  }
   RecordingHeader header;
   header.program = program_version();
   const auto keep = [&header](const char* name, const std::string& value) {

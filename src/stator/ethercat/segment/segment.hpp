@@ -58,6 +58,9 @@ class Segment {
 
   [[nodiscard]] std::size_t size() const { return stations_.size(); }
   [[nodiscard]] SlaveController& slave(std::size_t index) { return *stations_[index].slave; }
+  [[nodiscard]] const SlaveController& slave(std::size_t index) const {
+    return *stations_[index].slave;
+  }
   [[nodiscard]] bool has_cable(SlavePort port) const {
     return wiring_.peer(port).kind != Wiring::Peer::Kind::none;
   }

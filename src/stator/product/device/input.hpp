@@ -5,5 +5,6 @@
 namespace stator::product {
 
 using base::Input;
+using base::InputRange;
 
 }  // namespace stator::product

@@ -1,14 +1,14 @@
 #include "stator/rack/core/rack.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <stdexcept>
 #include <utility>
 
-#include "stator/rack/core/faults.hpp"
-#include "stator/rack/core/internal/rack_parts.hpp"
+#include "stator/rack/core/internal/coupling_ground.hpp"
+#include "stator/rack/core/internal/fault_ground.hpp"
+#include "stator/rack/core/internal/telling.hpp"
 #include "stator/rack/core/nested_calls.hpp"
-#include "stator/rack/observe/journal.hpp"
+#include "stator/rack/world/wires.hpp"
 
 namespace stator::rack {
 
@@ -33,7 +33,7 @@ constexpr base::EventRule kCarrierBack{"carrier-back", base::Severity::informati
 }  // namespace
 
 Rack::Rack(const RackConfiguration& configuration, EventLog& log)
-    : parts_(std::make_unique<Parts>(configuration, log)) {
+    : View(std::make_unique<RackParts>(configuration, log)) {
   std::vector<std::string> names;
   if (!configuration.state.empty()) {
     parts_->storage = std::make_unique<DeviceStorage>(configuration.state);
@@ -50,7 +50,9 @@ Rack::Rack(const RackConfiguration& configuration, EventLog& log)
       static_cast<void>(parts_->find_input(*input));
     }
   }
-  connect_wires(configuration);
+  if (!configuration.wires.empty()) {
+    couple(std::make_unique<Wires>(configuration.wires));
+  }
   if (configuration.trace) {
     parts_->begin_trace(*configuration.trace, configuration.clock);
   }
@@ -61,9 +63,10 @@ Rack::Rack(const RackConfiguration& configuration, EventLog& log)
     parts_->outputs.add(parts_->recorder->output(),
                         {.name = "recording " + configuration.record->file, .records = "rows"});
   }
-  faults_ = std::make_unique<Faults>(*this);
+  parts_->ground = std::make_unique<FaultGround>(*parts_, *this);
+  parts_->faults = std::make_unique<Faults>(*parts_->ground);
   for (const FaultConfiguration& fault : configuration.faults) {
-    if (const auto armed = faults_->inject(fault, base::SimTime()); !armed) {
+    if (const auto armed = parts_->faults->inject(fault, base::SimTime()); !armed) {
       throw std::runtime_error(fault.target.text + ": " + armed.error());
     }
   }
@@ -71,26 +74,17 @@ Rack::Rack(const RackConfiguration& configuration, EventLog& log)
 
 Rack::~Rack() = default;
 
-Journal* Rack::told() {
-  return parts_->inside ? nullptr : parts_->journal;
-}
-
-void Rack::connect_wires(const RackConfiguration& configuration) {
-  for (const WireConfiguration& wire : configuration.wires) {
-    const Wires::Touched touched =
-        wire.to.kind == NetworkKind::bus
-            ? Wires::Touched::bind<&CanNetwork::touched>(*parts_->buses[wire.to.network].network)
-            : Wires::Touched();
-    parts_->wires.add(wire, device(wire.from).signals(), inputs(wire.to),
-                      parts_->held_inputs[{wire.to, wire.input}], touched);
-  }
+void Rack::couple(std::unique_ptr<Coupling> coupling) {
+  CouplingGround ground(*parts_);
+  coupling->connect(ground);
+  parts_->couplings.push_back(std::move(coupling));
 }
 
 std::optional<ethercat::MasterInterface> Rack::process_frame(std::size_t segment,
                                                              std::span<std::byte> frame,
                                                              base::SimTime arrival,
                                                              ethercat::MasterInterface entry) {
-  Journal* journal = told();
+  Journal* journal = listening();
   if (journal == nullptr) [[likely]] {
     return pass_frame(segment, frame, arrival, entry);
   }
@@ -105,7 +99,7 @@ std::optional<ethercat::MasterInterface> Rack::pass_frame(std::size_t segment,
                                                           std::span<std::byte> frame,
                                                           base::SimTime arrival,
                                                           ethercat::MasterInterface entry) {
-  if (std::min(parts_->timetable.next(), faults_->next()) <= arrival) [[unlikely]] {
+  if (std::min(parts_->timetable.next(), parts_->faults->next()) <= arrival) [[unlikely]] {
     advance_to(arrival);
   }
   if (parts_->traffic != nullptr) [[unlikely]] {
@@ -115,9 +109,9 @@ std::optional<ethercat::MasterInterface> Rack::pass_frame(std::size_t segment,
 }
 
 void Rack::handle_bus_events(std::size_t segment, base::SimTime now) {
-  if (Journal* journal = told(); journal != nullptr) [[unlikely]] {
+  if (Journal* journal = listening(); journal != nullptr) [[unlikely]] {
     const NestedCalls nested(parts_->inside);
-    journal->bus_events(segment, now);
+    journal->command({command::TakeBusEvents{segment, now}});
     take_bus_events(segment, now);
     return;
   }
@@ -125,14 +119,14 @@ void Rack::handle_bus_events(std::size_t segment, base::SimTime now) {
 }
 
 void Rack::take_bus_events(std::size_t segment, base::SimTime now) {
-  if (parts_->wires.next() <= now) {
+  if (parts_->next_coupling() <= now) {
     advance_to(now);  // what the frame changes must not pass over a wire before the frame came
   }
   for (NamedDevice& member : parts_->segments[segment].devices) {
     member.device->handle_bus_events(now);
   }
-  if (faults_->looking()) {
-    faults_->act(now);
+  if (parts_->faults->looking()) {
+    parts_->faults->act(now);
   }
 }
 
@@ -142,10 +136,10 @@ std::optional<ethercat::ReleasedFrame> Rack::release_frame(std::size_t segment, 
   if (wires.next_release() > now) {
     return std::nullopt;
   }
-  Journal* journal = told();
+  Journal* journal = listening();
   const NestedCalls nested(parts_->inside);
   if (journal != nullptr) {
-    journal->release(segment, now);
+    journal->command({command::ReleaseFrame{segment, now}});
   }
   const auto released = wires.release(now, buffer);
   take_bus_events(segment, now);
@@ -167,25 +161,25 @@ void Rack::advance(base::SimTime now) {
 }
 
 void Rack::advance_at_once(base::SimTime now) {
-  Journal* journal = told();
+  Journal* journal = listening();
   if (journal == nullptr) [[likely]] {
     advance_to(now);
     return;
   }
   const NestedCalls nested(parts_->inside);
-  journal->advance(now);
+  journal->command({command::Advance{now}});
   advance_to(now);
   journal->advanced(now);
 }
 
 void Rack::advance_to(base::SimTime now) {
-  Parts& parts = *parts_;
+  RackParts& parts = *parts_;
   const auto next_sample = [&parts] {
     return parts.recorder ? parts.recorder->next_sample() : base::SimTime::never();
   };
   const auto next_instant = [this, &parts, &next_sample] {
-    return std::min({parts.timetable.next(), faults_->next(), parts.wires.next(), next_sample(),
-                     parts.next_tap(), parts.lines.next_deadline()});
+    return std::min({parts.timetable.next(), parts_->faults->next(), parts.next_coupling(),
+                     next_sample(), parts.next_tap(), parts.lines.next_deadline()});
   };
   for (base::SimTime instant = next_instant(); instant <= now; instant = next_instant()) {
     parts.advance_devices(instant);
@@ -193,12 +187,10 @@ void Rack::advance_to(base::SimTime now) {
     while (parts.timetable.next() <= instant) {
       parts.happen(parts.timetable.take(), instant);
     }
-    if (faults_->next() <= instant) {
-      faults_->act(instant);
+    if (parts_->faults->next() <= instant) {
+      parts_->faults->act(instant);
     }
-    if (parts.wires.next() <= instant) {
-      parts.wires.act(instant);
-    }
+    parts.act_couplings(instant);
     if (next_sample() <= instant) {
       parts.recorder->sample(instant);
     }
@@ -208,22 +200,9 @@ void Rack::advance_to(base::SimTime now) {
   if (parts.lines.next_deadline() <= now) {
     parts.lines.advance(now);  // bytes of what devices have sent on the last stretch
   }
-  if (faults_->looking()) {
-    faults_->act(now);
+  if (parts_->faults->looking()) {
+    parts_->faults->act(now);
   }
-}
-
-base::SimTime Rack::next_bus_deadline() const {
-  base::SimTime next = std::min(parts_->timetable.next(), faults_->next());
-  for (const Parts::BusMembers& members : parts_->buses) {
-    next = std::min(next, members.network->next_deadline());
-  }
-  return next;
-}
-
-base::SimTime Rack::next_line_deadline(std::size_t line) const {
-  return std::min({parts_->timetable.next(), faults_->next(), parts_->lines[line].next_deadline(),
-                   parts_->lines[line].next_device_deadline()});
 }
 
 void Rack::settle_line(std::size_t line, LockstepClock& clock) {
@@ -260,25 +239,8 @@ void Rack::settle(std::size_t bus, LockstepClock& clock) {
   parts_->orders_settled = orders_seen;
 }
 
-bool Rack::put(std::size_t bus, std::size_t number, can::Port& port, const can::Frame& frame) {
-  if (Journal* journal = told(); journal != nullptr) {
-    journal->can_frame_comes(bus, number, frame);
-  }
-  return port.put(frame);
-}
-
-std::optional<can::TimedFrame> Rack::take(std::size_t bus, std::size_t number, can::Port& port) {
-  const auto frame = port.take();
-  if (Journal* journal = told(); journal != nullptr && frame) {
-    journal->can_frame_leaves(bus, number, *frame);
-  }
-  return frame;
-}
-
 void Rack::put(std::size_t line, std::span<const std::byte> bytes, base::SimTime now) {
-  if (Journal* journal = told(); journal != nullptr) {
-    journal->bytes_come(line, bytes, now);
-  }
+  tell(command::PutBytes{line, bytes, now});
   const NestedCalls nested(parts_->inside);
   parts_->lines[line].put(bytes, now);
   if (parts_->lines.next_deadline() <= now) {
@@ -287,35 +249,28 @@ void Rack::put(std::size_t line, std::span<const std::byte> bytes, base::SimTime
 }
 
 void Rack::apply(const RackEvent& event, base::SimTime now) {
-  if (Journal* journal = told(); journal != nullptr) {
-    journal->event(event, now);
-  }
+  tell(command::ApplyEvent{event, now});
   const NestedCalls nested(parts_->inside);
   parts_->happen(event, now);
 }
 
 base::Expected<std::uint64_t, std::string> Rack::inject(const FaultConfiguration& fault,
                                                         base::SimTime now) {
-  if (Journal* journal = told(); journal != nullptr) {
-    journal->fault(fault.text, now);
-  }
+  tell(command::InjectFault{fault, now});
   const NestedCalls nested(parts_->inside);
-  return faults_->inject(fault, now);
+  return parts_->faults->inject(fault, now);
 }
 
 std::size_t Rack::clear_faults(std::optional<std::uint64_t> id, base::SimTime now) {
-  if (Journal* journal = told(); journal != nullptr) {
-    journal->fault_cleared(id, now);
-  }
+  tell(command::ClearFault{id, now});
   const NestedCalls nested(parts_->inside);
-  return id ? std::size_t{faults_->clear(*id, now) ? 1U : 0U} : faults_->clear_all(now);
+  return id ? std::size_t{parts_->faults->clear(*id, now) ? 1U : 0U}
+            : parts_->faults->clear_all(now);
 }
 
 void Rack::set_carrier(std::size_t segment, ethercat::MasterInterface interface, bool up,
                        base::SimTime now) {
-  if (Journal* journal = told(); journal != nullptr) {
-    journal->carrier(segment, interface, up, now);
-  }
+  tell(command::SetCarrier{segment, interface, up, now});
   const NestedCalls nested(parts_->inside);
   const bool primary = interface == ethercat::MasterInterface::primary;
   const std::size_t at = primary ? 0 : parts_->segments[segment].devices.size() - 1;
@@ -324,28 +279,70 @@ void Rack::set_carrier(std::size_t segment, ethercat::MasterInterface interface,
   parts_->segments[segment].segment->set_carrier(interface, up);
 }
 
-std::vector<product::Signal> Rack::signals() const {
-  std::vector<product::Signal> all;
-  for (const Parts::SegmentMembers& members : parts_->segments) {
-    for (const NamedDevice& member : members.devices) {
-      for (product::Signal signal : member.device->signals()) {
-        signal.name = member.name + "." + signal.name;
-        all.push_back(std::move(signal));
-      }
-    }
+void Rack::put_eoe_frame(DeviceAddress device, std::span<const std::byte> frame) {
+  execute({command::PutEoeFrame{device, frame}});
+}
+
+void Rack::set_journal(Journal* journal) {
+  parts_->journal = journal;
+  parts_->lines.set_journal(journal);
+  for (const auto& [device, port] : parts_->eoe_ports) {
+    port->set_journal(journal);
   }
-  for (const Parts::BusMembers& members : parts_->buses) {
-    for (const NamedCanDevice& member : members.network->devices()) {
-      for (product::Signal signal : member.device->signals()) {
-        signal.name = member.name + "." + signal.name;
-        all.push_back(std::move(signal));
-      }
-    }
-    if (members.wire) {
-      std::ranges::move(members.network->signals(), std::back_inserter(all));
-    }
+}
+
+void Rack::connect_line(std::size_t line, base::Delegate<void(std::span<const std::byte>)> output) {
+  parts_->lines[line].connect(output);
+}
+
+bool Rack::connect_eoe(DeviceAddress device, const EoeOutput& output) {
+  const auto port = parts_->eoe_ports.find(device);
+  if (port == parts_->eoe_ports.end()) {
+    return false;
   }
-  return all;
+  port->second->connect(output);
+  return true;
+}
+
+base::EventReporter Rack::bus_reporter(std::size_t index) {
+  return base::EventReporter(&parts_->log, parts_->buses[index].number);
+}
+
+void Rack::set_bus_epoch(std::size_t bus, base::SimDuration epoch) {
+  parts_->buses[bus].network->set_epoch(epoch);
+}
+
+PinTrace* Rack::trace() {
+  return parts_->trace.get();
+}
+
+DeviceStorage* Rack::storage() {
+  return parts_->storage.get();
+}
+
+void Rack::settle_log(base::SimTime now) {
+  parts_->log.settle(now);
+}
+
+OutputFiles& Rack::outputs() {
+  return parts_->outputs;
+}
+
+void Rack::add(SignalTap& tap, base::SimTime now) {
+  tap.begin(now);
+  parts_->taps.push_back(&tap);
+}
+
+void Rack::remove(const SignalTap& tap) {
+  std::erase(parts_->taps, &tap);
+}
+
+void Rack::watch_traffic(TrafficTap* tap) {
+  parts_->traffic = tap;
+  for (std::size_t i = 0; i < parts_->buses.size(); ++i) {
+    parts_->buses[i].network->watch_traffic(
+        tap, static_cast<std::uint16_t>(parts_->segments.size() + i));
+  }
 }
 
 }  // namespace stator::rack

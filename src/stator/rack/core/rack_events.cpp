@@ -1,11 +1,9 @@
 // What can happen to devices of a rack from outside, at a time of the timetable or at once.
 #include <algorithm>
 #include <cmath>
-#include <concepts>
 #include <stdexcept>
 
 #include "stator/rack/core/internal/rack_parts.hpp"
-#include "stator/rack/core/rack.hpp"
 #include "stator/rack/world/input_names.hpp"
 
 namespace stator::rack {
@@ -55,19 +53,9 @@ base::StaticText to_text(can::FrameFaultKind kind) {
   return "?";
 }
 
-// What an event wants of that which it sets.
-template <typename Event>
-constexpr auto kWanted = nullptr;
-template <>
-constexpr auto kWanted<InputEvent> = &InputEvent::value;
-template <>
-constexpr auto kWanted<CableEvent> = &CableEvent::intact;
-template <>
-constexpr auto kWanted<PowerEvent> = &PowerEvent::on;
-
 }  // namespace
 
-void Rack::Parts::happen(const RackEvent& event, base::SimTime now) {
+void RackParts::happen(const RackEvent& event, base::SimTime now) {
   if (const auto* cable = std::get_if<CableEvent>(&event)) {
     if (held(*cable).set(cable->intact)) {
       carry_out(*cable, now);
@@ -87,12 +75,14 @@ void Rack::Parts::happen(const RackEvent& event, base::SimTime now) {
   }
 }
 
-const product::Input& Rack::Parts::find_input(const InputEvent& event) const {
+const product::Input& RackParts::find_input(const InputEvent& event) const {
   const bool on_bus = event.device.kind == NetworkKind::bus;
   const std::size_t network = event.device.network;
-  const std::vector<product::Input>& inputs =
+  const auto& inputs =
       (on_bus ? buses[network].inputs : segments[network].inputs)[event.device.device];
-  const std::string problem = input_problem(inputs, event.input, event.value);
+  const auto& ranges =
+      (on_bus ? buses[network].ranges : segments[network].ranges)[event.device.device];
+  const std::string problem = input_problem(ranges, event.input, event.value);
   if (!problem.empty()) {
     const std::string& name = on_bus ? buses[network].network->devices()[event.device.device].name
                                      : segments[network].devices[event.device.device].name;
@@ -101,45 +91,19 @@ const product::Input& Rack::Parts::find_input(const InputEvent& event) const {
   return *std::ranges::find(inputs, event.input, &product::Input::name);
 }
 
-Held<double>& Rack::Parts::held(const InputEvent& event) {
+Held<double>& RackParts::held(const InputEvent& event) {
   return held_inputs[{event.device, event.input}];
 }
 
-Held<bool>& Rack::Parts::held(const CableEvent& event) {
+Held<bool>& RackParts::held(const CableEvent& event) {
   return held_cables.try_emplace({event.device, event.port}, true).first->second;
 }
 
-Held<bool>& Rack::Parts::held(const PowerEvent& event) {
+Held<bool>& RackParts::held(const PowerEvent& event) {
   return held_powers.try_emplace(event.device, true).first->second;
 }
 
-template <typename Event>
-void Rack::hold(const Event& event, const void* owner, base::SimTime now) {
-  if constexpr (std::same_as<Event, InputEvent>) {
-    static_cast<void>(parts_->find_input(event));  // throws before anything is noted
-  }
-  if (parts_->held(event).hold(owner, event.*kWanted<Event>)) {
-    parts_->carry_out(event, now);
-  }
-}
-
-template <typename Event>
-void Rack::release(Event event, const void* owner, base::SimTime now) {
-  auto& known = parts_->held(event);
-  if (known.release(owner)) {
-    event.*kWanted<Event> = known.value();
-    parts_->carry_out(event, now);
-  }
-}
-
-template void Rack::hold(const InputEvent&, const void*, base::SimTime);
-template void Rack::hold(const CableEvent&, const void*, base::SimTime);
-template void Rack::hold(const PowerEvent&, const void*, base::SimTime);
-template void Rack::release(InputEvent, const void*, base::SimTime);
-template void Rack::release(CableEvent, const void*, base::SimTime);
-template void Rack::release(PowerEvent, const void*, base::SimTime);
-
-void Rack::Parts::apply_input(const InputEvent& event, base::SimTime now) {
+void RackParts::apply_input(const InputEvent& event, base::SimTime now) {
   const product::Input& input = find_input(event);
   if (held(event).set(event.value)) {
     carry_out(event, now);
@@ -149,7 +113,7 @@ void Rack::Parts::apply_input(const InputEvent& event, base::SimTime now) {
   }
 }
 
-void Rack::Parts::carry_out(const InputEvent& event, base::SimTime now) {
+void RackParts::carry_out(const InputEvent& event, base::SimTime now) {
   const product::Input& input = find_input(event);
   if (event.logged) {
     report(
@@ -162,12 +126,7 @@ void Rack::Parts::carry_out(const InputEvent& event, base::SimTime now) {
   }
 }
 
-std::optional<double> Rack::input_value(const std::pair<DeviceAddress, std::string>& input) const {
-  const auto known = parts_->held_inputs.find(input);
-  return known == parts_->held_inputs.end() ? std::nullopt : std::optional(known->second.value());
-}
-
-void Rack::Parts::carry_out(const CableEvent& event, base::SimTime now) {
+void RackParts::carry_out(const CableEvent& event, base::SimTime now) {
   const std::uint16_t number = number_of(event.device);
   if (event.device.kind == NetworkKind::bus) {
     report(number, now, event.intact ? kConnected : kDisconnected);
@@ -179,7 +138,7 @@ void Rack::Parts::carry_out(const CableEvent& event, base::SimTime now) {
                                                     event.intact);
 }
 
-void Rack::Parts::carry_out(const PowerEvent& event, base::SimTime now) {
+void RackParts::carry_out(const PowerEvent& event, base::SimTime now) {
   const auto [network, device, kind] = event.device;
   const bool powered = kind == NetworkKind::bus ? buses[network].network->powered(device)
                                                 : segments[network].segment->powered(device);
@@ -200,11 +159,11 @@ void Rack::Parts::carry_out(const PowerEvent& event, base::SimTime now) {
   segments[network].devices[device].device->set_power(event.on, now);
 }
 
-void Rack::Parts::apply_error_state(const ErrorStateEvent& event, base::SimTime now) {
+void RackParts::apply_error_state(const ErrorStateEvent& event, base::SimTime now) {
   buses[event.device.network].network->set_error_state(event.device.device, event.state, now);
 }
 
-void Rack::Parts::apply_frame_fault(const FrameFaultEvent& event, base::SimTime now) {
+void RackParts::apply_frame_fault(const FrameFaultEvent& event, base::SimTime now) {
   const std::uint16_t number = event.device
                                    ? number_of({event.bus, *event.device, NetworkKind::bus})
                                    : buses[event.bus].number;
@@ -214,7 +173,7 @@ void Rack::Parts::apply_frame_fault(const FrameFaultEvent& event, base::SimTime 
   buses[event.bus].network->inject(event);
 }
 
-void Rack::Parts::apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now) {
+void RackParts::apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now) {
   const ethercat::FrameFault& fault = event.fault;
   const std::size_t slave = fault.port.slave;
   report(number_of({event.segment, slave, NetworkKind::segment}), now, kSegmentFault,

@@ -1,9 +1,7 @@
 // What devices of a rack have ordered to be kept: when time may move on, and who hears of the end.
 
-#include "stator/rack/core/internal/rack_parts.hpp"
+#include "stator/rack/core/internal/telling.hpp"
 #include "stator/rack/core/nested_calls.hpp"
-#include "stator/rack/core/rack.hpp"
-#include "stator/rack/observe/journal.hpp"
 
 namespace stator::rack {
 
@@ -43,9 +41,7 @@ void Rack::hand_over_completions(base::SimTime now) {
 }
 
 bool Rack::complete(const StorageCompletion& completion, base::SimTime now) {
-  if (Journal* journal = told(); journal != nullptr) {
-    journal->completed(completion, now);
-  }
+  tell(command::CompleteStorage{completion, now});
   const NestedCalls nested(parts_->inside);
   return parts_->storage != nullptr && parts_->storage->complete(completion, now);
 }

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "stator/can/error_counters.hpp"
 #include "stator/can/frame_faults.hpp"
 #include "stator/ethercat/segment/frame_faults.hpp"
+#include "stator/rack/faults/fault_effects.hpp"
 #include "stator/rack/faults/surroundings_faults.hpp"
 #include "stator/rack/networks/serial_faults.hpp"
+#include "stator/rack/world/input_names.hpp"
 
 namespace stator::rack {
 
@@ -21,9 +24,24 @@ constexpr double kMostCount = 1e9;
 constexpr double kAnyValue = 1e12;  // an input's own range decides
 constexpr double kMost32Bits = 4294967295.0;
 
-template <typename Enumerator>
-constexpr int variant_of(Enumerator value) {
-  return static_cast<int>(value);
+/// FaultKind::make of a kind that is one of several alike.
+template <auto Effect, auto Which>
+MadeEffect made(const FaultSite& site, const FaultConfiguration& fault) {
+  return Effect(site, fault, Which);
+}
+
+std::vector<FaultProblem> input_problems(const FaultConfiguration& fault,
+                                         std::span<const product::InputRange> inputs) {
+  std::vector<FaultProblem> problems;
+  for (const char* key : {"value", "back"}) {
+    if (const auto value = fault.values.find<double>(key)) {
+      std::string problem = input_problem(inputs, fault.values.get<std::string>("input"), *value);
+      if (!problem.empty()) {
+        problems.push_back({key, std::move(problem)});
+      }
+    }
+  }
+  return problems;
 }
 
 // Parameters that several kinds share.
@@ -178,8 +196,7 @@ constexpr std::array kSetParameters{
 constexpr auto kKinds = std::to_array<FaultKind>({
     // EtherCAT: frames and cables.
     {.name = "ethercat-drop",
-     .action = FaultAction::ethercat_frame,
-     .variant = variant_of(ethercat::FrameFaultKind::drop),
+     .make = made<ethercat_frame_effect, ethercat::FrameFaultKind::drop>,
      .scope = FaultScope::port,
      .reach = FaultReach::ethercat,
      .counted = "frames",
@@ -188,8 +205,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
      .effect = "No answer until its time is over. Slaves before the place have executed the frame, "
                "those behind have not. No counter tells."},
     {.name = "ethercat-corrupt",
-     .action = FaultAction::ethercat_frame,
-     .variant = variant_of(ethercat::FrameFaultKind::corrupt),
+     .make = made<ethercat_frame_effect, ethercat::FrameFaultKind::corrupt>,
      .scope = FaultScope::port,
      .reach = FaultReach::ethercat,
      .counted = "frames",
@@ -199,8 +215,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
                "...), each port behind a forwarded error (0308h and on): the place lies before the "
                "first port with the former."},
     {.name = "ethercat-delay",
-     .action = FaultAction::ethercat_frame,
-     .variant = variant_of(ethercat::FrameFaultKind::delay),
+     .make = made<ethercat_frame_effect, ethercat::FrameFaultKind::delay>,
      .scope = FaultScope::port,
      .reach = FaultReach::ethercat,
      .counted = "frames",
@@ -210,8 +225,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
          "The answer comes late, perhaps after that to the next frame or after the master has "
          "given it up. Slaves behind the place execute the frame late."},
     {.name = "ethercat-duplicate",
-     .action = FaultAction::ethercat_frame,
-     .variant = variant_of(ethercat::FrameFaultKind::duplicate),
+     .make = made<ethercat_frame_effect, ethercat::FrameFaultKind::duplicate>,
      .scope = FaultScope::port,
      .reach = FaultReach::ethercat,
      .counted = "frames",
@@ -221,8 +235,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
                "twice: a mailbox that was read is empty the second time, so the "
                "working counters of both answers differ."},
     {.name = "ethercat-reorder",
-     .action = FaultAction::ethercat_frame,
-     .variant = variant_of(ethercat::FrameFaultKind::reorder),
+     .make = made<ethercat_frame_effect, ethercat::FrameFaultKind::reorder>,
      .scope = FaultScope::port,
      .reach = FaultReach::ethercat,
      .counted = "frames",
@@ -230,7 +243,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
      .summary = "frames are overtaken by the one that follows",
      .effect = "Answers come in another order than the frames were sent."},
     {.name = "link-down",
-     .action = FaultAction::link_down,
+     .make = link_effect,
      .scope = FaultScope::port,
      .parameters = kLinkParameters,
      .summary = "a cable is out, or comes and goes",
@@ -239,7 +252,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
          "and on) count it, loops close. Slaves behind the place are gone: frames come back "
          "with a smaller working counter. On CAN: the device neither hears nor acknowledges."},
     {.name = "power-off",
-     .action = FaultAction::power_off,
+     .make = power_effect,
      .scope = FaultScope::device,
      .summary = "the supply of a device fails",
      .effect = "The device is gone, on EtherCAT with all behind it. With power back it is in Init "
@@ -247,26 +260,28 @@ constexpr auto kKinds = std::to_array<FaultKind>({
                "message."},
     // EtherCAT: slaves.
     {.name = "mailbox-stall",
-     .action = FaultAction::mailbox_stall,
+     .make = mailbox_stall_effect,
      .scope = FaultScope::device,
      .reach = FaultReach::ethercat_firmware,
      .counted = "requests",
+     .of_mailbox = true,
      .parameters = kStallParameters,
      .summary = "the mailbox is not served",
      .effect = "`silent`: sync manager 1 stays empty (bit 3 of 080Dh is 0) until the mailbox "
                "time-out. `full`: sync manager 0 stays full (bit 3 of 0805h), the next write to it "
                "has working counter 0."},
     {.name = "mailbox-abort",
-     .action = FaultAction::mailbox_abort,
+     .make = mailbox_abort_effect,
      .scope = FaultScope::device,
      .reach = FaultReach::ethercat_firmware,
      .counted = "requests",
+     .of_mailbox = true,
      .parameters = kAbortParameters,
      .summary = "SDO transfers are aborted",
      .effect = "The SDO request, or a segment of its transfer, is answered by an abort with this "
                "code."},
     {.name = "al-error",
-     .action = FaultAction::al_error,
+     .make = al_error_effect,
      .scope = FaultScope::device,
      .reach = FaultReach::ethercat_firmware,
      .parameters = kErrorParameters,
@@ -274,7 +289,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
      .effect = "Bit 4 of AL status (0130h), the code in 0134h; from a higher state it falls. "
                "Acknowledging works, but every step up is refused with the code until the end."},
     {.name = "fall-back",
-     .action = FaultAction::fall_back,
+     .make = fall_back_effect,
      .scope = FaultScope::device,
      .reach = FaultReach::ethercat_firmware,
      .momentary = true,
@@ -285,7 +300,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
                "counter does not tell, a look at AL status (BRD 0130h) does. After acknowledgment "
                "the slave goes up again."},
     {.name = "working-counter",
-     .action = FaultAction::working_counter,
+     .make = working_counter_effect,
      .scope = FaultScope::device,
      .reach = FaultReach::ethercat,
      .counted = "datagrams",
@@ -295,7 +310,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
          "The working counter is smaller than expected, by 1 for a read or write, by 3 for an "
          "LRW."},
     {.name = "sii-corruption",
-     .action = FaultAction::sii_corruption,
+     .make = sii_effect,
      .scope = FaultScope::device,
      .reach = FaultReach::ethercat,
      .parameters = kSiiParameters,
@@ -305,7 +320,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
                "DL status is 0, process memory and host interface are closed: no state is reached "
                "and no mailbox answers. After the end it needs another."},
     {.name = "clock-drift",
-     .action = FaultAction::clock_drift,
+     .make = clock_drift_effect,
      .scope = FaultScope::device,
      .reach = FaultReach::ethercat,
      .parameters = kDriftParameters,
@@ -314,8 +329,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
                "control loop has compensated the drift (0932h)."},
     // CAN.
     {.name = "can-drop",
-     .action = FaultAction::can_frame,
-     .variant = variant_of(can::FrameFaultKind::drop),
+     .make = made<can_frame_effect, can::FrameFaultKind::drop>,
      .scope = FaultScope::bus,
      .reach = FaultReach::can,
      .counted = "frames",
@@ -323,8 +337,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
      .summary = "frames are acknowledged but nobody takes them",
      .effect = "An answer or PDO is missing, no error frame; SDO time-out, missed heartbeat."},
     {.name = "can-error-frame",
-     .action = FaultAction::can_frame,
-     .variant = variant_of(can::FrameFaultKind::corrupt),
+     .make = made<can_frame_effect, can::FrameFaultKind::corrupt>,
      .scope = FaultScope::bus,
      .reach = FaultReach::can,
      .counted = "frames",
@@ -333,8 +346,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
      .effect = "An error frame, error counters rise (sender by 8, others by 1), the frame is sent "
                "again. Without end the sender gets error passive and bus-off."},
     {.name = "can-duplicate",
-     .action = FaultAction::can_frame,
-     .variant = variant_of(can::FrameFaultKind::duplicate),
+     .make = made<can_frame_effect, can::FrameFaultKind::duplicate>,
      .scope = FaultScope::bus,
      .reach = FaultReach::can,
      .counted = "frames",
@@ -342,8 +354,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
      .summary = "frames come twice",
      .effect = "The same frame again; an SDO segment with the toggle bit of the one before."},
     {.name = "can-delay",
-     .action = FaultAction::can_frame,
-     .variant = variant_of(can::FrameFaultKind::delay),
+     .make = made<can_frame_effect, can::FrameFaultKind::delay>,
      .scope = FaultScope::bus,
      .reach = FaultReach::can,
      .counted = "frames",
@@ -351,8 +362,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
      .summary = "senders are held back",
      .effect = "A frame comes late and behind others."},
     {.name = "can-bus-off",
-     .action = FaultAction::can_error_state,
-     .variant = variant_of(can::ErrorState::bus_off),
+     .make = made<can_state_effect, can::ErrorState::bus_off>,
      .scope = FaultScope::device,
      .reach = FaultReach::can,
      .momentary = true,
@@ -363,8 +373,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
          "where 1029h:01 has it go, a TMCC160 to Stopped: its heartbeat shows that, and the "
          "emergency and answers to SDOs come after NMT start."},
     {.name = "can-error-passive",
-     .action = FaultAction::can_error_state,
-     .variant = variant_of(can::ErrorState::error_passive),
+     .make = made<can_state_effect, can::ErrorState::error_passive>,
      .scope = FaultScope::device,
      .reach = FaultReach::can,
      .momentary = true,
@@ -373,8 +382,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
                "enough frames have passed without errors."},
     // Serial lines.
     {.name = "serial-noise",
-     .action = FaultAction::serial,
-     .variant = variant_of(SerialFaultKind::noise),
+     .make = made<serial_effect, SerialFaultKind::noise>,
      .scope = FaultScope::line,
      .counted = "bytes",
      .parameters = kNoiseParameters,
@@ -383,8 +391,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
          "Checksums fail: a module answers a telegram with status 1 (wrong checksum) or, with "
          "a wrong address, not at all; a reply is wrong."},
     {.name = "serial-cut",
-     .action = FaultAction::serial,
-     .variant = variant_of(SerialFaultKind::cut),
+     .make = made<serial_effect, SerialFaultKind::cut>,
      .scope = FaultScope::line,
      .counted = "telegrams",
      .parameters = kCutParameters,
@@ -392,8 +399,7 @@ constexpr auto kKinds = std::to_array<FaultKind>({
      .effect = "A reply is too short, or there is none; a module takes the begin of the next "
                "telegram for the rest, unless it has a telegram time-out."},
     {.name = "serial-delay",
-     .action = FaultAction::serial,
-     .variant = variant_of(SerialFaultKind::delay),
+     .make = made<serial_effect, SerialFaultKind::delay>,
      .scope = FaultScope::line,
      .counted = "telegrams",
      .parameters = kLineDelayParameters,
@@ -401,7 +407,8 @@ constexpr auto kKinds = std::to_array<FaultKind>({
      .effect = "A reply comes late, perhaps after the next request."},
     // Around the devices; those with names are in surroundings_faults.cpp.
     {.name = "set",
-     .action = FaultAction::set_input,
+     .make = input_effect,
+     .problems = input_problems,
      .scope = FaultScope::device,
      .parameters = kSetParameters,
      .summary = "something around a device is set",

@@ -1,32 +1,20 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "stator/base/event_text.hpp"
+#include "stator/product/device/input.hpp"
 
 namespace stator::rack {
 
-/// What a fault does. Each has an effect in fault_effects_*.cpp.
-enum class FaultAction : std::uint8_t {
-  ethercat_frame,   ///< something happens to frames on an EtherCAT cable
-  can_frame,        ///< something happens to frames on a CAN bus
-  serial,           ///< something happens to bytes on a serial line
-  link_down,        ///< a cable is out
-  power_off,        ///< a supply is off
-  mailbox_stall,    ///< the firmware does not serve its mailbox
-  mailbox_abort,    ///< it aborts SDO transfers
-  al_error,         ///< it indicates an error and goes no state up
-  fall_back,        ///< it leaves for a lower state
-  working_counter,  ///< it does not count datagrams
-  sii_corruption,   ///< its EEPROM reads wrong
-  clock_drift,      ///< its oscillator runs fast or slow
-  can_error_state,  ///< its CAN controller gets into another error state
-  surroundings,     ///< something around it fails: motor, load, sensors, supply
-  set_input,        ///< something around it is set
-};
+class FaultEffect;
+struct FaultConfiguration;
+struct FaultSite;
 
 /// What a fault hits; says which keys name the target.
 enum class FaultScope : std::uint8_t {
@@ -62,16 +50,27 @@ struct FaultParameter {
   std::string_view summary{};
 };
 
-/// A kind of fault, declared once.
+/// Why a fault cannot happen, and the key that is to blame.
+struct FaultProblem {
+  std::string key;
+  std::string text;
+};
+
+/// A kind of fault, declared once. Those of the house are fault_kinds(); a program may inject one
+/// of its own.
 struct FaultKind {
   base::StaticText name;
-  FaultAction action;
-  int variant = 0;  ///< which of those the action knows, e.g. an ethercat::FrameFaultKind
+  /// Makes what a fault of this kind does. Throws std::runtime_error for what is not there.
+  std::unique_ptr<FaultEffect> (*make)(const FaultSite& site, const FaultConfiguration& fault);
+  /// Why a fault cannot happen to a device with these inputs; null: there is no such reason.
+  std::vector<FaultProblem> (*problems)(const FaultConfiguration& fault,
+                                        std::span<const product::InputRange> inputs) = nullptr;
   FaultScope scope;
   FaultReach reach = FaultReach::any;
   /// What `count` counts and `probability` applies to; empty: neither is possible.
   std::string_view counted{};
-  bool momentary = false;  ///< it is over as soon as it has begun
+  bool momentary = false;   ///< it is over as soon as it has begun
+  bool of_mailbox = false;  ///< it hits requests, and the very one in whose course it begins
   std::span<const FaultParameter> parameters{};
   std::string_view summary;
   std::string_view effect;  ///< what the master sees

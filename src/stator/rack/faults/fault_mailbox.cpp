@@ -27,16 +27,22 @@ bool is_sdo_request(const ethercat::MailboxHeader& header, std::span<const std::
 
 }  // namespace
 
-MailboxFault mailbox_fault(const FaultConfiguration& fault) {
-  MailboxFault mailbox{.count = fault.count, .probability = fault.probability, .seed = fault.seed};
-  if (fault.kind->action == FaultAction::mailbox_abort) {
-    mailbox.kind = MailboxFault::Kind::abort;
-    mailbox.code = static_cast<std::uint32_t>(fault.values.whole("code"));
-    if (const auto object = fault.values.find<std::string>("object")) {
-      mailbox.object = parse_fault_object(*object);
-    }
-  } else if (fault.values.get<std::string>("mode") == "full") {
-    mailbox.kind = MailboxFault::Kind::full;
+MailboxFault mailbox_stall(const FaultConfiguration& fault) {
+  using Kind = MailboxFault::Kind;
+  return {.kind = fault.values.get<std::string>("mode") == "full" ? Kind::full : Kind::silent,
+          .count = fault.count,
+          .probability = fault.probability,
+          .seed = fault.seed};
+}
+
+MailboxFault mailbox_abort(const FaultConfiguration& fault) {
+  MailboxFault mailbox{.kind = MailboxFault::Kind::abort,
+                       .count = fault.count,
+                       .probability = fault.probability,
+                       .seed = fault.seed,
+                       .code = static_cast<std::uint32_t>(fault.values.whole("code"))};
+  if (const auto object = fault.values.find<std::string>("object")) {
+    mailbox.object = parse_fault_object(*object);
   }
   return mailbox;
 }

@@ -26,7 +26,8 @@ struct MailboxFault {
   std::uint32_t code = 0;               ///< of `abort`
   std::optional<FaultObject> object{};  ///< of `abort`: only of this
 };
-[[nodiscard]] MailboxFault mailbox_fault(const FaultConfiguration& fault);
+[[nodiscard]] MailboxFault mailbox_stall(const FaultConfiguration& fault);
+[[nodiscard]] MailboxFault mailbox_abort(const FaultConfiguration& fault);
 
 /// A request as whoever waits for one sees it.
 struct MailboxStep {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "stator/rack/faults/surroundings_effect.hpp"
 #include "stator/rack/world/input_names.hpp"
 
 namespace stator::rack {
@@ -17,7 +18,7 @@ using enum FaultValueType;
 /// Puts together what a fault sets.
 class Settings {
  public:
-  Settings(const FaultConfiguration& fault, std::span<const product::Input> inputs)
+  Settings(const FaultConfiguration& fault, std::span<const product::InputRange> inputs)
       : fault_(fault), inputs_(inputs) {}
 
   [[nodiscard]] double number(std::string_view key) const { return fault_.values.get<double>(key); }
@@ -50,7 +51,7 @@ class Settings {
     list_.push_back({std::move(input), value, key, ramped});
   }
   [[nodiscard]] bool has(std::string_view input) const {
-    return std::ranges::find(inputs_, input, &product::Input::name) != inputs_.end();
+    return std::ranges::find(inputs_, input, &product::InputRange::name) != inputs_.end();
   }
   [[nodiscard]] std::string prefix() const {
     return of_peripheral() ? text("peripheral") + "." : fmt::format("axis{}.", fault_.target.axis);
@@ -59,7 +60,7 @@ class Settings {
 
  private:
   const FaultConfiguration& fault_;
-  std::span<const product::Input> inputs_;
+  std::span<const product::InputRange> inputs_;
   std::vector<FaultSetting> list_;
 };
 
@@ -187,6 +188,10 @@ constexpr std::array kCurrentNoise{
     size("size", "count or A", 0.0, 65535.0,
          "standard deviation: counts of a TMC8670's converter, ampere of a TMCC160")};
 
+// Names the first input that a fault cannot set; defined below the rows it asks.
+std::vector<FaultProblem> setting_problems(const FaultConfiguration& fault,
+                                           std::span<const product::InputRange> inputs);
+
 struct Row {
   FaultKind kind;
   void (*settings)(Settings& s);
@@ -195,7 +200,8 @@ struct Row {
 // What a master sees differs between products; docs/how-to/plant-faults.md has a table.
 constexpr auto kRows = std::to_array<Row>({
     {{.name = "motor-stall",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kOfAxis,
       .summary = "the rotor is jammed where it stands",
@@ -203,7 +209,8 @@ constexpr auto kRows = std::to_array<Row>({
                 "one, full current, StallGuard at 0."},
      [](Settings& s) { s.set("jammed", 1.0, "kind"); }},
     {{.name = "axis-jammed",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kJammed,
       .summary = "the shaft turns between two positions only",
@@ -214,7 +221,8 @@ constexpr auto kRows = std::to_array<Row>({
        s.set("jammed", 2.0, "kind");
      }},
     {{.name = "friction-rise",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kFriction,
       .summary = "bearings or guides run dry",
@@ -225,7 +233,8 @@ constexpr auto kRows = std::to_array<Row>({
        s.set("added_viscous_friction", s.number("viscous"), "viscous", true);
      }},
     {{.name = "load-step",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kLoadStep,
       .summary = "a torque acts on the shaft",
@@ -233,14 +242,16 @@ constexpr auto kRows = std::to_array<Row>({
                 "its load angle and loses steps beyond its torque."},
      [](Settings& s) { s.set("load_torque", s.number("torque"), "torque", true); }},
     {{.name = "load-inertia",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kInertia,
       .summary = "the load gets heavier or lighter",
       .effect = "Gains no longer fit: overshoot and larger following errors in accelerations."},
      [](Settings& s) { s.set("added_inertia", s.number("inertia"), "inertia", true); }},
     {{.name = "phase-loss",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kPhase,
       .summary = "the cable of a motor phase is broken",
@@ -250,7 +261,8 @@ constexpr auto kRows = std::to_array<Row>({
        s.set_one_of({"open_" + s.text("phase"), "open_load_" + s.text("phase")}, 1.0, "phase");
      }},
     {{.name = "phase-short",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kShort,
       .summary = "a motor phase or the power stage is shorted",
@@ -261,7 +273,8 @@ constexpr auto kRows = std::to_array<Row>({
        s.set(phase == "high-side" ? "short_high_side" : "short_" + phase, 1.0, "phase");
      }},
     {{.name = "encoder-glitch",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .momentary = true,
       .parameters = kGlitch,
@@ -275,7 +288,8 @@ constexpr auto kRows = std::to_array<Row>({
        }
      }},
     {{.name = "encoder-loss",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kEncoderLoss,
       .summary = "signals of the encoder do not arrive",
@@ -294,7 +308,8 @@ constexpr auto kRows = std::to_array<Row>({
        }
      }},
     {{.name = "encoder-slip",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kSlip,
       .summary = "the coupling of the encoder slips",
@@ -305,14 +320,16 @@ constexpr auto kRows = std::to_array<Row>({
        s.set("encoder_slip", s.number("slip"), "slip");
      }},
     {{.name = "encoder-noise",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kNoise,
       .summary = "readings of the encoder jitter",
       .effect = "Actual position and velocity jitter; a loop with high gains is loud, and warm."},
      [](Settings& s) { s.set(s.encoder() + "_noise", s.number("counts"), "counts"); }},
     {{.name = "hall-fault",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kHall,
       .summary = "a Hall sensor is stuck, or two are swapped",
@@ -327,7 +344,8 @@ constexpr auto kRows = std::to_array<Row>({
        }
      }},
     {{.name = "supply-sag",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kVolts,
       .summary = "the supply of the motor is too low",
@@ -335,7 +353,8 @@ constexpr auto kRows = std::to_array<Row>({
                 "is less speed."},
      [](Settings& s) { s.set("supply_offset", -s.number("volts"), "volts", true); }},
     {{.name = "supply-overvoltage",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kVolts,
       .summary = "the supply of the motor is too high",
@@ -343,7 +362,8 @@ constexpr auto kRows = std::to_array<Row>({
                 "that."},
      [](Settings& s) { s.set("supply_offset", s.number("volts"), "volts", true); }},
     {{.name = "supply-resistance",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kOhms,
       .summary = "a bad contact in the motor's supply",
@@ -351,14 +371,16 @@ constexpr auto kRows = std::to_array<Row>({
                 "overvoltage while braking."},
      [](Settings& s) { s.set("supply_resistance", s.number("ohms"), "ohms", true); }},
     {{.name = "over-temperature",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kKelvin,
       .summary = "the temperature sensor of the power stage reads too much",
       .effect = "Warning, then switched off, as the product does when it is hot; at once."},
      [](Settings& s) { s.set("driver_temperature_offset", s.number("kelvin"), "kelvin", true); }},
     {{.name = "heat",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kWatts,
       .summary = "power stage or motor are heated from outside",
@@ -366,7 +388,8 @@ constexpr auto kRows = std::to_array<Row>({
                 "winding has more resistance."},
      [](Settings& s) { s.set(s.text("place") + "_heat", s.number("watts"), "watts", true); }},
     {{.name = "switch-stuck",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kSwitch,
       .summary = "a switch is pressed or released for ever",
@@ -377,7 +400,8 @@ constexpr auto kRows = std::to_array<Row>({
              s.text("state") == "pressed" ? 2.0 : 1.0, "switch");
      }},
     {{.name = "brake-stuck",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kBrake,
       .summary = "a holding brake does not release, or does not hold",
@@ -385,14 +409,16 @@ constexpr auto kRows = std::to_array<Row>({
                 "drops when the power stage is off."},
      [](Settings& s) { s.set("brake_fault", s.text("state") == "closed" ? 1.0 : 2.0, "state"); }},
     {{.name = "brake-drag",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kDrag,
       .summary = "a released brake rubs",
       .effect = "More current for the same motion."},
      [](Settings& s) { s.set("brake_drag", s.number("torque"), "torque", true); }},
     {{.name = "current-noise",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::axis,
       .parameters = kCurrentNoise,
       .summary = "current measurement jitters",
@@ -401,7 +427,8 @@ constexpr auto kRows = std::to_array<Row>({
        s.set_one_of({"converter_noise", "current_noise"}, s.number("size"), "size");
      }},
     {{.name = "analog-noise",
-      .action = FaultAction::surroundings,
+      .make = surroundings_effect,
+      .problems = setting_problems,
       .scope = FaultScope::device,
       .parameters = kCounts,
       .summary = "readings of analog inputs jitter",
@@ -424,7 +451,7 @@ std::span<const FaultKind> surroundings_fault_kinds() {
 }
 
 std::vector<FaultSetting> settings_of(const FaultConfiguration& fault,
-                                      std::span<const product::Input> inputs) {
+                                      std::span<const product::InputRange> inputs) {
   Settings settings(fault, inputs);
   for (const Row& row : kRows) {
     if (row.kind.name == fault.kind->name) {
@@ -434,22 +461,26 @@ std::vector<FaultSetting> settings_of(const FaultConfiguration& fault,
   return std::move(settings.list());
 }
 
-SettingProblem setting_problem(const FaultConfiguration& fault,
-                               std::span<const product::Input> inputs) {
+namespace {
+
+std::vector<FaultProblem> setting_problems(const FaultConfiguration& fault,
+                                           std::span<const product::InputRange> inputs) {
   for (const FaultSetting& setting : settings_of(fault, inputs)) {
-    const auto known = std::ranges::find(inputs, setting.input, &product::Input::name);
+    const auto known = std::ranges::find(inputs, setting.input, &product::InputRange::name);
     if (known == inputs.end()) {
-      return {std::string(setting.key),
-              fmt::format("\"{}\" cannot happen to {} like this: it has no input \"{}\"; \"stator "
-                          "describe DEVICE --inputs\" lists what can be set around a device",
-                          fault.kind->name, fault.target.text, setting.input)};
+      return {{std::string(setting.key),
+               fmt::format("\"{}\" cannot happen to {} like this: it has no input \"{}\"; \"stator "
+                           "describe DEVICE --inputs\" lists what can be set around a device",
+                           fault.kind->name, fault.target.text, setting.input)}};
     }
     if (std::string problem = input_problem(inputs, setting.input, setting.value);
         !problem.empty()) {
-      return {std::string(setting.key), std::move(problem)};
+      return {{std::string(setting.key), std::move(problem)}};
     }
   }
   return {};
 }
+
+}  // namespace
 
 }  // namespace stator::rack

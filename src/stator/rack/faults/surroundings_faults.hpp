@@ -19,7 +19,7 @@ struct FaultSetting {
   bool ramped = false;
 };
 
-/// The kinds of FaultAction::surroundings: faults of everything around a device by the names people
+/// Kinds of faults of everything around a device by the names people
 /// have for them. Each sets inputs, all of which are sound at 0.
 [[nodiscard]] std::span<const FaultKind> surroundings_fault_kinds();
 
@@ -27,15 +27,6 @@ struct FaultSetting {
 /// round to what else is wanted of them, see held.hpp. `inputs` are those of the device:
 /// names differ between products.
 [[nodiscard]] std::vector<FaultSetting> settings_of(const FaultConfiguration& fault,
-                                                    std::span<const product::Input> inputs);
-
-/// Why such a fault cannot happen to a device with these inputs, and the key that is to blame;
-/// empty: it can.
-struct SettingProblem {
-  std::string key;
-  std::string text;
-};
-[[nodiscard]] SettingProblem setting_problem(const FaultConfiguration& fault,
-                                             std::span<const product::Input> inputs);
+                                                    std::span<const product::InputRange> inputs);
 
 }  // namespace stator::rack

@@ -297,7 +297,7 @@ void FaultReader::check_reach(TableReader& section, const FaultConfiguration& fa
   if (reach == FaultReach::can) {
     targets_.require_can(section, address);
   }
-  if (fault.kind->action == FaultAction::link_down && !ethercat) {
+  if (fault.kind->scope == FaultScope::port && reach == FaultReach::any && !ethercat) {
     targets_.require_can(section, address);
   }
 }
@@ -315,31 +315,12 @@ void FaultReader::check_values(TableReader& section, const FaultConfiguration& f
       section.refuse("commands", problem);
     }
   }
-  const bool around = fault.kind->action == FaultAction::surroundings;
-  if (!around && fault.kind->action != FaultAction::set_input) {
-    return;
-  }
-  if (!section.problems().list.empty()) {
+  if (fault.kind->problems == nullptr || !section.problems().list.empty()) {
     return;  // a device with errors may not be there to be asked
   }
-  if (around) {
-    const SettingProblem problem = setting_problem(fault, targets_.inputs_of(*fault.target.device));
-    if (!problem.text.empty()) {
-      section.refuse(problem.key, problem.text);
-    }
-    return;
-  }
-  const auto& input = values.get<std::string>("input");
-  for (const char* key : {"value", "back"}) {
-    const auto value = values.find<double>(key);
-    if (!value) {
-      continue;
-    }
-    const std::string problem =
-        input_problem(targets_.inputs_of(*fault.target.device), input, *value);
-    if (!problem.empty()) {
-      section.refuse(key, problem);
-    }
+  for (const FaultProblem& problem :
+       fault.kind->problems(fault, targets_.inputs_of(*fault.target.device))) {
+    section.refuse(problem.key, problem.text);
   }
 }
 

@@ -5,22 +5,22 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <stdexcept>
 #include <system_error>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "stator/product/catalogue/catalogue.hpp"
 #include "stator/rack/core/device_making.hpp"
-#include "stator/rack/core/named_device.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file_steps.hpp"
 #include "stator/rack/file/shared_addresses.hpp"
 #include "stator/rack/file/system_files.hpp"
 #include "stator/rack/kept/device_storage.hpp"
-#include "stator/rack/networks/can_network.hpp"
 #include "stator/rack/observe/event_log.hpp"
 #include "stator/rack/observe/recorder.hpp"
 
@@ -29,7 +29,7 @@ namespace stator::rack {
 namespace {
 
 /// Hands the devices what the state directory keeps for them, one after the other.
-void check_state(const RackConfiguration& configuration, Rack& rack, TableReader& root,
+void check_state(const RackConfiguration& configuration, TableReader& root,
                  settings::Problems& problems) {
   const auto collect = [&](const auto& attach) {
     try {
@@ -50,19 +50,21 @@ void check_state(const RackConfiguration& configuration, Rack& rack, TableReader
     return;
   }
   collect([&] {
+    std::vector<std::unique_ptr<product::EtherCatDevice>> slaves;
+    std::vector<std::unique_ptr<product::CanDevice>> nodes;
     DeviceStorage storage(configuration.state, StateDirectory::Use::look);
     for (std::size_t i = 0; i < configuration.segments.size(); ++i) {
-      for (NamedDevice& member : rack.devices(i)) {
-        collect([&] { storage.attach(member.name, *member.device, {}); });
+      for (const DeviceConfiguration& device : configuration.segments[i].devices) {
+        slaves.push_back(make_ethercat_device(device.setup, {}));
+        collect([&] { storage.attach(device.name, *slaves.back(), {}); });
       }
     }
     for (std::size_t i = 0; i < configuration.buses.size(); ++i) {
       const BusConfiguration& bus = configuration.buses[i];
-      for (std::size_t device = 0; device < bus.devices.size(); ++device) {
-        NamedCanDevice& member = rack.bus(i).devices()[device];
+      for (const DeviceConfiguration& device : bus.devices) {
+        nodes.push_back(make_can_device(device.setup, {}));
         collect([&] {
-          storage.attach(member.name, bus.devices[device].setup.product().identity().name(),
-                         *member.device, {});
+          storage.attach(device.name, device.setup.product().identity().name(), *nodes.back(), {});
         });
       }
     }
@@ -96,7 +98,7 @@ void check_devices(const RackConfiguration& configuration, TableReader& root,
       check_signals(*configuration.record, rack, root);
     }
     if (!configuration.state.empty()) {
-      check_state(configuration, rack, root, problems);
+      check_state(configuration, root, problems);
     }
   } catch (const std::exception& error) {
     problems.list.emplace_back(fmt::format("{}: {}", root.file(), error.what()));

@@ -106,10 +106,11 @@ std::size_t TargetReader::read_bus(TableReader& section, const std::string& name
                            names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
-const std::vector<product::Input>& TargetReader::inputs_of(DeviceAddress device) {
+const std::vector<product::InputRange>& TargetReader::inputs_of(DeviceAddress device) {
   const auto [place, is_new] = inputs_.try_emplace(device);
   if (is_new) {
-    place->second = device_at(device).setup.make()->inputs();
+    const std::vector<product::Input> inputs = device_at(device).setup.make()->inputs();
+    place->second.assign(inputs.begin(), inputs.end());
   }
   return place->second;
 }

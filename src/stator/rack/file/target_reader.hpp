@@ -31,11 +31,11 @@ class TargetReader {
   [[nodiscard]] std::size_t read_bus(TableReader& section, const std::string& name) const;
   [[nodiscard]] const DeviceConfiguration& device_at(DeviceAddress address) const;
   /// Names and ranges only, since the devices asked for them are gone.
-  [[nodiscard]] const std::vector<product::Input>& inputs_of(DeviceAddress device);
+  [[nodiscard]] const std::vector<product::InputRange>& inputs_of(DeviceAddress device);
 
  private:
   const RackConfiguration& rack_;
-  std::map<DeviceAddress, std::vector<product::Input>> inputs_;
+  std::map<DeviceAddress, std::vector<product::InputRange>> inputs_;
 };
 
 }  // namespace stator::rack

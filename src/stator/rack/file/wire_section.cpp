@@ -77,12 +77,13 @@ const WireSectionReader::Terminals& WireSectionReader::terminals_of(DeviceAddres
     for (const product::Signal& signal : device->signals()) {
       place->second.signals.insert(signal.name);
     }
-    place->second.inputs = device->inputs();
+    const std::vector<product::Input> inputs = device->inputs();
+    place->second.inputs.assign(inputs.begin(), inputs.end());
   }
   return place->second;
 }
 
-void WireSectionReader::read_levels(TableReader& section, const product::Input& input,
+void WireSectionReader::read_levels(TableReader& section, const product::InputRange& input,
                                     WireConfiguration& wire) {
   const auto scale =
       section.number({"scale", "Instead of a threshold: the input follows the signal times this"},
@@ -153,8 +154,8 @@ void WireSectionReader::check_driver(TableReader& section, const End& from, cons
   drivers_.emplace(to, from);
 }
 
-product::Input WireSectionReader::input_between(TableReader& section, const End& from,
-                                                const End& to) {
+product::InputRange WireSectionReader::input_between(TableReader& section, const End& from,
+                                                     const End& to) {
   if (section.describes()) {
     return {};
   }
@@ -166,8 +167,8 @@ product::Input WireSectionReader::input_between(TableReader& section, const End&
                     "the signals",
                     from.name, settings::guess_text(from.name, source.signals)));
   }
-  const std::vector<product::Input>& inputs = terminals_of(to.device).inputs;
-  const auto input = std::ranges::find(inputs, to.name, &product::Input::name);
+  const std::vector<product::InputRange>& inputs = terminals_of(to.device).inputs;
+  const auto input = std::ranges::find(inputs, to.name, &product::InputRange::name);
   if (input == inputs.end()) {
     section.fail("to", input_problem(inputs, to.name, 0.0));
   }

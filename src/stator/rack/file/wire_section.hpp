@@ -32,15 +32,16 @@ class WireSectionReader {
   /// What a device has; it is gone once it was asked.
   struct Terminals {
     std::set<std::string> signals;
-    std::vector<product::Input> inputs;
+    std::vector<product::InputRange> inputs;
   };
 
   [[nodiscard]] End read_end(TableReader& section, const std::string& key) const;
   [[nodiscard]] const Terminals& terminals_of(DeviceAddress device);
   /// The input at the end of a wire, whose signal is there, too. Nothing where a table is
   /// described.
-  [[nodiscard]] product::Input input_between(TableReader& section, const End& from, const End& to);
-  void read_levels(TableReader& section, const product::Input& input, WireConfiguration& wire);
+  [[nodiscard]] product::InputRange input_between(TableReader& section, const End& from,
+                                                  const End& to);
+  void read_levels(TableReader& section, const product::InputRange& input, WireConfiguration& wire);
   void check_driver(TableReader& section, const End& from, const End& to);
 
   const RackConfiguration& rack_;

@@ -76,6 +76,7 @@ class DeviceStorage {
   /// The same once all orders have been carried out, or have failed.
   [[nodiscard]] std::vector<StorageCompletion> wait_for_completions(base::SimTime now);
   /// Tells a device of the end of its order. False: there is no such memory.
+  [[nodiscard]] bool has(std::size_t memory) const { return memory < memories_.size(); }
   bool complete(const StorageCompletion& completion, base::SimTime now);
 
   /// Tries again, now and then, to write what a device takes for kept although it could not be

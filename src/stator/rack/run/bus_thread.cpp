@@ -38,23 +38,18 @@ BusThread::BusThread(RunningRack& shared, std::size_t index, const BusConfigurat
       throw std::runtime_error(opened.error().text);
     }
     auto port = std::make_unique<OutsidePort>();
-    port->number = ports_.size();
-    port->port.set_hears_errors(true);
     port->link = std::move(*opened);
     wait_.add(port->link->descriptor());
     ports_.push_back(std::move(port));
   }
   for (const auto& port : ports_) {
-    shared_.rack.bus(index_).add(port->port);
+    port->port.emplace(shared_.rack, index_);
   }
-  shared_.rack.bus(index_).set_epoch(shared_.epoch());
+  shared_.rack.set_bus_epoch(index_, shared_.epoch());
 }
 
 BusThread::~BusThread() {
   stop();
-  for (const auto& port : ports_) {
-    shared_.rack.bus(index_).remove(port->port);
-  }
 }
 
 void BusThread::start() {
@@ -111,7 +106,7 @@ bool BusThread::take_frames() {
     }
     shared_.catch_up(statistics_);
     for (const can::Frame& frame : frames) {
-      shared_.rack.put(index_, port->number, port->port, frame);
+      port->port->put(frame);
     }
   }
   return more;
@@ -124,7 +119,7 @@ std::size_t BusThread::look_at(OutsidePort& port) {
   }
   const std::scoped_lock lock(shared_.mutex);
   now_ = shared_.now();
-  const std::size_t room = port.port.room();
+  const std::size_t room = port.port->room();
   if ((room > 0) != port.minded) {
     port.minded = room > 0;
     wait_.mind(port.link->descriptor(), port.minded);
@@ -151,7 +146,7 @@ void BusThread::put_in_lockstep(OutsidePort& port, std::span<const can::Frame> f
   for (const can::Frame& frame : frames) {
     const SimTime arrival = shared_.lockstep_clock.on_frame(frame);
     shared_.rack.advance(arrival);
-    shared_.rack.put(index_, port.number, port.port, frame);
+    port.port->put(frame);
     shared_.rack.settle(index_, shared_.lockstep_clock);
     drain();
   }
@@ -177,7 +172,7 @@ void BusThread::hand_out() {
 
 void BusThread::drain() {
   for (const auto& port : ports_) {
-    while (const auto entry = shared_.rack.take(index_, port->number, port->port)) {
+    while (const auto entry = port->port->take()) {
       port->to_flush = true;
       if (entry->destroyed) {
         port->link->send_error(link::bus_error_frame(), entry->time);

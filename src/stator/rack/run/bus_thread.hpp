@@ -12,6 +12,7 @@
 #include "stator/can/port.hpp"
 #include "stator/link/can/can_link.hpp"
 #include "stator/link/system/descriptor_wait.hpp"
+#include "stator/rack/core/bus_port.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/run/running_rack.hpp"
 
@@ -58,8 +59,7 @@ class BusThread {
 
   struct OutsidePort {
     std::unique_ptr<link::CanLink> link;
-    std::size_t number = 0;  ///< among the ports of the bus
-    can::Port port;
+    std::optional<BusPort> port;
     bool minded = true;  ///< the thread wakes when it can be read
     bool to_flush = false;
     bool failed = false;

@@ -9,8 +9,6 @@
 #include <fmt/format.h>
 #include <spdlog/logger.h>
 
-#include "stator/rack/core/named_device.hpp"
-
 namespace stator::rack {
 
 namespace {
@@ -21,23 +19,17 @@ using link::ChipServer;
 /// Longest sleep: how late the end of a connection is noticed when nothing happens.
 constexpr SimDuration kIdleTick{100'000'000};
 
-product::HostPort& port_of(RunningRack& shared, DeviceAddress device) {
-  const NamedDevice& member = shared.rack.devices(device.network)[device.device];
-  product::HostPort* port = member.device->host_port();
-  if (port == nullptr) {
-    throw std::runtime_error(fmt::format(
-        "{} has its own firmware and no pins for one of yours; \"spi\" belongs to a chip, e.g. a "
-        "tmc8461",
-        member.name));
-  }
-  return *port;
-}
-
 }  // namespace
 
 ChipThread::ChipThread(RunningRack& shared, DeviceAddress device,
                        const DeviceConfiguration& configuration)
-    : shared_(shared), device_(device), port_(port_of(shared, device)) {
+    : shared_(shared), device_(device), pins_(shared.rack, device) {
+  if (!HostPins::exist(shared.rack, device)) {
+    throw std::runtime_error(fmt::format(
+        "{} has its own firmware and no pins for one of yours; \"spi\" belongs to a chip, e.g. a "
+        "tmc8461",
+        configuration.name));
+  }
   auto opened = ChipServer::open(configuration.host_link);
   if (!opened) {
     throw std::runtime_error(opened.error().text);
@@ -45,7 +37,7 @@ ChipThread::ChipThread(RunningRack& shared, DeviceAddress device,
   server_ = std::move(*opened);
   ChipServer& server = *server_;
   session_.emplace(
-      port_, configuration.name,
+      pins_, configuration.name,
       ChipSession::Output{
           .reply = [&server](const link::ChipMessage& message) { server.send(message); },
           .event =
@@ -121,7 +113,7 @@ SimDuration ChipThread::time_to_sleep() {
     return kIdleTick;
   }
   const std::scoped_lock lock(shared_.mutex);
-  const base::SimTime next = port_.next_line_change();
+  const base::SimTime next = pins_.next_line_change();
   return std::clamp(next - shared_.machine_now(), SimDuration(), kIdleTick);
 }
 

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "stator/link/serial/chip_server.hpp"
+#include "stator/rack/core/host_pins.hpp"
 #include "stator/rack/run/chip_session.hpp"
 #include "stator/rack/run/running_rack.hpp"
 #include "stator/rack/world/device_address.hpp"
@@ -55,7 +56,7 @@ class ChipThread {
 
   RunningRack& shared_;
   DeviceAddress device_;
-  product::HostPort& port_;
+  HostPins pins_;
   std::unique_ptr<link::ChipServer> server_;
   std::optional<ChipSession> session_;
   ChipThreadStatistics statistics_;

@@ -1,6 +1,12 @@
 #include "stator/rack/run/desk.hpp"
 
+#include "stator/rack/core/rack.hpp"
+
 namespace stator::rack {
+
+bool Look::run(Rack& rack, base::SimTime now) {
+  return look(rack, now);
+}
 
 bool Desk::post(DeskTask& task) {
   if (under_way_ == kCapacity || !posted_.push(&task)) {

@@ -11,9 +11,14 @@
 namespace stator::rack {
 
 class Rack;
+class View;
 
-/// Something that somebody outside wants to have done with a running rack: a value read, an input
-/// set. Belongs to the thread that posted it until it is posted and after it is done.
+/// Something that somebody outside wants to have done with a running rack: a Look or an Act.
+/// Belongs to the thread that posted it until it is posted and after it is done.
+///
+/// It is done in a thread of the rack's networks that holds the rack, which has been brought to
+/// `now`. That takes some microseconds at most and must not throw; a long task does a part in each
+/// call and returns false until it is done.
 class DeskTask {
  public:
   DeskTask() = default;
@@ -21,12 +26,33 @@ class DeskTask {
   DeskTask& operator=(const DeskTask&) = delete;
   virtual ~DeskTask() = default;
 
-  /// Does it, in a thread of the rack's networks that holds the rack, which has been brought to
-  /// `now`. Takes some microseconds at most and must not throw; a long task does a part in each
-  /// call and returns false until it is done.
+ private:
+  friend class Desk;
+  friend class Look;
+  friend class Act;
   virtual bool run(Rack& rack, base::SimTime now) = 0;
-  /// False: it only looks, so that nobody needs to act sooner because of it.
-  [[nodiscard]] virtual bool changes() const { return true; }
+  /// Others may have to act sooner because of it.
+  [[nodiscard]] virtual bool changes() const = 0;
+};
+
+/// A task that only looks: a value read, a state listed.
+class Look : public DeskTask {
+ public:
+  virtual bool look(const View& rack, base::SimTime now) = 0;
+
+ private:
+  bool run(Rack& rack, base::SimTime now) final;
+  [[nodiscard]] bool changes() const final { return false; }
+};
+
+/// A task that does something to the rack: an input set, an object written.
+class Act : public DeskTask {
+ public:
+  virtual bool act(Rack& rack, base::SimTime now) = 0;
+
+ private:
+  bool run(Rack& rack, base::SimTime now) final { return act(rack, now); }
+  [[nodiscard]] bool changes() const override { return true; }
 };
 
 /// Where tasks for a running rack are handed in and fetched again. Nobody waits here: the threads
@@ -36,7 +62,7 @@ class Desk {
  public:
   /// Tasks under way at most, a power of two.
   static constexpr std::size_t kCapacity = 64;
-  /// Calls of DeskTask::run() in one look: what a network's thread spends here at most.
+  /// Calls of Look::look() and Act::act() in one look: what a network's thread spends here at most.
   static constexpr int kCallsPerLook = 4;
 
   /// False: so many tasks are under way that the rack takes no more.

@@ -1,13 +1,14 @@
 #include "stator/rack/run/eoe_bridge.hpp"
 
+#include <mutex>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 #include <spdlog/logger.h>
 
-#include "stator/rack/core/named_device.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
+#include "stator/rack/networks/eoe_port.hpp"
 #include "stator/rack/world/device_configuration.hpp"
 
 namespace stator::rack {
@@ -20,8 +21,11 @@ constexpr base::SimDuration kSleep{1'000'000'000};
 }  // namespace
 
 EoeBridge::EoeBridge(std::unique_ptr<link::TapLink> link, std::string device,
-                     std::shared_ptr<spdlog::logger> logger)
-    : link_(std::move(link)), device_(std::move(device)), logger_(std::move(logger)) {
+                     std::shared_ptr<spdlog::logger> logger, Deliver deliver)
+    : link_(std::move(link)),
+      device_(std::move(device)),
+      logger_(std::move(logger)),
+      deliver_(std::move(deliver)) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -39,14 +43,9 @@ void EoeBridge::run() {
       logger_->error("{}: {}; its EoE bridge stops", device_, received.error().text);
       return;
     }
-    if (*received == 0) {
-      continue;
+    if (*received != 0) {
+      deliver_(std::span(frame).first(*received));
     }
-    const std::scoped_lock lock(mutex_);
-    if (!queue_.push(std::span(frame).first(*received))) {
-      ++frames_dropped_;
-    }
-    waiting_ = true;
   }
 }
 
@@ -55,16 +54,6 @@ void EoeBridge::send(std::span<const std::byte> frame) {
     send_failure_logged_ = true;
     logger_->warn("{}: EoE: {}; further failures are only counted", device_, sent.error().text);
   }
-}
-
-std::size_t EoeBridge::take(std::span<std::byte> buffer) {
-  if (!waiting_.load(std::memory_order_relaxed)) {
-    return 0;
-  }
-  const std::scoped_lock lock(mutex_);
-  const std::size_t length = queue_.pop(buffer);
-  waiting_ = !queue_.empty();
-  return length;
 }
 
 void EoeBridge::set_ip_parameters(const ethercat::IpParameters& parameters) {
@@ -79,16 +68,16 @@ void EoeBridge::set_ip_parameters(const ethercat::IpParameters& parameters) {
   }
 }
 
-void EoeBridges::open(Rack& rack, const RackConfiguration& configuration,
-                      const std::shared_ptr<spdlog::logger>& logger) {
+void EoeBridges::open(RunningRack& shared, const RackConfiguration& configuration) {
+  shared_ = &shared;
   for (std::size_t segment = 0; segment < configuration.segments.size(); ++segment) {
     const std::vector<DeviceConfiguration>& devices = configuration.segments[segment].devices;
     for (std::size_t i = 0; i < devices.size(); ++i) {
       if (devices[i].eoe_interface.empty()) {
         continue;
       }
-      ethercat::EoeServer* server = rack.devices(segment)[i].device->eoe();
-      if (server == nullptr) {
+      const DeviceAddress device{segment, i, NetworkKind::segment};
+      if (!shared.rack.connect_eoe(device, {})) {
         throw std::runtime_error(
             fmt::format("device \"{}\" is to be bridged to {}, but its EoE is not switched on",
                         devices[i].name, devices[i].eoe_interface));
@@ -98,16 +87,26 @@ void EoeBridges::open(Rack& rack, const RackConfiguration& configuration,
       if (!tap) {
         throw std::runtime_error(tap.error().text);
       }
-      connections_.push_back(
-          {server, std::make_unique<EoeBridge>(std::move(*tap), devices[i].name, logger)});
-      server->connect(connections_.back().bridge.get());
+      auto bridge =
+          std::make_unique<EoeBridge>(std::move(*tap), devices[i].name, shared.logger,
+                                      [&shared, device](std::span<const std::byte> frame) {
+                                        const std::scoped_lock lock(shared.mutex);
+                                        shared.rack.put_eoe_frame(device, frame);
+                                      });
+      shared.rack.connect_eoe(
+          device, {.frame = [&to = *bridge](std::span<const std::byte> frame) { to.send(frame); },
+                   .ip_parameters =
+                       [&to = *bridge](const ethercat::IpParameters& parameters) {
+                         to.set_ip_parameters(parameters);
+                       }});
+      connections_.push_back({device, std::move(bridge)});
     }
   }
 }
 
 void EoeBridges::close() {
   for (const Connection& connection : connections_) {
-    connection.server->connect(nullptr);
+    shared_->rack.connect_eoe(connection.device, {});
   }
   connections_.clear();
 }

@@ -1,21 +1,17 @@
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstddef>
-#include <cstdint>
+#include <functional>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "stator/ethercat/eoe/eoe.hpp"
-#include "stator/ethercat/eoe/ethernet_frame_queue.hpp"
+#include "stator/ethercat/eoe/ethernet_port.hpp"
 #include "stator/link/ethernet/tap_link.hpp"
-#include "stator/rack/core/rack.hpp"
-#include "stator/rack/observe/inheriting_mutex.hpp"
+#include "stator/rack/run/running_rack.hpp"
 
 namespace spdlog {
 class logger;
@@ -25,24 +21,23 @@ namespace stator::rack {
 
 /// The network behind a device's EoE: a TAP interface of this machine. A frame from the master is
 /// written to it at once, behind the frame path; those of the machine are read by a thread of the
-/// bridge's own and wait in a bounded queue until the device's firmware asks for them.
-class EoeBridge final : public ethercat::EthernetPort {
+/// bridge's own.
+class EoeBridge {
  public:
-  /// Frames of the machine that wait for the firmware before the oldest is dropped.
-  static constexpr std::size_t kQueuedFrames = 64;
+  /// Gets a frame of the machine, in the bridge's thread.
+  using Deliver = std::function<void(std::span<const std::byte>)>;
 
   /// `link` must pass every EtherType; `logger` is told what goes wrong under the `device`'s name.
   EoeBridge(std::unique_ptr<link::TapLink> link, std::string device,
-            std::shared_ptr<spdlog::logger> logger);
-  ~EoeBridge() override;
+            std::shared_ptr<spdlog::logger> logger, Deliver deliver);
+  ~EoeBridge();
+  EoeBridge(const EoeBridge&) = delete;
+  EoeBridge& operator=(const EoeBridge&) = delete;
 
-  void send(std::span<const std::byte> frame) override;
-  [[nodiscard]] std::size_t take(std::span<std::byte> buffer) override;
-  void set_ip_parameters(const ethercat::IpParameters& parameters) override;
+  void send(std::span<const std::byte> frame);
+  void set_ip_parameters(const ethercat::IpParameters& parameters);
 
   [[nodiscard]] link::LinkStatistics link_statistics() const { return link_->statistics(); }
-  /// Frames of the machine that nobody asked for in time.
-  [[nodiscard]] std::uint64_t frames_dropped() const { return frames_dropped_; }
 
  private:
   void run();
@@ -50,12 +45,8 @@ class EoeBridge final : public ethercat::EthernetPort {
   std::unique_ptr<link::TapLink> link_;
   std::string device_;
   std::shared_ptr<spdlog::logger> logger_;
+  Deliver deliver_;
   bool send_failure_logged_ = false;
-
-  InheritingMutex mutex_;  ///< guards queue_
-  ethercat::EthernetFrameQueue queue_{kQueuedFrames};
-  std::atomic<bool> waiting_ = false;  ///< the queue is not empty: a look that costs nothing
-  std::atomic<std::uint64_t> frames_dropped_ = 0;
   std::atomic<bool> stopping_ = false;
   std::thread thread_;
 };
@@ -69,18 +60,18 @@ class EoeBridges {
   EoeBridges& operator=(const EoeBridges&) = delete;
 
   /// Opens the TAP interface of every device that names one and connects them. Throws
-  /// std::runtime_error with the link's own explanation. `rack` must outlive the bridges.
-  void open(Rack& rack, const RackConfiguration& configuration,
-            const std::shared_ptr<spdlog::logger>& logger);
+  /// std::runtime_error with the link's own explanation. What is shared must outlive the bridges.
+  void open(RunningRack& shared, const RackConfiguration& configuration);
   /// Disconnects the devices, which nobody may be using meanwhile, and removes the interfaces.
   void close();
 
  private:
   struct Connection {
-    ethercat::EoeServer* server;
+    DeviceAddress device;
     std::unique_ptr<EoeBridge> bridge;
   };
 
+  RunningRack* shared_ = nullptr;
   std::vector<Connection> connections_;
 };
 

@@ -106,7 +106,7 @@ Runner::Runner(Rack& rack, const RackConfiguration& configuration,
   for (const BusConfiguration& bus : configuration.buses) {
     buses_.push_back(bus.wire ? std::make_unique<BusThread>(shared_, buses_.size(), bus) : nullptr);
   }
-  eoe_bridges_.open(rack, configuration, shared_.logger);
+  eoe_bridges_.open(shared_, configuration);
   for (std::size_t segment = 0; segment < configuration.segments.size(); ++segment) {
     const auto& devices = configuration.segments[segment].devices;
     for (std::size_t device = 0; device < devices.size(); ++device) {

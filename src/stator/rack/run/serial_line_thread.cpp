@@ -42,12 +42,12 @@ SerialLineThread::SerialLineThread(RunningRack& shared, std::size_t index,
     throw std::runtime_error(opened.error().text);
   }
   link_ = std::move(*opened);
-  line_.connect(SerialLine::Output::bind<&SerialLineThread::send>(*this));
+  shared_.rack.connect_line(index_, SerialLine::Output::bind<&SerialLineThread::send>(*this));
 }
 
 SerialLineThread::~SerialLineThread() {
   stop();
-  line_.connect({});
+  shared_.rack.connect_line(index_, {});
 }
 
 void SerialLineThread::start() {

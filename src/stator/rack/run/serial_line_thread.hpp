@@ -64,7 +64,7 @@ class SerialLineThread {
 
   RunningRack& shared_;
   std::size_t index_;
-  SerialLine& line_;
+  const SerialLine& line_;
   const std::vector<std::unique_ptr<BusThread>>& buses_;
   std::unique_ptr<link::SerialLink> link_;
   std::size_t room_ = 0;             ///< bytes to be taken from the link next

@@ -9,9 +9,9 @@
 
 namespace stator::rack {
 
-std::string input_problem(std::span<const product::Input> inputs, const std::string& name,
+std::string input_problem(std::span<const product::InputRange> inputs, const std::string& name,
                           double value) {
-  const auto input = std::ranges::find(inputs, name, &product::Input::name);
+  const auto input = std::ranges::find(inputs, name, &product::InputRange::name);
   if (input != inputs.end()) {
     if (value >= input->minimum && value <= input->maximum) {
       return "";
@@ -20,7 +20,7 @@ std::string input_problem(std::span<const product::Input> inputs, const std::str
                        input->maximum, input->unit.empty() ? "" : " ", input->unit);
   }
   std::set<std::string> names;
-  for (const product::Input& known : inputs) {
+  for (const product::InputRange& known : inputs) {
     names.insert(known.name);
   }
   const std::string guess = settings::closest_match(name, names);

@@ -5,20 +5,19 @@
 
 namespace stator::rack {
 
-void Wires::add(const WireConfiguration& wire, std::span<const product::Signal> signals,
-                std::span<const product::Input> inputs, Held<double>& held, Touched touched) {
-  const auto signal = std::ranges::find(signals, wire.signal, &product::Signal::name);
-  const auto input = std::ranges::find(inputs, wire.input, &product::Input::name);
-  if (signal == signals.end() || input == inputs.end()) {
-    throw std::runtime_error("a wire from \"" + wire.signal + "\" to \"" + wire.input +
-                             "\": the device has no " +
-                             (signal == signals.end() ? "such signal" : "such input"));
+void Wires::connect(CouplingPoints& points) {
+  for (const WireConfiguration& wire : configurations_) {
+    // A value is put into the ring and taken out of it at the same instant when there is no delay.
+    const auto places = static_cast<std::size_t>(wire.delay / kWirePeriod) + 1;
+    try {
+      wires_.push_back({wire, points.signal(wire.from, wire.signal),
+                        points.input(wire.to, wire.input),
+                        std::vector<std::optional<double>>(places, std::nullopt)});
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error("a wire from \"" + wire.signal + "\" to \"" + wire.input +
+                               "\": " + error.what());
+    }
   }
-  // A value is put into the ring and taken out of it at the same instant when there is no delay.
-  const auto places = static_cast<std::size_t>(wire.delay / kWirePeriod) + 1;
-  wires_.push_back({wire, *signal, *input, &held, touched,
-                    std::vector<std::optional<double>>(places, std::nullopt)});
-  next_ = base::SimTime(base::SimDuration(0));
 }
 
 double Wires::value_of(const Wire& wire) {
@@ -27,8 +26,9 @@ double Wires::value_of(const Wire& wire) {
   if (configuration.threshold) {
     return value >= *configuration.threshold ? configuration.high : configuration.low;
   }
-  return std::clamp(configuration.scale * value + configuration.offset, wire.input.minimum,
-                    wire.input.maximum);
+  const product::InputRange& range = wire.input.range();
+  return std::clamp(configuration.scale * value + configuration.offset, range.minimum,
+                    range.maximum);
 }
 
 void Wires::act(base::SimTime instant) {
@@ -38,16 +38,9 @@ void Wires::act(base::SimTime instant) {
     wire.arrived = wire.delayed[wire.place];
   }
   for (Wire& wire : wires_) {
-    if (!wire.arrived || wire.arrived == wire.set) {
-      continue;
-    }
-    wire.set = wire.arrived;
-    if (!wire.held->set(*wire.arrived)) {
-      continue;
-    }
-    wire.input.set(*wire.arrived);
-    if (wire.touched) {
-      wire.touched(wire.configuration.to.device);
+    if (wire.arrived && wire.arrived != wire.set) {
+      wire.set = wire.arrived;
+      wire.input.set(*wire.arrived);
     }
   }
   next_ = instant + kWirePeriod;

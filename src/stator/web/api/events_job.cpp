@@ -19,13 +19,13 @@ using Json = nlohmann::ordered_json;
 /// Events copied in one look at the desk.
 constexpr std::uint64_t kEventsAtOnce = 64;
 
-class EventsJob final : public Job {
+class EventsJob final : public LookJob {
  public:
   EventsJob(State& state, std::uint64_t after) : state_(state), after_(after) {
     events_.reserve(rack::EventLog::kKept);
   }
 
-  bool run(rack::Rack& /*rack*/, base::SimTime /*now*/) override {
+  bool look(const rack::View& /*rack*/, base::SimTime /*now*/) override {
     std::uint64_t& fetched = state_.fetched();
     std::uint64_t left = kEventsAtOnce;
     bool all = true;
@@ -44,8 +44,6 @@ class EventsJob final : public Job {
     });
     return all;
   }
-
-  [[nodiscard]] bool changes() const override { return false; }
 
   Response response() override {
     for (const auto& [number, event] : events_) {

@@ -13,8 +13,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "stator/rack/core/faults.hpp"
 #include "stator/rack/core/rack.hpp"
+#include "stator/rack/faults/faults.hpp"
 #include "stator/rack/file/fault_section.hpp"
 #include "stator/web/json_text.hpp"
 #include "stator/web/problem.hpp"
@@ -108,11 +108,11 @@ Json fault_json(const rack::FaultStatus& fault) {
           {"ended_ns", nanoseconds(fault.ended)}};
 }
 
-class ListFaultsJob final : public Job {
+class ListFaultsJob final : public LookJob {
  public:
-  bool run(rack::Rack& rack, base::SimTime now) override {
+  bool look(const rack::View& rack, base::SimTime now) override {
     time_ = now;
-    faults_ = rack.faults().list(now);
+    faults_ = rack.faults(now);
     return true;
   }
   Response response() override {
@@ -128,11 +128,11 @@ class ListFaultsJob final : public Job {
   std::vector<rack::FaultStatus> faults_;
 };
 
-class InjectJob final : public Job {
+class InjectJob final : public ActJob {
  public:
   explicit InjectJob(rack::FaultConfiguration fault) : fault_(std::move(fault)) {}
 
-  bool run(rack::Rack& rack, base::SimTime now) override {
+  bool act(rack::Rack& rack, base::SimTime now) override {
     auto armed = rack.inject(fault_, now);
     if (armed) {
       id_ = *armed;
@@ -156,12 +156,12 @@ class InjectJob final : public Job {
   std::string problem_;
 };
 
-class ClearJob final : public Job {
+class ClearJob final : public ActJob {
  public:
   /// Nothing: all of them.
   explicit ClearJob(std::optional<std::uint64_t> id) : id_(id) {}
 
-  bool run(rack::Rack& rack, base::SimTime now) override {
+  bool act(rack::Rack& rack, base::SimTime now) override {
     time_ = now;
     cleared_ = rack.clear_faults(id_, now);
     return true;

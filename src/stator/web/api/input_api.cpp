@@ -22,11 +22,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-class SetInputJob final : public Job {
+class SetInputJob final : public ActJob {
  public:
   explicit SetInputJob(rack::InputEvent event) : event_(std::move(event)) {}
 
-  bool run(rack::Rack& rack, base::SimTime now) override {
+  bool act(rack::Rack& rack, base::SimTime now) override {
     try {
       rack.apply(event_, now);
     } catch (const std::exception&) {
@@ -48,7 +48,7 @@ class SetInputJob final : public Job {
 
 struct InputAddress {
   const DeviceRecord* device = nullptr;
-  const product::Input* input = nullptr;
+  const product::InputRange* input = nullptr;
 };
 
 /// "gantry.axis0.load_torque"; names of devices may have dots as well.
@@ -58,7 +58,7 @@ InputAddress find_input(const State& state, std::string_view name) {
       continue;
     }
     const auto found = std::ranges::find(*device.inputs, name.substr(device.name.size() + 1),
-                                         &product::Input::name);
+                                         &product::InputRange::name);
     if (found != device.inputs->end()) {
       return {&device, &*found};
     }
@@ -67,7 +67,7 @@ InputAddress find_input(const State& state, std::string_view name) {
 }
 
 /// Tells inputs with what they have been set to.
-class ReadInputsJob final : public Job {
+class ReadInputsJob final : public LookJob {
  public:
   explicit ReadInputsJob(bool list) : list_(list) {}
 
@@ -78,13 +78,12 @@ class ReadInputsJob final : public Job {
   }
 
   /// Some of the inputs in each call.
-  bool run(rack::Rack& rack, base::SimTime /*now*/) override {
+  bool look(const rack::View& rack, base::SimTime /*now*/) override {
     for (std::size_t i = 0; i < kInputsAtOnce && read_ < inputs_.size(); ++i, ++read_) {
       inputs_[read_].value = rack.input_value(inputs_[read_].key);
     }
     return read_ == inputs_.size();
   }
-  [[nodiscard]] bool changes() const override { return false; }
 
   Response response() override {
     Json all = Json::array();
@@ -114,7 +113,7 @@ class ReadInputsJob final : public Job {
 std::unique_ptr<Job> read_all_inputs(const State& state) {
   auto job = std::make_unique<ReadInputsJob>(true);
   for (const DeviceRecord& device : state.devices()) {
-    for (const product::Input& input : *device.inputs) {
+    for (const product::InputRange& input : *device.inputs) {
       job->add({&device, &input});
     }
   }

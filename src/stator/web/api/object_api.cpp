@@ -44,12 +44,12 @@ Response switched_off(const DeviceRecord& device) {
       409, fmt::format("{} is switched off; its firmware answers when it is on", device.name));
 }
 
-class ReadEntriesJob final : public Job {
+class ReadEntriesJob final : public ActJob {
  public:
   ReadEntriesJob(const DeviceRecord& device, std::span<Entry> entries, bool whole_object)
       : device_(device), entries_(entries), whole_object_(whole_object), results_(entries.size()) {}
 
-  bool run(rack::Rack& rack, base::SimTime /*now*/) override {
+  bool act(rack::Rack& rack, base::SimTime /*now*/) override {
     powered_ = rack.powered(device_.address);
     if (!powered_) {
       return true;
@@ -102,12 +102,12 @@ class ReadEntriesJob final : public Job {
 };
 
 /// Answered when an SDO would be: what 1010h stores is kept by then.
-class WriteEntryJob final : public Job {
+class WriteEntryJob final : public ActJob {
  public:
   WriteEntryJob(const DeviceRecord& device, Entry& entry, std::vector<std::byte> value)
       : device_(device), entry_(entry), value_(std::move(value)) {}
 
-  bool run(rack::Rack& rack, base::SimTime now) override {
+  bool act(rack::Rack& rack, base::SimTime now) override {
     powered_ = rack.powered(device_.address);
     if (!powered_) {
       return true;

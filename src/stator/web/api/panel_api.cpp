@@ -82,13 +82,13 @@ std::vector<Axis> axes_of(const State& state, const DeviceRecord& device) {
   }
 }
 
-class PanelJob final : public Job {
+class PanelJob final : public LookJob {
  public:
   PanelJob(const State& state, const DeviceRecord& device)
       : state_(state), device_(device), axes_(axes_of(state, device)) {}
 
-  bool run(rack::Rack& rack, base::SimTime /*now*/) override {
-    product::Device& device = rack.device(device_.address);
+  bool look(const rack::View& rack, base::SimTime /*now*/) override {
+    const product::Device& device = rack.device(device_.address);
     powered_ = rack.powered(device_.address);
     leds_ = device.indicators();
     network_ = device.network_status();
@@ -99,7 +99,6 @@ class PanelJob final : public Job {
     }
     return true;
   }
-  [[nodiscard]] bool changes() const override { return false; }
 
   Response response() override {
     Json axes = Json::array();

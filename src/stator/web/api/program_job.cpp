@@ -23,11 +23,11 @@ using Json = nlohmann::ordered_json;
 /// Cells copied in one look at the desk.
 constexpr std::size_t kCellsAtOnce = 512;
 
-class ProgramJob final : public Job {
+class ProgramJob final : public LookJob {
  public:
   explicit ProgramJob(const DeviceRecord& device) : device_(device) {}
 
-  bool run(rack::Rack& rack, base::SimTime /*now*/) override {
+  bool look(const rack::View& rack, base::SimTime /*now*/) override {
     firmware_ = rack.device(device_.address).tmcl_firmware();
     if (firmware_ == nullptr) {
       return true;
@@ -40,7 +40,6 @@ class ProgramJob final : public Job {
     counter_ = firmware_->state().program_counter;
     return program_.size() == cells.size();
   }
-  [[nodiscard]] bool changes() const override { return false; }
 
   Response response() override {
     if (firmware_ == nullptr) {

@@ -19,12 +19,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kLongestName = 64;
 
-class SessionJob final : public Job {
+class SessionJob final : public ActJob {
  public:
   SessionJob(SessionControl& control, Operation operation, std::string name)
       : control_(control), operation_(operation), name_(std::move(name)) {}
 
-  bool run(rack::Rack& /*rack*/, base::SimTime now) override {
+  bool act(rack::Rack& /*rack*/, base::SimTime now) override {
     time_ = now;
     switch (operation_) {
       case Operation::take_snapshot:

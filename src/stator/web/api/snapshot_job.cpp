@@ -41,7 +41,7 @@ Json device_json(const DeviceRecord& device, const Snapshot::DeviceState& state)
 }
 
 /// What can be read of the rack at one moment.
-class SnapshotJob final : public Job {
+class SnapshotJob final : public LookJob {
  public:
   SnapshotJob(const State& state, Operation operation, std::vector<std::size_t> signals,
               std::size_t device)
@@ -51,7 +51,7 @@ class SnapshotJob final : public Job {
         device_(device),
         snapshot_(state) {}
 
-  bool run(rack::Rack& rack, base::SimTime now) override {
+  bool look(const rack::View& rack, base::SimTime now) override {
     snapshot_.time = now;
     snapshot_.lost = state_.lost_in_task();
     state_.read_networks(snapshot_.networks);
@@ -64,8 +64,6 @@ class SnapshotJob final : public Job {
     }
     return true;
   }
-
-  [[nodiscard]] bool changes() const override { return false; }
 
   Response response() override {
     switch (operation_) {

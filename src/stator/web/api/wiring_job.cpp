@@ -68,7 +68,7 @@ Json neighbour(const rack::SegmentConfiguration& segment, std::size_t index, uns
   return rack::has_cable(segment, index, port) ? Json("master") : Json(nullptr);
 }
 
-class WiringJob final : public Job {
+class WiringJob final : public LookJob {
  public:
   explicit WiringJob(const State& state) : state_(state) {
     const rack::RackConfiguration& configuration = state.configuration();
@@ -80,16 +80,17 @@ class WiringJob final : public Job {
   }
 
   /// One segment or all buses in each call.
-  bool run(rack::Rack& rack, base::SimTime now) override {
+  bool look(const rack::View& rack, base::SimTime now) override {
     if (segment_ < ports_.size()) {
       using ethercat::MasterInterface;
-      const auto members = rack.devices(segment_);
-      for (std::size_t i = 0; i < kDevicesAtOnce && device_ < members.size(); ++i, ++device_) {
-        ports_[segment_][device_] = read_ports(members[device_].device->controller());
+      const std::size_t count = ports_[segment_].size();
+      for (std::size_t i = 0; i < kDevicesAtOnce && device_ < count; ++i, ++device_) {
+        ports_[segment_][device_] =
+            read_ports(rack.slave({segment_, device_, rack::NetworkKind::segment}).controller());
       }
       carriers_[segment_] = {rack.segment(segment_).carrier(MasterInterface::primary),
                              rack.segment(segment_).carrier(MasterInterface::secondary)};
-      if (device_ == members.size()) {
+      if (device_ == count) {
         device_ = 0;
         ++segment_;
       }
@@ -100,7 +101,6 @@ class WiringJob final : public Job {
     }
     return true;
   }
-  [[nodiscard]] bool changes() const override { return false; }
 
   Response response() override {
     const rack::RackConfiguration& configuration = state_.configuration();

@@ -26,7 +26,7 @@ RackAccess::RackAccess(State& state, rack::Desk& desk, std::chrono::milliseconds
     : state_(state), desk_(desk), rack_time_(rack_time), wake_(std::move(wake)) {}
 
 bool RackAccess::post(std::unique_ptr<Job> job, std::shared_ptr<Waiter> waiter) {
-  if (waiting_.size() >= kMostJobs || !desk_.post(*job)) {
+  if (waiting_.size() >= kMostJobs || !desk_.post(job->task())) {
     return false;
   }
   waiting_.push_back({std::move(job), std::move(waiter), Clock::now() + rack_time_});
@@ -113,7 +113,7 @@ void RackAccess::forget_all() {
 
 void RackAccess::finish_job(const rack::DeskTask& task) {
   const auto found = std::ranges::find_if(
-      waiting_, [&task](const Waiting& each) { return each.job.get() == &task; });
+      waiting_, [&task](const Waiting& each) { return &each.job->task() == &task; });
   if (found == waiting_.end()) {
     return;
   }
@@ -163,7 +163,7 @@ void RackAccess::look_again() {
   std::erase_if(waiting_,
                 [](const Waiting& each) { return each.resting && each.waiter == nullptr; });
   for (Waiting& each : waiting_) {
-    if (each.resting && desk_.post(*each.job)) {
+    if (each.resting && desk_.post(each.job->task())) {
       each.resting = false;
     }
   }

@@ -109,7 +109,7 @@ std::variant<Subscription, Response> parse_subscription(std::string_view text, c
 TapTask::TapTask(const State& state, const Subscription& subscription)
     : tap_(tapped(state, subscription), subscription.period, rows_of(subscription.period)) {}
 
-bool TapTask::run(rack::Rack& rack, base::SimTime now) {
+bool TapTask::act(rack::Rack& rack, base::SimTime now) {
   if (inside_) {
     rack.remove(tap_);
   } else {

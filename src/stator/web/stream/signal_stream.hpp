@@ -43,11 +43,11 @@ struct Subscription {
                                                                       std::int64_t values_left);
 
 /// A tap on its way into the rack and out of it again; its owner posts it for each.
-class TapTask final : public rack::DeskTask {
+class TapTask final : public rack::Act {
  public:
   TapTask(const State& state, const Subscription& subscription);
 
-  bool run(rack::Rack& rack, base::SimTime now) override;
+  bool act(rack::Rack& rack, base::SimTime now) override;
   [[nodiscard]] bool changes() const override { return false; }
   [[nodiscard]] rack::SignalTap& tap() { return tap_; }
 

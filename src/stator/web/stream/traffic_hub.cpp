@@ -52,11 +52,11 @@ void append_lower_case(std::string& text, std::string_view more) {
 }  // namespace
 
 /// Puts the tap into the rack or takes it out.
-class TrafficHub::WatchJob final : public Job {
+class TrafficHub::WatchJob final : public ActJob {
  public:
   WatchJob(rack::TrafficTap* tap, bool& inside) : tap_(tap), inside_(inside) {}
 
-  bool run(rack::Rack& rack, base::SimTime /*now*/) override {
+  bool act(rack::Rack& rack, base::SimTime /*now*/) override {
     rack.watch_traffic(tap_);
     return true;
   }

@@ -141,7 +141,7 @@ std::vector<std::size_t> places_of(const rack::SegmentConfiguration& segment) {
   return places;
 }
 
-class TrafficMapJob final : public Job {
+class TrafficMapJob final : public LookJob {
  public:
   TrafficMapJob(const State& state, TrafficMap& result)
       : state_(state), result_(result), map_(empty_traffic_map(state)) {
@@ -150,12 +150,12 @@ class TrafficMapJob final : public Job {
     }
   }
 
-  bool run(rack::Rack& rack, base::SimTime /*now*/) override {
+  bool look(const rack::View& rack, base::SimTime /*now*/) override {
     const auto& devices = state_.devices();
     if (device_ < devices.size()) {
       const rack::DeviceAddress address = devices[device_++].address;
       if (address.kind == rack::NetworkKind::segment) {
-        read_slave(rack.devices(address.network)[address.device].device->controller(),
+        read_slave(rack.slave(address).controller(),
                    map_.segments[address.network][places_[address.network][address.device]]);
       } else {
         read_node(rack.device(address).tmcl_firmware(),
@@ -164,7 +164,6 @@ class TrafficMapJob final : public Job {
     }
     return device_ >= devices.size();
   }
-  [[nodiscard]] bool changes() const override { return false; }
 
   Response response() override {
     result_ = std::move(map_);

@@ -10,12 +10,12 @@
 
 namespace stator::rack {
 
-Rack::Parts::Parts(const RackConfiguration& configuration, EventLog& events)
+RackParts::RackParts(const RackConfiguration& configuration, EventLog& events)
     : log(events), outputs(events), lines(configuration.lines), timetable(configuration.events) {}
 
 // Here at once, as is a bus: should a device be refused what is kept for it, the storage, which
 // goes first, still knows those before it.
-void Rack::Parts::add(const SegmentConfiguration& segment, std::vector<std::string>& names) {
+void RackParts::add(const SegmentConfiguration& segment, std::vector<std::string>& names) {
   SegmentMembers& members = segments.emplace_back();
   members.segment = std::make_unique<ethercat::Segment>();
   members.first_device = static_cast<std::uint16_t>(names.size());
@@ -25,6 +25,7 @@ void Rack::Parts::add(const SegmentConfiguration& segment, std::vector<std::stri
     log.set_device_names(names);
     members.devices.push_back({device.name, make_ethercat_device(device.setup, reporter)});
     members.inputs.push_back(members.devices.back().device->inputs());
+    members.ranges.emplace_back(members.inputs.back().begin(), members.inputs.back().end());
     if (storage != nullptr) {
       storage->attach(device.name, *members.devices.back().device, reporter);
     }
@@ -37,12 +38,19 @@ void Rack::Parts::add(const SegmentConfiguration& segment, std::vector<std::stri
       controller.set_forwarding_delay(*device.forwarding_delay);
     }
     members.segment->add(controller);
+    if (ethercat::EoeServer* eoe = members.devices.back().device->eoe();
+        eoe != nullptr && !device.eoe_interface.empty()) {
+      const DeviceAddress address{segments.size() - 1, members.devices.size() - 1,
+                                  NetworkKind::segment};
+      auto& port = eoe_ports[address] = std::make_unique<EoePort>(address);
+      eoe->connect(port.get());
+    }
   }
   connect(*members.segment, segment);
   members.segment->set_carrier(ethercat::MasterInterface::secondary, false);
 }
 
-void Rack::Parts::add(const BusConfiguration& bus, std::vector<std::string>& names) {
+void RackParts::add(const BusConfiguration& bus, std::vector<std::string>& names) {
   BusMembers& members = buses.emplace_back();
   members.wire = bus.wire;
   members.number = static_cast<std::uint16_t>(names.size() + bus.devices.size());
@@ -55,6 +63,7 @@ void Rack::Parts::add(const BusConfiguration& bus, std::vector<std::string>& nam
     log.set_device_names(names);
     NamedCanDevice member{device.name, make_can_device(device.setup, reporter)};
     members.inputs.push_back(member.device->inputs());
+    members.ranges.emplace_back(members.inputs.back().begin(), members.inputs.back().end());
     if (storage != nullptr) {
       storage->attach(device.name, device.setup.product().identity().name(), *member.device,
                       reporter);
@@ -66,7 +75,7 @@ void Rack::Parts::add(const BusConfiguration& bus, std::vector<std::string>& nam
   log.set_device_names(names);
 }
 
-void Rack::Parts::connect_lines(const RackConfiguration& configuration) {
+void RackParts::connect_lines(const RackConfiguration& configuration) {
   for (std::size_t segment = 0; segment < segments.size(); ++segment) {
     for (std::size_t i = 0; i < segments[segment].devices.size(); ++i) {
       lines.add({configuration.segments[segment].devices[i], *segments[segment].devices[i].device});
@@ -80,7 +89,7 @@ void Rack::Parts::connect_lines(const RackConfiguration& configuration) {
   }
 }
 
-void Rack::Parts::begin_trace(const TraceConfiguration& configuration, ClockKind clock) {
+void RackParts::begin_trace(const TraceConfiguration& configuration, ClockKind clock) {
   std::set<std::string> names;
   for (SegmentMembers& members : segments) {
     for (NamedDevice& member : members.devices) {
@@ -107,18 +116,25 @@ void Rack::Parts::begin_trace(const TraceConfiguration& configuration, ClockKind
                            "\" to trace; there is \"" + *names.begin() + "\"");
 }
 
-std::uint16_t Rack::Parts::number_of(DeviceAddress device) const {
+product::Device& RackParts::device(DeviceAddress address) {
+  if (address.kind == NetworkKind::bus) {
+    return *buses[address.network].network->devices()[address.device].device;
+  }
+  return slave(address);
+}
+
+std::uint16_t RackParts::number_of(DeviceAddress device) const {
   const std::size_t first = device.kind == NetworkKind::bus ? buses[device.network].first_device
                                                             : segments[device.network].first_device;
   return static_cast<std::uint16_t>(first + device.device);
 }
 
-void Rack::Parts::report(std::uint16_t number, base::SimTime now, const base::EventRule& rule,
-                         const Arguments& arguments) {
+void RackParts::report(std::uint16_t number, base::SimTime now, const base::EventRule& rule,
+                       const Arguments& arguments) {
   log.on_event({now, &rule, number, arguments});
 }
 
-void Rack::Parts::advance_devices(base::SimTime now) {
+void RackParts::advance_devices(base::SimTime now) {
   for (SegmentMembers& members : segments) {
     for (NamedDevice& member : members.devices) {
       member.device->advance(now);
@@ -129,7 +145,7 @@ void Rack::Parts::advance_devices(base::SimTime now) {
   }
 }
 
-std::optional<ethercat::MasterInterface> Rack::Parts::process_watched(
+std::optional<ethercat::MasterInterface> RackParts::process_watched(
     std::size_t segment, std::span<std::byte> frame, base::SimTime arrival,
     ethercat::MasterInterface entry) {
   const auto network = static_cast<std::uint16_t>(segment);
@@ -141,7 +157,23 @@ std::optional<ethercat::MasterInterface> Rack::Parts::process_watched(
   return exit;
 }
 
-base::SimTime Rack::Parts::next_tap() const {
+base::SimTime RackParts::next_coupling() const {
+  base::SimTime next = base::SimTime::never();
+  for (const auto& coupling : couplings) {
+    next = std::min(next, coupling->next());
+  }
+  return next;
+}
+
+void RackParts::act_couplings(base::SimTime instant) {
+  for (const auto& coupling : couplings) {
+    if (coupling->next() <= instant) {
+      coupling->act(instant);
+    }
+  }
+}
+
+base::SimTime RackParts::next_tap() const {
   base::SimTime next = base::SimTime::never();
   for (const SignalTap* tap : taps) {
     next = std::min(next, tap->next_sample());
@@ -149,7 +181,7 @@ base::SimTime Rack::Parts::next_tap() const {
   return next;
 }
 
-void Rack::Parts::sample_taps(base::SimTime now) {
+void RackParts::sample_taps(base::SimTime now) {
   for (SignalTap* tap : taps) {
     if (tap->next_sample() <= now) {
       tap->sample(now);

@@ -16,38 +16,43 @@
 #include "stator/ethercat/segment/segment.hpp"
 #include "stator/product/device/input.hpp"
 #include "stator/rack/core/named_device.hpp"
-#include "stator/rack/core/rack.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
+#include "stator/rack/faults/faults.hpp"
 #include "stator/rack/kept/device_storage.hpp"
 #include "stator/rack/networks/can_network.hpp"
+#include "stator/rack/networks/eoe_port.hpp"
 #include "stator/rack/networks/serial_lines.hpp"
 #include "stator/rack/observe/event_log.hpp"
+#include "stator/rack/observe/journal.hpp"
 #include "stator/rack/observe/output_files.hpp"
 #include "stator/rack/observe/pin_trace.hpp"
 #include "stator/rack/observe/recorder.hpp"
 #include "stator/rack/observe/signal_tap.hpp"
 #include "stator/rack/observe/traffic_tap.hpp"
 #include "stator/rack/world/clock.hpp"
+#include "stator/rack/world/coupling.hpp"
 #include "stator/rack/world/held.hpp"
 #include "stator/rack/world/rack_event.hpp"
 #include "stator/rack/world/timetable.hpp"
-#include "stator/rack/world/wires.hpp"
 
 namespace stator::rack {
 
-/// What a rack consists of but for its faults, and what can happen to that. Rack brings it through
+/// What a rack consists of, and what can happen to that. Rack brings it through
 /// time and tells its journal.
-struct Rack::Parts {
+struct RackParts {
   struct SegmentMembers {
     std::vector<NamedDevice> devices;
-    std::vector<std::vector<product::Input>> inputs;  ///< by device
+    std::vector<std::vector<product::Input>> inputs;       ///< by device
+    std::vector<std::vector<product::InputRange>> ranges;  ///< of the inputs
     std::unique_ptr<ethercat::Segment> segment;
     std::uint16_t first_device = 0;  ///< number of its first device within the rack
   };
 
   struct BusMembers {
     std::unique_ptr<CanNetwork> network;
-    std::vector<std::vector<product::Input>> inputs;  ///< by device
+    std::vector<std::vector<product::Input>> inputs;       ///< by device
+    std::vector<std::vector<product::InputRange>> ranges;  ///< of the inputs
+    std::vector<can::Port*> ports;  ///< of programs, by number; null: it was closed
     std::uint16_t first_device = 0;
     std::uint16_t number = 0;  ///< under which the bus itself reports events
     bool wire = true;          ///< false: its devices are on serial lines only
@@ -56,7 +61,7 @@ struct Rack::Parts {
   using Arguments = std::array<base::EventArgument, 6>;
 
   /// Without networks; `events` gets the events of all and must outlive the parts.
-  Parts(const RackConfiguration& configuration, EventLog& events);
+  RackParts(const RackConfiguration& configuration, EventLog& events);
 
   /// Builds the devices of a network, whose names it adds to `names`.
   void add(const SegmentConfiguration& segment, std::vector<std::string>& names);
@@ -80,6 +85,15 @@ struct Rack::Parts {
   void apply_frame_fault(const FrameFaultEvent& event, base::SimTime now);
   void apply_segment_fault(const SegmentFaultEvent& event, base::SimTime now);
 
+  [[nodiscard]] product::Device& device(DeviceAddress address);
+  /// `address` is on a segment.
+  [[nodiscard]] product::EtherCatDevice& slave(DeviceAddress address) {
+    return *segments[address.network].devices[address.device].device;
+  }
+  [[nodiscard]] std::span<const product::Input> inputs(DeviceAddress address) const {
+    return (address.kind == NetworkKind::bus ? buses[address.network].inputs
+                                             : segments[address.network].inputs)[address.device];
+  }
   /// What events call a device.
   [[nodiscard]] std::uint16_t number_of(DeviceAddress device) const;
   void report(std::uint16_t number, base::SimTime now, const base::EventRule& rule,
@@ -90,12 +104,17 @@ struct Rack::Parts {
                                                            std::span<std::byte> frame,
                                                            base::SimTime arrival,
                                                            ethercat::MasterInterface entry);
+  [[nodiscard]] base::SimTime next_coupling() const;
+  /// Those that are due at `instant`.
+  void act_couplings(base::SimTime instant);
   [[nodiscard]] base::SimTime next_tap() const;
   void sample_taps(base::SimTime now);
 
   EventLog& log;
   OutputFiles outputs;
   std::unique_ptr<PinTrace> trace;  ///< outlives the chip it looks at
+  /// Of devices whose EoE is bridged; outlive these.
+  std::map<DeviceAddress, std::unique_ptr<EoePort>> eoe_ports;
   std::vector<SegmentMembers> segments;
   std::vector<BusMembers> buses;
   SerialLines lines;  ///< go first: they know devices and buses
@@ -103,7 +122,7 @@ struct Rack::Parts {
   std::map<std::pair<DeviceAddress, std::string>, Held<double>> held_inputs;  ///< those ever set
   std::map<std::pair<DeviceAddress, unsigned>, Held<bool>> held_cables;  ///< by port; true: intact
   std::map<DeviceAddress, Held<bool>> held_powers;                       ///< true: on
-  Wires wires;
+  std::vector<std::unique_ptr<Coupling>> couplings;
   std::optional<Recorder> recorder;
   std::vector<SignalTap*> taps;
   TrafficTap* traffic = nullptr;
@@ -111,7 +130,9 @@ struct Rack::Parts {
   std::uint64_t orders_settled = 0;  ///< given until settle() ended last
   base::SimTime advanced_to;
   Journal* journal = nullptr;
-  bool inside = false;  ///< within a call that the journal was told of
+  bool inside = false;                     ///< within a call that the journal was told of
+  std::unique_ptr<faults::Target> ground;  ///< what faults reach
+  std::unique_ptr<Faults> faults;          ///< go first: they know everything
 };
 
 }  // namespace stator::rack

@@ -11,14 +11,13 @@
 
 #include "stator/base/expected.hpp"
 #include "stator/base/sim_time.hpp"
-#include "stator/rack/core/fault_effects.hpp"
-#include "stator/rack/core/fault_watch.hpp"
 #include "stator/rack/faults/fault_configuration.hpp"
+#include "stator/rack/faults/fault_effects.hpp"
 #include "stator/rack/faults/fault_mailbox.hpp"
+#include "stator/rack/faults/fault_watch.hpp"
+#include "stator/rack/faults/target.hpp"
 
 namespace stator::rack {
-
-class Rack;
 
 enum class FaultState : std::uint8_t {
   armed,   ///< waits for its begin
@@ -42,8 +41,8 @@ struct FaultStatus {
   std::uint64_t hits = 0;                             ///< of one whose kind counts
 };
 
-/// The faults of a rack: each waits for its begin, does its harm and ends. Passive: whoever owns it
-/// calls act() when it is due. While there are no faults nothing is due and nobody is watched.
+/// The faults of a target: each waits for its begin, does its harm and ends. Passive: whoever owns
+/// it calls act() when it is due. While there are no faults nothing is due and nobody is watched.
 class Faults {
  public:
   /// States and signals are looked at this often while a fault waits for one.
@@ -51,8 +50,8 @@ class Faults {
   /// Faults that are over and still listed.
   static constexpr std::size_t kDoneKept = 100;
 
-  /// `rack` must outlive the faults.
-  explicit Faults(Rack& rack) : rack_(rack), watch_(rack) {}
+  /// `target` must outlive the faults.
+  explicit Faults(faults::Target& target) : target_(target), watch_(target) {}
   Faults(const Faults&) = delete;
   Faults& operator=(const Faults&) = delete;
   ~Faults();
@@ -101,7 +100,7 @@ class Faults {
   void arm_watch(Record& record, base::SimTime now);
   [[nodiscard]] std::string remaining(const Record& record, base::SimTime now) const;
 
-  Rack& rack_;
+  faults::Target& target_;
   std::map<DeviceAddress, std::unique_ptr<MailboxFaults>> mailboxes_;
   HeldInSlaves held_;
   FaultWatches watch_;

@@ -1,9 +1,8 @@
-#include "stator/rack/core/surroundings_effect.hpp"
+#include "stator/rack/faults/surroundings_effect.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "stator/rack/core/rack.hpp"
 #include "stator/rack/faults/surroundings_faults.hpp"
 
 namespace stator::rack {
@@ -14,11 +13,11 @@ using base::SimTime;
 
 class SurroundingsEffect final : public FaultEffect {
  public:
-  SurroundingsEffect(Rack& rack, const FaultConfiguration& fault)
-      : rack_(rack),
+  SurroundingsEffect(faults::Target& target, const FaultConfiguration& fault)
+      : target_(target),
         device_(*fault.target.device),
         momentary_(fault.kind->momentary),
-        settings_(settings_of(fault, rack.inputs(device_))),
+        settings_(settings_of(fault, target.inputs(device_))),
         over_(fault.values.find<base::SimDuration>("over").value_or(base::SimDuration())) {}
 
   void begin(SimTime now) override {
@@ -38,7 +37,7 @@ class SurroundingsEffect final : public FaultEffect {
       return;  // there is nothing to take back
     }
     for (auto setting = settings_.rbegin(); setting != settings_.rend(); ++setting) {
-      rack_.release(InputEvent{device_, setting->input, 0.0}, this, now);
+      target_.release(InputEvent{device_, setting->input, 0.0}, this, now);
     }
   }
   [[nodiscard]] SimTime next_step() const override { return next_; }
@@ -59,13 +58,13 @@ class SurroundingsEffect final : public FaultEffect {
   void set(const std::string& input, double value, bool logged, SimTime now) {
     const InputEvent event{device_, input, value, logged};
     if (momentary_) {
-      rack_.apply(event, now);
+      target_.apply(event, now);
     } else {
-      rack_.hold(event, this, now);
+      target_.hold(event, this, now);
     }
   }
 
-  Rack& rack_;
+  faults::Target& target_;
   DeviceAddress device_;
   bool momentary_;
   std::vector<FaultSetting> settings_;
@@ -76,8 +75,8 @@ class SurroundingsEffect final : public FaultEffect {
 
 }  // namespace
 
-std::unique_ptr<FaultEffect> make_surroundings_effect(Rack& rack, const FaultConfiguration& fault) {
-  return std::make_unique<SurroundingsEffect>(rack, fault);
+MadeEffect surroundings_effect(const FaultSite& site, const FaultConfiguration& fault) {
+  return std::make_unique<SurroundingsEffect>(site.target, fault);
 }
 
 }  // namespace stator::rack

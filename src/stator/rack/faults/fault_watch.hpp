@@ -13,11 +13,10 @@
 #include "stator/product/device/signal.hpp"
 #include "stator/rack/faults/fault_configuration.hpp"
 #include "stator/rack/faults/fault_mailbox.hpp"
+#include "stator/rack/faults/target.hpp"
 #include "stator/rack/world/clock.hpp"
 
 namespace stator::rack {
-
-class Rack;
 
 /// Waits for a milestone on behalf of one fault.
 class FaultWatch {
@@ -33,12 +32,12 @@ class FaultWatch {
   virtual void see(const MailboxStep& /*step*/) {}
 };
 
-/// Makes watches and lets them see what passes on the networks of a rack, of those only that
+/// Makes watches and lets them see what passes on the networks of a target, of those only that
 /// somebody watches.
 class FaultWatches {
  public:
-  /// `rack` must outlive the watches.
-  explicit FaultWatches(Rack& rack);
+  /// `target` must outlive the watches.
+  explicit FaultWatches(faults::Target& target);
   FaultWatches(const FaultWatches&) = delete;
   FaultWatches& operator=(const FaultWatches&) = delete;
   ~FaultWatches();
@@ -54,7 +53,7 @@ class FaultWatches {
   class CycleWatch;
   class FrameWatch;
 
-  Rack& rack_;
+  faults::Target& target_;
   std::map<std::size_t, std::unique_ptr<SegmentTap>> segments_;
   std::map<std::size_t, std::unique_ptr<BusTap>> buses_;
 };

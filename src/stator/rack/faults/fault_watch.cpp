@@ -1,4 +1,4 @@
-#include "stator/rack/core/fault_watch.hpp"
+#include "stator/rack/faults/fault_watch.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,6 @@
 #include "stator/ethercat/standard/register_addresses.hpp"
 #include "stator/master/cia402/drive_state.hpp"
 #include "stator/product/device/device.hpp"
-#include "stator/rack/core/rack.hpp"
 #include "stator/rack/networks/can_network.hpp"
 
 namespace stator::rack {
@@ -40,38 +39,40 @@ std::string power_state_name(master::DriveState state) {
   return name;
 }
 
-product::Signal signal_of(Rack& rack, const Milestone& milestone) {
-  for (const product::Signal& signal : rack.device(milestone.device).signals()) {
+product::Signal signal_of(faults::Target& target, const Milestone& milestone) {
+  for (const product::Signal& signal : target.device(milestone.device).signals()) {
     if (signal.name == milestone.signal) {
       return signal;
     }
   }
-  throw std::runtime_error(rack.name_of(milestone.device) + " has no signal \"" + milestone.signal +
-                           "\" to wait for");
+  throw std::runtime_error(target.name_of(milestone.device) + " has no signal \"" +
+                           milestone.signal + "\" to wait for");
 }
 
 class NetworkStateWatch final : public FaultWatch {
  public:
-  NetworkStateWatch(Rack& rack, const Milestone& milestone) : rack_(rack), milestone_(milestone) {}
+  NetworkStateWatch(faults::Target& target, const Milestone& milestone)
+      : target_(target), milestone_(milestone) {}
 
   [[nodiscard]] bool reached() override {
     const DeviceAddress device = milestone_.device;
-    if (!rack_.powered(device)) {
+    if (!target_.powered(device)) {
       return false;
     }
     if (device.kind == NetworkKind::bus) {
-      const bool operational = rack_.network_state(device) == dictionary::NetworkState::operational;
+      const bool operational =
+          target_.network_state(device) == dictionary::NetworkState::operational;
       return milestone_.state == (operational ? "operational" : "pre-operational");
     }
     std::array<std::byte, 1> status{};
-    rack_.segment(device.network)
+    target_.segment(device.network)
         .slave(device.device)
         .peek(ethercat::register_address::kAlStatus, status);
     return network_state_name(std::to_integer<unsigned>(status[0])) == milestone_.state;
   }
 
  private:
-  Rack& rack_;
+  faults::Target& target_;
   Milestone milestone_;
 };
 
@@ -231,7 +232,7 @@ class FaultWatches::FrameWatch final : public FaultWatch {
   std::uint64_t target_;
 };
 
-FaultWatches::FaultWatches(Rack& rack) : rack_(rack) {}
+FaultWatches::FaultWatches(faults::Target& target) : target_(target) {}
 
 FaultWatches::~FaultWatches() = default;
 
@@ -250,7 +251,7 @@ std::unique_ptr<FaultWatch> FaultWatches::make(const Milestone& milestone) {
       if (on_bus) {
         auto& tap = buses_[network];
         if (tap == nullptr) {
-          tap = std::make_unique<BusTap>(rack_.bus(network));
+          tap = std::make_unique<BusTap>(target_.bus(network));
         }
         return std::make_unique<FrameWatch>(
             *tap, milestone.kind == cycles ? LockstepClock::kSyncIdentifier : milestone.identifier,
@@ -258,23 +259,23 @@ std::unique_ptr<FaultWatch> FaultWatches::make(const Milestone& milestone) {
       }
       auto& tap = segments_[network];
       if (tap == nullptr) {
-        tap = std::make_unique<SegmentTap>(rack_.segment(network));
+        tap = std::make_unique<SegmentTap>(target_.segment(network));
       }
       Milestone operational = milestone;
       operational.state = "operational";
       return std::make_unique<CycleWatch>(
-          *tap, std::make_unique<NetworkStateWatch>(rack_, operational), milestone.count);
+          *tap, std::make_unique<NetworkStateWatch>(target_, operational), milestone.count);
     }
     case message:
     case sdo:
     case segment:
       return std::make_unique<MailboxWatch>(milestone);
     case network_state:
-      return std::make_unique<NetworkStateWatch>(rack_, milestone);
+      return std::make_unique<NetworkStateWatch>(target_, milestone);
     case power_state:
-      return std::make_unique<PowerStateWatch>(signal_of(rack_, milestone), milestone.state);
+      return std::make_unique<PowerStateWatch>(signal_of(target_, milestone), milestone.state);
     case signal:
-      return std::make_unique<CrossingWatch>(signal_of(rack_, milestone), milestone.value);
+      return std::make_unique<CrossingWatch>(signal_of(target_, milestone), milestone.value);
   }
   throw std::runtime_error("a milestone without watch");
 }

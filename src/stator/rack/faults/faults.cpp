@@ -1,4 +1,4 @@
-#include "stator/rack/core/faults.hpp"
+#include "stator/rack/faults/faults.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "stator/ethercat/stack/slave_stack.hpp"
-#include "stator/rack/core/named_device.hpp"
-#include "stator/rack/core/rack.hpp"
+#include "stator/product/device/ethercat_device.hpp"
+#include "stator/rack/faults/fault_kinds.hpp"
 
 namespace stator::rack {
 
@@ -21,10 +21,6 @@ using base::SimTime;
 constexpr base::EventRule kBegins{"fault-begins", base::Severity::information,
                                   "fault {0} begins: {1}"};
 constexpr base::EventRule kEnds{"fault-ends", base::Severity::information, "fault {0} ends: {1}"};
-
-bool concerns_mailbox(FaultAction action) {
-  return action == FaultAction::mailbox_stall || action == FaultAction::mailbox_abort;
-}
 
 bool watches_mailbox(const Milestone& milestone) {
   using enum Milestone::Kind;
@@ -52,8 +48,7 @@ std::string_view to_text(FaultState state) {
 
 Faults::~Faults() {
   for (const auto& [device, mailbox] : mailboxes_) {
-    rack_.devices(device.network)[device.device].device->slave_stack()->set_mailbox_intervention(
-        nullptr);
+    target_.slave(device).slave_stack()->set_mailbox_intervention(nullptr);
   }
 }
 
@@ -62,9 +57,10 @@ base::Expected<std::uint64_t, std::string> Faults::inject(const FaultConfigurati
   Record record;
   record.configuration = fault;
   try {
-    MailboxFaults* mailbox =
-        concerns_mailbox(fault.kind->action) ? &mailbox_of(*fault.target.device) : nullptr;
-    record.effect = make_fault_effect(rack_, fault, mailbox, held_);
+    record.effect = fault.kind->make(
+        {target_, held_,
+         base::Delegate<MailboxFaults&(DeviceAddress)>::bind<&Faults::mailbox_of>(*this)},
+        fault);
     arm_watch(record, now);
   } catch (const std::exception& error) {
     return base::Unexpected{std::string(error.what())};
@@ -92,11 +88,10 @@ void Faults::arm_watch(Record& record, SimTime now) {
 MailboxFaults& Faults::mailbox_of(DeviceAddress device) {
   auto& mailbox = mailboxes_[device];
   if (mailbox == nullptr) {
-    ethercat::SlaveStack* stack =
-        rack_.devices(device.network)[device.device].device->slave_stack();
+    ethercat::SlaveStack* stack = target_.slave(device).slave_stack();
     if (stack == nullptr) {
       mailboxes_.erase(device);
-      throw std::runtime_error(rack_.name_of(device) + " has no mailbox of its own firmware");
+      throw std::runtime_error(target_.name_of(device) + " has no mailbox of its own firmware");
     }
     mailbox =
         std::make_unique<MailboxFaults>(MailboxFaults::Listener::bind<&Faults::on_mailbox>(*this));
@@ -121,7 +116,7 @@ void Faults::on_mailbox(const MailboxFaults& mailbox, const MailboxStep& step) {
     record.watch.reset();
     record.begins = step.time + record.configuration.wait;
     next_ = std::min(next_, record.begins);
-    if (record.begins <= step.time && concerns_mailbox(record.configuration.kind->action)) {
+    if (record.begins <= step.time && record.configuration.kind->of_mailbox) {
       begin(record, step.time);
     }
   }
@@ -233,11 +228,7 @@ void Faults::end(Record& record, SimTime now) {
 }
 
 void Faults::report(const Record& record, SimTime now, bool begins) {
-  const FaultTarget& target = record.configuration.target;
-  const base::EventReporter reporter = target.device ? rack_.reporter(*target.device)
-                                       : record.configuration.kind->scope == FaultScope::bus
-                                           ? rack_.bus_reporter(target.bus)
-                                           : rack_.reporter(rack_.addresses().front());
+  const base::EventReporter reporter = target_.reporter(record.configuration);
   reporter.report(now, begins ? kBegins : kEnds,
                   {static_cast<std::int64_t>(record.id), record.configuration.kind->name});
 }

@@ -1,4 +1,4 @@
-#include "stator/rack/core/fault_effects.hpp"
+#include "stator/rack/faults/fault_effects.hpp"
 
 #include <stdexcept>
 #include <utility>
@@ -8,9 +8,6 @@
 #include "stator/ethercat/stack/slave_stack.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
 #include "stator/product/device/ethercat_device.hpp"
-#include "stator/rack/core/named_device.hpp"
-#include "stator/rack/core/rack.hpp"
-#include "stator/rack/core/surroundings_effect.hpp"
 #include "stator/rack/faults/fault_commands.hpp"
 #include "stator/rack/faults/fault_mailbox.hpp"
 #include "stator/rack/networks/can_network.hpp"
@@ -78,31 +75,31 @@ class CanFrameEffect final : public FaultEffect {
 template <typename Event>
 class HoldEffect final : public FaultEffect {
  public:
-  HoldEffect(Rack& rack, Event event) : rack_(rack), event_(std::move(event)) {}
+  HoldEffect(faults::Target& target, Event event) : target_(target), event_(std::move(event)) {}
 
-  void begin(SimTime now) override { rack_.hold(event_, this, now); }
-  void end(SimTime now) override { rack_.release(event_, this, now); }
+  void begin(SimTime now) override { target_.hold(event_, this, now); }
+  void end(SimTime now) override { target_.release(event_, this, now); }
 
  private:
-  Rack& rack_;
+  faults::Target& target_;
   Event event_;
 };
 
 /// Two events of the rack: one at the begin, one at the end.
 class EventEffect final : public FaultEffect {
  public:
-  EventEffect(Rack& rack, RackEvent begin, std::optional<RackEvent> end)
-      : rack_(rack), begin_(std::move(begin)), end_(std::move(end)) {}
+  EventEffect(faults::Target& target, RackEvent begin, std::optional<RackEvent> end)
+      : target_(target), begin_(std::move(begin)), end_(std::move(end)) {}
 
-  void begin(SimTime now) override { rack_.apply(begin_, now); }
+  void begin(SimTime now) override { target_.apply(begin_, now); }
   void end(SimTime now) override {
     if (end_) {
-      rack_.apply(*end_, now);
+      target_.apply(*end_, now);
     }
   }
 
  private:
-  Rack& rack_;
+  faults::Target& target_;
   RackEvent begin_;
   std::optional<RackEvent> end_;
 };
@@ -111,18 +108,18 @@ class EventEffect final : public FaultEffect {
 /// another fault of the same cable keeps it out.
 class LinkEffect final : public FaultEffect {
  public:
-  LinkEffect(Rack& rack, const FaultConfiguration& fault)
-      : rack_(rack),
+  LinkEffect(faults::Target& target, const FaultConfiguration& fault)
+      : target_(target),
         out_{*fault.target.device, fault.target.port, false},
         flap_(fault.values.find<base::SimDuration>("flap")) {}
 
   void begin(SimTime now) override {
-    rack_.hold(out_, this, now);
+    target_.hold(out_, this, now);
     is_out_ = true;
     next_ = flap_ ? now + *flap_ : SimTime::never();
   }
   void end(SimTime now) override {
-    rack_.release(out_, this, now);
+    target_.release(out_, this, now);
     is_out_ = false;
     next_ = SimTime::never();
   }
@@ -137,7 +134,7 @@ class LinkEffect final : public FaultEffect {
   }
 
  private:
-  Rack& rack_;
+  faults::Target& target_;
   CableEvent out_;
   std::optional<base::SimDuration> flap_;
   bool is_out_ = false;
@@ -207,87 +204,12 @@ class SiiEffect final : public FaultEffect {
   Held<std::uint8_t>& held_;
 };
 
-std::unique_ptr<FaultEffect> ethercat_frame(Rack& rack, const FaultConfiguration& fault) {
-  const DeviceAddress device = *fault.target.device;
-  const ethercat::FrameFault frames{
-      .kind = static_cast<ethercat::FrameFaultKind>(fault.kind->variant),
-      .port = {device.device, fault.target.port},
-      .leaving = fault.values.get<std::string>("direction") == "out",
-      .frames = static_cast<unsigned>(fault.count),
-      .delay = fault.values.find<base::SimDuration>("delay").value_or(base::SimDuration()),
-      .probability = fault.probability,
-      .seed = fault.seed};
-  return std::make_unique<InjectedEffect<ethercat::Segment, ethercat::FrameFault>>(
-      rack.segment(device.network), frames);
+product::EtherCatDevice& slave(const FaultSite& site, const FaultConfiguration& fault) {
+  return site.target.slave(*fault.target.device);
 }
 
-std::unique_ptr<FaultEffect> working_counter(Rack& rack, const FaultConfiguration& fault) {
-  const DeviceAddress device = *fault.target.device;
-  const ethercat::CountFault counts{
-      .slave = device.device,
-      .commands = command_mask(fault.values.get<std::string>("commands")),
-      .datagrams = static_cast<unsigned>(fault.count),
-      .probability = fault.probability,
-      .seed = fault.seed};
-  return std::make_unique<InjectedEffect<ethercat::Segment, ethercat::CountFault>>(
-      rack.segment(device.network), counts);
-}
-
-std::unique_ptr<FaultEffect> can_frame(Rack& rack, const FaultConfiguration& fault) {
-  FrameFaultEvent event;
-  event.bus = fault.target.bus;
-  if (fault.target.device) {
-    event.device = fault.target.device->device;
-  }
-  event.fault = {
-      .kind = static_cast<can::FrameFaultKind>(fault.kind->variant),
-      .frames = static_cast<unsigned>(fault.count),
-      .delay = fault.values.find<base::SimDuration>("delay").value_or(base::SimDuration()),
-      .probability = fault.probability,
-      .seed = fault.seed};
-  if (const auto identifier = fault.values.find<std::int64_t>("identifier")) {
-    event.fault.identifier = static_cast<std::uint32_t>(*identifier);
-  }
-  return std::make_unique<CanFrameEffect>(rack.bus(event.bus), event);
-}
-
-std::unique_ptr<FaultEffect> serial(Rack& rack, const FaultConfiguration& fault) {
-  const SerialFault bytes{
-      .kind = static_cast<SerialFaultKind>(fault.kind->variant),
-      .direction = fault.values.get<std::string>("direction") == "in"
-                       ? SerialDirection::to_devices
-                       : SerialDirection::to_programs,
-      .count = fault.count,
-      .probability = fault.probability,
-      .seed = fault.seed,
-      .bytes = static_cast<std::size_t>(fault.values.find<std::int64_t>("bytes").value_or(0)),
-      .delay = fault.values.find<base::SimDuration>("delay").value_or(base::SimDuration())};
-  for (std::size_t i = 0; i < rack.line_count(); ++i) {
-    if (rack.line(i).configuration().link == fault.target.line) {
-      return std::make_unique<InjectedEffect<SerialLine, SerialFault>>(rack.line(i), bytes);
-    }
-  }
-  throw std::runtime_error("there is no serial line \"" + fault.target.line + "\"");
-}
-
-std::unique_ptr<FaultEffect> set_input(Rack& rack, const FaultConfiguration& fault) {
-  const DeviceAddress device = *fault.target.device;
-  const auto& input = fault.values.get<std::string>("input");
-  std::optional<RackEvent> back;
-  if (const auto value = fault.values.find<double>("back")) {
-    back = InputEvent{device, input, *value};
-  }
-  return std::make_unique<EventEffect>(
-      rack, InputEvent{device, input, fault.values.get<double>("value")}, std::move(back));
-}
-
-product::EtherCatDevice& slave(Rack& rack, const FaultConfiguration& fault) {
-  const DeviceAddress address = *fault.target.device;
-  return *rack.devices(address.network)[address.device].device;
-}
-
-ethercat::SlaveStack& stack(Rack& rack, const FaultConfiguration& fault) {
-  ethercat::SlaveStack* found = slave(rack, fault).slave_stack();
+ethercat::SlaveStack& stack(const FaultSite& site, const FaultConfiguration& fault) {
+  ethercat::SlaveStack* found = slave(site, fault).slave_stack();
   if (found == nullptr) {
     throw std::runtime_error(fault.target.text + " has no firmware of its own");
   }
@@ -296,50 +218,125 @@ ethercat::SlaveStack& stack(Rack& rack, const FaultConfiguration& fault) {
 
 }  // namespace
 
-std::unique_ptr<FaultEffect> make_fault_effect(Rack& rack, const FaultConfiguration& fault,
-                                               MailboxFaults* mailbox, HeldInSlaves& held) {
-  switch (fault.kind->action) {
-    case FaultAction::ethercat_frame:
-      return ethercat_frame(rack, fault);
-    case FaultAction::can_frame:
-      return can_frame(rack, fault);
-    case FaultAction::serial:
-      return serial(rack, fault);
-    case FaultAction::link_down:
-      return std::make_unique<LinkEffect>(rack, fault);
-    case FaultAction::power_off:
-      return std::make_unique<HoldEffect<PowerEvent>>(rack,
-                                                      PowerEvent{*fault.target.device, false});
-    case FaultAction::mailbox_stall:
-    case FaultAction::mailbox_abort:
-      return std::make_unique<InjectedEffect<MailboxFaults, MailboxFault>>(*mailbox,
-                                                                           mailbox_fault(fault));
-    case FaultAction::al_error:
-      return std::make_unique<StateEffect>(stack(rack, fault), fault,
-                                           &held.refusals[*fault.target.device]);
-    case FaultAction::fall_back:
-      return std::make_unique<StateEffect>(stack(rack, fault), fault, nullptr);
-    case FaultAction::working_counter:
-      return working_counter(rack, fault);
-    case FaultAction::sii_corruption:
-      return std::make_unique<SiiEffect>(
-          slave(rack, fault).controller(), fault,
-          held.sii_bits[{*fault.target.device, fault.values.whole("offset")}]);
-    case FaultAction::clock_drift:
-      return std::make_unique<HoldEffect<InputEvent>>(
-          rack, InputEvent{*fault.target.device, product::EtherCatDevice::kClockDeviation,
-                           static_cast<double>(fault.values.whole("ppb"))});
-    case FaultAction::can_error_state:
-      return std::make_unique<EventEffect>(
-          rack,
-          ErrorStateEvent{*fault.target.device, static_cast<can::ErrorState>(fault.kind->variant)},
-          std::nullopt);
-    case FaultAction::surroundings:
-      return make_surroundings_effect(rack, fault);
-    case FaultAction::set_input:
-      return set_input(rack, fault);
+MadeEffect ethercat_frame_effect(const FaultSite& site, const FaultConfiguration& fault,
+                                 ethercat::FrameFaultKind kind) {
+  const DeviceAddress device = *fault.target.device;
+  const ethercat::FrameFault frames{
+      .kind = kind,
+      .port = {device.device, fault.target.port},
+      .leaving = fault.values.get<std::string>("direction") == "out",
+      .frames = static_cast<unsigned>(fault.count),
+      .delay = fault.values.find<base::SimDuration>("delay").value_or(base::SimDuration()),
+      .probability = fault.probability,
+      .seed = fault.seed};
+  return std::make_unique<InjectedEffect<ethercat::Segment, ethercat::FrameFault>>(
+      site.target.segment(device.network), frames);
+}
+
+MadeEffect working_counter_effect(const FaultSite& site, const FaultConfiguration& fault) {
+  const DeviceAddress device = *fault.target.device;
+  const ethercat::CountFault counts{
+      .slave = device.device,
+      .commands = command_mask(fault.values.get<std::string>("commands")),
+      .datagrams = static_cast<unsigned>(fault.count),
+      .probability = fault.probability,
+      .seed = fault.seed};
+  return std::make_unique<InjectedEffect<ethercat::Segment, ethercat::CountFault>>(
+      site.target.segment(device.network), counts);
+}
+
+MadeEffect can_frame_effect(const FaultSite& site, const FaultConfiguration& fault,
+                            can::FrameFaultKind kind) {
+  FrameFaultEvent event;
+  event.bus = fault.target.bus;
+  if (fault.target.device) {
+    event.device = fault.target.device->device;
   }
-  throw std::runtime_error("a fault without effect");
+  event.fault = {
+      .kind = kind,
+      .frames = static_cast<unsigned>(fault.count),
+      .delay = fault.values.find<base::SimDuration>("delay").value_or(base::SimDuration()),
+      .probability = fault.probability,
+      .seed = fault.seed};
+  if (const auto identifier = fault.values.find<std::int64_t>("identifier")) {
+    event.fault.identifier = static_cast<std::uint32_t>(*identifier);
+  }
+  return std::make_unique<CanFrameEffect>(site.target.bus(event.bus), event);
+}
+
+MadeEffect can_state_effect(const FaultSite& site, const FaultConfiguration& fault,
+                            can::ErrorState state) {
+  return std::make_unique<EventEffect>(site.target, ErrorStateEvent{*fault.target.device, state},
+                                       std::nullopt);
+}
+
+MadeEffect serial_effect(const FaultSite& site, const FaultConfiguration& fault,
+                         SerialFaultKind kind) {
+  const SerialFault bytes{
+      .kind = kind,
+      .direction = fault.values.get<std::string>("direction") == "in"
+                       ? SerialDirection::to_devices
+                       : SerialDirection::to_programs,
+      .count = fault.count,
+      .probability = fault.probability,
+      .seed = fault.seed,
+      .bytes = static_cast<std::size_t>(fault.values.find<std::int64_t>("bytes").value_or(0)),
+      .delay = fault.values.find<base::SimDuration>("delay").value_or(base::SimDuration())};
+  if (SerialLine* line = site.target.line(fault.target.line)) {
+    return std::make_unique<InjectedEffect<SerialLine, SerialFault>>(*line, bytes);
+  }
+  throw std::runtime_error("there is no serial line \"" + fault.target.line + "\"");
+}
+
+MadeEffect link_effect(const FaultSite& site, const FaultConfiguration& fault) {
+  return std::make_unique<LinkEffect>(site.target, fault);
+}
+
+MadeEffect power_effect(const FaultSite& site, const FaultConfiguration& fault) {
+  return std::make_unique<HoldEffect<PowerEvent>>(site.target,
+                                                  PowerEvent{*fault.target.device, false});
+}
+
+MadeEffect mailbox_stall_effect(const FaultSite& site, const FaultConfiguration& fault) {
+  return std::make_unique<InjectedEffect<MailboxFaults, MailboxFault>>(
+      site.mailbox(*fault.target.device), mailbox_stall(fault));
+}
+
+MadeEffect mailbox_abort_effect(const FaultSite& site, const FaultConfiguration& fault) {
+  return std::make_unique<InjectedEffect<MailboxFaults, MailboxFault>>(
+      site.mailbox(*fault.target.device), mailbox_abort(fault));
+}
+
+MadeEffect al_error_effect(const FaultSite& site, const FaultConfiguration& fault) {
+  return std::make_unique<StateEffect>(stack(site, fault), fault,
+                                       &site.held.refusals[*fault.target.device]);
+}
+
+MadeEffect fall_back_effect(const FaultSite& site, const FaultConfiguration& fault) {
+  return std::make_unique<StateEffect>(stack(site, fault), fault, nullptr);
+}
+
+MadeEffect sii_effect(const FaultSite& site, const FaultConfiguration& fault) {
+  return std::make_unique<SiiEffect>(
+      slave(site, fault).controller(), fault,
+      site.held.sii_bits[{*fault.target.device, fault.values.whole("offset")}]);
+}
+
+MadeEffect clock_drift_effect(const FaultSite& site, const FaultConfiguration& fault) {
+  return std::make_unique<HoldEffect<InputEvent>>(
+      site.target, InputEvent{*fault.target.device, product::EtherCatDevice::kClockDeviation,
+                              static_cast<double>(fault.values.whole("ppb"))});
+}
+
+MadeEffect input_effect(const FaultSite& site, const FaultConfiguration& fault) {
+  const DeviceAddress device = *fault.target.device;
+  const auto& input = fault.values.get<std::string>("input");
+  std::optional<RackEvent> back;
+  if (const auto value = fault.values.find<double>("back")) {
+    back = InputEvent{device, input, *value};
+  }
+  return std::make_unique<EventEffect>(
+      site.target, InputEvent{device, input, fault.values.get<double>("value")}, std::move(back));
 }
 
 }  // namespace stator::rack
