@@ -21,19 +21,6 @@ struct Ramp {
   [[nodiscard]] double read() const { return value++; }
 };
 
-TEST(SignalPattern, MatchesAnyRunOfCharactersAtAStar) {
-  EXPECT_TRUE(matches("*", ""));
-  EXPECT_TRUE(matches("a*c", "abbc"));
-  EXPECT_TRUE(matches("*.axis0.*", "gantry.axis0.position"));
-  EXPECT_TRUE(matches("a*b*c", "a_b_b_c"));
-  EXPECT_TRUE(matches("*ab", "aab"));
-  EXPECT_FALSE(matches("a*c", "abcd"));
-  EXPECT_FALSE(matches("", "a"));
-  EXPECT_FALSE(matches("a", ""));
-  EXPECT_FALSE(matches("abc", "ab"));
-  EXPECT_FALSE(matches("a?c", "abc"));
-}
-
 class StreamQueueTest : public testing::Test {
  protected:
   StreamQueueTest() { tap.begin({}); }

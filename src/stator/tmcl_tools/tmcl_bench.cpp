@@ -26,7 +26,9 @@ InputChange parse_input_change(const std::string& text, base::SimTime time) {
 }
 
 TmclBench::TmclBench(TmclModule module)
-    : module_(std::move(module)), inputs_(module_.device->inputs()) {
+    : module_(std::move(module)),
+      inputs_(module_.device->inputs()),
+      ranges_(inputs_.begin(), inputs_.end()) {
   firmware().interpreter().observe(&fan_);
 }
 
@@ -44,7 +46,7 @@ bool TmclBench::running() const {
 }
 
 void TmclBench::check(const std::string& input, double value) {
-  const std::string problem = rack::input_problem(inputs_, input, value);
+  const std::string problem = rack::input_problem(ranges_, input, value);
   if (!problem.empty()) {
     throw Failure(problem);
   }

@@ -85,6 +85,7 @@ class TmclBench {
 
   TmclModule module_;
   std::vector<product::Input> inputs_;
+  std::vector<product::InputRange> ranges_;  ///< of the inputs
   Fan fan_;
   base::SimTime now_;
   std::vector<InputChange> changes_;  ///< the next one last

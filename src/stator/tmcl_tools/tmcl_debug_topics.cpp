@@ -2,8 +2,8 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <fnmatch.h>
 
+#include "stator/base/name_pattern.hpp"
 #include "stator/tmcl/command.hpp"
 #include "stator/tmcl_tools/tmcl_answer_text.hpp"
 #include "stator/tmcl_tools/tmcl_debug_console.hpp"
@@ -13,9 +13,8 @@ namespace stator::tmcl_tools {
 
 namespace {
 
-bool matches(std::string_view pattern, std::string_view name) {
-  return pattern.empty() ||
-         ::fnmatch(std::string(pattern).c_str(), std::string(name).c_str(), FNM_CASEFOLD) == 0;
+bool is_asked_for(std::string_view pattern, std::string_view name) {
+  return pattern.empty() || base::matches_in_any_case(pattern, name);
 }
 
 tmcl::HostAnswer read(TmclDebugger& debugger, tmcl::Command command, std::uint8_t type,
@@ -81,7 +80,7 @@ std::string flags(TmclDebugger& debugger, std::string_view /*pattern*/) {
 std::string parameters(TmclDebugger& debugger, std::string_view pattern) {
   std::string text;
   for (const tmcl::ParameterDeclaration& each : debugger.source().module().axis_parameters) {
-    if (!matches(pattern, each.symbol)) {
+    if (!is_asked_for(pattern, each.symbol)) {
       continue;
     }
     const auto answer = read(debugger, tmcl::Command::get_axis_parameter, each.number, 0);
@@ -95,7 +94,7 @@ std::string globals(TmclDebugger& debugger, std::string_view pattern, bool varia
   constexpr std::uint8_t kVariableBank = 2;
   std::string text;
   for (const tmcl::ParameterDeclaration& each : debugger.source().module().global_parameters) {
-    if ((each.bank == kVariableBank) != variables || !matches(pattern, each.symbol)) {
+    if ((each.bank == kVariableBank) != variables || !is_asked_for(pattern, each.symbol)) {
       continue;
     }
     const auto answer = read(debugger, tmcl::Command::get_global_parameter, each.number, each.bank);
@@ -140,7 +139,7 @@ std::string inputs(TmclDebugger& debugger, std::string_view pattern) {
                      ports(debugger, "analog", module.analog_inputs, 1);
   text += "\nFor \"set input\":\n";
   for (const product::Input& input : debugger.bench().device().inputs()) {
-    if (matches(pattern, input.name)) {
+    if (is_asked_for(pattern, input.name)) {
       text +=
           fmt::format("{:32} {} .. {} {}\n", input.name, input.minimum, input.maximum, input.unit);
     }
@@ -155,7 +154,7 @@ std::string outputs(TmclDebugger& debugger, std::string_view /*pattern*/) {
 std::string signals(TmclDebugger& debugger, std::string_view pattern) {
   std::string text;
   for (const product::Signal& signal : debugger.bench().device().signals()) {
-    if (matches(pattern, signal.name)) {
+    if (is_asked_for(pattern, signal.name)) {
       text += fmt::format("{:32} {} {}\n", signal.name, signal.read(), signal.unit);
     }
   }

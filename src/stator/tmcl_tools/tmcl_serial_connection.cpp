@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "stator/link/system/file_descriptor.hpp"
+#include "stator/link/system/host_and_port.hpp"
 #include "stator/tmcl/command.hpp"
 #include "stator/tmcl_tools/failure.hpp"
 #include "stator/tmcl_tools/tmcl_connection.hpp"
@@ -70,15 +71,15 @@ link::FileDescriptor open_terminal(const std::string& path, unsigned baud_rate) 
 }
 
 link::FileDescriptor open_tcp(const std::string& address) {
-  const std::size_t colon = address.rfind(':');
-  if (colon == std::string::npos) {
+  const auto parts = link::split_host_and_port(address);
+  if (!parts || !parts->port) {
     throw Failure(fmt::format("\"tcp:{}\" names no port; write tcp:HOST:PORT", address));
   }
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  const int error = ::getaddrinfo(address.substr(0, colon).c_str(),
-                                  address.substr(colon + 1).c_str(), &hints, &found);
+  const int error = ::getaddrinfo(std::string(parts->host).c_str(),
+                                  std::string(*parts->port).c_str(), &hints, &found);
   if (error != 0) {
     throw Failure(fmt::format("cannot find {}: {}", address, ::gai_strerror(error)));
   }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstddef>
 #include <fstream>
 #include <stdexcept>
@@ -13,6 +12,8 @@
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <sys/random.h>
+
+#include "stator/link/system/host_and_port.hpp"
 
 namespace stator::web {
 
@@ -25,36 +26,6 @@ constexpr std::uint32_t kLoopbackNetwork = 127;
 bool is_token_letter(char letter) {
   return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
          (letter >= '0' && letter <= '9') || letter == '-' || letter == '_';
-}
-
-bool parse_port(std::string_view text, std::uint16_t& port) {
-  const char* end = text.data() + text.size();
-  const auto result = std::from_chars(text.data(), end, port);
-  return !text.empty() && result.ec == std::errc() && result.ptr == end;
-}
-
-/// Splits "HOST[:PORT]", "[HOST][:PORT]". False: `text` is none.
-bool split(std::string_view text, std::string_view& host, std::string_view& port) {
-  if (text.starts_with('[')) {
-    const std::size_t close = text.find(']');
-    if (close == std::string_view::npos) {
-      return false;
-    }
-    host = text.substr(1, close - 1);
-    port = text.substr(close + 1);
-  } else {
-    const std::size_t colon = std::min(text.find(':'), text.size());
-    host = text.substr(0, colon);
-    port = text.substr(colon);
-  }
-  if (port.empty()) {
-    return true;
-  }
-  if (!port.starts_with(':')) {
-    return false;
-  }
-  port.remove_prefix(1);
-  return true;
 }
 
 }  // namespace
@@ -75,14 +46,15 @@ std::string Address::text() const {
 
 Address parse_address(std::string_view text) {
   Address address;
-  std::string_view host;
-  std::string_view port;
-  if (parse_port(text, address.port)) {
+  if (const auto port = link::parse_port(text)) {
+    address.port = *port;
     return address;
   }
-  if (split(text, host, port) && parse_port(port, address.port) &&
-      is_ip_address(std::string(host))) {
-    address.host = host;
+  const auto parts = link::split_host_and_port(text);
+  const auto port = parts && parts->port ? link::parse_port(*parts->port) : std::nullopt;
+  if (port && link::is_ip_address(std::string(parts->host))) {
+    address.host = parts->host;
+    address.port = *port;
     return address;
   }
   throw std::runtime_error(
@@ -93,23 +65,15 @@ Address parse_address(std::string_view text) {
 }
 
 std::string host_of(std::string_view text) {
-  std::string_view host;
-  std::string_view port;
-  std::uint16_t number = 0;
-  if (!split(text, host, port) || (!port.empty() && !parse_port(port, number))) {
+  const auto parts = link::split_host_and_port(text);
+  if (!parts || (parts->port && !parts->port->empty() && !link::parse_port(*parts->port))) {
     return {};
   }
-  std::string lower(host);
+  std::string lower(parts->host);
   std::ranges::transform(lower, lower.begin(), [](char letter) {
     return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
   });
   return lower;
-}
-
-bool is_ip_address(const std::string& host) {
-  std::array<unsigned char, sizeof(in6_addr)> address{};
-  return ::inet_pton(AF_INET, host.c_str(), address.data()) == 1 ||
-         ::inet_pton(AF_INET6, host.c_str(), address.data()) == 1;
 }
 
 std::string read_token(const std::string& path) {

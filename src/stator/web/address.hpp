@@ -23,8 +23,6 @@ struct Address {
 /// The host of a Host header field or an authority, without port and brackets and in lower case;
 /// empty if `text` is none.
 [[nodiscard]] std::string host_of(std::string_view text);
-/// "127.0.0.1", "::1" and other addresses as numbers.
-[[nodiscard]] bool is_ip_address(const std::string& host);
 
 /// Reads a token from the first line of a file: 16 to 128 letters, digits, '-' and '_'. Throws
 /// std::runtime_error naming the file and what is wrong.

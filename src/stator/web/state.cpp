@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "stator/base/name_pattern.hpp"
 #include "stator/formats/json/schema.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file_description.hpp"
@@ -94,7 +95,7 @@ std::vector<std::size_t> State::matching(std::string_view patterns) const {
   while (!patterns.empty()) {
     const std::size_t end = std::min(patterns.find(','), patterns.size());
     for (std::size_t i = 0; i < signals_.size(); ++i) {
-      chosen[i] = chosen[i] || matches(patterns.substr(0, end), signals_[i].name);
+      chosen[i] = chosen[i] || base::matches(patterns.substr(0, end), signals_[i].name);
     }
     patterns.remove_prefix(std::min(end + 1, patterns.size()));
   }
@@ -159,29 +160,6 @@ void State::read_networks(std::vector<NetworkRecord>& networks) const {
     network->worst_lag_ns = statistics.worst_lag_ns;
     ++network;
   }
-}
-
-// Only the last star needs to be tried again: whatever an earlier one took more, the later could
-// take as well.
-bool matches(std::string_view pattern, std::string_view name) {
-  std::size_t at = 0;
-  std::size_t star = std::string_view::npos;
-  std::size_t after_star = 0;
-  for (std::size_t i = 0; i < name.size();) {
-    if (at < pattern.size() && pattern[at] == '*') {
-      star = at++;
-      after_star = i;
-    } else if (at < pattern.size() && pattern[at] == name[i]) {
-      ++at;
-      ++i;
-    } else if (star != std::string_view::npos) {
-      at = star + 1;
-      i = ++after_star;
-    } else {
-      return false;
-    }
-  }
-  return pattern.find_first_not_of('*', at) == std::string_view::npos;
 }
 
 const std::string& State::keys() {

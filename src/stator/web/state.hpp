@@ -126,7 +126,4 @@ class State {
   std::uint64_t fetched_ = 0;
 };
 
-/// `name` matches `pattern`, in time that grows with the product of their lengths.
-[[nodiscard]] bool matches(std::string_view pattern, std::string_view name);
-
 }  // namespace stator::web

@@ -8,8 +8,8 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <fnmatch.h>
 
+#include "stator/base/name_pattern.hpp"
 #include "stator/cli/commands.hpp"
 #include "stator/cli/describe/key_reference.hpp"
 #include "stator/cli/failure.hpp"
@@ -139,7 +139,7 @@ void test(const TestOptions& options) {
   for (const std::string& file : scenario_files(options.paths)) {
     const scenario::ScenarioRead read =
         scenario::read_scenario_file(file, devices::products(), options.changes);
-    if (fnmatch(options.filter.c_str(), read.scenario.name.c_str(), 0) != 0) {
+    if (!base::matches(options.filter, read.scenario.name)) {
       continue;
     }
     if (options.list) {

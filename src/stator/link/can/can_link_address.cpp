@@ -1,13 +1,13 @@
 #include "stator/link/can/can_link_address.hpp"
 
 #include <array>
-#include <charconv>
 #include <optional>
 
 #include <arpa/inet.h>
 #include <net/if.h>
 
 #include "stator/link/system/failure.hpp"
+#include "stator/link/system/host_and_port.hpp"
 
 namespace stator::link {
 
@@ -33,30 +33,16 @@ base::Unexpected<LinkError> refuse(std::string_view text, const std::string& rea
               "CAN port " + in_quotes(std::string(text)) + " " + reason);
 }
 
-std::optional<std::uint16_t> parse_port(std::string_view text) {
-  std::uint16_t port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    return std::nullopt;
-  }
-  return port;
-}
-
-bool is_ipv4(const std::string& text, in_addr& address) {
-  return ::inet_pton(AF_INET, text.c_str(), &address) == 1;
-}
-
 /// "[ADDRESS:]PORT"
 Parsed parse_server(std::string_view text, std::string_view rest, CanLinkAddress address) {
-  const std::size_t colon = rest.rfind(':');
-  address.name = colon == std::string_view::npos ? kLoopback : rest.substr(0, colon);
-  in_addr ignored{};
-  if (!is_ipv4(address.name, ignored)) {
+  const auto parts = split_host_and_port(rest);
+  address.name = !parts || parts->port ? parts.value_or(HostAndPort{rest, {}}).host : kLoopback;
+  if (!is_ipv4_address(address.name)) {
     return refuse(text,
                   "needs an IPv4 address of this machine in numbers before the port; 0.0.0.0 "
                   "listens at all of them, without one it is 127.0.0.1");
   }
-  const auto port = parse_port(colon == std::string_view::npos ? rest : rest.substr(colon + 1));
+  const auto port = parse_port(parts->port.value_or(rest));
   if (!port) {
     return refuse(text, "needs a port from 1 to 65535, or 0 for any free one");
   }
@@ -66,18 +52,18 @@ Parsed parse_server(std::string_view text, std::string_view rest, CanLinkAddress
 
 /// "[GROUP[:PORT]]"
 Parsed parse_group(std::string_view text, std::string_view rest, CanLinkAddress address) {
-  const std::size_t colon = rest.find(':');
-  const std::string_view group = rest.substr(0, colon);
-  address.name = group.empty() ? kMulticastGroup : group;
+  const HostAndPort parts = split_host_and_port(rest).value_or(HostAndPort{rest, {}});
+  address.name = parts.host.empty() ? kMulticastGroup : parts.host;
   address.port = kMulticastPort;
   in_addr parsed{};
-  if (!is_ipv4(address.name, parsed) || !IN_MULTICAST(ntohl(parsed.s_addr))) {
+  if (::inet_pton(AF_INET, address.name.c_str(), &parsed) != 1 ||
+      !IN_MULTICAST(ntohl(parsed.s_addr))) {
     return refuse(text,
                   "needs an IPv4 multicast group (224.0.0.0 to 239.255.255.255) in numbers; "
                   "without one it is 239.74.163.2, python-can's own");
   }
-  if (colon != std::string_view::npos) {
-    const auto port = parse_port(rest.substr(colon + 1));
+  if (parts.port) {
+    const auto port = parse_port(*parts.port);
     if (!port || *port == 0) {
       return refuse(text, "needs a port from 1 to 65535 behind the group; without one it is 43113");
     }

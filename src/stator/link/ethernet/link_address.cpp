@@ -1,12 +1,10 @@
 #include "stator/link/ethernet/link_address.hpp"
 
-#include <charconv>
 #include <optional>
-
-#include <arpa/inet.h>
 
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
 #include "stator/link/system/failure.hpp"
+#include "stator/link/system/host_and_port.hpp"
 
 namespace stator::link {
 
@@ -18,28 +16,18 @@ base::Unexpected<LinkError> refuse(std::string_view text, const std::string& rea
   return fail(LinkErrorCode::invalid_option, "link " + in_quotes(std::string(text)) + " " + reason);
 }
 
-std::optional<std::uint16_t> parse_port(std::string_view text) {
-  std::uint16_t port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  if (error != std::errc() || end != text.data() + text.size() || port == 0) {
-    return std::nullopt;
-  }
-  return port;
-}
-
 base::Expected<LinkAddress, LinkError> parse_udp(std::string_view text, std::string_view rest) {
   LinkAddress address{.kind = LinkKind::udp, .name = {}, .port = kEtherCatUdpPort};
-  const std::size_t colon = rest.find(':');
-  address.name = rest.substr(0, colon);
-  in_addr ignored{};
-  if (::inet_pton(AF_INET, address.name.c_str(), &ignored) != 1) {
+  const HostAndPort parts = split_host_and_port(rest).value_or(HostAndPort{rest, {}});
+  address.name = parts.host;
+  if (!is_ipv4_address(address.name)) {
     return refuse(text,
                   "needs an IPv4 address in numbers, e.g. udp:127.0.0.1; slaves listen at all "
                   "addresses of the machine with udp:0.0.0.0");
   }
-  if (colon != std::string_view::npos) {
-    const auto port = parse_port(rest.substr(colon + 1));
-    if (!port) {
+  if (parts.port) {
+    const auto port = parse_port(*parts.port);
+    if (!port || *port == 0) {
       return refuse(text,
                     "needs a port from 1 to 65535 behind the address; without one it is "
                     "EtherCAT's 34980");

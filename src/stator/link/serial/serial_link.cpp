@@ -1,14 +1,12 @@
 #include "stator/link/serial/serial_link.hpp"
 
-#include <charconv>
 #include <optional>
 #include <utility>
-
-#include <arpa/inet.h>
 
 #include "stator/link/serial/pty_link.hpp"
 #include "stator/link/serial/tcp_serial_link.hpp"
 #include "stator/link/system/failure.hpp"
+#include "stator/link/system/host_and_port.hpp"
 #include "stator/link/system/tcp_listener.hpp"
 
 namespace stator::link {
@@ -25,29 +23,19 @@ base::Unexpected<LinkError> refuse(std::string_view text, const std::string& rea
               "serial line " + in_quotes(std::string(text)) + " " + reason);
 }
 
-std::optional<std::uint16_t> parse_port(std::string_view text) {
-  std::uint16_t port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    return std::nullopt;
-  }
-  return port;
-}
-
 /// "[ADDRESS:]PORT"
 Parsed parse_tcp(std::string_view text, std::string_view rest) {
   SerialLinkAddress address{.kind = SerialLinkKind::tcp, .name = kLoopbackAddress, .port = 0};
-  if (const std::size_t colon = rest.rfind(':'); colon != std::string_view::npos) {
-    address.name = rest.substr(0, colon);
-    rest = rest.substr(colon + 1);
+  const auto parts = split_host_and_port(rest);
+  if (!parts || parts->port) {
+    address.name = parts.value_or(HostAndPort{rest, {}}).host;
   }
-  in_addr ignored{};
-  if (::inet_pton(AF_INET, address.name.c_str(), &ignored) != 1) {
+  if (!is_ipv4_address(address.name)) {
     return refuse(text,
                   "needs an IPv4 address of this machine in numbers before the port; 0.0.0.0 "
                   "listens at all of them, without one it is 127.0.0.1");
   }
-  const auto port = parse_port(rest);
+  const auto port = parse_port(parts->port.value_or(rest));
   if (!port) {
     return refuse(text, "needs a port from 1 to 65535, or 0 for any free one");
   }

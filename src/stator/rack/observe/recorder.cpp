@@ -6,7 +6,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <fnmatch.h>
+
+#include "stator/base/name_pattern.hpp"
 
 namespace stator::rack {
 
@@ -54,7 +55,7 @@ std::vector<product::Signal> select_signals(const std::vector<product::Signal>& 
   for (const std::string& pattern : patterns) {
     bool matched = false;
     for (std::size_t i = 0; i < available.size(); ++i) {
-      if (::fnmatch(pattern.c_str(), available[i].name.c_str(), 0) == 0) {
+      if (base::matches(pattern, available[i].name)) {
         chosen[i] = true;
         matched = true;
       }

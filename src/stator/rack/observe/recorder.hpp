@@ -40,7 +40,7 @@ class Recorder {
   std::unique_ptr<link::BackgroundOutput> output_;
 };
 
-/// The signals whose name matches one of `patterns` ("*" stands for any run of characters), in the
+/// The signals whose name matches one of `patterns` (base::matches), in the
 /// order of `available`. Throws std::runtime_error naming a pattern that matches nothing and the
 /// names that exist.
 std::vector<product::Signal> select_signals(const std::vector<product::Signal>& available,

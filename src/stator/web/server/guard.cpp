@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "stator/link/system/host_and_port.hpp"
 #include "stator/web/address.hpp"
 #include "stator/web/problem.hpp"
 
@@ -53,7 +54,7 @@ bool Guard::known_host(const std::string& host) const {
   if (host == "localhost") {
     return true;
   }
-  if (is_ip_address(host)) {
+  if (link::is_ip_address(host)) {
     // No name that an attacker could point here. Behind a loopback socket only loopback is meant.
     return !loopback_ || Address{host, 0}.loopback();
   }
