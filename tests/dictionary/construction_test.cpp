@@ -13,7 +13,7 @@ namespace stator::dictionary {
 namespace {
 
 /// What finish() objects to; empty if it does not.
-std::string objection(const std::vector<EntryDeclaration>& declarations) {
+std::string refusal_of(const std::vector<EntryDeclaration>& declarations) {
   Dictionary dictionary;
   dictionary.add(declarations);
   try {
@@ -39,41 +39,42 @@ TEST(DictionaryConstruction, ObjectsAndEntriesAreSortedWhateverTheOrderOfDeclara
 }
 
 TEST(DictionaryConstruction, AnEntryDeclaredTwiceIsRejectedByName) {
-  EXPECT_EQ(objection({{.index = 0x2000}, {.index = 0x2001}, {.index = 0x2000}}),
+  EXPECT_EQ(refusal_of({{.index = 0x2000}, {.index = 0x2001}, {.index = 0x2000}}),
             "dictionary entry 2000h:00: declared twice");
 }
 
 TEST(DictionaryConstruction, AnObjectWithoutSubindexZeroIsRejected) {
-  EXPECT_EQ(objection({{.index = 0x1A0F, .subindex = 0x1B}}),
+  EXPECT_EQ(refusal_of({{.index = 0x1A0F, .subindex = 0x1B}}),
             "dictionary entry 1A0Fh:1B: subindex 0 is missing");
 }
 
 TEST(DictionaryConstruction, ADefaultThatIsNoValueOfItsTypeIsRejected) {
-  EXPECT_EQ(objection({{.index = 0x2000, .type = DataType::unsigned8, .default_value = 256}}),
+  EXPECT_EQ(refusal_of({{.index = 0x2000, .type = DataType::unsigned8, .default_value = 256}}),
             "dictionary entry 2000h:00: default is no value of its type UNSIGNED8");
-  EXPECT_NE(objection({{.index = 0x2000, .type = DataType::unsigned32, .default_value = -1}}), "");
-  EXPECT_NE(objection({{.index = 0x2000, .type = DataType::integer8, .default_value = 128}}), "");
-  EXPECT_EQ(objection({{.index = 0x2000, .type = DataType::integer8, .default_value = -128}}), "");
+  EXPECT_NE(refusal_of({{.index = 0x2000, .type = DataType::unsigned32, .default_value = -1}}), "");
+  EXPECT_NE(refusal_of({{.index = 0x2000, .type = DataType::integer8, .default_value = 128}}), "");
+  EXPECT_EQ(refusal_of({{.index = 0x2000, .type = DataType::integer8, .default_value = -128}}), "");
 }
 
 TEST(DictionaryConstruction, ABoundThatIsNoValueOfItsTypeIsRejected) {
-  EXPECT_EQ(objection({{.index = 0x2000, .type = DataType::integer16, .range = Range{0, 32768}}}),
+  EXPECT_EQ(refusal_of({{.index = 0x2000, .type = DataType::integer16, .range = Range{0, 32768}}}),
             "dictionary entry 2000h:00: maximum is no value of its type INTEGER16");
-  EXPECT_EQ(objection({{.index = 0x2000, .type = DataType::unsigned16, .range = Range{-1, 5}}}),
+  EXPECT_EQ(refusal_of({{.index = 0x2000, .type = DataType::unsigned16, .range = Range{-1, 5}}}),
             "dictionary entry 2000h:00: minimum is no value of its type UNSIGNED16");
 }
 
 TEST(DictionaryConstruction, AnEmptyRangeIsRejectedWithTheSignOfTheType) {
-  EXPECT_EQ(objection({{.index = 0x2000, .type = DataType::integer16, .range = Range{1, -1}}}),
+  EXPECT_EQ(refusal_of({{.index = 0x2000, .type = DataType::integer16, .range = Range{1, -1}}}),
             "dictionary entry 2000h:00: maximum is below minimum");
-  EXPECT_EQ(objection({{.index = 0x2000, .type = DataType::integer16, .range = Range{-1, 1}}}), "");
+  EXPECT_EQ(refusal_of({{.index = 0x2000, .type = DataType::integer16, .range = Range{-1, 1}}}),
+            "");
 }
 
 TEST(DictionaryConstruction, ADefaultOutsideAPrintedRangeIsTheDocumentsBusiness) {
-  EXPECT_EQ(objection({{.index = 0x2000,
-                        .type = DataType::unsigned8,
-                        .default_value = 9,
-                        .range = Range{1, 8}}}),
+  EXPECT_EQ(refusal_of({{.index = 0x2000,
+                         .type = DataType::unsigned8,
+                         .default_value = 9,
+                         .range = Range{1, 8}}}),
             "");
 }
 

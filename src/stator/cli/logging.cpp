@@ -62,11 +62,11 @@ class StandardErrorSink final : public spdlog::sinks::sink {
     const std::size_t end = message.color_range_end;
     const std::uint64_t lost = output_->lost();
     text_.clear();
-    if (lost != told_) {
+    if (lost != reported_) {
       text_ = fmt::format(
           "W {} lines of this log are missing here, because they were not read in "
           "time\n",
-          lost - told_);
+          lost - reported_);
     }
     if (in_colour_ && begin < end) {
       text_.append(all.substr(0, begin)).append(colour_of(message.level));
@@ -75,7 +75,7 @@ class StandardErrorSink final : public spdlog::sinks::sink {
       text_.append(all);
     }
     if (output_->write(text_)) {
-      told_ = lost;
+      reported_ = lost;
     }
   }
   void flush() override {}
@@ -92,7 +92,7 @@ class StandardErrorSink final : public spdlog::sinks::sink {
   std::unique_ptr<link::BackgroundOutput> output_;
   bool in_colour_;
   std::unique_ptr<spdlog::formatter> formatter_;
-  std::uint64_t told_ = 0;  ///< lost lines of which the reader knows
+  std::uint64_t reported_ = 0;  ///< lost lines of which the reader knows
   spdlog::memory_buf_t formatted_;
   std::string text_;
 };

@@ -74,16 +74,16 @@ Outcome run_action(const Step& step, bench::Bench& bench) {
 void run_steps(const Scenario& scenario, bench::Bench& bench, ScenarioResult& result) {
   for (std::size_t i = 0; i < scenario.steps.size() && result.status == Status::passed; ++i) {
     const Step& step = scenario.steps[i];
-    StepResult& told = result.steps[i];
+    StepResult& step = result.steps[i];
     if (!step.looks) {
       bench.begin_deed();
     }
-    told.begin = bench.now();
+    step.begin = bench.now();
     Outcome outcome = run_action(step, bench);
-    told.end = bench.now();
-    told.status = outcome.passed ? Status::passed : Status::failed;
-    told.text = std::move(outcome.text);
-    result.status = told.status;
+    step.end = bench.now();
+    step.status = outcome.passed ? Status::passed : Status::failed;
+    step.text = std::move(outcome.text);
+    result.status = step.status;
   }
 }
 

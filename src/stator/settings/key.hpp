@@ -143,9 +143,9 @@ bool read_keys(const Section<T>& section, Reader& reader, T& target) {
   }
   bool good = true;
   for (const Rule<T>& rule : section.rules) {
-    const std::string sentence = rule.objection != nullptr ? rule.objection(target, reader)
-                                 : rule.holds(target)      ? std::string()
-                                                           : std::string(rule.sentence);
+    const std::string sentence = rule.problem != nullptr ? rule.problem(target, reader)
+                                 : rule.holds(target)    ? std::string()
+                                                         : std::string(rule.sentence);
     if (!sentence.empty()) {
       reader.refuse(std::string(rule.key), sentence);
       good = false;

@@ -16,7 +16,7 @@ template <typename T>
 struct Rule {
   std::string_view key;  ///< that is refused
   /// The sentence against the values; empty: they are good.
-  std::string (*objection)(const T&, const Reader&) = nullptr;
+  std::string (*problem)(const T&, const Reader&) = nullptr;
   // The same where the sentence is always the same.
   bool (*holds)(const T&) = nullptr;
   std::string_view sentence{};

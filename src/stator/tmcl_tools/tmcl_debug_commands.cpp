@@ -13,7 +13,7 @@
 
 namespace stator::tmcl_tools {
 
-/// What the commands do. Each returns what is to be told; refusals are thrown.
+/// What the commands do. Each returns what is to be output; refusals are thrown.
 struct DebugCommands {
   using Console = TmclDebugConsole;
   using Words = std::string_view;
@@ -30,40 +30,40 @@ struct DebugCommands {
   }
 
   static std::string run(Console& console, Words /*operands*/) {
-    return console.told(console.debugger_.run());
+    return console.stop_text(console.debugger_.run());
   }
   static std::string start(Console& console, Words /*operands*/) {
     console.debugger_.restart();
-    return console.told({});
+    return console.stop_text({});
   }
   static std::string step(Console& console, Words text) {
-    return console.told(console.debugger_.step(count(console, text)));
+    return console.stop_text(console.debugger_.step(count(console, text)));
   }
   static std::string next(Console& console, Words text) {
-    return console.told(console.debugger_.next(count(console, text)));
+    return console.stop_text(console.debugger_.next(count(console, text)));
   }
   static std::string finish(Console& console, Words /*operands*/) {
     if (console.debugger_.depth() == 0) {
       throw Console::Refusal{"the program is in no subroutine"};
     }
-    return console.told(console.debugger_.finish());
+    return console.stop_text(console.debugger_.finish());
   }
   static std::string until(Console& console, Words text) {
-    return console.told(text.empty() ? console.debugger_.until_below()
-                                     : console.debugger_.until(console.location(text)));
+    return console.stop_text(text.empty() ? console.debugger_.until_below()
+                                          : console.debugger_.until(console.location(text)));
   }
   static std::string go_on(Console& console, Words text) {
     if (text.empty()) {
-      return console.told(console.debugger_.resume());
+      return console.stop_text(console.debugger_.resume());
     }
     const auto duration = settings::parse_duration(text);
     if (!duration) {
       throw Console::Refusal{fmt::format("\"{}\" is no duration; write e.g. 500ms", text)};
     }
-    return console.told(console.debugger_.resume(console.debugger_.bench().now() + *duration));
+    return console.stop_text(console.debugger_.resume(console.debugger_.bench().now() + *duration));
   }
   static std::string jump(Console& console, Words text) {
-    return console.told(console.debugger_.jump(console.location(text)));
+    return console.stop_text(console.debugger_.jump(console.location(text)));
   }
 
   static std::string add_breakpoint(Console& console, Words text, bool temporary) {
@@ -267,34 +267,34 @@ struct DebugCommands {
       throw Console::Refusal{content.error()};
     }
     Words rest = *content;
-    std::string told;
+    std::string output;
     while (!rest.empty()) {
       const std::size_t end = std::min(rest.find('\n'), rest.size());
       const DebugResponse response = console.execute(rest.substr(0, end));
-      told += response.text;
+      output += response.text;
       if (response.failed || response.quit) {
         break;
       }
       rest.remove_prefix(std::min(end + 1, rest.size()));
     }
-    return told;
+    return output;
   }
   static std::string echo(Console& /*console*/, Words text) { return std::string(text) + "\n"; }
   static std::string quit(Console& /*console*/, Words /*operands*/) { return {}; }
   static std::string help(Console& /*console*/, Words text) {
-    std::string told;
+    std::string output;
     for (const DebugCommand& each : debug_commands()) {
       if (text.empty() || each.name == text || each.short_name == text) {
         const std::string name = each.short_name.empty()
                                      ? std::string(each.name)
                                      : fmt::format("{} ({})", each.name, each.short_name);
-        told += fmt::format("{:16} {:24} {}\n", name, each.usage, each.help);
+        output += fmt::format("{:16} {:24} {}\n", name, each.usage, each.help);
       }
     }
-    if (told.empty()) {
+    if (output.empty()) {
       throw Console::Refusal{fmt::format("there is no command \"{}\"", text)};
     }
-    return told;
+    return output;
   }
 };
 

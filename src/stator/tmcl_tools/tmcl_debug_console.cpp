@@ -151,7 +151,7 @@ std::string TmclDebugConsole::place(std::size_t address) const {
                      line ? std::to_string(*line) : "behind the program");
 }
 
-std::string TmclDebugConsole::told(const Stop& stop) {
+std::string TmclDebugConsole::stop_text(const Stop& stop) {
   list_from_ = 0;
   const std::string time = seconds_text(debugger_.bench().now());
   const std::string here = place(debugger_.address());

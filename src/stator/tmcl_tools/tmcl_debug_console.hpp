@@ -48,7 +48,7 @@ class TmclDebugConsole {
   };
 
   DebugResponse obey(std::string_view line);
-  [[nodiscard]] std::string told(const Stop& stop);
+  [[nodiscard]] std::string stop_text(const Stop& stop);
   [[nodiscard]] std::string displays();
   [[nodiscard]] std::int64_t value(std::string_view expression);
   [[nodiscard]] std::size_t location(std::string_view text);

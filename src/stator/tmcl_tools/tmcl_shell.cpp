@@ -117,8 +117,8 @@ struct ShellCommands {
       throw TmclShell::Refusal{R"(expected a duration, e.g. 500ms, or "pos" or "event")"};
     }
     for (int look = 0; look < kLooks; ++look) {
-      const bool told = shell.connection_.pass(kLook);
-      if (text == "event" ? told
+      const bool heard = shell.connection_.pass(kLook);
+      if (text == "event" ? heard
                           : shell.send(Command::get_axis_parameter, kPositionReached).value != 0) {
         return "the target was reached\n";
       }
@@ -204,23 +204,23 @@ std::string usage_of(const tmcl::CommandDeclaration& command) {
 }  // namespace
 
 std::string ShellCommands::help(TmclShell& shell, Words text) {
-  std::string told;
+  std::string output;
   for (const tmcl::CommandDeclaration& each : shell.module_.commands.all()) {
     const bool wanted = text.empty() ? each.use.direct : base::same_word(each.mnemonic, text);
     if (!each.mnemonic.empty() && wanted) {
-      told += usage_of(each);
+      output += usage_of(each);
     }
   }
-  told += text.empty() ? "\n" : "";
+  output += text.empty() ? "\n" : "";
   for (const ShellCommand& each : kCommands) {
     if (text.empty() || base::same_word(each.name, text)) {
-      told += fmt::format("{:44} {}\n", fmt::format("{} {}", each.name, each.usage), each.help);
+      output += fmt::format("{:44} {}\n", fmt::format("{} {}", each.name, each.usage), each.help);
     }
   }
-  if (told.empty()) {
+  if (output.empty()) {
     throw TmclShell::Refusal{fmt::format("there is no command \"{}\"", text)};
   }
-  return told;
+  return output;
 }
 
 TmclReply TmclShell::send(const tmcl::Instruction& instruction) {

@@ -74,7 +74,7 @@ void EmergencyProducer::start(SimTime now) {
   update_register();
   message_count_ = 0;
   for (std::size_t i = 0; i < error_count_; ++i) {
-    if (const Error& error = errors_[i]; error.told) {
+    if (const Error& error = errors_[i]; error.sent) {
       static_cast<void>(queue({.code = error.code, .information = error.information}, now));
     }
   }
@@ -154,13 +154,13 @@ void EmergencyProducer::report(const Emergency& emergency, base::StaticText fate
                     int{emergency.information[0]}, int{emergency.information[1]}, fate});
 }
 
-bool EmergencyProducer::add(const Emergency& emergency, bool told) {
+bool EmergencyProducer::add(const Emergency& emergency, bool sent) {
   if (find(emergency.code, emergency.cause) != nullptr) {
     return false;
   }
   if (error_count_ < errors_.size()) {
     errors_[error_count_++] = {emergency.code, emergency.cause, emergency.error_register,
-                               emergency.information, told};
+                               emergency.information, sent};
   }
   update_register();
   record(emergency);

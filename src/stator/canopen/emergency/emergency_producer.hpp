@@ -84,12 +84,12 @@ class EmergencyProducer final : public Service, public EmergencySink {
     std::uint8_t cause = 0;
     std::uint8_t error_register = 0;
     std::array<std::uint8_t, 5> information{};
-    bool told = false;  ///< by a message; otherwise in the error register alone
+    bool sent = false;  ///< by a message; otherwise in the error register alone
   };
 
   [[nodiscard]] Emergency completed(const Emergency& emergency) const;
   [[nodiscard]] Error* find(std::uint16_t code, std::uint8_t cause);
-  bool add(const Emergency& emergency, bool told);
+  bool add(const Emergency& emergency, bool sent);
   bool remove(std::uint16_t code, std::uint8_t cause);
   void begin_anew();
   void update_register();

@@ -200,32 +200,32 @@ void Reference::add_variants(const settings::TableDescription& table, const Chap
 
 /// Keys of variants are told once each, whatever the value of the selector.
 void add_paths(const TableDescription& table, const std::string& prefix,
-               std::set<std::string>& told, std::string& lines) {
+               std::set<std::string>& listed, std::string& lines) {
   for (const KeyDescription& key : table.keys) {
     const std::string path = prefix + key.name;
     if (key.table == nullptr || key.forms.size() > 1) {
       const std::string line =
           fmt::format("{}\t{}\t{}\t{}\n", path, values_of(key), default_of(key), key.summary);
-      if (told.insert(line).second) {
+      if (listed.insert(line).second) {
         lines += line;
       }
     }
     if (key.table != nullptr) {
       const bool is_array = key.forms.front().kind == ValueKind::tables;
-      add_paths(*key.table, path + (is_array ? "[]." : "."), told, lines);
+      add_paths(*key.table, path + (is_array ? "[]." : "."), listed, lines);
     }
   }
   for (const TableVariant& variant : table.variants) {
-    add_paths(*variant.table, prefix, told, lines);
+    add_paths(*variant.table, prefix, listed, lines);
   }
 }
 
 }  // namespace
 
 std::string key_paths(const settings::TableDescription& file) {
-  std::set<std::string> told;
+  std::set<std::string> listed;
   std::string lines;
-  add_paths(file, "", told, lines);
+  add_paths(file, "", listed, lines);
   return lines;
 }
 

@@ -86,7 +86,7 @@ bool Tmc8461::link_led(unsigned port) const {
 void Tmc8461::watch(product::HostLines watched, product::HostLineSink* sink) {
   watched_ = sink != nullptr ? watched : product::HostLines{0};
   sink_ = sink;
-  told_ = levels();
+  reported_levels_ = levels();
   for (unsigned output = 0; output < sync_counts_.size(); ++output) {
     sync_counts_[output] = controller_.sync_pulse_count(output);
     sync_ends_[output] = SimTime::never();
@@ -122,10 +122,11 @@ void Tmc8461::publish(product::HostLines pulses) {
   product::HostLineChange change;
   change.time = now_;
   change.levels = levels();
-  change.rose = static_cast<product::HostLines>(((change.levels & ~told_) | pulses) & watched_);
+  change.rose =
+      static_cast<product::HostLines>(((change.levels & ~reported_levels_) | pulses) & watched_);
   change.fell = static_cast<product::HostLines>(
-      ((told_ & ~change.levels) | (pulses & ~change.levels)) & watched_);
-  told_ = change.levels;
+      ((reported_levels_ & ~change.levels) | (pulses & ~change.levels)) & watched_);
+  reported_levels_ = change.levels;
   if ((change.rose | change.fell) != 0) {
     sink_->on_lines(change);
   }

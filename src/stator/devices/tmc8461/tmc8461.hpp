@@ -135,7 +135,7 @@ class Tmc8461 final : public product::EtherCatDevice,
 
   product::HostLineSink* sink_ = nullptr;
   product::HostLines watched_ = 0;
-  product::HostLines told_ = 0;  ///< levels as the sink knows them
+  product::HostLines reported_levels_ = 0;  ///< levels as the sink knows them
   std::array<std::uint64_t, 2> sync_counts_{};
   std::array<base::SimTime, 2> sync_ends_{base::SimTime::never(), base::SimTime::never()};
   std::uint32_t watchdog_triggers_ = 0;

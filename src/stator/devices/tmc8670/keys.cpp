@@ -37,7 +37,7 @@ std::optional<unsigned> hexadecimal(std::string_view digits, unsigned maximum) {
 }
 
 /// What the dictionary says against the value; empty if it takes it.
-std::string objection(const dictionary::Dictionary& dictionary, const ObjectValue& object) {
+std::string problem_of(const dictionary::Dictionary& dictionary, const ObjectValue& object) {
   dictionary::Entry* entry = dictionary.find(object.index, object.subindex);
   if (entry == nullptr) {
     return "the device has no such object; see \"stator describe tmc8670\"";
@@ -95,7 +95,7 @@ void read_objects(const settings::KeyWords& key, settings::Reader& reader,
       continue;
     }
     object->bits = static_cast<std::uint64_t>(*value);
-    if (const std::string reason = objection(dictionary, *object); !reason.empty()) {
+    if (const std::string reason = problem_of(dictionary, *object); !reason.empty()) {
       table->refuse(name, unsuitable(name, *value, reason));
       continue;
     }

@@ -333,12 +333,12 @@ void Tmcc160::report_errors(SimTime now) {
 
 void Tmcc160::report_error(const AxisEmergency& row, bool present, SimTime now) {
   const auto cause = static_cast<std::uint8_t>(row.error);
-  const bool told = row.documented || configuration_.options.undocumented_emergencies;
+  const bool sent = row.documented || configuration_.options.undocumented_emergencies;
   const bool fault = row.reaction == drive::ErrorReaction::fault ||
                      row.reaction == drive::ErrorReaction::power_off;
   if (!present) {
     // Faults go with the fault reset, which is told once.
-    if (told && !fault) {
+    if (sent && !fault) {
       emergency_producer().clear(row.code, cause, now);
     } else {
       emergency_producer().withdraw(row.code, cause);
@@ -350,7 +350,7 @@ void Tmcc160::report_error(const AxisEmergency& row, bool present, SimTime now) 
       .error_register = row.register_bits,
       .information = {row.detail, row.of_device ? kOfDevice : std::uint8_t{0}},
       .cause = cause};
-  if (told) {
+  if (sent) {
     emergency_producer().raise(emergency, now);
   } else {
     emergency_producer().note(emergency, now);

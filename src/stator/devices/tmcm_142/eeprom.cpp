@@ -88,10 +88,10 @@ tmcl::EepromKeeper::Outcome Eeprom::end(bool kept, base::SimTime now) {
     }
     module_.accept_writes();
     outcome_ = Outcome::kept;
-    if (!kept && !told_) {
+    if (!kept && !reported_) {
       reporter_.report(now, kTriedAgain, {kRetryTime.nanoseconds() / 1'000'000'000});
     }
-    told_ = !kept;
+    reported_ = !kept;
   }
   if (images_[parameters_group].owed || images_[program_group].owed) {
     retry_ = now + kRetryTime;

@@ -92,7 +92,7 @@ class Eeprom final : public tmcl::EepromKeeper {
 
   Outcome outcome_ = Outcome::kept;
   bool refusable_ = false;
-  bool told_ = false;  ///< that something is owed
+  bool reported_ = false;  ///< that something is owed
   base::SimTime poll_ = base::SimTime::never();
   base::SimTime retry_ = base::SimTime::never();  ///< of what is owed
 };

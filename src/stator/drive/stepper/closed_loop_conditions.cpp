@@ -60,11 +60,11 @@ const EventRule* ClosedLoopConditions::problem(const AxisObjects& objects,
 bool ClosedLoopConditions::fulfilled(const AxisObjects& objects, const StepperSettings& settings,
                                      base::SimTime now) {
   if (!settings.closed_loop.enabled) {
-    told_ = nullptr;
+    reported_ = nullptr;
     return false;
   }
   const EventRule* rule = problem(objects, settings);
-  if (rule != nullptr && rule != told_) {
+  if (rule != nullptr && rule != reported_) {
     const control::EncoderScale scale = encoder_scale(objects, settings);
     reporter_.report(
         now, *rule,
@@ -73,7 +73,7 @@ bool ClosedLoopConditions::fulfilled(const AxisObjects& objects, const StepperSe
          EventArgument(scale.steps_per_revolution / kMicrostepsPerFullStep * kCountsPerFullStep),
          EventArgument(kHighestResolution)});
   }
-  told_ = rule;
+  reported_ = rule;
   return rule == nullptr || rule == &kNoGain;
 }
 

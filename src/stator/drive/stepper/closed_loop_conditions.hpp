@@ -27,7 +27,7 @@ class ClosedLoopConditions {
 
   base::EventReporter reporter_;
   std::uint8_t axis_;
-  const base::EventRule* told_ = nullptr;  ///< about the closed loop wanted at present
+  const base::EventRule* reported_ = nullptr;  ///< about the closed loop wanted at present
   bool torque_told_ = false;
 };
 

@@ -199,8 +199,8 @@ void SlaveStack::check_clocks(base::SimTime now) {
 }
 
 void SlaveStack::check_watchdog(std::uint32_t events, base::SimTime now) {
-  const bool told = (events & al_event::kProcessDataWatchdog) != 0 && !watchdog_runs();
-  if (!told && (now < watchdog_due_ || !outputs_overdue(now))) {
+  const bool signalled = (events & al_event::kProcessDataWatchdog) != 0 && !watchdog_runs();
+  if (!signalled && (now < watchdog_due_ || !outputs_overdue(now))) {
     return;
   }
   ++statistics_.watchdog_expirations;

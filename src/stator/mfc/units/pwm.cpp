@@ -102,16 +102,16 @@ std::uint32_t Pwm::make_tick(std::int64_t tick, std::uint32_t marks, SignalSink&
       sink.change(time, signal_of(i), (shown_ >> i & 1U) != 0);
     }
   }
-  std::uint32_t told = 0;
+  std::uint32_t events = 0;
   for (std::uint32_t rest = marks; rest != 0; rest &= rest - 1) {
     const std::size_t i = lowest(rest);
     if (next_mark_[i] == tick) {
-      told |= 1U << i;
+      events |= 1U << i;
       next_mark_[i] = tick + geometry_.counts();
       sink.interrupt(time, source_of(i));
     }
   }
-  return told;
+  return events;
 }
 
 void Pwm::advance(base::SimTime to, SignalSink& sink) {

@@ -185,7 +185,7 @@ void Rack::advance_to(base::SimTime now) {
     parts.advance_devices(instant);
     parts.lines.advance(instant);
     while (parts.timetable.next() <= instant) {
-      parts.happen(parts.timetable.take(), instant);
+      parts.apply_event(parts.timetable.take(), instant);
     }
     if (parts_->faults->next() <= instant) {
       parts_->faults->act(instant);
@@ -251,7 +251,7 @@ void Rack::put(std::size_t line, std::span<const std::byte> bytes, base::SimTime
 void Rack::apply(const RackEvent& event, base::SimTime now) {
   tell(command::ApplyEvent{event, now});
   const NestedCalls nested(parts_->inside);
-  parts_->happen(event, now);
+  parts_->apply_event(event, now);
 }
 
 base::Expected<std::uint64_t, std::string> Rack::inject(const FaultConfiguration& fault,

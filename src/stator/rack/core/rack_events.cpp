@@ -55,14 +55,14 @@ base::StaticText to_text(can::FrameFaultKind kind) {
 
 }  // namespace
 
-void RackParts::happen(const RackEvent& event, base::SimTime now) {
+void RackParts::apply_event(const RackEvent& event, base::SimTime now) {
   if (const auto* cable = std::get_if<CableEvent>(&event)) {
     if (held(*cable).set(cable->intact)) {
-      carry_out(*cable, now);
+      enforce(*cable, now);
     }
   } else if (const auto* power = std::get_if<PowerEvent>(&event)) {
     if (held(*power).set(power->on)) {
-      carry_out(*power, now);
+      enforce(*power, now);
     }
   } else if (const auto* input = std::get_if<InputEvent>(&event)) {
     apply_input(*input, now);
@@ -91,29 +91,29 @@ const product::Input& RackParts::find_input(const InputEvent& event) const {
   return *std::ranges::find(inputs, event.input, &product::Input::name);
 }
 
-Held<double>& RackParts::held(const InputEvent& event) {
+Overridable<double>& RackParts::held(const InputEvent& event) {
   return held_inputs[{event.device, event.input}];
 }
 
-Held<bool>& RackParts::held(const CableEvent& event) {
+Overridable<bool>& RackParts::held(const CableEvent& event) {
   return held_cables.try_emplace({event.device, event.port}, true).first->second;
 }
 
-Held<bool>& RackParts::held(const PowerEvent& event) {
+Overridable<bool>& RackParts::held(const PowerEvent& event) {
   return held_powers.try_emplace(event.device, true).first->second;
 }
 
 void RackParts::apply_input(const InputEvent& event, base::SimTime now) {
   const product::Input& input = find_input(event);
   if (held(event).set(event.value)) {
-    carry_out(event, now);
+    enforce(event, now);
   } else if (event.logged) {
     report(number_of(event.device), now, kHeldInputSet,
            {base::SharedText(input.name), in_thousandths(event.value)});
   }
 }
 
-void RackParts::carry_out(const InputEvent& event, base::SimTime now) {
+void RackParts::enforce(const InputEvent& event, base::SimTime now) {
   const product::Input& input = find_input(event);
   if (event.logged) {
     report(
@@ -126,7 +126,7 @@ void RackParts::carry_out(const InputEvent& event, base::SimTime now) {
   }
 }
 
-void RackParts::carry_out(const CableEvent& event, base::SimTime now) {
+void RackParts::enforce(const CableEvent& event, base::SimTime now) {
   const std::uint16_t number = number_of(event.device);
   if (event.device.kind == NetworkKind::bus) {
     report(number, now, event.intact ? kConnected : kDisconnected);
@@ -138,7 +138,7 @@ void RackParts::carry_out(const CableEvent& event, base::SimTime now) {
                                                     event.intact);
 }
 
-void RackParts::carry_out(const PowerEvent& event, base::SimTime now) {
+void RackParts::enforce(const PowerEvent& event, base::SimTime now) {
   const auto [network, device, kind] = event.device;
   const bool powered = kind == NetworkKind::bus ? buses[network].network->powered(device)
                                                 : segments[network].segment->powered(device);

@@ -147,7 +147,7 @@ class StateEffect final : public FaultEffect {
  public:
   /// `held`: what the slave refuses steps up with, by the newest fault; null: with nothing.
   StateEffect(ethercat::SlaveStack& stack, const FaultConfiguration& fault,
-              Held<ethercat::AlStatusCode>* held)
+              Overridable<ethercat::AlStatusCode>* held)
       : stack_(stack),
         target_(al_state(fault.values.get<std::string>("state"))),
         code_(static_cast<ethercat::AlStatusCode>(fault.values.whole("code"))),
@@ -173,14 +173,14 @@ class StateEffect final : public FaultEffect {
   ethercat::SlaveStack& stack_;
   ethercat::AlState target_;
   ethercat::AlStatusCode code_;
-  Held<ethercat::AlStatusCode>* held_;
+  Overridable<ethercat::AlStatusCode>* held_;
 };
 
 class SiiEffect final : public FaultEffect {
  public:
   /// `held`: the bits of the byte that read wrong, by the newest fault.
   SiiEffect(ethercat::SlaveController& controller, const FaultConfiguration& fault,
-            Held<std::uint8_t>& held)
+            Overridable<std::uint8_t>& held)
       : controller_(controller),
         offset_(static_cast<std::size_t>(fault.values.whole("offset"))),
         mask_(static_cast<std::uint8_t>(fault.values.whole("mask"))),
@@ -201,7 +201,7 @@ class SiiEffect final : public FaultEffect {
   ethercat::SlaveController& controller_;
   std::size_t offset_;
   std::uint8_t mask_;
-  Held<std::uint8_t>& held_;
+  Overridable<std::uint8_t>& held_;
 };
 
 product::EtherCatDevice& slave(const FaultSite& site, const FaultConfiguration& fault) {

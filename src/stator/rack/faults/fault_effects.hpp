@@ -15,7 +15,7 @@
 #include "stator/rack/faults/fault_configuration.hpp"
 #include "stator/rack/faults/target.hpp"
 #include "stator/rack/networks/serial_faults.hpp"
-#include "stator/rack/world/held.hpp"
+#include "stator/rack/world/overridable.hpp"
 
 namespace stator::rack {
 
@@ -39,18 +39,18 @@ class FaultEffect {
   virtual void step(base::SimTime /*now*/) {}
 };
 
-/// What faults hold of slaves beside what events can set: see Held. Outlives their effects.
-struct HeldInSlaves {
+/// What faults hold of slaves beside what events can set: see Overridable. Outlives their effects.
+struct SlaveOverrides {
   /// What steps up are refused with.
-  std::map<DeviceAddress, Held<ethercat::AlStatusCode>> refusals;
+  std::map<DeviceAddress, Overridable<ethercat::AlStatusCode>> refusals;
   /// Bits of the EEPROM that read wrong, by the offset of their byte.
-  std::map<std::pair<DeviceAddress, std::int64_t>, Held<std::uint8_t>> sii_bits;
+  std::map<std::pair<DeviceAddress, std::int64_t>, Overridable<std::uint8_t>> sii_bits;
 };
 
 /// Where the effect of a fault is made.
 struct FaultSite {
   faults::Target& target;
-  HeldInSlaves& held;
+  SlaveOverrides& held;
   /// The faults of a slave's mailbox. Throws std::runtime_error for a device without one.
   base::Delegate<MailboxFaults&(DeviceAddress)> mailbox;
 };

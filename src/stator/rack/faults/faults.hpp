@@ -102,7 +102,7 @@ class Faults {
 
   faults::Target& target_;
   std::map<DeviceAddress, std::unique_ptr<MailboxFaults>> mailboxes_;
-  HeldInSlaves held_;
+  SlaveOverrides held_;
   FaultWatches watch_;
   std::deque<Record> records_;
   std::uint64_t newest_ = 0;

@@ -49,7 +49,7 @@ void OutputFiles::lose_rather_than_wait() {
 // What gets lost from now on is told in the end only: nobody was too slow for it.
 void OutputFiles::stop_waiting() {
   for (File& file : files_) {
-    file.told = true;
+    file.reported = true;
     file.output->stop_waiting();
   }
 }
@@ -72,7 +72,7 @@ void OutputFiles::tell(File& file, base::SimTime now) {
       const bool left = file.output->reader_has_gone();
       report(file, now, left ? kIsLeft : kFails, left ? file.description.name : error->text);
     }
-  } else if (!file.told.exchange(true)) {
+  } else if (!file.reported.exchange(true)) {
     report(file, now, file.description.ends_at_loss ? kBreaksOff : kLoses, file.description.name);
   }
 }

@@ -70,11 +70,11 @@ class OutputFiles {
         : output(&written), description(std::move(said)) {}
     link::BackgroundOutput* output;
     Description description;
-    std::atomic<bool> told{false};    ///< of the first loss
-    std::atomic<bool> failed{false};  ///< and that it ends
+    std::atomic<bool> reported{false};  ///< of the first loss
+    std::atomic<bool> failed{false};    ///< and that it ends
 
     [[nodiscard]] bool has_news() const {
-      return output->in_trouble() && !failed && (!told || output->error());
+      return output->in_trouble() && !failed && (!reported || output->error());
     }
   };
 

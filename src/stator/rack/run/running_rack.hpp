@@ -40,13 +40,13 @@ struct RunningRack {
 
   /// `start`: where the rack stands in simulated time; `priority_of_threads`: see priority.
   RunningRack(Rack& shared, const RackConfiguration& configuration,
-              std::shared_ptr<spdlog::logger> told, base::SimTime start,
+              std::shared_ptr<spdlog::logger> log, base::SimTime start,
               std::optional<int> priority_of_threads = std::nullopt)
       : rack(shared),
         clock_kind(configuration.clock),
         real_clock(start),
         lockstep_clock(configuration.cycle, configuration.step),
-        logger(std::move(told)),
+        logger(std::move(log)),
         priority(priority_of_threads),
         reached(start),
         handed_out(start),

@@ -8,7 +8,7 @@
 #include "stator/product/device/input.hpp"
 #include "stator/product/device/signal.hpp"
 #include "stator/rack/world/device_address.hpp"
-#include "stator/rack/world/held.hpp"
+#include "stator/rack/world/overridable.hpp"
 
 namespace stator::rack {
 
@@ -20,7 +20,8 @@ class CoupledInput {
 
   /// `input` belongs to the device of this number of its network; `held` says whether a fault holds
   /// it. Both outlive this.
-  CoupledInput(const product::Input& input, Held<double>& held, std::size_t device, Touched touched)
+  CoupledInput(const product::Input& input, Overridable<double>& held, std::size_t device,
+               Touched touched)
       : input_(&input), held_(&held), device_(device), touched_(touched) {}
 
   [[nodiscard]] const product::InputRange& range() const { return *input_; }
@@ -37,7 +38,7 @@ class CoupledInput {
 
  private:
   const product::Input* input_;
-  Held<double>* held_;
+  Overridable<double>* held_;
   std::size_t device_;
   Touched touched_;
 };

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "stator/tmcl/module/objections.hpp"
+#include "stator/tmcl/module/violations.hpp"
 
 namespace stator::tmcl {
 
@@ -139,14 +139,14 @@ std::optional<Instruction> InstructionEncoder::encode_declared(
   if (!complete || !in_its_bank(declaration, *operands, instruction)) {
     return std::nullopt;
   }
-  for (Objection& objection : objections_to(instruction, declaration, module_)) {
+  for (Violation& violation : violations_of(instruction, declaration, module_)) {
     std::size_t column = statement.front().column;
     for (std::size_t i = 0; i < operands->size(); ++i) {
-      if (declaration.operands[i].field == objection.field) {
+      if (declaration.operands[i].field == violation.field) {
         column = (*operands)[i].front().column;
       }
     }
-    diagnostics_.push_back({Severity::warning, line_, column, std::move(objection.message)});
+    diagnostics_.push_back({Severity::warning, line_, column, std::move(violation.message)});
   }
   return instruction;
 }

@@ -21,7 +21,7 @@ constexpr auto kWanted<PowerEvent> = &PowerEvent::on;
 }  // namespace
 
 void FaultGround::apply(const RackEvent& event, base::SimTime now) {
-  parts_.happen(event, now);
+  parts_.apply_event(event, now);
 }
 
 void FaultGround::hold(const faults::Holdable& event, const void* owner, base::SimTime now) {
@@ -31,7 +31,7 @@ void FaultGround::hold(const faults::Holdable& event, const void* owner, base::S
   std::visit(
       [&]<typename Event>(const Event& wanted) {
         if (parts_.held(wanted).hold(owner, wanted.*kWanted<Event>)) {
-          parts_.carry_out(wanted, now);
+          parts_.enforce(wanted, now);
         }
       },
       event);
@@ -43,7 +43,7 @@ void FaultGround::release(const faults::Holdable& event, const void* owner, base
         auto& known = parts_.held(freed);
         if (known.release(owner)) {
           freed.*kWanted<Event> = known.value();
-          parts_.carry_out(freed, now);
+          parts_.enforce(freed, now);
         }
       },
       event);

@@ -33,7 +33,7 @@ void RackParts::add(const SegmentConfiguration& segment, std::vector<std::string
     // Of the inputs that faults hold the one that a rack file can have set beforehand.
     held_inputs[{{segments.size() - 1, members.devices.size() - 1, NetworkKind::segment},
                  product::EtherCatDevice::kClockDeviation}] =
-        Held<double>(controller.configuration().clock_deviation_ppb);
+        Overridable<double>(controller.configuration().clock_deviation_ppb);
     if (device.forwarding_delay) {
       controller.set_forwarding_delay(*device.forwarding_delay);
     }

@@ -31,7 +31,7 @@
 #include "stator/rack/observe/traffic_tap.hpp"
 #include "stator/rack/world/clock.hpp"
 #include "stator/rack/world/coupling.hpp"
-#include "stator/rack/world/held.hpp"
+#include "stator/rack/world/overridable.hpp"
 #include "stator/rack/world/rack_event.hpp"
 #include "stator/rack/world/timetable.hpp"
 
@@ -70,16 +70,16 @@ struct RackParts {
   void begin_trace(const TraceConfiguration& configuration, ClockKind clock);
 
   /// Lets an event of the timetable or of a program happen, unless a fault holds what it sets.
-  void happen(const RackEvent& event, base::SimTime now);
+  void apply_event(const RackEvent& event, base::SimTime now);
   /// Throws std::runtime_error for an input that does not exist or a value it cannot have.
   [[nodiscard]] const product::Input& find_input(const InputEvent& event) const;
-  [[nodiscard]] Held<double>& held(const InputEvent& event);
-  [[nodiscard]] Held<bool>& held(const CableEvent& event);
-  [[nodiscard]] Held<bool>& held(const PowerEvent& event);
+  [[nodiscard]] Overridable<double>& held(const InputEvent& event);
+  [[nodiscard]] Overridable<bool>& held(const CableEvent& event);
+  [[nodiscard]] Overridable<bool>& held(const PowerEvent& event);
   /// Sets what is in force from now on.
-  void carry_out(const InputEvent& event, base::SimTime now);
-  void carry_out(const CableEvent& event, base::SimTime now);
-  void carry_out(const PowerEvent& event, base::SimTime now);
+  void enforce(const InputEvent& event, base::SimTime now);
+  void enforce(const CableEvent& event, base::SimTime now);
+  void enforce(const PowerEvent& event, base::SimTime now);
   void apply_input(const InputEvent& event, base::SimTime now);
   void apply_error_state(const ErrorStateEvent& event, base::SimTime now);
   void apply_frame_fault(const FrameFaultEvent& event, base::SimTime now);
@@ -119,9 +119,11 @@ struct RackParts {
   std::vector<BusMembers> buses;
   SerialLines lines;  ///< go first: they know devices and buses
   Timetable timetable;
-  std::map<std::pair<DeviceAddress, std::string>, Held<double>> held_inputs;  ///< those ever set
-  std::map<std::pair<DeviceAddress, unsigned>, Held<bool>> held_cables;  ///< by port; true: intact
-  std::map<DeviceAddress, Held<bool>> held_powers;                       ///< true: on
+  std::map<std::pair<DeviceAddress, std::string>, Overridable<double>>
+      held_inputs;  ///< those ever set
+  std::map<std::pair<DeviceAddress, unsigned>, Overridable<bool>>
+      held_cables;                                         ///< by port; true: intact
+  std::map<DeviceAddress, Overridable<bool>> held_powers;  ///< true: on
   std::vector<std::unique_ptr<Coupling>> couplings;
   std::optional<Recorder> recorder;
   std::vector<SignalTap*> taps;

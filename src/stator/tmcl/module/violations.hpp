@@ -9,7 +9,7 @@
 namespace stator::tmcl {
 
 /// Why a module will refuse an instruction of a program, and which of its fields is to blame.
-struct Objection {
+struct Violation {
   Field field = Field::none;
   std::string message;
 };
@@ -18,7 +18,7 @@ struct Objection {
 /// parameters, coordinates and ports it does not have, values out of their range, parameters that
 /// can only be read or are not kept. Accelerations are not compared with their maximum, because the
 /// unit is chosen while the program runs.
-[[nodiscard]] std::vector<Objection> objections_to(const Instruction& instruction,
+[[nodiscard]] std::vector<Violation> violations_of(const Instruction& instruction,
                                                    const CommandDeclaration& declaration,
                                                    const ModuleDescription& module);
 

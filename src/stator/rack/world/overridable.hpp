@@ -8,11 +8,11 @@ namespace stator::rack {
 /// What is wanted of one thing that can be set: events, programs and wires set it, faults hold it.
 /// The newest hold that lasts is in force, without one what was set last.
 template <typename Value>
-class Held {
+class Overridable {
  public:
-  Held() = default;
+  Overridable() = default;
   /// `value`: what it is before anybody sets it.
-  explicit Held(Value value) : set_(value) {}
+  explicit Overridable(Value value) : set_(value) {}
 
   /// Notes what it is to be. False: a hold is in force, and the value comes after it.
   bool set(Value value) {

@@ -1,4 +1,4 @@
-#include "stator/tmcl/module/objections.hpp"
+#include "stator/tmcl/module/violations.hpp"
 
 #include <cstdint>
 #include <string_view>
@@ -52,7 +52,7 @@ class Examination {
     }
   }
 
-  [[nodiscard]] std::vector<Objection> objections() && { return std::move(objections_); }
+  [[nodiscard]] std::vector<Violation> violations() && { return std::move(violations_); }
 
  private:
   void examine(Meaning meaning, Field field) {
@@ -182,21 +182,21 @@ class Examination {
   }
 
   void object(Field field, std::string message) {
-    objections_.push_back({field, std::move(message)});
+    violations_.push_back({field, std::move(message)});
   }
 
   const Instruction& instruction_;
   Command command_;
   const ModuleDescription& module_;
-  std::vector<Objection> objections_;
+  std::vector<Violation> violations_;
 };
 
 }  // namespace
 
-std::vector<Objection> objections_to(const Instruction& instruction,
+std::vector<Violation> violations_of(const Instruction& instruction,
                                      const CommandDeclaration& declaration,
                                      const ModuleDescription& module) {
-  return Examination(instruction, declaration, module).objections();
+  return Examination(instruction, declaration, module).violations();
 }
 
 }  // namespace stator::tmcl
