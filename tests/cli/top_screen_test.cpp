@@ -41,8 +41,16 @@ RackOverview overview() {
   return rack;
 }
 
-std::string text_of(const std::vector<std::string>& lines) {
-  return fmt::format("{}", fmt::join(lines, "\n"));
+std::vector<std::string> texts_of(const std::vector<StyledLine>& lines) {
+  std::vector<std::string> texts;
+  for (const StyledLine& line : lines) {
+    texts.push_back(line.text);
+  }
+  return texts;
+}
+
+std::string text_of(const std::vector<StyledLine>& lines) {
+  return fmt::format("{}", fmt::join(texts_of(lines), "\n"));
 }
 
 TEST(TopFrame, HasEverythingIfThereIsRoom) {
@@ -58,7 +66,7 @@ TEST(TopFrame, HasEverythingIfThereIsRoom) {
 TEST(TopFrame, IsAsLargeAsTheScreen) {
   for (const std::size_t rows : {5U, 10U, 24U, 60U}) {
     for (const std::size_t columns : {20U, 80U}) {
-      const auto frame = top_frame(overview(), {.columns = columns, .rows = rows});
+      const auto frame = texts_of(top_frame(overview(), {.columns = columns, .rows = rows}));
       EXPECT_THAT(frame, SizeIs(rows));
       EXPECT_THAT(frame, Each(::testing::SizeIs(::testing::Le(columns))));
     }
@@ -90,8 +98,21 @@ TEST(TopFrame, KeepsRowsThatContainTheFilter) {
   EXPECT_THAT(frame, HasSubstr("filter (drive17)"));
 }
 
+TEST(TopFrame, SaysByColourWhatIsWrong) {
+  RackOverview rack = overview();
+  rack.axes[0].state = "Fault";
+  for (const StyledLine& line : top_frame(rack, {.columns = 200})) {
+    if (line.text.starts_with("drive0.axis0") ||
+        line.text.find("drive0: event") != std::string::npos) {
+      EXPECT_EQ(line.style, TextStyle::red) << line.text;
+    } else if (line.text.starts_with("drive0 ")) {
+      EXPECT_EQ(line.style, TextStyle::green) << line.text;
+    }
+  }
+}
+
 TEST(TopFrame, WritesNothingATerminalWouldObey) {
-  EXPECT_THAT(top_frame(overview(), {.columns = 200}), Each(Not(HasSubstr("\x1b"))));
+  EXPECT_THAT(texts_of(top_frame(overview(), {.columns = 200})), Each(Not(HasSubstr("\x1b"))));
 }
 
 TEST(Overview, FindsTheAxesAmongTheSignals) {

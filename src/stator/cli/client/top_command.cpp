@@ -1,19 +1,13 @@
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fmt/color.h>
 #include <fmt/format.h>
-#include <poll.h>
-#include <sys/ioctl.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include "stator/cli/client/http_client.hpp"
@@ -21,6 +15,7 @@
 #include "stator/cli/client/top_screen.hpp"
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
+#include "stator/cli/terminal.hpp"
 
 namespace stator::cli {
 
@@ -46,66 +41,6 @@ bool wants_colours() {
   return ::isatty(STDOUT_FILENO) == 1 && (no_colour == nullptr || *no_colour == '\0');
 }
 
-/// The terminal while it belongs to the program: keys come one by one, and what stood there before
-/// comes back.
-class Terminal {
- public:
-  Terminal() {
-    if (::isatty(STDIN_FILENO) != 1 || ::isatty(STDOUT_FILENO) != 1) {
-      throw Failure("this is no terminal; --once prints a single frame");
-    }
-    ::tcgetattr(STDIN_FILENO, &before_);
-    termios raw = before_;
-    raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO | ISIG);
-    raw.c_iflag &= ~static_cast<tcflag_t>(IXON | ICRNL);
-    ::tcsetattr(STDIN_FILENO, TCSANOW, &raw);
-    struct sigaction action {};
-    action.sa_handler = end;
-    ::sigaction(SIGTERM, &action, nullptr);
-    ::sigaction(SIGHUP, &action, nullptr);
-    write("\x1b[?1049h\x1b[?25l");
-  }
-  Terminal(const Terminal&) = delete;
-  Terminal& operator=(const Terminal&) = delete;
-  ~Terminal() {
-    write("\x1b[?25h\x1b[?1049l");
-    ::tcsetattr(STDIN_FILENO, TCSANOW, &before_);
-  }
-
-  static void write(std::string_view text) {
-    std::fwrite(text.data(), 1, text.size(), stdout);
-    std::fflush(stdout);
-  }
-  static void measure(TopView& view) {
-    winsize size{};
-    if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col != 0 && size.ws_row != 0) {
-      view.columns = size.ws_col;
-      view.rows = size.ws_row;
-    } else {
-      view.rows = 24;
-    }
-  }
-  /// What has been typed until `deadline`, empty if nothing has.
-  [[nodiscard]] static std::string keys(steady_clock::time_point deadline) {
-    const auto left =
-        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - steady_clock::now());
-    pollfd input{STDIN_FILENO, POLLIN, 0};
-    if (::poll(&input, 1, static_cast<int>(std::max<std::int64_t>(left.count(), 0))) <= 0) {
-      return {};
-    }
-    std::array<char, 64> bytes{};
-    const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());
-    if (count <= 0) {
-      g_ended = 1;  // the terminal is gone
-      return {};
-    }
-    return {bytes.data(), static_cast<std::size_t>(count)};
-  }
-
- private:
-  termios before_{};
-};
-
 constexpr char kEscape = '\x1b';
 constexpr char kControlC = '\x03';
 constexpr char kBackspace = '\x7f';
@@ -115,37 +50,37 @@ class Keys {
  public:
   explicit Keys(TopView& view) : view_(view) {}
 
-  [[nodiscard]] bool take(std::string_view keys, std::size_t table_lines) {
-    const std::size_t page = std::max<std::size_t>(view_.rows / 2, 1);
-    while (!keys.empty()) {
-      if (keys.starts_with("\x1b[") || keys.starts_with("\x1bO")) {
-        const std::size_t last =
-            std::min(keys.find_first_not_of("0123456789;", 2), keys.size() - 1);
-        scroll(keys.substr(2, last - 1), page, table_lines);
-        keys.remove_prefix(last + 1);
-      } else if (!(view_.typing ? type(keys.front()) : press(keys.front(), table_lines))) {
-        return false;
-      } else {
-        keys.remove_prefix(1);
-      }
+  [[nodiscard]] bool take(const Terminal::Typed& typed, std::size_t table_lines) {
+    if (!typed.character) {
+      scroll(typed.key, std::max<std::size_t>(view_.rows / 2, 1), table_lines);
+      return true;
     }
-    return true;
+    return view_.typing ? type(*typed.character) : press(*typed.character, table_lines);
   }
 
  private:
-  void scroll(std::string_view code, std::size_t page, std::size_t table_lines) {
-    if (code == "A") {
-      up(1);
-    } else if (code == "B") {
-      down(1, table_lines);
-    } else if (code == "5~") {
-      up(page);
-    } else if (code == "6~") {
-      down(page, table_lines);
-    } else if (code == "H" || code == "1~") {
-      view_.first = 0;
-    } else if (code == "F" || code == "4~") {
-      down(table_lines, table_lines);
+  void scroll(Terminal::Key key, std::size_t page, std::size_t table_lines) {
+    switch (key) {
+      case Terminal::Key::up:
+        up(1);
+        break;
+      case Terminal::Key::down:
+        down(1, table_lines);
+        break;
+      case Terminal::Key::page_up:
+        up(page);
+        break;
+      case Terminal::Key::page_down:
+        down(page, table_lines);
+        break;
+      case Terminal::Key::home:
+        view_.first = 0;
+        break;
+      case Terminal::Key::end:
+        down(table_lines, table_lines);
+        break;
+      case Terminal::Key::other:
+        break;
     }
   }
   void up(std::size_t lines) { view_.first -= std::min(view_.first, lines); }
@@ -201,37 +136,59 @@ class Keys {
   TopView& view_;
 };
 
-void show(const RackOverview& overview, const TopView& view) {
-  // Each line is cleared behind its end, so that nothing flickers.
-  std::string output = "\x1b[H";
-  const std::vector<std::string> lines = top_frame(overview, view);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    output += lines[i] + "\x1b[K" + (i + 1 < lines.size() ? "\r\n" : "");
-  }
-  Terminal::write(output + "\x1b[J");
+/// Ends the program as q does.
+void listen_to_signals() {
+  struct sigaction action {};
+  action.sa_handler = end;
+  ::sigaction(SIGTERM, &action, nullptr);
+  ::sigaction(SIGHUP, &action, nullptr);
 }
 
 void watch(RackObserver& observer, const TopOptions& options) {
   RackOverview overview = observer.look();
-  const Terminal terminal;
+  if (::isatty(STDIN_FILENO) != 1 || ::isatty(STDOUT_FILENO) != 1) {
+    throw Failure("this is no terminal; --once prints a single frame");
+  }
+  const Terminal terminal(Terminal::ControlC::key);
+  listen_to_signals();
+  const bool coloured = wants_colours();
   TopView view;
-  view.colours = wants_colours();
   Keys keys(view);
   const auto period = std::chrono::duration_cast<steady_clock::duration>(
       std::chrono::duration<double>(1 / options.rate));
   steady_clock::time_point next = steady_clock::now();
-  while (g_ended == 0) {
+  while (g_ended == 0 && !Terminal::gone()) {
     if (steady_clock::now() >= next) {
       if (!view.paused) {
         overview = observer.look();
       }
       next = steady_clock::now() + period;
     }
-    Terminal::measure(view);
-    show(overview, view);
-    if (!keys.take(Terminal::keys(next), top_table_lines(overview, view))) {
+    view.columns = Terminal::columns();
+    view.rows = Terminal::rows();
+    Terminal::show(top_frame(overview, view), coloured);
+    const auto typed = Terminal::typed(
+        std::chrono::duration_cast<std::chrono::milliseconds>(next - steady_clock::now()));
+    if (typed && !keys.take(*typed, top_table_lines(overview, view))) {
       return;
     }
+  }
+}
+
+fmt::text_style printed(TextStyle style) {
+  switch (style) {
+    case TextStyle::bold:
+      return fmt::emphasis::bold;
+    case TextStyle::dim:
+      return fmt::emphasis::faint;
+    case TextStyle::red:
+      return fmt::fg(fmt::terminal_color::red);
+    case TextStyle::yellow:
+      return fmt::fg(fmt::terminal_color::yellow);
+    case TextStyle::green:
+      return fmt::fg(fmt::terminal_color::green);
+    default:
+      return {};
   }
 }
 
@@ -242,9 +199,14 @@ void print_once(RackObserver& observer) {
   ::nanosleep(&kBetween, nullptr);
   TopView view;
   view.columns = std::string::npos;
-  view.colours = wants_colours();
-  for (const std::string& line : top_frame(observer.look(), view)) {
-    fmt::print("{}\n", line);
+  const bool coloured = wants_colours();
+  for (const StyledLine& line : top_frame(observer.look(), view)) {
+    if (coloured) {
+      fmt::print(printed(line.style), "{}", line.text);
+      fmt::print("\n");
+    } else {
+      fmt::print("{}\n", line.text);
+    }
   }
 }
 

@@ -11,18 +11,7 @@ namespace stator::cli {
 
 namespace {
 
-constexpr std::string_view kBold = "\x1b[1m";
-constexpr std::string_view kRed = "\x1b[31m";
-constexpr std::string_view kYellow = "\x1b[33m";
-constexpr std::string_view kGreen = "\x1b[32m";
-constexpr std::string_view kDim = "\x1b[2m";
-constexpr std::string_view kPlain = "\x1b[0m";
-
-/// One line with the colour it is shown in.
-struct Line {
-  std::string text;
-  std::string_view colour{};
-};
+using enum TextStyle;
 
 /// Continuation bytes of UTF-8 take no room.
 bool is_continuation(char byte) {
@@ -53,19 +42,19 @@ class Table {
  public:
   explicit Table(std::vector<std::string> header) : header_(std::move(header)) {}
 
-  void add(std::vector<std::string> row, std::string_view colour = {}) {
-    rows_.push_back({std::move(row), colour});
+  void add(std::vector<std::string> row, TextStyle style = plain) {
+    rows_.push_back({std::move(row), style});
   }
   /// Header, the rows that contain `filter`, and an empty line; nothing without rows.
-  void append_to(std::vector<Line>& lines, const std::string& filter) const {
+  void append_to(std::vector<StyledLine>& lines, const std::string& filter) const {
     if (rows_.empty()) {
       return;
     }
-    lines.push_back({text_of(header_), kBold});
+    lines.push_back({text_of(header_), bold});
     for (const Row& row : rows_) {
       std::string text = text_of(row.cells);
       if (text.find(filter) != std::string::npos) {
-        lines.push_back({std::move(text), row.colour});
+        lines.push_back({std::move(text), row.style});
       }
     }
     lines.push_back({});
@@ -74,7 +63,7 @@ class Table {
  private:
   struct Row {
     std::vector<std::string> cells;
-    std::string_view colour;
+    TextStyle style;
   };
 
   [[nodiscard]] std::size_t width(std::size_t column) const {
@@ -123,59 +112,59 @@ std::string lag(std::int64_t nanoseconds) {
              : fmt::format("{:.0f} us", static_cast<double>(nanoseconds) * 1e-3);
 }
 
-std::string_view colour_of_state(const std::string& state) {
+TextStyle style_of_state(const std::string& state) {
   if (state.starts_with("Fault")) {
-    return kRed;
+    return red;
   }
   if (state == "off") {
-    return kDim;
+    return dim;
   }
-  return state == "operational" || state == "Operation enabled" ? kGreen : std::string_view{};
+  return state == "operational" || state == "Operation enabled" ? green : plain;
 }
 
-std::string_view colour_of_severity(const std::string& severity) {
+TextStyle style_of_severity(const std::string& severity) {
   if (severity == "fault") {
-    return kRed;
+    return red;
   }
-  return severity == "warning" || severity == "refusal" ? kYellow : std::string_view{};
+  return severity == "warning" || severity == "refusal" ? yellow : plain;
 }
 
-std::vector<Line> tables(const RackOverview& overview, const std::string& filter) {
-  std::vector<Line> lines;
+std::vector<StyledLine> tables(const RackOverview& overview, const std::string& filter) {
+  std::vector<StyledLine> lines;
   Table networks({"NETWORK", "KIND", " RATE", " RECEIVED", " OVERRUNS", " WORST LAG"});
   for (const RackOverview::Network& network : overview.networks) {
     networks.add(
         {network.name, network.kind, network.rate ? fmt::format("{:.0f} /s", *network.rate) : "-",
          fmt::format("{}", network.received), fmt::format("{}", network.overruns),
          lag(network.worst_lag_ns)},
-        network.overruns != 0 ? kYellow : std::string_view{});
+        network.overruns != 0 ? yellow : plain);
   }
   networks.append_to(lines, filter);
   Table devices({"DEVICE", "PRODUCT", "NETWORK", "STATE"});
   for (const RackOverview::Device& device : overview.devices) {
     devices.add({device.name, device.product, device.network, device.state},
-                colour_of_state(device.state));
+                style_of_state(device.state));
   }
   devices.append_to(lines, filter);
   Table axes({"AXIS", "STATE", " POSITION", " VELOCITY", " CURRENT", " LOAD", " TEMPERATURE"});
   for (const RackOverview::Axis& axis : overview.axes) {
     axes.add({axis.name, axis.state.empty() ? "-" : axis.state, cell(axis.position),
               cell(axis.velocity), cell(axis.current), cell(axis.load), cell(axis.temperature)},
-             colour_of_state(axis.state));
+             style_of_state(axis.state));
   }
   axes.append_to(lines, filter);
   return lines;
 }
 
 /// Newest first.
-std::vector<Line> event_lines(const RackOverview& overview, const std::string& filter) {
-  std::vector<Line> lines{{"NEWEST EVENTS", kBold}};
+std::vector<StyledLine> event_lines(const RackOverview& overview, const std::string& filter) {
+  std::vector<StyledLine> lines{{"NEWEST EVENTS", bold}};
   for (auto event = overview.events.rbegin(); event != overview.events.rend(); ++event) {
     std::string text =
         fmt::format("{:>12.6f} s  {}: {}", static_cast<double>(event->time_ns) * 1e-9,
                     event->device, event->text);
     if (text.find(filter) != std::string::npos) {
-      lines.push_back({std::move(text), colour_of_severity(event->severity)});
+      lines.push_back({std::move(text), style_of_severity(event->severity)});
     }
   }
   return lines;
@@ -203,14 +192,6 @@ std::string help(const TopView& view) {
   return text;
 }
 
-std::string painted(const Line& line, const TopView& view) {
-  std::string text = cut(line.text, view.columns);
-  if (view.colours && !line.colour.empty()) {
-    text = fmt::format("{}{}{}", line.colour, text, kPlain);
-  }
-  return text;
-}
-
 /// Fewer than these would not tell much.
 constexpr std::size_t kFewestEvents = 5;
 
@@ -220,10 +201,10 @@ std::size_t top_table_lines(const RackOverview& overview, const TopView& view) {
   return tables(overview, view.filter).size();
 }
 
-std::vector<std::string> top_frame(const RackOverview& overview, const TopView& view) {
-  std::vector<Line> body = tables(overview, view.filter);
-  std::vector<Line> events = event_lines(overview, view.filter);
-  std::vector<Line> lines{{title(overview, view), kBold}, {}};
+std::vector<StyledLine> top_frame(const RackOverview& overview, const TopView& view) {
+  std::vector<StyledLine> body = tables(overview, view.filter);
+  std::vector<StyledLine> events = event_lines(overview, view.filter);
+  std::vector<StyledLine> lines{{title(overview, view), bold}, {}};
   if (view.rows == 0) {
     lines.insert(lines.end(), body.begin(), body.end());
     lines.insert(lines.end(), events.begin(), events.end());
@@ -239,14 +220,12 @@ std::vector<std::string> top_frame(const RackOverview& overview, const TopView& 
       lines.push_back(events[i]);
     }
     lines.resize(view.rows - 1);
-    lines.push_back({help(view), kDim});
+    lines.push_back({help(view), dim});
   }
-  std::vector<std::string> frame;
-  frame.reserve(lines.size());
-  for (const Line& line : lines) {
-    frame.push_back(painted(line, view));
+  for (StyledLine& line : lines) {
+    line.text = cut(line.text, view.columns);
   }
-  return frame;
+  return lines;
 }
 
 }  // namespace stator::cli

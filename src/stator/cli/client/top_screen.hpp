@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "stator/cli/client/rack_overview.hpp"
+#include "stator/cli/terminal.hpp"
 
 namespace stator::cli {
 
@@ -16,11 +17,10 @@ struct TopView {
   std::string filter{};   ///< only rows that contain it
   bool typing = false;    ///< the filter is being typed
   bool paused = false;
-  bool colours = false;
 };
 
 /// The lines of one frame, each no wider than the screen; tables above, newest events below.
-[[nodiscard]] std::vector<std::string> top_frame(const RackOverview& overview, const TopView& view);
+[[nodiscard]] std::vector<StyledLine> top_frame(const RackOverview& overview, const TopView& view);
 
 /// How many lines the tables have; the last of them can come to the top by scrolling.
 [[nodiscard]] std::size_t top_table_lines(const RackOverview& overview, const TopView& view);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <clocale>
 #include <cstddef>
 #include <deque>
 #include <string_view>
@@ -13,6 +12,7 @@
 #define NCURSES_NOMACROS
 #include <curses.h>
 
+#include "stator/cli/terminal.hpp"
 #include "stator/tmcl_tools/tmcl_trace.hpp"
 #include "stator/tmcl_tools/words.hpp"
 
@@ -30,26 +30,6 @@ constexpr int kControlN = 14;
 constexpr int kControlP = 16;
 constexpr int kControlU = 21;
 constexpr int kDelete = 127;
-
-/// The terminal as ncurses has it, put back at the end.
-class Terminal {
- public:
-  Terminal() {
-    // Before any thread exists.
-    static_cast<void>(std::setlocale(LC_CTYPE, ""));  // NOLINT(concurrency-mt-unsafe)
-    ::initscr();
-    ::cbreak();
-    ::noecho();
-    ::keypad(stdscr, TRUE);
-    if (::has_colors()) {
-      ::start_color();
-      ::use_default_colors();
-    }
-  }
-  Terminal(const Terminal&) = delete;
-  Terminal& operator=(const Terminal&) = delete;
-  ~Terminal() { ::endwin(); }
-};
 
 /// What is typed, with a cursor and a history.
 class InputLine {
@@ -265,18 +245,6 @@ class DebugScreen {
     }
   }
 
-  static void print(int row, int column, int width, std::string_view text, attr_t attributes = 0) {
-    if (row < 0 || row >= LINES || width <= 0) {
-      return;
-    }
-    std::string cut(text.substr(0, static_cast<std::size_t>(width)));
-    std::ranges::replace(cut, '\t', ' ');
-    cut.resize(static_cast<std::size_t>(width), ' ');
-    ::attr_on(attributes, nullptr);
-    ::mvaddnstr(row, column, cut.c_str(), width);
-    ::attr_off(attributes, nullptr);
-  }
-
   void draw() {
     ::erase();
     draw_text();
@@ -292,38 +260,38 @@ class DebugScreen {
     for (int row = 0; row < text_rows(); ++row) {
       const auto line = static_cast<std::size_t>(first_line_) + static_cast<std::size_t>(row);
       if (line > source.lines().size()) {
-        print(row, 0, width, "~", A_DIM);
+        Terminal::print(row, 0, width, "~", TextStyle::dim);
         continue;
       }
       const auto address = source.address_of_line(line);
       const bool code = address && source.line_of(*address) == line;
       const bool current = code && *address == debugger_.address();
       const bool stops = code && debugger_.has_breakpoint(*address);
-      print(row, 0, width,
-            fmt::format("{}{}{:>4}  {}", stops ? "B" : " ", current ? ">" : " ", line,
-                        source.lines()[line - 1]),
-            current ? A_REVERSE
-            : stops ? A_BOLD
-                    : A_NORMAL);
+      Terminal::print(row, 0, width,
+                      fmt::format("{}{}{:>4}  {}", stops ? "B" : " ", current ? ">" : " ", line,
+                                  source.lines()[line - 1]),
+                      current ? TextStyle::reverse
+                      : stops ? TextStyle::bold
+                              : TextStyle::plain);
     }
   }
 
   void draw_panel() {
     const int column = COLS - kPanelWidth;
     int row = 0;
-    const auto say = [&](std::string_view text, attr_t attributes = A_NORMAL) {
+    const auto say = [&](std::string_view text, TextStyle style = TextStyle::plain) {
       if (row < text_rows()) {
         ::mvaddch(row, column - 1, ACS_VLINE);
-        print(row++, column, kPanelWidth, text, attributes);
+        Terminal::print(row++, column, kPanelWidth, text, style);
       }
     };
     const tmcl::FirmwareState& state = debugger_.bench().firmware().state();
-    say(" Registers", A_BOLD);
+    say(" Registers", TextStyle::bold);
     say(fmt::format("  accu  {:>12}", state.registers.accumulator));
     say(fmt::format("  x     {:>12}", state.registers.x));
     say(fmt::format("  pc    {:>12}  depth {}", state.program_counter, debugger_.depth()));
     say(fmt::format("  flags {}", tmcl_tools::flags_text(state.registers)));
-    say(" Motion", A_BOLD);
+    say(" Motion", TextStyle::bold);
     for (const product::Signal& signal : debugger_.bench().device().signals()) {
       say(fmt::format("  {:18.18} {:>13.7g}", short_name(signal.name), signal.read()));
     }
@@ -341,16 +309,17 @@ class DebugScreen {
   void draw_status() {
     const tmcl_tools::TmclBench& bench = debugger_.bench();
     const auto line = debugger_.source().line_of(debugger_.address());
-    print(text_rows(), 0, COLS,
-          fmt::format(
-              " {}  {}  L{}  PC {}  {} s  {}", tmcl_tools::file_name(debugger_.source().file()),
-              debugger_.source().place_of(debugger_.address()), line ? std::to_string(*line) : "??",
-              debugger_.address(), tmcl_tools::seconds_text(bench.now()),
-              running_                                   ? "running, Ctrl-C holds it"
-              : !bench.running()                         ? "stopped"
-              : bench.firmware().interpreter().waiting() ? "held, in a WAIT"
-                                                         : "held"),
-          A_REVERSE);
+    Terminal::print(text_rows(), 0, COLS,
+                    fmt::format(" {}  {}  L{}  PC {}  {} s  {}",
+                                tmcl_tools::file_name(debugger_.source().file()),
+                                debugger_.source().place_of(debugger_.address()),
+                                line ? std::to_string(*line) : "??", debugger_.address(),
+                                tmcl_tools::seconds_text(bench.now()),
+                                running_           ? "running, Ctrl-C holds it"
+                                : !bench.running() ? "stopped"
+                                : bench.firmware().interpreter().waiting() ? "held, in a WAIT"
+                                                                           : "held"),
+                    TextStyle::reverse);
   }
 
   void draw_console() {
@@ -358,11 +327,11 @@ class DebugScreen {
     const int rows = LINES - top - 1;
     const std::size_t shown = std::min(output_.size(), static_cast<std::size_t>(std::max(0, rows)));
     for (std::size_t i = 0; i < shown; ++i) {
-      print(top + static_cast<int>(i), 0, COLS, output_[output_.size() - shown + i]);
+      Terminal::print(top + static_cast<int>(i), 0, COLS, output_[output_.size() - shown + i]);
     }
     const int row = top + static_cast<int>(shown);
     constexpr std::string_view kPrompt = "(stator) ";
-    print(row, 0, COLS, running_ ? std::string() : std::string(kPrompt) + input_.text());
+    Terminal::print(row, 0, COLS, running_ ? std::string() : std::string(kPrompt) + input_.text());
     ::move(row, static_cast<int>(kPrompt.size() + input_.cursor()));
   }
 
@@ -381,7 +350,7 @@ class DebugScreen {
 
 void run_debug_screen(tmcl_tools::TmclDebugger& debugger, tmcl_tools::TmclDebugConsole& console,
                       const DebugScreenOptions& options) {
-  const Terminal terminal;
+  const Terminal terminal(Terminal::ControlC::signal);
   DebugScreen(debugger, console, options).run();
 }
 
