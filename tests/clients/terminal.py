@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """`stator top` at a running rack: a single frame, and in a terminal of its own with keys."""
 
 import argparse
