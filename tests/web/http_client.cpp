@@ -11,6 +11,8 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include "web/contract.hpp"
+
 namespace stator::web {
 
 HttpClient::HttpClient(std::uint16_t port, int receive_buffer) : port_(port) {
@@ -33,6 +35,12 @@ HttpClient::~HttpClient() {
 }
 
 bool HttpClient::send(std::string_view bytes) {
+  const std::size_t space = bytes.find(' ');
+  const std::size_t end = bytes.find(" HTTP/1.1\r\n");
+  if (end != std::string_view::npos && space < end && bytes.find('\n') > end) {
+    method_ = bytes.substr(0, space);
+    target_ = bytes.substr(space + 1, end - space - 1);
+  }
   while (!bytes.empty()) {
     const ssize_t sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (sent <= 0) {
@@ -54,6 +62,15 @@ bool HttpClient::fill() {
 }
 
 Answer HttpClient::receive(bool head) {
+  const Answer answer = read_answer(head);
+  if (answer.status != 0) {
+    const std::string objection = Contract::own().objection(method_, target_, answer);
+    EXPECT_EQ(objection, "") << method_ << " " << target_;
+  }
+  return answer;
+}
+
+Answer HttpClient::read_answer(bool head) {
   Answer answer;
   std::size_t end = 0;
   while ((end = buffer_.find("\r\n\r\n")) == std::string::npos) {
@@ -160,6 +177,9 @@ std::optional<HttpClient::Frame> HttpClient::receive_frame() {
   }
   Frame frame{static_cast<unsigned>(byte(0) & 0x0FU), buffer_.substr(start, length)};
   buffer_.erase(0, start + length);
+  if (frame.opcode == 1 || frame.opcode == 2) {
+    EXPECT_EQ(Contract::own().objection(target_, frame.opcode == 2, frame.payload), "") << target_;
+  }
   return frame;
 }
 

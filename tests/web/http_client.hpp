@@ -19,8 +19,9 @@ struct Answer {
   [[nodiscard]] nlohmann::json json() const { return nlohmann::json::parse(body, nullptr, false); }
 };
 
-/// A socket of one's own that can also do what no decent client does. Waits 10 s for the server at
-/// most.
+/// A socket of one's own that can also do what no decent client does. Holds all that the server
+/// says against what it describes of itself (`Contract`): a test in which it says anything else
+/// fails.
 class HttpClient {
  public:
   /// `receive_buffer`: bytes that the system takes while nobody reads; 0: as many as it likes.
@@ -55,10 +56,13 @@ class HttpClient {
 
  private:
   bool fill();
+  Answer read_answer(bool head);
 
   std::uint16_t port_;
   int socket_ = -1;
   std::string buffer_;
+  std::string method_;  ///< of the newest request; empty: what was sent begins like none
+  std::string target_;
 };
 
 }  // namespace stator::web

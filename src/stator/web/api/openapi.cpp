@@ -5,12 +5,15 @@
 
 #include "stator/web/api/panel_schemas.hpp"
 #include "stator/web/api/routes.hpp"
+#include "stator/web/api/stream_schemas.hpp"
 
 namespace stator::web {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr unsigned kSwitchingProtocols = 101;
 
 /// The schemas that routes name (JSON Schema 2020-12, as OpenAPI 3.1 has it).
 constexpr const char* kSchemas = R"({
@@ -319,6 +322,31 @@ Json parameters_of(const Route& route) {
   return all;
 }
 
+Json responses_of(const Route& route) {
+  Json responses = Json::object();
+  if (route.status != kSwitchingProtocols) {
+    const Json text{{"type", "string"}};
+    responses[std::to_string(route.status)] = {
+        {"description", "Done"},
+        {"content",
+         body_of(route.content_type, route.schema.empty() ? text : reference(route.schema))}};
+  }
+  if (route.kept) {
+    responses["304"] = {{"description", "The client has it"}};
+  }
+  responses["default"] = {{"description", "Refused"},
+                          {"content", body_of("application/problem+json", reference("Problem"))}};
+  if (route.stream()) {
+    // OpenAPI has no words for messages.
+    responses[std::to_string(kSwitchingProtocols)] = {
+        {"description", "A WebSocket, see docs/how-to/watch-a-rack.md"},
+        {"x-messages",
+         {{"server", reference(route.server_messages)},
+          {"client", reference(route.client_messages)}}}};
+  }
+  return responses;
+}
+
 Json operation_of(const Route& route) {
   Json operation{{"operationId", route.id}, {"summary", route.summary}};
   if (Json parameters = parameters_of(route); !parameters.empty()) {
@@ -329,19 +357,7 @@ Json operation_of(const Route& route) {
         {"required", true},
         {"content", body_of("application/json", reference(route.request_schema))}};
   }
-  const Json text{{"type", "string"}};
-  operation["responses"] = {
-      {std::to_string(route.status),
-       {{"description", "Done"},
-        {"content",
-         body_of(route.content_type, route.schema.empty() ? text : reference(route.schema))}}},
-      {"default",
-       {{"description", "Refused"},
-        {"content", body_of("application/problem+json", reference("Problem"))}}}};
-  if (route.stream) {
-    operation["responses"]["101"] = {
-        {"description", "A WebSocket, see docs/how-to/watch-a-rack.md"}};
-  }
+  operation["responses"] = responses_of(route);
   operation["security"] = Json::array({{{"token", Json::array()}}});
   if (!route.writes()) {
     operation["security"].push_back(Json::object());  // on loopback
@@ -364,6 +380,7 @@ std::string openapi_document() {
                  {{"schemas", Json::parse(kSchemas)},
                   {"securitySchemes", {{"token", {{"type", "http"}, {"scheme", "bearer"}}}}}}}};
   document["components"]["schemas"].update(Json::parse(kPanelSchemas));
+  document["components"]["schemas"].update(Json::parse(kStreamSchemas));
   for (const Route& route : routes()) {
     std::string method(route.method);
     std::ranges::transform(method, method.begin(),

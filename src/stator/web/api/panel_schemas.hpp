@@ -29,37 +29,40 @@ inline constexpr const char* kPanelSchemas = R"({
       "ports": {"type": "array", "items": {"$ref": "#/components/schemas/Port"}}
     }
   },
+  "Segment": {
+    "type": "object",
+    "required": ["name", "link", "redundant", "carrier", "devices"],
+    "properties": {
+      "name": {"type": "string"},
+      "link": {"type": "string"},
+      "redundant": {"type": "boolean"},
+      "carrier": {"type": "array", "items": {"type": "boolean"}, "description": "Of the master's primary and secondary interface"},
+      "devices": {"type": "array", "items": {"$ref": "#/components/schemas/WiredDevice"}}
+    }
+  },
+  "Bus": {
+    "type": "object",
+    "required": ["name", "bit_rate", "load", "ports", "devices"],
+    "properties": {
+      "name": {"type": "string"},
+      "bit_rate": {"type": ["integer", "null"], "description": "Bit/s; null: unlimited"},
+      "load": {"type": "number", "description": "Of the last full second, 0 to 1"},
+      "ports": {"type": "array", "items": {"type": "string"}},
+      "devices": {"type": "array", "items": {"type": "string"}}
+    }
+  },
+  "Line": {
+    "type": "object",
+    "required": ["link", "devices"],
+    "properties": {"link": {"type": "string"}, "devices": {"type": "array", "items": {"type": "string"}}}
+  },
   "Wiring": {
     "type": "object",
     "required": ["segments", "buses", "lines"],
     "properties": {
-      "segments": {"type": "array", "items": {
-        "type": "object",
-        "required": ["name", "link", "redundant", "carrier", "devices"],
-        "properties": {
-          "name": {"type": "string"},
-          "link": {"type": "string"},
-          "redundant": {"type": "boolean"},
-          "carrier": {"type": "array", "items": {"type": "boolean"}, "description": "Of the master's primary and secondary interface"},
-          "devices": {"type": "array", "items": {"$ref": "#/components/schemas/WiredDevice"}}
-        }
-      }},
-      "buses": {"type": "array", "items": {
-        "type": "object",
-        "required": ["name", "bit_rate", "load", "ports", "devices"],
-        "properties": {
-          "name": {"type": "string"},
-          "bit_rate": {"type": ["integer", "null"], "description": "Bit/s; null: unlimited"},
-          "load": {"type": "number", "description": "Of the last full second, 0 to 1"},
-          "ports": {"type": "array", "items": {"type": "string"}},
-          "devices": {"type": "array", "items": {"type": "string"}}
-        }
-      }},
-      "lines": {"type": "array", "items": {
-        "type": "object",
-        "required": ["link", "devices"],
-        "properties": {"link": {"type": "string"}, "devices": {"type": "array", "items": {"type": "string"}}}
-      }}
+      "segments": {"type": "array", "items": {"$ref": "#/components/schemas/Segment"}},
+      "buses": {"type": "array", "items": {"$ref": "#/components/schemas/Bus"}},
+      "lines": {"type": "array", "items": {"$ref": "#/components/schemas/Line"}}
     }
   },
   "Refusal": {"anyOf": [{"$ref": "#/components/schemas/Event"}, {"type": "null"}]},
@@ -77,21 +80,22 @@ inline constexpr const char* kPanelSchemas = R"({
       "last_refusal": {"$ref": "#/components/schemas/Refusal"}
     }
   },
+  "Led": {
+    "type": "object",
+    "required": ["name", "colour", "pattern"],
+    "properties": {
+      "name": {"type": "string"},
+      "colour": {"enum": ["green", "red"]},
+      "pattern": {"type": "string", "examples": ["off", "on", "blinking", "flickering", "single flash", "double flash"]}
+    }
+  },
   "Panel": {
     "type": "object",
     "required": ["name", "powered", "leds", "network", "axes", "last_refusal", "program"],
     "properties": {
       "name": {"type": "string"},
       "powered": {"type": "boolean"},
-      "leds": {"type": "array", "items": {
-        "type": "object",
-        "required": ["name", "colour", "pattern"],
-        "properties": {
-          "name": {"type": "string"},
-          "colour": {"enum": ["green", "red"]},
-          "pattern": {"type": "string", "examples": ["off", "on", "blinking", "flickering", "single flash", "double flash"]}
-        }
-      }},
+      "leds": {"type": "array", "items": {"$ref": "#/components/schemas/Led"}},
       "network": {
         "type": ["object", "null"],
         "required": ["machine", "state", "status_code", "status_text"],
@@ -107,28 +111,29 @@ inline constexpr const char* kPanelSchemas = R"({
       "program": {"type": "boolean", "description": "It can run TMCL programs"}
     }
   },
+  "StateMachine": {
+    "type": "object",
+    "required": ["name", "title", "states", "transitions"],
+    "properties": {
+      "name": {"enum": ["cia402", "esm", "nmt"]},
+      "title": {"type": "string"},
+      "states": {"type": "array", "items": {"type": "string"}},
+      "transitions": {"type": "array", "items": {
+        "type": "object",
+        "required": ["from", "to", "number", "event"],
+        "properties": {
+          "from": {"type": "string"},
+          "to": {"type": "string"},
+          "number": {"type": "string", "description": "Number or short name in the standard"},
+          "event": {"type": "string"}
+        }
+      }}
+    }
+  },
   "StateMachines": {
     "type": "object",
     "required": ["machines"],
-    "properties": {"machines": {"type": "array", "items": {
-      "type": "object",
-      "required": ["name", "title", "states", "transitions"],
-      "properties": {
-        "name": {"enum": ["cia402", "esm", "nmt"]},
-        "title": {"type": "string"},
-        "states": {"type": "array", "items": {"type": "string"}},
-        "transitions": {"type": "array", "items": {
-          "type": "object",
-          "required": ["from", "to", "number", "event"],
-          "properties": {
-            "from": {"type": "string"},
-            "to": {"type": "string"},
-            "number": {"type": "string", "description": "Number or short name in the standard"},
-            "event": {"type": "string"}
-          }
-        }}
-      }
-    }}}
+    "properties": {"machines": {"type": "array", "items": {"$ref": "#/components/schemas/StateMachine"}}}
   },
   "Program": {
     "type": "object",

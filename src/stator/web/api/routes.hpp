@@ -64,11 +64,15 @@ struct Route {
   std::string_view request_schema{};  ///< of the body; empty: it takes none
   QueryParameter query{};             ///< none if it has no name
   bool open = false;                  ///< needs no token wherever the request comes from
-  bool stream = false;                ///< a WebSocket is opened at the same place
-  std::string_view content_type = "application/json";
-  unsigned status = 200;  ///< of an answer without error
+  std::string_view content_type = "application/json";  ///< "*/*": one that fits the file
+  unsigned status = 200;  ///< of an answer without error; 101: there is nothing but a WebSocket
+  bool kept = false;      ///< by clients, which may ask whether it has changed
+  /// What a WebSocket that is opened at the same place sends and takes; empty: there is none.
+  std::string_view server_messages{};
+  std::string_view client_messages{};
 
   [[nodiscard]] bool writes() const { return method != "GET"; }
+  [[nodiscard]] bool stream() const { return !server_messages.empty(); }
 };
 
 [[nodiscard]] std::span<const Route> routes();

@@ -144,7 +144,7 @@ class Connection final : public Waiter, public std::enable_shared_from_this<Conn
       answer(std::move(*refused));
       return;
     }
-    if (match_.route->stream && websocket::is_upgrade(message)) {
+    if (match_.route->stream() && websocket::is_upgrade(message)) {
       upgrade();
       return;
     }
