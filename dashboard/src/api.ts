@@ -1,7 +1,7 @@
-// The client of the server's HTTP interface (docs/openapi.json): one class, one type per answer.
+// The client of the server's HTTP interface. The types of answers are made from docs/openapi.json: npm run types.
 import type { Problem } from "./api_types";
 
-export * from "./api_types";
+export type * from "./api_types";
 
 const kTokenKey = "stator.token";
 
@@ -9,7 +9,7 @@ const kTokenKey = "stator.token";
 export class ApiError extends Error {
   constructor(
     readonly status: number,
-    readonly problem: Problem,
+    readonly problem: Partial<Problem>,
   ) {
     super(problem.detail ?? problem.title ?? `HTTP ${status}`);
     this.name = "ApiError";
@@ -47,7 +47,7 @@ function browser(): Environment {
   };
 }
 
-async function problemOf(response: Response): Promise<Problem> {
+async function problemOf(response: Response): Promise<Partial<Problem>> {
   try {
     return (await response.json()) as Problem;
   } catch {

@@ -1,7 +1,7 @@
 // Which signals show what of an axis. The server's panel names them; the names the products use are
 // the second choice.
 
-import type { AxisPanel, SignalValue } from "./api";
+import type { PanelAxis, Signal } from "./api";
 
 export interface AxisSignals {
   readonly name: string;
@@ -29,7 +29,7 @@ export function axisOf(signal: string, device: string): string {
   return dot < 0 ? "" : rest.slice(0, dot);
 }
 
-export function axesOf(device: string, signals: readonly SignalValue[], panel: readonly AxisPanel[]): AxisSignals[] {
+export function axesOf(device: string, signals: readonly Signal[], panel: readonly PanelAxis[]): AxisSignals[] {
   const own = signals.map(({ name }) => name).filter((name) => name.startsWith(`${device}.`));
   const known = new Set(own);
   const names = panel.length > 0 ? panel.map((axis) => axis.name) : [];

@@ -1,44 +1,17 @@
 // From a fault's declaration to the fields of a form, and from these to the request.
 
-import type { FaultKind, FaultKinds, FaultParameter, Wiring } from "./api";
+import type { FaultKind, FaultParameter, Wiring } from "./api";
 import { parseInteger } from "./object_search";
 
-export type Field = "whole" | "number" | "text" | "switch" | "choice";
+export type Field = "whole" | "number" | "text" | "choice";
 export type Values = Readonly<Record<string, string>>;
 
-export function fieldOf(parameter: FaultParameter): Field {
-  const type = parameter.type.toLowerCase();
-  if ((parameter.choices ?? []).length > 0) {
-    return "choice";
-  }
-  if (type.startsWith("bool")) {
-    return "switch";
-  }
-  if (/^(whole|int|uint|unsigned)/.test(type)) {
-    return "whole";
-  }
-  return /^(number|float|double|real)/.test(type) ? "number" : "text";
-}
-
-function defaultText(parameter: FaultParameter): string {
-  const { default: value } = parameter;
-  return value === null || value === undefined ? "" : String(value);
+export function fieldOf({ type }: FaultParameter): Field {
+  return type === "integer" ? "whole" : type === "duration" ? "text" : type;
 }
 
 export function defaultsOf(parameters: readonly FaultParameter[]): Record<string, string> {
-  return Object.fromEntries(parameters.map((parameter) => [parameter.name, defaultText(parameter)]));
-}
-
-/// Begin, end and chance, as far as they make sense with the kind.
-export function timingOf(kind: FaultKind, kinds: FaultKinds): FaultParameter[] {
-  const left = new Set(["when"]);
-  if (kind.counts === "") {
-    left.add("count").add("probability").add("seed");
-  }
-  if (kind.momentary) {
-    left.add("for").add("count");
-  }
-  return (kinds.common ?? []).filter(({ name }) => !left.has(name));
+  return Object.fromEntries(parameters.map((parameter) => [parameter.name, parameter.default]));
 }
 
 function numberOf(field: Field, text: string): number | null {
@@ -76,12 +49,11 @@ export function filledIn(parameters: readonly FaultParameter[], values: Values):
   const keys: Record<string, unknown> = {};
   for (const parameter of parameters) {
     const text = (values[parameter.name] ?? "").trim();
-    if (text === "" || text === defaultText(parameter)) {
+    if (text === "" || text === parameter.default) {
       continue;
     }
     const field = fieldOf(parameter);
-    keys[parameter.name] =
-      field === "number" || field === "whole" ? numberOf(field, text) : field === "switch" ? text === "true" : text;
+    keys[parameter.name] = field === "number" || field === "whole" ? numberOf(field, text) : text;
   }
   return keys;
 }

@@ -1,6 +1,6 @@
 // How an input of a device is set: as a switch, one of a few numbers, or a slider.
 
-import type { InputInfo } from "./api";
+import type { Input } from "./api";
 
 export type Control =
   | { readonly kind: "switch" }
@@ -9,7 +9,7 @@ export type Control =
 
 const kLongestChoice = 5;
 
-export function controlOf(input: InputInfo, span: number): Control {
+export function controlOf(input: Input, span: number): Control {
   const minimum = input.minimum ?? -span;
   const maximum = input.maximum ?? span;
   const whole = Number.isInteger(minimum) && Number.isInteger(maximum);
@@ -34,7 +34,7 @@ export function niceStep(range: number): number {
 
 /// Spans a slider can have below the range of the input: a torque may be up to 1000 N m, but a motor of
 /// half a newton metre needs finer steps.
-export function spansOf(input: InputInfo): number[] {
+export function spansOf(input: Input): number[] {
   const top = Math.max(Math.abs(input.minimum ?? 1e6), Math.abs(input.maximum ?? 1e6));
   if (input.unit !== "Nm" || top <= 1) {
     return [top];
@@ -46,14 +46,14 @@ export function spansOf(input: InputInfo): number[] {
   return spans;
 }
 
-export function firstSpan(input: InputInfo): number {
+export function firstSpan(input: Input): number {
   const spans = spansOf(input);
   return spans.includes(1) ? 1 : (spans[spans.length - 1] ?? 1);
 }
 
 /// Inputs by what they belong to: "axis0", …, "" for the device itself. Order is kept.
-export function groupInputs(inputs: readonly InputInfo[], device: string): Map<string, InputInfo[]> {
-  const groups = new Map<string, InputInfo[]>();
+export function groupInputs(inputs: readonly Input[], device: string): Map<string, Input[]> {
+  const groups = new Map<string, Input[]>();
   for (const input of inputs) {
     const rest = input.name.slice(device.length + 1);
     const dot = rest.indexOf(".");

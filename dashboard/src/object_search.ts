@@ -1,9 +1,9 @@
 // Finding entries of a dictionary, and checking what a person wants to write to one.
 
-import type { EntryDeclaration } from "./api";
+import type { Declaration } from "./api";
 
 /// Words may be parts of names, types, units, or an index with or without "0x", "h", ":".
-export function searchEntries<E extends EntryDeclaration>(entries: readonly E[], text: string): E[] {
+export function searchEntries<E extends Declaration>(entries: readonly E[], text: string): E[] {
   const words = text.toLowerCase().split(/\s+/).filter(Boolean);
   return entries.filter((entry) =>
     words.every((word) => {
@@ -36,7 +36,7 @@ export function parseInteger(text: string): bigint | null {
 export type Checked = { readonly value: number | string | boolean } | { readonly problem: string };
 
 /// The value to send for what was typed, or why it cannot be one. The server checks the rest.
-export function checkValue(entry: EntryDeclaration, text: string): Checked {
+export function checkValue(entry: Declaration, text: string): Checked {
   if (entry.type === "BOOLEAN") {
     const word = text.trim().toLowerCase();
     if (["1", "true"].includes(word)) return { value: true };
@@ -63,6 +63,6 @@ export function checkValue(entry: EntryDeclaration, text: string): Checked {
   return { value: value >= -(2n ** 53n) && value <= 2n ** 53n ? Number(value) : value.toString() };
 }
 
-export function writable(entry: EntryDeclaration): boolean {
+export function writable(entry: Declaration): boolean {
   return entry.access.includes("w");
 }

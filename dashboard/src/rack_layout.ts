@@ -1,6 +1,6 @@
 // Where devices and cables stand in the picture of a rack. Lengths in pixels.
 
-import type { Port, Segment, SegmentDevice } from "./api";
+import type { Port, Segment, WiredDevice } from "./api";
 
 export const kCardWidth = 210;
 export const kGapX = 44;
@@ -66,7 +66,7 @@ export function rows(
   return { cards, height: Math.max(0, y - kGapY) };
 }
 
-function portOf(device: SegmentDevice | undefined, number: number | null): Port | undefined {
+function portOf(device: WiredDevice | undefined, number: number | null): Port | undefined {
   return device?.ports.find((port) => port.number === number);
 }
 

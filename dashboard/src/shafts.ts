@@ -1,6 +1,6 @@
 // Which signals tell how shafts stand. Every shaft has one in revolutions.
 
-import type { SignalValue } from "./api";
+import type { Signal } from "./api";
 
 export interface Shaft {
   readonly device: string;
@@ -8,7 +8,7 @@ export interface Shaft {
   readonly signal: string;
 }
 
-export function shaftsOf(signals: readonly SignalValue[], devices: readonly string[]): Shaft[] {
+export function shaftsOf(signals: readonly Signal[], devices: readonly string[]): Shaft[] {
   const shafts: Shaft[] = [];
   for (const { name, unit } of signals) {
     const device = devices

@@ -1,6 +1,6 @@
 // What every view shares: whether the rack answers, its devices, what the server offers, its events.
 
-import { ApiError, type Api, type DeviceInfo, type EventInfo, type RackInfo } from "./api";
+import { ApiError, type Api, type Device, type Devices, type Event, type Events, type Rack } from "./api";
 
 export type Connection = "connecting" | "online" | "lost" | "locked";
 
@@ -9,9 +9,9 @@ const kMostEvents = 5000;
 
 export class RackStore {
   connection: Connection = "connecting";
-  rack: RackInfo | null = null;
-  devices: readonly DeviceInfo[] = [];
-  events: readonly EventInfo[] = [];
+  rack: Rack | null = null;
+  devices: readonly Device[] = [];
+  events: readonly Event[] = [];
   /// Grows when the rack turns out to be another one: views start anew.
   epoch = 0;
   private offered: ReadonlySet<string> | null = null;
@@ -76,13 +76,13 @@ export class RackStore {
 
   private async look(): Promise<void> {
     try {
-      const rack = await this.api.get<RackInfo>("/api/v1/rack");
+      const rack = await this.api.get<Rack>("/api/v1/rack");
       const another = this.rack !== null && rack.run !== this.rack.run;
       if (another || this.connection !== "online") {
         await this.begin(another || this.connection === "lost");
       }
       this.rack = rack;
-      this.devices = (await this.api.get<{ devices: DeviceInfo[] }>("/api/v1/devices")).devices;
+      this.devices = (await this.api.get<Devices>("/api/v1/devices")).devices;
       await this.fetchEvents();
       this.connection = "online";
     } catch (error) {
@@ -101,7 +101,7 @@ export class RackStore {
 
   private async fetchEvents(): Promise<void> {
     const last = this.events[this.events.length - 1]?.number ?? 0;
-    const { events } = await this.api.get<{ events: EventInfo[] }>(`/api/v1/events?after=${last}`);
+    const { events } = await this.api.get<Events>(`/api/v1/events?after=${last}`);
     if (events.length > 0) {
       this.events = [...this.events, ...events].slice(-kMostEvents);
     }

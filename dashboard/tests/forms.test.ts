@@ -1,12 +1,12 @@
 import { describe, expect, it } from "vitest";
 
-import type { EventInfo, FaultKind, FaultParameter, InputInfo } from "../src/api";
-import { defaultsOf, faultRequest, fieldProblem, filledIn, targetsOf, timingOf } from "../src/fault_form";
+import type { Event, FaultKind, FaultParameter, Input } from "../src/api";
+import { defaultsOf, faultRequest, fieldProblem, filledIn, targetsOf } from "../src/fault_form";
 import { hexDump } from "../src/hex_dump";
 import { controlOf, firstSpan, groupInputs, niceStep, spansOf } from "../src/inputs";
 import { matchingEvents } from "../src/views/events";
 
-const input = (name: string, unit: string, minimum: number, maximum: number): InputInfo => ({ name, unit, minimum, maximum, value: null });
+const input = (name: string, unit: string, minimum: number, maximum: number): Input => ({ name, unit, minimum, maximum, value: null });
 
 describe("an input", () => {
   it("is a switch, a choice or a slider", () => {
@@ -35,13 +35,15 @@ describe("an input", () => {
   });
 });
 
-const parameter = (name: string, type: string, rest: Partial<FaultParameter> = {}): FaultParameter => ({
+const parameter = (name: string, type: FaultParameter["type"], rest: Partial<FaultParameter> = {}): FaultParameter => ({
   name,
   type,
   unit: "",
   minimum: null,
   maximum: null,
+  choices: [],
   default: "",
+  needed: false,
   summary: "",
   ...rest,
 });
@@ -49,12 +51,14 @@ const parameter = (name: string, type: string, rest: Partial<FaultParameter> = {
 const kind: FaultKind = {
   name: "ethercat-drop",
   summary: "",
+  effect: "",
   applies_to: "port",
   counts: "frames",
   momentary: false,
+  target: [],
   parameters: [
     parameter("direction", "choice", { choices: ["in", "out"], default: "in" }),
-    parameter("code", "whole number", { minimum: 0, maximum: 65535, default: "0x0001" }),
+    parameter("code", "integer", { minimum: 0, maximum: 65535, default: "0x0001" }),
     parameter("probability", "number", { minimum: 0, maximum: 1, default: "1" }),
     parameter("delay", "duration", { needed: true, minimum: 1e-6, maximum: 60 }),
   ],
@@ -70,20 +74,13 @@ describe("the form of a fault", () => {
     expect(faultRequest(kind, {}, {}, { cycles: 1000 })).toEqual({ kind: "ethercat-drop", when: { cycles: 1000 } });
   });
   it("says what is missing, no number or out of range", () => {
-    const problem = (i: number, text: string) => fieldProblem(kind.parameters[i] ?? parameter("", ""), text);
+    const problem = (i: number, text: string) => fieldProblem(kind.parameters[i] ?? parameter("", "text"), text);
     expect(problem(2, "0.5")).toBe("");
     expect(problem(2, "2")).toBe("at most 1");
     expect(problem(2, "x")).toBe("a number is needed");
     expect(problem(1, "1.5")).toBe("a whole number is needed");
     expect(problem(1, "0xFFFF")).toBe("");
     expect(problem(3, "")).toBe("needed");
-  });
-  it("asks for begin and end as far as the kind has them", () => {
-    const kinds = { kinds: [kind], common: ["name", "at", "when", "for", "count", "probability"].map((name) => parameter(name, "text")) };
-    const asked = (rest: Partial<FaultKind>) => timingOf({ ...kind, ...rest }, kinds).map(({ name }) => name);
-    expect(asked({})).toEqual(["name", "at", "for", "count", "probability"]);
-    expect(asked({ counts: "" })).toEqual(["name", "at", "for"]);
-    expect(asked({ momentary: true })).toEqual(["name", "at", "probability"]);
   });
   it("offers what the kind applies to", () => {
     const rack = {
@@ -103,7 +100,7 @@ describe("the form of a fault", () => {
 });
 
 describe("events", () => {
-  const event = (number: number, device: string, severity: string, text: string): EventInfo => ({ number, time_ns: 0, device, rule: "r", severity, text });
+  const event = (number: number, device: string, severity: Event["severity"], text: string): Event => ({ number, time_ns: 0, device, rule: "r", severity, text });
   const all = [event(1, "a", "fault", "watchdog expired"), event(2, "b", "information", "state Init")];
   it("are found by all words, device and kind", () => {
     const find = (wanted: Partial<{ text: string; device: string; severity: string }>) =>

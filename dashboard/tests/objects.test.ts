@@ -1,9 +1,9 @@
 import { describe, expect, it } from "vitest";
 
-import type { EntryDeclaration } from "../src/api";
+import type { Declaration } from "../src/api";
 import { checkValue, parseInteger, searchEntries } from "../src/object_search";
 
-function entry(index: string, subindex: string, name: string, type = "UNSIGNED16", minimum = "0", maximum = "65535"): EntryDeclaration {
+function entry(index: string, subindex: string, name: string, type = "UNSIGNED16", minimum = "0", maximum = "65535"): Declaration {
   return { index, subindex, name, type, access: "rw", pdo: "no", unit: "ms", minimum, maximum, default: "0" };
 }
 

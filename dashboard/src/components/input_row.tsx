@@ -1,6 +1,6 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 
-import { segment, type InputInfo } from "../api";
+import { segment, type Input } from "../api";
 import { kNone, unitText } from "../format";
 import { useAction, useWorld } from "../hooks";
 import { controlOf, firstSpan, spansOf } from "../inputs";
@@ -13,7 +13,7 @@ function labelOf(name: string): string {
 }
 
 /// Something around a device that can be set. `present`: its value as far as the server tells.
-export function InputRow({ input, label, present }: { input: InputInfo; label: string; present: number | null }) {
+export function InputRow({ input, label, present }: { input: Input; label: string; present: number | null }) {
   const { api } = useWorld();
   const { error, run, clear } = useAction();
   const [span, setSpan] = useState(() => firstSpan(input));

@@ -1,5 +1,5 @@
 // The page's end of the worker: opens the stream, keeps it open, says what is wanted.
-import type { Api, EventInfo, Problem, SubscribedMessage } from "../api";
+import type { Api, Event, Problem, Subscribed } from "../api";
 import type { FromWorker, SamplesFromWorker, ToWorker } from "./worker_messages";
 
 export interface Wanted {
@@ -11,10 +11,10 @@ export interface Wanted {
 
 export interface ConnectionListener {
   connected(open: boolean): void;
-  subscribed(message: SubscribedMessage): void;
+  subscribed(message: Subscribed): void;
   samples(batch: SamplesFromWorker): void;
-  receiveEvents(events: readonly EventInfo[]): void;
-  receiveProblem(problem: Problem): void;
+  receiveEvents(events: readonly Event[]): void;
+  receiveProblem(problem: Partial<Problem>): void;
 }
 
 const kRetry = 1000; // ms

@@ -1,12 +1,12 @@
 import { useState } from "preact/hooks";
 
-import type { InputInfo } from "../api";
+import type { Inputs } from "../api";
 import { InputRow } from "../components/input_row";
 import { useResource } from "../hooks";
 
 /// An input of the rack beside the picture of what it does.
 export function InputsPanel() {
-  const { data } = useResource<{ readonly inputs: readonly InputInfo[] }>("/api/v1/inputs", 3000);
+  const { data } = useResource<Inputs>("/api/v1/inputs", 3000);
   const [name, setName] = useState("");
   const inputs = data?.inputs ?? [];
   const chosen = inputs.find((input) => input.name === name);

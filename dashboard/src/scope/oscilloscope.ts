@@ -1,5 +1,5 @@
 // The oscilloscope itself: what it is set to, what it has recorded, what it shows.
-import type { Api, EventInfo, Problem, SubscribedMessage } from "../api";
+import type { Api, Event, Problem, Subscribed } from "../api";
 import { Connection, type ConnectionListener } from "./connection";
 import type { CursorPair } from "./core/cursors";
 import { ExpressionError, channelsOf, parseExpression, unitOf } from "./core/expression";
@@ -41,7 +41,7 @@ export class Oscilloscope implements ConnectionListener {
   problem = "";
   cursors: Cursors = { times: null, levels: null };
   measurements: (Measurement | null)[] = [];
-  events: EventInfo[] = [];
+  events: Event[] = [];
   readonly record = new ScopeRecord(kDefaultSetup.memory, kDefaultSetup.period);
   acquisition = new Acquisition(kDefaultSetup.trigger, kDefaultSetup.span);
   /// What the user looks at instead of what the acquisition shows.
@@ -89,7 +89,7 @@ export class Oscilloscope implements ConnectionListener {
     this.notify();
   }
 
-  subscribed(message: SubscribedMessage): void {
+  subscribed(message: Subscribed): void {
     this.record.subscribed(message.signals.map(({ name }) => name));
     if (this.isLoading) {
       this.isLoading = false;
@@ -134,7 +134,7 @@ export class Oscilloscope implements ConnectionListener {
     ++this.revision;
   }
 
-  receiveEvents(events: readonly EventInfo[]): void {
+  receiveEvents(events: readonly Event[]): void {
     this.events = [...this.events, ...events].slice(-kMostEvents);
     for (const event of events) {
       if (this.running && event.time_ns >= this.armedAt && eventTriggers(this.setup.trigger.source, event) && this.acquisition.offer(event.time_ns)) {
@@ -145,7 +145,7 @@ export class Oscilloscope implements ConnectionListener {
     this.notify();
   }
 
-  receiveProblem(problem: Problem): void {
+  receiveProblem(problem: Partial<Problem>): void {
     this.problem = `The rack: ${problem.detail ?? problem.title ?? "something is wrong"}`;
     this.notify();
   }

@@ -1,6 +1,7 @@
 import { useStore } from "../hooks";
 import { seconds } from "./core/csv";
-import type { TriggerSettings, TriggerSource } from "./core/trigger";
+import type { Event } from "../api_types";
+import { kSeverities, type TriggerSettings, type TriggerSource } from "./core/trigger";
 import { NumberField } from "./number_field";
 import type { Oscilloscope } from "./oscilloscope";
 
@@ -78,8 +79,8 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
         <>
           <label class="field">
             <span>At least</span>
-            <select value={source.severity} onChange={(event) => change({ source: { ...source, severity: event.currentTarget.value } })}>
-              {["information", "refusal", "warning", "fault"].map((each) => (
+            <select value={source.severity} onChange={(event) => change({ source: { ...source, severity: event.currentTarget.value as Event["severity"] } })}>
+              {kSeverities.map((each) => (
                 <option key={each} value={each}>
                   {each}
                 </option>

@@ -1,5 +1,5 @@
 // What the page and its worker tell each other.
-import type { EventInfo, Problem, SubscribedMessage } from "../api_types";
+import type { Event, Problem, Subscribed } from "../api_types";
 
 export type ToWorker =
   | { readonly kind: "open"; readonly url: string; readonly protocols: readonly string[] }
@@ -21,7 +21,7 @@ export interface SamplesFromWorker {
 export type FromWorker =
   | { readonly kind: "opened" }
   | { readonly kind: "closed"; readonly reason: string }
-  | { readonly kind: "subscribed"; readonly message: SubscribedMessage }
-  | { readonly kind: "events"; readonly events: readonly EventInfo[] }
-  | { readonly kind: "problem"; readonly problem: Problem }
+  | { readonly kind: "subscribed"; readonly message: Subscribed }
+  | { readonly kind: "events"; readonly events: readonly Event[] }
+  | { readonly kind: "problem"; readonly problem: Partial<Problem> }
   | SamplesFromWorker;

@@ -1,4 +1,4 @@
-import type { DeviceInfo, Panel } from "../api";
+import type { Device, Panel } from "../api";
 import { segment } from "../api";
 import { LedLamp } from "../components/led";
 import { useResource, useStore } from "../hooks";
@@ -69,7 +69,7 @@ export function DeviceView({ name, tab, query }: { name: string; tab: string; qu
   );
 }
 
-function PowerAndState({ device, panel }: { device: DeviceInfo; panel: Panel | null }) {
+function PowerAndState({ device, panel }: { device: Device; panel: Panel | null }) {
   if (!device.powered) {
     return <span class="badge warning">switched off</span>;
   }

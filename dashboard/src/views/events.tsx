@@ -1,6 +1,6 @@
 import { useMemo, useState } from "preact/hooks";
 
-import type { EventInfo } from "../api";
+import type { Event } from "../api";
 import { timeText } from "../format";
 import { useStore } from "../hooks";
 
@@ -18,9 +18,9 @@ export function severityClass(severity: string): string {
 }
 
 export function matchingEvents(
-  events: readonly EventInfo[],
+  events: readonly Event[],
   wanted: { text: string; device: string; severity: string },
-): EventInfo[] {
+): Event[] {
   const words = wanted.text.toLowerCase().split(/\s+/).filter(Boolean);
   return events.filter(
     (event) =>
@@ -30,7 +30,7 @@ export function matchingEvents(
   );
 }
 
-export function EventRows({ events, short = false }: { events: readonly EventInfo[]; short?: boolean }) {
+export function EventRows({ events, short = false }: { events: readonly Event[]; short?: boolean }) {
   return (
     <table class="events">
       <thead>
@@ -64,7 +64,7 @@ export function EventsView() {
   const [text, setText] = useState("");
   const [device, setDevice] = useState("");
   const [severity, setSeverity] = useState("");
-  const [frozen, setFrozen] = useState<readonly EventInfo[] | null>(null);
+  const [frozen, setFrozen] = useState<readonly Event[] | null>(null);
   const shown = useMemo(
     () => matchingEvents(frozen ?? events, { text, device, severity }).slice(-kMostShown).reverse(),
     [frozen, events, text, device, severity],

@@ -1,6 +1,6 @@
 import { useMemo, useState } from "preact/hooks";
 
-import type { Fault, FaultKind, FaultKinds, FaultParameter, Signals, Wiring } from "../api";
+import type { Fault, FaultKind, FaultKinds, FaultParameter, Faults, Signals, Wiring } from "../api";
 import { segment } from "../api";
 import {
   defaultsOf,
@@ -10,7 +10,6 @@ import {
   filledIn,
   rangeText,
   targetsOf,
-  timingOf,
   type Values,
 } from "../fault_form";
 import { unitText } from "../format";
@@ -19,7 +18,7 @@ import { shaftsOf } from "../shafts";
 
 export function FaultsView() {
   const kinds = useResource<FaultKinds>("/api/v1/faults/kinds");
-  const active = useResource<{ faults: Fault[] }>("/api/v1/faults", 1000);
+  const active = useResource<Faults>("/api/v1/faults", 1000);
   const [name, setName] = useState("");
   const [words, setWords] = useState("");
   const list = (kinds.data?.kinds ?? []).filter((kind) =>
@@ -84,7 +83,7 @@ function Parameter({ parameter, value, group, change }: {
   const field = fieldOf(parameter);
   const wrong = fieldProblem(parameter, value);
   const id = `${group}-${parameter.name}`;
-  const choices = field === "switch" ? ["false", "true"] : (parameter.choices ?? []);
+  const { choices } = parameter;
   const missing = wrong === "needed";
   return (
     <div class="field">
@@ -104,7 +103,7 @@ function Parameter({ parameter, value, group, change }: {
           value={value}
           placeholder={parameter.type === "duration" ? "e.g. 20ms" : ""}
           aria-invalid={wrong !== "" && !missing}
-          aria-required={parameter.needed ?? false}
+          aria-required={parameter.needed}
           aria-describedby={`${id}-help`}
           onInput={(event) => change(event.currentTarget.value)}
         />
@@ -140,8 +139,7 @@ function FaultForm({ kind, kinds, done }: { kind: FaultKind; kinds: FaultKinds; 
   const { api } = useWorld();
   const store = useStore();
   const what = useFields(kind.parameters, "what");
-  const timing = useFields(timingOf(kind, kinds), "timing");
-  const milestone = useFields(kinds.when ?? [], "when");
+  const milestone = useFields(kinds.when, "when");
   const [chosen, setChosen] = useState(0);
   const { busy, error, run } = useAction();
   const signals = useResource<Signals>(kind.applies_to === "axis" ? "/api/v1/signals" : null);
@@ -157,11 +155,11 @@ function FaultForm({ kind, kinds, done }: { kind: FaultKind; kinds: FaultKinds; 
       }),
     [kind, signals.data, wiring.data, devices.join("\n")],
   );
-  const wrong = what.wrong || timing.wrong || milestone.wrong;
+  const wrong = what.wrong || milestone.wrong;
   const target = targets[Math.min(chosen, targets.length - 1)];
   const put = async () => {
     if (target) {
-      const body = faultRequest(kind, target.keys, { ...what.keys(), ...timing.keys() }, milestone.keys());
+      const body = faultRequest(kind, target.keys, what.keys(), milestone.keys());
       if (await run(() => api.send("POST", "/api/v1/faults", body))) {
         done();
       }
@@ -180,7 +178,7 @@ function FaultForm({ kind, kinds, done }: { kind: FaultKind; kinds: FaultKinds; 
           void put();
         }}
       >
-        {kind.effect ? <p class="wide">What the master sees: {kind.effect}</p> : null}
+        <p class="wide">What the master sees: {kind.effect}</p>
         <div class="field">
           <label htmlFor="fault-target">where</label>
           <select id="fault-target" value={chosen} onChange={(event) => setChosen(Number(event.currentTarget.value))}>
@@ -193,12 +191,6 @@ function FaultForm({ kind, kinds, done }: { kind: FaultKind; kinds: FaultKinds; 
           <span class="soft help">{targets.length === 0 ? `the rack has no ${kind.applies_to}` : `a ${kind.applies_to}`}</span>
         </div>
         {what.fields}
-        {timing.fields.length > 0 ? (
-          <details class="wide">
-            <summary>Begin and end{kind.counts ? `; counts ${kind.counts}` : ""}</summary>
-            <div class="fault-form">{timing.fields}</div>
-          </details>
-        ) : null}
         {milestone.fields.length > 0 ? (
           <details class="wide">
             <summary>Begin at a milestone</summary>
@@ -218,7 +210,6 @@ function FaultForm({ kind, kinds, done }: { kind: FaultKind; kinds: FaultKinds; 
             type="button"
             onClick={() => {
               what.reset();
-              timing.reset();
               milestone.reset();
             }}
           >
@@ -278,8 +269,8 @@ function ActiveFaults({ faults, reload }: { faults: readonly Fault[]; reload: ()
                 <td>
                   <span class={`badge ${kStates[fault.state] ?? ""}`}>{fault.state}</span>
                 </td>
-                <td class="number">{fault.hits ?? ""}</td>
-                <td>{fault.remaining === null || fault.remaining === undefined ? "" : String(fault.remaining)}</td>
+                <td class="number">{fault.hits}</td>
+                <td>{fault.remaining}</td>
                 <td class="number">
                   {fault.state === "done" ? null : (
                     <button

@@ -1,6 +1,6 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
 
-import { segment, type DeviceInfo, type Entry, type EntryDeclaration, type EntryList, type EntryValue } from "../api";
+import { segment, type Declaration, type Device, type Entry, type Object, type Objects } from "../api";
 import { addressText, hexText } from "../format";
 import { useAction, useResource, useWorld } from "../hooks";
 import { checkValue, isInteger, searchEntries, writable } from "../object_search";
@@ -8,14 +8,14 @@ import { checkValue, isInteger, searchEntries, writable } from "../object_search
 const kPeriod = 1000;
 const kAtOnce = 4;
 
-function key(entry: EntryDeclaration): string {
+function key(entry: Declaration): string {
   return `${entry.index}:${entry.subindex}`;
 }
 
 /// Rows whose place is in view, and values of their objects, fetched again and again.
-function useVisibleValues(device: string, entries: readonly EntryDeclaration[]) {
+function useVisibleValues(device: string, entries: readonly Declaration[]) {
   const { api } = useWorld();
-  const [values, setValues] = useState<ReadonlyMap<string, EntryValue>>(new Map());
+  const [values, setValues] = useState<ReadonlyMap<string, Entry["value"]>>(new Map());
   const [visible] = useState(() => new Set<string>());
   const observer = useMemo(
     () =>
@@ -37,12 +37,12 @@ function useVisibleValues(device: string, entries: readonly EntryDeclaration[]) 
     let timer: ReturnType<typeof setTimeout> | undefined;
     const round = async () => {
       const objects = [...new Set([...visible].map((id) => id.split(":")[0] ?? ""))];
-      const fresh = new Map<string, EntryValue>();
+      const fresh = new Map<string, Entry["value"]>();
       for (let i = 0; i < objects.length && !ended && !document.hidden; i += kAtOnce) {
         const found = await Promise.allSettled(
           objects
             .slice(i, i + kAtOnce)
-            .map((index) => api.get<EntryList<Entry>>(`/api/v1/devices/${segment(device)}/objects/${index}`)),
+            .map((index) => api.get<Object>(`/api/v1/devices/${segment(device)}/objects/${index}`)),
         );
         for (const each of found) {
           if (each.status === "fulfilled") {
@@ -69,11 +69,11 @@ function useVisibleValues(device: string, entries: readonly EntryDeclaration[]) 
       observer.observe(element);
     }
   };
-  const put = (id: string, value: EntryValue) => setValues((old) => new Map([...old, [id, value]]));
+  const put = (id: string, value: Entry["value"]) => setValues((old) => new Map([...old, [id, value]]));
   return { values, watch, put };
 }
 
-function shown(entry: EntryDeclaration, value: EntryValue | undefined): { text: string; hex: string } {
+function shown(entry: Declaration, value: Entry["value"] | undefined): { text: string; hex: string } {
   if (value === undefined || value === null) {
     return { text: "–", hex: "" };
   }
@@ -84,8 +84,8 @@ function shown(entry: EntryDeclaration, value: EntryValue | undefined): { text: 
 
 const kPage = 150;
 
-export function Objects({ device, search }: { device: DeviceInfo; search: string }) {
-  const list = useResource<EntryList>(`/api/v1/devices/${segment(device.name)}/objects`);
+export function Objects({ device, search }: { device: Device; search: string }) {
+  const list = useResource<Objects>(`/api/v1/devices/${segment(device.name)}/objects`);
   const [words, setWords] = useState(search);
   useEffect(() => setWords(search), [search]);
   const [onlyWritable, setOnlyWritable] = useState(false);
@@ -214,9 +214,9 @@ export function Objects({ device, search }: { device: DeviceInfo; search: string
 
 function WriteForm({ device, entry, value, done, close }: {
   device: string;
-  entry: EntryDeclaration;
+  entry: Declaration;
   value: string;
-  done: (value: EntryValue) => void;
+  done: (value: Entry["value"]) => void;
   close: () => void;
 }) {
   const { api } = useWorld();

@@ -1,6 +1,6 @@
 import { useMemo, useRef, useState } from "preact/hooks";
 
-import type { AxisPanel, DeviceInfo, Entry, EntryDeclaration, EntryList, EventInfo, InputInfo, Panel, Signals, StateMachine } from "../api";
+import type { Declaration, Device, Entry, Event, Inputs as InputList, Objects, Panel, PanelAxis, Signals, StateMachine, StateMachines } from "../api";
 import { segment } from "../api";
 import { axesOf, axisIndex, axisNumber, type AxisSignals } from "../axes";
 import { Gauge, rangeFor } from "../components/gauge";
@@ -19,10 +19,10 @@ import { ProgramView } from "./program";
 const kObjectPeriod = 500;
 const kEventsShown = 8;
 
-export function Overview({ device, panel }: { device: DeviceInfo; panel: Panel | null }) {
+export function Overview({ device, panel }: { device: Device; panel: Panel | null }) {
   const store = useStore();
   const signals = useResource<Signals>(`/api/v1/signals?names=${segment(device.name)}.*`);
-  const machines = useResource<{ machines: StateMachine[] }>(
+  const machines = useResource<StateMachines>(
     store.offers("/api/v1/state-machines") ? "/api/v1/state-machines" : null,
   );
   const [chosen, setChosen] = useState(0);
@@ -68,7 +68,7 @@ export function Overview({ device, panel }: { device: DeviceInfo; panel: Panel |
   );
 }
 
-function AxisValues({ axis, panel }: { axis: AxisSignals; panel: AxisPanel | null }) {
+function AxisValues({ axis, panel }: { axis: AxisSignals; panel: PanelAxis | null }) {
   const value = useSignals(
     axis.rows.map((row) => row.signal),
     120,
@@ -103,7 +103,7 @@ function AxisValues({ axis, panel }: { axis: AxisSignals; panel: AxisPanel | nul
   );
 }
 
-function MachinePanel({ machine, state, title, refusal }: { machine: StateMachine; state: string; title: string; refusal: EventInfo | null }) {
+function MachinePanel({ machine, state, title, refusal }: { machine: StateMachine; state: string; title: string; refusal: Event | null }) {
   const known = machine.states.some((each) => sameState(each, state));
   return (
     <section class="panel">
@@ -151,9 +151,9 @@ const kWatched: readonly { index: number; perAxis: boolean; label: string }[] = 
   { index: 0x6077, perAxis: true, label: "Torque" },
 ];
 
-function MasterSees({ device, axis }: { device: DeviceInfo; axis: number }) {
+function MasterSees({ device, axis }: { device: Device; axis: number }) {
   const path = `/api/v1/devices/${segment(device.name)}/objects`;
-  const declared = useResource<EntryList>(path);
+  const declared = useResource<Objects>(path);
   const rows = kWatched.flatMap(({ index, perAxis, label }) => {
     const text = axisIndex(index, perAxis ? axis : 0);
     const entry = declared.data?.entries.find((each) => same(each, text));
@@ -176,13 +176,13 @@ function MasterSees({ device, axis }: { device: DeviceInfo; axis: number }) {
   );
 }
 
-function same(entry: EntryDeclaration, index: string): boolean {
+function same(entry: Declaration, index: string): boolean {
   return entry.index.toUpperCase() === index && Number.parseInt(entry.subindex, 16) === 0;
 }
 
 function SeenRow({ path, row, device, modePath }: {
   path: string;
-  row: { index: number; text: string; entry: EntryDeclaration; label: string };
+  row: { index: number; text: string; entry: Declaration; label: string };
   device: string;
   modePath: string;
 }) {
@@ -261,8 +261,8 @@ function DeviceEvents({ name }: { name: string }) {
   );
 }
 
-function Inputs({ device, signals, first }: { device: DeviceInfo; signals: Signals | null; first: string }) {
-  const inputs = useResource<{ inputs: InputInfo[] }>("/api/v1/inputs", 3000);
+function Inputs({ device, signals, first }: { device: Device; signals: Signals | null; first: string }) {
+  const inputs = useResource<InputList>("/api/v1/inputs", 3000);
   const own = useMemo(
     () => (inputs.data?.inputs ?? []).filter((input) => input.name.startsWith(`${device.name}.`)),
     [inputs.data, device.name],

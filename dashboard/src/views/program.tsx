@@ -1,12 +1,12 @@
 import { useEffect, useRef } from "preact/hooks";
 
-import { segment, type DeviceInfo, type Program } from "../api";
+import { segment, type Device, type Program } from "../api";
 import { useResource } from "../hooks";
 
 const kPeriod = 400;
 
 /// A module's TMCL program with the line it is at.
-export function ProgramView({ device }: { device: DeviceInfo }) {
+export function ProgramView({ device }: { device: Device }) {
   const program = useResource<Program>(`/api/v1/devices/${segment(device.name)}/program`, kPeriod);
   const current = useRef<HTMLLIElement>(null);
   const line = program.data?.line ?? null;

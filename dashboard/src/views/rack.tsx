@@ -1,6 +1,6 @@
 import { useMemo } from "preact/hooks";
 
-import type { Bus, DeviceInfo, Line, Panel, Segment, Signals, Wiring } from "../api";
+import type { Bus, Device, Line, Panel, Segment, Signals, Wiring } from "../api";
 import { segment as pathSegment } from "../api";
 import { LedDot } from "../components/led";
 import { ShaftDial } from "../components/shaft";
@@ -18,7 +18,7 @@ const kShaftRadius = 19;
 const kTwoColumns = 1400;
 
 /// What a server without /wiring still tells: which devices hang at which network.
-function wiringOf(devices: readonly DeviceInfo[], kinds: ReadonlyMap<string, string>): Wiring {
+function wiringOf(devices: readonly Device[], kinds: ReadonlyMap<string, string>): Wiring {
   const names = [...new Set(devices.map((device) => device.network))];
   const of = (network: string) => devices.filter((device) => device.network === network).map(({ name }) => name);
   return {
@@ -207,7 +207,7 @@ function LinePanel({ line, shafts, width }: Drawn & { line: Line }) {
 }
 
 /// A device at no network has no state there; a module that only talks TMCL is one.
-export function networkState(device: DeviceInfo | undefined, panel: Panel | null): string {
+export function networkState(device: Device | undefined, panel: Panel | null): string {
   if (panel) {
     return panel.network?.state ?? "";
   }

@@ -1,15 +1,8 @@
 import { useState } from "preact/hooks";
 
-import { segment } from "../api";
+import { segment, type Recording, type Snapshots } from "../api";
 import { sizeText, timeText } from "../format";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
-
-interface Recording {
-  readonly file: string | null; ///< null: nothing is recorded
-  readonly time_ns: number;
-  readonly bytes: number;
-  readonly complete: boolean;
-}
 
 function Facts({ recording }: { recording: Recording }) {
   return (
@@ -35,11 +28,6 @@ function Facts({ recording }: { recording: Recording }) {
       )}
     </>
   );
-}
-
-interface Snapshot {
-  readonly name: string;
-  readonly time_ns: number;
 }
 
 export function RecordingView() {
@@ -74,7 +62,7 @@ function Snapshots() {
   const { api } = useWorld();
   const [name, setName] = useState("");
   const { busy, error, run } = useAction();
-  const list = useResource<{ snapshots: Snapshot[] }>("/api/v1/snapshots", 2000);
+  const list = useResource<Snapshots>("/api/v1/snapshots", 2000);
   const take = async () => {
     if (await run(() => api.send("POST", "/api/v1/snapshots", { name }))) {
       setName("");

@@ -1,12 +1,12 @@
 import { useState } from "preact/hooks";
 
-import { segment, type DeviceInfo, type Signals } from "../api";
+import { segment, type Device, type Signals } from "../api";
 import { quantity } from "../format";
 import { useResource, useSignals, useStore } from "../hooks";
 import { href } from "../router";
 
 /// All signals of a device as numbers.
-export function DeviceSignals({ device }: { device: DeviceInfo }) {
+export function DeviceSignals({ device }: { device: Device }) {
   const store = useStore();
   const list = useResource<Signals>(`/api/v1/signals?names=${segment(device.name)}.*`);
   const [words, setWords] = useState("");

@@ -1,6 +1,6 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
-import type { Frame, Problem } from "../api";
+import type { Frame, TrafficMessage } from "../api";
 import { hexDump } from "../hex_dump";
 import { timeText } from "../format";
 import { useStore, useWorld } from "../hooks";
@@ -8,13 +8,6 @@ import { useStore, useWorld } from "../hooks";
 const kMostKept = 5000;
 const kMostShown = 400;
 const kRetry = 1000;
-
-interface FramesMessage {
-  readonly type: "frames";
-  readonly dropped: number;
-  readonly frames: readonly Frame[];
-}
-type TrafficMessage = FramesMessage | { readonly type: "problem"; readonly problem: Problem } | { readonly type: "subscribed" };
 
 interface Wanted {
   readonly networks: readonly string[];
@@ -45,7 +38,7 @@ function useTraffic(wanted: Wanted, paused: boolean) {
       opened.onmessage = (event: MessageEvent<string>) => {
         const taken = JSON.parse(event.data) as TrafficMessage;
         if (taken.type === "problem") {
-          setProblem(taken.problem.detail ?? "refused");
+          setProblem(taken.problem.detail);
         } else if (taken.type === "frames") {
           setProblem("");
           setDropped((n) => n + taken.dropped);

@@ -50,7 +50,7 @@ describe("a state trigger", () => {
 });
 
 describe("an event trigger", () => {
-  const event = { device: "gantry", rule: "stall", severity: "fault" };
+  const event = { device: "gantry", rule: "stall", severity: "fault" } as const;
   const source = (patch: object): TriggerSource => ({ kind: "event", severity: "warning", device: "", rule: "", ...patch });
   it("takes events that are severe enough, of its device and rule", () => {
     expect(eventTriggers(source({}), event)).toBe(true);

@@ -1,6 +1,6 @@
 // What the oscilloscope is set to, as a file.
 import { type WindowName, kWindows } from "./fft";
-import type { TriggerSettings } from "./trigger";
+import { kSeverities, type TriggerSettings } from "./trigger";
 
 export interface ChannelSetup {
   /// Of a signal, or chosen for an expression.
@@ -153,7 +153,7 @@ function readTrigger(reader: Reader): TriggerSettings {
               value: source.at("value").orNull((each) => each.number(...kAny)),
             }
           : kind === "event"
-            ? { kind, severity: source.at("severity").text(), device: source.at("device").text(), rule: source.at("rule").text() }
+            ? { kind, severity: source.at("severity").oneOf(kSeverities), device: source.at("device").text(), rule: source.at("rule").text() }
             : { kind },
     before: reader.at("before").number(0, 1),
     holdOff: reader.at("holdOff").number(0, kHour),

@@ -1,5 +1,5 @@
 // Triggers: when something happened, and which stretch of time is shown because of it.
-import type { Severity } from "../../api_types";
+import type { Event } from "../../api_types";
 
 export type Edge = "rising" | "falling" | "either";
 export type TriggerMode = "auto" | "normal" | "single";
@@ -25,7 +25,7 @@ export type TriggerSource =
   | {
       readonly kind: "event";
       /// This severity or a worse one.
-      readonly severity: Severity;
+      readonly severity: Event["severity"];
       /// Empty: of any device, by any rule.
       readonly device: string;
       readonly rule: string;
@@ -114,12 +114,13 @@ export function makeDetector(source: TriggerSource): Detector | null {
   }
 }
 
-const kSeverities: readonly string[] = ["information", "refusal", "warning", "fault"];
+/// From the least to the worst.
+export const kSeverities: readonly Event["severity"][] = ["information", "refusal", "warning", "fault"];
 
 /// Whether an event is one that triggers.
 export function eventTriggers(
   source: TriggerSource,
-  event: { readonly device: string; readonly rule: string; readonly severity: string },
+  event: { readonly device: string; readonly rule: string; readonly severity: Event["severity"] },
 ): boolean {
   return (
     source.kind === "event" &&
