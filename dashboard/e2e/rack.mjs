@@ -17,7 +17,7 @@ async function freeUdpPort() {
   return port;
 }
 
-export async function freeTcpPort() {
+async function freeTcpPort() {
   const server = createServer();
   await new Promise((done) => server.listen(0, "127.0.0.1", done));
   const { port } = server.address();
@@ -46,9 +46,7 @@ export class Rack {
     await cp(join(repository, "examples"), join(rack.folder, "examples"), { recursive: true });
     await writeFile(
       rack.file,
-      text
-        .replaceAll("/tmp/stator-", `${rack.folder}/`)
-        .replace('"udp:127.0.0.1"', `"udp:127.0.0.1:${rack.udp}"`),
+      text.replaceAll("/tmp/stator-", `${rack.folder}/`).replace('"udp:127.0.0.1"', `"udp:127.0.0.1:${rack.udp}"`),
     );
     return rack;
   }
@@ -57,7 +55,7 @@ export class Rack {
     return `http://127.0.0.1:${this.http}`;
   }
 
-  /// Starts it and returns the link to the dashboard that it prints.
+  /// Starts it; `link` is the one to the dashboard that it prints.
   async start() {
     const recording = join(this.folder, `run${this.starts === 0 ? "" : `-again${this.starts}`}.stator`);
     ++this.starts;
@@ -73,7 +71,8 @@ export class Rack {
     for (let i = 0; i < 200; ++i) {
       const link = /dashboard: (\S+)/.exec(this.output);
       if (link && this.output.includes("Running")) {
-        return link[1];
+        this.link = link[1];
+        return;
       }
       if (failed !== "") {
         break;

@@ -1,0 +1,152 @@
+// What is done in the views, as a person would.
+import assert from "node:assert/strict";
+
+import { heading, test } from "./fixtures.mjs";
+
+const put = (page, address) => page.getByRole("button", { name: `Write ${address}`, exact: true });
+
+test("the token leaves the address bar and stays in the tab", async ({ open, link }) => {
+  const page = await open("/rack");
+  await heading(page, "Rack");
+  assert.ok(!page.url().includes("token"), page.url());
+  const kept = await page.evaluate(() => sessionStorage.getItem("stator.token"));
+  assert.equal(`#token=${kept}`, new URL(link).hash);
+});
+
+test("keys alone lead from view to view", async ({ open }) => {
+  const page = await open("/rack");
+  await heading(page, "Rack");
+  await page.keyboard.press("Tab");
+  assert.equal(await page.evaluate(() => document.activeElement?.textContent?.trim()), "Skip to the content");
+  for (let i = 0; i < 12; ++i) {
+    await page.keyboard.press("Tab");
+    if ((await page.evaluate(() => document.activeElement?.textContent?.trim())) === "gantry") {
+      break;
+    }
+  }
+  const ring = await page.evaluate(() => getComputedStyle(document.activeElement).outlineStyle);
+  assert.equal(ring, "solid");
+  await page.keyboard.press("Enter");
+  await heading(page, "gantry");
+});
+
+test("shafts turn as the motors do", async ({ open }) => {
+  const page = await open("/rack");
+  const shaft = page.locator("a.card", { hasText: "feeder" }).locator(".shaft g").first();
+  const seen = new Set();
+  for (let i = 0; i < 40 && seen.size < 3; ++i) {
+    await page.waitForTimeout(50);
+    seen.add(await shaft.getAttribute("transform"));
+  }
+  assert.ok(seen.size >= 3, [...seen].join(", "));
+});
+
+test("the load is set with a slider and comes back as a signal", async ({ open, origin }) => {
+  const page = await open("/device/gantry");
+  const slider = page.getByRole("slider", { name: "load torque" }).first();
+  await slider.focus();
+  for (let i = 0; i < 5; ++i) {
+    await page.keyboard.press("ArrowRight");
+  }
+  const shown = Number(await page.getByRole("textbox", { name: "load torque, exact" }).first().inputValue());
+  assert.ok(shown > 0);
+  for (let i = 0; i < 40; ++i) {
+    const answer = await (await fetch(`${origin}/api/v1/signals?names=gantry.axis0.load_torque`)).json();
+    if (Math.abs(answer.signals[0].value - shown) < 1e-9) {
+      return;
+    }
+    await page.waitForTimeout(50);
+  }
+  assert.fail(`the load did not become ${shown} N m`);
+});
+
+test("a refused write tells why", async ({ open }) => {
+  const page = await open("/device/gantry/objects?search=6060", "422");
+  await put(page, "6060h:00").click();
+  const field = page.getByLabel(/New value of 6060h:00/);
+  await field.fill("99");
+  await page.getByText(/is possible/).waitFor();
+  await field.fill("2"); // in the range, but not among the modes
+  await field.press("Enter");
+  await page.getByText(/06090030h/).waitFor();
+  await field.fill("1");
+  await field.press("Enter");
+  await page.getByText("Written.").waitFor();
+  await field.press("Escape");
+  assert.equal(await field.count(), 0);
+});
+
+test("values of the dictionary are refreshed while they are visible", async ({ open, origin, link }) => {
+  const page = await open("/device/gantry/objects?search=607A:00");
+  const row = page.locator("tr", { hasText: "607Ah:00" });
+  await row.locator("td.value", { hasText: /^-?\d+$/ }).waitFor();
+  const answer = await fetch(`${origin}/api/v1/devices/gantry/objects/607A/00`, {
+    method: "PUT",
+    headers: { Authorization: `Bearer ${new URL(link).hash.slice(7)}`, "Content-Type": "application/json" },
+    body: '{"value": 4711}',
+  });
+  assert.equal(answer.status, 200, await answer.text());
+  await row.locator("td.value", { hasText: "4711" }).waitFor();
+});
+
+test("without the right token a write asks for one", async ({ open }) => {
+  const page = await open("/device/gantry", "401");
+  await page.getByText("Inputs").waitFor();
+  await page.evaluate(() => sessionStorage.setItem("stator.token", "wrong"));
+  await page.getByRole("switch", { name: "left switch" }).first().focus();
+  await page.keyboard.press("Space");
+  const dialog = page.getByRole("dialog");
+  await dialog.waitFor();
+  await page.keyboard.press("Escape");
+  await dialog.waitFor({ state: "hidden" });
+});
+
+test("events are found by words and kinds", async ({ open }) => {
+  const page = await open("/events");
+  await page.getByRole("searchbox").fill("pre-operational spindle");
+  await page
+    .getByText(/NMT state of node/)
+    .first()
+    .waitFor();
+  await page.getByRole("searchbox").fill("no such words");
+  await page.getByText("No event fits the filter.").waitFor();
+});
+
+test("a fault is put and cleared", async ({ open }) => {
+  const page = await open("/faults");
+  await page.getByRole("region", { name: "Kinds of faults" }).getByRole("button").first().click();
+  await page.getByRole("button", { name: "Put it there" }).click();
+  await page
+    .getByRole("button", { name: /Clear fault/ })
+    .first()
+    .waitFor();
+  await page.getByRole("button", { name: "Clear all" }).click();
+  await page.getByText("No fault is armed or active.").waitFor();
+});
+
+test("traffic can be stopped and looked into", async ({ open, rack }) => {
+  const page = await open("/traffic");
+  const master = rack.move(2);
+  try {
+    await page.locator("button.plain").first().waitFor();
+    await page.getByRole("button", { name: "Pause" }).click();
+    await page.locator("button.plain").first().click();
+    await page.locator("pre.dump").waitFor();
+  } finally {
+    await master.stop();
+  }
+});
+
+test("colours are chosen and kept", async ({ open }) => {
+  const page = await open("/rack");
+  await page.emulateMedia({ colorScheme: "light" });
+  const ground = () => page.evaluate(() => getComputedStyle(document.documentElement).backgroundColor);
+  const light = await ground();
+  await page.getByLabel("Colours").selectOption("dark");
+  const dark = await ground();
+  assert.notEqual(light, dark);
+  await page.reload();
+  await heading(page, "Rack");
+  assert.equal(await ground(), dark);
+  await page.getByLabel("Colours").selectOption("system");
+});

@@ -1,0 +1,52 @@
+// A rack that is away for a moment, and is another run or another rack when it comes back.
+import assert from "node:assert/strict";
+
+import { heading, test } from "./fixtures.mjs";
+
+/// What a browser says of a rack that is not there for a moment.
+const kRackGone = [
+  "ERR_CONNECTION_REFUSED",
+  "ERR_CONNECTION_RESET",
+  "ERR_EMPTY_RESPONSE",
+  "WebSocket connection",
+  "Failed to load resource",
+];
+
+test("a snapshot brings the rack back, and the page stays", async ({ open, origin }) => {
+  const page = await open("/recording", ...kRackGone);
+  await page.getByLabel("Name").fill("before");
+  await page.getByRole("button", { name: "Keep the present state" }).click();
+  const row = page.getByRole("row", { name: "before" });
+  await row.waitFor();
+  const time = async () => (await (await fetch(`${origin}/api/v1/rack`)).json()).time_ns;
+  await page.waitForTimeout(2000);
+  const late = await time();
+  await page.getByLabel("Name").fill("of-the-run-before");
+  await row.getByRole("button", { name: "Go back to it" }).click();
+  await page.getByText("run-2.stator").waitFor();
+  assert.ok((await time()) < late, "simulated time has gone back");
+  // The page begins anew as soon as it notices that this is another run. It may also have
+  // noticed that the rack was away for a moment; nothing else is wrong.
+  const deadline = performance.now() + 30000;
+  while ((await page.getByLabel("Name").inputValue()) !== "") {
+    assert.ok(performance.now() < deadline, "the page does not notice that this is another run");
+    await page.waitForTimeout(50);
+  }
+  await page.getByText("The rack cannot be reached").waitFor({ state: "detached" });
+  assert.deepEqual(await page.locator(".notice.bad").allInnerTexts(), []);
+  // The page's token still is the rack's.
+  await page.getByLabel("Name").fill("after");
+  await page.getByRole("button", { name: "Keep the present state" }).click();
+  await page.getByRole("row", { name: "after" }).waitFor();
+});
+
+test("the page comes back when the rack does", async ({ open, rack }) => {
+  const page = await open("/rack", ...kRackGone);
+  await heading(page, "Rack");
+  await rack.stop();
+  await page.getByText("The rack cannot be reached").waitFor();
+  await rack.start();
+  await page.getByText("The rack cannot be reached").waitFor({ state: "detached" });
+  await page.getByText("running", { exact: true }).waitFor();
+  await page.locator("a.card", { hasText: "feeder" }).waitFor();
+});

@@ -1,0 +1,242 @@
+// The oscilloscope, as a person uses it.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { readFile } from "node:fs/promises";
+import { join } from "node:path";
+
+import { out, test } from "./fixtures.mjs";
+import { runs } from "./rack.mjs";
+import { channel, kAxis, load, row, rowsAtLeast, setupOf, statistics } from "./scope.mjs";
+
+const state = (page, text) => page.locator(".scope-state", { hasText: text }).waitFor({ timeout: 15_000 });
+
+/// What the table says of a channel, by the titles of its columns. One channel is measured after the
+/// other, so what it says counts once it says it twice.
+async function measured(page, name) {
+  const kPause = 800;
+  const titles = await page.locator(".scope-channels thead th").allTextContents();
+  let before;
+  for (let i = 0; i < 20; ++i) {
+    await page.waitForTimeout(kPause);
+    const cells = await row(page, name).locator("th, td").allTextContents();
+    const now = cells.join();
+    if (now === before) {
+      return Object.fromEntries(titles.map((title, i) => [title, Number(cells[i])]));
+    }
+    before = now;
+  }
+  throw new Error(`what is measured of ${name} does not settle: ${before}`);
+}
+
+/// The channels with which losing steps is seen; 51200 microsteps and 200 full steps are one turn.
+const kStallChannels = [
+  channel(`${kAxis}.load_torque`, "Nm"),
+  channel(`${kAxis}.load_angle`, "deg"),
+  channel(`${kAxis}.position_demand`, "microstep", null, { visible: false }),
+  channel(`${kAxis}.shaft_position`, "rev", null, { visible: false }),
+  channel("demand", "full step", `${kAxis}.position_demand / 256`),
+  channel("shaft", "full step", `${kAxis}.shaft_position * 200`),
+  channel("lost", "steps", "demand - shaft"),
+  channel("fours", "steps", "4 * round(lost / 4)"),
+];
+const stallSetup = setupOf({
+  span: 5e9,
+  channels: kStallChannels,
+  trigger: { mode: "auto", source: { kind: "state", channel: "fours", mask: null, value: null }, before: 0.3, holdOff: 0 },
+});
+
+async function saved(page, name) {
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name, exact: true }).click()]);
+  return readFile(await download.path());
+}
+
+/// How often an angle in degrees went from one end of its range to the other, forward less backward.
+function turns(angles) {
+  const kJump = 240;
+  return angles.slice(1).reduce((sum, angle, i) => sum + (angles[i] - angle > kJump ? 1 : angle - angles[i] > kJump ? -1 : 0), 0);
+}
+
+/// A test with a master that turns the axis, for machines that do not give processes their turn in time:
+/// one that fails is tried again if the master gave up or a drive's watchdog found its frames missing
+/// meanwhile, and tells so.
+async function whileTurning(page, rack, test) {
+  const kAttempts = 4;
+  const after = async (number) => (await (await fetch(`${rack.origin}/api/v1/events?after=${number}`)).json()).events;
+  for (let attempt = 1; ; ++attempt) {
+    const last = (await after(0)).at(-1)?.number ?? 0;
+    const master = spawn(
+      rack.stator,
+      ["move", "--link", `udp:127.0.0.1:${rack.udp}`, "--timeout", "1s", "--revolutions", "120", "--velocity", "51200"],
+      {
+        stdio: ["ignore", "ignore", "pipe"],
+      },
+    );
+    let said = "";
+    master.stderr.on("data", (text) => (said += text));
+    master.on("error", (error) => (said += `${rack.stator} does not start: ${error.message}`));
+    const ended = new Promise((done) => master.once("close", done));
+    try {
+      return await test();
+    } catch (error) {
+      const late = (await after(last)).some(({ rule }) => rule === "al-watchdog");
+      const disturbance = said !== "" ? said.trim() : late ? "the master did not get its turn within 100 ms" : "";
+      if (disturbance === "" || attempt === kAttempts) {
+        throw disturbance === "" ? error : new Error(disturbance, { cause: error });
+      }
+      console.log(`        ${disturbance}; once more`);
+    } finally {
+      if (runs(master)) {
+        master.kill("SIGTERM");
+      }
+      await ended;
+    }
+    await page.reload();
+  }
+}
+
+test("scope: ten signals at 20 kHz come complete, or what is lost is counted", async ({ open, origin }) => {
+  const page = await open("/scope");
+  const { signals } = await (await fetch(`${origin}/api/v1/signals?names=${kAxis}.*`)).json();
+  await load(page, setupOf({ channels: signals.slice(0, 10).map(({ name, unit }) => channel(name, unit)) }));
+  const found = await rowsAtLeast(page, 40_000);
+  console.log(`        ${found.received} rows of ${found.expected}, ${found.dropped} dropped, ${found.fps} frames/s`);
+  assert.ok(found.received >= 40_000);
+  assert.equal(found.expected - found.received, found.dropped);
+});
+
+test("scope: an event triggers at its exact time", async ({ open, origin, link }) => {
+  const page = await open("/scope");
+  const token = /token=(\w+)/.exec(link)[1];
+  const put = (value) =>
+    fetch(`${origin}/api/v1/inputs/${kAxis}.load_torque`, {
+      method: "PUT",
+      headers: { "Content-Type": "application/json", Authorization: `Bearer ${token}` },
+      body: JSON.stringify({ value }),
+    });
+  // Whatever was tried before; of that event the page is to have heard before it waits for one.
+  await put(0);
+  await page.waitForTimeout(1000);
+  await load(
+    page,
+    setupOf({
+      span: 20e6,
+      channels: [channel(`${kAxis}.load_torque`, "Nm")],
+      trigger: {
+        mode: "single",
+        source: { kind: "event", severity: "information", device: "", rule: "input-set" },
+        before: 0.5,
+        holdOff: 0,
+      },
+    }),
+  );
+  await rowsAtLeast(page, 2000);
+  await state(page, "waiting for trigger");
+  assert.equal((await put(0.05)).status, 200);
+  await state(page, "stopped");
+  const { events } = await (await fetch(`${origin}/api/v1/events`)).json();
+  const event = events.findLast(({ rule }) => rule === "input-set");
+  await page.getByText(`the last at ${(event.time_ns / 1e9).toFixed(9)} s`).waitFor();
+  const torque = await measured(page, `${kAxis}.load_torque`);
+  assert.deepEqual([torque.Minimum, torque.Maximum], [0, 0.05]);
+  await put(0);
+});
+
+test("scope: a load that is too heavy costs steps in fours", async ({ open, rack }) => {
+  const page = await open("/scope");
+  await whileTurning(page, rack, async () => {
+    await page.setViewportSize({ width: 1600, height: 1000 });
+    await load(page, stallSetup);
+    await rowsAtLeast(page, 40_000);
+    await page.getByRole("combobox", { name: "Input", exact: true }).selectOption(`${kAxis}.load_torque`);
+    await page.getByLabel("Shown", { exact: true }).selectOption(String(20e6));
+    await page.getByLabel("Trigger mode").selectOption("single");
+    await state(page, "waiting for trigger");
+    const slider = page.locator(".scope-inputs input[type=range]");
+    await slider.focus();
+    // The arrow keys move it; each lets a few periods of the rotor's swinging pass.
+    for (let load = 0; load > -0.9 && (await page.locator(".scope-state").textContent()) !== "stopped"; load -= 0.02) {
+      await slider.fill(String(Number(load.toFixed(2))));
+      await page.waitForTimeout(120);
+    }
+    await state(page, "stopped");
+    await slider.fill("0");
+    await page.waitForTimeout(400);
+    await page.screenshot({ path: join(out, "stall.png") });
+    const angle = await measured(page, `${kAxis}.load_angle`);
+    assert.ok(angle.Minimum < -150 && angle.Maximum > 150, `the load angle goes round, not from ${angle.Minimum} to ${angle.Maximum}`);
+    // Each time it goes round, four full steps are lost: exactly one electrical period.
+    await page.getByLabel("SI units").uncheck();
+    const lines = (await saved(page, "CSV"))
+      .toString()
+      .trimEnd()
+      .split("\r\n")
+      .map((line) => line.split(","));
+    const column = (name) => lines.slice(1).map((line) => Number(line[lines[0].findIndex((title) => title.startsWith(name))]));
+    const fours = column("fours");
+    const rounds = turns(column(`${kAxis}.load_angle`));
+    console.log(`        ${fours.at(-1) - fours[0]} full steps in ${rounds} rounds of the load angle, in ${lines.length - 1} samples`);
+    assert.ok(rounds >= 3);
+    assert.equal(fours.at(-1) - fours[0], 4 * rounds);
+    const jumps = new Set(fours.slice(1).map((value, i) => value - fours[i]));
+    assert.deepEqual([...jumps].sort(), [0, 4]);
+    // Without the load the rotor is caught again, some electrical periods behind.
+    await page.getByLabel("Shown", { exact: true }).selectOption(String(1e9));
+    await page.getByLabel("Trigger on").selectOption("none");
+    await page.getByRole("button", { name: "Run", exact: true }).click();
+    await rowsAtLeast(page, (await statistics(page)).received + 40_000);
+    await page.getByRole("button", { name: "Stop", exact: true }).click();
+    await page.waitForTimeout(600);
+    const after = await measured(page, "lost");
+    const periods = after.Mean / 4;
+    console.log(`        ${after.Mean} full steps lost: ${periods} electrical periods`);
+    assert.ok(periods > 0.9 && Math.abs(periods - Math.round(periods)) < 0.1, `${after.Mean} steps are no multiple of four`);
+    await page.screenshot({ path: join(out, "stall-caught.png") });
+  });
+});
+
+test("scope: keys alone run, stop, zoom and move cursors", async ({ open }) => {
+  const page = await open("/scope");
+  await load(page, setupOf({ channels: [channel(`${kAxis}.position_demand`, "microstep")] }));
+  await rowsAtLeast(page, 40_000);
+  await page.getByLabel("Time cursors A and B").check();
+  const picture = page.getByRole("application", { name: "Signals over time" });
+  await picture.focus();
+  await page.keyboard.press("Space");
+  await state(page, "stopped");
+  const a = page.getByLabel("A", { exact: true });
+  const before = Number(await a.inputValue());
+  await page.keyboard.press("a");
+  await page.keyboard.press("ArrowRight");
+  await page.waitForTimeout(300);
+  assert.ok(Number(await a.inputValue()) > before);
+  const rows = async () => (await page.getByText(/B − A =/).textContent()) ?? "";
+  assert.match(await rows(), /B − A = \d+(\.\d+)? ms, 1\/\|B − A\| = \d/);
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("+");
+  await page.keyboard.press("ArrowLeft");
+  await page.waitForTimeout(300);
+  assert.equal(await page.getByRole("button", { name: "Follow" }).getAttribute("aria-pressed"), "false");
+  await page.keyboard.press("Space");
+  await page.keyboard.press("Home");
+  await state(page, "running");
+});
+
+test("scope: what is recorded is written as CSV, PNG and setup", async ({ open }) => {
+  const page = await open("/scope");
+  const channels = [channel(`${kAxis}.load_angle`, "deg"), channel("twice", "deg", `2 * ${kAxis}.load_angle`)];
+  await load(page, setupOf({ channels }));
+  await rowsAtLeast(page, 4000);
+  await page.getByRole("button", { name: "Stop", exact: true }).click();
+  await page.getByLabel("Rows to export").selectOption("all");
+  const lines = (await saved(page, "CSV")).toString().trimEnd().split("\r\n");
+  assert.equal(lines[0], `time [s],${kAxis}.load_angle [rad],twice [rad]`);
+  assert.ok(lines.length > 4000);
+  const times = lines.slice(1).map((line) => BigInt(line.split(",")[0].replace(".", "")));
+  times.slice(1).forEach((time, i) => assert.equal(time - times[i], 50_000n));
+  assert.equal((await saved(page, "PNG")).subarray(1, 4).toString(), "PNG");
+  assert.deepEqual(JSON.parse((await saved(page, "Save setup")).toString()).channels, channels);
+  await page
+    .getByLabel("Setup file")
+    .setInputFiles({ name: "x.json", mimeType: "application/json", buffer: Buffer.from('{"form":"other"}') });
+  await page.getByText('form must be one of stator-scope, not "other"').waitFor();
+});
