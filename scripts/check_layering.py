@@ -41,10 +41,10 @@ FORBIDDEN_HEADERS = re.compile(
 _LIBM = "sin|cos|tan|sincos|asin|acos|atan|atan2|sinh|cosh|tanh|exp|exp2|expm1|log|log2|log10|log1p|pow|cbrt|hypot|fma"
 
 FORBIDDEN_NAMES = (
-    (re.compile(r"\bstd::(?:%s)[fl]?\s*\(" % _LIBM),
+    (re.compile(rf"\bstd::(?:{_LIBM})[fl]?\s*\("),
      "calls a libm function whose last bits differ between machines",
      "use stator/base/trigonometry.hpp, or compute the constant outside the simulation"),
-    (re.compile(r"(?<![\w:.>])(?:%s)[fl]?\s*\(" % _LIBM),
+    (re.compile(rf"(?<![\w:.>])(?:{_LIBM})[fl]?\s*\("),
      "calls a libm function whose last bits differ between machines",
      "use stator/base/trigonometry.hpp, or compute the constant outside the simulation"),
     (re.compile(r"\bstd::(?:chrono|thread|jthread|mutex|this_thread|async|cout|cerr|clog)\b"

@@ -118,7 +118,7 @@ def run_tidy(source, build_dir, deadline):
         return source, None, ""
     command = ["clang-tidy", "--quiet", "--warnings-as-errors=*", "-p", str(build_dir), source]
     try:
-        done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        done = subprocess.run(command, cwd=ROOT, capture_output=True,
                               text=True, timeout=left, check=False)
     except subprocess.TimeoutExpired:
         return source, None, ""

@@ -34,7 +34,7 @@ def conformance(device):
     """The generated part of a device page, without the markers."""
     requirements = read_rows(ROOT / "tests/data" / device / "requirements.csv")
     status = {row["id"]: row for row in read_rows(ROOT / "docs/conformance" / f"{device}.csv")}
-    counts = {mark: 0 for mark in MARKS}
+    counts = dict.fromkeys(MARKS, 0)
     for row in status.values():
         counts[row["status"]] += 1
     lines = [
@@ -126,10 +126,9 @@ def main():
             sys.exit(f"docs/devices/{device}.md is missing, but docs/conformance/{device}.csv is "
                      f"there; write what the device is, and the marker lines\n{BEGIN}\n{END}")
         wanted = {page: device_page(device, page.read_text(encoding="utf-8"))}
-        if device in running:
-            if made := product_page(device, arguments.stator):
-                kind, table = made
-                wanted[page.with_name(f"{device}-{kind}.md")] = table
+        if device in running and (made := product_page(device, arguments.stator)):
+            kind, table = made
+            wanted[page.with_name(f"{device}-{kind}.md")] = table
         # Of a product that is a slave controller itself the registers have a page beside the objects.
         registers = page.with_name(f"{device}-registers.md")
         if device not in running or registers.exists():

@@ -149,8 +149,8 @@ function Shell() {
       <main class="main" id="main" ref={main} tabIndex={-1}>
         {store.connection === "lost" ? (
           <p class="notice bad lost" role="alert">
-            The rack cannot be reached. What is shown is old; the page goes on by itself when <code>stator run</code> is
-            back at {location.host}.
+            The rack cannot be reached. What is shown is old; the page goes on by itself when <code>stator run</code> is back at{" "}
+            {location.host}.
           </p>
         ) : null}
         {store.connection === "connecting" || (rack === null && store.connection === "lost") ? (

@@ -35,7 +35,11 @@ export function axesOf(device: string, signals: readonly Signal[], panel: readon
   const names = panel.length > 0 ? panel.map((axis) => axis.name) : [];
   for (const name of own) {
     const axis = axisOf(name, device);
-    if (axis !== "" && !names.includes(axis) && (known.has(`${device}.${axis}.shaft_position`) || known.has(`${device}.${axis}.position`))) {
+    if (
+      axis !== "" &&
+      !names.includes(axis) &&
+      (known.has(`${device}.${axis}.shaft_position`) || known.has(`${device}.${axis}.position`))
+    ) {
       names.push(axis);
     }
   }

@@ -113,7 +113,7 @@ export function useSignals(names: readonly string[], interval = 150): (name: str
 }
 
 /// The width of an element as it is laid out.
-export function useWidth<E extends HTMLElement>(): [(element: E | null) => void, number] {
+export function useWidth(): [(element: HTMLElement | null) => void, number] {
   const [width, setWidth] = useState(0);
   const observer = useMemo(
     () =>
@@ -126,7 +126,7 @@ export function useWidth<E extends HTMLElement>(): [(element: E | null) => void,
     [],
   );
   const attach = useCallback(
-    (element: E | null) => {
+    (element: HTMLElement | null) => {
       observer.disconnect();
       if (element) {
         observer.observe(element);

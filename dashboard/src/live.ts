@@ -58,7 +58,10 @@ export class SignalHub {
   /// In lockstep no samples come while the master rests; these values do.
   private async fetchNow(names: readonly string[]): Promise<void> {
     for (let i = 0; i < names.length; i += kNamesAtOnce) {
-      const list = names.slice(i, i + kNamesAtOnce).map(encodeURIComponent).join(",");
+      const list = names
+        .slice(i, i + kNamesAtOnce)
+        .map(encodeURIComponent)
+        .join(",");
       try {
         const { signals } = await this.api.get<Signals>(`/api/v1/signals?names=${list}`);
         for (const { name, unit, value } of signals) {

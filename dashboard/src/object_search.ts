@@ -24,7 +24,10 @@ export function isInteger(type: string): boolean {
 
 /// Numbers as engineers type them: 12, -5, 0x1F, 1Fh. Nothing: it is no integer.
 export function parseInteger(text: string): bigint | null {
-  const plain = text.trim().replace(/[\s_\u202f]/g, "").replace("−", "-");
+  const plain = text
+    .trim()
+    .replace(/[\s_\u202f]/g, "")
+    .replace("−", "-");
   const hex = /^(-?)(?:0x([0-9a-f]+)|([0-9a-f]+)h)$/i.exec(plain);
   if (hex) {
     const size = BigInt(`0x${hex[2] ?? hex[3]}`);

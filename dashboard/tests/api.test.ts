@@ -28,7 +28,11 @@ describe("the client", () => {
     api.token = "secret";
     await api.send("PUT", "/api/v1/inputs/x", { value: 1 });
     expect((calls[0]?.[1].headers as Record<string, string>)["Authorization"]).toBeUndefined();
-    expect(calls[1]?.[1]).toMatchObject({ method: "PUT", body: '{"value":1}', headers: { Authorization: "Bearer secret", "Content-Type": "application/json" } });
+    expect(calls[1]?.[1]).toMatchObject({
+      method: "PUT",
+      body: '{"value":1}',
+      headers: { Authorization: "Bearer secret", "Content-Type": "application/json" },
+    });
   });
   it("tells what the server refused and why", async () => {
     const { api } = fake(422, { title: "Unprocessable Content", detail: "out of range", abort_code: "0x06090030" });

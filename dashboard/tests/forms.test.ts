@@ -70,7 +70,12 @@ describe("the form of a fault", () => {
     expect(values).toEqual({ direction: "in", code: "0x0001", probability: "1", delay: "" });
     const keys = filledIn(kind.parameters, { ...values, code: "1Bh", probability: "0.5", delay: "20ms" });
     expect(keys).toEqual({ code: 27, probability: 0.5, delay: "20ms" });
-    expect(faultRequest(kind, { device: "servo", port: 0 }, keys, {})).toEqual({ kind: "ethercat-drop", device: "servo", port: 0, ...keys });
+    expect(faultRequest(kind, { device: "servo", port: 0 }, keys, {})).toEqual({
+      kind: "ethercat-drop",
+      device: "servo",
+      port: 0,
+      ...keys,
+    });
     expect(faultRequest(kind, {}, {}, { cycles: 1000 })).toEqual({ kind: "ethercat-drop", when: { cycles: 1000 } });
   });
   it("says what is missing, no number or out of range", () => {
@@ -100,7 +105,14 @@ describe("the form of a fault", () => {
 });
 
 describe("events", () => {
-  const event = (number: number, device: string, severity: Event["severity"], text: string): Event => ({ number, time_ns: 0, device, rule: "r", severity, text });
+  const event = (number: number, device: string, severity: Event["severity"], text: string): Event => ({
+    number,
+    time_ns: 0,
+    device,
+    rule: "r",
+    severity,
+    text,
+  });
   const all = [event(1, "a", "fault", "watchdog expired"), event(2, "b", "information", "state Init")];
   it("are found by all words, device and kind", () => {
     const find = (wanted: Partial<{ text: string; device: string; severity: string }>) =>

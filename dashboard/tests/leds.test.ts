@@ -16,8 +16,7 @@ function film(pattern: string, milliseconds: number): string {
 describe("an indicator", () => {
   it("flickers at 10 Hz", () => expect(film("flickering", 400)).toBe("#.#.#.#."));
   it("blinks at 2.5 Hz", () => expect(film("blinking", 800)).toBe("####....####...."));
-  it("flashes once, then is dark for a second", () =>
-    expect(film("single flash", 1200)).toBe("####" + ".".repeat(20)));
+  it("flashes once, then is dark for a second", () => expect(film("single flash", 1200)).toBe("####" + ".".repeat(20)));
   it("flashes twice", () => expect(film("double flash", 1600)).toBe("####....####" + ".".repeat(20)));
   it("flashes three times", () => expect(film("triple flash", 2000)).toBe("####....####....####" + ".".repeat(20)));
   it("counts further flashes", () => {

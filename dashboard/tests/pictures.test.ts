@@ -40,7 +40,10 @@ describe("the picture of a segment", () => {
       expect(card.x + card.width).toBeLessThanOrEqual(1030);
       for (const other of cards.filter((each) => each !== card)) {
         const apart =
-          card.x + card.width <= other.x || other.x + other.width <= card.x || card.y + card.height <= other.y || other.y + other.height <= card.y;
+          card.x + card.width <= other.x ||
+          other.x + other.width <= card.x ||
+          card.y + card.height <= other.y ||
+          other.y + other.height <= card.y;
         expect(apart).toBe(true);
       }
     }
@@ -77,7 +80,17 @@ describe("the picture of a bus", () => {
 const machine: StateMachine = {
   name: "cia402",
   title: "",
-  states: ["Not ready to switch on", "Switch on disabled", "Ready to switch on", "Switched on", "Operation enabled", "Quick stop active", "Fault reaction active", "Fault", "Something new"],
+  states: [
+    "Not ready to switch on",
+    "Switch on disabled",
+    "Ready to switch on",
+    "Switched on",
+    "Operation enabled",
+    "Quick stop active",
+    "Fault reaction active",
+    "Fault",
+    "Something new",
+  ],
   transitions: [
     { from: "Switched on", to: "Operation enabled", number: "4", event: "" },
     { from: "Operation enabled", to: "Switched on", number: "5", event: "" },
@@ -106,12 +119,20 @@ describe("the picture of a state machine", () => {
     expect(layout.arrows.map(({ label }) => label)).toEqual(["4", "5", "8", "9", "10"]);
   });
   it("draws once what leads from many states to one", () => {
-    const many = ["Switched on", "Operation enabled", "Quick stop active"].map((from) => ({ from, to: "Fault reaction active", number: "13", event: "fault" }));
+    const many = ["Switched on", "Operation enabled", "Quick stop active"].map((from) => ({
+      from,
+      to: "Fault reaction active",
+      number: "13",
+      event: "fault",
+    }));
     const drawn = layOut({ ...machine, transitions: many }).arrows;
     expect(drawn.map(({ label, from }) => [label, from.length])).toEqual([["13", 3]]);
   });
   it("joins transitions with the same ends", () => {
-    const twice = { ...machine, transitions: [...machine.transitions, { from: "Switched on", to: "Operation enabled", number: "4b", event: "" }] };
+    const twice = {
+      ...machine,
+      transitions: [...machine.transitions, { from: "Switched on", to: "Operation enabled", number: "4b", event: "" }],
+    };
     expect(layOut(twice).arrows[0]?.label).toBe("4, 4b");
   });
 });

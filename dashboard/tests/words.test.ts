@@ -26,8 +26,16 @@ describe("bits", () => {
     expect(bit(12, 99)?.name).toBe("mode specific 12");
   });
   it("are sixteen, set or not", () => {
-    expect(statuswordBits(0x4237, 1).filter(({ set }) => set).map(({ number }) => number)).toEqual([0, 1, 2, 4, 5, 9, 14]);
-    expect(errorRegisterBits(0x21).filter(({ set }) => set).map(({ name }) => name)).toEqual(["generic error", "device profile"]);
+    expect(
+      statuswordBits(0x4237, 1)
+        .filter(({ set }) => set)
+        .map(({ number }) => number),
+    ).toEqual([0, 1, 2, 4, 5, 9, 14]);
+    expect(
+      errorRegisterBits(0x21)
+        .filter(({ set }) => set)
+        .map(({ name }) => name),
+    ).toEqual(["generic error", "device profile"]);
   });
 });
 

@@ -53,7 +53,7 @@ def first_other_value(old, new):
                 continue
             if before is None or now is None:
                 return f"  one ends in row {number}, the other goes on"
-            values = zip(before.rstrip().split(","), now.rstrip().split(","))
+            values = zip(before.rstrip().split(","), now.rstrip().split(","), strict=False)
             at = next((at for at, pair in enumerate(values) if pair[0] != pair[1]), 0)
             name = names[at] if at < len(names) else "column"
             return f"  row {number} ({before.split(',')[0]} s), {name}: {before.split(',')[at:at + 1]}, now " \

@@ -6,6 +6,8 @@
 #   end_checks                    what those that failed said, a table by time, and the exit status
 #
 # After select_checks, `rest` holds the arguments that it did not know.
+#
+# shellcheck shell=bash
 
 checks_passed=()
 checks_failed=()

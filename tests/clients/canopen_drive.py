@@ -15,8 +15,7 @@ import sys
 import unittest
 
 from racks import DRIVE_NODE as NODE, drive_rack
-from running_rack import (PATIENCE, RunningRack, enter_python_of_clients, free_port, preload_bus,
-                          unavailable, wait_until)
+from running_rack import PATIENCE, RunningRack, enter_python_of_clients, free_port, preload_bus, unavailable, wait_until
 
 enter_python_of_clients()
 

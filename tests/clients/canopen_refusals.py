@@ -18,7 +18,7 @@ from running_rack import RunningRack, enter_python_of_clients, free_port, unavai
 enter_python_of_clients()
 
 try:
-    import can
+    import can  # noqa: F401  canopen needs it
     import canopen
 except ImportError as error:
     unavailable(str(error), "scripts/setup clients installs it")

@@ -18,8 +18,16 @@ import unittest
 import xml.etree.ElementTree as ElementTree
 
 from racks import IO_BOARD, SEGMENT_NAMES, segment_rack
-from running_rack import (PATIENCE, RunningRack, enter_python_of_clients, have_own_network,
-                          have_priority, plug_cable, unavailable, wait_until)
+from running_rack import (
+    PATIENCE,
+    RunningRack,
+    enter_python_of_clients,
+    have_own_network,
+    have_priority,
+    plug_cable,
+    unavailable,
+    wait_until,
+)
 
 enter_python_of_clients()
 
@@ -96,7 +104,7 @@ class Segment(unittest.TestCase):
         for slave in self.master.slaves:
             slave.is_lost = False
         for slave, function in zip(self.master.slaves,
-                                   (self.set_up_gantry, self.set_up_servo, self.set_up)):
+                                   (self.set_up_gantry, self.set_up_servo, self.set_up), strict=True):
             slave.config_func = function
         self.master.config_map()
         self.master.config_dc()

@@ -15,8 +15,16 @@ import sys
 import tempfile
 import unittest
 
-from running_rack import (PATIENCE, RunningRack, enter_python_of_clients, free_port, preload_bus,
-                          server_environment, unavailable, wait_until)
+from running_rack import (
+    PATIENCE,
+    RunningRack,
+    enter_python_of_clients,
+    free_port,
+    preload_bus,
+    server_environment,
+    unavailable,
+    wait_until,
+)
 
 enter_python_of_clients()
 
@@ -25,7 +33,7 @@ try:
     import serial
     from pytrinamic.connections import ConnectionManager
     from pytrinamic.modules import TMCLModule
-    from pytrinamic.tmcl import (GetInfoRequestError, TMCLCommand, TMCLReplyStatusError, TMCLStatus)
+    from pytrinamic.tmcl import GetInfoRequestError, TMCLCommand, TMCLReplyStatusError, TMCLStatus
 except ImportError as error:
     unavailable(str(error), "scripts/setup clients installs it")
 
@@ -138,10 +146,13 @@ class Modules(unittest.TestCase):
                 self.host(host, FIRST)
                 self.other_stands(host)
                 self.host(host, SECOND)
-            with connect(interface, port, SHORT) as host, rack.fault("power-off", "module1"):
-                with self.assertRaisesRegex(*silence):
-                    while True:  # what was on its way is still heard
-                        host.get_axis_parameter(POSITION, 0, FIRST)
+            with (
+                connect(interface, port, SHORT) as host,
+                rack.fault("power-off", "module1"),
+                self.assertRaisesRegex(*silence),
+            ):
+                while True:  # what was on its way is still heard
+                    host.get_axis_parameter(POSITION, 0, FIRST)
             with connect(interface, port) as host:
                 self.assertEqual(host.get_axis_parameter(POSITION, 0, FIRST), 0, "it was switched off")
                 self.assertEqual(host.get_axis_parameter(POSITION, 0, SECOND, signed=True), -50_000)

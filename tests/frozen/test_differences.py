@@ -20,6 +20,7 @@ ROOT = HERE.parent.parent
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "tests" / "rigs"), str(HERE)]
 
 import frozen  # noqa: E402
+
 from comparison import recordings, refusals, texts  # noqa: E402
 from comparison.outcome import Outcome, Report, difference, run  # noqa: E402
 

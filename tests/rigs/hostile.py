@@ -30,8 +30,17 @@ import traceback
 
 import damage
 from ethercat_host import Refused
-from kept_devices import (BUS, SERIAL_MODULE, TMCC160, Firmware, SerialTmcm142, Sii, Tmc8670Parameters,
-                          Tmcc160Parameters, segment)
+from kept_devices import (
+    BUS,
+    SERIAL_MODULE,
+    TMCC160,
+    Firmware,
+    SerialTmcm142,
+    Sii,
+    Tmc8670Parameters,
+    Tmcc160Parameters,
+    segment,
+)
 from kept_model import KeptModel
 from rack_process import Gone, RackProcess, Silent, own_address
 

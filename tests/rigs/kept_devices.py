@@ -10,8 +10,24 @@ import time
 from can_host import CanHost, SdoClient
 from ethercat_host import BOOT, OP, PREOP, SAFEOP, Refused, Slave
 from rack_process import PATIENCE, Silent
-from tmcl_host import (GAP, GCO, GGP, LOADED, QUIT_DOWNLOAD, RSAP, RSGP, SAP, SCO, SGP, START_DOWNLOAD, STAP, STGP,
-                       CanModule, Module, SerialHost)
+from tmcl_host import (
+    GAP,
+    GCO,
+    GGP,
+    LOADED,
+    QUIT_DOWNLOAD,
+    RSAP,
+    RSGP,
+    SAP,
+    SCO,
+    SGP,
+    STAP,
+    START_DOWNLOAD,
+    STGP,
+    CanModule,
+    Module,
+    SerialHost,
+)
 
 ETHERCAT_PORT, CAN_PORT, SERIAL_PORT = 34980, 29537, 29142
 SAVE, LOAD = 0x65766173, 0x64616F6C

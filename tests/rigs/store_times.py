@@ -22,10 +22,21 @@ import time
 
 from can_host import CanHost, SdoClient
 from ethercat_host import BOOT, LRW, OP, PREOP, SAFEOP, SYNC_MANAGER, Refused, Slave
-from kept_devices import (BOARD, BUS, CAN_PORT, ETHERCAT_PORT, PINS, SAVE, SERIAL_MODULE, SERIAL_PORT, TMCC160,
-                          BoardEeprom, segment)
+from kept_devices import (
+    BOARD,
+    BUS,
+    CAN_PORT,
+    ETHERCAT_PORT,
+    PINS,
+    SAVE,
+    SERIAL_MODULE,
+    SERIAL_PORT,
+    TMCC160,
+    BoardEeprom,
+    segment,
+)
 from rack_process import PATIENCE, Gone, RackProcess, Silent, own_address
-from tmcl_host import GGP, LOADED, QUIT_DOWNLOAD, SAP, SCO, SGP, START_DOWNLOAD, STAP, STGP, Module, SerialHost
+from tmcl_host import GGP, LOADED, QUIT_DOWNLOAD, SAP, SCO, SGP, STAP, START_DOWNLOAD, STGP, Module, SerialHost
 
 FMMU, LOGICAL_HIGH = 0x0600, 1  # process data lie at logical address 10000h
 SYNC_MANAGERS, END_OF_CATEGORIES = 41, 0xFFFF

@@ -9,8 +9,9 @@ from pathlib import Path
 from loading import SCRIPTS, write_tree
 
 sys.path.insert(0, str(SCRIPTS / "mutants"))
-from places import find_places, rewrite  # noqa: E402
 from sample import draw  # noqa: E402
+
+from places import find_places, rewrite  # noqa: E402
 
 
 def changes_of(text):

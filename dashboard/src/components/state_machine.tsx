@@ -52,13 +52,7 @@ export function StateMachinePicture({ machine, state }: { machine: StateMachine;
         const bad = kBad.test(box.state.toLowerCase().replace(/[^a-z]/g, ""));
         return (
           <g key={box.state} class={`state${lit ? " lit" : ""}${bad ? " bad" : ""}`}>
-            <rect
-              x={box.x - kBoxWidth / 2}
-              y={box.y - kBoxHeight / 2}
-              width={kBoxWidth}
-              height={kBoxHeight}
-              rx="4"
-            />
+            <rect x={box.x - kBoxWidth / 2} y={box.y - kBoxHeight / 2} width={kBoxWidth} height={kBoxHeight} rx="4" />
             <text x={box.x} y={box.y + 4}>
               {box.state.charAt(0).toUpperCase() + box.state.slice(1)}
             </text>

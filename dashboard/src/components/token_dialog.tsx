@@ -25,17 +25,12 @@ export function TokenDialog({ open, onClose }: { open: boolean; onClose: () => v
       >
         <h2 id="token-title">Token of this rack</h2>
         <p class="soft">
-          Changes need the token that <code>stator run --http</code> printed, or that of the file named with{" "}
-          <code>--http-token</code>. It is forgotten when this tab is closed.
+          Changes need the token that <code>stator run --http</code> printed, or that of the file named with <code>--http-token</code>. It
+          is forgotten when this tab is closed.
         </p>
         <label class="field">
           <span>Token</span>
-          <input
-            type="password"
-            autocomplete="off"
-            value={text}
-            onInput={(event) => setText(event.currentTarget.value)}
-          />
+          <input type="password" autocomplete="off" value={text} onInput={(event) => setText(event.currentTarget.value)} />
         </label>
         <div class="toolbar">
           <span class="spacer" />

@@ -23,20 +23,44 @@ export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt:
         <thead>
           <tr>
             <th scope="col">Channel</th>
-            <th scope="col" class="number">Value</th>
-            <th scope="col" class="number">Minimum</th>
-            <th scope="col" class="number">Maximum</th>
-            <th scope="col" class="number">Peak-peak</th>
-            <th scope="col" class="number">Mean</th>
-            <th scope="col" class="number">RMS</th>
-            <th scope="col" class="number">Period</th>
-            <th scope="col" class="number">Frequency</th>
+            <th scope="col" class="number">
+              Value
+            </th>
+            <th scope="col" class="number">
+              Minimum
+            </th>
+            <th scope="col" class="number">
+              Maximum
+            </th>
+            <th scope="col" class="number">
+              Peak-peak
+            </th>
+            <th scope="col" class="number">
+              Mean
+            </th>
+            <th scope="col" class="number">
+              RMS
+            </th>
+            <th scope="col" class="number">
+              Period
+            </th>
+            <th scope="col" class="number">
+              Frequency
+            </th>
             {times === null ? null : (
               <>
-                <th scope="col" class="number">at A</th>
-                <th scope="col" class="number">at B</th>
-                <th scope="col" class="number">B − A</th>
-                <th scope="col" class="number">Slope</th>
+                <th scope="col" class="number">
+                  at A
+                </th>
+                <th scope="col" class="number">
+                  at B
+                </th>
+                <th scope="col" class="number">
+                  B − A
+                </th>
+                <th scope="col" class="number">
+                  Slope
+                </th>
               </>
             )}
             <th scope="col">Gain</th>
@@ -56,7 +80,11 @@ export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt:
               <tr key={channel.name} data-channel={channel.name}>
                 <th scope="row">
                   <label class="check" title={channel.expression ?? undefined}>
-                    <input type="checkbox" checked={channel.visible} onChange={(event) => attempt(() => scope.changeChannel(channel.name, { visible: event.currentTarget.checked }))} />
+                    <input
+                      type="checkbox"
+                      checked={channel.visible}
+                      onChange={(event) => attempt(() => scope.changeChannel(channel.name, { visible: event.currentTarget.checked }))}
+                    />
                     <span class="swatch" style={{ background: seriesColour(i) }} />
                     <span>{channel.name}</span>
                     <span class="soft unit">{channel.unit}</span>
@@ -79,10 +107,20 @@ export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt:
                   </>
                 )}
                 <td>
-                  <NumberField label={`Gain of ${channel.name}`} hideLabel value={channel.gain} onValue={(gain) => attempt(() => scope.changeChannel(channel.name, { gain: gain ?? 1 }))} />
+                  <NumberField
+                    label={`Gain of ${channel.name}`}
+                    hideLabel
+                    value={channel.gain}
+                    onValue={(gain) => attempt(() => scope.changeChannel(channel.name, { gain: gain ?? 1 }))}
+                  />
                 </td>
                 <td>
-                  <NumberField label={`Offset of ${channel.name}`} hideLabel value={channel.offset} onValue={(offset) => attempt(() => scope.changeChannel(channel.name, { offset: offset ?? 0 }))} />
+                  <NumberField
+                    label={`Offset of ${channel.name}`}
+                    hideLabel
+                    value={channel.offset}
+                    onValue={(offset) => attempt(() => scope.changeChannel(channel.name, { offset: offset ?? 0 }))}
+                  />
                 </td>
                 <td>
                   <select
@@ -95,7 +133,12 @@ export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt:
                   </select>
                 </td>
                 <td>
-                  <button type="button" aria-label={`Remove ${channel.name}`} title="Remove" onClick={() => attempt(() => scope.removeChannel(channel.name))}>
+                  <button
+                    type="button"
+                    aria-label={`Remove ${channel.name}`}
+                    title="Remove"
+                    onClick={() => attempt(() => scope.removeChannel(channel.name))}
+                  >
                     ×
                   </button>
                 </td>
@@ -129,7 +172,11 @@ export function AxisTable({ scope, attempt }: { scope: Oscilloscope; attempt: At
           <li key={key}>
             <span class="name">{name}</span>
             <label class="check">
-              <input type="checkbox" checked={range === null} onChange={(event) => attempt(() => scope.changeAxis(key, event.currentTarget.checked ? null : { from: -1, to: 1 }))} />
+              <input
+                type="checkbox"
+                checked={range === null}
+                onChange={(event) => attempt(() => scope.changeAxis(key, event.currentTarget.checked ? null : { from: -1, to: 1 }))}
+              />
               auto
             </label>
             {range === null ? null : (
@@ -200,7 +247,8 @@ export function ExpressionForm({ scope }: { scope: Oscilloscope }) {
       <details id="scope-expression-help" class="wide soft">
         <summary>How to write one</summary>
         <p>
-          Channels by name, numbers, + − * / and parentheses; names with other characters than letters, digits, _ and . in double quotes. Functions:
+          Channels by name, numbers, + − * / and parentheses; names with other characters than letters, digits, _ and . in double quotes.
+          Functions:
         </p>
         <ul>
           {Object.entries(kFunctions).map(([key, { summary }]) => (

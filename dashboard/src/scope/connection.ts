@@ -31,7 +31,8 @@ export class Connection {
     private readonly listener: ConnectionListener,
   ) {
     this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.take(data);
-    this.worker.onerror = (event) => listener.receiveProblem({ detail: `the page's worker does not run: ${event.message || "reload the page"}` });
+    this.worker.onerror = (event) =>
+      listener.receiveProblem({ detail: `the page's worker does not run: ${event.message || "reload the page"}` });
     this.forget = api.onToken(() => this.open());
     this.open();
   }

@@ -29,7 +29,13 @@ export function Controls({ scope, attempt }: { scope: Oscilloscope; attempt: (ac
   const lost = statistics.droppedByServer + statistics.droppedByPage;
   return (
     <div class="toolbar scope-controls" role="toolbar" aria-label="Acquisition">
-      <button type="button" class={scope.running ? "" : "primary"} aria-pressed={scope.running} onClick={() => (scope.running ? scope.stop() : scope.run())} title="Space">
+      <button
+        type="button"
+        class={scope.running ? "" : "primary"}
+        aria-pressed={scope.running}
+        onClick={() => (scope.running ? scope.stop() : scope.run())}
+        title="Space"
+      >
         {scope.running ? "Stop" : "Run"}
       </button>
       <button type="button" onClick={() => attempt(() => scope.single())} title="Record one trigger, then stop (S)">
@@ -57,7 +63,11 @@ export function Controls({ scope, attempt }: { scope: Oscilloscope; attempt: (ac
       </span>
       <label>
         Sampling{" "}
-        <select aria-label="Sampling" value={setup.period} onChange={(event) => attempt(() => scope.change({ period: Number(event.currentTarget.value) }))}>
+        <select
+          aria-label="Sampling"
+          value={setup.period}
+          onChange={(event) => attempt(() => scope.change({ period: Number(event.currentTarget.value) }))}
+        >
           {withPresent(kPeriods, setup.period).map((period) => (
             <option key={period} value={period}>
               {timeText(period * 1e-9)}
@@ -67,7 +77,11 @@ export function Controls({ scope, attempt }: { scope: Oscilloscope; attempt: (ac
       </label>
       <label>
         Shown{" "}
-        <select aria-label="Shown" value={setup.span} onChange={(event) => attempt(() => scope.change({ span: Number(event.currentTarget.value) }))}>
+        <select
+          aria-label="Shown"
+          value={setup.span}
+          onChange={(event) => attempt(() => scope.change({ span: Number(event.currentTarget.value) }))}
+        >
           {withPresent(kSpans, setup.span).map((span) => (
             <option key={span} value={span}>
               {timeText(span * 1e-9)}
@@ -77,18 +91,33 @@ export function Controls({ scope, attempt }: { scope: Oscilloscope; attempt: (ac
       </label>
       <label title={`${numberText(record.ring.capacity)} rows, ${numberText(record.ring.bytes / 2 ** 20, 3)} MiB`}>
         Memory{" "}
-        <select aria-label="Memory" value={setup.memory} onChange={(event) => attempt(() => scope.change({ memory: Number(event.currentTarget.value) }))}>
-          {withPresent(kMemories.map((each) => each * 2 ** 20), setup.memory).map((bytes) => (
+        <select
+          aria-label="Memory"
+          value={setup.memory}
+          onChange={(event) => attempt(() => scope.change({ memory: Number(event.currentTarget.value) }))}
+        >
+          {withPresent(
+            kMemories.map((each) => each * 2 ** 20),
+            setup.memory,
+          ).map((bytes) => (
             <option key={bytes} value={bytes}>
               {bytes / 2 ** 20} MiB{bytes === setup.memory ? ` = ${timeText(record.depth * 1e-9, 3)}` : ""}
             </option>
           ))}
         </select>
       </label>
-      <button type="button" aria-pressed={setup.layout === "lanes"} onClick={() => attempt(() => scope.change({ layout: setup.layout === "lanes" ? "overlay" : "lanes" }))}>
+      <button
+        type="button"
+        aria-pressed={setup.layout === "lanes"}
+        onClick={() => attempt(() => scope.change({ layout: setup.layout === "lanes" ? "overlay" : "lanes" }))}
+      >
         One lane per unit
       </button>
-      <button type="button" aria-pressed={setup.spectrum.shown} onClick={() => attempt(() => scope.change({ spectrum: { ...setup.spectrum, shown: !setup.spectrum.shown } }))}>
+      <button
+        type="button"
+        aria-pressed={setup.spectrum.shown}
+        onClick={() => attempt(() => scope.change({ spectrum: { ...setup.spectrum, shown: !setup.spectrum.shown } }))}
+      >
         FFT
       </button>
       <span class="spacer" />
@@ -101,7 +130,8 @@ export function Controls({ scope, attempt }: { scope: Oscilloscope; attempt: (ac
         data-fps={statistics.fps}
         data-slowest={statistics.slowest.toFixed(1)}
       >
-        {record.received} rows, {record.missing} lost{lost > 0 ? ` (${statistics.droppedByServer} server, ${statistics.droppedByPage} page)` : ""}, {statistics.fps} fps
+        {record.received} rows, {record.missing} lost
+        {lost > 0 ? ` (${statistics.droppedByServer} server, ${statistics.droppedByPage} page)` : ""}, {statistics.fps} fps
       </output>
     </div>
   );

@@ -21,13 +21,27 @@ export function CursorPanel({ scope, picture }: { scope: Oscilloscope; picture: 
   return (
     <div class="scope-form">
       <label class="check wide">
-        <input type="checkbox" checked={times !== null} onChange={(event) => scope.setCursors({ times: event.currentTarget.checked ? placeTimes() : null })} />
+        <input
+          type="checkbox"
+          checked={times !== null}
+          onChange={(event) => scope.setCursors({ times: event.currentTarget.checked ? placeTimes() : null })}
+        />
         Time cursors A and B
       </label>
       {times === null || reading === null ? null : (
         <>
-          <NumberField label="A" unit="s" value={times.a * 1e-9} onValue={(a) => scope.setCursors({ times: { ...times, a: (a ?? 0) * 1e9 } })} />
-          <NumberField label="B" unit="s" value={times.b * 1e-9} onValue={(b) => scope.setCursors({ times: { ...times, b: (b ?? 0) * 1e9 } })} />
+          <NumberField
+            label="A"
+            unit="s"
+            value={times.a * 1e-9}
+            onValue={(a) => scope.setCursors({ times: { ...times, a: (a ?? 0) * 1e9 } })}
+          />
+          <NumberField
+            label="B"
+            unit="s"
+            value={times.b * 1e-9}
+            onValue={(b) => scope.setCursors({ times: { ...times, b: (b ?? 0) * 1e9 } })}
+          />
           <p class="wide mono">
             B − A = {timeText(reading.difference)}, 1/|B − A| = {frequencyText(reading.frequency)}
           </p>

@@ -23,7 +23,9 @@ export function saveCsv(scope: Oscilloscope, range: CsvRange, si: boolean): void
       : range === "cursors" && times !== null
         ? { from: Math.min(times.a, times.b), to: Math.max(times.a, times.b) }
         : scope.shown();
-  const columns = scope.setup.channels.map(({ name, unit }, column) => ({ name, unit, column })).filter(({ column }) => scope.setup.channels[column]!.visible);
+  const columns = scope.setup.channels
+    .map(({ name, unit }, column) => ({ name, unit, column }))
+    .filter(({ column }) => scope.setup.channels[column]!.visible);
   const from = ring.lowerBound(bounds.from);
   const to = Math.max(from, ring.lowerBound(bounds.to + 1));
   save("scope.csv", new Blob([...csvOf(ring, columns, from, to, si)], { type: "text/csv" }));

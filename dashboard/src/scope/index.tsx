@@ -120,7 +120,12 @@ function ViewBar({ scope, picture, attempt }: { scope: Oscilloscope; picture: Pi
   };
   return (
     <header>
-      <button type="button" aria-pressed={scope.held === null} onClick={() => scope.follow()} title="Show what is being recorded (Home, double click)">
+      <button
+        type="button"
+        aria-pressed={scope.held === null}
+        onClick={() => scope.follow()}
+        title="Show what is being recorded (Home, double click)"
+      >
         Follow
       </button>
       <button type="button" aria-label="Zoom in" title="Zoom in (+, wheel)" onClick={() => scope.zoom(0.5, middle())}>
@@ -160,7 +165,11 @@ function ViewBar({ scope, picture, attempt }: { scope: Oscilloscope; picture: Pi
       <button type="button" onClick={() => saveCsv(scope, range, si)}>
         CSV
       </button>
-      <button type="button" disabled={picture === null} onClick={() => picture && savePng(scope, picture.canvas, picture.colours.series, picture.colours.text, picture.colours.surface)}>
+      <button
+        type="button"
+        disabled={picture === null}
+        onClick={() => picture && savePng(scope, picture.canvas, picture.colours.series, picture.colours.text, picture.colours.surface)}
+      >
         PNG
       </button>
       <button type="button" onClick={() => saveSetup(scope)}>
@@ -182,7 +191,10 @@ function ViewBar({ scope, picture, attempt }: { scope: Oscilloscope; picture: Pi
           if (chosen) {
             loadSetup(scope, chosen).then(
               () => attempt(() => undefined),
-              (error: Error) => attempt(() => { throw error; }),
+              (error: unknown) =>
+                attempt(() => {
+                  throw error;
+                }),
             );
           }
         }}

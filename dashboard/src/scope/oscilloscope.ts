@@ -137,7 +137,12 @@ export class Oscilloscope implements ConnectionListener {
   receiveEvents(events: readonly Event[]): void {
     this.events = [...this.events, ...events].slice(-kMostEvents);
     for (const event of events) {
-      if (this.running && event.time_ns >= this.armedAt && eventTriggers(this.setup.trigger.source, event) && this.acquisition.offer(event.time_ns)) {
+      if (
+        this.running &&
+        event.time_ns >= this.armedAt &&
+        eventTriggers(this.setup.trigger.source, event) &&
+        this.acquisition.offer(event.time_ns)
+      ) {
         this.acquisition.advance(this.record.ring.newest);
       }
     }
@@ -194,7 +199,8 @@ export class Oscilloscope implements ConnectionListener {
     this.acquisition = new Acquisition(trigger, span);
     this.detector = makeDetector(trigger.source);
     this.armedAt = this.record.ring.size > 0 ? this.record.ring.newest : -Infinity;
-    this.detectorColumn = "channel" in trigger.source ? channels.findIndex(({ name }) => name === (trigger.source as { channel: string }).channel) : -1;
+    this.detectorColumn =
+      "channel" in trigger.source ? channels.findIndex(({ name }) => name === (trigger.source as { channel: string }).channel) : -1;
   }
 
   private subscribe(): void {
@@ -221,8 +227,14 @@ export class Oscilloscope implements ConnectionListener {
     checkChannels(next.channels);
     this.setup = next;
     this.record.configure(next.channels, next.period, next.memory);
-    this.measurements = next.channels.map((channel) => this.measurements[before.channels.findIndex(({ name }) => name === channel.name)] ?? null);
-    const signals = (setup: Setup) => setup.channels.filter(({ expression }) => expression === null).map(({ name }) => name).join();
+    this.measurements = next.channels.map(
+      (channel) => this.measurements[before.channels.findIndex(({ name }) => name === channel.name)] ?? null,
+    );
+    const signals = (setup: Setup) =>
+      setup.channels
+        .filter(({ expression }) => expression === null)
+        .map(({ name }) => name)
+        .join();
     const place = "channel" in next.trigger.source ? next.trigger.source.channel : "";
     const column = (setup: Setup) => setup.channels.findIndex(({ name }) => name === place);
     if (next.trigger !== before.trigger || next.period !== before.period || column(next) !== column(before)) {

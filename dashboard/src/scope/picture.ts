@@ -218,7 +218,7 @@ export class Picture {
         line(context, x, box.top, x, box.bottom);
       }
       context.fillStyle = colours.soft;
-      context.fillText(`${tickText(at, time.step)}`, x, plot.bottom + 5);
+      context.fillText(tickText(at, time.step), x, plot.bottom + 5);
     }
     context.textAlign = "left";
     context.fillText("time / s", 4, plot.bottom + 5);
@@ -404,7 +404,10 @@ export class Picture {
       context.fillText(text, x, y + 0.5);
     };
     if (times !== null) {
-      for (const [name, time] of [["A", times.a], ["B", times.b]] as const) {
+      for (const [name, time] of [
+        ["A", times.a],
+        ["B", times.b],
+      ] as const) {
         const x = Math.round(this.xOf(time)) + 0.5;
         if (x >= plot.left && x <= plot.right) {
           dashed(context, [6, 3], () => line(context, x, plot.top, x, plot.bottom));
@@ -414,7 +417,10 @@ export class Picture {
     }
     const scale = this.scales.find(({ key }) => key === levels?.key);
     if (levels !== null && scale !== undefined) {
-      for (const [name, level] of [["C", levels.a], ["D", levels.b]] as const) {
+      for (const [name, level] of [
+        ["C", levels.a],
+        ["D", levels.b],
+      ] as const) {
         const y = Math.round(this.yOf(scale, level)) + 0.5;
         if (y >= scale.box.top && y <= scale.box.bottom) {
           dashed(context, [6, 3], () => line(context, scale.box.left, y, scale.box.right, y));

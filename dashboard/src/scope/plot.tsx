@@ -53,9 +53,9 @@ export function Plot({ scope, onPicture }: { scope: Oscilloscope; onPicture: (pi
       />
       <div ref={box} class="zoom-box" hidden />
       <p id="scope-keys" class="hidden-text">
-        Arrow keys and Page Up, Page Down move the picture, plus and minus zoom, Home follows the newest samples again, less-than and greater-than
-        change the shown time, space runs and stops, S records a single trigger, T forces one, A, B, C and D choose a cursor that the arrow keys then
-        move.
+        Arrow keys and Page Up, Page Down move the picture, plus and minus zoom, Home follows the newest samples again, less-than and
+        greater-than change the shown time, space runs and stops, S records a single trigger, T forces one, A, B, C and D choose a cursor
+        that the arrow keys then move.
       </p>
       <p class="hidden-text" aria-live="polite">
         {said}

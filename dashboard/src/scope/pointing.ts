@@ -52,7 +52,10 @@ export class Pointing {
   private cursorAt(x: number, y: number): CursorName | null {
     const { times, levels } = this.scope.cursors;
     if (times !== null && y < this.picture.plot.bottom) {
-      for (const [name, time] of [["A", times.a], ["B", times.b]] as const) {
+      for (const [name, time] of [
+        ["A", times.a],
+        ["B", times.b],
+      ] as const) {
         if (Math.abs(this.picture.xOf(time) - x) <= kNear) {
           return name;
         }
@@ -60,7 +63,10 @@ export class Pointing {
     }
     const scale = this.levelScale();
     if (levels !== null && scale !== null && x >= scale.box.left) {
-      for (const [name, level] of [["C", levels.a], ["D", levels.b]] as const) {
+      for (const [name, level] of [
+        ["C", levels.a],
+        ["D", levels.b],
+      ] as const) {
         if (Math.abs(this.picture.yOf(scale, level) - y) <= kNear) {
           return name;
         }
@@ -98,7 +104,8 @@ export class Pointing {
     const { drag, picture } = this;
     if (drag === null) {
       const cursor = this.cursorAt(x, y);
-      picture.canvas.style.cursor = cursor === null ? (x < picture.plot.left ? "ns-resize" : "grab") : cursor < "C" ? "ew-resize" : "ns-resize";
+      picture.canvas.style.cursor =
+        cursor === null ? (x < picture.plot.left ? "ns-resize" : "grab") : cursor < "C" ? "ew-resize" : "ns-resize";
       return;
     }
     switch (drag.kind) {

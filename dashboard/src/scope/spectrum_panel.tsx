@@ -10,7 +10,15 @@ import { type ChannelSpectrum, drawSpectra, spectraOf } from "./spectrum_picture
 const kEvery = 250; // ms
 
 /// Spectra of the visible channels, of what is shown or lies between the time cursors.
-export function SpectrumPanel({ scope, picture, attempt }: { scope: Oscilloscope; picture: Picture; attempt: (action: () => void) => void }) {
+export function SpectrumPanel({
+  scope,
+  picture,
+  attempt,
+}: {
+  scope: Oscilloscope;
+  picture: Picture;
+  attempt: (action: () => void) => void;
+}) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [spectra, setSpectra] = useState<ChannelSpectrum[]>([]);
   const { spectrum, channels, period } = scope.setup;
@@ -63,14 +71,19 @@ export function SpectrumPanel({ scope, picture, attempt }: { scope: Oscilloscope
           without mean
         </label>
         <span class="spacer" />
-        <span class="soft">{first === undefined ? "too few samples" : `${2 * (first.spectrum.amplitude.length - 1)} points, ${frequencyText(first.spectrum.resolution, 4)} apart`}</span>
+        <span class="soft">
+          {first === undefined
+            ? "too few samples"
+            : `${2 * (first.spectrum.amplitude.length - 1)} points, ${frequencyText(first.spectrum.resolution, 4)} apart`}
+        </span>
       </header>
       <canvas ref={canvas} role="img" aria-label="Amplitude over frequency; the highest lines are listed below" />
       <ul class="peaks">
         {spectra.map(({ channel, peak, peakFrequency }) => (
           <li key={channel}>
             <span class="swatch" style={{ background: seriesColour(channel) }} />
-            {channels[channel]?.name}: {numberText(peak, 5)} {channels[channel]?.unit} ({numberText(decibels(peak), 4)} dB) at {frequencyText(peakFrequency, 5)}
+            {channels[channel]?.name}: {numberText(peak, 5)} {channels[channel]?.unit} ({numberText(decibels(peak), 4)} dB) at{" "}
+            {frequencyText(peakFrequency, 5)}
           </li>
         ))}
       </ul>

@@ -61,7 +61,13 @@ export function spectraOf(scope: Oscilloscope): ChannelSpectrum[] {
 
 let range: Range | null = null;
 
-export function drawSpectra(canvas: HTMLCanvasElement, colours: Colours, spectra: readonly ChannelSpectrum[], inDecibels: boolean, highest: number): void {
+export function drawSpectra(
+  canvas: HTMLCanvasElement,
+  colours: Colours,
+  spectra: readonly ChannelSpectrum[],
+  inDecibels: boolean,
+  highest: number,
+): void {
   const context = canvas.getContext("2d")!;
   const ratio = window.devicePixelRatio || 1;
   const width = canvas.clientWidth;

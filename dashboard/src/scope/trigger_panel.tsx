@@ -44,7 +44,12 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
         <select
           value={source.kind}
           onChange={(event) =>
-            change({ source: sourceOf(event.currentTarget.value as TriggerSource["kind"], "channel" in source ? source.channel : (channels[0]?.name ?? "")) })
+            change({
+              source: sourceOf(
+                event.currentTarget.value as TriggerSource["kind"],
+                "channel" in source ? source.channel : (channels[0]?.name ?? ""),
+              ),
+            })
           }
         >
           <option value="none">nothing</option>
@@ -58,28 +63,52 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
           {channelField(source.channel, (channel) => change({ source: { ...source, channel } }))}
           <label class="field">
             <span>Edge</span>
-            <select value={source.edge} onChange={(event) => change({ source: { ...source, edge: event.currentTarget.value as "rising" | "falling" | "either" } })}>
+            <select
+              value={source.edge}
+              onChange={(event) => change({ source: { ...source, edge: event.currentTarget.value as "rising" | "falling" | "either" } })}
+            >
               <option value="rising">rising</option>
               <option value="falling">falling</option>
               <option value="either">either</option>
             </select>
           </label>
           <NumberField label="Level" value={source.level} onValue={(level) => change({ source: { ...source, level: level ?? 0 } })} />
-          <NumberField label="Hysteresis" minimum={0} value={source.hysteresis} onValue={(hysteresis) => change({ source: { ...source, hysteresis: hysteresis ?? 0 } })} />
+          <NumberField
+            label="Hysteresis"
+            minimum={0}
+            value={source.hysteresis}
+            onValue={(hysteresis) => change({ source: { ...source, hysteresis: hysteresis ?? 0 } })}
+          />
         </>
       ) : null}
       {source.kind === "state" ? (
         <>
           {channelField(source.channel, (channel) => change({ source: { ...source, channel } }))}
-          <NumberField label="Bits that count (mask)" optional placeholder="all" minimum={0} value={source.mask} onValue={(mask) => change({ source: { ...source, mask } })} />
-          <NumberField label="Into state" optional placeholder="any" value={source.value} onValue={(value) => change({ source: { ...source, value } })} />
+          <NumberField
+            label="Bits that count (mask)"
+            optional
+            placeholder="all"
+            minimum={0}
+            value={source.mask}
+            onValue={(mask) => change({ source: { ...source, mask } })}
+          />
+          <NumberField
+            label="Into state"
+            optional
+            placeholder="any"
+            value={source.value}
+            onValue={(value) => change({ source: { ...source, value } })}
+          />
         </>
       ) : null}
       {source.kind === "event" ? (
         <>
           <label class="field">
             <span>At least</span>
-            <select value={source.severity} onChange={(event) => change({ source: { ...source, severity: event.currentTarget.value as Event["severity"] } })}>
+            <select
+              value={source.severity}
+              onChange={(event) => change({ source: { ...source, severity: event.currentTarget.value as Event["severity"] } })}
+            >
               {kSeverities.map((each) => (
                 <option key={each} value={each}>
                   {each}
@@ -100,7 +129,11 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
           </label>
           <label class="field">
             <span>Rule</span>
-            <input value={source.rule} placeholder="any" onChange={(event) => change({ source: { ...source, rule: event.currentTarget.value.trim() } })} />
+            <input
+              value={source.rule}
+              placeholder="any"
+              onChange={(event) => change({ source: { ...source, rule: event.currentTarget.value.trim() } })}
+            />
           </label>
         </>
       ) : null}
@@ -108,9 +141,21 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
         <>
           <label class="field">
             <span>Shown before the trigger: {Math.round(trigger.before * 100)} %</span>
-            <input type="range" min="0" max="100" value={Math.round(trigger.before * 100)} onInput={(event) => change({ before: Number(event.currentTarget.value) / 100 })} />
+            <input
+              type="range"
+              min="0"
+              max="100"
+              value={Math.round(trigger.before * 100)}
+              onInput={(event) => change({ before: Number(event.currentTarget.value) / 100 })}
+            />
           </label>
-          <NumberField label="Hold-off" unit="s" minimum={0} value={trigger.holdOff * 1e-9} onValue={(value) => change({ holdOff: (value ?? 0) * 1e9 })} />
+          <NumberField
+            label="Hold-off"
+            unit="s"
+            minimum={0}
+            value={trigger.holdOff * 1e-9}
+            onValue={(value) => change({ holdOff: (value ?? 0) * 1e9 })}
+          />
           <p class="soft wide">
             {scope.acquisition.count} triggers
             {scope.acquisition.frame === null ? "" : `, the last at ${seconds(scope.acquisition.frame.trigger)} s`}

@@ -47,11 +47,7 @@ export function DeviceView({ name, tab, query }: { name: string; tab: string; qu
       </div>
       <nav class="tabs" aria-label={`Views of ${device.name}`}>
         {tabs.map(([part, title]) => (
-          <a
-            key={part}
-            href={href("device", part === "" ? [name] : [name, part])}
-            aria-current={tab === part ? "page" : undefined}
-          >
+          <a key={part} href={href("device", part === "" ? [name] : [name, part])} aria-current={tab === part ? "page" : undefined}>
             {title}
           </a>
         ))}

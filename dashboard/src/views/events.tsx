@@ -17,10 +17,7 @@ export function severityClass(severity: string): string {
   return `badge ${kKinds[severity] ?? ""}`;
 }
 
-export function matchingEvents(
-  events: readonly Event[],
-  wanted: { text: string; device: string; severity: string },
-): Event[] {
+export function matchingEvents(events: readonly Event[], wanted: { text: string; device: string; severity: string }): Event[] {
   const words = wanted.text.toLowerCase().split(/\s+/).filter(Boolean);
   return events.filter(
     (event) =>
@@ -66,7 +63,10 @@ export function EventsView() {
   const [severity, setSeverity] = useState("");
   const [frozen, setFrozen] = useState<readonly Event[] | null>(null);
   const shown = useMemo(
-    () => matchingEvents(frozen ?? events, { text, device, severity }).slice(-kMostShown).reverse(),
+    () =>
+      matchingEvents(frozen ?? events, { text, device, severity })
+        .slice(-kMostShown)
+        .reverse(),
     [frozen, events, text, device, severity],
   );
   return (

@@ -2,16 +2,7 @@ import { useMemo, useState } from "preact/hooks";
 
 import type { Fault, FaultKind, FaultKinds, FaultParameter, Faults, Signals, Wiring } from "../api";
 import { segment } from "../api";
-import {
-  defaultsOf,
-  faultRequest,
-  fieldOf,
-  fieldProblem,
-  filledIn,
-  rangeText,
-  targetsOf,
-  type Values,
-} from "../fault_form";
+import { defaultsOf, faultRequest, fieldOf, fieldProblem, filledIn, rangeText, targetsOf, type Values } from "../fault_form";
 import { unitText } from "../format";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
 import { shaftsOf } from "../shafts";
@@ -74,7 +65,12 @@ export function FaultsView() {
   );
 }
 
-function Parameter({ parameter, value, group, change }: {
+function Parameter({
+  parameter,
+  value,
+  group,
+  change,
+}: {
   parameter: FaultParameter;
   value: string;
   group: string;
@@ -88,7 +84,8 @@ function Parameter({ parameter, value, group, change }: {
   return (
     <div class="field">
       <label htmlFor={id}>
-        {parameter.name.replace(/_/g, " ")} {parameter.unit && field !== "text" ? <span class="soft">in {unitText(parameter.unit)}</span> : null}
+        {parameter.name.replace(/_/g, " ")}{" "}
+        {parameter.unit && field !== "text" ? <span class="soft">in {unitText(parameter.unit)}</span> : null}
       </label>
       {choices.length > 0 ? (
         <select id={id} value={value} aria-describedby={`${id}-help`} onChange={(event) => change(event.currentTarget.value)}>

@@ -40,9 +40,7 @@ function useVisibleValues(device: string, entries: readonly Declaration[]) {
       const fresh = new Map<string, Entry["value"]>();
       for (let i = 0; i < objects.length && !ended && !document.hidden; i += kAtOnce) {
         const found = await Promise.allSettled(
-          objects
-            .slice(i, i + kAtOnce)
-            .map((index) => api.get<Object>(`/api/v1/devices/${segment(device)}/objects/${index}`)),
+          objects.slice(i, i + kAtOnce).map((index) => api.get<Object>(`/api/v1/devices/${segment(device)}/objects/${index}`)),
         );
         for (const each of found) {
           if (each.status === "fulfilled") {
@@ -212,7 +210,13 @@ export function Objects({ device, search }: { device: Device; search: string }) 
   );
 }
 
-function WriteForm({ device, entry, value, done, close }: {
+function WriteForm({
+  device,
+  entry,
+  value,
+  done,
+  close,
+}: {
   device: string;
   entry: Declaration;
   value: string;

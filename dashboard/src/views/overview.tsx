@@ -1,6 +1,18 @@
 import { useMemo, useRef, useState } from "preact/hooks";
 
-import type { Declaration, Device, Entry, Event, Inputs as InputList, Objects, Panel, PanelAxis, Signals, StateMachine, StateMachines } from "../api";
+import type {
+  Declaration,
+  Device,
+  Entry,
+  Event,
+  Inputs as InputList,
+  Objects,
+  Panel,
+  PanelAxis,
+  Signals,
+  StateMachine,
+  StateMachines,
+} from "../api";
 import { segment } from "../api";
 import { axesOf, axisIndex, axisNumber, type AxisSignals } from "../axes";
 import { Gauge, rangeFor } from "../components/gauge";
@@ -22,9 +34,7 @@ const kEventsShown = 8;
 export function Overview({ device, panel }: { device: Device; panel: Panel | null }) {
   const store = useStore();
   const signals = useResource<Signals>(`/api/v1/signals?names=${segment(device.name)}.*`);
-  const machines = useResource<StateMachines>(
-    store.offers("/api/v1/state-machines") ? "/api/v1/state-machines" : null,
-  );
+  const machines = useResource<StateMachines>(store.offers("/api/v1/state-machines") ? "/api/v1/state-machines" : null);
   const [chosen, setChosen] = useState(0);
   const axes = useMemo(
     () => axesOf(device.name, signals.data?.signals ?? [], panel?.axes ?? []),
@@ -52,10 +62,20 @@ export function Overview({ device, panel }: { device: Device; panel: Panel | nul
       </div>
       <div class="stack">
         {power && axisPanel?.state ? (
-          <MachinePanel machine={power} state={axisPanel.state} title={`${axisPanel.name}: ${power.title}`} refusal={axisPanel.last_refusal} />
+          <MachinePanel
+            machine={power}
+            state={axisPanel.state}
+            title={`${axisPanel.name}: ${power.title}`}
+            refusal={axisPanel.last_refusal}
+          />
         ) : null}
         {network && panel?.network ? (
-          <MachinePanel machine={network} state={panel.network.state} title={network.title} refusal={panel.last_refusal?.number === axisPanel?.last_refusal?.number ? null : panel.last_refusal} />
+          <MachinePanel
+            machine={network}
+            state={panel.network.state}
+            title={network.title}
+            refusal={panel.last_refusal?.number === axisPanel?.last_refusal?.number ? null : panel.last_refusal}
+          />
         ) : null}
         {panel?.program && store.offers("/api/v1/devices/{device}/program") ? <ProgramView device={device} /> : null}
         {power || network ? null : <DeviceEvents name={device.name} />}
@@ -180,7 +200,12 @@ function same(entry: Declaration, index: string): boolean {
   return entry.index.toUpperCase() === index && Number.parseInt(entry.subindex, 16) === 0;
 }
 
-function SeenRow({ path, row, device, modePath }: {
+function SeenRow({
+  path,
+  row,
+  device,
+  modePath,
+}: {
   path: string;
   row: { index: number; text: string; entry: Declaration; label: string };
   device: string;
@@ -198,7 +223,13 @@ function SeenRow({ path, row, device, modePath }: {
         </a>
         <div class="soft">{row.label}</div>
       </td>
-      <td>{number === null ? <span class="soft">{read.error?.message ?? "…"}</span> : <Seen index={row.index} value={number} unit={row.entry.unit} mode={Number(mode.data?.value ?? 0)} />}</td>
+      <td>
+        {number === null ? (
+          <span class="soft">{read.error?.message ?? "…"}</span>
+        ) : (
+          <Seen index={row.index} value={number} unit={row.entry.unit} mode={Number(mode.data?.value ?? 0)} />
+        )}
+      </td>
     </tr>
   );
 }
@@ -250,7 +281,10 @@ function Seen({ index, value, unit, mode }: { index: number; value: number; unit
 
 function DeviceEvents({ name }: { name: string }) {
   const { events } = useStore();
-  const own = events.filter((event) => event.device === name).slice(-kEventsShown).reverse();
+  const own = events
+    .filter((event) => event.device === name)
+    .slice(-kEventsShown)
+    .reverse();
   return (
     <section class="panel">
       <header>

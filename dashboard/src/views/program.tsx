@@ -26,12 +26,7 @@ export function ProgramView({ device }: { device: Device }) {
           {program.data.lines.map((each) => {
             const here = each.address === line;
             return (
-              <li
-                key={each.address}
-                ref={here ? current : null}
-                class={here ? "here" : ""}
-                aria-current={here ? "step" : undefined}
-              >
+              <li key={each.address} ref={here ? current : null} class={here ? "here" : ""} aria-current={here ? "step" : undefined}>
                 <span class="address">{each.address}</span>
                 <code>{each.text}</code>
               </li>

@@ -48,14 +48,11 @@ function wiringOf(devices: readonly Device[], kinds: ReadonlyMap<string, string>
 
 export function RackView() {
   const store = useStore();
-  const [attach, width] = useWidth<HTMLDivElement>();
+  const [attach, width] = useWidth();
   const wiring = useResource<Wiring>(store.offers("/api/v1/wiring") ? "/api/v1/wiring" : null, kWiringPeriod);
   const signals = useResource<Signals>("/api/v1/signals");
   const names = store.devices.map((device) => device.name).join("\n");
-  const shafts = useMemo(
-    () => shaftsOf(signals.data?.signals ?? [], names.split("\n")),
-    [signals.data, names],
-  );
+  const shafts = useMemo(() => shaftsOf(signals.data?.signals ?? [], names.split("\n")), [signals.data, names]);
   const kinds = new Map(store.rack?.networks.map((network) => [network.name, network.kind]));
   const shown = wiring.data ?? (store.offers("/api/v1/wiring") ? null : wiringOf(store.devices, kinds));
   const halves = width >= kTwoColumns;
@@ -117,12 +114,15 @@ function SegmentPanel({ segment, shafts, width }: Drawn & { segment: Segment }) 
             <g key={`${cable.from}>${cable.to}`} class={`cable ${cable.state}`}>
               <title>{cable.title}</title>
               <path d={cable.path} />
-              {cable.state === "broken" ? (
-                <path class="cut" d={`M${cable.x - 5} ${cable.y - 5}l10 10m0 -10l-10 10`} />
-              ) : null}
+              {cable.state === "broken" ? <path class="cut" d={`M${cable.x - 5} ${cable.y - 5}l10 10m0 -10l-10 10`} /> : null}
             </g>
           ))}
-          <Outside y={first?.y ?? 0} height={picture.cards.length > 0 ? (first?.height ?? 58) : 58} name="Master" lit={segment.carrier[0] ?? true} />
+          <Outside
+            y={first?.y ?? 0}
+            height={picture.cards.length > 0 ? (first?.height ?? 58) : 58}
+            name="Master"
+            lit={segment.carrier[0] ?? true}
+          />
           {picture.cards.map((card) => (
             <DeviceCard
               key={card.name}
@@ -281,7 +281,7 @@ function ShaftSpeed({ shaft, x, y }: { shaft: Shaft; x: number; y: number }) {
   const still = typeof value?.value !== "number" || Math.abs(value.value) < 0.005;
   return (
     <text class="small soft middle" x={x} y={y}>
-      {still || !value ? shaft.name : quantityText(value.value, value.unit, 3)}
+      {still ? shaft.name : quantityText(value.value, value.unit, 3)}
     </text>
   );
 }

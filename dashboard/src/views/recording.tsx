@@ -23,9 +23,7 @@ function Facts({ recording }: { recording: Recording }) {
           </tr>
         </tbody>
       </table>
-      {recording.complete ? null : (
-        <p class="notice bad">The recording has ended early: the disk could not keep up, or is full.</p>
-      )}
+      {recording.complete ? null : <p class="notice bad">The recording has ended early: the disk could not keep up, or is full.</p>}
     </>
   );
 }

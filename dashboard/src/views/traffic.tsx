@@ -165,7 +165,11 @@ export function TrafficView() {
               </table>
             ) : (
               <p class="empty">
-                {frames.length === 0 ? (paused ? "Paused." : "No frames so far. They come when a master talks.") : "No frame fits the filter."}
+                {frames.length === 0
+                  ? paused
+                    ? "Paused."
+                    : "No frames so far. They come when a master talks."
+                  : "No frame fits the filter."}
               </p>
             )}
           </div>

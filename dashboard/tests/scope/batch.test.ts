@@ -17,7 +17,16 @@ export function encode(times: readonly number[], columns: readonly (readonly num
 describe("decodeBatch", () => {
   it("reads what the server writes", () => {
     const times = [0, 50_000, 4_294_967_296, 8_999_999_999_999_999, -50_000];
-    const batch = decodeBatch(encode(times, [[1, 2, 3, 4, 5], [0.1, NaN, -Infinity, 1e300, 0]], 2 ** 33 + 5));
+    const batch = decodeBatch(
+      encode(
+        times,
+        [
+          [1, 2, 3, 4, 5],
+          [0.1, NaN, -Infinity, 1e300, 0],
+        ],
+        2 ** 33 + 5,
+      ),
+    );
     expect(batch.rows).toBe(5);
     expect(batch.dropped).toBe(2 ** 33 + 5);
     expect([...batch.times]).toEqual(times);

@@ -6,10 +6,14 @@ import { ringOf } from "./record_of";
 
 describe("CSV", () => {
   it("has exact times, names with units and every digit", () => {
-    const ring = ringOf([
-      [0.1, 1 / 3, NaN],
-      [1e21, -0.5, 7],
-    ], 50_000, 86_400_000_000_000);
+    const ring = ringOf(
+      [
+        [0.1, 1 / 3, NaN],
+        [1e21, -0.5, 7],
+      ],
+      50_000,
+      86_400_000_000_000,
+    );
     const columns = [
       { name: "a.current", unit: "mA", column: 0 },
       { name: 'odd "name", really', unit: "", column: 1 },
@@ -25,7 +29,18 @@ describe("CSV", () => {
     );
   });
   it("converts to SI when asked", () => {
-    const [text] = [...csvOf(ringOf([[90], [25]]), [{ name: "angle", unit: "deg", column: 0 }, { name: "heat", unit: "degC", column: 1 }], 0, 1, true)];
+    const [text] = [
+      ...csvOf(
+        ringOf([[90], [25]]),
+        [
+          { name: "angle", unit: "deg", column: 0 },
+          { name: "heat", unit: "degC", column: 1 },
+        ],
+        0,
+        1,
+        true,
+      ),
+    ];
     const [title, line] = text!.split("\r\n");
     expect(title).toBe("time [s],angle [rad],heat [K]");
     expect(Number(line!.split(",")[1])).toBeCloseTo(Math.PI / 2, 15);

@@ -13,7 +13,13 @@ function evaluate(text: string, columns: Readonly<Record<string, readonly number
   for (let start = 0, i = 0; start < rows; ++i) {
     const end = Math.min(rows, start + pieces[i % pieces.length]!);
     const times = Float64Array.from({ length: end - start }, (_, k) => (start + k) * kPeriod);
-    values.push(...channel.push(times, names.map((name) => Float64Array.from(columns[name]!.slice(start, end))), end - start));
+    values.push(
+      ...channel.push(
+        times,
+        names.map((name) => Float64Array.from(columns[name]!.slice(start, end))),
+        end - start,
+      ),
+    );
     start = end;
   }
   return values;

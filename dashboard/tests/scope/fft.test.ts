@@ -5,7 +5,9 @@ import { decibels, kWindows, spectrumOf, transform, type WindowName, windowOf } 
 const kRate = 20_000;
 
 function tones(length: number, parts: readonly (readonly [frequency: number, amplitude: number])[], offset = 0): Float64Array {
-  return Float64Array.from({ length }, (_, i) => parts.reduce((sum, [frequency, amplitude]) => sum + amplitude * Math.cos((2 * Math.PI * frequency * i) / kRate), offset));
+  return Float64Array.from({ length }, (_, i) =>
+    parts.reduce((sum, [frequency, amplitude]) => sum + amplitude * Math.cos((2 * Math.PI * frequency * i) / kRate), offset),
+  );
 }
 
 describe("transform", () => {
@@ -62,7 +64,15 @@ describe("spectrumOf", () => {
     expect(Math.max(...amplitude)).toBeLessThan(1.001);
   });
   it("separates a small tone from a large one with low side lobes", () => {
-    const { amplitude } = spectrumOf(tones(4096, [[200.5 * line, 1], [260 * line, 1e-4]]), kRate, "blackman-harris", false);
+    const { amplitude } = spectrumOf(
+      tones(4096, [
+        [200.5 * line, 1],
+        [260 * line, 1e-4],
+      ]),
+      kRate,
+      "blackman-harris",
+      false,
+    );
     expect(decibels(amplitude[260]!)).toBeCloseTo(-80, 0);
     expect(decibels(amplitude[240]!)).toBeLessThan(-92);
   });

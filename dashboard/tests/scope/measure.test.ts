@@ -27,7 +27,10 @@ describe("measure", () => {
     expect(measure(ringOf([values]), 0, 0, 8000).frequency).toBeCloseTo(50, 1);
   });
   it("says nothing where there is nothing to say", () => {
-    const ring = ringOf([[1, 1, 1, 1], [NaN, NaN, NaN, NaN]]);
+    const ring = ringOf([
+      [1, 1, 1, 1],
+      [NaN, NaN, NaN, NaN],
+    ]);
     expect(measure(ring, 0, 0, 4).frequency).toBeNaN();
     expect(measure(ring, 0, 0, 4).rms).toBe(1);
     expect(measure(ring, 1, 0, 4)).toMatchObject({ samples: 0, mean: NaN, minimum: NaN });

@@ -4,7 +4,15 @@ import { ScopeRecord } from "../../src/scope/core/record";
 import type { ChannelSetup } from "../../src/scope/core/setup";
 
 const kPeriod = 50_000;
-const channel = (name: string, expression: string | null = null): ChannelSetup => ({ name, expression, unit: "", visible: true, gain: 1, offset: 0, own: false });
+const channel = (name: string, expression: string | null = null): ChannelSetup => ({
+  name,
+  expression,
+  unit: "",
+  visible: true,
+  gain: 1,
+  offset: 0,
+  own: false,
+});
 
 function batch(first: number, rows: number, columns: readonly ((row: number) => number)[]) {
   return {
@@ -69,7 +77,11 @@ describe("ScopeRecord", () => {
 
   it("is as deep as its memory allows", () => {
     const record = new ScopeRecord(64 * 2 ** 20, kPeriod);
-    record.configure(Array.from({ length: 10 }, (_, i) => channel(`c${i}`)), kPeriod, 64 * 2 ** 20);
+    record.configure(
+      Array.from({ length: 10 }, (_, i) => channel(`c${i}`)),
+      kPeriod,
+      64 * 2 ** 20,
+    );
     expect(record.ring.bytes).toBeLessThanOrEqual(64 * 2 ** 20);
     expect(record.depth).toBeGreaterThan(36e9);
   });

@@ -4,7 +4,11 @@ import { SampleRing } from "../../src/scope/core/ring";
 export function ringOf(columns: readonly (readonly number[])[], period = 50_000, start = 0, capacity?: number): SampleRing {
   const rows = columns[0]?.length ?? 0;
   const ring = new SampleRing(columns.length, capacity ?? Math.max(rows, 1));
-  ring.append(Float64Array.from({ length: rows }, (_, i) => start + i * period), columns.map((column) => Float64Array.from(column)), rows);
+  ring.append(
+    Float64Array.from({ length: rows }, (_, i) => start + i * period),
+    columns.map((column) => Float64Array.from(column)),
+    rows,
+  );
   return ring;
 }
 

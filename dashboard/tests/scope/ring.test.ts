@@ -86,7 +86,11 @@ describe("SampleRing", () => {
 
   it("brings extremes up to date when values are written over", () => {
     const ring = ringOf([Array.from({ length: 200 }, () => 0)]);
-    ring.overwrite(0, 60, Float64Array.from({ length: 20 }, (_, i) => i - 3));
+    ring.overwrite(
+      0,
+      60,
+      Float64Array.from({ length: 20 }, (_, i) => i - 3),
+    );
     const found = { low: 0, high: 0 };
     ring.extremes(0, 0, 192, found);
     expect(found).toEqual({ low: -3, high: 16 });

@@ -7,7 +7,13 @@ function triggers(source: TriggerSource, values: readonly number[]): number[] {
   return values.map((value, i) => detector.feed(i * 100, value)).filter((time) => !Number.isNaN(time));
 }
 
-const level = (edge: "rising" | "falling" | "either", hysteresis = 0): TriggerSource => ({ kind: "level", channel: "x", level: 1, hysteresis, edge });
+const level = (edge: "rising" | "falling" | "either", hysteresis = 0): TriggerSource => ({
+  kind: "level",
+  channel: "x",
+  level: 1,
+  hysteresis,
+  edge,
+});
 
 describe("a level trigger", () => {
   it("finds the edge it is set to, between the samples", () => {
@@ -63,7 +69,13 @@ describe("an event trigger", () => {
 });
 
 describe("Acquisition", () => {
-  const settings = (patch: Partial<TriggerSettings>): TriggerSettings => ({ mode: "normal", source: level("rising"), before: 0.25, holdOff: 0, ...patch });
+  const settings = (patch: Partial<TriggerSettings>): TriggerSettings => ({
+    mode: "normal",
+    source: level("rising"),
+    before: 0.25,
+    holdOff: 0,
+    ...patch,
+  });
 
   it("shows its share before the trigger, once all of the frame has come", () => {
     const acquisition = new Acquisition(settings({}), 1000);

@@ -66,8 +66,16 @@ describe("a setup", () => {
       { name: "a", expression: null, unit: "A", visible: true, gain: 2, offset: -1, own: true },
       { name: "b", expression: "abs(a)", unit: "A", visible: false, gain: 1, offset: 0, own: false },
     ],
-    axes: [{ key: "A", range: { from: -1, to: 1 } }, { key: "=a", range: null }],
-    trigger: { mode: "single", source: { kind: "level", channel: "a", level: 0.5, hysteresis: 0.1, edge: "falling" }, before: 0.5, holdOff: 1e6 },
+    axes: [
+      { key: "A", range: { from: -1, to: 1 } },
+      { key: "=a", range: null },
+    ],
+    trigger: {
+      mode: "single",
+      source: { kind: "level", channel: "a", level: 0.5, hysteresis: 0.1, edge: "falling" },
+      before: 0.5,
+      holdOff: 1e6,
+    },
   };
   it.each<Setup>([
     kDefaultSetup,

@@ -20,8 +20,16 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 
 from racks import SEGMENT_NAMES, drive_rack, segment_rack  # noqa: E402
-from running_rack import (PATIENCE, RunningRack, free_port, have_own_network, have_priority,  # noqa: E402
-                          plug_cable, unavailable, wait_until)
+from running_rack import (  # noqa: E402
+    PATIENCE,
+    RunningRack,
+    free_port,
+    have_own_network,
+    have_priority,
+    plug_cable,
+    unavailable,
+    wait_until,
+)
 
 OPTIONS = argparse.Namespace(stator=None)
 CACHE = HERE.parents[2] / ".cache" / "nightly"

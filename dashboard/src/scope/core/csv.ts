@@ -21,13 +21,7 @@ function quoted(text: string): string {
 
 /// Lines of the rows from <= row < to, some thousand in each piece. Numbers are the shortest that
 /// read back as the same double; no value is an empty field.
-export function* csvOf(
-  ring: SampleRing,
-  columns: readonly CsvColumn[],
-  from: number,
-  to: number,
-  si: boolean,
-): Generator<string> {
+export function* csvOf(ring: SampleRing, columns: readonly CsvColumn[], from: number, to: number, si: boolean): Generator<string> {
   const conversions = columns.map(({ unit }) => (si ? toSi(unit) : { unit, factor: 1, offset: 0 }));
   const title = columns.map(({ name }, i) => quoted(conversions[i]!.unit === "" ? name : `${name} [${conversions[i]!.unit}]`));
   let text = ["time [s]", ...title].join(",") + "\r\n";

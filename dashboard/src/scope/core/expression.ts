@@ -68,10 +68,7 @@ function tokensOf(text: string): Token[] {
     kTokens.lastIndex = position;
     const match = kTokens.exec(text);
     if (match === null) {
-      throw new ExpressionError(
-        text[start] === '"' ? 'a name in quotes has no closing "' : `"${text[start]}" means nothing here`,
-        start,
-      );
+      throw new ExpressionError(text[start] === '"' ? 'a name in quotes has no closing "' : `"${text[start]}" means nothing here`, start);
     }
     const [whole, number, name, quoted, sign] = match;
     const kind = number !== undefined ? "number" : name !== undefined ? "name" : quoted !== undefined ? "quoted" : "sign";
@@ -179,7 +176,10 @@ class Parser {
     }
     this.expect(")", `after the operands of ${name}`);
     if (operands.length !== description.operands) {
-      throw new ExpressionError(`${name} has ${description.operands} operand${description.operands === 1 ? "" : "s"}, not ${operands.length}`, token.position);
+      throw new ExpressionError(
+        `${name} has ${description.operands} operand${description.operands === 1 ? "" : "s"}, not ${operands.length}`,
+        token.position,
+      );
     }
     const last = operands[operands.length - 1]!;
     if (description.span && (last.kind !== "number" || !(last.value > 0))) {
@@ -229,7 +229,13 @@ export function unitOf(node: Node, unit: (channel: string) => string): string {
       const right = unitOf(node.right, unit);
       if (node.operator === "*" || node.operator === "/") {
         const constant = (side: Node) => side.kind === "number";
-        return constant(node.right) ? left : constant(node.left) && node.operator === "*" ? right : left === right && node.operator === "/" ? "" : [left || "1", right || "1"].join(node.operator);
+        return constant(node.right)
+          ? left
+          : constant(node.left) && node.operator === "*"
+            ? right
+            : left === right && node.operator === "/"
+              ? ""
+              : [left || "1", right || "1"].join(node.operator);
       }
       return left === right || right === "" ? left : left === "" ? right : "";
     }

@@ -77,12 +77,7 @@ export interface Spectrum {
 
 /// Of `samples` (a power of 2 of them) at `frequency` Hz. `removeMean`: without the constant part,
 /// whose leakage may cover low frequencies.
-export function spectrumOf(
-  samples: Float64Array,
-  frequency: number,
-  window: WindowName,
-  removeMean: boolean,
-): Spectrum {
+export function spectrumOf(samples: Float64Array, frequency: number, window: WindowName, removeMean: boolean): Spectrum {
   const length = samples.length;
   const weights = windowOf(window, length);
   let gain = 0;

@@ -62,5 +62,9 @@ export function frequencyText(hertz: number, digits = 6): string {
   if (!Number.isFinite(hertz)) {
     return "–";
   }
-  return hertz >= 1e6 ? `${numberText(hertz / 1e6, digits)} MHz` : hertz >= 1e3 ? `${numberText(hertz / 1e3, digits)} kHz` : `${numberText(hertz, digits)} Hz`;
+  return hertz >= 1e6
+    ? `${numberText(hertz / 1e6, digits)} MHz`
+    : hertz >= 1e3
+      ? `${numberText(hertz / 1e3, digits)} kHz`
+      : `${numberText(hertz, digits)} Hz`;
 }

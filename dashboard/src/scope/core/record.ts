@@ -66,7 +66,9 @@ export class ScopeRecord {
     }
     this.period = period;
     this.memory = memory;
-    this.ring = sameRow ? this.ring.rearranged(sources, this.rows(channels.length)) : new SampleRing(channels.length, this.rows(channels.length));
+    this.ring = sameRow
+      ? this.ring.rearranged(sources, this.rows(channels.length))
+      : new SampleRing(channels.length, this.rows(channels.length));
     if (!sameRow) {
       this.gaps = [];
     }

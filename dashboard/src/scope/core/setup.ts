@@ -75,7 +75,9 @@ class Reader {
   ) {}
 
   private fail(expected: string): never {
-    throw new SetupError(`${this.path || "the setup"} must be ${expected}, not ${JSON.stringify(this.value) ?? "missing"}`);
+    throw new SetupError(
+      `${this.path || "the setup"} must be ${expected}, not ${this.value === undefined ? "missing" : JSON.stringify(this.value)}`,
+    );
   }
   at(key: string): Reader {
     if (typeof this.value !== "object" || this.value === null || Array.isArray(this.value)) {
@@ -90,7 +92,7 @@ class Reader {
     if (typeof this.value !== "number" || !(this.value >= low && this.value <= high)) {
       this.fail(Number.isFinite(low) || Number.isFinite(high) ? `a number from ${low} to ${high}` : "a number");
     }
-    return this.value as number;
+    return this.value;
   }
   integer(low: number, high: number): number {
     const value = this.number(low, high);
@@ -153,7 +155,12 @@ function readTrigger(reader: Reader): TriggerSettings {
               value: source.at("value").orNull((each) => each.number(...kAny)),
             }
           : kind === "event"
-            ? { kind, severity: source.at("severity").oneOf(kSeverities), device: source.at("device").text(), rule: source.at("rule").text() }
+            ? {
+                kind,
+                severity: source.at("severity").oneOf(kSeverities),
+                device: source.at("device").text(),
+                rule: source.at("rule").text(),
+              }
             : { kind },
     before: reader.at("before").number(0, 1),
     holdOff: reader.at("holdOff").number(0, kHour),
