@@ -22,8 +22,7 @@ ROOT = Path(__file__).resolve().parent.parent
 ROOMS = ("base", "plant")
 CONTROL = "current_loop_*.cpp"
 LEVELS = {"-O1": ["-O1"], "-O3": ["-O3"], "-O3 x86-64-v3": ["-O3", "-march=x86-64-v3"]}
-VECTORS = {"_avx2": ["-mavx2"],
-           "_avx512": ["-mavx512f", "-mavx512dq", "-mavx512vl", "-mavx512bw"]}
+VECTORS = {"_avx2": ["-mavx2"], "_avx512": ["-mavx512f", "-mavx512dq", "-mavx512vl", "-mavx512bw"]}
 
 
 def flags_of(compiler):
@@ -34,8 +33,12 @@ def flags_of(compiler):
 
 
 def sources():
-    found = [path for room in ROOMS for path in sorted((ROOT / "src" / "stator" / room).rglob("*.cpp"))
-             if path.parent.name != "keys"]  # read configurations and compute nothing
+    found = [
+        path
+        for room in ROOMS
+        for path in sorted((ROOT / "src" / "stator" / room).rglob("*.cpp"))
+        if path.parent.name != "keys"
+    ]  # read configurations and compute nothing
     found += sorted((ROOT / "src" / "stator" / "control").rglob(CONTROL))
     return found + [ROOT / "tests" / "plant" / "bits_main.cpp"]
 
@@ -46,8 +49,7 @@ def compile_one(compiler, flags, source, folder):
     launcher = ["ccache"] if shutil.which("ccache") else []
     # Every clone shares the cache.
     environment = os.environ | {"CCACHE_BASEDIR": str(ROOT), "CCACHE_NOHASHDIR": "1"}
-    subprocess.run([*launcher, compiler, *flags, *vector, "-c", source, "-o", target], check=True,
-                   env=environment)
+    subprocess.run([*launcher, compiler, *flags, *vector, "-c", source, "-o", target], check=True, env=environment)
     return target
 
 
@@ -60,8 +62,7 @@ def run(compiler, level):
             objects = list(pool.map(lambda s: compile_one(compiler, flags, s, folder), sources()))
         program = folder / "bits"
         subprocess.run([compiler, *objects, "-o", program], check=True)
-        done = subprocess.run([program], check=True, stdout=subprocess.PIPE,
-                              stderr=subprocess.DEVNULL, text=True)
+        done = subprocess.run([program], check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     return done.stdout.splitlines()
 
 
@@ -83,15 +84,18 @@ def main():
             for subject, values in batches.items():
                 if len(values) > 1:
                     failed = True
-                    print(f"{compiler} {level}: {subject} depends on the instruction set: "
-                          f"{', '.join(sorted(values))}", file=sys.stderr)
+                    print(
+                        f"{compiler} {level}: {subject} depends on the instruction set: {', '.join(sorted(values))}",
+                        file=sys.stderr,
+                    )
     (first, expected), *others = results.items()
     for name, lines in others:
         for mine, theirs in zip(expected, lines, strict=True):
             if mine != theirs:
                 failed = True
-                print(f"{name} prints {theirs}, {first} {mine}: see Determinism in "
-                      "docs/architecture.md", file=sys.stderr)
+                print(
+                    f"{name} prints {theirs}, {first} {mine}: see Determinism in docs/architecture.md", file=sys.stderr
+                )
     print(f"same bits: {len(expected)} runs, {len(results)} builds" if not failed else "other bits")
     return 1 if failed else 0
 

@@ -98,10 +98,10 @@ def check_tree(root):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("root", nargs="?", type=Path,
-                        default=Path(__file__).resolve().parent.parent, help="the project's folder")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument(
+        "root", nargs="?", type=Path, default=Path(__file__).resolve().parent.parent, help="the project's folder"
+    )
     errors = list(check_tree(parser.parse_args().root))
     for error in errors:
         print(error, file=sys.stderr)

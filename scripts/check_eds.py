@@ -12,41 +12,104 @@ import pathlib
 import re
 import sys
 
-FILE_INFO = ["FileName", "FileVersion", "FileRevision", "EDSVersion", "Description", "CreationTime",
-             "CreationDate", "CreatedBy", "ModificationTime", "ModificationDate", "ModifiedBy"]
+FILE_INFO = [
+    "FileName",
+    "FileVersion",
+    "FileRevision",
+    "EDSVersion",
+    "Description",
+    "CreationTime",
+    "CreationDate",
+    "CreatedBy",
+    "ModificationTime",
+    "ModificationDate",
+    "ModifiedBy",
+]
 BIT_RATES = [f"BaudRate_{rate}" for rate in (10, 20, 50, 125, 250, 500, 800, 1000)]
-DEVICE_INFO = ["VendorName", "VendorNumber", "ProductName", "ProductNumber", "RevisionNumber",
-               "OrderCode", *BIT_RATES, "SimpleBootUpMaster", "SimpleBootUpSlave", "Granularity",
-               "DynamicChannelsSupported", "GroupMessaging", "NrOfRXPDO", "NrOfTXPDO",
-               "LSS_Supported"]
+DEVICE_INFO = [
+    "VendorName",
+    "VendorNumber",
+    "ProductName",
+    "ProductNumber",
+    "RevisionNumber",
+    "OrderCode",
+    *BIT_RATES,
+    "SimpleBootUpMaster",
+    "SimpleBootUpSlave",
+    "Granularity",
+    "DynamicChannelsSupported",
+    "GroupMessaging",
+    "NrOfRXPDO",
+    "NrOfTXPDO",
+    "LSS_Supported",
+]
 FLAGS = [*BIT_RATES, "SimpleBootUpMaster", "SimpleBootUpSlave", "GroupMessaging", "LSS_Supported"]
-LISTS = {"MandatoryObjects": lambda index: index in (0x1000, 0x1001, 0x1018),
-         "OptionalObjects": lambda index: index not in (0x1000, 0x1001, 0x1018)
-         and (0x1000 <= index <= 0x1FFF or 0x6000 <= index <= 0xFFFF),
-         "ManufacturerObjects": lambda index: 0x2000 <= index <= 0x5FFF}
-ENTRY_KEYS = ["ParameterName", "ObjectType", "DataType", "AccessType", "LowLimit", "HighLimit",
-              "DefaultValue", "PDOMapping", "ObjFlags", "Denotation"]
+LISTS = {
+    "MandatoryObjects": lambda index: index in (0x1000, 0x1001, 0x1018),
+    "OptionalObjects": lambda index: index not in (0x1000, 0x1001, 0x1018)
+    and (0x1000 <= index <= 0x1FFF or 0x6000 <= index <= 0xFFFF),
+    "ManufacturerObjects": lambda index: 0x2000 <= index <= 0x5FFF,
+}
+ENTRY_KEYS = [
+    "ParameterName",
+    "ObjectType",
+    "DataType",
+    "AccessType",
+    "LowLimit",
+    "HighLimit",
+    "DefaultValue",
+    "PDOMapping",
+    "ObjFlags",
+    "Denotation",
+]
 HEAD_KEYS = ["ParameterName", "ObjectType", "SubNumber", "ObjFlags", "Denotation"]
 DUMMIES = [f"Dummy{number:04d}" for number in range(1, 8)]
 
 # Data types by their index: name, bits, signed. None: no number.
-TYPES = {0x1: (1, False), 0x2: (8, True), 0x3: (16, True), 0x4: (32, True), 0x5: (8, False),
-         0x6: (16, False), 0x7: (32, False), 0x8: None, 0x9: None, 0xA: None, 0xB: None, 0xF: None,
-         0x11: None, 0x15: (64, True), 0x1B: (64, False)}
+TYPES = {
+    0x1: (1, False),
+    0x2: (8, True),
+    0x3: (16, True),
+    0x4: (32, True),
+    0x5: (8, False),
+    0x6: (16, False),
+    0x7: (32, False),
+    0x8: None,
+    0x9: None,
+    0xA: None,
+    0xB: None,
+    0xF: None,
+    0x11: None,
+    0x15: (64, True),
+    0x1B: (64, False),
+}
 VAR, ARRAY, RECORD = 7, 8, 9
 READABLE = ("ro", "const", "rw", "rwr", "rww")
 # What CiA 301 says of the communication objects: object type, data type, access of a variable.
-STANDARD = {0x1000: (VAR, 0x7, ("ro", "const")), 0x1001: (VAR, 0x5, ("ro",)),
-            0x1002: (VAR, 0x7, ("ro",)), 0x1005: (VAR, 0x7, ("rw", "ro", "const")),
-            0x1006: (VAR, 0x7, ("rw",)), 0x1007: (VAR, 0x7, ("rw",)),
-            0x1008: (VAR, 0x9, ("ro", "const")), 0x1009: (VAR, 0x9, ("ro", "const")),
-            0x100A: (VAR, 0x9, ("ro", "const")), 0x100C: (VAR, 0x6, ("rw", "ro", "const")),
-            0x100D: (VAR, 0x5, ("rw", "ro", "const")), 0x1014: (VAR, 0x7, ("rw", "ro", "const")),
-            0x1015: (VAR, 0x6, ("rw",)), 0x1017: (VAR, 0x6, ("rw", "ro", "const")),
-            0x1019: (VAR, 0x5, ("rw",)), 0x1021: (VAR, 0xF, ("ro", "const")),
-            0x1022: (VAR, 0x6, ("ro", "const")), 0x1010: (ARRAY, 0x7, None),
-            0x1011: (ARRAY, 0x7, None), 0x1016: (ARRAY, 0x7, None), 0x1029: (ARRAY, 0x5, None),
-            0x1018: (RECORD, None, None)}
+STANDARD = {
+    0x1000: (VAR, 0x7, ("ro", "const")),
+    0x1001: (VAR, 0x5, ("ro",)),
+    0x1002: (VAR, 0x7, ("ro",)),
+    0x1005: (VAR, 0x7, ("rw", "ro", "const")),
+    0x1006: (VAR, 0x7, ("rw",)),
+    0x1007: (VAR, 0x7, ("rw",)),
+    0x1008: (VAR, 0x9, ("ro", "const")),
+    0x1009: (VAR, 0x9, ("ro", "const")),
+    0x100A: (VAR, 0x9, ("ro", "const")),
+    0x100C: (VAR, 0x6, ("rw", "ro", "const")),
+    0x100D: (VAR, 0x5, ("rw", "ro", "const")),
+    0x1014: (VAR, 0x7, ("rw", "ro", "const")),
+    0x1015: (VAR, 0x6, ("rw",)),
+    0x1017: (VAR, 0x6, ("rw", "ro", "const")),
+    0x1019: (VAR, 0x5, ("rw",)),
+    0x1021: (VAR, 0xF, ("ro", "const")),
+    0x1022: (VAR, 0x6, ("ro", "const")),
+    0x1010: (ARRAY, 0x7, None),
+    0x1011: (ARRAY, 0x7, None),
+    0x1016: (ARRAY, 0x7, None),
+    0x1029: (ARRAY, 0x5, None),
+    0x1018: (RECORD, None, None),
+}
 
 
 class Eds:
@@ -134,8 +197,7 @@ def check_head(eds):
         if not re.fullmatch(r"(0[1-9]|1[0-2]):[0-5][0-9](AM|PM)", info.get(key, "")):
             eds.error("FileInfo", f"{key}={info.get(key)} is not hh:mmAM or hh:mmPM")
     for key in ("CreationDate", "ModificationDate"):
-        if not re.fullmatch(r"(0[1-9]|1[0-2])-(0[1-9]|[12][0-9]|3[01])-[0-9]{4}",
-                            info.get(key, "")):
+        if not re.fullmatch(r"(0[1-9]|1[0-2])-(0[1-9]|[12][0-9]|3[01])-[0-9]{4}", info.get(key, "")):
             eds.error("FileInfo", f"{key}={info.get(key)} is not mm-dd-yyyy")
     check_keys(eds, "DeviceInfo", DEVICE_INFO, DEVICE_INFO)
     for key in FLAGS:
@@ -145,8 +207,12 @@ def check_head(eds):
         eds.number("DeviceInfo", key)
     check_keys(eds, "DummyUsage", DUMMIES, DUMMIES)
     lines = eds.number("Comments", "Lines") or 0
-    check_keys(eds, "Comments", ["Lines", *(f"Line{n + 1}" for n in range(lines))],
-               ["Lines", *(f"Line{n + 1}" for n in range(lines))])
+    check_keys(
+        eds,
+        "Comments",
+        ["Lines", *(f"Line{n + 1}" for n in range(lines))],
+        ["Lines", *(f"Line{n + 1}" for n in range(lines))],
+    )
 
 
 def check_lists(eds):
@@ -193,8 +259,7 @@ def check_value(eds, section, key, kind):
     relative = re.fullmatch(r"\$NODEID\+(0x[0-9A-Fa-f]+|[0-9]+)", text)
     if relative is not None:
         if key != "DefaultValue" or kind != TYPES[0x7]:
-            eds.error(section, f"{key}={text}: only the default of an UNSIGNED32 may count from "
-                               "the node-ID")
+            eds.error(section, f"{key}={text}: only the default of an UNSIGNED32 may count from the node-ID")
         return int(relative[1], 0)
     value = eds.number(section, key)
     if value is not None and not in_type(kind, value):
@@ -205,8 +270,7 @@ def check_value(eds, section, key, kind):
 def check_entry(eds, section):
     """One entry; its (data type, access, mappable, default)."""
     content = eds.sections[section]
-    check_keys(eds, section, ENTRY_KEYS, ["ParameterName", "ObjectType", "DataType", "AccessType",
-                                          "PDOMapping"])
+    check_keys(eds, section, ENTRY_KEYS, ["ParameterName", "ObjectType", "DataType", "AccessType", "PDOMapping"])
     if not 1 <= len(content.get("ParameterName", "")) <= 241:
         eds.error(section, "ParameterName has not 1 to 241 characters")
     if eds.number(section, "ObjectType") not in (2, VAR):
@@ -229,8 +293,7 @@ def check_entry(eds, section):
     default = check_value(eds, section, "DefaultValue", kind)
     if low is not None and high is not None and low > high:
         eds.error(section, f"LowLimit {low} is above HighLimit {high}")
-    if default is not None and ((low is not None and default < low)
-                                or (high is not None and default > high)):
+    if default is not None and ((low is not None and default < low) or (high is not None and default > high)):
         eds.error(section, f"DefaultValue {default} is outside its limits {low}..{high}")
     if access == "wo" and "DefaultValue" in content:
         eds.warn(section, "has a default that nobody can read")
@@ -242,8 +305,9 @@ def check_object(eds, index):
     section = f"{index:04X}"
     content = eds.sections[section]
     object_type = eds.number(section, "ObjectType")
-    subsections = {int(match[1], 16): name for name in eds.sections
-                   if (match := re.fullmatch(f"{section}sub([0-9A-F]+)", name))}
+    subsections = {
+        int(match[1], 16): name for name in eds.sections if (match := re.fullmatch(f"{section}sub([0-9A-F]+)", name))
+    }
     if object_type in (2, VAR):
         if subsections:
             eds.error(section, "is a variable and has subindices")
@@ -253,8 +317,7 @@ def check_object(eds, index):
         if object_type not in (ARRAY, RECORD):
             eds.error(section, f"ObjectType={content.get('ObjectType')} is unknown")
         if eds.number(section, "SubNumber") != len(subsections):
-            eds.error(section, f"SubNumber={content.get('SubNumber')}, but {len(subsections)} "
-                               "subindices are described")
+            eds.error(section, f"SubNumber={content.get('SubNumber')}, but {len(subsections)} subindices are described")
         entries = {sub: check_entry(eds, name) for sub, name in sorted(subsections.items())}
         check_structure(eds, section, object_type, entries, subsections)
     check_standard(eds, index, object_type, entries)
@@ -293,13 +356,13 @@ def check_standard(eds, index, object_type, entries):
 
 def check_pdos(eds, objects):
     for first, mapping_first, key, directions in (
-            (0x1400, 0x1600, "NrOfRXPDO", ("rw", "rww", "wo")),
-            (0x1800, 0x1A00, "NrOfTXPDO", ("ro", "const", "rw", "rwr"))):
+        (0x1400, 0x1600, "NrOfRXPDO", ("rw", "rww", "wo")),
+        (0x1800, 0x1A00, "NrOfTXPDO", ("ro", "const", "rw", "rwr")),
+    ):
         communication = {i - first for i in objects if first <= i < first + 0x200}
         mappings = {i - mapping_first for i in objects if mapping_first <= i < mapping_first + 0x200}
         if communication != mappings:
-            eds.error("file", f"PDOs from {first:04X}h and mappings from {mapping_first:04X}h do "
-                              "not belong together")
+            eds.error("file", f"PDOs from {first:04X}h and mappings from {mapping_first:04X}h do not belong together")
         if eds.number("DeviceInfo", key) != len(communication):
             eds.error("DeviceInfo", f"{key} is not {len(communication)}")
         for number in sorted(communication & mappings):
@@ -354,15 +417,14 @@ def check(data):
     objects = {index: check_object(eds, index) for index in check_lists(eds)}
     names = [eds.sections[f"{index:04X}"].get("ParameterName") for index in objects]
     for name in sorted({name for name in names if names.count(name) > 1}):
-        eds.warn("file", f"two objects are called \"{name}\"; masters that go by names lose one")
+        eds.warn("file", f'two objects are called "{name}"; masters that go by names lose one')
     check_pdos(eds, objects)
     check_identity(eds, objects)
     return eds.errors, eds.warnings
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+", metavar="FILE", type=pathlib.Path)
     failed = False
     for path in parser.parse_args().files:

@@ -40,12 +40,17 @@ def main():
     for path in sys.argv[1:]:
         disassembly = subprocess.run(
             ["objdump", "--disassemble", "--no-show-raw-insn", "--demangle", path],
-            check=True, stdout=subprocess.PIPE, text=True).stdout
+            check=True,
+            stdout=subprocess.PIPE,
+            text=True,
+        ).stdout
         instructions += sum(1 for line in disassembly.splitlines() if INSTRUCTION.match(line))
         for member, function, instruction in find_fused(disassembly):
             count += 1
-            print(f"{path}({member}): {function}: {instruction}; compile with the flags of "
-                  "cmake/compiler.cmake", file=sys.stderr)
+            print(
+                f"{path}({member}): {function}: {instruction}; compile with the flags of cmake/compiler.cmake",
+                file=sys.stderr,
+            )
     if instructions == 0:
         print("no instruction found in these files; nothing was checked", file=sys.stderr)
         return 1

@@ -29,31 +29,42 @@ PREFIX = "stator"
 INTERNAL = "internal"
 LARGEST_FOLDER = 40
 
-TABLE_ROW = re.compile(
-    r"^\|\s*`(\w+)`(?::\s*([^|]*?))?\s*\|.*\|\s*([^|]*?)\s*\|\s*(yes|no)\s*\|\s*$")
+TABLE_ROW = re.compile(r"^\|\s*`(\w+)`(?::\s*([^|]*?))?\s*\|.*\|\s*([^|]*?)\s*\|\s*(yes|no)\s*\|\s*$")
 
 FORBIDDEN_HEADERS = re.compile(
     r"^(thread|chrono|mutex|shared_mutex|condition_variable|future|semaphore|latch|barrier|stop_token"
     r"|atomic|iostream|fstream|ostream|istream|filesystem|random|ctime|time\.h|cstdio|stdio\.h"
     r"|csignal|signal\.h|unistd\.h|fcntl\.h|pthread\.h|poll\.h|errno\.h|cerrno"
-    r"|(sys|net|netinet|linux|arpa)/.*)$")
+    r"|(sys|net|netinet|linux|arpa)/.*)$"
+)
 
 _LIBM = "sin|cos|tan|sincos|asin|acos|atan|atan2|sinh|cosh|tanh|exp|exp2|expm1|log|log2|log10|log1p|pow|cbrt|hypot|fma"
 
 FORBIDDEN_NAMES = (
-    (re.compile(rf"\bstd::(?:{_LIBM})[fl]?\s*\("),
-     "calls a libm function whose last bits differ between machines",
-     "use stator/base/trigonometry.hpp, or compute the constant outside the simulation"),
-    (re.compile(rf"(?<![\w:.>])(?:{_LIBM})[fl]?\s*\("),
-     "calls a libm function whose last bits differ between machines",
-     "use stator/base/trigonometry.hpp, or compute the constant outside the simulation"),
-    (re.compile(r"\bstd::(?:chrono|thread|jthread|mutex|this_thread|async|cout|cerr|clog)\b"
-                r"|\b(?:clock_gettime|gettimeofday|nanosleep|usleep)\s*\("),
-     "uses a clock, a thread or a stream", "take time as base::SimTime and report a base::Event"),
-    (re.compile(r"\bstd::(?:random_device|mt19937|rand|srand)\b|(?<![\w:.>])s?rand\s*\("),
-     "takes randomness that is not seeded from the rack file", "use stator/base/random.hpp"),
-    (re.compile(r"\bthread_local\b"), "keeps state outside its objects",
-     "make it a member of the object that owns it"),
+    (
+        re.compile(rf"\bstd::(?:{_LIBM})[fl]?\s*\("),
+        "calls a libm function whose last bits differ between machines",
+        "use stator/base/trigonometry.hpp, or compute the constant outside the simulation",
+    ),
+    (
+        re.compile(rf"(?<![\w:.>])(?:{_LIBM})[fl]?\s*\("),
+        "calls a libm function whose last bits differ between machines",
+        "use stator/base/trigonometry.hpp, or compute the constant outside the simulation",
+    ),
+    (
+        re.compile(
+            r"\bstd::(?:chrono|thread|jthread|mutex|this_thread|async|cout|cerr|clog)\b"
+            r"|\b(?:clock_gettime|gettimeofday|nanosleep|usleep)\s*\("
+        ),
+        "uses a clock, a thread or a stream",
+        "take time as base::SimTime and report a base::Event",
+    ),
+    (
+        re.compile(r"\bstd::(?:random_device|mt19937|rand|srand)\b|(?<![\w:.>])s?rand\s*\("),
+        "takes randomness that is not seeded from the rack file",
+        "use stator/base/random.hpp",
+    ),
+    (re.compile(r"\bthread_local\b"), "keeps state outside its objects", "make it a member of the object that owns it"),
 )
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
@@ -86,8 +97,13 @@ def parse_table(text):
         match = TABLE_ROW.match(line)
         if match:
             name, folders, uses, portable = match.groups()
-            rooms[name] = Room(name, tuple(re.findall(r"\w+", folders or "")),
-                               tuple(re.findall(r"`(\w+)`", uses)), portable == "yes", number)
+            rooms[name] = Room(
+                name,
+                tuple(re.findall(r"\w+", folders or "")),
+                tuple(re.findall(r"`(\w+)`", uses)),
+                portable == "yes",
+                number,
+            )
     return rooms
 
 
@@ -110,7 +126,9 @@ def blank_comments(text):
     """`text` with comments and the contents of string literals replaced by blanks, lines kept."""
     token = re.compile(
         r'//[^\n]*|/\*.*?\*/|R"([^(\s]*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"'
-        r"|(?<![0-9A-Fa-f])'(?:\\.|[^'\\\n])+'", re.DOTALL)
+        r"|(?<![0-9A-Fa-f])'(?:\\.|[^'\\\n])+'",
+        re.DOTALL,
+    )
 
     def blank(match):
         return re.sub(r"[^\n]", " ", match.group())
@@ -130,20 +148,29 @@ def check_table(rooms, table_path):
     for room in rooms.values():
         for used in room.may_use:
             if used not in rooms:
-                yield Violation(table_path, room.line, "table",
-                                f"{room.name} may use {used}, which has no row; add the row")
+                yield Violation(
+                    table_path, room.line, "table", f"{room.name} may use {used}, which has no row; add the row"
+                )
             elif order.index(used) <= order.index(room.name):
-                yield Violation(table_path, room.line, "table",
-                                f"{room.name} may use {used}, which stands above it; arrows point down "
-                                "only, move the wall between the two rooms")
+                yield Violation(
+                    table_path,
+                    room.line,
+                    "table",
+                    f"{room.name} may use {used}, which stands above it; arrows point down "
+                    "only, move the wall between the two rooms",
+                )
 
 
 def check_uses(room, uses, path):
     for used, line in uses.items():
         if used not in room.may_use:
-            yield Violation(path, line, "uses",
-                            f"{room.name} may not use {used}, only {', '.join(room.may_use) or 'none'}; "
-                            "pass what is needed through an interface, or move it down")
+            yield Violation(
+                path,
+                line,
+                "uses",
+                f"{room.name} may not use {used}, only {', '.join(room.may_use) or 'none'}; "
+                "pass what is needed through an interface, or move it down",
+            )
 
 
 def check_source(room, uses, rooms, path, text):
@@ -171,31 +198,51 @@ def check_include(room, uses, rooms, path, number, quote, header):
         if owner == room.name:
             yield from check_folder(room, path, number, header)
         elif owner not in rooms:
-            yield Violation(path, number, "include",
-                            f'"{header}" names no room; write "{PREFIX}/<room>/..." with a room of the '
-                            "table")
+            yield Violation(
+                path,
+                number,
+                "include",
+                f'"{header}" names no room; write "{PREFIX}/<room>/..." with a room of the table',
+            )
         elif owner not in room.may_use:
-            yield Violation(path, number, "include",
-                            f"{room.name} may not use {owner}, only "
-                            f"{', '.join(room.may_use) or 'none'}; pass what is needed through an "
-                            "interface, or move it down")
+            yield Violation(
+                path,
+                number,
+                "include",
+                f"{room.name} may not use {owner}, only "
+                f"{', '.join(room.may_use) or 'none'}; pass what is needed through an "
+                "interface, or move it down",
+            )
         elif owner not in uses:
-            yield Violation(path, number, "include",
-                            f"{owner} is not in the USES list of {room.name}; add it to "
-                            f"{SOURCES / room.name}/CMakeLists.txt")
+            yield Violation(
+                path,
+                number,
+                "include",
+                f"{owner} is not in the USES list of {room.name}; add it to {SOURCES / room.name}/CMakeLists.txt",
+            )
         yield from check_internal(path, number, header)
     elif prefix in rooms and parts:
-        yield Violation(path, number, "include",
-                        f'"{header}" does not begin with {PREFIX}/; write "{PREFIX}/{header}", and the '
-                        "folder if the room has some")
+        yield Violation(
+            path,
+            number,
+            "include",
+            f'"{header}" does not begin with {PREFIX}/; write "{PREFIX}/{header}", and the folder if the room has some',
+        )
     elif quote == '"' and not parts:
-        yield Violation(path, number, "include",
-                        f'"{header}" does not name its room; write '
-                        f'"{Path(path).parent.relative_to(SOURCES.parent).as_posix()}/{header}"')
+        yield Violation(
+            path,
+            number,
+            "include",
+            f'"{header}" does not name its room; write '
+            f'"{Path(path).parent.relative_to(SOURCES.parent).as_posix()}/{header}"',
+        )
     elif quote == "<" and room.portable and FORBIDDEN_HEADERS.match(header):
-        yield Violation(path, number, "portable",
-                        f"<{header}> ties {room.name} to an operating system, a clock or a stream; "
-                        "do this in link, rack or cli")
+        yield Violation(
+            path,
+            number,
+            "portable",
+            f"<{header}> ties {room.name} to an operating system, a clock or a stream; do this in link, rack or cli",
+        )
 
 
 def check_folder(room, path, number, header):
@@ -204,24 +251,31 @@ def check_folder(room, path, number, header):
     own = folder_of(Path(path).relative_to(SOURCES / room.name).parts)
     used = folder_of(header.split("/")[2:])
     if own in order and used in order and order.index(used) < order.index(own):
-        yield Violation(path, number, "folder",
-                        f'{own or room.name + " itself"} may not include "{header}": {used} stands above '
-                        f"it in the row of {room.name}; move the file down, split from it what both "
-                        "need, or pass it through an interface")
+        yield Violation(
+            path,
+            number,
+            "folder",
+            f'{own or room.name + " itself"} may not include "{header}": {used} stands above '
+            f"it in the row of {room.name}; move the file down, split from it what both "
+            "need, or pass it through an interface",
+        )
 
 
 def check_internal(path, number, header):
     """That nobody includes from the internal/ folder of another."""
     parts = header.split("/")
     if INTERNAL in parts[:-1]:
-        owner = "/".join(parts[:parts.index(INTERNAL)])
+        owner = "/".join(parts[: parts.index(INTERNAL)])
         folder = Path(path).parent.relative_to(SOURCES.parent)
         if folder.name == INTERNAL:
             folder = folder.parent
         if folder.as_posix() != owner:
-            yield Violation(path, number, "internal",
-                            f'"{header}" is internal to {owner}; include a header of {owner} itself, or '
-                            "move what is needed there")
+            yield Violation(
+                path,
+                number,
+                "internal",
+                f'"{header}" is internal to {owner}; include a header of {owner} itself, or move what is needed there',
+            )
 
 
 def check_folders(room, folder, table_path):
@@ -230,27 +284,32 @@ def check_folders(room, folder, table_path):
     root = SOURCES / room.name
     for place in (folder, *sorted(p for p in folder.rglob("*") if p.is_dir())):
         parts = place.relative_to(folder).parts
-        own = [p for p in place.iterdir()
-               if p.suffix in (".cpp", ".hpp", ".h") or p.name == "CMakeLists.txt"]
+        own = [p for p in place.iterdir() if p.suffix in (".cpp", ".hpp", ".h") or p.name == "CMakeLists.txt"]
         shown = root.joinpath(*parts).as_posix()
         if len(own) > LARGEST_FOLDER:
-            yield Violation(shown, 1, "size",
-                            f"{len(own)} files are more than the {LARGEST_FOLDER} a folder may have; "
-                            "divide it by subject")
+            yield Violation(
+                shown,
+                1,
+                "size",
+                f"{len(own)} files are more than the {LARGEST_FOLDER} a folder may have; divide it by subject",
+            )
         if parts and parts[-1] != INTERNAL and own:
             if len(parts) > 1:
-                yield Violation(shown, 1, "table",
-                                f"a folder of a folder; make it a folder of {room.name}, or call it "
-                                f"{INTERNAL}")
+                yield Violation(
+                    shown, 1, "table", f"a folder of a folder; make it a folder of {room.name}, or call it {INTERNAL}"
+                )
             elif parts[0] not in room.folders:
-                yield Violation(shown, 1, "table",
-                                f"the row of {room.name} in {table_path} does not name the folder "
-                                f"{parts[0]}; name it above all that it includes")
+                yield Violation(
+                    shown,
+                    1,
+                    "table",
+                    f"the row of {room.name} in {table_path} does not name the folder "
+                    f"{parts[0]}; name it above all that it includes",
+                )
             found.add(parts[0])
     for name in room.folders:
         if name not in found:
-            yield Violation(table_path, room.line, "table",
-                            f"{room.name} has no folder {name}; take it out of the row")
+            yield Violation(table_path, room.line, "table", f"{room.name} has no folder {name}; take it out of the row")
 
 
 def check_tree(root):
@@ -267,8 +326,9 @@ def check_tree(root):
         room = rooms.get(folder.name)
         if room is None:
             if sources:
-                yield Violation(str(SOURCES / folder.name), 1, "table",
-                                f"the room has no row in {table_path}; add the row")
+                yield Violation(
+                    str(SOURCES / folder.name), 1, "table", f"the room has no row in {table_path}; add the row"
+                )
             continue
         yield from check_folders(room, folder, table_path)
         lists = folder / "CMakeLists.txt"
@@ -276,20 +336,25 @@ def check_tree(root):
         uses = parse_uses(build_text)
         if uses is None:
             if sources and "add_executable" not in build_text:
-                yield Violation(str(lists.relative_to(root)), 1, "uses",
-                                "no stator_room() call found; declare the room with its USES list")
+                yield Violation(
+                    str(lists.relative_to(root)),
+                    1,
+                    "uses",
+                    "no stator_room() call found; declare the room with its USES list",
+                )
             uses = dict.fromkeys(room.may_use, 1)
         yield from check_uses(room, uses, str(lists.relative_to(root)))
         for source in sources:
-            yield from check_source(room, uses, rooms, str(source.relative_to(root)),
-                                    source.read_text(encoding="utf-8"))
+            yield from check_source(
+                room, uses, rooms, str(source.relative_to(root)), source.read_text(encoding="utf-8")
+            )
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("root", nargs="?", type=Path,
-                        default=Path(__file__).resolve().parent.parent, help="the project's folder")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument(
+        "root", nargs="?", type=Path, default=Path(__file__).resolve().parent.parent, help="the project's folder"
+    )
     violations = list(check_tree(parser.parse_args().root))
     for violation in violations:
         print(violation, file=sys.stderr)

@@ -29,8 +29,9 @@ FOLDERS = ROOT / ".ci" / "tidy-folders"
 
 def git(*arguments):
     """Output lines of a git command; None if it failed."""
-    done = subprocess.run(["git", "-C", str(ROOT), *arguments], stdout=subprocess.PIPE,
-                          stderr=subprocess.DEVNULL, text=True, check=False)
+    done = subprocess.run(
+        ["git", "-C", str(ROOT), *arguments], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, check=False
+    )
     return done.stdout.splitlines() if done.returncode == 0 else None
 
 
@@ -70,15 +71,13 @@ def changed_files(base):
             if not (status.startswith("R") and (ROOT / paths[1]).exists() and only_moved(base, *paths)):
                 tracked.append(paths[-1])
     untracked = git("ls-files", "--others", "--exclude-standard") or []
-    return sorted({f for f in tracked + untracked if f.endswith((".cpp", ".hpp"))
-                   and (ROOT / f).exists()})
+    return sorted({f for f in tracked + untracked if f.endswith((".cpp", ".hpp")) and (ROOT / f).exists()})
 
 
 def clean_folders():
     """Folders, relative to the root, in which every finding is an error."""
     lines = FOLDERS.read_text(encoding="utf-8").splitlines()
-    return [line.strip().rstrip("/") + "/" for line in lines
-            if line.strip() and not line.startswith("#")]
+    return [line.strip().rstrip("/") + "/" for line in lines if line.strip() and not line.startswith("#")]
 
 
 def included_headers(source):
@@ -100,7 +99,7 @@ def sources_to_check(files, compiled):
     for header in (f for f in files if f.endswith(".hpp")):
         name = header.split("/", 1)[1] if "/" in header else header
         users = [s for s in includes if name in includes[s]]
-        own = header[:-len(".hpp")] + ".cpp"
+        own = header[: -len(".hpp")] + ".cpp"
         if own in compiled:
             chosen.add(own)
         elif users:
@@ -118,18 +117,20 @@ def run_tidy(source, build_dir, deadline):
         return source, None, ""
     command = ["clang-tidy", "--quiet", "--warnings-as-errors=*", "-p", str(build_dir), source]
     try:
-        done = subprocess.run(command, cwd=ROOT, capture_output=True,
-                              text=True, timeout=left, check=False)
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=left, check=False)
     except subprocess.TimeoutExpired:
         return source, None, ""
     return source, done.returncode, done.stdout + (done.stderr if done.returncode else "")
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--build-dir", type=Path, default=ROOT / "build" / "release",
-                        help="a configured build folder (its compile_commands.json is used)")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument(
+        "--build-dir",
+        type=Path,
+        default=ROOT / "build" / "release",
+        help="a configured build folder (its compile_commands.json is used)",
+    )
     parser.add_argument("--base", help="compare with this commit")
     parser.add_argument("--all", action="store_true", help="check every source file")
     parser.add_argument("--seconds", type=float, default=900.0)
@@ -150,8 +151,10 @@ def main():
     folders = tuple(clean_folders())
     files = [f for f in changed if f.startswith(folders)]
     if len(files) < len(changed):
-        print(f"clang-tidy: {len(changed) - len(files)} changed files lie outside the folders of "
-              f"{FOLDERS.relative_to(ROOT)} and are not checked")
+        print(
+            f"clang-tidy: {len(changed) - len(files)} changed files lie outside the folders of "
+            f"{FOLDERS.relative_to(ROOT)} and are not checked"
+        )
     sources, unseen = sources_to_check(files, {c for c in compiled if c.startswith(folders)})
     for header in unseen:
         print(f"{header}: not checked, no compiled source includes it")
@@ -169,8 +172,10 @@ def main():
                 print(output, flush=True)
     for source in sorted(late):
         print(f"{source}: not checked, {options.seconds:.0f} s were over")
-    print(f"clang-tidy: {len(sources) - len(late)} of {len(sources)} sources checked "
-          f"(changes since {base[:10] if base else 'the beginning'}), {len(failed)} with findings")
+    print(
+        f"clang-tidy: {len(sources) - len(late)} of {len(sources)} sources checked "
+        f"(changes since {base[:10] if base else 'the beginning'}), {len(failed)} with findings"
+    )
     return 1 if failed else 0
 
 

@@ -46,14 +46,15 @@ def conformance(device):
     for requirement in requirements:
         if requirement["block"] != block:
             block = requirement["block"]
-            lines += ["", f"### {block}", "", "| ID | Requirement | Done | Tests, notes |",
-                      "|---|---|---|---|"]
+            lines += ["", f"### {block}", "", "| ID | Requirement | Done | Tests, notes |", "|---|---|---|---|"]
         row = status[requirement["id"]]
         tests = ", ".join(f"`{test}`" for test in row["tests"].replace(";", " ").split())
         remark = "; ".join(part for part in (tests, row["note"]) if part)
         text = requirement["requirement"].replace("|", "\\|")
-        lines.append(f"| {requirement['id']} | {text} ({requirement['source']}) | "
-                     f"{MARKS[row['status']]} | {remark.replace('|', chr(92) + '|')} |")
+        lines.append(
+            f"| {requirement['id']} | {text} ({requirement['source']}) | "
+            f"{MARKS[row['status']]} | {remark.replace('|', chr(92) + '|')} |"
+        )
     return "\n".join(lines)
 
 
@@ -69,8 +70,9 @@ def device_page(device, page):
 def describe(device, stator, *options):
     """The table of `device` as `stator describe` prints it, and the command without its format."""
     command = ["describe", device, *options]
-    table = subprocess.run([stator, *command, "--format", "markdown"], check=True,
-                           capture_output=True, text=True).stdout
+    table = subprocess.run(
+        [stator, *command, "--format", "markdown"], check=True, capture_output=True, text=True
+    ).stdout
     return table, "stator " + " ".join(command)
 
 
@@ -90,11 +92,14 @@ def product_page(device, stator):
         return None
     # An object dictionary is one table, a TMCL module has several with headings.
     if table.startswith("## "):
-        return "parameters", (f"# Parameters and commands of the {device.upper()}\n\n"
-                              f"Made by `{command} --format markdown`.\n\n{table}")
-    return "objects", (f"# Objects of the {device.upper()}\n\n"
-                       f"Made by `{command} --format markdown`; the CSV and JSON formats\n"
-                       f"also carry the place in the device's document and notes.\n\n{table}")
+        return "parameters", (
+            f"# Parameters and commands of the {device.upper()}\n\nMade by `{command} --format markdown`.\n\n{table}"
+        )
+    return "objects", (
+        f"# Objects of the {device.upper()}\n\n"
+        f"Made by `{command} --format markdown`; the CSV and JSON formats\n"
+        f"also carry the place in the device's document and notes.\n\n{table}"
+    )
 
 
 def registers_page(device, stator):
@@ -104,18 +109,20 @@ def registers_page(device, stator):
         table, command = describe(device, stator, "--registers")
     except subprocess.CalledProcessError:
         return None
-    return (f"# Registers of the {device.upper()}\n\n"
-            f"Made by `{command} --format markdown`; the CSV and JSON formats\n"
-            f"also carry the place in the device's document. "
-            f"[What the columns mean](../how-to/registers.md#rights).\n\n{table}")
+    return (
+        f"# Registers of the {device.upper()}\n\n"
+        f"Made by `{command} --format markdown`; the CSV and JSON formats\n"
+        f"also carry the place in the device's document. "
+        f"[What the columns mean](../how-to/registers.md#rights).\n\n{table}"
+    )
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="compare instead of writing")
-    parser.add_argument("--stator", default=str(ROOT / "build/release/src/cli/stator"),
-                        help="the stator program (default: %(default)s)")
+    parser.add_argument(
+        "--stator", default=str(ROOT / "build/release/src/cli/stator"), help="the stator program (default: %(default)s)"
+    )
     arguments = parser.parse_args()
     stale = []
     running = products(arguments.stator)
@@ -123,8 +130,10 @@ def main():
         device = status.stem
         page = ROOT / "docs/devices" / f"{device}.md"
         if not page.exists():
-            sys.exit(f"docs/devices/{device}.md is missing, but docs/conformance/{device}.csv is "
-                     f"there; write what the device is, and the marker lines\n{BEGIN}\n{END}")
+            sys.exit(
+                f"docs/devices/{device}.md is missing, but docs/conformance/{device}.csv is "
+                f"there; write what the device is, and the marker lines\n{BEGIN}\n{END}"
+            )
         wanted = {page: device_page(device, page.read_text(encoding="utf-8"))}
         if device in running and (made := product_page(device, arguments.stator)):
             kind, table = made
@@ -142,7 +151,8 @@ def main():
             wanted[peripherals] = (
                 f"# Peripherals at the pins of a {device.upper()}\n\n"
                 f"Made by `{command} --format markdown`. "
-                f"[How to wire them](../how-to/board-at-the-pins.md).\n\n{table}")
+                f"[How to wire them](../how-to/board-at-the-pins.md).\n\n{table}"
+            )
         for path, text in wanted.items():
             if path.exists() and path.read_text(encoding="utf-8") == text:
                 continue

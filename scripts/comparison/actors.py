@@ -81,6 +81,11 @@ class Axis:
             self.position += step
         if number > self.length:
             self.plan()
-        values = {0x6040: word, 0x6060: MODES[self.mode], 0x60FF: self.velocity, 0x6071: self.torque,
-                  0x607A: self.position if self.mode == "csp" else self.target}
+        values = {
+            0x6040: word,
+            0x6060: MODES[self.mode],
+            0x60FF: self.velocity,
+            0x6071: self.torque,
+            0x607A: self.position if self.mode == "csp" else self.target,
+        }
         return {index + self.offset: value for index, value in values.items()}

@@ -35,8 +35,20 @@ class CanHost(can_host.CanHost):
 class Bus(Actor):
     """Programs at a CAN bus: NMT, SDOs, PDOs and SYNC of a TMCC160, LSS; TMCL of a TMCM-142."""
 
-    chapters = ("node", "node", "moves", "moves", "moves", "syncs", "syncs", "objects", "store", "layer_settings",
-                "noise", "module")
+    chapters = (
+        "node",
+        "node",
+        "moves",
+        "moves",
+        "moves",
+        "syncs",
+        "syncs",
+        "objects",
+        "store",
+        "layer_settings",
+        "noise",
+        "module",
+    )
 
     def __init__(self, rng, counts, address, objects, node, module):
         super().__init__(rng, counts)
@@ -90,8 +102,13 @@ class Bus(Actor):
         axis.plan()
         download = self.client.download
         self.try_to(download, 0x6060, 0, MODES[axis.mode], 1)
-        for index, value, size in ((0x607A, axis.target, 4), (0x60FF, axis.velocity, 4), (0x6071, axis.torque, 2),
-                                   (0x6081, abs(axis.velocity), 4), (0x6083, 100000, 4)):
+        for index, value, size in (
+            (0x607A, axis.target, 4),
+            (0x60FF, axis.velocity, 4),
+            (0x6071, axis.torque, 2),
+            (0x6081, abs(axis.velocity), 4),
+            (0x6083, 100000, 4),
+        ):
             self.try_to(download, index, 0, value & (1 << 8 * size) - 1, size)
         for word in (0x80, 0x06, 0x07, 0x0F, 0x1F):
             self.try_to(download, 0x6040, 0, word, 2)

@@ -9,8 +9,28 @@ from rack_process import Silent
 
 ARMW = 13  # the first slave's register to all behind it
 LOGICAL = 0x10000  # where process data begin
-READ = (0x0000, 0x0010, 0x0012, 0x0110, 0x0120, 0x0130, 0x0134, 0x0220, 0x0300, 0x0308, 0x0400, 0x0420, 0x0440, 0x0500,
-        0x0800, 0x0910, 0x092C, 0x0932, 0x0990, 0x09B0)
+READ = (
+    0x0000,
+    0x0010,
+    0x0012,
+    0x0110,
+    0x0120,
+    0x0130,
+    0x0134,
+    0x0220,
+    0x0300,
+    0x0308,
+    0x0400,
+    0x0420,
+    0x0440,
+    0x0500,
+    0x0800,
+    0x0910,
+    0x092C,
+    0x0932,
+    0x0990,
+    0x09B0,
+)
 INPUTS = 0x1400  # of the I/O block, behind its outputs
 
 
@@ -36,8 +56,22 @@ class Drive:
 class Segment(Actor):
     """A master of EtherCAT: states, process data with and without SYNC0, SDOs, EEPROM, firmware."""
 
-    chapters = ("start", "start", "cycles", "cycles", "cycles", "cycles", "registers", "objects", "objects", "eeprom",
-                "fall", "store", "firmware", "chip")
+    chapters = (
+        "start",
+        "start",
+        "cycles",
+        "cycles",
+        "cycles",
+        "cycles",
+        "registers",
+        "objects",
+        "objects",
+        "eeprom",
+        "fall",
+        "store",
+        "firmware",
+        "chip",
+    )
     first = "start"
 
     def __init__(self, rng, counts, address, products):
@@ -47,8 +81,9 @@ class Segment(Actor):
         self.image = 0
 
     def connect(self):
-        self.drives = [Drive(Slave(self.address, ETHERCAT_PORT, at), product, self.rng)
-                       for at, product in enumerate(self.products)]
+        self.drives = [
+            Drive(Slave(self.address, ETHERCAT_PORT, at), product, self.rng) for at, product in enumerate(self.products)
+        ]
         self.head = self.drives[0].slave
 
     def close(self):
@@ -102,8 +137,10 @@ class Segment(Actor):
                     offset += bits // 8
             control = 0x64 if output else 0x20
             slave.write(0x0800 + 8 * manager, struct.pack("<HHBBBB", place, length, control, 0, 1, 0))
-            slave.write(0x0600 + 16 * (manager - 2), struct.pack(
-                "<IHBBHBBB3x", LOGICAL + self.image, length, 0, 7, place, 0, 2 if output else 1, 1))
+            slave.write(
+                0x0600 + 16 * (manager - 2),
+                struct.pack("<IHBBHBBB3x", LOGICAL + self.image, length, 0, 7, place, 0, 2 if output else 1, 1),
+            )
         self.image += longest
 
     def mapped(self, slave, assignment):
@@ -148,7 +185,7 @@ class Segment(Actor):
                 values = axis.values()
                 for index, offset, size in drive.outputs:
                     if index in values:
-                        image[offset:offset + size] = (values[index] & (1 << 8 * size) - 1).to_bytes(size, "little")
+                        image[offset : offset + size] = (values[index] & (1 << 8 * size) - 1).to_bytes(size, "little")
         self.head.exchange_logical(LOGICAL, bytes(image))
         self.counts["process data"] += 1
 
@@ -165,10 +202,16 @@ class Segment(Actor):
         for _ in range(self.rng.randrange(5, 30)):
             register = self.rng.choice(READ)
             slave.exchange(APRD, register, bytes(self.rng.choice((1, 2, 4, 8, 16))))
-        for register, data in ((0x0010, self.rng.randbytes(2)), (0x0300, bytes(8)), (0x0400, b"\xC2\x09"),
-                               (0x0420, struct.pack("<H", self.rng.randrange(20, 2000))),
-                               (0x0932, struct.pack("<H", self.rng.randrange(0x1000))), (0x0900, bytes(4)),
-                               (0x0F80, self.rng.randbytes(4)), (0x0200, self.rng.randbytes(2))):
+        for register, data in (
+            (0x0010, self.rng.randbytes(2)),
+            (0x0300, bytes(8)),
+            (0x0400, b"\xc2\x09"),
+            (0x0420, struct.pack("<H", self.rng.randrange(20, 2000))),
+            (0x0932, struct.pack("<H", self.rng.randrange(0x1000))),
+            (0x0900, bytes(4)),
+            (0x0F80, self.rng.randbytes(4)),
+            (0x0200, self.rng.randbytes(2)),
+        ):
             if self.rng.random() < 0.3:
                 self.try_to(slave.write, register, data)
 
@@ -239,11 +282,17 @@ class Segment(Actor):
         drive = self.rng.choice(chips)
         self.try_to(drive.slave.go, OP)
         block = drive.product.block
-        for name, value in (("ENC_MODE", self.rng.randrange(256)), ("SD_STEPLENGTH", 50),
-                            ("SD_CH0_STEPRATE", self.rng.choice((-1, 1)) * log_uniform(self.rng, 1000, 2000000)),
-                            ("SD_CFG", 1), ("PWM_CFG", self.rng.randrange(256)), ("PWM1", self.rng.randrange(2000)),
-                            ("PWM2", self.rng.randrange(2000)), ("GPO", self.rng.randrange(256)),
-                            ("DAC_VAL", self.rng.randrange(65536))):
+        for name, value in (
+            ("ENC_MODE", self.rng.randrange(256)),
+            ("SD_STEPLENGTH", 50),
+            ("SD_CH0_STEPRATE", self.rng.choice((-1, 1)) * log_uniform(self.rng, 1000, 2000000)),
+            ("SD_CFG", 1),
+            ("PWM_CFG", self.rng.randrange(256)),
+            ("PWM1", self.rng.randrange(2000)),
+            ("PWM2", self.rng.randrange(2000)),
+            ("GPO", self.rng.randrange(256)),
+            ("DAC_VAL", self.rng.randrange(65536)),
+        ):
             if name in block and self.rng.random() < 0.8:
                 address, size = block[name]
                 self.try_to(drive.slave.write, address, (value & (1 << 8 * size) - 1).to_bytes(size, "little"))

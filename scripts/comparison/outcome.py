@@ -19,15 +19,26 @@ class Outcome:
 
     def parts(self):
         """(name, bytes) of all that is compared."""
-        return [("exit status", str(self.status).encode()), ("output", self.output), ("errors", self.errors),
-                *self.files]
+        return [
+            ("exit status", str(self.status).encode()),
+            ("output", self.output),
+            ("errors", self.errors),
+            *self.files,
+        ]
 
 
 def run(program, arguments, folder, limit=LIMIT, environment=None):
     """Runs it in `folder` without input."""
     try:
-        done = subprocess.run([program, *arguments], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True,
-                              timeout=limit, env=environment, check=False)
+        done = subprocess.run(
+            [program, *arguments],
+            cwd=folder,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=limit,
+            env=environment,
+            check=False,
+        )
     except subprocess.TimeoutExpired as error:
         return Outcome(f"not ended within {limit} s", error.stdout or b"", error.stderr or b"")
     return Outcome(done.returncode, done.stdout, done.stderr)
@@ -40,8 +51,11 @@ def difference(old, new):
         if before == now:
             continue
         texts = [part.decode("utf-8", "backslashreplace").splitlines() for part in (before, now)]
-        changed = [line for line in difflib.unified_diff(*texts, "old", "new", lineterm="", n=0)
-                   if not line.startswith(("---", "+++", "@@"))]
+        changed = [
+            line
+            for line in difflib.unified_diff(*texts, "old", "new", lineterm="", n=0)
+            if not line.startswith(("---", "+++", "@@"))
+        ]
         lines.append(f"  {name}: {len(before)} bytes, now {len(now)}" + ("" if changed else "; ends of lines differ"))
         lines += [f"    {line[:300]}" for line in changed[:MOST_LINES]]
         if len(changed) > MOST_LINES:

@@ -12,8 +12,12 @@ from comparison.outcome import run
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 SEGMENT_PRODUCTS = ("tmcm-3315", "tmc8670", "tmc8461")
-SERIAL = {"tmcm-3315": ("usb",), "tmc8670": ("mcu-uart", "hardware-uart"), "tmcc160": ("serial",),
-          "tmcm-142": ("rs232", "rs485", "rs422", "usb")}
+SERIAL = {
+    "tmcm-3315": ("usb",),
+    "tmc8670": ("mcu-uart", "hardware-uart"),
+    "tmcc160": ("serial",),
+    "tmcm-142": ("rs232", "rs485", "rs422", "usb"),
+}
 SIZES = {"BOOLEAN": 1, "INTEGER8": 1, "UNSIGNED8": 1, "INTEGER16": 2, "UNSIGNED16": 2, "INTEGER32": 4, "UNSIGNED32": 4}
 # Written at random they end the session or make its process data something else.
 LEFT_ALONE = range(0x1000, 0x1FFF)
@@ -107,8 +111,23 @@ def load_faults(program):
         for row in re.findall(r"^\| `([a-z0-9_.]+)` \| (.*)$", rest, re.MULTILINE):
             cells = [cell.strip() for cell in row[1].split(" | ")]
             parameters.append((row[0], cells[0], cells[1], cells[2] == "needed"))
-        reach = "ethercat" if "EtherCAT devices" in rest else "can" if "on a CAN bus" in rest else \
-            "serial" if "For serial lines" in rest else "any"
-        found.append(Fault(kind.strip(), scope[1] if scope else "device", reach, "Nothing to count" not in rest
-                           and "Over as soon" not in rest, "Over as soon" in rest, parameters))
+        reach = (
+            "ethercat"
+            if "EtherCAT devices" in rest
+            else "can"
+            if "on a CAN bus" in rest
+            else "serial"
+            if "For serial lines" in rest
+            else "any"
+        )
+        found.append(
+            Fault(
+                kind.strip(),
+                scope[1] if scope else "device",
+                reach,
+                "Nothing to count" not in rest and "Over as soon" not in rest,
+                "Over as soon" in rest,
+                parameters,
+            )
+        )
     return found

@@ -17,9 +17,23 @@ FEEDER = {"type": '"tmcm-142"', "name": '"feeder"', "rs485": '"tcp:29142"'}
 RACK = {"segment": [{"device": [MODULE, SERVO]}], "bus": [{"device": [SPINDLE]}], "device": [FEEDER]}
 
 # Values that most keys do not take.
-VALUES = {"text": '"what"', "whole": "12345678901", "fraction": "1.5", "truth": "true", "list": '[1, "a"]',
-          "table": "{ x = 1 }", "negative": "-1", "empty": '""', "date": "2020-01-01T00:00:00Z", "time": '"99999999s"',
-          "word": '"70 minutes"', "nan": "nan", "infinite": "-inf", "texts": '["a", "a"]', "wholes": "[99, -1]"}
+VALUES = {
+    "text": '"what"',
+    "whole": "12345678901",
+    "fraction": "1.5",
+    "truth": "true",
+    "list": '[1, "a"]',
+    "table": "{ x = 1 }",
+    "negative": "-1",
+    "empty": '""',
+    "date": "2020-01-01T00:00:00Z",
+    "time": '"99999999s"',
+    "word": '"70 minutes"',
+    "nan": "nan",
+    "infinite": "-inf",
+    "texts": '["a", "a"]',
+    "wholes": "[99, -1]",
+}
 
 
 @dataclasses.dataclass
@@ -76,8 +90,14 @@ class Schema:
 
     def _is_table(self, node):
         node = self.resolve(node)
-        return any("properties" in self.resolve(each) or "additionalProperties" in each and each["additionalProperties"]
-                   or "items" in each and self._is_table(each["items"]) for each in (node, *self._alternatives(node)))
+        return any(
+            "properties" in self.resolve(each)
+            or "additionalProperties" in each
+            and each["additionalProperties"]
+            or "items" in each
+            and self._is_table(each["items"])
+            for each in (node, *self._alternatives(node))
+        )
 
     def _alternatives(self, node):
         return [self.resolve(each) for each in self.resolve(node).get("anyOf", [])]
@@ -103,12 +123,15 @@ class Schema:
             yield from self._one(name, node["properties"], self._needed(name, {}), document)
             return
         for branch in branches:
-            (selector, choice), = branch["if"]["properties"].items()
+            ((selector, choice),) = branch["if"]["properties"].items()
             kinds = [choice["const"]] if "const" in choice else choice["enum"]
             then = branch.get("then", {})
             keys = self.resolve(then.get("propertyNames", {})).get("enum", list(node["properties"]))
-            properties = {key: then.get("properties", {}).get(key, node["properties"].get(key, {}))
-                          for key in keys if key != selector}
+            properties = {
+                key: then.get("properties", {}).get(key, node["properties"].get(key, {}))
+                for key in keys
+                if key != selector
+            }
             for kind in kinds:
                 needed = self._needed(name, {selector: f'"{kind}"'})
                 yield from self._one(f"{name}.{kind}", properties, needed, document)
@@ -192,12 +215,18 @@ def whole_tables(schema):
             yield f"{table.name}: {what}", written(table.document(dict.fromkeys(keys, value)))
         for end in ("least", "most"):
             yield f"{table.name}: {end}", written(table.document({key: each.at(end) for key, each in limits.items()}))
-            yield (f"{table.name}: beyond {end}",
-                   written(table.document({key: each.beyond(end) for key, each in limits.items()})))
-        yield f"{table.name}: wrong type", written(table.document(
-            {key: each.wrong_type() for key, each in limits.items()}))
-        yield f"{table.name}: misspelt", written(table.document({f"{key}s": each.at("least")
-                                                                 for key, each in limits.items()}))
+            yield (
+                f"{table.name}: beyond {end}",
+                written(table.document({key: each.beyond(end) for key, each in limits.items()})),
+            )
+        yield (
+            f"{table.name}: wrong type",
+            written(table.document({key: each.wrong_type() for key, each in limits.items()})),
+        )
+        yield (
+            f"{table.name}: misspelt",
+            written(table.document({f"{key}s": each.at("least") for key, each in limits.items()})),
+        )
         yield f"{table.name}: nothing but what is needed", written(table.document({}))
 
 
@@ -207,7 +236,12 @@ def single_keys(schema, rng, of_each_table):
         for _ in range(of_each_table if table.properties else 0):
             key = rng.choice(list(table.properties))
             limits = Limits(schema, table.properties[key])
-            values = {**VALUES, "least": limits.at("least"), "most": limits.at("most"),
-                      "beyond least": limits.beyond("least"), "beyond most": limits.beyond("most")}
+            values = {
+                **VALUES,
+                "least": limits.at("least"),
+                "most": limits.at("most"),
+                "beyond least": limits.beyond("least"),
+                "beyond most": limits.beyond("most"),
+            }
             what = rng.choice(list(values))
             yield f"{table.name}.{key}: {what}", written(table.document({key: values[what]}))

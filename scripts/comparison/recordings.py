@@ -38,8 +38,10 @@ def replay(program, recording, csv, period=PERIOD):
 
 def said(outcome, recording):
     """Without times, and without where the recording lies."""
-    output, errors = (TIMES.sub(rb"\1 (time)", part).replace(str(recording).encode(), b"RECORDING")
-                      for part in (outcome.output, outcome.errors))
+    output, errors = (
+        TIMES.sub(rb"\1 (time)", part).replace(str(recording).encode(), b"RECORDING")
+        for part in (outcome.output, outcome.errors)
+    )
     return type(outcome)(outcome.status, output, errors)
 
 
@@ -56,24 +58,29 @@ def first_other_value(old, new):
             values = zip(before.rstrip().split(","), now.rstrip().split(","), strict=False)
             at = next((at for at, pair in enumerate(values) if pair[0] != pair[1]), 0)
             name = names[at] if at < len(names) else "column"
-            return f"  row {number} ({before.split(',')[0]} s), {name}: {before.split(',')[at:at + 1]}, now " \
-                   f"{now.split(',')[at:at + 1]}"
+            return (
+                f"  row {number} ({before.split(',')[0]} s), {name}: {before.split(',')[at : at + 1]}, now "
+                f"{now.split(',')[at : at + 1]}"
+            )
     return "  no value does, in rows of the same length"
 
 
 def compared(old, new, recording, folder):
     """Lines about what both programs make of a recording, and what the old one said."""
     csvs = [Path(folder, f"{name}.csv") for name in ("old", "new")]
-    outcomes, digests = zip(*(replay(program, recording, csv) for program, csv in zip((old, new), csvs, strict=True)),
-                            strict=True)
+    outcomes, digests = zip(
+        *(replay(program, recording, csv) for program, csv in zip((old, new), csvs, strict=True)), strict=True
+    )
     lines = difference(*(said(outcome, recording) for outcome in outcomes))
     if digests[0] != digests[1]:
         lines.append(f"  signals: SHA-256 {digests[0][:16]}..., now {digests[1][:16]}...")
         if "none" not in digests:
             lines.append(first_other_value(*csvs))
     if outcomes[0].status not in (0, CUT):
-        lines.append(f"  OLD does not replay it (exit status {outcomes[0].status}): "
-                     + outcomes[0].errors.decode("utf-8", "replace").strip()[:400])
+        lines.append(
+            f"  OLD does not replay it (exit status {outcomes[0].status}): "
+            + outcomes[0].errors.decode("utf-8", "replace").strip()[:400]
+        )
     return lines, outcomes[0], counts_of(csvs[0])
 
 
@@ -87,11 +94,16 @@ def counts_of(csv):
         changed, number = set(), 1 if first[0] else 0
         for number, row in enumerate(stream, 2):
             if number % LOOK == 0:
-                changed.update(name for name, before, now in zip(names, first, row.split(b","), strict=False)
-                               if before != now)
+                changed.update(
+                    name for name, before, now in zip(names, first, row.split(b","), strict=False) if before != now
+                )
     turned = sum(b"shaft_position [" in name or b".position [" in name for name in changed)
-    return {"rows of signals": number, "signals": len(names) - 1, "signals that change": len(changed),
-            "shafts that turn": turned}
+    return {
+        "rows of signals": number,
+        "signals": len(names) - 1,
+        "signals that change": len(changed),
+        "shafts that turn": turned,
+    }
 
 
 FACTS = {}  # of the program; set once in each process
@@ -159,5 +171,7 @@ def compare(old, new, options, report):
                 report.differs(f"--only recordings --seed {options.seed}, session {number}{kept}", lines)
     print("recordings hold: " + ", ".join(f"{count} {name}" for name, count in sorted(total.items())))
     missing = [fault.kind for fault in facts["faults"] if fault.kind not in kinds]
-    print(f"kinds of faults in them: {len(kinds)} of {len(facts['faults'])}"
-          + (f"; not {', '.join(missing)}" if missing else ""))
+    print(
+        f"kinds of faults in them: {len(kinds)} of {len(facts['faults'])}"
+        + (f"; not {', '.join(missing)}" if missing else "")
+    )

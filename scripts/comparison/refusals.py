@@ -94,7 +94,10 @@ class Work:
 def drawn(program, seed):
     """Wrong rack files that are made from the keys that the program knows."""
     schema = Schema(json.loads(run(program, ["check", "--schema"], ROOT).output))
-    yield "ten thousand unknown keys", "[[segment]]\n" + "".join(f"wrong{number} = {number}\n" for number in range(10000))
+    yield (
+        "ten thousand unknown keys",
+        "[[segment]]\n" + "".join(f"wrong{number} = {number}\n" for number in range(10000)),
+    )
     yield from whole_tables(schema)
     yield from single_keys(schema, random.Random(seed), OF_EACH_TABLE)
 
@@ -103,15 +106,20 @@ def compare(old, new, options, report):
     with tempfile.TemporaryDirectory() as folder:
         work = Work(folder)
         commands = list(work.commands(options.jobs))
-        for (arguments, place), outcomes in zip(commands, in_parallel(
-                options.jobs, lambda each: tuple(sentences(program, *each) for program in (old, new)),
-                commands), strict=True):
+        for (arguments, place), outcomes in zip(
+            commands,
+            in_parallel(
+                options.jobs, lambda each: tuple(sentences(program, *each) for program in (old, new)), commands
+            ),
+            strict=True,
+        ):
             note(report, "commands on wrong files", outcomes)
             if lines := difference(*outcomes):
                 report.differs(f"cd {DATA / place.name} && {spelled(arguments)}", lines)
         made = list(drawn(old, options.seed))
-        for (what, text), outcomes in zip(made, in_parallel(
-                options.jobs, lambda each: checked(folder, old, new, each[1]), made), strict=True):
+        for (what, text), outcomes in zip(
+            made, in_parallel(options.jobs, lambda each: checked(folder, old, new, each[1]), made), strict=True
+        ):
             note(report, "drawn rack files", outcomes)
             if lines := difference(*outcomes):
                 report.differs(f"{what}: stator check {kept(options, text)}", lines)

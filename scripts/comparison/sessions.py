@@ -51,9 +51,27 @@ type = "led"
 wires = {{ line = "MFC_HV6" }}
 """
 # Objects of a TMC8670 with which every mode moves it, as in racks/ethercat-servo.toml.
-TUNED = {"2030:01": 1453, "2030:02": 786, "2030:03": 1453, "2030:04": 786, "2030:05": 6400, "2030:06": 80,
-         "2030:07": 300, "2031:01": 12000, "6065": 65536, "6066": 100, "6072": 2000, "6073": 2000, "6075": 2450,
-         "6076": 125, "6081": 2000, "6083": 20000, "6084": 20000, "6085": 50000, "6098": 34}
+TUNED = {
+    "2030:01": 1453,
+    "2030:02": 786,
+    "2030:03": 1453,
+    "2030:04": 786,
+    "2030:05": 6400,
+    "2030:06": 80,
+    "2030:07": 300,
+    "2031:01": 12000,
+    "6065": 65536,
+    "6066": 100,
+    "6072": 2000,
+    "6073": 2000,
+    "6075": 2450,
+    "6076": 125,
+    "6081": 2000,
+    "6083": 20000,
+    "6084": 20000,
+    "6085": 50000,
+    "6098": 34,
+}
 
 
 @dataclasses.dataclass
@@ -148,8 +166,9 @@ class Session:
         if product == "tmc8461":
             return text + BOARD
         text += self._serial(0.35) + f'firmware_erase_time = "{rng.choice(("0ms", "3ms"))}"\n'
-        text += self._quirks(("slow-sdo", "one-pdo", "emergency-storm", "abort-with-size", "late-boot",
-                              "repeats-executed"))
+        text += self._quirks(
+            ("slow-sdo", "one-pdo", "emergency-storm", "abort-with-size", "late-boot", "repeats-executed")
+        )
         if product == "tmcm-3315":
             text += f'firmware = "{rng.choice(("1.07", "1.08", "1.09", "1.09"))}"\n'
             for _ in range(rng.randrange(4)):
@@ -190,8 +209,11 @@ class Session:
 
     def _lines(self):
         lines = [(interface, line) for placed in self.placed for interface, line, _ in placed.lines]
-        return "".join(f'[[line]]\nlink = "{line}"\npacing = {self.rng.choice(("true", "false"))}\n'
-                       for interface, line in lines if interface.startswith("rs") and self.rng.random() < 0.5)
+        return "".join(
+            f'[[line]]\nlink = "{line}"\npacing = {self.rng.choice(("true", "false"))}\n'
+            for interface, line in lines
+            if interface.startswith("rs") and self.rng.random() < 0.5
+        )
 
     # What happens to them
 
@@ -239,7 +261,7 @@ class Session:
         elif action in ("power", "cable"):
             ways = ("power-off", "power-on") if action == "power" else ("break", "heal")
             later = begin + rng.randrange(500, 60000)
-            text = (f'{head}at = "{begin}us"\naction = "{ways[0]}"\n{head}at = "{later}us"\naction = "{ways[1]}"\n')
+            text = f'{head}at = "{begin}us"\naction = "{ways[0]}"\n{head}at = "{later}us"\naction = "{ways[1]}"\n'
         else:
             text = f'{head}at = "{begin}us"\naction = "{action}"\n'
         return text, note
@@ -248,14 +270,24 @@ class Session:
         source, target = self.rng.choice(self.placed), self.rng.choice(self.placed)
         signal = self.rng.choice(self.products[source.product].signals)
         name = self.rng.choice(self.products[target.product].inputs)[0]
-        return (f'[[wire]]\nfrom = "{source.name}.{signal}"\nto = "{target.name}.{name}"\n',
-                lambda: self.events.update(["wire"]))
+        return (
+            f'[[wire]]\nfrom = "{source.name}.{signal}"\nto = "{target.name}.{name}"\n',
+            lambda: self.events.update(["wire"]),
+        )
 
     def _fault(self, fault):
         rng = self.rng
-        fitting = [each for each in self.placed if fault.reach == "any" or fault.reach == "serial" and each.lines
-                   or fault.reach == "ethercat" and each.network == "segment"
-                   or fault.reach == "can" and each.network == "bus"]
+        fitting = [
+            each
+            for each in self.placed
+            if fault.reach == "any"
+            or fault.reach == "serial"
+            and each.lines
+            or fault.reach == "ethercat"
+            and each.network == "segment"
+            or fault.reach == "can"
+            and each.network == "bus"
+        ]
         if not fitting:
             return "", None
         device = rng.choice(fitting)
@@ -279,10 +311,20 @@ class Session:
         if begin < 0.55:
             lines.append(f"at = {self._time()}")
         elif begin < 0.8:
-            lines.append("when = { " + rng.choice((
-                'network_state = "operational"', f"cycles = {rng.randrange(1, 60)}",
-                f"message = {rng.randrange(1, 20)}", 'sdo = "1018"', 'sdo = "6060"',
-                "frame = 0x80, count = 20")) + " }")
+            lines.append(
+                "when = { "
+                + rng.choice(
+                    (
+                        'network_state = "operational"',
+                        f"cycles = {rng.randrange(1, 60)}",
+                        f"message = {rng.randrange(1, 20)}",
+                        'sdo = "1018"',
+                        'sdo = "6060"',
+                        "frame = 0x80, count = 20",
+                    )
+                )
+                + " }"
+            )
         if fault.counted and rng.random() < 0.7:
             lines.append(f"count = {rng.randrange(1, 20)}")
             if rng.random() < 0.5:
@@ -322,14 +364,27 @@ class Session:
             found.append(Segment(own(), counts, address, slaves))
         on_bus = [each.product for each in self.placed if each.network == "bus"]
         if on_bus:
-            found.append(Bus(own(), counts, address, self.products["tmcc160"].objects,
-                             5 if "tmcc160" in on_bus else 0, 1 if "tmcm-142" in on_bus else 0))
+            found.append(
+                Bus(
+                    own(),
+                    counts,
+                    address,
+                    self.products["tmcc160"].objects,
+                    5 if "tmcc160" in on_bus else 0,
+                    1 if "tmcm-142" in on_bus else 0,
+                )
+            )
         for placed in self.placed:
             for interface, _, port in placed.lines:
+
                 def open_host(port=port):
                     return SerialHost(address, port)
-                found.append(Module(own(), counts, open_host) if placed.product == "tmcm-142"
-                             else Line(own(), counts, open_host, placed.product, interface))
+
+                found.append(
+                    Module(own(), counts, open_host)
+                    if placed.product == "tmcm-142"
+                    else Line(own(), counts, open_host, placed.product, interface)
+                )
         return found
 
 

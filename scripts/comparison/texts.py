@@ -12,8 +12,14 @@ from comparison.outcome import Outcome, difference, in_parallel, run, spelled
 ROOT = Path(__file__).resolve().parent.parent.parent
 FORMATS = ("table", "csv", "json", "markdown")
 # Of "describe"; a flag that its help names and that stands here nowhere gets in by itself.
-FORMS = ([], ["--registers"], ["--registers", "--preset", "document"], ["--registers", "--preset", "silicon"],
-         ["--parameters", "axis"], ["--parameters", "global"])
+FORMS = (
+    [],
+    ["--registers"],
+    ["--registers", "--preset", "document"],
+    ["--registers", "--preset", "silicon"],
+    ["--parameters", "axis"],
+    ["--parameters", "global"],
+)
 NO_FORMS = ("--help", "--format", "--preset", "--parameters", "--registers")
 # Refused, each with a sentence of its own.
 REFUSED = """
@@ -106,9 +112,17 @@ class Questions:
 
     def all(self):
         yield from self._helps([])
-        yield from (["devices"], ["check", "--schema"], ["check", "--reference"], ["test", "--schema"],
-                    ["test", "--reference"], ["test", "--steps"],
-                    ["test", "--list", "scenarios"], ["faults"], ["faults", "--format", "markdown"])
+        yield from (
+            ["devices"],
+            ["check", "--schema"],
+            ["check", "--reference"],
+            ["test", "--schema"],
+            ["test", "--reference"],
+            ["test", "--steps"],
+            ["test", "--list", "scenarios"],
+            ["faults"],
+            ["faults", "--format", "markdown"],
+        )
         yield from (["faults", kind] for kind in self.faults)
         yield from (["faults", kind, "--format", "markdown"] for kind in self.faults)
         yield from self._descriptions()
@@ -117,13 +131,16 @@ class Questions:
         for product in [[], *([product] for product in self.products)]:
             for form in ("text", "csv", "json"):
                 yield ["conformance", *product, "--format", form]
-                yield from (["conformance", *product, "--format", form, "--status", status]
-                            for status in ("done", "simplified", "left-out", "open"))
+                yield from (
+                    ["conformance", *product, "--format", form, "--status", status]
+                    for status in ("done", "simplified", "left-out", "open")
+                )
         for path in self._paths("examples/mfc", "*.toml"):
             yield from (["mfc", "config", path, "--format", form] for form in ("table", "csv"))
         for path in self._paths("examples/tmcl", "*.tmc"):
-            yield from (["tmcl", "assemble", path, "--format", form]
-                        for form in ("hex", "telegrams", "listing", "binary"))
+            yield from (
+                ["tmcl", "assemble", path, "--format", form] for form in ("hex", "telegrams", "listing", "binary")
+            )
         for path in self._paths("racks", "**/*.toml"):
             yield from (["check", path], ["check", path, "--format", "json"])
         yield []
@@ -167,12 +184,19 @@ def asked(program, arguments):
 
 
 # Files that are written beside what is printed: (arguments, names).
-WRITTEN = [(["mfc", "config", str(ROOT / "examples/mfc" / name), "--sii", "image.bin", "--esi", "device.xml"],
-            ("image.bin", "device.xml")) for name in ("io-board.toml", "motion.toml")]
-WRITTEN += [(["simulate", "move", str(ROOT / "racks/gantry.toml"), "--csv", "move.csv"], ("move.csv",)),
-            (["tune", "tmc8670", "-o", "tuned.toml"], ("tuned.toml",)),
-            (["tune", str(ROOT / "racks/ethercat-servo.toml"), "-o", "tuned.toml"], ("tuned.toml",)),
-            (["test", str(ROOT / "scenarios"), "--verbose"], ())]
+WRITTEN = [
+    (
+        ["mfc", "config", str(ROOT / "examples/mfc" / name), "--sii", "image.bin", "--esi", "device.xml"],
+        ("image.bin", "device.xml"),
+    )
+    for name in ("io-board.toml", "motion.toml")
+]
+WRITTEN += [
+    (["simulate", "move", str(ROOT / "racks/gantry.toml"), "--csv", "move.csv"], ("move.csv",)),
+    (["tune", "tmc8670", "-o", "tuned.toml"], ("tuned.toml",)),
+    (["tune", str(ROOT / "racks/ethercat-servo.toml"), "-o", "tuned.toml"], ("tuned.toml",)),
+    (["test", str(ROOT / "scenarios"), "--verbose"], ()),
+]
 
 
 def written(program, arguments, names):
@@ -188,16 +212,19 @@ def compare(old, new, options, report):
     # What only the new program has, to be told as well.
     known = {tuple(arguments) for arguments in questions}
     questions += [arguments for arguments in Questions(new).all() if tuple(arguments) not in known]
-    for arguments, outcomes in zip(questions, in_parallel(
-            options.jobs, lambda each: (asked(old, each), asked(new, each)), questions), strict=True):
+    for arguments, outcomes in zip(
+        questions, in_parallel(options.jobs, lambda each: (asked(old, each), asked(new, each)), questions), strict=True
+    ):
         report.count("commands")
         report.count("bytes", sum(len(part) for _, part in outcomes[0].parts()))
         if outcomes[0].status:
             report.count("of them refused")
         if lines := difference(*outcomes):
             report.differs(spelled(arguments), lines)
-    experiments = [(["simulate", name, "--csv", "curves.csv"], ("curves.csv",))
-                   for name in commands_in(run(old, ["simulate", "--help"], ROOT).output)]
+    experiments = [
+        (["simulate", name, "--csv", "curves.csv"], ("curves.csv",))
+        for name in commands_in(run(old, ["simulate", "--help"], ROOT).output)
+    ]
     for arguments, names in [*WRITTEN, *experiments]:
         report.count("commands with files")
         if lines := difference(written(old, arguments, names), written(new, arguments, names)):

@@ -38,13 +38,24 @@ class Module(Actor):
 
     def moves(self):
         ask = self.module.ask
-        for number, value in ((4, log_uniform(self.rng, 10, 2047)), (5, log_uniform(self.rng, 10, 2047)),
-                              (6, self.rng.randrange(256)), (140, self.rng.randrange(9))):
+        for number, value in (
+            (4, log_uniform(self.rng, 10, 2047)),
+            (5, log_uniform(self.rng, 10, 2047)),
+            (6, self.rng.randrange(256)),
+            (140, self.rng.randrange(9)),
+        ):
             if self.rng.random() < 0.6:
                 self.try_to(ask, tmcl_host.SAP, number, 0, value)
-        command, kind, value = self.rng.choice((
-            (4, 0, self.rng.randrange(-200000, 200000)), (4, 1, self.rng.randrange(-50000, 50000)),
-            (1, 0, self.rng.randrange(2048)), (2, 0, self.rng.randrange(2048)), (13, 0, 0), (3, 0, 0)))
+        command, kind, value = self.rng.choice(
+            (
+                (4, 0, self.rng.randrange(-200000, 200000)),
+                (4, 1, self.rng.randrange(-50000, 50000)),
+                (1, 0, self.rng.randrange(2048)),
+                (2, 0, self.rng.randrange(2048)),
+                (13, 0, 0),
+                (3, 0, 0),
+            )
+        )
         self.try_to(ask, command, kind, 0, value)
         for _ in range(self.rng.randrange(20, 120)):
             self.try_to(ask, tmcl_host.GAP, self.rng.choice((1, 3, 8)))
@@ -53,9 +64,17 @@ class Module(Actor):
     def program(self):
         """Loads a program that moves, runs it and looks at it."""
         ask = self.module.ask
-        program = [(5, 4, 0, log_uniform(self.rng, 50, 2000)), (1, 0, 0, log_uniform(self.rng, 50, 2000)),
-                   (27, 0, 0, self.rng.randrange(1, 4)), (9, self.rng.randrange(56), 2, self.rng.randrange(1000)),
-                   (6, 1, 0, 0), (20, 0, 0, self.rng.randrange(1000)), (21, 4, 0, 2), (3, 0, 0, 0), (22, 0, 0, 1)]
+        program = [
+            (5, 4, 0, log_uniform(self.rng, 50, 2000)),
+            (1, 0, 0, log_uniform(self.rng, 50, 2000)),
+            (27, 0, 0, self.rng.randrange(1, 4)),
+            (9, self.rng.randrange(56), 2, self.rng.randrange(1000)),
+            (6, 1, 0, 0),
+            (20, 0, 0, self.rng.randrange(1000)),
+            (21, 4, 0, 2),
+            (3, 0, 0, 0),
+            (22, 0, 0, 1),
+        ]
         self.try_to(ask, 128)
         self.try_to(ask, tmcl_host.START_DOWNLOAD)
         for words in program:
@@ -71,8 +90,17 @@ class Module(Actor):
         ask = self.module.ask
         for _ in range(self.rng.randrange(1, 6)):
             number = self.rng.randrange(56)
-            command = self.rng.choice(((5, 4, 0, self.rng.randrange(2048)), (7, 4), (8, 4), (9, number, 2, number),
-                                       (11, number, 2), (12, number, 2), (30, 1 + number % 20, 0, number)))
+            command = self.rng.choice(
+                (
+                    (5, 4, 0, self.rng.randrange(2048)),
+                    (7, 4),
+                    (8, 4),
+                    (9, number, 2, number),
+                    (11, number, 2),
+                    (12, number, 2),
+                    (30, 1 + number % 20, 0, number),
+                )
+            )
             self.try_to(ask, *command)
 
     def text(self):
@@ -117,8 +145,9 @@ class Line(Actor):
 
     def questions(self):
         for _ in range(self.rng.randrange(3, 12)):
-            command, kind = self.rng.choice(((6, self.rng.randrange(256)), (10, 66), (15, 0), (136, 1), (1, 0),
-                                             (99, 0)))
+            command, kind = self.rng.choice(
+                ((6, self.rng.randrange(256)), (10, 66), (15, 0), (136, 1), (1, 0), (99, 0))
+            )
             self.try_to(self.module.ask, command, kind)
         time.sleep(0.01)
 
@@ -136,11 +165,11 @@ class Line(Actor):
         page, start = ask(206, 0), ask(206, 1)
         ask(200)
         image = self.rng.randbytes(self.rng.choice((20, 256, 300)))
-        whole = image.ljust(-(-len(image) // page) * page, b"\xFF")
+        whole = image.ljust(-(-len(image) // page) * page, b"\xff")
         for at in range(0, len(whole), page):
             for word in range(page // 4):
                 place = at + 4 * word
-                ask(201, word % 256, word // 256, int.from_bytes(whole[place:place + 4], "little", signed=True))
+                ask(201, word % 256, word // 256, int.from_bytes(whole[place : place + 4], "little", signed=True))
             ask(202, 0, 0, start + at)
         ask(203, 0, 0, start + len(image) - 1)
         wrong = self.rng.random() < 0.2

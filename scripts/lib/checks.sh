@@ -22,7 +22,10 @@ select_checks() {
     case "$1" in
       --list) checks_list=true ;;
       --only)
-        [[ -n "${2:-}" ]] || { printf '%s: --only needs the name of a check, or a part of it\n' "$0" >&2; exit 2; }
+        [[ -n "${2:-}" ]] || {
+          printf '%s: --only needs the name of a check, or a part of it\n' "$0" >&2
+          exit 2
+        }
         checks_only+=("$2")
         shift
         ;;

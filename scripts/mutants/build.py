@@ -53,8 +53,11 @@ class Build:
 
     def prepare(self, sample):
         """Copies the tree with the sample's places rewritten; times of unchanged files stay."""
-        done = subprocess.run(["git", "-C", str(self.root), "ls-files", "-z", "--cached",
-                               "--others", "--exclude-standard"], capture_output=True, check=True)
+        done = subprocess.run(
+            ["git", "-C", str(self.root), "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+            capture_output=True,
+            check=True,
+        )
         kept = set()
         for name in filter(None, done.stdout.decode().split("\0")):
             source, target = self.root / name, self.tree / name
@@ -66,27 +69,42 @@ class Build:
                 data = self.rewritten(data.decode(), sample.places[name]).encode()
             write_if_changed(target, data)
             shutil.copymode(source, target)
-        for left in [p for p in self.tree.rglob("*") if p.is_file() and p not in kept
-                     and not p.is_relative_to(self.tree / "build")]:
+        for left in [
+            p
+            for p in self.tree.rglob("*")
+            if p.is_file() and p not in kept and not p.is_relative_to(self.tree / "build")
+        ]:
             left.unlink()
         for name in ("schemata.hpp", "listener.cpp"):
             write_if_changed(self.include / name, (HERE / name).read_bytes())
         names = "".join(f"  {name}\n" for name in sorted(sample.places))
         write_if_changed(self.include / "sources.cmake", f"set(sources\n{names})\n".encode())
-        write_if_changed(self.include / "mutants.cmake",
-                         CMAKE.replace("@HERE@", self.include.as_posix()).encode())
+        write_if_changed(self.include / "mutants.cmake", CMAKE.replace("@HERE@", self.include.as_posix()).encode())
 
     def rewritten(self, text, places):
         return rewrite(text, places, (self.include / "schemata.hpp").as_posix()) if places else text
 
     def configure(self):
         done = subprocess.run(
-            ["cmake", "-S", str(self.tree), "-B", str(self.folder), "-G", "Ninja",
-             "-DCMAKE_BUILD_TYPE=Release", "-DSTATOR_BUILD_BENCHMARKS=OFF",
-             "-DSTATOR_BUILD_EXAMPLES=OFF",
-             f"-DCMAKE_PROJECT_INCLUDE={self.include / 'mutants.cmake'}",
-             f"-DSTATOR_MUTATED_SUITES={';'.join(self.suites)}"],
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+            [
+                "cmake",
+                "-S",
+                str(self.tree),
+                "-B",
+                str(self.folder),
+                "-G",
+                "Ninja",
+                "-DCMAKE_BUILD_TYPE=Release",
+                "-DSTATOR_BUILD_BENCHMARKS=OFF",
+                "-DSTATOR_BUILD_EXAMPLES=OFF",
+                f"-DCMAKE_PROJECT_INCLUDE={self.include / 'mutants.cmake'}",
+                f"-DSTATOR_MUTATED_SUITES={';'.join(self.suites)}",
+            ],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+        )
         if done.returncode != 0:
             sys.exit(f"scripts/mutation: cmake failed\n{done.stdout}")
 
@@ -95,9 +113,23 @@ class Build:
         dropped = set()
         for _ in range(ROUNDS):
             done = subprocess.run(
-                ["cmake", "--build", str(self.folder), "--target",
-                 *(f"test_{s}" for s in self.suites), "--", "-k", "0", "-j", str(self.jobs)],
-                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+                [
+                    "cmake",
+                    "--build",
+                    str(self.folder),
+                    "--target",
+                    *(f"test_{s}" for s in self.suites),
+                    "--",
+                    "-k",
+                    "0",
+                    "-j",
+                    str(self.jobs),
+                ],
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+                check=False,
+            )
             if done.returncode == 0:
                 return dropped
             bad = self._drop_failing(done.stdout, sample)
@@ -109,8 +141,7 @@ class Build:
     def _drop_failing(self, output, sample):
         """Takes out the places on lines with errors; all of a file that fails elsewhere."""
         lines = {}
-        for path, line in re.findall(r"^(\S+?\.cpp):(\d+):(?:\d+:)? (?:fatal )?error: ", output,
-                                     re.MULTILINE):
+        for path, line in re.findall(r"^(\S+?\.cpp):(\d+):(?:\d+:)? (?:fatal )?error: ", output, re.MULTILINE):
             name = os.path.relpath((self.folder / path).resolve(), self.tree)
             if name in sample.places:
                 lines.setdefault(name, set()).add(int(line))
@@ -122,10 +153,12 @@ class Build:
         for name, failing in lines.items():
             places = sample.places.get(name, [])
             text = (self.root / name).read_text(encoding="utf-8")
-            bad = [p for p in places
-                   if failing & set(range(text.count("\n", 0, p.start) + 1,
-                                          text.count("\n", 0, p.end) + 2))
-                   and text.count("\n", 0, p.end) - text.count("\n", 0, p.start) < 6] or places
+            bad = [
+                p
+                for p in places
+                if failing & set(range(text.count("\n", 0, p.start) + 1, text.count("\n", 0, p.end) + 2))
+                and text.count("\n", 0, p.end) - text.count("\n", 0, p.start) < 6
+            ] or places
             dropped |= {number for place in bad for number in place.identities}
             sample.places[name] = [p for p in places if p not in bad]
             write_if_changed(self.tree / name, self.rewritten(text, sample.places[name]).encode())

@@ -11,33 +11,90 @@ from dataclasses import dataclass, field
 from source_text import ASSIGNMENTS, SourceText
 
 # operator: (its function object, what replaces it)
-COMPARISONS = {"<": ["<=", ">="], "<=": ["<", ">"], ">": [">=", "<="], ">=": [">", "<"],
-               "==": ["!="], "!=": ["=="]}
-ARITHMETIC = {"+": ["-"], "-": ["+"], "*": ["/"], "/": ["*"], "%": ["*"], "&": ["|"], "|": ["&"],
-              "^": ["|"], "<<": [">>"], ">>": ["<<"]}
+COMPARISONS = {"<": ["<=", ">="], "<=": ["<", ">"], ">": [">=", "<="], ">=": [">", "<"], "==": ["!="], "!=": ["=="]}
+ARITHMETIC = {
+    "+": ["-"],
+    "-": ["+"],
+    "*": ["/"],
+    "/": ["*"],
+    "%": ["*"],
+    "&": ["|"],
+    "|": ["&"],
+    "^": ["|"],
+    "<<": [">>"],
+    ">>": ["<<"],
+}
 REPLACED = {**COMPARISONS, **ARITHMETIC}
-FUNCTION = {"<": "Less", "<=": "LessEqual", ">": "Greater", ">=": "GreaterEqual", "==": "Equal",
-            "!=": "NotEqual", "+": "Plus", "-": "Minus", "*": "Times", "/": "Divide", "%": "Modulo",
-            "&": "And", "|": "Or", "^": "Xor", "<<": "ShiftLeft", ">>": "ShiftRight"}
-ASSIGNED = {"+=": "-=", "-=": "+=", "*=": "/=", "/=": "*=", "&=": "|=", "|=": "&=", "<<=": ">>=",
-            ">>=": "<<="}
+FUNCTION = {
+    "<": "Less",
+    "<=": "LessEqual",
+    ">": "Greater",
+    ">=": "GreaterEqual",
+    "==": "Equal",
+    "!=": "NotEqual",
+    "+": "Plus",
+    "-": "Minus",
+    "*": "Times",
+    "/": "Divide",
+    "%": "Modulo",
+    "&": "And",
+    "|": "Or",
+    "^": "Xor",
+    "<<": "ShiftLeft",
+    ">>": "ShiftRight",
+}
+ASSIGNED = {"+=": "-=", "-=": "+=", "*=": "/=", "/=": "*=", "&=": "|=", "|=": "&=", "<<=": ">>=", ">>=": "<<="}
 
 # What has no run time, and what only people read: the values in an event's text.
 UNEVALUATED = {"sizeof", "decltype", "alignof", "noexcept", "EventArgument"}
 DECLARATIONS = {"constexpr", "static_assert", "using", "typedef", "friend", "template", "asm"}
-NOT_A_STATEMENT = {"if", "for", "while", "switch", "return", "break", "continue", "case", "default",
-                   "else", "do", "throw", "delete", "new", "goto", "auto", "const", "static",
-                   "constexpr", "using", "unsigned", "int", "bool", "double", "float", "try",
-                   "catch", "char", "long", "struct", "class", "co_return", "static_assert",
-                   "typename"}
+NOT_A_STATEMENT = {
+    "if",
+    "for",
+    "while",
+    "switch",
+    "return",
+    "break",
+    "continue",
+    "case",
+    "default",
+    "else",
+    "do",
+    "throw",
+    "delete",
+    "new",
+    "goto",
+    "auto",
+    "const",
+    "static",
+    "constexpr",
+    "using",
+    "unsigned",
+    "int",
+    "bool",
+    "double",
+    "float",
+    "try",
+    "catch",
+    "char",
+    "long",
+    "struct",
+    "class",
+    "co_return",
+    "static_assert",
+    "typename",
+}
 NO_DIFFERENCE = {"reserve", "shrink_to_fit"}
-PLAIN_NUMBER = re.compile(r"(?:0[xX][\da-fA-F']+|[\d']+)[uUlLzZ]*"
-                          r"|(?:[\d']+\.[\d']*|\.\d+)(?:[eE][-+]?\d+)?[fF]?")
+PLAIN_NUMBER = re.compile(
+    r"(?:0[xX][\da-fA-F']+|[\d']+)[uUlLzZ]*"
+    r"|(?:[\d']+\.[\d']*|\.\d+)(?:[eE][-+]?\d+)?[fF]?"
+)
 
 
 @dataclass
 class Place:
     """One place: its extent in the text, how it is rewritten, and the changes it offers."""
+
     start: int
     end: int
     kind: str
@@ -100,13 +157,19 @@ class _Finder:
         if "=" not in texts and "{" not in texts:
             return False
         value = texts.index("=") if "=" in texts else texts.index("{")
-        values = [t.text for t in self.tokens[i + value:end] if t.kind == "name"]
+        values = [t.text for t in self.tokens[i + value : end] if t.kind == "name"]
         return bool(names) and all(re.fullmatch(r"k[A-Z]\w*|std|true|false", v) for v in values)
 
     def _add(self, first, last, kind, changes, operator=None):
-        self.places.append(Place(
-            self.tokens[first].start, self.tokens[last].end, kind, changes,
-            (self.tokens[operator].start, self.tokens[operator].end) if operator else None))
+        self.places.append(
+            Place(
+                self.tokens[first].start,
+                self.tokens[last].end,
+                kind,
+                changes,
+                (self.tokens[operator].start, self.tokens[operator].end) if operator else None,
+            )
+        )
 
     def _look_at(self, i):
         token = self.tokens[i]
@@ -122,8 +185,7 @@ class _Finder:
                 self._add(first, i - 1, "condition", ["true", "false"])
         elif self.source.binary_precedence(i) is not None:
             self._operation(i)
-        if self.source.enclosing[i] == "{" and (self.tokens[i - 1].text in (";", "{", "}")
-                                                or self._follows_a_head(i)):
+        if self.source.enclosing[i] == "{" and (self.tokens[i - 1].text in (";", "{", "}") or self._follows_a_head(i)):
             self._statement(i)
 
     def _follows_a_head(self, i):
@@ -131,8 +193,11 @@ class _Finder:
         before = i - 1
         if self.tokens[before].text == "else":
             return True
-        return self.tokens[before].text == ")" and self.source.closes(before) \
+        return (
+            self.tokens[before].text == ")"
+            and self.source.closes(before)
             and self.tokens[self.source.partner[before] - 1].text in ("if", "for", "while")
+        )
 
     def _condition(self, word, opening):
         closing = self.source.partner[opening]
@@ -142,8 +207,7 @@ class _Finder:
                 first = i + 1
         if first >= closing or any(token.text in ASSIGNMENTS for token in self.tokens[first:closing]):
             return
-        self._add(first, closing - 1, "condition",
-                  ["true", "false"] if word == "if" else [None, "false"])
+        self._add(first, closing - 1, "condition", ["true", "false"] if word == "if" else [None, "false"])
 
     def _operation(self, i):
         text = self.tokens[i].text
@@ -161,19 +225,26 @@ class _Finder:
 
     def _statement(self, first):
         tokens, source = self.tokens, self.source
-        if tokens[first].text in NOT_A_STATEMENT or tokens[first].kind != "name" \
-                and tokens[first].text not in ("++", "--", "*"):
+        if (
+            tokens[first].text in NOT_A_STATEMENT
+            or tokens[first].kind != "name"
+            and tokens[first].text not in ("++", "--", "*")
+        ):
             return
         i = first + (tokens[first].kind != "name")
-        while tokens[i].kind == "name" or tokens[i].text in ("::", ".", "->") or source.opens(i) \
-                and tokens[i].text in "([<":
-            if tokens[i].kind == "name" and i > first and \
-                    (tokens[i - 1].kind == "name" or source.closes(i - 1)):
+        while (
+            tokens[i].kind == "name"
+            or tokens[i].text in ("::", ".", "->")
+            or source.opens(i)
+            and tokens[i].text in "([<"
+        ):
+            if tokens[i].kind == "name" and i > first and (tokens[i - 1].kind == "name" or source.closes(i - 1)):
                 return  # a declaration
             i = source.partner[i] + 1 if source.opens(i) else i + 1
         assigned = tokens[i].text in ASSIGNMENTS
-        if not assigned and not (tokens[i].text == ";" and (tokens[i - 1].text == ")"
-                                                            or tokens[first].text in ("++", "--"))):
+        if not assigned and not (
+            tokens[i].text == ";" and (tokens[i - 1].text == ")" or tokens[first].text in ("++", "--"))
+        ):
             return
         end = source.end_of_statement(i)
         if tokens[end].text != ";" or NO_DIFFERENCE & {t.text for t in tokens[first:end]}:
@@ -212,20 +283,23 @@ def rewrite(text, places, header):
             around(place, f"if (!::mutant::skips<{number}>()) {{ ", " }")
         elif place.kind == "operation":
             functions = ", ".join(f"::mutant::{FUNCTION[c]}" for c in place.changes)
-            around(place,
-                   f"::mutant::operate<{number}, ::mutant::{FUNCTION[original]}, {functions}>(", ")")
+            around(place, f"::mutant::operate<{number}, ::mutant::{FUNCTION[original]}, {functions}>(", ")")
             replaced.append((place.operator, ","))
         elif place.kind == "logical":
             swapped = f"::mutant::swaps<{number}>()"
             around(place, "(((static_cast<bool>(", f") != {swapped})) != {swapped})")
-            replaced.append((place.operator,
-                             f") != {swapped}) {original} (static_cast<bool>("))
+            replaced.append((place.operator, f") != {swapped}) {original} (static_cast<bool>("))
         else:
-            left = text[place.start:place.operator[0]]
-            right = text[place.operator[1]:place.end]
-            inserted.append((place.start, (1, -place.end, 1),
-                             f"if (::mutant::swaps<{number}>()) {{ {_one_line(left)}"
-                             f"{place.changes[0]}{_one_line(right)}; }} else "))
+            left = text[place.start : place.operator[0]]
+            right = text[place.operator[1] : place.end]
+            inserted.append(
+                (
+                    place.start,
+                    (1, -place.end, 1),
+                    f"if (::mutant::swaps<{number}>()) {{ {_one_line(left)}"
+                    f"{place.changes[0]}{_one_line(right)}; }} else ",
+                )
+            )
     changes = [(offset, order, offset, new) for offset, order, new in inserted]
     changes += [(start, (2, 0, 0), end, new) for (start, end), new in replaced]
     result, at = [f'#include "{header}" // NOLINT\n#line 1\n'], 0

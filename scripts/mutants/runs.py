@@ -26,6 +26,7 @@ class Test:
 @dataclass
 class Knowledge:
     """What the run without a mutant told."""
+
     tests: dict = field(default_factory=dict)  # number of a mutant: tests in which it differs
     notes: dict = field(default_factory=dict)  # number of a mutant: all notes on it
     inapplicable: set = field(default_factory=set)
@@ -38,8 +39,14 @@ def record(program, suite, path, tests_filter, knowledge):
     """Runs all tests of a suite without a mutant."""
     environment = dict(os.environ, MUTANT_RECORD=str(path), GTEST_FILTER=tests_filter)
     environment.pop("MUTANT", None)
-    subprocess.run([program, "--gtest_brief=1"], env=environment, stdout=subprocess.DEVNULL,
-                   stderr=subprocess.DEVNULL, cwd=path.parent, check=False)
+    subprocess.run(
+        [program, "--gtest_brief=1"],
+        env=environment,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        cwd=path.parent,
+        check=False,
+    )
     before_first = {}
     for line in path.read_text(encoding="utf-8").splitlines():
         words = line.split()
@@ -95,6 +102,7 @@ def _limit(seconds):
         resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
     return apply
 
 
@@ -103,15 +111,21 @@ def run(program, number, tests, folder):
     seconds = LEAST_LIMIT + int(HANGS_AFTER * sum(t.seconds for t in tests))
     environment = dict(os.environ, MUTANT=str(number), GTEST_FILTER=":".join(t.name for t in tests))
     environment.pop("MUTANT_RECORD", None)
-    done = subprocess.run([program, "--gtest_fail_fast", "--gtest_color=no"], env=environment,
-                          stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, cwd=folder, check=False,
-                          preexec_fn=_limit(seconds))
+    done = subprocess.run(
+        [program, "--gtest_fail_fast", "--gtest_color=no"],
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        cwd=folder,
+        check=False,
+        preexec_fn=_limit(seconds),
+    )
     if done.returncode == 0:
         return "survived", ""
     last = ""
     for line in done.stdout.decode(errors="replace").splitlines():
         if line.startswith(STARTED):
-            last = line[len(STARTED):]
+            last = line[len(STARTED) :]
         elif line.startswith(FAILED):
             break  # the rest is started only to be skipped
     if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL):

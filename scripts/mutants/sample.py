@@ -38,14 +38,13 @@ def read_equivalent(path):
     if not path.exists():
         return set()
     with open(path, newline="", encoding="utf-8") as file:
-        return {(row["file"], row["line"], row["original"], row["change"])
-                for row in csv.DictReader(file)}
+        return {(row["file"], row["line"], row["original"], row["change"]) for row in csv.DictReader(file)}
 
 
 def _original(place, text):
     if place.operator:
         return text[slice(*place.operator)]
-    return " ".join(text[place.start:place.end].split())
+    return " ".join(text[place.start : place.end].split())
 
 
 def mutants_of(path, text, room):
@@ -55,8 +54,11 @@ def mutants_of(path, text, room):
     for place in find_places(text):
         at = place.operator[0] if place.operator else place.start
         line = text.count("\n", 0, at) + 1
-        found += [Mutant(0, room, path, line, lines[line - 1].strip(), _original(place, text), change, place)
-                  for change in place.changes if change is not None]
+        found += [
+            Mutant(0, room, path, line, lines[line - 1].strip(), _original(place, text), change, place)
+            for change in place.changes
+            if change is not None
+        ]
     return found
 
 
@@ -90,8 +92,11 @@ def draw(root, rooms, count, seed, equivalent=frozenset()):
         chosen.append(drawn[:share])
     mixed = [mutant for drawn in chosen for mutant in drawn]
     random.Random(f"{seed} order").shuffle(mixed)
-    return Sample(mixed, _numbered(places, sorted(
-        path.relative_to(root).as_posix() for path in (root / "src").rglob("*.cpp"))), known)
+    return Sample(
+        mixed,
+        _numbered(places, sorted(path.relative_to(root).as_posix() for path in (root / "src").rglob("*.cpp"))),
+        known,
+    )
 
 
 def _numbered(drawn, sources):
@@ -100,8 +105,7 @@ def _numbered(drawn, sources):
     for path, mutants in drawn.items():
         number = 1 + NUMBERS_PER_FILE * sources.index(path)
         if len(mutants) >= NUMBERS_PER_FILE or number >= CAPACITY:
-            raise ValueError(f"{path}: more mutants than there are numbers; raise them here and in "
-                             "schemata.hpp")
+            raise ValueError(f"{path}: more mutants than there are numbers; raise them here and in schemata.hpp")
         for mutant in mutants:
             place = mutant.place
             if not place.identities:

@@ -7,17 +7,38 @@ on both sides; unary operators, declarators and template brackets have not.
 import re
 from dataclasses import dataclass
 
-TOKEN = re.compile(r"""
+TOKEN = re.compile(
+    r"""
     (?P<skip>\s+|//[^\n]*|/\*.*?\*/|(?<=\n)\#(?:[^\n\\]|\\.|\\\n)*|\A\#[^\n]*)
   | (?P<string>(?:u8|[uUL])?(?:R"(?P<tag>[^\s()\\]{0,16})\(.*?\)(?P=tag)"|"(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)+'))
   | (?P<number>\.?\d(?:'?[\w.]|(?<=[eEpP])[+-])*)
   | (?P<name>[A-Za-z_]\w*)
   | (?P<operator><=>|<<=|>>=|\.\.\.|->\*|::|->|\+\+|--|<<|>>|<=|>=|==|!=|&&|\|\||[-+*/%&|^]=|.)
-""", re.VERBOSE | re.DOTALL)
+""",
+    re.VERBOSE | re.DOTALL,
+)
 
-PRECEDENCE = {"*": 10, "/": 10, "%": 10, "+": 9, "-": 9, "<<": 8, ">>": 8, "<=>": 7.5,
-              "<": 7, "<=": 7, ">": 7, ">=": 7, "==": 6, "!=": 6, "&": 5, "^": 4, "|": 3,
-              "&&": 2, "||": 1}
+PRECEDENCE = {
+    "*": 10,
+    "/": 10,
+    "%": 10,
+    "+": 9,
+    "-": 9,
+    "<<": 8,
+    ">>": 8,
+    "<=>": 7.5,
+    "<": 7,
+    "<=": 7,
+    ">": 7,
+    ">=": 7,
+    "==": 6,
+    "!=": 6,
+    "&": 5,
+    "^": 4,
+    "|": 3,
+    "&&": 2,
+    "||": 1,
+}
 ASSIGNMENTS = {"=", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^=", "<<=", ">>="}
 STATEMENT_WORDS = {"return", "co_return", "case", "throw", "else", "do", "delete", "goto"}
 NOT_BEFORE_A_BRACED_VALUE = {"else", "do", "try", "const", "noexcept", "override", "final"}
@@ -35,6 +56,7 @@ class Token:
 @dataclass(frozen=True)
 class Body:
     """A function's body: indices of its braces; constexpr ones may run in the compiler only."""
+
     first: int
     last: int
     is_constexpr: bool
@@ -64,8 +86,8 @@ class SourceText:
                 kind = "string"
             if kind == "skip":
                 continue
-            before = self.text[start - 1:start].isspace()
-            after = self.text[end:end + 1].isspace()
+            before = self.text[start - 1 : start].isspace()
+            after = self.text[end : end + 1].isspace()
             if match.group() == ">>" and not before:  # closes two templates
                 yield Token(kind, ">", start, start + 1, False)
                 yield Token(kind, ">", start + 1, end, False)
@@ -84,8 +106,13 @@ class SourceText:
                 if text == "<" and not self.tokens[j].spaced:
                     opened.append(j)
                     depth += 1
-                elif text == ">" and not self.tokens[j].spaced or text == ">" and depth and \
-                        self.text[self.tokens[j].start - 1] not in " \n":
+                elif (
+                    text == ">"
+                    and not self.tokens[j].spaced
+                    or text == ">"
+                    and depth
+                    and self.text[self.tokens[j].start - 1] not in " \n"
+                ):
                     first = opened.pop()
                     self.partner[first], self.partner[j] = j, first
                     depth -= 1
@@ -117,8 +144,11 @@ class SourceText:
         """Whether `{` begins `Type{...}` and not a block."""
         before = self.tokens[opening - 1] if opening else None
         return before is not None and (
-            before.kind == "name" and before.text not in NOT_BEFORE_A_BRACED_VALUE
-            or before.text == ">" and self.closes(opening - 1))
+            before.kind == "name"
+            and before.text not in NOT_BEFORE_A_BRACED_VALUE
+            or before.text == ">"
+            and self.closes(opening - 1)
+        )
 
     def binary_precedence(self, i):
         """Precedence of the binary operator at `i`; None if there is none."""
@@ -129,9 +159,12 @@ class SourceText:
 
     def _ends_operand(self, i):
         token = self.tokens[i]
-        return token.kind == "operator" and (token.text in (",", ";", "?", ":")
-                                             or token.text in ASSIGNMENTS) \
-            or token.kind == "name" and token.text in STATEMENT_WORDS
+        return (
+            token.kind == "operator"
+            and (token.text in (",", ";", "?", ":") or token.text in ASSIGNMENTS)
+            or token.kind == "name"
+            and token.text in STATEMENT_WORDS
+        )
 
     def left_operand(self, operator, precedence):
         """Index of the first token of the left operand; None if it cannot be told."""

@@ -48,8 +48,7 @@ class Session:
         raise TimeoutError(f"no frame with identifier {wanted:03X}h")
 
     def send(self, identifier, data):
-        self.bus.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False),
-                      timeout=TIMEOUT)
+        self.bus.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False), timeout=TIMEOUT)
 
     def request(self, data):
         self.send(0x600 + NODE, data)
@@ -61,18 +60,20 @@ class Session:
     def read(self, index, subindex=0, signed=False):
         answer = self.request(struct.pack("<BHB4x", 0x40, index, subindex))
         if answer[0] & 2:
-            return int.from_bytes(answer[4:4 + 4 - (answer[0] >> 2 & 3)], "little", signed=signed)
+            return int.from_bytes(answer[4 : 4 + 4 - (answer[0] >> 2 & 3)], "little", signed=signed)
         data, toggle = b"", 0
         while True:
             answer = self.request(bytes([0x60 | toggle]) + bytes(7))
-            data += answer[1:8 - (answer[0] >> 1 & 7)]
+            data += answer[1 : 8 - (answer[0] >> 1 & 7)]
             toggle ^= 0x10
             if answer[0] & 1:
                 return data
 
     def write(self, index, subindex, value, size):
-        self.request(struct.pack("<BHB", 0x23 | (4 - size) << 2, index, subindex)
-                     + (value & (1 << 8 * size) - 1).to_bytes(size, "little").ljust(4, b"\0"))
+        self.request(
+            struct.pack("<BHB", 0x23 | (4 - size) << 2, index, subindex)
+            + (value & (1 << 8 * size) - 1).to_bytes(size, "little").ljust(4, b"\0")
+        )
 
     def note(self, *what):
         self.notes.append(" ".join(str(part) for part in what))
@@ -137,8 +138,7 @@ class Session:
         self.write(0x6084, 0, 10000, 4)
         self.enable()
         self.write(0x60FF, 0, 1200, 4)
-        self.until("1200 rpm", lambda: abs(self.read(0x606C, signed=True) - 1200) < 30
-                   and self.status() & 0x400)
+        self.until("1200 rpm", lambda: abs(self.read(0x606C, signed=True) - 1200) < 30 and self.status() & 0x400)
         self.write(0x60FF, 0, 0, 4)
         self.until("stands", lambda: not self.status() & 0x4000)
         self.write(0x6060, 0, 6, 1)
@@ -190,8 +190,7 @@ class Transports(unittest.TestCase):
 
     def test_socketcand(self):
         port = free_port()
-        self.session(f"socketcand:{port}", interface="socketcand", host="127.0.0.1", port=port,
-                     channel="can0")
+        self.session(f"socketcand:{port}", interface="socketcand", host="127.0.0.1", port=port, channel="can0")
 
     def test_slcan_on_a_terminal(self):
         path = os.path.join(self.directory.name, "can0")
@@ -199,8 +198,7 @@ class Transports(unittest.TestCase):
 
     def test_slcan_over_tcp(self):
         port = free_port()
-        self.session(f"slcan-tcp:{port}", interface="slcan", channel=f"socket://127.0.0.1:{port}",
-                     sleep_after_open=0.1)
+        self.session(f"slcan-tcp:{port}", interface="slcan", channel=f"socket://127.0.0.1:{port}", sleep_after_open=0.1)
 
     def test_udp_multicast(self):
         if "STATOR_TEST_NETWORK" not in os.environ:
@@ -215,8 +213,7 @@ class Transports(unittest.TestCase):
     def test_socketcan(self):
         if OPTIONS.interface is None:
             self.skipTest("no interface of a kernel with CAN is named; scripts/can-vm has one")
-        self.session(f"socketcan:{OPTIONS.interface}", interface="socketcan",
-                     channel=OPTIONS.interface)
+        self.session(f"socketcan:{OPTIONS.interface}", interface="socketcan", channel=OPTIONS.interface)
 
 
 def main():

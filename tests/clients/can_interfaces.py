@@ -57,9 +57,13 @@ class Bus:
         path = os.path.join(self.directory.name, "rack.toml")
         with open(path, "w", encoding="ascii") as file:
             file.write(RACK)
-        self.process = subprocess.Popen([OPTIONS.stator, "run", path], stdout=subprocess.PIPE,
-                                        stderr=subprocess.STDOUT, text=True,
-                                        env=server_environment())
+        self.process = subprocess.Popen(
+            [OPTIONS.stator, "run", path],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            env=server_environment(),
+        )
         said = ""
         for line in self.process.stdout:
             said += line
@@ -103,7 +107,7 @@ def messages(datagram):
         length, kind, flags, sequence, port = struct.unpack("=IHHII", datagram[:16])
         assert 16 <= length <= len(datagram), datagram
         yield kind, flags, sequence, port, datagram[16:length]
-        datagram = datagram[(length + 3) & ~3:]
+        datagram = datagram[(length + 3) & ~3 :]
 
 
 def attributes(content):
@@ -111,7 +115,7 @@ def attributes(content):
     while content:
         length, kind = struct.unpack("=HH", content[:4])
         found[kind & 0x3FFF] = content[4:length]
-        content = content[(length + 3) & ~3:]
+        content = content[(length + 3) & ~3 :]
     return found
 
 
@@ -123,8 +127,12 @@ class Ifaddrs(ctypes.Structure):
     pass
 
 
-Ifaddrs._fields_ = [("next", ctypes.POINTER(Ifaddrs)), ("name", ctypes.c_char_p),
-                    ("flags", ctypes.c_uint), ("address", ctypes.c_void_p)]
+Ifaddrs._fields_ = [
+    ("next", ctypes.POINTER(Ifaddrs)),
+    ("name", ctypes.c_char_p),
+    ("flags", ctypes.c_uint),
+    ("address", ctypes.c_void_p),
+]
 
 
 class OnARunningBus(unittest.TestCase):
@@ -155,12 +163,11 @@ class OnARunningBus(unittest.TestCase):
         self.assertIn("lo", links)
         bus = links[BUS]
         self.assertEqual(list(links)[-1], BUS)
-        self.assertEqual((bus["ifindex"], bus["link_type"], bus["mtu"], bus["operstate"]),
-                         (INDEX, "can", 16, "UP"))
+        self.assertEqual((bus["ifindex"], bus["link_type"], bus["mtu"], bus["operstate"]), (INDEX, "can", 16, "UP"))
         self.assertLessEqual({"UP", "LOWER_UP", "NOARP"}, set(bus["flags"]))
 
     def test_ip_shows_state_and_bit_timing(self):
-        bus, = ip_json("-details", "link", "show", "dev", BUS)
+        (bus,) = ip_json("-details", "link", "show", "dev", BUS)
         info = bus["linkinfo"]
         self.assertEqual(info["info_kind"], "can")
         self.assertEqual(info["info_data"]["state"], "ERROR-ACTIVE")
@@ -169,8 +176,7 @@ class OnARunningBus(unittest.TestCase):
         self.assertEqual(timing["sample_point"], "0.875")
         quanta = 1 + timing["prop_seg"] + timing["phase_seg1"] + timing["phase_seg2"]
         self.assertEqual(quanta * timing["tq"] * timing["bitrate"], 1_000_000_000)
-        self.assertIn("bitrate 500000 sample-point 0.875",
-                      ip("-details", "link", "show", BUS).stdout)
+        self.assertIn("bitrate 500000 sample-point 0.875", ip("-details", "link", "show", BUS).stdout)
 
     def test_ip_finds_it_by_kind_and_state_only_where_it_belongs(self):
         # iproute2 prints {} for what it leaves out.
@@ -182,26 +188,28 @@ class OnARunningBus(unittest.TestCase):
         self.assertEqual([each["ifname"] for each in ip_json("link", "show", "dev", "lo")], ["lo"])
 
     def test_ip_shows_no_addresses_of_it_and_the_machine_s_as_ever(self):
-        bus, = ip_json("address", "show", "dev", BUS)
+        (bus,) = ip_json("address", "show", "dev", BUS)
         self.assertEqual(bus["addr_info"], [])
         addresses = {each["ifname"]: each["addr_info"] for each in ip_json("address")}
         self.assertIn(BUS, addresses)
-        plain = subprocess.run(["ip", "-json", "address"], env=server_environment(), check=True,
-                               capture_output=True, text=True).stdout
-        self.assertEqual({name: info for name, info in addresses.items() if name != BUS},
-                         {each["ifname"]: each["addr_info"] for each in json.loads(plain)})
+        plain = subprocess.run(
+            ["ip", "-json", "address"], env=server_environment(), check=True, capture_output=True, text=True
+        ).stdout
+        self.assertEqual(
+            {name: info for name, info in addresses.items() if name != BUS},
+            {each["ifname"]: each["addr_info"] for each in json.loads(plain)},
+        )
 
     def test_other_requests_of_ip_are_answered_by_the_machine(self):
         for what in (["route"], ["rule"], ["neighbour"], ["-6", "route"]):
-            plain = subprocess.run(["ip", *what], env=server_environment(), check=False,
-                                   capture_output=True, text=True)
+            plain = subprocess.run(["ip", *what], env=server_environment(), check=False, capture_output=True, text=True)
             self.assertEqual(ip(*what).stdout, plain.stdout)
             self.assertEqual(ip(*what).returncode, plain.returncode)
 
     def test_ip_counts_frames(self):
-        before, = ip_json("-statistics", "link", "show", BUS)
+        (before,) = ip_json("-statistics", "link", "show", BUS)
         self.assertTrue(self.send_and_receive())
-        after, = ip_json("-statistics", "link", "show", BUS)
+        (after,) = ip_json("-statistics", "link", "show", BUS)
         sent = after["stats64"]["tx"]
         self.assertEqual(sent["packets"], before["stats64"]["tx"]["packets"] + 1)
         self.assertEqual(sent["bytes"], before["stats64"]["tx"]["bytes"] + 8)
@@ -217,8 +225,7 @@ class OnARunningBus(unittest.TestCase):
     # Libraries
 
     def test_python_can_detects_it(self):
-        self.assertEqual(can.detect_available_configs("socketcan"),
-                         [{"interface": "socketcan", "channel": BUS}])
+        self.assertEqual(can.detect_available_configs("socketcan"), [{"interface": "socketcan", "channel": BUS}])
 
     def test_psutil_shows_it_up_and_counts_frames(self):
         self.assertTrue(psutil.net_if_stats()[BUS].isup)
@@ -242,8 +249,7 @@ class OnARunningBus(unittest.TestCase):
         self.assertEqual(library.getifaddrs(ctypes.byref(first)), 0)
         entries, each = [], first
         while each:
-            entries.append((each.contents.name.decode(), each.contents.flags & UP,
-                            each.contents.address))
+            entries.append((each.contents.name.decode(), each.contents.flags & UP, each.contents.address))
             each = each.contents.next
         library.freeifaddrs(first)
         self.assertEqual([entry for entry in entries if entry[0] == BUS], [(BUS, UP, None)])
@@ -266,8 +272,10 @@ class OnARunningBus(unittest.TestCase):
         for name in ("type", "operstate", "mtu", "ifindex", "flags", "statistics/tx_packets"):
             with open(f"/sys/class/net/{BUS}/{name}", encoding="ascii") as file:
                 content[name] = file.read()
-        self.assertEqual((content["type"], content["operstate"], content["mtu"],
-                          content["ifindex"]), ("280\n", "up\n", "16\n", f"{INDEX}\n"))
+        self.assertEqual(
+            (content["type"], content["operstate"], content["mtu"], content["ifindex"]),
+            ("280\n", "up\n", "16\n", f"{INDEX}\n"),
+        )
         self.assertEqual(int(content["flags"], 16) & UP, UP)
         self.assertTrue(os.path.isdir(f"/sys/class/net/{BUS}"))
         self.assertFalse(os.path.exists(f"/sys/class/net/{BUS}/bridge"))
@@ -276,8 +284,10 @@ class OnARunningBus(unittest.TestCase):
             self.assertEqual(file.read(), "772\n")
 
     def test_programs_of_the_shell_find_it(self):
-        script = ("for i in /sys/class/net/*; do [ $(cat $i/type) = 280 ] && echo ${i##*/}; done; "
-                  "ls -l /sys/class/net >/dev/null && find /sys/class/net/ -name 'v*'")
+        script = (
+            "for i in /sys/class/net/*; do [ $(cat $i/type) = 280 ] && echo ${i##*/}; done; "
+            "ls -l /sys/class/net >/dev/null && find /sys/class/net/ -name 'v*'"
+        )
         done = subprocess.run(["sh", "-c", script], check=True, capture_output=True, text=True)
         self.assertEqual(done.stdout.split(), [BUS, f"/sys/class/net/{BUS}"])
         self.assertEqual(done.stderr, "")
@@ -297,9 +307,8 @@ class OnARunningBus(unittest.TestCase):
             link.send(link_request(7, 0, **question))
             datagram, sender = link.recvfrom(65536)
             self.assertEqual(sender, (0, 0))
-            (kind, flags, sequence, port, content), = messages(datagram)
-            self.assertEqual((kind, flags, sequence, port),
-                             (NEWLINK, 0, 7, link.getsockname()[0]))
+            ((kind, flags, sequence, port, content),) = messages(datagram)
+            self.assertEqual((kind, flags, sequence, port), (NEWLINK, 0, 7, link.getsockname()[0]))
             self.assertEqual(link_index(content), INDEX)
             self.assertEqual(attributes(content[16:])[IFNAME], BUS.encode() + b"\0")
             self.assertFalse(select.select([link], [], [], 0)[0])
@@ -307,10 +316,10 @@ class OnARunningBus(unittest.TestCase):
     def test_an_acknowledgement_that_is_asked_for_comes_behind(self):
         link = self.netlink()
         link.send(link_request(8, ACK, index=INDEX))
-        (kind, _, _, _, _), = messages(link.recv(65536))
+        ((kind, _, _, _, _),) = messages(link.recv(65536))
         self.assertEqual(kind, NEWLINK)
         self.assertTrue(select.select([link], [], [], TIMEOUT)[0])
-        (kind, _, sequence, _, content), = messages(link.recv(65536))
+        ((kind, _, sequence, _, content),) = messages(link.recv(65536))
         self.assertEqual((kind, sequence, content[:4]), (ERROR, 8, bytes(4)))
         self.assertFalse(select.select([link], [], [], 0)[0])
 
@@ -342,8 +351,7 @@ class OnARunningBus(unittest.TestCase):
 
     def test_questions_in_one_datagram_are_each_answered(self):
         link = self.netlink()
-        link.send(link_request(11, 0, index=1) + link_request(12, 0, index=INDEX)
-                  + link_request(13, 0, index=0x3FFF))
+        link.send(link_request(11, 0, index=1) + link_request(12, 0, index=INDEX) + link_request(13, 0, index=0x3FFF))
         answers = []
         while len(answers) < 3:
             answers += [(kind, sequence) for kind, _, sequence, _, _ in messages(link.recv(65536))]
@@ -354,7 +362,7 @@ class OnARunningBus(unittest.TestCase):
         link.send(link_request(14, 0, index=INDEX))
         with link.dup() as copy:
             copy.settimeout(TIMEOUT)
-            (kind, _, _, _, _), = messages(copy.recv(65536))
+            ((kind, _, _, _, _),) = messages(copy.recv(65536))
         self.assertEqual(kind, NEWLINK)
 
     def test_a_file_with_the_number_of_a_closed_socket_is_a_file(self):
@@ -382,7 +390,7 @@ class OnARunningBus(unittest.TestCase):
 class OnABusThatHasEnded(unittest.TestCase):
     def test_the_interface_is_down(self):
         Bus().stop()
-        bus, = ip_json("-details", "link", "show", "dev", BUS)
+        (bus,) = ip_json("-details", "link", "show", "dev", BUS)
         self.assertEqual(bus["operstate"], "DOWN")
         self.assertNotIn("UP", bus["flags"])
         self.assertEqual(bus["linkinfo"]["info_data"]["state"], "STOPPED")

@@ -52,8 +52,12 @@ class Relay:
 
     def __init__(self, *arguments, environment=None):
         self.process = subprocess.Popen(
-            [OPTIONS.relay, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-            env=environment or server_environment())
+            [OPTIONS.relay, *arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=environment or server_environment(),
+        )
         self.ports = []
         for line in self.process.stdout:
             if line == "ready\n":
@@ -230,8 +234,7 @@ class SlcanOverTcp(SharedCases, unittest.TestCase):
         return "slcan-tcp:0"
 
     def open(self):
-        bus = can.Bus(interface="slcan", channel=f"socket://127.0.0.1:{self.relay.tcp_port()}",
-                      sleep_after_open=0)
+        bus = can.Bus(interface="slcan", channel=f"socket://127.0.0.1:{self.relay.tcp_port()}", sleep_after_open=0)
         bus.get_version(TIMEOUT)  # the adapter has taken what was sent before
         return bus
 
@@ -250,8 +253,7 @@ class Socketcand(SharedCases, unittest.TestCase):
         return "socketcand:0"
 
     def open(self):
-        return can.Bus(interface="socketcand", host="127.0.0.1", port=self.relay.tcp_port(),
-                       channel="can0")
+        return can.Bus(interface="socketcand", host="127.0.0.1", port=self.relay.tcp_port(), channel="can0")
 
     def test_answers_come_at_once(self):
         """Without acknowledgements at once a frame behind another one waits 40 ms each time."""
@@ -278,8 +280,7 @@ class CanExec(SharedCases, unittest.TestCase):
 
     def test_candump_shows_what_cansend_sends_and_the_answer(self):
         self.connect()
-        with subprocess.Popen(["candump", "-x", "-n", "4", self.name], stdout=subprocess.PIPE,
-                              text=True) as dump:
+        with subprocess.Popen(["candump", "-x", "-n", "4", self.name], stdout=subprocess.PIPE, text=True) as dump:
             try:
                 # candump says nothing when it is ready; frames are repeated until it has seen enough.
                 while dump.poll() is None:
@@ -303,8 +304,7 @@ class CanExec(SharedCases, unittest.TestCase):
     def test_inverted_and_joined_filters(self):
         raw = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
         raw.settimeout(TIMEOUT)
-        inverted = b"".join((0x20000000 | each).to_bytes(4, "little") + b"\xff\x07\x00\x00"
-                            for each in (0x101, 0x102))
+        inverted = b"".join((0x20000000 | each).to_bytes(4, "little") + b"\xff\x07\x00\x00" for each in (0x101, 0x102))
         raw.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, inverted)
         raw.setsockopt(socket.SOL_CAN_RAW, 6, 1)
         raw.bind((self.name,))
@@ -372,11 +372,9 @@ class CanExec(SharedCases, unittest.TestCase):
             socket.socket(socket.PF_CAN, socket.SOCK_DGRAM, socket.CAN_ISOTP)
 
     def test_socketcan_port_bridges_to_another_transport(self):
-        bridge = Relay("socketcan:" + self.name, "socketcand:0",
-                       environment=client_environment())
+        bridge = Relay("socketcan:" + self.name, "socketcand:0", environment=client_environment())
         try:
-            bus = can.Bus(interface="socketcand", host="127.0.0.1", port=bridge.tcp_port(1),
-                          channel="can0")
+            bus = can.Bus(interface="socketcand", host="127.0.0.1", port=bridge.tcp_port(1), channel="can0")
             self.buses.append(bus)
             bus.send(frame(0x40, b"\x07"))
             self.assertEqual(bytes(self.receive(bus, 0x41).data), b"\x07")
@@ -402,8 +400,7 @@ def start_again(environment, *command):
 
 
 def may_have_a_network_of_its_own():
-    return subprocess.run(["unshare", "--net", "true"], stderr=subprocess.DEVNULL,
-                          check=False).returncode == 0
+    return subprocess.run(["unshare", "--net", "true"], stderr=subprocess.DEVNULL, check=False).returncode == 0
 
 
 def enter_surroundings(library, bus):

@@ -42,13 +42,17 @@ class Dump:
     """candump -L, once it hears the bus."""
 
     def __init__(self):
-        self.process = subprocess.Popen(tool("candump", "-L", BUS), text=True, stdout=subprocess.PIPE,
-                                        stderr=subprocess.STDOUT)
+        self.process = subprocess.Popen(
+            tool("candump", "-L", BUS), text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+        )
         self.frames = []
         self.thread = threading.Thread(target=self._read, daemon=True)
         self.thread.start()
-        wait_until(lambda: run("cansend", BUS, "7F0#") is not None and "7F0#" in self.frames,
-                   "candump hears the bus", pause=0.1)
+        wait_until(
+            lambda: run("cansend", BUS, "7F0#") is not None and "7F0#" in self.frames,
+            "candump hears the bus",
+            pause=0.1,
+        )
 
     def _read(self):
         for line in self.process.stdout:
@@ -58,7 +62,8 @@ class Dump:
         """The first frame from number `since` on that matches as a whole."""
         return wait_until(
             lambda: next((each for each in self.frames[since:] if re.fullmatch(frame, each)), None),
-            f"candump shows {frame}")
+            f"candump shows {frame}",
+        )
 
     def end(self):
         """What is left to say when its process ends; it is given no reason if it did by itself."""
@@ -88,15 +93,13 @@ class Drive(unittest.TestCase):
     def write(self, index, subindex, value, size):
         request = struct.pack("<BHB", 0x23 | (4 - size) << 2, index, subindex)
         request += (value & (1 << 8 * size) - 1).to_bytes(size, "little").ljust(4, b"\0")
-        self.ask(f"{0x600 + NODE:03X}#{request.hex().upper()}",
-                 f"585#60{request[1:4].hex().upper()}00000000")
+        self.ask(f"{0x600 + NODE:03X}#{request.hex().upper()}", f"585#60{request[1:4].hex().upper()}00000000")
 
     def read(self, index, subindex=0):
         request = struct.pack("<BHB4x", 0x40, index, subindex)
-        answer = self.ask(f"{0x600 + NODE:03X}#{request.hex().upper()}",
-                          f"585#4[37BF]{request[1:4].hex().upper()}.*")
+        answer = self.ask(f"{0x600 + NODE:03X}#{request.hex().upper()}", f"585#4[37BF]{request[1:4].hex().upper()}.*")
         data = bytes.fromhex(answer.split("#")[1])
-        return int.from_bytes(data[4:8 - (data[0] >> 2 & 3)], "little", signed=True)
+        return int.from_bytes(data[4 : 8 - (data[0] >> 2 & 3)], "little", signed=True)
 
     def start(self):
         self.ask("000#8105", "705#00")
@@ -104,8 +107,7 @@ class Drive(unittest.TestCase):
         self.dump.wait_for("705#05", len(self.dump.frames))
 
     def turn(self):
-        for entry in ((0x6060, 0, 3, 1), (0x2020, 3, 20000, 4), (0x6083, 0, 10000, 4),
-                      (0x6084, 0, 10000, 4)):
+        for entry in ((0x6060, 0, 3, 1), (0x2020, 3, 20000, 4), (0x6083, 0, 10000, 4), (0x6084, 0, 10000, 4)):
             self.write(*entry)
         for controlword in (6, 7, 15):
             self.write(0x6040, 0, controlword, 2)
@@ -118,11 +120,14 @@ class Drive(unittest.TestCase):
         self.start()
         self.ask("605#4008100000000000", "585#4108100007000000")
         self.ask("605#6000000000000000", "585#01" + b"TMCC160".hex().upper())
-        for request, code in (("2B41600000000000", "06010002"), ("40FF5F0000000000", "06020000"),
-                              ("4018100900000000", "06090011"), ("2F60600007000000", "06090030"),
-                              ("A008100000000000", "05040001")):
-            self.ask(f"605#{request}",
-                     f"585#80{request[2:8]}{bytes.fromhex(code)[::-1].hex().upper()}")
+        for request, code in (
+            ("2B41600000000000", "06010002"),
+            ("40FF5F0000000000", "06020000"),
+            ("4018100900000000", "06090011"),
+            ("2F60600007000000", "06090030"),
+            ("A008100000000000", "05040001"),
+        ):
+            self.ask(f"605#{request}", f"585#80{request[2:8]}{bytes.fromhex(code)[::-1].hex().upper()}")
         self.turn()
         self.ask("305#06", "085#1082.*")  # an RPDO with half its bytes: emergency 8210h
         self.rack.stop()
@@ -142,10 +147,8 @@ class Drive(unittest.TestCase):
 
     def test_canplayer_repeats_a_session(self):
         """What canplayer sends of a log gets the answers that the log has."""
-        requests = ["605#4000100000000000", "605#2F60600003000000", "605#4060600000000000",
-                    "605#2B41600000000000"]
-        answers = ["585#430010009201FCFF", "585#6060600000000000", "585#4F60600003000000",
-                   "585#8041600002000106"]
+        requests = ["605#4000100000000000", "605#2F60600003000000", "605#4060600000000000", "605#2B41600000000000"]
+        answers = ["585#430010009201FCFF", "585#6060600000000000", "585#4F60600003000000", "585#8041600002000106"]
         with open(self.commands, "w", encoding="ascii") as file:
             for number, request in enumerate(requests):
                 file.write(f"({number / 10:.6f}) {BUS} {request}\n")
@@ -160,10 +163,12 @@ class Drive(unittest.TestCase):
         self.start()
         since = len(self.dump.frames)
         run("cangen", BUS, "-g", "0", "-n", "2000", "-I", "7E0", "-L", "8", "-D", "i", "-p", "10")
-        wait_until(lambda: sum(frame.startswith("7E0#") for frame in self.dump.frames[since:]) == 2000,
-                   "2000 frames")
-        numbers = [int.from_bytes(bytes.fromhex(frame[4:]), "little")
-                   for frame in self.dump.frames[since:] if frame.startswith("7E0#")]
+        wait_until(lambda: sum(frame.startswith("7E0#") for frame in self.dump.frames[since:]) == 2000, "2000 frames")
+        numbers = [
+            int.from_bytes(bytes.fromhex(frame[4:]), "little")
+            for frame in self.dump.frames[since:]
+            if frame.startswith("7E0#")
+        ]
         self.assertEqual(numbers, list(range(2000)))
         self.assertEqual(self.read(0x1000) & 0xFFFFFFFF, 0xFFFC0192)
         self.rack.stop()

@@ -33,6 +33,7 @@ OPTIONS = argparse.Namespace(stator=None, library=None)
 BUS = f"canopen{os.getpid()}"
 SHORT = 1.0  # s; for answers that are not to come
 
+
 class Node(BaseNode402):
     """The library's drive; a busy machine is given more than the fractions of a second it grants a drive."""
 
@@ -116,8 +117,7 @@ class Drive(unittest.TestCase):
             node.sdo[index].raw = 10000
         for speed in (1200, -1200, 0):
             node.sdo["Target velocity"].raw = speed
-            wait_until(lambda: abs(node.sdo["Velocity actual value"].raw - speed) < 30,
-                       f"{speed} rpm")
+            wait_until(lambda: abs(node.sdo["Velocity actual value"].raw - speed) < 30, f"{speed} rpm")
 
     def profile(self, node):
         """The library's homing, then ten turns."""
@@ -162,7 +162,8 @@ class Drive(unittest.TestCase):
         network.send_message(0x300 + NODE, [6])
         # Not by the library's wait(), which overlooks one that came before it began.
         emergency = wait_until(
-            lambda: next((each for each in node.emcy.log if each.code == 0x8210), None), "emergency 8210h")
+            lambda: next((each for each in node.emcy.log if each.code == 0x8210), None), "emergency 8210h"
+        )
         self.assertEqual(emergency.register & 0x11, 0x11)
 
     def lose(self, rack, node):
@@ -186,13 +187,11 @@ class Drive(unittest.TestCase):
 
     def test_slcan_over_tcp(self):
         port = free_port()
-        self.session(f"slcan-tcp:{port}", interface="slcan", channel=f"socket://127.0.0.1:{port}",
-                     sleep_after_open=0.1)
+        self.session(f"slcan-tcp:{port}", interface="slcan", channel=f"socket://127.0.0.1:{port}", sleep_after_open=0.1)
 
     def test_socketcand(self):
         port = free_port()
-        self.session(f"socketcand:{port}", interface="socketcand", host="127.0.0.1", port=port,
-                     channel="can0")
+        self.session(f"socketcand:{port}", interface="socketcand", host="127.0.0.1", port=port, channel="can0")
 
     def test_can_exec(self):
         self.session(f"can-exec:{BUS}", interface="socketcan", channel=BUS)

@@ -47,10 +47,12 @@ def upload(index, subindex=0):
 
 def download(index, subindex, data, *before):
     """Writes `data` after the writes of `before`, each an index, a subindex and bytes."""
+
     def action(sdo):
         for step in before:
             sdo.download(*step)
         sdo.download(index, subindex, bytes(data))
+
     return action
 
 
@@ -59,6 +61,7 @@ def block(mode):
         size = 4 if mode == "wb" else None
         with sdo.open(0x1005, 0, mode, size=size, block_transfer=True) as stream:
             return stream.write(bytes(4)) if mode == "wb" else stream.read()
+
     return action
 
 
@@ -74,11 +77,21 @@ SDO_REFUSALS = [
     (0x06010001, "read of a write-only object", upload(0x2095, 5)),
     (0x06010002, "write to a read-only object", download(0x1001, 0, b"\0")),
     (0x06020000, "object that does not exist", upload(0x5000)),
-    (0x06040041, "object that cannot be mapped",
-     download(0x1600, 1, le(0x60410010), OFF, EMPTY)),
-    (0x06040042, "mapping of ten bytes",
-     download(0x1600, 0, b"\3", OFF, EMPTY, (0x1600, 1, le(0x60FF0020)),
-              (0x1600, 2, le(0x607A0020)), (0x1600, 3, le(0x60400010)))),
+    (0x06040041, "object that cannot be mapped", download(0x1600, 1, le(0x60410010), OFF, EMPTY)),
+    (
+        0x06040042,
+        "mapping of ten bytes",
+        download(
+            0x1600,
+            0,
+            b"\3",
+            OFF,
+            EMPTY,
+            (0x1600, 1, le(0x60FF0020)),
+            (0x1600, 2, le(0x607A0020)),
+            (0x1600, 3, le(0x60400010)),
+        ),
+    ),
     (0x06070010, "mapping with the wrong length", download(0x1600, 1, le(0x60400008), OFF, EMPTY)),
     (0x06070012, "value that is too long", download(0x6060, 0, le(1))),
     (0x06070013, "value that is too short", download(0x607A, 0, le(1, 2))),
@@ -87,7 +100,7 @@ SDO_REFUSALS = [
     (0x06090030, "node-ID that is none", download(0x2705, 0, b"\x80")),
     (0x06090030, "transmission type that is not supported", download(0x1800, 2, b"\2")),
     (0x06090030, "CAN-ID that is restricted", download(0x1014, 0, le(0x101))),
-    (0x06090031, "value that is too high", download(0x2010, 1, b"\xFF")),
+    (0x06090031, "value that is too high", download(0x2010, 1, b"\xff")),
     (0x06090032, "value that is too low", download(0x2010, 1, b"\1")),
     (0x08000020, "wrong signature", download(0x1010, 1, b"SAVE")),
     (0x08000022, "mapping of a PDO in use", download(0x1601, 0, b"\0")),
@@ -98,6 +111,7 @@ SDO_REFUSALS = [
 
 class Bench(unittest.TestCase):
     """A running rack and a CANopen network with its drive."""
+
     node_id = NODE
 
     def setUp(self):
@@ -122,8 +136,9 @@ class Bench(unittest.TestCase):
         self.fail(f"{what} never came")
 
     def emergency(self, code):
-        return self.until(f"emergency {code:04X}h", lambda: next(
-            (each for each in self.node.emcy.log if each.code == code), None))
+        return self.until(
+            f"emergency {code:04X}h", lambda: next((each for each in self.node.emcy.log if each.code == code), None)
+        )
 
     def reset(self):
         self.node.nmt.send_command(0x81)
@@ -131,7 +146,6 @@ class Bench(unittest.TestCase):
 
 
 class Refusals(Bench):
-
     def test_every_abort_of_an_sdo_arrives_with_its_code(self):
         self.node.nmt.wait_for_heartbeat(TIMEOUT)
         for code, name, action in SDO_REFUSALS:
@@ -163,7 +177,7 @@ class Refusals(Bench):
         self.assertEqual(exchange(b"\x70"), b"\x80\x08\x10\x00" + le(0x05030000), "toggle bit")
         self.assertEqual(exchange(name)[0], 0x41)
         self.assertEqual(exchange(None), b"\x80\x08\x10\x00" + le(0x05040000), "time-out")
-        self.assertEqual(exchange(b"\xE0")[4:], le(0x05040001), "no request")
+        self.assertEqual(exchange(b"\xe0")[4:], le(0x05040001), "no request")
 
     def test_errors_of_lss_arrive(self):
         self.node.nmt.wait_for_heartbeat(TIMEOUT)
@@ -189,8 +203,7 @@ class Refusals(Bench):
     def test_emergencies_tell_of_pdos_that_are_refused(self):
         self.node.nmt.wait_for_heartbeat(TIMEOUT)
         self.node.nmt.state = "OPERATIONAL"
-        for can_id, data, code in ((0x500, b"\0\0\1", 0x8210), (0x500, bytes(7), 0x8220),
-                                   (0x300, b"\0\0\2", 0x6320)):
+        for can_id, data, code in ((0x500, b"\0\0\1", 0x8210), (0x500, bytes(7), 0x8220), (0x300, b"\0\0\2", 0x6320)):
             self.network.send_message(can_id + NODE, data)
             self.emergency(code)
 
@@ -207,6 +220,7 @@ class Refusals(Bench):
 
 class Commissioning(Bench):
     """A drive without a node-ID."""
+
     node_id = 255
 
     def select(self):

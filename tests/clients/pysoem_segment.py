@@ -47,8 +47,12 @@ TOO_LONG, WRONG_STATE = 0x06070012, 0x0011
 def process_image(directory):
     """Where the registers of the I/O board lie: (offset, struct format) by name, as its ESI file tells."""
     esi = pathlib.Path(directory) / "io.xml"
-    subprocess.run([OPTIONS.stator, "mfc", "config", str(IO_BOARD), "--esi", str(esi)], check=True,
-                   capture_output=True, timeout=PATIENCE)
+    subprocess.run(
+        [OPTIONS.stator, "mfc", "config", str(IO_BOARD), "--esi", str(esi)],
+        check=True,
+        capture_output=True,
+        timeout=PATIENCE,
+    )
     places = {}
     for kind in ("RxPdo", "TxPdo"):
         offset = 0
@@ -74,8 +78,7 @@ class Drive:
     def write(self):
         data = bytearray(self.slave.output)
         if self.has_mode:
-            struct.pack_into("<HbiiH", data, 0, self.controlword, 1, self.target,
-                             self.velocity, 0)
+            struct.pack_into("<HbiiH", data, 0, self.controlword, 1, self.target, self.velocity, 0)
         else:
             struct.pack_into("<Hii", data, 0, self.controlword, self.target, self.velocity)
         self.slave.output = bytes(data)
@@ -103,13 +106,13 @@ class Segment(unittest.TestCase):
         self.assertEqual([slave.name for slave in self.master.slaves], SEGMENT_NAMES)
         for slave in self.master.slaves:
             slave.is_lost = False
-        for slave, function in zip(self.master.slaves,
-                                   (self.set_up_gantry, self.set_up_servo, self.set_up), strict=True):
+        for slave, function in zip(
+            self.master.slaves, (self.set_up_gantry, self.set_up_servo, self.set_up), strict=True
+        ):
             slave.config_func = function
         self.master.config_map()
         self.master.config_dc()
-        self.assertEqual(self.master.state_check(pysoem.SAFEOP_STATE, int(PATIENCE * 1e6)),
-                         pysoem.SAFEOP_STATE)
+        self.assertEqual(self.master.state_check(pysoem.SAFEOP_STATE, int(PATIENCE * 1e6)), pysoem.SAFEOP_STATE)
         self.cycle()
 
     def set_up(self, position):
@@ -183,12 +186,12 @@ class Segment(unittest.TestCase):
     # What devices do.
 
     def enable(self, drive):
-        for controlword, mask, expected in ((0x80, 0x4F, 0x40), (6, 0x6F, 0x21), (7, 0x6F, 0x23),
-                                            (15, 0x6F, 0x27)):
+        for controlword, mask, expected in ((0x80, 0x4F, 0x40), (6, 0x6F, 0x21), (7, 0x6F, 0x23), (15, 0x6F, 0x27)):
             drive.controlword = controlword
             drive.write()
-            self.cycle_until(lambda: drive.status() & mask == expected,
-                             f"the state after controlword {controlword:02X}h")
+            self.cycle_until(
+                lambda: drive.status() & mask == expected, f"the state after controlword {controlword:02X}h"
+            )
 
     def travel(self, drive, distance, tolerance):
         start = drive.position()
@@ -213,14 +216,14 @@ class Segment(unittest.TestCase):
 
     def register(self, name):
         offset, size = self.image[name]
-        return int.from_bytes(self.master.slaves[IO].input[offset:offset + size], "little", signed=True)
+        return int.from_bytes(self.master.slaves[IO].input[offset : offset + size], "little", signed=True)
 
     def set_registers(self, **values):
         slave = self.master.slaves[IO]
         data = bytearray(slave.output)
         for name, value in values.items():
             offset, size = self.image[name]
-            data[offset:offset + size] = value.to_bytes(size, "little")
+            data[offset : offset + size] = value.to_bytes(size, "little")
         slave.output = bytes(data)
 
     def move_io(self):
@@ -276,12 +279,10 @@ class Segment(unittest.TestCase):
                 self.assertEqual(slave.state_check(pysoem.INIT_STATE), pysoem.INIT_STATE)
                 slave.state = pysoem.OP_STATE
                 slave.write_state()
-                wait_until(lambda: self.master.read_state() and slave.state & pysoem.STATE_ERROR,
-                           "the refusal")
+                wait_until(lambda: self.master.read_state() and slave.state & pysoem.STATE_ERROR, "the refusal")
                 self.assertEqual(slave.state, pysoem.INIT_STATE + pysoem.STATE_ERROR)
                 self.assertEqual(slave.al_status, WRONG_STATE)
-                self.assertEqual(pysoem.al_status_code_to_string(slave.al_status),
-                                 "Invalid requested state change")
+                self.assertEqual(pysoem.al_status_code_to_string(slave.al_status), "Invalid requested state change")
                 slave.state = pysoem.INIT_STATE + pysoem.STATE_ACK
                 slave.write_state()
                 self.assertEqual(slave.state_check(pysoem.INIT_STATE), pysoem.INIT_STATE)
@@ -312,8 +313,7 @@ class Segment(unittest.TestCase):
         self.go_operational()
         with self.rack.fault("link-down", "gantry"):
             self.cycle_until(lambda: self.cycle() <= 0, "nobody answers")
-            self.assertEqual(self.master.slaves[GANTRY].state_check(pysoem.OP_STATE, 10_000),
-                             pysoem.NONE_STATE)
+            self.assertEqual(self.master.slaves[GANTRY].state_check(pysoem.OP_STATE, 10_000), pysoem.NONE_STATE)
         self.recover()
         self.move_gantry()
         self.move_servo()

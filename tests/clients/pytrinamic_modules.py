@@ -77,14 +77,16 @@ def modules(line=None, port=None):
     """The rack file of two modules on one serial line, or on one bus."""
     rack = "" if port is None else BUS_OF_PORT.format(port=port)
     for address in (FIRST, SECOND):
-        rack += MODULE.format(table="device" if port is None else "bus.device", address=address,
-                              line="" if line is None else f'rs485 = "{line}"')
+        rack += MODULE.format(
+            table="device" if port is None else "bus.device",
+            address=address,
+            line="" if line is None else f'rs485 = "{line}"',
+        )
     return rack
 
 
 def connect(interface, port, timeout=PATIENCE):
-    return ConnectionManager(
-        f"--interface {interface} --port {port} --timeout {timeout}").connect()
+    return ConnectionManager(f"--interface {interface} --port {port} --timeout {timeout}").connect()
 
 
 class Modules(unittest.TestCase):
@@ -159,30 +161,28 @@ class Modules(unittest.TestCase):
                 self.host(host, FIRST)
 
     def test_serial(self):
-        self.session(modules(line=f"pty:{self.path}"), "serial_tmcl", self.path,
-                     (RuntimeError, "TMCL datagram timed out"))
+        self.session(
+            modules(line=f"pty:{self.path}"), "serial_tmcl", self.path, (RuntimeError, "TMCL datagram timed out")
+        )
 
     def test_the_command_for_the_boot_loader_is_not_answered(self):
         """So that the next reply belongs to the next command."""
         for rack_file, interface, port in (
-                (modules(line=f"pty:{self.path}"), "serial_tmcl", self.path),
-                (modules(port=f"can-exec:{BUS}"), "socketcan_tmcl", INTERFACE)):
-            with (self.subTest(interface), RunningRack(OPTIONS.stator, rack_file),
-                  connect(interface, port) as host):
+            (modules(line=f"pty:{self.path}"), "serial_tmcl", self.path),
+            (modules(port=f"can-exec:{BUS}"), "socketcan_tmcl", INTERFACE),
+        ):
+            with self.subTest(interface), RunningRack(OPTIONS.stator, rack_file), connect(interface, port) as host:
                 host.send_boot(FIRST)
                 self.assertEqual(host.get_axis_parameter(CURRENT, 0, FIRST), 8)
 
     def test_usb(self):
-        self.session(modules(line=f"pty:{self.path}"), "usb_tmcl", self.path,
-                     (RuntimeError, "TMCL datagram timed out"))
+        self.session(modules(line=f"pty:{self.path}"), "usb_tmcl", self.path, (RuntimeError, "TMCL datagram timed out"))
 
     def test_slcan(self):
-        self.session(modules(port=f"slcan:{self.path}"), "slcan_tmcl", self.path,
-                     (ConnectionError, "Recv timed out"))
+        self.session(modules(port=f"slcan:{self.path}"), "slcan_tmcl", self.path, (ConnectionError, "Recv timed out"))
 
     def test_socketcan(self):
-        self.session(modules(port=f"can-exec:{BUS}"), "socketcan_tmcl", INTERFACE,
-                     (ConnectionError, "Recv timed out"))
+        self.session(modules(port=f"can-exec:{BUS}"), "socketcan_tmcl", INTERFACE, (ConnectionError, "Recv timed out"))
 
     def test_tcp_and_a_rack_that_was_killed(self):
         """Its TCP interface waits for ever for a module that is silent, but sees the end of a connection."""
@@ -226,18 +226,27 @@ class Gantry(unittest.TestCase):
         self.path = os.path.join(self.directory.name, "usb")
         self.port = free_port()
         self.rack = self.enterContext(
-            RunningRack(OPTIONS.stator, MODULE_WITH_USB.format(port=self.port, path=self.path)))
+            RunningRack(OPTIONS.stator, MODULE_WITH_USB.format(port=self.port, path=self.path))
+        )
 
     def master(self, *words):
-        return subprocess.run([OPTIONS.stator, words[0], "--link", f"udp:127.0.0.1:{self.port}",
-                               *words[1:]], env=server_environment(), text=True, capture_output=True,
-                              timeout=PATIENCE, check=False)
+        return subprocess.run(
+            [OPTIONS.stator, words[0], "--link", f"udp:127.0.0.1:{self.port}", *words[1:]],
+            env=server_environment(),
+            text=True,
+            capture_output=True,
+            timeout=PATIENCE,
+            check=False,
+        )
 
     def test_it_is_watched_and_not_moved(self):
         with connect("serial_tmcl", self.path) as host:
             self.assertEqual(host.get_version_string(), "3315V109")
-            for action in (lambda: host.rotate(0, 1000), lambda: host.move_to(0, 1000),
-                           lambda: host.set_axis_parameter(MAX_SPEED, 0, 1000)):
+            for action in (
+                lambda: host.rotate(0, 1000),
+                lambda: host.move_to(0, 1000),
+                lambda: host.set_axis_parameter(MAX_SPEED, 0, 1000),
+            ):
                 with self.assertRaises(TMCLReplyStatusError) as caught:
                     action()
                 self.assertEqual(caught.exception.status_code, TMCLStatus.COMMAND_NOT_AVAILABLE)
@@ -252,10 +261,22 @@ class Gantry(unittest.TestCase):
         image.puts(0x8000, bytes(range(256)) * 4 + version + bytes(3))
         name = os.path.join(self.directory.name, "firmware.hex")
         image.write_hex_file(name)
-        return subprocess.run([os.path.join(os.path.dirname(sys.executable), "tmclfwupload"), name,
-                               "--interface", "serial_tmcl", "--port", self.path,
-                               "--timeout", str(PATIENCE)],
-                              text=True, capture_output=True, timeout=5 * PATIENCE, check=False)
+        return subprocess.run(
+            [
+                os.path.join(os.path.dirname(sys.executable), "tmclfwupload"),
+                name,
+                "--interface",
+                "serial_tmcl",
+                "--port",
+                self.path,
+                "--timeout",
+                str(PATIENCE),
+            ],
+            text=True,
+            capture_output=True,
+            timeout=5 * PATIENCE,
+            check=False,
+        )
 
     def test_firmware_is_loaded_or_refused_by_its_tool(self):
         done = self.upload(b"3315V110 ")

@@ -33,10 +33,8 @@ WRONG = {
     "a device without a type": "[[segment]]\n[[segment.device]]\nalias = 1\n",
     "a nested value out of range": HEAD + "[[segment.device.axis]]\nload.inertia = -1.0\n",
     "an event without a time": HEAD + '[[event]]\naction = "break"\ndevice = "tmcm-3315"\n',
-    "a key of another action":
-        HEAD + '[[event]]\nat = "1s"\naction = "power-off"\ndevice = "tmcm-3315"\nport = 1\n',
-    "a bus with a text that is no bit rate":
-        '[[bus]]\nbit_rate = "fast"\n[[bus.device]]\ntype = "tmcc160"\n',
+    "a key of another action": HEAD + '[[event]]\nat = "1s"\naction = "power-off"\ndevice = "tmcm-3315"\nport = 1\n',
+    "a bus with a text that is no bit rate": '[[bus]]\nbit_rate = "fast"\n[[bus.device]]\ntype = "tmcc160"\n',
 }
 
 
@@ -53,12 +51,14 @@ WRONG_SCENARIOS = {
     "a fault that there is not": STEP + 'do = "inject"\nfault = { kind = "moon" }\n',
     "a fault as a name where a table belongs": STEP + 'do = "inject"\nfault = "jam"\n',
     "a rack with a key nobody knows": '[rack]\ncolour = "red"\n[[rack.segment]]\n[[rack.segment.device]]\n'
-                                      'type = "tmcm-3315"\n[[step]]\ndo = "scan"\n',
+    'type = "tmcm-3315"\n[[step]]\ndo = "scan"\n',
 }
 
 
 def schema_of(stator, command):
-    schema = json.loads(subprocess.run([stator, command, "--schema"], check=True, capture_output=True, text=True).stdout)
+    schema = json.loads(
+        subprocess.run([stator, command, "--schema"], check=True, capture_output=True, text=True).stdout
+    )
     jsonschema.Draft7Validator.check_schema(schema)
     return schema
 

@@ -66,7 +66,7 @@ def capture():
 def segment_rack(link):
     """One of each EtherCAT product; the servo with its motor and gains as racks/ethercat-servo.toml has it."""
     servo = SERVO.read_text(encoding="utf-8")
-    servo = servo[servo.index("[[segment.device]]"):]
+    servo = servo[servo.index("[[segment.device]]") :]
     servo = "".join(line.split("#")[0].rstrip() + "\n" for line in servo.splitlines())
     return SEGMENT.format(link=link, more=capture(), servo=servo, io_board=IO_BOARD)
 

@@ -83,13 +83,15 @@ class RunningRack:
     def start(self):
         """Again after kill() or stop(): a machine that was switched on."""
         seen = len(self.lines)
-        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                        text=True, env=server_environment())
+        self.process = subprocess.Popen(
+            self.command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=server_environment()
+        )
         self.reader = threading.Thread(target=self._read, args=(self.process.stdout,), daemon=True)
         self.reader.start()
         try:
-            wait_until(lambda: self.said("^Running", seen) or self.process.poll() is not None,
-                       "stator run says that it runs")
+            wait_until(
+                lambda: self.said("^Running", seen) or self.process.poll() is not None, "stator run says that it runs"
+            )
             assert self.process.poll() is None, "stator run ended"
         except AssertionError as error:
             self.kill()
@@ -144,9 +146,14 @@ class RunningRack:
 
     def _remote(self, *words):
         address = re.search(r"http://[0-9.]+:\d+", self.wait_for(r"http://[0-9.]+:\d+")).group()
-        done = subprocess.run([self.program, words[0], "--http", address, *words[1:]],
-                              env={**server_environment(), "STATOR_TOKEN": TOKEN}, text=True,
-                              capture_output=True, timeout=PATIENCE, check=False)
+        done = subprocess.run(
+            [self.program, words[0], "--http", address, *words[1:]],
+            env={**server_environment(), "STATOR_TOKEN": TOKEN},
+            text=True,
+            capture_output=True,
+            timeout=PATIENCE,
+            check=False,
+        )
         assert done.returncode == 0, f"stator {' '.join(words)}: {done.stderr}{done.stdout}"
         return done.stdout
 
@@ -168,8 +175,7 @@ def have_own_network():
 
 
 def ip(*arguments):
-    done = subprocess.run(["ip", *arguments], capture_output=True, text=True, check=False,
-                          env=server_environment())
+    done = subprocess.run(["ip", *arguments], capture_output=True, text=True, check=False, env=server_environment())
     if done.returncode != 0:
         unavailable(f"ip {' '.join(arguments)}: {done.stderr.strip()}", "run as root, with iproute2")
     return done.stdout
@@ -181,8 +187,10 @@ def plug_cable(first, second):
     for end in (first, second):
         ip("link", "set", end, "up")
 
-    wait_until(lambda: all("LOWER_UP" in ip("-o", "link", "show", "dev", end) for end in (first, second)),
-               "the ends of the cable see each other")
+    wait_until(
+        lambda: all("LOWER_UP" in ip("-o", "link", "show", "dev", end) for end in (first, second)),
+        "the ends of the cable see each other",
+    )
 
 
 def preload_bus(library, bus, name=None):

@@ -75,10 +75,10 @@ def free_port():
 
 
 def check(stator, address):
-    once = subprocess.run([stator, "top", "--http", address, "--once"], check=True, text=True,
-                          capture_output=True, timeout=PATIENCE).stdout
-    for expected in ("NETWORK", "gantry", "TMCM-3315", "gantry.axis0", "Switch on disabled", "degC",
-                     "NEWEST EVENTS"):
+    once = subprocess.run(
+        [stator, "top", "--http", address, "--once"], check=True, text=True, capture_output=True, timeout=PATIENCE
+    ).stdout
+    for expected in ("NETWORK", "gantry", "TMCM-3315", "gantry.axis0", "Switch on disabled", "degC", "NEWEST EVENTS"):
         assert expected in once, f"{expected!r} is missing:\n{once}"
     assert "\x1b" not in once, "colours without a terminal"
 
@@ -114,9 +114,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--stator", required=True)
     stator = parser.parse_args().stator
-    rack = subprocess.Popen([stator, "run", str(RACK), "--link", f"udp:127.0.0.1:{free_port()}",
-                             "--http", "0"],
-                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    rack = subprocess.Popen(
+        [stator, "run", str(RACK), "--link", f"udp:127.0.0.1:{free_port()}", "--http", "0"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
     try:
         address = None
         while address is None:
@@ -128,8 +131,9 @@ def main():
     finally:
         rack.terminate()
         rack.wait()
-    nobody = subprocess.run([stator, "top", "--once", "--http", "127.0.0.1:1"], text=True,
-                            capture_output=True, check=False)
+    nobody = subprocess.run(
+        [stator, "top", "--once", "--http", "127.0.0.1:1"], text=True, capture_output=True, check=False
+    )
     assert nobody.returncode == 1 and "no web server" in nobody.stderr, nobody.stderr
     print("one frame and the keys work")
     return 0

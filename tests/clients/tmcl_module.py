@@ -51,9 +51,20 @@ START_DOWNLOAD, QUIT_DOWNLOAD, READ_MEMORY, PROGRAM_STATUS = 132, 133, 134, 135
 VERSION, TARGET_EVENT, ENTER_ASCII = 136, 138, 139
 
 # Three journeys there and back, counted in user variable 0.
-PROGRAM = [(SGP, 0, 2, 0), (MVP, 0, 0, 70_000), (WAIT, 1, 0, 0), (MVP, 0, 0, 50_000),
-           (WAIT, 1, 0, 0), (GGP, 0, 2, 0), (CALC, 0, 0, 1), (AGP, 0, 2, 0), (COMP, 0, 0, 3),
-           (JC, 6, 0, 1), (SIO, 1, 2, 1), (STOP, 0, 0, 0)]
+PROGRAM = [
+    (SGP, 0, 2, 0),
+    (MVP, 0, 0, 70_000),
+    (WAIT, 1, 0, 0),
+    (MVP, 0, 0, 50_000),
+    (WAIT, 1, 0, 0),
+    (GGP, 0, 2, 0),
+    (CALC, 0, 0, 1),
+    (AGP, 0, 2, 0),
+    (COMP, 0, 0, 3),
+    (JC, 6, 0, 1),
+    (SIO, 1, 2, 1),
+    (STOP, 0, 0, 0),
+]
 
 
 def telegram(module, command, type_=0, motor=0, value=0):
@@ -105,8 +116,10 @@ class CanHost:
         self.bus = can.Bus(**bus)
 
     def send(self, module, *command):
-        self.bus.send(can.Message(arbitration_id=module, data=telegram(module, *command)[1:],
-                                  is_extended_id=False), timeout=TIMEOUT)
+        self.bus.send(
+            can.Message(arbitration_id=module, data=telegram(module, *command)[1:], is_extended_id=False),
+            timeout=TIMEOUT,
+        )
 
     def receive(self, timeout=TIMEOUT):
         end = time.monotonic() + timeout
@@ -170,10 +183,19 @@ class Session:
         return self.ask(GAP, number)[1]
 
     def run(self):
-        self.note("version", self.host.block(self.module, VERSION).decode("ascii"),
-                  self.ask(VERSION, 1))
-        self.note_answers("refused", (255,), (SAP, 24), (SAP, 8, 0, 1), (SAP, 6, 0, 16),
-                          (SAP, 6, 1, 1), (GGP, 0, 1), (COMP,), (GIO, 9), (SIO, 3, 2, 1))
+        self.note("version", self.host.block(self.module, VERSION).decode("ascii"), self.ask(VERSION, 1))
+        self.note_answers(
+            "refused",
+            (255,),
+            (SAP, 24),
+            (SAP, 8, 0, 1),
+            (SAP, 6, 0, 16),
+            (SAP, 6, 1, 1),
+            (GGP, 0, 1),
+            (COMP,),
+            (GIO, 9),
+            (SIO, 3, 2, 1),
+        )
         self.parameters()
         self.motion()
         self.search()
@@ -181,10 +203,10 @@ class Session:
         return self.notes
 
     def parameters(self):
-        self.note_answers("current", (SAP, 6, 0, 11), (STAP, 6), (SAP, 6, 0, 3), (GAP, 6),
-                          (RSAP, 6), (GAP, 6))
-        self.note_answers("locked", (SGP, 73, 0, 1234), (STAP, 6), (SGP, 77, 0, 1), (GGP, 73),
-                          (SGP, 73, 0, 4321), (STAP, 6))
+        self.note_answers("current", (SAP, 6, 0, 11), (STAP, 6), (SAP, 6, 0, 3), (GAP, 6), (RSAP, 6), (GAP, 6))
+        self.note_answers(
+            "locked", (SGP, 73, 0, 1234), (STAP, 6), (SGP, 77, 0, 1), (GGP, 73), (SGP, 73, 0, 4321), (STAP, 6)
+        )
         self.note_answers("variable", (SGP, 55, 2, -123456), (GGP, 55, 2))
         self.note_answers("outputs", (SIO, 0, 2, 1), (GIO, 0, 2), (SIO, 255, 2, 0), (GIO, 0, 2))
 
@@ -211,8 +233,7 @@ class Session:
 
     def program(self):
         self.note_answers("download", (START_DOWNLOAD,), *PROGRAM, (QUIT_DOWNLOAD,))
-        memory = [self.host.block(self.module, READ_MEMORY, 0, 0, at)[:7]
-                  for at in range(len(PROGRAM))]
+        memory = [self.host.block(self.module, READ_MEMORY, 0, 0, at)[:7] for at in range(len(PROGRAM))]
         self.note("read back", memory == [struct.pack(">BBBi", *each) for each in PROGRAM])
         self.note_answers("runs", (RUN_PROGRAM, 1))
         self.until("ends", lambda: self.ask(PROGRAM_STATUS)[1] == 0)
@@ -234,8 +255,11 @@ class Modules(unittest.TestCase):
         """Runs two modules behind a serial line or a port of their bus."""
         rack = "" if port is None else BUS_OF_PORT.format(port=port)
         for address in (FIRST, SECOND):
-            rack += DEVICE.format(table="device" if port is None else "bus.device", address=address,
-                                  line="" if line is None else f'rs485 = "{line}"')
+            rack += DEVICE.format(
+                table="device" if port is None else "bus.device",
+                address=address,
+                line="" if line is None else f'rs485 = "{line}"',
+            )
         self.enterContext(RunningRack(OPTIONS.stator, rack))
 
     def session(self, host):
@@ -249,8 +273,7 @@ class Modules(unittest.TestCase):
                     Modules.expected = notes
                 self.assertEqual(notes, Modules.expected, f"over {host.name}, module {module}")
                 other = Session(host, FIRST + SECOND - module)
-                self.assertEqual(other.ask(GAP, 4)[1],
-                                 500_000 if module == FIRST else 60_000_000)
+                self.assertEqual(other.ask(GAP, 4)[1], 500_000 if module == FIRST else 60_000_000)
         finally:
             host.close()
 

@@ -40,8 +40,10 @@ def sentences(options, folder):
     file = folder / "sentences.txt"
     if options.freeze:
         file.write_text(said, encoding="utf-8")
-    return [f"cd {folder.relative_to(ROOT)} && {command}\n" + "\n".join(lines)
-            for command, lines in refusals.differences_from_frozen(file.read_text(encoding="utf-8"), said)]
+    return [
+        f"cd {folder.relative_to(ROOT)} && {command}\n" + "\n".join(lines)
+        for command, lines in refusals.differences_from_frozen(file.read_text(encoding="utf-8"), said)
+    ]
 
 
 def signals(options, folder):
@@ -49,6 +51,7 @@ def signals(options, folder):
     recordings = sorted(folder.glob("*.stator"))
     differences = []
     with tempfile.TemporaryDirectory() as place:
+
         def replayed(recording):
             csv = Path(place, recording.stem + ".csv")
             outcome, digest = replay(options.stator, recording, csv, PERIOD)
@@ -57,17 +60,25 @@ def signals(options, folder):
 
         results = list(in_parallel(options.jobs, replayed, recordings))
     if options.freeze:
-        frozen.write_text("".join(f"{digest}  {recording.name}\n" for recording, (_, digest)
-                                  in zip(recordings, results, strict=True)), encoding="ascii")
+        frozen.write_text(
+            "".join(
+                f"{digest}  {recording.name}\n" for recording, (_, digest) in zip(recordings, results, strict=True)
+            ),
+            encoding="ascii",
+        )
     expected = {name: digest for digest, name in (line.split() for line in frozen.read_text().splitlines())}
     for recording, (outcome, digest) in zip(recordings, results, strict=True):
         place = recording.relative_to(ROOT)
         if outcome.status != 0:
-            differences.append(f"stator replay {place}: exit status {outcome.status}: "
-                               + outcome.errors.decode("utf-8", "replace").strip())
+            differences.append(
+                f"stator replay {place}: exit status {outcome.status}: "
+                + outcome.errors.decode("utf-8", "replace").strip()
+            )
         elif digest != expected.pop(recording.name, None):
-            differences.append(f"stator replay {place} --csv signals.csv --period {PERIOD}: other signals than are "
-                               "frozen; compare the file with that of the program before")
+            differences.append(
+                f"stator replay {place} --csv signals.csv --period {PERIOD}: other signals than are "
+                "frozen; compare the file with that of the program before"
+            )
         else:
             continue
         expected.pop(recording.name, None)
@@ -88,8 +99,10 @@ def main():
     differences = PARTS[options.part](options, DATA / options.part)
     print(*differences, sep="\n")
     if differences:
-        print(f"{len(differences)} differences from what is frozen in tests/data/{options.part}; if they are meant, "
-              f"tests/frozen/frozen.py {options.part} --stator PROGRAM --freeze")
+        print(
+            f"{len(differences)} differences from what is frozen in tests/data/{options.part}; if they are meant, "
+            f"tests/frozen/frozen.py {options.part} --stator PROGRAM --freeze"
+        )
     return 1 if differences else 0
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """That comparing finds what differs: one line, one sentence, one bit of a recording, one value of a signal.
 
-  tests/frozen/test_differences.py PROGRAM
+tests/frozen/test_differences.py PROGRAM
 """
 
 import contextlib
@@ -76,16 +76,24 @@ class Differences(unittest.TestCase):
     def test_a_line_of_a_list_is_found(self):
         asked = texts.Questions(PROGRAM)
         new = self.altered("faults", "s/kelvin/celsius/")
-        told = [arguments for arguments in asked.all() if arguments[:1] == ["faults"]
-                and difference(texts.asked(PROGRAM, arguments), texts.asked(new, arguments))]
+        told = [
+            arguments
+            for arguments in asked.all()
+            if arguments[:1] == ["faults"] and difference(texts.asked(PROGRAM, arguments), texts.asked(new, arguments))
+        ]
         self.assertIn(["faults", "over-temperature"], told)
         self.assertNotIn(["faults", "can-drop"], told)
 
     def test_everything_that_can_be_asked_is_asked(self):
         asked = [" ".join(arguments) for arguments in texts.Questions(PROGRAM).all()]
         self.assertGreater(len(asked), 500)
-        for one in ("describe tmcm-142 --commands --format csv", "export eds tmcc160", "simulate move --help",
-                    "describe junction --format json", "faults set --format markdown"):
+        for one in (
+            "describe tmcm-142 --commands --format csv",
+            "export eds tmcc160",
+            "simulate move --help",
+            "describe junction --format json",
+            "faults set --format markdown",
+        ):
             self.assertIn(one, asked)
 
     def test_of_the_program_with_itself_there_is_none(self):
@@ -128,8 +136,9 @@ class Differences(unittest.TestCase):
             if path not in kept:
                 path.unlink()
         lines = (copy / "signals.sha256").read_text().splitlines()
-        (copy / "signals.sha256").write_text("\n".join(line for line in lines if kept[0].name in line
-                                                       or kept[1].name in line) + "\n")
+        (copy / "signals.sha256").write_text(
+            "\n".join(line for line in lines if kept[0].name in line or kept[1].name in line) + "\n"
+        )
         kept[0].unlink()
         root, frozen.ROOT = frozen.ROOT, self.folder
         self.addCleanup(setattr, frozen, "ROOT", root)

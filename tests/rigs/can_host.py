@@ -38,7 +38,7 @@ class CanHost:
             if ends:
                 self.received = rest
                 if line[:4] == b"t%03X" % identifier:
-                    return bytes.fromhex(line[5:5 + 2 * int(line[4:5])].decode("ascii"))
+                    return bytes.fromhex(line[5 : 5 + 2 * int(line[4:5])].decode("ascii"))
                 continue
             self.socket.settimeout(max(end - time.monotonic(), 0.001))
             try:
@@ -81,7 +81,7 @@ class SdoClient:
 
     def upload(self, index, subindex):
         answer = self._ask(0x40, index, subindex)
-        return int.from_bytes(answer[4:8 - (answer[0] >> 2 & 3)], "little")
+        return int.from_bytes(answer[4 : 8 - (answer[0] >> 2 & 3)], "little")
 
     def download(self, index, subindex, value, size):
         self._ask(0x23 | (4 - size) << 2, index, subindex, value.to_bytes(size, "little"))

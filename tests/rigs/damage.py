@@ -17,8 +17,9 @@ DAMAGES = {}
 RECORDING_MAGIC = b"StatorRn"
 
 
-def damage(*, kept=True, recording=True, temporary=False, lock=False, forged=False, harmless=False, factory=False,
-           behind=False):
+def damage(
+    *, kept=True, recording=True, temporary=False, lock=False, forged=False, harmless=False, factory=False, behind=False
+):
     """Where it may happen: in a file that is kept, in a recording, in what a replacement left behind, in the lock.
     `forged`: checksums fit, so any content may be found. `harmless`: the content is that of before. `factory`: the
     file is not there any more. `behind`: nothing is changed but what follows the content."""
@@ -76,7 +77,7 @@ def zeros_in_it(path, rng, _outside):
     content = bytearray(path.read_bytes())
     begin = rng.randrange(len(content))
     length = rng.choice((1, 16, 512, 4096))
-    content[begin:begin + length] = bytes(len(content[begin:begin + length]))
+    content[begin : begin + length] = bytes(len(content[begin : begin + length]))
     _replace(path, content)
 
 
@@ -84,7 +85,7 @@ def zeros_in_it(path, rng, _outside):
 def bytes_missing(path, rng, _outside):
     content = bytearray(path.read_bytes())
     begin = rng.randrange(len(content))
-    del content[begin:begin + rng.choice((1, 4, 32, 512))]
+    del content[begin : begin + rng.choice((1, 4, 32, 512))]
     _replace(path, content)
 
 
@@ -111,7 +112,7 @@ def parts_in_another_order(path, rng, _outside):
     ends = [*marks[1:], len(content)]
     parts = [content[begin:end] for begin, end in zip(marks, ends, strict=True)]
     rng.shuffle(parts)
-    _replace(path, content[:marks[0]] + b"".join(parts))
+    _replace(path, content[: marks[0]] + b"".join(parts))
 
 
 @damage()
@@ -131,22 +132,31 @@ def escapes(path, rng, _outside):
     content = path.read_bytes()
     words = content.split(b"\n", 1)[0].split(b" ")
     words[rng.randrange(len(words))] = ESCAPES.replace(b"\0", b"")
-    _replace(path, rng.choice((ESCAPES, b" ".join(words) + content[content.find(b"\n"):])))
+    _replace(path, rng.choice((ESCAPES, b" ".join(words) + content[content.find(b"\n") :])))
 
 
 @damage(recording=False)
 def another_version(path, rng, _outside):
     content = path.read_bytes()
-    _replace(path, content.replace(b"stator 1", rng.choice((b"stator 2", b"stator 0", b"stator 18446744073709551617",
-                                                            b"stator -1", b"STATOR 1", b"stator")), 1))
+    _replace(
+        path,
+        content.replace(
+            b"stator 1",
+            rng.choice(
+                (b"stator 2", b"stator 0", b"stator 18446744073709551617", b"stator -1", b"STATOR 1", b"stator")
+            ),
+            1,
+        ),
+    )
 
 
 @damage(recording=False)
 def wrong_numbers(path, rng, _outside):
     line, _, rest = path.read_bytes().partition(b"\n")
     words = line.split(b" ")
-    words[min(3, len(words) - 1)] = rng.choice((b"0", b"-1", b"99999999999999999999", b"18446744073709551615",
-                                                b"4294967296", b"1e9", b"0x10", b""))
+    words[min(3, len(words) - 1)] = rng.choice(
+        (b"0", b"-1", b"99999999999999999999", b"18446744073709551615", b"4294967296", b"1e9", b"0x10", b"")
+    )
     _replace(path, b" ".join(words) + b"\n" + rest)
 
 
@@ -173,7 +183,7 @@ def forged_content(path, rng, _outside):
         if content:
             content[rng.randrange(len(content))] = rng.choice((0, 0xFF, rng.randrange(256)))
     if rng.random() < 0.3:
-        del content[rng.randrange(len(content) + 1):]
+        del content[rng.randrange(len(content) + 1) :]
     words[3], words[4] = str(len(content)).encode(), _like(words[4], zlib.crc32(content))
     _replace(path, b" ".join(words) + b"\n" + content)
 
@@ -191,7 +201,7 @@ def forged_chunk(path, rng, _outside):
     at = len(RECORDING_MAGIC)
     while at + 8 <= len(content):
         length = struct.unpack_from("<I", content, at)[0]
-        chunks.append(bytearray(content[at + 8:at + 8 + length]))
+        chunks.append(bytearray(content[at + 8 : at + 8 + length]))
         at += 8 + length
     chunk = chunks[0] if rng.random() < 0.5 else rng.choice(chunks)
     for _ in range(rng.choice((1, 1, 3, 20))):
@@ -199,8 +209,9 @@ def forged_chunk(path, rng, _outside):
         chunk[at] = rng.choice((0, 0xFF, 0x80, 0x1B, chunk[at] ^ 1 << rng.randrange(8)))
     if rng.random() < 0.3:
         rng.shuffle(chunks)
-    _replace(path, RECORDING_MAGIC + b"".join(struct.pack("<II", len(each), zlib.crc32(each)) + each
-                                              for each in chunks))
+    _replace(
+        path, RECORDING_MAGIC + b"".join(struct.pack("<II", len(each), zlib.crc32(each)) + each for each in chunks)
+    )
 
 
 @damage(kept=False)

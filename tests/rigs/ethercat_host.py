@@ -70,7 +70,7 @@ class Slave:
             answer = self._receive(head[:2])
         except OSError as error:
             raise Gone(str(error)) from None
-        return answer[12:12 + len(data)], struct.unpack_from("<H", answer, 12 + len(data))[0]
+        return answer[12 : 12 + len(data)], struct.unpack_from("<H", answer, 12 + len(data))[0]
 
     def _receive(self, begin):
         """The frame that begins so. Who waits knocks: that a port is closed is told to who sends there."""
@@ -169,7 +169,7 @@ class Slave:
             if self.read(SYNC_MANAGER + 13, 1)[0] & 8:
                 mail = self.read(second, length)
                 if mail[5] & 15 == kind:
-                    return mail[MAILBOX_HEADER:MAILBOX_HEADER + struct.unpack_from("<H", mail)[0]]
+                    return mail[MAILBOX_HEADER : MAILBOX_HEADER + struct.unpack_from("<H", mail)[0]]
             elif time.monotonic() > end:
                 raise Silent("no answer in the mailbox")
             else:
@@ -190,7 +190,7 @@ class Slave:
 
     def upload(self, index, subindex):
         command, data = self._sdo(0x40, index, subindex)
-        return int.from_bytes(data[:4 - (command >> 2 & 3)], "little")
+        return int.from_bytes(data[: 4 - (command >> 2 & 3)], "little")
 
     def download(self, index, subindex, value, size):
         self._sdo(0x23 | (4 - size) << 2, index, subindex, value.to_bytes(size, "little"))
@@ -207,7 +207,7 @@ class Slave:
 
     def write_file(self, content, name=b"firmware"):
         room = self.mailboxes[1] - MAILBOX_HEADER - 6
-        packets = [content[at:at + room] for at in range(0, len(content) + 1, room)]
+        packets = [content[at : at + room] for at in range(0, len(content) + 1, room)]
         self._foe(WRITE, 0, name)
         for number, packet in enumerate(packets, 1):
             while self._foe(DATA, number, packet)[0] == BUSY:

@@ -49,9 +49,17 @@ CASES_OF_A_TEMPLATE = 40
 SEGMENT = segment("tmc8461", "tmc8670", "tmcm-3315") + SERIAL_MODULE
 # A rack, and the files of which device is there for what: (file, device, position).
 RACKS = {
-    "segment": (SEGMENT, [("tmc8461.eeprom", Sii, 0), ("tmc8670.eeprom", Sii, 1),
-                          ("tmcm-3315.eeprom", Sii, 2), ("tmc8670.parameters", Tmc8670Parameters, 1),
-                          ("tmcm-3315.firmware", Firmware, 2), ("module.parameters", SerialTmcm142, 0)]),
+    "segment": (
+        SEGMENT,
+        [
+            ("tmc8461.eeprom", Sii, 0),
+            ("tmc8670.eeprom", Sii, 1),
+            ("tmcm-3315.eeprom", Sii, 2),
+            ("tmc8670.parameters", Tmc8670Parameters, 1),
+            ("tmcm-3315.firmware", Firmware, 2),
+            ("module.parameters", SerialTmcm142, 0),
+        ],
+    ),
     "node": (BUS + TMCC160, [("tmcc160.parameters", Tmcc160Parameters, 0)]),
 }
 
@@ -77,8 +85,15 @@ class Template:
             self.work(rng, range(12))
             process.end(rng.choice((signal.SIGINT, signal.SIGKILL)))
         shutil.copytree(self.state, directory / "recorded")
-        with RackProcess(program, str(self.rack_file), str(directory), "--state", str(directory / "recorded"),
-                         "--record", str(self.recording)) as process:
+        with RackProcess(
+            program,
+            str(self.rack_file),
+            str(directory),
+            "--state",
+            str(directory / "recorded"),
+            "--record",
+            str(self.recording),
+        ) as process:
             for device in self.devices.values():
                 device.connect()
                 device.read(rng)
@@ -148,8 +163,9 @@ def run(command, patience, directory, until=None):
     outcome = Outcome()
     said = directory / "said"
     with said.open("wb") as errors:
-        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors,
-                                   preexec_fn=limits)
+        process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors, preexec_fn=limits
+        )
     begin = time.monotonic()
     output = b""
     stream = process.stdout.fileno()
@@ -215,8 +231,9 @@ class Case:
             self.faults.append(f"it said: {ascii(text[-400:])}")
 
     def judge_outside(self):
-        content = {each.name: each.read_bytes() for each in self.outside.iterdir()
-                   if each.is_file() and each.name != "moved"}
+        content = {
+            each.name: each.read_bytes() for each in self.outside.iterdir() if each.is_file() and each.name != "moved"
+        }
         if content != {"secret": damage.SECRET}:
             self.faults.append(f"changed what lies outside: {sorted(content)}")
         if (self.outside / "secret").stat().st_mode & 0o777 != 0o644:
@@ -238,8 +255,9 @@ class Case:
         function(hit, self.rng, self.outside)
         command = [self.options.stator, "run", str(self.template.rack_file), "--state", str(state)]
         try:
-            self.judge_refusal(run(command, self.patience(), self.directory, b"Running;"),
-                               (hit.name, name, str(state)), (1, 2))
+            self.judge_refusal(
+                run(command, self.patience(), self.directory, b"Running;"), (hit.name, name, str(state)), (1, 2)
+            )
             self.verdict = "refused"
         except Started as started:
             self.verdict = "started"
@@ -260,8 +278,10 @@ class Case:
                         allowed = [*allowed, self.template.histories[name][0]]
                     if found not in allowed:
                         cells = [cell for cell in found if found[cell] != allowed[-1][cell]]
-                        self.faults.append(f"started, and {name} holds what it never held: {len(cells)} cells, e.g. "
-                                           f"{cells[0]} is {str(found[cells[0]])[:40]}")
+                        self.faults.append(
+                            f"started, and {name} holds what it never held: {len(cells)} cells, e.g. "
+                            f"{cells[0]} is {str(found[cells[0]])[:40]}"
+                        )
             if kind in ("temporary", "lock"):
                 self.write(self.template.devices[hit], may_refuse=kind == "temporary")
             process.send_signal(signal.SIGINT)
@@ -276,8 +296,11 @@ class Case:
             process.kill()
             process.wait()
             process.stdout.close()
-        left = [each.name for each in (self.directory / "state").iterdir()
-                if each.name.endswith(".new") and not each.is_dir()]
+        left = [
+            each.name
+            for each in (self.directory / "state").iterdir()
+            if each.name.endswith(".new") and not each.is_dir()
+        ]
         if left:
             self.faults.append(f"left {left} behind")
 
@@ -336,8 +359,9 @@ class Case:
 
     def try_place(self):
         state = self.directory / "state"
-        kind = self.rng.choice(("file", "fifo", "device_node", "link_to_itself", "long", "no parent",
-                                "listening_socket", "link to file"))
+        kind = self.rng.choice(
+            ("file", "fifo", "device_node", "link_to_itself", "long", "no parent", "listening_socket", "link to file")
+        )
         if kind == "file":
             state.write_bytes(damage.SECRET)
         elif kind == "long":
@@ -351,8 +375,9 @@ class Case:
             damage.DAMAGES[kind](state, self.rng, self.outside)
         command = [self.options.stator, "run", str(self.template.rack_file), "--state", str(state)]
         try:
-            self.judge_refusal(run(command, self.patience(), self.directory, b"Running;"),
-                               (str(state), state.name, "ddddd"), (1, 2))
+            self.judge_refusal(
+                run(command, self.patience(), self.directory, b"Running;"), (str(state), state.name, "ddddd"), (1, 2)
+            )
             self.verdict = "refused"
         except Started as started:
             self.faults.append(f"started with a {kind} instead of a directory")
@@ -374,8 +399,13 @@ class Case:
             if self.rng.random() < 0.5:
                 (state / "lock").write_bytes(b"")
             try:
-                self.judge_refusal(run([self.options.stator, "run", str(other), *options], self.patience(),
-                                       self.directory, b"Running;"), (str(state),), (1, 2))
+                self.judge_refusal(
+                    run(
+                        [self.options.stator, "run", str(other), *options], self.patience(), self.directory, b"Running;"
+                    ),
+                    (str(state),),
+                    (1, 2),
+                )
                 self.verdict = "refused"
             except Started as started:
                 self.verdict = "started"
@@ -391,8 +421,9 @@ class Case:
         function = damage.DAMAGES[self.name]
         before = path.read_bytes()
         function(path, self.rng, self.outside)
-        same = function.harmless or (path.is_file() and path.stat().st_size == len(before)
-                                     and path.read_bytes() == before)
+        same = function.harmless or (
+            path.is_file() and path.stat().st_size == len(before) and path.read_bytes() == before
+        )
         outcome = run([self.options.stator, "replay", str(path)], self.patience(), self.directory)
         if outcome.status == 0 and not (same or function.forged or function.behind):
             self.faults.append("replayed as if nothing was wrong")
@@ -407,8 +438,7 @@ def kinds():
     names = [("state", name) for name, each in damage.DAMAGES.items() if each.kept]
     names += [("temporary", name) for name, each in damage.DAMAGES.items() if each.temporary]
     names += [("lock", name) for name, each in damage.DAMAGES.items() if each.lock]
-    names += [("directory", "many_foreign_files"), ("name", "too_long"), ("place", "no_directory"),
-              ("second", "rack")]
+    names += [("directory", "many_foreign_files"), ("name", "too_long"), ("place", "no_directory"), ("second", "rack")]
     names += [("recording", name) for name, each in damage.DAMAGES.items() if each.recording]
     return names
 
@@ -433,8 +463,11 @@ def run_case(options, template, number):
                 case.try_state({"state": "kept"}.get(kind, kind), rng.choice(list(template.devices)))
         except Exception:
             case.faults.append(traceback.format_exc())
-    return f"{kind}:{name}", case.verdict, [f"--case {number} {kind}:{name}: {'; '.join(case.faults)}"] \
-        if case.faults else []
+    return (
+        f"{kind}:{name}",
+        case.verdict,
+        [f"--case {number} {kind}:{name}: {'; '.join(case.faults)}"] if case.faults else [],
+    )
 
 
 def run_batch(task):
@@ -443,8 +476,9 @@ def run_batch(task):
     rng = random.Random(f"{options.seed}/template/{numbers[0] // CASES_OF_A_TEMPLATE}")
     with tempfile.TemporaryDirectory(prefix="stator-rig-") as directory:
         try:
-            template = Template(options.stator, "node" if rng.random() < 0.1 else "segment", rng,
-                                pathlib.Path(directory))
+            template = Template(
+                options.stator, "node" if rng.random() < 0.1 else "segment", rng, pathlib.Path(directory)
+            )
         except Exception:
             return [("template", "?", [f"--case {numbers[0]}: {traceback.format_exc()}"])]
         for number in numbers:
@@ -475,7 +509,7 @@ def main():
         return 0
     options.stator = os.path.abspath(options.stator)
     numbers = list(range(options.count)) if options.case is None else [options.case]
-    batches = [numbers[at:at + CASES_OF_A_TEMPLATE] for at in range(0, len(numbers), CASES_OF_A_TEMPLATE)]
+    batches = [numbers[at : at + CASES_OF_A_TEMPLATE] for at in range(0, len(numbers), CASES_OF_A_TEMPLATE)]
     begin = time.monotonic()
     verdicts = collections.defaultdict(collections.Counter)
     with multiprocessing.Pool(options.jobs, prepare_worker) as pool:

@@ -108,22 +108,27 @@ class StoredObjects(Device):
         while True:
             subindex = rng.choice((self.ALL, self.ALL, self.ALL, *self.GROUPS))
             if rng.random() < 0.2:
-                yield ({cell: self.defaults[cell] for cell in self.members(subindex)},
-                       lambda: self.client.download(0x1011, subindex, LOAD, 4))
+                yield (
+                    {cell: self.defaults[cell] for cell in self.members(subindex)},
+                    lambda: self.client.download(0x1011, subindex, LOAD, 4),
+                )
                 continue
             for each in self.objects:
                 value = rng.choice(each[3])
                 self.client.download(*each[:2], value, each[2])
                 self.present[self.cell(each)] = value
-            yield ({cell: self.present[cell] for cell in self.members(subindex)},
-                   lambda: self.client.download(0x1010, subindex, SAVE, 4))
+            yield (
+                {cell: self.present[cell] for cell in self.members(subindex)},
+                lambda: self.client.download(0x1010, subindex, SAVE, 4),
+            )
 
 
 class Tmc8670Parameters(StoredObjects):
-    GROUPS = {2: [(0x10F1, 2, 2, range(1, 60000))],
-              3: [(0x6065, 0, 4, range(1, 1 << 20)), (0x6083, 0, 4, range(1, 1 << 20)),
-                  (0x6085, 0, 4, range(1, 1 << 20))],
-              4: [(0x2031, 2, 2, range(1, 60000)), (0x2031, 3, 4, range(1, 1 << 20))]}
+    GROUPS = {
+        2: [(0x10F1, 2, 2, range(1, 60000))],
+        3: [(0x6065, 0, 4, range(1, 1 << 20)), (0x6083, 0, 4, range(1, 1 << 20)), (0x6085, 0, 4, range(1, 1 << 20))],
+        4: [(0x2031, 2, 2, range(1, 60000)), (0x2031, 3, 4, range(1, 1 << 20))],
+    }
 
     def connect(self):
         self.client = Slave(self.rack.address, ETHERCAT_PORT, self.position)
@@ -134,9 +139,10 @@ class Tmc8670Parameters(StoredObjects):
 
 
 class Tmcc160Parameters(StoredObjects):
-    GROUPS = {2: [(0x2704, 0, 2, (20, 50, 100, 125, 250, 500, 800, 1000))],
-              4: [(0x6067, 0, 4, range(1, 1 << 20)), (0x6081, 0, 4, range(1, 100000)),
-                  (0x6083, 0, 4, range(1, 100000))]}
+    GROUPS = {
+        2: [(0x2704, 0, 2, (20, 50, 100, 125, 250, 500, 800, 1000))],
+        4: [(0x6067, 0, 4, range(1, 1 << 20)), (0x6081, 0, 4, range(1, 100000)), (0x6083, 0, 4, range(1, 100000))],
+    }
 
     def connect(self):
         self.client = SdoClient(CanHost(self.rack.address, CAN_PORT), 5)
@@ -232,8 +238,11 @@ class BoardEeprom(Device):
         return data
 
     def read(self, rng):
-        return {f"byte {page * self.PAGE + at:04x}h": byte for page in range(self.PAGES)
-                for at, byte in enumerate(self.read_page(page))}
+        return {
+            f"byte {page * self.PAGE + at:04x}h": byte
+            for page in range(self.PAGES)
+            for at, byte in enumerate(self.read_page(page))
+        }
 
     def write_page(self, place, data):
         self.address(place)
@@ -241,7 +250,7 @@ class BoardEeprom(Device):
             self.command(self.SEND, self.DATA_WRITE, byte)
         self.stop()
         page, begin = divmod(place, self.PAGE)
-        if bytes(self.read_page(page)[begin:begin + len(data)]) != data:
+        if bytes(self.read_page(page)[begin : begin + len(data)]) != data:
             raise Refused("the page shows what it held before")
 
     def orders(self, rng):
@@ -249,8 +258,10 @@ class BoardEeprom(Device):
             begin = rng.randrange(self.USED)
             data = rng.randbytes(rng.randrange(1, self.USED - begin + 1))
             place = rng.randrange(self.PAGES) * self.PAGE + begin
-            yield ({f"byte {place + at:04x}h": byte for at, byte in enumerate(data)},
-                   lambda: self.write_page(place, data))
+            yield (
+                {f"byte {place + at:04x}h": byte for at, byte in enumerate(data)},
+                lambda: self.write_page(place, data),
+            )
 
 
 class Tmcm142(Device):
@@ -258,8 +269,16 @@ class Tmcm142(Device):
 
     burst = 20
     # Parameters whose value changes nothing that would disturb the rig, with the values they take.
-    AXIS = {47: range(1, 8388607), 48: range(-2**31, 2**31), 50: range(-2**31, 2**31), 51: range(-2**31, 2**31),
-            64: range(256), 212: range(1, 2**31), 6: range(16), 194: range(1, 2**31)}
+    AXIS = {
+        47: range(1, 8388607),
+        48: range(-(2**31), 2**31),
+        50: range(-(2**31), 2**31),
+        51: range(-(2**31), 2**31),
+        64: range(256),
+        212: range(1, 2**31),
+        6: range(16),
+        194: range(1, 2**31),
+    }
     GLOBAL = {83: range(0x300, 0x700)}
     VARIABLES = range(0, 56, 9)
     COORDINATES = range(1, 21, 4)
@@ -303,11 +322,11 @@ class Tmcm142(Device):
                 value = rng.choice(values)
                 yield {f"global {number}": value}, lambda: ask(SGP, number, 0, value)
             elif kind == 2:
-                number, value = rng.choice(self.VARIABLES), rng.randrange(-2**31, 2**31)
+                number, value = rng.choice(self.VARIABLES), rng.randrange(-(2**31), 2**31)
                 ask(SGP, number, 2, value)
                 yield {f"variable {number}": value}, lambda: ask(STGP, number, 2)
             elif kind == 3:
-                number, value = rng.choice(self.COORDINATES), rng.randrange(-2**31, 2**31)
+                number, value = rng.choice(self.COORDINATES), rng.randrange(-(2**31), 2**31)
                 yield {f"coordinate {number}": value}, lambda: ask(SCO, number, 0, value)
             else:
                 yield from self.download(rng)
@@ -319,8 +338,12 @@ class Tmcm142(Device):
         for at in range(begin, rng.randrange(begin, self.PROGRAM)):
             if kept is False:
                 break
-            words = (rng.choice((SAP, SGP, SCO)), rng.randrange(256), rng.randrange(256),
-                     rng.randrange(-2**31, 2**31))
+            words = (
+                rng.choice((SAP, SGP, SCO)),
+                rng.randrange(256),
+                rng.randrange(256),
+                rng.randrange(-(2**31), 2**31),
+            )
             kept = yield {f"instruction {at}": words}, lambda: ask(*words, expected=LOADED)
         yield {}, lambda: ask(QUIT_DOWNLOAD)
 
@@ -347,8 +370,9 @@ class Row:
 
 
 def segment(*products):
-    return (f'[[segment]]\nlink = "udp:{{address}}:{ETHERCAT_PORT}"\n'
-            + "".join(f'[[segment.device]]\ntype = "{product}"\n' for product in products))
+    return f'[[segment]]\nlink = "udp:{{address}}:{ETHERCAT_PORT}"\n' + "".join(
+        f'[[segment.device]]\ntype = "{product}"\n' for product in products
+    )
 
 
 BUS = f'[[bus]]\nbit_rate = "unlimited"\nports = ["slcan-tcp:{{address}}:{CAN_PORT}"]\n'
@@ -356,11 +380,14 @@ TMCC160 = '[[bus.device]]\ntype = "tmcc160"\nnode_id = 5\n'
 CAN_MODULE = '[[bus.device]]\ntype = "tmcm-142"\n'
 SERIAL_MODULE = f'[[device]]\ntype = "tmcm-142"\nname = "module"\nrs485 = "tcp:{{address}}:{SERIAL_PORT}"\n'
 
-BOARD = segment("tmc8461") + """mfc = "pins.toml"
+BOARD = (
+    segment("tmc8461")
+    + """mfc = "pins.toml"
 [segment.device.board.memory]
 type = "i2c-eeprom"
 wires = {{ scl = "MFCIO14", sda = "MFCIO15" }}
 """
+)
 PINS = """
 [identity]
 order_code = "TMC8461-MEMORY"
@@ -398,6 +425,14 @@ ROWS = [
     Row("board-eeprom", BOARD, BoardEeprom, files={"pins.toml": PINS}),
     Row("serial-tmcm-142", SERIAL_MODULE, SerialTmcm142),
     Row("can-tmcm-142", BUS + CAN_MODULE, CanTmcm142),
-    Row("all", segment("tmc8461", "tmc8670", "tmcm-3315") + BUS + TMCC160 + SERIAL_MODULE,
-        Sii, Tmc8670Parameters, Sii, Tmcc160Parameters, SerialTmcm142, lockstep=False),
+    Row(
+        "all",
+        segment("tmc8461", "tmc8670", "tmcm-3315") + BUS + TMCC160 + SERIAL_MODULE,
+        Sii,
+        Tmc8670Parameters,
+        Sii,
+        Tmcc160Parameters,
+        SerialTmcm142,
+        lockstep=False,
+    ),
 ]

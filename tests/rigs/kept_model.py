@@ -33,19 +33,29 @@ class KeptModel:
             fresh = [cell for cell in ordered if self.cells[cell] != ordered[cell]]
             states = {self._state(cell, found[cell], ordered[cell]) for cell in fresh}
             lost = [cell for cell, old in self.cells.items() if found[cell] not in (old, ordered.get(cell, old))]
-            denied = [cell for cell in lost if cell in self.denied
-                      and found[cell] == self.denied[cell] != self.begin[cell]]
+            denied = [
+                cell for cell in lost if cell in self.denied and found[cell] == self.denied[cell] != self.begin[cell]
+            ]
             if denied:
                 faults.append(("other", f"{len(denied)} cells that were refused are there, e.g. {denied[0]}"))
             elif lost:
                 cell = lost[0]
-                faults.append(("lost", f"{len(lost)} cells, e.g. {cell} is {_short(found[cell])}, "
-                                       f"{_short(self.cells[cell])} was answered"
-                                       + (f", {_short(ordered[cell])} ordered" if cell in ordered else "")))
+                faults.append(
+                    (
+                        "lost",
+                        f"{len(lost)} cells, e.g. {cell} is {_short(found[cell])}, "
+                        f"{_short(self.cells[cell])} was answered"
+                        + (f", {_short(ordered[cell])} ordered" if cell in ordered else ""),
+                    )
+                )
             if states == {"old", "new"}:
                 new = [cell for cell in fresh if found[cell] == ordered[cell]]
-                faults.append(("torn", f"of an order for {len(fresh)} cells that was not answered "
-                                       f"{len(new)} are new, e.g. {new[0]}"))
+                faults.append(
+                    (
+                        "torn",
+                        f"of an order for {len(fresh)} cells that was not answered {len(new)} are new, e.g. {new[0]}",
+                    )
+                )
         self.cells, self.begin, self.denied = dict(found), found, {}
         return faults
 

@@ -38,8 +38,15 @@ from places import FullPlace, Place, PowerCutPlace, ReadOnlyPlace, have_own_moun
 from rack_process import Gone, NotStarted, RackProcess, Silent, own_address
 
 KILLS_IN_A_CHAIN = 20
-MODES = {"kill": Place, "sigint": Place, "full": FullPlace, "readonly": ReadOnlyPlace, "power": PowerCutPlace,
-         "lockstep": Place, "recorded": Place}
+MODES = {
+    "kill": Place,
+    "sigint": Place,
+    "full": FullPlace,
+    "readonly": ReadOnlyPlace,
+    "power": PowerCutPlace,
+    "lockstep": Place,
+    "recorded": Place,
+}
 NEED_MOUNTS = ("full", "readonly", "power")
 OPTIONS = {"lockstep": ("--clock", "lockstep")}
 COLUMNS = ("kills", "answered", "refused", "open", "lost", "torn", "other")
@@ -182,9 +189,12 @@ class Chain:
             return
         self.tally["kills"] += 1
         moments, spoilt, ending = self.draw_moments(process)
-        threads = [threading.Thread(target=give_orders, args=(device, model, random.Random(self.rng.random()),
-                                                              moments, self.tally))
-                   for device, model in zip(self.devices, self.models, strict=True)]
+        threads = [
+            threading.Thread(
+                target=give_orders, args=(device, model, random.Random(self.rng.random()), moments, self.tally)
+            )
+            for device, model in zip(self.devices, self.models, strict=True)
+        ]
         for thread in threads:
             thread.start()
         for thread in threads:
@@ -205,13 +215,16 @@ class Chain:
             ending = signal.SIGINT
         rng = random.Random(self.rng.random())
         if self.mode == "power":
+
             def end():
                 process.send(signal.SIGSTOP)
                 self.place.spoil(rng)
                 process.send(signal.SIGKILL)
         else:
+
             def end():
                 process.send(ending)
+
         moments = [Moment(self.rng, burst, end)]
         self.last = f"signal {ending} {moments[0]}"
         spoilt = self.mode in ("full", "readonly")
@@ -252,21 +265,28 @@ def main():
     parser.add_argument("--list", action="store_true")
     options = parser.parse_args()
     names = [(row.name, mode) for row in ROWS for mode in MODES if mode != "lockstep" or row.lockstep]
-    names = [each for each in names
-             if not options.only or any(part in f"{each[0]}:{each[1]}" for part in options.only)]
+    names = [each for each in names if not options.only or any(part in f"{each[0]}:{each[1]}" for part in options.only)]
     if options.list or not names:
         print("\n".join(":".join(each) for each in names))
         return 0 if names else 2
     program = os.path.abspath(options.stator)
     chains = range(-(-options.count // KILLS_IN_A_CHAIN)) if options.chain is None else (options.chain,)
-    tasks = [(program, row, mode, options.seed, chain,
-              min(KILLS_IN_A_CHAIN, options.count - (chain * KILLS_IN_A_CHAIN if options.chain is None else 0)))
-             for chain in chains for row, mode in names]
+    tasks = [
+        (
+            program,
+            row,
+            mode,
+            options.seed,
+            chain,
+            min(KILLS_IN_A_CHAIN, options.count - (chain * KILLS_IN_A_CHAIN if options.chain is None else 0)),
+        )
+        for chain in chains
+        for row, mode in names
+    ]
     begin = time.monotonic()
     tallies = {":".join(each): collections.Counter() for each in names}
     worst = collections.Counter()
-    with multiprocessing.Pool(options.jobs, prepare_worker,
-                              (any(mode in NEED_MOUNTS for _, mode in names),)) as pool:
+    with multiprocessing.Pool(options.jobs, prepare_worker, (any(mode in NEED_MOUNTS for _, mode in names),)) as pool:
         for name, tally, end, faults in pool.imap_unordered(run_chain, tasks):
             tallies[name] += tally
             worst[name] = max(worst[name], end)
@@ -277,8 +297,11 @@ def main():
     print(f"{'':{width}}" + "".join(f"{column:>9}" for column in COLUMNS) + f"{'end, s':>9}")
     total = sum(tallies.values(), collections.Counter())
     for name, tally in [*tallies.items(), ("together", total)]:
-        print(f"{name:{width}}" + "".join(f"{tally[column]:>9}" for column in COLUMNS)
-              + f"{max(worst.values()) if name == 'together' else worst[name]:>9.2f}")
+        print(
+            f"{name:{width}}"
+            + "".join(f"{tally[column]:>9}" for column in COLUMNS)
+            + f"{max(worst.values()) if name == 'together' else worst[name]:>9.2f}"
+        )
     print(f"{total['kills']} kills in {seconds:.0f} s, {total['kills'] / seconds:.1f} a second; seed {options.seed}")
     return 1 if total["lost"] + total["torn"] + total["other"] else 0
 

@@ -113,8 +113,12 @@ class ManyDrives(Case):
     watched = False
 
     def rack(self):
-        return segment(*["tmc8670"] * 300).format(address=self.address).replace(
-            'type = "tmc8670"', 'type = "tmc8670"\nname = "{}"').format(*range(300))
+        return (
+            segment(*["tmc8670"] * 300)
+            .format(address=self.address)
+            .replace('type = "tmc8670"', 'type = "tmc8670"\nname = "{}"')
+            .format(*range(300))
+        )
 
 
 class ManyNodes(Case):
@@ -123,15 +127,19 @@ class ManyNodes(Case):
     def rack(self):
         return BUS.format(ports=f'"slcan-tcp:{self.address}:{CAN_PORT}"') + "".join(
             f'[[bus.device]]\ntype = "tmcc160"\nname = "n{node}"\nnode_id = {node}\nfriendly = true\n'
-            for node in range(1, 128))
+            for node in range(1, 128)
+        )
 
 
 class ManyModules(Case):
     watched = False
 
     def rack(self):
-        return "".join(f'[[device]]\ntype = "tmcm-142"\nname = "m{number}"\naddress = {number % 250 + 1}\n'
-                       f'rs485 = "tcp:{self.address}:{SERIAL_PORT + number}"\n' for number in range(400))
+        return "".join(
+            f'[[device]]\ntype = "tmcm-142"\nname = "m{number}"\naddress = {number % 250 + 1}\n'
+            f'rs485 = "tcp:{self.address}:{SERIAL_PORT + number}"\n'
+            for number in range(400)
+        )
 
 
 class UnreadErrors(Case):
@@ -254,10 +262,11 @@ class UnreadStream(Case):
             self.open.callback(browser.close)
             browser.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
             key = base64.b64encode(self.rng.randbytes(16)).decode("ascii")
-            browser.sendall(f"GET /api/v1/signals HTTP/1.1\r\nHost: {self.address}:{HTTP_PORT}\r\n"
-                            "Authorization: Bearer overload-rig-token-0123456789\r\nUpgrade: websocket\r\n"
-                            f"Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {key}\r\n\r\n"
-                            .encode("ascii"))
+            browser.sendall(
+                f"GET /api/v1/signals HTTP/1.1\r\nHost: {self.address}:{HTTP_PORT}\r\n"
+                "Authorization: Bearer overload-rig-token-0123456789\r\nUpgrade: websocket\r\n"
+                f"Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {key}\r\n\r\n".encode("ascii")
+            )
             assert b" 101 " in browser.recv(1024), "the server takes no WebSocket"
             text = b'{"signals": ["*.axis0.*"], "period": "1ms", "events": true}'
             browser.sendall(bytes([0x81, 0x80 | len(text)]) + bytes(4) + text)
@@ -267,8 +276,9 @@ class UnreadTerminal(Case):
     """A program writes commands into a pseudo-terminal until that is full, and reads no reply."""
 
     def rack(self):
-        return super().rack() + (f'[[device]]\ntype = "tmcm-142"\nname = "module"\n'
-                                 f'rs485 = "pty:{self.directory}/line"\n')
+        return super().rack() + (
+            f'[[device]]\ntype = "tmcm-142"\nname = "module"\nrs485 = "pty:{self.directory}/line"\n'
+        )
 
     def stall(self, process):
         terminal = os.open(self.directory / "line", os.O_RDWR | os.O_NONBLOCK | os.O_NOCTTY)
@@ -283,9 +293,11 @@ class UnreadAdapter(Case):
     """The same for a CAN adapter, on which another program talks."""
 
     def rack(self):
-        return super().rack() + BUS.format(
-            ports=f'"slcan:{self.directory}/can", "slcan-tcp:{self.address}:{CAN_PORT}"') \
+        return (
+            super().rack()
+            + BUS.format(ports=f'"slcan:{self.directory}/can", "slcan-tcp:{self.address}:{CAN_PORT}"')
             + '[[bus.device]]\ntype = "tmcm-142"\nname = "module"\n'
+        )
 
     def stall(self, process):
         terminal = os.open(self.directory / "can", os.O_RDWR | os.O_NONBLOCK | os.O_NOCTTY)
@@ -336,8 +348,7 @@ def try_case(program, kind, rng, twice):
         try:
             path = pathlib.Path(directory) / "rack.toml"
             path.write_text(case.rack(), encoding="ascii")
-            with RackProcess(program, str(path), directory, *case.options(), patience=NEVER,
-                             **case.popen) as process:
+            with RackProcess(program, str(path), directory, *case.options(), patience=NEVER, **case.popen) as process:
                 watch = Watch(case.address, case.refused) if case.watched else None
                 if watch:
                     watch.start()
@@ -404,17 +415,26 @@ def main():
     have_own_mounts()
     allowed = options.limit * options.factor
     failed = 0
-    print(f"{'worst of ' + str(options.count) + ', s':14}" + "".join(
-        f"{column:>12}" for column in ("no answer", "SIGINT", "the second")))
+    print(
+        f"{'worst of ' + str(options.count) + ', s':14}"
+        + "".join(f"{column:>12}" for column in ("no answer", "SIGINT", "the second"))
+    )
     for name in names:
-        results = [try_case(options.stator, CASES[name], random.Random(f"{options.seed}/{name}/{number}"),
-                            number % 2 == 1) for number in range(options.count)]
+        results = [
+            try_case(options.stator, CASES[name], random.Random(f"{options.seed}/{name}/{number}"), number % 2 == 1)
+            for number in range(options.count)
+        ]
         values = [worst(getattr(each, what) for each in results) for what in ("gap", "end", "second")]
         late = any(value is not None and value > allowed for value in values)
         failed += late
         refused = next((each.refused for each in results if each.refused), "")
-        print(f"{name:14}" + "".join(map(show, values)) + ("  TOO LATE" if late else "")
-              + (f"  refused: {refused}" if refused else ""), flush=True)
+        print(
+            f"{name:14}"
+            + "".join(map(show, values))
+            + ("  TOO LATE" if late else "")
+            + (f"  refused: {refused}" if refused else ""),
+            flush=True,
+        )
     return 1 if failed else 0
 
 

@@ -40,8 +40,12 @@ class RackProcess:
         self.interrupted = False
         self.log_path = os.path.join(directory, "stderr")
         with open(self.log_path, "wb") as log:
-            self.process = subprocess.Popen([program, "run", rack, *options], stdin=subprocess.DEVNULL,
-                                            stdout=subprocess.PIPE, **{"stderr": log, **popen})
+            self.process = subprocess.Popen(
+                [program, "run", rack, *options],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                **{"stderr": log, **popen},
+            )
         try:
             self._wait_until_it_runs(patience)
         except BaseException:

@@ -109,14 +109,14 @@ class StallingDisk:
             return bytes(16)
         if operation == READ:
             _, offset, size = struct.unpack_from("<QQI", body)
-            return bytes(node.content[offset:offset + size])
+            return bytes(node.content[offset : offset + size])
         if operation == WRITE:
             _, offset, size = struct.unpack_from("<QQI", body)
             node.content.extend(bytes(max(0, offset - len(node.content))))
-            node.content[offset:offset + size] = body[40:40 + size]
+            node.content[offset : offset + size] = body[40 : 40 + size]
             return struct.pack("<II", size, 0)
         if operation in (RENAME, RENAME2):
-            old, new = body[8 if operation == RENAME else 16:].split(b"\0")[:2]
+            old, new = body[8 if operation == RENAME else 16 :].split(b"\0")[:2]
             target = self.nodes[struct.unpack_from("<Q", body)[0]]
             target.names[new] = self._find(node, old)
             del node.names[old]
@@ -148,8 +148,22 @@ class StallingDisk:
 
     def _attributes(self, number):
         node = self.nodes[number]
-        return struct.pack("<QQQ24xIIIIIIIIII", number, len(node.content), 0, 0, 0, 0, node.mode, 1, os.getuid(),
-                           os.getgid(), 0, 4096, 0)
+        return struct.pack(
+            "<QQQ24xIIIIIIIIII",
+            number,
+            len(node.content),
+            0,
+            0,
+            0,
+            0,
+            node.mode,
+            1,
+            os.getuid(),
+            os.getgid(),
+            0,
+            4096,
+            0,
+        )
 
     def _entry(self, number):
         return struct.pack("<QQQQII", number, 0, 0, 0, 0, 0) + self._attributes(number)

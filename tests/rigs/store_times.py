@@ -76,8 +76,9 @@ def go_operational(slave, mailbox):
         if mailbox:
             length = process_data_length(slave, 0x1C12 + number)
         slave.write(SYNC_MANAGER + 8 * (2 * mailbox + number), struct.pack("<HHBBBB", start, length, control, 0, 1, 0))
-        slave.write(FMMU + 16 * number, struct.pack("<IHBBHBBB3x", LOGICAL_HIGH << 16, length, 0, 7, start, 0,
-                                                    2 - number, 1))
+        slave.write(
+            FMMU + 16 * number, struct.pack("<IHBBHBBB3x", LOGICAL_HIGH << 16, length, 0, 7, start, 0, 2 - number, 1)
+        )
         size = max(size, length)
     slave.go(SAFEOP)
     cycle(slave, size)
@@ -311,10 +312,19 @@ class Instruction(Module142):
     begin = finish = SaveTmc8670.begin
 
 
-STORES = {"SII word, TMC8461": SiiTmc8461, "SII word, TMC8670": SiiTmc8670, "SII word, TMCM-3315": SiiTmcm3315,
-          "1010h:01, TMC8670": SaveTmc8670, "1010h:01, TMCC160": SaveTmcc160, "STAP, TMCM-142": Stap,
-          "STGP, TMCM-142": Stgp, "SCO, TMCM-142": Sco, "instruction, TMCM-142": Instruction,
-          "page, EEPROM on a board": BoardPage, "FoE 2000 bytes, TMCM-3315": FirmwareTmcm3315}
+STORES = {
+    "SII word, TMC8461": SiiTmc8461,
+    "SII word, TMC8670": SiiTmc8670,
+    "SII word, TMCM-3315": SiiTmcm3315,
+    "1010h:01, TMC8670": SaveTmc8670,
+    "1010h:01, TMCC160": SaveTmcc160,
+    "STAP, TMCM-142": Stap,
+    "STGP, TMCM-142": Stgp,
+    "SCO, TMCM-142": Sco,
+    "instruction, TMCM-142": Instruction,
+    "page, EEPROM on a board": BoardPage,
+    "FoE 2000 bytes, TMCM-3315": FirmwareTmcm3315,
+}
 
 
 def measure(store, count, clock):
@@ -343,8 +353,9 @@ def run(program, directory, kind, count, lockstep):
     address = own_address()
     path = directory / "rack.toml"
     text = kind.rack.format(address=address)
-    path.write_text((f'clock = "lockstep"\nstep = "{int(STEP * 1000)}us"\n' if lockstep else "") + text,
-                    encoding="ascii")
+    path.write_text(
+        (f'clock = "lockstep"\nstep = "{int(STEP * 1000)}us"\n' if lockstep else "") + text, encoding="ascii"
+    )
     for name, content in kind.files.items():
         (directory / name).write_text(content, encoding="ascii")
     with RackProcess(program, str(path), str(directory), "--state", str(directory / "state")) as process:
@@ -373,8 +384,10 @@ def main():
     parser.add_argument("--limit", type=float, default=1.0)
     options = parser.parse_args()
     failed = False
-    print(f"{'ms':26}{'median':>8}{'99 %':>8}{'worst':>8}   {'document':22}{'simulated':>12}"
-          f"{'cycles':>9}{'wrong':>7}{'longest':>9}")
+    print(
+        f"{'ms':26}{'median':>8}{'99 %':>8}{'worst':>8}   {'document':22}{'simulated':>12}"
+        f"{'cycles':>9}{'wrong':>7}{'longest':>9}"
+    )
     for name, kind in STORES.items():
         if options.only and not any(part in name for part in options.only):
             continue
@@ -384,16 +397,21 @@ def main():
         if hasattr(kind, "simulated"):
             with tempfile.TemporaryDirectory(prefix="stator-rig-", dir=options.directory) as directory:
                 moved, _ = run(options.stator, pathlib.Path(directory), kind, min(options.count, 20), True)
-            simulated = f"{statistics.median(moved):.2f}" + ("" if max(moved) - min(moved) < 1.01 else
-                                                             f" ±{(max(moved) - min(moved)) / 2:.2f}")
+            simulated = f"{statistics.median(moved):.2f}" + (
+                "" if max(moved) - min(moved) < 1.01 else f" ±{(max(moved) - min(moved)) / 2:.2f}"
+            )
         times.sort()
         wrong = cycles is not None and cycles.wrong
         late = times[-1] > options.limit * 1000
         failed |= bool(wrong or late)
-        print(f"{name:26}{statistics.median(times):8.2f}{times[len(times) * 99 // 100]:8.2f}{times[-1]:8.2f}   "
-              f"{kind.document:22}{simulated:>12}"
-              + (f"{cycles.count:9}{cycles.wrong:7}{cycles.longest * 1000:9.2f}" if cycles else f"{'-':>9}")
-              + ("  WRONG WORKING COUNTERS" if wrong else "") + ("  TOO LATE" if late else ""), flush=True)
+        print(
+            f"{name:26}{statistics.median(times):8.2f}{times[len(times) * 99 // 100]:8.2f}{times[-1]:8.2f}   "
+            f"{kind.document:22}{simulated:>12}"
+            + (f"{cycles.count:9}{cycles.wrong:7}{cycles.longest * 1000:9.2f}" if cycles else f"{'-':>9}")
+            + ("  WRONG WORKING COUNTERS" if wrong else "")
+            + ("  TOO LATE" if late else ""),
+            flush=True,
+        )
     return 1 if failed else 0
 
 

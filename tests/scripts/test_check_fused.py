@@ -19,12 +19,22 @@ class CheckFused(unittest.TestCase):
         return list(check_fused.find_fused(DISASSEMBLY.replace("{instruction}", instruction)))
 
     def test_every_form_of_a_fused_operation_is_found_with_its_place(self):
-        for instruction in ("vfmadd213sd", "vfmsub132pd", "vfnmadd231ss", "vfnmsub213sd",
-                            "vfmaddsub132pd", "vfmsubadd213ps", "fmadd", "fnmsub", "fmla", "fmls"):
+        for instruction in (
+            "vfmadd213sd",
+            "vfmsub132pd",
+            "vfnmadd231ss",
+            "vfnmsub213sd",
+            "vfmaddsub132pd",
+            "vfmsubadd213ps",
+            "fmadd",
+            "fnmsub",
+            "fmla",
+            "fmls",
+        ):
             with self.subTest(instruction):
                 self.assertEqual(
-                    self.found(instruction),
-                    [("motor.cpp.o", "stator::plant::Motor::step(double)", instruction)])
+                    self.found(instruction), [("motor.cpp.o", "stator::plant::Motor::step(double)", instruction)]
+                )
 
     def test_separate_operations_pass(self):
         for instruction in ("vmulsd", "vaddsd", "vsubpd", "vaddsubpd", "vpmaddwd", "fmul", "fmov"):

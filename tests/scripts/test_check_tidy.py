@@ -46,14 +46,25 @@ class SourcesToCheck(unittest.TestCase):
 class ChangedFiles(unittest.TestCase):
     def test_what_only_moved_is_no_change(self):
         moved = "// one\n// two\n// three\n// four\n// five\nint {};\n"
-        before = {"src/a.cpp": '#include "a.hpp"\n' + moved.format("a"), "src/b.cpp": '#include "b.hpp"\n' + moved.format("b"),
-                  "src/c.cpp": "int c;\n"}
-        after = {"src/x/a.cpp": '#include "x/a.hpp"\n' + moved.format("a"),
-                 "src/x/b.cpp": '#include "x/b.hpp"\n' + moved.format("changed"), "src/c.cpp": "int d;\n"}
+        before = {
+            "src/a.cpp": '#include "a.hpp"\n' + moved.format("a"),
+            "src/b.cpp": '#include "b.hpp"\n' + moved.format("b"),
+            "src/c.cpp": "int c;\n",
+        }
+        after = {
+            "src/x/a.cpp": '#include "x/a.hpp"\n' + moved.format("a"),
+            "src/x/b.cpp": '#include "x/b.hpp"\n' + moved.format("changed"),
+            "src/c.cpp": "int d;\n",
+        }
         with tempfile.TemporaryDirectory() as root:
+
             def git(*arguments):
-                subprocess.run(["git", "-C", root, "-c", "user.name=a", "-c", "user.email=a@b", *arguments], check=True,
-                               stdout=subprocess.DEVNULL)
+                subprocess.run(
+                    ["git", "-C", root, "-c", "user.name=a", "-c", "user.email=a@b", *arguments],
+                    check=True,
+                    stdout=subprocess.DEVNULL,
+                )
+
             git("init", "--quiet")
             write_tree(root, before)
             git("add", "--all")

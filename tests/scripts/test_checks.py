@@ -24,8 +24,13 @@ end_checks
 
 
 def run(*arguments):
-    return subprocess.run(["bash", "-c", SCRIPT.format(checks=CHECKS), "checks", *arguments], text=True,
-                          capture_output=True, timeout=60, check=False)
+    return subprocess.run(
+        ["bash", "-c", SCRIPT.format(checks=CHECKS), "checks", *arguments],
+        text=True,
+        capture_output=True,
+        timeout=60,
+        check=False,
+    )
 
 
 class Checks(unittest.TestCase):
@@ -48,8 +53,9 @@ class Checks(unittest.TestCase):
     def test_only_runs_what_has_the_name_in_it(self):
         done = run("--only", "passes", "--only", "slow")
         self.assertEqual(done.returncode, 0, done.stdout)
-        self.assertEqual(re.findall(r"^== (.*)$", done.stdout, re.MULTILINE),
-                         ["one that passes", "a slow one", "seconds"])
+        self.assertEqual(
+            re.findall(r"^== (.*)$", done.stdout, re.MULTILINE), ["one that passes", "a slow one", "seconds"]
+        )
         self.assertEqual(done.stdout.splitlines()[-1], "2 passed, 0 failed")
 
     def test_a_name_that_nobody_has_is_an_error(self):
@@ -60,8 +66,10 @@ class Checks(unittest.TestCase):
     def test_list_runs_nothing(self):
         done = run("--list")
         self.assertEqual(done.returncode, 0)
-        self.assertEqual([line for line in done.stdout.splitlines() if not line.startswith("rest")],
-                         ["one that passes", "one/that fails", "a slow one"])
+        self.assertEqual(
+            [line for line in done.stdout.splitlines() if not line.startswith("rest")],
+            ["one that passes", "one/that fails", "a slow one"],
+        )
 
     def test_other_arguments_are_left_to_the_script(self):
         self.assertIn("rest: --seconds 5", run("--only", "passes", "--seconds", "5").stdout)

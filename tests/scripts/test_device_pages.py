@@ -27,12 +27,13 @@ class DevicePages(unittest.TestCase):
             stator = Path(root) / "stator"
             stator.write_text(STATOR.replace("{products}", products), encoding="utf-8")
             stator.chmod(0o755)
-            with mock.patch.object(device_pages, "ROOT", Path(root)), \
-                    mock.patch("sys.argv", ["device_pages.py", "--stator", str(stator),
-                                            *arguments]), mock.patch("builtins.print"):
+            with (
+                mock.patch.object(device_pages, "ROOT", Path(root)),
+                mock.patch("sys.argv", ["device_pages.py", "--stator", str(stator), *arguments]),
+                mock.patch("builtins.print"),
+            ):
                 device_pages.main()
-            return {path.name: path.read_text(encoding="utf-8")
-                    for path in (Path(root) / "docs/devices").iterdir()}
+            return {path.name: path.read_text(encoding="utf-8") for path in (Path(root) / "docs/devices").iterdir()}
 
     def test_a_product_gets_its_objects(self):
         pages = self.run_script(products="chip  a product")
@@ -43,32 +44,30 @@ class DevicePages(unittest.TestCase):
         tree = {**TREE, "docs/devices/chip-peripherals.md": "old"}
         with mock.patch.dict(TREE, tree):
             pages = self.run_script(products="chip  a product")
-        self.assertIn("table of describe chip --peripherals --format markdown",
-                      pages["chip-peripherals.md"])
+        self.assertIn("table of describe chip --peripherals --format markdown", pages["chip-peripherals.md"])
 
     def test_a_bare_controller_gets_its_registers(self):
         pages = self.run_script()
         self.assertEqual(sorted(pages), ["chip-registers.md", "chip.md"])
-        self.assertIn("table of describe chip --registers --format markdown",
-                      pages["chip-registers.md"])
+        self.assertIn("table of describe chip --registers --format markdown", pages["chip-registers.md"])
 
     def test_the_page_shows_requirements_with_status_and_tests(self):
         page = self.run_script()["chip.md"]
-        self.assertIn("1 requirements: 1 done, 0 not yet; 0 simplified and 0 left out for good",
-                      page)
+        self.assertIn("1 requirements: 1 done, 0 not yet; 0 simplified and 0 left out for good", page)
         self.assertIn("| C-1 | Counts up. (L7) | yes | `Chip.Counts` |", page)
 
     def test_the_page_tells_what_is_left_out_for_good_from_what_is_to_come(self):
-        tree = {**TREE,
-                "docs/conformance/chip.csv": "id,status,tests,note\nC-1,left-out,,no such pin\n"
-                                             "C-2,open,,without the carry\n",
-                "tests/data/chip/requirements.csv": "id,block,requirement,source\n"
-                                                    "C-1,Counters,Counts up.,L7\n"
-                                                    "C-2,Counters,Counts down.,L8\n"}
+        tree = {
+            **TREE,
+            "docs/conformance/chip.csv": "id,status,tests,note\nC-1,left-out,,no such pin\n"
+            "C-2,open,,without the carry\n",
+            "tests/data/chip/requirements.csv": "id,block,requirement,source\n"
+            "C-1,Counters,Counts up.,L7\n"
+            "C-2,Counters,Counts down.,L8\n",
+        }
         with mock.patch.dict(TREE, tree):
             page = self.run_script()["chip.md"]
-        self.assertIn("2 requirements: 0 done, 1 not yet; 0 simplified and 1 left out for good",
-                      page)
+        self.assertIn("2 requirements: 0 done, 1 not yet; 0 simplified and 1 left out for good", page)
         self.assertIn("| C-1 | Counts up. (L7) | left out | no such pin |", page)
         self.assertIn("| C-2 | Counts down. (L8) | not yet | without the carry |", page)
 

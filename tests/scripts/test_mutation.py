@@ -19,23 +19,38 @@ def changes_of(text):
     found = []
     for place in find_places(text):
         at = place.operator[0] if place.operator else place.start
-        original = text[slice(*place.operator)] if place.operator else text[place.start:place.end]
-        found += [(text.count("\n", 0, at) + 1, " ".join(original.split()), change)
-                  for change in place.changes if change]
+        original = text[slice(*place.operator)] if place.operator else text[place.start : place.end]
+        found += [
+            (text.count("\n", 0, at) + 1, " ".join(original.split()), change) for change in place.changes if change
+        ]
     return found
 
 
 def changes_in(body):
-    return {(original, change) for _, original, change in
-            changes_of("namespace n {\nint f(int a, int b) {\n" + body + "\n}\n}\n")}
+    return {
+        (original, change)
+        for _, original, change in changes_of("namespace n {\nint f(int a, int b) {\n" + body + "\n}\n}\n")
+    }
 
 
 class Places(unittest.TestCase):
     def test_operators_conditions_numbers_and_statements_are_changed(self):
-        self.assertEqual(changes_in("if (a < b && a != 7) {\n  b += a;\n  g(b);\n}\nreturn a - b;"), {
-            ("a < b && a != 7", "true"), ("a < b && a != 7", "false"), ("&&", "||"),
-            ("<", "<="), ("<", ">="), ("!=", "=="), ("7", "7 + 1"),
-            ("b += a;", "nothing"), ("+=", "-="), ("g(b);", "nothing"), ("-", "+")})
+        self.assertEqual(
+            changes_in("if (a < b && a != 7) {\n  b += a;\n  g(b);\n}\nreturn a - b;"),
+            {
+                ("a < b && a != 7", "true"),
+                ("a < b && a != 7", "false"),
+                ("&&", "||"),
+                ("<", "<="),
+                ("<", ">="),
+                ("!=", "=="),
+                ("7", "7 + 1"),
+                ("b += a;", "nothing"),
+                ("+=", "-="),
+                ("g(b);", "nothing"),
+                ("-", "+"),
+            },
+        )
 
     def test_a_loop_is_never_made_endless_by_its_condition(self):
         self.assertEqual(changes_in("while (a) {\n}"), {("a", "false")})
@@ -44,27 +59,47 @@ class Places(unittest.TestCase):
         self.assertEqual(changes_in("return a ? b : a;"), {("a", "true"), ("a", "false")})
 
     def test_what_has_no_run_time_or_is_text_stays(self):
-        for body in ("constexpr int kA = 3 + 4;", "static_assert(1 + 1 == 2);", "using T = X<3>;",
-                     'say("1 + 1");', "// return 1 + 1;", "std::array<int, 4> x{};",
-                     "const int limit = 3;", "if constexpr (kA < 3) {\n}", "values.reserve(3);",
-                     "int* p = &a;", "switch (a) {\n  case 3:\n    break;\n}"):
+        for body in (
+            "constexpr int kA = 3 + 4;",
+            "static_assert(1 + 1 == 2);",
+            "using T = X<3>;",
+            'say("1 + 1");',
+            "// return 1 + 1;",
+            "std::array<int, 4> x{};",
+            "const int limit = 3;",
+            "if constexpr (kA < 3) {\n}",
+            "values.reserve(3);",
+            "int* p = &a;",
+            "switch (a) {\n  case 3:\n    break;\n}",
+        ):
             expected = {('say("1 + 1");', "nothing")} if body.startswith("say") else set()
             self.assertEqual(changes_in(body), expected, body)
 
     def test_the_values_in_an_events_text_stay(self):
-        self.assertEqual(changes_in("report(kRule, {EventArgument(a + 1)});"),
-                         {("report(kRule, {EventArgument(a + 1)});", "nothing")})
+        self.assertEqual(
+            changes_in("report(kRule, {EventArgument(a + 1)});"),
+            {("report(kRule, {EventArgument(a + 1)});", "nothing")},
+        )
 
     def test_declarations_are_not_left_out(self):
-        for body in ("Thing thing(a);", "std::vector<int> v(a);", "auto x = g(a);", "const auto& y = g(a);",
-                     "for (int i = a; g(i); ++i) {\n}"):
+        for body in (
+            "Thing thing(a);",
+            "std::vector<int> v(a);",
+            "auto x = g(a);",
+            "const auto& y = g(a);",
+            "for (int i = a; g(i); ++i) {\n}",
+        ):
             self.assertEqual(changes_in(body), set(), body)
 
     def test_only_function_bodies_are_changed(self):
-        self.assertEqual(changes_of("const int kTable[] = {1 + 2, 3};\nenum class E { a = 1 };\n"
-                                    "struct S {\n  int x = 3;\n};\n"
-                                    "S::S() : x_(1), y_{2} {\n  x_ = 0;\n}\n"),
-                         [(7, "x_ = 0;", "nothing"), (7, "0", "1")])
+        self.assertEqual(
+            changes_of(
+                "const int kTable[] = {1 + 2, 3};\nenum class E { a = 1 };\n"
+                "struct S {\n  int x = 3;\n};\n"
+                "S::S() : x_(1), y_{2} {\n  x_ = 0;\n}\n"
+            ),
+            [(7, "x_ = 0;", "nothing"), (7, "0", "1")],
+        )
 
 
 ARITHMETIC = """#include <cstdio>
@@ -105,8 +140,7 @@ class Schemata(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.program = Path(cls.folder.name, "program")
         source = Path(cls.folder.name, "program.cpp")
-        source.write_text(rewrite(ARITHMETIC, cls.places, SCRIPTS / "mutants" / "schemata.hpp"),
-                          encoding="utf-8")
+        source.write_text(rewrite(ARITHMETIC, cls.places, SCRIPTS / "mutants" / "schemata.hpp"), encoding="utf-8")
         subprocess.run(["c++", "-std=c++20", "-o", cls.program, source], check=True)
 
     @classmethod
@@ -116,12 +150,12 @@ class Schemata(unittest.TestCase):
     def says(self, original, change):
         """What the program prints with one mutant awake."""
         for place in self.places:
-            text = ARITHMETIC[slice(*place.operator)] if place.operator else \
-                ARITHMETIC[place.start:place.end]
+            text = ARITHMETIC[slice(*place.operator)] if place.operator else ARITHMETIC[place.start : place.end]
             if text == original and change in place.changes:
                 number = place.identities[place.changes.index(change)]
-                return subprocess.run([self.program], env={"MUTANT": str(number)}, text=True,
-                                      capture_output=True, check=True).stdout
+                return subprocess.run(
+                    [self.program], env={"MUTANT": str(number)}, text=True, capture_output=True, check=True
+                ).stdout
         self.fail(f"no mutant {original} -> {change}")
 
     def test_is_the_original_while_all_sleep(self):
@@ -195,9 +229,30 @@ class Campaign(unittest.TestCase):
         report = Path(root, "report.json")
         environment = {key: value for key, value in os.environ.items() if not key.startswith("MUTANT")}
         done = subprocess.run(
-            [sys.executable, "-B", SCRIPTS / "mutation", "--source", Path(root, "sample"), "--rooms", "clock",
-             "--suites", "clock", "--count", "100", "--work", Path(root, "work"), "--report", report, *options],
-            text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment, check=False)
+            [
+                sys.executable,
+                "-B",
+                SCRIPTS / "mutation",
+                "--source",
+                Path(root, "sample"),
+                "--rooms",
+                "clock",
+                "--suites",
+                "clock",
+                "--count",
+                "100",
+                "--work",
+                Path(root, "work"),
+                "--report",
+                report,
+                *options,
+            ],
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            env=environment,
+            check=False,
+        )
         return done, report
 
     def test_tells_which_mutants_no_test_notices(self):
@@ -206,8 +261,10 @@ class Campaign(unittest.TestCase):
             subprocess.run(["git", "init", "--quiet", Path(root, "sample")], check=True)
             done, report = self.campaign(root, "--at-least", "0.9")
             self.assertTrue(report.exists(), done.stdout)
-            fates = {(m["line"], m["original"], m["change"]): m
-                     for m in json.loads(report.read_text(encoding="utf-8"))["mutants"]}
+            fates = {
+                (m["line"], m["original"], m["change"]): m
+                for m in json.loads(report.read_text(encoding="utf-8"))["mutants"]
+            }
             fate = fates[4, "+", "-"]
             self.assertEqual((fate["result"], fate["test"]), ("killed", "Hours.BeginAgainAfter23"))
             self.assertEqual(fates[5, ">=", ">"]["result"], "killed")
@@ -218,13 +275,19 @@ class Campaign(unittest.TestCase):
             self.assertIn("90.0% are required", done.stdout)
 
             # What somebody explained is not drawn, and the same build serves again.
-            write_tree(Path(root, "sample"), {"scripts/mutants/equivalent.csv":
-                                              "file,line,original,change,reason\n"
-                                              "src/stator/clock/clock.cpp,if (step == 0) {,==,!=,a test\n"})
+            write_tree(
+                Path(root, "sample"),
+                {
+                    "scripts/mutants/equivalent.csv": "file,line,original,change,reason\n"
+                    "src/stator/clock/clock.cpp,if (step == 0) {,==,!=,a test\n"
+                },
+            )
             done, report = self.campaign(root)
             self.assertEqual(done.returncode, 0, done.stdout)
-            again = {(m["line"], m["original"], m["change"])
-                     for m in json.loads(report.read_text(encoding="utf-8"))["mutants"]}
+            again = {
+                (m["line"], m["original"], m["change"])
+                for m in json.loads(report.read_text(encoding="utf-8"))["mutants"]
+            }
             self.assertEqual(set(fates) - again, {(12, "==", "!=")})
 
 
@@ -232,8 +295,14 @@ class Sampling(unittest.TestCase):
     def test_depends_on_the_seed_and_takes_the_same_of_each_room(self):
         with tempfile.TemporaryDirectory() as root:
             lines = "".join(f"  a += g(a, {i + 2});\n" for i in range(200))
-            write_tree(root, {f"src/stator/{room}/{file}.cpp": f"int f(int a) {{\n{lines}  return a;\n}}\n"
-                              for room in ("one", "two") for file in "abcdef"})
+            write_tree(
+                root,
+                {
+                    f"src/stator/{room}/{file}.cpp": f"int f(int a) {{\n{lines}  return a;\n}}\n"
+                    for room in ("one", "two")
+                    for file in "abcdef"
+                },
+            )
 
             def drawn(seed):
                 return [str(m) for m in draw(Path(root), ["one", "two"], 60, seed).mutants]
@@ -249,8 +318,11 @@ class Sampling(unittest.TestCase):
             first, second = numbers(1), numbers(2)
             both = first.keys() & second.keys()
             self.assertGreater(len(both), 20)
-            self.assertEqual({m: first[m] for m in both}, {m: second[m] for m in both},
-                             "a file is rewritten alike whatever is drawn with it")
+            self.assertEqual(
+                {m: first[m] for m in both},
+                {m: second[m] for m in both},
+                "a file is rewritten alike whatever is drawn with it",
+            )
 
 
 if __name__ == "__main__":

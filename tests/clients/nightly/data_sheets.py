@@ -55,8 +55,9 @@ class DataSheets(unittest.TestCase):
         done = run(OPTIONS.stator, "export", "eds", "tmcc160", "-o", self.path)
         self.assertEqual(done.returncode, 0, done.stderr)
         text = self.path.read_text(encoding="ascii")
-        self.objects = sum(int(line.split("=")[1]) for line in text.splitlines()
-                           if line.startswith("SupportedObjects="))
+        self.objects = sum(
+            int(line.split("=")[1]) for line in text.splitlines() if line.startswith("SupportedObjects=")
+        )
         self.entries = sum(line.startswith("AccessType=") for line in text.splitlines())
         self.assertGreater(self.objects, 80)
 
@@ -69,9 +70,16 @@ class DataSheets(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         lines = done.stdout.splitlines()
         self.assertEqual(lines[0], f"{self.objects} {self.entries}")
-        self.assertEqual(lines[1:], ["Controlword 0x6040 rww 16", "Statusword 0x6041 ro 16",
-                                     "Modes of operation 0x6060 rww 8",
-                                     "Position actual value 0x6064 ro 32", "Target velocity 0x60ff rww 32"])
+        self.assertEqual(
+            lines[1:],
+            [
+                "Controlword 0x6040 rww 16",
+                "Statusword 0x6041 ro 16",
+                "Modes of operation 0x6060 rww 8",
+                "Position actual value 0x6064 ro 32",
+                "Target velocity 0x60ff rww 32",
+            ],
+        )
         self.assertEqual(done.stderr, "")
 
     def test_node_canopen_reads_every_entry(self):

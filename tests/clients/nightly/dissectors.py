@@ -22,8 +22,7 @@ ERRORS = 0x00800000  # of dissectors; they warn of every frame with a source add
 
 
 def tshark(path, *words):
-    done = subprocess.run(["tshark", "-n", "-r", str(path), *words], text=True, capture_output=True,
-                          check=False)
+    done = subprocess.run(["tshark", "-n", "-r", str(path), *words], text=True, capture_output=True, check=False)
     assert done.returncode == 0, f"{path}: {done.stderr}"
     return done.stdout.splitlines()
 
@@ -43,8 +42,8 @@ def check(path):
         protocols[line] += 1
     field = "ecat_mailbox.coe.abortcode" if ethernet else "canopen.sdo.abort_code"
     aborts = collections.Counter(
-        code for line in tshark(path, *options, "-T", "fields", "-e", field, "-Y", field)
-        for code in line.split(","))
+        code for line in tshark(path, *options, "-T", "fields", "-e", field, "-Y", field) for code in line.split(",")
+    )
     return protocols, aborts
 
 

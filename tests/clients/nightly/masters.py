@@ -41,8 +41,13 @@ class Master:
     """A program that says in lines what it sees."""
 
     def __init__(self, *words, environment=None):
-        self.process = subprocess.Popen(list(map(str, words)), text=True, stdout=subprocess.PIPE,
-                                        stderr=subprocess.STDOUT, env={**os.environ, **(environment or {})})
+        self.process = subprocess.Popen(
+            list(map(str, words)),
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            env={**os.environ, **(environment or {})},
+        )
         self.lines = []
         self.thread = threading.Thread(target=self._read, daemon=True)
         self.thread.start()
@@ -93,43 +98,89 @@ class Masters(unittest.TestCase):
                 master.end()
             self.assertEqual(before, expected)
             self.said = master.lines
-            after = master.lines[master.lines.index(lost[0]) + 1:]
-            self.assertEqual([line for line in after if line in expected][-len(expected):], expected)
+            after = master.lines[master.lines.index(lost[0]) + 1 :]
+            self.assertEqual([line for line in after if line in expected][-len(expected) :], expected)
             return lost[0]
 
     def test_ethercrab(self):
-        refusals = [f"refused mailbox: {text}" for text in (
-            "0x6041:0 aborted: 0x06010002: Attempt to write to a read only object",
-            "0x5fff:0 aborted: 0x06020000: The object does not exist in the object directory",
-            "0x1018:9 aborted: 0x06090011: Subindex does not exist",
-            "0x6060:0 aborted: 0x06090030: Value range of parameter exceeded (only for write access)")]
-        expected = [f"device {name}" for name in (*SEGMENT_NAMES[:2], "TMC8461-IO")] + 2 * refusals + ["operational",
-                                                                                  "turned 102400"]
-        lost = self.session(segment_rack(f"ethercat:{SLAVES}"), "servo", "turned", expected,
-                            CACHE / "rust" / "release" / "ethercrab_segment", MASTER)
+        refusals = [
+            f"refused mailbox: {text}"
+            for text in (
+                "0x6041:0 aborted: 0x06010002: Attempt to write to a read only object",
+                "0x5fff:0 aborted: 0x06020000: The object does not exist in the object directory",
+                "0x1018:9 aborted: 0x06090011: Subindex does not exist",
+                "0x6060:0 aborted: 0x06090030: Value range of parameter exceeded (only for write access)",
+            )
+        ]
+        expected = (
+            [f"device {name}" for name in (*SEGMENT_NAMES[:2], "TMC8461-IO")]
+            + 2 * refusals
+            + ["operational", "turned 102400"]
+        )
+        lost = self.session(
+            segment_rack(f"ethercat:{SLAVES}"),
+            "servo",
+            "turned",
+            expected,
+            CACHE / "rust" / "release" / "ethercrab_segment",
+            MASTER,
+        )
         self.assertRegex(lost, r"lost working counter \d+ of \d+|lost timeout")
 
     def test_zencan(self):
         program = CACHE / "rust" / "release" / "zencan_drive"
-        expected = ["identity 00000286", *(
-            f"refused Received abort accessing object 0x{place}: {code}" for place, code in (
-                ("6041sub0", "ReadOnly"), ("5FFFsub0", "NoSuchObject"), ("1018sub9", "NoSuchSubIndex"),
-                ("6060sub0", "InvalidValue"))), "turned 1200", "turned 0", "state Some(Operational)"]
-        lost = self.session(drive_rack(f"can-exec:{BUS}"), "drive", "state", expected,
-                            OPTIONS.stator, "can-exec", "--bus", BUS, "--", program, BUS)
+        expected = [
+            "identity 00000286",
+            *(
+                f"refused Received abort accessing object 0x{place}: {code}"
+                for place, code in (
+                    ("6041sub0", "ReadOnly"),
+                    ("5FFFsub0", "NoSuchObject"),
+                    ("1018sub9", "NoSuchSubIndex"),
+                    ("6060sub0", "InvalidValue"),
+                )
+            ),
+            "turned 1200",
+            "turned 0",
+            "state Some(Operational)",
+        ]
+        lost = self.session(
+            drive_rack(f"can-exec:{BUS}"),
+            "drive",
+            "state",
+            expected,
+            OPTIONS.stator,
+            "can-exec",
+            "--bus",
+            BUS,
+            "--",
+            program,
+            BUS,
+        )
         self.assertEqual(lost, "lost Timeout while awaiting an expected response")
         self.assertIn("node 5 TMCC160", self.said)
 
     def test_node_canopen(self):
         port = free_port()
-        expected = ["name TMCC160", "refused 06010002 Attempt to write a read only object [0x6041]",
-                    "refused 06020000 Object does not exist [0x5fff]",
-                    "refused 06090011 Sub index does not exist [0x1018.9]",
-                    "refused 06090030 Invalid value for download parameter [0x6060]",
-                    "turned 1200", "turned 0"]
-        self.session(drive_rack(f"slcan-tcp:{port}"), "drive", "ready", expected,
-                     "node", HERE / "node" / "node_canopen_drive.js", port,
-                     environment={"STATOR_NODE_PACKAGES": str(CACHE / "node")})
+        expected = [
+            "name TMCC160",
+            "refused 06010002 Attempt to write a read only object [0x6041]",
+            "refused 06020000 Object does not exist [0x5fff]",
+            "refused 06090011 Sub index does not exist [0x1018.9]",
+            "refused 06090030 Invalid value for download parameter [0x6060]",
+            "turned 1200",
+            "turned 0",
+        ]
+        self.session(
+            drive_rack(f"slcan-tcp:{port}"),
+            "drive",
+            "ready",
+            expected,
+            "node",
+            HERE / "node" / "node_canopen_drive.js",
+            port,
+            environment={"STATOR_NODE_PACKAGES": str(CACHE / "node")},
+        )
 
 
 def main():

@@ -72,12 +72,18 @@ def master(program, seed):
 
     def work():
         order = dice.choice(orders)
-        done = subprocess.run([program, *order, "--link", "udp:127.0.0.1", "--timeout", "2s"],
-                              capture_output=True, text=True, env=server_environment(), timeout=10 * PATIENCE,
-                              check=False)
+        done = subprocess.run(
+            [program, *order, "--link", "udp:127.0.0.1", "--timeout", "2s"],
+            capture_output=True,
+            text=True,
+            env=server_environment(),
+            timeout=10 * PATIENCE,
+            check=False,
+        )
         # A drive on a build that is slower than real time may miss the limits of a move, and say so.
         permitted = (0, 1) if order[0] == "move" else (0,)
         assert done.returncode in permitted, f"stator {' '.join(order)}: {done.stderr}{done.stdout}"
+
     return work
 
 
@@ -94,6 +100,7 @@ def can_program(address):
             while b"t585" not in seen and time.monotonic() < again:
                 if select.select([link], [], [], 0.1)[0]:
                     seen = seen[-64:] + link.recv(4096)
+
     return work
 
 
@@ -108,20 +115,34 @@ def serial_program(address):
         reply = b""
         while len(reply) < 9:
             reply += link.recv(64)
+
     return work
 
 
 def browser(address, seed):
     """Reads whatever the server has, and now and then sets an input and has something go wrong."""
     dice = random.Random(seed)
-    pages = ["/", "/metrics", "/api/v1/rack", "/api/v1/devices", "/api/v1/signals", "/api/v1/events", "/api/v1/faults",
-             "/api/v1/devices/gantry", "/api/v1/devices/spindle/objects", "/api/v1/inputs",
-             "/api/v1/wiring", "/api/v1/devices/feeder/panel"]
+    pages = [
+        "/",
+        "/metrics",
+        "/api/v1/rack",
+        "/api/v1/devices",
+        "/api/v1/signals",
+        "/api/v1/events",
+        "/api/v1/faults",
+        "/api/v1/devices/gantry",
+        "/api/v1/devices/spindle/objects",
+        "/api/v1/inputs",
+        "/api/v1/wiring",
+        "/api/v1/devices/feeder/panel",
+    ]
 
     def ask(path, body=None):
-        request = urllib.request.Request(address + path, data=None if body is None else json.dumps(body).encode(),
-                                         headers={"Authorization": f"Bearer {TOKEN}",
-                                                  "Content-Type": "application/json"})
+        request = urllib.request.Request(
+            address + path,
+            data=None if body is None else json.dumps(body).encode(),
+            headers={"Authorization": f"Bearer {TOKEN}", "Content-Type": "application/json"},
+        )
         try:
             with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
                 answer.read()
@@ -137,6 +158,7 @@ def browser(address, seed):
         if time.monotonic() > next_fault:
             next_fault = time.monotonic() + dice.uniform(5.0, 15.0)
             ask("/api/v1/faults", {"kind": "ethercat-drop", "device": "gantry", "count": 1})
+
     return work
 
 
@@ -146,13 +168,18 @@ def watcher(address):
 
     def work():
         with socket.create_connection((host, int(port)), PATIENCE) as link:
-            link.sendall((f"GET /api/v1/traffic?token={TOKEN} HTTP/1.1\r\nHost: {host}:{port}\r\nUpgrade: websocket\r\n"
-                          "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-                          "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n").encode())
+            link.sendall(
+                (
+                    f"GET /api/v1/traffic?token={TOKEN} HTTP/1.1\r\nHost: {host}:{port}\r\nUpgrade: websocket\r\n"
+                    "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                    "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
+                ).encode()
+            )
             end = time.monotonic() + 1.0
             while time.monotonic() < end and not STOP.is_set():
                 if select.select([link], [], [], 0.1)[0] and not link.recv(65536):
                     break
+
     return work
 
 
@@ -170,13 +197,15 @@ def main():
         can = re.findall(r"slcan-tcp:([0-9.]+:\d+)", said)
         serial = re.findall(r"Serial line ([0-9.]+:\d+)", said)
         assert len(can) >= 2 and serial, f"no ports are announced:\n{said}"
-        clients = [Client("EtherCAT master", master(program, options.seed)),
-                   Client("CAN program", can_program(can[0])),
-                   Client("second CAN program", can_program(can[-1])),
-                   Client("serial program", serial_program(serial[0])),
-                   Client("browser", browser(http, options.seed)),
-                   Client("second browser", browser(http, options.seed + 1)),
-                   Client("watcher", watcher(http))]
+        clients = [
+            Client("EtherCAT master", master(program, options.seed)),
+            Client("CAN program", can_program(can[0])),
+            Client("second CAN program", can_program(can[-1])),
+            Client("serial program", serial_program(serial[0])),
+            Client("browser", browser(http, options.seed)),
+            Client("second browser", browser(http, options.seed + 1)),
+            Client("watcher", watcher(http)),
+        ]
         for client in clients:
             client.start()
         STOP.wait(options.seconds)
