@@ -3,7 +3,7 @@
 #   source scripts/lib/checks.sh
 #   select_checks "$@"            --list, --only NAME (a part of the name; may stand several times)
 #   check "tests" scripts/test    runs the rest of the line unless it is not wanted
-#   end_checks                    what those that failed said, a table by time, and the exit status
+#   end_checks                    what those that failed said, what tests left out, a table by time, and the exit status
 #
 # After select_checks, `rest` holds the arguments that it did not know.
 #
@@ -84,6 +84,10 @@ end_checks() {
       head -n 60 || true
     tail -n 40 "$checks_said/${name//\//_}"
   done
+  if grep -qrsh '^left out: ' "$checks_said"; then
+    printf '\n== what tests left out\n'
+    grep -rsh '^left out: ' "$checks_said" | sort -u
+  fi
   printf '\n== seconds\n'
   {
     ((${#checks_passed[@]} == 0)) || printf '%s\n' "${checks_passed[@]}"

@@ -16,6 +16,7 @@ broken() {{
   echo "never said"
 }}
 check "one that passes" echo hello
+check "one that leaves tests out" echo "left out: B.b: no such device"
 check "one/that fails" broken
 check "a slow one" sleep 1.1
 echo "rest: ${{rest[*]}}"
@@ -37,12 +38,17 @@ class Checks(unittest.TestCase):
     def test_all_run_and_the_last_line_counts_them(self):
         done = run()
         self.assertEqual(done.returncode, 1)
-        self.assertEqual(done.stdout.splitlines()[-2:], ["failed: one/that fails", "2 passed, 1 failed"])
+        self.assertEqual(done.stdout.splitlines()[-2:], ["failed: one/that fails", "3 passed, 1 failed"])
 
     def test_a_failed_command_ends_its_check_and_is_repeated_at_the_end(self):
         said = run().stdout
         self.assertNotIn("never said", said)
         self.assertIn("1:error: it is broken", said)
+
+    def test_what_tests_left_out_is_told_at_the_end(self):
+        said = run().stdout
+        self.assertIn("== what tests left out\nleft out: B.b: no such device\n\n== seconds", said)
+        self.assertNotIn("what tests left out", run("--only", "slow").stdout)
 
     def test_the_table_has_the_slowest_first(self):
         table = run().stdout.split("== seconds\n")[1].splitlines()
@@ -68,7 +74,7 @@ class Checks(unittest.TestCase):
         self.assertEqual(done.returncode, 0)
         self.assertEqual(
             [line for line in done.stdout.splitlines() if not line.startswith("rest")],
-            ["one that passes", "one/that fails", "a slow one"],
+            ["one that passes", "one that leaves tests out", "one/that fails", "a slow one"],
         )
 
     def test_other_arguments_are_left_to_the_script(self):
