@@ -1,20 +1,40 @@
 # Run at build time: writes OUTPUT, a C++ source with the files below ROOT as stator/web/api/assets.hpp declares
-# them.
+# them, and each compressed as well where that is shorter.
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/*)
 list(SORT files)
 set(source "// Made by cmake/embed_assets.cmake.\n#include \"stator/web/api/assets.hpp\"\n\n#include <array>\n\n")
 string(APPEND source "namespace stator::web {\n\nnamespace {\n\n")
 set(rows "")
 set(number 0)
-foreach(file IN LISTS files)
-  file(READ ${ROOT}/${file} bytes HEX)
-  file(SHA256 ${ROOT}/${file} hash)
-  string(SUBSTRING ${hash} 0 16 hash)
-  string(REGEX REPLACE "(..)" "0x\\1," bytes "${bytes}")
+
+# Adds an array of the bytes in the variable `hex`.
+macro(add_array name)
+  string(REGEX REPLACE "(..)" "0x\\1," bytes "${hex}")
   # Lines of 100 bytes: neither compilers nor people like one of a megabyte.
   string(REGEX REPLACE "(0x..,){100}" "\\0\n" bytes "${bytes}")
-  string(APPEND source "constexpr unsigned char kContent${number}[] = {\n${bytes}};\n")
-  string(APPEND rows "    Asset{\"/${file}\", \"${hash}\", kContent${number}},\n")
+  string(APPEND source "constexpr unsigned char ${name}[] = {\n${bytes}};\n")
+endmacro()
+
+foreach(file IN LISTS files)
+  file(SHA256 ${ROOT}/${file} hash)
+  string(SUBSTRING ${hash} 0 16 hash)
+  file(READ ${ROOT}/${file} hex HEX)
+  string(LENGTH "${hex}" plain_length)
+  add_array(kContent${number})
+  file(ARCHIVE_CREATE OUTPUT ${OUTPUT}.gz PATHS ${ROOT}/${file} FORMAT raw COMPRESSION GZip COMPRESSION_LEVEL 9)
+  file(READ ${OUTPUT}.gz hex HEX)
+  file(REMOVE ${OUTPUT}.gz)
+  # Bytes 4 to 7 are the time at which it was compressed (RFC 1952 §2.3): none, so that equal pages give equal programs.
+  string(SUBSTRING "${hex}" 0 8 head)
+  string(SUBSTRING "${hex}" 16 -1 hex)
+  set(hex "${head}00000000${hex}")
+  string(LENGTH "${hex}" length)
+  set(compressed "{}")
+  if(length LESS plain_length)
+    add_array(kCompressed${number})
+    set(compressed "kCompressed${number}")
+  endif()
+  string(APPEND rows "    Asset{\"/${file}\", \"${hash}\", kContent${number}, ${compressed}},\n")
   math(EXPR number "${number} + 1")
 endforeach()
 string(APPEND source "\nconstexpr auto kAssets = std::to_array<Asset>({\n${rows}});\n\n}  // namespace\n\n")

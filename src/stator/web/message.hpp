@@ -19,6 +19,7 @@ struct Request {
   std::optional<std::string> authorization;
   std::optional<std::string> content_type;
   std::optional<std::string> if_none_match;
+  std::optional<std::string> accept_encoding;
   std::optional<std::string> fetch_site;          ///< Sec-Fetch-Site
   std::optional<std::string> websocket_protocol;  ///< Sec-WebSocket-Protocol
 };

@@ -53,6 +53,7 @@ Request request_of(const Message& message) {
   request.authorization = field(message, http::field::authorization);
   request.content_type = field(message, http::field::content_type);
   request.if_none_match = field(message, http::field::if_none_match);
+  request.accept_encoding = field(message, http::field::accept_encoding);
   request.websocket_protocol = field(message, http::field::sec_websocket_protocol);
   if (message.count("Sec-Fetch-Site") == 1) {
     request.fetch_site = std::string(message["Sec-Fetch-Site"]);

@@ -38,6 +38,9 @@ class WebSocket : public std::enable_shared_from_this<WebSocket> {
         self->read();
       }
     });
+    // Never switch on websocket::permessage_deflate here: it would inflate what clients send, and
+    // the inflate that Beast carries in Boost 1.74, as Debian 12 has it, lacks the corrections of
+    // zlib's. Messages are compressed enough in binary.
     websocket::stream_base::timeout timeout{};
     timeout.handshake_timeout = server_.limits.request_time;
     timeout.idle_timeout = server_.limits.stream_idle_time;
