@@ -6,9 +6,7 @@
 #include <thread>
 #include <utility>
 
-#include <spdlog/sinks/null_sink.h>
-#include <spdlog/spdlog.h>
-
+#include "rack/text_log.hpp"
 #include "stator/bench/local_port.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/master/master.hpp"
@@ -79,9 +77,7 @@ CyclicRack::CyclicRack(std::size_t modules, const PeerEnd& end)
   configuration_.segments.front().link = {link::LinkKind::raw_ethernet, end.interface, 0};
   configuration_.segments.front().wait = end.wait;
   bring_to_operational(rack_, configuration_);
-  runner_.emplace(
-      rack_, configuration_,
-      std::make_shared<spdlog::logger>("bench", std::make_shared<spdlog::sinks::null_sink_mt>()));
+  runner_.emplace(rack_, configuration_, tests::no_log());
 }
 
 void CyclicRack::run(const std::atomic<bool>& stop) {

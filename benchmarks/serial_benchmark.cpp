@@ -23,11 +23,10 @@
 #include <fcntl.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
-#include <spdlog/logger.h>
-#include <spdlog/sinks/null_sink.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "rack/text_log.hpp"
 #include "stator/devices/tmcm_142/product.hpp"
 #include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "stator/link/serial/serial_link.hpp"
@@ -160,9 +159,7 @@ struct RunningModule {
     line.wait = wait;
     configuration.lines = {line};
     rack.emplace(configuration, log);
-    runner.emplace(
-        *rack, configuration,
-        std::make_shared<spdlog::logger>("bench", std::make_shared<spdlog::sinks::null_sink_mt>()));
+    runner.emplace(*rack, configuration, tests::no_log());
     runner->start();
   }
   ~RunningModule() { runner->stop(); }

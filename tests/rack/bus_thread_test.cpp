@@ -12,13 +12,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
-#include <spdlog/logger.h>
-#include <spdlog/sinks/null_sink.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include "base/temporary_directory.hpp"
 #include "rack/test_can_device.hpp"
+#include "rack/text_log.hpp"
 #include "stator/base/byte_order.hpp"
 #include "stator/link/system/file_descriptor.hpp"
 #include "stator/rack/networks/can_network.hpp"
@@ -90,8 +89,7 @@ class BusThreadTest : public ::testing::Test {
 
   RackConfiguration configuration_;
   EventLog log_;
-  std::shared_ptr<spdlog::logger> logger_ =
-      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::null_sink_mt>());
+  std::shared_ptr<Log> logger_ = tests::no_log();
   std::optional<Rack> rack_;
   std::optional<Runner> runner_;
 };

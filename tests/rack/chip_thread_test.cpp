@@ -10,12 +10,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <spdlog/sinks/null_sink.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "base/child_process.hpp"
 #include "ethercat/raw_frame.hpp"
+#include "rack/text_log.hpp"
 #include "source_paths.hpp"
 #include "stator/bench/link_port.hpp"
 #include "stator/devices/catalogue/products.hpp"
@@ -34,10 +33,6 @@ namespace {
 using base::SimDuration;
 using ethercat::AlState;
 using ::testing::HasSubstr;
-
-std::shared_ptr<spdlog::logger> no_log() {
-  return std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::null_sink_mt>());
-}
 
 std::uint16_t free_port() {
   const auto probe = link::UdpEthernetLink::listen({.address = "127.0.0.1", .port = 0});
@@ -63,7 +58,7 @@ struct Plant {
   explicit Plant(ClockKind clock = ClockKind::real)
       : configuration(chip_rack(clock)),
         rack(configuration, log),
-        runner(rack, configuration, no_log()) {
+        runner(rack, configuration, tests::no_log()) {
     runner.start();
     auto opened = link::open_link(configuration.segments[0].link, link::LinkEnd::master, {});
     EXPECT_TRUE(opened) << opened.error().text;
@@ -279,7 +274,7 @@ TEST(ChipThread, DeviceWithFirmwareOfItsOwnHasNoSocket) {
   EventLog log;
   Rack rack(configuration, log);
   try {
-    const Runner runner(rack, configuration, no_log());
+    const Runner runner(rack, configuration, tests::no_log());
     FAIL() << "opened a socket";
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr("has its own firmware"));

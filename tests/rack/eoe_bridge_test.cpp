@@ -10,11 +10,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <spdlog/logger.h>
-#include <spdlog/sinks/ostream_sink.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "rack/text_log.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/devices/tmc8670/product.hpp"
 #include "stator/devices/tmc8670/tmc8670.hpp"
@@ -82,8 +81,7 @@ class EoeBridgeTest : public testing::Test {
   }
 
   std::ostringstream text_;
-  std::shared_ptr<spdlog::logger> logger_ = std::make_shared<spdlog::logger>(
-      "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_));
+  std::shared_ptr<Log> logger_ = tests::log_to(text_);
   link::FileDescriptor machine_;
   std::mutex mutex_;
   std::deque<Bytes> delivered_;

@@ -8,8 +8,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <spdlog/logger.h>
-#include <spdlog/sinks/ostream_sink.h>
+
+#include "rack/text_log.hpp"
 
 namespace stator::rack {
 namespace {
@@ -53,14 +53,7 @@ TEST(EventLog, KeepsTheNewestAndCountsAll) {
 /// What a log prints.
 class Printed {
  public:
-  Printed() : log(std::make_shared<spdlog::logger>("test", sink())) {
-    log.set_device_names({"gantry", "feeder"});
-  }
-  std::shared_ptr<spdlog::sinks::ostream_sink_mt> sink() {
-    auto made = std::make_shared<spdlog::sinks::ostream_sink_mt>(text_);
-    made->set_pattern("%v");
-    return made;
-  }
+  Printed() { log.set_device_names({"gantry", "feeder"}); }
   void raise(std::int64_t milliseconds, std::uint16_t device = 0, int bytes = 6) {
     log.on_event({.time = base::SimTime(base::SimDuration(milliseconds * 1'000'000)),
                   .rule = &kRule,
@@ -81,7 +74,7 @@ class Printed {
   std::ostringstream text_;
 
  public:
-  EventLog log;
+  EventLog log{tests::log_to(text_)};
 };
 
 base::SimTime at(std::int64_t milliseconds) {
@@ -143,8 +136,7 @@ TEST(EventLog, OthersAreNotKeptBackAndASingleRepetitionIsTold) {
 TEST(EventLog, WhatWasCountedIsToldAtTheEnd) {
   std::ostringstream text;
   {
-    EventLog log(std::make_shared<spdlog::logger>(
-        "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text)));
+    EventLog log(tests::log_to(text));
     for (int i = 0; i < 10; ++i) {
       log.on_event(event(0));
     }

@@ -8,9 +8,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <spdlog/logger.h>
-#include <spdlog/sinks/ostream_sink.h>
 
+#include "rack/text_log.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/observe/event_log.hpp"
@@ -52,11 +51,7 @@ class Overload : public ::testing::Test {
   EventLog log_;
   Rack rack_{configuration_, log_};
   std::ostringstream text_;
-  RunningRack running_{rack_,
-                       configuration_,
-                       std::make_shared<spdlog::logger>(
-                           "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_)),
-                       {}};
+  RunningRack running_{rack_, configuration_, tests::log_to(text_), {}};
   Statistics statistics_;
 };
 

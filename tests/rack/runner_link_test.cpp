@@ -7,10 +7,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <spdlog/sinks/null_sink.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "rack/text_log.hpp"
 #include "stator/bench/link_port.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/ethercat/segment/segment.hpp"
@@ -26,10 +25,6 @@ namespace {
 
 using testing::HasSubstr;
 
-std::shared_ptr<spdlog::logger> no_log() {
-  return std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::null_sink_mt>());
-}
-
 /// A UDP port of the loopback interface that nobody uses.
 std::uint16_t free_port() {
   const auto probe = link::UdpEthernetLink::listen({.address = "127.0.0.1", .port = 0});
@@ -42,7 +37,7 @@ TEST(RunnerOverUdp, AMasterScansTheRack) {
   configuration.segments[0].link = {link::LinkKind::udp, "127.0.0.1", free_port()};
   EventLog log;
   Rack rack(configuration, log);
-  Runner runner(rack, configuration, no_log());
+  Runner runner(rack, configuration, tests::no_log());
   runner.start();
 
   const auto opened = link::open_link(configuration.segments[0].link, link::LinkEnd::master, {});
@@ -71,7 +66,7 @@ TEST(RunnerOverUdp, AFrameThatGetsLostIsCountedAndCaptured) {
   EventLog log;
   Rack rack(configuration, log);
   {
-    Runner runner(rack, configuration, no_log());
+    Runner runner(rack, configuration, tests::no_log());
     runner.start();
     const auto opened = link::open_link(configuration.segments[0].link, link::LinkEnd::master, {});
     ASSERT_TRUE(opened) << opened.error().text;
@@ -98,7 +93,7 @@ TEST(RunnerLinks, ASegmentWithoutALinkIsToldTheFormsThereAre) {
   EventLog log;
   Rack rack(configuration, log);
   try {
-    const Runner runner(rack, configuration, no_log());
+    const Runner runner(rack, configuration, tests::no_log());
     FAIL() << "ran without a link";
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr("udp:ADDRESS[:PORT]"));

@@ -14,11 +14,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sched.h>
-#include <spdlog/logger.h>
-#include <spdlog/sinks/ostream_sink.h>
 #include <unistd.h>
 
 #include "base/temporary_directory.hpp"
+#include "rack/text_log.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/link/ethernet/machine.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
@@ -82,10 +81,7 @@ class RunnerPriority : public testing::Test {
       GTEST_SKIP() << permitted.error().text;
     }
   }
-  [[nodiscard]] std::shared_ptr<spdlog::logger> logger() {
-    return std::make_shared<spdlog::logger>(
-        "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_));
-  }
+  [[nodiscard]] std::shared_ptr<Log> logger() { return tests::log_to(text_); }
   /// A segment, a bus, a serial line, a chip's socket and a state directory.
   [[nodiscard]] RackConfiguration everything() const {
     const auto probe = link::UdpEthernetLink::listen({.address = "127.0.0.1", .port = 0});

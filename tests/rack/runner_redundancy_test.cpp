@@ -5,10 +5,9 @@
 #include <chrono>
 
 #include <gtest/gtest.h>
-#include <spdlog/sinks/null_sink.h>
-#include <spdlog/spdlog.h>
 
 #include "link/veth_namespace.hpp"
+#include "rack/text_log.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/ethercat/standard/frame.hpp"
 #include "stator/link/ethernet/raw_ethernet_link.hpp"
@@ -43,9 +42,7 @@ class RunnerRedundancy : public ::testing::Test {
     segment.link = {link::LinkKind::raw_ethernet, "stator1", 0};
     segment.redundant_link = {link::LinkKind::raw_ethernet, "stator3", 0};
     rack_ = std::make_unique<Rack>(configuration_, log_);
-    runner_ = std::make_unique<Runner>(
-        *rack_, configuration_,
-        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::null_sink_mt>()));
+    runner_ = std::make_unique<Runner>(*rack_, configuration_, tests::no_log());
     primary_ = open("stator0");
     secondary_ = open("stator2");
     runner_->start();

@@ -11,13 +11,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
-#include <spdlog/logger.h>
-#include <spdlog/sinks/ostream_sink.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include "base/temporary_directory.hpp"
 #include "rack/test_serial_device.hpp"
+#include "rack/text_log.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
 #include "stator/link/system/file_descriptor.hpp"
@@ -97,8 +96,7 @@ class SerialLineThreadTest : public testing::Test {
   RackConfiguration configuration_;
   EventLog log_;
   std::ostringstream text_;
-  std::shared_ptr<spdlog::logger> logger_ = std::make_shared<spdlog::logger>(
-      "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_));
+  std::shared_ptr<Log> logger_ = tests::log_to(text_);
   std::unique_ptr<Rack> rack_;
   std::unique_ptr<Runner> runner_;
 };

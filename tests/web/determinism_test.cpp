@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "rack/text_log.hpp"
 #include "stator/bench/link_port.hpp"
 #include "stator/link/ethernet/open_link.hpp"
 #include "stator/master/master.hpp"
@@ -75,9 +76,7 @@ TEST(WebDeterminism, WatchingChangesNothingOfALockstepRun) {
         ServedRack::configuration(rack::ClockKind::lockstep, alone);
     rack::EventLog log;
     rack::Rack rack(configuration, log);
-    rack::Runner runner(
-        rack, configuration,
-        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::null_sink_mt>()));
+    rack::Runner runner(rack, configuration, tests::no_log());
     runner.start();
     talk(configuration.segments[0].link);
     runner.stop();

@@ -9,10 +9,9 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <spdlog/sinks/null_sink.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "rack/text_log.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
@@ -52,9 +51,7 @@ class ServedRack {
                       const std::string& address = "127.0.0.1", SessionControl* session = nullptr)
       : configuration_(std::move(configuration)),
         rack_(configuration_, log_),
-        runner_(rack_, configuration_,
-                std::make_shared<spdlog::logger>("test",
-                                                 std::make_shared<spdlog::sinks::null_sink_mt>())) {
+        runner_(rack_, configuration_, tests::no_log()) {
     server_ = std::make_unique<Server>(ServerConfiguration{.address = {address, 0},
                                                            .token = kToken,
                                                            .limits = limits,

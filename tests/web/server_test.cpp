@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "base/temporary_directory.hpp"
+#include "rack/text_log.hpp"
 #include "stator/base/byte_order.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/rack/core/device_making.hpp"
@@ -255,9 +256,7 @@ TEST(WebServer, DoesNotOpenToOthersWithoutAToken) {
   configuration.segments[0].link = {link::LinkKind::udp, "127.0.0.1", free_udp_port()};
   rack::EventLog log;
   rack::Rack rack(configuration, log);
-  rack::Runner runner(
-      rack, configuration,
-      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::null_sink_mt>()));
+  rack::Runner runner(rack, configuration, tests::no_log());
   try {
     const Server server({.address = {"0.0.0.0", 0}, .token = {}}, rack, configuration, log, runner);
     FAIL() << "listens";

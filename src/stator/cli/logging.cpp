@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/pattern_formatter.h>
-#include <spdlog/sinks/sink.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "stator/rack/observe/inheriting_mutex.hpp"
@@ -20,46 +18,39 @@ namespace stator::cli {
 
 namespace {
 
-constexpr const char* kName = "stator";
 /// Bytes of lines that wait for who reads them: some ten thousand lines.
 constexpr std::size_t kQueue = std::size_t{1} << 20U;
 
-std::string_view colour_of(spdlog::level::level_enum level) {
+/// How a line begins.
+struct Mark {
+  std::string_view letter;
+  std::string_view colour;
+};
+Mark mark_of(rack::Log::Level level) {
   switch (level) {
-    case spdlog::level::info:
-      return "\033[32m";
-    case spdlog::level::warn:
-      return "\033[33m\033[1m";
-    case spdlog::level::err:
-      return "\033[31m\033[1m";
-    case spdlog::level::critical:
-      return "\033[1m\033[41m";
-    default:
-      return "\033[36m";
+    case rack::Log::Level::information:
+      return {"I", "\033[32m"};
+    case rack::Log::Level::warning:
+      return {"W", "\033[33m\033[1m"};
+    case rack::Log::Level::error:
+      return {"E", "\033[31m\033[1m"};
   }
+  return {"I", ""};
 }
 
 /// Threads with a real-time priority log as well, hence the mutex.
-class StandardErrorSink final : public spdlog::sinks::sink {
+class StandardErrorLog final : public rack::Log {
  public:
-  StandardErrorSink()
+  StandardErrorLog()
       : output_(link::BackgroundOutput::onto(STDERR_FILENO, "standard error", kQueue)),
-        in_colour_(::isatty(STDERR_FILENO) == 1),
-        formatter_(std::make_unique<spdlog::pattern_formatter>("%^%L%$ %v")) {
+        in_colour_(::isatty(STDERR_FILENO) == 1) {
     output_->set_when_full(link::WhenFull::drop);
   }
 
   [[nodiscard]] link::BackgroundOutput& output() { return *output_; }
 
-  void log(const spdlog::details::log_msg& message) override {
+  void write(Level level, std::string_view line) override {
     const std::scoped_lock lock(mutex_);
-    formatted_.clear();
-    message.color_range_start = 0;
-    message.color_range_end = 0;
-    formatter_->format(message, formatted_);
-    const std::string_view all(formatted_.data(), formatted_.size());
-    const std::size_t begin = message.color_range_start;
-    const std::size_t end = message.color_range_end;
     const std::uint64_t lost = output_->lost();
     text_.clear();
     if (lost != reported_) {
@@ -68,34 +59,31 @@ class StandardErrorSink final : public spdlog::sinks::sink {
           "time\n",
           lost - reported_);
     }
-    if (in_colour_ && begin < end) {
-      text_.append(all.substr(0, begin)).append(colour_of(message.level));
-      text_.append(all.substr(begin, end - begin)).append("\033[m").append(all.substr(end));
+    const Mark mark = mark_of(level);
+    if (in_colour_) {
+      text_.append(mark.colour).append(mark.letter).append("\033[m");
     } else {
-      text_.append(all);
+      text_.append(mark.letter);
     }
+    text_.append(" ").append(line).append("\n");
     if (output_->write(text_)) {
       reported_ = lost;
     }
-  }
-  void flush() override {}
-  void set_pattern(const std::string& pattern) override {
-    set_formatter(std::make_unique<spdlog::pattern_formatter>(pattern));
-  }
-  void set_formatter(std::unique_ptr<spdlog::formatter> formatter) override {
-    const std::scoped_lock lock(mutex_);
-    formatter_ = std::move(formatter);
   }
 
  private:
   rack::InheritingMutex mutex_;  ///< of all below
   std::unique_ptr<link::BackgroundOutput> output_;
   bool in_colour_;
-  std::unique_ptr<spdlog::formatter> formatter_;
   std::uint64_t reported_ = 0;  ///< lost lines of which the reader knows
-  spdlog::memory_buf_t formatted_;
   std::string text_;
 };
+
+/// That of the program, which has one at most.
+std::shared_ptr<StandardErrorLog>& shared_log() {
+  static std::shared_ptr<StandardErrorLog> log;
+  return log;
+}
 
 /// Length of the UTF-8 character with which `text`, which is not empty, begins; 0: it is none.
 std::size_t character_length(std::string_view text) {
@@ -147,19 +135,15 @@ std::string printable(std::string_view text) {
 
 }  // namespace
 
-std::shared_ptr<spdlog::logger> make_logger() {
-  if (auto existing = spdlog::get(kName); existing != nullptr) {
-    return existing;
+std::shared_ptr<rack::Log> make_logger() {
+  if (shared_log() == nullptr) {
+    shared_log() = std::make_shared<StandardErrorLog>();
   }
-  auto logger = std::make_shared<spdlog::logger>(kName, std::make_shared<StandardErrorSink>());
-  spdlog::register_logger(logger);
-  return logger;
+  return shared_log();
 }
 
 link::BackgroundOutput* log_output() {
-  const auto logger = spdlog::get(kName);
-  return logger == nullptr ? nullptr
-                           : &static_cast<StandardErrorSink&>(*logger->sinks().front()).output();
+  return shared_log() == nullptr ? nullptr : &shared_log()->output();
 }
 
 void drain_log(link::BackgroundOutput::Clock::time_point asked) {

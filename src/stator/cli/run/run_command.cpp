@@ -19,7 +19,6 @@
 #include <CLI/CLI.hpp>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spdlog/logger.h>
 
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
@@ -167,7 +166,7 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
     header = header_of(options, configuration);  // kept files are those of power-on
   }
   for (const std::string& warning : rack::shared_addresses(configuration)) {
-    logger->warn("{}", warning);
+    logger->warning(warning);
   }
   rack::Rack rack(configuration, log);
   const link::FileDescriptor state(
@@ -198,7 +197,7 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   runner.start();
   if (options.priority) {
     if (const auto locked = link::lock_memory(); !locked) {
-      logger->warn("{}", locked.error().text);
+      logger->warning(locked.error().text);
     }
   }
   if (web.server != nullptr) {

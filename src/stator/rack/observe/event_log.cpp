@@ -4,23 +4,22 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/logger.h>
 
 namespace stator::rack {
 
 namespace {
 
-spdlog::level::level_enum level_of(base::Severity severity) {
+Log::Level level_of(base::Severity severity) {
   switch (severity) {
     case base::Severity::information:
-      return spdlog::level::info;
+      return Log::Level::information;
     case base::Severity::refusal:
     case base::Severity::warning:
-      return spdlog::level::warn;
+      return Log::Level::warning;
     case base::Severity::fault:
-      return spdlog::level::err;
+      return Log::Level::error;
   }
-  return spdlog::level::info;
+  return Log::Level::information;
 }
 
 constexpr base::SimDuration kSecond{1'000'000'000};
@@ -31,7 +30,7 @@ bool tells_the_same(const base::Event& a, const base::Event& b) {
 
 }  // namespace
 
-EventLog::EventLog(std::shared_ptr<spdlog::logger> logger) : logger_(std::move(logger)) {}
+EventLog::EventLog(std::shared_ptr<Log> logger) : logger_(std::move(logger)) {}
 
 EventLog::~EventLog() {
   for (const Recent& recent : recent_) {
@@ -95,8 +94,8 @@ void EventLog::settle_all(base::SimTime now) {
 
 void EventLog::log(const base::Event& event) const {
   if (logger_ != nullptr) {
-    logger_->log(level_of(event.rule->severity), "{:12.6f} s  {}", event.time.seconds(),
-                 line(event));
+    logger_->write(level_of(event.rule->severity),
+                   fmt::format("{:12.6f} s  {}", event.time.seconds(), line(event)));
   }
 }
 
@@ -105,10 +104,10 @@ void EventLog::log_repetitions(const Recent& recent) const {
   if (recent.more == 1) {
     log(recent.newest);
   } else if (recent.more != 0 && logger_ != nullptr) {
-    logger_->log(level_of(recent.newest.rule->severity),
-                 "{:12.6f} s  {}: {} more of these in the last second: {}",
-                 recent.newest.time.seconds(), device_name(recent.newest), recent.more,
-                 base::to_sentence(recent.newest));
+    logger_->write(level_of(recent.newest.rule->severity),
+                   fmt::format("{:12.6f} s  {}: {} more of these in the last second: {}",
+                               recent.newest.time.seconds(), device_name(recent.newest),
+                               recent.more, base::to_sentence(recent.newest)));
   }
 }
 

@@ -15,10 +15,7 @@
 
 #include "stator/base/event.hpp"
 #include "stator/rack/observe/inheriting_mutex.hpp"
-
-namespace spdlog {
-class logger;
-}
+#include "stator/rack/observe/log.hpp"
 
 namespace stator::rack {
 
@@ -35,14 +32,14 @@ class EventLog final : public base::EventSink {
   static constexpr std::size_t kKept = 1000;
 
   /// Logs through `logger`, which may be null: then events are only kept and counted.
-  explicit EventLog(std::shared_ptr<spdlog::logger> logger = nullptr);
+  explicit EventLog(std::shared_ptr<Log> logger = nullptr);
   EventLog(const EventLog&) = delete;
   EventLog& operator=(const EventLog&) = delete;
   /// Logs what was counted and not told yet.
   ~EventLog() override;
 
   /// Logs through another logger from now on; null: through none.
-  void set_logger(std::shared_ptr<spdlog::logger> logger) { logger_ = std::move(logger); }
+  void set_logger(std::shared_ptr<Log> logger) { logger_ = std::move(logger); }
 
   /// Names the devices by their position, for the log lines.
   void set_device_names(std::vector<std::string> names) { device_names_ = std::move(names); }
@@ -94,7 +91,7 @@ class EventLog final : public base::EventSink {
   void settle_all(base::SimTime now);
 
   mutable InheritingMutex mutex_;  ///< of all below but the names
-  std::shared_ptr<spdlog::logger> logger_;
+  std::shared_ptr<Log> logger_;
   std::vector<std::string> device_names_;
   std::deque<base::Event> events_;
   std::map<std::string_view, std::uint64_t> counts_;

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/logger.h>
 
 #include "stator/link/can/can_link_address.hpp"
 #include "stator/rack/networks/can_network.hpp"
@@ -135,7 +134,7 @@ std::size_t BusThread::receive(OutsidePort& port, std::span<can::Frame> frames) 
   if (received) {
     return *received;
   }
-  shared_.logger->error("{}; this port stops", received.error().text);
+  shared_.logger->error(fmt::format("{}; this port stops", received.error().text));
   port.failed = true;
   wait_.mind(port.link->descriptor(), false);
   return 0;

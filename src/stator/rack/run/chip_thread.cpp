@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include <fmt/format.h>
-#include <spdlog/logger.h>
 
 namespace stator::rack {
 

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/logger.h>
 
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/networks/eoe_port.hpp"
@@ -21,7 +20,7 @@ constexpr base::SimDuration kSleep{1'000'000'000};
 }  // namespace
 
 EoeBridge::EoeBridge(std::unique_ptr<link::TapLink> link, std::string device,
-                     std::shared_ptr<spdlog::logger> logger, Deliver deliver)
+                     std::shared_ptr<Log> logger, Deliver deliver)
     : link_(std::move(link)),
       device_(std::move(device)),
       logger_(std::move(logger)),
@@ -40,7 +39,7 @@ void EoeBridge::run() {
   while (!stopping_) {
     const auto received = link_->receive(frame, kSleep);
     if (!received) {
-      logger_->error("{}: {}; its EoE bridge stops", device_, received.error().text);
+      logger_->error(fmt::format("{}: {}; its EoE bridge stops", device_, received.error().text));
       return;
     }
     if (*received != 0) {
@@ -52,7 +51,8 @@ void EoeBridge::run() {
 void EoeBridge::send(std::span<const std::byte> frame) {
   if (const auto sent = link_->send(frame); !sent && !send_failure_logged_) {
     send_failure_logged_ = true;
-    logger_->warn("{}: EoE: {}; further failures are only counted", device_, sent.error().text);
+    logger_->warning(
+        fmt::format("{}: EoE: {}; further failures are only counted", device_, sent.error().text));
   }
 }
 
@@ -61,10 +61,10 @@ void EoeBridge::set_ip_parameters(const ethercat::IpParameters& parameters) {
                                        .address = parameters.address,
                                        .subnet_mask = parameters.subnet_mask});
   if (set) {
-    logger_->info("{}: EoE: interface {} has the address that the master set", device_,
-                  link_->name());
+    logger_->information(fmt::format("{}: EoE: interface {} has the address that the master set",
+                                     device_, link_->name()));
   } else {
-    logger_->warn("{}: EoE: {}", device_, set.error().text);
+    logger_->warning(fmt::format("{}: EoE: {}", device_, set.error().text));
   }
 }
 

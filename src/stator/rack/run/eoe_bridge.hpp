@@ -11,11 +11,8 @@
 
 #include "stator/ethercat/eoe/ethernet_port.hpp"
 #include "stator/link/ethernet/tap_link.hpp"
+#include "stator/rack/observe/log.hpp"
 #include "stator/rack/run/running_rack.hpp"
-
-namespace spdlog {
-class logger;
-}
 
 namespace stator::rack {
 
@@ -29,7 +26,7 @@ class EoeBridge {
 
   /// `link` must pass every EtherType; `logger` is told what goes wrong under the `device`'s name.
   EoeBridge(std::unique_ptr<link::TapLink> link, std::string device,
-            std::shared_ptr<spdlog::logger> logger, Deliver deliver);
+            std::shared_ptr<Log> logger, Deliver deliver);
   ~EoeBridge();
   EoeBridge(const EoeBridge&) = delete;
   EoeBridge& operator=(const EoeBridge&) = delete;
@@ -44,7 +41,7 @@ class EoeBridge {
 
   std::unique_ptr<link::TapLink> link_;
   std::string device_;
-  std::shared_ptr<spdlog::logger> logger_;
+  std::shared_ptr<Log> logger_;
   Deliver deliver_;
   bool send_failure_logged_ = false;
   std::atomic<bool> stopping_ = false;

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/logger.h>
 
 #include "stator/ethercat/segment/segment.hpp"
 #include "stator/link/ethernet/link_pair_receiver.hpp"
@@ -90,9 +89,8 @@ struct Runner::SegmentThread {
   }
 };
 
-Runner::Runner(Rack& rack, const RackConfiguration& configuration,
-               std::shared_ptr<spdlog::logger> logger, base::SimTime start,
-               std::optional<int> priority)
+Runner::Runner(Rack& rack, const RackConfiguration& configuration, std::shared_ptr<Log> logger,
+               base::SimTime start, std::optional<int> priority)
     : shared_(rack, configuration, std::move(logger), start, priority) {
   if (shared_.clock_kind == ClockKind::real) {
     rack.outputs().lose_rather_than_wait();
@@ -262,11 +260,11 @@ void Runner::run(SegmentThread& segment) {
     const base::SimDuration tick = shared_.lags() ? base::SimDuration() : busy ? kBusyTick : idle;
     const auto received = segment.receive(buffer, std::min(tick, time_to_release(segment, now)));
     if (!received && received.error().code != link::LinkErrorCode::interface_down) {
-      shared_.logger->error("{}; this segment stops", received.error().text);
+      shared_.logger->error(fmt::format("{}; this segment stops", received.error().text));
       return;
     }
     if (!received && !std::exchange(segment.interface_down_logged, true)) {
-      shared_.logger->warn("{}", received.error().text);
+      shared_.logger->warning(received.error().text);
     }
     if (received && received->length > 0) {
       if (!segment.carriers[static_cast<std::size_t>(received->entry)]) {
@@ -336,7 +334,8 @@ void Runner::answer(SegmentThread& segment, std::span<std::byte> frame, MasterIn
   link::EthernetLink& out = *segment.links[static_cast<std::size_t>(*exit)];
   if (const auto sent = out.send(frame); !sent && !segment.send_failure_logged) {
     segment.send_failure_logged = true;
-    shared_.logger->warn("{}; further failures are only counted", sent.error().text);
+    shared_.logger->warning(
+        fmt::format("{}; further failures are only counted", sent.error().text));
   }
 
   capture(segment, arrival, frame);

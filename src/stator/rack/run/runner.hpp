@@ -12,15 +12,12 @@
 #include "stator/link/ethernet/ethernet_link.hpp"
 #include "stator/link/system/pcap_writer.hpp"
 #include "stator/rack/core/rack.hpp"
+#include "stator/rack/observe/log.hpp"
 #include "stator/rack/run/bus_thread.hpp"
 #include "stator/rack/run/chip_thread.hpp"
 #include "stator/rack/run/eoe_bridge.hpp"
 #include "stator/rack/run/running_rack.hpp"
 #include "stator/rack/run/serial_line_thread.hpp"
-
-namespace spdlog {
-class logger;
-}
 
 namespace stator::rack {
 
@@ -47,7 +44,7 @@ class Runner {
   /// `rack` must have been built from `configuration` and both outlive the runner. `start` is where
   /// the rack stands in simulated time. With `priority` the threads that answer what comes have
   /// that real-time priority (link::run_in_real_time), and no others.
-  Runner(Rack& rack, const RackConfiguration& configuration, std::shared_ptr<spdlog::logger> logger,
+  Runner(Rack& rack, const RackConfiguration& configuration, std::shared_ptr<Log> logger,
          base::SimTime start = {}, std::optional<int> priority = std::nullopt);
   ~Runner();
   Runner(const Runner&) = delete;

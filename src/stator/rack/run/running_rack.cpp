@@ -4,7 +4,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/logger.h>
 
 #include "stator/link/ethernet/machine.hpp"
 #include "stator/rack/kept/device_storage.hpp"
@@ -22,12 +21,12 @@ constexpr base::SimDuration kKeepingPeriod{100'000'000};
 void RunningRack::enter_thread(std::optional<unsigned> cpu) const {
   if (cpu) {
     if (const auto pinned = link::pin_this_thread(*cpu); !pinned) {
-      logger->warn("{}", pinned.error().text);
+      logger->warning(pinned.error().text);
     }
   }
   if (priority) {
     if (const auto given = link::run_in_real_time(*priority); !given) {
-      logger->warn("{}", given.error().text);
+      logger->warning(given.error().text);
     }
   }
 }
@@ -86,12 +85,12 @@ void RunningRack::adapt_slice(base::SimDuration simulated, base::SimDuration too
 void RunningRack::give_up(base::SimDuration time) {
   set_back(time);
   if (lost == base::SimDuration()) {
-    logger->warn(
+    logger->warning(fmt::format(
         "this machine is too slow for the rack: {:.0f} ms behind, its clock is set back by what "
         "exceeds {} ms, now and whenever it falls behind so far again; run fewer devices, give it "
         "processors of its own, or let the master make the time (clock = \"lockstep\")",
         static_cast<double>((time + kWorstLag).nanoseconds()) * 1e-6,
-        kWorstLag.nanoseconds() / 1'000'000);
+        kWorstLag.nanoseconds() / 1'000'000));
   }
   lost += time;
 }
@@ -136,12 +135,12 @@ void RunningRack::serve_desk() {
 }
 
 void RunningRack::log_overrun(std::uint64_t count, base::SimDuration lag) const {
-  logger->warn(
+  logger->warning(fmt::format(
       "overrun {}: the rack was {:.1f} ms behind the machine's clock; {}", count,
       static_cast<double>(lag.nanoseconds()) * 1e-6,
       priority ? "run fewer devices"
                : "let those that answer go before the rest of the machine (--priority 50), or run "
-                 "fewer devices");
+                 "fewer devices"));
 }
 
 }  // namespace stator::rack

@@ -11,12 +11,9 @@
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/observe/inheriting_mutex.hpp"
+#include "stator/rack/observe/log.hpp"
 #include "stator/rack/run/desk.hpp"
 #include "stator/rack/world/clock.hpp"
-
-namespace spdlog {
-class logger;
-}
 
 namespace stator::rack {
 
@@ -40,7 +37,7 @@ struct RunningRack {
 
   /// `start`: where the rack stands in simulated time; `priority_of_threads`: see priority.
   RunningRack(Rack& shared, const RackConfiguration& configuration,
-              std::shared_ptr<spdlog::logger> log, base::SimTime start,
+              std::shared_ptr<Log> log, base::SimTime start,
               std::optional<int> priority_of_threads = std::nullopt)
       : rack(shared),
         clock_kind(configuration.clock),
@@ -107,7 +104,7 @@ struct RunningRack {
   ClockKind clock_kind;
   RealClock real_clock;
   LockstepClock lockstep_clock;
-  std::shared_ptr<spdlog::logger> logger;
+  std::shared_ptr<Log> logger;
   std::optional<int> priority;  ///< real-time priority of the threads that answer what comes
   InheritingMutex mutex;        ///< guards rack, lockstep_clock, all times below and all statistics
   base::SimTime reached;        ///< where the last slice brought the devices

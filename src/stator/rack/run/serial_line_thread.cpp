@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/logger.h>
 
 #include "stator/tmcl/telegram.hpp"
 
@@ -90,7 +89,7 @@ void SerialLineThread::run() {
                    : link_->receive(std::span(buffer).first(std::min(room_, buffer.size())),
                                     time_to_sleep_);
     if (!received) {
-      shared_.logger->error("{}; this serial line stops", received.error().text);
+      shared_.logger->error(fmt::format("{}; this serial line stops", received.error().text));
       return;
     }
     {
@@ -173,16 +172,16 @@ void SerialLineThread::plan() {
 
 void SerialLineThread::send(std::span<const std::byte> bytes) {
   if (const auto sent = link_->send(bytes); !sent && !std::exchange(send_failure_logged_, true)) {
-    shared_.logger->warn("{}; further losses are only counted", sent.error().text);
+    shared_.logger->warning(fmt::format("{}; further losses are only counted", sent.error().text));
   }
 }
 
 void SerialLineThread::tell_losses() {
   if (line_.statistics().bytes_lost != 0 && !std::exchange(loss_logged_, true)) {
-    shared_.logger->warn(
+    shared_.logger->warning(fmt::format(
         "serial line {}: bytes were lost because they came faster than its devices take them; "
         "further losses are only counted",
-        link_->name());
+        link_->name()));
   }
 }
 
