@@ -1,6 +1,8 @@
 #include "stator/bench/bench.hpp"
 
 #include <algorithm>
+#include <set>
+#include <stdexcept>
 #include <utility>
 #include <variant>
 
@@ -11,6 +13,9 @@
 #include "stator/ethercat/segment/segment.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
 #include "stator/product/catalogue/product.hpp"
+#include "stator/rack/file/fault_section.hpp"
+#include "stator/rack/file/rack_file.hpp"
+#include "stator/settings/words.hpp"
 
 namespace stator::bench {
 
@@ -31,7 +36,19 @@ rack::RackConfiguration without_files(rack::RackConfiguration configuration) {
   return configuration;
 }
 
+/// NMT start of all nodes (CiA 301 §7.2.8.3.1.1).
+constexpr std::array kStartAllNodes{std::byte{0x01}, std::byte{0x00}};
+constexpr std::uint32_t kNmt = 0x000;
+
 }  // namespace
+
+rack::RackConfiguration load(const std::string& path, const product::Catalogue& catalogue) {
+  return rack::load_rack_file(path, catalogue);
+}
+
+rack::RackConfiguration load(const settings::Table& table, const product::Catalogue& catalogue) {
+  return rack::read_rack_tree(settings::Value(table), "", catalogue);
+}
 
 Bench::Bench(const rack::RackConfiguration& configuration, base::SimDuration limit)
     : configuration_(without_files(configuration)),
@@ -53,6 +70,67 @@ Bench::~Bench() {
   for (const auto& line : lines_) {
     rack_.connect_line(line->index, {});
   }
+}
+
+std::optional<rack::DeviceAddress> Bench::find(std::string_view device) const {
+  const std::vector<rack::DeviceAddress> addresses = rack_.addresses();
+  const auto found = std::ranges::find_if(addresses, [&](rack::DeviceAddress each) {
+    return device_configuration(each).name == device;
+  });
+  return found != addresses.end() ? std::optional(*found) : std::nullopt;
+}
+
+const product::Signal& Bench::signal(std::string_view name) {
+  if (signals_.empty()) {
+    signals_ = rack_.signals();
+  }
+  const auto found = std::ranges::find(signals_, name, &product::Signal::name);
+  if (found == signals_.end()) {
+    std::set<std::string> names;
+    for (const product::Signal& each : signals_) {
+      names.insert(each.name);
+    }
+    const std::string guess = settings::closest_match(name, names);
+    throw std::runtime_error(
+        fmt::format("there is no signal \"{}\"{}", name,
+                    guess.empty() ? "" : fmt::format("; did you mean \"{}\"?", guess)));
+  }
+  return *found;
+}
+
+std::uint64_t Bench::inject(const settings::Table& fault) {
+  const auto armed = inject(rack::read_fault(settings::Value(fault), configuration_));
+  if (!armed) {
+    throw std::runtime_error(armed.error());
+  }
+  return *armed;
+}
+
+base::Expected<std::uint64_t, std::string> Bench::inject(const rack::FaultConfiguration& fault) {
+  return rack_.inject(fault, now());
+}
+
+void Bench::clear_faults(std::optional<std::uint64_t> id) {
+  rack_.clear_faults(id, now());
+}
+
+master::Result<void> Bench::go_operational() {
+  for (std::size_t i = 0; i < segments_.size(); ++i) {
+    if (auto reached = take_to(ethercat::AlState::operational, i); !reached) {
+      return reached;
+    }
+  }
+  for (const rack::DeviceAddress device : rack_.addresses()) {
+    if (node_id(device)) {
+      wait_for_boot_up(device);
+    }
+  }
+  for (std::size_t i = 0; i < buses_.size(); ++i) {
+    if (configuration_.buses[i].wire) {
+      send(i, can::data_frame(kNmt, kStartAllNodes));
+    }
+  }
+  return {};
 }
 
 void Bench::begin_deed() {
@@ -127,6 +205,35 @@ master::Result<master::Master*> Bench::scanned(std::size_t segment) {
     }
   }
   return &segments_[segment]->master;
+}
+
+master::Result<void> Bench::take_to(ethercat::AlState state, std::size_t segment) {
+  using ethercat::AlState;
+  const auto found = scanned(segment);
+  if (!found || state == AlState::init) {
+    return found ? scan(segment) : base::Unexpected{found.error()};
+  }
+  master::Master& master = **found;
+  const bool mapped = master.process_data_configured();
+  if (state == AlState::safe_operational && !mapped) {
+    return master.configure_process_data();
+  }
+  if (state == AlState::operational && !master.operational()) {
+    if (const auto configured = mapped ? master::Result<void>() : master.configure_process_data();
+        !configured) {
+      return configured;
+    }
+    return master.go_operational();
+  }
+  for (const master::Slave& slave : master.slaves()) {
+    const auto reached = state == AlState::pre_operational && !mapped
+                             ? master.start_mailbox(slave.position)
+                             : master.request_state(slave.position, state);
+    if (!reached) {
+      return reached;
+    }
+  }
+  return {};
 }
 
 master::Result<std::size_t> Bench::position(rack::DeviceAddress device) {

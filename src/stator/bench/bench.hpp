@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "stator/base/expected.hpp"
@@ -15,21 +16,33 @@
 #include "stator/bench/local_can_port.hpp"
 #include "stator/bench/local_port.hpp"
 #include "stator/can/port.hpp"
+#include "stator/ethercat/standard/al_state.hpp"
 #include "stator/master/cia402/drive_port.hpp"
 #include "stator/master/master.hpp"
+#include "stator/product/catalogue/catalogue.hpp"
+#include "stator/product/device/signal.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/observe/event_log.hpp"
 #include "stator/rack/world/clock.hpp"
 #include "stator/rack/world/device_address.hpp"
+#include "stator/settings/value.hpp"
 #include "stator/tmcl/instruction.hpp"
 #include "stator/tmcl/telegram.hpp"
 
 namespace stator::bench {
 
+/// The rack that a file describes (docs/rack-file.md), of products of `catalogue`. Throws
+/// rack::RackFileError, a std::runtime_error with file, line, reason and remedy.
+[[nodiscard]] rack::RackConfiguration load(const std::string& path,
+                                           const product::Catalogue& catalogue);
+/// The same of a table with the keys of such a file.
+[[nodiscard]] rack::RackConfiguration load(const settings::Table& table,
+                                           const product::Catalogue& catalogue);
+
 /// A bench was asked for more simulated time than it may take.
 struct TimeLimitReached {
-  base::SimDuration limit;
+  base::SimDuration limit;  ///< the time it may take
 };
 
 /// A rack with a master on each of its networks, all in simulated time: time passes only with what
@@ -39,21 +52,48 @@ class Bench {
  public:
   /// Frames of a bus that are kept, the newest.
   static constexpr std::size_t kKeptFrames = 4096;
+  /// For an answer to an SDO on CAN.
   static constexpr base::SimDuration kSdoTimeout{500'000'000};
+  /// For a reply to a command of TMCL.
   static constexpr base::SimDuration kTmclTimeout{200'000'000};
+  /// For the boot-up of a node.
   static constexpr base::SimDuration kBootTimeout{5'000'000'000};
 
   /// Builds the rack as `configuration` has it, but for what it would write to files. Throws
-  /// std::runtime_error as rack::Rack does.
-  Bench(const rack::RackConfiguration& configuration, base::SimDuration limit);
+  /// std::runtime_error as rack::Rack does. `limit` is the simulated time it may take.
+  explicit Bench(const rack::RackConfiguration& configuration,
+                 base::SimDuration limit = base::SimDuration::max());
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
   ~Bench();
 
+  /// What the masters are connected to. Time is passed by the bench alone.
   [[nodiscard]] rack::Rack& rack() { return rack_; }
+  /// As it was built: without what would write files.
   [[nodiscard]] const rack::RackConfiguration& configuration() const { return configuration_; }
+  /// What devices and buses had to say.
   [[nodiscard]] const rack::EventLog& log() const { return log_; }
+  /// The present moment, counted from power-on.
   [[nodiscard]] base::SimTime now() const { return clock_.now(); }
+
+  /// The device of that name; nothing: there is none.
+  [[nodiscard]] std::optional<rack::DeviceAddress> find(std::string_view device) const;
+  /// What can be seen of a device or bus, e.g. "gantry.axis0.shaft_position"; it is read as long as
+  /// the bench is there. Throws std::runtime_error for one that is not there.
+  [[nodiscard]] const product::Signal& signal(std::string_view name);
+
+  /// Arms a fault, e.g. {{"kind", "motor-stall"}, {"device", "gantry"}, {"at", "200ms"}}: the keys
+  /// of a [[fault]] of a rack file. Returns its number. Throws std::runtime_error for one that does
+  /// not exist or does not fit.
+  std::uint64_t inject(const settings::Table& fault);
+  /// The same of one that has been read. Returns its number, or why it cannot be.
+  base::Expected<std::uint64_t, std::string> inject(const rack::FaultConfiguration& fault);
+  /// Ends the fault of this number; nothing: all.
+  void clear_faults(std::optional<std::uint64_t> id = std::nullopt);
+
+  /// Takes all slaves of all segments to Operational, with their process data, and starts the nodes
+  /// of all buses (NMT). From then on what drive() carries goes with the process data where it can.
+  master::Result<void> go_operational();
 
   /// Lets one bus cycle pass: every master exchanges its process data, if it has some. Cycles that
   /// fail are in the master's statistics.
@@ -78,14 +118,17 @@ class Bench {
   master::Result<master::Master*> scanned(std::size_t segment);
   /// Scans again, which takes all slaves to Init.
   master::Result<void> scan(std::size_t segment);
+  /// Takes all slaves of a segment to a state, as a master does at its start.
+  master::Result<void> take_to(ethercat::AlState state, std::size_t segment);
   /// Where the device was found on its segment by the last scan.
   master::Result<std::size_t> position(rack::DeviceAddress device);
 
   // Objects, over the device's network.
 
+  /// The value of an object, as an SDO carries it: the lowest byte first.
   master::Result<std::vector<std::byte>> upload(rack::DeviceAddress device,
                                                 master::ObjectAddress object);
-  /// One that goes out with the process data at present is written there.
+  /// Writes an object; one that goes out with the process data at present is written there.
   master::Result<void> download(rack::DeviceAddress device, master::ObjectAddress object,
                                 std::span<const std::byte> data);
   /// The way of a CiA 402 master to the device; process data where they carry an object.
@@ -93,6 +136,7 @@ class Bench {
 
   // CAN.
 
+  /// Puts a frame on a bus.
   void send(std::size_t bus, const can::Frame& frame);
   /// Waits for the boot-up of a CANopen node, before which it hears nothing.
   void wait_for_boot_up(rack::DeviceAddress device);
@@ -141,6 +185,7 @@ class Bench {
   std::vector<std::unique_ptr<BusMaster>> buses_;
   std::vector<std::unique_ptr<LineMaster>> lines_;
   std::vector<std::pair<rack::DeviceAddress, std::unique_ptr<master::DrivePort>>> drives_;
+  std::vector<product::Signal> signals_;  ///< empty until one was asked for
 };
 
 }  // namespace stator::bench

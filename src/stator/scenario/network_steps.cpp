@@ -29,35 +29,6 @@ ReadStep step_of(const Scan& step, const StepReader& /*reader*/) {
   return {"scan", [step](bench::Bench& bench) { return outcome_of(bench.scan(step.on.network)); }};
 }
 
-/// Takes all slaves of a segment up to a state, as a master does at its start.
-master::Result<void> take_up(bench::Bench& bench, std::size_t segment, AlState wanted) {
-  const auto found = bench.scanned(segment);
-  if (!found || wanted == AlState::init) {
-    return found ? bench.scan(segment) : base::Unexpected{found.error()};
-  }
-  master::Master& master = **found;
-  const bool mapped = master.process_data_configured();
-  if (wanted == AlState::safe_operational && !mapped) {
-    return master.configure_process_data();
-  }
-  if (wanted == AlState::operational && !master.operational()) {
-    if (const auto configured = mapped ? master::Result<void>() : master.configure_process_data();
-        !configured) {
-      return configured;
-    }
-    return master.go_operational();
-  }
-  for (const master::Slave& slave : master.slaves()) {
-    const auto reached = wanted == AlState::pre_operational && !mapped
-                             ? master.start_mailbox(slave.position)
-                             : master.request_state(slave.position, wanted);
-    if (!reached) {
-      return reached;
-    }
-  }
-  return {};
-}
-
 master::Result<void> take_slave(bench::Bench& bench, rack::DeviceAddress device, AlState wanted) {
   const auto position = bench.position(device);
   if (!position) {
@@ -107,7 +78,7 @@ ReadStep step_of(const RequestState& step, const StepReader& reader) {
   }
   return {std::move(title), [=](bench::Bench& bench) {
             const auto reached = device ? take_slave(bench, *device, step.state)
-                                        : take_up(bench, step.on.network, step.state);
+                                        : bench.take_to(step.state, step.on.network);
             return step.al_status ? refusal_outcome(reached, *step.al_status) : outcome_of(reached);
           }};
 }

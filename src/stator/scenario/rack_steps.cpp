@@ -39,7 +39,7 @@ ReadStep step_of(const Inject& step, const StepReader& /*reader*/) {
   const rack::FaultConfiguration& fault = step.fault;
   return {fmt::format("fault {} at {}", fault.kind->name, fault.target.text),
           [fault](bench::Bench& bench) {
-            const auto armed = bench.rack().inject(fault, bench.now());
+            const auto armed = bench.inject(fault);
             return armed ? pass() : fail(armed.error());
           }};
 }

@@ -46,6 +46,7 @@ struct WholeRange {
   std::string_view unit{};
 };
 
+/// What durations may be.
 struct DurationRange {
   base::SimDuration minimum;
   base::SimDuration maximum;

@@ -12,6 +12,8 @@ Value::Value(Table table, Place place)
     : content_(std::in_place_type<Table>, std::move(table)), place_(std::move(place)) {}
 Value::Value(List list, Place place)
     : content_(std::in_place_type<List>, std::move(list)), place_(std::move(place)) {}
+Value::Value(const char* text) : content_(std::string(text)) {}
+Value::Value(std::string text) : content_(std::move(text)) {}
 Value::Value(const Value& other) = default;
 Value::Value(Value&& other) noexcept = default;
 Value& Value::operator=(const Value& other) = default;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -37,14 +38,35 @@ class Value {
       std::variant<std::monostate, bool, std::int64_t, double, std::string, List, Table>;
 
   // In value.cpp, since every user would compile the code for all alternatives.
+
+  /// One that no key takes.
   Value();
+  /// Of any type, as it was found at a place.
   explicit Value(Content content, Place place = {});
-  explicit Value(Table table, Place place = {});
-  explicit Value(List list, Place place = {});
-  Value(const Value& other);
-  Value(Value&& other) noexcept;
-  Value& operator=(const Value& other);
-  Value& operator=(Value&& other) noexcept;
+  // What programs write needs no word for it: {{"kind", "motor-stall"}, {"axis", 1}} is a table.
+
+  /// A table.
+  Value(Table table, Place place = {});  // NOLINT(google-explicit-constructor)
+  /// A list.
+  Value(List list, Place place = {});  // NOLINT(google-explicit-constructor)
+  /// A text.
+  Value(const char* text);  // NOLINT(google-explicit-constructor)
+  /// A text.
+  Value(std::string text);  // NOLINT(google-explicit-constructor)
+  /// A truth value.
+  Value(std::same_as<bool> auto value)  // NOLINT(google-explicit-constructor)
+      : content_(value) {}
+  /// A number.
+  Value(std::floating_point auto number)  // NOLINT(google-explicit-constructor)
+      : content_(double{number}) {}
+  /// A whole number.
+  template <std::integral Whole>
+  requires(!std::same_as<Whole, bool>) Value(Whole number)  // NOLINT(google-explicit-constructor)
+      : content_(static_cast<std::int64_t>(number)) {}
+  Value(const Value& other);                 ///< copies the whole tree
+  Value(Value&& other) noexcept;             ///< takes it
+  Value& operator=(const Value& other);      ///< copies the whole tree
+  Value& operator=(Value&& other) noexcept;  ///< takes it
   ~Value();
 
   /// The content if it is of that type, else null. Numbers are what they were written as: 1 is no
@@ -53,10 +75,12 @@ class Value {
   [[nodiscard]] const T* find() const {
     return std::get_if<T>(&content_);
   }
+  /// The same of one that may be changed.
   template <typename T>
   [[nodiscard]] T* find() {
     return std::get_if<T>(&content_);
   }
+  /// Whether the content is of that type.
   template <typename T>
   [[nodiscard]] bool is() const {
     return std::holds_alternative<T>(content_);
@@ -66,6 +90,7 @@ class Value {
   /// A list that has tables only, e.g. of [[segment]]; an empty one is none.
   [[nodiscard]] bool is_list_of_tables() const;
 
+  /// Where it was written.
   [[nodiscard]] const Place& place() const { return place_; }
 
  private:

@@ -476,11 +476,15 @@ void read_faults(TableReader& root, RackConfiguration& rack) {
 }
 
 FaultConfiguration parse_fault(std::string_view text, const RackConfiguration& rack) {
-  const settings::Value tree = parse_rack_tree(text, "");
-  FaultConfiguration fault;
-  read_tree(tree, "", "the fault",
-            [&](TableReader& section) { fault = FaultReader(rack).read(section); });
+  FaultConfiguration fault = read_fault(parse_rack_tree(text, ""), rack);
   fault.text = text;
+  return fault;
+}
+
+FaultConfiguration read_fault(const settings::Value& table, const RackConfiguration& rack) {
+  FaultConfiguration fault;
+  read_tree(table, "", "the fault",
+            [&](TableReader& section) { fault = FaultReader(rack).read(section); });
   return fault;
 }
 

@@ -43,5 +43,8 @@ void read_faults(TableReader& root, RackConfiguration& rack);
 /// Reads one fault from the keys of a [[fault]] table. Throws RackFileError with the reason alone,
 /// as there is no file.
 [[nodiscard]] FaultConfiguration parse_fault(std::string_view text, const RackConfiguration& rack);
+/// The same from a table that a program has made.
+[[nodiscard]] FaultConfiguration read_fault(const settings::Value& table,
+                                            const RackConfiguration& rack);
 
 }  // namespace stator::rack
