@@ -37,29 +37,15 @@ constexpr std::array kRules{settings::Rule<Configuration>{
 
 constexpr settings::Section<Configuration> kKeys{kRows, kRules};
 
-/// What others find in a configuration.
-class OwnStepperProduct final : public product::ProductOf<Configuration, OwnStepper> {
- public:
-  using ProductOf::ProductOf;
-
-  [[nodiscard]] const product::CoeOptions* coe(const product::Setup& setup) const override {
-    return &of(setup).coe;
-  }
-  [[nodiscard]] const dictionary::Quirks* quirks(const product::Setup& setup) const override {
-    return &of(setup).quirks;
-  }
-};
-
 }  // namespace
 
 std::shared_ptr<const product::Product> own_stepper_product() {
-  return std::make_shared<OwnStepperProduct>(
-      product::Identity{.type = std::string(kType),
-                        .summary = "one-axis stepper drive, CiA 402, of a program's own",
-                        .reached_over = "EtherCAT (CoE)",
-                        .network = product::NetworkKind::segment,
-                        .ports = 2},
-      &kKeys);
+  return product::make<Configuration, OwnStepper>(
+      {.type = std::string(kType),
+       .summary = "one-axis stepper drive, CiA 402, of a program's own",
+       .reached_over = "EtherCAT (CoE)",
+       .network = product::NetworkKind::segment},
+      kKeys);
 }
 
 }  // namespace own_product

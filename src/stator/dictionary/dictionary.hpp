@@ -54,6 +54,10 @@ class Entry {
 
   [[nodiscard]] std::uint64_t value() const { return *value_; }
   [[nodiscard]] std::int64_t signed_value() const { return static_cast<std::int64_t>(*value_); }
+  /// The value as a number, by the signedness of its type; 0 for a string.
+  [[nodiscard]] double number() const {
+    return is_signed(type()) ? static_cast<double>(signed_value()) : static_cast<double>(value());
+  }
   [[nodiscard]] const std::string& text() const { return text_; }
   /// A string's or domain's value where it lies, until it is next set: for reading it in parts.
   [[nodiscard]] std::span<const std::byte> bytes() const { return std::as_bytes(std::span(text_)); }

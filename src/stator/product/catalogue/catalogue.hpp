@@ -19,6 +19,7 @@ class Catalogue {
 
   /// The product of that type, or null.
   [[nodiscard]] std::shared_ptr<const Product> find(std::string_view type) const;
+  /// All, in the order people see.
   [[nodiscard]] std::span<const std::shared_ptr<const Product>> products() const {
     return products_;
   }

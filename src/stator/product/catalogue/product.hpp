@@ -42,6 +42,7 @@ class Product : public std::enable_shared_from_this<Product> {
   Product& operator=(const Product&) = delete;
   virtual ~Product() = default;
 
+  /// What it is, whatever it is configured to.
   [[nodiscard]] virtual const Identity& identity() const = 0;
   /// As it leaves its box.
   [[nodiscard]] virtual Setup defaults() const = 0;
@@ -54,7 +55,9 @@ class Product : public std::enable_shared_from_this<Product> {
                                                      base::EventReporter reporter) const = 0;
 
   // What a setup of this product has; nothing by default. The pointers lead into the setup.
+  /// Of a device with a CoE mailbox of its own.
   [[nodiscard]] virtual const CoeOptions* coe(const Setup& /*setup*/) const { return nullptr; }
+  /// What it does otherwise than it should.
   [[nodiscard]] virtual const dictionary::Quirks* quirks(const Setup& /*setup*/) const {
     return nullptr;
   }
@@ -66,6 +69,7 @@ class Product : public std::enable_shared_from_this<Product> {
   [[nodiscard]] virtual const TmclAddress* tmcl_address(const Setup& /*setup*/) const {
     return nullptr;
   }
+  /// What is around each of its axes.
   [[nodiscard]] virtual std::vector<AxisSetup> axes(Setup& /*setup*/) const { return {}; }
 
   /// Ports for EtherCAT cables.
@@ -122,6 +126,7 @@ class ProductOf : public Product {
   explicit ProductOf(Identity identity, const settings::Section<Configuration>* keys = nullptr)
       : identity_(std::move(identity)), keys_(keys) {}
 
+  /// That it was made with.
   [[nodiscard]] const Identity& identity() const override { return identity_; }
   [[nodiscard]] Setup defaults() const override { return {shared_from_this(), Configuration{}}; }
   [[nodiscard]] std::unique_ptr<Device> make(const Setup& setup,
@@ -135,15 +140,55 @@ class ProductOf : public Product {
   }
 
  protected:
+  /// The configuration in a setup of this product.
   [[nodiscard]] static const Configuration& of(const Setup& setup) {
     return setup.as<Configuration>();
   }
+  /// The same.
   [[nodiscard]] static Configuration& of(Setup& setup) { return setup.as<Configuration>(); }
 
  private:
   Identity identity_;
   const settings::Section<Configuration>* keys_;
 };
+
+/// A product whose devices are of the class `DeviceClass`, made from a `Configuration` and an event
+/// reporter. Of the configuration members called `coe` (CoeOptions), `quirks` (dictionary::Quirks)
+/// and `node_id` (std::uint8_t) are what the product has, see Product. `keys` are those of a rack
+/// file; they must outlive the product, as constants do. One on a segment has two ports unless
+/// `identity` says otherwise.
+template <typename Configuration, typename DeviceClass>
+[[nodiscard]] std::shared_ptr<const Product> make(Identity identity,
+                                                  const settings::Section<Configuration>& keys) {
+  class Made final : public ProductOf<Configuration, DeviceClass> {
+   public:
+    using ProductOf<Configuration, DeviceClass>::ProductOf;
+
+    [[nodiscard]] const CoeOptions* coe(const Setup& setup) const override {
+      if constexpr (requires(const Configuration& one) { one.coe; }) {
+        return &this->of(setup).coe;
+      }
+      return nullptr;
+    }
+    [[nodiscard]] const dictionary::Quirks* quirks(const Setup& setup) const override {
+      if constexpr (requires(const Configuration& one) { one.quirks; }) {
+        return &this->of(setup).quirks;
+      }
+      return nullptr;
+    }
+    [[nodiscard]] const std::uint8_t* node_id(const Setup& setup) const override {
+      if constexpr (requires(const Configuration& one) { one.node_id; }) {
+        return &this->of(setup).node_id;
+      }
+      return nullptr;
+    }
+  };
+  constexpr unsigned kPorts = 2;
+  if (identity.network == NetworkKind::segment && identity.ports == 0) {
+    identity.ports = kPorts;
+  }
+  return std::make_shared<Made>(std::move(identity), &keys);
+}
 
 using DeviceMaker = std::function<std::unique_ptr<Device>(base::EventReporter)>;
 

@@ -16,22 +16,17 @@ using canopen::NmtState;
 constexpr std::uint16_t kFirstObject = 0x1000;
 constexpr std::uint16_t kLastObject = 0xFFFF;
 
-dictionary::Dictionary& declared(dictionary::Dictionary& objects,
-                                 const std::function<void(dictionary::Dictionary&)>& declare) {
-  declare(objects);
-  return objects;
-}
-
 }  // namespace
 
 CanOpenFirmware::CanOpenFirmware(const canopen::NodeConfiguration& node,
                                  const CanOpenFirmwareRules& rules,
                                  const std::function<void(dictionary::Dictionary&)>& declare,
-                                 base::EventReporter reporter)
+                                 base::EventReporter reporter, const CanOpenIdentity& identity)
     : rules_(rules),
       reporter_(reporter),
+      first_node_id_(node.node_id),
       firmware_(rules.firmware_capacity),
-      node_(declared(dictionary_, declare), controller_, reporter, node),
+      node_(declared(declare, identity), controller_, reporter, node),
       emergencies_(dictionary_, controller_, reporter, rules.emergencies),
       sync_(dictionary_, emergencies_, rules.sync),
       pdos_(dictionary_, controller_, emergencies_, reporter, rules.pdos),
@@ -44,6 +39,28 @@ CanOpenFirmware::CanOpenFirmware(const canopen::NodeConfiguration& node,
       supervision_(controller_, emergencies_, error_behaviour_),
       next_tick_(SimTime() + rules.control_period) {
   wire_node();
+}
+
+CanOpenFirmware::CanOpenFirmware(const CanOpenOutline& outline, base::EventReporter reporter)
+    : CanOpenFirmware({.node_id = outline.node_id}, {.control_period = outline.period},
+                      [&outline](dictionary::Dictionary& objects) { objects.add(outline.objects); },
+                      reporter,
+                      {.vendor = outline.vendor,
+                       .code = outline.code,
+                       .revision = outline.revision,
+                       .name = outline.name}) {
+  bit_rate_ = outline.bit_rate;
+  start_firmware(SimTime());
+}
+
+dictionary::Dictionary& CanOpenFirmware::declared(
+    const std::function<void(dictionary::Dictionary&)>& declare, const CanOpenIdentity& identity) {
+  declare(dictionary_);
+  if (!dictionary_.finished()) {
+    standard_objects_.add_missing(dictionary_, identity);
+    dictionary_.finish();
+  }
+  return dictionary_;
 }
 
 void CanOpenFirmware::wire_node() {

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "stator/base/event.hpp"
 #include "stator/base/sim_time.hpp"
@@ -14,9 +16,12 @@
 #include "stator/canopen/nmt/node.hpp"
 #include "stator/canopen/pdo/pdo_service.hpp"
 #include "stator/canopen/sync/sync_consumer.hpp"
+#include "stator/dictionary/declaration.hpp"
 #include "stator/dictionary/dictionary.hpp"
 #include "stator/product/device/can_device.hpp"
 #include "stator/product/device/firmware_memory.hpp"
+#include "stator/product/shell/object_signals.hpp"
+#include "stator/product/shell/standard_objects.hpp"
 #include "stator/tmcl/sessions/module_interface.hpp"
 
 namespace stator::product {
@@ -25,9 +30,10 @@ namespace stator::product {
 struct CanOpenFirmwareRules {
   /// Of CanOpenFirmware::tick().
   base::SimDuration control_period{1'000'000};
-  canopen::EmergencyRules emergencies{};
-  canopen::SyncRules sync{};
-  canopen::PdoRules pdos{};
+  canopen::EmergencyRules emergencies{};  ///< which there are, and how they are sent
+  canopen::SyncRules sync{};              ///< what becomes of SYNC
+  canopen::PdoRules pdos{};               ///< what the PDOs can be set to
+  /// What values of 1029h mean.
   std::span<const canopen::ErrorBehaviourValue> error_behaviour = canopen::kErrorBehaviourOfCia301;
   /// Objects from here on belong to the application: reset node gives them their defaults. Those
   /// below are communication objects.
@@ -39,6 +45,20 @@ struct CanOpenFirmwareRules {
   const base::EventRule* new_firmware = nullptr;
 };
 
+/// A product of which all else is as usual: CiA 301 as it stands there, all objects that can be
+/// mapped in as many PDOs as they take.
+struct CanOpenOutline {
+  std::uint8_t node_id = 1;    ///< 1 to 127
+  std::uint32_t vendor = 0;    ///< which CiA assigns
+  std::uint32_t code = 0;      ///< of the product
+  std::uint32_t revision = 1;  ///< 1018h:03
+  std::string name{};          ///< 1008h
+  /// They must outlive the device, as constants do.
+  std::span<const dictionary::EntryDeclaration> objects{};
+  base::SimDuration period{1'000'000};  ///< of CanOpenFirmware::tick()
+  std::uint32_t bit_rate = 1'000'000;   ///< bit/s
+};
+
 /// A CANopen product with firmware of its own: CAN controller, node with emergencies, SYNC, PDOs
 /// and error behaviour, objects, and the order in which bus, control period and the world around
 /// it are served. What the product itself does derives from this class, whose constructor ends
@@ -48,32 +68,55 @@ struct CanOpenFirmwareRules {
 /// what the node does on the clock. Nothing allocates after construction.
 class CanOpenFirmware : public CanDevice {
  public:
+  // What a rack asks and tells, see CanDevice and Device.
+
+  /// By which it is on the bus.
   [[nodiscard]] can::Controller& controller() final { return controller_; }
   [[nodiscard]] const can::Controller& controller() const final { return controller_; }
+  /// What its NMT state means for writes of its objects.
   [[nodiscard]] dictionary::NetworkState network_state() const final;
+  /// Its objects.
   [[nodiscard]] const dictionary::Dictionary& dictionary() const { return dictionary_; }
+  /// The same.
   [[nodiscard]] const dictionary::Dictionary* object_dictionary() const final {
     return &dictionary_;
   }
+  /// NMT, SDO server and error control.
   [[nodiscard]] const canopen::Node& node() const { return node_; }
+  /// What it has reported.
   [[nodiscard]] const canopen::EmergencyProducer& emergencies() const { return emergencies_; }
+  /// Where it keeps images that came to it; null: it takes none.
   [[nodiscard]] FirmwareMemory* firmware() final {
     return firmware_.capacity() != 0 ? &firmware_ : nullptr;
   }
   /// RUN and ERR as CiA 303-3 has them.
   [[nodiscard]] Indicators indicators() const override;
+  /// Its state of NMT.
   [[nodiscard]] NetworkStatus network_status() const override;
+  /// That of the outline, else 1 Mbit/s.
+  [[nodiscard]] std::uint32_t bit_rate() const override { return bit_rate_; }
+  /// When it sends something on its own at the earliest.
   [[nodiscard]] base::SimTime next_deadline() const final;
+  /// Somebody beside the bus has written objects.
   void objects_written(base::SimTime now) final { apply(now); }
+  /// Brings firmware and world to `now`.
   void advance(base::SimTime now) final;
+  /// Lets it take what came over the bus.
   void handle_bus_events(base::SimTime now) final;
+  /// Switches its supply.
   void set_power(bool on, base::SimTime now) final;
+  /// The values of all objects that can be mapped, see object_signals().
+  [[nodiscard]] std::vector<Signal> signals() const override { return object_signals(dictionary_); }
 
  protected:
-  /// `declare` is called with a dictionary to which it adds the product's objects, and finishes it.
+  /// `declare` is called with a dictionary to which it adds the product's objects. If it does not
+  /// finish it, CanOpenStandardObjects adds what is missing there, of who the product is.
   CanOpenFirmware(const canopen::NodeConfiguration& node, const CanOpenFirmwareRules& rules,
                   const std::function<void(dictionary::Dictionary&)>& declare,
-                  base::EventReporter reporter);
+                  base::EventReporter reporter, const CanOpenIdentity& identity = {});
+  /// The firmware has started then: the product's own constructor need not do so, but if it has
+  /// something to do in restart() and the like, which this one cannot call.
+  CanOpenFirmware(const CanOpenOutline& outline, base::EventReporter reporter);
 
   // What the product does. Times are those to which the rack has come.
 
@@ -82,16 +125,17 @@ class CanOpenFirmware : public CanDevice {
   virtual void load_application(base::SimTime /*now*/) {}
   /// Everything but objects is as at power-on: after load_application(), and where the firmware
   /// stops. Motors and loads go on.
-  virtual void restart(base::SimTime now) = 0;
-  /// Reset communication. Returns the stored node-ID, see canopen::NodeHooks.
-  virtual std::uint8_t reset_communication(base::SimTime now) = 0;
+  virtual void restart(base::SimTime /*now*/) {}
+  /// Reset communication. Returns the stored node-ID, see canopen::NodeHooks: that it was built
+  /// with.
+  virtual std::uint8_t reset_communication(base::SimTime /*now*/) { return first_node_id_; }
   /// The node works with this node-ID from now on: communication objects have their defaults; what
   /// was stored takes their place.
   virtual void load_communication(std::uint8_t /*node_id*/, base::SimTime /*now*/) {}
   /// A control period begins; the bus has been served.
   virtual void tick(base::SimTime now) = 0;
   /// The world makes the steps that end at `until` at the latest.
-  virtual void step_world(base::SimTime until) = 0;
+  virtual void step_world(base::SimTime /*until*/) {}
   /// Objects may have been written: what they command is obeyed at once, as by an interrupt.
   virtual void apply(base::SimTime /*now*/) {}
   /// The state of NMT has changed. It is called before the first restart() as well.
@@ -104,10 +148,15 @@ class CanOpenFirmware : public CanDevice {
 
   /// The serial interface whose boot loader takes firmware; it is a part of the product.
   void set_boot_loader(tmcl::ModuleInterface& loader) { boot_loader_ = &loader; }
+  /// Those that were declared, for variables and hooks.
   [[nodiscard]] dictionary::Dictionary& objects() { return dictionary_; }
+  /// For what the product itself does with NMT.
   [[nodiscard]] canopen::Node& network_node() { return node_; }
+  /// Reports errors, as emergencies and in 1001h and 1003h.
   [[nodiscard]] canopen::EmergencyProducer& emergency_producer() { return emergencies_; }
+  /// For transmissions that the product asks for.
   [[nodiscard]] canopen::PdoService& pdos() { return pdos_; }
+  /// For events of the product's own.
   [[nodiscard]] const base::EventReporter& reporter() const { return reporter_; }
 
  private:
@@ -121,6 +170,8 @@ class CanOpenFirmware : public CanDevice {
   [[nodiscard]] canopen::NmtState nmt_state() const { return node_.state(); }
   void enter_state(canopen::NmtState state, base::SimTime now) { node_.enter(state, now); }
 
+  [[nodiscard]] dictionary::Dictionary& declared(
+      const std::function<void(dictionary::Dictionary&)>& declare, const CanOpenIdentity& identity);
   void wire_node();
   [[nodiscard]] bool in_boot_loader() const {
     return boot_loader_ != nullptr && boot_loader_->in_boot_loader();
@@ -131,6 +182,8 @@ class CanOpenFirmware : public CanDevice {
 
   CanOpenFirmwareRules rules_;
   base::EventReporter reporter_;
+  std::uint8_t first_node_id_;
+  CanOpenStandardObjects standard_objects_;
   dictionary::Dictionary dictionary_;
   can::Controller controller_;
   FirmwareMemory firmware_;
@@ -143,6 +196,7 @@ class CanOpenFirmware : public CanDevice {
   base::SimTime next_tick_;
   tmcl::ModuleInterface* boot_loader_ = nullptr;  ///< null: there is none
   bool powered_ = true;
+  std::uint32_t bit_rate_ = 1'000'000;
 };
 
 }  // namespace stator::product

@@ -1,6 +1,7 @@
 #include "stator/product/shell/ethercat_firmware.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "stator/product/shell/boot_loading.hpp"
@@ -28,7 +29,63 @@ ethercat::SlaveStackOptions with_files(ethercat::SlaveStackOptions options,
   return options;
 }
 
+// Of an outline: two mailboxes at the begin of the process memory, then three buffers for each
+// direction.
+constexpr ethercat::MailboxArea kReceiveMailbox{0x1000, 256};
+constexpr ethercat::MailboxArea kTransmitMailbox{0x1100, 256};
+constexpr std::uint16_t kOutputs = 0x1200;
+constexpr std::uint16_t kInputs = 0x3000;
+constexpr std::uint16_t kMemoryEnd = 0x5000;
+
+/// A sync manager of one byte that masters write and that triggers the watchdog does nothing else
+/// (see ethercat::SyncManager), which one would look for long.
+void require_room_for_outputs(const EtherCatOutline& outline) {
+  using dictionary::PdoMapping;
+  constexpr std::size_t kByte = 8;
+  std::size_t bits = 0;
+  for (const dictionary::EntryDeclaration& each : outline.objects) {
+    if (each.mapping == PdoMapping::receive || each.mapping == PdoMapping::both) {
+      bits += dictionary::bit_length(each.type);
+    }
+  }
+  if (bits != 0 && bits <= kByte) {
+    throw std::logic_error("outputs of one byte would only trigger the watchdog; map two at least");
+  }
+}
+
+EtherCatFirmwareParts parts_of(const EtherCatOutline& outline) {
+  require_room_for_outputs(outline);
+  ethercat::DeviceDescription description;
+  description.vendor_id = outline.vendor;
+  description.product_code = outline.code;
+  description.revision = outline.revision;
+  description.order_code = outline.name;
+  description.name = outline.name;
+  description.group = "Devices";
+  description.station_alias = outline.coe.station_alias;
+  description.receive_mailbox = kReceiveMailbox;
+  description.transmit_mailbox = kTransmitMailbox;
+  description.output_offset = kOutputs;
+  description.input_offset = kInputs;
+  description.coe = true;
+  description.sdo_information = true;
+  description.complete_access = true;
+  ethercat::SlaveStackOptions stack = coe_stack_options(outline.coe, outline.quirks);
+  stack.process_memory_end = kMemoryEnd;
+  return {.description = description,
+          .stack = stack,
+          .coe = outline.coe,
+          .quirks = outline.quirks,
+          .rules = {.control_period = outline.period}};
+}
+
 }  // namespace
+
+EtherCatFirmware::EtherCatFirmware(const EtherCatOutline& outline, base::EventReporter reporter)
+    : EtherCatFirmware(
+          parts_of(outline),
+          [&outline](dictionary::Dictionary& objects) { objects.add(outline.objects); }, reporter) {
+}
 
 EtherCatFirmware::EtherCatFirmware(const EtherCatFirmwareParts& parts,
                                    const std::function<void(dictionary::Dictionary&)>& declare,

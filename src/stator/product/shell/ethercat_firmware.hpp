@@ -4,9 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "stator/base/event.hpp"
 #include "stator/base/sim_time.hpp"
+#include "stator/dictionary/declaration.hpp"
 #include "stator/dictionary/dictionary.hpp"
 #include "stator/dictionary/quirks.hpp"
 #include "stator/ethercat/controller/slave_controller.hpp"
@@ -16,6 +20,7 @@
 #include "stator/product/catalogue/parts.hpp"
 #include "stator/product/device/ethercat_device.hpp"
 #include "stator/product/device/firmware_memory.hpp"
+#include "stator/product/shell/object_signals.hpp"
 #include "stator/product/shell/standard_objects.hpp"
 #include "stator/tmcl/sessions/module_interface.hpp"
 
@@ -53,12 +58,27 @@ struct EtherCatFirmwareRules {
 
 /// What such a product is made of.
 struct EtherCatFirmwareParts {
-  ethercat::DeviceDescription description{};
-  ethercat::SlaveControllerConfiguration controller{};
+  ethercat::DeviceDescription description{};            ///< of which SII and ESI are made
+  ethercat::SlaveControllerConfiguration controller{};  ///< which chip it has
   ethercat::SlaveStackOptions stack{};  ///< `files` is filled in where the product takes firmware
-  CoeOptions coe{};
-  dictionary::Quirks quirks{};
-  EtherCatFirmwareRules rules{};
+  CoeOptions coe{};                     ///< what a rack file says of it
+  dictionary::Quirks quirks{};          ///< the same
+  EtherCatFirmwareRules rules{};        ///< its choices
+};
+
+/// A product of which all else is as usual: a slave controller of 16 KB, mailboxes of 256 bytes,
+/// CoE with its information service and complete access, all objects that can be mapped in the
+/// process data, no distributed clocks.
+struct EtherCatOutline {
+  std::uint32_t vendor = 0;    ///< which the ETG assigns
+  std::uint32_t code = 0;      ///< of the product
+  std::uint32_t revision = 1;  ///< of the product
+  std::string name{};          ///< what masters print
+  /// They must outlive the device, as constants do. Those that are outputs have two bytes at least.
+  std::span<const dictionary::EntryDeclaration> objects{};
+  base::SimDuration period{1'000'000};  ///< of EtherCatFirmware::tick()
+  CoeOptions coe{};                     ///< what a rack file says of it
+  dictionary::Quirks quirks{};          ///< the same
 };
 
 /// An EtherCAT product with firmware of its own: slave controller, slave stack, objects, and the
@@ -69,21 +89,35 @@ struct EtherCatFirmwareParts {
 /// allocates after construction.
 class EtherCatFirmware : public EtherCatDevice, protected ethercat::SlaveApplication {
  public:
+  // What a rack asks and tells, see EtherCatDevice and Device.
+
+  /// By which it is on the segment.
   [[nodiscard]] ethercat::SlaveController& controller() final { return controller_; }
   [[nodiscard]] const ethercat::SlaveController& controller() const final { return controller_; }
+  /// Its objects.
   [[nodiscard]] const dictionary::Dictionary& dictionary() const final { return dictionary_; }
+  /// State machine, mailbox and process data.
   [[nodiscard]] ethercat::SlaveStack* slave_stack() final { return &stack_; }
+  /// The same.
   [[nodiscard]] const ethercat::SlaveStack& stack() const { return stack_; }
+  /// What its SII and its ESI file are made of.
   [[nodiscard]] const ethercat::DeviceDescription& description() const final {
     return description_;
   }
+  /// Ethernet over EtherCAT; null: it has none.
   [[nodiscard]] ethercat::EoeServer* eoe() final { return stack_.eoe(); }
+  /// Where it keeps images that came to it; null: it takes none.
   [[nodiscard]] FirmwareMemory* firmware() final {
     return firmware_.capacity() != 0 ? &firmware_ : nullptr;
   }
+  /// Brings firmware and world to `now`.
   void advance(base::SimTime now) final;
+  /// Lets it take what a frame has brought.
   void handle_bus_events(base::SimTime now) final;
+  /// Switches its supply.
   void set_power(bool on, base::SimTime now) override;
+  /// The values of all objects that can be mapped, see object_signals().
+  [[nodiscard]] std::vector<Signal> signals() const override { return object_signals(dictionary_); }
 
  protected:
   /// `declare` is called with a dictionary to which it adds the product's objects. If it does not
@@ -92,17 +126,19 @@ class EtherCatFirmware : public EtherCatDevice, protected ethercat::SlaveApplica
   EtherCatFirmware(const EtherCatFirmwareParts& parts,
                    const std::function<void(dictionary::Dictionary&)>& declare,
                    base::EventReporter reporter);
+  /// Throws as above.
+  EtherCatFirmware(const EtherCatOutline& outline, base::EventReporter reporter);
 
   // What the product does. Times are those to which the rack has come.
 
   /// The firmware starts, or stops for its boot loader: objects have their defaults, and all else
   /// is to become what it is at power-on. Motors and loads go on.
-  virtual void restart(base::SimTime now) = 0;
+  virtual void restart(base::SimTime /*now*/) {}
   /// A control period begins; the bus has been served. Inputs go out right after it, unless the
   /// master synchronises by SYNC0.
   virtual void tick(base::SimTime now) = 0;
   /// The world makes the steps that are due until `until`, which it includes.
-  virtual void step_world(base::SimTime until) = 0;
+  virtual void step_world(base::SimTime /*until*/) {}
   /// What a frame has brought is obeyed at once, as by an interrupt.
   virtual void apply(base::SimTime /*now*/) {}
   /// Outputs came by that frame and have been obeyed; inputs go out right after it.
@@ -117,7 +153,9 @@ class EtherCatFirmware : public EtherCatDevice, protected ethercat::SlaveApplica
   /// A period while the boot loader is at work: what goes on without firmware.
   virtual void tick_without_firmware(base::SimTime /*now*/) {}
 
+  /// Who overrides it calls it, too.
   void on_state(ethercat::AlState from, ethercat::AlState to, base::SimTime now) override;
+  /// Inputs are about to go out: objects are to show what is.
   void before_inputs(base::SimTime /*now*/) override {}
 
   /// Everything is as after power-on, with the newest firmware image.
@@ -128,9 +166,13 @@ class EtherCatFirmware : public EtherCatDevice, protected ethercat::SlaveApplica
 
   /// The serial interface whose boot loader takes firmware; it is a part of the product.
   void set_boot_loader(tmcl::ModuleInterface& loader) { boot_loader_ = &loader; }
+  /// Those that were declared, for variables and hooks.
   [[nodiscard]] dictionary::Dictionary& objects() { return dictionary_; }
+  /// It has supply.
   [[nodiscard]] bool powered() const { return powered_; }
+  /// For events of the product's own.
   [[nodiscard]] const base::EventReporter& reporter() const { return reporter_; }
+  /// 1001h.
   [[nodiscard]] dictionary::Variable<std::uint8_t>& error_register() { return error_register_; }
 
  private:

@@ -1,9 +1,13 @@
 #include "stator/product/shell/standard_objects.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <limits>
+#include <stdexcept>
 #include <string_view>
 
+#include "stator/canopen/pdo/pdo_rules.hpp"
 #include "stator/dictionary/data_type.hpp"
 
 namespace stator::product {
@@ -41,6 +45,8 @@ struct Row {
   Default value;
 };
 
+constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
+
 /// Collects the rows that are missing.
 class Missing {
  public:
@@ -55,6 +61,15 @@ class Missing {
     if (lacks(row.index)) {
       rows_.push_back(row);
     }
+  }
+  /// A variable that masters may write.
+  void add_writable(std::uint16_t index, std::string_view name, DataType type, Default value,
+                    bool counts_from_node_id = false) {
+    add({.index = index,
+         .name = name,
+         .type = type,
+         .default_value = value,
+         .node_id_relative = counts_from_node_id});
   }
   void add_list(std::uint16_t index, std::string_view name, ObjectCode code, DataType type,
                 const std::vector<Row>& list) {
@@ -72,16 +87,68 @@ class Missing {
       rows_.back().object_code = code;
     }
   }
+  /// The rows that all objects in one direction make in PDOs of `most_bits` at most.
+  [[nodiscard]] std::vector<std::vector<Row>> mappings(PdoMapping direction,
+                                                       std::size_t most_bits) const {
+    std::vector<std::vector<Row>> pdos;
+    std::size_t room = 0;
+    for (const Entry& entry : objects_.entries()) {
+      const PdoMapping allowed = entry.declaration().mapping;
+      if (allowed != direction && allowed != PdoMapping::both) {
+        continue;
+      }
+      const std::size_t bits = dictionary::bit_length(entry.type());
+      if (pdos.empty() || bits > room) {
+        pdos.emplace_back();
+        room = most_bits;
+      }
+      pdos.back().push_back({"Mapped object", hex(mapped(entry))});
+      room -= std::min(bits, room);
+    }
+    return pdos;
+  }
+  /// A PDO of CANopen: communication parameters, which masters may write, and fixed mapping.
+  void add_pdo(std::uint16_t communication, std::uint16_t mapping, std::uint32_t identifier,
+               bool transmits, const std::vector<Row>& rows) {
+    if (!lacks(communication) || !lacks(mapping)) {
+      return;
+    }
+    constexpr unsigned kReceiveRows = 2;
+    constexpr unsigned kTransmitRows = 5;
+    EntryDeclaration row = constant(
+        communication, 0,
+        transmits ? "Transmit PDO communication parameter" : "Receive PDO communication parameter",
+        DataType::unsigned8, transmits ? kTransmitRows : kReceiveRows);
+    row.object_code = ObjectCode::record;
+    row.object_name = row.name;
+    rows_.push_back(row);
+    const auto add_row = [&](std::uint8_t subindex, std::string_view name, DataType type,
+                             Default value) {
+      rows_.push_back({.index = communication,
+                       .subindex = subindex,
+                       .name = name,
+                       .object_code = ObjectCode::record,
+                       .type = type,
+                       .default_value = value});
+    };
+    add_row(1, "COB-ID used by PDO", DataType::unsigned32, hex(identifier));
+    rows_.back().node_id_relative = true;
+    add_row(2, "Transmission type", DataType::unsigned8, canopen::kEventDrivenProfile);
+    if (transmits) {
+      add_row(3, "Inhibit time", DataType::unsigned16, 0);
+      rows_.back().unit = "100 us";
+      add_row(kTransmitRows, "Event timer", DataType::unsigned16, 0);
+      rows_.back().unit = "ms";
+    }
+    add_list(mapping,
+             transmits ? "Transmit PDO mapping parameter" : "Receive PDO mapping parameter",
+             ObjectCode::record, DataType::unsigned32, rows);
+  }
   /// The PDO with all that can be mapped in one direction, and its assignment.
   void add_process_data(std::uint16_t mapping, std::uint16_t assignment, PdoMapping direction,
                         std::string_view mapping_name, std::string_view assignment_name) {
-    std::vector<Row> mapping_rows;
-    for (const Entry& entry : objects_.entries()) {
-      const PdoMapping allowed = entry.declaration().mapping;
-      if (allowed == direction || allowed == PdoMapping::both) {
-        mapping_rows.push_back({"Mapped object", hex(mapped(entry))});
-      }
-    }
+    const auto pdos = mappings(direction, kNoLimit);
+    const std::vector<Row> mapping_rows = pdos.empty() ? std::vector<Row>() : pdos.front();
     add_list(mapping, mapping_name, ObjectCode::record, DataType::unsigned32, mapping_rows);
     std::vector<Row> assignment_rows;
     if (!mapping_rows.empty()) {
@@ -122,6 +189,61 @@ void StandardObjects::add_missing(dictionary::Dictionary& objects,
                     {"Mailbox send", 2},
                     {"Process data outputs", 3},
                     {"Process data inputs", 4}});
+  objects.add(rows_);
+}
+
+void CanOpenStandardObjects::add_missing(dictionary::Dictionary& objects,
+                                         const CanOpenIdentity& identity) {
+  // Of the predefined connection set; those of the four PDOs lie 100h apart.
+  constexpr std::uint32_t kSync = 0x80;
+  constexpr std::uint32_t kEmergency = 0x80;
+  constexpr std::uint32_t kFirstTransmitPdo = 0x180;
+  constexpr std::uint32_t kFirstReceivePdo = 0x200;
+  constexpr std::uint32_t kBetweenPdos = 0x100;
+  constexpr std::size_t kPdos = 4;
+
+  name_ = identity.name;
+  Missing missing(objects, rows_);
+  missing.add(constant(0x1000, 0, "Device type", DataType::unsigned32, hex(0)));
+  missing.add({.index = 0x1001,
+               .name = "Error register",
+               .type = DataType::unsigned8,
+               .access = Access::read_only,
+               .live = true});
+  missing.add_writable(0x1005, "COB-ID SYNC message", DataType::unsigned32, hex(kSync));
+  missing.add(
+      constant(0x1008, 0, "Manufacturer device name", DataType::visible_string, name_.c_str()));
+  missing.add_writable(0x1014, "COB-ID emergency object", DataType::unsigned32, hex(kEmergency),
+                       true);
+  if (missing.lacks(0x1016)) {
+    missing.add_list(0x1016, "Consumer heartbeat time", ObjectCode::array, DataType::unsigned32,
+                     {{"Consumer heartbeat time", 0}});
+    rows_.back().access = Access::read_write;
+  }
+  missing.add_writable(0x1017, "Producer heartbeat time", DataType::unsigned16, 0);
+  missing.add_list(0x1018, "Identity object", ObjectCode::record, DataType::unsigned32,
+                   {{"Vendor ID", hex(identity.vendor)},
+                    {"Product code", hex(identity.code)},
+                    {"Revision number", hex(identity.revision)},
+                    {"Serial number", identity.serial_number}});
+  for (const bool transmits : {false, true}) {
+    const auto pdos = missing.mappings(transmits ? PdoMapping::transmit : PdoMapping::receive,
+                                       canopen::kMaximumPdoBits);
+    if (pdos.size() > kPdos) {
+      throw std::logic_error(
+          "more can be mapped than four PDOs take; declare 1600h and 1A00h, with 1400h and 1800h");
+    }
+    for (std::uint16_t i = 0; i < pdos.size(); ++i) {
+      missing.add_pdo(
+          static_cast<std::uint16_t>(
+              (transmits ? canopen::kTransmitPdoCommunication : canopen::kReceivePdoCommunication) +
+              i),
+          static_cast<std::uint16_t>(
+              (transmits ? canopen::kTransmitPdoMapping : canopen::kReceivePdoMapping) + i),
+          (transmits ? kFirstTransmitPdo : kFirstReceivePdo) + kBetweenPdos * i, transmits,
+          pdos[i]);
+    }
+  }
   objects.add(rows_);
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <string>
 #include <vector>
 
 #include "stator/dictionary/declaration.hpp"
@@ -18,6 +20,31 @@ class StandardObjects {
   void add_missing(dictionary::Dictionary& objects, const ethercat::DeviceDescription& description);
 
  private:
+  std::vector<dictionary::EntryDeclaration> rows_;
+};
+
+/// Who a device on CANopen is, for those of its objects that say so.
+struct CanOpenIdentity {
+  std::uint32_t vendor = 0;         ///< 1018h:01, which CiA assigns
+  std::uint32_t code = 0;           ///< 1018h:02, of the product
+  std::uint32_t revision = 0;       ///< 1018h:03
+  std::uint32_t serial_number = 0;  ///< 1018h:04
+  std::string name{};               ///< 1008h
+};
+
+/// The same for a device on CANopen (CiA 301 §7.5.2): device type 1000h (no profile), error
+/// register 1001h, SYNC 1005h, name 1008h, emergencies 1014h, heartbeat 1016h and 1017h, identity
+/// 1018h, and of what can be mapped as many PDOs of 8 bytes in each direction as it takes, four at
+/// most, with the identifiers of the predefined connection set (§7.2.4): event-driven, their
+/// mapping is fixed.
+class CanOpenStandardObjects {
+ public:
+  /// Adds those that `objects`, which is not finished, has not. Both must outlive this. Throws
+  /// std::logic_error if there is more to be mapped than four PDOs take.
+  void add_missing(dictionary::Dictionary& objects, const CanOpenIdentity& identity);
+
+ private:
+  std::string name_;
   std::vector<dictionary::EntryDeclaration> rows_;
 };
 
