@@ -1,16 +1,20 @@
 # Warnings, determinism and sanitizers: one interface target that every target of the project links.
 
+# Same inputs, same bits: a fused multiply-add rounds once where two operations round twice. GCC 12's straight-line
+# vectoriser emits fused operations even with contraction off. Whoever compiles inline code of the rooms needs these
+# as well, so they travel with the room `base`.
+set(STATOR_SAME_BITS_OPTIONS $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off>
+  $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-tree-slp-vectorize>)
+
 add_library(stator_compile_options INTERFACE)
 
 target_compile_options(stator_compile_options INTERFACE
   -Wall -Wextra -Wconversion -Wshadow -Wpedantic -Wnon-virtual-dtor -Woverloaded-virtual
-  # Same inputs, same bits: a fused multiply-add rounds once where two operations round twice.
   -ffp-contract=off)
 if(STATOR_WARNINGS_AS_ERRORS)
   target_compile_options(stator_compile_options INTERFACE -Werror)
 endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  # GCC 12's straight-line vectoriser emits fused operations even with contraction off.
   target_compile_options(stator_compile_options INTERFACE -fno-tree-slp-vectorize)
   if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # GCC 12 sees overlaps in std::string's operator+ that are not there (GCC bug 105329).

@@ -3,14 +3,15 @@
 # verifies every #include against the same lists. PRECOMPILED names large headers of libraries that most
 # of the room's sources include. APART and ALONE are further sources, see stator_compile_together. UNHURRIED:
 # nothing in the room runs in every cycle, so that it is compiled quickly rather than well; optimising is half of
-# the time where sanitizers are compiled in.
+# the time where sanitizers are compiled in. PROGRAM: the room is a part of the program stator and not of the library
+# that is installed (cmake/install.cmake).
 function(stator_room name)
-  cmake_parse_arguments(ROOM "UNHURRIED" "" "SOURCES;APART;ALONE;USES;LIBRARIES;PRECOMPILED" ${ARGN})
+  cmake_parse_arguments(ROOM "UNHURRIED;PROGRAM" "" "SOURCES;APART;ALONE;USES;LIBRARIES;PRECOMPILED" ${ARGN})
   add_library(stator_${name} STATIC ${ROOM_SOURCES} ${ROOM_APART} ${ROOM_ALONE})
   stator_compile_together(stator_${name} "${ROOM_SOURCES}" "${ROOM_APART}")
   add_library(stator::${name} ALIAS stator_${name})
-  target_include_directories(stator_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
-  target_link_libraries(stator_${name} PRIVATE stator_compile_options)
+  target_include_directories(stator_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
+  target_link_libraries(stator_${name} PRIVATE $<BUILD_INTERFACE:stator_compile_options>)
   set(headers stator_standard_headers)
   if(ROOM_UNHURRIED)
     set(headers stator_standard_headers_unhurried)
@@ -24,6 +25,9 @@ function(stator_room name)
     target_precompile_headers(stator_${name} PRIVATE ${ROOM_PRECOMPILED})
   elseif(TARGET ${headers})
     target_precompile_headers(stator_${name} REUSE_FROM ${headers})
+  endif()
+  if(NOT ROOM_PROGRAM)
+    stator_library_room(${name} "${ROOM_USES}" "${ROOM_LIBRARIES}")
   endif()
 endfunction()
 
@@ -72,11 +76,13 @@ function(stator_test_suite name)
   stator_compile_together(test_${name} "${SUITE_SOURCES}" "${SUITE_APART}")
   target_include_directories(test_${name} PRIVATE
     ${PROJECT_SOURCE_DIR}/tests ${STATOR_TEST_INCLUDES})
+  # First, so that its warnings come before what rooms ask of whoever uses them.
+  target_link_libraries(test_${name} PRIVATE stator_compile_options)
   foreach(used IN LISTS SUITE_USES)
     target_link_libraries(test_${name} PRIVATE stator_${used})
   endforeach()
   target_link_libraries(test_${name} PRIVATE
-    stator_compile_options $<TARGET_NAME_IF_EXISTS:stator_uncounted> ${SUITE_LIBRARIES}
+    $<TARGET_NAME_IF_EXISTS:stator_uncounted> ${SUITE_LIBRARIES}
     GTest::gtest GTest::gmock GTest::gtest_main)
   # What is tested is optimised as users get it; optimising the tests only makes building slow.
   target_compile_options(test_${name} PRIVATE ${STATOR_TEST_OPTIONS})

@@ -8,6 +8,8 @@ Rules:
   include   an #include "stator/<room>/..." names the own room or one of the USES list
   folder    within a room a file includes from its own folder and from lower ones; files that stand in
             the room itself are below all its folders
+  face      the headers that stand in src/stator/ itself are for users of the library: they include each
+            other and rooms that are installed (stator_room() without PROGRAM), and no room includes them
   internal  a folder internal/ is included from only by the files of the folder it stands in, and by
             its own
   size      no folder has more than 40 files (sources, headers, CMakeLists.txt)
@@ -67,6 +69,7 @@ FORBIDDEN_NAMES = (
     (re.compile(r"\bthread_local\b"), "keeps state outside its objects", "make it a member of the object that owns it"),
 )
 
+IN_PROGRAM = re.compile(r"stator_room\s*\([^)]*\bPROGRAM\b")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 
@@ -198,12 +201,9 @@ def check_include(room, uses, rooms, path, number, quote, header):
         if owner == room.name:
             yield from check_folder(room, path, number, header)
         elif owner not in rooms:
-            yield Violation(
-                path,
-                number,
-                "include",
-                f'"{header}" names no room; write "{PREFIX}/<room>/..." with a room of the table',
-            )
+            yield Violation(path, number, "include",
+                            f'"{header}" names no room, and what stands beside the rooms is for users of the '
+                            f'library; write "{PREFIX}/<room>/..." with a room of the table')
         elif owner not in room.may_use:
             yield Violation(
                 path,
@@ -312,6 +312,30 @@ def check_folders(room, folder, table_path):
             yield Violation(table_path, room.line, "table", f"{room.name} has no folder {name}; take it out of the row")
 
 
+def check_face(root, rooms):
+    """That the headers for users are of what is installed."""
+    for header in sorted((root / SOURCES).glob("*.hpp")):
+        path = str(header.relative_to(root))
+        for number, line in enumerate(blank_comments(header.read_text(encoding="utf-8")).splitlines(), 1):
+            include = INCLUDE.match(line)
+            parts = include.group(2).split("/") if include else []
+            if not parts or parts[0] != PREFIX:
+                continue
+            if len(parts) == 2:
+                if not (root / SOURCES / parts[1]).exists():
+                    yield Violation(path, number, "face", f'"{include.group(2)}" does not exist')
+                continue
+            lists = root / SOURCES / parts[1] / "CMakeLists.txt"
+            if parts[1] not in rooms:
+                yield Violation(path, number, "face", f'"{include.group(2)}" names no room of the table')
+            elif lists.exists() and IN_PROGRAM.search(lists.read_text(encoding="utf-8")):
+                yield Violation(path, number, "face",
+                                f"{parts[1]} is a part of the program and not installed; move what users "
+                                "need to a room below")
+            elif INTERNAL in parts:
+                yield Violation(path, number, "face", f'"{include.group(2)}" is internal to its room')
+
+
 def check_tree(root):
     """All violations in the tree below `root`."""
     table = root / "docs" / "architecture.md"
@@ -321,6 +345,7 @@ def check_tree(root):
         yield Violation(table_path, 1, "table", "no table of rooms found; write one row per room")
         return
     yield from check_table(rooms, table_path)
+    yield from check_face(root, rooms)
     for folder in sorted(p for p in (root / SOURCES).iterdir() if p.is_dir()):
         sources = sorted(p for p in folder.rglob("*") if p.suffix in (".cpp", ".hpp", ".h"))
         room = rooms.get(folder.name)

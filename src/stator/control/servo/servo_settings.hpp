@@ -82,9 +82,9 @@ struct ServoControllerSettings {
 /// What a servo controller is told. Only members of the loop chosen count.
 struct ServoSetPoint {
   ServoLoop loop = ServoLoop::off;
-  double torque = 0.0;         ///< A (peak, q axis); loop torque
-  double velocity = 0.0;       ///< rpm; loop velocity, and feed-forward of loop position
-  MicrostepPosition position;  ///< increments in `microsteps`; loop position
+  double torque = 0.0;           ///< A (peak, q axis); loop torque
+  double velocity = 0.0;         ///< rpm; loop velocity, and feed-forward of loop position
+  MicrostepPosition position{};  ///< increments in `microsteps`; loop position
 };
 
 }  // namespace stator::control
