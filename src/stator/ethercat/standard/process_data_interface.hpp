@@ -35,13 +35,14 @@ class ProcessDataInterface {
 
 /// Bits of the AL event request register 0x0220 (ETG.1000.4 §6.1.7; same in the TMC8461 datasheet).
 namespace al_event {
-inline constexpr std::uint32_t kAlControl = 1U << 0;
-inline constexpr std::uint32_t kDcLatch = 1U << 1;
-inline constexpr std::uint32_t kDcSync0 = 1U << 2;
-inline constexpr std::uint32_t kDcSync1 = 1U << 3;
-inline constexpr std::uint32_t kSyncManagerActivation = 1U << 4;
-inline constexpr std::uint32_t kEepromEmulation = 1U << 5;
-inline constexpr std::uint32_t kProcessDataWatchdog = 1U << 6;
+inline constexpr std::uint32_t kAlControl = 1U << 0;              ///< the master requests a state
+inline constexpr std::uint32_t kDcLatch = 1U << 1;                ///< a latch unit has an edge
+inline constexpr std::uint32_t kDcSync0 = 1U << 2;                ///< SYNC0
+inline constexpr std::uint32_t kDcSync1 = 1U << 3;                ///< SYNC1
+inline constexpr std::uint32_t kSyncManagerActivation = 1U << 4;  ///< a sync manager was switched
+inline constexpr std::uint32_t kEepromEmulation = 1U << 5;        ///< the EEPROM is asked for
+inline constexpr std::uint32_t kProcessDataWatchdog =
+    1U << 6;  ///< it has expired, or outputs come again
 /// Interrupt of sync manager `channel` (0..15).
 constexpr std::uint32_t sync_manager(unsigned channel) {
   return 1U << (8 + channel);
