@@ -201,9 +201,13 @@ def check_include(room, uses, rooms, path, number, quote, header):
         if owner == room.name:
             yield from check_folder(room, path, number, header)
         elif owner not in rooms:
-            yield Violation(path, number, "include",
-                            f'"{header}" names no room, and what stands beside the rooms is for users of the '
-                            f'library; write "{PREFIX}/<room>/..." with a room of the table')
+            yield Violation(
+                path,
+                number,
+                "include",
+                f'"{header}" names no room, and what stands beside the rooms is for users of the '
+                f'library; write "{PREFIX}/<room>/..." with a room of the table',
+            )
         elif owner not in room.may_use:
             yield Violation(
                 path,
@@ -329,9 +333,12 @@ def check_face(root, rooms):
             if parts[1] not in rooms:
                 yield Violation(path, number, "face", f'"{include.group(2)}" names no room of the table')
             elif lists.exists() and IN_PROGRAM.search(lists.read_text(encoding="utf-8")):
-                yield Violation(path, number, "face",
-                                f"{parts[1]} is a part of the program and not installed; move what users "
-                                "need to a room below")
+                yield Violation(
+                    path,
+                    number,
+                    "face",
+                    f"{parts[1]} is a part of the program and not installed; move what users need to a room below",
+                )
             elif INTERNAL in parts:
                 yield Violation(path, number, "face", f'"{include.group(2)}" is internal to its room')
 

@@ -98,8 +98,7 @@ def check(stator, address):
     screen.press("\x1b[1~")
     screen.wait_for(lambda text: "NETWORK" in text)
     screen.resize(12, 40)
-    text = screen.wait_for(
-        lambda text: text.split("\n")[-1].startswith("q quit") and "NEWEST EVENTS" in text)
+    text = screen.wait_for(lambda text: text.split("\n")[-1].startswith("q quit") and "NEWEST EVENTS" in text)
     assert len(text.split("\n")) == 12, text
     screen.press("q")
     assert screen.status() == 0

@@ -53,8 +53,19 @@ def install(options, prefix):
 
 
 def configure(options, source, build, prefix):
-    run(["cmake", "-S", source, "-B", build, "-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_CXX_COMPILER={options.compiler}",
-         f"-DCMAKE_CXX_FLAGS={options.flags}", f"-DCMAKE_PREFIX_PATH={prefix}"])
+    run(
+        [
+            "cmake",
+            "-S",
+            source,
+            "-B",
+            build,
+            "-DCMAKE_BUILD_TYPE=Release",
+            f"-DCMAKE_CXX_COMPILER={options.compiler}",
+            f"-DCMAKE_CXX_FLAGS={options.flags}",
+            f"-DCMAKE_PREFIX_PATH={prefix}",
+        ]
+    )
 
 
 def compare_programs(options, source, build):
@@ -72,8 +83,7 @@ def compare_programs(options, source, build):
 
 
 def build_with_pkg_config(options, source, prefix, expected):
-    environment = {**os.environ,
-                   "PKG_CONFIG_PATH": str(next(prefix.rglob("stator.pc")).parent)}
+    environment = {**os.environ, "PKG_CONFIG_PATH": str(next(prefix.rglob("stator.pc")).parent)}
     flags = run(["pkg-config", "--cflags", "--libs", "stator-plant", "stator-control"], env=environment).split()
     program = source / "with_pkg_config"
     run([options.compiler, "-O2", *shlex.split(options.flags), source / "motor_alone.cpp", "-o", program, *flags])
@@ -88,7 +98,8 @@ def build_with_pkg_config(options, source, prefix, expected):
 def same_move_by_the_program(source, prefix, printed):
     """What move_a_drive does, as a scenario; a comparison without tolerance passes for equal bits only."""
     position = printed.split()[0]
-    (source / "move.toml").write_text(f"""name = "The move of move_a_drive"
+    (source / "move.toml").write_text(
+        f"""name = "The move of move_a_drive"
 rack = "rack.toml"
 [[step]]
 do = "state"
@@ -114,7 +125,9 @@ do = "expect-signal"
 signal = "x.axis0.shaft_position"
 equals = {position}
 tolerance = 0.0
-""", encoding="utf-8")
+""",
+        encoding="utf-8",
+    )
     run([prefix / "bin" / "stator", "test", source / "move.toml"])
     print(f"the program that was installed moves to {position} as well")
 
@@ -135,7 +148,8 @@ def project(options, folder):
 def subproject(options, folder):
     source = folder / "source"
     source.mkdir()
-    (source / "CMakeLists.txt").write_text(f"""cmake_minimum_required(VERSION 3.25)
+    (source / "CMakeLists.txt").write_text(
+        f"""cmake_minimum_required(VERSION 3.25)
 project(outside LANGUAGES CXX)
 add_subdirectory({ROOT} stator)
 add_executable(outside main.cpp)
@@ -149,7 +163,9 @@ get_target_property(options stator_compile_options INTERFACE_COMPILE_OPTIONS)
 if("-Werror" IN_LIST options)
   message(FATAL_ERROR "warnings are errors in a subproject")
 endif()
-""", encoding="utf-8")
+""",
+        encoding="utf-8",
+    )
     (source / "main.cpp").write_text("#include <stator/motion.hpp>\nint main() {}\n", encoding="utf-8")
     build = folder / "build"
     configure(options, source, build, folder / "nowhere")

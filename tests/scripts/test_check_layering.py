@@ -206,20 +206,31 @@ class CheckLayering(unittest.TestCase):
                 )
 
     def test_headers_for_users_include_each_other_and_rooms_of_the_library(self):
-        face = {"src/stator/motion.hpp": '#include "stator/control/loop.hpp"\n#include "stator/version.hpp"\n',
-                "src/stator/version.hpp": "#pragma once\n"}
+        face = {
+            "src/stator/motion.hpp": '#include "stator/control/loop.hpp"\n#include "stator/version.hpp"\n',
+            "src/stator/version.hpp": "#pragma once\n",
+        }
         self.assertEqual(self.violations(face), [])
-        for header, text in (("stator/nothing/x.hpp", "names no room"), ("stator/none.hpp", "does not exist"),
-                             ("stator/link/raw.hpp", "not installed"),
-                             ("stator/rack/core/internal/part.hpp", "internal")):
+        for header, text in (
+            ("stator/nothing/x.hpp", "names no room"),
+            ("stator/none.hpp", "does not exist"),
+            ("stator/link/raw.hpp", "not installed"),
+            ("stator/rack/core/internal/part.hpp", "internal"),
+        ):
             with self.subTest(header):
-                wrong = {**face, "src/stator/motion.hpp": f'\n#include "{header}"\n',
-                         "src/stator/link/CMakeLists.txt": "stator_room(link PROGRAM\n  SOURCES raw.cpp\n  USES base)\n"}
+                wrong = {
+                    **face,
+                    "src/stator/motion.hpp": f'\n#include "{header}"\n',
+                    "src/stator/link/CMakeLists.txt": "stator_room(link PROGRAM\n  SOURCES raw.cpp\n  USES base)\n",
+                }
                 self.assert_one(self.violations(wrong), "src/stator/motion.hpp:2: face:", text)
 
     def test_no_room_includes_a_header_for_users(self):
-        self.assert_one(self.violations({"src/stator/drive/axis.cpp": '#include "stator/motion.hpp"\n'}),
-                        "src/stator/drive/axis.cpp:1: include:", "for users of the library")
+        self.assert_one(
+            self.violations({"src/stator/drive/axis.cpp": '#include "stator/motion.hpp"\n'}),
+            "src/stator/drive/axis.cpp:1: include:",
+            "for users of the library",
+        )
 
     def test_libm_functions_are_refused_in_a_portable_room(self):
         for call in ("std::sin(x)", "std::atan2(y, x)", "cosf(x)", "std::pow (x, 2)", "sqrt(exp(x))"):

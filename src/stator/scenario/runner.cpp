@@ -74,16 +74,16 @@ Outcome run_action(const Step& step, bench::Bench& bench) {
 void run_steps(const Scenario& scenario, bench::Bench& bench, ScenarioResult& result) {
   for (std::size_t i = 0; i < scenario.steps.size() && result.status == Status::passed; ++i) {
     const Step& step = scenario.steps[i];
-    StepResult& step = result.steps[i];
+    StepResult& step_result = result.steps[i];
     if (!step.looks) {
       bench.begin_deed();
     }
-    step.begin = bench.now();
+    step_result.begin = bench.now();
     Outcome outcome = run_action(step, bench);
-    step.end = bench.now();
-    step.status = outcome.passed ? Status::passed : Status::failed;
-    step.text = std::move(outcome.text);
-    result.status = step.status;
+    step_result.end = bench.now();
+    step_result.status = outcome.passed ? Status::passed : Status::failed;
+    step_result.text = std::move(outcome.text);
+    result.status = step_result.status;
   }
 }
 

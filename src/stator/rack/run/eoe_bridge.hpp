@@ -25,8 +25,8 @@ class EoeBridge {
   using Deliver = std::function<void(std::span<const std::byte>)>;
 
   /// `link` must pass every EtherType; `logger` is told what goes wrong under the `device`'s name.
-  EoeBridge(std::unique_ptr<link::TapLink> link, std::string device,
-            std::shared_ptr<Log> logger, Deliver deliver);
+  EoeBridge(std::unique_ptr<link::TapLink> link, std::string device, std::shared_ptr<Log> logger,
+            Deliver deliver);
   ~EoeBridge();
   EoeBridge(const EoeBridge&) = delete;
   EoeBridge& operator=(const EoeBridge&) = delete;

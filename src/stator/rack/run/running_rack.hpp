@@ -36,9 +36,8 @@ struct RunningRack {
   static constexpr base::SimDuration kLongestSlice = kOverrun;
 
   /// `start`: where the rack stands in simulated time; `priority_of_threads`: see priority.
-  RunningRack(Rack& shared, const RackConfiguration& configuration,
-              std::shared_ptr<Log> log, base::SimTime start,
-              std::optional<int> priority_of_threads = std::nullopt)
+  RunningRack(Rack& shared, const RackConfiguration& configuration, std::shared_ptr<Log> log,
+              base::SimTime start, std::optional<int> priority_of_threads = std::nullopt)
       : rack(shared),
         clock_kind(configuration.clock),
         real_clock(start),
