@@ -219,16 +219,16 @@ master::Result<void> Bench::take_to(ethercat::AlState state, std::size_t segment
     return master.configure_process_data();
   }
   if (state == AlState::operational && !master.operational()) {
-    if (const auto configured = mapped ? master::Result<void>() : master.configure_process_data();
+    if (auto configured = mapped ? master::Result<void>() : master.configure_process_data();
         !configured) {
       return configured;
     }
     return master.go_operational();
   }
   for (const master::Slave& slave : master.slaves()) {
-    const auto reached = state == AlState::pre_operational && !mapped
-                             ? master.start_mailbox(slave.position)
-                             : master.request_state(slave.position, state);
+    auto reached = state == AlState::pre_operational && !mapped
+                       ? master.start_mailbox(slave.position)
+                       : master.request_state(slave.position, state);
     if (!reached) {
       return reached;
     }

@@ -42,14 +42,14 @@ CanOpenFirmware::CanOpenFirmware(const canopen::NodeConfiguration& node,
 }
 
 CanOpenFirmware::CanOpenFirmware(const CanOpenOutline& outline, base::EventReporter reporter)
-    : CanOpenFirmware({.node_id = outline.node_id}, {.control_period = outline.period},
+    : CanOpenFirmware({.node_id = outline.node_id},
+                      {.control_period = outline.period, .bit_rate = outline.bit_rate},
                       [&outline](dictionary::Dictionary& objects) { objects.add(outline.objects); },
                       reporter,
                       {.vendor = outline.vendor,
                        .code = outline.code,
                        .revision = outline.revision,
                        .name = outline.name}) {
-  bit_rate_ = outline.bit_rate;
   start_firmware(SimTime());
 }
 

@@ -30,6 +30,7 @@ namespace stator::product {
 struct CanOpenFirmwareRules {
   /// Of CanOpenFirmware::tick().
   base::SimDuration control_period{1'000'000};
+  std::uint32_t bit_rate = 1'000'000;     ///< bit/s, of its controller
   canopen::EmergencyRules emergencies{};  ///< which there are, and how they are sent
   canopen::SyncRules sync{};              ///< what becomes of SYNC
   canopen::PdoRules pdos{};               ///< what the PDOs can be set to
@@ -93,8 +94,8 @@ class CanOpenFirmware : public CanDevice {
   [[nodiscard]] Indicators indicators() const override;
   /// Its state of NMT.
   [[nodiscard]] NetworkStatus network_status() const override;
-  /// That of the outline, else 1 Mbit/s.
-  [[nodiscard]] std::uint32_t bit_rate() const override { return bit_rate_; }
+  /// That of the rules, where the product does not say otherwise.
+  [[nodiscard]] std::uint32_t bit_rate() const override { return rules_.bit_rate; }
   /// When it sends something on its own at the earliest.
   [[nodiscard]] base::SimTime next_deadline() const final;
   /// Somebody beside the bus has written objects.
@@ -196,7 +197,6 @@ class CanOpenFirmware : public CanDevice {
   base::SimTime next_tick_;
   tmcl::ModuleInterface* boot_loader_ = nullptr;  ///< null: there is none
   bool powered_ = true;
-  std::uint32_t bit_rate_ = 1'000'000;
 };
 
 }  // namespace stator::product

@@ -233,15 +233,18 @@ void CanOpenStandardObjects::add_missing(dictionary::Dictionary& objects,
       throw std::logic_error(
           "more can be mapped than four PDOs take; declare 1600h and 1A00h, with 1400h and 1800h");
     }
-    for (std::uint16_t i = 0; i < pdos.size(); ++i) {
+    std::uint16_t number = 0;
+    for (const std::vector<Row>& rows : pdos) {
+      const auto in_place = [&](std::uint16_t first) {
+        return static_cast<std::uint16_t>(first + number);
+      };
       missing.add_pdo(
-          static_cast<std::uint16_t>(
-              (transmits ? canopen::kTransmitPdoCommunication : canopen::kReceivePdoCommunication) +
-              i),
-          static_cast<std::uint16_t>(
-              (transmits ? canopen::kTransmitPdoMapping : canopen::kReceivePdoMapping) + i),
-          (transmits ? kFirstTransmitPdo : kFirstReceivePdo) + kBetweenPdos * i, transmits,
-          pdos[i]);
+          in_place(transmits ? canopen::kTransmitPdoCommunication
+                             : canopen::kReceivePdoCommunication),
+          in_place(transmits ? canopen::kTransmitPdoMapping : canopen::kReceivePdoMapping),
+          (transmits ? kFirstTransmitPdo : kFirstReceivePdo) + kBetweenPdos * number, transmits,
+          rows);
+      ++number;
     }
   }
   objects.add(rows_);
