@@ -7,7 +7,7 @@
 
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/product/device/device.hpp"
-#include "stator/rack/core/faults.hpp"
+#include "stator/rack/faults/faults.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/settings/value.hpp"
 
@@ -103,11 +103,11 @@ TEST(Bench, ArmsFaultsThatAProgramNames) {
   Bench bench(two_networks());
   const std::uint64_t fault =
       bench.inject({{"kind", "motor-stall"}, {"device", "module"}, {"axis", 1}, {"at", "5ms"}});
-  EXPECT_EQ(bench.rack().faults().list(bench.now()).size(), 1U);
+  EXPECT_EQ(bench.rack().faults(bench.now()).size(), 1U);
   bench.pass(10_ms);
-  EXPECT_EQ(bench.rack().faults().list(bench.now()).front().state, rack::FaultState::active);
+  EXPECT_EQ(bench.rack().faults(bench.now()).front().state, rack::FaultState::active);
   bench.clear_faults(fault);
-  EXPECT_EQ(bench.rack().faults().list(bench.now()).front().state, rack::FaultState::done);
+  EXPECT_EQ(bench.rack().faults(bench.now()).front().state, rack::FaultState::done);
   EXPECT_EQ(thrown_by([&] {
               bench.inject({{"kind", "motor-stal"}, {"device", "module"}});
             }).substr(0, 22),

@@ -73,6 +73,7 @@ class CanOpenFirmware : public CanDevice {
 
   /// By which it is on the bus.
   [[nodiscard]] can::Controller& controller() final { return controller_; }
+  /// The same.
   [[nodiscard]] const can::Controller& controller() const final { return controller_; }
   /// What its NMT state means for writes of its objects.
   [[nodiscard]] dictionary::NetworkState network_state() const final;

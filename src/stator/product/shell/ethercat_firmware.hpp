@@ -93,6 +93,7 @@ class EtherCatFirmware : public EtherCatDevice, protected ethercat::SlaveApplica
 
   /// By which it is on the segment.
   [[nodiscard]] ethercat::SlaveController& controller() final { return controller_; }
+  /// The same.
   [[nodiscard]] const ethercat::SlaveController& controller() const final { return controller_; }
   /// Its objects.
   [[nodiscard]] const dictionary::Dictionary& dictionary() const final { return dictionary_; }
