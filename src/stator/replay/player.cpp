@@ -52,7 +52,8 @@ Player::Player(RecordingReader& recording, rack::Rack& rack,
     if (rack.connect_eoe(device, {})) {
       Output& output = eoe_[device];
       rack.connect_eoe(
-          device, {.frame = [&output](std::span<const std::byte> frame) { output.take(frame); }});
+          device, {.frame = [&output](std::span<const std::byte> frame) { output.take(frame); },
+                   .ip_parameters = {}});
     }
   }
 }
