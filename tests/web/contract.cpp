@@ -89,7 +89,7 @@ std::string media_type(const Answer& answer) {
 
 /// Samples in binary, as docs/how-to/watch-a-rack.md describes them: a header and columns behind
 /// it.
-std::string objection_to_batch(const std::string& message) {
+std::string violation_of_batch(const std::string& message) {
   constexpr std::size_t kHeader = 24;
   const auto bytes = std::as_bytes(std::span(message));
   if (message.size() < kHeader || !message.starts_with("SSB1") ||
@@ -140,7 +140,7 @@ const json* Contract::operation(std::string_view method, std::string_view target
   return best;
 }
 
-std::string Contract::objection(std::string_view method, std::string_view target,
+std::string Contract::violation(std::string_view method, std::string_view target,
                                 const Answer& answer) const {
   const json* described = operation(method, target);
   const json* response = nullptr;
@@ -178,10 +178,10 @@ std::string Contract::objection(std::string_view method, std::string_view target
     return fmt::format("the body says status {}, the answer {}", value.value("status", 0),
                        answer.status);
   }
-  return objection((*media)["schema"], value);
+  return violation((*media)["schema"], value);
 }
 
-std::string Contract::objection(std::string_view target, bool binary,
+std::string Contract::violation(std::string_view target, bool binary,
                                 const std::string& message) const {
   const json* described = operation("GET", target);
   const json::json_pointer schema("/responses/101/x-messages/server");
@@ -189,16 +189,16 @@ std::string Contract::objection(std::string_view target, bool binary,
     return "no WebSocket is described here";
   }
   if (binary) {
-    return objection_to_batch(message);
+    return violation_of_batch(message);
   }
   const json value = json::parse(message, nullptr, false);
   if (value.is_discarded()) {
     return "the message is no JSON";
   }
-  return objection(described->at(schema), value);
+  return violation(described->at(schema), value);
 }
 
-std::string Contract::objection(const json& schema, const json& value) const {
+std::string Contract::violation(const json& schema, const json& value) const {
   const std::scoped_lock lock(mutex_);
   const auto [place, fresh] = schemas_->parsed.try_emplace(schema.dump());
   if (fresh) {

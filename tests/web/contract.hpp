@@ -27,10 +27,10 @@ class Contract {
 
   /// What is wrong with an answer to `method` at `target`, which are empty if no request could be
   /// read from what was sent; empty: nothing.
-  [[nodiscard]] std::string objection(std::string_view method, std::string_view target,
+  [[nodiscard]] std::string violation(std::string_view method, std::string_view target,
                                       const Answer& answer) const;
   /// The same of a message of the WebSocket that was opened at `target`.
-  [[nodiscard]] std::string objection(std::string_view target, bool binary,
+  [[nodiscard]] std::string violation(std::string_view target, bool binary,
                                       const std::string& message) const;
 
  private:
@@ -39,7 +39,7 @@ class Contract {
   /// Null: nothing is described there.
   [[nodiscard]] const nlohmann::json* operation(std::string_view method,
                                                 std::string_view target) const;
-  [[nodiscard]] std::string objection(const nlohmann::json& schema,
+  [[nodiscard]] std::string violation(const nlohmann::json& schema,
                                       const nlohmann::json& value) const;
 
   nlohmann::json document_;

@@ -22,8 +22,8 @@ Answer json_answer(int status, const std::string& body,
   return {.status = status, .headers = {{"content-type", type}}, .body = body};
 }
 
-std::string objection(const std::string& target, const Answer& answer) {
-  return Contract::own().objection("GET", target, answer);
+std::string violation(const std::string& target, const Answer& answer) {
+  return Contract::own().violation("GET", target, answer);
 }
 
 constexpr const char* kInputStart =
@@ -31,47 +31,47 @@ constexpr const char* kInputStart =
 
 TEST(Contract, KnowsAnAnswerByItsPathStatusAndType) {
   const std::string input = std::string(kInputStart) + "}";
-  EXPECT_EQ(objection("/api/v1/inputs/a.b", json_answer(200, input)), "");
-  EXPECT_EQ(objection("/api/v1/inputs/a.b?x=1", json_answer(200, input)), "");
-  EXPECT_THAT(objection("/api/v1/inputs/a.b", json_answer(200, input, "text/plain")),
+  EXPECT_EQ(violation("/api/v1/inputs/a.b", json_answer(200, input)), "");
+  EXPECT_EQ(violation("/api/v1/inputs/a.b?x=1", json_answer(200, input)), "");
+  EXPECT_THAT(violation("/api/v1/inputs/a.b", json_answer(200, input, "text/plain")),
               HasSubstr("\"text/plain\" is not described"));
-  EXPECT_THAT(objection("/api/v1/inputs/a.b", json_answer(202, input)), HasSubstr("status 202"));
-  EXPECT_THAT(objection("/api/v1/nothing", json_answer(200, input)), HasSubstr("nothing is"));
-  EXPECT_THAT(objection("/api/v1/inputs/a.b", json_answer(200, "{")), HasSubstr("no JSON"));
+  EXPECT_THAT(violation("/api/v1/inputs/a.b", json_answer(202, input)), HasSubstr("status 202"));
+  EXPECT_THAT(violation("/api/v1/nothing", json_answer(200, input)), HasSubstr("nothing is"));
+  EXPECT_THAT(violation("/api/v1/inputs/a.b", json_answer(200, "{")), HasSubstr("no JSON"));
 }
 
 TEST(Contract, WantsEachMemberAndNoOthers) {
   const std::string without = R"({"name": "a.b", "unit": "", "minimum": 0, "maximum": null})";
-  EXPECT_THAT(objection("/api/v1/inputs/a.b", json_answer(200, without)), HasSubstr("value"));
+  EXPECT_THAT(violation("/api/v1/inputs/a.b", json_answer(200, without)), HasSubstr("value"));
   const std::string more = std::string(kInputStart) + R"(, "common": 1})";
-  EXPECT_THAT(objection("/api/v1/inputs/a.b", json_answer(200, more)), HasSubstr("common"));
+  EXPECT_THAT(violation("/api/v1/inputs/a.b", json_answer(200, more)), HasSubstr("common"));
   const std::string wrong = R"({"name": 7, "unit": "", "minimum": 0, "maximum": 1, "value": 1})";
-  EXPECT_THAT(objection("/api/v1/inputs/a.b", json_answer(200, wrong)), HasSubstr("name"));
+  EXPECT_THAT(violation("/api/v1/inputs/a.b", json_answer(200, wrong)), HasSubstr("name"));
   // What is deep inside, and what is put together of two schemas.
   const std::string entry =
       R"({"index": "1", "subindex": "0", "name": "", "type": "", "access": "ro", "pdo": "no",)"
       R"( "unit": "", "minimum": "", "maximum": "", "default": "", "value": 1)";
   const std::string object = "/api/v1/devices/d/objects/1000";
-  EXPECT_EQ(objection(object + "/00", json_answer(200, entry + "}")), "");
-  EXPECT_NE(objection(object + "/00", json_answer(200, entry + R"(, "common": 1})")), "");
+  EXPECT_EQ(violation(object + "/00", json_answer(200, entry + "}")), "");
+  EXPECT_NE(violation(object + "/00", json_answer(200, entry + R"(, "common": 1})")), "");
   const std::string list = R"({"device": "d", "entries": [)" + entry;
-  EXPECT_EQ(objection(object, json_answer(200, list + "}]}")), "");
-  EXPECT_NE(objection(object, json_answer(200, list + R"(, "common": 1}]})")), "");
+  EXPECT_EQ(violation(object, json_answer(200, list + "}]}")), "");
+  EXPECT_NE(violation(object, json_answer(200, list + R"(, "common": 1}]})")), "");
 }
 
 TEST(Contract, WantsProblemsToSayTheirStatus) {
   const char* type = "application/problem+json";
   const std::string body = R"({"type": "about:blank", "title": "", "status": 404, "detail": ""})";
-  EXPECT_EQ(objection("/api/v1/nothing", json_answer(404, body, type)), "");
-  EXPECT_EQ(objection("/api/v1/rack", json_answer(404, body, type)), "");
-  EXPECT_THAT(objection("/api/v1/rack", json_answer(409, body, type)), HasSubstr("says status"));
-  EXPECT_NE(objection("/api/v1/nothing", json_answer(404, R"({"status": 404})", type)), "");
-  EXPECT_NE(objection("/api/v1/nothing", json_answer(404, body)), "");
+  EXPECT_EQ(violation("/api/v1/nothing", json_answer(404, body, type)), "");
+  EXPECT_EQ(violation("/api/v1/rack", json_answer(404, body, type)), "");
+  EXPECT_THAT(violation("/api/v1/rack", json_answer(409, body, type)), HasSubstr("says status"));
+  EXPECT_NE(violation("/api/v1/nothing", json_answer(404, R"({"status": 404})", type)), "");
+  EXPECT_NE(violation("/api/v1/nothing", json_answer(404, body)), "");
 }
 
 TEST(Contract, HoldsForMessages) {
   const auto message = [](const std::string& target, const std::string& text) {
-    return Contract::own().objection(target, false, text);
+    return Contract::own().violation(target, false, text);
   };
   const std::string samples =
       R"({"type": "samples", "dropped": 0, "time_ns": [1], "values": [[null]])";
@@ -80,7 +80,7 @@ TEST(Contract, HoldsForMessages) {
   EXPECT_NE(message("/api/v1/signals", R"({"type": "frames", "dropped": 0, "frames": []})"), "");
   EXPECT_EQ(message("/api/v1/traffic", R"({"type": "frames", "dropped": 0, "frames": []})"), "");
   EXPECT_THAT(message("/api/v1/rack", samples + "}"), HasSubstr("no WebSocket"));
-  EXPECT_NE(Contract::own().objection("/api/v1/signals", true, "SSB1"), "");
+  EXPECT_NE(Contract::own().violation("/api/v1/signals", true, "SSB1"), "");
 }
 
 class Snapshots final : public SessionControl {

@@ -64,8 +64,8 @@ bool HttpClient::fill() {
 Answer HttpClient::receive(bool head) {
   const Answer answer = read_answer(head);
   if (answer.status != 0) {
-    const std::string objection = Contract::own().objection(method_, target_, answer);
-    EXPECT_EQ(objection, "") << method_ << " " << target_;
+    const std::string violation = Contract::own().violation(method_, target_, answer);
+    EXPECT_EQ(violation, "") << method_ << " " << target_;
   }
   return answer;
 }
@@ -178,7 +178,7 @@ std::optional<HttpClient::Frame> HttpClient::receive_frame() {
   Frame frame{static_cast<unsigned>(byte(0) & 0x0FU), buffer_.substr(start, length)};
   buffer_.erase(0, start + length);
   if (frame.opcode == 1 || frame.opcode == 2) {
-    EXPECT_EQ(Contract::own().objection(target_, frame.opcode == 2, frame.payload), "") << target_;
+    EXPECT_EQ(Contract::own().violation(target_, frame.opcode == 2, frame.payload), "") << target_;
   }
   return frame;
 }
