@@ -15,6 +15,7 @@
 #include "stator/rack/faults/surroundings_faults.hpp"
 #include "stator/rack/file/rack_file_steps.hpp"
 #include "stator/rack/world/input_names.hpp"
+#include "stator/settings/value_text.hpp"
 #include "stator/settings/words.hpp"
 
 namespace stator::rack {
@@ -485,6 +486,9 @@ FaultConfiguration read_fault(const settings::Value& table, const RackConfigurat
   FaultConfiguration fault;
   read_tree(table, "", "the fault",
             [&](TableReader& section) { fault = FaultReader(rack).read(section); });
+  if (const auto* keys = table.find<settings::Table>()) {
+    fault.text = settings::toml_text(*keys);
+  }
   return fault;
 }
 
