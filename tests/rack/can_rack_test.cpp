@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "base/temporary_directory.hpp"
+#include "rack/own_device.hpp"
 #include "rack/test_can_device.hpp"
 #include "stator/bench/local_can_port.hpp"
 #include "stator/devices/catalogue/products.hpp"
@@ -48,7 +49,7 @@ class Bench {
   }
   void wait_until(base::SimDuration moment) { port.wait(base::SimTime(moment) - port.now()); }
   [[nodiscard]] TestCanDevice& device(std::size_t index) {
-    return own<TestCanDevice>(rack.device({0, index, NetworkKind::bus}));
+    return tests::own<TestCanDevice>(rack.device({0, index, NetworkKind::bus}));
   }
 
   EventLog log;

@@ -15,6 +15,7 @@
 #include "base/child_process.hpp"
 #include "base/temporary_directory.hpp"
 #include "devices/test_bus.hpp"
+#include "rack/own_device.hpp"
 #include "stator/base/random.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/devices/tmcm_3315/tmcm_3315.hpp"

@@ -121,12 +121,6 @@ class BusBench : public RackBench {
   bench::LocalCanPort port;
 };
 
-/// A test may touch its device behind the rack's back.
-template <typename Device>
-Device& own(const product::Device& device) {
-  return const_cast<Device&>(dynamic_cast<const Device&>(device));
-}
-
 /// A rack whose first serial line has a host at its other end.
 class LineBench : public RackBench {
  public:

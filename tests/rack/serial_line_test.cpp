@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "rack/own_device.hpp"
 #include "rack/test_serial_device.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/networks/can_network.hpp"
@@ -61,15 +62,15 @@ class SerialLineTest : public testing::Test {
   }
   void build(const RackConfiguration& configuration) {
     rack_ = std::make_unique<Rack>(configuration, log_);
-    line().connect(SerialLine::Output::bind<&SerialLineTest::hear>(*this));
+    rack_->connect_line(0, SerialLine::Output::bind<&SerialLineTest::hear>(*this));
   }
-  [[nodiscard]] SerialLine& line() { return rack_->line(0); }
+  [[nodiscard]] const SerialLine& line() const { return rack_->line(0); }
   [[nodiscard]] TestSerialDevice& device(std::size_t index) {
-    return dynamic_cast<TestSerialDevice&>(*rack_->bus(0).devices()[index].device);
+    return tests::own<TestSerialDevice>(rack_->device({0, index, NetworkKind::bus}));
   }
   void put(const Bytes& bytes, SimTime now) {
     rack_->advance(now);
-    line().put(bytes, now);
+    rack_->put(0, bytes, now);
   }
   [[nodiscard]] Bytes heard() { return std::exchange(heard_, {}); }
 

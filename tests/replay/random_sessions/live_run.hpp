@@ -13,6 +13,8 @@
 #include "stator/base/random.hpp"
 #include "stator/can/port.hpp"
 #include "stator/master/frame_port.hpp"
+#include "stator/rack/core/bus_port.hpp"
+#include "stator/rack/core/command.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/observe/signal_tap.hpp"
 #include "stator/rack/observe/traffic_tap.hpp"
