@@ -133,11 +133,13 @@ class Propeller final : public Coupling {
   }
   [[nodiscard]] base::SimTime next() const override { return next_; }
   void act(base::SimTime instant) override {
-    load_->set(0.01 + 0.1 * speed_());
+    wanted = 0.01 + 0.1 * speed_();
+    load_->set(wanted);
     ++acts;
     next_ = instant + 50_us;
   }
   int acts = 0;
+  double wanted = 0.0;
 
  private:
   base::SignalReader speed_;
@@ -154,14 +156,15 @@ TEST(Coupling, ActsAtItsMomentsUnlessAFaultHoldsItsInput) {
   rack.couple(std::move(propeller));
   rack.advance(base::SimTime(1_ms));
   EXPECT_EQ(made.acts, 21) << "at 0, 50 us ... 1 ms";
-  EXPECT_EQ(rack.input_value({{}, "axis0.load_torque"}), 0.01);
+  EXPECT_EQ(rack.input_value({{}, "axis0.load_torque"}), made.wanted);
   ASSERT_TRUE(rack.inject(
       parse_fault("kind = 'load-step'\ndevice = 'tmcm-3315'\ntorque = 0.05", configuration),
       base::SimTime(1_ms)));
   rack.advance(base::SimTime(2_ms));
   EXPECT_EQ(rack.input_value({{}, "axis0.load_torque"}), 0.05);
   rack.clear_faults(std::nullopt, base::SimTime(2_ms));
-  EXPECT_EQ(rack.input_value({{}, "axis0.load_torque"}), 0.01);
+  EXPECT_EQ(rack.input_value({{}, "axis0.load_torque"}), made.wanted);
+  EXPECT_NE(made.wanted, 0.05);
 }
 
 TEST(Coupling, WhatDevicesHaveNotIsRefused) {

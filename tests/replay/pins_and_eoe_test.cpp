@@ -29,17 +29,18 @@ using namespace base::literals;
 using base::SimTime;
 using Bytes = std::vector<std::byte>;
 
-const rack::DeviceAddress kChip{0, 0, rack::NetworkKind::segment};
-const rack::DeviceAddress kDrive{0, 1, rack::NetworkKind::segment};
+const rack::DeviceAddress kDrive{0, 0, rack::NetworkKind::segment};
+const rack::DeviceAddress kChip{1, 0, rack::NetworkKind::segment};
 
-/// A chip without firmware of its own, and a drive whose EoE is bridged.
-rack::RackConfiguration chip_and_drive() {
-  rack::RackConfiguration configuration = rack::single_device_rack("tmc8461", devices::products());
-  auto& devices = configuration.segments[0].devices;
-  devices.push_back(
-      rack::single_device_rack("tmcm-3315", devices::products()).segments[0].devices[0]);
-  devices[1].setup.as<devices::Tmcm3315Configuration>().coe.ethernet_over_ethercat = true;
-  devices[1].eoe_interface = "eoe0";
+/// A drive whose EoE is bridged, and on another segment a chip without firmware of its own.
+rack::RackConfiguration drive_and_chip() {
+  rack::RackConfiguration configuration =
+      rack::single_device_rack("tmcm-3315", devices::products());
+  auto& drive = configuration.segments[0].devices[0];
+  drive.setup.as<devices::Tmcm3315Configuration>().coe.ethernet_over_ethercat = true;
+  drive.eoe_interface = "eoe0";
+  configuration.segments.push_back(
+      rack::single_device_rack("tmc8461", devices::products()).segments[0]);
   return configuration;
 }
 
@@ -91,17 +92,22 @@ class PinsAndEoe : public ::testing::Test {
     bench::LocalPort port(rack, 0, 1_ms, 50_us);
     port.wait(now_ - SimTime());
     master::Master master(port);
-    ASSERT_TRUE(master.scan());
-    ASSERT_TRUE(master.start_mailbox(1));
-    master::Bus bus(port, {});
-    const master::Slave& slave = master.slaves()[1];
-    master::MailboxClient mailbox(bus, {slave.position, slave.station_address}, slave.information,
-                                  {});
+    const auto scanned = master.scan();
+    ASSERT_TRUE(scanned) << scanned.error().text;
+    const auto started = master.start_mailbox(0);
+    ASSERT_TRUE(started) << started.error().text;
+    const master::MasterOptions options;
+    master::Bus bus(port, options);
+    const master::Slave& slave = master.slaves()[0];
+    const master::Station station{slave.position, slave.station_address};
+    const master::Idle idle;
+    master::MailboxClient mailbox(bus, station, slave.information, idle);
     Bytes fragment(ethercat::EoeHeader::kSize);
     ethercat::EoeHeader{.last_fragment = true, .offset = 2}.encode(fragment);
     const Bytes frame = frame_of(60, 1);
     fragment.insert(fragment.end(), frame.begin(), frame.end());
-    ASSERT_TRUE(mailbox.send(ethercat::MailboxType::eoe, fragment));
+    const auto sent = mailbox.send(ethercat::MailboxType::eoe, fragment);
+    ASSERT_TRUE(sent) << sent.error().text;
     port.wait(5_ms);
     ASSERT_EQ(to_network, std::vector<Bytes>{frame});
 
@@ -127,7 +133,7 @@ class PinsAndEoe : public ::testing::Test {
   }
 
   std::string path_;
-  rack::RackConfiguration configuration_ = chip_and_drive();
+  rack::RackConfiguration configuration_ = drive_and_chip();
   SimTime now_;
   Bytes answers_;
 };
@@ -143,7 +149,7 @@ TEST_F(PinsAndEoe, PlayTheSameToTheLastBit) {
 TEST_F(PinsAndEoe, ABridgeThatIsNotThereIsSaid) {
   ASSERT_NO_FATAL_FAILURE(record());
   rack::RackConfiguration other = configuration_;
-  other.segments[0].devices[1].eoe_interface.clear();
+  other.segments[0].devices[0].eoe_interface.clear();
   EXPECT_THROW(static_cast<void>(play(other)), std::runtime_error);
 }
 

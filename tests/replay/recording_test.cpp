@@ -262,8 +262,8 @@ TEST_F(RecordingTest, OtherFilesAndVersionsAreRefused) {
   };
   EXPECT_THAT(refusal("time,axis0\n"), HasSubstr("is no recording"));
   EXPECT_THAT(refusal("StatorRn"), HasSubstr("empty recording"));
-  const std::string version_3("\x01\x00\x00\x00\x37\xBE\x0B\x4B\x03", 9);
-  EXPECT_THAT(refusal("StatorRn" + version_3), HasSubstr("version 3"));
+  const std::string version_4("\x01\x00\x00\x00\x94\x2B\x6F\xD5\x04", 9);
+  EXPECT_THAT(refusal("StatorRn" + version_4), HasSubstr("version 4"));
   EXPECT_THROW(RecordingReader("/no/such.stator"), std::runtime_error);
 }
 
