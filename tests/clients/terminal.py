@@ -93,13 +93,13 @@ def check(stator, address):
     screen.wait_for(lambda text: "PAUSED" in text)
     screen.press("p")
     screen.wait_for(lambda text: "PAUSED" not in text)
+    screen.resize(12, 40)
+    text = screen.wait_for(lambda text: text.split("\n")[-1].startswith("q quit") and "NEWEST EVENTS" in text)
+    assert len(text.split("\n")) == 12, text
     screen.press("\x1b[B")
     screen.wait_for(lambda text: "NETWORK" not in text)
     screen.press("\x1b[1~")
     screen.wait_for(lambda text: "NETWORK" in text)
-    screen.resize(12, 40)
-    text = screen.wait_for(lambda text: text.split("\n")[-1].startswith("q quit") and "NEWEST EVENTS" in text)
-    assert len(text.split("\n")) == 12, text
     screen.press("q")
     assert screen.status() == 0
 
