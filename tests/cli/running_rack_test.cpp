@@ -208,6 +208,17 @@ TEST_F(RecordedRack, KeepsFilesThatLieAroundItsFolder) {
   EXPECT_EQ(std::stod(last.substr(last.find(',') + 1)), 1.0) << "its program has set the output";
 }
 
+TEST_F(RecordedRack, MayLieInTheFolderInWhichTheProgramIsStarted) {
+  static_cast<void>(rack("../programs/switch.tmc"));
+  const tests::Outcome run = tests::run_in_shell(
+      "cd " + folder_ + "/racks && " STATOR_PROGRAM " run module.toml --duration 50ms --record " +
+      recording_ + " 2>&1 </dev/null");
+  EXPECT_EQ(run.status, 0) << run.output;
+  std::filesystem::remove_all(folder_);
+  const tests::Outcome replay = tests::stator("replay " + recording_);
+  EXPECT_EQ(replay.status, 0) << replay.output;
+}
+
 TEST_F(RecordedRack, ThatWasCutIsReplayedUpToThereWithAStatusOfItsOwn) {
   const tests::Outcome run = tests::stator("run " + rack("../programs/switch.tmc") +
                                            " --duration 300ms --record " + recording_);

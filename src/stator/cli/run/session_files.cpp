@@ -54,14 +54,14 @@ std::vector<fs::path> paths_of(const std::vector<std::string>& named_files) {
   return paths;
 }
 
-/// The rack file's folder with as many of those around it as `paths` climb up: below it they and
-/// the rack file have room. Empty if they do not climb.
+/// As many of the folders around `folder`, that of the rack file with its whole path, as `paths`
+/// climb up: below them these and the rack file have room. Empty if they do not climb.
 fs::path kept_folder(const fs::path& folder, const std::vector<fs::path>& paths) {
   std::ptrdiff_t most = 0;
   for (const fs::path& path : paths) {
     most = std::max(most, std::ranges::count(path, fs::path("..")));
   }
-  fs::path around = fs::absolute(folder).lexically_normal();
+  fs::path around = folder.lexically_normal();
   if (!around.has_filename()) {
     around = around.parent_path();  // "racks/" has an empty last part
   }
@@ -77,7 +77,7 @@ fs::path kept_folder(const fs::path& folder, const std::vector<fs::path>& paths)
 void keep_rack(const fs::path& rack, const std::vector<std::string>& named_files,
                RecordingHeader& header) {
   const std::vector<fs::path> paths = paths_of(named_files);
-  const fs::path folder = kept_folder(rack.parent_path(), paths);
+  const fs::path folder = kept_folder(fs::absolute(rack).parent_path(), paths);
   const auto keep = [&](const fs::path& path, std::string content) {
     const std::string name = (folder / path).lexically_normal().generic_string();
     header.files.emplace_back(std::string(kRackFolder) + name, std::move(content));
