@@ -146,6 +146,16 @@ TEST_F(PinsAndEoe, PlayTheSameToTheLastBit) {
                            << difference->got;
 }
 
+TEST_F(PinsAndEoe, AChipThatAnswersOtherwiseIsTheDifference) {
+  ASSERT_NO_FATAL_FAILURE(record());
+  rack::RackConfiguration other = configuration_;
+  other.events.push_back({150_us, rack::PowerEvent{.device = kChip, .on = false}});
+  const auto difference = play(other);
+  ASSERT_TRUE(difference);
+  EXPECT_EQ(difference->place, "answer at the pins of a chip");
+  EXPECT_EQ(difference->time, SimTime(200_us));
+}
+
 TEST_F(PinsAndEoe, ABridgeThatIsNotThereIsSaid) {
   ASSERT_NO_FATAL_FAILURE(record());
   rack::RackConfiguration other = configuration_;
