@@ -244,6 +244,38 @@ TEST(Faults, Probability_HitsTheSameFramesWithTheSameSeed) {
   EXPECT_LT(std::ranges::count(first, 'x'), 90);
 }
 
+/// A load that a program thought of.
+class OwnEffect final : public FaultEffect {
+ public:
+  OwnEffect(faults::Target& target, DeviceAddress device)
+      : target_(target), load_{device, "axis0.load_torque", 0.02, false} {}
+  void begin(base::SimTime now) override { target_.hold(load_, this, now); }
+  void end(base::SimTime now) override { target_.release(load_, this, now); }
+
+ private:
+  faults::Target& target_;
+  InputEvent load_;
+};
+
+TEST(Faults, OfAKindOfAProgramsOwnAreLikeAllOthers) {
+  constexpr FaultKind kOwn{
+      .name = "own-load",
+      .make = [](const FaultSite& site, const FaultConfiguration& fault) -> MadeEffect {
+        return std::make_unique<OwnEffect>(site.target, *fault.target.device);
+      },
+      .scope = FaultScope::device,
+      .summary = "a load",
+      .effect = "none"};
+  SegmentFaultBench bench;
+  const DeviceAddress left{0, 0, NetworkKind::segment};
+  const auto fault = bench.rack.inject({.kind = &kOwn, .target = {.device = left}}, bench.now());
+  ASSERT_TRUE(fault) << fault.error();
+  EXPECT_EQ(bench.state(*fault), FaultState::active);
+  EXPECT_EQ(bench.rack.input_value({left, "axis0.load_torque"}), 0.02);
+  bench.clear(*fault);
+  EXPECT_EQ(bench.rack.input_value({left, "axis0.load_torque"}), 0.0);
+}
+
 TEST(Faults, WithoutAny_NothingIsDueAndNobodyIsWatched) {
   SegmentFaultBench bench;
   EXPECT_EQ(bench.rack.next_bus_deadline(), base::SimTime::never());
