@@ -1,3 +1,4 @@
+// Loading and storing of little-endian numbers at any address, and reversal of their bytes.
 #include "stator/base/byte_order.hpp"
 
 #include <array>

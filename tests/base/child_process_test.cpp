@@ -1,3 +1,5 @@
+// That a test's child process reports how it ended, and that a child that did not start is never
+// signalled.
 #include "base/child_process.hpp"
 
 #include <csignal>

@@ -1,3 +1,4 @@
+// Which fields of a CSV row are quoted.
 #include "stator/base/csv.hpp"
 
 #include <string>

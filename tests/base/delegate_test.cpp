@@ -1,3 +1,4 @@
+// Member functions bound to objects: const ones, references as arguments, size, emptiness.
 #include "stator/base/delegate.hpp"
 
 #include <string>

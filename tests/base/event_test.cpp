@@ -1,3 +1,4 @@
+// The sentence that an event makes of its rule and arguments, and how a reporter passes events on.
 #include "stator/base/event.hpp"
 
 #include <array>

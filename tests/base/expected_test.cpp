@@ -1,3 +1,4 @@
+// A value or an error, also where both are of one type or the value cannot be copied.
 #include "stator/base/expected.hpp"
 
 #include <memory>

@@ -1,3 +1,4 @@
+// Names of the LED patterns that CiA 303-3 and ETG.1300 define.
 #include "stator/base/led_pattern.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// Patterns of names with *, ? and [], letter case, and the time that many stars take.
 #include "stator/base/name_pattern.hpp"
 
 #include <string>

@@ -1,3 +1,4 @@
+// Arithmetic of simulated time: saturation at both ends, whole periods and rests, never().
 #include "stator/base/sim_time.hpp"
 
 #include <cstdint>

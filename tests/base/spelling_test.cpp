@@ -1,3 +1,4 @@
+// Which known word is suggested for a misspelt one, and when none is.
 #include "stator/base/spelling.hpp"
 
 #include <array>

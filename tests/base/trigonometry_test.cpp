@@ -1,3 +1,4 @@
+// Error bound and bits of the portable sine and cosine against the C library in extended precision.
 #include "stator/base/trigonometry.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Arbitration, frame times, error states and delivery on a CAN bus with a bit rate, and on an
+// unlimited one.
 #include "stator/can/bus.hpp"
 
 #include <memory>

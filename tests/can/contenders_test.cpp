@@ -1,3 +1,5 @@
+// That the frames waiting for the bus stay sorted however members come and go, against a list
+// sorted anew.
 #include "stator/can/contenders.hpp"
 
 #include <algorithm>

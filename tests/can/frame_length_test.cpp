@@ -1,3 +1,5 @@
+// Stuff bits, CRC and length of CAN frames against values worked out by hand, and the arbitration
+// field.
 #include "stator/can/frame_length.hpp"
 
 #include <random>

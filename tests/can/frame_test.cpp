@@ -1,3 +1,4 @@
+// Data and remote CAN frames and the bytes they hold.
 #include "stator/can/frame.hpp"
 
 #include <gtest/gtest.h>

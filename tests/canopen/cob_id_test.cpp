@@ -1,3 +1,4 @@
+// Which COB-IDs each communication object accepts, restricted CAN-IDs of CiA 301 among them.
 #include "stator/canopen/cob_id.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// What a node does when its CAN controller is error passive or bus-off, or loses frames.
 #include "stator/canopen/emergency/controller_supervision.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// The checksum of SDO block transfers against the value of CiA 301 §7.2.4.3.16.
 #include "stator/canopen/sdo/crc16.hpp"
 
 #include <array>

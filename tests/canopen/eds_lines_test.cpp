@@ -1,3 +1,4 @@
+// Single lines of an EDS file: FileInfo, DeviceInfo, kinds of objects, limits (CiA 306-1).
 #include <array>
 #include <string>
 #include <string_view>

@@ -1,3 +1,5 @@
+// The EDS file of a device (CiA 306-1): areas, access, defaults, limits, names, and its storage as
+// an object.
 #include "stator/canopen/eds/eds.hpp"
 
 #include <array>

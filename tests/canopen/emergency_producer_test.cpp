@@ -1,3 +1,5 @@
+// Emergency messages with error register, history and inhibit time, and what of them lasts over
+// resets (CiA 301 §7.2.7).
 #include "stator/canopen/emergency/emergency_producer.hpp"
 
 #include <string>

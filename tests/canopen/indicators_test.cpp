@@ -1,3 +1,4 @@
+// Which patterns the RUN and ERROR LEDs of a CANopen device show (CiA 303-3).
 #include "stator/canopen/nmt/indicators.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// Every service of LSS (CiA 305), from switching over configuration and storing to fastscan.
 #include <gtest/gtest.h>
 
 #include "sdo_client.hpp"

@@ -1,3 +1,5 @@
+// The NMT state machine in every state and command (CiA 301 §7.3.2.2), and when a node calls its
+// services and hooks.
 #include <gtest/gtest.h>
 
 #include "node_bench.hpp"

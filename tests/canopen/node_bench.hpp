@@ -1,3 +1,5 @@
+// A CANopen node with one object for each service of this room, a dictionary, and the frames it
+// sends.
 #pragma once
 
 #include <array>

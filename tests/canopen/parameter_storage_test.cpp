@@ -1,3 +1,4 @@
+// Storing, restoring and loading of parameter groups, with slow, failing and damaged memories.
 #include "stator/canopen/storage/parameter_storage.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Which writes to PDO mappings a node refuses, and where mapped bits stand in a frame (CiA 301
+// §7.5.2.36).
 #include "stator/canopen/pdo/pdo_mapping.hpp"
 
 #include <gtest/gtest.h>

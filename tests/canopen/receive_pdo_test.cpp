@@ -1,3 +1,5 @@
+// When receive PDOs take effect, and what becomes of frames that are too short, too long, late or
+// not acceptable.
 #include <tuple>
 
 #include <gtest/gtest.h>

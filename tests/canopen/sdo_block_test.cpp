@@ -1,3 +1,5 @@
+// SDO block transfers of every length in both directions, with lost segments, wrong CRCs and
+// requests out of order.
 #include <gtest/gtest.h>
 
 #include "sdo_client.hpp"

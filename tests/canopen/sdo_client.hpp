@@ -1,3 +1,4 @@
+// The client's side of SDO transfers for tests, with the abort codes of CiA 301 as numbers.
 #pragma once
 
 #include <algorithm>

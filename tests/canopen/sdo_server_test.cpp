@@ -1,3 +1,4 @@
+// Expedited and segmented SDO transfers, and the abort code of each way in which they can fail.
 #include <gtest/gtest.h>
 
 #include "sdo_client.hpp"

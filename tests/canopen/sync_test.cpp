@@ -1,3 +1,5 @@
+// SYNC with and without counter as consumer and producer (CiA 301 §7.2.5), and objects 1005h, 1006h
+// and 1019h.
 #include <gtest/gtest.h>
 
 #include "canopen/service_bench.hpp"

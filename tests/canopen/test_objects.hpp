@@ -1,3 +1,4 @@
+// Objects of a device that has everything CiA 301 describes, for conformance and EDS tests.
 #pragma once
 
 #include <vector>

@@ -1,3 +1,5 @@
+// When transmit PDOs of each transmission type are sent: events, inhibit time, event timer, SYNC,
+// remote frames.
 #include <gtest/gtest.h>
 
 #include "canopen/service_bench.hpp"

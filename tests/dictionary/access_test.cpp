@@ -1,3 +1,4 @@
+// Reads and writes of objects with the abort code of each refusal: length, range, state, power.
 #include <array>
 #include <cstddef>
 #include <cstdint>

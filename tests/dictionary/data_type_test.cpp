@@ -1,3 +1,4 @@
+// Lengths, indices and names of data types, and the wording of abort codes (CiA 301).
 #include "stator/dictionary/data_type.hpp"
 
 #include <gtest/gtest.h>

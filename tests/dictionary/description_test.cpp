@@ -1,3 +1,4 @@
+// The texts by which an entry of a dictionary is described in tables.
 #include "stator/dictionary/description.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// When a device's hooks for reads and writes are called, and which writes never reach them.
 #include <array>
 #include <cstddef>
 #include <cstdint>

@@ -1,3 +1,4 @@
+// Values that come into a dictionary by process data: range and sign count, access rights do not.
 #include <cstdint>
 
 #include <gtest/gtest.h>

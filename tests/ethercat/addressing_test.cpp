@@ -1,3 +1,4 @@
+// What each EtherCAT command counts and moves, station alias, and the read/write offset 0210h.
 #include <ostream>
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// AL control and AL status between bus and host, in each way to acknowledge and in device
+// emulation.
 #include <gtest/gtest.h>
 
 #include "ethercat/test_bus.hpp"

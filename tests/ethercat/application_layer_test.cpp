@@ -1,3 +1,5 @@
+// Every requested AL state in every state against the standard's table, with status codes and their
+// explanation.
 #include "stator/ethercat/stack/application_layer.hpp"
 
 #include "ethercat/stack_fixture.hpp"

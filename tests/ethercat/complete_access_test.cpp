@@ -1,3 +1,4 @@
+// SDO complete access to records, mappings and assignments (ETG.1000.6).
 #include "stator/ethercat/stack/complete_access.hpp"
 
 #include "ethercat/stack_fixture.hpp"

@@ -1,3 +1,4 @@
+// Features, memory and reset values of the TMC8461's and TMC8670's slave controllers.
 #include <gtest/gtest.h>
 
 #include "ethercat/controllers.hpp"

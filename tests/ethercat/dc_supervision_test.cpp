@@ -1,3 +1,5 @@
+// How a slave stack enters and supervises operation with SYNC0, and the AL status code of each
+// refusal.
 #include "stator/ethercat/stack/dc_supervision.hpp"
 
 #include "ethercat/stack_fixture.hpp"

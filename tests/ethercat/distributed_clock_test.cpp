@@ -1,3 +1,4 @@
+// Receive times, offset, delay, drift and control loop of distributed clocks, over several slaves.
 #include "stator/ethercat/units/distributed_clock.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// Emergencies of CoE to the byte, their order behind replies, and a full queue.
 #include "stator/ethercat/stack/emergency.hpp"
 
 #include "ethercat/stack_fixture.hpp"

@@ -1,3 +1,4 @@
+// Mapping of logical addresses by FMMU, bitwise and bytewise, with working counters.
 #include "stator/ethercat/units/fmmu.hpp"
 
 #include <gtest/gtest.h>

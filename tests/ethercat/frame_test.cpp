@@ -1,3 +1,4 @@
+// EtherCAT frames built and read datagram by datagram, also cut and padded ones.
 #include "stator/ethercat/standard/frame.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Latch inputs of distributed clocks and event times of buffers, with their events and
+// acknowledgements.
 #include "stator/ethercat/units/latch_unit.hpp"
 
 #include <gtest/gtest.h>

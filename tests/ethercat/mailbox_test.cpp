@@ -1,3 +1,5 @@
+// The mailbox protocol: counters, repeat requests, full mailboxes, and each error code
+// (ETG.1000.4).
 #include "stator/ethercat/stack/mailbox.hpp"
 
 #include "ethercat/stack_fixture.hpp"

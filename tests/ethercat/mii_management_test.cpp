@@ -1,3 +1,5 @@
+// PHY registers over the MII management interface 0510h, by the master, the host and link
+// detection.
 #include "stator/ethercat/units/mii_management.hpp"
 
 #include <array>

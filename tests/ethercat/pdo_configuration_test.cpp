@@ -1,3 +1,4 @@
+// Which changes of PDO mapping and assignment a CoE slave accepts, and in which order.
 #include "stator/ethercat/stack/pdo_configuration.hpp"
 
 #include "ethercat/stack_fixture.hpp"

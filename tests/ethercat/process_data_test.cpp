@@ -1,3 +1,4 @@
+// Process data of a slave stack between sync managers and objects, against the worked example.
 #include "ethercat/stack_fixture.hpp"
 #include "stator/ethercat/stack/process_image.hpp"
 

@@ -1,3 +1,5 @@
+// Reset values and access rights of every register byte for bus and host, error counters,
+// protection, reset.
 #include <gtest/gtest.h>
 
 #include "ethercat/controllers.hpp"

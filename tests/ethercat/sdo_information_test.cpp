@@ -1,3 +1,4 @@
+// SDO information services of CoE: lists, object and entry descriptions, fragments (ETG.1000.6).
 #include "stator/ethercat/stack/sdo_information.hpp"
 
 #include "ethercat/stack_fixture.hpp"

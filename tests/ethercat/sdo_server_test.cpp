@@ -1,3 +1,4 @@
+// SDO transfers of CoE: expedited, normal and segmented, refusals, mailboxes from the smallest on.
 #include "stator/ethercat/stack/sdo_server.hpp"
 
 #include "ethercat/stack_fixture.hpp"

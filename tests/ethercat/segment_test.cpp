@@ -1,3 +1,4 @@
+// A segment of slaves: source address of returned frames, round trip time, number of slaves.
 #include "stator/ethercat/segment/segment.hpp"
 
 #include <gtest/gtest.h>

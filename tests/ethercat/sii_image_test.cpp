@@ -1,3 +1,4 @@
+// The SII image that is built for a device, category by category, and read back (ETG.2010).
 #include "stator/ethercat/sii/sii_image.hpp"
 
 #include <stdexcept>

@@ -1,3 +1,4 @@
+// EEPROM access over 0500h in the ways of SOEM, IgH and TwinCAT, with errors, ownership and reload.
 #include "stator/ethercat/units/sii_interface.hpp"
 
 #include <algorithm>

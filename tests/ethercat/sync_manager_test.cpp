@@ -1,3 +1,5 @@
+// Sync managers as mailbox and three-buffer memory: locks, repeat requests, interrupts, interleaved
+// access.
 #include "stator/ethercat/units/sync_manager.hpp"
 
 #include <gtest/gtest.h>

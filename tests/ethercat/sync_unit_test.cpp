@@ -1,3 +1,5 @@
+// SYNC0 and SYNC1: start, cycles, activation, pulse length, acknowledgement, pulses under a
+// drifting clock.
 #include "stator/ethercat/units/sync_unit.hpp"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,5 @@
+// The way of frames through trees of slaves, and the receive times from which masters compute
+// delays.
 #include "stator/ethercat/segment/topology.hpp"
 
 #include <stdexcept>

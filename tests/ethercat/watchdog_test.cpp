@@ -1,3 +1,4 @@
+// Watchdogs of process data and of the host: times, dividers, triggers, counters.
 #include "stator/ethercat/units/watchdog.hpp"
 
 #include <gtest/gtest.h>

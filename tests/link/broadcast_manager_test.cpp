@@ -1,3 +1,5 @@
+// Cyclic transmission and content filters as Linux' CAN broadcast manager has them, and CAN
+// filters.
 #include "stator/link/can/broadcast_manager.hpp"
 
 #include <cstring>

@@ -1,3 +1,4 @@
+// Which texts name a port of a CAN bus, and what is said of others.
 #include "stator/link/can/can_link_address.hpp"
 
 #include <gmock/gmock.h>

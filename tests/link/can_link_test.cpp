@@ -1,3 +1,4 @@
+// CAN ports as real programs use them: slcan over a pseudo-terminal, UDP multicast, can-exec.
 #include "stator/link/can/can_link.hpp"
 
 #include <array>

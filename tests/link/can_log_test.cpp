@@ -1,3 +1,4 @@
+// Logs of CAN frames as candump writes them, and as captures of SocketCAN packets.
 #include "stator/link/can/can_log.hpp"
 
 #include <fstream>

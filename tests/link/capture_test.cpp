@@ -1,3 +1,4 @@
+// Captures of an Ethernet link with nanosecond times, and files that cannot be made or grow.
 #include <filesystem>
 #include <vector>
 

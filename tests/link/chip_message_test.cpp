@@ -1,3 +1,4 @@
+// Messages between a chip and firmware in another process, and streams of them that break.
 #include "stator/link/serial/chip_message.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Which texts name an Ethernet link, and what is said of others.
 #include "stator/link/ethernet/link_address.hpp"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,5 @@
+// Interfaces, processors, priorities and locked memory of this machine, with and without
+// permission.
 #include "stator/link/ethernet/machine.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// CAN frames as the MessagePack maps of python-can's UDP multicast, malformed ones included.
 #include "stator/link/can/multicast_message.hpp"
 
 #include <string>

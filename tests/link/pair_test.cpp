@@ -1,3 +1,4 @@
+// Two ends of a link in one process: order, full queues, waking, statistics, two threads.
 #include "stator/link/ethernet/pair.hpp"
 
 #include <array>

@@ -1,3 +1,5 @@
+// A raw socket on a virtual cable: frames of every length, waiting, statistics, and each refusal
+// with its remedy.
 #include "stator/link/ethernet/raw_ethernet_link.hpp"
 
 #include <array>

@@ -1,3 +1,4 @@
+// The LAWICEL protocol (slcan): commands, answers, status flags, time stamps, acceptance filters.
 #include "stator/link/can/slcan_session.hpp"
 
 #include <string>

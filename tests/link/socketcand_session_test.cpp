@@ -1,3 +1,4 @@
+// The socketcand protocol: handshake, raw mode, broadcast manager, errors, beacon.
 #include "stator/link/can/socketcand_session.hpp"
 
 #include <string>

@@ -1,3 +1,4 @@
+// A TAP interface, of the kernel and on a socket pair: frames, waiting, addresses, refusals.
 #include "stator/link/ethernet/tap_link.hpp"
 
 #include <array>

@@ -1,3 +1,4 @@
+// EtherCAT frames in UDP datagrams between a master and slaves, and each refusal with its remedy.
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
 
 #include <array>

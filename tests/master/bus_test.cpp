@@ -1,3 +1,5 @@
+// The master's frames: several datagrams in one, retries, and answers that are lost, late, doubled
+// or foreign.
 #include "stator/master/bus.hpp"
 
 #include <gmock/gmock.h>

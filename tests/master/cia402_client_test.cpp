@@ -1,3 +1,5 @@
+// The master's moves of a CiA 402 drive, by process data and by SDO alone, with timeouts and
+// faults.
 #include "stator/master/cia402/cia402_client.hpp"
 
 #include <gmock/gmock.h>

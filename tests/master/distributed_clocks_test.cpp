@@ -1,3 +1,5 @@
+// Propagation delays that a master computes of receive times, in lines and trees, and clocks it
+// sets by them.
 #include "stator/master/distributed_clocks.hpp"
 
 #include <gmock/gmock.h>

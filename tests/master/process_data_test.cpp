@@ -1,3 +1,4 @@
+// The master's process image, and cycles that are lost or come back with a wrong working counter.
 #include "stator/master/process_data.hpp"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// The master's scan of a segment: identities, ports, noise on the line, slaves left in operation.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

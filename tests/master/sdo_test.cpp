@@ -1,3 +1,5 @@
+// The master's SDO transfers and SDO information, with lost frames, aborts and emergencies in
+// between.
 #include <algorithm>
 #include <array>
 #include <iterator>

@@ -1,3 +1,5 @@
+// The master's state changes: refusals with AL status codes, acknowledgement, timeouts, lost
+// frames.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,3 +1,5 @@
+// Which of two CAN frames wins the bus (ISO 11898-1 §8.4.2.3 and §10.9), and the masks of base and
+// extended identifiers.
 #pragma once
 
 #include <cstdint>

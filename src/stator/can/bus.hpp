@@ -1,3 +1,5 @@
+// A CAN bus with its nodes and ports: arbitration, frame times by the bit rate, error states,
+// statistics, taps.
 #pragma once
 
 #include <cstddef>

@@ -1,3 +1,4 @@
+// The node-IDs that a CANopen node may have.
 #pragma once
 
 #include <cstdint>

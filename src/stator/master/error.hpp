@@ -1,3 +1,5 @@
+// Why the EtherCAT master could not do what was asked: a code for programs and a sentence for
+// people.
 #pragma once
 
 #include <cstdint>

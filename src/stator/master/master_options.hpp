@@ -1,3 +1,4 @@
+// Timeouts, retries and cycle time of the EtherCAT master, and the source address of its frames.
 #pragma once
 
 #include "stator/base/sim_time.hpp"

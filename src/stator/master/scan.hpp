@@ -1,3 +1,4 @@
+// The scan of an EtherCAT segment, which finds its slaves and gives them station addresses.
 #pragma once
 
 #include <vector>

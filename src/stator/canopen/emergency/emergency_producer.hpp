@@ -1,3 +1,4 @@
+// The emergency producer of a CANopen node (CiA 301 §7.2.7) and the indices of its objects.
 #pragma once
 
 #include <array>

@@ -1,3 +1,5 @@
+// The error behaviour object 1029h (CiA 301 §7.5.2.27): which NMT state a node takes after an
+// error.
 #pragma once
 
 #include <array>

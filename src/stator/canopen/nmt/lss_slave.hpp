@@ -1,3 +1,5 @@
+// The layer setting services of a CANopen node (CiA 305), by which a master sets its node-ID and
+// bit rate.
 #pragma once
 
 #include <array>

@@ -1,3 +1,5 @@
+// A CANopen node: its NMT state machine, services, settings and the hooks of the device it belongs
+// to.
 #pragma once
 
 #include <array>

@@ -1,3 +1,4 @@
+// All PDOs of a CANopen node (CiA 301 §7.2.2), with counters of frames and errors.
 #pragma once
 
 #include <bitset>

@@ -1,3 +1,4 @@
+// The checksum of SDO block transfers (CiA 301 §7.2.4.3.16), computed with a table of 256 entries.
 #pragma once
 
 #include <array>

@@ -1,3 +1,4 @@
+// The SDO server of a CANopen node (CiA 301 §7.2.4): its settings, counters and transfers.
 #pragma once
 
 #include <array>

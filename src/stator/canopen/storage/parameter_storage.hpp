@@ -1,3 +1,5 @@
+// Objects that store and restore parameters: 1010h, 1011h (CiA 301 §7.5.2.13, §7.5.2.14), and
+// 1020h.
 #pragma once
 
 #include <cstdint>

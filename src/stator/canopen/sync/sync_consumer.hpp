@@ -1,3 +1,4 @@
+// The SYNC consumer of a CANopen node (CiA 301 §7.2.5) and the indices of the SYNC objects.
 #pragma once
 
 #include <cstdint>

@@ -1,3 +1,4 @@
+// Reads an SII image (ETG.2010): its fixed part and the categories that a slave or a master needs.
 #include <algorithm>
 
 #include "stator/base/byte_order.hpp"

@@ -1,3 +1,4 @@
+// How EtherCAT slaves forward a frame between their ports: open ports, delays, arrival times.
 #pragma once
 
 #include <array>

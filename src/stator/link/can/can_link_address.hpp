@@ -1,3 +1,5 @@
+// Texts that name a port of a CAN bus, such as "slcan:PATH" or "socketcan:INTERFACE", and what they
+// mean.
 #pragma once
 
 #include <cstdint>

@@ -1,3 +1,4 @@
+// The event raised when a program sets another bit rate at a CAN port than that of the bus.
 #pragma once
 
 #include "stator/base/event.hpp"

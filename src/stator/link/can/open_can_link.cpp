@@ -1,3 +1,4 @@
+// Opens the port of a CAN bus that a text such as "slcan:PATH" names, whichever class serves it.
 #include "stator/link/can/can_exec_link.hpp"
 #include "stator/link/can/can_link.hpp"
 #include "stator/link/can/can_link_address.hpp"

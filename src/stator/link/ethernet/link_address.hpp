@@ -1,3 +1,5 @@
+// Texts that name an Ethernet link, such as "ethercat:INTERFACE" or "udp:ADDRESS", and what they
+// mean.
 #pragma once
 
 #include <cstdint>

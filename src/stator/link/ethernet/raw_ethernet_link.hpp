@@ -1,3 +1,5 @@
+// EtherCAT frames on a network interface by a raw socket (Linux AF_PACKET), and options of such a
+// link.
 #pragma once
 
 #include <array>

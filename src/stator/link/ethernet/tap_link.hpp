@@ -1,3 +1,4 @@
+// The program's end of a TAP interface (Linux /dev/net/tun), and options of such a link.
 #pragma once
 
 #include <array>

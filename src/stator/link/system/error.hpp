@@ -1,3 +1,4 @@
+// Why a link could not be opened, send or receive: a code for programs and a sentence for people.
 #pragma once
 
 #include <cstdint>

@@ -1,3 +1,4 @@
+// Options of sockets: any by setsockopt(), the size of the receive buffer, the receive timeout.
 #pragma once
 
 #include <algorithm>
