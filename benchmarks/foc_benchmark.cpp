@@ -1,3 +1,4 @@
+// Time per PWM period of the FOC block, alone and with inverter and motor, against limits.
 #include <cstddef>
 #include <cstdint>
 #include <utility>

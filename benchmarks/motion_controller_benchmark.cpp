@@ -1,3 +1,5 @@
+// Time per period of the TMCM-142's motion controller, a hundred modules in turn, against a limit
+// of 100 ns.
 #include <algorithm>
 #include <chrono>
 #include <cstdint>

@@ -1,3 +1,4 @@
+// Time of a plant step of a stepper axis with its load, and of parts of such a step.
 #include <algorithm>
 #include <array>
 #include <cstdint>

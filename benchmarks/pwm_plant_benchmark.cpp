@@ -1,3 +1,4 @@
+// Time of current loop and servo plant per PWM period of 20 us, for one axis and for batches.
 #include <array>
 #include <cstddef>
 #include <cstdint>

@@ -1,3 +1,4 @@
+// Time of a tick of the ramp generator and of a new target, for each shape of ramp, against limits.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

@@ -1,3 +1,5 @@
+// Time per period of the TMCC160's servo controller in each commutation mode and loop, against a
+// limit of 30 ns.
 #include <algorithm>
 #include <cstddef>
 #include <vector>

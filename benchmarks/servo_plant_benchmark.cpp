@@ -1,3 +1,4 @@
+// Time of a servo axis step of 50 us at several voltages and loads, against a limit of 40 ns.
 #include <array>
 
 #include <benchmark/benchmark.h>

@@ -1,3 +1,4 @@
+// A board at scripted pins with SPI and I2C masters that make the edges, for tests of peripherals.
 #pragma once
 
 #include <initializer_list>

@@ -1,3 +1,5 @@
+// Wiring that a board refuses, conflicts of levels on a line, and results that do not depend on the
+// steps of time.
 #include <set>
 
 #include <gtest/gtest.h>

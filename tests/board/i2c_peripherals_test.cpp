@@ -1,3 +1,4 @@
+// Peripherals on I2C: EEPROM, temperature sensor and port expander, alone and together on one bus.
 #include <gtest/gtest.h>
 
 #include "board/bench.hpp"

@@ -1,3 +1,5 @@
+// Motors on a board: step/direction with stall and end stop, encoder, DC motor on a bridge,
+// three-phase motor.
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// Switches with bounce, push-buttons, RC filters, LEDs and loads on a board.
 #include <cmath>
 
 #include <gtest/gtest.h>

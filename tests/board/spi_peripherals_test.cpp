@@ -1,3 +1,5 @@
+// Peripherals on SPI: ADC, DAC, EEPROM and shift register, by edges of the lines and by whole
+// words.
 #include <gtest/gtest.h>
 
 #include "board/bench.hpp"

@@ -1,3 +1,5 @@
+// A stepper driver with the registers of the TMC262: step/direction, coil currents by SPI, load and
+// shorts.
 #include <gtest/gtest.h>
 
 #include "board/bench.hpp"

@@ -1,3 +1,4 @@
+// Traces of pins as VCD text (IEEE 1364), with SPI words and I2C bytes decoded.
 #include "stator/board/lines/vcd.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Closed-loop operation of a stepper as the TMCM-3315's document defines it, with initialisation
+// and field weakening.
 #include "stator/control/stepper/closed_loop_controller.hpp"
 
 #include <algorithm>

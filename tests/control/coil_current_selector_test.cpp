@@ -1,3 +1,4 @@
+// When a stepper gets run, boost and standby current, and the 32 steps of its driver.
 #include "stator/control/motion_controller/coil_current_selector.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// CoolStep: how StallGuard2 measurements raise and lower the coil current.
 #include "stator/control/stepper/cool_step.hpp"
 
 #include <array>

@@ -1,3 +1,5 @@
+// Commutation by an encoder, and its initialisation by alignment, by Hall sensors and by the N
+// pulse.
 #include "stator/control/servo/encoder_commutation.hpp"
 
 #include <cmath>

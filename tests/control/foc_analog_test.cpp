@@ -1,3 +1,4 @@
+// Analog encoders at the TMC8670's FOC block: angle, count, and what wrong offsets and gains do.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -1,3 +1,4 @@
+// Open-loop angle, velocity meters and angle selectors of the TMC8670's FOC block.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -1,3 +1,5 @@
+// One PWM period of the TMC8670's FOC block: transformations, motion modes, limits, filters,
+// feed-forward.
 #include <array>
 #include <cmath>
 #include <cstdint>

@@ -1,3 +1,5 @@
+// The TMC8670's FOC block on a motor: initialisation of its sensors, handover between them,
+// velocity and position.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

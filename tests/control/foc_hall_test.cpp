@@ -1,3 +1,4 @@
+// Digital Hall sensors at the TMC8670's FOC block: sectors, interpolation, filter, blanking.
 #include <algorithm>
 #include <array>
 #include <cmath>

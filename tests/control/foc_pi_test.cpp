@@ -1,3 +1,5 @@
+// PI controllers, biquad filters and feed-forward of the TMC8670 in integers, against exact
+// arithmetic.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -1,3 +1,5 @@
+// Pins of the TMC8670's FOC block: steps, analog and PWM targets, brake chopper, switches, status
+// flags.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

@@ -1,3 +1,4 @@
+// ADC scaling and PWM of the TMC8670's FOC block: on-times, pauses, polarities, choppers.
 #include <array>
 #include <cmath>
 #include <cstdint>

@@ -1,3 +1,5 @@
+// DC and two-phase motors, status flags and single gates of the TMC8670's FOC block at their
+// limits.
 #include <array>
 #include <cstdint>
 

@@ -1,3 +1,5 @@
+// Sine, arc tangent, Clarke, Park and voltage circle of the TMC8670 in fixed point, within stated
+// errors.
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>

@@ -1,3 +1,4 @@
+// Angle, count and errors from three Hall signals, with and without interpolation between edges.
 #include "stator/control/servo/hall_decoder.hpp"
 
 #include <array>

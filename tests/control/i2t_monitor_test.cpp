@@ -1,3 +1,4 @@
+// When I2t supervision trips and recovers, and when a brake chopper switches.
 #include "stator/control/servo/i2t_monitor.hpp"
 
 #include <cmath>

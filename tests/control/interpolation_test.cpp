@@ -1,3 +1,4 @@
+// Interpolation of cyclic positions and velocities over a period, and stops that begin within one.
 #include <gtest/gtest.h>
 
 #include "stator/control/ramp/interpolation_profile.hpp"

@@ -1,3 +1,4 @@
+// Positions of microsteps with a fraction: rounding below zero and resolution far from it.
 #include "stator/control/microstep_position.hpp"
 
 #include <gtest/gtest.h>

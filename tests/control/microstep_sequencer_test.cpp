@@ -1,3 +1,5 @@
+// The microstep table, a rounded sine of amplitude 248, and the direction of the current vector for
+// each position.
 #include "stator/control/stepper/microstep_sequencer.hpp"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// S-shaped ramps of the TMCM-142's motion controller against analytic moves with constant jerks.
 #include <cmath>
 
 #include <gtest/gtest.h>

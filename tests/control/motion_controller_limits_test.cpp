@@ -1,3 +1,4 @@
+// How the TMCM-142's motion controller approaches position limits in flight.
 #include <algorithm>
 
 #include <gtest/gtest.h>

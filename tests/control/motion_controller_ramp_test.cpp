@@ -1,3 +1,5 @@
+// Trapezoidal ramps of the TMCM-142's motion controller to one unit of its registers against
+// analytic ones.
 #include "stator/control/motion_controller/motion_controller_ramp.hpp"
 
 #include <cmath>

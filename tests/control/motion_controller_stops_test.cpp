@@ -1,3 +1,4 @@
+// Hard and soft stops at switches and position limits of the TMCM-142's motion controller.
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// The TMCM-142's motion controller as a whole: flags, switches, latches, currents, encoder, PID.
 #include "stator/control/motion_controller/motion_controller.hpp"
 
 #include <cmath>

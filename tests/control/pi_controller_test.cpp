@@ -1,3 +1,4 @@
+// The PI controllers of the TMCC160: gains in 1/256 and 1/65536, limits, sums that do not wind up.
 #include "stator/control/servo/pi_controller.hpp"
 
 #include <cmath>

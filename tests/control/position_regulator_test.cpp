@@ -1,3 +1,5 @@
+// The TMCM-142's PID position regulator against its difference equations (PID-001 to PID-012), bit
+// by bit.
 #include "stator/control/motion_controller/position_regulator.hpp"
 
 #include <algorithm>

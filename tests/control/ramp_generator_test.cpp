@@ -1,3 +1,4 @@
+// Trapezoidal ramps against analytic instants, with targets and limits that change in flight.
 #include "stator/control/ramp/ramp_generator.hpp"
 
 #include <limits>

@@ -1,3 +1,4 @@
+// The reference search modes 1 to 3 of the TMCM-142 on a carriage with switches.
 #include "stator/control/motion_controller/reference_search.hpp"
 
 #include <gtest/gtest.h>

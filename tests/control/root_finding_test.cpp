@@ -1,3 +1,4 @@
+// Cube roots, bracketed roots and the stopping distance, from which S-shaped ramps are planned.
 #include "stator/control/ramp/root_finding.hpp"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// S-shaped ramps against analytic instants, and properties of a hundred thousand random targets.
 #include <array>
 #include <cmath>
 

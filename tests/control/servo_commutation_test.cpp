@@ -1,3 +1,5 @@
+// The TMCC160's servo controller in each commutation mode: angles, initialisation, sensors,
+// positions.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -1,3 +1,5 @@
+// Torque and velocity limits of the TMCC160's servo controller, and what its sensors show in and
+// out of rest.
 #include <array>
 #include <cstddef>
 #include <cstdint>

@@ -1,3 +1,5 @@
+// Step responses of the TMCC160's current, velocity and position loop, within 2 % of a linear
+// model.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

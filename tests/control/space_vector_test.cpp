@@ -1,3 +1,5 @@
+// Fixed-point angle, sine, Clarke, Park, voltage circle and space-vector modulation of the servo
+// controller.
 #include "stator/control/servo/space_vector.hpp"
 
 #include <algorithm>

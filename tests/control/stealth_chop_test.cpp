@@ -1,3 +1,4 @@
+// StealthChop: below which speed it acts, and the voltage it puts at the coils.
 #include "stator/control/stepper/stealth_chop.hpp"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// Stop switches of the TMCM-142: polarity, swap, status bits, latches.
 #include "stator/control/motion_controller/stop_switches.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// The TMCM-142's sine table of 8192 entries, its offset, and full steps on arrival.
 #include "stator/control/motion_controller/wave_table.hpp"
 
 #include <cmath>

@@ -1,3 +1,5 @@
+// An axis of CiA 402 with ramp and encoder: option codes, following errors, cyclic modes, limits,
+// homing.
 #include <gtest/gtest.h>
 
 #include "drive/axis_bench.hpp"

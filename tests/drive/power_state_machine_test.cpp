@@ -1,3 +1,5 @@
+// Every controlword in every state of CiA 402's power drive state machine, with ramps, brake delays
+// and faults.
 #include "stator/drive/power/power_state_machine.hpp"
 
 #include <array>

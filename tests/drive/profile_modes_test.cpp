@@ -1,3 +1,4 @@
+// Profile position and profile velocity of CiA 402: handshake, relative targets, window, halt.
 #include "stator/drive/modes/profile_modes.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// The state that a statusword shows, and the names of modes of operation.
 #include "stator/drive/power/state_description.hpp"
 
 #include <gtest/gtest.h>

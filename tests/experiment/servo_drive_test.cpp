@@ -1,3 +1,5 @@
+// The TMCC160's servo controller on a motor as a drive: wiring errors, initialisations, I2t, brake
+// chopper.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

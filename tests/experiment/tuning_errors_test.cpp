@@ -1,3 +1,4 @@
+// The reason with which tuning stops when motor, sensor or limits do not permit it.
 #include <functional>
 #include <string>
 

@@ -1,3 +1,5 @@
+// Registers of the I/O block from both sides, and what faults, safe states and interrupts do to its
+// pins.
 #include "stator/mfc/block/block.hpp"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,5 @@
+// Which signal reaches which pin by the crossbar's settings, against the document's lists and
+// example.
 #include "stator/mfc/pins/crossbar.hpp"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// The bit stream of the DAC unit: density, edges, and the mean value behind a filter.
 #include "stator/mfc/units/dac.hpp"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// Outputs and inputs of the GPIO unit by its truth table.
 #include "stator/mfc/units/gpio.hpp"
 
 #include <string>

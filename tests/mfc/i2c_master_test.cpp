@@ -1,3 +1,5 @@
+// The I2C master's commands, status codes and edges, with slaves that stretch the clock or do not
+// answer.
 #include "stator/mfc/units/i2c_master.hpp"
 
 #include <cstddef>

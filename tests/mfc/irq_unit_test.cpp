@@ -1,3 +1,4 @@
+// Flags, mask and emergency input of the interrupt unit.
 #include "stator/mfc/units/irq_unit.hpp"
 
 #include <gtest/gtest.h>

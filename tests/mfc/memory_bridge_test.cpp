@@ -1,3 +1,4 @@
+// When registers of the I/O block and process data memory are exchanged, by trigger and state.
 #include "stator/mfc/block/memory_bridge.hpp"
 
 #include <gmock/gmock.h>

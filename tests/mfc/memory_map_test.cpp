@@ -1,3 +1,5 @@
+// Where registers and parameters of the I/O block stand in memory, against the document's example
+// and formula.
 #include "stator/mfc/block/memory_map.hpp"
 
 #include <vector>

@@ -1,3 +1,4 @@
+// Levels at the pads of the I/O block: drivers, supplies, thresholds, filters, shorts.
 #include "stator/mfc/pins/pads.hpp"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// The PWM unit's edges: alignment, chopper modes, pauses, polarities, pulses, emergency.
 #include "stator/mfc/units/pwm.hpp"
 
 #include <cstddef>

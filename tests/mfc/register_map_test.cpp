@@ -1,3 +1,4 @@
+// Registers and fields of the I/O block against the document's overview and tables.
 #include "stator/mfc/registers/register_map.hpp"
 
 #include <set>

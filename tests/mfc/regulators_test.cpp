@@ -1,3 +1,4 @@
+// Settings, ramp-up and protection of the chip's voltage regulators.
 #include "stator/mfc/units/regulators.hpp"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,5 @@
+// Codes, names and directions of the crossbar's signals and interrupt sources, sets of signals,
+// clock edges.
 #include "stator/mfc/pins/signal.hpp"
 
 #include <string>

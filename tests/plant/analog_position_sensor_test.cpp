@@ -1,3 +1,4 @@
+// Errors of angle that offset, amplitude, phase and harmonics of a sine/cosine sensor cause.
 #include "stator/plant/sensors/analog_position_sensor.hpp"
 
 #include <algorithm>

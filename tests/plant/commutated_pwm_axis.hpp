@@ -1,3 +1,5 @@
+// Axes driven by PWM with each kind of motor on an ideal supply, and duties as an ideal commutation
+// gives them.
 #pragma once
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// Raw values of a current converter: gain, offset, range, bits, drift, delay, noise.
 #include "stator/plant/sensors/current_converter.hpp"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// Errors of measured currents: gain, offset, resolution, range, noise by its seed.
 #include "stator/plant/sensors/current_sensing.hpp"
 
 #include <cmath>

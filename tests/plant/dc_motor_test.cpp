@@ -1,3 +1,4 @@
+// The DC motor's equations against their analytic solutions: winding, no-load speed, friction.
 #include "stator/plant/motors/dc_motor.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Errors of an encoder: eccentricity, missed and extra edges, a highest frequency.
 #include "stator/plant/sensors/encoder_disturbance.hpp"
 
 #include <algorithm>

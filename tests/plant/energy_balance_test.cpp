@@ -1,3 +1,4 @@
+// That each motor model neither loses nor creates energy under random voltages and loads.
 #include <cmath>
 #include <cstdint>
 

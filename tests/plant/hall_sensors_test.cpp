@@ -1,3 +1,4 @@
+// Angles at which Hall sensors switch, with hysteresis, offset, misplacement and inversion.
 #include "stator/plant/sensors/hall_sensors.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// Voltages and delays at which a holding brake opens and closes.
 #include "stator/plant/mechanics/holding_brake.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// Counts and index of an encoder against an integer formula over revolutions and leaps.
 #include "stator/plant/sensors/incremental_encoder.hpp"
 
 #include <gtest/gtest.h>

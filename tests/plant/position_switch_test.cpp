@@ -1,3 +1,4 @@
+// Where limit and home switches are pressed, and what a normally closed or open input reads.
 #include "stator/plant/sensors/position_switch.hpp"
 
 #include <gtest/gtest.h>

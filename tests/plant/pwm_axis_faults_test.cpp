@@ -1,3 +1,5 @@
+// Broken and grounded cables, jams and sensor faults of an axis driven by PWM, for each kind of
+// motor.
 #include <array>
 #include <cmath>
 #include <cstdint>

@@ -1,3 +1,4 @@
+// An axis driven by PWM with each kind of motor: motion, braking, dead time, equal bits of a copy.
 #include "stator/plant/axes/pwm_axis.hpp"
 
 #include <array>

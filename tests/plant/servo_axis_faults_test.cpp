@@ -1,3 +1,4 @@
+// Broken, shorted and grounded cables and sensor faults of a servo axis.
 #include <cmath>
 
 #include <gtest/gtest.h>

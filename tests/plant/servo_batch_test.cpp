@@ -1,3 +1,4 @@
+// That lanes of a batch have the bits of single servo axes with every instruction set.
 #include "stator/plant/batch/servo_batch.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// A stepper axis with chopper, supply and sensors: currents, braking by diodes, equal bits in every
+// build.
 #include "stator/plant/axes/stepper_axis.hpp"
 
 #include <bit>

@@ -1,3 +1,4 @@
+// Motor data of a sheet converted to SI, and named stepper motors.
 #include "stator/plant/motors/stepper_motor.hpp"
 
 #include <gtest/gtest.h>

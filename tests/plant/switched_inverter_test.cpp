@@ -1,3 +1,4 @@
+// An inverter from edge to edge: dead time, capacitor, and the quick solution of whole periods.
 #include "stator/plant/power/switched_inverter.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// The synchronous motor's equations against analytic solutions, energy, and two methods of
+// integration.
 #include "stator/plant/motors/synchronous_motor.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Line-to-line data of a motor's sheet converted to those of a phase, and named motors.
 #include "stator/plant/motors/three_phase_motor.hpp"
 
 #include <gtest/gtest.h>

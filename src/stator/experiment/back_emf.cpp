@@ -1,3 +1,5 @@
+// The experiment back-emf: a servo motor coasts down, and the EMF between two of its lines is
+// compared with the equation.
 #include <algorithm>
 #include <array>
 #include <cmath>

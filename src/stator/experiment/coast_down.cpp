@@ -1,3 +1,5 @@
+// The experiment coast-down: a stepper without current is let go at a speed, and friction alone
+// brakes it.
 #include <array>
 #include <cmath>
 #include <limits>

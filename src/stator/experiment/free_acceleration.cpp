@@ -1,3 +1,5 @@
+// The experiment free-acceleration: the field leads a stepper's rotor by 90 degrees from standstill
+// on.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,3 +1,5 @@
+// Step responses of current, velocity and position loop of a servo drive, compared with a linear
+// model of the cascade.
 #include <algorithm>
 #include <array>
 #include <cmath>

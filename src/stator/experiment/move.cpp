@@ -1,3 +1,5 @@
+// The experiment move: a profile position move of a TMCM-3315 axis with position, speed, current
+// and load angle.
 #include <algorithm>
 #include <array>
 #include <cmath>

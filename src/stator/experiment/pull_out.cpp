@@ -1,3 +1,4 @@
+// The experiment pull-out: at each speed the torque at which a stepper falls out of step.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,3 +1,5 @@
+// The experiment regeneration: a servo motor brakes into its supply, once with and once without the
+// brake chopper.
 #include <algorithm>
 #include <array>
 #include <cmath>

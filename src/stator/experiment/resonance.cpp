@@ -1,3 +1,5 @@
+// The experiment resonance: how a stepper's rotor swings around a full step, its frequency and
+// damping.
 #include <array>
 #include <cmath>
 #include <vector>

@@ -1,3 +1,5 @@
+// The experiment stall-guard: the StallGuard2 value of a turning stepper over the torque of a
+// brake.
 #include "stator/control/stepper/stall_guard.hpp"
 
 #include <array>

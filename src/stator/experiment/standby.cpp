@@ -1,3 +1,4 @@
+// The experiment standby: run, boost and standby current of a TMCM-3315 axis during a move.
 #include <array>
 #include <cmath>
 #include <string>

@@ -1,3 +1,5 @@
+// The experiment torque-speed: torque, current and efficiency of a servo motor over speed at a
+// constant voltage.
 #include <algorithm>
 #include <array>
 #include <cmath>

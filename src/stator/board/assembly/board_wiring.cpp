@@ -1,3 +1,5 @@
+// How a board is put together: places its peripherals, connects them to each other, and wires pins
+// and buses.
 #include "stator/board/assembly/board.hpp"
 
 namespace stator::board {

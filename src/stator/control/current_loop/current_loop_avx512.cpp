@@ -1,3 +1,4 @@
+// The current loops compiled for AVX-512: eight doubles or sixteen floats at once.
 #include "stator/control/current_loop/current_loop_kernel.hpp"
 
 namespace stator::control::current_loop {

@@ -1,3 +1,5 @@
+// The current loops for the vectors that every processor of the target has: two doubles or four
+// floats at once.
 #include "stator/control/current_loop/current_loop_kernel.hpp"
 
 namespace stator::control::current_loop {

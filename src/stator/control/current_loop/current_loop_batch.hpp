@@ -1,3 +1,5 @@
+// Field-oriented current loops of many drives, computed side by side in the lanes of vector
+// instructions.
 #pragma once
 
 #include <cstddef>

@@ -1,3 +1,5 @@
+// The current loops without vectors, a lane at a time: the reference for all other instruction
+// sets.
 #include "stator/control/current_loop/current_loop_kernel.hpp"
 
 namespace stator::control::current_loop {

@@ -1,3 +1,4 @@
+// Shapes of ramps, and their limits in pps, pps/s and pps/s^2.
 #pragma once
 
 #include <algorithm>

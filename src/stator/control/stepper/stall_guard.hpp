@@ -1,3 +1,4 @@
+// StallGuard2, the load measurement of a stepper driver (TMC262 data sheet §7), and its settings.
 #pragma once
 
 #include <array>

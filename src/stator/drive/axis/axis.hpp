@@ -1,3 +1,5 @@
+// An axis of CiA 402 without its power stage, the base of StepperAxis and ServoAxis, and its
+// configuration.
 #pragma once
 
 #include <array>

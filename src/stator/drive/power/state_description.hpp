@@ -1,3 +1,5 @@
+// States and automatic transitions of the power drive state machine (CiA 402-2 §8.3) and names of
+// modes, for texts.
 #pragma once
 
 #include <array>

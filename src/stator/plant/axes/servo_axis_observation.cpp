@@ -1,3 +1,4 @@
+// ServoAxis::observe(): everything that is to be seen of a servo axis, computed from its state.
 #include "stator/plant/axes/servo_axis.hpp"
 
 namespace stator::plant {

@@ -1,3 +1,4 @@
+// The batch of servo axes compiled for AVX-512: eight doubles or sixteen floats at once.
 #include "stator/plant/batch/servo_batch_dispatch.hpp"
 #include "stator/plant/batch/servo_batch_kernel.hpp"
 

@@ -1,3 +1,5 @@
+// The batch of servo axes for the vectors that every processor of the target has: two doubles or
+// four floats at once.
 #include "stator/plant/batch/servo_batch_dispatch.hpp"
 #include "stator/plant/batch/servo_batch_kernel.hpp"
 

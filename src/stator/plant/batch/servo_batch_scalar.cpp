@@ -1,3 +1,5 @@
+// The batch of servo axes without vectors, a lane at a time: the reference for all other
+// instruction sets.
 #include "stator/plant/batch/servo_batch_dispatch.hpp"
 #include "stator/plant/batch/servo_batch_kernel.hpp"
 

@@ -1,3 +1,5 @@
+// The equations of a two-phase hybrid stepper motor with its load; their state and inputs are in SI
+// units.
 #pragma once
 
 #include <array>
