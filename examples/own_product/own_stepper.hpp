@@ -1,3 +1,4 @@
+// A stepper drive of a program's own on EtherCAT: its identity, configuration and firmware.
 #pragma once
 
 #include <cstdint>

@@ -1,3 +1,5 @@
+// A TMC8670 as in racks/ethercat-servo.toml with a master that exchanges process data every
+// millisecond.
 #pragma once
 
 #include <algorithm>

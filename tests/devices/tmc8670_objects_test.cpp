@@ -1,3 +1,5 @@
+// Objects of a TMC8670 against the recommended table, and the fields of the FOC block to which they
+// lead.
 #include <algorithm>
 #include <array>
 #include <cstdint>

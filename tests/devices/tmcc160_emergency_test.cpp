@@ -1,3 +1,4 @@
+// Each emergency and warning of the TMCC160's document: cause, code, register, reaction, reset.
 #include <fstream>
 #include <iterator>
 #include <string>

@@ -1,3 +1,4 @@
+// The TMCC160 as a whole: boot, network, storage, parameters, inputs, PDOs, signals, equal runs.
 #include "devices/tmcc160_module.hpp"
 
 #include <string>

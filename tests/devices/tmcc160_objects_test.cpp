@@ -1,3 +1,4 @@
+// The TMCC160's dictionary against its document row by row, and which values its objects refuse.
 #include <array>
 #include <cstdint>
 #include <fstream>

@@ -1,3 +1,4 @@
+// The TMCC160 by SDO: identity, every entry, abort codes, and the worked examples of its document.
 #include <fstream>
 #include <functional>
 #include <iterator>

@@ -1,3 +1,4 @@
+// A TMCC160 whose stops and moves are judged by its shaft instead of by its own objects.
 #pragma once
 
 #include <algorithm>

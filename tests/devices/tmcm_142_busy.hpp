@@ -1,3 +1,4 @@
+// A TMCM-142 on USB and RS232 whose memory is ready when the test says so.
 #pragma once
 
 #include <algorithm>

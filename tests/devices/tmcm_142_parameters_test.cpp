@@ -1,3 +1,4 @@
+// Parameters and ports of the TMCM-142 against the tables of its manual.
 #include <algorithm>
 #include <cctype>
 #include <charconv>

@@ -1,3 +1,4 @@
+// Programs of the TMCM-142's manual assembled to the bytes it prints, and back.
 #include <filesystem>
 #include <fstream>
 #include <iterator>

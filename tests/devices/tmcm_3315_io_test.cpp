@@ -1,3 +1,4 @@
+// Inputs and outputs of the TMCM-3315 by SDO, its outside and 60FDh, and open switch inputs.
 #include <string>
 #include <utility>
 

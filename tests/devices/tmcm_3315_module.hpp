@@ -1,3 +1,4 @@
+// A TMCM-3315 with an EtherCAT master that reads and writes objects by axis, for its tests.
 #pragma once
 
 #include <array>

@@ -1,3 +1,4 @@
+// The TMCM-3315 synchronised by SYNC0, and masters that switch SYNC0 on, off and wrongly.
 #include "devices/tmcm_3315_module.hpp"
 
 namespace stator::devices {

@@ -1,3 +1,4 @@
+// Catalogues of products, also with products of a program's own, and devices configured from them.
 #include "stator/product/catalogue/catalogue.hpp"
 
 #include <memory>

@@ -1,3 +1,4 @@
+// When a firmware image downloaded by FoE is in force, and what failures leave behind.
 #include "stator/product/device/firmware_memory.hpp"
 
 #include <vector>

@@ -1,3 +1,4 @@
+// Firmware download to a TMCL module's boot loader, page by page.
 #include "stator/tmcl/sessions/boot_loader.hpp"
 
 #include <cstdint>

@@ -1,3 +1,4 @@
+// TMCL's CALC and CALCX against arithmetic of 64 bits, division by zero included.
 #include "stator/tmcl/interpreter/calculation.hpp"
 
 #include <array>

@@ -1,3 +1,4 @@
+// TMCL over CAN: frames of seven and eight bytes, identifiers, replies and events.
 #include "stator/tmcl/sessions/can_session.hpp"
 
 #include <vector>

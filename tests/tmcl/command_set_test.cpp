@@ -1,3 +1,4 @@
+// Numbers, names, types and operands of TMCL's commands against the manual.
 #include "stator/tmcl/command_set.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// TMCL programs as text, and that any program assembles to itself again.
 #include "stator/tmcl/assembler/disassembler.hpp"
 
 #include <array>

@@ -1,3 +1,4 @@
+// TMCL programs as they run: flow, conditions, waits, flags, subroutines, read protection.
 #include "stator/tmcl/interpreter/interpreter.hpp"
 
 #include <vector>

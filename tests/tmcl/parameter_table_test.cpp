@@ -1,3 +1,4 @@
+// Tables of TMCL parameters, contradictions in them, and values kept in the EEPROM.
 #include "stator/tmcl/module/parameter_table.hpp"
 
 #include <array>

@@ -1,3 +1,4 @@
+// Where a TMCL command continues, from which the assembler sees a program that runs past its end.
 #include "stator/tmcl/assembler/program_flow.hpp"
 
 #include <string>

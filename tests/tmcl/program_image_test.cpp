@@ -1,3 +1,4 @@
+// TMCL programs as bytes: seven an instruction, downloads, damaged ones.
 #include "stator/tmcl/assembler/program_image.hpp"
 
 #include <vector>

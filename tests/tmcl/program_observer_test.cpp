@@ -1,3 +1,4 @@
+// What an observer sees of each instruction of a TMCL program, and that it can stop it.
 #include "stator/tmcl/interpreter/program_observer.hpp"
 
 #include <vector>

@@ -1,3 +1,4 @@
+// TMCL over a serial line: addresses, checksums, gaps, telegram pause, second replies.
 #include "stator/tmcl/sessions/serial_session.hpp"
 
 #include <vector>

@@ -1,3 +1,4 @@
+// TMCL telegrams of nine bytes encoded, and cut out of a stream with pieces, gaps and noise.
 #include "stator/tmcl/telegram.hpp"
 
 #include <initializer_list>

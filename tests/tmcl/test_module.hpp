@@ -1,3 +1,4 @@
+// A TMCL module of two axes with few parameters, for tests of sessions, interpreter and assembler.
 #pragma once
 
 #include <array>

@@ -1,3 +1,4 @@
+// The commands of the TMCL debugger: stepping, breakpoints, watchpoints, values, files of commands.
 #include "stator/tmcl_tools/tmcl_debug_console.hpp"
 
 #include <algorithm>

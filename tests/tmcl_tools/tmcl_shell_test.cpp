@@ -1,3 +1,4 @@
+// The commands of the TMCL shell in direct mode, with downloads, refusals and completion.
 #include "stator/tmcl_tools/tmcl_shell.hpp"
 
 #include <array>

@@ -1,3 +1,4 @@
+// Traces and profiles of TMCL programs, and inputs that change at given times.
 #include "stator/tmcl_tools/tmcl_trace.hpp"
 
 #include <cstddef>

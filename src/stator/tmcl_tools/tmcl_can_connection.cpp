@@ -1,3 +1,4 @@
+// Commands to a TMCL module over a CAN bus: one frame out, one frame back, events passed over.
 #include <array>
 #include <chrono>
 #include <deque>

@@ -1,3 +1,5 @@
+// What the TMCL debugger's command info prints on each topic: breakpoints, registers, parameters,
+// inputs and so on.
 #include <array>
 #include <string>
 

@@ -1,3 +1,4 @@
+// Commands to a TMCL module over a serial port or pseudo-terminal: nine bytes out, nine bytes back.
 #include <algorithm>
 #include <array>
 #include <cerrno>

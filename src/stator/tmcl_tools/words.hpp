@@ -1,3 +1,4 @@
+// Splits command lines of the TMCL tools into words, and takes the file's name out of a path.
 #pragma once
 
 #include <algorithm>

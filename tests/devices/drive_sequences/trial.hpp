@@ -1,3 +1,5 @@
+// Runs one random sequence of commands on a drive, watches its invariants, and shortens sequences
+// that fail.
 #pragma once
 
 #include <cstddef>

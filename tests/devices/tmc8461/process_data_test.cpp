@@ -1,3 +1,5 @@
+// A TMC8461 without a controller: its EEPROM maps the I/O block into process data, as a master sees
+// it.
 #include <gmock/gmock.h>
 
 #include "ethercat/controllers.hpp"

@@ -1,3 +1,4 @@
+// The category of the TMC8461's EEPROM image that configures its I/O block.
 #include "stator/devices/tmc8461/sii.hpp"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,5 @@
+// Objects 1000h to 1FFFh of a TMC8670 but for its PDOs: identity, storage, error reaction,
+// synchronisation.
 #include <array>
 
 #include "stator/devices/tmc8670/object_groups.hpp"

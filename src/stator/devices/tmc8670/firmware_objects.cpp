@@ -1,3 +1,5 @@
+// Manufacturer objects of a TMC8670 beyond its FOC settings: firmware, further fields of the block,
+// measurements, registers.
 #include <array>
 
 #include "stator/devices/tmc8670/object_groups.hpp"

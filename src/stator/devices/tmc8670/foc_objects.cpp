@@ -1,3 +1,5 @@
+// Manufacturer objects of a TMC8670 for its FOC block: motor and PWM, sensors, controllers and
+// limits.
 #include <array>
 
 #include "stator/devices/tmc8670/object_groups.hpp"

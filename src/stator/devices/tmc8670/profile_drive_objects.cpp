@@ -1,3 +1,4 @@
+// Objects of CiA 402 on a TMC8670: power state machine, modes, position, velocity, torque, pins.
 #include <array>
 
 #include "stator/devices/tmc8670/object_groups.hpp"

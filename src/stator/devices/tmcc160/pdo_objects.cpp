@@ -1,3 +1,4 @@
+// Communication and mapping objects of the four RPDOs and four TPDOs of a TMCC160.
 #include "stator/devices/tmcc160/object_groups.hpp"
 
 namespace stator::devices::tmcc160 {

@@ -1,3 +1,5 @@
+// Manufacturer objects of a TMCM-3315 axis for its driver: closed loop, chopper, CoolStep,
+// StallGuard2, StealthChop.
 #include "stator/devices/tmcm_3315/object_groups.hpp"
 
 namespace stator::devices::tmcm_3315 {

@@ -1,3 +1,5 @@
+// Manufacturer objects of a TMCM-3315 axis for its motion: resolution, currents, brake, switches,
+// encoder, ramp, units.
 #include "stator/devices/tmcm_3315/object_groups.hpp"
 
 namespace stator::devices::tmcm_3315 {

@@ -1,3 +1,4 @@
+// Communication objects of a TMCM-3315 (§3.1): identification, PDO mapping, sync managers.
 #include "stator/devices/tmcm_3315/object_groups.hpp"
 
 namespace stator::devices::tmcm_3315 {

@@ -1,3 +1,4 @@
+// The object dictionary of a TMCM-3315 by firmware version, and the distance of its axes' indices.
 #pragma once
 
 #include <cstdint>

@@ -1,3 +1,5 @@
+// Objects of CiA 402 on a TMCM-3315 axis: power state machine, modes, sensor, homing, torque,
+// inputs.
 #include "stator/devices/tmcm_3315/object_groups.hpp"
 
 namespace stator::devices::tmcm_3315 {

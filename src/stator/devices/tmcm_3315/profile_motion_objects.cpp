@@ -1,3 +1,5 @@
+// Objects of CiA 402 for the motion of a TMCM-3315 axis: positions, velocity, profile,
+// interpolation.
 #include "stator/devices/tmcm_3315/object_groups.hpp"
 
 namespace stator::devices::tmcm_3315 {

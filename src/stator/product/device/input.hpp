@@ -1,3 +1,5 @@
+// Names base::Input and base::InputRange, the settable inputs of a device, in the namespace of
+// products.
 #pragma once
 
 #include "stator/base/input.hpp"

@@ -1,3 +1,4 @@
+// Errors and warnings of the TMCL assembler, with line and column.
 #pragma once
 
 #include <cstddef>

@@ -1,3 +1,4 @@
+// Writes a TMCL program as text that the assembler makes the same instructions of.
 #pragma once
 
 #include <span>

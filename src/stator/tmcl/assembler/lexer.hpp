@@ -1,3 +1,4 @@
+// Splits a line of a TMCL program into tokens.
 #pragma once
 
 #include <cstddef>

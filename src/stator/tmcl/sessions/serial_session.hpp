@@ -1,3 +1,5 @@
+// A serial interface of a TMCL module (RS232, RS485, USB), with the settings in which interfaces
+// differ.
 #pragma once
 
 #include <array>

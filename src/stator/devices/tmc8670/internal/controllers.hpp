@@ -1,3 +1,4 @@
+// The EtherCAT slave controller of a TMC8670 as its datasheet prints it, and as the chip is built.
 #pragma once
 
 #include <array>
