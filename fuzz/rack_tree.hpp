@@ -1,3 +1,4 @@
+// Trees of a rack file's keys that fuzzers build from any bytes, most of them nearly valid.
 #pragma once
 
 #include <algorithm>

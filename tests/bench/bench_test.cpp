@@ -1,3 +1,5 @@
+// A program's own bench: loads a rack, goes to Operational, finds devices and signals by name, arms
+// faults.
 #include "stator/bench/bench.hpp"
 
 #include <stdexcept>

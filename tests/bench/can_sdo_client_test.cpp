@@ -1,3 +1,5 @@
+// The bench's SDO client on CAN: expedited and segmented transfers (CiA 301), aborts, silence,
+// wrong toggles.
 #include "stator/bench/can_sdo_client.hpp"
 
 #include <deque>

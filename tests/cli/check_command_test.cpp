@@ -1,3 +1,5 @@
+// stator check: what it prints of a rack file, its errors and exit status, and the schema and
+// reference it writes.
 #include <filesystem>
 #include <fstream>
 #include <string>

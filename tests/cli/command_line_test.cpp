@@ -1,3 +1,5 @@
+// Output, messages and exit status of the program stator, started as a process with each of its
+// commands.
 #include <algorithm>
 #include <array>
 #include <cstdio>

@@ -1,3 +1,4 @@
+// stator conformance: rows of docs/conformance as text and JSON, by device and status.
 #include <algorithm>
 #include <filesystem>
 #include <sstream>

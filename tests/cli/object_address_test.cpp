@@ -1,3 +1,4 @@
+// The spellings in which the command line takes index and subindex of an object.
 #include "stator/cli/master/object_address.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// What SIGINT and SIGTERM do to a command that starts, runs or does not end.
 #include "stator/cli/run/stop_signals.hpp"
 
 #include <cerrno>

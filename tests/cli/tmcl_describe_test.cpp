@@ -1,3 +1,4 @@
+// stator describe for TMCL modules against the tables of the TMCM-142's manual, column by column.
 #include <algorithm>
 #include <cstddef>
 #include <set>

@@ -1,3 +1,5 @@
+// Traces of the TMCL programs in examples/, and the moves of the test program in the TMCM-142's
+// manual (chapter 5.2).
 #include <filesystem>
 #include <fstream>
 #include <set>

@@ -1,3 +1,4 @@
+// stator tmcl run, debug and shell with programs, inputs, recordings, scripts and refusals.
 #include <filesystem>
 #include <fstream>
 #include <string>

@@ -1,3 +1,4 @@
+// The screens that stator top draws of answers of the web server, in several sizes.
 #include "stator/cli/client/top_screen.hpp"
 
 #include <string>

@@ -1,3 +1,4 @@
+// stator tune: its report, the rack file and plots it writes, and its reasons to stop.
 #include <filesystem>
 #include <fstream>
 #include <string>

@@ -1,3 +1,4 @@
+// The ESI file of the TMCM-3315: objects, types, process data, sync managers, modes of SYNC0.
 #include "stator/formats/esi/esi.hpp"
 
 #include <gtest/gtest.h>

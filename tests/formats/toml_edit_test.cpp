@@ -1,3 +1,4 @@
+// Objects written into a rack file of a person, whose comments and spelling stay.
 #include <string>
 #include <string_view>
 #include <vector>

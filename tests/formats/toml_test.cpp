@@ -1,3 +1,4 @@
+// TOML read as a tree of values with their places, and nesting that is too deep.
 #include "stator/formats/toml/toml.hpp"
 
 #include <string>

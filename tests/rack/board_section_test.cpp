@@ -1,3 +1,4 @@
+// How a rack file wires peripherals to the pins of a chip, and what is said of mistakes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

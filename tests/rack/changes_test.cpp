@@ -1,3 +1,4 @@
+// Changes of a rack file given on the command line (--set), and their errors.
 #include "stator/rack/file/changes.hpp"
 
 #include <string>

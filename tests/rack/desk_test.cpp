@@ -1,3 +1,4 @@
+// Tasks that other threads hand to the thread of the rack: order, capacity, sampling periods.
 #include "stator/rack/run/desk.hpp"
 
 #include <vector>

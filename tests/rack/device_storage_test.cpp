@@ -1,3 +1,4 @@
+// What of EEPROM, firmware and parameters is on the disk after restarts, failures and kills.
 #include "stator/rack/kept/device_storage.hpp"
 
 #include <array>

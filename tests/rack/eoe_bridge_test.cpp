@@ -1,3 +1,4 @@
+// Frames of EoE between devices and a TAP interface of the machine.
 #include "stator/rack/run/eoe_bridge.hpp"
 
 #include <array>

@@ -1,3 +1,4 @@
+// How a log writes events: names, repetitions within a second, floods.
 #include "stator/rack/observe/event_log.hpp"
 
 #include <cstdint>

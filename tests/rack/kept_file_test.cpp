@@ -1,3 +1,4 @@
+// The format of files in a state directory: checksums, changes, and every kind of damage.
 #include "stator/rack/kept/kept_file.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Files of a state directory while they are written: appended changes, failures, kills, order of
+// jobs.
 #include "stator/rack/kept/kept_file_writer.hpp"
 
 #include <csignal>

@@ -1,3 +1,4 @@
+// A device's parameter memory on a disk: how long an order is busy, failures, damaged content.
 #include "stator/rack/kept/parameter_memory.hpp"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// All errors of a rack file in one reading, those of the files it names included.
 #include "stator/rack/file/rack_check.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// The description of a rack file's keys, of which schema and reference are made.
 #include "stator/rack/file/rack_file_description.hpp"
 
 #include <string>

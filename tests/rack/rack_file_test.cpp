@@ -1,3 +1,4 @@
+// Where each key of a rack file arrives, and how an error names place, expectation and likely word.
 #include "stator/rack/file/rack_file.hpp"
 
 #include <filesystem>

@@ -1,3 +1,4 @@
+// Recordings of signals as CSV, and which signals patterns choose.
 #include "stator/rack/observe/recorder.hpp"
 
 #include <cstdio>

@@ -1,3 +1,4 @@
+// Serial lines of TMCL modules over pseudo-terminal and TCP, in real time and in lockstep.
 #include "stator/rack/run/serial_line_thread.hpp"
 
 #include <chrono>

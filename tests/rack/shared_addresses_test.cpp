@@ -1,3 +1,5 @@
+// Which devices of a rack are reported for having the same node-ID, CAN identifier or serial
+// address.
 #include "stator/rack/file/shared_addresses.hpp"
 
 #include <string>

@@ -1,3 +1,4 @@
+// A state directory's lock, and its files under links, full disks, removal and kills.
 #include "stator/rack/kept/state_directory.hpp"
 
 #include <csignal>

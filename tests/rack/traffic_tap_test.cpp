@@ -1,3 +1,4 @@
+// The ring of frames between a network's thread and those who watch its traffic.
 #include "stator/rack/observe/traffic_tap.hpp"
 
 #include <array>

@@ -1,3 +1,4 @@
+// The coding of bytes by what differs from those before, as snapshots are kept.
 #include "stator/replay/byte_delta.hpp"
 
 #include <random>

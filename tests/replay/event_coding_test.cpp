@@ -1,3 +1,4 @@
+// That each kind of event is read from a recording as it was written.
 #include "stator/replay/event_coding.hpp"
 
 #include <gtest/gtest.h>

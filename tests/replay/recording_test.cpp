@@ -1,3 +1,4 @@
+// Recordings played again bit by bit, from snapshots and branches too, and damaged or foreign ones.
 #include <filesystem>
 #include <fstream>
 #include <memory>

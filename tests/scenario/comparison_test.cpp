@@ -1,3 +1,4 @@
+// When a value meets what a scenario expects, and how numbers are written.
 #include "stator/scenario/comparison.hpp"
 
 #include <cmath>

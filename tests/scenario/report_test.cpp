@@ -1,3 +1,4 @@
+// Results of scenarios as JUnit XML and as an HTML page.
 #include "stator/scenario/report.hpp"
 
 #include <gmock/gmock.h>

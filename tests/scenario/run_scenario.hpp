@@ -1,3 +1,4 @@
+// Reads the text of a scenario, runs it, and gives its result, its first failure or its errors.
 #pragma once
 
 #include <string>

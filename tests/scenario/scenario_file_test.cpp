@@ -1,3 +1,4 @@
+// How a scenario file is read, and its errors with their places.
 #include "stator/scenario/scenario_file.hpp"
 
 #include <algorithm>

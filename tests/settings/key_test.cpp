@@ -1,3 +1,4 @@
+// Keys declared beside the members they fill: reading, rules, needed ones, descriptions.
 #include "stator/settings/key.hpp"
 
 #include <array>

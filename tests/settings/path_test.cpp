@@ -1,3 +1,4 @@
+// Paths of names and numbers that lead to a value of a tree, and set it.
 #include "stator/settings/path.hpp"
 
 #include <memory>

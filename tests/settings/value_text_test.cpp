@@ -1,3 +1,4 @@
+// That a tree of values written as text reads as the tree it was made of.
 #include "stator/settings/value_text.hpp"
 
 #include <limits>

@@ -1,3 +1,4 @@
+// How durations and numbers are written for people, and which word a wrong one is taken for.
 #include "stator/settings/words.hpp"
 
 #include <gtest/gtest.h>

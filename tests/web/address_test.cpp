@@ -1,3 +1,4 @@
+// Addresses at which the web server listens, and its token.
 #include "stator/web/address.hpp"
 
 #include <cstdio>

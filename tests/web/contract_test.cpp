@@ -1,3 +1,5 @@
+// That the tests' contract finds answers that differ from the OpenAPI document, and that each
+// operation keeps it.
 #include "web/contract.hpp"
 
 #include <map>

@@ -1,3 +1,4 @@
+// That clients of the web server change no bit of a run in lockstep.
 #include <atomic>
 #include <cstdio>
 #include <fstream>

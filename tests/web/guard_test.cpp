@@ -1,3 +1,4 @@
+// Which hosts, origins and tokens the web server lets in.
 #include "stator/web/server/guard.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// Values of objects as JSON, read and written by their type.
 #include "stator/web/api/object_value.hpp"
 
 #include <array>

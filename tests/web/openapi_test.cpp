@@ -1,3 +1,4 @@
+// That the OpenAPI document describes every route, and equals docs/openapi.json.
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>

@@ -1,3 +1,4 @@
+// How the web server decodes paths and queries, and which methods a path has.
 #include "stator/web/api/routes.hpp"
 
 #include <gtest/gtest.h>

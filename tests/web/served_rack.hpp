@@ -1,3 +1,5 @@
+// A rack of an EtherCAT module and a CAN drive with the web server in front of it, for tests of the
+// server.
 #pragma once
 
 #include <chrono>

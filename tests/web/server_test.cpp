@@ -1,3 +1,4 @@
+// The web server over real sockets: REST, WebSocket streams, tokens, slow clients.
 #include "stator/web/server/server.hpp"
 
 #include <filesystem>

@@ -1,3 +1,4 @@
+// Recording and snapshots over the web server.
 #include <algorithm>
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// Streams of signals: rows that become messages, slow clients, events beside samples.
 #include "stator/web/stream/signal_stream.hpp"
 
 #include <cmath>

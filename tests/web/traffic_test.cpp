@@ -1,3 +1,4 @@
+// Frames of EtherCAT, CANopen and TMCL in words, damaged and truncated ones included.
 #include <algorithm>
 #include <array>
 #include <atomic>

@@ -1,3 +1,4 @@
+// The program stator: its commands, and the exit status that each kind of failure has.
 #include <csignal>
 #include <cstdio>
 #include <exception>

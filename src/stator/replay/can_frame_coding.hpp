@@ -1,3 +1,4 @@
+// How recordings hold a CAN frame: identifier, a byte of flags, length, data.
 #pragma once
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// How recordings hold events of a rack and the addresses of devices.
 #pragma once
 
 #include <optional>

@@ -1,3 +1,5 @@
+// Files of recordings: opened to be read, and written under a temporary name until their beginning
+// is complete.
 #pragma once
 
 #include <cstdint>

@@ -1,3 +1,4 @@
+// Results of scenarios as one HTML page: overview, steps, plots as SVG.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

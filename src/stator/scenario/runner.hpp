@@ -1,3 +1,4 @@
+// Runs a scenario and keeps what came of it: status, text and time of each step, plots of signals.
 #pragma once
 
 #include <cstdint>

@@ -1,3 +1,5 @@
+// stator status: shows networks, devices, wiring and faults of a rack that runs elsewhere, taken
+// from its web server.
 #include <memory>
 
 #include <CLI/CLI.hpp>

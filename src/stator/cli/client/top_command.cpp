@@ -1,3 +1,5 @@
+// stator top: a rack that runs elsewhere on a screen of the terminal, renewed several times a
+// second.
 #include <algorithm>
 #include <chrono>
 #include <csignal>

@@ -1,3 +1,5 @@
+// stator describe: prints objects, TMCL tables, registers, signals, inputs or quirks of a product
+// in several formats.
 #include <algorithm>
 #include <array>
 #include <cstdio>

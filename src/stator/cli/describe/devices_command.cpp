@@ -1,3 +1,4 @@
+// stator devices: lists the types of products, what each is and over which network it is reached.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 

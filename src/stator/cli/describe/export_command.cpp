@@ -1,3 +1,5 @@
+// stator export: writes files of a product, such as ESI, SII or EDS, or the content of a file that
+// a device keeps.
 #include <filesystem>
 #include <memory>
 #include <span>

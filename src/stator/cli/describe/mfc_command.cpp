@@ -1,3 +1,5 @@
+// stator mfc: checks a configuration of the TMC8461's I/O block, writes it as SII image and ESI
+// file, and reads it from an image.
 #include <memory>
 #include <string>
 

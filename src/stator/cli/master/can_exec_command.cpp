@@ -1,3 +1,5 @@
+// stator can-exec: starts a program with a library preloaded that puts its CAN sockets on a bus of
+// stator run.
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>

@@ -1,3 +1,4 @@
+// stator move: moves one axis of a CiA 402 drive on an EtherCAT segment, in profile position mode.
 #include <cmath>
 #include <cstdint>
 #include <limits>

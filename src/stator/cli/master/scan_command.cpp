@@ -1,3 +1,4 @@
+// stator scan: lists the slaves of an EtherCAT segment with identity, ports and mailbox protocols.
 #include <memory>
 #include <string>
 

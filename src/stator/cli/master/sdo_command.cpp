@@ -1,3 +1,4 @@
+// stator sdo: reads and writes an object of a slave on an EtherCAT segment.
 #include <algorithm>
 #include <array>
 #include <cctype>

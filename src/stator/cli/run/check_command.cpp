@@ -1,3 +1,5 @@
+// stator check: tells errors of a rack file, or what is in it, and writes the reference of its
+// keys.
 #include <cstddef>
 #include <memory>
 #include <string>

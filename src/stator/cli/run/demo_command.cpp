@@ -1,3 +1,4 @@
+// stator demo: moves three axes of a drive and draws them, with master and slave in one process.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,3 +1,5 @@
+// stator replay: plays a recording again, compares each output bit by bit, and writes signals as
+// CSV.
 #include <chrono>
 #include <memory>
 #include <optional>

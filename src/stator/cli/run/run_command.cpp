@@ -1,3 +1,4 @@
+// stator run: runs the devices of a rack file on interfaces of this machine until it is stopped.
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>

@@ -1,3 +1,4 @@
+// stator test: runs scenarios and reports them as text, JUnit XML or HTML.
 #include <algorithm>
 #include <chrono>
 #include <filesystem>

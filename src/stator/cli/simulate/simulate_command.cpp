@@ -1,3 +1,5 @@
+// stator simulate: runs an experiment on a motor with its load and compares it with the motor's
+// equations.
 #include <algorithm>
 #include <charconv>
 #include <cmath>

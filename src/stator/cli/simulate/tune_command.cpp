@@ -1,3 +1,5 @@
+// stator tune: measures the motor behind a TMC8670 and computes gains of its controllers for wanted
+// bandwidths.
 #include <algorithm>
 #include <memory>
 #include <optional>

@@ -1,3 +1,4 @@
+// stator tmcl, with its commands assemble and disassemble.
 #include <cstdint>
 #include <memory>
 #include <string>

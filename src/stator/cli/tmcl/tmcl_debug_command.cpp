@@ -1,3 +1,5 @@
+// stator tmcl debug: the debugger of TMCL programs with commands from a terminal, options, files or
+// a pipe.
 #include <cstdio>
 #include <memory>
 #include <optional>

@@ -1,3 +1,5 @@
+// stator tmcl shell: commands in direct mode to a simulated module, or to one on a serial line or
+// CAN bus.
 #include <cstdio>
 #include <memory>
 #include <optional>

@@ -1,3 +1,4 @@
+// Faults of a target, each from armed over active to done, and what is shown of them.
 #pragma once
 
 #include <cstddef>

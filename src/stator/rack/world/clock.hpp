@@ -1,3 +1,4 @@
+// Simulated time of a rack: after the machine's clock, or in lockstep with the frames of a master.
 #pragma once
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// The OpenAPI 3.1 document of the web server: its schemas, and paths made from the table of routes.
 #include <algorithm>
 #include <string>
 

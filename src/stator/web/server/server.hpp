@@ -1,3 +1,4 @@
+// The web server of a running rack, and what it is configured with.
 #pragma once
 
 #include <memory>

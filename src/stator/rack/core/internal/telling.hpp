@@ -1,3 +1,4 @@
+// Inline functions by which the sources of class Rack write commands to the journal.
 #pragma once
 
 #include "stator/rack/core/command.hpp"
