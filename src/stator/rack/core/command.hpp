@@ -59,22 +59,22 @@ struct PutBytes {
   std::span<const std::byte> bytes;
   base::SimTime now;
 };
-/// Somebody lets an event happen, which is none of the timetable.
+/// A program makes an event happen that is not in the timetable.
 struct ApplyEvent {
   RackEvent event;
   base::SimTime now;
 };
-/// Somebody asks for a fault.
+/// A program injects a fault.
 struct InjectFault {
   FaultConfiguration fault;
   base::SimTime now;
 };
-/// Somebody ends the fault of this number; nothing: all.
+/// A program ends the fault of this number; nothing: all faults.
 struct ClearFault {
   std::optional<std::uint64_t> id;
   base::SimTime now;
 };
-/// Somebody reads an entry of a device's dictionary, which its firmware may notice.
+/// A program reads an entry of a device's dictionary; reading may change the state of its firmware.
 struct ReadObject {
   DeviceAddress device;
   std::uint16_t index = 0;
@@ -87,7 +87,7 @@ struct WriteObject {
   std::span<const std::byte> value;
   base::SimTime now;
 };
-/// A device hears what has become of its order to keep something.
+/// A device learns that its order to keep something has been carried out or has failed.
 struct CompleteStorage {
   StorageCompletion completion;
   base::SimTime now;
@@ -97,7 +97,7 @@ struct SelectHostSpi {
   DeviceAddress device;
   product::HostSpi spi = product::HostSpi::pdi;
 };
-/// It clocks bytes through the selected slave.
+/// The controller beside a chip clocks bytes through the SPI slave that it has selected.
 struct TransferHostSpi {
   DeviceAddress device;
   product::HostSpi spi = product::HostSpi::pdi;
@@ -105,13 +105,13 @@ struct TransferHostSpi {
   std::span<std::byte> miso;               ///< gets what the slave answers, as long as `mosi`
   std::optional<base::SimDuration> pause;  ///< see product::HostPort::transfer()
 };
-/// It ends the selection, `surplus_clocks` after the last byte.
+/// The controller beside a chip ends the selection, `surplus_clocks` after the last byte.
 struct DeselectHostSpi {
   DeviceAddress device;
   product::HostSpi spi = product::HostSpi::pdi;
   unsigned surplus_clocks = 0;
 };
-/// It drives a pin.
+/// The controller beside a chip drives a pin.
 struct SetHostPin {
   DeviceAddress device;
   product::HostPin pin = product::HostPin::latch0;
@@ -122,14 +122,14 @@ struct PutEoeFrame {
   DeviceAddress device;
   std::span<const std::byte> frame;
 };
-/// Somebody gives the present moment a name.
+/// A program gives the present moment a name.
 struct Mark {
   std::string name;
 };
 
 }  // namespace command
 
-/// Any of them.
+/// Any of the commands above.
 struct Command
     : std::variant<
           command::Advance, command::TakeBusEvents, command::SetCarrier, command::ReleaseFrame,

@@ -14,8 +14,8 @@ namespace stator::rack {
 
 namespace {
 
-/// The device as what devices of its product's network are. Products of a program's own may promise
-/// one kind and make another.
+/// Makes the device of a setup and checks that it is a `Kind`, as devices on its product's network
+/// have to be. Products of a program's own may declare one network and make devices of another.
 template <typename Kind>
 std::unique_ptr<Kind> make(const product::Setup& setup, const base::EventReporter& reporter) {
   std::unique_ptr<product::Device> device = setup.make(reporter);

@@ -4,11 +4,12 @@
 
 namespace stator::rack {
 
-/// While it lives, calls of a rack are parts of the call that made it: a journal that was told of
-/// that one repeats them with it, so it is not told of them again.
+/// While an object of this class lives, calls of a rack are made by another call of that rack. The
+/// journal has recorded the outer call, and a replay repeats the inner ones with it, so they are
+/// not recorded.
 class NestedCalls {
  public:
-  /// `inside` says whether that is so.
+  /// Sets `inside` and restores it at the end.
   explicit NestedCalls(bool& inside) : inside_(inside), before_(std::exchange(inside, true)) {}
   NestedCalls(const NestedCalls&) = delete;
   NestedCalls& operator=(const NestedCalls&) = delete;

@@ -221,7 +221,7 @@ void Rack::settle(std::size_t bus, LockstepClock& clock) {
   const base::SimTime limit = clock.now() + kLongestSettling;
   const auto orders = [this] { return parts_->storage != nullptr ? parts_->storage->orders() : 0; };
   std::uint64_t orders_seen = parts_->orders_settled;
-  base::SimTime stored;  // what was ordered is answered then
+  base::SimTime stored;  // by then what was ordered has been answered
   while (true) {
     if (const std::uint64_t given = orders(); given != orders_seen) {
       orders_seen = given;
@@ -244,7 +244,7 @@ void Rack::put(std::size_t line, std::span<const std::byte> bytes, base::SimTime
   const NestedCalls nested(parts_->inside);
   parts_->lines[line].put(bytes, now);
   if (parts_->lines.next_deadline() <= now) {
-    parts_->lines.advance(now);  // of other lines, what a device has sent that is on several
+    parts_->lines.advance(now);  // answers that a device sends on another of its lines
   }
 }
 

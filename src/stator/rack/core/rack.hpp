@@ -72,19 +72,19 @@ class Rack : public View {
   /// the way.
   void advance(base::SimTime now);
 
-  /// Lets devices hear at `now` what has become of what they ordered to be kept, as far as it is
-  /// known (DeviceStorage::Completions::when_durable).
+  /// Tells devices at `now` which of their orders to keep something have been carried out or have
+  /// failed, as far as that is known (DeviceStorage::Completions::when_durable).
   void hand_over_completions(base::SimTime now);
-  /// Lets a device hear what a recording says of it (DeviceStorage::Completions::recorded). False:
-  /// the rack has no such memory.
+  /// Tells a device the end of an order as a recording has it
+  /// (DeviceStorage::Completions::recorded). False: the rack has no such memory.
   bool complete(const StorageCompletion& completion, base::SimTime now);
 
-  /// Lockstep: lets the replies pass to what came over a serial line. `clock` moves on as far as
-  /// that takes.
+  /// Lockstep: advances the rack and `clock` until the replies to what came over a serial line have
+  /// passed.
   void settle_line(std::size_t line, LockstepClock& clock);
 
-  /// Lockstep: lets the frames pass that wait on the bus, and those that follow from them at once.
-  /// `clock` moves on as far as that takes, which is not at all on an unlimited bus.
+  /// Lockstep: advances the rack and `clock` until the frames that wait on the bus have passed, and
+  /// those that devices send at once in answer. An unlimited bus takes no time for that.
   void settle(std::size_t bus, LockstepClock& clock);
 
   /// Lets `event` happen at `now`, to which the rack has been brought. Throws std::runtime_error
@@ -177,9 +177,9 @@ class Rack : public View {
   void advance_to(base::SimTime now);
   void take_bus_events(std::size_t segment, base::SimTime now);
   class Execution;
-  /// Who has to hear of a call: nobody of one that another call makes.
+  /// The journal that has to record a call; null for a call that another call of the rack makes.
   [[nodiscard]] Journal* listening();
-  /// Tells whoever listens of a command before it is carried out.
+  /// Records a command in the journal, if there is one, before the command is carried out.
   template <typename Alternative>
   void tell(const Alternative& command);
 };

@@ -1,4 +1,5 @@
-// Commands as a recording has them: each does what the function of its own does.
+// Rack::execute(): carries out commands as a recording has them, each by the function of Rack for
+// it.
 #include <variant>
 
 #include "stator/rack/core/internal/telling.hpp"
@@ -26,7 +27,7 @@ class Rack::Execution {
     rack_.tell(command);
     static_cast<void>(parts_.buses[command.bus].ports[command.port]->put(command.frame));
   }
-  // Who owns the ports replaces them.
+  // The owner of the ports replaces them.
   void operator()(const command::ReplacePorts& command) { rack_.tell(command); }
   void operator()(const command::PutBytes& command) {
     rack_.put(command.line, command.bytes, command.now);

@@ -37,7 +37,8 @@ dictionary::Verdict Rack::write_object(DeviceAddress address, dictionary::Entry&
   parts_->report(parts_->number_of(address), now, text ? kTextSet : kObjectSet,
                  {entry.index(), std::size_t{entry.subindex()}, entry.shared_name(),
                   text ? base::EventArgument() : base::EventArgument(entry.signed_value())});
-  // The first question belongs to the write: from it on what is ordered takes its time.
+  // The firmware is asked at once how far the write has come, since the time that an order takes
+  // begins with the first such question.
   if (dictionary::WriteCompletion* completion = written.write_completion()) {
     static_cast<void>(completion->poll(entry, now));
   }

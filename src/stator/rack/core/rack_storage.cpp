@@ -7,13 +7,14 @@ namespace stator::rack {
 
 namespace {
 
-/// With a storage, in lockstep: no device that orders on its own, between frames, writes faster.
+/// With a storage, in lockstep: no device that gives orders on its own, between frames, has a
+/// shorter write time.
 constexpr base::SimDuration kShortestWriteTime{5'000'000};
 
 }  // namespace
 
-/// A device may order something on the way: time moves by no more than the shortest write time, so
-/// that the device has its completion when it looks for it.
+/// Devices may give orders on the way: time moves on by no more than the shortest write time at
+/// once, so that a completion is there when the device looks for it.
 void Rack::advance_with_storage(base::SimTime now) {
   wait_for_completions();
   while (parts_->advanced_to + kShortestWriteTime < now) {

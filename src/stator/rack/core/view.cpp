@@ -1,4 +1,4 @@
-// What whoever only looks sees of a rack.
+// The read-only side of a rack: devices, signals, inputs, faults and deadlines.
 #include "stator/rack/core/view.hpp"
 
 #include <algorithm>

@@ -32,8 +32,8 @@ class SerialLine;
 struct FaultStatus;
 struct RackParts;
 
-/// A rack as whoever only looks gets it: nothing that is reached from here can be changed, so
-/// looking never shows in a recording. Not thread-safe.
+/// A read-only view of a rack: nothing that is reached from here can be changed, so reading never
+/// shows in a recording. Not thread-safe.
 class View {
  public:
   View(const View&) = delete;
@@ -58,13 +58,14 @@ class View {
   /// `device` is on a bus.
   [[nodiscard]] const product::CanDevice& node(DeviceAddress device) const;
   [[nodiscard]] bool powered(DeviceAddress device) const;
-  /// What the device's objects are protected by; pre_operational also stands for states below.
+  /// The network state that decides which objects of the device may be written; pre_operational
+  /// also stands for the states below.
   [[nodiscard]] dictionary::NetworkState network_state(DeviceAddress device) const;
 
   /// What can be set around a device, and in which range.
   [[nodiscard]] const std::vector<product::InputRange>& inputs(DeviceAddress device) const;
-  /// What an input of a device has been set to and, under a fault, is held at. Nothing: it never
-  /// has.
+  /// The value at which a fault holds an input of a device, or to which it was set last. Nothing:
+  /// it was never set.
   [[nodiscard]] std::optional<double> input_value(
       const std::pair<DeviceAddress, std::string>& input) const;
   /// All signals of all devices, named "device.signal", and of all buses.

@@ -28,7 +28,8 @@ ethercat::AlState al_state(const std::string& name) {
                                    : ethercat::AlState::safe_operational;
 }
 
-/// A fault that is asked for where frames or bytes pass, and counted there.
+/// A fault that a segment, a bus or a line applies to passing frames or bytes, and whose hits are
+/// counted there.
 template <typename Medium, typename Fault>
 class InjectedEffect final : public FaultEffect {
  public:

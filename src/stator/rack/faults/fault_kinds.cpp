@@ -24,7 +24,7 @@ constexpr double kMostCount = 1e9;
 constexpr double kAnyValue = 1e12;  // an input's own range decides
 constexpr double kMost32Bits = 4294967295.0;
 
-/// FaultKind::make of a kind that is one of several alike.
+/// FaultKind::make for kinds that share the function `Effect` and differ in its argument `Which`.
 template <auto Effect, auto Which>
 MadeEffect made(const FaultSite& site, const FaultConfiguration& fault) {
   return Effect(site, fault, Which);

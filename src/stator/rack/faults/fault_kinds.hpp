@@ -70,7 +70,7 @@ struct FaultKind {
   /// What `count` counts and `probability` applies to; empty: neither is possible.
   std::string_view counted{};
   bool momentary = false;   ///< it is over as soon as it has begun
-  bool of_mailbox = false;  ///< it hits requests, and the very one in whose course it begins
+  bool of_mailbox = false;  ///< it hits mailbox requests, including the one during which it begins
   std::span<const FaultParameter> parameters{};
   std::string_view summary;
   std::string_view effect;  ///< what the master sees

@@ -181,7 +181,7 @@ class FaultWatches::BusTap {
   BusTap(const BusTap&) = delete;
   BusTap& operator=(const BusTap&) = delete;
 
-  /// Frames that have passed since this is asked for the first time.
+  /// Frames with the identifier that have passed since the first call for that identifier.
   [[nodiscard]] std::uint64_t passed(std::uint32_t identifier) { return counts_[identifier]; }
 
  private:

@@ -100,8 +100,8 @@ MailboxFaults& Faults::mailbox_of(DeviceAddress device) {
   return *mailbox;
 }
 
-// In the middle of a device's work: only what concerns the mailbox itself may begin here, the rest
-// does when the device has done.
+// Called while a device handles a request: only faults of that mailbox may begin here, all others
+// begin when the device is done.
 void Faults::on_mailbox(const MailboxFaults& mailbox, const MailboxStep& step) {
   for (Record& record : records_) {
     if (record.state != FaultState::armed || record.watch == nullptr ||
@@ -138,7 +138,7 @@ bool Faults::clear(std::uint64_t id, SimTime now) {
   return true;
 }
 
-// From the last one on: what comes after another must not begin because that ends.
+// Armed faults are done first: one that waits for the end of another must not begin when that ends.
 std::size_t Faults::clear_all(SimTime now) {
   std::size_t count = 0;
   for (Record& record : records_) {

@@ -37,7 +37,8 @@ class Settings {
   void set(std::string_view input, double value, std::string_view key, bool ramped = false) {
     set_of_device(prefix() + std::string(input), value, key, ramped);
   }
-  /// Whichever of the inputs there is; products call theirs by different names.
+  /// Sets the first of the inputs named that the device has; products name the same input
+  /// differently.
   void set_one_of(std::initializer_list<std::string> names, double value, std::string_view key) {
     for (const std::string& name : names) {
       if (has(prefix() + name)) {
@@ -188,7 +189,7 @@ constexpr std::array kCurrentNoise{
     size("size", "count or A", 0.0, 65535.0,
          "standard deviation: counts of a TMC8670's converter, ampere of a TMCC160")};
 
-// Names the first input that a fault cannot set; defined below the rows it asks.
+// Problems with the first input that a fault cannot set; defined below kRows, which it searches.
 std::vector<FaultProblem> setting_problems(const FaultConfiguration& fault,
                                            std::span<const product::InputRange> inputs);
 

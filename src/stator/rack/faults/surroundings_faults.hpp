@@ -23,9 +23,9 @@ struct FaultSetting {
 /// have for them. Each sets inputs, all of which are sound at 0.
 [[nodiscard]] std::span<const FaultKind> surroundings_fault_kinds();
 
-/// What such a fault holds from its begin on, in this order; at its end they go back the other way
-/// round to what else is wanted of them, see held.hpp. `inputs` are those of the device:
-/// names differ between products.
+/// The inputs that such a fault holds from its begin on, in this order; at its end they are
+/// released in reverse order, see overridable.hpp. `inputs` are those of the device: names differ
+/// between products.
 [[nodiscard]] std::vector<FaultSetting> settings_of(const FaultConfiguration& fault,
                                                     std::span<const product::InputRange> inputs);
 

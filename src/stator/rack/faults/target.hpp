@@ -44,10 +44,12 @@ class Target {
   /// Lets an event happen as a timetable does. Throws std::runtime_error for an input that does not
   /// exist or a value it cannot have.
   virtual void apply(const RackEvent& event, base::SimTime now) = 0;
-  /// A fault, which `owner` stands for, holds what `event` names as it has it from now on, whatever
-  /// else sets it. Throws as apply() does. The newest of several is in force.
+  /// From now on the fault that `owner` identifies holds what `event` names at the value in
+  /// `event`, whatever else sets it. Throws as apply() does. Of several holds the newest is in
+  /// force.
   virtual void hold(const Holdable& event, const void* owner, base::SimTime now) = 0;
-  /// That is over: what `event` names gets what an older fault wants of it, else what was set last.
+  /// Ends the hold of `owner`: what `event` names takes the value of the newest hold that is left,
+  /// else the value that was set last.
   virtual void release(const Holdable& event, const void* owner, base::SimTime now) = 0;
 
   /// Where frames and bytes pass: faults are injected, withdrawn, counted and passing frames

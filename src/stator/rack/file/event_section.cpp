@@ -19,7 +19,7 @@ using namespace base::literals;
 constexpr base::SimDuration kLatest(std::int64_t{1'000'000'000} * 86'400 * 365);
 
 constexpr double kAnyValue = 1e12;  // the input's own range decides
-/// That one fault hits.
+/// The most frames that one fault can hit.
 constexpr std::int64_t kMostFrames = 1'000'000;
 /// Simulated time between two steps of a ramp.
 constexpr base::SimDuration kRampStep = 1_ms;
@@ -134,7 +134,7 @@ void EventSectionReader::read_set(TableReader& section, base::SimDuration at,
                  "describe DEVICE --inputs\" lists the inputs");
   }
   if (section.describes() || !section.problems().list.empty()) {
-    // A device with errors may not be there to be asked.
+    // Inputs are not looked up, since a device whose table has errors may not exist.
     static_cast<void>(
         section.number({"from", "A ramp begins at this value"}, -kAnyValue, kAnyValue));
     static_cast<void>(section.duration({"over", "How long the ramp takes"}, kRampStep, 60_s));

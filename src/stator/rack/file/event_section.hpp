@@ -19,8 +19,9 @@ class EventSectionReader {
   /// Reads one [[event]], its time, its action and what the action acts upon, and appends what it
   /// makes happen. Ends reading for a device, port, cable or input that is not in the rack.
   void read(TableReader& section, std::vector<EventConfiguration>& events);
-  /// The same of a table that says elsewhere when `action`, one of action_names(), happens, `at`
-  /// after the rack's power-on. Does not look for keys that nobody asked for.
+  /// Reads an action from a table that has keys of its own for which `action`, one of
+  /// action_names(), and when it happens: `at` after the rack's power-on. Does not report unknown
+  /// keys.
   void read_action(TableReader& section, const std::string& action, base::SimDuration at,
                    std::vector<EventConfiguration>& events);
   /// What can happen.

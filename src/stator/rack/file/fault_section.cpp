@@ -75,7 +75,8 @@ std::optional<FaultValue> given_value(TableReader& section, const FaultParameter
   return std::nullopt;
 }
 
-/// Of a table of kinds, so it fits; nothing: the parameter has none.
+/// The default of a parameter, unchecked since it comes from the table of kinds; nothing: it has
+/// none.
 std::optional<FaultValue> default_value(const FaultParameter& parameter) {
   const std::string text(parameter.default_value);
   if (text.empty()) {
@@ -97,7 +98,7 @@ std::string missing(const FaultParameter& parameter) {
   return fmt::format("\"{}\" is missing; it says: {}", parameter.name, parameter.summary);
 }
 
-/// Reads a row of a table; given or by default.
+/// The value given for a parameter, else its default.
 std::optional<FaultValue> value_of(TableReader& section, const FaultParameter& parameter) {
   auto value = given_value(section, parameter);
   if (parameter.needed) {
@@ -119,7 +120,7 @@ std::optional<T> read_common(TableReader& section, std::string_view name) {
   return value ? std::optional<T>(std::get<T>(*value)) : std::nullopt;
 }
 
-/// Below 0: it is no such number.
+/// The value of `digits`; negative if they are no hexadecimal number up to `maximum`.
 long hexadecimal(std::string_view digits, long maximum) {
   long value = -1;
   const char* end = digits.data() + digits.size();

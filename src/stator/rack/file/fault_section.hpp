@@ -21,7 +21,7 @@ class FaultReader {
   [[nodiscard]] FaultConfiguration read(TableReader& section);
 
  private:
-  /// Nothing where a table is described.
+  /// The device's name; empty while a table is only described.
   [[nodiscard]] std::string name_of(const TableReader& section, DeviceAddress device) const;
   void read_target(TableReader& section, FaultConfiguration& fault);
   void read_bus_target(TableReader& section, FaultConfiguration& fault);

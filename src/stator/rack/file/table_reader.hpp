@@ -10,8 +10,8 @@
 
 namespace stator::rack {
 
-/// Reads a table whose keys depend on what is read elsewhere in the rack: where such a thing is not
-/// there, the table says nothing, and reading of it ends.
+/// Reads a table whose keys depend on other tables of the rack. If what the table refers to does
+/// not exist, reading of the table ends.
 class TableReader : public settings::Reader {
  public:
   using Reader::Reader;
@@ -34,12 +34,12 @@ class TableReader : public settings::Reader {
     refuse(key, reason);
     throw Abandoned();
   }
-  /// The same for a key without which the table says nothing and that is not there.
+  /// As fail(), for a required key that is missing.
   [[noreturn]] void missing(const std::string& key, const std::string& explanation) {
     refuse_missing(key, explanation);
     throw Abandoned();
   }
-  /// The same for a device that `key` names and that is not there.
+  /// As fail(), for a `key` that names a device that does not exist.
   [[noreturn]] void fail_for_reference(const std::string& key, const std::string& reason) {
     if (!problems().devices_missing) {
       refuse(key, reason);
@@ -49,8 +49,8 @@ class TableReader : public settings::Reader {
   /// Ends reading; what is wrong has been told.
   [[noreturn]] static void abandon() { throw Abandoned(); }
 
-  /// Calls `read`, which a failure ends no more of than this call. Returns whether it came to its
-  /// end.
+  /// Calls `read`; fail() and the like inside it end only this call. Returns whether `read` came to
+  /// its end.
   template <typename Function>
   bool attempt(const Function& read) {
     try {

@@ -30,7 +30,7 @@ class TargetReader {
   [[nodiscard]] unsigned read_port(TableReader& section, DeviceAddress target) const;
   [[nodiscard]] std::size_t read_bus(TableReader& section, const std::string& name) const;
   [[nodiscard]] const DeviceConfiguration& device_at(DeviceAddress address) const;
-  /// Names and ranges only, since the devices asked for them are gone.
+  /// The inputs of a device without access to them: the device was made only to be asked.
   [[nodiscard]] const std::vector<product::InputRange>& inputs_of(DeviceAddress device);
 
  private:

@@ -137,7 +137,7 @@ void WireSectionReader::check_driver(TableReader& section, const End& from, cons
       return;
     }
   }
-  // A pin of a chip is a signal and an input under one name, so wires can bite their tail.
+  // A pin of a chip is a signal and an input of the same name, so wires can form a ring.
   for (const End* end = &from;;) {
     if (*end == to) {
       section.refuse("to",

@@ -29,7 +29,7 @@ class WireSectionReader {
 
     friend auto operator<=>(const End&, const End&) = default;
   };
-  /// What a device has; it is gone once it was asked.
+  /// Signals and inputs of a device that was made only to be asked for them.
   struct Terminals {
     std::set<std::string> signals;
     std::vector<product::InputRange> inputs;
@@ -37,8 +37,8 @@ class WireSectionReader {
 
   [[nodiscard]] End read_end(TableReader& section, const std::string& key) const;
   [[nodiscard]] const Terminals& terminals_of(DeviceAddress device);
-  /// The input at the end of a wire, whose signal is there, too. Nothing where a table is
-  /// described.
+  /// The input at the end `to`; ends reading unless that input and the signal `from` exist. Empty
+  /// while a table is only described.
   [[nodiscard]] product::InputRange input_between(TableReader& section, const End& from,
                                                   const End& to);
   void read_levels(TableReader& section, const product::InputRange& input, WireConfiguration& wire);

@@ -228,7 +228,7 @@ bool DeviceStorage::complete(const StorageCompletion& completion, base::SimTime 
   if (!completion.kept) {
     memory.error_.clear();  // the device has refused it
     if (completions_ == Completions::recorded && memory.ordered_ == completion.version) {
-      try_again(memory);  // this disk may have taken what that of the recording has not
+      try_again(memory);  // the recording's disk failed, but this one may have taken the file
     }
   }
   busy_.store(std::ranges::any_of(memories_,

@@ -79,14 +79,14 @@ class DeviceStorage {
   [[nodiscard]] bool has(std::size_t memory) const { return memory < memories_.size(); }
   bool complete(const StorageCompletion& completion, base::SimTime now);
 
-  /// Tries again, now and then, to write what a device takes for kept although it could not be
+  /// Retries from time to time to write contents that devices take for kept but that could not be
   /// written. `now` is the machine's time, as the real clock has it: in lockstep simulated time may
   /// stand still.
   void service(base::SimTime now);
   /// Waits until all that was ordered is on the disk or has failed, and tries once more what had
   /// failed. Devices hear nothing of it.
   void flush(base::SimTime now);
-  /// Why, for each file that is not what its device takes for kept.
+  /// For each file that does not hold what its device takes for kept, the reason.
   [[nodiscard]] std::vector<std::string> unkept() const;
 
  private:

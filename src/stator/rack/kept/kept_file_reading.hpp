@@ -9,8 +9,8 @@
 
 namespace stator::rack {
 
-/// As decode(), for who meets damaged files as a rule and not as an exception. The error says what
-/// is wrong with the bytes; `end` is that of the part that holds then.
+/// As decode(), for callers to whom damaged files are no exception. The error says what is wrong
+/// with the bytes; `end` is then that of the part that is intact.
 [[nodiscard]] base::Expected<KeptFile, std::string> read_kept_file(std::span<const std::byte> file,
                                                                    LogEnd& end);
 

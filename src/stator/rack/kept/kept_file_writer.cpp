@@ -19,7 +19,7 @@ void KeptFileWriter::write(const KeptFile& content) {
   if (append(content)) {
     return;
   }
-  // What failed to be brought to the disk is not relied on again.
+  // After a failed append the state of the file is unknown.
   known_.reset();
   const auto file = encode(content.kind, content.product, content.content);
   const auto stamp = directory_.replace(name_, file);

@@ -67,7 +67,7 @@ class KeptMemory {
   std::string file_;
   std::string path_;
 
-  // DeviceStorage's book on it.
+  // Written by DeviceStorage, which keeps account of the orders here.
   std::size_t number_ = 0;
   std::uint32_t ordered_ = 0;   ///< the newest order
   std::uint32_t finished_ = 0;  ///< the newest order of whose end the device knows

@@ -11,7 +11,7 @@
 
 namespace stator::rack {
 
-/// Who brings the content of a ParameterMemory to where it outlives the process.
+/// Stores the content of a ParameterMemory beyond the life of the process.
 class ParameterKeeper {
  public:
   ParameterKeeper() = default;

@@ -34,7 +34,7 @@ void CanNetwork::observe(base::Delegate<void(const can::TraceEntry&)> observer) 
   look_at_wire();
 }
 
-// A bus that nobody looks at has no trace.
+// The bus calls trace() only while there is a file to write or somebody who watches.
 void CanNetwork::look_at_wire() {
   using Trace = base::Delegate<void(const can::TraceEntry&)>;
   bus_.set_trace(observer_ || !tap_.empty() ? Trace::bind<&CanNetwork::trace>(*this) : Trace());

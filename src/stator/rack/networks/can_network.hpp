@@ -64,7 +64,7 @@ class CanNetwork {
   void withdraw(std::uint64_t fault) { bus_.withdraw(fault); }
   /// What the time stamps of log and capture add to simulated time from now on.
   void set_epoch(base::SimDuration epoch) { tap_.set_epoch(epoch); }
-  /// Gives log and capture to who looks after them; `number` is whose events they are.
+  /// Adds log and capture to `outputs`; `number` is the bus's in events about these files.
   void add_files_to(OutputFiles& outputs, std::uint16_t number) { tap_.add_to(outputs, number); }
   /// Copies all that is on the wire into `tap` as `network`; null: nothing.
   void watch_traffic(TrafficTap* tap, std::uint16_t network);
@@ -104,7 +104,7 @@ class CanNetwork {
   base::SimTime now_;
   CanTap tap_;
   base::Delegate<void(const can::TraceEntry&)> observer_;
-  can::Bus bus_;  ///< goes first: it knows the devices' controllers
+  can::Bus bus_;  ///< destroyed first: it refers to the devices' controllers
 };
 
 }  // namespace stator::rack

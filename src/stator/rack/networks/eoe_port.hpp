@@ -13,8 +13,8 @@ namespace stator::rack {
 
 class Journal;
 
-/// Where what the master sends to the network behind a device's EoE goes. An empty function:
-/// nowhere. Called by who holds the rack; must neither wait nor call back.
+/// Gets the frames and IP parameters that the master sends to the network behind a device's EoE;
+/// empty functions drop them. Called while the rack is held; must neither wait nor call the rack.
 struct EoeOutput {
   std::function<void(std::span<const std::byte>)> frame;
   std::function<void(const ethercat::IpParameters&)> ip_parameters;

@@ -198,7 +198,8 @@ void SerialLine::deliver(std::span<const std::byte> bytes, SimTime now) {
   serving_ = before;
 }
 
-// A device on its way through time may be ahead of others that have something to send as well.
+// Bytes are sorted by time, since a device that is brought through time at once may be ahead of
+// other devices that send on the line as well.
 void SerialLine::send(const Member& member, std::span<const std::byte> bytes, SimTime now) {
   if (serving_ && sent_.empty()) {
     pass_on(member, bytes);

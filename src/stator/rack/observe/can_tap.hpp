@@ -24,7 +24,7 @@ class CanTap {
   [[nodiscard]] bool empty() const {
     return log_ == nullptr && capture_ == nullptr && traffic_ == nullptr;
   }
-  /// Gives the files to who looks after them; `device` is whose events they are.
+  /// Adds the files to `outputs`; `device` is the number in events about them.
   void add_to(OutputFiles& outputs, std::uint16_t device);
   /// Also copies it for somebody who watches, as `network`; null: nobody.
   void watch(TrafficTap* traffic, std::uint16_t network) {

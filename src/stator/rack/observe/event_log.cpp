@@ -77,7 +77,8 @@ void EventLog::settle(base::SimTime now) {
   settle_all(now);
 }
 
-// A flood goes on being counted second by second; who has come once only is forgotten.
+// Events that were repeated go on being counted second by second; those that came once are
+// forgotten.
 void EventLog::settle_all(base::SimTime now) {
   for (Recent& recent : recent_) {
     if (now - recent.begin >= kSecond && recent.more != 0) {
@@ -99,7 +100,7 @@ void EventLog::log(const base::Event& event) const {
   }
 }
 
-/// A single one is told as it was, which takes no more room.
+/// A single repetition is logged as the event itself, which takes a line as a count would.
 void EventLog::log_repetitions(const Recent& recent) const {
   if (recent.more == 1) {
     log(recent.newest);

@@ -46,7 +46,7 @@ void OutputFiles::lose_rather_than_wait() {
   }
 }
 
-// What gets lost from now on is told in the end only: nobody was too slow for it.
+// Losses from now on are reported by finish() only: they do not mean that a writer was too slow.
 void OutputFiles::stop_waiting() {
   for (File& file : files_) {
     file.reported = true;

@@ -29,8 +29,8 @@ class OutputFiles {
     std::string records;          ///< what is in it: "rows"
     std::uint16_t device = 0;     ///< whose event it is
     bool ends_at_loss = false;    ///< it has no gaps, but breaks off
-    bool always_waits = false;    ///< who writes it is no thread that answers
-    bool wanted_complete = true;  ///< else nobody is told in the end
+    bool always_waits = false;    ///< its writer may wait: it is no thread that answers masters
+    bool wanted_complete = true;  ///< false: finish() does not report what is missing
   };
 
   explicit OutputFiles(EventLog& log) : log_(log) {}
@@ -39,20 +39,22 @@ class OutputFiles {
   void add(link::BackgroundOutput& output, Description description);
   void remove(const link::BackgroundOutput& output);
 
-  /// From now on, and for those that are added later, nobody waits.
+  /// From now on writers lose what finds no room instead of waiting, also those of outputs added
+  /// later, except where always_waits says otherwise.
   void lose_rather_than_wait();
 
   // From any thread, also while another one waits in one of the files.
 
-  /// The end has come: who waits for a file that does not move gives up soon.
+  /// The run is being ended: writers that wait for a file that does not move give up soon.
   void stop_waiting();
-  /// Something has begun to go wrong and was not told. Costs next to nothing.
+  /// A loss or failure has begun that look() has not reported. Costs next to nothing.
   [[nodiscard]] bool have_news() const;
-  /// Tells of it, which takes as little when there is nothing.
+  /// Reports such losses and failures as events; costs as little when there are none.
   void look(base::SimTime now);
 
-  /// Closes the files; not while others write. What is missing in which, a sentence each.
-  /// `asked`: since when nobody has more time.
+  /// Closes the files, one sentence for each that is incomplete; not while others write. `asked`:
+  /// when the end was asked for, from which on waiting is limited
+  /// (link::BackgroundOutput::drain()).
   [[nodiscard]] std::vector<std::string> finish(
       link::BackgroundOutput::Clock::time_point asked = link::BackgroundOutput::Clock::now());
 

@@ -173,8 +173,8 @@ void PinTrace::drop(const TraceRecord& record) {
   }
 }
 
-// The file does not know when lost edges were: unknown from the first of them on, and the level
-// that the last of them left from now on.
+// When the lost edges were is not known: each line concerned is written as unknown from its first
+// lost edge on, and from now on with the level that its last lost edge left.
 void PinTrace::resume(base::SimTime now) {
   for (const bool known : {false, true}) {
     for (Line line = 0; line < board::kLines; ++line) {

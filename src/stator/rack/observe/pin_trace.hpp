@@ -40,7 +40,7 @@ class PinTrace {
   PinTrace& operator=(const PinTrace&) = delete;
 
   /// Writes what is left, up to `now`, and closes the file. Nobody advances the chip meanwhile;
-  /// what comes later is not recorded. `asked`: since when nobody has more time.
+  /// what comes later is not recorded. `asked`: as in OutputFiles::finish().
   void finish(base::SimTime now, link::BackgroundOutput::Clock::time_point asked =
                                      link::BackgroundOutput::Clock::now());
 

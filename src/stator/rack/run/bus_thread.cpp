@@ -111,7 +111,7 @@ bool BusThread::take_frames() {
   return more;
 }
 
-// A full port is not asked for frames: they wait where they are, in the end at the program.
+// Frames are not read from the link of a full port: they wait there, and finally in the program.
 std::size_t BusThread::look_at(OutsidePort& port) {
   if (port.failed) {
     return 0;

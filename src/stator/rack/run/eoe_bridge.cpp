@@ -14,7 +14,7 @@ namespace stator::rack {
 
 namespace {
 
-// The thread sleeps until a frame comes; the timeout only bounds how long it is not seen to work.
+// The thread sleeps until a frame comes; without one it looks this often whether it has to stop.
 constexpr base::SimDuration kSleep{1'000'000'000};
 
 }  // namespace

@@ -268,7 +268,7 @@ void Runner::run(SegmentThread& segment) {
     }
     if (received && received->length > 0) {
       if (!segment.carriers[static_cast<std::size_t>(received->entry)]) {
-        segment.next_carrier_check = {};  // a frame is quicker than the next look
+        segment.next_carrier_check = {};  // a frame came before the next check was due
         watch_carriers(segment, shared_.machine_now());
       }
       answer(segment, std::span(buffer).first(received->length), received->entry);

@@ -46,7 +46,8 @@ base::SimTime RunningRack::present() {
   return handed_out;
 }
 
-// No slice ends before what came last: a device is never asked for its past.
+// A slice never ends before the moment of the latest input, so no device has to handle input in its
+// past.
 RunningRack::Lag RunningRack::advance_slice() {
   if (stopping) {
     return {};  // hundreds of threads may still come for their slice
@@ -68,8 +69,9 @@ RunningRack::Lag RunningRack::advance_slice() {
   return {lag, overrunning && !before};
 }
 
-// A slice that took too long is followed by one that would not have; one that was quick by twice as
-// much, so that a moment in which the machine did something else is soon forgotten.
+// A slice that took longer than kSliceTime is followed by one that should take just that; after one
+// that took less than half of it slices double, so that a short hold-up of the machine is soon
+// forgotten.
 void RunningRack::adapt_slice(base::SimDuration simulated, base::SimDuration took) {
   if (took > kSliceTime) {
     const double part =

@@ -55,8 +55,8 @@ struct RunningRack {
   [[nodiscard]] base::SimTime now() {
     return clock_kind == ClockKind::real ? present() : lockstep_clock.now();
   }
-  /// The machine's present in simulated time; from any thread, and what is read without the mutex
-  /// may be later than what comes afterwards, when the clock is set back.
+  /// The machine's present in simulated time. From any thread; a thread without the mutex may read
+  /// a later time than it reads afterwards, when the clock is set back.
   [[nodiscard]] base::SimTime machine_now() const {
     return real_clock.now() - base::SimDuration(set_back_ns.load(std::memory_order_relaxed));
   }

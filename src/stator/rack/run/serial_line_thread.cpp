@@ -18,8 +18,8 @@ namespace {
 using base::SimDuration;
 using base::SimTime;
 
-// Longest sleep: how late a rack in which nothing happens is brought to the present; while a device
-// has something to look at in its next period, and for a while after it.
+// Longest sleep, which is how late an idle rack is brought to the present. kBusyTick holds while a
+// device has something to look at in its next period, and for kIdleAfter after that.
 constexpr SimDuration kIdleTick{10'000'000};
 constexpr SimDuration kBusyTick{1'000'000};
 constexpr SimDuration kIdleAfter{100'000'000};
@@ -81,7 +81,8 @@ void SerialLineThread::run() {
   room_ = buffer.size();
   while (!shared_.stopping) {
     if (room_ == 0) {
-      // What programs send waits where it is, in the end at the programs.
+      // Bytes are not read while there is no room: they wait in the link, and finally in the
+      // program.
       std::this_thread::sleep_for(std::chrono::nanoseconds(time_to_sleep_.nanoseconds()));
     }
     const auto received =
@@ -134,7 +135,7 @@ void SerialLineThread::put_in_lockstep(std::span<const std::byte> bytes) {
   }
 }
 
-// A device may have sent frames, or will do so sooner than its bus's thread thinks.
+// A device may have sent frames on its bus, or may do so earlier than the bus's thread wakes.
 void SerialLineThread::wake_buses(SimTime before) {
   if (shared_.rack.next_bus_deadline() >= before) {
     return;

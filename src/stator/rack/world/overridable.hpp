@@ -5,8 +5,8 @@
 
 namespace stator::rack {
 
-/// What is wanted of one thing that can be set: events, programs and wires set it, faults hold it.
-/// The newest hold that lasts is in force, without one what was set last.
+/// A value that events, programs and wires set and that faults hold. The newest hold that has not
+/// been released is in force, else the value that was set last.
 template <typename Value>
 class Overridable {
  public:
@@ -14,12 +14,12 @@ class Overridable {
   /// `value`: what it is before anybody sets it.
   explicit Overridable(Value value) : set_(value) {}
 
-  /// Notes what it is to be. False: a hold is in force, and the value comes after it.
+  /// Sets the value. False: a hold is in force, and the value takes effect after it.
   bool set(Value value) {
     set_ = value;
     return holds_.empty();
   }
-  /// `owner` wants `value` until it releases it. False: a newer hold is in force.
+  /// Holds `value` for `owner` until release(owner). False: a newer hold is in force.
   bool hold(const void* owner, Value value) {
     const auto known = std::ranges::find(holds_, owner, &Hold::owner);
     if (known == holds_.end()) {

@@ -8,7 +8,7 @@ namespace stator::rack {
 
 namespace {
 
-// What an event wants of that which it sets.
+// The member of an event that holds the value to be set.
 template <typename Event>
 constexpr auto kWanted = nullptr;
 template <>

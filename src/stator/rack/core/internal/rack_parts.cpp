@@ -13,8 +13,9 @@ namespace stator::rack {
 RackParts::RackParts(const RackConfiguration& configuration, EventLog& events)
     : log(events), outputs(events), lines(configuration.lines), timetable(configuration.events) {}
 
-// Here at once, as is a bus: should a device be refused what is kept for it, the storage, which
-// goes first, still knows those before it.
+// The members of a segment, as those of a bus, are stored before their devices are made: when a
+// kept file is refused and an exception is thrown, the storage, which is destroyed first, still
+// refers to devices that exist.
 void RackParts::add(const SegmentConfiguration& segment, std::vector<std::string>& names) {
   SegmentMembers& members = segments.emplace_back();
   members.segment = std::make_unique<ethercat::Segment>();
@@ -30,7 +31,8 @@ void RackParts::add(const SegmentConfiguration& segment, std::vector<std::string
       storage->attach(device.name, *members.devices.back().device, reporter);
     }
     ethercat::SlaveController& controller = members.devices.back().device->controller();
-    // Of the inputs that faults hold the one that a rack file can have set beforehand.
+    // The only input that faults hold and that a rack file can preset, so it begins with that
+    // value.
     held_inputs[{{segments.size() - 1, members.devices.size() - 1, NetworkKind::segment},
                  product::EtherCatDevice::kClockDeviation}] =
         Overridable<double>(controller.configuration().clock_deviation_ppb);

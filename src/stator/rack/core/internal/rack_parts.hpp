@@ -76,7 +76,7 @@ struct RackParts {
   [[nodiscard]] Overridable<double>& held(const InputEvent& event);
   [[nodiscard]] Overridable<bool>& held(const CableEvent& event);
   [[nodiscard]] Overridable<bool>& held(const PowerEvent& event);
-  /// Sets what is in force from now on.
+  /// Makes an input, a cable or a supply have the value of the event from now on.
   void enforce(const InputEvent& event, base::SimTime now);
   void enforce(const CableEvent& event, base::SimTime now);
   void enforce(const PowerEvent& event, base::SimTime now);
@@ -94,7 +94,7 @@ struct RackParts {
     return (address.kind == NetworkKind::bus ? buses[address.network].inputs
                                              : segments[address.network].inputs)[address.device];
   }
-  /// What events call a device.
+  /// The number by which events name a device.
   [[nodiscard]] std::uint16_t number_of(DeviceAddress device) const;
   void report(std::uint16_t number, base::SimTime now, const base::EventRule& rule,
               const Arguments& arguments = {});
@@ -105,7 +105,7 @@ struct RackParts {
                                                            base::SimTime arrival,
                                                            ethercat::MasterInterface entry);
   [[nodiscard]] base::SimTime next_coupling() const;
-  /// Those that are due at `instant`.
+  /// Lets the couplings act that are due at `instant`.
   void act_couplings(base::SimTime instant);
   [[nodiscard]] base::SimTime next_tap() const;
   void sample_taps(base::SimTime now);
@@ -113,11 +113,11 @@ struct RackParts {
   EventLog& log;
   OutputFiles outputs;
   std::unique_ptr<PinTrace> trace;  ///< outlives the chip it looks at
-  /// Of devices whose EoE is bridged; outlive these.
+  /// Ports of the devices whose EoE is bridged; destroyed after the devices.
   std::map<DeviceAddress, std::unique_ptr<EoePort>> eoe_ports;
   std::vector<SegmentMembers> segments;
   std::vector<BusMembers> buses;
-  SerialLines lines;  ///< go first: they know devices and buses
+  SerialLines lines;  ///< destroyed before devices and buses, to which they refer
   Timetable timetable;
   std::map<std::pair<DeviceAddress, std::string>, Overridable<double>>
       held_inputs;  ///< those ever set
@@ -129,12 +129,12 @@ struct RackParts {
   std::vector<SignalTap*> taps;
   TrafficTap* traffic = nullptr;
   std::unique_ptr<DeviceStorage> storage;
-  std::uint64_t orders_settled = 0;  ///< given until settle() ended last
+  std::uint64_t orders_settled = 0;  ///< DeviceStorage::orders() when settle() last ended
   base::SimTime advanced_to;
   Journal* journal = nullptr;
-  bool inside = false;                     ///< within a call that the journal was told of
+  bool inside = false;  ///< within a call that the journal has recorded, see NestedCalls
   std::unique_ptr<faults::Target> ground;  ///< what faults reach
-  std::unique_ptr<Faults> faults;          ///< go first: they know everything
+  std::unique_ptr<Faults> faults;          ///< destroyed first: they refer to everything above
 };
 
 }  // namespace stator::rack
