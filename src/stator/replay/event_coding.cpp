@@ -58,8 +58,8 @@ void members(Coder& coder, SegmentFaultEvent& event) {
   coder(event.fault.frames);
 }
 
-/// In the number of an event: it has further members, which the first recordings did not have
-/// and which are there only if one of them is not as it is by itself.
+/// A flag in the number of an event: further members follow. The first recordings did not have
+/// these; they are written only if one of them differs from its default.
 constexpr std::uint64_t kHasFurther = 0x20;
 
 template <typename Coder, typename Event>

@@ -109,8 +109,8 @@ std::optional<Difference> Player::play(base::SimTime until, const std::string& m
 }
 
 void Player::do_step() {
-  // Those that only compare may stand between a call and the bytes that came out in it: earlier
-  // versions recorded them in this order when they went back.
+  // Steps that are only compared may stand between a call and the bytes that it put out: earlier
+  // versions recorded them in this order when they restored a snapshot.
   const bool compares = step_.kind == StepKind::bytes_leave || step_.kind == StepKind::signals ||
                         step_.kind == StepKind::frame_leaves ||
                         step_.kind == StepKind::host_answers ||

@@ -19,7 +19,7 @@
 
 namespace stator::replay {
 
-/// The first thing that came out otherwise than it was recorded.
+/// The first output of a replay that differs from the recorded one.
 struct Difference {
   std::uint64_t step = 0;
   base::SimTime time;
@@ -36,8 +36,8 @@ struct PlayerCounts {
   std::uint64_t bytes = 0;       ///< of programs, on serial lines
 };
 
-/// Does to a rack what a recording says, and compares what the rack gives out with what it gave
-/// then.
+/// Repeats the steps of a recording on a rack, and compares each output of the rack with the
+/// recorded one.
 class Player {
  public:
   /// `rack` was built from the configuration that was recorded and nothing was done to it yet.
@@ -62,9 +62,9 @@ class Player {
   [[nodiscard]] const PlayerCounts& counts() const { return counts_; }
 
  private:
-  /// What a serial line, or the EoE of a device, has sent to programs, as long as it was not
-  /// compared. Each has its own: they are other cables, and earlier versions had the answers of
-  /// several lines in another order.
+  /// Bytes that a serial line, or the EoE of a device, has sent to programs and that were not
+  /// compared yet. Each line and device has its own queue: only the order within one is compared,
+  /// as earlier versions recorded the answers of several lines in another order.
   class Output {
    public:
     void take(std::span<const std::byte> bytes) {
@@ -79,25 +79,28 @@ class Player {
     std::deque<std::vector<std::byte>> waiting_;
   };
 
-  /// Compares the bytes of the step with the first that wait, which are of `place`.
+  /// Compares the bytes of the step with the oldest of `output`; `place` names the output in a
+  /// difference.
   void compare_output(Output& output, std::string place);
 
   void open_ports();
   void close_ports();
   void do_step();
-  /// What the step does to the rack; nothing: it only compares. Throws std::runtime_error when the
-  /// rack lacks what it names.
+  /// The command that the step repeats; nothing: the step is only compared. Throws
+  /// std::runtime_error when the rack lacks what the step names.
   [[nodiscard]] std::optional<rack::Command> command_of_step();
   void compare_frame();
   void compare_can_frame();
-  /// True if nothing has come out that was not recorded; else that is the difference.
+  /// True if no output waits that should have been compared by now; else notes it as the
+  /// difference.
   bool require_quiet_outputs();
   void compare_signals();
   void release(std::size_t segment);
-  /// `index`, which is below `size`. Throws std::runtime_error if it is not.
+  /// Returns `index`. Throws std::runtime_error unless it is below `size`.
   static std::size_t in(std::size_t index, std::size_t size);
   [[nodiscard]] rack::FaultConfiguration fault_of_step() const;
-  /// The step's device, which has such pins, EoE or an object of such index and subindex.
+  /// The device that the step names. These throw std::runtime_error unless it has pins for a host,
+  /// bridged EoE, or the object of the step's index and subindex.
   [[nodiscard]] rack::DeviceAddress chip_of_step();
   [[nodiscard]] rack::DeviceAddress bridged_of_step();
   void require_object();

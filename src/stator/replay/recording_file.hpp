@@ -41,7 +41,7 @@ class RecordingFile {
   // For any thread.
 
   [[nodiscard]] std::uint64_t bytes() const { return head_ + output_->bytes(); }
-  /// Everything was written so far, or waits for it.
+  /// Nothing is missing: every chunk so far is in the file or waits to be written.
   [[nodiscard]] bool good() const { return output_->complete(); }
   [[nodiscard]] link::BackgroundOutput& output() { return *output_; }
 

@@ -77,7 +77,7 @@ RecordingReader::ChunkResult RecordingReader::read_chunk(std::size_t limit) {
     return ChunkResult::damaged;
   }
   if (length > unread_) {
-    return ChunkResult::incomplete;  // before there is room made for what may be no length
+    return ChunkResult::incomplete;  // before memory is allocated: a damaged length may be huge
   }
   unread_ -= length;
   chunk_.resize(length);

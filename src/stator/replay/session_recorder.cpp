@@ -21,7 +21,7 @@ constexpr std::size_t kNumbers = 128;
 constexpr std::size_t kBytesOfASignal = sizeof(double) + 4;
 constexpr std::size_t kMostSignals = (kMaximumChunk - kNumbers) / kBytesOfASignal;
 
-/// Before there is a file.
+/// Adds the signals' names to the header; checked before a file is created.
 RecordingHeader with_signals(RecordingHeader header, const std::vector<product::Signal>& signals) {
   if (signals.size() > kMostSignals) {
     throw std::runtime_error("the rack has too many signals for a recording");
@@ -117,7 +117,7 @@ void SessionRecorder::record(const rack::command::Mark& command) {
   if (begin(StepKind::mark, command.name.size())) {
     writer().text(command.name);
     marks_.push_back({command.name, time_});
-    flush();  // who marks a moment wants to have it, even if nothing comes any more
+    flush();  // written at once, since nothing may follow a mark for long
   }
 }
 

@@ -39,7 +39,8 @@ class SessionRecorder final : public rack::Journal {
   [[nodiscard]] const std::vector<Mark>& marks() const { return marks_; }
 
   /// Ends the recording and waits for the disk, as link::BackgroundOutput::finish() does;
-  /// afterwards the rack tells it nothing more. `asked`: since when nobody has more time.
+  /// afterwards the rack no longer calls the recorder. `asked`: when the end was asked for, from
+  /// which on waiting is limited.
   void finish(
       link::BackgroundOutput::Clock::time_point asked = link::BackgroundOutput::Clock::now());
   /// Where the recording ends if the disk was too slow or full; never if it did not.
@@ -60,7 +61,7 @@ class SessionRecorder final : public rack::Journal {
   void eoe_frame_leaves(rack::DeviceAddress device, std::span<const std::byte> frame) override;
 
  private:
-  // The step of each command.
+  // Each records one kind of command as a step.
   void record(const rack::command::Advance& command);
   void record(const rack::command::TakeBusEvents& command);
   void record(const rack::command::SetCarrier& command);
