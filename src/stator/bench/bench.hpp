@@ -103,13 +103,15 @@ class Bench {
   /// Lets cycles pass until `reached` says so, at most for `limit`. False: it never did.
   bool wait_until(const std::function<bool()>& reached, base::SimDuration limit);
 
-  /// A step begins that does something: what others look for counts from here on.
+  /// To be called before a step that acts: events_before(), frames_before() and lost_cycles() count
+  /// from here on.
   void begin_deed();
   /// Number of the newest event of log() when the last deed began.
   [[nodiscard]] std::uint64_t events_before() const { return events_before_; }
-  /// Frames of frames(bus) that were there before, including the forgotten ones.
+  /// How many frames of frames(bus) had come when the last deed began, those no longer kept
+  /// included.
   [[nodiscard]] std::uint64_t frames_before(std::size_t bus) const;
-  /// Exchanges of process data of a segment that have failed since then.
+  /// Exchanges of process data of a segment that have failed since the last deed began.
   [[nodiscard]] std::uint64_t lost_cycles(std::size_t segment) const;
 
   // EtherCAT.
@@ -131,7 +133,8 @@ class Bench {
   /// Writes an object; one that goes out with the process data at present is written there.
   master::Result<void> download(rack::DeviceAddress device, master::ObjectAddress object,
                                 std::span<const std::byte> data);
-  /// The way of a CiA 402 master to the device; process data where they carry an object.
+  /// A port by which a CiA 402 master reaches the device: by process data where they carry an
+  /// object, else by SDO.
   master::Result<master::DrivePort*> drive(rack::DeviceAddress device);
 
   // CAN.
@@ -142,7 +145,7 @@ class Bench {
   void wait_for_boot_up(rack::DeviceAddress device);
   /// What passed on the bus, the oldest first, but for what was sent here.
   [[nodiscard]] const std::deque<can::TimedFrame>& frames(std::size_t bus);
-  /// Of those that were ever there, how many are no longer kept.
+  /// How many of the oldest frames of the bus are no longer in frames(), see kKeptFrames.
   [[nodiscard]] std::uint64_t forgotten_frames(std::size_t bus) const;
   /// Node-ID of a CANopen device; nothing: it is none.
   [[nodiscard]] std::optional<std::uint8_t> node_id(rack::DeviceAddress device) const;

@@ -6,7 +6,8 @@ namespace stator::bench {
 
 namespace {
 
-/// One thread: nobody would take what the bus waits for.
+/// The bus must not wait for room in the port: the one thread that could take frames is the one
+/// that lets time pass.
 constexpr rack::BusPort::Options kPort{.hears_errors = false, .lossy = true};
 
 }  // namespace
