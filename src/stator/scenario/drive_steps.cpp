@@ -32,7 +32,7 @@ struct DriveAxis {
 };
 constexpr std::array kDriveAxisRows{axis_key<&DriveAxis::axis>(), within_key<&DriveAxis::within>()};
 constexpr Section<DriveAxis> kDriveAxisKeys{kDriveAxisRows};
-/// Of steps that have an axis and no more.
+/// The rows of steps that have no keys but those of their axis.
 template <typename T>
 constexpr std::array kAxisRows{settings::keys<kDriveAxisKeys, &T::drive>()};
 
@@ -48,7 +48,8 @@ Outcome run(bench::Bench& bench, const T& step, base::SimDuration response, cons
   return outcome_of(act(client));
 }
 
-/// What is done with the axis of a step, which is waited for as long as it says.
+/// A step that calls `act` with a client of its axis and waits for it for the time that the step
+/// names.
 template <typename T, typename Act>
 ReadStep axis_step(const char* what, const T& step, const StepReader& reader, const Act& act) {
   return {fmt::format("{} {}", what, axis_text(reader.name_of(*step.on.device), step.drive.axis)),

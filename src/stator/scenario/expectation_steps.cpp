@@ -1,4 +1,5 @@
-// Steps that look: what must be seen, at once, within a time, or for a time.
+// Expectations: steps that act on nothing and check what is seen, at once, within a time, or for a
+// time.
 #include <algorithm>
 #include <array>
 #include <functional>
@@ -126,7 +127,7 @@ void visit_new_frames(bench::Bench& bench, std::size_t bus, const Visit& visit) 
   }
 }
 
-/// Of something that is told once.
+/// The key "absent" of steps that expect an event or a frame.
 template <auto... Path>
 constexpr auto absent_key() {
   return settings::boolean<Path...>("absent", "It must not be there");
@@ -271,7 +272,7 @@ bool on_bus(const ExpectState& step) {
   return step.on.device && step.on.device->kind == rack::NetworkKind::bus;
 }
 
-/// By the network that the device is on.
+/// Reads the keys of a state, which differ between slaves and CANopen nodes.
 void read_state(const settings::KeyWords& /*key*/, Reader& reader, ExpectState& step) {
   reader.either(
       on_bus(step), [&] { settings::read_keys(kSlaveStateKeys, reader, step); },
@@ -468,8 +469,8 @@ struct ExpectEvent {
 };
 constexpr auto kEventName =
     settings::text<&ExpectEvent::event>("event", "Name of the event, as the log file has it");
-/// Stands above what the device's name is read by, which may end reading; that it is needed is told
-/// after the other keys.
+/// Read before the device's name, which may end reading of the step. That the event's name is
+/// required is reported when the other keys are read.
 constexpr std::array kEventNameRows{kEventName};
 constexpr Section<ExpectEvent> kEventNameKeys{kEventNameRows};
 constexpr std::array kEventRows{needed(kEventName, "it names an event, e.g. \"state-refused\""),

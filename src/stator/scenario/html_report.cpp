@@ -87,7 +87,7 @@ double tick_step(double span) {
   return 10 * power;
 }
 
-/// Where a picture is drawn, and what of the world it shows.
+/// The rectangle of a plot in the picture, and the range of times and values that it shows.
 struct Frame {
   double left = 80;
   double top = 22;
@@ -158,7 +158,7 @@ std::string curve(const PlotSeries& series, const Frame& frame) {
   return fmt::format("<polyline class=\"curve\" points=\"{}\"/>", points);
 }
 
-/// Faults and what failed, where they begin.
+/// Vertical lines where faults were injected and where steps failed.
 std::string marks(const ScenarioResult& result, const Frame& frame) {
   std::string svg;
   for (const StepResult& step : result.steps) {

@@ -21,7 +21,7 @@ namespace {
 using dictionary::DataType;
 
 constexpr double kAnyValue = 1e18;
-/// Of a number for an object of which nobody knows.
+/// Bytes of a number that is written to an object that no dictionary describes.
 constexpr std::size_t kUnknownBytes = 4;
 
 std::vector<std::byte> bytes_of(std::uint64_t bits, std::size_t size) {

@@ -21,9 +21,10 @@ using ObjectValue = std::variant<double, std::string, std::vector<std::byte>>;
 /// `value`, a number or a text, or `bytes`, hexadecimal such as "2B 01". Nothing: neither is there.
 extern const settings::Section<std::optional<ObjectValue>> kObjectValueKeys;
 
-/// `object`, e.g. "6040:00", which must be there. Nothing: that is told.
+/// The required key `object`, e.g. "6040:00". Nothing: it is missing or wrong, which has been
+/// reported.
 extern const settings::Section<std::optional<master::ObjectAddress>> kObjectKeys;
-/// Ends a step that has none.
+/// Ends reading of a step without an object.
 template <typename T>
 inline constexpr settings::Rule<T> kNeedsObject{
     .key = "object",

@@ -1,4 +1,4 @@
-// Steps of whoever stands beside the rack: faults, cables, power, inputs.
+// Steps that act on the rack from outside its networks: faults, cables, power, inputs.
 #include <array>
 #include <optional>
 #include <string>

@@ -46,7 +46,7 @@ struct ScenarioResult {
   std::string error{};  ///< of Status::error: why it could not be run
   std::vector<StepResult> steps{};
   base::SimTime end{};                ///< simulated time that it took
-  double wall_seconds = 0.0;          ///< filled in by whoever has a clock
+  double wall_seconds = 0.0;          ///< of the machine; filled in by the caller
   std::vector<std::string> events{};  ///< the last lines of the rack's log; only if it failed
   std::vector<PlotSeries> plots{};
 

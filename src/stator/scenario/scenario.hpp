@@ -34,7 +34,7 @@ struct Step {
   std::uint32_t line = 0;  ///< of the scenario file, from 1
   std::string kind;        ///< the word behind `do`
   std::string title;       ///< its note, else what it does in words
-  bool looks = false;      ///< it does nothing that others could look for
+  bool looks = false;      ///< it only looks, so expectations do not count from it
   Action action;
 };
 

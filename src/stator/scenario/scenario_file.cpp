@@ -32,7 +32,7 @@ using settings::Reader;
 /// A scenario file as it is read, key after key: what a key refers to stands above it.
 struct File {
   const product::Catalogue* catalogue = nullptr;
-  rack::Changes changes{};  ///< of a rack that stands elsewhere
+  rack::Changes changes{};  ///< of a rack that is not in this file
   Scenario scenario{};
   std::optional<std::string> product{};
   bool has_rack = false;
@@ -47,7 +47,7 @@ void read_product(const KeyWords& key, Reader& reader, File& file) {
   file.product = reader.choice(key, types);
 }
 
-/// Of a table with the keys of a rack file.
+/// Reads the rack from a table of the scenario file that has the keys of a rack file.
 void read_rack_table(const KeyWords& key, Reader& reader, File& file) {
   auto below = reader.section(key);
   if (reader.describes()) {
@@ -59,7 +59,7 @@ void read_rack_table(const KeyWords& key, Reader& reader, File& file) {
       table.attempt([&] { file.scenario.rack = rack::read_rack(table, *file.catalogue); });
 }
 
-/// Of another file, or of the product.
+/// Reads the rack from the file at `path`, or makes one of the product alone.
 void load_rack(Reader& reader, File& file, const std::optional<std::string>& path) {
   try {
     file.scenario.rack =
@@ -149,8 +149,8 @@ constexpr std::array kFileRows{
     settings::custom<File, read_steps>("step", "What is done and looked at, one after the other")};
 constexpr settings::Section<File> kFileKeys{kFileRows};
 
-/// Makes the changes of the scenario's own keys, and of a rack that stands in it; returns those of
-/// a rack that stands elsewhere.
+/// Makes the changes of the scenario's own keys, and of a rack in the scenario file; returns those
+/// of a rack in a file of its own.
 std::vector<std::string> apply_own_changes(rack::Changes changes, settings::Value& tree,
                                            settings::Problems& problems) {
   std::vector<std::string> own;

@@ -16,7 +16,8 @@ struct StepKind {
   std::string_view summary;
   /// Ends reading where it cannot go on. Of no use where the table is described.
   ReadStep (*read)(rack::TableReader& section, StepReader& reader);
-  /// It looks and does nothing: what it looks for may have happened since the last step that did.
+  /// The step only looks: what it looks for may have happened at any time since the last step that
+  /// acted.
   bool looks = false;
 };
 

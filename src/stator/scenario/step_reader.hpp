@@ -49,8 +49,8 @@ class StepReader {
     return targets_.device_at(device).name;
   }
 
-  // Each reads its keys into a target and looks up what they name, which ends reading where there
-  // is no such thing in the rack. Where a table is described the keys are all.
+  // Each reads its keys into a target and looks up what they name; reading ends if the rack has no
+  // such thing. While a table is only described, keys are read and nothing is looked up.
 
   /// `device`; a rack with one needs no name for it.
   void device(rack::TableReader& section, Target& on) const;
