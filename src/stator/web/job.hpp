@@ -16,25 +16,25 @@ class Job {
   Job& operator=(const Job&) = delete;
   virtual ~Job() = default;
 
-  /// What the desk gets.
+  /// The task that is posted to the desk.
   [[nodiscard]] virtual rack::DeskTask& task() = 0;
 
-  // In the server's thread, while the rack does not have it.
+  // To be called in the server's thread while the task is not at the desk.
 
-  /// False: what it has begun goes on inside the rack, however long; it has to look again, and
-  /// others have their turn at the desk meanwhile.
+  /// False: what the job has begun is still under way in the rack, for any time. The job has to be
+  /// posted again later; other jobs have their turn meanwhile.
   [[nodiscard]] virtual bool complete() const { return true; }
-  /// What came of it, once it is done.
+  /// The answer to the request, once the job is done.
   [[nodiscard]] virtual Response response() = 0;
 };
 
-/// One that only looks at the rack.
+/// A job that only looks at the rack.
 class LookJob : public Job, public rack::Look {
  public:
   [[nodiscard]] rack::DeskTask& task() final { return *this; }
 };
 
-/// One that does something to it.
+/// A job that does something to the rack.
 class ActJob : public Job, public rack::Act {
  public:
   [[nodiscard]] rack::DeskTask& task() final { return *this; }

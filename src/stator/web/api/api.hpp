@@ -6,7 +6,8 @@
 
 namespace stator::web {
 
-/// Answers a request that may pass: at once, or by way of the rack. Changes nothing but `state`.
+/// Answers a request that the guard has let pass: at once, or by a job for the rack. Changes
+/// nothing but `state`.
 [[nodiscard]] Answer answer(const Match& match, const Request& request, State& state);
 
 }  // namespace stator::web

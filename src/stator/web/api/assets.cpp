@@ -64,7 +64,7 @@ bool equal(std::string_view text, std::string_view lower_case) {
   });
 }
 
-/// A weight of 0 takes back: "q=0", "q=0.000".
+/// A weight of 0 ("q=0", "q=0.000") excludes the encoding.
 bool refuses(std::string_view parameters) {
   while (!parameters.empty()) {
     std::string_view parameter = next_part(parameters, ';');
@@ -99,7 +99,8 @@ Response answer_asset(const Request& request, std::string_view path) {
   }
   const bool compressed =
       !found->compressed.empty() && takes_gzip(request.accept_encoding.value_or(""));
-  // Two forms of a file are two things to keep, each with a tag of its own (RFC 9110 §8.8.3.3).
+  // The plain and the compressed form are two representations, each with an entity tag of its own
+  // (RFC 9110 §8.8.3.3).
   const std::string tag = fmt::format("\"{}{}\"", found->hash, compressed ? "-gzip" : "");
   Response response;
   response.content_type = content_type(found->path);

@@ -206,7 +206,7 @@ Answer inject(const Request& request, const State& state) {
   }
   std::string text;
   for (const auto& [name, member] : body.items()) {
-    // An [[event]] calls it its action.
+    // An [[event]] of a rack file names what happens by "action"; clients may write a fault alike.
     const std::string key = name == "action" && !body.contains("kind") ? "kind" : name;
     const std::string value = toml_of(member);
     if (value.empty()) {

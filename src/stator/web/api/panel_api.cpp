@@ -24,7 +24,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What a panel shows of an axis, with the signals of products that tell it, the first best.
+/// A row of an axis on a panel, and the signals it may show, in order of preference: products
+/// differ.
 struct Shown {
   std::string_view name;
   std::initializer_list<std::string_view> signals;

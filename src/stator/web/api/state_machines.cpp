@@ -30,7 +30,8 @@ Json power_drive_system() {
   }
   Json transitions = Json::array();
   for (const drive::AutomaticPowerTransition& each : drive::kAutomaticPowerTransitions) {
-    // Number 0 comes from outside the graph; 13 may begin anywhere but in the states of faults.
+    // Transition 0 comes from outside the graph; transition 13 begins in any state but those of
+    // faults.
     if (each.from) {
       transitions.push_back(transition(to_text(*each.from), to_text(each.to),
                                        std::to_string(each.number), each.cause));

@@ -130,7 +130,7 @@ class Connection final : public Waiter, public std::enable_shared_from_this<Conn
     const auto* nowhere = std::get_if<Response>(&found);
     auto refused = server_.guard.check_source(request_);
     if (!refused && nowhere != nullptr) {
-      // Also what does not exist is told only to those who may ask.
+      // That a path does not exist is told to authorised clients only.
       refused = server_.guard.check_token(request_, false, false).value_or(*nowhere);
     }
     if (!refused) {

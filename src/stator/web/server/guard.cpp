@@ -55,7 +55,8 @@ bool Guard::known_host(const std::string& host) const {
     return true;
   }
   if (link::is_ip_address(host)) {
-    // No name that an attacker could point here. Behind a loopback socket only loopback is meant.
+    // Unlike a name, an address cannot be made by an attacker to lead here. A server on loopback
+    // answers to loopback addresses only.
     return !loopback_ || Address{host, 0}.loopback();
   }
   return !machine_.empty() && host == machine_;

@@ -91,7 +91,8 @@ class Server::Implementation {
       });
       thread_.join();
     }
-    // The rack may still have the tasks, but connections must not outlive what they run on.
+    // The rack may still have tasks, which live on; waiting connections must go before what they
+    // use.
     server_.access.forget_all();
   }
 

@@ -254,7 +254,8 @@ std::string describe(const DatagramView& datagram, bool answer, const std::vecto
   std::string text = fmt::format("{} {}", to_text(datagram.command), address_text(datagram, slave));
   std::string meaning;
   const bool physical = !logical(datagram.command) && datagram.command != Command::nop;
-  // Data mean something on their way to whoever takes them.
+  // Data that are written are shown on their way to the slaves, data that are read on their way
+  // back.
   const bool shown =
       answer ? reads(datagram.command) && datagram.working_counter != 0 : writes(datagram.command);
   if (physical && datagram.ado() < kProcessMemory) {
@@ -294,7 +295,7 @@ std::string_view error_text(ethercat::FrameError error) {
 DecodedFrame describe_ethercat(std::span<const std::byte> frame, bool answer,
                                const std::vector<SlaveMap>& slaves) {
   DecodedFrame decoded;
-  // The cursor is made for those who change frames.
+  // DatagramCursor needs bytes that it could change.
   std::vector<std::byte> copy(frame.begin(), frame.end());
   ethercat::DatagramCursor cursor(copy);
   std::size_t datagrams = 0;

@@ -15,7 +15,7 @@
 
 namespace stator::web {
 
-/// Somebody who waits for what comes of a job.
+/// Gets the answer of a job.
 class Waiter {
  public:
   Waiter() = default;
@@ -26,7 +26,7 @@ class Waiter {
   virtual void answer(Response response) = 0;
 };
 
-/// Somebody for whom the rack samples signals and fetches events.
+/// A client for whom the rack samples signals and fetches events.
 class TapOwner {
  public:
   TapOwner() = default;
@@ -69,9 +69,9 @@ class RackAccess {
   void tick(Clock::time_point now);
   /// Something is under way: tick() should be called more often.
   [[nodiscard]] bool busy() const;
-  /// Somebody waits for an answer.
+  /// A client waits for an answer.
   [[nodiscard]] bool anybody_waits() const;
-  /// Lets go of who waits; the rack may still have the tasks.
+  /// Drops all that wait for answers and samples; the rack may still have the tasks.
   void forget_all();
 
  private:

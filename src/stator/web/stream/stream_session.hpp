@@ -19,7 +19,7 @@ class StreamSession {
 
   /// Takes a message; only when it is ready() for one.
   virtual void take(std::string_view message) = 0;
-  /// What the last message asked for has come to pass.
+  /// The last message has been dealt with, and the next one may be taken.
   [[nodiscard]] virtual bool ready() const = 0;
 
   /// Nothing waits for the client.

@@ -108,14 +108,13 @@ void TrafficHub::tick(RackAccess::Clock::time_point now) {
   }
 }
 
-// Owned by the server as the access is, so that nobody need keep it.
+// The pointer owns nothing: the server owns both this hub and the access that gets the pointer.
 bool TrafficHub::post(std::unique_ptr<Job> job) {
   under_way_ = access_.post(std::move(job), std::shared_ptr<Waiter>(std::shared_ptr<void>(), this));
   return under_way_;
 }
 
-// Also when the rack is late: the job is done nevertheless, and what it does is in order with
-// further ones.
+// Called when the rack is late, too: the job is carried out nevertheless, in order with later ones.
 void TrafficHub::answer(Response /*response*/) {
   under_way_ = false;
 }

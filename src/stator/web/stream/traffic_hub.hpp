@@ -20,7 +20,7 @@ struct TrafficFrame {
   std::string json{};
 };
 
-/// Somebody who watches the networks.
+/// A client that gets the decoded frames of the networks.
 class TrafficWatcher {
  public:
   TrafficWatcher() = default;
