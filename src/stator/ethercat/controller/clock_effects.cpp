@@ -123,7 +123,7 @@ void SlaveController::after_clock_write(Side side, EffectSet effects, std::uint3
   } else if (has(Effect::system_time)) {
     take_system_time(address, data);
     if (effects == set_of(Effect::system_time)) {
-      return;  // what a cycle of a master does; the rest follows at the end of the frame
+      return;  // the usual write of a cycle; the comparison follows at the end of the frame
     }
   }
   if (has(Effect::time_setting)) {

@@ -37,7 +37,7 @@ constexpr unsigned kNoHostInterface = 0x00;  ///< on purpose, with device emulat
 
 }  // namespace
 
-/// The host interface works, or not, as the EEPROM says; 0x014E shows it.
+/// Switches the host interface on if the EEPROM configures it, else off, and shows that in 0x014E.
 void SlaveController::open_host_interface() {
   const auto type = std::to_integer<unsigned>(memory_[kPdiControl]);
   host_open_ = loaded_ && type == kSpiSlave;

@@ -39,7 +39,7 @@ void SlaveController::write_process_data(std::uint16_t address, std::span<const 
     if (piece.channel != kNoChannel) {
       const SyncManager& manager = sync_managers_[piece.channel];
       if (manager.buffered() && !manager.bus_writes() && at - manager.start() < manager.length()) {
-        // Whichever buffer the bus takes next, what the host wrote beside stays consistent.
+        // Written into all three buffers, so that the bus finds it whichever buffer it takes next.
         copies = 3;
         distance = manager.length();
       }

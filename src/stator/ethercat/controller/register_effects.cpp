@@ -27,7 +27,7 @@ constexpr base::EventRule kSyncManagerArea{
 constexpr std::uint16_t kAlStateMask = 0x000F;
 constexpr std::uint16_t kAlErrorIndication = 0x0010;
 
-/// Runs `handle` for each effect in the set that is this file's business, in the order of their
+/// Runs `handle` for each effect in the set that is handled in this file, in the order of their
 /// declaration.
 template <typename Handler>
 void for_each_effect(EffectSet effects, Handler handle) {

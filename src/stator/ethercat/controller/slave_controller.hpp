@@ -300,7 +300,7 @@ class SlaveController final : public ProcessDataInterface {
   void after_write(Effect effect, std::uint32_t address, std::size_t length);
   void acknowledge(EffectSet effects, std::uint32_t address, std::size_t length);
   void take_al_control();
-  /// A request for a state that has not been taken, and will not be if there is nobody to do so.
+  /// Reports a request for a state that the slave has not taken and, without a host, will not take.
   void report_unanswered_al_control(std::uint16_t requested, bool locked);
   void change_al_status();
   void update_sync_managers(std::uint32_t address, std::size_t length);

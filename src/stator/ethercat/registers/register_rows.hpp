@@ -54,7 +54,7 @@ constexpr std::uint8_t reset_in_byte(const RegisterField& field, std::size_t ind
   return static_cast<std::uint8_t>(value);
 }
 
-/// Adds what `field` of a register with `effect` says of byte `index` of the register.
+/// Adds to `byte`, byte `index` of a register with `effect`, what `field` allows and holds there.
 constexpr void add_field(RegisterByte& byte, const RegisterField& field, Effect effect,
                          std::size_t index) {
   const std::uint8_t bits = bits_in_byte(field, index);
@@ -72,7 +72,7 @@ constexpr void add_field(RegisterByte& byte, const RegisterField& field, Effect 
   }
 }
 
-/// Notes in the bytes of one register how many behind each allow the same.
+/// Sets RegisterByte::more of each byte of a register: how many bytes behind it allow the same.
 constexpr void count_more(std::span<RegisterByte> bytes) {
   for (std::size_t i = bytes.size(); i-- > 1;) {
     if (bytes[i - 1].allows_same_as(bytes[i])) {

@@ -111,7 +111,7 @@ void RegisterMap::give_time_loop_to_host() {
       byte.host_writes = bus_writes;
     }
   }
-  // The unit that latches what the host compares with is the host's for good.
+  // The host compares with times that latch unit 0 takes, so the bus cannot take over that unit.
   constexpr std::uint8_t kLatch0OfHost = 0x10;
   Byte& control = bytes_[register_address::kCyclicUnitControl];
   control.bus_stores = static_cast<std::uint8_t>(control.bus_stores & ~kLatch0OfHost);

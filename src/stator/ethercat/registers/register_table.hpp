@@ -115,7 +115,7 @@ struct RegisterField {
   [[nodiscard]] constexpr bool reserved() const { return name.starts_with("reserved"); }
 };
 
-/// What one byte of a register allows and holds, as its fields say together.
+/// What one byte of a register allows and holds, put together from its fields.
 struct RegisterByte {
   std::uint8_t bus_stores = 0;   ///< bits a bus write changes
   std::uint8_t host_stores = 0;  ///< bits a host write changes

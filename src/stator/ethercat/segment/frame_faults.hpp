@@ -100,7 +100,8 @@ struct HeldFrame {
   std::uint64_t plan = 0;  ///< number of the plan of ways it follows
 };
 
-/// Sees every frame of a segment after the slaves have, for whoever waits for something to happen.
+/// Gets every frame of a segment after the slaves have processed it, e.g. to find the frame at
+/// which a fault begins.
 class FrameObserver {
  public:
   FrameObserver() = default;

@@ -148,7 +148,8 @@ void Segment::update_links() {
   topology_changed_ = true;
 }
 
-/// Slaves that their supply has put into reset or let go since the last time.
+/// Updates links when slaves have been put into reset or released by their supply since the last
+/// call.
 void Segment::take_resets() {
   bool changed = false;
   for (Station& station : stations_) {
@@ -254,7 +255,8 @@ std::optional<MasterInterface> Segment::process(std::span<std::byte> frame, base
   return exit;
 }
 
-/// The end of the way: at the master, or nowhere.
+/// Ends the way of a frame: counts it as answered or lost, and tells a slave at whose closed port
+/// it ends.
 std::optional<MasterInterface> Segment::leave(const Route& route) {
   ++(route.exit ? statistics_.answered : statistics_.lost);
   if (route.blocked_at) [[unlikely]] {

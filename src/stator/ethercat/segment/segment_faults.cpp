@@ -81,7 +81,8 @@ std::optional<Segment::Interruption> Segment::interrupt(const Way& way, std::siz
   return way.route.exit ? meet(way, receptions.size(), way.stops.size()) : std::nullopt;
 }
 
-/// The fault that hits a frame at that reception; behind the last one: at the master.
+/// The fault that hits a frame at the given reception of its way, or at the master behind the last
+/// one.
 std::optional<Segment::Interruption> Segment::meet(const Way& way, std::size_t reception,
                                                    std::size_t passed) {
   const std::span<const Reception> receptions = way.route.receptions;

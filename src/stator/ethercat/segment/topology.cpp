@@ -94,7 +94,8 @@ void RoutePlanner::plan(const Wiring& wiring, std::span<const SlaveForwarding> s
   const auto has = [](std::uint8_t mask, unsigned port) { return (mask >> port & 1U) != 0; };
   Way way{slaves, arrivals_, route, *entry, wiring.peer(*entry).cable_delay};
   bool connected = has(slaves[entry->slave].links, entry->port);
-  // No port is entered twice: each has one predecessor, and the first one has none.
+  // The loop ends because no port is entered twice: each port has one predecessor, and the first
+  // has none.
   while (connected && !route.exit) {
     if (!has(slaves[way.at.slave].open_ports, way.at.port)) {
       route.blocked_at = way.at;

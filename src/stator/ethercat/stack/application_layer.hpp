@@ -11,7 +11,7 @@
 
 namespace stator::ethercat {
 
-/// What the state machine makes of its decisions: the slave stack.
+/// What the state machine calls to carry out its decisions; the slave stack implements it.
 class AlActions {
  public:
   AlActions() = default;
@@ -23,7 +23,7 @@ class AlActions {
   /// the refusing side raises the event that says why. Empty: the step has to wait for something,
   /// ask again.
   [[nodiscard]] virtual std::optional<AlStatusCode> perform(AlStep step, base::SimTime now) = 0;
-  /// The step is done; the master does not know yet.
+  /// The step is done; AL status does not show it yet.
   virtual void entered(AlStep step, base::SimTime now) = 0;
   /// The request whose step had to wait is not asked for any more.
   virtual void request_abandoned() = 0;
@@ -49,7 +49,7 @@ class ApplicationLayer {
   void continue_change(base::SimTime now);
   /// Leaves for `target` with the error indication and `code`; nothing if `target` is not below.
   void step_down(AlState target, AlStatusCode code, base::SimTime now);
-  /// Leaves for Init without an error, for want of a controller that could show one.
+  /// Leaves for Init without error indication, since there is no controller that could show one.
   void leave_for_init(base::SimTime now);
   /// Sets the error indication with `code` in the present state.
   void raise_error(AlStatusCode code, base::SimTime now);

@@ -61,7 +61,8 @@ class FileStore {
     FoeError error = FoeError::none;
   };
   /// All data are there: the staging area becomes the file. While it answers "in progress" it is
-  /// called again; once it has begun it also ends without that, abort() or not.
+  /// called again; a commit that has begun is completed even if it is not called again or abort()
+  /// is.
   [[nodiscard]] virtual Commit commit() = 0;
   /// Forgets what was not committed and closes what is open.
   virtual void abort() = 0;

@@ -165,7 +165,8 @@ void Mailbox::note_delivery() {
   }
 }
 
-/// Looks at a request that has to wait, once.
+/// Looks once at a request that waits behind an unread reply, and removes it if it repeats the last
+/// request.
 void Mailbox::drop_repetition(std::uint32_t events, base::SimTime now) {
   if (request_seen_ || !request_waits(events)) {
     return;

@@ -9,8 +9,8 @@
 
 namespace stator::ethercat {
 
-/// Somebody who sees the requests that come to a slave's mailbox and may spoil their handling, as a
-/// firmware does that hangs or refuses.
+/// Sees the requests that come to a slave's mailbox and may spoil their handling, as a firmware
+/// does that hangs or refuses.
 class MailboxIntervention {
  public:
   MailboxIntervention() = default;

@@ -81,7 +81,7 @@ PdoConfiguration::PdoConfiguration(dictionary::Dictionary& dictionary, const Pdo
   }
 }
 
-/// The device leaves its box like that.
+/// Reduces the default assignments to one PDO for each direction.
 void PdoConfiguration::assign_one_pdo() {
   for (const std::uint16_t assignment : {kOutputAssignment, kInputAssignment}) {
     Entry* count = dictionary_.find(assignment, 0);

@@ -107,7 +107,8 @@ std::size_t SdoServer::answer_when_complete(std::span<std::byte> reply, base::Si
   return kSdoSize;
 }
 
-/// Of everything that the write has touched; nothing: some of it is still under way.
+/// The verdict on all entries that the write has touched, a refusal if there is one; nothing: some
+/// entries are still under way.
 std::optional<Verdict> SdoServer::completion_of_write(base::SimTime now) {
   if (!target_.complete) {
     return completion_->poll(*dictionary_.find(target_.index, target_.subindex), now);

@@ -36,7 +36,8 @@ class SdoServer {
   /// See Mailbox::set_intervention().
   void set_intervention(MailboxIntervention* intervention) { intervention_ = intervention; }
 
-  /// Who knows when a write is complete and is to be answered; null: each is at once.
+  /// Decides when a write is complete, so that it is answered; null: every write is complete at
+  /// once.
   void set_write_completion(dictionary::WriteCompletion* completion) { completion_ = completion; }
   /// A write was taken whose answer is still to come; no other request is to be handled meanwhile.
   [[nodiscard]] bool completing() const { return completing_; }

@@ -130,8 +130,9 @@ void SlaveStack::process(base::SimTime now) {
   update_attention();
 }
 
-// What the firmware would wait for never comes, so nothing it has commanded may go on. It starts
-// anew when the controller is back: what registers hold then is not what it had left there.
+// Called when the controller has become dead to its firmware, or is back. While it is dead no event
+// comes, so the firmware leaves for Init and stops what it does. When it is back the stack is
+// reset, since registers no longer hold what the firmware wrote.
 void SlaveStack::follow_interface(base::SimTime now) {
   connected_ = interface_.answers();
   now_ = now;
@@ -173,7 +174,8 @@ bool SlaveStack::send_emergency(std::uint16_t error_code, std::uint8_t error_reg
   return coe_.queue_emergency({error_code, error_register, additional});
 }
 
-/// As many as have become due since the last look, no more than the queue takes.
+/// Sends the emergencies of the quirk that are due since the last call, but no more than the queue
+/// holds.
 void SlaveStack::send_storm(base::SimTime now) {
   const base::SimDuration period(1'000'000'000 / std::int64_t{options_.quirks.emergency_storm});
   constexpr std::uint8_t kManufacturerError = 0x80;

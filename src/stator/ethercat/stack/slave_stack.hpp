@@ -96,8 +96,8 @@ class SlaveStack final : private AlActions {
   /// Sets the error indication with `code` in the present state.
   void raise_error(AlStatusCode code, base::SimTime now);
 
-  /// Who knows when an SDO's write is complete, and answered then; must outlive the stack or be
-  /// taken away. Null: each is at once.
+  /// Decides when an SDO's write is complete, so that it is answered; must outlive the stack or be
+  /// taken away. Null: every write is complete at once.
   void set_write_completion(dictionary::WriteCompletion* completion) {
     coe_.set_write_completion(completion);
   }
@@ -173,10 +173,10 @@ class SlaveStack final : private AlActions {
   void on_refused(const dictionary::Entry& entry, const dictionary::Refusal& refusal);
   void check_clocks(base::SimTime now);
   void check_watchdog(std::uint32_t events, base::SimTime now);
-  /// True if the master has been silent for the time of the watchdog without the controller's
-  /// having noticed.
+  /// True if the master has sent no outputs for the time of the watchdog and the controller's
+  /// watchdog does not show it.
   [[nodiscard]] bool outputs_overdue(base::SimTime now);
-  /// Bit 0 of its status; to read it acknowledges an expiry.
+  /// Bit 0 of the watchdog's status register; reading it acknowledges an expiry.
   [[nodiscard]] bool watchdog_runs();
   /// Zero if the watchdog is off: by its time, its divider's product or the channel's trigger bit.
   [[nodiscard]] base::SimDuration watchdog_time();

@@ -136,8 +136,8 @@ void DistributedClock::take_difference(std::uint32_t difference_ns, std::int64_t
   const auto difference = std::int64_t{static_cast<std::int32_t>(difference_ns)}
                           << kDifferenceFraction;
   if (primed_) {
-    // What the loop itself has corrected since is no news; only the rest says something of phase
-    // and rate.
+    // The part of the difference that the loop has corrected itself since the last comparison is
+    // known; only the rest measures phase and rate.
     const unsigned depth = std::to_integer<unsigned>(registers_[kDifferenceFilterDepth]) & 0x0F;
     const std::int64_t expected = mean_difference_ + corrected;
     const std::int64_t innovation = difference - expected;
@@ -158,11 +158,13 @@ void DistributedClock::learn_rate(std::int64_t innovation, std::int64_t elapsed)
   if (elapsed <= 0 || elapsed > kBillion) {
     return;
   }
-  // Twice as far off as the widest loop could correct tells nothing more; 6 bits of fraction.
+  // Limited to twice what the loop with the greatest bandwidth could have corrected in that time; 6
+  // bits of fraction.
   const std::int64_t most = elapsed * 64 / 512;
   const std::int64_t gain = std::clamp(innovation >> (kDifferenceFraction - 6), -most, most);
   const std::int64_t limit = largest_slew_ppb_ << 6;
-  // Per ns in ppb: known before the difference is, so that nothing waits for the division.
+  // ppb per ns: depends on `elapsed` alone, so the processor can divide before it knows the
+  // difference.
   const std::int64_t scale = (kBillion << kScaleFraction) / elapsed;
   const std::int64_t error = std::clamp(gain * scale >> kScaleFraction, -limit, limit);
   const unsigned depth = std::to_integer<unsigned>(registers_[kSpeedFilterDepth]) & 0x0F;
@@ -200,7 +202,7 @@ void DistributedClock::reset_loop(base::SimTime now) {
 
 void DistributedClock::reset_difference(base::SimTime now) {
   restart_line(now);
-  // A correction under way ends: the difference it answers is forgotten.
+  // The correction under way ends, since the difference that it corrects is forgotten.
   mean_difference_ = 0;
   slew_amount_ = 0;
   slew_span_ = 0;

@@ -81,13 +81,13 @@ class MiiManagement {
   // The cables of ports 0 and 1; of other ports nothing is known here.
   void set_carrier(unsigned port, bool carrier);
   void set_partner(unsigned port, LinkPartner partner);
-  /// What has come over the management bus or a cable lets the port exchange frames.
+  /// The PHY of the port has a link on which the port can exchange frames.
   [[nodiscard]] bool usable(unsigned port) const { return phys_[port].usable(); }
   /// The PHY of the port answers where link detection looks for it.
   [[nodiscard]] bool finds(std::size_t port) const {
     return port_at(expected_address(port)) == port;
   }
-  /// Where that is.
+  /// The address at which link detection looks for the PHY of the port.
   [[nodiscard]] unsigned expected_address(std::size_t port) const {
     return static_cast<unsigned>(port) + settings_.phy_offset;
   }

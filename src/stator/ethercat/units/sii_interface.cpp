@@ -207,7 +207,7 @@ void SiiInterface::begin_write(base::SimTime now) {
   if (keeper_ == nullptr) {
     return;
   }
-  // The cell shows its word once that is kept.
+  // The keeper gets the content with the word; the cell itself shows the word once it is kept.
   const auto cell = std::span(content_).subspan(write_.offset).first<2>();
   const std::array before{cell[0], cell[1]};
   std::ranges::copy(write_.word, cell.begin());
@@ -235,7 +235,7 @@ SiiInterface::Completion SiiInterface::end_write(base::SimTime now) {
   return Completion::access;
 }
 
-/// The cell gets its word, or not.
+/// Ends the write: the word goes into its cell if it was kept, else the cell stays as it is.
 void SiiInterface::settle_write() {
   write_.under_way = false;
   if (*write_.kept) {

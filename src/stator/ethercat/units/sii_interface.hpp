@@ -19,7 +19,7 @@ struct SiiTiming {
   base::SimDuration reload = base::SimDuration(1'000'000);  ///< the configuration area
 };
 
-/// Who keeps the content of an EEPROM beyond the life of the process.
+/// Stores the content of an EEPROM beyond the life of the process.
 class SiiKeeper {
  public:
   SiiKeeper() = default;
@@ -27,8 +27,8 @@ class SiiKeeper {
   SiiKeeper& operator=(const SiiKeeper&) = delete;
   virtual ~SiiKeeper() = default;
 
-  /// Takes the content as it is to be once a word has been written. True: it counts as kept;
-  /// false: it does, or does not, when finish_write() is told so.
+  /// Takes the content as it is to be once a word has been written. True: it counts as kept; false:
+  /// finish_write() will be called with what has become of it.
   [[nodiscard]] virtual bool keep_sii(std::span<const std::byte> content) = 0;
 };
 
@@ -101,7 +101,7 @@ class SiiInterface {
     not_write_enabled,  ///< write without 0x0502 bit 0 in the same frame
     error_pending,      ///< ignored: an earlier error has to be cleared first
     no_acknowledge,     ///< no EEPROM on the board
-    still_writing,      ///< none either: a word is being kept whose access has ended
+    still_writing,      ///< no acknowledge: a word is still being kept though its access has ended
   };
   /// Runs what a write to 0x0502..0x0503 has left in the command bits.
   CommandResult start_command(base::SimTime now);

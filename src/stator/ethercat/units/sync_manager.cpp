@@ -45,7 +45,7 @@ void SyncManager::configure(std::span<const std::byte, kRegisterLength> register
     buffer_offset_[1] = length_;
     buffer_offset_[2] = 2U * length_;
   }
-  // What the writer has done interests the reader and the other way round.
+  // A side is interrupted by what the other side does: the reader by a write, the writer by a read.
   if ((control & 0x20) != 0) {
     host_interrupt_bits_ = bus_writes_ ? kWriteInterrupt : kReadInterrupt;
   }

@@ -31,7 +31,7 @@ class SyncUnit {
  public:
   static constexpr std::size_t kOutputs = 2;
 
-  /// What an activation has led to, for whom it concerns.
+  /// What an activation has led to; the controller reports what a person should know.
   enum class Activation : std::uint8_t {
     none,       ///< nothing was activated
     waiting,    ///< the start time lies ahead
