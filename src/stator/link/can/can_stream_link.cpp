@@ -23,7 +23,7 @@ constexpr std::size_t kReadAtOnce = std::size_t{64} << 10;
 constexpr std::size_t kKeptCapacity = std::size_t{1} << 20;
 /// What one receive() services at most, so that a flood of nonsense does not hold its caller.
 constexpr int kRounds = 16;
-/// Of the protocol that can restart.
+/// The end of a line of slcan, whose sessions alone set Taken::restart.
 constexpr char kEndOfLine = '\r';
 
 }  // namespace
@@ -128,7 +128,7 @@ void CanStreamLink::take_from(Client& client, Target& target) {
       break;
     }
     client.input_taken += taken.consumed;
-    // Without a backlog there is nothing old in it, but answers that are wanted.
+    // If the program reads in time, all that waits are answers that it wants.
     if (taken.restart && client.waits_to_write) {
       restart_output(client, answered);
     } else if (client.output.size() - client.output_sent > kMaximumQueued) {
@@ -192,7 +192,8 @@ void CanStreamLink::set_timer() {
 }
 
 void CanStreamLink::read(Client& client) {
-  // What has not been taken yet is enough; the rest waits with the system, and the sender with it.
+  // With this much input not taken yet no more is read: it waits in the system, and finally in the
+  // program.
   if (client.input.size() - client.input_taken >= kReadAtOnce) {
     return;
   }
@@ -260,7 +261,7 @@ void CanStreamLink::discard_output(Client& client) {
   }
 }
 
-/// Keeps what is said from `answered` on, and the end of a line that is half sent.
+/// Discards the output before `answered` but for the rest of a line of which a part has been sent.
 void CanStreamLink::restart_output(Client& client, std::size_t answered) {
   std::size_t keep = client.output_sent;
   if (keep > 0 && keep < answered && client.output[keep - 1] != kEndOfLine) {

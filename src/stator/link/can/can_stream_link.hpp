@@ -52,7 +52,8 @@ class CanStreamLink : public CanLink {
   virtual void on_read(Client& /*client*/) {}
   base::Expected<void, LinkError> add_client(FileDescriptor descriptor,
                                              std::unique_ptr<CanStreamSession> session);
-  /// Another program comes in the place of `client`, which has said all it had to say.
+  /// Resets the session of `client`, whose input has been taken, for another program that uses the
+  /// same stream.
   void restart_client(Client& client);
   [[nodiscard]] const std::vector<std::unique_ptr<Client>>& clients() const { return clients_; }
   [[nodiscard]] const CanLinkOptions& options() const { return options_; }

@@ -26,7 +26,8 @@ class CanStreamSession {
   struct Taken {
     std::size_t consumed = 0;  ///< characters to discard; 0: the message is not complete
     std::optional<can::Frame> frame;
-    /// What waits for this program is of a time before it asked for frames: discard it.
+    /// Output that waits for this program dates from before it asked for frames and has to be
+    /// discarded.
     bool restart = false;
   };
 

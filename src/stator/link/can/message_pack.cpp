@@ -168,7 +168,7 @@ std::optional<std::uint64_t> MessagePackReader::unsigned_number() {
   if (*type >= kSigned8 && *type < kSigned8 + 4) {
     const unsigned bytes = 1U << (*type - kSigned8);
     const auto value = big_endian(bytes);
-    // Negative ones are none.
+    // Negative numbers give nothing.
     return value && *value >> (8 * bytes - 1) == 0 ? value : std::nullopt;
   }
   return std::nullopt;

@@ -79,8 +79,9 @@ void SlcanPtyLink::on_idle() {
   if (!last_has_gone_) {
     return;
   }
-  // The system hands over in the background what a program wrote: its last words can come after
-  // the news that it is gone. poll() waits for them; they are then read before anything else.
+  // The last bytes of a program may arrive after the news that it is gone, since the system hands
+  // them over in the background. poll() completes that; such bytes are read before the session
+  // restarts.
   pollfd input{.fd = clients().front()->descriptor.get(), .events = POLLIN, .revents = 0};
   if (::poll(&input, 1, 0) > 0) {
     return;

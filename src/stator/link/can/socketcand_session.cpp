@@ -22,7 +22,7 @@ constexpr std::size_t kMaximumJobs = 256;
 constexpr std::uint32_t kMaximumStandard = 0x7FF;
 constexpr std::uint32_t kMaximumExtended = 0x1FFFFFFF;
 constexpr std::size_t kStandardDigits = 3;
-/// Of 1 s and 0 us up to this many seconds a person can mean.
+/// The longest interval that is accepted, in s.
 constexpr std::uint64_t kMaximumSeconds = 1'000'000;
 
 constexpr std::string_view kBlanks = " \t\r\n";

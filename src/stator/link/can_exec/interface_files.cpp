@@ -32,13 +32,13 @@ namespace fs = std::filesystem;
 constexpr std::string_view kClass = "/sys/class/net";
 constexpr std::string_view kDevices = "/proc/net/dev";
 constexpr std::string_view kOwnDevices = "/proc/self/net/dev";
-/// In a folder: the kBusesVariable it was made for.
+/// The file in a folder that holds the value of kBusesVariable for which the folder was made.
 constexpr const char* kBusesFile = "buses";
-/// What stands for kClass and kDevices there.
+/// Names in the folder of what stands for kClass and kDevices.
 constexpr const char* kNet = "net";
 constexpr const char* kDev = "dev";
 
-/// This library's own look at the files must not end here again.
+/// True while this library itself opens files: these calls must not be redirected.
 thread_local bool reads_itself = false;
 
 struct ReadsItself {
@@ -108,8 +108,8 @@ void clean(const fs::path& directory) {
   }
 }
 
-/// That for this set of buses in this network namespace, made if it is not there; nothing if it
-/// cannot be.
+/// The folder for this set of buses in this network namespace, made if it is missing; nothing if it
+/// cannot be made.
 std::optional<Folder> open_folder() {
   const fs::path parent = own_directory();
   if (parent.empty()) {
@@ -219,7 +219,7 @@ fs::path write_devices(const Folder& folder) {
   return folder.path() / kDev;
 }
 
-/// The file in place of `path`; empty: that itself.
+/// The file to open in place of `path`; empty: `path` itself.
 fs::path stand_in(std::string_view path) {
   static auto* const mutex = new std::mutex;
   const bool devices = path == kDevices || path == kOwnDevices;
@@ -230,7 +230,7 @@ fs::path stand_in(std::string_view path) {
   }
   const std::string name(rest.substr(0, rest.find('/')));
   const Bus* const bus = devices ? nullptr : bus_named(name.c_str());
-  // What is asked of the machine's interfaces, these answer.
+  // Files of the machine's own interfaces are left as they are.
   if (!devices && bus == nullptr && !name.empty() && name != ".") {
     return {};
   }

@@ -55,7 +55,7 @@ void RouteSocket::note(std::span<const std::byte> datagram) {
     const LinkQuestion question = read_question(datagram.subspan(begin, header->nlmsg_len));
     begin = offset;
     const std::scoped_lock lock(mutex_);
-    // A number that is used again asks something new.
+    // A new request with the same sequence number replaces the old question.
     std::erase_if(pending_,
                   [&](const Pending& each) { return each.sequence == header->nlmsg_seq; });
     if (question.kind == Kind::none) {
@@ -142,7 +142,7 @@ ssize_t RouteSocket::receive(int descriptor, msghdr& message, int flags) {
 /// As many of the messages as go into one datagram.
 ssize_t RouteSocket::give_answers(Pending& pending, msghdr& message, int flags) {
   const bool looks_only = (flags & MSG_PEEK) != 0;
-  // Who looks only wants to know how large its buffer must be.
+  // With MSG_PEEK a program asks how large its buffer must be, so its present size is no limit.
   const std::size_t longest =
       looks_only ? kLongestDatagram : std::min(room(message), kLongestDatagram);
   std::string datagram;
@@ -168,7 +168,8 @@ ssize_t RouteSocket::give_end(int descriptor, const Pending& pending, const nlms
   if (!datagram || datagram->size() < NLMSG_HDRLEN + sizeof(int)) {
     return STATOR_SYSTEM(recvmsg)(descriptor, &message, flags);
   }
-  // An acknowledgement has no more of the request than its head, nor needs a refusal.
+  // The acknowledgement repeats only the head of the request, and does not hold the kernel's
+  // refusal.
   nlmsghdr header = end;
   header.nlmsg_flags = NLM_F_CAPPED;
   header.nlmsg_len = NLMSG_HDRLEN + sizeof(nlmsgerr);

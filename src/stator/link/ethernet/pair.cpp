@@ -34,7 +34,7 @@ class Pair::Queue {
     std::unique_lock lock(mutex_);
     const auto ready = [this] { return count_ != 0 || woken_; };
     if (!ready() && timeout > base::SimDuration(0)) {
-      // Longer waits would overflow the clock's range; nobody lives to see the difference.
+      // Limited to a year, since longer waits would overflow the range of the clock.
       const auto longest = std::chrono::nanoseconds(std::chrono::hours(24 * 365));
       changed_.wait_for(lock, std::min(std::chrono::nanoseconds(timeout.nanoseconds()), longest),
                         ready);

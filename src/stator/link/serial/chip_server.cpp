@@ -129,7 +129,7 @@ ChipServer::News ChipServer::receive(ChipMessage& message, SimDuration timeout) 
   }
 }
 
-// What is there without asking the system.
+// The next news from what has been received already, without asking the system.
 std::optional<ChipServer::News> ChipServer::take(ChipMessage& message) {
   if (!client_.is_open()) {
     return std::nullopt;
@@ -153,7 +153,7 @@ std::optional<ChipServer::News> ChipServer::take(ChipMessage& message) {
   return std::nullopt;
 }
 
-// From the program; what came is looked at by take().
+// Receives bytes from the program, in which take() finds messages.
 std::optional<ChipServer::News> ChipServer::read() {
   if (!client_.is_open()) {
     return std::nullopt;

@@ -78,7 +78,8 @@ std::size_t TcpSerialLink::read(std::span<std::byte> buffer) {
   return 0;
 }
 
-// Whoever knocks is let in; false: a signal ended the sleep.
+// Sleeps until bytes or a connection come, and accepts the connection. False: a signal ended the
+// sleep.
 bool TcpSerialLink::sleep(base::SimDuration wait) {
   std::array<pollfd, 2> waiting{
       {{.fd = listener_.get(), .events = POLLIN, .revents = 0},

@@ -26,9 +26,9 @@ using std::chrono::milliseconds;
 constexpr milliseconds kGathering{5};
 /// How often a FIFO is looked at for a reader.
 constexpr milliseconds kReaderPeriod{20};
-/// How often who waits for room or for the end looks again.
+/// How often a thread that waits for room or for the end looks again.
 constexpr milliseconds kLook{1};
-/// For a thread that need not write any more to end.
+/// How long to wait for the end of the thread once it has nothing to write.
 constexpr milliseconds kLeaving{100};
 constexpr std::size_t kPiece = std::size_t{64} << 10U;
 /// A pipe that can be written takes as much without waiting (POSIX: PIPE_BUF).
@@ -54,7 +54,7 @@ struct BackgroundOutput::Shared {
 
   FileDescriptor file;
   std::string fifo;            ///< to be opened when a reader comes
-  bool others_use_it = false;  ///< so that it cannot be told not to wait
+  bool others_use_it = false;  ///< so O_NONBLOCK, which all its users share, must not be set
   std::size_t piece = kPiece;
   std::uint64_t written_before = 0;
 

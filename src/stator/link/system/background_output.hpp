@@ -18,26 +18,26 @@ namespace stator::link {
 
 /// What becomes of a record for which there is no room.
 enum class WhenFull : std::uint8_t {
-  wait,  ///< who writes waits: nothing is missing, and simulated time stands still meanwhile
-  drop,  ///< it is lost and counted: who writes answers others and waits for nobody
+  wait,  ///< the writer waits: nothing is missing, and simulated time stands still meanwhile
+  drop,  ///< it is lost and counted: the writer answers masters and must not wait
 };
 
-/// A file, FIFO, pipe or terminal that a thread of its own writes, so that who has something to say
-/// does not wait for a disk or a reader. In between is a queue of bytes of fixed length; records
-/// fit in as a whole or are lost as a whole. After a loss nothing is taken before the queue is half
-/// empty, so that gaps are few.
+/// A file, FIFO, pipe or terminal that a thread of its own writes, so that its callers do not wait
+/// for a disk or a reader. In between is a queue of bytes of fixed length; records fit in as a
+/// whole or are lost as a whole. After a loss nothing is taken before the queue is half empty, so
+/// that gaps are few.
 ///
-/// A FIFO is opened when a reader comes. Of files and FIFOs that this opens itself nobody's
-/// slowness stops the thread for ever. Where the system makes it wait nevertheless (a disk that has
-/// stopped, a terminal that others fill at the same moment), the thread is left behind.
+/// A FIFO is opened when a reader comes. Where this opens files and FIFOs itself, no slow reader
+/// stops the thread for ever. Where the system makes it wait nevertheless (a disk that has stopped,
+/// a terminal that others fill at the same moment), the thread is left behind.
 class BackgroundOutput {
  public:
   using Clock = std::chrono::steady_clock;
 
   static constexpr std::size_t kCapacity = std::size_t{4} << 20U;
-  /// Who has taken nothing for so long in the end is not waited for any more.
+  /// In the end a reader is given up that has taken nothing for this long.
   static constexpr std::chrono::milliseconds kPatience{400};
-  /// Nor is who takes a little again and again.
+  /// In the end a reader that takes a little again and again is given up after this time.
   static constexpr std::chrono::milliseconds kLongestEnd{10'000};
 
   /// Creates the file, or replaces its content, and writes `head`. Waits (WhenFull::wait) until
@@ -58,10 +58,10 @@ class BackgroundOutput {
   /// Appends a record, `first` and then `second`. False: it is lost.
   bool write(std::span<const std::byte> first, std::span<const std::byte> second = {});
   bool write(std::string_view text) { return write(std::as_bytes(std::span(text))); }
-  /// Waits until everything is taken. Only who may wait and was not told to stop waits for as long
-  /// as it takes; otherwise no longer than kPatience after `asked` and after the last sign of life,
-  /// nor than `longest` after `asked`, and not again for who has taken nothing since. False:
-  /// something is left.
+  /// Waits until everything is taken: without limit with WhenFull::wait unless stop_waiting() was
+  /// called, else until kPatience has passed since `asked` and since bytes were last taken, or
+  /// `longest` since `asked`. A reader that was given up and has taken nothing since is not waited
+  /// for again. False: something is left.
   bool drain(Clock::time_point asked = Clock::now(),
              std::chrono::milliseconds longest = kLongestEnd);
   /// Drains, then closes the file; may be called twice.
@@ -71,8 +71,8 @@ class BackgroundOutput {
   // For any thread.
 
   void set_when_full(WhenFull when_full) { when_full_ = when_full; }
-  /// The end has come: a write that waits, and each after it, gives up kPatience after the last
-  /// sign of life.
+  /// The run is being ended: a write that waits, and each after it, gives up kPatience after bytes
+  /// were last taken.
   void stop_waiting();
 
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -89,10 +89,10 @@ class BackgroundOutput {
   [[nodiscard]] bool reader_has_gone() const;
   /// Something is lost, or nothing can be written any more.
   [[nodiscard]] bool in_trouble() const;
-  /// Nobody misses anything of what was written so far.
+  /// Nothing of what was written so far is missing to a reader.
   [[nodiscard]] bool complete() const;
   /// "3 of 1200 rows are missing, because they were not taken in time", after finish(); empty if
-  /// nobody misses anything. `records`: what they are.
+  /// nothing is missing to a reader. `records`: the word for them, here "rows".
   [[nodiscard]] std::string what_is_missing(const std::string& records) const;
 
  private:

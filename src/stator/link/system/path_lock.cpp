@@ -59,7 +59,7 @@ PathLock& PathLock::operator=(PathLock&& other) noexcept {
 }
 
 PathLock::~PathLock() {
-  // While it is locked, so that nobody has locked the file that goes.
+  // Removed while still locked, so that no other process can hold a lock on the removed file.
   if (descriptor_.is_open() && is_in_place()) {
     ::unlink(file_.c_str());
   }
