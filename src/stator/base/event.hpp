@@ -110,8 +110,8 @@ class EventArgument {
     const T* data;
     std::size_t size;
   };
-  // A constant expression makes what a literal becomes, so a SharedText lives in bytes: a member of
-  // its type would keep this from being one.
+  // Literals become arguments in constant expressions, which a union with a member of type
+  // SharedText could not be made in; so a SharedText is made in bytes when it is needed.
   union Value {
     std::int64_t number = 0;
     View<char> text;

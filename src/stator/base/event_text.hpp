@@ -18,7 +18,8 @@ namespace stator::base {
 class StaticText {
  public:
   constexpr StaticText() = default;
-  // The characters are read, since the address of an array that changes is a constant as well.
+  // Each character is read in a constant expression, which fails for an array that may change; its
+  // address alone would be a constant expression, too.
   template <std::size_t N>
   consteval StaticText(const char (&literal)[N])  // NOLINT: implicit
       : text_(literal) {}

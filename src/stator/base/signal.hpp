@@ -5,8 +5,8 @@
 namespace stator::base {
 
 /// How a signal is read: a member function that only looks, bound to its object, which must outlive
-/// the reader. Who holds a signal cannot change what it belongs to. An empty reader must not be
-/// called.
+/// How a signal is read: a const member function bound to its object, which must outlive the
+/// reader. Code that holds a signal cannot change the object. An empty reader must not be called.
 class SignalReader {
  public:
   constexpr SignalReader() = default;

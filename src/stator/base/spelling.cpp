@@ -9,9 +9,9 @@ namespace stator::base {
 
 namespace {
 
-/// Nobody misspells longer words; a bound for the work on text of any length.
+/// Longer words are not compared, which bounds the work on text of any length.
 constexpr std::size_t kLongestWord = 100;
-/// Of words that long, those that are alike are at most so long.
+/// A word that is similar to one of kLongestWord characters is at most this long.
 constexpr std::size_t kLongestAlike = 2 * kLongestWord;
 
 /// Number of edits that turn `a` into `b`: a character put in, left out or replaced, or two
@@ -38,7 +38,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return rows[a.size() % 3][b.size()];
 }
 
-/// So many characters tell which long name is meant.
+/// As many leading characters tell which long name is meant.
 constexpr std::size_t kBeginning = 4;
 
 bool begins_with(std::string_view name, std::string_view beginning) {
