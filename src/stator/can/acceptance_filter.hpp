@@ -17,7 +17,7 @@ class AcceptanceFilter {
 
   AcceptanceFilter() { accept_all(); }
 
-  /// Has each change counted in `changes`, by which a bus notices; null: nowhere.
+  /// Counts each change of the filter in `*changes`, by which the bus notices it; null: nowhere.
   void count_changes(std::uint64_t* changes) { changes_ = changes; }
 
   void accept_all() {

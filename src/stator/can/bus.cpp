@@ -117,7 +117,8 @@ Contenders::Entry Bus::contender(std::size_t index) const {
   return {static_cast<std::uint32_t>(keys_[index]), index};
 }
 
-// What was put in since the last look counts from the next one on, what was taken back is gone now.
+// Frames that members have put in since the last call count from the next step on; those that were
+// taken back or replaced are removed from the contenders now.
 void Bus::forget_vanished() {
   noted_.look([this](std::size_t i) {
     const Frame* frame = members_[i].pending();
@@ -182,7 +183,8 @@ void Bus::begin(SimTime now) {
   }
 }
 
-// Whoever else begins with the same field does not notice, unless a later bit differs.
+// Nodes that send the same arbitration field at once do not notice each other unless a later bit
+// differs.
 void Bus::gather_senders(std::size_t winner, SimTime now) {
   senders_.clear();
   senders_.push_back(winner);

@@ -95,13 +95,13 @@ class Bus {
 
   // Time.
 
-  /// Does the first thing that is due until `now`: begins a frame or ends and delivers one. Who
-  /// owns the nodes lets them take what came, then calls again while next_deadline() <= now. What
-  /// members have put in since the last call counts as pending from `now` on.
+  /// Does the first thing that is due until `now`: begins a frame or ends and delivers one. The
+  /// owner of the nodes lets them take received frames, then calls again while next_deadline() <=
+  /// now. Frames that members have put in since the last call count as pending from `now` on.
   void advance(base::SimTime now);
   /// The next moment at which advance() has something to do.
   [[nodiscard]] base::SimTime next_deadline() const;
-  /// Nothing is on the wire and nobody has anything to send.
+  /// Nothing is on the wire and no member has anything to send.
   [[nodiscard]] bool idle() const { return !transmitting_ && contenders_.empty() && !noted_.any(); }
 
   /// Calls `look(member)` for each node that got a frame or another error state since the last
@@ -176,7 +176,7 @@ class Bus {
     }
   };
 
-  /// A member that hears frames; kept apart from the rest because every frame visits all.
+  /// A member that receives frames; kept apart from the rest because every frame visits all.
   struct Listener {
     Controller* controller;
     Port* port;

@@ -1,4 +1,4 @@
-// Who is on the bus and in which error state.
+// The members of the bus: adds and removes them and tells their error states.
 
 #include <algorithm>
 

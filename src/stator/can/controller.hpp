@@ -58,7 +58,7 @@ class Controller final : public Transmitter {
 
   // The bus's side.
 
-  /// Has `pending` told whenever there is something to send; null: nobody.
+  /// Notes `member` in `pending` whenever the controller gets something to send; null ends that.
   void attach(PendingMembers* pending, std::size_t member) {
     pending_ = pending;
     member_ = member;

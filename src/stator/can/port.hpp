@@ -21,9 +21,9 @@ struct TimedFrame {
 /// An outside participant of a bus: frames of a master are put in, frames of the bus are taken out.
 /// It sees all frames but its own, and error frames if it asks for them.
 ///
-/// Nothing is lost while both sides look at what is full: who feeds a port leaves frames where they
-/// are while room() is 0, and an unlimited bus waits for a port whose frames nobody takes, unless
-/// it is lossy.
+/// Nothing is lost while both sides heed full buffers: the program that feeds a port keeps its
+/// frames while room() is 0, and an unlimited bus waits for a port whose received frames are not
+/// fetched, unless it is lossy.
 class Port {
  public:
   static constexpr std::size_t kTransmitBuffer = 64;
