@@ -22,8 +22,8 @@ class Service {
   virtual void on_state(NmtState /*state*/, base::SimTime /*now*/) {}
   /// Takes `frame` if it is addressed to this service in the present NMT state; false otherwise.
   /// Whether a data frame is taken may depend on its identifier, on the NMT state and on the
-  /// communication objects only: the node remembers identifiers that nobody takes until one of them
-  /// changes (Node::communication_objects_changed).
+  /// communication objects only: the node remembers identifiers that no service takes until one of
+  /// them changes (Node::communication_objects_changed).
   virtual bool receive(const can::Frame& /*frame*/, base::SimTime /*now*/) { return false; }
   /// Does what is due at `now`.
   virtual void advance(base::SimTime /*now*/) {}

@@ -8,8 +8,8 @@
 
 namespace stator::canopen {
 
-/// Where the node's services tell that error control has failed or works again: to the emergency
-/// producer and to error behaviour, as far as the node has them.
+/// By which the node's services report that error control has failed or works again: to the
+/// emergency producer and to error behaviour, as far as the node has them.
 class CommunicationErrors {
  public:
   /// `information` fills the manufacturer-specific bytes of the emergency.

@@ -69,8 +69,9 @@ EmergencyProducer::EmergencyProducer(dictionary::Dictionary& dictionary,
 
 void EmergencyProducer::start(SimTime now) {
   inhibited_until_ = now;
-  // The dictionary has the values it starts with, 1001h among them. What waits was raised during
-  // Initialisation, before 1014h had its value, and may be gone: the errors that last say it all.
+  // The dictionary has its defaults, 1001h included. Messages that wait were raised during
+  // Initialisation, before 1014h had its value, and their errors may be gone: the messages are made
+  // anew from the errors that last.
   update_register();
   message_count_ = 0;
   for (std::size_t i = 0; i < error_count_; ++i) {

@@ -20,7 +20,7 @@ inline constexpr std::uint16_t kPredefinedErrorField = 0x1003;
 inline constexpr std::uint16_t kCobIdEmergency = 0x1014;
 inline constexpr std::uint16_t kInhibitTimeEmergency = 0x1015;
 
-/// What a product makes of an emergency code, whoever raises it.
+/// How a product changes the emergencies of one code.
 struct EmergencyRule {
   std::uint16_t code = 0;
   std::uint8_t error_register = 0;  ///< bits it sets; they replace those it was raised with

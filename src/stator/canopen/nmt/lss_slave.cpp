@@ -144,7 +144,7 @@ void LssSlave::enter_configuration(SimTime now) {
   }
 }
 
-/// The master names the slave's address part by part; whoever is meant answers the last.
+/// The master sends an LSS address part by part; the slave with this address answers the last.
 void LssSlave::switch_selective(std::size_t part, std::uint32_t value, SimTime now) {
   if (part == 0) {
     selective_matches_ = 0;
@@ -254,7 +254,8 @@ std::uint8_t LssSlave::store_configuration(SimTime now) {
     reporter_.report(now, kStoringRefused, {"the device cannot store"});
     return lss::kStoringNotSupported;
   }
-  // The device may take the order for one to forget what is pending; it is stored and pending.
+  // The hook may call forget_pending_node_id(); a node-ID that LSS stores stays pending all the
+  // same.
   const std::optional<std::uint8_t> node_id = pending_node_id_;
   const bool stored = hooks_.store(node_id, pending_bit_rate_);
   pending_node_id_ = node_id;

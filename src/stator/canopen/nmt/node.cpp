@@ -26,7 +26,7 @@ constexpr base::EventRule kUnknownCommand{
     "NMT message ignored: {0} is no command; there are 1 start, 2 stop, 128 enter pre-operational, "
     "129 reset node and 130 reset communication"};
 
-/// Who the node says it is in 1018h.
+/// Puts the identity that quirks ask for into 1018h.
 void set_wrong_identity(dictionary::Dictionary& dictionary, const dictionary::Quirks& quirks) {
   constexpr std::uint16_t kIdentity = 0x1018;
   const std::array values{quirks.wrong_vendor, quirks.wrong_product, quirks.wrong_revision};

@@ -68,7 +68,7 @@ struct NodeHooks {
 
 struct NodeStatistics {
   std::uint64_t received = 0;             ///< frames given to the node while it had supply
-  std::uint64_t ignored = 0;              ///< those of them that were none of its business
+  std::uint64_t ignored = 0;              ///< those of them that no part of the node took
   std::uint64_t malformed_nmt = 0;        ///< NMT messages with a length other than 2
   std::uint64_t unknown_nmt_command = 0;  ///< NMT messages to this node with an unknown command
 };
@@ -99,10 +99,10 @@ class Node {
   void set_communication_error_reaction(CommunicationErrorReaction* reaction) {
     communication_errors_.set_reaction(reaction);
   }
-  /// Lets the node teach the filter of its controller which data frames are none of its business;
-  /// null: frames are given to it to find that out each time.
+  /// Lets the node exclude data frames that none of its services takes by the filter of its
+  /// controller; null: the node gets all frames.
   void set_acceptance_filter(can::AcceptanceFilter* filter) { filter_ = filter; }
-  /// Who knows when writes by SDO are complete; null: they always are.
+  /// Decides when writes by SDO are complete; null: at once.
   void set_write_completion(dictionary::WriteCompletion* completion);
   /// What LSS needs of the device; ignored if the node has no LSS.
   void set_lss_hooks(const LssHooks& hooks);
@@ -183,7 +183,8 @@ class Node {
   base::SimTime boot_up_due_ = base::SimTime::never();
   bool awaits_node_id_ = false;  ///< Initialisation cannot end before LSS has given one
   NodeStatistics statistics_;
-  /// Identifiers of data frames that nobody takes in the present state; saves asking all services.
+  /// Identifiers of data frames that no service takes in the present state; saves asking all
+  /// services.
   std::bitset<kIdentifiers> ignored_identifiers_;
   can::AcceptanceFilter* filter_ = nullptr;
   mutable base::SimTime deadline_ = base::SimTime::never();

@@ -84,7 +84,7 @@ void PdoService::close_further_pdos() {
 
 void PdoService::on_state(NmtState state, SimTime now) {
   if (state == NmtState::initialisation) {
-    // What was wrong with frames of before is told no more after the boot-up message.
+    // Errors of frames before the reset are not reported again after the boot-up message.
     for (ReceivePdo& pdo : receive_) {
       clear_errors(pdo, now);
     }

@@ -55,7 +55,7 @@ class SdoServer final : public Service {
 
   /// To be called before start(): the first server's identifiers contain the node-ID.
   void set_node_id(std::uint8_t node_id) { node_id_ = node_id; }
-  /// Who knows when a write is complete; null: it always is.
+  /// Decides when a write is complete; null: at once.
   void set_write_completion(dictionary::WriteCompletion* completion) { completion_ = completion; }
 
   void start(base::SimTime now) override;

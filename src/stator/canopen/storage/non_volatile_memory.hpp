@@ -35,8 +35,8 @@ class NonVolatileMemory {
   /// The image of `group` that is kept; empty if there is none. Valid until the next order.
   [[nodiscard]] virtual std::span<const std::byte> image(std::uint8_t group) const = 0;
   /// Orders all of `images` to be kept, or none of them. The bytes are copied. More orders may be
-  /// given while one is carried out; failed is told until the next order that is given when
-  /// status() is not busy.
+  /// given while one is carried out; status() stays failed until the next order that is given when
+  /// it is not busy.
   virtual void store(std::span<const GroupImage> images) = 0;
   void store(std::uint8_t group, std::span<const std::byte> bytes) {
     store(std::array{GroupImage{group, bytes}});

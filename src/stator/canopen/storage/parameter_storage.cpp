@@ -57,7 +57,7 @@ Verdict ParameterStorage::check_signature(const Entry& entry, std::uint64_t valu
                               about(entry, value, signature,
                                     stores ? base::StaticText("save") : base::StaticText("load")));
   }
-  // What complete access orders with one write goes together.
+  // Several orders of one write by complete access are not refused as busy: they go together.
   if (memory_.status() == NonVolatileMemory::Status::busy && !ordered_now_) {
     return dictionary::refuse(AbortCode::device_state, rules::kStorageBusy, about(entry));
   }

@@ -93,7 +93,7 @@ class ParameterStorage final : public dictionary::WriteCompletion {
   OrderHook ordered_;
   std::vector<std::vector<std::byte>> images_;  ///< being stored, by place of the group
   std::vector<NonVolatileMemory::GroupImage> order_;
-  bool ordered_now_ = false;  ///< nobody has asked for the end of the last order yet
+  bool ordered_now_ = false;  ///< the end of the last order has not been asked for yet
   base::SimTime earliest_;    ///< end of that order
 };
 

@@ -45,7 +45,7 @@ class SyncConsumer final : public Service {
   SyncConsumer(dictionary::Dictionary& dictionary, EmergencySink& emergencies,
                const SyncRules& limits = {});
 
-  /// Who is told of each SYNC, e.g. PdoService::on_sync.
+  /// Called at each SYNC, e.g. PdoService::on_sync.
   void set_listener(Listener listener) { listener_ = listener; }
 
   void start(base::SimTime now) override;
