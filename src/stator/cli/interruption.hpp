@@ -7,7 +7,7 @@
 
 namespace stator::cli {
 
-/// Keeps Ctrl-C from ending the program: it is to be asked for instead.
+/// Keeps Ctrl-C from ending the program; taken() tells whether it was pressed.
 class Interruption {
  public:
   Interruption() {

@@ -10,8 +10,8 @@ namespace stator::cli {
 
 /// A log that writes lines to standard error, in colour on a terminal only. Calls share one.
 ///
-/// Nobody who logs waits for who reads: lines go through a queue, and those that find no room are
-/// lost and counted. When there is room again, a line says how many there were.
+/// Logging never waits for a reader: lines go through a queue, and those that find no room are lost
+/// and counted. When there is room again, a line says how many there were.
 [[nodiscard]] std::shared_ptr<rack::Log> make_logger();
 
 /// What the log writes to; null: there is no log yet.

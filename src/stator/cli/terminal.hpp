@@ -48,7 +48,7 @@ class Terminal {
   /// What has been typed within `patience`; nothing: nothing has. A screen that was resized, and a
   /// signal, end the wait.
   [[nodiscard]] static std::optional<Typed> typed(std::chrono::milliseconds patience);
-  /// Nobody is at the other end any more.
+  /// The terminal has been closed.
   [[nodiscard]] static bool gone();
 
  private:

@@ -69,7 +69,7 @@ bool LiveSession::restore(const std::string& name) {
   }
   const std::scoped_lock lock(mutex_);
   wished_ = RecordingPlace{.path = recorder_->path(), .mark = name, .state = state_};
-  ::kill(::getpid(), SIGUSR1);  // wakes who waits for the end of the run
+  ::kill(::getpid(), SIGUSR1);  // ends the wait for the end of the run
   return true;
 }
 

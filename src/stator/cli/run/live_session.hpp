@@ -34,13 +34,13 @@ class LiveSession final : public web::SessionControl {
   [[nodiscard]] Recording recording() override;
   [[nodiscard]] std::vector<Snapshot> snapshots() override;
   bool take_snapshot(const std::string& name) override;
-  /// The run ends for that; who runs it then looks at wished().
+  /// Ends the run; its caller then goes on from the place of wished().
   bool restore(const std::string& name) override;
-  /// The place that somebody wishes for.
+  /// The place that restore() was asked for; nothing: it was not called.
   [[nodiscard]] std::optional<RecordingPlace> wished();
 
-  /// Ends the recording and says what is in it; `asked`: since when nobody has more time. Returns
-  /// why it breaks off; empty if it does not.
+  /// Ends the recording and says what is in it; `asked`: when the end was asked for
+  /// (link::BackgroundOutput::drain()). Returns why it breaks off; empty if it does not.
   [[nodiscard]] std::string finish(link::BackgroundOutput::Clock::time_point asked);
 
  private:

@@ -40,7 +40,8 @@ struct RecordingPlace {
   std::string path{};
   base::SimTime time = base::SimTime::never();  ///< never: the end
   std::string mark{};                           ///< empty: a time is meant
-  /// Kept files of a run that goes back itself: they go back as well. Empty: there are none.
+  /// Directory of the kept files of a run that goes back to a moment of its own: they are put back
+  /// as well. Empty: there are none.
   std::string state{};
 };
 [[nodiscard]] RecordingPlace parse_place(const std::string& text);

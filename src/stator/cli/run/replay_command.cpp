@@ -78,7 +78,8 @@ void replay_recording(const ReplayOptions& options, RecordedRack& recorded) {
   }
 }
 
-/// The player, and devices of a forged recording, do not know the name of what they refuse.
+/// Adds the recording's name to errors of the player and of devices built from a forged recording,
+/// which do not know it.
 void run_replay(const ReplayOptions& options) {
   RecordedRack recorded(options.recording);
   try {

@@ -50,8 +50,9 @@ void print_trace_end(const rack::PinTrace& trace, const std::string& file) {
   fmt::print("\n");
 }
 
-/// Ends all that was written while the rack ran; `asked`: since when nobody has more time. Throws
-/// Failure if something is missing in a file that somebody wants.
+/// Ends all that was written while the rack ran; `asked`: when the end was asked for
+/// (link::BackgroundOutput::drain()). Throws Failure if something is missing in a file that
+/// somebody wants.
 void end_files(rack::Rack& rack, base::SimTime now, LiveSession& session,
                link::BackgroundOutput::Clock::time_point asked) {
   std::vector<std::string> missing;
@@ -118,8 +119,8 @@ void stop(rack::Runner& runner, rack::Rack& rack, const std::string& state) {
   storage->flush(runner.now());
 }
 
-/// Throws Failure if something is not on the disk that a device has been told to keep, or nothing
-/// is where the next start looks for it. `state`: the directory as it was at the start.
+/// Throws Failure if contents that devices take for kept are not on the disk, or if the next start
+/// will not find the state directory at its path. `state`: the directory as it was at the start.
 void require_kept(rack::Rack& rack, const std::string& path, const link::FileDescriptor& state) {
   if (rack.storage() == nullptr) {
     return;

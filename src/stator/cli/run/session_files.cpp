@@ -54,8 +54,9 @@ std::vector<fs::path> paths_of(const std::vector<std::string>& named_files) {
   return paths;
 }
 
-/// As many of the folders around `folder`, that of the rack file with its whole path, as `paths`
-/// climb up: below them these and the rack file have room. Empty if they do not climb.
+/// The innermost folders of `folder`, the absolute path of the rack file's folder: as many as
+/// `paths` climb by "..". With them in front, all paths stay below the folder of the recording.
+/// Empty if none climbs.
 fs::path kept_folder(const fs::path& folder, const std::vector<fs::path>& paths) {
   std::ptrdiff_t most = 0;
   for (const fs::path& path : paths) {
@@ -73,7 +74,7 @@ fs::path kept_folder(const fs::path& folder, const std::vector<fs::path>& paths)
   return kept;
 }
 
-/// Keeps a rack file and what it names, as they lie to each other.
+/// Puts a rack file and the files it names into `header`, with their places relative to each other.
 void keep_rack(const fs::path& rack, const std::vector<std::string>& named_files,
                RecordingHeader& header) {
   const std::vector<fs::path> paths = paths_of(named_files);

@@ -12,7 +12,7 @@ namespace stator::cli {
 class StandardOutput {
  public:
   StandardOutput();
-  /// Lets it come out as far as somebody reads it.
+  /// Waits for what was printed as long as somebody reads it.
   ~StandardOutput();
   StandardOutput(const StandardOutput&) = delete;
   StandardOutput& operator=(const StandardOutput&) = delete;

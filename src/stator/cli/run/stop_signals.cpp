@@ -96,7 +96,7 @@ void StopSignals::end_by(int signal) {
   ::sigaddset(&one, signal);
   ::pthread_sigmask(SIG_UNBLOCK, &one, nullptr);
   ::pthread_kill(::pthread_self(), signal);
-  std::_Exit(128 + signal);  // somebody has had it ignored
+  std::_Exit(128 + signal);  // reached where the signal does not end the process
 }
 
 }  // namespace stator::cli

@@ -16,7 +16,7 @@ namespace {
 /// What separates words for completion.
 constexpr const char* kWordBreaks = " \t\n,=()+*/<>!";
 
-/// The library calls back without saying for whom.
+/// The library calls back without an argument for the completer, hence this global.
 const LineReader::Completer* active_completer = nullptr;  // NOLINT: the library's interface
 
 /// All candidates, the first of the list being what they have in common; the library frees them.
