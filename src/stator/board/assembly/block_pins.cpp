@@ -245,7 +245,7 @@ bool BlockPins::serves_steps(const mfc::StepDirection& steps, const StepPlace& p
 }
 
 void BlockPins::refresh_steps() {
-  // Whoever counts comes by itself.
+  // Nothing to do while the step generators of all followers run: they come to count by themselves.
   if (std::ranges::all_of(steps_,
                           [](const StepPlace& place) { return place.served && place.running; })) {
     return;

@@ -22,8 +22,9 @@
 namespace stator::board {
 
 /// What is wired to the chip's lines, and the way through time of chip and peripherals together.
-/// Nothing ticks: the board goes from event to event, those of the chip being the edges somebody
-/// watches.
+/// What is wired to the chip's lines, and the way through time of chip and peripherals together.
+/// Without periodic steps: the board goes from event to event, those of the chip being edges of
+/// watched lines.
 class Board final : private LineListener, private PeripheralHost {
  public:
   /// Throws BoardError for what cannot be wired. `pins` must outlive the board and be connected to

@@ -8,7 +8,7 @@
 
 namespace stator::board {
 
-/// Who is told of what happens on the chip's lines, in order of time.
+/// Gets what happens on the chip's lines, in order of time.
 class LineListener {
  public:
   LineListener() = default;
@@ -44,7 +44,7 @@ struct StepLines {
 enum class LineShort : std::uint8_t { none, ground, supply };
 
 /// The chip as a board sees it: its lines, and time. A seam, so that a test can stand in for the
-/// chip. Nothing is told that nobody watches, since edges are computed for watchers only.
+/// chip. The listener gets changes of watched lines only, since edges are computed for these alone.
 class Pins {
  public:
   Pins() = default;
@@ -77,15 +77,17 @@ class Pins {
   [[nodiscard]] virtual bool serves(const mfc::I2cSlave& slave) const = 0;
 
   /// The same for step and direction inputs: where a step generator leads to them as they are
-  /// wired, and nobody watches them, its steps are counted instead of told one by one.
+  /// wired, and no other part watches the lines, its steps are counted instead of reported one by
+  /// one.
   virtual void attach(const StepLines& lines, StepFollower& follower) = 0;
-  /// Steps until `now` since the last call; nothing if they are told as edges.
+  /// Steps until `now` since the last call; nothing if they are reported as edges.
   [[nodiscard]] virtual std::optional<StepCount> count_steps(const StepFollower& follower) = 0;
 
   /// Tells the listener what accesses to the chip have changed since the last call, but for edges,
   /// which it was told at once.
   virtual void settle() = 0;
-  /// Somebody acts on what served slaves are told, at once: next_event() then is that of the chip.
+  /// A peripheral acts at once on what served slaves receive, so next_event() has to be every event
+  /// of the chip.
   virtual void stop_at_every_event() = 0;
   /// The next moment at which a watched line may change on the chip's own account.
   [[nodiscard]] virtual base::SimTime next_event() const = 0;

@@ -96,7 +96,7 @@ class Encoder final : public Peripheral, public ShaftObserver {
            static_cast<std::int64_t>(std::floor(within(position)));
   }
 
-  /// Lines (as of levels()) that stand while they are broken.
+  /// Breaks or mends lines (as of levels()), which keep their level while they are broken.
   template <unsigned kLines>
   void lose(double lost) {
     broken_ = lost >= 0.5 ? broken_ | kLines : broken_ & ~kLines;

@@ -44,7 +44,7 @@ class StepperWorld {
  public:
   static constexpr base::SimDuration kPeriod{50'000};
 
-  /// Throws std::invalid_argument for a motor nobody knows.
+  /// Throws std::invalid_argument for an unknown motor.
   explicit StepperWorld(const Settings& settings);
 
   /// Makes the step that begins at `now`, and before it those it has slept through: a shaft that

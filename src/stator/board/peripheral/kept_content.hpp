@@ -6,7 +6,7 @@
 
 namespace stator::board {
 
-/// Who brings the content of a memory on a board to where it outlives the process.
+/// Stores the content of a memory on a board beyond the life of the process.
 class ContentKeeper {
  public:
   ContentKeeper() = default;
@@ -14,8 +14,8 @@ class ContentKeeper {
   ContentKeeper& operator=(const ContentKeeper&) = delete;
   virtual ~ContentKeeper() = default;
 
-  /// Takes the whole of what is to be kept; not again before the end of it is told. True: it counts
-  /// as kept at once; false: KeptContent::finish() follows.
+  /// Takes the whole of what is to be kept; not again before that has ended. True: it counts as
+  /// kept at once; false: KeptContent::finish() follows.
   [[nodiscard]] virtual bool keep(std::span<const std::byte> content) = 0;
 };
 

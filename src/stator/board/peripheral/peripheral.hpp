@@ -78,7 +78,7 @@ class Peripheral {
   [[nodiscard]] base::SimTime next_event() const { return calendar_->at(entry_); }
   void forget_event() { schedule(base::SimTime::never()); }
 
-  /// What it is beside its pins; null: it is none.
+  /// Interfaces of the peripheral beside its pins; null: it has none of that kind.
   [[nodiscard]] virtual SpiSlave* spi() { return nullptr; }
   [[nodiscard]] virtual mfc::I2cSlave* i2c() { return nullptr; }
   [[nodiscard]] virtual StepFollower* step_follower() { return nullptr; }
