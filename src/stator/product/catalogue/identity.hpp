@@ -36,7 +36,7 @@ struct Identity {
   NetworkKind network = NetworkKind::segment;
   unsigned ports = 0;  ///< for EtherCAT cables, numbered from 0; see Product::ports()
   std::vector<SerialInterface> serial_interfaces{};
-  bool own_firmware = true;  ///< false: what runs beside it, or nobody, is its firmware
+  bool own_firmware = true;  ///< false: its firmware, if any, is a program beside it
   bool host_port = false;    ///< it has pins for a firmware of the user's
 
   /// The order code in capitals, for people and files, e.g. "TMCM-3315".

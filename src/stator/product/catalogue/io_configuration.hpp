@@ -14,8 +14,8 @@ class Reader;
 
 namespace stator::product {
 
-/// What a multi-function I/O block loads from an EEPROM, and who the board is: a file of a user's,
-/// and the EEPROM made of it.
+/// What a multi-function I/O block loads from an EEPROM, and the board's identity: a user's file,
+/// and the EEPROM made from it.
 class IoConfiguration {
  public:
   IoConfiguration() = default;

@@ -38,7 +38,7 @@ class Device {
   /// those an SDO wrote.
   virtual void objects_written(base::SimTime now) { handle_bus_events(now); }
 
-  /// Who knows when a write of its objects is complete, as SDO servers ask; null: every write is at
+  /// Decides when a write of its objects is complete, as SDO servers ask; null: every write is at
   /// once.
   [[nodiscard]] virtual dictionary::WriteCompletion* write_completion() { return nullptr; }
 

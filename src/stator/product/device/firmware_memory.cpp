@@ -69,7 +69,7 @@ void FirmwareMemory::finish(std::uint32_t download, bool kept) {
   keeping_ = false;
   kept_ = kept;
   if (kept) {
-    image_.swap(complete_);  // the same bytes as before for who reads
+    image_.swap(complete_);  // readers see the same bytes as before
   } else {
     ++contents_;
   }

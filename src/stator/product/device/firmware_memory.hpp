@@ -9,7 +9,7 @@
 
 namespace stator::product {
 
-/// Who keeps firmware images beyond the life of the process: files of the rack.
+/// Stores firmware images beyond the life of the process: files of the rack.
 class FirmwareKeeper {
  public:
   FirmwareKeeper() = default;

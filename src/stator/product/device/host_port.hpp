@@ -59,7 +59,7 @@ struct HostLineChange {
   HostLines fell = 0;
 };
 
-/// Who wants to know.
+/// Gets the changes of watched lines.
 class HostLineSink {
  public:
   HostLineSink() = default;
@@ -80,7 +80,7 @@ enum class HostPin : std::uint8_t {
 inline constexpr std::size_t kHostPins = 4;
 
 /// The pins with which a chip is connected to the controller beside it: SPI slaves, lines, inputs.
-/// Whoever calls has brought the device to the present first; everything happens then.
+/// The caller has brought the device to the present, at which everything happens.
 class HostPort {
  public:
   HostPort() = default;

@@ -27,7 +27,8 @@ void keep_loaded_image(const tmcl::ModuleInterface& loader, FirmwareMemory& memo
   if (image.empty()) {
     return;
   }
-  // It fits, since the boot loader has no more memory; what cannot be kept leaves the old one.
+  // The image fits, since the boot loader's memory is no larger; if it cannot be kept the old one
+  // stays.
   static_cast<void>(memory.open_for_writing("boot loader"));
   static_cast<void>(memory.append(image));
   static_cast<void>(memory.commit());

@@ -99,7 +99,7 @@ class CanOpenFirmware : public CanDevice {
   [[nodiscard]] std::uint32_t bit_rate() const override { return rules_.bit_rate; }
   /// When it sends something on its own at the earliest.
   [[nodiscard]] base::SimTime next_deadline() const final;
-  /// Somebody beside the bus has written objects.
+  /// Objects were written otherwise than over the bus.
   void objects_written(base::SimTime now) final { apply(now); }
   /// Brings firmware and world to `now`.
   void advance(base::SimTime now) final;
@@ -112,12 +112,12 @@ class CanOpenFirmware : public CanDevice {
 
  protected:
   /// `declare` is called with a dictionary to which it adds the product's objects. If it does not
-  /// finish it, CanOpenStandardObjects adds what is missing there, of who the product is.
+  /// finish it, CanOpenStandardObjects adds the missing ones, with the product's identity.
   CanOpenFirmware(const canopen::NodeConfiguration& node, const CanOpenFirmwareRules& rules,
                   const std::function<void(dictionary::Dictionary&)>& declare,
                   base::EventReporter reporter, const CanOpenIdentity& identity = {});
-  /// The firmware has started then: the product's own constructor need not do so, but if it has
-  /// something to do in restart() and the like, which this one cannot call.
+  /// Starts the firmware. A product's own constructor calls start_firmware() only if it overrides
+  /// restart() and the like, which a base class's constructor cannot reach.
   CanOpenFirmware(const CanOpenOutline& outline, base::EventReporter reporter);
 
   // What the product does. Times are those to which the rack has come.
@@ -128,8 +128,8 @@ class CanOpenFirmware : public CanDevice {
   /// Everything but objects is as at power-on: after load_application(), and where the firmware
   /// stops. Motors and loads go on.
   virtual void restart(base::SimTime /*now*/) {}
-  /// Reset communication. Returns the stored node-ID, see canopen::NodeHooks: that it was built
-  /// with.
+  /// Reset communication. Returns the stored node-ID, see canopen::NodeHooks; by default the one
+  /// that the node was built with.
   virtual std::uint8_t reset_communication(base::SimTime /*now*/) { return first_node_id_; }
   /// The node works with this node-ID from now on: communication objects have their defaults; what
   /// was stored takes their place.

@@ -38,7 +38,7 @@ constexpr std::uint16_t kInputs = 0x3000;
 constexpr std::uint16_t kMemoryEnd = 0x5000;
 
 /// A sync manager of one byte that masters write and that triggers the watchdog does nothing else
-/// (see ethercat::SyncManager), which one would look for long.
+/// (see ethercat::SyncManager), a mistake that is hard to find.
 void require_room_for_outputs(const EtherCatOutline& outline) {
   using dictionary::PdoMapping;
   constexpr std::size_t kByte = 8;

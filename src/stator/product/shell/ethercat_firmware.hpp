@@ -44,8 +44,8 @@ struct EtherCatFirmwareRules {
   /// periods lie on a grid from the start of the rack on. A SYNC0 that stays away is waited for
   /// half a period, then the firmware goes on without it.
   bool periods_follow_sync0 = false;
-  /// A serial command has called for the boot loader, for which the firmware stops when its next
-  /// period begins: SYNC0 is taken until then, else no more.
+  /// After a serial command for the boot loader the firmware stops when its next period begins.
+  /// True: SYNC0 is taken until then; false: no more.
   bool sync0_until_stopped = false;
   /// Additional bytes of kRefusedOutput.
   std::array<std::uint8_t, 5> refused_output_bytes{};
@@ -154,7 +154,7 @@ class EtherCatFirmware : public EtherCatDevice, protected ethercat::SlaveApplica
   /// A period while the boot loader is at work: what goes on without firmware.
   virtual void tick_without_firmware(base::SimTime /*now*/) {}
 
-  /// Who overrides it calls it, too.
+  /// An override has to call this function, too.
   void on_state(ethercat::AlState from, ethercat::AlState to, base::SimTime now) override;
   /// Inputs are about to go out: objects are to show what is.
   void before_inputs(base::SimTime /*now*/) override {}

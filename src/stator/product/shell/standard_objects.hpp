@@ -10,10 +10,11 @@
 
 namespace stator::product {
 
-/// Objects of a CoE device whose values follow from who it is and what of it can be mapped: device
-/// type 1000h (no profile), error register 1001h, name 1008h, identity 1018h, communication types
-/// 1C00h, one PDO in each direction with all that can be mapped, 1600h and 1A00h, and their
-/// assignment 1C12h and 1C13h (ETG.1000.6 §5.6.7). Masters cannot change the process data.
+/// Objects of a CoE device whose values follow from its identity and from its objects that can be
+/// mapped: device type 1000h (no profile), error register 1001h, name 1008h, identity 1018h,
+/// communication types 1C00h, one PDO in each direction with all that can be mapped, 1600h and
+/// 1A00h, and their assignment 1C12h and 1C13h (ETG.1000.6 §5.6.7). Masters cannot change the
+/// process data.
 class StandardObjects {
  public:
   /// Adds those that `objects`, which is not finished, has not. Both must outlive this.
@@ -23,7 +24,7 @@ class StandardObjects {
   std::vector<dictionary::EntryDeclaration> rows_;
 };
 
-/// Who a device on CANopen is, for those of its objects that say so.
+/// The identity of a device on CANopen, for its objects that show it.
 struct CanOpenIdentity {
   std::uint32_t vendor = 0;         ///< 1018h:01, which CiA assigns
   std::uint32_t code = 0;           ///< 1018h:02, of the product
