@@ -215,7 +215,7 @@ std::set<std::string> set_of(const auto& texts) {
   return all;
 }
 
-/// A key whose path `read` gets the end of.
+/// A key whose value `Read` reads into the member at the end of the path.
 template <auto Read, auto... Path>
 constexpr auto row(std::string_view name, std::string_view summary, std::string_view unit = {}) {
   using T = Owner<Path...>;
@@ -316,7 +316,7 @@ inline constexpr auto kReadTables = [](const auto& key, Reader& reader, auto& ar
   }
 };
 
-/// Of the alternative that is there; all are described.
+/// Reads the keys of the alternative that the variant holds; a description has those of all.
 template <typename Alternative, typename Variant>
 void read_alternative(const Section<Alternative>& section, Reader& reader, Variant& variant) {
   if (auto* const there = std::get_if<Alternative>(&variant)) {

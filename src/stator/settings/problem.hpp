@@ -40,8 +40,8 @@ class Problem {
 /// All that is wrong with one configuration, in the order in which it was found.
 struct Problems {
   std::vector<Problem> list;
-  /// Somebody wants to know everything and nothing is to be run: it is looked at as well whether
-  /// files can be written, and all that is wrong with files that the configuration names is told.
+  /// The configuration is only checked, not run: whether files can be written is checked as well,
+  /// and all problems of files that it names are listed.
   bool everything = false;
   /// A device's table does not say what it is: what refers to a device that is not there may refer
   /// to this one, and is no problem of its own.

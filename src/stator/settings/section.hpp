@@ -27,7 +27,8 @@ template <typename T>
 struct Section {
   std::span<const Key<T>> keys;
   std::span<const Rule<T>> rules{};
-  /// What changes by the table being there, before its keys are read. Null: nothing.
+  /// Called if the table is there, before its keys are read. Null: its presence alone changes
+  /// nothing.
   void (*when_given)(T&) = nullptr;
 };
 

@@ -43,7 +43,8 @@ class Value {
   Value();
   /// Of any type, as it was found at a place.
   explicit Value(Content content, Place place = {});
-  // What programs write needs no word for it: {{"kind", "motor-stall"}, {"axis", 1}} is a table.
+  // Implicit conversions, so that programs can write {{"kind", "motor-stall"}, {"axis", 1}} for a
+  // table.
 
   /// A table.
   Value(Table table, Place place = {});  // NOLINT(google-explicit-constructor)
