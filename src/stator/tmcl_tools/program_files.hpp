@@ -13,7 +13,7 @@ using ReadFile = std::function<base::Expected<std::string, std::string>(const st
 /// Takes what is wrong with a program: one line, without its end.
 using TellDiagnostic = std::function<void(std::string_view line)>;
 
-/// How the tools come to the texts of programs, and who hears what is wrong with them.
+/// How the tools read the texts of programs and report what is wrong with them.
 struct ProgramFiles {
   ReadFile read;
   TellDiagnostic tell;

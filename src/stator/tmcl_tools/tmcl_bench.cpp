@@ -59,7 +59,8 @@ void TmclBench::set_input(const std::string& input, double value) {
 
 void TmclBench::schedule(const InputChange& change) {
   check(change.input, change.value);
-  // Behind those of the same time that came first, which is before them in this order.
+  // Changes are sorted from the last to the first: one of the same time as others is put before
+  // them, so that it is made after them.
   const auto place =
       std::ranges::lower_bound(changes_, change.time, std::ranges::greater{}, &InputChange::time);
   changes_.insert(place, change);

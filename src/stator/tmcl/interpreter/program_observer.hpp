@@ -17,8 +17,8 @@ struct ProgramStep {
   Status status = Status::success;
 };
 
-/// What looks over a program's shoulder: traces, breakpoints, profiles. A program without one runs
-/// in code that knows of none.
+/// Observes the instructions of a program: traces, breakpoints, profiles. Without an observer a
+/// program runs in code that does not look for one.
 class ProgramObserver {
  public:
   ProgramObserver() = default;

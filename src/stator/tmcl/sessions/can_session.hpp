@@ -50,12 +50,12 @@ class CanSession {
                                              std::span<const std::byte> data, base::SimTime now);
   /// The reply to a command that had to wait for the EEPROM, once that is written.
   [[nodiscard]] std::optional<CanReply> finish(base::SimTime now);
-  /// A command waits for that.
+  /// A command waits for the EEPROM.
   [[nodiscard]] bool awaits_eeprom() const { return asked_.has_value(); }
   /// The second reply to command 138, once the target is reached; to be asked after take() and
   /// whenever time has passed.
   [[nodiscard]] std::optional<CanReply> take_event();
-  /// There may be one to take.
+  /// take_event() may have a reply.
   [[nodiscard]] bool awaits_target() const { return event_.has_value(); }
 
  private:

@@ -30,7 +30,8 @@ void LineEditor::clear() {
   complete_ = false;
 }
 
-// What was typed beyond the capacity counts too, so that erasing finds the way back.
+// Characters beyond the capacity are counted, so that erasing them leads back to those that were
+// kept.
 bool LineEditor::erase() {
   if (length_ == 0) {
     return false;

@@ -21,8 +21,8 @@ struct ModuleIdentity {
   std::string version_text;       ///< eight characters, e.g. "0160V300"
   std::string boot_loader_text;   ///< the same while the boot loader is at work, e.g. "0160B100"
   std::int32_t version_number{};  ///< module << 16 | major << 8 | minor
-  /// Other modules may be on the line (RS-485): a telegram with another address is none of its
-  /// business. Otherwise it answers whatever the address.
+  /// Other modules may be on the line (RS-485): telegrams with another address are ignored. False:
+  /// the module answers whatever the address.
   bool addressed = false;
 };
 
