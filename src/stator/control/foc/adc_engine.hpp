@@ -37,7 +37,7 @@ class AdcEngine {
 
   void step(const Inputs& inputs) {
     const CurrentGroup& chosen = delta_sigma_a_ ? inputs.delta_sigma_a : inputs.spi_a;
-    // Word by word: what has just been written as words cannot be read as more at once for a while.
+    // Copied word by word: a wider load would have to wait for the narrow stores just made.
     a_.current[0] = chosen.current[0];
     a_.current[1] = chosen.current[1];
     a_.motor_supply = chosen.motor_supply;

@@ -183,7 +183,7 @@ const Outputs& FocBlock::step(const Inputs& inputs) {
   pwm_.begin(outputs_.pwm);
   apply(wanted, direction);
   supervise(inputs);
-  // Last, when what the caller has just written need not be waited for.
+  // Copied last, when the caller's stores are complete and need not be waited for.
   pins_ = static_cast<const PinLevels&>(inputs);
   return outputs_;
 }

@@ -213,7 +213,8 @@ void MotionControllerRamp::advance(const StopConditions& stops, base::SimDuratio
   ramp_.advance(period);
 }
 
-/// What a plan does not know of: that its way back, its overshoot or its cruise leads into a stop.
+/// Watches for stops that a plan does not consider: its way back, its overshoot or its cruise may
+/// lead into one.
 void MotionControllerRamp::watch(double velocity, base::SimDuration period) {
   if (braking_) {
     return;

@@ -69,7 +69,7 @@ void PositionRegulator::advance(std::int32_t error, base::SimDuration period) {
   }
 }
 
-/// As many updates that bring nothing new.
+/// Makes `count` updates at once, none of which changes the result.
 void PositionRegulator::repeat_update(std::int64_t count) {
   correction_ += count * result_;
   to_d_update_ -= count;

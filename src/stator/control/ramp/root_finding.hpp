@@ -45,7 +45,8 @@ template <typename Function>
     FunctionPoint& replaced = y < 0.0 ? low : high;
     FunctionPoint& kept = y < 0.0 ? high : low;
     if (&kept == kept_before) {
-      // Weighed down, or it would stay for ever where the function is curved.
+      // The value at the end that stays is reduced, else that end would never move where the
+      // function is curved.
       const double weight = 1.0 - y / replaced.y;
       kept.y *= weight > 0.0 ? weight : 0.5;
     }

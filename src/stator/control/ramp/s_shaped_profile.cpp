@@ -37,7 +37,7 @@ class Draft {
 
   [[nodiscard]] double direction() const { return direction_; }
   [[nodiscard]] const MicrostepPosition& position() const { return position_; }
-  /// At rest: looks the other way.
+  /// At rest: reverses the direction in which speed counts.
   void turn() { direction_ = -direction_; }
 
   void change_to(double speed);

@@ -52,10 +52,10 @@ class Draft {
   [[nodiscard]] double way_to(const MicrostepPosition& target) const {
     return direction_ * distance(position_, target);
   }
-  /// At rest: looks the other way.
+  /// At rest: reverses the direction in which speed counts.
   void turn() { direction_ = -direction_; }
 
-  /// Of a start from rest.
+  /// Steps to a speed, at a start from rest.
   void step_to(double speed) { speed_ = speed; }
   void gain_to(double after) {
     ramp(std::clamp(limits_.break_velocity, speed_, after), limits_.start_acceleration);
@@ -198,7 +198,8 @@ MotionPlan approach(Draft& draft, const MicrostepPosition& target, const RampLim
   return draft.rest();
 }
 
-/// Without an end velocity above the limit, which would mean to brake below the limit only.
+/// `limits` with an end velocity that is at most the limit, since a higher one would mean to brake
+/// only from below the limit.
 RampLimits usable(const RampLimits& limits) {
   RampLimits result = limits.cleaned();
   result.end_velocity = std::min(result.end_velocity, result.velocity);

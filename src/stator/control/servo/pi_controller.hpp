@@ -52,9 +52,9 @@ class PiController {
     return cut_ == 0 ? output : (cut_ > 0 ? limit : -limit);
   }
 
-  /// The output was cut further by what comes behind: +1 a positive, -1 a negative one.
+  /// The output was cut further by a later stage: +1 a positive, -1 a negative one.
   void set_cut(int sign) { cut_ = sign; }
-  /// Starts anew with an integral part of `output` (2^-16), as far as I can hold one.
+  /// Starts anew with an integral part of `output` (2^-16), as far as the gain I can hold one.
   void preset(std::int64_t output) {
     error_ = 0;
     cut_ = 0;
