@@ -55,8 +55,9 @@ constexpr ErrorReactions reactions_of(const std::array<AxisEmergency, Rows>& tab
   return reactions;
 }
 
-/// Calls `act` with each row of `table` whose error is in `these` and not in `those`: with the
-/// errors of now and of before those that have appeared, the other way round those that have gone.
+/// Calls `act` with each row of `table` whose error is in `these` and not in `those`: errors that
+/// have appeared if these are the present and those the earlier ones; errors that have gone the
+/// other way round.
 template <typename Act>
 void for_each_row_only_in(std::span<const AxisEmergency> table, const AxisErrors& these,
                           const AxisErrors& those, const Act& act) {

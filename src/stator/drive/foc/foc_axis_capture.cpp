@@ -1,4 +1,4 @@
-// Of the axis on the FOC block: captures in every PWM period, and the objects it shows.
+// The part of FocAxis for captures in every PWM period and for the objects it shows.
 
 #include <cmath>
 

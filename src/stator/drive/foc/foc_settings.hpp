@@ -16,7 +16,7 @@ enum class CommutationMethod : std::uint8_t {
   minimal_movement = 3,  ///< motion mode 9 of the FOC block
 };
 
-/// With which current, how long and when in vain the commutation is searched.
+/// How the commutation is searched: with which current, how long, and when it has failed.
 struct CommutationSettings {
   CommutationMethod method = CommutationMethod::halls;
   /// PHI_E_SELECTION in operation, which the axis writes. An encoder (3, 6 and 7) has to be

@@ -56,7 +56,7 @@ void TouchProbe::configure(Probe& probe, unsigned bits, Source source) {
   const bool enabled = (bits & kEnable) != 0;
   const std::array<bool, 2> samples{(bits & kPositiveEdge) != 0, (bits & kNegativeEdge) != 0};
   if (!enabled || source != probe.source) {
-    probe.looked = false;  // the level of before does not make an edge
+    probe.looked = false;  // an earlier level does not make an edge
   }
   for (std::size_t edge = 0; edge < samples.size(); ++edge) {
     if (!enabled || !samples[edge]) {

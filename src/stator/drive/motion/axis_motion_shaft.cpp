@@ -31,9 +31,10 @@ constexpr double kInPlace = 0.02;
 constexpr double kFollowedStandstills = 3.0;
 constexpr double kFollowedShare = 0.02;
 constexpr double kFollowedPeriods = 4.0;
-/// By which a demand is so far ahead of the shaft that the velocity loop has lost its hold.
+/// A demand that is ahead of the shaft by more than it passes in this time means that the velocity
+/// loop has lost its hold, s.
 constexpr double kFarAhead = 0.25;
-/// Of the filter that takes the counts of an encoder out of the velocity, s.
+/// Time constant of the filter that takes the counts of an encoder out of the velocity, s.
 constexpr double kVelocityFilter = 2e-3;
 
 }  // namespace

@@ -8,7 +8,8 @@
 
 namespace stator::drive {
 
-/// Whether an axis can commutate by its encoder, and the word to a person who wants it to.
+/// Checks whether an axis can commutate by its encoder, and reports why not to a person who wants
+/// it to.
 class ClosedLoopConditions {
  public:
   ClosedLoopConditions(base::EventReporter reporter, std::uint8_t axis)

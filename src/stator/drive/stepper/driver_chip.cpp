@@ -7,7 +7,7 @@ namespace stator::drive {
 
 namespace {
 
-/// s. In a shorter half wave no current may rise to what tells that a load is there.
+/// s. In a shorter half wave the current may not rise far enough to show that a load is connected.
 constexpr double kShortestHalfWave = 200e-6;
 
 /// While the chip shows one of these the stage is off.
