@@ -108,7 +108,8 @@ void Block::step(base::SimTime to) {
   }
   pads_.advance(now_);
   const auto bring = [&](Unit unit, auto& its) {
-    // An earlier one of these may have called it: then what was worked out holds no longer.
+    // A unit handled before in this loop may have called this one, whose next event then has to be
+    // worked out again.
     const bool called = (stale_ >> unit & 1U) != 0;
     if ((called ? its.next_event() : unit_next_[unit]) <= now_) {
       its.advance(now_, *this);
@@ -139,7 +140,7 @@ void Block::advance_units(std::uint32_t units) {
   bring(dac_unit, dac_);
 }
 
-/// Whether nothing follows from what units and pins have come to.
+/// Whether the states of units and pins cause no further change at this moment.
 bool Block::settled() const {
   return pending_triggers_ == 0 && irq_.emergency() == emergency_ && pads_.inputs() == seen_ &&
          !watchdog_.expired() && !action_.active && (untold_ & watched_) == 0 &&

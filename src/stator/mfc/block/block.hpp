@@ -25,7 +25,7 @@
 
 namespace stator::mfc {
 
-/// Who looks at the block's pins; told in order of time, pins of one moment by line. It may drive
+/// Gets the changes of the block's pins in order of time, pins of one moment by line. It may drive
 /// pins and read registers of the block from there, at that time.
 class PinListener {
  public:
@@ -47,9 +47,8 @@ class PinListener {
 /// process data.
 ///
 /// Time is passive: next_event() says when something that matters happens next, advance() makes it.
-/// Every other call acts at now(); who acts later calls advance() first. Allocates nothing. Chips
-/// at the SPI and I2C masters, listener and process data are referred to and outlive their place
-/// here.
+/// Every other call acts at now(); to act later, call advance() first. Allocates nothing. Chips at
+/// the SPI and I2C masters, listener and process data are referred to and outlive their place here.
 class Block final : private SignalSink, private BridgedRegisters {
  public:
   static constexpr std::uint8_t kSafeOperational = 4;
@@ -66,8 +65,8 @@ class Block final : private SignalSink, private BridgedRegisters {
   // The side of the MFC CTRL SPI. Addresses are register number << 4 | byte number (L1156-L1168).
 
   /// Reads bytes as of now. Bytes without a register are 0; a register of which any byte is read
-  /// counts as read. Whoever sends byte by byte fetches the rest of a register with its first byte,
-  /// so that its bytes belong together.
+  /// counts as read. A caller that reads byte by byte fetches the rest of a register with its first
+  /// byte, so that the bytes belong together.
   void read(std::uint16_t address, std::span<std::byte> out);
   /// Writes what one datagram has brought. Bytes beyond a register's size, registers without write
   /// access and registers mapped for the master are left alone (L8854-L8858).

@@ -201,14 +201,13 @@ class SignalSink {
 // - Units are values: a copy is a snapshot. They allocate nothing and throw nothing.
 // - advance(to, sink) makes everything that happens up to and at `to`. Before anything is written,
 //   read or put into a unit at some time, it is advanced to that time. What a write or an input
-//   changes at once is told to the sink at that time.
-// - A write counts from the last edge of the unit's clock; whoever wants it exact to the clock puts
-//   it on Clock25MHz::next_edge().
-// - watch(signals) says which outputs somebody looks at, listen(sources) whose events somebody
-// needs
-//   in time. next_event() is the next moment at which one of these happens, or at which the unit
-//   must act on the outside; it is not later than that, and never() if nothing will happen by
-//   itself. What nobody watches is neither computed nor told. Events of sources nobody listens to
-//   are told when the unit is advanced past them; those of PWM marks once per call of advance().
+//   changes at once goes to the sink with that time.
+// - A write counts from the last edge of the unit's clock; to be exact to the clock, it has to be
+//   at Clock25MHz::next_edge().
+// - watch(signals) says which outputs are watched, listen(sources) whose events are needed in time.
+//   next_event() is the next moment at which one of these happens, or at which the unit must act on
+//   the outside; it is not later than that, and never() if nothing will happen by itself. Changes
+//   of other outputs are neither computed nor passed on. Events of other sources go to the sink
+//   when the unit is advanced past them; those of PWM marks once per call of advance().
 
 }  // namespace stator::mfc

@@ -152,7 +152,7 @@ bool I2cMaster::sends_or_receives() const {
   return command_ == Command::address || command_ == Command::data || command_ == Command::receive;
 }
 
-/// Nobody sees the lines, and nobody lengthens the bits.
+/// The lines are not watched, and nothing holds SCL low to lengthen the bits.
 bool I2cMaster::may_pass_unseen() const {
   return outside_scl_ && held_until_ <= now_ && !watched_.contains_any({Signal::scl, Signal::sda});
 }
