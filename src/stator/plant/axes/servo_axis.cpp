@@ -154,7 +154,7 @@ void ServoAxis::account(double power, double step, bool chopper_on) {
 void ServoAxis::update_temperatures() {
   const SynchronousMotorState& motor = state_.motor;
   const double elapsed = state_.unheated.seconds();
-  // Settled steps were not added up: the current was what it is.
+  // Settled steps were not summed up; the current had its present value in all of them.
   const double settled = std::max(0.0, elapsed - state_.heated_time);
   const double mean_square = (state_.square_current + settled * square(motor.current)) / elapsed;
   const InverterParameters& inverter = parameters_.inverter;

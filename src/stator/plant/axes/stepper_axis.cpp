@@ -192,7 +192,7 @@ void StepperAxis::observe_chopper(const std::array<double, 2>& induced,
 void StepperAxis::update_temperatures() {
   const double elapsed = state_.unheated.seconds();
   const std::array<double, 2>& i = state_.motor.current;
-  // Settled steps were not added up: the current was what it is.
+  // Settled steps were not summed up; the current had its present value in all of them.
   const double settled = std::max(0.0, elapsed - state_.heated_time);
   const double mean_square =
       (state_.square_current + settled * (i[0] * i[0] + i[1] * i[1])) / elapsed;

@@ -5,8 +5,9 @@
 
 namespace stator::plant {
 
-/// The table of one axis whose PWM periods are simulated, docs/rack-file.md. Who makes the PWM sets
-/// inverter.pwm_frequency before it is read: the longest dead time follows from it.
+/// The table of one axis whose PWM periods are simulated, docs/rack-file.md. The device that makes
+/// the PWM sets inverter.pwm_frequency before the table is read: the longest dead time follows from
+/// it.
 extern const settings::Section<PwmAxisParameters> kPwmAxisKeys;
 
 }  // namespace stator::plant

@@ -7,7 +7,7 @@
 
 namespace stator::plant {
 
-/// Whether the armature of a holding brake lies on its disc. A brake nobody feeds is closed.
+/// Whether the armature of a holding brake lies on its disc. Without current the brake is closed.
 struct HoldingBrakeState {
   bool open = false;
   base::SimDuration changing;  ///< how long its coil has been asking for the other position

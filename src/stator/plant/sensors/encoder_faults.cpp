@@ -48,7 +48,8 @@ void spoil(EncoderFaultState& state, const EncoderFaults& faults, IncrementalEnc
   }
   const std::int64_t change = encoder.absolute - state.seen.absolute;
   if (change != 0 && (faults.lost || faults.dead_channel != 0)) {
-    // The edges of the channel that lives go up and down, for the dead one never turns.
+    // Edges of the intact channel count up and down in turn, since the dead channel never changes
+    // its level.
     const std::int64_t seen = faults.lost ? 0
                                           : level(encoder.absolute, 3 - faults.dead_channel) -
                                                 level(state.seen.absolute, 3 - faults.dead_channel);

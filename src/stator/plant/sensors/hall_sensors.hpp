@@ -53,7 +53,8 @@ class HallSensors {
     std::uint64_t result = 0;
     for (unsigned k = 0; k < 3; ++k) {
       const double seen = axis_[k].cosine * direction.cosine + axis_[k].sine * direction.sine;
-      // The sign bit instead of a comparison: nobody can foretell three branches.
+      // Takes the sign bit instead of comparing, since a processor cannot predict the three
+      // branches.
       const double missing = threshold_[(levels >> k) & 1U] - seen;
       result |= (std::bit_cast<std::uint64_t>(missing) >> 63) << k;
     }
