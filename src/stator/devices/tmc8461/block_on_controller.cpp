@@ -44,7 +44,8 @@ void BlockOnController::advance(base::SimTime to) {
   tell_pulses();
 }
 
-// A board never goes back: at a moment that has passed, as the moments of a frame may, all is done.
+// The board is not brought back: if `to` has passed, as the moment of a frame may have, all that
+// was due at it is done already.
 void BlockOnController::advance_block(base::SimTime to) {
   if (board_ == nullptr) {
     block_.advance(to);

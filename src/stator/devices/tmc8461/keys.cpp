@@ -55,7 +55,7 @@ void take_over(const BoardIdentity& identity, Tmc8461Configuration& configuratio
   configuration.device_emulation = identity.device_emulation;
 }
 
-/// The EEPROM from a configuration of the I/O block; it says as well who the board is.
+/// The EEPROM from a configuration of the I/O block, which gives the board's identity, too.
 void read_mfc_configuration_file(const settings::KeyWords& key, settings::Reader& reader,
                                  Tmc8461Configuration& configuration) {
   const auto name = reader.file_name(key);
@@ -135,7 +135,7 @@ constexpr std::array kMailboxRows{
         "coe", "The mailbox has an object dictionary behind it")};
 constexpr settings::Section<Tmc8461Configuration> kMailboxKeys{kMailboxRows};
 
-/// Who the board is, and what stands in its EEPROM beside that.
+/// The board's identity, and what else is in its EEPROM.
 constexpr std::array kEepromRows{
     settings::custom<Tmc8461Configuration, read_eeprom_image>(
         "sii", "EEPROM image, relative to the rack file"),

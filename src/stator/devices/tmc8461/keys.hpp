@@ -6,7 +6,7 @@
 namespace stator::devices {
 
 /// The keys of a TMC8461 (docs/rack-file.md). An EEPROM image or a configuration of the I/O block
-/// that they name is read; the configuration says as well who the board is.
+/// that they name is read; the configuration gives the board's identity, too.
 extern const settings::Section<Tmc8461Configuration> kTmc8461Keys;
 
 }  // namespace stator::devices

@@ -126,7 +126,8 @@ void Tmc8461::advance(SimTime now) {
   }
 }
 
-// To a moment at which something may happen; nothing does in between that is stopped at.
+// Called with the moments at which something may happen; between them nothing does that steps have
+// to stop at.
 void Tmc8461::step_to(SimTime moment) {
   halves_.advance(moment);
   now_ = moment;

@@ -77,9 +77,9 @@ void AxisUnit::set_network_operational(bool operational, base::SimTime now) {
   }
 }
 
-// ENABLE_OUT follows the power stage enable of the drive (L448); as long as no master has the
-// drive, that of who switches the PWM on by a UART (L286, F-86). Bit 0 of 60FEh, if its mask lets
-// it, sets the brake whatever the drive wants.
+// ENABLE_OUT follows the power stage enable of the drive (L448); as long as no master has the drive
+// it is also set while the PWM is switched on over a UART (L286, F-86). Bit 0 of 60FEh, if its mask
+// lets it, sets the brake whatever the drive wants.
 void AxisUnit::drive_pins() {
   constexpr auto kCentred = static_cast<std::int32_t>(control::foc::Chopper::centred);
   const bool tried_by_uart = !axis_->conditions().network_operational &&

@@ -14,7 +14,8 @@ namespace stator::devices::tmc8670 {
 ///
 /// The master chooses by the SYNC registers; 1C32h:01 and 1C33h:01 then show it. One that has
 /// written 2 (DC SYNC0) there has to activate SYNC0 before Operational. What it wrote holds until
-/// Init, so that the next master finds nothing of it; what these objects show is nobody's wish.
+/// Init, so that the next master does not find it; values that these objects show by themselves are
+/// not taken for such a choice.
 class Synchronisation {
  public:
   /// Installs the written hooks of 1C32h:01 and 1C33h:01.

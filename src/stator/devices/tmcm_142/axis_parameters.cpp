@@ -181,7 +181,7 @@ std::int32_t AxisParameters::read_raw(AxisParameter parameter) {
   }
 }
 
-/// Writes to what is no setting.
+/// Writes of parameters that are commands and no settings.
 Status AxisParameters::command(AxisParameter parameter, std::int32_t raw) {
   MotionAxis::Controller& controller = axis_.controller();
   switch (parameter) {

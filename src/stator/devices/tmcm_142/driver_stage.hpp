@@ -60,7 +60,7 @@ class DriverStage {
   [[nodiscard]] bool over_temperature_warning() const {
     return chip_.flags().has(drive::AxisError::over_temperature_warning);
   }
-  /// The chip's own words on an error.
+  /// The errors that the chip reports.
   [[nodiscard]] const drive::AxisErrors& flags() const { return shown_; }
   [[nodiscard]] bool overvoltage() const { return overvoltage_; }
 

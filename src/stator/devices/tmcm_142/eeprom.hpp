@@ -19,8 +19,9 @@ namespace stator::devices::tmcm_142 {
 /// parameters and coordinates, one of the program, both in one order.
 ///
 /// A write lasts kWriteTime, or longer if the memory takes longer; a memory that is ready at once
-/// takes no time. Where it fails the cells are again what they were before the command that wrote
-/// them; where nobody can be told of that they stay, and are written again every kRetryTime.
+/// takes no time. If it fails the cells are again what they were before the command that wrote
+/// them; if no host can be told of the failure the written values stay, and are written again every
+/// kRetryTime.
 ///
 /// Parameters: each cell in 4 bytes. Program: command, type, motor and 4 bytes of value for each,
 /// up to the last that is not erased. Numbers are little endian.
@@ -49,7 +50,7 @@ class Eeprom final : public tmcl::EepromKeeper {
   [[nodiscard]] base::SimTime next_poll() const { return poll_; }
   /// Looks whether the write has ended; if not, again at `next`.
   void poll(base::SimTime now, base::SimTime next);
-  /// The supply is gone, and with it whoever could have been told.
+  /// The supply is gone: no host can be told any more that a write has failed.
   void abandon() { refusable_ = false; }
 
  private:

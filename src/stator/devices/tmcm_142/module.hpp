@@ -55,8 +55,8 @@ class Module final : public tmcl::Module {
   [[nodiscard]] bool load_eeprom(std::span<const std::int32_t> cells);
   /// What the latest command wrote is kept.
   void accept_writes() { overwritten_ = {}; }
-  /// It is not: what lives in the EEPROM only has its value from before in RAM too. The EEPROM
-  /// itself is load_eeprom()'s.
+  /// What the latest command wrote is not kept: a global parameter of the EEPROM or a coordinate
+  /// has its value from before in RAM again. The EEPROM itself is restored by load_eeprom().
   void take_back_writes();
   /// @}
 

@@ -172,7 +172,7 @@ void MotionAxis::look_for_events(base::SimTime now, AxisEvents& events) {
     events.position_error = true;
     reporter_.report(now, kSearchFailed, {EventArgument(text_of(search_.failure()))});
   }
-  // Switches that a search meets are its own business.
+  // Switches that a reference search meets are handled by the search.
   if (rises(at_limit_, at_limit()) && !search_.active()) {
     events.position_error = true;
     reporter_.report(now, kLimit, {controller_.position()});

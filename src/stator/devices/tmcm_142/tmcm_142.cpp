@@ -227,7 +227,8 @@ void Tmcm142::advance(SimTime now) {
   }
 }
 
-/// Who wrote has the answer first, then come the hosts that waited, then the program.
+/// Order: first the answer to the host whose command wrote, then hosts that waited, then the
+/// program.
 void Tmcm142::poll_eeprom(SimTime now) {
   eeprom_.poll(now, next_tick_ > now ? next_tick_ : next_tick_ + kControlPeriod);
   if (!powered_ || eeprom_.outcome() == tmcm_142::Eeprom::Outcome::busy) {
@@ -279,7 +280,7 @@ void Tmcm142::tick(SimTime now) {
   tell_of_targets(now);
 }
 
-/// What an interface holds back until a moment.
+/// Sends replies that interfaces have held back and that are due.
 void Tmcm142::serve_due(SimTime now) {
   for (tmcl::SerialSession& session : sessions_) {
     if (session.next_deadline() <= now) {
