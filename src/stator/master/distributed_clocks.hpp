@@ -29,7 +29,7 @@ struct ReceiveTimes {
 /// Measures delays and sets delay and offset registers of all slaves with distributed clocks, so
 /// that their system times equal that of the first of them, which is returned (nothing if no slave
 /// has a clock). ErrorCode::configuration if the segment branches and some slave has no clock, so
-/// that nobody knows where it hangs.
+/// that its place in the segment cannot be found out.
 [[nodiscard]] Result<std::optional<Station>> synchronize_clocks(Bus& bus,
                                                                 std::span<const Slave> slaves);
 
