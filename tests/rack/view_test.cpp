@@ -16,7 +16,7 @@
 #include "stator/rack/file/fault_section.hpp"
 #include "stator/rack/networks/can_network.hpp"
 #include "stator/rack/networks/serial_line.hpp"
-#include "stator/rack/run/desk.hpp"
+#include "stator/rack/run/task_queue.hpp"
 #include "stator/rack/world/coupling.hpp"
 
 namespace stator::rack {
@@ -117,10 +117,10 @@ TEST(View, ALookIsDoneWithTheRackAndWakesNobody) {
   RackConfiguration configuration = single_device_rack("tmcm-3315", devices::products());
   configuration.segments[0].devices[0].name = "gantry";
   Rack rack(configuration, log);
-  Desk desk;
+  TaskQueue queue;
   ReadName task;
-  ASSERT_TRUE(desk.post(task));
-  EXPECT_FALSE(desk.serve(rack, {}));
+  ASSERT_TRUE(queue.post(task));
+  EXPECT_FALSE(queue.serve(rack, {}));
   EXPECT_EQ(task.name, "gantry");
 }
 

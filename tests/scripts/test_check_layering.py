@@ -123,8 +123,8 @@ class CheckLayering(unittest.TestCase):
 
     def test_a_header_without_its_room_is_told_its_folder(self):
         self.assert_one(
-            self.violations({"src/stator/rack/run/runner.cpp": '#include "desk.hpp"\n'}),
-            'write "stator/rack/run/desk.hpp"',
+            self.violations({"src/stator/rack/run/runner.cpp": '#include "task_queue.hpp"\n'}),
+            'write "stator/rack/run/task_queue.hpp"',
         )
 
     def test_an_include_of_a_folder_above_is_found(self):
@@ -165,7 +165,7 @@ class CheckLayering(unittest.TestCase):
         )
 
     def test_a_folder_of_too_many_files_is_found(self):
-        files = {f"src/stator/rack/run/desk_{number}.hpp": "\n" for number in range(40)}
+        files = {f"src/stator/rack/run/tasks_{number}.hpp": "\n" for number in range(40)}
         self.assert_one(self.violations(files), "src/stator/rack/run:1: size:", "41 files")
 
     def test_internal_headers_are_for_their_folder_only(self):

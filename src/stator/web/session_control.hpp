@@ -27,7 +27,7 @@ class SessionControl {
   SessionControl& operator=(const SessionControl&) = delete;
   virtual ~SessionControl() = default;
 
-  // For tasks of the desk, which hold the rack.
+  // For queued tasks, which hold the rack.
 
   [[nodiscard]] virtual Recording recording() = 0;
   [[nodiscard]] virtual std::vector<Snapshot> snapshots() = 0;

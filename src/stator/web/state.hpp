@@ -98,7 +98,7 @@ class State {
   /// All keys of rack files of devices of `catalogue`, as a JSON schema.
   [[nodiscard]] const std::string& keys();
 
-  // For tasks of the desk, which hold the rack.
+  // For queued tasks, which hold the rack.
 
   [[nodiscard]] const rack::EventLog& log() const { return log_; }
   /// Number of the newest event that a task has fetched.

@@ -170,7 +170,7 @@ void LiveRun::one_other() {
       change_taps();
       break;
     default:
-      desk();
+      tasks();
       break;
   }
 }
@@ -436,7 +436,7 @@ void LiveRun::put_bytes(std::size_t line, std::span<const std::byte> bytes) {
 }
 
 /// What web pages, programs and people ask for.
-void LiveRun::desk() {
+void LiveRun::tasks() {
   catch_up();
   switch (random_.below(6)) {
     case 0:

@@ -66,7 +66,7 @@ class LiveRun {
   void talk_on_line(std::size_t line);
   void put_bytes(std::size_t line, std::span<const std::byte> bytes);
 
-  void desk();
+  void tasks();
   void access_object();
   void change_taps();
 

@@ -81,7 +81,7 @@ void BusThread::run() {
       hand_out();
     }
     shared_.keep_files();
-    shared_.serve_desk();
+    shared_.serve_tasks();
   }
 }
 

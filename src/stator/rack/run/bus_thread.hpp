@@ -48,7 +48,7 @@ class BusThread {
   void wake() noexcept { wait_.wake(); }
 
   [[nodiscard]] BusThreadStatistics statistics();
-  /// For tasks of the desk, which run while the rack is held.
+  /// For queued tasks, which run while the rack is held.
   [[nodiscard]] const BusThreadStatistics& statistics_in_task() const { return statistics_; }
   [[nodiscard]] std::size_t ports() const { return ports_.size(); }
   [[nodiscard]] const link::CanLink& port(std::size_t index) const { return *ports_[index]->link; }

@@ -114,7 +114,7 @@ Runner::Runner(Rack& rack, const RackConfiguration& configuration, std::shared_p
       }
     }
   }
-  shared_.desk.set_waker([this] { wake(); });
+  shared_.tasks.set_waker([this] { wake(); });
   for (std::size_t line = 0; line < rack.line_count(); ++line) {
     lines_.push_back(std::make_unique<SerialLineThread>(shared_, line, buses_));
   }
@@ -256,7 +256,7 @@ void Runner::run(SegmentThread& segment) {
     const base::SimTime now = shared_.machine_now();
     watch_carriers(segment, now);
     const bool busy = now - last_frame < kIdleAfter;
-    const base::SimDuration idle = shared_.desk.attended() ? kAttendedTick : kIdleTick;
+    const base::SimDuration idle = shared_.tasks.attended() ? kAttendedTick : kIdleTick;
     const base::SimDuration tick = shared_.lags() ? base::SimDuration() : busy ? kBusyTick : idle;
     const auto received = segment.receive(buffer, std::min(tick, time_to_release(segment, now)));
     if (!received && received.error().code != link::LinkErrorCode::interface_down) {
@@ -281,7 +281,7 @@ void Runner::run(SegmentThread& segment) {
       catch_up(segment);
     }
     shared_.keep_files();
-    shared_.serve_desk();
+    shared_.serve_tasks();
   }
 }
 

@@ -61,7 +61,7 @@ class Runner {
   [[nodiscard]] base::SimTime now();
   /// Time that the machine was too slow for and that the rack will never catch up.
   [[nodiscard]] base::SimDuration lost();
-  /// The same for tasks of the desk.
+  /// The same for queued tasks.
   [[nodiscard]] base::SimDuration lost_in_task() const { return shared_.lost; }
   /// Of a bus with a wire.
   [[nodiscard]] BusThread& bus(std::size_t index) { return *buses_[index]; }
@@ -74,11 +74,11 @@ class Runner {
   [[nodiscard]] ChipThread& chip(std::size_t index) { return *chips_[index]; }
   [[nodiscard]] SegmentStatistics statistics(std::size_t segment);
   /// Where somebody outside hands in tasks for the running rack.
-  [[nodiscard]] Desk& desk() { return shared_.desk; }
+  [[nodiscard]] TaskQueue& tasks() { return shared_.tasks; }
   /// What time stamps of CAN frames add to simulated time.
   [[nodiscard]] base::SimDuration epoch() const { return shared_.epoch(); }
   [[nodiscard]] ClockKind clock_kind() const { return shared_.clock_kind; }
-  /// As statistics(), for tasks of the desk, which run while the rack is held.
+  /// As statistics(), for queued tasks, which run while the rack is held.
   [[nodiscard]] SegmentStatistics segment_in_task(std::size_t segment) const;
   [[nodiscard]] const link::EthernetLink& link(
       std::size_t segment,

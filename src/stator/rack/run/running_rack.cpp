@@ -119,8 +119,8 @@ void RunningRack::keep_files() {
   }
 }
 
-void RunningRack::serve_desk() {
-  if (!desk.waiting()) {
+void RunningRack::serve_tasks() {
+  if (!tasks.waiting()) {
     return;
   }
   bool changed = false;
@@ -129,10 +129,10 @@ void RunningRack::serve_desk() {
     if (clock_kind == ClockKind::real) {
       catch_up();
     }
-    changed = desk.serve(rack, clock_kind == ClockKind::real ? reached : lockstep_clock.now());
+    changed = tasks.serve(rack, clock_kind == ClockKind::real ? reached : lockstep_clock.now());
   }
   if (changed) {
-    desk.wake_rack();
+    tasks.wake_rack();
   }
 }
 

@@ -12,7 +12,7 @@
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/observe/inheriting_mutex.hpp"
 #include "stator/rack/observe/log.hpp"
-#include "stator/rack/run/desk.hpp"
+#include "stator/rack/run/task_queue.hpp"
 #include "stator/rack/world/clock.hpp"
 
 namespace stator::rack {
@@ -93,9 +93,9 @@ struct RunningRack {
   /// mutex, and looks now and then for files that could not be written and for what the log has
   /// counted.
   void keep_files();
-  /// Does a few of the tasks that wait at the desk, if there are any; takes the mutex. For a thread
-  /// that has answered what came.
-  void serve_desk();
+  /// Does a few of the tasks that wait in the task queue, if there are any; takes the mutex. For a
+  /// thread that has answered what came.
+  void serve_tasks();
   /// Tells of the `count`th overrun, with the lag that was seen.
   void log_overrun(std::uint64_t count, base::SimDuration lag) const;
 
@@ -115,7 +115,7 @@ struct RunningRack {
   std::atomic<bool> lagging{false};
   base::SimTime next_keeping;
   std::atomic<bool> stopping{false};
-  Desk desk;
+  TaskQueue tasks;
 
  private:
   struct Lag {

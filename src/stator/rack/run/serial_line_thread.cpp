@@ -103,7 +103,7 @@ void SerialLineThread::run() {
       plan();
     }
     shared_.keep_files();
-    shared_.serve_desk();
+    shared_.serve_tasks();
   }
 }
 

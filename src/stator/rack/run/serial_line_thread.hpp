@@ -49,7 +49,7 @@ class SerialLineThread {
   /// What programs open.
   [[nodiscard]] const link::SerialLink& link() const { return *link_; }
   [[nodiscard]] SerialLineThreadStatistics statistics();
-  /// For tasks of the desk, which run while the rack is held; without those of the link.
+  /// For queued tasks, which run while the rack is held; without those of the link.
   [[nodiscard]] SerialLineThreadStatistics statistics_in_task() const;
 
  private:

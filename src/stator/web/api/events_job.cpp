@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Events copied in one look at the desk.
+/// Events copied in one look at the task queue.
 constexpr std::uint64_t kEventsAtOnce = 64;
 
 class EventsJob final : public LookJob {

@@ -26,7 +26,7 @@ namespace {
 using dictionary::Entry;
 using Json = nlohmann::ordered_json;
 
-/// Entries of a dictionary read in one look at the desk.
+/// Entries of a dictionary read in one look at the task queue.
 constexpr std::size_t kEntriesAtOnce = 16;
 
 Json declaration_json(const Entry& entry) {

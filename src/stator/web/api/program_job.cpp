@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Cells copied in one look at the desk.
+/// Cells copied in one look at the task queue.
 constexpr std::size_t kCellsAtOnce = 512;
 
 class ProgramJob final : public LookJob {

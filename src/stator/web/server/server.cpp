@@ -54,10 +54,10 @@ class Server::Implementation {
                  const rack::RackConfiguration& rack_configuration, const rack::EventLog& log,
                  rack::Runner& runner)
       : address_(configuration.address),
-        desk_(runner.desk()),
+        tasks_(runner.tasks()),
         server_{configuration.limits, Guard(configuration.address.loopback(), configuration.token),
                 State(rack, rack_configuration, log, runner),
-                RackAccess(server_.state, runner.desk(), configuration.limits.rack_time,
+                RackAccess(server_.state, runner.tasks(), configuration.limits.rack_time,
                            [this] { tick_.cancel(); }),
                 TrafficHub(server_.state, server_.access)},
         acceptor_(context_),
@@ -105,7 +105,7 @@ class Server::Implementation {
   void tick();
 
   Address address_;
-  rack::Desk& desk_;
+  rack::TaskQueue& tasks_;
   ServerContext server_;
   std::string too_many_ = refusal_of_connection();
   asio::io_context context_{1};  // destroys connections, which use all above
@@ -158,7 +158,7 @@ void Server::Implementation::take(tcp::socket socket) {
 }
 
 void Server::Implementation::tick() {
-  desk_.attend(server_.state.counters.connections > 0);
+  tasks_.attend(server_.state.counters.connections > 0);
   const auto now = RackAccess::Clock::now();
   server_.access.tick(now);
   server_.traffic.tick(now);

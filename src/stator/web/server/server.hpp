@@ -21,8 +21,8 @@ struct ServerConfiguration {
 };
 
 /// Serves a running rack to browsers and programs: REST, a stream of signals, metrics. One thread,
-/// which never holds the rack: all it wants of it goes over the runner's desk, and the streams'
-/// samples come through queues of fixed length.
+/// which never holds the rack: all it wants of it goes over the runner's task queue, and the
+/// streams' samples come through queues of fixed length.
 class Server {
  public:
   /// Listens at once; connections wait for start(). Throws std::runtime_error when that fails or if

@@ -16,17 +16,17 @@ constexpr std::chrono::milliseconds kStreamPeriod{20};
 constexpr std::chrono::milliseconds kEventPeriod{250};
 /// The same while somebody watches them, as an oscilloscope's trigger does.
 constexpr std::chrono::milliseconds kWatchedEventPeriod{50};
-/// Jobs of requests under way at most; the rest of the desk is for streams.
-constexpr std::size_t kMostJobs = rack::Desk::kCapacity / 2;
+/// Jobs of requests under way at most; the rest of the task queue is for streams.
+constexpr std::size_t kMostJobs = rack::TaskQueue::kCapacity / 2;
 
 }  // namespace
 
-RackAccess::RackAccess(State& state, rack::Desk& desk, std::chrono::milliseconds rack_time,
+RackAccess::RackAccess(State& state, rack::TaskQueue& tasks, std::chrono::milliseconds rack_time,
                        std::function<void()> wake)
-    : state_(state), desk_(desk), rack_time_(rack_time), wake_(std::move(wake)) {}
+    : state_(state), tasks_(tasks), rack_time_(rack_time), wake_(std::move(wake)) {}
 
 bool RackAccess::post(std::unique_ptr<Job> job, std::shared_ptr<Waiter> waiter) {
-  if (waiting_.size() >= kMostJobs || !desk_.post(job->task())) {
+  if (waiting_.size() >= kMostJobs || !tasks_.post(job->task())) {
     return false;
   }
   waiting_.push_back({std::move(job), std::move(waiter), Clock::now() + rack_time_});
@@ -71,18 +71,18 @@ std::int64_t RackAccess::values_left(const TapOwner& asking) const {
 }
 
 void RackAccess::tick(Clock::time_point now) {
-  while (const rack::DeskTask* task = desk_.take_done()) {
+  while (const rack::QueuedTask* task = tasks_.take_done()) {
     finish_tap(*task);
     finish_job(*task);
   }
   drop_late(now);
   look_again();
   serve_taps();
-  // Threads of networks with traffic look at the desk anyway; others sleep.
-  if (posted_before_tick_ && desk_.waiting()) {
-    desk_.wake_rack();
+  // Threads of networks with traffic look at the task queue anyway; others sleep.
+  if (posted_before_tick_ && tasks_.waiting()) {
+    tasks_.wake_rack();
   }
-  posted_before_tick_ = desk_.waiting();
+  posted_before_tick_ = tasks_.waiting();
   if (now >= next_collect_) {
     next_collect_ = now + kStreamPeriod;
     collect();
@@ -111,7 +111,7 @@ void RackAccess::forget_all() {
   }
 }
 
-void RackAccess::finish_job(const rack::DeskTask& task) {
+void RackAccess::finish_job(const rack::QueuedTask& task) {
   const auto found = std::ranges::find_if(
       waiting_, [&task](const Waiting& each) { return &each.job->task() == &task; });
   if (found == waiting_.end()) {
@@ -130,7 +130,7 @@ void RackAccess::finish_job(const rack::DeskTask& task) {
   }
 }
 
-void RackAccess::finish_tap(const rack::DeskTask& task) {
+void RackAccess::finish_tap(const rack::QueuedTask& task) {
   const auto found =
       std::ranges::find_if(taps_, [&task](const Tap& each) { return each.task.get() == &task; });
   if (found == taps_.end()) {
@@ -163,7 +163,7 @@ void RackAccess::look_again() {
   std::erase_if(waiting_,
                 [](const Waiting& each) { return each.resting && each.waiter == nullptr; });
   for (Waiting& each : waiting_) {
-    if (each.resting && desk_.post(each.job->task())) {
+    if (each.resting && tasks_.post(each.job->task())) {
       each.resting = false;
     }
   }
@@ -189,7 +189,7 @@ void RackAccess::serve_taps() {
   for (Tap& each : taps_) {
     const bool wanted = each.owner != nullptr;
     if (!each.under_way && wanted != each.inside) {
-      each.under_way = desk_.post(*each.task);
+      each.under_way = tasks_.post(*each.task);
     }
   }
   std::erase_if(taps_, [](const Tap& each) {

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "stator/rack/run/desk.hpp"
+#include "stator/rack/run/task_queue.hpp"
 #include "stator/web/job.hpp"
 #include "stator/web/state.hpp"
 #include "stator/web/stream/signal_stream.hpp"
@@ -42,14 +42,15 @@ class TapOwner {
   virtual void collect_events() = 0;
 };
 
-/// The way of the server's thread into the rack, which is the desk: jobs under way, and taps inside
-/// the rack. Owns them until the rack has done with them, whatever becomes of who wanted them.
+/// The way of the server's thread into the rack, which is its task queue: jobs under way, and taps
+/// inside the rack. Owns them until the rack has done with them, whatever becomes of who wanted
+/// them.
 class RackAccess {
  public:
   using Clock = std::chrono::steady_clock;
 
   /// `rack_time`: for the rack to do a job; `wake` has tick() called soon.
-  RackAccess(State& state, rack::Desk& desk, std::chrono::milliseconds rack_time,
+  RackAccess(State& state, rack::TaskQueue& tasks, std::chrono::milliseconds rack_time,
              std::function<void()> wake);
 
   /// False: too many are under way. `waiter` may be null.
@@ -91,20 +92,20 @@ class RackAccess {
     bool inside = false;     ///< the rack samples
   };
 
-  void finish_job(const rack::DeskTask& task);
-  void finish_tap(const rack::DeskTask& task);
+  void finish_job(const rack::QueuedTask& task);
+  void finish_tap(const rack::QueuedTask& task);
   void drop_late(Clock::time_point now);
   void look_again();
   void serve_taps();
   void collect();
 
   State& state_;
-  rack::Desk& desk_;
+  rack::TaskQueue& tasks_;
   std::chrono::milliseconds rack_time_;
   std::function<void()> wake_;
   std::deque<Waiting> waiting_;
   std::deque<Tap> taps_;
-  bool posted_before_tick_ = false;  ///< what waits at the desk has been there for a tick
+  bool posted_before_tick_ = false;  ///< what waits in the task queue has been there for a tick
   std::vector<std::weak_ptr<TapOwner>> event_watchers_;
   Clock::time_point next_collect_;
   Clock::time_point next_fetch_;

@@ -11,7 +11,7 @@
 
 #include "stator/base/sim_time.hpp"
 #include "stator/rack/observe/signal_tap.hpp"
-#include "stator/rack/run/desk.hpp"
+#include "stator/rack/run/task_queue.hpp"
 #include "stator/web/message.hpp"
 #include "stator/web/state.hpp"
 #include "stator/web/stream/message_queue.hpp"

@@ -1,5 +1,5 @@
 // Tasks that other threads hand to the thread of the rack: order, capacity, sampling periods.
-#include "stator/rack/run/desk.hpp"
+#include "stator/rack/run/task_queue.hpp"
 
 #include <vector>
 
@@ -30,53 +30,53 @@ class CountingTask final : public Act {
   int parts_;
 };
 
-class DeskTest : public testing::Test {
+class TaskQueueTest : public testing::Test {
  protected:
   EventLog log;
   Rack rack{single_device_rack("tmcm-3315", devices::products()), log};
-  Desk desk;
+  TaskQueue queue;
 };
 
-TEST_F(DeskTest, DoesTasksInTheirOrderAndGivesThemBack) {
+TEST_F(TaskQueueTest, DoesTasksInTheirOrderAndGivesThemBack) {
   CountingTask first(1);
   CountingTask second(1);
-  EXPECT_FALSE(desk.waiting());
-  ASSERT_TRUE(desk.post(first));
-  ASSERT_TRUE(desk.post(second));
-  EXPECT_TRUE(desk.waiting());
-  EXPECT_EQ(desk.take_done(), nullptr);
-  desk.serve(rack, base::SimTime(3_ms));
+  EXPECT_FALSE(queue.waiting());
+  ASSERT_TRUE(queue.post(first));
+  ASSERT_TRUE(queue.post(second));
+  EXPECT_TRUE(queue.waiting());
+  EXPECT_EQ(queue.take_done(), nullptr);
+  queue.serve(rack, base::SimTime(3_ms));
   EXPECT_EQ(first.seen, base::SimTime(3_ms));
-  EXPECT_FALSE(desk.waiting());
-  EXPECT_EQ(desk.take_done(), &first);
-  EXPECT_EQ(desk.take_done(), &second);
-  EXPECT_EQ(desk.take_done(), nullptr);
+  EXPECT_FALSE(queue.waiting());
+  EXPECT_EQ(queue.take_done(), &first);
+  EXPECT_EQ(queue.take_done(), &second);
+  EXPECT_EQ(queue.take_done(), nullptr);
 }
 
-TEST_F(DeskTest, SpendsFewCallsInOneLook) {
+TEST_F(TaskQueueTest, SpendsFewCallsInOneLook) {
   CountingTask task(10);
-  ASSERT_TRUE(desk.post(task));
-  desk.serve(rack, {});
-  EXPECT_EQ(task.calls, Desk::kCallsPerLook);
-  desk.serve(rack, {});
-  desk.serve(rack, {});
+  ASSERT_TRUE(queue.post(task));
+  queue.serve(rack, {});
+  EXPECT_EQ(task.calls, TaskQueue::kCallsPerLook);
+  queue.serve(rack, {});
+  queue.serve(rack, {});
   EXPECT_EQ(task.calls, 10);
-  EXPECT_EQ(desk.take_done(), &task);
+  EXPECT_EQ(queue.take_done(), &task);
 }
 
-TEST_F(DeskTest, RefusesMoreThanItsCapacityUntilTasksAreFetched) {
+TEST_F(TaskQueueTest, RefusesMoreThanItsCapacityUntilTasksAreFetched) {
   std::vector<std::unique_ptr<CountingTask>> tasks;
-  for (std::size_t i = 0; i <= Desk::kCapacity; ++i) {
+  for (std::size_t i = 0; i <= TaskQueue::kCapacity; ++i) {
     tasks.push_back(std::make_unique<CountingTask>(1));
-    EXPECT_EQ(desk.post(*tasks.back()), i < Desk::kCapacity);
+    EXPECT_EQ(queue.post(*tasks.back()), i < TaskQueue::kCapacity);
   }
-  desk.serve(rack, {});
-  EXPECT_FALSE(desk.post(*tasks.back())) << "done, but nobody has fetched it";
-  EXPECT_NE(desk.take_done(), nullptr);
-  EXPECT_TRUE(desk.post(*tasks.back()));
+  queue.serve(rack, {});
+  EXPECT_FALSE(queue.post(*tasks.back())) << "done, but nobody has fetched it";
+  EXPECT_NE(queue.take_done(), nullptr);
+  EXPECT_TRUE(queue.post(*tasks.back()));
 }
 
-TEST_F(DeskTest, OfARackSamplesTapsAtMultiplesOfTheirPeriodOnItsWay) {
+TEST_F(TaskQueueTest, OfARackSamplesTapsAtMultiplesOfTheirPeriodOnItsWay) {
   SignalTap tap(rack.signals(), 250_us, 8);
   rack.advance(base::SimTime(1100_us));
   rack.add(tap, base::SimTime(1100_us));

@@ -19,15 +19,15 @@ class View;
 /// It is done in a thread of the rack's networks that holds the rack, which has been brought to
 /// `now`. That takes some microseconds at most and must not throw; a long task does a part in each
 /// call and returns false until it is done.
-class DeskTask {
+class QueuedTask {
  public:
-  DeskTask() = default;
-  DeskTask(const DeskTask&) = delete;
-  DeskTask& operator=(const DeskTask&) = delete;
-  virtual ~DeskTask() = default;
+  QueuedTask() = default;
+  QueuedTask(const QueuedTask&) = delete;
+  QueuedTask& operator=(const QueuedTask&) = delete;
+  virtual ~QueuedTask() = default;
 
  private:
-  friend class Desk;
+  friend class TaskQueue;
   friend class Look;
   friend class Act;
   virtual bool run(Rack& rack, base::SimTime now) = 0;
@@ -36,7 +36,7 @@ class DeskTask {
 };
 
 /// A task that only looks: a value read, a state listed.
-class Look : public DeskTask {
+class Look : public QueuedTask {
  public:
   virtual bool look(const View& rack, base::SimTime now) = 0;
 
@@ -46,7 +46,7 @@ class Look : public DeskTask {
 };
 
 /// A task that does something to the rack: an input set, an object written.
-class Act : public DeskTask {
+class Act : public QueuedTask {
  public:
   virtual bool act(Rack& rack, base::SimTime now) = 0;
 
@@ -58,7 +58,7 @@ class Act : public DeskTask {
 /// Where tasks for a running rack are handed in and fetched again. Nobody waits here: the threads
 /// of the networks look for tasks when they have answered what came, and do a few at a time; who
 /// posts a task looks for its end later. One thread posts and fetches.
-class Desk {
+class TaskQueue {
  public:
   /// Tasks under way at most, a power of two.
   static constexpr std::size_t kCapacity = 64;
@@ -66,9 +66,9 @@ class Desk {
   static constexpr int kCallsPerLook = 4;
 
   /// False: so many tasks are under way that the rack takes no more.
-  bool post(DeskTask& task);
+  bool post(QueuedTask& task);
   /// A task that is done; null: none.
-  [[nodiscard]] DeskTask* take_done();
+  [[nodiscard]] QueuedTask* take_done();
 
   /// Wakes threads that sleep, so that one of them does what waits.
   void wake_rack() const {
@@ -91,8 +91,8 @@ class Desk {
   bool serve(Rack& rack, base::SimTime now);
 
  private:
-  HandOverQueue<DeskTask*, kCapacity> posted_;
-  HandOverQueue<DeskTask*, kCapacity> done_;
+  HandOverQueue<QueuedTask*, kCapacity> posted_;
+  HandOverQueue<QueuedTask*, kCapacity> done_;
   std::function<void()> waker_;
   std::atomic<bool> attended_{false};
   std::size_t under_way_ = 0;  ///< of the posting thread; bounds both queues

@@ -1,4 +1,4 @@
-#include "stator/rack/run/desk.hpp"
+#include "stator/rack/run/task_queue.hpp"
 
 #include "stator/rack/core/rack.hpp"
 
@@ -8,7 +8,7 @@ bool Look::run(Rack& rack, base::SimTime now) {
   return look(rack, now);
 }
 
-bool Desk::post(DeskTask& task) {
+bool TaskQueue::post(QueuedTask& task) {
   if (under_way_ == kCapacity || !posted_.push(&task)) {
     return false;
   }
@@ -16,18 +16,18 @@ bool Desk::post(DeskTask& task) {
   return true;
 }
 
-DeskTask* Desk::take_done() {
-  DeskTask* task = done_.take().value_or(nullptr);
+QueuedTask* TaskQueue::take_done() {
+  QueuedTask* task = done_.take().value_or(nullptr);
   if (task != nullptr) {
     --under_way_;
   }
   return task;
 }
 
-bool Desk::serve(Rack& rack, base::SimTime now) {
+bool TaskQueue::serve(Rack& rack, base::SimTime now) {
   bool changed = false;
   for (int call = 0; call < kCallsPerLook && !posted_.empty(); ++call) {
-    DeskTask* task = posted_.front();
+    QueuedTask* task = posted_.front();
     changed |= task->changes();
     if (task->run(rack, now)) {
       posted_.pop();
