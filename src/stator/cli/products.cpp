@@ -6,7 +6,6 @@
 #include <fmt/ranges.h>
 
 #include "stator/cli/failure.hpp"
-#include "stator/devices/catalogue/products.hpp"
 #include "stator/product/catalogue/product.hpp"
 #include "stator/rack/core/device_making.hpp"
 
@@ -14,20 +13,30 @@ namespace stator::cli {
 
 namespace {
 
+const product::Catalogue* products_of_program = nullptr;
+
 bool runs_tmcl(const product::Product& product) {
   return product.tmcl_module() != nullptr;
 }
 
 }  // namespace
 
+const product::Catalogue& catalogue() {
+  return *products_of_program;
+}
+
+void set_catalogue(const product::Catalogue& catalogue) {
+  products_of_program = &catalogue;
+}
+
 std::shared_ptr<const product::Product> find_product(const std::string& type) {
-  return rack::require_product(type, devices::products());
+  return rack::require_product(type, catalogue());
 }
 
 std::vector<std::string> types_of_products(
     const std::function<bool(const product::Product&)>& is_so) {
   std::vector<std::string> types;
-  for (const auto& product : devices::products().products()) {
+  for (const auto& product : catalogue().products()) {
     if (is_so(*product)) {
       types.push_back(product->identity().type);
     }
@@ -45,7 +54,7 @@ std::unique_ptr<product::Device> build_product(const std::string& type) {
 }
 
 const tmcl::ModuleDescription* find_tmcl_module(const std::string& type) {
-  const auto product = devices::products().find(type);
+  const auto product = catalogue().find(type);
   return product != nullptr ? product->tmcl_module() : nullptr;
 }
 

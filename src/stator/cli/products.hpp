@@ -5,10 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "stator/product/catalogue/catalogue.hpp"
 #include "stator/product/catalogue/product.hpp"
 #include "stator/tmcl/module/module_description.hpp"
 
 namespace stator::cli {
+
+/// The products of this program, as run() got them.
+[[nodiscard]] const product::Catalogue& catalogue();
+/// Sets what catalogue() returns; `catalogue` must live as long as the program.
+void set_catalogue(const product::Catalogue& catalogue);
 
 /// The product `type`. Throws std::runtime_error naming the products there are.
 [[nodiscard]] std::shared_ptr<const product::Product> find_product(const std::string& type);

@@ -10,7 +10,7 @@
 #include "stator/cli/describe/mfc_listing.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
-#include "stator/devices/catalogue/products.hpp"
+#include "stator/cli/products.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
 #include "stator/formats/esi/chip_esi.hpp"
 #include "stator/product/catalogue/io_configuration.hpp"
@@ -31,7 +31,7 @@ struct ConfigOptions {
 
 /// Of the first product with an I/O block. Throws Failure if there is none.
 std::unique_ptr<product::IoConfiguration> new_configuration() {
-  for (const auto& product : devices::products().products()) {
+  for (const auto& product : catalogue().products()) {
     if (auto configuration = product->io_configuration()) {
       return configuration;
     }

@@ -10,7 +10,7 @@
 
 #include "stator/cli/cells.hpp"
 #include "stator/cli/failure.hpp"
-#include "stator/devices/catalogue/products.hpp"
+#include "stator/cli/products.hpp"
 #include "stator/ethercat/controller/controller_preset.hpp"
 #include "stator/ethercat/controller/register_description.hpp"
 
@@ -28,7 +28,7 @@ struct KnownPreset {
 /// Those of all products, the larger controllers first.
 std::vector<KnownPreset> known_presets() {
   std::vector<KnownPreset> known;
-  for (const auto& product : devices::products().products()) {
+  for (const auto& product : catalogue().products()) {
     for (const ethercat::ControllerPreset& preset : product->controllers()) {
       known.push_back({product->identity().type, &preset});
     }
@@ -41,7 +41,7 @@ std::vector<KnownPreset> known_presets() {
 
 const ethercat::ControllerPreset& require_preset(const std::string& device,
                                                  const std::string& name) {
-  if (const auto product = devices::products().find(device)) {
+  if (const auto product = catalogue().find(device)) {
     if (const auto* preset = ethercat::find_preset(product->controllers(), name);
         preset != nullptr) {
       return *preset;

@@ -11,7 +11,7 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/logging.hpp"
 #include "stator/cli/option_values.hpp"
-#include "stator/devices/catalogue/products.hpp"
+#include "stator/cli/products.hpp"
 #include "stator/link/ethernet/link_address.hpp"
 #include "stator/link/ethernet/open_link.hpp"
 #include "stator/rack/core/device_making.hpp"
@@ -96,8 +96,8 @@ void Bus::open_interface(const BusOptions& options) {
 void Bus::build_rack(const BusOptions& options) {
   rack::RackConfiguration configuration =
       options.rack_file.empty()
-          ? rack::load_single_device(options.device, devices::products(), options.changes)
-          : rack::load_rack_file(options.rack_file, devices::products(), options.changes);
+          ? rack::load_single_device(options.device, catalogue(), options.changes)
+          : rack::load_rack_file(options.rack_file, catalogue(), options.changes);
   if (configuration.segments.empty()) {
     throw Failure(
         "this command is an EtherCAT master, and there are only CAN devices; run them with "

@@ -13,8 +13,8 @@
 #include "stator/cli/describe/key_reference.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/option_values.hpp"
+#include "stator/cli/products.hpp"
 #include "stator/cli/run/serial_lines.hpp"
-#include "stator/devices/catalogue/products.hpp"
 #include "stator/link/ethernet/link_address.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_check.hpp"
@@ -144,14 +144,14 @@ void print_json(const rack::RackCheck& check) {
 }
 
 void check(const CheckOptions& options) {
-  if (options.keys.print(devices::products())) {
+  if (options.keys.print(catalogue())) {
     return;
   }
   if (options.rack_file.empty()) {
     throw Failure("name a rack file, e.g. stator check racks/gantry.toml");
   }
   const rack::RackCheck check =
-      rack::check_rack_file(options.rack_file, devices::products(), options.changes);
+      rack::check_rack_file(options.rack_file, catalogue(), options.changes);
   if (options.format == "json") {
     print_json(check);
   } else {

@@ -15,7 +15,7 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/logging.hpp"
 #include "stator/cli/master/master_session.hpp"
-#include "stator/devices/catalogue/products.hpp"
+#include "stator/cli/products.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
 #include "stator/plant/axes/stepper_axis.hpp"
 #include "stator/product/catalogue/product.hpp"
@@ -50,7 +50,7 @@ constexpr std::array<DemoMove, 3> kMoves{{
 
 /// The first product on EtherCAT with a stepper axis for every move.
 std::shared_ptr<const product::Product> demo_product() {
-  for (const auto& product : devices::products().products()) {
+  for (const auto& product : catalogue().products()) {
     product::Setup setup = product->defaults();
     const std::vector<product::AxisSetup> axes = setup.axes();
     if (product->identity().network == product::NetworkKind::segment &&
@@ -65,7 +65,7 @@ std::shared_ptr<const product::Product> demo_product() {
 /// The demonstration's rack: one module whose axes carry different loads.
 rack::RackConfiguration demo_rack(const product::Product& product, const std::string& csv) {
   rack::RackConfiguration configuration =
-      rack::single_device_rack(product.identity().type, devices::products());
+      rack::single_device_rack(product.identity().type, catalogue());
   rack::DeviceConfiguration& device = configuration.segments.front().devices.front();
   const std::vector<product::AxisSetup> axes = device.setup.axes();
   axes.at(1).stepper->load.inertia = 3e-5;

@@ -8,10 +8,10 @@
 
 #include "stator/cli/failure.hpp"
 #include "stator/cli/option_values.hpp"
+#include "stator/cli/products.hpp"
 #include "stator/cli/run/chip_sockets.hpp"
 #include "stator/cli/run/run_options.hpp"
 #include "stator/cli/run/serial_lines.hpp"
-#include "stator/devices/catalogue/products.hpp"
 #include "stator/link/can/can_link_address.hpp"
 #include "stator/link/serial/serial_link.hpp"
 #include "stator/product/catalogue/product.hpp"
@@ -34,7 +34,7 @@ rack::RackConfiguration base_configuration(const RunOptions& options) {
     refuse(!options.serial.empty(), "--serial",
            "a rack file names the serial lines of its devices");
     refuse(!options.spi.empty(), "--spi", "a rack file names the sockets of its chips");
-    return rack::load_rack_file(options.rack_file, devices::products(), options.changes);
+    return rack::load_rack_file(options.rack_file, catalogue(), options.changes);
   }
   if (options.device.empty()) {
     throw Failure(
@@ -44,7 +44,7 @@ rack::RackConfiguration base_configuration(const RunOptions& options) {
         "with --serial pty:/tmp/stator-serial)");
   }
   rack::RackConfiguration configuration =
-      rack::load_single_device(options.device, devices::products(), options.changes);
+      rack::load_single_device(options.device, catalogue(), options.changes);
   auto& devices = configuration.segments.empty() ? configuration.buses.front().devices
                                                  : configuration.segments.front().devices;
   for (unsigned i = 1; i < options.count; ++i) {

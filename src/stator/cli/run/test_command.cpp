@@ -16,7 +16,7 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
 #include "stator/cli/option_values.hpp"
-#include "stator/devices/catalogue/products.hpp"
+#include "stator/cli/products.hpp"
 #include "stator/scenario/report.hpp"
 #include "stator/scenario/runner.hpp"
 #include "stator/scenario/scenario_file.hpp"
@@ -130,7 +130,7 @@ void test(const TestOptions& options) {
     print_step_kinds();
     return;
   }
-  if (options.keys.print(devices::products())) {
+  if (options.keys.print(catalogue())) {
     return;
   }
   if (options.paths.empty()) {
@@ -139,7 +139,7 @@ void test(const TestOptions& options) {
   std::vector<ScenarioResult> results;
   for (const std::string& file : scenario_files(options.paths)) {
     const scenario::ScenarioRead read =
-        scenario::read_scenario_file(file, devices::products(), options.changes);
+        scenario::read_scenario_file(file, catalogue(), options.changes);
     if (!base::matches(options.filter, read.scenario.name)) {
       continue;
     }

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "stator/cli/failure.hpp"
-#include "stator/devices/catalogue/products.hpp"
+#include "stator/cli/products.hpp"
 
 namespace stator::cli {
 
@@ -41,7 +41,7 @@ OpenedWebServer open_web_server(const WebOptions& options, rack::Rack& rack,
   web::ServerConfiguration server{.address = web::parse_address(options.http),
                                   .token = {},
                                   .session = session,
-                                  .catalogue = devices::products()};
+                                  .catalogue = catalogue()};
   if (!options.token_file.empty()) {
     server.token = web::read_token(options.token_file);
   } else if (server.address.loopback()) {

@@ -17,9 +17,9 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/option_values.hpp"
+#include "stator/cli/products.hpp"
 #include "stator/cli/simulate/simulation_output.hpp"
 #include "stator/cli/temporary_csv.hpp"
-#include "stator/devices/catalogue/products.hpp"
 #include "stator/experiment/experiment.hpp"
 #include "stator/product/catalogue/product.hpp"
 #include "stator/product/device/axis_bench.hpp"
@@ -130,7 +130,7 @@ experiment::BenchSetup setup_of_device(const rack::DeviceConfiguration& device,
 /// network of its kind.
 experiment::BenchSetup setup_from_rack(const SimulateOptions& options, experiment::MotorKind kind) {
   const rack::RackConfiguration configuration =
-      rack::load_rack_file(options.rack_file, devices::products(), options.rack_changes);
+      rack::load_rack_file(options.rack_file, catalogue(), options.rack_changes);
   std::vector<const rack::DeviceConfiguration*> devices;
   for (const rack::SegmentConfiguration& segment : configuration.segments) {
     for (const rack::DeviceConfiguration& device : segment.devices) {
@@ -188,7 +188,7 @@ void change_motor(const std::string& name, experiment::MotorKind kind,
 /// The first product that can be put on the bench, whatever its axis; null if there is none.
 std::shared_ptr<const product::Product> module_for_bench() {
   const experiment::BenchSetup any;
-  for (const auto& product : devices::products().products()) {
+  for (const auto& product : catalogue().products()) {
     if (product->axis_bench(any.axis, any.full_scale_current) != nullptr) {
       return product;
     }

@@ -17,7 +17,6 @@
 #include "stator/cli/option_values.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/cli/simulate/tune_output.hpp"
-#include "stator/devices/catalogue/products.hpp"
 #include "stator/experiment/tuning/tuner.hpp"
 #include "stator/formats/toml/edit.hpp"
 #include "stator/plant/axes/pwm_axis.hpp"
@@ -59,7 +58,7 @@ struct Target {
 
 Target target_from_rack(const TuneOptions& options) {
   const rack::RackConfiguration rack =
-      rack::load_rack_file(options.target, devices::products(), options.changes);
+      rack::load_rack_file(options.target, catalogue(), options.changes);
   std::vector<std::string> names;
   for (std::size_t s = 0; s < rack.segments.size(); ++s) {
     const auto& devices = rack.segments[s].devices;
@@ -104,13 +103,12 @@ plant::MotorParameters motor_named(const std::string& name) {
 
 /// One as it leaves its box, with what --set changes of it.
 Target target_as_delivered(const std::string& type, const TuneOptions& options) {
-  const rack::RackConfiguration rack =
-      rack::load_single_device(type, devices::products(), options.changes);
+  const rack::RackConfiguration rack = rack::load_single_device(type, catalogue(), options.changes);
   return {.setup = rack.segments.front().devices.front().setup, .name = type, .as_delivered = true};
 }
 
 Target target_of(const TuneOptions& options) {
-  const auto product = devices::products().find(options.target);
+  const auto product = catalogue().find(options.target);
   Target target = product && product->tuning() != nullptr
                       ? target_as_delivered(options.target, options)
                       : target_from_rack(options);

@@ -8,7 +8,6 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/option_values.hpp"
 #include "stator/cli/products.hpp"
-#include "stator/devices/catalogue/products.hpp"
 #include "stator/product/catalogue/product.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/settings/words.hpp"
@@ -21,7 +20,7 @@ namespace {
 /// The module of a rack file that is meant.
 product::Setup setup_in_rack(const TmclBenchOptions& options) {
   const rack::RackConfiguration configuration =
-      rack::load_rack_file(options.rack_file, devices::products(), options.changes);
+      rack::load_rack_file(options.rack_file, catalogue(), options.changes);
   std::set<std::string> names;
   for (const rack::BusConfiguration& bus : configuration.buses) {
     for (const rack::DeviceConfiguration& device : bus.devices) {
@@ -46,7 +45,7 @@ product::Setup setup_in_rack(const TmclBenchOptions& options) {
 /// The product, with what --set changes of it.
 product::Setup setup_as_delivered(const TmclBenchOptions& options) {
   const rack::RackConfiguration rack =
-      rack::load_single_device(options.device, devices::products(), options.changes);
+      rack::load_single_device(options.device, catalogue(), options.changes);
   return rack.segments.empty() ? rack.buses.front().devices.front().setup
                                : rack.segments.front().devices.front().setup;
 }
