@@ -7,7 +7,9 @@
 # that is installed (cmake/install.cmake).
 function(stator_room name)
   cmake_parse_arguments(ROOM "UNHURRIED;PROGRAM" "" "SOURCES;APART;ALONE;USES;LIBRARIES;PRECOMPILED" ${ARGN})
-  add_library(stator_${name} STATIC ${ROOM_SOURCES} ${ROOM_APART} ${ROOM_ALONE})
+  set(sources ${ROOM_SOURCES} ${ROOM_APART} ${ROOM_ALONE})
+  list(REMOVE_ITEM sources AND)
+  add_library(stator_${name} STATIC ${sources})
   stator_compile_together(stator_${name} "${ROOM_SOURCES}" "${ROOM_APART}")
   add_library(stator::${name} ALIAS stator_${name})
   target_include_directories(stator_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
@@ -31,11 +33,11 @@ function(stator_room name)
   endif()
 endfunction()
 
-# Compiles sources of a target several at a time, which reads the headers they share once. The names that one source
+# Compiles sources of a target many at a time, which reads the headers they share once. The names that one source
 # has for itself, in an unnamed namespace, are then seen by the next: a source with a name that another one of the
-# list has as well stands in the list `apart`, which is compiled together but not with `sources`, or in a list that is
-# not given here: such are compiled alone. The build for clang-tidy compiles each source alone and so sees what it
-# forgot to include.
+# list has as well stands in the list `apart`, which is compiled together but not with `sources`; the word AND divides
+# it into lists that are not compiled with one another either. A source in no list is compiled alone. The build for
+# clang-tidy compiles each source alone and so sees what it forgot to include.
 function(stator_compile_together target sources apart)
   if(NOT STATOR_UNITY)
     return()
@@ -45,13 +47,28 @@ function(stator_compile_together target sources apart)
     # To GCC each source of a group is a header, where a member of an unnamed namespace's type is a mistake.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()
-  foreach(list sources apart)
-    set(number 0)
-    foreach(source IN LISTS ${list})
-      math(EXPR group "${number} / 8")
-      math(EXPR number "${number} + 1")
-      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${list}_${group})
-    endforeach()
+  stator_group_sources(sources "${sources}")
+  set(together "")
+  set(number 0)
+  foreach(source IN LISTS apart ITEMS AND)
+    if(NOT source STREQUAL "AND")
+      list(APPEND together ${source})
+      continue()
+    endif()
+    stator_group_sources(apart_${number} "${together}")
+    set(together "")
+    math(EXPR number "${number} + 1")
+  endforeach()
+endfunction()
+
+# Gives sources to groups of at most 32 with names that begin with `name`: fewer and larger groups would keep one
+# processor busy while others have nothing left to do.
+function(stator_group_sources name sources)
+  set(number 0)
+  foreach(source IN LISTS sources)
+    math(EXPR group "${number} / 32")
+    math(EXPR number "${number} + 1")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${name}_${group})
   endforeach()
 endfunction()
 
@@ -72,7 +89,9 @@ endfunction()
 # ALONE are further sources, see stator_compile_together.
 function(stator_test_suite name)
   cmake_parse_arguments(SUITE "" "COST" "SOURCES;APART;ALONE;USES;LIBRARIES" ${ARGN})
-  add_executable(test_${name} ${SUITE_SOURCES} ${SUITE_APART} ${SUITE_ALONE})
+  set(sources ${SUITE_SOURCES} ${SUITE_APART} ${SUITE_ALONE})
+  list(REMOVE_ITEM sources AND)
+  add_executable(test_${name} ${sources})
   stator_compile_together(test_${name} "${SUITE_SOURCES}" "${SUITE_APART}")
   target_include_directories(test_${name} PRIVATE
     ${PROJECT_SOURCE_DIR}/tests ${STATOR_TEST_INCLUDES})
