@@ -98,7 +98,7 @@ class Rig {
     }
     const dictionary::Dictionary& dictionary = device_.dictionary();
     for (const dictionary::Object& object : dictionary.objects()) {
-      for (dictionary::Entry& entry : object.entries) {
+      for (const dictionary::Entry& entry : object.entries) {
         require(dictionary.prepare_read(entry).has_value());
       }
     }

@@ -1,8 +1,11 @@
 #include <array>
 #include <cstdint>
 #include <initializer_list>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -133,6 +136,15 @@ TEST(DictionaryPlacement, AxesKeepTheirValuesApart) {
   EXPECT_EQ(dictionary.variable<std::int32_t>(0x687A).get(), 5);
 }
 
+TEST(DictionaryObjects, EntriesOfAnObjectAreThoseItShows) {
+  const auto dictionary = make_small_drive();
+  for (const Object& object : dictionary->objects()) {
+    const std::span<Entry> entries = dictionary->entries_of(object);
+    EXPECT_EQ(entries.data(), object.entries.data());
+    EXPECT_EQ(entries.size(), object.entries.size());
+  }
+}
+
 TEST(DictionaryReset, BringsBackNumbersAndTextsWithoutHooks) {
   const auto dictionary = make_small_drive();
   dictionary->find(0x607A, 0)->set_value(99);
@@ -170,8 +182,19 @@ TEST(DictionaryVariable, SeesAndChangesTheValueOfItsEntry) {
   EXPECT_EQ(target.get(), 250);
 }
 
+TEST(DictionaryVariable, OfAConstDictionaryOnlyReads) {
+  const auto dictionary = make_small_drive();
+  const auto seen = std::as_const(*dictionary).variable<std::int32_t>(0x607A);
+  static_assert(std::is_same_v<decltype(seen), const Variable<const std::int32_t>>);
+  const Variable<const std::int32_t> same = dictionary->variable<std::int32_t>(0x607A);
+  dictionary->find(0x607A, 0)->set_value(5);
+  EXPECT_EQ(seen.get(), 5);
+  EXPECT_EQ(same.get(), 5);
+}
+
 TEST(DictionaryVariable, OfTheWrongTypeIsRejected) {
   const auto dictionary = make_small_drive();
+  EXPECT_THROW((void)std::as_const(*dictionary).variable<std::uint32_t>(0x607A), std::logic_error);
   EXPECT_THROW((void)dictionary->variable<std::uint32_t>(0x607A), std::logic_error);
   EXPECT_THROW((void)dictionary->variable<std::int16_t>(0x607A), std::logic_error);
   EXPECT_THROW((void)dictionary->variable<std::int32_t>(0x7777), std::logic_error);

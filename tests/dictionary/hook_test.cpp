@@ -89,6 +89,17 @@ TEST(DictionaryHooks, ReadBringsTheValueUpToDateFirst) {
   EXPECT_EQ(firmware.calls, (Calls{"read"}));
 }
 
+TEST(DictionaryHooks, ReadDoesSoAlsoForWhoMayOnlyLook) {
+  const auto dictionary = make_small_drive();
+  Firmware firmware(*dictionary);
+  const Dictionary& seen = *dictionary;
+  const Entry& target = *seen.find(0x607A, 0);
+  EXPECT_EQ(target.signed_value(), -7) << "as it lies";
+  ASSERT_TRUE(seen.prepare_read(target).has_value());
+  EXPECT_EQ(target.signed_value(), -42);
+  EXPECT_EQ(firmware.calls, (Calls{"read"}));
+}
+
 TEST(DictionaryHooks, ResetAndTheOwnersOwnWritesCallNone) {
   const auto dictionary = make_small_drive();
   Firmware firmware(*dictionary);

@@ -90,7 +90,7 @@ std::array<std::byte, sizeof(T)> bytes_of(T value) {
 }
 
 template <typename T>
-Verdict write(const Dictionary& dictionary, std::uint16_t index, T value,
+Verdict write(Dictionary& dictionary, std::uint16_t index, T value,
               NetworkState state = NetworkState::pre_operational) {
   return dictionary.write(*dictionary.find(index, 0), bytes_of(value), {state});
 }

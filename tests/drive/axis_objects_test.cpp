@@ -38,13 +38,13 @@ class Objects {
 };
 
 TEST(IntegerObjects, HoldWhatTheirTypeCanAndSaturateBeyond) {
-  const FocBench bench;
-  const IntegerObject of_16_bits(bench.dictionary, 0x6071);
+  FocBench bench;
+  IntegerObject of_16_bits(bench.dictionary, 0x6071);
   of_16_bits.set(40'000);
   EXPECT_EQ(of_16_bits.get(), 32'767);
   of_16_bits.set(-40'000);
   EXPECT_EQ(of_16_bits.get(), -32'768);
-  const IntegerObject without_sign(bench.dictionary, 0x6066);
+  IntegerObject without_sign(bench.dictionary, 0x6066);
   without_sign.set(65'535);
   EXPECT_EQ(bench.dictionary.find(0x6066, 0)->value(), 65'535U);
   without_sign.set(65'536);
@@ -54,9 +54,9 @@ TEST(IntegerObjects, HoldWhatTheirTypeCanAndSaturateBeyond) {
 }
 
 TEST(IntegerObjects, ThatADictionaryLacksAreNamedAtOnceOrReadAsZero) {
-  const FocBench bench;
+  FocBench bench;
   EXPECT_THROW(IntegerObject(bench.dictionary, 0x6082), std::logic_error);
-  const IntegerObject optional = IntegerObject::optional(bench.dictionary, 0x6082);
+  IntegerObject optional = IntegerObject::optional(bench.dictionary, 0x6082);
   EXPECT_FALSE(optional.exists());
   EXPECT_EQ(optional.get(), 0);
   optional.set(5);
@@ -65,7 +65,7 @@ TEST(IntegerObjects, ThatADictionaryLacksAreNamedAtOnceOrReadAsZero) {
 
 TEST(AxisObjectsOfCia402, AreHigherBy800hForTheSecondAxis) {
   const FocBench first;
-  const Objects second(first, 0x800);
+  Objects second(first, 0x800);
   AxisObjects objects(second.dictionary, 0x800);
   objects.position_actual.set(-123);
   EXPECT_EQ(second.dictionary.find(0x6864, 0)->signed_value(), -123);
@@ -76,7 +76,7 @@ TEST(AxisObjectsOfCia402, AreHigherBy800hForTheSecondAxis) {
 TEST(AxisObjectsOfCia402, OfTorqueNeedNotBeThere) {
   const FocBench bench;
   for (const std::uint16_t torque : std::to_array<std::uint16_t>({0x6071, 0x6077, 0x60B2})) {
-    const Objects without(bench, 0, torque);
+    Objects without(bench, 0, torque);
     EXPECT_NO_THROW(AxisObjects(without.dictionary, 0)) << std::hex << torque;
   }
 }
@@ -99,7 +99,7 @@ TEST(InterpolationPeriod, IsTheMantissaTimesAPowerOfTenAndNothingWithoutItsObjec
   bench.dictionary.find(0x60C2, 1)->set_value(25);
   bench.dictionary.find(0x60C2, 2)->set_value(static_cast<std::uint64_t>(-4));
   EXPECT_EQ(objects.interpolation_period(), base::SimDuration(2'500'000));
-  const Objects without(bench, 0, 0x60C2);
+  Objects without(bench, 0, 0x60C2);
   EXPECT_EQ(AxisObjects(without.dictionary, 0).interpolation_period(), base::SimDuration(0));
 }
 

@@ -13,7 +13,7 @@ constexpr std::int32_t kStep = 100;
 
 }  // namespace
 
-SimulatedDrive::SimulatedDrive(const dictionary::Dictionary& dictionary, unsigned axis) {
+SimulatedDrive::SimulatedDrive(dictionary::Dictionary& dictionary, unsigned axis) {
   const auto at = [axis](unsigned index) {
     return static_cast<std::uint16_t>(index + axis * 0x800);
   };

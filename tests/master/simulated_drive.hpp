@@ -10,7 +10,7 @@ namespace stator::master::test {
 /// jumps towards its target by 100 per millisecond. Lives on the objects of one axis.
 class SimulatedDrive {
  public:
-  SimulatedDrive(const dictionary::Dictionary& dictionary, unsigned axis);
+  SimulatedDrive(dictionary::Dictionary& dictionary, unsigned axis);
 
   /// One millisecond.
   void tick();

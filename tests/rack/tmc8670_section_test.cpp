@@ -34,7 +34,7 @@ TEST(Tmc8670Section, TheReadyRackFileIsRead) {
 TEST(Tmc8670Storage, StoredParametersLieInTheStateDirectory) {
   const tests::TemporaryDirectory temporary;
   const std::string folder = temporary.path() + "/state";
-  const auto write = [](const dictionary::Dictionary& dictionary, std::uint16_t index,
+  const auto write = [](dictionary::Dictionary& dictionary, std::uint16_t index,
                         std::uint8_t subindex, std::uint32_t value) {
     dictionary::Entry& entry = *dictionary.find(index, subindex);
     std::array<std::byte, 4> bytes{};

@@ -103,7 +103,7 @@ class Bench {
     Bytes bytes(4);
     base::store_le(bytes, 0, value);
     bytes.resize(length);
-    dictionary::Entry& entry = *rack.device({}).object_dictionary()->find(index, subindex);
+    const dictionary::Entry& entry = *rack.device({}).object_dictionary()->find(index, subindex);
     EXPECT_TRUE(rack.write_object({}, entry, bytes, port_.now()));
   }
   Bytes transfer(ethercat::Command command, std::uint16_t address, const Bytes& data) {

@@ -88,7 +88,7 @@ class Masters {
         rack::InputEvent{
             .device = {0, 0, rack::NetworkKind::bus}, .input = "axis0.load_torque", .value = 0.01},
         segment_.now());
-    dictionary::Entry* mode = rack_.device({}).object_dictionary()->find(0x6060, 0);
+    const dictionary::Entry* mode = rack_.device({}).object_dictionary()->find(0x6060, 0);
     ASSERT_NE(mode, nullptr);
     const std::vector<std::byte> value{std::byte{3}};
     ASSERT_TRUE(rack_.write_object({}, *mode, value, segment_.now()));

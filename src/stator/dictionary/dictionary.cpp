@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <stdexcept>
+#include <utility>
 
 #include "stator/base/byte_order.hpp"
 
@@ -106,7 +107,7 @@ std::array<EventArgument, 6> about(const Entry& entry, const EventArgument& thir
 
 }  // namespace
 
-Entry* Object::find(std::uint8_t subindex) const {
+const Entry* Object::find(std::uint8_t subindex) const {
   const auto found = std::lower_bound(
       entries.begin(), entries.end(), subindex,
       [](const Entry& entry, std::uint8_t wanted) { return entry.subindex() < wanted; });
@@ -160,7 +161,7 @@ void Dictionary::link_objects() {
     while (last < entries_.size() && entries_[last].index() == entries_[first].index()) {
       ++last;
     }
-    Entry& head = entries_[first];
+    const Entry& head = entries_[first];
     if (head.subindex() != 0) {
       reject_declaration(head.index(), head.subindex(), "subindex 0 is missing");
     }
@@ -219,19 +220,28 @@ const Object* Dictionary::find(std::uint16_t index) const {
   return found != objects_.end() && found->index == index ? &*found : nullptr;
 }
 
-Entry* Dictionary::find(std::uint16_t index, std::uint8_t subindex) const {
+std::span<Entry> Dictionary::entries_of(const Object& object) {
+  return std::span(entries_).subspan(position(object.entries.front()), object.entries.size());
+}
+
+const Entry* Dictionary::find(std::uint16_t index, std::uint8_t subindex) const {
   const Object* object = find(index);
   return object == nullptr ? nullptr : object->find(subindex);
 }
 
-base::Expected<Entry*, Refusal> Dictionary::require(std::uint16_t index,
-                                                    std::uint8_t subindex) const {
+Entry* Dictionary::find(std::uint16_t index, std::uint8_t subindex) {
+  const Entry* entry = std::as_const(*this).find(index, subindex);
+  return entry == nullptr ? nullptr : &own(*entry);
+}
+
+base::Expected<const Entry*, Refusal> Dictionary::require(std::uint16_t index,
+                                                          std::uint8_t subindex) const {
   const Object* object = find(index);
   if (object == nullptr) {
     return refuse(AbortCode::object_does_not_exist, rules::kObjectMissing,
                   {EventArgument(int{index}), EventArgument(int{subindex})});
   }
-  Entry* entry = object->find(subindex);
+  const Entry* entry = object->find(subindex);
   if (entry == nullptr) {
     return refuse(AbortCode::subindex_does_not_exist, rules::kSubindexMissing,
                   {EventArgument(int{index}), EventArgument(int{subindex}),
@@ -240,22 +250,34 @@ base::Expected<Entry*, Refusal> Dictionary::require(std::uint16_t index,
   return entry;
 }
 
-Entry& Dictionary::existing(std::uint16_t index, std::uint8_t subindex) const {
-  Entry* entry = find(index, subindex);
+base::Expected<Entry*, Refusal> Dictionary::require(std::uint16_t index, std::uint8_t subindex) {
+  const auto entry = std::as_const(*this).require(index, subindex);
+  if (!entry) {
+    return base::Unexpected<Refusal>{entry.error()};
+  }
+  return &own(**entry);
+}
+
+const Entry& Dictionary::existing(std::uint16_t index, std::uint8_t subindex) const {
+  const Entry* entry = find(index, subindex);
   if (entry == nullptr) {
     reject_declaration(index, subindex, "does not exist");
   }
   return *entry;
 }
 
-std::uint64_t* Dictionary::slot(std::uint16_t index, std::uint8_t subindex, std::size_t size,
-                                bool wants_signed) const {
+Entry& Dictionary::existing(std::uint16_t index, std::uint8_t subindex) {
+  return own(std::as_const(*this).existing(index, subindex));
+}
+
+const Entry& Dictionary::existing(std::uint16_t index, std::uint8_t subindex, std::size_t size,
+                                  bool wants_signed) const {
   const Entry& entry = existing(index, subindex);
   if (byte_length(entry.type()) != size || is_signed(entry.type()) != wants_signed) {
     reject_declaration(index, subindex,
                        "is " + std::string(to_text(entry.type())) + ", not what the code takes");
   }
-  return entry.value_;
+  return entry;
 }
 
 void Dictionary::on_check(std::uint16_t index, std::uint8_t subindex, Entry::CheckHook hook) {
@@ -275,17 +297,17 @@ void Dictionary::on_read_check(std::uint16_t index, std::uint8_t subindex,
   existing(index, subindex).read_check_ = hook;
 }
 
-Verdict Dictionary::prepare_read(Entry& entry) const {
+Verdict Dictionary::prepare_read(const Entry& entry) const {
   if (!entry.readable()) {
     return refuse(AbortCode::write_only, rules::kWriteOnly, about(entry));
   }
   if (entry.read_) {
-    entry.read_(entry);
+    entry.read_(own(entry));
   }
   return entry.read_check_ ? entry.read_check_(entry) : Verdict{};
 }
 
-Verdict Dictionary::read(Entry& entry, std::span<std::byte> out) const {
+Verdict Dictionary::read(const Entry& entry, std::span<std::byte> out) const {
   if (Verdict verdict = prepare_read(entry); !verdict) {
     return verdict;
   }
@@ -347,7 +369,7 @@ Verdict Dictionary::prepare_write(const Entry& entry, std::optional<std::size_t>
 }
 
 Verdict Dictionary::write(Entry& entry, std::span<const std::byte> data,
-                          const AccessContext& context) const {
+                          const AccessContext& context) {
   if (Verdict verdict = prepare_write(entry, data.size(), context); !verdict) {
     return verdict;
   }
@@ -373,7 +395,7 @@ Verdict Dictionary::write(Entry& entry, std::span<const std::byte> data,
   return {};
 }
 
-Verdict Dictionary::write_from_pdo(Entry& entry, std::uint64_t raw) const {
+Verdict Dictionary::write_from_pdo(Entry& entry, std::uint64_t raw) {
   const std::uint64_t bits = extend(entry.type(), raw);
   if (bits == entry.value()) {
     return {};

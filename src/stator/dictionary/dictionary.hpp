@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -25,11 +26,19 @@ class Entry {
   using CheckHook = base::Delegate<Verdict(const Entry&, std::uint64_t)>;
   /// Told after a new value was stored, also when it equals the old one.
   using WrittenHook = base::Delegate<void(const Entry&)>;
-  /// Called before a value is read, to bring it up to date; must not change anything when called
-  /// twice, because a transfer asks for the size first and reads then.
+  /// Called before a value is read, to bring it up to date, also by who may only look; must not
+  /// change anything when called twice, because a transfer asks for the size first and reads then.
   using ReadHook = base::Delegate<void(Entry&)>;
   /// Asked before a value is read; may refuse that.
   using ReadCheckHook = base::Delegate<Verdict(const Entry&)>;
+
+  Entry() = default;
+  // A copy would reach the same value, and of a const entry it would be one that can be set.
+  Entry(const Entry&) = delete;
+  Entry& operator=(const Entry&) = delete;
+  Entry(Entry&&) = default;
+  Entry& operator=(Entry&&) = default;
+  ~Entry() = default;
 
   [[nodiscard]] const EntryDeclaration& declaration() const { return *declaration_; }
   [[nodiscard]] std::uint16_t index() const { return index_; }
@@ -87,15 +96,22 @@ class Entry {
 };
 
 /// A typed view of one entry's value for the code that owns it: no look-up, no checks, no hooks.
-/// Valid as long as the dictionary.
+/// Valid as long as the dictionary. `Variable<const T>` is for code that only reads the value.
 template <typename T>
 class Variable {
  public:
-  Variable() = default;
-  explicit Variable(std::uint64_t* slot) : slot_(slot) {}
+  /// What the entry holds, and where.
+  using Value = std::remove_const_t<T>;
+  using Slot = std::conditional_t<std::is_const_v<T>, const std::uint64_t, std::uint64_t>;
 
-  [[nodiscard]] T get() const { return static_cast<T>(*slot_); }
-  void set(T value) {
+  Variable() = default;
+  explicit Variable(Slot* slot) : slot_(slot) {}
+  /// Where a value may be set it may also only be read.
+  template <std::same_as<Value> Other>
+  Variable(const Variable<Other>& other) : slot_(other.slot_) {}  // NOLINT: implicit
+
+  [[nodiscard]] Value get() const { return static_cast<Value>(*slot_); }
+  void set(Value value) requires(!std::is_const_v<T>) {
     if constexpr (std::is_signed_v<T>) {
       *slot_ = static_cast<std::uint64_t>(static_cast<std::int64_t>(value));
     } else {
@@ -104,19 +120,21 @@ class Variable {
   }
 
  private:
-  std::uint64_t* slot_ = nullptr;
+  template <typename>
+  friend class Variable;
+  Slot* slot_ = nullptr;
 };
 
-/// All entries with one index.
+/// All entries with one index, to be looked at; Dictionary::entries_of() gives them to be changed.
 struct Object {
   std::uint16_t index = 0;
   base::SharedText name;
   ObjectCode code = ObjectCode::variable;
   std::uint8_t axis = 0;
-  std::span<Entry> entries;  ///< ascending subindex, without gaps being filled
+  std::span<const Entry> entries;  ///< ascending subindex, without gaps being filled
 
   /// The entry with `subindex`, or null.
-  [[nodiscard]] Entry* find(std::uint8_t subindex) const;
+  [[nodiscard]] const Entry* find(std::uint8_t subindex) const;
   /// It has one entry: a variable or a domain.
   [[nodiscard]] bool single() const {
     return code == ObjectCode::variable || code == ObjectCode::domain_object;
@@ -139,7 +157,8 @@ struct AccessContext {
 
 /// An object dictionary (CiA 301 §7.4, ETG.1000.6 §5.6.7): a value built once, at start, from
 /// declarations; afterwards values change, the structure does not, and nothing allocates except
-/// the assignment of a longer string.
+/// the assignment of a longer string. Of a const dictionary values can be read, by read() or as
+/// they lie, and nothing that is reached from it can be changed.
 class Dictionary {
  public:
   Dictionary() = default;
@@ -176,21 +195,28 @@ class Dictionary {
 
   [[nodiscard]] std::span<const Object> objects() const { return objects_; }
   [[nodiscard]] std::span<const Entry> entries() const { return entries_; }
+  /// The entries of one of this dictionary's objects, to be changed.
+  [[nodiscard]] std::span<Entry> entries_of(const Object& object);
 
   /// The object, or null.
   [[nodiscard]] const Object* find(std::uint16_t index) const;
   /// The entry, or null.
-  [[nodiscard]] Entry* find(std::uint16_t index, std::uint8_t subindex) const;
+  [[nodiscard]] const Entry* find(std::uint16_t index, std::uint8_t subindex) const;
+  [[nodiscard]] Entry* find(std::uint16_t index, std::uint8_t subindex);
   /// The entry, or the refusal with the right abort code (object or subindex missing).
-  [[nodiscard]] base::Expected<Entry*, Refusal> require(std::uint16_t index,
-                                                        std::uint8_t subindex) const;
+  [[nodiscard]] base::Expected<const Entry*, Refusal> require(std::uint16_t index,
+                                                              std::uint8_t subindex) const;
+  [[nodiscard]] base::Expected<Entry*, Refusal> require(std::uint16_t index, std::uint8_t subindex);
 
-  /// A handle for the code that owns the value. Throws std::logic_error if the entry does not exist
-  /// or T has not the size and signedness of its type.
+  /// A handle for the code that owns the value; of a const dictionary one that only reads. Throws
+  /// std::logic_error if the entry does not exist or T has not the size and signedness of its type.
   template <typename T>
-  [[nodiscard]] Variable<T> variable(std::uint16_t index, std::uint8_t subindex = 0) const {
-    static_assert(std::is_integral_v<T> || std::is_enum_v<T>, "values are kept as integers");
-    return Variable<T>(slot(index, subindex, sizeof(T), std::is_signed_v<T>));
+  [[nodiscard]] Variable<T> variable(std::uint16_t index, std::uint8_t subindex = 0) {
+    return Variable<T>(kept_as<T>(index, subindex).value_);
+  }
+  template <typename T>
+  [[nodiscard]] Variable<const T> variable(std::uint16_t index, std::uint8_t subindex = 0) const {
+    return Variable<const T>(kept_as<T>(index, subindex).value_);
   }
 
   /// Hooks of one entry; throw std::logic_error if it does not exist.
@@ -205,10 +231,12 @@ class Dictionary {
   void set_drive_state_query(DriveStateQuery query) { drive_state_ = query; }
 
   /// Reads an entry as an SDO carries it: little-endian, exactly entry.size() bytes into `out`,
-  /// which must be at least that long (call prepare_read first when the size matters).
-  [[nodiscard]] Verdict read(Entry& entry, std::span<std::byte> out) const;
-  /// Runs the read hook and checks readability; entry.size() is then the size of the value.
-  [[nodiscard]] Verdict prepare_read(Entry& entry) const;
+  /// which must be at least that long (call prepare_read first when the size matters). `entry` is
+  /// one of this dictionary.
+  [[nodiscard]] Verdict read(const Entry& entry, std::span<std::byte> out) const;
+  /// Runs the read hook and checks readability; entry.size() is then the size of the value. `entry`
+  /// is one of this dictionary.
+  [[nodiscard]] Verdict prepare_read(const Entry& entry) const;
 
   /// Checks what can be said before the data are there: access, network state and, if it is known,
   /// the length in bytes.
@@ -217,21 +245,35 @@ class Dictionary {
   /// Writes an entry as an SDO carries it; every check of the declaration, then the check hook,
   /// then the value, then the written hook. Texts have no range and no check hook.
   [[nodiscard]] Verdict write(Entry& entry, std::span<const std::byte> data,
-                              const AccessContext& context) const;
+                              const AccessContext& context);
 
   /// Writes a number as process data brings it: range and hooks are checked, access by SDO and
   /// network state are not. Nothing happens when the value is unchanged.
-  [[nodiscard]] Verdict write_from_pdo(Entry& entry, std::uint64_t raw) const;
+  [[nodiscard]] Verdict write_from_pdo(Entry& entry, std::uint64_t raw);
 
  private:
-  [[nodiscard]] std::uint64_t* slot(std::uint16_t index, std::uint8_t subindex, std::size_t size,
-                                    bool wants_signed) const;
-  [[nodiscard]] Entry& existing(std::uint16_t index, std::uint8_t subindex) const;
+  /// The entry, if its value is kept as a T.
+  template <typename T>
+  [[nodiscard]] const Entry& kept_as(std::uint16_t index, std::uint8_t subindex) const {
+    static_assert(std::is_integral_v<T> || std::is_enum_v<T>, "values are kept as integers");
+    return existing(index, subindex, sizeof(T), std::is_signed_v<T>);
+  }
+  [[nodiscard]] const Entry& existing(std::uint16_t index, std::uint8_t subindex, std::size_t size,
+                                      bool wants_signed) const;
+  [[nodiscard]] const Entry& existing(std::uint16_t index, std::uint8_t subindex) const;
+  [[nodiscard]] Entry& existing(std::uint16_t index, std::uint8_t subindex);
+  /// The entry that somebody who may only look has been given, as the dictionary has it.
+  [[nodiscard]] Entry& own(const Entry& entry) const { return entries_[position(entry)]; }
+  [[nodiscard]] std::size_t position(const Entry& entry) const {
+    return static_cast<std::size_t>(&entry - entries_.data());
+  }
   [[nodiscard]] Verdict check_value(const Entry& entry, std::uint64_t bits) const;
   void link_values();
   void link_objects();
 
-  std::vector<Entry> entries_;
+  /// Mutable, because a read hook brings a value up to date when it is asked for, and asking is all
+  /// that who has a const dictionary can do. Nothing else in a const function changes an entry.
+  mutable std::vector<Entry> entries_;
   std::vector<Object> objects_;
   std::vector<std::uint64_t> values_;  ///< one per entry; never grows, so pointers stay valid
   DriveStateQuery drive_state_;

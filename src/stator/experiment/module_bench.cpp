@@ -46,7 +46,7 @@ void ModuleBench::write_bits(std::uint16_t index, std::uint8_t subindex, std::ui
 }
 
 std::int64_t ModuleBench::read(std::uint16_t index, std::uint8_t subindex) {
-  dictionary::Entry& entry = *bench_->dictionary().find(index, subindex);
+  const dictionary::Entry& entry = *bench_->dictionary().find(index, subindex);
   static_cast<void>(bench_->dictionary().prepare_read(entry));
   return entry.signed_value();
 }

@@ -14,7 +14,7 @@ namespace stator::tests {
 /// Writes an object as an SDO would; what is refused is none of the sequences' business.
 inline void write_object(product::Device& device, const DriveStep& step,
                          dictionary::NetworkState state, base::SimTime now) {
-  const dictionary::Dictionary& objects = *device.object_dictionary();
+  dictionary::Dictionary& objects = *device.object_dictionary();
   dictionary::Entry* const entry = objects.find(step.index, step.subindex);
   if (entry == nullptr) {
     return;

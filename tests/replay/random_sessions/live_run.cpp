@@ -475,7 +475,7 @@ void LiveRun::access_object() {
   }
   const auto entries = objects->entries();
   const auto& chosen = entries[random_.below(entries.size())];
-  dictionary::Entry* entry = objects->find(chosen.index(), chosen.subindex());
+  const dictionary::Entry* entry = objects->find(chosen.index(), chosen.subindex());
   std::vector<std::byte> value;
   const auto read = rack_.read_object(facts.address, *entry, value);
   if (!read || value.empty() || chance(0.5)) {

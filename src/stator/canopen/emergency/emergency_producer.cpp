@@ -210,14 +210,15 @@ void EmergencyProducer::record(const Emergency& emergency) {
   if (history_ == nullptr) {
     return;
   }
-  const std::span<Entry> entries = history_->entries.subspan(1);
+  const std::span<Entry> history = dictionary_.entries_of(*history_);
+  const std::span<Entry> entries = history.subspan(1);
   for (std::size_t i = entries.size(); i > 1; --i) {
     entries[i - 1].set_value(entries[i - 2].value());
   }
   const auto additional =
       static_cast<std::uint32_t>(emergency.information[0] | emergency.information[1] << 8);
   entries.front().set_value(additional << 16 | emergency.code);
-  Entry& count = history_->entries.front();
+  Entry& count = history.front();
   count.set_value(std::min<std::uint64_t>(count.value() + 1, entries.size()));
 }
 

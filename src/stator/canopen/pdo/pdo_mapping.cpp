@@ -52,7 +52,7 @@ base::StaticText direction_text(PdoDirection direction) {
 
 }  // namespace
 
-PdoMapping::PdoMapping(const dictionary::Dictionary& dictionary, const dictionary::Object& object,
+PdoMapping::PdoMapping(dictionary::Dictionary& dictionary, const dictionary::Object& object,
                        PdoDirection direction, const PdoRules& limits)
     : dictionary_(&dictionary), object_(&object), direction_(direction), rules_(&limits) {
   items_.reserve(std::min<std::size_t>(object.entries.size(), kMaximumPdoBits));
@@ -86,11 +86,11 @@ base::Expected<Entry*, Refusal> PdoMapping::resolve(const Entry& source,
   if (mapped.index < kFirstObject) {
     return resolve_gap(source, value);
   }
-  const dictionary::Object* object = dictionary_->find(mapped.index);
-  Entry* entry = object == nullptr ? nullptr : object->find(mapped.subindex);
+  Entry* entry = dictionary_->find(mapped.index, mapped.subindex);
   if (entry == nullptr) {
     return dictionary::refuse(
-        object == nullptr ? AbortCode::object_does_not_exist : AbortCode::subindex_does_not_exist,
+        dictionary_->find(mapped.index) == nullptr ? AbortCode::object_does_not_exist
+                                                   : AbortCode::subindex_does_not_exist,
         rules::kPdoObjectMissing, about(source, int{mapped.index}, int{mapped.subindex}));
   }
   if (!mappable(*entry, direction_)) {

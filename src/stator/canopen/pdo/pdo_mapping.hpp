@@ -29,7 +29,7 @@ class PdoMapping {
       base::Delegate<void(const Item&, const dictionary::Refusal*, std::uint64_t raw)>;
 
   /// `object` is the mapping object, 16xxh or 1Axxh.
-  PdoMapping(const dictionary::Dictionary& dictionary, const dictionary::Object& object,
+  PdoMapping(dictionary::Dictionary& dictionary, const dictionary::Object& object,
              PdoDirection direction, const PdoRules& limits);
 
   // Rules for writes (CiA 301 §7.5.2.36), without those about the state of the PDO.
@@ -67,7 +67,7 @@ class PdoMapping {
   template <typename Visitor>
   unsigned walk(Visitor visit) const;
 
-  const dictionary::Dictionary* dictionary_;
+  dictionary::Dictionary* dictionary_;
   const dictionary::Object* object_;
   PdoDirection direction_;
   const PdoRules* rules_;

@@ -14,7 +14,7 @@ std::uint16_t plus(std::uint16_t first, std::uint16_t number) {
 
 }  // namespace
 
-ReceivePdo::ReceivePdo(const dictionary::Dictionary& dictionary, std::uint16_t number,
+ReceivePdo::ReceivePdo(dictionary::Dictionary& dictionary, std::uint16_t number,
                        const PdoRules& limits)
     : number_(number),
       rules_(&limits),

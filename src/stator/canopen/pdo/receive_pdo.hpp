@@ -24,8 +24,7 @@ class ReceivePdo {
   };
 
   /// `number` counts from 0 for 1400h; both its objects must exist.
-  ReceivePdo(const dictionary::Dictionary& dictionary, std::uint16_t number,
-             const PdoRules& limits);
+  ReceivePdo(dictionary::Dictionary& dictionary, std::uint16_t number, const PdoRules& limits);
 
   /// Do its objects make another PDO of it, with another mapping or CAN-ID, or take it away?
   [[nodiscard]] bool becomes_another() const;

@@ -14,7 +14,7 @@ constexpr std::int64_t kNanosecondsPerMillisecond = 1'000'000;
 
 }  // namespace
 
-TransmitPdo::TransmitPdo(const dictionary::Dictionary& dictionary, std::uint16_t number,
+TransmitPdo::TransmitPdo(dictionary::Dictionary& dictionary, std::uint16_t number,
                          can::Transmitter& transmitter, const PdoRules& limits)
     : dictionary_(&dictionary),
       number_(number),

@@ -20,7 +20,7 @@ namespace stator::canopen {
 class TransmitPdo {
  public:
   /// `number` counts from 0 for 1800h; both its objects must exist.
-  TransmitPdo(const dictionary::Dictionary& dictionary, std::uint16_t number,
+  TransmitPdo(dictionary::Dictionary& dictionary, std::uint16_t number,
               can::Transmitter& transmitter, const PdoRules& limits);
 
   /// Nothing has been sent since the node's reset.

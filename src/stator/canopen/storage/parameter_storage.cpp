@@ -121,7 +121,7 @@ void ParameterStorage::date_becomes_unknown(const Entry& changed) {
   if (verification == nullptr || !stored || changed.index() == kVerifyConfiguration) {
     return;
   }
-  for (Entry& entry : verification->entries.subspan(1)) {
+  for (Entry& entry : dictionary_.entries_of(*verification).subspan(1)) {
     entry.set_value(0);
   }
 }

@@ -37,6 +37,7 @@ class Junction final : public product::EtherCatDevice {
   }
   /// Empty.
   [[nodiscard]] const dictionary::Dictionary& dictionary() const override { return dictionary_; }
+  [[nodiscard]] dictionary::Dictionary& dictionary() override { return dictionary_; }
   void advance(base::SimTime now) override { controller_.advance(now); }
   void handle_bus_events(base::SimTime now) override;
   void set_power(bool on, base::SimTime now) override;

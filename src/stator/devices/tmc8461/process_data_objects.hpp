@@ -19,6 +19,7 @@ class ProcessDataObjects {
   ProcessDataObjects(std::size_t output_bytes, std::size_t input_bytes);
 
   [[nodiscard]] const dictionary::Dictionary& dictionary() const { return dictionary_; }
+  [[nodiscard]] dictionary::Dictionary& dictionary() { return dictionary_; }
 
  private:
   void declare(std::size_t bytes, bool outputs);

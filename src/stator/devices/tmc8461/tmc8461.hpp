@@ -42,6 +42,7 @@ class Tmc8461 final : public product::EtherCatDevice,
   [[nodiscard]] const dictionary::Dictionary& dictionary() const override {
     return objects_.dictionary();
   }
+  [[nodiscard]] dictionary::Dictionary& dictionary() override { return objects_.dictionary(); }
   [[nodiscard]] std::vector<std::byte> sii_image() const override;
   void advance(base::SimTime now) override;
   void handle_bus_events(base::SimTime now) override;

@@ -21,7 +21,7 @@ class DriveObjects {
   void configure_axis(drive::AxisSettings& settings) const;
 
   template <typename T>
-  using Variable = dictionary::Variable<T>;
+  using Variable = dictionary::Variable<const T>;
 
   Variable<std::uint16_t> velocity_window_;           // 606Dh, rpm
   Variable<std::uint16_t> velocity_window_time_;      // 606Eh, ms

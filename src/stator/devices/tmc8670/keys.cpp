@@ -37,7 +37,7 @@ std::optional<unsigned> hexadecimal(std::string_view digits, unsigned maximum) {
 }
 
 /// What the dictionary says against the value; empty if it takes it.
-std::string problem_of(const dictionary::Dictionary& dictionary, const ObjectValue& object) {
+std::string problem_of(dictionary::Dictionary& dictionary, const ObjectValue& object) {
   dictionary::Entry* entry = dictionary.find(object.index, object.subindex);
   if (entry == nullptr) {
     return "the device has no such object; see \"stator describe tmc8670\"";

@@ -27,8 +27,8 @@ class McuUart final : public product::TmclMonitor {
  private:
   [[nodiscard]] Answer get_input(const tmcl::Request& request) const override;
 
-  dictionary::Variable<std::uint32_t> digital_inputs_;  // 60FDh
-  dictionary::Variable<std::uint32_t> supply_voltage_;  // 6079h, mV
+  dictionary::Variable<const std::uint32_t> digital_inputs_;  // 60FDh
+  dictionary::Variable<const std::uint32_t> supply_voltage_;  // 6079h, mV
 };
 
 }  // namespace stator::devices::tmc8670

@@ -178,7 +178,7 @@ bool shares_field(const RegisterObject& a, const RegisterObject& b) {
 RegisterObjects::RegisterObjects(dictionary::Dictionary& dictionary, control::foc::FocBlock& block)
     : dictionary_(dictionary),
       block_(block),
-      measured_(*dictionary.find(kMeasuredIndex)),
+      measured_(dictionary.entries_of(*dictionary.find(kMeasuredIndex)).subspan(1)),
       address_(dictionary.variable<std::uint8_t>(kAccessIndex, 1)),
       value_(dictionary.find(kAccessIndex, 2)) {
   using Check = Entry::CheckHook;
@@ -197,7 +197,7 @@ RegisterObjects::RegisterObjects(dictionary::Dictionary& dictionary, control::fo
     dictionary.on_written(kSelectionIndex, subindex,
                           Written::bind<&RegisterObjects::select_sources>(*this));
   }
-  for (const Entry& entry : measured_.entries.subspan(1)) {
+  for (const Entry& entry : measured_) {
     dictionary.on_read(kMeasuredIndex, entry.subindex(),
                        Read::bind<&RegisterObjects::on_read>(*this));
   }
@@ -228,7 +228,7 @@ void RegisterObjects::select_sources(const Entry& /*entry*/) {
 }
 
 void RegisterObjects::refresh() {
-  for (Entry& entry : measured_.entries.subspan(1)) {
+  for (Entry& entry : measured_) {
     on_read(entry);
   }
   read_register(*value_);

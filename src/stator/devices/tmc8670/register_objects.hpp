@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "stator/control/foc/foc_block.hpp"
 #include "stator/dictionary/dictionary.hpp"
@@ -38,8 +39,8 @@ class RegisterObjects {
 
   dictionary::Dictionary& dictionary_;
   control::foc::FocBlock& block_;
-  dictionary::Object measured_;  ///< 2070h
-  dictionary::Variable<std::uint8_t> address_;
+  std::span<Entry> measured_;  ///< 2070h, behind subindex 0
+  dictionary::Variable<const std::uint8_t> address_;
   Entry* value_;
 };
 

@@ -44,7 +44,7 @@ void Synchronisation::on_input_type(const dictionary::Entry& entry) {
   input_type_.want(entry.value());
 }
 
-Synchronisation::Type::Type(const dictionary::Dictionary& dictionary, std::uint16_t index)
+Synchronisation::Type::Type(dictionary::Dictionary& dictionary, std::uint16_t index)
     : entry_(dictionary.find(index, 1)), shown_(dictionary.variable<std::uint16_t>(index, 1)) {}
 
 void Synchronisation::Type::show(bool synchronous) {

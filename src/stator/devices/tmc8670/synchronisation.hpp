@@ -35,7 +35,7 @@ class Synchronisation {
   /// Synchronisation type of one direction: subindex 1 of 1C32h and 1C33h.
   class Type {
    public:
-    Type(const dictionary::Dictionary& dictionary, std::uint16_t index);
+    Type(dictionary::Dictionary& dictionary, std::uint16_t index);
 
     /// By the master, or by default.
     [[nodiscard]] std::uint16_t wanted() const { return wanted_; }
@@ -55,16 +55,16 @@ class Synchronisation {
   void count_losses(ethercat::AlStatusCode code);
 
   base::EventReporter reporter_;
-  dictionary::Variable<std::uint16_t> error_limit_;   // 10F1h:02
-  Type output_type_;                                  // 1C32h:01
-  dictionary::Variable<std::uint32_t> output_cycle_;  // 1C32h:02, ns
-  Type input_type_;                                   // 1C33h:01
-  dictionary::Variable<std::uint32_t> input_cycle_;   // 1C33h:02, ns
-  dictionary::Variable<std::uint32_t> pulses_;        // 20F0h:01
-  dictionary::Variable<std::uint16_t> errors_;        // 20F0h:02
-  dictionary::Variable<std::uint32_t> missed_;        // 20F0h:03
-  dictionary::Variable<std::uint32_t> losses_;        // 20F0h:04
-  ethercat::AlStatusCode code_{};                     ///< as last seen
+  dictionary::Variable<const std::uint16_t> error_limit_;  // 10F1h:02
+  Type output_type_;                                       // 1C32h:01
+  dictionary::Variable<std::uint32_t> output_cycle_;       // 1C32h:02, ns
+  Type input_type_;                                        // 1C33h:01
+  dictionary::Variable<std::uint32_t> input_cycle_;        // 1C33h:02, ns
+  dictionary::Variable<std::uint32_t> pulses_;             // 20F0h:01
+  dictionary::Variable<std::uint16_t> errors_;             // 20F0h:02
+  dictionary::Variable<std::uint32_t> missed_;             // 20F0h:03
+  dictionary::Variable<std::uint32_t> losses_;             // 20F0h:04
+  ethercat::AlStatusCode code_{};                          ///< as last seen
 };
 
 }  // namespace stator::devices::tmc8670

@@ -34,7 +34,7 @@ constexpr std::uint16_t profile_offset(std::uint8_t axis) {
 
 }  // namespace
 
-AxisManufacturerObjects::AxisManufacturerObjects(const dictionary::Dictionary& dictionary,
+AxisManufacturerObjects::AxisManufacturerObjects(dictionary::Dictionary& dictionary,
                                                  std::uint16_t index_offset,
                                                  std::uint16_t profile_index_offset) {
   const auto bind = [&]<typename T>(dictionary::Variable<T>& variable, unsigned index,

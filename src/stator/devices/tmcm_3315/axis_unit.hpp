@@ -24,7 +24,7 @@ namespace stator::devices::tmcm_3315 {
 
 /// Handles to the manufacturer objects of one axis that have behaviour.
 struct AxisManufacturerObjects {
-  AxisManufacturerObjects(const dictionary::Dictionary& dictionary, std::uint16_t index_offset,
+  AxisManufacturerObjects(dictionary::Dictionary& dictionary, std::uint16_t index_offset,
                           std::uint16_t profile_index_offset);
 
   dictionary::Variable<std::uint8_t> microstep_resolution;          // 2000h

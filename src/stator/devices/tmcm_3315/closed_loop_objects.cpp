@@ -2,7 +2,7 @@
 
 namespace stator::devices::tmcm_3315 {
 
-ClosedLoopObjects::ClosedLoopObjects(const dictionary::Dictionary& dictionary,
+ClosedLoopObjects::ClosedLoopObjects(dictionary::Dictionary& dictionary,
                                      std::uint16_t index_offset) {
   const auto bind = [&]<typename T>(dictionary::Variable<T>& variable, unsigned index) {
     variable = dictionary.variable<T>(static_cast<std::uint16_t>(index + index_offset), 0);

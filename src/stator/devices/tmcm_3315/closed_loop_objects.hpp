@@ -10,7 +10,7 @@ namespace stator::devices::tmcm_3315 {
 /// The objects of closed-loop operation of one axis (document §1.5, §4.2.17-4.2.34, §4.2.63).
 class ClosedLoopObjects {
  public:
-  ClosedLoopObjects(const dictionary::Dictionary& dictionary, std::uint16_t index_offset);
+  ClosedLoopObjects(dictionary::Dictionary& dictionary, std::uint16_t index_offset);
 
   /// Writes settings.closed_loop; settings.units and the microstep resolution must be there.
   void configure(const drive::MotionUnits& units, drive::StepperSettings& settings) const;

@@ -23,7 +23,7 @@ constexpr std::array kFlagBits{
 
 }  // namespace
 
-DriverObjects::DriverObjects(const dictionary::Dictionary& dictionary, std::uint16_t index_offset) {
+DriverObjects::DriverObjects(dictionary::Dictionary& dictionary, std::uint16_t index_offset) {
   const auto bind = [&]<typename T>(dictionary::Variable<T>& variable, unsigned index) {
     variable = dictionary.variable<T>(static_cast<std::uint16_t>(index + index_offset), 0);
   };

@@ -12,7 +12,7 @@ namespace stator::devices::tmcm_3315 {
 /// what the chip reports.
 class DriverObjects {
  public:
-  DriverObjects(const dictionary::Dictionary& dictionary, std::uint16_t index_offset);
+  DriverObjects(dictionary::Dictionary& dictionary, std::uint16_t index_offset);
 
   /// Writes the objects into `settings.driver`; settings.units must be up to date.
   void configure(const drive::MotionUnits& units, drive::DriverSettings& driver) const;

@@ -15,7 +15,7 @@ constexpr std::uint8_t kFullyOn = 255;
 
 }  // namespace
 
-ModuleIo::ModuleIo(const dictionary::Dictionary& dictionary)
+ModuleIo::ModuleIo(dictionary::Dictionary& dictionary)
     : digital_inputs_(dictionary.variable<std::uint32_t>(0x2702)),
       physical_outputs_(dictionary.variable<std::uint32_t>(0x2703, 1)),
       output_mask_(dictionary.variable<std::uint32_t>(0x2703, 2)) {

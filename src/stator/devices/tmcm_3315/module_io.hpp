@@ -32,7 +32,7 @@ class ModuleIo {
  public:
   static constexpr std::size_t kChannels = 4;
 
-  explicit ModuleIo(const dictionary::Dictionary& dictionary);
+  explicit ModuleIo(dictionary::Dictionary& dictionary);
   ModuleIo(const ModuleIo&) = delete;
   ModuleIo& operator=(const ModuleIo&) = delete;
   ~ModuleIo() = default;

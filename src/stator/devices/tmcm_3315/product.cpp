@@ -17,9 +17,7 @@ class BenchedAxis final : public product::AxisBench {
     module_.axis(0).set_network_operational(true, base::SimTime());
   }
 
-  [[nodiscard]] const dictionary::Dictionary& dictionary() const override {
-    return module_.dictionary();
-  }
+  [[nodiscard]] dictionary::Dictionary& dictionary() override { return module_.dictionary(); }
   void apply(base::SimTime now) override { module_.axis(0).apply(now); }
   void advance(base::SimTime now) override { module_.advance(now); }
   [[nodiscard]] base::SimDuration plant_step() const override { return Tmcm3315::kPlantStep; }

@@ -3,7 +3,7 @@
 namespace stator::devices::tmcm_3315 {
 
 RampObjects::RampObjects(const dictionary::Dictionary& dictionary, std::uint16_t index_offset) {
-  const auto bind = [&]<typename T>(dictionary::Variable<T>& variable, unsigned index) {
+  const auto bind = [&]<typename T>(dictionary::Variable<const T>& variable, unsigned index) {
     variable = dictionary.variable<T>(static_cast<std::uint16_t>(index + index_offset), 0);
   };
   bind(start_velocity_, 0x2010);

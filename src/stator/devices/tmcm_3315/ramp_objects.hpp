@@ -16,12 +16,12 @@ class RampObjects {
   void configure(drive::AxisSettings& settings) const;
 
  private:
-  dictionary::Variable<std::uint32_t> start_velocity_;      // 2010h
-  dictionary::Variable<std::uint32_t> start_acceleration_;  // 2011h, A1
-  dictionary::Variable<std::uint32_t> break_velocity_;      // 2012h, V1
-  dictionary::Variable<std::uint32_t> final_deceleration_;  // 2013h, D1
-  dictionary::Variable<std::uint32_t> stop_deceleration_;   // 2014h
-  dictionary::Variable<std::uint8_t> bow_factor_;           // 2015h
+  dictionary::Variable<const std::uint32_t> start_velocity_;      // 2010h
+  dictionary::Variable<const std::uint32_t> start_acceleration_;  // 2011h, A1
+  dictionary::Variable<const std::uint32_t> break_velocity_;      // 2012h, V1
+  dictionary::Variable<const std::uint32_t> final_deceleration_;  // 2013h, D1
+  dictionary::Variable<const std::uint32_t> stop_deceleration_;   // 2014h
+  dictionary::Variable<const std::uint8_t> bow_factor_;           // 2015h
 };
 
 }  // namespace stator::devices::tmcm_3315

@@ -83,7 +83,7 @@ class ErrorReport {
  public:
   /// `table` must outlive the report, as constants do. Throws std::logic_error if an object is
   /// missing.
-  ErrorReport(const dictionary::Dictionary& dictionary, std::span<const AxisEmergency> table)
+  ErrorReport(dictionary::Dictionary& dictionary, std::span<const AxisEmergency> table)
       : table_(table),
         register_(dictionary.variable<std::uint8_t>(0x1001)),
         code_(dictionary.variable<std::uint16_t>(0x603F)) {}

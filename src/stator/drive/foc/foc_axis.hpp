@@ -73,7 +73,7 @@ class FocAxis final : public Axis {
 
   /// Objects that only this stage has; a product may lack any of them.
   struct ShownObjects {
-    ShownObjects(const dictionary::Dictionary& dictionary, std::uint16_t index_offset);
+    ShownObjects(dictionary::Dictionary& dictionary, std::uint16_t index_offset);
 
     OptionalVariable<std::int16_t> torque_demand;                  // 6074h
     OptionalVariable<std::int16_t> current_actual;                 // 6078h

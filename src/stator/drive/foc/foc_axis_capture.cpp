@@ -34,7 +34,7 @@ const IndexFields& index_fields(const control::foc::FocBlock& block) {
 
 }  // namespace
 
-FocAxis::ShownObjects::ShownObjects(const dictionary::Dictionary& dictionary,
+FocAxis::ShownObjects::ShownObjects(dictionary::Dictionary& dictionary,
                                     std::uint16_t index_offset) {
   const auto bind = [&]<typename T>(OptionalVariable<T>& variable, unsigned index,
                                     std::uint8_t subindex = 0) {

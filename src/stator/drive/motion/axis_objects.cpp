@@ -5,7 +5,7 @@
 
 namespace stator::drive {
 
-IntegerObject::IntegerObject(const dictionary::Dictionary& dictionary, std::uint16_t index)
+IntegerObject::IntegerObject(dictionary::Dictionary& dictionary, std::uint16_t index)
     : entry_(dictionary.find(index, 0)) {
   if (entry_ == nullptr) {
     throw std::logic_error("an object of CiA 402 is missing in the dictionary");
@@ -20,18 +20,17 @@ IntegerObject::IntegerObject(const dictionary::Dictionary& dictionary, std::uint
   maximum_ = (std::int64_t{1} << (is_signed ? bits - 1 : bits)) - 1;
 }
 
-IntegerObject IntegerObject::optional(const dictionary::Dictionary& dictionary,
-                                      std::uint16_t index) {
+IntegerObject IntegerObject::optional(dictionary::Dictionary& dictionary, std::uint16_t index) {
   return dictionary.find(index, 0) != nullptr ? IntegerObject(dictionary, index) : IntegerObject();
 }
 
-void IntegerObject::set(std::int64_t value) const {
+void IntegerObject::set(std::int64_t value) {
   if (exists()) {
     entry_->set_value(static_cast<std::uint64_t>(std::clamp(value, minimum_, maximum_)));
   }
 }
 
-AxisObjects::AxisObjects(const dictionary::Dictionary& dictionary, std::uint16_t index_offset) {
+AxisObjects::AxisObjects(dictionary::Dictionary& dictionary, std::uint16_t index_offset) {
   const auto at = [index_offset](unsigned index) {
     return static_cast<std::uint16_t>(index + index_offset);
   };

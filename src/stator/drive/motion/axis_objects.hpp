@@ -14,14 +14,14 @@ class IntegerObject {
  public:
   IntegerObject() = default;
   /// Throws std::logic_error if the object does not exist or has more than 32 bits.
-  IntegerObject(const dictionary::Dictionary& dictionary, std::uint16_t index);
+  IntegerObject(dictionary::Dictionary& dictionary, std::uint16_t index);
   /// One that a product may lack: it reads as 0 then.
-  static IntegerObject optional(const dictionary::Dictionary& dictionary, std::uint16_t index);
+  static IntegerObject optional(dictionary::Dictionary& dictionary, std::uint16_t index);
   [[nodiscard]] bool exists() const { return entry_ != nullptr; }
   [[nodiscard]] std::int64_t get() const { return exists() ? entry_->signed_value() : 0; }
   /// Stores `value`, saturated to what the object's type holds (up to 32 bits); nothing happens
   /// where it is missing.
-  void set(std::int64_t value) const;
+  void set(std::int64_t value);
 
  private:
   dictionary::Entry* entry_ = nullptr;
@@ -55,7 +55,7 @@ class OptionalVariable {
 /// 800h for the second and so on (CiA 402-1). Every product declares those that are not optional;
 /// optional ones read as 0 where a product lacks them.
 struct AxisObjects {
-  AxisObjects(const dictionary::Dictionary& dictionary, std::uint16_t index_offset);
+  AxisObjects(dictionary::Dictionary& dictionary, std::uint16_t index_offset);
 
   dictionary::Variable<std::uint16_t> controlword;       // 6040h
   dictionary::Variable<std::uint16_t> statusword;        // 6041h

@@ -42,16 +42,15 @@ Refusal length_refusal(const Object& object, AbortCode code, std::size_t came,
   return {code, &dictionary::rules::kLength, {int{object.index}, 0, object.name, came, expected}};
 }
 
-/// `entries` behind subindex 0.
-std::span<Entry> behind_count(const Object& object) {
-  return object.entries.subspan(1);
-}
-
 class CompleteWriter {
  public:
-  CompleteWriter(const dictionary::Dictionary& dictionary, const Object& object,
+  CompleteWriter(dictionary::Dictionary& dictionary, const Object& object,
                  std::span<const std::byte> data, const dictionary::AccessContext& context)
-      : dictionary_(dictionary), object_(object), data_(data), context_(context) {}
+      : dictionary_(dictionary),
+        object_(object),
+        entries_(dictionary.entries_of(object)),
+        data_(data),
+        context_(context) {}
 
   Verdict write(CompleteAccessStart start) {
     std::span<const std::byte> count;
@@ -65,7 +64,7 @@ class CompleteWriter {
     const bool activate_last = PdoConfiguration::is_configuration(object_.index) && !count.empty();
     if (!count.empty()) {
       const std::array<std::byte, 1> zero{};
-      if (Verdict verdict = write_entry(object_.entries.front(),
+      if (Verdict verdict = write_entry(entries_.front(),
                                         activate_last ? std::span<const std::byte>(zero) : count);
           !verdict) {
         return verdict;
@@ -74,12 +73,12 @@ class CompleteWriter {
     if (Verdict verdict = write_entries(); !verdict) {
       return verdict;
     }
-    return activate_last ? write_entry(object_.entries.front(), count) : Verdict{};
+    return activate_last ? write_entry(entries_.front(), count) : Verdict{};
   }
 
  private:
   Verdict write_entries() {
-    for (Entry& entry : behind_count(object_)) {
+    for (Entry& entry : entries_.subspan(1)) {
       if (cursor_.bytes() >= data_.size() && (entry.bits() % 8 == 0 || last_bits_used())) {
         return {};
       }
@@ -121,8 +120,9 @@ class CompleteWriter {
         length_refusal(object_, AbortCode::length_too_low, data_.size(), expected)};
   }
 
-  const dictionary::Dictionary& dictionary_;
+  dictionary::Dictionary& dictionary_;
   const Object& object_;
+  std::span<Entry> entries_;
   std::span<const std::byte> data_;
   dictionary::AccessContext context_;
   Cursor cursor_;
@@ -141,7 +141,7 @@ base::Expected<std::size_t, Refusal> read_complete(const dictionary::Dictionary&
   };
   std::ranges::fill(out, std::byte{0});
   Cursor cursor;
-  Entry& count = object.entries.front();
+  const Entry& count = object.entries.front();
   if (Verdict verdict = dictionary.prepare_read(count); !verdict) {
     return base::Unexpected<Refusal>{verdict.error()};
   }
@@ -149,7 +149,7 @@ base::Expected<std::size_t, Refusal> read_complete(const dictionary::Dictionary&
     const std::size_t place = cursor.take(kCountSize * 8);
     out[place] = static_cast<std::byte>(count.value());
   }
-  for (Entry& entry : behind_count(object)) {
+  for (const Entry& entry : object.entries.subspan(1)) {
     if (entry.subindex() > count.value()) {
       break;
     }
@@ -176,7 +176,7 @@ base::Expected<std::size_t, Refusal> read_complete(const dictionary::Dictionary&
   return cursor.bytes();
 }
 
-Verdict write_complete(const dictionary::Dictionary& dictionary, const Object& object,
+Verdict write_complete(dictionary::Dictionary& dictionary, const Object& object,
                        CompleteAccessStart start, std::span<const std::byte> data,
                        const dictionary::AccessContext& context) {
   return CompleteWriter(dictionary, object, data, context).write(start);

@@ -26,7 +26,7 @@ enum class CompleteAccessStart : std::uint8_t { with_count = 0, entries_only = 1
 /// Writes entries from `data` in order, leaving out read-only ones. Data may end before the last
 /// entry, at the border of two. Mapping and assignment objects are deactivated first and activated
 /// last, so that one transfer can replace them; they stay deactivated if an entry is refused.
-[[nodiscard]] dictionary::Verdict write_complete(const dictionary::Dictionary& dictionary,
+[[nodiscard]] dictionary::Verdict write_complete(dictionary::Dictionary& dictionary,
                                                  const dictionary::Object& object,
                                                  CompleteAccessStart start,
                                                  std::span<const std::byte> data,

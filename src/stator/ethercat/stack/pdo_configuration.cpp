@@ -125,8 +125,9 @@ AbortCode PdoConfiguration::refine(const Entry& entry, AbortCode code) {
   return pdo_direction(entry.index()) ? AbortCode::pdo_length_exceeded : code;
 }
 
-base::Expected<Entry*, Refusal> PdoConfiguration::resolve(const Entry& source, MappingEntry mapping,
-                                                          PdoDirection direction) const {
+base::Expected<const Entry*, Refusal> PdoConfiguration::resolve(const Entry& source,
+                                                                MappingEntry mapping,
+                                                                PdoDirection direction) const {
   const EventArgument index(int{mapping.index});
   const EventArgument subindex(int{mapping.subindex});
   if (mapping.index < kFirstRealIndex) {
@@ -143,7 +144,7 @@ base::Expected<Entry*, Refusal> PdoConfiguration::resolve(const Entry& source, M
     return nullptr;
   }
   const Object* object = dictionary_.find(mapping.index);
-  Entry* entry = object == nullptr ? nullptr : object->find(mapping.subindex);
+  const Entry* entry = object == nullptr ? nullptr : object->find(mapping.subindex);
   if (entry == nullptr) {
     return dictionary::refuse(
         object == nullptr ? AbortCode::object_does_not_exist : AbortCode::subindex_does_not_exist,

@@ -66,7 +66,7 @@ class PdoConfiguration {
                                                     dictionary::AbortCode code);
 
   /// The object that `mapping` puts into a PDO, null for padding, or why it cannot stand there.
-  [[nodiscard]] base::Expected<dictionary::Entry*, dictionary::Refusal> resolve(
+  [[nodiscard]] base::Expected<const dictionary::Entry*, dictionary::Refusal> resolve(
       const dictionary::Entry& source, MappingEntry mapping, PdoDirection direction) const;
 
  private:

@@ -71,7 +71,7 @@ void ProcessImage::clear() {
   bits_ = 0;
 }
 
-Verdict ProcessImage::compile(const dictionary::Dictionary& dictionary,
+Verdict ProcessImage::compile(dictionary::Dictionary& dictionary,
                               const PdoConfiguration& configuration) {
   clear();
   std::ranges::fill(data_, std::byte{0});
@@ -92,7 +92,7 @@ Verdict ProcessImage::compile(const dictionary::Dictionary& dictionary,
   return {};
 }
 
-Verdict ProcessImage::append_pdo(const Entry& assigned, const dictionary::Dictionary& dictionary,
+Verdict ProcessImage::append_pdo(const Entry& assigned, dictionary::Dictionary& dictionary,
                                  const PdoConfiguration& configuration) {
   const Object* pdo = dictionary.find(static_cast<std::uint16_t>(assigned.value()));
   if (pdo == nullptr || pdo_direction(pdo->index) != direction_) {
@@ -107,21 +107,22 @@ Verdict ProcessImage::append_pdo(const Entry& assigned, const dictionary::Dictio
     if (source.subindex() > count) {
       break;
     }
-    if (Verdict verdict = append_entry(source, configuration); !verdict) {
+    if (Verdict verdict = append_entry(source, dictionary, configuration); !verdict) {
       return verdict;
     }
   }
   return {};
 }
 
-Verdict ProcessImage::append_entry(const Entry& source, const PdoConfiguration& configuration) {
+Verdict ProcessImage::append_entry(const Entry& source, dictionary::Dictionary& dictionary,
+                                   const PdoConfiguration& configuration) {
   const MappingEntry mapping = MappingEntry::decode(source.value());
   const auto mapped = configuration.resolve(source, mapping, direction_);
   if (!mapped) {
     return base::Unexpected<Refusal>{mapped.error()};
   }
   if (*mapped != nullptr) {
-    items_.push_back({.entry = *mapped,
+    items_.push_back({.entry = dictionary.find(mapping.index, mapping.subindex),
                       .bit_offset = static_cast<std::uint32_t>(bits_),
                       .bit_length = mapping.bits});
   }
@@ -135,7 +136,7 @@ Verdict ProcessImage::append_entry(const Entry& source, const PdoConfiguration& 
   return {};
 }
 
-std::size_t ProcessImage::unpack(const dictionary::Dictionary& dictionary, RefusedHook on_refused) {
+std::size_t ProcessImage::unpack(dictionary::Dictionary& dictionary, RefusedHook on_refused) {
   std::size_t refused = 0;
   for (Item& item : items_) {
     const std::uint64_t raw = load_bits(data_.data(), item.bit_offset, item.bit_length);

@@ -32,7 +32,7 @@ class ProcessImage {
   ProcessImage(PdoDirection direction, std::size_t capacity_bytes);
 
   /// Reads assignment and mapping; on a refusal the image is empty.
-  [[nodiscard]] dictionary::Verdict compile(const dictionary::Dictionary& dictionary,
+  [[nodiscard]] dictionary::Verdict compile(dictionary::Dictionary& dictionary,
                                             const PdoConfiguration& configuration);
   void clear();
 
@@ -42,15 +42,16 @@ class ProcessImage {
   [[nodiscard]] std::span<std::byte> data() { return std::span(data_).first(bytes()); }
 
   /// Writes every changed value of data() into the dictionary; returns how many were refused.
-  std::size_t unpack(const dictionary::Dictionary& dictionary, RefusedHook on_refused);
+  std::size_t unpack(dictionary::Dictionary& dictionary, RefusedHook on_refused);
   /// Fills data() from the dictionary, read hooks included.
   void pack(const dictionary::Dictionary& dictionary);
 
  private:
   [[nodiscard]] dictionary::Verdict append_pdo(const dictionary::Entry& assigned,
-                                               const dictionary::Dictionary& dictionary,
+                                               dictionary::Dictionary& dictionary,
                                                const PdoConfiguration& configuration);
   [[nodiscard]] dictionary::Verdict append_entry(const dictionary::Entry& source,
+                                                 dictionary::Dictionary& dictionary,
                                                  const PdoConfiguration& configuration);
 
   PdoDirection direction_;

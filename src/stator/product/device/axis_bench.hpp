@@ -23,7 +23,7 @@ class AxisBench {
   AxisBench& operator=(const AxisBench&) = delete;
   virtual ~AxisBench() = default;
 
-  [[nodiscard]] virtual const dictionary::Dictionary& dictionary() const = 0;
+  [[nodiscard]] virtual dictionary::Dictionary& dictionary() = 0;
   /// The axis obeys what was written.
   virtual void apply(base::SimTime now) = 0;
   virtual void advance(base::SimTime now) = 0;

@@ -31,8 +31,10 @@ class Device {
   Device& operator=(const Device&) = delete;
   virtual ~Device() = default;
 
-  /// Null if it has none.
+  /// To be looked at; null if it has none.
   [[nodiscard]] virtual const dictionary::Dictionary* object_dictionary() const { return nullptr; }
+  /// The same, to be written: who does so calls objects_written().
+  [[nodiscard]] virtual dictionary::Dictionary* object_dictionary() { return nullptr; }
 
   /// Its firmware acts on objects that were written otherwise than over its network, as it does on
   /// those an SDO wrote.

@@ -45,7 +45,11 @@ class EtherCatDevice : public Device {
   /// What masters are told of its objects by SII image and ESI file. Without CoE these are only the
   /// names of its process data.
   [[nodiscard]] virtual const dictionary::Dictionary& dictionary() const = 0;
+  [[nodiscard]] virtual dictionary::Dictionary& dictionary() = 0;
   [[nodiscard]] const dictionary::Dictionary* object_dictionary() const final {
+    return description().coe ? &dictionary() : nullptr;
+  }
+  [[nodiscard]] dictionary::Dictionary* object_dictionary() final {
     return description().coe ? &dictionary() : nullptr;
   }
   /// RUN and ERR as ETG.1300 has them, and a link/activity LED for each port.

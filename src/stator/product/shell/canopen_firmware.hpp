@@ -79,10 +79,14 @@ class CanOpenFirmware : public CanDevice {
   [[nodiscard]] dictionary::NetworkState network_state() const final;
   /// Its objects.
   [[nodiscard]] const dictionary::Dictionary& dictionary() const { return dictionary_; }
+  /// The same, to be written from outside.
+  [[nodiscard]] dictionary::Dictionary& dictionary() { return dictionary_; }
   /// The same.
   [[nodiscard]] const dictionary::Dictionary* object_dictionary() const final {
     return &dictionary_;
   }
+  /// The same.
+  [[nodiscard]] dictionary::Dictionary* object_dictionary() final { return &dictionary_; }
   /// NMT, SDO server and error control.
   [[nodiscard]] const canopen::Node& node() const { return node_; }
   /// What it has reported.

@@ -97,6 +97,8 @@ class EtherCatFirmware : public EtherCatDevice, protected ethercat::SlaveApplica
   [[nodiscard]] const ethercat::SlaveController& controller() const final { return controller_; }
   /// Its objects.
   [[nodiscard]] const dictionary::Dictionary& dictionary() const final { return dictionary_; }
+  /// The same, to be written from outside.
+  [[nodiscard]] dictionary::Dictionary& dictionary() final { return dictionary_; }
   /// State machine, mailbox and process data.
   [[nodiscard]] ethercat::SlaveStack* slave_stack() final { return &stack_; }
   /// The same.

@@ -71,11 +71,11 @@ TmclMonitor::TmclMonitor(const dictionary::Dictionary& dictionary,
       parameters_(parameters),
       dictionary_(dictionary) {
   for (const IndexOffsets& axis : axes) {
-    std::vector<dictionary::Entry*>& sources = sources_.emplace_back();
+    std::vector<const dictionary::Entry*>& sources = sources_.emplace_back();
     for (const ReadableParameter& parameter : parameters_) {
       const unsigned offset =
           parameter.index < kFirstProfileIndex ? axis.manufacturer : axis.profile;
-      dictionary::Entry* source =
+      const dictionary::Entry* source =
           dictionary.find(static_cast<std::uint16_t>(parameter.index + offset), parameter.subindex);
       if (source == nullptr) {
         throw std::logic_error("TMCL axis parameter " + std::to_string(parameter.number) +
@@ -118,7 +118,7 @@ TmclMonitor::Answer TmclMonitor::get_axis_parameter(const tmcl::Request& request
     return {Status::invalid_value};
   }
   const auto position = static_cast<std::size_t>(parameter - parameters_.begin());
-  dictionary::Entry& source = *sources_[request.motor][position];
+  const dictionary::Entry& source = *sources_[request.motor][position];
   if (!dictionary_.prepare_read(source)) {
     return {Status::wrong_type};
   }

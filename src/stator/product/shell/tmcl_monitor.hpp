@@ -53,7 +53,7 @@ class TmclMonitor : public tmcl::ModuleInterface {
   std::span<const ReadableParameter> parameters_;
   const dictionary::Dictionary& dictionary_;
   /// In the order of the parameters, for each axis.
-  std::vector<std::vector<dictionary::Entry*>> sources_;
+  std::vector<std::vector<const dictionary::Entry*>> sources_;
 };
 
 }  // namespace stator::product

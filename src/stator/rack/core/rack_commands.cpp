@@ -83,9 +83,9 @@ class Rack::Execution {
   void operator()(const command::Mark& command) { rack_.tell(command); }
 
  private:
-  [[nodiscard]] dictionary::Entry& entry(DeviceAddress device, std::uint16_t index,
-                                         std::uint8_t subindex) {
-    return *parts_.device(device).object_dictionary()->find(index, subindex);
+  [[nodiscard]] const dictionary::Entry& entry(DeviceAddress device, std::uint16_t index,
+                                               std::uint8_t subindex) {
+    return *rack_.device(device).object_dictionary()->find(index, subindex);
   }
   [[nodiscard]] product::HostPort& host(DeviceAddress device) {
     return *parts_.slave(device).host_port();

@@ -13,7 +13,7 @@ constexpr base::EventRule kTextSet{"object-set", base::Severity::information,
 
 }  // namespace
 
-dictionary::Verdict Rack::read_object(DeviceAddress address, dictionary::Entry& entry,
+dictionary::Verdict Rack::read_object(DeviceAddress address, const dictionary::Entry& entry,
                                       std::vector<std::byte>& value) {
   tell(command::ReadObject{address, entry.index(), entry.subindex()});
   const dictionary::Dictionary& objects = *device(address).object_dictionary();
@@ -24,12 +24,13 @@ dictionary::Verdict Rack::read_object(DeviceAddress address, dictionary::Entry& 
   return objects.read(entry, value);
 }
 
-dictionary::Verdict Rack::write_object(DeviceAddress address, dictionary::Entry& entry,
+dictionary::Verdict Rack::write_object(DeviceAddress address, const dictionary::Entry& entry,
                                        std::span<const std::byte> value, base::SimTime now) {
   tell(command::WriteObject{address, entry.index(), entry.subindex(), value, now});
   product::Device& written = parts_->device(address);
-  const dictionary::Verdict verdict =
-      written.object_dictionary()->write(entry, value, {network_state(address)});
+  dictionary::Dictionary& objects = *written.object_dictionary();
+  const dictionary::Verdict verdict = objects.write(*objects.find(entry.index(), entry.subindex()),
+                                                    value, {network_state(address)});
   if (!verdict) {
     return verdict;
   }

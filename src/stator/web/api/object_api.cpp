@@ -46,7 +46,7 @@ Response switched_off(const DeviceRecord& device) {
 
 class ReadEntriesJob final : public ActJob {
  public:
-  ReadEntriesJob(const DeviceRecord& device, std::span<Entry> entries, bool whole_object)
+  ReadEntriesJob(const DeviceRecord& device, std::span<const Entry> entries, bool whole_object)
       : device_(device), entries_(entries), whole_object_(whole_object), results_(entries.size()) {}
 
   bool act(rack::Rack& rack, base::SimTime /*now*/) override {
@@ -94,7 +94,7 @@ class ReadEntriesJob final : public ActJob {
   }
 
   const DeviceRecord& device_;
-  std::span<Entry> entries_;
+  std::span<const Entry> entries_;
   bool whole_object_;
   std::vector<Result> results_;
   std::size_t read_ = 0;
@@ -104,7 +104,7 @@ class ReadEntriesJob final : public ActJob {
 /// Answered when an SDO would be: what 1010h stores is kept by then.
 class WriteEntryJob final : public ActJob {
  public:
-  WriteEntryJob(const DeviceRecord& device, Entry& entry, std::vector<std::byte> value)
+  WriteEntryJob(const DeviceRecord& device, const Entry& entry, std::vector<std::byte> value)
       : device_(device), entry_(entry), value_(std::move(value)) {}
 
   bool act(rack::Rack& rack, base::SimTime now) override {
@@ -139,7 +139,7 @@ class WriteEntryJob final : public ActJob {
 
  private:
   const DeviceRecord& device_;
-  Entry& entry_;
+  const Entry& entry_;
   std::vector<std::byte> value_;
   base::SimTime time_;
   bool powered_ = true;
