@@ -3,13 +3,18 @@
 
 #include "stator/rack/core/view.hpp"
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <type_traits>
 #include <utility>
 
 #include <gtest/gtest.h>
 
 #include "rack/rack_bench.hpp"
+#include "stator/dictionary/dictionary.hpp"
 #include "stator/ethercat/segment/segment.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/rack.hpp"
@@ -87,6 +92,62 @@ static_assert(!ChangesDevice<const product::Device> && ChangesDevice<product::De
 static_assert(!SetsInput<product::InputRange> && SetsInput<product::Input>);
 static_assert(!ActsOnRack<const View> && !ActsOnRack<View> && ActsOnRack<Rack>);
 
+// Objects of devices are seen as they are, and written by Rack::write_object() alone.
+template <typename Objects>
+concept WritesObjects = requires(Objects& objects, dictionary::Entry& entry) {
+  objects.write(entry, std::span<const std::byte>(), dictionary::AccessContext());
+}
+|| requires(Objects& objects, dictionary::Entry& entry) {
+  objects.write_from_pdo(entry, std::uint64_t{0});
+}
+|| requires(Objects& objects) {
+  objects.reset_values();
+};
+template <typename Objects>
+concept FindsEntriesToSet = requires(Objects& objects) {
+  objects.find(0x6040, 0)->set_value(0);
+}
+|| requires(Objects& objects) {
+  (*objects.require(0x6040, 0))->set_value(0);
+};
+template <typename Objects>
+concept ListsEntriesToSet = requires(Objects& objects) {
+  objects.entries().front().set_value(0);
+}
+|| requires(Objects& objects) {
+  objects.objects().front().entries.front().set_value(0);
+}
+|| requires(Objects& objects) {
+  objects.find(0x6040)->find(0)->set_value(0);
+}
+|| requires(Objects& objects) {
+  objects.entries_of(*objects.find(0x6040)).front().set_value(0);
+};
+template <typename Objects>
+concept SetsVariables = requires(Objects& objects) {
+  objects.template variable<std::uint16_t>(0x6040).set(0);
+};
+template <typename Objects>
+concept ReadsObjects = requires(Objects& objects, std::span<std::byte> value) {
+  objects.read(*objects.find(0x6040, 0), value);
+  objects.template variable<std::uint16_t>(0x6040).get();
+};
+template <typename Objects>
+constexpr bool kWritable = WritesObjects<Objects> || FindsEntriesToSet<Objects> ||
+                           ListsEntriesToSet<Objects> || SetsVariables<Objects>;
+
+using SeenObjects =
+    std::remove_pointer_t<decltype(std::declval<Rack&>().device({}).object_dictionary())>;
+using SeenObjectsOfSlave =
+    std::remove_reference_t<decltype(std::declval<Rack&>().slave({}).dictionary())>;
+static_assert(ReadsObjects<SeenObjects> && !kWritable<SeenObjects>);
+static_assert(ReadsObjects<SeenObjectsOfSlave> && !kWritable<SeenObjectsOfSlave>);
+using Objects = dictionary::Dictionary;
+static_assert(ReadsObjects<Objects> && WritesObjects<Objects> && FindsEntriesToSet<Objects> &&
+              ListsEntriesToSet<Objects> && SetsVariables<Objects>);
+static_assert(!std::is_copy_constructible_v<dictionary::Entry>, "a copy would reach the value");
+static_assert(!std::is_constructible_v<dictionary::Variable<int>, dictionary::Variable<const int>>);
+
 // A task that looks gets no rack to act on.
 static_assert(
     std::is_same_v<decltype(&Look::look), bool (Look::*)(const View& rack, base::SimTime now)>);
@@ -122,6 +183,23 @@ TEST(View, ALookIsDoneWithTheRackAndWakesNobody) {
   ASSERT_TRUE(queue.post(task));
   EXPECT_FALSE(queue.serve(rack, {}));
   EXPECT_EQ(task.name, "gantry");
+}
+
+TEST(View, GivesObjectsToReadAndWhatNamesOneToBeWritten) {
+  EventLog log;
+  Rack rack(single_device_rack("tmcm-3315", devices::products()), log);
+  const View& view = rack;
+  const dictionary::Dictionary& objects = *view.device({}).object_dictionary();
+  const dictionary::Entry& velocity = *objects.find(0x6081, 0);
+  const dictionary::Variable<const std::uint32_t> shown =
+      objects.variable<std::uint32_t>(velocity.index());
+  const std::array written{std::byte{0x39}, std::byte{0x30}, std::byte{0}, std::byte{0}};
+  ASSERT_TRUE(rack.write_object({}, velocity, written, {}));
+  EXPECT_EQ(velocity.value(), 12'345U);
+  EXPECT_EQ(shown.get(), 12'345U);
+  std::array<std::byte, 4> read{};
+  ASSERT_TRUE(objects.read(velocity, read));
+  EXPECT_EQ(read, written);
 }
 
 /// A load that grows with the speed of its shaft.
