@@ -100,6 +100,20 @@ TEST(OwnProductProgram, RefusesAWrongKeyInASentenceAndARackWithoutTheDrive) {
   EXPECT_THAT(other.output, HasSubstr("no own-stepper"));
 }
 
+TEST(OwnProductCommands, KnowItAsTheyKnowOurs) {
+  const auto command = [](const std::string& arguments) {
+    return tests::run_in_shell(STATOR_OWN_COMMANDS " " + arguments + " 2>&1");
+  };
+  EXPECT_THAT(command("devices").output, AllOf(HasSubstr("own-stepper"), HasSubstr("tmcm-3315")));
+  EXPECT_THAT(command("describe own-stepper").output, HasSubstr("Own stepper"));
+  const tests::Outcome check = command("check " + kFolder + "rack.toml");
+  EXPECT_EQ(check.status, 0) << check.output;
+  const tests::Outcome wrong = command("check " + kFolder + "wrong_key.toml");
+  EXPECT_NE(wrong.status, 0);
+  EXPECT_THAT(wrong.output, HasSubstr("wrong_key.toml:8"));
+  EXPECT_THAT(command("describe tmcm-3316").output, HasSubstr("own-stepper"));
+}
+
 TEST(OwnProductKeys, AreDescribedBesideThoseOfOurs) {
   const settings::TableDescription rack = rack::describe_rack_file(catalogue());
   const settings::TableDescription& keys = keys_of_the_drive(rack);
