@@ -6,7 +6,7 @@
 namespace stator::web {
 namespace {
 
-constexpr const char* kToken = "0123456789abcdef";
+constexpr const char* kGuardedToken = "0123456789abcdef";
 
 // Not inline: GCC 12 sees overruns in assignments of literals that are not there.
 [[gnu::noinline]] void set(std::optional<std::string>& field, const std::string& value) {
@@ -24,7 +24,7 @@ unsigned status(const std::optional<Response>& refused) {
 }
 
 TEST(Guard, OnLoopbackKnowsItselfByNamesOfThisMachineOnly) {
-  const Guard guard(true, kToken);
+  const Guard guard(true, kGuardedToken);
   for (const char* host : {"localhost", "localhost:1", "127.0.0.1:8080", "[::1]:8080"}) {
     EXPECT_EQ(status(guard.check_source(from(host))), 0U) << host;
   }
@@ -35,13 +35,13 @@ TEST(Guard, OnLoopbackKnowsItselfByNamesOfThisMachineOnly) {
 }
 
 TEST(Guard, ElsewhereKnowsItselfByItsAddressesButNotByNamesOfOthers) {
-  const Guard guard(false, kToken);
+  const Guard guard(false, kGuardedToken);
   EXPECT_EQ(status(guard.check_source(from("192.0.2.1:8080"))), 0U);
   EXPECT_EQ(status(guard.check_source(from("evil.example:8080"))), 421U);
 }
 
 TEST(Guard, LetsOnlyPagesOfItsOwnOriginIn) {
-  const Guard guard(true, kToken);
+  const Guard guard(true, kGuardedToken);
   Request request = from("localhost:8080");
   set(request.origin, "http://localhost:8080");
   EXPECT_EQ(status(guard.check_source(request)), 0U);
@@ -60,8 +60,8 @@ TEST(Guard, LetsOnlyPagesOfItsOwnOriginIn) {
 
 TEST(Guard, WantsTheTokenForWritesAndFromOtherMachines) {
   Request request = from("localhost");
-  const Guard here(true, kToken);
-  const Guard open(false, kToken);
+  const Guard here(true, kGuardedToken);
+  const Guard open(false, kGuardedToken);
   EXPECT_EQ(status(here.check_token(request, false, false)), 0U);
   EXPECT_EQ(status(here.check_token(request, true, false)), 401U);
   EXPECT_EQ(status(open.check_token(request, false, false)), 401U);
@@ -80,7 +80,7 @@ TEST(Guard, WithoutATokenLetsNobodyWrite) {
 }
 
 TEST(Guard, TakesTheTokenOfAWebSocketFromItsProtocols) {
-  const Guard guard(false, kToken);
+  const Guard guard(false, kGuardedToken);
   Request request = from("192.0.2.1");
   set(request.websocket_protocol, "stator.signals.v1 , token.0123456789abcdef");
   EXPECT_EQ(status(guard.check_token(request, false, false)), 0U);
