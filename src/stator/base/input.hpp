@@ -22,7 +22,12 @@ struct Input : InputRange {
   Input() = default;
   Input(std::string name_of_it, std::string unit_of_it, double lowest, double highest,
         Delegate<void(double)> setter)
-      : InputRange{std::move(name_of_it), std::move(unit_of_it), lowest, highest}, set(setter) {}
+      : set(setter) {
+    name = std::move(name_of_it);
+    unit = std::move(unit_of_it);
+    minimum = lowest;
+    maximum = highest;
+  }
 
   Delegate<void(double)> set;
 };

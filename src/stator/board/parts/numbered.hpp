@@ -30,8 +30,8 @@ class Numbered {
   void append_inputs(std::vector<base::Input>& inputs, const std::string& prefix,
                      const std::string& unit, double minimum, double maximum) {
     for (Item& item : items_) {
-      inputs.push_back({prefix + std::to_string(item.number), unit, minimum, maximum,
-                        base::Delegate<void(double)>::bind<&Item::set>(item)});
+      inputs.emplace_back(prefix + std::to_string(item.number), unit, minimum, maximum,
+                          base::Delegate<void(double)>::bind<&Item::set>(item));
     }
   }
 

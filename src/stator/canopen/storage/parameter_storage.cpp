@@ -12,8 +12,8 @@ using dictionary::AbortCode;
 using dictionary::Entry;
 using dictionary::Verdict;
 
-std::array<EventArgument, 6> about(const Entry& entry, EventArgument a = {}, EventArgument b = {},
-                                   EventArgument c = {}) {
+std::array<EventArgument, 6> about(const Entry& entry, const EventArgument& a = {},
+                                   const EventArgument& b = {}, const EventArgument& c = {}) {
   return {int{entry.index()}, int{entry.subindex()}, entry.shared_name(), a, b, c};
 }
 

@@ -62,7 +62,7 @@ void AxisWorld::append_stage_signals(std::vector<product::Signal>& signals) cons
 void AxisWorld::append_inputs(std::vector<product::Input>& inputs) {
   const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
                        base::Delegate<void(double)> set) {
-    inputs.push_back({std::string("axis0.") + name, unit, minimum, maximum, set});
+    inputs.emplace_back(std::string("axis0.") + name, unit, minimum, maximum, set);
   };
   using Set = base::Delegate<void(double)>;
   add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&AxisWorld::set_load_torque>(*this));
@@ -81,7 +81,7 @@ void AxisWorld::append_inputs(std::vector<product::Input>& inputs) {
 void AxisWorld::append_fault_inputs(std::vector<product::Input>& inputs) {
   const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
                        base::Delegate<void(double)> set) {
-    inputs.push_back({std::string("axis0.") + name, unit, minimum, maximum, set});
+    inputs.emplace_back(std::string("axis0.") + name, unit, minimum, maximum, set);
   };
   using Set = base::Delegate<void(double)>;
   add("open_u", "", 0.0, 1.0, Set::bind<&AxisWorld::set_open<0>>(*this));

@@ -51,7 +51,7 @@ void AxisWorld::append_signals(std::vector<product::Signal>& signals) const {
 void AxisWorld::append_inputs(std::vector<product::Input>& inputs) {
   const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
                        base::Delegate<void(double)> set) {
-    inputs.push_back({std::string("axis0.") + name, unit, minimum, maximum, set});
+    inputs.emplace_back(std::string("axis0.") + name, unit, minimum, maximum, set);
   };
   using Set = base::Delegate<void(double)>;
   add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&AxisWorld::set_load_torque>(*this));

@@ -36,10 +36,10 @@ void ModuleIo::append_signals(std::vector<product::Signal>& signals) const {
 void ModuleIo::append_inputs(std::vector<product::Input>& inputs) {
   using Set = base::Delegate<void(double)>;
   const auto voltage = [&](const char* name, Set set) {
-    inputs.push_back({name, "V", 0.0, kReferenceVoltage, set});
+    inputs.emplace_back(name, "V", 0.0, kReferenceVoltage, set);
   };
   const auto level = [&](const char* name, Set set) {
-    inputs.push_back({name, "", 0.0, 1.0, set});
+    inputs.emplace_back(name, "", 0.0, 1.0, set);
   };
   voltage("input0", Set::bind<&ModuleIo::set_voltage<0>>(*this));
   voltage("input1", Set::bind<&ModuleIo::set_voltage<1>>(*this));
@@ -51,8 +51,8 @@ void ModuleIo::append_inputs(std::vector<product::Input>& inputs) {
   level("input7", Set::bind<&ModuleIo::set_level<7>>(*this));
   level("input8", Set::bind<&ModuleIo::set_level<8>>(*this));
   level("shutdown", Set::bind<&ModuleIo::set_shutdown>(*this));
-  inputs.push_back({"analog_noise", "count", 0.0, 1023.0,
-                    Set::bind<&product::AnalogNoise::set_amplitude>(noise_)});
+  inputs.emplace_back("analog_noise", "count", 0.0, 1023.0,
+                      Set::bind<&product::AnalogNoise::set_amplitude>(noise_));
 }
 
 }  // namespace stator::devices::tmcm_142

@@ -316,7 +316,7 @@ void AxisUnit::append_inputs(std::vector<product::Input>& inputs) {
   const std::string prefix = "axis" + std::to_string(number_) + ".";
   const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
                        base::Delegate<void(double)> set) {
-    inputs.push_back({prefix + name, unit, minimum, maximum, set});
+    inputs.emplace_back(prefix + name, unit, minimum, maximum, set);
   };
   using Set = base::Delegate<void(double)>;
   add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&AxisUnit::set_load_torque>(*this));

@@ -86,12 +86,12 @@ void ModuleIo::append_inputs(std::vector<product::Input>& inputs) {
   for (std::size_t i = 0; i < kChannels; ++i) {
     const std::string number = std::to_string(i);
     Channel& channel = channels_[i];
-    inputs.push_back({"input" + number, "", 0.0, 1.0, Set::bind<&Channel::set_level>(channel)});
-    inputs.push_back(
-        {"analog_input" + number, "count", 0.0, 65535.0, Set::bind<&Channel::set_counts>(channel)});
+    inputs.emplace_back("input" + number, "", 0.0, 1.0, Set::bind<&Channel::set_level>(channel));
+    inputs.emplace_back("analog_input" + number, "count", 0.0, 65535.0,
+                        Set::bind<&Channel::set_counts>(channel));
   }
-  inputs.push_back({"analog_noise", "count", 0.0, 65535.0,
-                    Set::bind<&product::AnalogNoise::set_amplitude>(noise_)});
+  inputs.emplace_back("analog_noise", "count", 0.0, 65535.0,
+                      Set::bind<&product::AnalogNoise::set_amplitude>(noise_));
 }
 
 }  // namespace stator::devices::tmcm_3315

@@ -265,8 +265,8 @@ std::vector<product::Input> Tmcm3315::inputs() {
     axis->append_inputs(inputs);
   }
   io_.append_inputs(inputs);
-  inputs.push_back({"shutdown_switch", "", 0.0, 1.0,
-                    base::Delegate<void(double)>::bind<&Tmcm3315::input_shutdown_switch>(*this)});
+  inputs.emplace_back("shutdown_switch", "", 0.0, 1.0,
+                      base::Delegate<void(double)>::bind<&Tmcm3315::input_shutdown_switch>(*this));
   inputs.push_back(clock_deviation_input());
   return inputs;
 }

@@ -58,8 +58,8 @@ class AxisFaultInputs {
 
   void append(std::vector<base::Input>& inputs, const std::string& prefix) {
     for (Item& item : items_) {
-      inputs.push_back({prefix + item.row->name, item.row->unit, item.row->minimum,
-                        item.row->maximum, base::Delegate<void(double)>::bind<&Item::set>(item)});
+      inputs.emplace_back(prefix + item.row->name, item.row->unit, item.row->minimum,
+                          item.row->maximum, base::Delegate<void(double)>::bind<&Item::set>(item));
     }
   }
 

@@ -25,7 +25,7 @@ void StepperAxisInstruments::append_inputs(std::vector<base::Input>& inputs,
                                            const std::string& prefix) {
   const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
                        base::Delegate<void(double)> set) {
-    inputs.push_back({prefix + name, unit, minimum, maximum, set});
+    inputs.emplace_back(prefix + name, unit, minimum, maximum, set);
   };
   using Self = StepperAxisInstruments;
   using Set = base::Delegate<void(double)>;
