@@ -11,7 +11,9 @@ namespace stator::board {
 
 namespace {
 
-enum Pin : std::size_t { kA, kB, kN, kAn, kBn, kNn };
+// Pins: A, B and N, then their inverted lines in the same order.
+constexpr std::size_t kA = 0;
+constexpr std::size_t kAn = 3;
 
 /// Turns the motion of a shaft into edges, each at the moment at which the disc meets it: within a
 /// step of the plant the shaft is taken to turn evenly.
@@ -124,7 +126,7 @@ class Encoder final : public Peripheral, public ShaftObserver {
         static_cast<double>(edge - motion_.from.turns * counts_per_revolution_) - begin_;
     const double share = std::clamp(to_edge / way_, 0.0, 1.0);
     const auto after = static_cast<std::int64_t>(
-        share * static_cast<double>(motion_.duration.nanoseconds()) + 0.5);
+        std::floor(share * static_cast<double>(motion_.duration.nanoseconds()) + 0.5));
     edge_at_ = motion_.begin + base::SimDuration(after);
     schedule_next(now());
   }

@@ -13,7 +13,10 @@ namespace stator::board {
 
 namespace {
 
-enum Pin : std::size_t { kSck, kMosi, kMiso, kCs, kStep, kDirection, kEnable };
+// Pins behind those of the SPI.
+constexpr std::size_t kStep = 4;
+constexpr std::size_t kDirection = 5;
+constexpr std::size_t kEnable = 6;
 
 [[nodiscard]] constexpr unsigned bits(std::uint32_t word, unsigned high, unsigned low) {
   return (word >> low) & ((1U << (high - low + 1)) - 1U);

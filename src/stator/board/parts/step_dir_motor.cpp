@@ -11,7 +11,10 @@ namespace stator::board {
 
 namespace {
 
-enum Pin : std::size_t { kStep, kDirection, kEnable };
+// Pins.
+constexpr std::size_t kStep = 0;
+constexpr std::size_t kDirection = 1;
+constexpr std::size_t kEnable = 2;
 
 constexpr double kFullSteps = 4.0;  // per electrical period
 

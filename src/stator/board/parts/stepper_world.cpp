@@ -38,7 +38,7 @@ plant::MechanicalLoad load_of(const Settings& settings) {
     load.end_stop_maximum = settings.number("end_stop_maximum");
   }
   if (load.end_stop_minimum >= load.end_stop_maximum) {
-    throw std::invalid_argument("\"end_stop_minimum\" must lie below \"end_stop_maximum\"");
+    throw std::invalid_argument(R"("end_stop_minimum" must lie below "end_stop_maximum")");
   }
   return load;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "stator/base/random.hpp"
@@ -58,7 +59,7 @@ class Contact : public Peripheral {
   enum class Stuck : std::uint8_t { no, open, closed };
 
   void stick(double kind) {
-    stuck_ = static_cast<Stuck>(static_cast<int>(kind + 0.5));
+    stuck_ = static_cast<Stuck>(static_cast<int>(std::floor(kind + 0.5)));
     set_closed(wanted_);
   }
   void change(bool closed) {
