@@ -305,7 +305,7 @@ bool Rack::connect_eoe(DeviceAddress device, const EoeOutput& output) {
 }
 
 base::EventReporter Rack::bus_reporter(std::size_t index) {
-  return base::EventReporter(&parts_->log, parts_->buses[index].number);
+  return {&parts_->log, parts_->buses[index].number};
 }
 
 void Rack::set_bus_epoch(std::size_t bus, base::SimDuration epoch) {

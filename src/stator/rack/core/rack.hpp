@@ -128,20 +128,20 @@ class Rack : public View {
   void set_bus_epoch(std::size_t bus, base::SimDuration epoch);
 
   /// Reads an entry of the device's object dictionary as an SDO would; `value` gets its bytes.
-  [[nodiscard]] dictionary::Verdict read_object(DeviceAddress device,
+  [[nodiscard]] dictionary::Verdict read_object(DeviceAddress address,
                                                 const dictionary::Entry& entry,
                                                 std::vector<std::byte>& value);
   /// Writes one as an SDO would, with all its checks, and lets the firmware act on it at `now`, to
   /// which the rack has been brought. `entry` is as the device shows it to who looks, and says only
   /// which one is meant. What was written is an event.
-  [[nodiscard]] dictionary::Verdict write_object(DeviceAddress device,
+  [[nodiscard]] dictionary::Verdict write_object(DeviceAddress address,
                                                  const dictionary::Entry& entry,
                                                  std::span<const std::byte> value,
                                                  base::SimTime now);
   /// What an SDO that wrote `entry` would be answered at `now`; nothing: what the write began, such
   /// as storing parameters, is still under way. Only looks, and may be asked again and again.
   [[nodiscard]] std::optional<dictionary::Verdict> completion_of_write(
-      DeviceAddress device, const dictionary::Entry& entry, base::SimTime now);
+      DeviceAddress address, const dictionary::Entry& entry, base::SimTime now);
 
   /// Lets `coupling` act from now on, beside the rack's wires. Throws std::runtime_error when it
   /// wants what devices have not.

@@ -29,8 +29,8 @@ dictionary::Verdict Rack::write_object(DeviceAddress address, const dictionary::
   tell(command::WriteObject{address, entry.index(), entry.subindex(), value, now});
   product::Device& written = parts_->device(address);
   dictionary::Dictionary& objects = *written.object_dictionary();
-  const dictionary::Verdict verdict = objects.write(*objects.find(entry.index(), entry.subindex()),
-                                                    value, {network_state(address)});
+  dictionary::Verdict verdict = objects.write(*objects.find(entry.index(), entry.subindex()), value,
+                                              {network_state(address)});
   if (!verdict) {
     return verdict;
   }

@@ -64,7 +64,7 @@ std::string command_problem(const std::string& text) {
           word);
     }
   }
-  return any ? "" : "\"commands\" names none; write e.g. \"LRW\"";
+  return any ? "" : R"("commands" names none; write e.g. "LRW")";
 }
 
 }  // namespace stator::rack

@@ -583,13 +583,13 @@ const FaultParameter* FaultKind::find(std::string_view parameter) const {
 }
 
 std::span<const FaultKind> fault_kinds() {
-  static const std::vector<FaultKind> kAll = [] {
+  static const std::vector<FaultKind> kinds = [] {
     std::vector<FaultKind> all(kKinds.begin(), kKinds.end());
     const std::span<const FaultKind> around = surroundings_fault_kinds();
     all.insert(all.end() - 1, around.begin(), around.end());  // "set" comes last
     return all;
   }();
-  return kAll;
+  return kinds;
 }
 
 const FaultKind* find_fault_kind(std::string_view name) {

@@ -55,7 +55,7 @@ class MailboxFaults final : public ethercat::MailboxIntervention {
 
  private:
   struct Fault {
-    std::uint64_t number;
+    std::uint64_t number = 0;
     MailboxFault fault;
     base::Recurrence recurrence;
   };

@@ -4,6 +4,7 @@
 #include <array>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "stator/ethercat/segment/segment.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
@@ -51,8 +52,8 @@ product::Signal signal_of(faults::Target& target, const Milestone& milestone) {
 
 class NetworkStateWatch final : public FaultWatch {
  public:
-  NetworkStateWatch(faults::Target& target, const Milestone& milestone)
-      : target_(target), milestone_(milestone) {}
+  NetworkStateWatch(faults::Target& target, Milestone milestone)
+      : target_(target), milestone_(std::move(milestone)) {}
 
   [[nodiscard]] bool reached() override {
     const DeviceAddress device = milestone_.device;
@@ -112,7 +113,7 @@ class CrossingWatch final : public FaultWatch {
 /// Steps of mailbox transfers.
 class MailboxWatch final : public FaultWatch {
  public:
-  explicit MailboxWatch(const Milestone& milestone) : milestone_(milestone) {}
+  explicit MailboxWatch(Milestone milestone) : milestone_(std::move(milestone)) {}
 
   [[nodiscard]] bool reached() override { return reached_; }
   void see(const MailboxStep& step) override {

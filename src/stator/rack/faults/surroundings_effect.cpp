@@ -36,9 +36,9 @@ class SurroundingsEffect final : public FaultEffect {
     if (momentary_) {
       return;  // there is nothing to take back
     }
-    for (auto setting = settings_.rbegin(); setting != settings_.rend(); ++setting) {
-      target_.release(InputEvent{device_, setting->input, 0.0}, this, now);
-    }
+    std::for_each(settings_.rbegin(), settings_.rend(), [&](const FaultSetting& setting) {
+      target_.release(InputEvent{device_, setting.input, 0.0}, this, now);
+    });
   }
   [[nodiscard]] SimTime next_step() const override { return next_; }
   void step(SimTime now) override {

@@ -39,7 +39,7 @@ std::set<std::string> words(std::string_view text) {
 
 /// As it stands in a rack file.
 std::string written_default(const FaultParameter& parameter) {
-  const std::string text(parameter.default_value);
+  std::string text(parameter.default_value);
   switch (parameter.type) {
     case FaultValueType::whole:
       return std::to_string(std::stoll(text, nullptr, 0));
@@ -235,6 +235,7 @@ void FaultReader::read_line_target(TableReader& section, FaultConfiguration& fau
   };
   const auto names = [&lines] {
     std::vector<std::string> texts;
+    texts.reserve(lines.size());
     for (const auto& [name, address] : lines) {
       texts.push_back(name);
     }
@@ -270,7 +271,7 @@ void FaultReader::read_line_target(TableReader& section, FaultConfiguration& fau
           "device",
           lines.empty()
               ? fmt::format("\"{}\" is on no serial line", targets_.device_at(address).name)
-              : fmt::format("\"{}\" is on several serial lines; name one with \"line\": {}",
+              : fmt::format(R"("{}" is on several serial lines; name one with "line": {})",
                             targets_.device_at(address).name, names()));
     }
     target.line = lines.begin()->first;
@@ -288,7 +289,7 @@ void FaultReader::check_reach(TableReader& section, const FaultConfiguration& fa
   const bool ethercat = address.kind == NetworkKind::segment;
   const FaultReach reach = fault.kind->reach;
   if ((reach == FaultReach::ethercat || reach == FaultReach::ethercat_firmware) && !ethercat) {
-    section.fail("device", fmt::format("\"{}\" is not on EtherCAT, so \"{}\" cannot happen to it",
+    section.fail("device", fmt::format(R"("{}" is not on EtherCAT, so "{}" cannot happen to it)",
                                        device.name, fault.kind->name));
   }
   if (reach == FaultReach::ethercat_firmware && !device.setup.product().identity().own_firmware) {
@@ -356,7 +357,7 @@ void FaultReader::read_end(TableReader& section, FaultConfiguration& fault) cons
        {std::pair("count", count.has_value()), std::pair("probability", probability.has_value())}) {
     if (given && kind.counted.empty()) {
       section.refuse(
-          key, fmt::format("\"{}\" has nothing to count, so it takes no \"{}\"", kind.name, key));
+          key, fmt::format(R"("{}" has nothing to count, so it takes no "{}")", kind.name, key));
     }
   }
   const auto mode = fault.values.find<std::string>("mode");

@@ -53,14 +53,13 @@ void check_state(const RackConfiguration& configuration, TableReader& root,
     std::vector<std::unique_ptr<product::EtherCatDevice>> slaves;
     std::vector<std::unique_ptr<product::CanDevice>> nodes;
     DeviceStorage storage(configuration.state, StateDirectory::Use::look);
-    for (std::size_t i = 0; i < configuration.segments.size(); ++i) {
-      for (const DeviceConfiguration& device : configuration.segments[i].devices) {
+    for (const SegmentConfiguration& segment : configuration.segments) {
+      for (const DeviceConfiguration& device : segment.devices) {
         slaves.push_back(make_ethercat_device(device.setup, {}));
         collect([&] { storage.attach(device.name, *slaves.back(), {}); });
       }
     }
-    for (std::size_t i = 0; i < configuration.buses.size(); ++i) {
-      const BusConfiguration& bus = configuration.buses[i];
+    for (const BusConfiguration& bus : configuration.buses) {
       for (const DeviceConfiguration& device : bus.devices) {
         nodes.push_back(make_can_device(device.setup, {}));
         collect([&] {

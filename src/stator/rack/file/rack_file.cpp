@@ -57,7 +57,7 @@ void read_eoe(TableReader& section, const product::Catalogue& catalogue,
   }
   const auto address = link::parse_link_address(*eoe);
   if (!address || address->kind != link::LinkKind::tap) {
-    section.refuse("eoe", fmt::format("\"eoe\" is \"{}\"; write \"tap:NAME\"", *eoe));
+    section.refuse("eoe", fmt::format(R"("eoe" is "{}"; write "tap:NAME")", *eoe));
     return;
   }
   device.eoe_interface = address->name;

@@ -48,7 +48,7 @@ DeviceAddress TargetReader::find_device(TableReader& section,
   }
   const std::string guess = settings::closest_match(*name, names);
   section.fail_for_reference(
-      "device", fmt::format("\"device\" is \"{}\"{}; the devices are: {}", *name,
+      "device", fmt::format(R"("device" is "{}"{}; the devices are: {})", *name,
                             guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
                             fmt::join(names, ", ")));
 }
@@ -102,7 +102,7 @@ std::size_t TargetReader::read_bus(TableReader& section, const std::string& name
     names.insert(rack_.buses[i].name);
   }
   section.fail("bus",
-               fmt::format("\"bus\" is \"{}\"; the buses are: {}", name,
+               fmt::format(R"("bus" is "{}"; the buses are: {})", name,
                            names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 

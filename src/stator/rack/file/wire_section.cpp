@@ -98,7 +98,7 @@ void WireSectionReader::read_levels(TableReader& section, const product::InputRa
                                    -kAnyValue, kAnyValue);
   for (const auto& [key, value] : {std::pair("low", low), std::pair("high", high)}) {
     if (value && (*value < input.minimum || *value > input.maximum)) {
-      section.refuse(key, fmt::format("\"{}\" is {}; the input \"{}\" takes {} to {}", key, *value,
+      section.refuse(key, fmt::format(R"("{}" is {}; the input "{}" takes {} to {})", key, *value,
                                       input.name, input.minimum, input.maximum));
     }
   }

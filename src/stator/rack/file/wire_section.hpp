@@ -36,7 +36,7 @@ class WireSectionReader {
   };
 
   [[nodiscard]] End read_end(TableReader& section, const std::string& key) const;
-  [[nodiscard]] const Terminals& terminals_of(DeviceAddress device);
+  [[nodiscard]] const Terminals& terminals_of(DeviceAddress address);
   /// The input at the end `to`; ends reading unless that input and the signal `from` exist. Empty
   /// while a table is only described.
   [[nodiscard]] product::InputRange input_between(TableReader& section, const End& from,

@@ -41,7 +41,7 @@ void require_port(TableReader& section, const char* key, unsigned port,
                   const DeviceConfiguration& device) {
   const unsigned ports = device.setup.product().ports(device.setup);
   if (port >= ports) {
-    section.fail(key, fmt::format("\"{}\" is {}, but \"{}\" has the ports 0 to {}", key, port,
+    section.fail(key, fmt::format(R"("{}" is {}, but "{}" has the ports 0 to {})", key, port,
                                   device.name, ports - 1));
   }
 }
@@ -53,7 +53,7 @@ void require_free_port(TableReader& section, std::span<const DeviceConfiguration
   require_port(section, "port", attachment.parent_port, parent);
   if (attachment.parent_port == parent.wiring.entry_port) {
     section.fail("port",
-                 fmt::format("port {} of \"{}\" leads to the master; choose another \"port\"",
+                 fmt::format(R"(port {} of "{}" leads to the master; choose another "port")",
                              attachment.parent_port, parent.name));
   }
   if (const auto other = device_at(before, *attachment.parent, attachment.parent_port)) {

@@ -161,7 +161,7 @@ std::optional<std::vector<std::byte>> StateDirectory::read(const std::string& na
   require_readable(file.is_open() && ::fstat(file.get(), &found) == 0);
   require_regular(path_of(name), found, kRemedy);
   std::vector<std::byte> bytes;
-  std::size_t end = static_cast<std::size_t>(found.st_size);
+  auto end = static_cast<std::size_t>(found.st_size);
   while (end <= largest) {
     const std::size_t before = bytes.size();
     bytes.resize(before + kReadAtOnce);

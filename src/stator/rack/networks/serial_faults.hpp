@@ -60,10 +60,10 @@ class SerialFaults {
 
  private:
   struct Fault {
-    std::uint64_t number;
+    std::uint64_t number = 0;
     SerialFault fault;
     base::Recurrence recurrence;
-    base::Random bits;
+    base::Random bits{1};
     std::size_t passed = 0;  ///< bytes of the present telegram
     bool hits_telegram = false;
     std::optional<base::SimTime> last{};  ///< when bytes came last

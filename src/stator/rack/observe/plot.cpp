@@ -142,7 +142,8 @@ void draw(const Plot& plot, const std::string& image_path) {
   if (pipe == nullptr) {
     throw std::runtime_error("plot: cannot start gnuplot; install the package gnuplot-nox");
   }
-  std::fwrite(script.data(), 1, script.size(), pipe.get());
+  // A gnuplot that does not take all of it has failed, and says so by its exit status.
+  static_cast<void>(std::fwrite(script.data(), 1, script.size(), pipe.get()));
   if (const int status = ::pclose(pipe.release()); status != 0) {
     throw std::runtime_error(
         fmt::format("plot: gnuplot did not draw {} (exit status {}); install the package "

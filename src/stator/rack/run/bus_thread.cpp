@@ -26,7 +26,7 @@ BusThread::BusThread(RunningRack& shared, std::size_t index, const BusConfigurat
     : shared_(shared), index_(index), cpu_(configuration.cpu) {
   if (configuration.ports.empty()) {
     throw std::runtime_error(
-        fmt::format("the bus \"{}\" has no port to run on; give it ports = [\"...\"] with {}",
+        fmt::format(R"(the bus "{}" has no port to run on; give it ports = ["..."] with {})",
                     configuration.name, link::kCanLinkForms));
   }
   for (const std::string& text : configuration.ports) {

@@ -184,7 +184,7 @@ void ChipSession::reply(const ChipMessage& request, Body content) {
                  .body = body_});
 }
 
-void ChipSession::malformed(const ChipMessage& message, std::string_view form) {
+void ChipSession::malformed(const ChipMessage& message, std::string_view form) const {
   output_.refuse(message.tag, Refusal::malformed, form);
 }
 

@@ -50,7 +50,7 @@ class ChipSession final : public product::HostLineSink {
   void set_pin(const link::ChipMessage& message);
   void switch_power(const link::ChipMessage& message);
   void reply(const link::ChipMessage& request, Body content = {});
-  void malformed(const link::ChipMessage& message, std::string_view form);
+  void malformed(const link::ChipMessage& message, std::string_view form) const;
 
   product::HostPort& port_;
   std::string name_;
