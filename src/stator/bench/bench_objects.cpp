@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <memory>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -23,8 +22,11 @@ class Bench::BenchDrivePort final : public master::DrivePort {
 
   master::Result<std::uint64_t> read(master::ObjectAddress object, std::size_t size) override {
     if (device_.kind == rack::NetworkKind::segment) {
-      auto port = slave();
-      return port ? port->read(object, size) : base::Unexpected{port.error()};
+      const auto position = bench_.mailbox_position(device_);
+      if (!position) {
+        return base::Unexpected{position.error()};
+      }
+      return slave(*position).read(object, size);
     }
     const auto data = bench_.upload(device_, object);
     if (!data) {
@@ -40,8 +42,11 @@ class Bench::BenchDrivePort final : public master::DrivePort {
   master::Result<void> write(master::ObjectAddress object, std::size_t size,
                              std::uint64_t bits) override {
     if (device_.kind == rack::NetworkKind::segment) {
-      auto port = slave();
-      return port ? port->write(object, size, bits) : base::Unexpected{port.error()};
+      const auto position = bench_.mailbox_position(device_);
+      if (!position) {
+        return base::Unexpected{position.error()};
+      }
+      return slave(*position).write(object, size, bits);
     }
     std::array<std::byte, sizeof bits> data{};
     master::store_number(std::span(data).first(size), bits);
@@ -51,8 +56,8 @@ class Bench::BenchDrivePort final : public master::DrivePort {
     if (device_.kind != rack::NetworkKind::segment) {
       return false;
     }
-    const auto port = slave();
-    return port && port->cyclic(object);
+    const auto position = bench_.mailbox_position(device_);
+    return position && slave(*position).cyclic(object);
   }
   master::Result<void> run_cycle() override {
     bench_.cycle();
@@ -62,24 +67,9 @@ class Bench::BenchDrivePort final : public master::DrivePort {
   [[nodiscard]] std::string name() const override { return bench_.name_of(device_); }
 
  private:
-  /// A port to the slave, wherever the last scan has found it.
-  class Slave {
-   public:
-    explicit Slave(master::Error error) : error_(std::move(error)) {}
-    Slave(master::Master& master, std::size_t position)
-        : port_(std::make_unique<master::SlaveDrivePort>(master, position)) {}
-    explicit operator bool() const { return port_ != nullptr; }
-    master::SlaveDrivePort* operator->() const { return port_.get(); }
-    [[nodiscard]] const master::Error& error() const { return error_; }
-
-   private:
-    std::unique_ptr<master::SlaveDrivePort> port_;
-    master::Error error_{};
-  };
-  [[nodiscard]] Slave slave() const {
-    const auto position = bench_.mailbox_position(device_);
-    return position ? Slave(bench_.segments_[device_.network]->master, *position)
-                    : Slave(position.error());
+  /// A port to the slave where the last scan has found it.
+  [[nodiscard]] master::SlaveDrivePort slave(std::size_t position) const {
+    return {bench_.segments_[device_.network]->master, position};
   }
 
   Bench& bench_;
@@ -116,7 +106,7 @@ master::Result<void> Bench::download(rack::DeviceAddress device, master::ObjectA
 }
 
 master::Result<std::size_t> Bench::mailbox_position(rack::DeviceAddress device) {
-  const auto found = position(device);
+  auto found = position(device);
   if (!found) {
     return found;
   }
