@@ -2,8 +2,8 @@
 
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <stdexcept>
+#include <system_error>
 
 #include "stator/base/byte_order.hpp"
 #include "stator/base/crc32.hpp"
@@ -30,7 +30,8 @@ RecordingFile::RecordingFile(const std::string& path, const RecordingHeader& hea
       std::fwrite(head.data(), 1, head.size(), file) != head.size() ||
       std::fwrite(content.data(), 1, content.size(), file) != content.size() ||
       std::fflush(file) != 0) {
-    throw std::runtime_error("cannot write recording \"" + path + "\": " + std::strerror(errno));
+    throw std::runtime_error("cannot write recording \"" + path +
+                             "\": " + std::generic_category().message(errno));
   }
   file_.give_name();
   head_ = kMagic.size() + head.size() + content.size();

@@ -27,6 +27,53 @@ void read_bytes(ByteReader& reader, Step& step) {
   step.bytes.assign(bytes.begin(), bytes.end());
 }
 
+void read_signals(ByteReader& reader, Step& step) {
+  step.values.clear();
+  std::size_t next = 0;
+  for (std::uint64_t skip = reader.number(); skip != 0 && reader.good(); skip = reader.number()) {
+    next += static_cast<std::size_t>(skip - 1);
+    step.values.emplace_back(next++, reader.real());
+  }
+}
+
+/// What the host of a chip does at its pins. False: no chip has such pins.
+bool read_host_step(ByteReader& reader, Step& step) {
+  switch (step.kind) {
+    case StepKind::host_select:
+    case StepKind::host_transfer:
+    case StepKind::host_deselect:
+      step.device = read_device(reader);
+      step.spi = static_cast<product::HostSpi>(reader.byte());
+      if (static_cast<std::size_t>(step.spi) >= product::kHostSpis) {
+        return false;
+      }
+      if (step.kind == StepKind::host_deselect) {
+        step.surplus_clocks = reader.byte();
+      } else if (step.kind == StepKind::host_transfer) {
+        const std::uint64_t pause = reader.number();
+        step.pause = pause == 0
+                         ? std::nullopt
+                         : std::optional(base::SimDuration(static_cast<std::int64_t>(pause - 1)));
+        read_bytes(reader, step);
+      }
+      break;
+    case StepKind::host_answers:
+      read_bytes(reader, step);
+      break;
+    case StepKind::host_pin:
+      step.device = read_device(reader);
+      step.pin = static_cast<product::HostPin>(reader.byte());
+      step.up = reader.byte() != 0;
+      if (static_cast<std::size_t>(step.pin) >= product::kHostPins) {
+        return false;
+      }
+      break;
+    default:
+      return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 RecordingReader::RecordingReader(const std::string& path)
@@ -39,7 +86,7 @@ RecordingReader::RecordingReader(const std::string& path)
   const std::size_t length = std::fread(magic.data(), 1, magic.size(), file_.get());
   if (length == 0 || std::string_view(magic.data(), length) != kMagic.substr(0, length)) {
     throw std::runtime_error(fmt::format(
-        "\"{}\" is no recording; \"stator run RACK --record NAME.stator\" makes one", path));
+        R"("{}" is no recording; "stator run RACK --record NAME.stator" makes one)", path));
   }
   unread_ -= std::min<std::uint64_t>(length, unread_);
   std::uint64_t version = 0;
@@ -135,6 +182,69 @@ bool RecordingReader::read_step(ByteReader& reader, Step& step) {
     case StepKind::advance:
       read_time(reader);
       break;
+    case StepKind::event:
+      read_time(reader);
+      step.event = read_event(reader);
+      if (!step.event) {
+        return false;
+      }
+      break;
+    case StepKind::object_read:
+    case StepKind::object_written:
+      step.device = read_device(reader);
+      step.index = static_cast<std::uint16_t>(reader.number());
+      step.subindex = static_cast<std::uint8_t>(reader.byte());
+      if (step.kind == StepKind::object_written) {
+        read_time(reader);
+        read_bytes(reader, step);
+      }
+      break;
+    case StepKind::signals:
+      read_signals(reader, step);
+      break;
+    case StepKind::fault:
+      read_time(reader);
+      step.name = reader.text();
+      break;
+    case StepKind::fault_cleared: {
+      read_time(reader);
+      const std::uint64_t id = reader.number();
+      step.fault = id == 0 ? std::nullopt : std::optional(id - 1);
+      break;
+    }
+    case StepKind::completion:
+      read_time(reader);
+      step.completion.memory = static_cast<std::size_t>(reader.number());
+      step.completion.version = static_cast<std::uint32_t>(reader.number());
+      step.completion.kept = reader.byte() != 0;
+      break;
+    case StepKind::mark:
+      step.name = reader.text();
+      break;
+    case StepKind::host_select:
+    case StepKind::host_transfer:
+    case StepKind::host_deselect:
+    case StepKind::host_answers:
+    case StepKind::host_pin:
+      if (!read_host_step(reader, step)) {
+        return false;
+      }
+      break;
+    case StepKind::ports_replaced:
+    case StepKind::end:
+      break;
+    default:
+      if (!read_network_step(reader, step)) {
+        return false;
+      }
+      break;
+  }
+  step.time = time_;
+  return true;
+}
+
+bool RecordingReader::read_network_step(ByteReader& reader, Step& step) {
+  switch (step.kind) {
     case StepKind::frame_comes:
       step.network = static_cast<std::size_t>(reader.number());
       step.interface = static_cast<ethercat::MasterInterface>(reader.byte());
@@ -185,98 +295,19 @@ bool RecordingReader::read_step(ByteReader& reader, Step& step) {
       }
       read_bytes(reader, step);
       break;
-    case StepKind::event:
-      read_time(reader);
-      step.event = read_event(reader);
-      if (!step.event) {
-        return false;
-      }
-      break;
-    case StepKind::object_read:
-    case StepKind::object_written:
-      step.device = read_device(reader);
-      step.index = static_cast<std::uint16_t>(reader.number());
-      step.subindex = static_cast<std::uint8_t>(reader.byte());
-      if (step.kind == StepKind::object_written) {
-        read_time(reader);
-        read_bytes(reader, step);
-      }
-      break;
-    case StepKind::signals: {
-      step.values.clear();
-      std::size_t next = 0;
-      for (std::uint64_t skip = reader.number(); skip != 0 && reader.good();
-           skip = reader.number()) {
-        next += static_cast<std::size_t>(skip - 1);
-        step.values.emplace_back(next++, reader.real());
-      }
-      break;
-    }
     case StepKind::release:
       step.network = static_cast<std::size_t>(reader.number());
       read_time(reader);
       request_.clear();
-      break;
-    case StepKind::fault:
-      read_time(reader);
-      step.name = reader.text();
-      break;
-    case StepKind::fault_cleared: {
-      read_time(reader);
-      const std::uint64_t id = reader.number();
-      step.fault = id == 0 ? std::nullopt : std::optional(id - 1);
-      break;
-    }
-    case StepKind::completion:
-      read_time(reader);
-      step.completion.memory = static_cast<std::size_t>(reader.number());
-      step.completion.version = static_cast<std::uint32_t>(reader.number());
-      step.completion.kept = reader.byte() != 0;
-      break;
-    case StepKind::mark:
-      step.name = reader.text();
-      break;
-    case StepKind::host_select:
-    case StepKind::host_transfer:
-    case StepKind::host_deselect:
-      step.device = read_device(reader);
-      step.spi = static_cast<product::HostSpi>(reader.byte());
-      if (static_cast<std::size_t>(step.spi) >= product::kHostSpis) {
-        return false;
-      }
-      if (step.kind == StepKind::host_deselect) {
-        step.surplus_clocks = reader.byte();
-      } else if (step.kind == StepKind::host_transfer) {
-        const std::uint64_t pause = reader.number();
-        step.pause = pause == 0
-                         ? std::nullopt
-                         : std::optional(base::SimDuration(static_cast<std::int64_t>(pause - 1)));
-        read_bytes(reader, step);
-      }
-      break;
-    case StepKind::host_answers:
-      read_bytes(reader, step);
-      break;
-    case StepKind::host_pin:
-      step.device = read_device(reader);
-      step.pin = static_cast<product::HostPin>(reader.byte());
-      step.up = reader.byte() != 0;
-      if (static_cast<std::size_t>(step.pin) >= product::kHostPins) {
-        return false;
-      }
       break;
     case StepKind::eoe_frame_comes:
     case StepKind::eoe_frame_leaves:
       step.device = read_device(reader);
       read_bytes(reader, step);
       break;
-    case StepKind::ports_replaced:
-    case StepKind::end:
-      break;
     default:
       return false;
   }
-  step.time = time_;
   return true;
 }
 

@@ -72,6 +72,9 @@ class RecordingReader {
   ChunkResult read_chunk(std::size_t limit);
   bool end(RecordingEnding ending, std::string reason);
   bool read_step(ByteReader& reader, Step& step);
+  /// The rest of a step of a segment, a bus, a serial line or EoE. False: it is none of these, or
+  /// makes no sense.
+  bool read_network_step(ByteReader& reader, Step& step);
   base::SimTime read_time(ByteReader& reader);
 
   FileHandle file_;

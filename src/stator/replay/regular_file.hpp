@@ -10,7 +10,10 @@
 namespace stator::replay {
 
 struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
+  void operator()(std::FILE* file) const {
+    // A file that has its name was flushed before it got it; of another one nothing is kept.
+    static_cast<void>(std::fclose(file));
+  }
 };
 using FileHandle = std::unique_ptr<std::FILE, CloseFile>;
 
