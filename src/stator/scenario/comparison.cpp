@@ -16,7 +16,7 @@ void read_tolerance(const settings::KeyWords& key, settings::Reader& reader,
                     Comparison& comparison) {
   const auto tolerance = reader.number(key, 0.0, kAnyValue.maximum);
   if (tolerance && !comparison.equals) {
-    reader.refuse(key.name, "\"tolerance\" belongs to \"equals\", which is not there");
+    reader.refuse(key.name, R"("tolerance" belongs to "equals", which is not there)");
   }
   comparison.tolerance = tolerance.value_or(0.0);
 }

@@ -115,20 +115,24 @@ Frame frame_of(const PlotSeries& series, double end) {
 std::string axes(const Frame& frame) {
   std::string svg;
   const double time_step = tick_step(frame.t1 - frame.t0);
-  for (double t = 0.0; t <= frame.t1 * (1 + 1e-9); t += time_step) {
+  double t = 0.0;
+  while (t <= frame.t1 * (1 + 1e-9)) {
     svg += fmt::format(
         "<line class=\"axis\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\"/>"
         "<text x=\"{0:.1f}\" y=\"{3}\" text-anchor=\"middle\">{4:g} s</text>",
         frame.x(t), frame.top, frame.top + frame.height, frame.top + frame.height + 14, t);
+    t += time_step;
   }
   const double value_step = tick_step(frame.v1 - frame.v0);
-  for (double n = std::ceil(frame.v0 / value_step); n * value_step <= frame.v1; ++n) {
+  double n = std::ceil(frame.v0 / value_step);
+  while (n * value_step <= frame.v1) {
     const double v = n * value_step;
     svg += fmt::format(
         "<line class=\"axis\" x1=\"{0}\" x2=\"{1}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\"/>"
         "<text x=\"{3}\" y=\"{4:.1f}\" text-anchor=\"end\">{5}</text>",
         frame.left, frame.left + frame.width, frame.y(v), frame.left - 6, frame.y(v) + 4,
         number_text(v));
+    ++n;
   }
   return svg;
 }
@@ -155,7 +159,7 @@ std::string curve(const PlotSeries& series, const Frame& frame) {
     }
     begin = end;
   }
-  return fmt::format("<polyline class=\"curve\" points=\"{}\"/>", points);
+  return fmt::format(R"(<polyline class="curve" points="{}"/>)", points);
 }
 
 /// Vertical lines where faults were injected and where steps failed.

@@ -28,7 +28,7 @@ void read_segment(const settings::KeyWords& key, settings::Reader& reader, Targe
   reader.integer(key, 0, static_cast<std::int64_t>(on.last_segment), on.network);
 }
 constexpr std::array kSegmentRows{
-    settings::custom<Target, read_segment>("segment", "EtherCAT segment, counted from 0")};
+    custom<Target, read_segment>("segment", "EtherCAT segment, counted from 0")};
 constexpr Section<Target> kSegmentKeys{kSegmentRows};
 
 constexpr std::array kBusRows{
