@@ -47,8 +47,8 @@ bool overlaps(const DirectMapping& mapping, std::uint32_t first, std::uint32_t l
 /// call nor a loop.
 void move_bytes(std::byte* to, const std::byte* from, std::size_t count) {
   const auto move_ends = [&]<std::size_t size>(std::integral_constant<std::size_t, size>) {
-    std::array<std::byte, size> head;
-    std::array<std::byte, size> tail;
+    std::array<std::byte, size> head{};
+    std::array<std::byte, size> tail{};
     std::memcpy(head.data(), from, size);
     std::memcpy(tail.data(), from + count - size, size);
     std::memcpy(to, head.data(), size);
@@ -149,8 +149,10 @@ void SlaveController::process_logical(DatagramView& datagram) {
 
 void SlaveController::process_logical_bitwise(DatagramView& datagram, bool reads, bool writes) {
   // A mapping of `length` logical bytes touches at most one physical byte more.
+  // NOLINTBEGIN(cppcoreguidelines-pro-type-member-init): too long to clear for each datagram
   std::array<std::byte, 0x800> incoming;
   std::array<std::byte, 0x800 + 1> physical;
+  // NOLINTEND(cppcoreguidelines-pro-type-member-init)
   std::copy_n(datagram.data, datagram.length, incoming.begin());
   const std::uint64_t datagram_first = std::uint64_t{datagram.address} * 8;
   const std::uint64_t datagram_end = datagram_first + std::uint64_t{datagram.length} * 8;

@@ -18,7 +18,7 @@ constexpr base::SimDuration kReducedFifoGain{40};
 /// "About 1 s" in the datasheet.
 constexpr base::SimDuration kTemporaryLoopControl{1'000'000'000};
 
-enum LoopSetting : unsigned { kAuto = 0, kAutoClose = 1, kAlwaysOpen = 2, kAlwaysClosed = 3 };
+enum LoopSetting : unsigned { automatic = 0, auto_close = 1, always_open = 2, always_closed = 3 };
 
 }  // namespace
 
@@ -94,7 +94,7 @@ void SlaveController::update_link(unsigned port) {
     return;
   }
   const unsigned setting = loop_control_ >> (2 * port) & 3U;
-  if (!up && ports_[port].open && setting == kAuto) {
+  if (!up && ports_[port].open && setting == automatic) {
     count(kLostLinks + std::size_t{port});
   }
   ports_[port].link = up;
@@ -108,14 +108,14 @@ void SlaveController::update_ports(bool loop_control_written) {
     const unsigned setting = loop_control_ >> (2 * i) & 3U;
     bool open = false;
     switch (setting) {
-      case kAuto:
+      case automatic:
         open = port.link;
         break;
-      case kAutoClose:
+      case auto_close:
         // Opens again only when the setting is written while the link is up.
         open = port.link && (port.open || loop_control_written);
         break;
-      case kAlwaysOpen:
+      case always_open:
         open = true;
         break;
       default:
@@ -140,7 +140,7 @@ SlaveForwarding SlaveController::forwarding() const {
   forwarding.clock_deviation_ppb = configuration_.clock_deviation_ppb;
   forwarding.fifo_size = std::to_integer<std::uint8_t>(memory_[kReceiveFifoSize]) & 7U;
   const unsigned setting = loop_control_ & 3U;
-  forwarding.marks_circulating = !ports_[0].link && (setting == kAuto || setting == kAutoClose);
+  forwarding.marks_circulating = !ports_[0].link && (setting == automatic || setting == auto_close);
   forwarding.delay = forwarding_delay();
   return forwarding;
 }
@@ -153,7 +153,7 @@ base::SimDuration SlaveController::forwarding_delay() const {
 
 void SlaveController::receive_at_closed_port(unsigned port) {
   const unsigned setting = loop_control_ >> (2 * port) & 3U;
-  if (setting == kAutoClose && ports_[port].link && has_port(port)) {
+  if (setting == auto_close && ports_[port].link && has_port(port)) {
     ports_[port].open = true;
     note_topology_change();
     update_dl_status();

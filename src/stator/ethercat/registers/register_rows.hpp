@@ -162,6 +162,7 @@ namespace notation {
 using E = Effect;
 using F = ControllerFeature;
 
+// NOLINTBEGIN(readability-identifier-naming): the signs of the tables
 inline constexpr Access none = Access::none;
 inline constexpr Access r = Access::read;
 inline constexpr Access r_ack = Access::read_acknowledges;
@@ -173,6 +174,7 @@ inline constexpr Access rw_clear = Access::read_write_clears;
 inline constexpr Access rw_special = Access::read_write_special;
 inline constexpr Access w = Access::write_special;
 inline constexpr Access w_if = Access::write_if;
+// NOLINTEND(readability-identifier-naming)
 
 inline constexpr Repetition kOnce;
 inline constexpr Repetition kEachFmmu{Channels::fmmus, 16};

@@ -175,7 +175,7 @@ class Segment {
                            base::SimTime sent);
   void hold(std::span<const std::byte> frame, MasterInterface entry, base::SimTime arrival,
             const Interruption& at);
-  [[nodiscard]] std::optional<MasterInterface> go_on(HeldFrame& frame, base::SimTime now);
+  [[nodiscard]] std::optional<MasterInterface> go_on(HeldFrame& held, base::SimTime now);
   void release_overtaken(base::SimTime now);
   void find_next_release();
   void note_faults() {
@@ -197,9 +197,9 @@ class Segment {
   std::uint64_t plans_ = 0;        ///< made so far
   FrameFaults faults_;
   struct CountingFault {
-    std::uint64_t number;
-    const SlaveController* slave;
-    std::uint16_t commands;
+    std::uint64_t number = 0;
+    const SlaveController* slave = nullptr;
+    std::uint16_t commands = 0;
     base::Recurrence recurrence;
   };
   std::vector<CountingFault> count_faults_;

@@ -162,7 +162,7 @@ bool Segment::visit(std::span<const Stop> stops, std::span<DatagramView> datagra
       stop.slave->process(datagrams, {sent, sent + stop.processing_unit, *stop.arrivals});
       continue;
     }
-    std::array<std::uint16_t, kMaximumDatagrams> counters;
+    std::array<std::uint16_t, kMaximumDatagrams> counters{};
     std::ranges::transform(datagrams, counters.begin(), &DatagramView::working_counter);
     stop.slave->process(datagrams, {sent, sent + stop.processing_unit, *stop.arrivals});
     for (std::size_t i = 0; i < datagrams.size(); ++i) {

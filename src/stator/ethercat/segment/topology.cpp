@@ -13,8 +13,8 @@ constexpr std::array<unsigned, kPortsPerSlave> kNextPort{3, 2, 0, 1};
 constexpr std::int64_t kLongestFrame = 1522;
 constexpr std::int64_t kCheckSequence = 4;
 /// What FIFOs of size 0 and 7 cope with between two clocks for the longest frame, ppb.
-constexpr std::int64_t kSmallestFifoCopes = 2 * 25'000;
-constexpr std::int64_t kLargestFifoCopes = 2 * 100'000;
+constexpr std::int64_t kSmallestFifoCopes = std::int64_t{2} * 25'000;
+constexpr std::int64_t kLargestFifoCopes = std::int64_t{2} * 100'000;
 constexpr std::int64_t kLargestFifo = 7;
 
 }  // namespace

@@ -47,8 +47,11 @@ std::uint8_t next_counter(std::uint8_t counter) {
 
 Mailbox::Mailbox(ProcessDataInterface& interface, std::size_t receive_capacity,
                  std::size_t transmit_capacity, base::EventReporter reporter,
-                 SlaveStackStatistics& statistics, const dictionary::Quirks& quirks)
-    : interface_(interface), reporter_(reporter), statistics_(statistics), quirks_(quirks) {
+                 SlaveStackStatistics& statistics, dictionary::Quirks quirks)
+    : interface_(interface),
+      reporter_(reporter),
+      statistics_(statistics),
+      quirks_(std::move(quirks)) {
   request_.resize(std::max(receive_capacity, kMailboxHeaderSize));
   for (Message* message : {&building_, &posted_, &delivered_, &postponed_, &held_}) {
     message->bytes.resize(std::max(transmit_capacity, kMailboxHeaderSize + kErrorReplySize));

@@ -30,7 +30,7 @@ class Mailbox {
   /// `receive_capacity` and `transmit_capacity` bound the lengths of SM0 and SM1.
   Mailbox(ProcessDataInterface& interface, std::size_t receive_capacity,
           std::size_t transmit_capacity, base::EventReporter reporter,
-          SlaveStackStatistics& statistics, const dictionary::Quirks& quirks = {});
+          SlaveStackStatistics& statistics, dictionary::Quirks quirks = {});
 
   /// Protocols are asked in the order in which they were added; they must outlive the mailbox.
   void add(MailboxProtocol& protocol) { protocols_.push_back({&protocol}); }

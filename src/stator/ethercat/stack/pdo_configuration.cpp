@@ -1,6 +1,7 @@
 #include "stator/ethercat/stack/pdo_configuration.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace stator::ethercat {
 
@@ -29,8 +30,8 @@ base::StaticText pdo_name(PdoDirection direction) {
   return direction == PdoDirection::receive ? base::StaticText("RxPDO") : base::StaticText("TxPDO");
 }
 
-std::array<EventArgument, 6> about(const Entry& entry, EventArgument a = {}, EventArgument b = {},
-                                   EventArgument c = {}) {
+std::array<EventArgument, 6> about(const Entry& entry, const EventArgument& a = {},
+                                   const EventArgument& b = {}, const EventArgument& c = {}) {
   return {EventArgument(int{entry.index()}),
           EventArgument(int{entry.subindex()}),
           entry.shared_name(),
@@ -71,8 +72,8 @@ std::optional<PdoDirection> pdo_direction(std::uint16_t index) {
 }
 
 PdoConfiguration::PdoConfiguration(dictionary::Dictionary& dictionary, const PdoLimits& limits,
-                                   const dictionary::Quirks& quirks)
-    : dictionary_(dictionary), limits_(limits), quirks_(quirks) {
+                                   dictionary::Quirks quirks)
+    : dictionary_(dictionary), limits_(limits), quirks_(std::move(quirks)) {
   for (const Object& object : dictionary_.objects()) {
     install(object);
   }

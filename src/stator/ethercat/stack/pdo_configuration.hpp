@@ -51,7 +51,7 @@ struct PdoLimits {
 class PdoConfiguration {
  public:
   PdoConfiguration(dictionary::Dictionary& dictionary, const PdoLimits& limits,
-                   const dictionary::Quirks& quirks = {});
+                   dictionary::Quirks quirks = {});
 
   /// Pre-Operational is the only state in which the configuration may change.
   void allow_changes(bool allowed) { changes_allowed_ = allowed; }

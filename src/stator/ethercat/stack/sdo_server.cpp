@@ -166,7 +166,7 @@ Expected<std::size_t, Refusal> SdoServer::dispatch(std::span<const std::byte> re
 }
 
 Expected<std::size_t, Refusal> SdoServer::initiate_upload(std::span<std::byte> reply) {
-  const auto size = read_target(target_);
+  auto size = read_target(target_);
   if (!size) {
     return size;
   }

@@ -73,7 +73,7 @@ bool led_lit(LedCode code, base::SimDuration since) {
     default:
       break;
   }
-  const std::int64_t flashes = static_cast<std::int64_t>(code);
+  const auto flashes = static_cast<std::int64_t>(code);
   const std::int64_t train = (2 * flashes - 1) * kFlash;
   const std::int64_t phase = time % (train + kPause);
   return phase < train && phase / kFlash % 2 == 0;

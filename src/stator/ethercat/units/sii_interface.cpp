@@ -74,7 +74,7 @@ std::byte SiiInterface::cell(std::size_t offset) const {
 
 std::array<std::byte, SiiInterface::kConfigurationAreaLength> SiiInterface::configuration_area()
     const {
-  std::array<std::byte, kConfigurationAreaLength> area;
+  std::array<std::byte, kConfigurationAreaLength> area{};
   for (std::size_t i = 0; i < area.size(); ++i) {
     area[i] = cell(i);
   }
