@@ -167,6 +167,7 @@ base::Expected<std::size_t, LinkError> CanExecLink::receive(std::span<can::Frame
 }
 
 void CanExecLink::read(Client& client, Target& target) {
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): long, and the system fills it
   alignas(can_frame) std::array<std::byte, can_exec::kMaximumMessage> message;
   for (int turn = 0; turn < kTurn && !target.full() && !client.ended; ++turn) {
     const ssize_t size = ::recv(client.descriptor.get(), message.data(), message.size(), 0);

@@ -50,7 +50,7 @@ base::Expected<void, LinkError> CanStreamLink::watch(int descriptor) {
 
 base::Expected<void, LinkError> CanStreamLink::add_client(
     FileDescriptor descriptor, std::unique_ptr<CanStreamSession> session) {
-  if (const auto watched = watch(descriptor.get()); !watched) {
+  if (auto watched = watch(descriptor.get()); !watched) {
     return watched;
   }
   auto client = std::make_unique<Client>();

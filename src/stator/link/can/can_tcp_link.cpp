@@ -33,7 +33,7 @@ base::Expected<void, LinkError> CanTcpLink::listen() {
     return base::Unexpected{listener.error()};
   }
   listener_ = std::move(*listener);
-  if (const auto prepared = prepare(to_text(address_)); !prepared) {
+  if (auto prepared = prepare(to_text(address_)); !prepared) {
     return prepared;
   }
   if (address_.beacon) {
@@ -42,7 +42,7 @@ base::Expected<void, LinkError> CanTcpLink::listen() {
       return base::Unexpected{beacon.error()};
     }
     beacon_ = std::move(*beacon);
-    if (const auto watched = watch(beacon_->descriptor()); !watched) {
+    if (auto watched = watch(beacon_->descriptor()); !watched) {
       return watched;
     }
   }
@@ -80,10 +80,10 @@ std::string CanTcpLink::usage() const {
   const std::string host = address_.name == "0.0.0.0" ? "127.0.0.1" : address_.name;
   const std::string port = std::to_string(address_.port);
   if (address_.kind == CanLinkKind::socketcand) {
-    return "can.Bus(interface=\"socketcand\", host=\"" + host + "\", port=" + port +
+    return R"(can.Bus(interface="socketcand", host=")" + host + "\", port=" + port +
            ", channel=\"can0\")";
   }
-  return "can.Bus(interface=\"slcan\", channel=\"socket://" + host + ":" + port + "\")";
+  return R"(can.Bus(interface="slcan", channel="socket://)" + host + ":" + port + "\")";
 }
 
 }  // namespace stator::link

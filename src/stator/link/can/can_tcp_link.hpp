@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "stator/link/can/can_link_address.hpp"
 #include "stator/link/can/can_stream_link.hpp"
@@ -22,8 +23,8 @@ class CanTcpLink final : public CanStreamLink {
   [[nodiscard]] std::uint16_t port() const { return address_.port; }
 
  private:
-  CanTcpLink(const CanLinkAddress& address, const CanLinkOptions& options)
-      : CanStreamLink(Medium::socket, options), address_(address) {}
+  CanTcpLink(CanLinkAddress address, const CanLinkOptions& options)
+      : CanStreamLink(Medium::socket, options), address_(std::move(address)) {}
 
   base::Expected<void, LinkError> listen();
   void on_readable(int descriptor) override;

@@ -98,7 +98,7 @@ std::optional<unsigned> MessagePackReader::byte() {
   if (rest_.empty()) {
     return std::nullopt;
   }
-  const unsigned value = std::to_integer<unsigned>(rest_.front());
+  const auto value = std::to_integer<unsigned>(rest_.front());
   rest_ = rest_.subspan(1);
   return value;
 }

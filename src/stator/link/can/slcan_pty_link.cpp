@@ -34,7 +34,7 @@ base::Expected<std::unique_ptr<CanLink>, LinkError> SlcanPtyLink::open(
 base::Expected<void, LinkError> SlcanPtyLink::start(bool acknowledge) {
   const CanLinkAddress address{
       .kind = CanLinkKind::slcan, .name = terminal_.path(), .acknowledge = acknowledge};
-  if (const auto prepared = prepare(to_text(address)); !prepared) {
+  if (auto prepared = prepare(to_text(address)); !prepared) {
     return prepared;
   }
   FileDescriptor master(::fcntl(terminal_.master(), F_DUPFD_CLOEXEC, 0));
@@ -93,7 +93,7 @@ void SlcanPtyLink::on_idle() {
 
 std::string SlcanPtyLink::usage() const {
   // slcand takes names below /dev only.
-  return "can.Bus(interface=\"slcan\", channel=\"" + terminal_.path() +
+  return R"(can.Bus(interface="slcan", channel=")" + terminal_.path() +
          "\"), or: sudo slcand -o $(readlink " + terminal_.path() + ") can0";
 }
 

@@ -151,7 +151,7 @@ CanLinkStatistics SocketCanLink::statistics() const {
 }
 
 std::string SocketCanLink::usage() const {
-  return "can.Bus(interface=\"socketcan\", channel=\"" + interface_ + "\"), or: candump " +
+  return R"(can.Bus(interface="socketcan", channel=")" + interface_ + "\"), or: candump " +
          interface_;
 }
 

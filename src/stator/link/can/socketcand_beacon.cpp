@@ -48,7 +48,7 @@ std::string reachable_address() {
 
 std::string socketcand_beacon(const std::string& host, const std::string& address,
                               std::uint16_t port) {
-  return "<CANBeacon name=\"" + host + "\" type=\"socketcand\" description=\"Stator\"><URL>can://" +
+  return "<CANBeacon name=\"" + host + R"(" type="socketcand" description="Stator"><URL>can://)" +
          address + ":" + std::to_string(port) + "</URL><Bus name=\"can0\"/></CANBeacon>";
 }
 

@@ -22,7 +22,7 @@ constexpr int kPortAnswers = 1'000;  // ms
 /// False: the port does not answer.
 bool inquire(int descriptor, PortState& state) {
   const Configuration inquiry{.kind = SocketKind::inquiry};
-  std::array<std::byte, sizeof(PortState) + sizeof(Origin)> answer;
+  std::array<std::byte, sizeof(PortState) + sizeof(Origin)> answer{};
   pollfd waiting{.fd = descriptor, .events = POLLIN, .revents = 0};
   if (STATOR_SYSTEM(send)(descriptor, &inquiry, sizeof inquiry, MSG_NOSIGNAL) < 0 ||
       STATOR_SYSTEM(poll)(&waiting, 1, kPortAnswers) != 1 ||

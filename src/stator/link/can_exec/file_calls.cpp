@@ -45,6 +45,8 @@ auto call_at(Function* function, int directory, const char* path, Arguments... a
 
 using namespace stator::link::can_exec;
 
+// NOLINTBEGIN(readability-inconsistent-declaration-parameter-name): the C library's are no words
+
 STATOR_EXPORT int open(const char* path, int flags, ...) {
   std::va_list arguments;
   va_start(arguments, flags);
@@ -157,7 +159,10 @@ STATOR_EXPORT ssize_t lgetxattr(const char* path, const char* name, void* value,
   return call(STATOR_SYSTEM(lgetxattr), path, name, value, size);
 }
 
+// NOLINTEND(readability-inconsistent-declaration-parameter-name)
+
 // What programs call instead that were built with _FORTIFY_SOURCE, or for a C library before 2.33.
+// NOLINTBEGIN(*-reserved-identifier,cert-dcl*,*-identifier-naming): so they are called
 
 STATOR_EXPORT int __open_2(const char* path, int flags) {
   return call(STATOR_SYSTEM(open), path, flags);
@@ -190,3 +195,5 @@ STATOR_EXPORT int __lxstat(int /*version*/, const char* path, struct stat* statu
 STATOR_EXPORT int __lxstat64(int /*version*/, const char* path, struct stat64* status) noexcept {
   return lstat64(path, status);
 }
+
+// NOLINTEND(*-reserved-identifier,cert-dcl*,*-identifier-naming)

@@ -3,13 +3,13 @@
 #include <cerrno>
 #include <cstdarg>
 #include <cstring>
+#include <ctime>
 
 #include <linux/can.h>
 #include <linux/sockios.h>
 #include <net/if.h>
 #include <net/if_arp.h>
 #include <sys/ioctl.h>
-#include <time.h>
 
 #include "stator/link/can_exec/bus_interface.hpp"
 #include "stator/link/can_exec/system_calls.hpp"
@@ -106,6 +106,8 @@ int give_time_stamp(const ProgramSocket& socket, bool nanoseconds, void* to) {
 
 using namespace stator::link::can_exec;
 
+// NOLINTBEGIN(readability-inconsistent-declaration-parameter-name): the C library's are no words
+
 STATOR_EXPORT int ioctl(int descriptor, unsigned long request, ...) noexcept {
   std::va_list arguments;
   va_start(arguments, request);
@@ -150,3 +152,5 @@ STATOR_EXPORT char* if_indextoname(unsigned index, char* name) noexcept {
   name[IF_NAMESIZE - 1] = '\0';
   return name;
 }
+
+// NOLINTEND(readability-inconsistent-declaration-parameter-name)

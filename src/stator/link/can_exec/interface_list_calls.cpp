@@ -82,6 +82,8 @@ void take_off(ifaddrs*& first) {
 
 using namespace stator::link::can_exec;
 
+// NOLINTBEGIN(readability-inconsistent-declaration-parameter-name): the C library's are no words
+
 STATOR_EXPORT struct if_nameindex* if_nameindex() noexcept {
   struct if_nameindex* const machine = STATOR_SYSTEM(if_nameindex)();
   if (machine == nullptr || buses().empty()) {
@@ -128,3 +130,5 @@ STATOR_EXPORT void freeifaddrs(ifaddrs* first) noexcept {
   }
   STATOR_SYSTEM(freeifaddrs)(first);
 }
+
+// NOLINTEND(readability-inconsistent-declaration-parameter-name)

@@ -142,7 +142,7 @@ void put_attributes(Attributes& attributes, const Bus& bus, const InterfaceState
 std::optional<std::span<const std::byte>> find_attribute(std::span<const std::byte> attributes,
                                                          unsigned type) {
   while (attributes.size() >= sizeof(rtattr)) {
-    rtattr head;
+    rtattr head{};
     std::memcpy(&head, attributes.data(), sizeof head);
     if (head.rta_len < sizeof head || head.rta_len > attributes.size()) {
       return std::nullopt;
@@ -202,7 +202,7 @@ int judge_change(const Bus& bus, const ifinfomsg& wanted, std::span<const std::b
 }  // namespace
 
 std::optional<nlmsghdr> take_header(std::span<const std::byte> datagram, std::size_t& offset) {
-  nlmsghdr header;
+  nlmsghdr header{};
   if (offset > datagram.size() || datagram.size() - offset < sizeof header) {
     return std::nullopt;
   }
@@ -216,12 +216,12 @@ std::optional<nlmsghdr> take_header(std::span<const std::byte> datagram, std::si
 
 LinkQuestion read_question(std::span<const std::byte> message) {
   using enum LinkQuestion::Kind;
-  nlmsghdr header;
+  nlmsghdr header{};
   std::memcpy(&header, message.data(), sizeof header);
   const bool is_listing = (header.nlmsg_flags & NLM_F_DUMP) != 0;
   const std::span content = message.subspan(NLMSG_HDRLEN);
   if (header.nlmsg_type == RTM_GETADDR && is_listing && content.size() >= sizeof(ifaddrmsg)) {
-    ifaddrmsg about;
+    ifaddrmsg about{};
     std::memcpy(&about, content.data(), sizeof about);
     const Bus* const bus = bus_with_index(static_cast<int>(about.ifa_index));
     return {.kind = bus != nullptr ? empty : none, .bus = bus};

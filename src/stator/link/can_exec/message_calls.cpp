@@ -5,13 +5,13 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
+#include <ctime>
 #include <memory>
 #include <vector>
 
 #include <linux/can/bcm.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "stator/link/can/can_exec_protocol.hpp"
@@ -73,6 +73,7 @@ ssize_t receive_from_bus(int descriptor, ProgramSocket& socket, msghdr& message,
     // Nothing can come; a program that waits would wait for ever.
     return refuse(EAGAIN);
   }
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): long, and the system fills it
   std::array<std::byte, kMaximumMessage> whole;
   iovec part{.iov_base = whole.data(), .iov_len = whole.size()};
   msghdr inner = message;
@@ -113,7 +114,7 @@ int check_broadcast_command(ProgramSocket& socket, const std::byte* bytes, std::
     bcm_timeval ival1, ival2;
     canid_t can_id;
     std::uint32_t nframes;
-  } head;
+  } head{};
   static_assert(sizeof head == sizeof(bcm_msg_head));
   if (size < sizeof head) {
     return EINVAL;
@@ -168,6 +169,7 @@ int check_destination(int descriptor, ProgramSocket& socket, const msghdr& messa
 }
 
 ssize_t transmit(int descriptor, ProgramSocket& socket, const msghdr& message, int flags) {
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): long, and filled below
   std::array<std::byte, kMaximumMessage> whole;
   std::size_t size = 0;
   for (std::size_t i = 0; i < message.msg_iovlen; ++i) {
@@ -294,6 +296,8 @@ ssize_t transmit_parts(int descriptor, ProgramSocket& socket, const iovec* parts
 
 using namespace stator::link::can_exec;
 
+// NOLINTBEGIN(readability-inconsistent-declaration-parameter-name): the C library's are no words
+
 STATOR_EXPORT ssize_t read(int descriptor, void* buffer, std::size_t size) {
   const auto found = find(descriptor);
   return found ? receive_into(descriptor, found, buffer, size, 0)
@@ -408,7 +412,10 @@ STATOR_EXPORT int sendmmsg(int descriptor, mmsghdr* messages, unsigned count, in
   return sent;
 }
 
+// NOLINTEND(readability-inconsistent-declaration-parameter-name)
+
 // What programs call instead that were built with _FORTIFY_SOURCE.
+// NOLINTBEGIN(*-reserved-identifier,cert-dcl*,*-identifier-naming): so they are called
 
 STATOR_EXPORT ssize_t __read_chk(int descriptor, void* buffer, std::size_t size,
                                  std::size_t /*room*/) {
@@ -425,3 +432,5 @@ STATOR_EXPORT ssize_t __recvfrom_chk(int descriptor, void* buffer, std::size_t s
                                      socklen_t* length) {
   return recvfrom(descriptor, buffer, size, flags, address, length);
 }
+
+// NOLINTEND(*-reserved-identifier,cert-dcl*,*-identifier-naming)

@@ -10,7 +10,7 @@ namespace {
 
 std::vector<Bus> read_buses() {
   std::vector<Bus> found;
-  const char* const variable = std::getenv(kBusesVariable);
+  const char* const variable = std::getenv(kBusesVariable);  // NOLINT(concurrency-mt-unsafe)
   std::string_view rest = variable == nullptr ? "" : variable;
   while (!rest.empty()) {
     const std::size_t end = rest.find(':');

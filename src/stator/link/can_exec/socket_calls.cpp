@@ -195,6 +195,8 @@ int connect_to_bus(int descriptor, ProgramSocket& socket, const sockaddr* addres
 
 using namespace stator::link::can_exec;
 
+// NOLINTBEGIN(readability-inconsistent-declaration-parameter-name): the C library's are no words
+
 STATOR_EXPORT int socket(int domain, int type, int protocol) noexcept {
   if (domain != PF_CAN) {
     const int descriptor = STATOR_SYSTEM(socket)(domain, type, protocol);
@@ -340,3 +342,5 @@ STATOR_EXPORT int fcntl64(int descriptor, int command, ...) {
   va_end(arguments);
   return fcntl(descriptor, command, argument);
 }
+
+// NOLINTEND(readability-inconsistent-declaration-parameter-name)

@@ -1,7 +1,8 @@
 #include "stator/link/ethernet/link_pair_receiver.hpp"
 
+#include <ctime>
+
 #include <poll.h>
-#include <time.h>
 
 namespace stator::link {
 

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 
 #include <net/if.h>
 #include <sched.h>
@@ -76,7 +77,7 @@ base::Expected<void, LinkError> pin_this_thread(unsigned processor) {
   }
   return base::Unexpected{LinkError{LinkErrorCode::invalid_option,
                                     "cannot run on processor " + std::to_string(processor) + " (" +
-                                        std::strerror(errno) +
+                                        std::generic_category().message(errno) +
                                         "); this thread may run on: " + allowed}};
 }
 
@@ -117,7 +118,7 @@ base::Expected<void, LinkError> run_in_real_time(int priority) {
 
 base::Expected<void, LinkError> may_run_in_real_time(int priority) {
   // Without SCHED_RESET_ON_FORK, which a thread cannot take back without privilege.
-  const auto permitted = set_policy(SCHED_FIFO, priority);
+  auto permitted = set_policy(SCHED_FIFO, priority);
   leave_real_time();
   return permitted;
 }

@@ -64,7 +64,7 @@ class Pair::Queue {
 
  private:
   struct Frame {
-    std::array<std::byte, kMaximumFrameLength> bytes;
+    std::array<std::byte, kMaximumFrameLength> bytes{};
     std::size_t length = 0;
   };
 

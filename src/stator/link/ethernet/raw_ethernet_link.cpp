@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 
 #include <arpa/inet.h>
 #include <linux/if_packet.h>
@@ -103,7 +104,8 @@ base::Expected<void, LinkError> RawEthernetLink::configure_socket(int interface_
   const auto busy_poll_us = static_cast<int>(options_.busy_poll / base::SimDuration(1'000));
   if (busy_poll_us > 0 && !set_socket_option(socket, SOL_SOCKET, SO_BUSY_POLL, busy_poll_us)) {
     return fail(LinkErrorCode::not_permitted,
-                "busy polling on " + in_quotes(name) + " was refused: " + std::strerror(errno) +
+                "busy polling on " + in_quotes(name) +
+                    " was refused: " + std::generic_category().message(errno) +
                     "; it needs CAP_NET_ADMIN, or leave busy_poll at 0");
   }
 

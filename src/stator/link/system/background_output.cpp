@@ -4,7 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstring>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -35,8 +35,8 @@ constexpr std::size_t kPiece = std::size_t{64} << 10U;
 constexpr std::size_t kPieceOfPipe = 4096;
 
 LinkError file_error(const std::string& name, const char* what, int error) {
-  return {LinkErrorCode::file,
-          std::string("cannot ") + what + " " + in_quotes(name) + ": " + std::strerror(error)};
+  return {LinkErrorCode::file, std::string("cannot ") + what + " " + in_quotes(name) + ": " +
+                                   std::generic_category().message(error)};
 }
 
 }  // namespace

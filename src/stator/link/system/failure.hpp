@@ -1,8 +1,8 @@
 #pragma once
 
-#include <cstring>
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "stator/base/expected.hpp"
@@ -17,7 +17,7 @@ inline base::Unexpected<LinkError> fail(LinkErrorCode code, std::string text) {
 
 /// `error` is an errno.
 inline base::Unexpected<LinkError> system_failure(const std::string& what, int error) {
-  return fail(LinkErrorCode::system, what + ": " + std::strerror(error));
+  return fail(LinkErrorCode::system, what + ": " + std::generic_category().message(error));
 }
 
 inline std::string in_quotes(const std::string& name) {

@@ -1,9 +1,9 @@
 #include "stator/link/system/receive_wait.hpp"
 
 #include <cerrno>
+#include <ctime>
 
 #include <poll.h>
-#include <time.h>
 
 namespace stator::link {
 
