@@ -127,6 +127,7 @@ inline constexpr std::array<Register, kRegisterCount> kRegisters{{
 
 /// One field of a register, a row of the document's tables. Fields named "reserved" or "unused"
 /// have no meaning.
+// NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): columns of a table
 struct RegisterField {
   std::uint8_t number = 0;  ///< of its register
   std::uint8_t bit_hi = 0;
