@@ -126,7 +126,7 @@ Result<std::vector<std::byte>> SdoClient::upload(const ObjectAddress& object) {
   if (const auto sent = send(initiate(kUploadInitiate, object)); !sent) {
     return base::Unexpected{sent.error()};
   }
-  const auto answer = receive(transfer, true);
+  auto answer = receive(transfer, true);
   if (!answer) {
     return answer;
   }

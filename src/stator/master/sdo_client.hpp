@@ -21,7 +21,7 @@ class SdoClient {
 
  private:
   struct Transfer {
-    const char* verb;  ///< "read" or "write", for messages
+    const char* verb = "";  ///< "read" or "write", for messages
     ObjectAddress object;
   };
 
