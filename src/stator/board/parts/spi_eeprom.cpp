@@ -14,14 +14,13 @@ constexpr std::size_t kSize = 32768;
 constexpr std::size_t kPage = 64;
 constexpr std::uint8_t kProtectionBits = 0x0C;  ///< 0..3 in 3:2: nothing, a quarter, half, all
 
-enum Command : std::uint8_t {
-  kWriteStatus = 0x01,
-  kWrite = 0x02,
-  kRead = 0x03,
-  kWriteDisable = 0x04,
-  kReadStatus = 0x05,
-  kWriteEnable = 0x06,
-};
+// Commands.
+constexpr std::uint8_t kWriteStatus = 0x01;
+constexpr std::uint8_t kWrite = 0x02;
+constexpr std::uint8_t kRead = 0x03;
+constexpr std::uint8_t kWriteDisable = 0x04;
+constexpr std::uint8_t kReadStatus = 0x05;
+constexpr std::uint8_t kWriteEnable = 0x06;
 
 /// Modes 0 and 3; two bytes of address. What is written begins to be programmed when CS rises
 /// after a whole byte; until that is done only the status register answers. Status: bit 0 write in
