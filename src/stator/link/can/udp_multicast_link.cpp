@@ -204,7 +204,7 @@ CanLinkStatistics UdpMulticastLink::statistics() const {
 }
 
 std::string UdpMulticastLink::usage() const {
-  return "can.Bus(interface=\"udp_multicast\", channel=\"" + address_.name +
+  return R"(can.Bus(interface="udp_multicast", channel=")" + address_.name +
          "\", port=" + std::to_string(address_.port) + ")";
 }
 
