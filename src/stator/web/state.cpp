@@ -128,13 +128,11 @@ void State::take_event(std::uint64_t number, const base::Event& event) {
 
 const EventRecord* State::last_refusal(std::string_view device,
                                        std::optional<std::int64_t> axis) const {
-  for (auto event = events_.rbegin(); event != events_.rend(); ++event) {
-    if (event->severity == base::Severity::refusal && event->device == device &&
-        (!axis || event->axis == axis)) {
-      return &*event;
-    }
-  }
-  return nullptr;
+  const auto last = std::find_if(events_.rbegin(), events_.rend(), [&](const EventRecord& event) {
+    return event.severity == base::Severity::refusal && event.device == device &&
+           (!axis || event.axis == axis);
+  });
+  return last == events_.rend() ? nullptr : &*last;
 }
 
 void State::read_networks(std::vector<NetworkRecord>& networks) const {

@@ -133,11 +133,11 @@ class InjectJob final : public ActJob {
   explicit InjectJob(rack::FaultConfiguration fault) : fault_(std::move(fault)) {}
 
   bool act(rack::Rack& rack, base::SimTime now) override {
-    auto armed = rack.inject(fault_, now);
+    const auto armed = rack.inject(fault_, now);
     if (armed) {
       id_ = *armed;
     } else {
-      problem_ = std::move(armed.error());
+      problem_ = armed.error();
     }
     return true;
   }

@@ -95,7 +95,7 @@ std::string register_value(std::uint16_t address, std::span<const std::byte> byt
   if (bytes.empty()) {
     return {};
   }
-  const unsigned low = std::to_integer<unsigned>(bytes[0]);
+  const auto low = std::to_integer<unsigned>(bytes[0]);
   if (address == registers::kAlControl) {
     return fmt::format("{} requested{}", state_name(low),
                        (low & kError) != 0 ? ", error acknowledged" : "");
