@@ -67,7 +67,8 @@ int parse(int argc, char** argv) {
 }
 
 int fail(const std::exception& error, int status) {
-  std::fflush(stdout);  // what was said before stands before it, also in a file
+  // What was said before stands before it, also in a file, unless nobody can take it any more.
+  static_cast<void>(std::fflush(stdout));
   say_failure(error.what());
   return status;
 }
@@ -75,8 +76,9 @@ int fail(const std::exception& error, int status) {
 }  // namespace
 
 int run(int argc, char** argv, const product::Catalogue& catalogue) {
-  // A limit of file sizes (ulimit -f) is to be told as a full disk is, not to end the program.
-  std::signal(SIGXFSZ, SIG_IGN);
+  // A limit of file sizes (ulimit -f) is to be told as a full disk is, not to end the program;
+  // the signal can always be ignored.
+  static_cast<void>(std::signal(SIGXFSZ, SIG_IGN));
   set_catalogue(catalogue);
   try {
     return parse(argc, argv);

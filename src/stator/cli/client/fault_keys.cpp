@@ -49,7 +49,7 @@ const FaultKind& require_kind(const std::string& name) {
     names.push_back(kind.name);
   }
   const std::string_view guess = base::closest_match(name, names);
-  throw Failure(fmt::format("there is no kind of fault \"{}\"{}; \"stator faults\" lists all", name,
+  throw Failure(fmt::format(R"(there is no kind of fault "{}"{}; "stator faults" lists all)", name,
                             guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess)));
 }
 

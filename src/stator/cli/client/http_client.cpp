@@ -177,7 +177,7 @@ HttpResponse HttpClient::request(const std::string& method, const std::string& t
 nlohmann::json HttpClient::json(const std::string& method, const std::string& target,
                                 const std::string& body) {
   const HttpResponse response = request(method, target, body);
-  const nlohmann::json document = nlohmann::json::parse(response.body, nullptr, false);
+  nlohmann::json document = nlohmann::json::parse(response.body, nullptr, false);
   if (response.status >= 400) {
     const bool explained = document.is_object() && document.contains("detail");
     throw Failure(fmt::format(

@@ -24,7 +24,7 @@ constexpr std::size_t kEventsKept = 200;
 
 /// A column of the table of axes and the signals it may come from, the best one first.
 struct Column {
-  std::optional<RackOverview::Value> Axis::*value;
+  std::optional<RackOverview::Value> Axis::*value = nullptr;
   std::array<std::string_view, 3> signals;
 };
 constexpr std::array kColumns{
@@ -108,6 +108,7 @@ std::vector<RackOverview::Axis> axes_of(const json& signals) {
     found->second[parts->second] = {signal["value"].get<double>(), signal.at("unit")};
   }
   std::vector<Axis> result;
+  result.reserve(axes.size());
   for (const auto& [name, values] : axes) {
     result.push_back(axis_of(name, values));
   }

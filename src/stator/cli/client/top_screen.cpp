@@ -159,14 +159,14 @@ std::vector<StyledLine> tables(const RackOverview& overview, const std::string& 
 /// Newest first.
 std::vector<StyledLine> event_lines(const RackOverview& overview, const std::string& filter) {
   std::vector<StyledLine> lines{{"NEWEST EVENTS", bold}};
-  for (auto event = overview.events.rbegin(); event != overview.events.rend(); ++event) {
-    std::string text =
-        fmt::format("{:>12.6f} s  {}: {}", static_cast<double>(event->time_ns) * 1e-9,
-                    event->device, event->text);
+  const auto add = [&](const RackOverview::Event& event) {
+    std::string text = fmt::format("{:>12.6f} s  {}: {}", static_cast<double>(event.time_ns) * 1e-9,
+                                   event.device, event.text);
     if (text.find(filter) != std::string::npos) {
-      lines.push_back({std::move(text), style_of_severity(event->severity)});
+      lines.push_back({std::move(text), style_of_severity(event.severity)});
     }
-  }
+  };
+  std::for_each(overview.events.rbegin(), overview.events.rend(), add);
   return lines;
 }
 

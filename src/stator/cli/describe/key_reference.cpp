@@ -118,7 +118,7 @@ std::string rows_of(const settings::TableDescription& table, const std::string& 
       continue;
     }
     if (key.table != nullptr && key.table->kind_of_file.empty()) {
-      const std::string below = path.empty() ? name : path + "." + name;
+      const std::string below = path.empty() ? name : fmt::format("{}.{}", path, name);
       const bool is_array = key.forms.front().kind == settings::ValueKind::tables;
       chapters.push_back({below, is_array, key.table.get()});
     }

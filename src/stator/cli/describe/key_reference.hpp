@@ -6,7 +6,7 @@
 #include "stator/product/catalogue/catalogue.hpp"
 #include "stator/settings/description.hpp"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's
 class App;
 class Option;
 }  // namespace CLI

@@ -97,7 +97,7 @@ std::string value_text(std::optional<DataType> type, std::span<const std::byte> 
   }
   const std::size_t digits = 2 * data.size();
   if (is_signed(*type)) {
-    const unsigned shift = static_cast<unsigned>(64 - bit_length(*type));
+    const auto shift = static_cast<unsigned>(64 - bit_length(*type));
     const std::int64_t number = static_cast<std::int64_t>(bits << shift) >> shift;
     return fmt::format("{} ({:0{}X}h)", number, bits, digits);
   }

@@ -50,7 +50,7 @@ std::optional<std::string> veth_peer(const std::string& interface) {
 }
 
 bool installed(std::string_view program) {
-  const char* path = std::getenv("PATH");
+  const char* path = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
   std::istringstream directories(path == nullptr ? "" : path);
   for (std::string directory; std::getline(directories, directory, ':');) {
     if (::access((fs::path(directory) / program).c_str(), X_OK) == 0) {

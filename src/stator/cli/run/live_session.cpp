@@ -112,7 +112,7 @@ std::string next_branch(const std::string& path) {
 
 std::filesystem::path state_for(const RecordingPlace& from, const RunOptions& given) {
   namespace fs = std::filesystem;
-  const fs::path state = from.state.empty() ? given.state : from.state;
+  fs::path state = from.state.empty() ? given.state : from.state;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(state, error)) {
     if (!entry.is_regular_file()) {

@@ -141,7 +141,7 @@ void announce(const rack::RackConfiguration& configuration, rack::Rack& rack, ra
   drain_log();  // what is printed follows on it
   print_networks(configuration, rack, runner);
   fmt::print("{}Running; Ctrl-C ends it.\n", web.announcement);
-  std::fflush(stdout);
+  static_cast<void>(std::fflush(stdout));
 }
 
 /// One rack from its start, or from a place of a recording, until a signal comes, `limit` has

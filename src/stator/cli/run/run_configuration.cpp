@@ -94,7 +94,7 @@ void apply_to_bus(const RunOptions& options, rack::BusConfiguration& bus) {
     std::uint32_t rate = 0;
     const char* end = options.bit_rate.data() + options.bit_rate.size();
     if (std::from_chars(options.bit_rate.data(), end, rate).ptr != end || rate < 5 || rate > 1000) {
-      throw Failure(fmt::format("--bit-rate is \"{}\"; write kbit/s, 5 to 1000, or \"unlimited\"",
+      throw Failure(fmt::format(R"(--bit-rate is "{}"; write kbit/s, 5 to 1000, or "unlimited")",
                                 options.bit_rate));
     }
     bus.bit_rate = rate * 1000;

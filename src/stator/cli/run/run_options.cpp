@@ -11,11 +11,10 @@
 
 namespace stator::cli {
 
-bool is_session(const std::string& path) {
-  return path.ends_with(".stator");
-}
+namespace {
 
-void add_run_options(CLI::App& command, RunOptions& options) {
+/// The rack and the ends of its networks. Returns the option of the rack file.
+CLI::Option* add_rack_options(CLI::App& command, RunOptions& options) {
   auto* file = command.add_option("rack", options.rack_file, "Rack file (TOML)");
   add_set_option(command, options.changes);
   command.add_option("--device", options.device, "Product to run instead of a rack file")
@@ -41,6 +40,11 @@ void add_run_options(CLI::App& command, RunOptions& options) {
                      "Of the first CAN bus: kbit/s, or \"unlimited\"");
   command.add_option("--redundant", options.redundant,
                      "ethercat:INTERFACE at the end of the first segment, for cable redundancy");
+  return file;
+}
+
+/// How the rack's threads run.
+void add_thread_options(CLI::App& command, RunOptions& options) {
   command
       .add_option("--wait", options.wait,
                   "block: no load when idle; spin: fastest, takes a processor; adaptive: both")
@@ -56,6 +60,10 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       .add_option("--clock", options.clock,
                   "real: the machine's time; lockstep: time moves only with the master's frames")
       ->check(CLI::IsMember({"real", "lockstep"}));
+}
+
+/// What is kept of a run, and the recording that it goes on from instead of a rack `file`.
+void add_recording_options(CLI::App& command, RunOptions& options, CLI::Option* file) {
   command.add_option("--capture", options.capture, "Write all frames to this pcap file");
   command.add_option("--record", options.record,
                      "Write signals to this CSV file; NAME.stator: record all that masters do, for "
@@ -77,6 +85,18 @@ void add_run_options(CLI::App& command, RunOptions& options) {
           "Pins to trace, e.g. MFCIO04,MFC_HV0; without it those wired to something, but for DAC0")
       ->delimiter(',')
       ->needs(trace);
+}
+
+}  // namespace
+
+bool is_session(const std::string& path) {
+  return path.ends_with(".stator");
+}
+
+void add_run_options(CLI::App& command, RunOptions& options) {
+  CLI::Option* const file = add_rack_options(command, options);
+  add_thread_options(command, options);
+  add_recording_options(command, options, file);
   command.add_option("--duration", options.duration, "Stop after this time, e.g. 10s");
   command.add_option("--state", options.state,
                      "Directory in which devices keep EEPROM content, parameters and firmware");

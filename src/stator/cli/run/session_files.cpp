@@ -80,7 +80,7 @@ void keep_rack(const fs::path& rack, const std::vector<std::string>& named_files
   const std::vector<fs::path> paths = paths_of(named_files);
   const fs::path folder = kept_folder(fs::absolute(rack).parent_path(), paths);
   const auto keep = [&](const fs::path& path, std::string content) {
-    const std::string name = (folder / path).lexically_normal().generic_string();
+    std::string name = (folder / path).lexically_normal().generic_string();
     header.files.emplace_back(std::string(kRackFolder) + name, std::move(content));
     return name;
   };

@@ -31,18 +31,19 @@ StandardOutput::StandardOutput()
     throw std::system_error(errno, std::generic_category(), "cannot use standard output");
   }
   output_->set_when_full(link::WhenFull::drop);
-  std::setvbuf(stream_, nullptr, _IOLBF, BUFSIZ);
-  std::fflush(before_);
+  static_cast<void>(std::setvbuf(stream_, nullptr, _IOLBF, BUFSIZ));  // fails for no such mode
+  // What was printed before and cannot be written is lost, as it would be at the end.
+  static_cast<void>(std::fflush(before_));
   stdout = stream_;  // glibc: "normal variables which you can set just like any others"
 }
 
 StandardOutput::~StandardOutput() {
   stdout = before_;
-  std::fclose(stream_);
+  static_cast<void>(std::fclose(stream_));  // write_to() does not fail
 }
 
 void StandardOutput::drain(link::BackgroundOutput::Clock::time_point asked) {
-  std::fflush(stream_);
+  static_cast<void>(std::fflush(stream_));  // write_to() does not fail
   output_->drain(asked);
 }
 

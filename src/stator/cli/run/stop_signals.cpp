@@ -90,7 +90,7 @@ void StopSignals::take_signals() {
 }
 
 void StopSignals::end_by(int signal) {
-  std::signal(signal, SIG_DFL);
+  static_cast<void>(std::signal(signal, SIG_DFL));  // cannot fail for one that came
   sigset_t one{};
   ::sigemptyset(&one);
   ::sigaddset(&one, signal);

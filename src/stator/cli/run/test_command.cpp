@@ -149,7 +149,7 @@ void test(const TestOptions& options) {
     }
     results.push_back(run_read(read));
     print(results.back(), options.verbose);
-    std::fflush(stdout);
+    static_cast<void>(std::fflush(stdout));
   }
   if (options.list) {
     return;

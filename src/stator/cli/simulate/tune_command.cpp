@@ -149,7 +149,7 @@ Settings settings_of(const TuneOptions& options, Target& target) {
   }
   settings.report = [](std::string_view text) {
     fmt::print("{}\n", text);
-    std::fflush(stdout);
+    static_cast<void>(std::fflush(stdout));
   };
   return settings;
 }
