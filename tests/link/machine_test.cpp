@@ -15,6 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "sanitized.hpp"
 #include "stator/link/system/file_descriptor.hpp"
 
 namespace stator::link {
@@ -98,19 +99,6 @@ std::string answer_without_privilege(const Question& question) {
   return {text.data(), static_cast<std::size_t>(std::max<ssize_t>(length, 0))};
 }
 
-// The mlockall() of sanitizers does nothing and succeeds.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kMemoryCanBeLocked = false;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-constexpr bool kMemoryCanBeLocked = false;
-#else
-constexpr bool kMemoryCanBeLocked = true;
-#endif
-#else
-constexpr bool kMemoryCanBeLocked = true;
-#endif
-
 TEST(Machine, APriorityThatIsNotPermittedIsToldWithWaysToPermitIt) {
   const std::string priority = answer_without_privilege([] { return may_run_in_real_time(42); });
   EXPECT_THAT(priority, testing::HasSubstr("real-time priority 42 is not permitted; run as root"));
@@ -120,7 +108,7 @@ TEST(Machine, APriorityThatIsNotPermittedIsToldWithWaysToPermitIt) {
 }
 
 TEST(Machine, MemoryThatMayNotBeLockedIsToldWithWaysToPermitIt) {
-  if (!kMemoryCanBeLocked) {
+  if (tests::kSanitized) {  // whose mlockall() does nothing and succeeds
     GTEST_SKIP() << "with this sanitizer nothing is locked, and nothing refused";
   }
   const std::string memory = answer_without_privilege([] { return lock_memory(); });

@@ -52,11 +52,11 @@ TEST(MechanicalLoad, ExternalTorqueActsFromWhenItIsSet) {
 TEST(MechanicalLoad, AbsurdTorqueKeepsTheNumbersFinite) {
   StepperAxis axis(unpowered());
   axis.set_external_torque(1e6);
-  run(axis, 0.1);
+  run(axis, 0.01);
   EXPECT_LE(axis.observe().speed, 1e4);
   EXPECT_TRUE(std::isfinite(axis.observe().shaft_angle));
   axis.set_external_torque(-1e6);
-  run(axis, 0.1);
+  run(axis, 0.01);
   EXPECT_GE(axis.observe().speed, -1e4);
   EXPECT_GE(axis.state().motor.angle.angle, 0.0);
   EXPECT_LT(axis.state().motor.angle.angle, base::kTwoPi);

@@ -21,21 +21,12 @@
 #include <gtest/gtest.h>
 
 #include "devices/drive_sequences/trial.hpp"
+#include "sanitized.hpp"
 
 namespace stator::tests {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__)
-constexpr std::uint64_t kInEveryRun = 20;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-constexpr std::uint64_t kInEveryRun = 20;
-#else
-constexpr std::uint64_t kInEveryRun = 500;
-#endif
-#else
-constexpr std::uint64_t kInEveryRun = 500;
-#endif
+constexpr std::uint64_t kInEveryRun = kSanitized ? 20 : 500;
 
 std::uint64_t number(const char* variable, std::uint64_t otherwise) {
   const char* const text = std::getenv(variable);

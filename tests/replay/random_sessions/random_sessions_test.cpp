@@ -21,6 +21,7 @@
 
 #include "replay/random_sessions/live_run.hpp"
 #include "replay/random_sessions/random_rack.hpp"
+#include "sanitized.hpp"
 #include "stator/rack/networks/serial_line.hpp"
 #include "stator/rack/observe/event_log.hpp"
 #include "stator/replay/player.hpp"
@@ -32,17 +33,7 @@ namespace {
 using base::SimDuration;
 using base::SimTime;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::uint64_t kInEveryRun = 12;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-constexpr std::uint64_t kInEveryRun = 12;
-#else
-constexpr std::uint64_t kInEveryRun = 60;
-#endif
-#else
-constexpr std::uint64_t kInEveryRun = 60;
-#endif
+constexpr std::uint64_t kInEveryRun = kSanitized ? 12 : 60;
 
 /// Each of them a test of its own, so that none takes long.
 constexpr std::uint64_t kParts = 4;

@@ -1,0 +1,19 @@
+// Whether the tests are compiled with a sanitizer, below which what simulates long takes ten to
+// forty times as long: such tests do less there.
+#pragma once
+
+namespace stator::tests {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kSanitized = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+inline constexpr bool kSanitized = true;
+#else
+inline constexpr bool kSanitized = false;
+#endif
+#else
+inline constexpr bool kSanitized = false;
+#endif
+
+}  // namespace stator::tests
