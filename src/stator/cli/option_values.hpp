@@ -6,7 +6,7 @@
 #include "stator/base/sim_time.hpp"
 #include "stator/link/ethernet/link_address.hpp"
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's
+namespace CLI {
 class App;
 class Option;
 }  // namespace CLI

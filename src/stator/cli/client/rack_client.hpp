@@ -6,7 +6,7 @@
 
 #include "stator/cli/client/http_client.hpp"
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's
+namespace CLI {
 class App;
 }
 

@@ -6,7 +6,7 @@
 #include "stator/product/catalogue/catalogue.hpp"
 #include "stator/settings/description.hpp"
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's
+namespace CLI {
 class App;
 class Option;
 }  // namespace CLI

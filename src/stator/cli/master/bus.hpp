@@ -15,7 +15,7 @@
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/observe/event_log.hpp"
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's
+namespace CLI {
 class App;
 }
 

@@ -7,7 +7,7 @@
 #include "stator/cli/run/web_server.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's
+namespace CLI {
 class App;
 }
 

@@ -9,7 +9,7 @@
 #include "stator/tmcl/module/module_description.hpp"
 #include "stator/tmcl_tools/tmcl_bench.hpp"
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's
+namespace CLI {
 class App;
 }
 
