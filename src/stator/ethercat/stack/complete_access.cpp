@@ -10,7 +10,6 @@ namespace stator::ethercat {
 
 namespace {
 
-using base::EventArgument;
 using dictionary::AbortCode;
 using dictionary::Entry;
 using dictionary::Object;
