@@ -197,7 +197,12 @@ void SlaveController::end_frame_work(const FrameTiming& timing) {
     apply_loop_control();
   }
   if ((work & FrameWork::kResetKey) != 0) {
-    finish_reset_key();
+    reset_sequence_.end_of_frame();
+    if (reset_sequence_.complete(Side::bus)) {
+      request_reset(Side::bus);
+    } else if (reset_sequence_.bus_under_way()) {
+      frame_work_ |= FrameWork::kResetKey;
+    }
   }
 }
 

@@ -76,7 +76,7 @@ void SlaveController::read(std::uint16_t address, std::span<std::byte> out) {
     return;
   }
   note_host_access();
-  host_reset_progress_ = 0;
+  reset_sequence_.end_of_host_access();
   static_cast<void>(read_memory(Side::host, address, out));
 }
 
@@ -86,11 +86,8 @@ void SlaveController::write(std::uint16_t address, std::span<const std::byte> da
     return;
   }
   note_host_access();
-  const std::uint8_t progress = host_reset_progress_;
   static_cast<void>(write_memory(Side::host, address, data));
-  if (host_reset_progress_ == progress) {
-    host_reset_progress_ = 0;  // the steps of the key must follow one another
-  }
+  reset_sequence_.end_of_host_access();
 }
 
 void SlaveController::note_host_access() {

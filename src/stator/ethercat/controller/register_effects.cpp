@@ -134,7 +134,8 @@ void SlaveController::after_bus_write(EffectSet effects, std::uint32_t address,
         compile_mappings();
         break;
       case Effect::reset_by_bus:
-        take_reset_key(Side::bus, written(kResetByBus));
+        frame_work_ |= FrameWork::kResetKey;
+        reset_sequence_.take_key(Side::bus, written(kResetByBus));
         break;
       case Effect::dl_control:
         alias_enabled_ = register_bit(kAliasEnable, 0);
@@ -197,7 +198,11 @@ void SlaveController::after_host_write(EffectSet effects, std::uint32_t address,
         station_alias_ = base::load_le<std::uint16_t>(registers(), kStationAlias);
         break;
       case Effect::reset_by_host:
-        take_reset_key(Side::host, std::to_integer<std::uint8_t>(data[kResetByHost - address]));
+        reset_sequence_.take_key(Side::host,
+                                 std::to_integer<std::uint8_t>(data[kResetByHost - address]));
+        if (reset_sequence_.complete(Side::host)) {
+          request_reset(Side::host);
+        }
         break;
       case Effect::al_status:
         change_al_status();

@@ -1,7 +1,6 @@
 #include "stator/ethercat/controller/slave_controller.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "stator/base/byte_order.hpp"
@@ -71,9 +70,6 @@ constexpr std::size_t kFirstCategoryWord = 0x40;
 constexpr std::uint16_t kParameterRamCategory = 1;
 constexpr std::size_t kParameterRamLength = 128;
 
-/// To be written to 0x0040 or 0x0041 in three accesses (datasheet "ESC Reset").
-constexpr std::uint8_t kResetKey[] = {0x52, 0x45, 0x53};
-
 }  // namespace
 
 SlaveController::SlaveController(const SlaveControllerConfiguration& configuration)
@@ -117,8 +113,7 @@ void SlaveController::power_on_reset() {
   controller_unlocked_ = false;
   loop_control_ = 0;
   loop_control_expires_ = base::SimTime::never();
-  bus_reset_progress_ = 0;
-  host_reset_progress_ = 0;
+  reset_sequence_.reset();
   reset_clocks();
   sii_.reset();
   if (has_feature(configuration_.features, ControllerFeature::mii_management)) {
@@ -152,56 +147,18 @@ void SlaveController::restore_power() {
   reset_requested_ = true;
 }
 
-void SlaveController::take_reset_key(Side side, std::uint8_t key) {
-  const bool from_bus = side == Side::bus;
-  std::uint8_t& progress = from_bus ? bus_reset_progress_ : host_reset_progress_;
-  if (from_bus) {
-    frame_work_ |= FrameWork::kResetKey;
-    if (reset_key_seen_) {
-      return;  // one step per frame
-    }
-  }
-  const bool matches = key == kResetKey[progress];
-  progress = static_cast<std::uint8_t>(matches ? progress + 1 : 0);
-  reset_key_seen_ = from_bus && matches;
-  if (progress == std::size(kResetKey)) {
-    if (!from_bus) {
-      request_reset();
-    }
-    return;  // from the bus, at the end of the frame
-  }
-  memory_[from_bus ? kResetByBus : kResetByHost] = std::byte{progress};
-}
-
-void SlaveController::finish_reset_key() {
-  if (!reset_key_seen_) {
-    bus_reset_progress_ = 0;
-    memory_[kResetByBus] = std::byte{0};
-  }
-  reset_key_seen_ = false;
-  if (bus_reset_progress_ == std::size(kResetKey)) {
-    request_reset();
-  } else if (bus_reset_progress_ != 0) {
-    frame_work_ |= FrameWork::kResetKey;
-  }
-}
-
-void SlaveController::request_reset() {
+void SlaveController::request_reset(Side by) {
   reset_requested_ = true;
-  const bool by_bus = bus_reset_progress_ == std::size(kResetKey);
   const std::optional<AlState> state = to_al_state(al_status_ & kAlStateMask);
   reporter_.report(now_, configuration_.reset_by_board ? kResetOut : kReset,
-                   {by_bus ? base::StaticText("the master") : base::StaticText("its host"),
-                    static_cast<int>(by_bus ? kResetByBus : kResetByHost),
+                   {by == Side::bus ? base::StaticText("the master") : base::StaticText("its host"),
+                    static_cast<int>(ResetSequence::address(by)),
                     state ? to_text(*state) : base::StaticText("an unknown state")});
-  if (!configuration_.reset_by_board) {
+  if (configuration_.reset_by_board) {
+    reset_sequence_.reset();
+  } else {
     power_on_reset();
-    return;
   }
-  bus_reset_progress_ = 0;
-  host_reset_progress_ = 0;
-  memory_[kResetByBus] = std::byte{0};
-  memory_[kResetByHost] = std::byte{0};
 }
 
 void SlaveController::load_sii(std::span<const std::byte> image) {

@@ -12,6 +12,7 @@
 #include "stator/base/sim_time.hpp"
 #include "stator/ethercat/controller/frame_work.hpp"
 #include "stator/ethercat/controller/memory_partner.hpp"
+#include "stator/ethercat/controller/reset_sequence.hpp"
 #include "stator/ethercat/controller/slave_controller_configuration.hpp"
 #include "stator/ethercat/registers/register_table.hpp"
 #include "stator/ethercat/registers/time_stamp.hpp"
@@ -219,9 +220,7 @@ class SlaveController final : public ProcessDataInterface {
   void note_host_access();
   void expire(base::SimTime now);
   void update_deadline();
-  void take_reset_key(Side side, std::uint8_t key);
-  void finish_reset_key();
-  void request_reset();
+  void request_reset(Side by);
 
   // frame_processing.cpp
   void begin_frame_work();
@@ -401,6 +400,7 @@ class SlaveController final : public ProcessDataInterface {
   std::array<std::optional<base::SimTime>, SyncUnit::kOutputs> sync_edges_{};
   std::uint8_t start_time_bytes_ = 0;  ///< of 0x0990 that this frame has written
   Watchdog host_watchdog_;
+  ResetSequence reset_sequence_{registers()};
   std::uint32_t watchdog_triggers_ = 0;
   base::EventReporter reporter_;
 
@@ -416,8 +416,6 @@ class SlaveController final : public ProcessDataInterface {
   std::uint16_t changed_activations_ = 0;  ///< sync managers whose change the host has not seen
   std::uint16_t al_status_ = 1;            ///< as last reported to the bus
   std::uint32_t received_system_time_ = 0;
-  std::uint8_t bus_reset_progress_ = 0;
-  std::uint8_t host_reset_progress_ = 0;
   bool al_control_taken_ = true;          ///< the host has seen the last AL control
   bool loaded_ = false;                   ///< EEPROM valid: process memory open
   bool enhanced_link_detection_ = false;  ///< of any port, as first loaded after power-on
@@ -426,7 +424,6 @@ class SlaveController final : public ProcessDataInterface {
   bool host_polling_ = true;
   bool registers_unlocked_ = false;   ///< by 0x0020, for the rest of this frame
   bool controller_unlocked_ = false;  ///< by 0x0030
-  bool reset_key_seen_ = false;       ///< this frame held a valid step of the key
   bool reset_requested_ = false;
   bool held_in_reset_ = false;
 };
