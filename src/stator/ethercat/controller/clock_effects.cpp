@@ -163,7 +163,7 @@ void SlaveController::set_clock_deviation(std::int32_t ppb) {
   configuration_.clock_deviation_ppb = ppb;
   clock_.set_deviation(ppb, now_);
   schedule_sync();
-  note_topology_change();
+  ports_.note_topology_change();
 }
 
 void SlaveController::take_system_time(std::uint32_t address, std::span<const std::byte> data) {

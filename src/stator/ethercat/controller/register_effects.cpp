@@ -142,7 +142,7 @@ void SlaveController::after_bus_write(EffectSet effects, std::uint32_t address,
         if (touches(address, data.size(), kLoopControl)) {
           frame_work_ |= FrameWork::kApplyLoopControl;
         }
-        note_topology_change();  // a receive FIFO of another size delays frames differently
+        ports_.note_topology_change();  // a receive FIFO of another size delays frames differently
         break;
       case Effect::al_control:
         take_al_control();

@@ -111,8 +111,7 @@ void SlaveController::power_on_reset() {
   al_control_taken_ = true;
   registers_unlocked_ = false;
   controller_unlocked_ = false;
-  loop_control_ = 0;
-  loop_control_expires_ = base::SimTime::never();
+  ports_.reset();
   reset_sequence_.reset();
   reset_clocks();
   sii_.reset();
@@ -129,16 +128,16 @@ void SlaveController::power_on_reset() {
   for (unsigned port = 0; port < kPorts; ++port) {
     update_link(port);  // the PHYs have been reset too
   }
-  update_ports(true);
+  apply_loop_control();
 }
 
 void SlaveController::hold_reset(bool hold) {
-  if (held_in_reset_ == hold) {
+  if (held_in_reset() == hold) {
     return;
   }
-  held_in_reset_ = hold;
+  ports_.hold_in_reset(hold);
   restore_power();
-  note_topology_change();
+  ports_.note_topology_change();
 }
 
 void SlaveController::restore_power() {
@@ -200,7 +199,7 @@ void SlaveController::load_configuration_area(bool first) {
       const auto word = base::load_le<std::uint16_t>(content, 2 * kReceiveFifoWord);
       memory_[kReceiveFifoSize] = (memory_[kReceiveFifoSize] & std::byte{0xF8}) |
                                   static_cast<std::byte>(~unsigned{word} >> 9 & 7U);
-      note_topology_change();
+      ports_.note_topology_change();
     }
     load_parameter_ram();
   }
@@ -281,18 +280,16 @@ void SlaveController::expire(base::SimTime now) {
     advance_sync();
     schedule_sync();
   }
-  if (now >= loop_control_expires_) {
-    loop_control_expires_ = base::SimTime::never();
-    memory_[kLoopControl] = std::byte{former_loop_control_};
-    update_ports(true);
+  if (now >= ports_.deadline()) {
+    ports_.expire();
+    update_dl_status();
   }
   update_deadline();
 }
 
 void SlaveController::update_deadline() {
-  next_deadline_ =
-      std::min({process_data_watchdog_.deadline(), host_watchdog_.deadline(), sii_.deadline(),
-                mii_.deadline(), loop_control_expires_, sync_deadline_});
+  next_deadline_ = std::min({process_data_watchdog_.deadline(), host_watchdog_.deadline(),
+                             sii_.deadline(), mii_.deadline(), ports_.deadline(), sync_deadline_});
 }
 
 bool SlaveController::take_reset_request() {

@@ -12,6 +12,7 @@
 #include "stator/base/sim_time.hpp"
 #include "stator/ethercat/controller/frame_work.hpp"
 #include "stator/ethercat/controller/memory_partner.hpp"
+#include "stator/ethercat/controller/ports.hpp"
 #include "stator/ethercat/controller/reset_sequence.hpp"
 #include "stator/ethercat/controller/slave_controller_configuration.hpp"
 #include "stator/ethercat/registers/register_table.hpp"
@@ -79,29 +80,27 @@ class SlaveController final : public ProcessDataInterface {
   /// A cable with a powered device at its other end came to `port` or went. Whether that gives a
   /// link is up to the PHY, its link pin, and the controller.
   void set_link(unsigned port, bool up);
-  [[nodiscard]] bool link(unsigned port) const { return ports_[port].link; }
+  [[nodiscard]] bool link(unsigned port) const { return ports_.link(port); }
   /// What the device at the other end of the cable of port 0 or 1 can do.
   void set_link_partner(unsigned port, LinkPartner partner);
   /// Holds the link pin of `port` at a level; nothing: the PHY drives it again.
   void hold_link_pin(unsigned port, std::optional<bool> level);
-  [[nodiscard]] bool link_pin(unsigned port) const;
+  [[nodiscard]] bool link_pin(unsigned port) const { return ports_.pin(port); }
   /// A frame leaves through the port; false: it is turned back inside (loop closed).
-  [[nodiscard]] bool port_open(unsigned port) const { return ports_[port].open; }
+  [[nodiscard]] bool port_open(unsigned port) const { return ports_.open(port); }
   /// The chip has this port (0x0007).
-  [[nodiscard]] bool has_port(unsigned port) const {
-    return port < kPorts && (configuration_.port_descriptor >> (2 * port) & 3U) > 1;
-  }
+  [[nodiscard]] bool has_port(unsigned port) const { return ports_.has(port); }
   /// What of ports and delays decides on the way of frames.
-  [[nodiscard]] SlaveForwarding forwarding() const;
+  [[nodiscard]] SlaveForwarding forwarding() const { return ports_.forwarding(); }
   /// From port to port, as the size of the receive FIFO (0x0102) makes it.
-  [[nodiscard]] base::SimDuration forwarding_delay() const;
+  [[nodiscard]] base::SimDuration forwarding_delay() const { return ports_.forwarding_delay(); }
   /// As SlaveControllerConfiguration::forwarding_delay, for the board at hand.
   void set_forwarding_delay(base::SimDuration delay) {
     configuration_.forwarding_delay = delay;
-    note_topology_change();
+    ports_.note_topology_change();
   }
   /// Makes the controller set `*changed` whenever forwarding() may have changed; null ends that.
-  void watch_topology(bool* changed) { topology_changed_ = changed; }
+  void watch_topology(bool* changed) { ports_.watch_topology(changed); }
   /// A valid frame came in at a closed port, where it ends: Auto Close opens the port.
   void receive_at_closed_port(unsigned port);
   /// The forwarding rule (0x0100 bit 0) for frames that carry no EtherCAT datagrams.
@@ -193,7 +192,7 @@ class SlaveController final : public ProcessDataInterface {
   [[nodiscard]] bool take_reset_request();
   /// Holds the chip in reset, or lets it go with restore_power(). Meanwhile no port has a link.
   void hold_reset(bool hold);
-  [[nodiscard]] bool held_in_reset() const { return held_in_reset_; }
+  [[nodiscard]] bool held_in_reset() const { return ports_.held_in_reset(); }
 
   /// Copies memory as it is, with no rights and no effects, for displays and tests; addresses
   /// outside the memory read 0. Registers computed at each access (event requests, watchdog status,
@@ -206,12 +205,6 @@ class SlaveController final : public ProcessDataInterface {
 
  private:
   using Side = AccessSide;
-  struct Port {
-    bool carrier = false;  ///< a cable with somebody at its other end
-    bool link = false;
-    bool open = false;
-    std::optional<bool> pin;  ///< level that somebody else than the PHY gives the link pin
-  };
   // slave_controller.cpp: life, time, host accesses
   void load_configuration_area(bool first);
   void open_host_interface();
@@ -230,19 +223,11 @@ class SlaveController final : public ProcessDataInterface {
   void write_datagram(DatagramView& datagram);
   void exchange_datagram(DatagramView& datagram, bool broadcast, std::uint16_t write_address);
 
-  // ports.cpp
-  void update_ports(bool loop_control_written);
+  // port_effects.cpp
+  void take_link_change(unsigned port, Ports::LinkChange change);
+  void update_link(unsigned port) { take_link_change(port, ports_.update_link(port)); }
   void update_dl_status();
   void apply_loop_control();
-  /// Makes ports_[port].link what PHY, pin and controller say together.
-  void update_link(unsigned port);
-  /// Bits sent at the port are understood at the other end of its cable and the other way round.
-  [[nodiscard]] bool passes_bits(unsigned port) const;
-  void note_topology_change() {
-    if (topology_changed_ != nullptr) {
-      *topology_changed_ = true;
-    }
-  }
 
   // memory_access.cpp: bytes of both sides, with rights
   bool read_memory(Side side, std::uint32_t address, std::span<std::byte> out);
@@ -385,6 +370,7 @@ class SlaveController final : public ProcessDataInterface {
   RegisterMap register_map_;
   SiiInterface sii_;
   MiiManagement mii_;
+  Ports ports_{registers(), configuration_, mii_};
   DistributedClock clock_;
   SyncUnit sync_{registers()};
   LatchUnit latch_{registers()};
@@ -405,11 +391,6 @@ class SlaveController final : public ProcessDataInterface {
   base::EventReporter reporter_;
 
   MemoryPartner* partner_ = nullptr;
-  bool* topology_changed_ = nullptr;  ///< see watch_topology()
-  std::array<Port, kPorts> ports_{};
-  base::SimTime loop_control_expires_ = base::SimTime::never();
-  std::uint8_t loop_control_ = 0;            ///< 0x0101 as it is in force
-  std::uint8_t former_loop_control_ = 0;     ///< in force again when the temporary one expires
   std::array<Fmmu, kMaximumFmmus> fmmus_{};  ///< active ones, for the bitwise path
   std::size_t fmmu_count_ = 0;
   std::array<std::uint8_t, kMaximumSyncManagers> activations_{};  ///< activate registers in force
@@ -425,7 +406,6 @@ class SlaveController final : public ProcessDataInterface {
   bool registers_unlocked_ = false;   ///< by 0x0020, for the rest of this frame
   bool controller_unlocked_ = false;  ///< by 0x0030
   bool reset_requested_ = false;
-  bool held_in_reset_ = false;
 };
 
 }  // namespace stator::ethercat

@@ -30,13 +30,13 @@ LedCode SlaveController::error_led() const {
 }
 
 LedCode SlaveController::link_led(unsigned port) const {
-  if (!ports_[port].link) {
+  if (!ports_.link(port)) {
     return LedCode::off;
   }
   // As long as a flicker takes, the light goes on with it.
   constexpr base::SimDuration kActivity{100'000'000};
   const bool traffic =
-      ports_[port].open && frame_start_ != base::SimTime() && now_ - frame_start_ < kActivity;
+      ports_.open(port) && frame_start_ != base::SimTime() && now_ - frame_start_ < kActivity;
   return traffic ? LedCode::flickering : LedCode::on;
 }
 
