@@ -184,14 +184,13 @@ void SlaveController::end_frame_work(const FrameTiming& timing) {
     controller_unlocked_ = false;
   }
   if ((work & FrameWork::kLatchReceiveTimes) != 0) {
-    clock_.latch_receive_times(timing);
+    clock_unit_.latch_receive_times(timing);
   }
   if ((work & FrameWork::kCompareSystemTime) != 0) {
-    clock_.compare(received_system_time_, timing.processing_unit);
-    schedule_sync();
+    take_clock_work(clock_unit_.compare(timing, now_));
   }
   if ((work & FrameWork::kTakeStartTime) != 0) {
-    finish_start_time();
+    take_clock_work(clock_unit_.finish_start_time(now_));
   }
   if ((work & FrameWork::kApplyLoopControl) != 0) {
     apply_loop_control();

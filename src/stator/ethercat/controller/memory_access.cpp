@@ -141,7 +141,8 @@ bool SlaveController::read_registers(Side side, std::uint32_t address, std::span
   }
   before_read(effects);
   if (any_of(effects, kClockReads)) {
-    before_clock_read(side, effects, address, out.size());
+    take_clock_work(
+        clock_unit_.before_read(side, effects, address, out.size(), frame_start_, now_));
   }
   for (std::size_t i = 0; i < out.size(); ++i) {
     out[i] = readable(register_map_[address + i]) ? memory_[address + i] : std::byte{0};
@@ -151,8 +152,8 @@ bool SlaveController::read_registers(Side side, std::uint32_t address, std::span
   } else {
     after_host_read(effects, address, out.size());
   }
-  if (any_of(effects, kClockReads)) {
-    after_clock_read(side, effects, address, out.size());
+  if (any_of(effects, kClockReads) && side == Side::bus) {
+    take_clock_work(clock_unit_.acknowledge(side, effects, address, out.size(), now_));
   }
   return true;
 }
@@ -192,7 +193,7 @@ bool SlaveController::write_registers(Side side, std::uint32_t address,
     after_host_write(effects, address, data);
   }
   if (any_of(effects, kClockWrites)) {
-    after_clock_write(side, effects, address, data);
+    take_clock_work(clock_unit_.after_write(side, effects, address, data, now_));
   }
   return true;
 }
@@ -220,7 +221,7 @@ bool SlaveController::accepts_bus_write(Effect effect, std::size_t address) cons
       return !enabled || (address & 7) == 4;
     }
     default:
-      return accepts_clock_write(Side::bus, effect, address);
+      return clock_unit_.accepts_write(Side::bus, effect, address);
   }
 }
 
@@ -241,7 +242,7 @@ bool SlaveController::accepts_host_write(Effect effect, std::size_t address) con
     case Effect::mii_access:
       return mii_.host_may_take();
     default:
-      return accepts_clock_write(Side::host, effect, address);
+      return clock_unit_.accepts_write(Side::host, effect, address);
   }
 }
 

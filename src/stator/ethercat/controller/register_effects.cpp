@@ -109,7 +109,7 @@ void SlaveController::acknowledge(EffectSet effects, std::uint32_t address, std:
         break;
     }
   });
-  acknowledge_clock(Side::host, effects, address, length);
+  take_clock_work(clock_unit_.acknowledge(Side::host, effects, address, length, now_));
 }
 
 void SlaveController::after_bus_write(EffectSet effects, std::uint32_t address,

@@ -81,8 +81,7 @@ SlaveController::SlaveController(const SlaveControllerConfiguration& configurati
            has_feature(configuration.features, ControllerFeature::sii_eight_byte_read),
            configuration.sii_error_blocks_commands),
       mii_(registers(), configuration.mii,
-           has_feature(configuration.features, ControllerFeature::mii_link_detection)),
-      clock_(registers(), configuration.clock_deviation_ppb) {
+           has_feature(configuration.features, ControllerFeature::mii_link_detection)) {
   if (configuration.host_controls_time) {
     register_map_.give_time_loop_to_host();
   }
@@ -101,7 +100,6 @@ void SlaveController::power_on_reset() {
   ecat_event_mask_ = 0;
   interrupt_ = 0;
   frame_work_ = 0;
-  received_system_time_ = 0;
   for (SyncManager& manager : sync_managers_) {
     manager = SyncManager();
   }
@@ -113,7 +111,7 @@ void SlaveController::power_on_reset() {
   controller_unlocked_ = false;
   ports_.reset();
   reset_sequence_.reset();
-  reset_clocks();
+  clock_unit_.reset(now_);
   sii_.reset();
   if (has_feature(configuration_.features, ControllerFeature::mii_management)) {
     mii_.reset();
@@ -212,8 +210,8 @@ void SlaveController::load_configuration_area(bool first) {
   }
   compile_mappings();
   update_dl_status();
-  publish_clock_events();  // pulse length and mapping of the SYNC outputs may be others now
-  schedule_sync();
+  // Pulse length and mapping of the SYNC outputs may be others now.
+  take_clock_work(clock_unit_.refresh(now_));
 }
 
 void SlaveController::report_missing_phys() {
@@ -276,9 +274,8 @@ void SlaveController::expire(base::SimTime now) {
     update_link(0);
     update_link(1);
   }
-  if (now >= sync_deadline_) {
-    advance_sync();
-    schedule_sync();
+  if (now >= clock_unit_.deadline()) {
+    take_clock_work(clock_unit_.expire(now_));
   }
   if (now >= ports_.deadline()) {
     ports_.expire();
@@ -288,8 +285,9 @@ void SlaveController::expire(base::SimTime now) {
 }
 
 void SlaveController::update_deadline() {
-  next_deadline_ = std::min({process_data_watchdog_.deadline(), host_watchdog_.deadline(),
-                             sii_.deadline(), mii_.deadline(), ports_.deadline(), sync_deadline_});
+  next_deadline_ =
+      std::min({process_data_watchdog_.deadline(), host_watchdog_.deadline(), sii_.deadline(),
+                mii_.deadline(), ports_.deadline(), clock_unit_.deadline()});
 }
 
 bool SlaveController::take_reset_request() {

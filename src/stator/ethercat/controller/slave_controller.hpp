@@ -10,6 +10,7 @@
 
 #include "stator/base/event.hpp"
 #include "stator/base/sim_time.hpp"
+#include "stator/ethercat/controller/distributed_clock_unit.hpp"
 #include "stator/ethercat/controller/frame_work.hpp"
 #include "stator/ethercat/controller/memory_partner.hpp"
 #include "stator/ethercat/controller/ports.hpp"
@@ -25,7 +26,6 @@
 #include "stator/ethercat/standard/register_addresses.hpp"
 #include "stator/ethercat/units/distributed_clock.hpp"
 #include "stator/ethercat/units/fmmu.hpp"
-#include "stator/ethercat/units/latch_unit.hpp"
 #include "stator/ethercat/units/led.hpp"
 #include "stator/ethercat/units/mii_management.hpp"
 #include "stator/ethercat/units/sii_interface.hpp"
@@ -156,7 +156,9 @@ class SlaveController final : public ProcessDataInterface {
   /// From now() on the oscillator runs fast by so much.
   void set_clock_deviation(std::int32_t ppb);
   /// System time of the distributed clock, ns.
-  [[nodiscard]] std::uint64_t system_time(base::SimTime t) const { return clock_.system_time(t); }
+  [[nodiscard]] std::uint64_t system_time(base::SimTime t) const {
+    return clock_unit_.system_time(t);
+  }
 
   /// The SYNC outputs of the distributed clocks (`output` 0 or 1), as a host that wired the pin to
   /// an interrupt sees them. Pulses cost nothing while nobody asks: no deadline is made for them
@@ -293,23 +295,16 @@ class SlaveController final : public ProcessDataInterface {
   void clear_registers(std::size_t first, std::size_t last);
   void count(std::size_t address);
 
-  // clock_effects.cpp: registers of the distributed clocks
-  void before_clock_read(Side side, EffectSet effects, std::uint32_t address, std::size_t length);
-  void after_clock_read(Side side, EffectSet effects, std::uint32_t address, std::size_t length);
-  void after_clock_write(Side side, EffectSet effects, std::uint32_t address,
-                         std::span<const std::byte> data);
-  [[nodiscard]] bool accepts_clock_write(Side side, Effect effect, std::size_t address) const;
-  void acknowledge_clock(Side side, EffectSet effects, std::uint32_t address, std::size_t length);
-  void take_system_time(std::uint32_t address, std::span<const std::byte> data);
-  void take_host_system_time(std::uint32_t address, std::span<const std::byte> data);
-  void take_start_time(Side side, std::uint32_t address, std::size_t length);
-  void finish_start_time();
-  void report_activation(SyncUnit::Activation activation);
-  void advance_sync();
-  void schedule_sync();
-  void publish_clock_events();
+  // clock_effects.cpp
+  void take_clock_work(unsigned work) {
+    frame_work_ |= static_cast<std::uint8_t>(work);
+    if ((work & ClockWork::kAny) != 0) [[unlikely]] {
+      follow_clocks(work);
+    }
+  }
+  void follow_clocks(unsigned work);
+  void advance_sync() { take_clock_work(clock_unit_.advance(now_)); }
   void latch_buffer_event(Side side, std::size_t channel, bool start, bool change);
-  void reset_clocks();
 
   /// Makes status register and event requests follow the state of a sync manager.
   void publish_sync_manager(std::size_t channel) {
@@ -371,24 +366,11 @@ class SlaveController final : public ProcessDataInterface {
   SiiInterface sii_;
   MiiManagement mii_;
   Ports ports_{registers(), configuration_, mii_};
-  DistributedClock clock_;
-  SyncUnit sync_{registers()};
-  LatchUnit latch_{registers()};
-  TimeStamp<std::uint64_t> shown_system_time_{register_address::kSystemTime};
-  /// 0x09F0 bus change, 0x09F8 host start, 0x09FC host change; local time.
-  std::array<std::uint32_t, 3> buffer_events_{};
-  std::array<TimeStamp<std::uint32_t>, 3> shown_buffer_events_{
-      TimeStamp<std::uint32_t>{register_address::kEcatBufferChangeTime},
-      TimeStamp<std::uint32_t>{register_address::kPdiBufferStartTime},
-      TimeStamp<std::uint32_t>{register_address::kPdiBufferChangeTime}};
-  base::SimTime sync_deadline_ = base::SimTime::never();  ///< a pulse the host must be told of
-  /// Next edge of each SYNC output, if known since the clock or the unit last changed.
-  std::array<std::optional<base::SimTime>, SyncUnit::kOutputs> sync_edges_{};
-  std::uint8_t start_time_bytes_ = 0;  ///< of 0x0990 that this frame has written
+  base::EventReporter reporter_;
+  DistributedClockUnit clock_unit_{registers(), configuration_, reporter_};
   Watchdog host_watchdog_;
   ResetSequence reset_sequence_{registers()};
   std::uint32_t watchdog_triggers_ = 0;
-  base::EventReporter reporter_;
 
   MemoryPartner* partner_ = nullptr;
   std::array<Fmmu, kMaximumFmmus> fmmus_{};  ///< active ones, for the bitwise path
@@ -396,12 +378,11 @@ class SlaveController final : public ProcessDataInterface {
   std::array<std::uint8_t, kMaximumSyncManagers> activations_{};  ///< activate registers in force
   std::uint16_t changed_activations_ = 0;  ///< sync managers whose change the host has not seen
   std::uint16_t al_status_ = 1;            ///< as last reported to the bus
-  std::uint32_t received_system_time_ = 0;
-  bool al_control_taken_ = true;          ///< the host has seen the last AL control
-  bool loaded_ = false;                   ///< EEPROM valid: process memory open
-  bool enhanced_link_detection_ = false;  ///< of any port, as first loaded after power-on
-  bool host_open_ = false;                ///< see answers()
-  bool host_seen_ = false;                ///< somebody has used the host interface, or tried to
+  bool al_control_taken_ = true;           ///< the host has seen the last AL control
+  bool loaded_ = false;                    ///< EEPROM valid: process memory open
+  bool enhanced_link_detection_ = false;   ///< of any port, as first loaded after power-on
+  bool host_open_ = false;                 ///< see answers()
+  bool host_seen_ = false;                 ///< somebody has used the host interface, or tried to
   bool host_polling_ = true;
   bool registers_unlocked_ = false;   ///< by 0x0020, for the rest of this frame
   bool controller_unlocked_ = false;  ///< by 0x0030

@@ -5,7 +5,7 @@
 namespace stator::ethercat {
 
 /// What an access causes besides moving bits. Named by the register group; which side and which
-/// kind of access causes it stands in register_effects.cpp and clock_effects.cpp.
+/// kind of access causes it stands in register_effects.cpp and distributed_clock_unit.cpp.
 enum class Effect : std::uint8_t {
   none,
   station_address,
@@ -81,7 +81,8 @@ inline constexpr EffectSet kClockWrites =
            Effect::speed_filter, Effect::clock_side, Effect::sync_activation, Effect::sync_times,
            Effect::sync_cycle, Effect::latch_control);
 
-/// What is done in clock_effects.cpp, or nowhere; all else is done in register_effects.cpp.
+/// What is done in distributed_clock_unit.cpp, or nowhere; all else is done in
+/// register_effects.cpp.
 inline constexpr EffectSet kNoRegisterEffects = kClockReads | kClockWrites | set_of(Effect::none);
 
 /// Effects for which a read by the bus has to compute the value first or changes something.
@@ -90,7 +91,7 @@ inline constexpr EffectSet kBusReads =
                          Effect::event_request, Effect::watchdog_status, Effect::mii_port_status);
 
 /// Effects whose registers a side may write under a condition only; see accepts_bus_write(),
-/// accepts_host_write() and accepts_clock_write() of SlaveController.
+/// accepts_host_write() of SlaveController and DistributedClockUnit::accepts_write().
 inline constexpr EffectSet kConditionalWrites =
     set_of(Effect::al_control, Effect::al_status, Effect::watchdog_status, Effect::sii_access,
            Effect::sii_interface, Effect::mii_interface, Effect::mii_access, Effect::sync_manager,
