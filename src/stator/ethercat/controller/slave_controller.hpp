@@ -359,6 +359,7 @@ class SlaveController final : public ProcessDataInterface {
   std::array<DirectMapping, kMaximumFmmus> read_mappings_{};
   std::array<SyncManager, kMaximumSyncManagers> sync_managers_{};
   Watchdog process_data_watchdog_;
+  MemoryPartner* partner_ = nullptr;
 
   std::vector<std::byte> memory_;  ///< registers, then process memory
   SlaveControllerConfiguration configuration_;
@@ -372,7 +373,6 @@ class SlaveController final : public ProcessDataInterface {
   ResetSequence reset_sequence_{registers()};
   std::uint32_t watchdog_triggers_ = 0;
 
-  MemoryPartner* partner_ = nullptr;
   std::array<Fmmu, kMaximumFmmus> fmmus_{};  ///< active ones, for the bitwise path
   std::size_t fmmu_count_ = 0;
   std::array<std::uint8_t, kMaximumSyncManagers> activations_{};  ///< activate registers in force
