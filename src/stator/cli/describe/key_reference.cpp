@@ -24,7 +24,6 @@ namespace {
 using settings::KeyDescription;
 using settings::TableDescription;
 using settings::TableVariant;
-using settings::ValueForm;
 using settings::ValueKind;
 
 /// A table that has a heading of its own.

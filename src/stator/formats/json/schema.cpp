@@ -18,11 +18,7 @@ namespace stator::formats {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using settings::KeyDescription;
 using settings::TableDescription;
-using settings::TableVariant;
-using settings::ValueForm;
-using settings::ValueKind;
 
 /// A value as a rack file has it; all that stand for a default or a limit are JSON as well.
 Json value_of(const std::string& written) {
