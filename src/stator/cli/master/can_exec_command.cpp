@@ -99,12 +99,14 @@ std::vector<std::string> running_buses() {
     entries += (entries.empty() ? "" : ":") + to_entry(bus);
   }
   std::string preload = find_library(options.library);
-  const char* const before = std::getenv("LD_PRELOAD");  // NOLINT(concurrency-mt-unsafe)
+  // NOLINTBEGIN(concurrency-mt-unsafe): this is the only thread
+  const char* const before = std::getenv("LD_PRELOAD");
   if (before != nullptr && *before != '\0') {
     preload += ":" + std::string(before);
   }
-  ::setenv(link::can_exec::kBusesVariable, entries.c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
-  ::setenv("LD_PRELOAD", preload.c_str(), 1);                    // NOLINT(concurrency-mt-unsafe)
+  ::setenv(link::can_exec::kBusesVariable, entries.c_str(), 1);
+  ::setenv("LD_PRELOAD", preload.c_str(), 1);
+  // NOLINTEND(concurrency-mt-unsafe)
   std::vector<char*> arguments;
   for (const std::string& each : options.command) {
     arguments.push_back(const_cast<char*>(each.c_str()));

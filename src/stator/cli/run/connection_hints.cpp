@@ -50,7 +50,8 @@ std::optional<std::string> veth_peer(const std::string& interface) {
 }
 
 bool installed(std::string_view program) {
-  const char* path = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): no thread of a run changes the environment
+  const char* path = std::getenv("PATH");
   std::istringstream directories(path == nullptr ? "" : path);
   for (std::string directory; std::getline(directories, directory, ':');) {
     if (::access((fs::path(directory) / program).c_str(), X_OK) == 0) {
