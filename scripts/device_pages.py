@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Makes the generated parts of docs/devices/.
 
-    scripts/device_pages.py           write docs/devices/<device>.md and its table
+    scripts/device_pages.py           write <device>-requirements.md and the tables of each device
     scripts/device_pages.py --check   fail if a page is not what would be written
 
-A device page has text written by hand and, between two marker lines, its conformance: every
-requirement of tests/data/<device>/requirements.csv in words, block by block, with its status and
-tests from docs/conformance/<device>.csv. The table is what `stator describe` prints: the object
+A device's own page, <device>.md, is written by people. The page of requirements has every requirement of
+tests/data/<device>/requirements.csv in words, block by block, with its status and tests from
+docs/conformance/<device>.csv. A table is what `stator describe` prints: the object
 dictionary of a product, <device>-objects.md, its parameters and commands, <device>-parameters.md,
 the registers of a bare slave controller, <device>-registers.md, or what can be wired to the pins of
 an I/O chip, <device>-peripherals.md.
@@ -19,8 +19,6 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-BEGIN = "<!-- conformance: made by scripts/device_pages.py -->"
-END = "<!-- end of conformance -->"
 # What the column "Done" says; only `open` is still to come.
 MARKS = {"done": "yes", "simplified": "simplified", "left-out": "left out", "open": "not yet"}
 
@@ -30,14 +28,19 @@ def read_rows(path):
         return list(csv.DictReader(file))
 
 
-def conformance(device):
-    """The generated part of a device page, without the markers."""
+def requirements_page(device):
+    """Every requirement of a device's document, and what became of it."""
     requirements = read_rows(ROOT / "tests/data" / device / "requirements.csv")
     status = {row["id"]: row for row in read_rows(ROOT / "docs/conformance" / f"{device}.csv")}
     counts = dict.fromkeys(MARKS, 0)
     for row in status.values():
         counts[row["status"]] += 1
     lines = [
+        f"# Requirements of the {device.upper()}",
+        "",
+        "Made by `scripts/device_pages.py` from the rows whose columns are explained [here](../conformance/README.md); "
+        f"what the device is stands on [its own page]({device}.md). `L...` are line numbers of the plain text of its document.",
+        "",
         f"{len(requirements)} requirements: {counts['done']} done, {counts['open']} not yet; "
         f"{counts['simplified']} simplified and {counts['left-out']} left out for good, for the "
         "reasons in their notes.",
@@ -46,7 +49,7 @@ def conformance(device):
     for requirement in requirements:
         if requirement["block"] != block:
             block = requirement["block"]
-            lines += ["", f"### {block}", "", "| ID | Requirement | Done | Tests, notes |", "|---|---|---|---|"]
+            lines += ["", f"## {block}", "", "| ID | Requirement | Done | Tests, notes |", "|---|---|---|---|"]
         row = status[requirement["id"]]
         tests = ", ".join(f"`{test}`" for test in row["tests"].replace(";", " ").split())
         remark = "; ".join(part for part in (tests, row["note"]) if part)
@@ -55,16 +58,7 @@ def conformance(device):
             f"| {requirement['id']} | {text} ({requirement['source']}) | "
             f"{MARKS[row['status']]} | {remark.replace('|', chr(92) + '|')} |"
         )
-    return "\n".join(lines)
-
-
-def device_page(device, page):
-    """`page` with its generated part replaced."""
-    before, _, rest = page.partition(BEGIN)
-    _, found, after = rest.partition(END)
-    if not found:
-        sys.exit(f"docs/devices/{device}.md: the marker lines are missing; add\n{BEGIN}\n{END}")
-    return f"{before}{BEGIN}\n\n{conformance(device)}\n\n{END}{after}"
+    return "\n".join(lines) + "\n"
 
 
 def describe(device, stator, *options):
@@ -131,10 +125,9 @@ def main():
         page = ROOT / "docs/devices" / f"{device}.md"
         if not page.exists():
             sys.exit(
-                f"docs/devices/{device}.md is missing, but docs/conformance/{device}.csv is "
-                f"there; write what the device is, and the marker lines\n{BEGIN}\n{END}"
+                f"docs/devices/{device}.md is missing, but docs/conformance/{device}.csv is there; write what the device is"
             )
-        wanted = {page: device_page(device, page.read_text(encoding="utf-8"))}
+        wanted = {page.with_name(f"{device}-requirements.md"): requirements_page(device)}
         if device in running and (made := product_page(device, arguments.stator)):
             kind, table = made
             wanted[page.with_name(f"{device}-{kind}.md")] = table

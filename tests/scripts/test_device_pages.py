@@ -7,11 +7,10 @@ from loading import load, write_tree
 
 device_pages = load("device_pages")
 
-PAGE = f"# Chip\n\n{device_pages.BEGIN}\n{device_pages.END}\n"
 TREE = {
     "docs/conformance/chip.csv": "id,status,tests,note\nC-1,done,Chip.Counts,\n",
     "tests/data/chip/requirements.csv": "id,block,requirement,source\nC-1,Counters,Counts up.,L7\n",
-    "docs/devices/chip.md": PAGE,
+    "docs/devices/chip.md": "# Chip\n",
 }
 # Lists the products given to it; describes every device as one line with its own arguments.
 STATOR = """#!/bin/sh
@@ -37,7 +36,7 @@ class DevicePages(unittest.TestCase):
 
     def test_a_product_gets_its_objects(self):
         pages = self.run_script(products="chip  a product")
-        self.assertEqual(sorted(pages), ["chip-objects.md", "chip.md"])
+        self.assertEqual(sorted(pages), ["chip-objects.md", "chip-requirements.md", "chip.md"])
         self.assertIn("table of describe chip --format markdown", pages["chip-objects.md"])
 
     def test_peripherals_of_an_io_chip_are_made_again(self):
@@ -48,11 +47,11 @@ class DevicePages(unittest.TestCase):
 
     def test_a_bare_controller_gets_its_registers(self):
         pages = self.run_script()
-        self.assertEqual(sorted(pages), ["chip-registers.md", "chip.md"])
+        self.assertEqual(sorted(pages), ["chip-registers.md", "chip-requirements.md", "chip.md"])
         self.assertIn("table of describe chip --registers --format markdown", pages["chip-registers.md"])
 
     def test_the_page_shows_requirements_with_status_and_tests(self):
-        page = self.run_script()["chip.md"]
+        page = self.run_script()["chip-requirements.md"]
         self.assertIn("1 requirements: 1 done, 0 not yet; 0 simplified and 0 left out for good", page)
         self.assertIn("| C-1 | Counts up. (L7) | yes | `Chip.Counts` |", page)
 
@@ -66,13 +65,13 @@ class DevicePages(unittest.TestCase):
             "C-2,Counters,Counts down.,L8\n",
         }
         with mock.patch.dict(TREE, tree):
-            page = self.run_script()["chip.md"]
+            page = self.run_script()["chip-requirements.md"]
         self.assertIn("2 requirements: 0 done, 1 not yet; 0 simplified and 1 left out for good", page)
         self.assertIn("| C-1 | Counts up. (L7) | left out | no such pin |", page)
         self.assertIn("| C-2 | Counts down. (L8) | not yet | without the carry |", page)
 
     def test_check_refuses_pages_that_are_out_of_date(self):
-        with self.assertRaisesRegex(SystemExit, "not up to date: .*chip.md"):
+        with self.assertRaisesRegex(SystemExit, "not up to date: .*chip-requirements.md"):
             self.run_script("--check")
 
     def test_a_missing_page_is_named(self):
