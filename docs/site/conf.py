@@ -14,6 +14,7 @@ html_theme = "furo"
 html_static_path = ["static"]
 html_css_files = ["stator.css"]
 html_js_files = ["stator.js"]
+html_search_scorer = str(Path(__file__).resolve().parent / "scorer.js")
 html_copy_source = False
 html_show_sphinx = False
 html_show_copyright = False

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from sphinx.domains import Domain, ObjType
 
-# Sphinx' places of what is found: before pages, or after those whose text has the word. Keys of one name are many.
+# Places that scorer.js knows: before pages whose text has the word, or behind. Keys of one name are many.
 IN_FRONT = 0
 BEHIND = 1
-MANY = ("key", "signal", "input", "quirk")
+MANY = ("key", "option", "signal", "input", "quirk")
 
 
 class Entries(Domain):

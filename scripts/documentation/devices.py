@@ -11,6 +11,8 @@ AREAS = (("1", "1000h to 1FFFh: communication"), ("2345", "2000h to 5FFFh: the m
 
 # What there is to say, and where the document says it.
 REMARKS = ("notes", "source", "source_line")
+# Pages behind that of a device, in the order of the navigation.
+BEHIND = ("objects", "parameters", "registers", "mfc", "peripherals", "signals", "decisions", "requirements")
 # The columns below which they stand.
 WIDE = ("field", "name", "reply")
 
@@ -213,7 +215,7 @@ def write(stator, pages):
     pages.write("devices/index", "\n".join(lines) + "\n\n" + contents(f"devices/{name}" for name, _, _ in listed))
     for name, _, _ in listed:
         page = f"devices/{name}"
-        behind = sorted(one for one in pages.names if one.startswith(page + "-"))
+        behind = [f"{page}-{kind}" for kind in BEHIND if f"{page}-{kind}" in pages.names]
         path = pages.folder / f"{page}.md"
         heading = "\n\n## More about it\n\n" + "".join(
             f"- [{pages.title(one)}]({one.removeprefix('devices/')}.md)\n" for one in behind
