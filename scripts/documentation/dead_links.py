@@ -17,8 +17,8 @@ def either(match):
     return unescape(match[1] if match[1] is not None else match[2])
 
 
-def dead_links(site):
-    """How many links there are, and a sentence for each that is dead."""
+def dead_links(site, entries=()):
+    """How many links there are, and a sentence for each that is dead, also of what the search is to find."""
     site = Path(site).resolve()
     texts = {path: path.read_text(encoding="utf-8") for path in sorted(site.rglob("*.html"))}
     anchors = {path: {either(match) for match in ANCHOR.finditer(page)} for path, page in texts.items()}
@@ -41,4 +41,8 @@ def dead_links(site):
                 dead.append(f"{path.relative_to(site)}: {link}: there is no such file")
             elif anchor and target in anchors and unquote(anchor) not in anchors[target]:
                 dead.append(f"{path.relative_to(site)}: {link}: there is no such anchor")
+    for name, _, page, anchor in entries:
+        count += 1
+        if anchor not in anchors.get(site / f"{page}.html", ()):
+            dead.append(f"search: {name}: there is no {page}.html#{anchor}")
     return count, dead

@@ -2,7 +2,7 @@
 
 import json
 
-from .pages import plain, slug, table, text
+from .pages import plain, table, text
 
 PAGE = "rest/calls"
 TYPES = "rest/types"
@@ -44,7 +44,14 @@ def remark(schema):
 def call(method, path, operation):
     """The section of one call."""
     needs_token = {} not in operation.get("security", [{}])
-    lines = [f"### {method.upper()} {plain(path)}", "", plain(operation["summary"]) + ".", ""]
+    lines = [
+        f"({operation['operationId']})=",
+        "",
+        f"### {method.upper()} {plain(path)}",
+        "",
+        plain(operation["summary"]) + ".",
+        "",
+    ]
     lines += ["Needs the token." if needs_token else "Needs no token on loopback.", ""]
     if parameters := operation.get("parameters"):
         rows = [
@@ -94,7 +101,7 @@ def write(document, pages):
             lines += [f"## Of {name}", ""]
         for method, operation in operations.items():
             lines.append(call(method, path, operation))
-            pages.entry(f"{method.upper()} {path}", "call", PAGE, slug(f"{method} {path}"))
+            pages.entry(f"{method.upper()} {path}", "call", PAGE, operation["operationId"].lower())
     pages.write(PAGE, "\n".join(lines))
     lines = ["# Types of REST values", "", "Members in **bold** are always there.", ""]
     for name, schema in document["components"]["schemas"].items():

@@ -92,6 +92,11 @@ class DeadLinks(InAFolder):
         site = {"a.html": '<a href="b/">b</a>', "b/index.html": ""}
         self.assertEqual(self.dead(site), ["a.html: b/: there is no such file"])
 
+    def test_an_entry_of_the_search_needs_its_anchor(self):
+        write_tree(self.root, {"a/b.html": '<tr id="x"><td>'})
+        entries = [["X", "key", "a/b", "x"], ["Y", "key", "a/b", "y"]]
+        self.assertEqual(dead_links(self.root, entries), (2, ["search: Y: there is no a/b.html#y"]))
+
     def test_what_is_outside_or_only_on_a_web_server_is_told(self):
         site = {"a.html": '<a href="../x.html">x</a>', "s.css": "@import url(/javascript/y.css);"}
         self.assertEqual(self.dead(site), ["a.html: ../x.html is outside", "s.css: /javascript/y.css is outside"])
