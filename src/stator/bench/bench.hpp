@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "stator/base/expected.hpp"
-#include "stator/bench/can_sdo_client.hpp"
 #include "stator/bench/local_can_port.hpp"
 #include "stator/bench/local_port.hpp"
 #include "stator/can/port.hpp"
 #include "stator/ethercat/standard/al_state.hpp"
+#include "stator/master/can_sdo_client.hpp"
 #include "stator/master/cia402/drive_port.hpp"
 #include "stator/master/master.hpp"
 #include "stator/product/catalogue/catalogue.hpp"
@@ -171,7 +171,7 @@ class Bench {
   void take_frames(BusMaster& bus);
   /// Where the device was found, with its mailbox started.
   master::Result<std::size_t> mailbox_position(rack::DeviceAddress device);
-  [[nodiscard]] CanSdoClient can_client(rack::DeviceAddress device);
+  [[nodiscard]] master::CanSdoClient can_client(rack::DeviceAddress device);
   /// Sends `request` and waits for a data frame with that 11-bit identifier.
   std::optional<can::Frame> answer_to(std::size_t bus, const can::Frame& request,
                                       std::uint32_t identifier, base::SimDuration timeout);

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "stator/bench/bench_masters.hpp"
-#include "stator/bench/can_sdo_client.hpp"
+#include "stator/master/can_sdo_client.hpp"
 #include "stator/master/cia402/slave_drive_port.hpp"
 #include "stator/master/text.hpp"
 #include "stator/product/device/device.hpp"
@@ -29,15 +29,7 @@ class Bench::BenchDrivePort final : public master::DrivePort {
       return slave(*position).read(object, size);
     }
     const auto data = bench_.upload(device_, object);
-    if (!data) {
-      return base::Unexpected{data.error()};
-    }
-    if (data->size() != size) {
-      return master::fail(ErrorCode::protocol,
-                          fmt::format("{} of {} has {} bytes, {} were expected",
-                                      master::to_text(object), name(), data->size(), size));
-    }
-    return master::load_number(*data);
+    return data ? master::number_of(*data, size, object, name()) : base::Unexpected{data.error()};
   }
   master::Result<void> write(master::ObjectAddress object, std::size_t size,
                              std::uint64_t bits) override {
@@ -128,11 +120,11 @@ void Bench::wait_for_boot_up(rack::DeviceAddress device) {
   wait_until(booted, kBootTimeout);
 }
 
-CanSdoClient Bench::can_client(rack::DeviceAddress device) {
+master::CanSdoClient Bench::can_client(rack::DeviceAddress device) {
   const std::uint8_t node = node_id(device).value_or(0);
   wait_for_boot_up(device);
   return {node, [this, node, bus = device.network](const can::Frame& request) {
-            return answer_to(bus, request, CanSdoClient::kAnswer + node, kSdoTimeout);
+            return answer_to(bus, request, master::CanSdoClient::kAnswer + node, kSdoTimeout);
           }};
 }
 

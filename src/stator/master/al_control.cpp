@@ -17,6 +17,10 @@ namespace {
 constexpr std::uint16_t kErrorAcknowledge = 0x10;  // AL control bit 4; AL status bit 4: error
 constexpr std::uint16_t kStateMask = 0x0F;
 
+/// For so long a request that is the slave's state already is tried on a locked register: a slave
+/// whose host is absent never looks.
+constexpr base::SimDuration kLockPatience{1'000'000'000};
+
 /// Writes AL control until the slave takes it: the register is locked while the slave has not yet
 /// looked at an earlier request.
 Result<void> write_al_control(Bus& bus, const Station& station, std::uint16_t value,
@@ -103,10 +107,18 @@ Result<void> request_al_state(Bus& bus, const Station& station, AlState state, c
   if (auto acknowledged = acknowledge_error(bus, station, deadline, idle); !acknowledged) {
     return acknowledged;
   }
+  const base::SimTime patience = std::min(deadline, bus.port().now() + kLockPatience);
   if (auto written =
-          write_al_control(bus, station, static_cast<std::uint16_t>(state), deadline, idle);
+          write_al_control(bus, station, static_cast<std::uint16_t>(state), patience, idle);
       !written) {
-    return written;
+    const auto status = read_al_status(bus, station);
+    if (status && status->state == state && !status->error) {
+      return {};
+    }
+    written = write_al_control(bus, station, static_cast<std::uint16_t>(state), deadline, idle);
+    if (!written) {
+      return written;
+    }
   }
   while (true) {
     const auto status = read_al_status(bus, station);

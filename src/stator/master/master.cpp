@@ -1,6 +1,7 @@
 #include "stator/master/master.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "stator/master/bus.hpp"
 #include "stator/master/cyclic_exchange.hpp"
@@ -27,6 +28,12 @@ bool has_coe(const SlaveInformation& information) {
          information.transmit_mailbox.length >= kSmallestMailbox;
 }
 
+std::vector<std::size_t> all_positions(std::span<const Slave> slaves) {
+  std::vector<std::size_t> positions(slaves.size());
+  std::iota(positions.begin(), positions.end(), std::size_t{0});
+  return positions;
+}
+
 /// What the master keeps for a slave with a mailbox.
 struct Communication {
   Communication(Bus& bus, const Slave& slave, const Idle& idle)
@@ -47,12 +54,13 @@ struct Master::State {
   Result<Slave*> slave_at(std::size_t position);
   Result<Communication*> communication_with(std::size_t position);
   Result<void> start_mailbox(Slave& slave);
-  Result<void> set_all(AlState state);
+  Result<void> set(std::span<const std::size_t> positions, AlState state);
 
   MasterOptions options;
   Bus bus;
   std::vector<Slave> slaves;
   std::vector<std::unique_ptr<Communication>> communications;  ///< null: no CoE
+  std::vector<std::size_t> exchanging;  ///< positions of the slaves that have process data
   CyclicExchange cyclic{bus};
   bool operational = false;
 };
@@ -117,8 +125,9 @@ Result<void> Master::State::start_mailbox(Slave& slave) {
   return done;
 }
 
-Result<void> Master::State::set_all(AlState state) {
-  for (Slave& slave : slaves) {
+Result<void> Master::State::set(std::span<const std::size_t> positions, AlState state) {
+  for (const std::size_t position : positions) {
+    Slave& slave = slaves[position];
     if (auto done =
             request_al_state(bus, station_of(slave), state, Idle::bind<&State::idle>(*this));
         !done) {
@@ -163,6 +172,7 @@ Result<void> Master::scan() {
   state.operational = false;
   state.communications.clear();
   state.slaves.clear();
+  state.exchanging.clear();
   state.cyclic.clear();
 
   auto slaves = scan_segment(state.bus);
@@ -176,7 +186,7 @@ Result<void> Master::scan() {
             ? std::make_unique<Communication>(state.bus, slave, Idle::bind<&State::idle>(state))
             : nullptr);
   }
-  return state.set_all(AlState::init);
+  return state.set(all_positions(state.slaves), AlState::init);
 }
 
 Result<AlStatus> Master::al_status(std::size_t position) {
@@ -204,13 +214,23 @@ Result<void> Master::start_mailbox(std::size_t position) {
 }
 
 Result<void> Master::configure_process_data() {
-  State& state = *state_;
-  if (state.slaves.empty()) {
+  if (state_->slaves.empty()) {
     return fail(ErrorCode::argument, "there are no slaves to configure; scan first");
   }
+  return configure_process_data(all_positions(state_->slaves));
+}
+
+Result<void> Master::configure_process_data(std::span<const std::size_t> positions) {
+  State& state = *state_;
   state.operational = false;
-  std::vector<SlaveProcessData> process_data;
-  for (Slave& slave : state.slaves) {
+  state.exchanging.clear();
+  std::vector<SlaveProcessData> process_data(state.slaves.size());
+  for (const std::size_t position : positions) {
+    const auto found = state.slave_at(position);
+    if (!found) {
+      return base::Unexpected{found.error()};
+    }
+    Slave& slave = **found;
     if (auto done = state.start_mailbox(slave); !done) {
       return done;
     }
@@ -220,17 +240,18 @@ Result<void> Master::configure_process_data() {
     if (!data) {
       return base::Unexpected{data.error()};
     }
-    process_data.push_back(std::move(*data));
+    process_data[position] = std::move(*data);
   }
   if (auto done = state.cyclic.configure(std::move(process_data)); !done) {
     return done;
   }
-  for (const Slave& slave : state.slaves) {
-    if (auto done = state.cyclic.write_mapping(station_of(slave)); !done) {
+  for (const std::size_t position : positions) {
+    if (auto done = state.cyclic.write_mapping(station_of(state.slaves[position])); !done) {
       return done;
     }
   }
-  return state.set_all(AlState::safe_operational);
+  state.exchanging.assign(positions.begin(), positions.end());
+  return state.set(state.exchanging, AlState::safe_operational);
 }
 
 Result<void> Master::go_operational() {
@@ -242,7 +263,7 @@ Result<void> Master::go_operational() {
   state.operational = true;
   auto done = state.cyclic.run_cycle();
   if (done) {
-    done = state.set_all(AlState::operational);
+    done = state.set(state.exchanging, AlState::operational);
   }
   state.operational = done.has_value();
   return done;

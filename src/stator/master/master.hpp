@@ -51,6 +51,9 @@ class Master {
   /// For all slaves: start_mailbox, then reads the PDO mapping the slave has (1C12h, 1C13h and the
   /// PDOs named there), sets sync managers and FMMUs for it and goes to Safe-Operational.
   Result<void> configure_process_data();
+  /// The same for the slaves at `positions` alone: the others stay in the state they are in and
+  /// have no process data, and go_operational() leaves them out.
+  Result<void> configure_process_data(std::span<const std::size_t> positions);
   /// That has been done since the last scan, so run_cycle() exchanges.
   [[nodiscard]] bool process_data_configured() const;
 

@@ -21,16 +21,20 @@ constexpr std::uint16_t kTargetPosition = 0x607A;
 constexpr std::uint16_t kProfileVelocity = 0x6081;
 constexpr std::uint16_t kProfileAcceleration = 0x6083;
 constexpr std::uint16_t kProfileDeceleration = 0x6084;
+constexpr std::uint16_t kTargetVelocity = 0x60FF;
 
 // Controlword (CiA 402-2 table 27): commands of the power state machine, then bits.
 constexpr std::uint16_t kDisableVoltage = 0x0000;
+constexpr std::uint16_t kQuickStop = 0x0002;
 constexpr std::uint16_t kShutdown = 0x0006;
 constexpr std::uint16_t kSwitchOn = 0x0007;
 constexpr std::uint16_t kEnableOperation = 0x000F;
 constexpr std::uint16_t kNewSetPoint = 1U << 4;
 constexpr std::uint16_t kChangeImmediately = 1U << 5;
 constexpr std::uint16_t kRelative = 1U << 6;
+constexpr std::uint16_t kHomingOperationStart = 1U << 4;
 constexpr std::uint16_t kFaultReset = 1U << 7;
+constexpr std::uint16_t kHalt = 1U << 8;
 
 // Statusword.
 constexpr std::uint16_t kTargetReached = 1U << 10;
@@ -245,6 +249,14 @@ Result<void> Cia402Client::disable() {
   return wait_for_state(DriveState::switch_on_disabled, true);
 }
 
+Result<void> Cia402Client::quick_stop() {
+  return write_controlword(kQuickStop);
+}
+
+Result<void> Cia402Client::halt() {
+  return write_controlword(kEnableOperation | kHalt);
+}
+
 Result<void> Cia402Client::set_mode(OperationMode mode) {
   const auto number = static_cast<std::int8_t>(mode);
   if (auto written = write<std::int8_t>(kModesOfOperation, 0, number); !written) {
@@ -288,7 +300,7 @@ Result<void> Cia402Client::write_profile(const ProfileMove& move) {
   return write<std::int32_t>(kTargetPosition, 0, move.target);
 }
 
-Result<void> Cia402Client::start_move(const ProfileMove& move) {
+Result<void> Cia402Client::require_enabled(std::string_view what) {
   const auto now = state();
   if (!now) {
     return base::Unexpected{now.error()};
@@ -297,8 +309,40 @@ Result<void> Cia402Client::start_move(const ProfileMove& move) {
     return base::Unexpected{fault_error()};
   }
   if (*now != DriveState::operation_enabled) {
-    return fail(ErrorCode::argument, name() + " is in " + std::string(to_text(*now)) +
-                                         ", a move needs Operation enabled; enable it first");
+    return fail(ErrorCode::argument, name() + " is in " + std::string(to_text(*now)) + ", " +
+                                         std::string(what) +
+                                         " needs Operation enabled; enable it first");
+  }
+  return {};
+}
+
+Result<void> Cia402Client::run_at(std::int32_t velocity) {
+  if (auto ready = require_enabled("turning"); !ready) {
+    return ready;
+  }
+  if (auto written = write<std::int32_t>(kTargetVelocity, 0, velocity); !written) {
+    return written;
+  }
+  return write_controlword(kEnableOperation);
+}
+
+Result<void> Cia402Client::start_homing() {
+  if (auto ready = require_enabled("homing"); !ready) {
+    return ready;
+  }
+  // It begins with the rising edge of bit 4, so that must be seen low first.
+  if (auto written = write_controlword(kEnableOperation); !written) {
+    return written;
+  }
+  if (auto waited = port_.run_cycle(); !waited) {
+    return waited;
+  }
+  return write_controlword(kEnableOperation | kHomingOperationStart);
+}
+
+Result<void> Cia402Client::start_move(const ProfileMove& move) {
+  if (auto ready = require_enabled("a move"); !ready) {
+    return ready;
   }
   // The drive takes a set-point at the rising edge of bit 4, and only when it has released the
   // acknowledge of the one before.

@@ -60,6 +60,16 @@ class Cia402Client {
   /// Down to Switch on disabled.
   Result<void> disable();
 
+  /// Quick stop: the drive brakes as its quick stop option code (605Ah) says. enable() leads on.
+  Result<void> quick_stop();
+  /// Stops what moves as the halt option code (605Dh) says and stays enabled (controlword bit 8);
+  /// start_move(), start_homing() and run_at() end it.
+  Result<void> halt();
+  /// Writes the controlword (6040h) as it is, whatever that does.
+  Result<void> write_controlword(std::uint16_t controlword);
+  /// The one that was written last.
+  [[nodiscard]] std::uint16_t controlword() const { return controlword_; }
+
   /// Selects a mode and waits until the drive shows it (6061h).
   Result<void> set_mode(OperationMode mode);
 
@@ -71,6 +81,13 @@ class Cia402Client {
   Result<bool> target_reached();
   /// Waits for target reached.
   Result<void> wait_for_target(base::SimDuration limit);
+
+  /// Turns at `velocity` (60FFh) from now on, in profile velocity or cyclic synchronous velocity
+  /// mode, which must have been selected.
+  Result<void> run_at(std::int32_t velocity);
+  /// Begins homing by the drive's method (6098h), in homing mode, which must have been selected.
+  /// Statusword bit 12 tells that home is attained, bit 13 that it cannot be.
+  Result<void> start_homing();
 
   /// How long the drive may take for a state, a mode or a set-point; 1 s at first.
   void set_response_timeout(base::SimDuration timeout) { response_timeout_ = timeout; }
@@ -84,7 +101,7 @@ class Cia402Client {
 
  private:
   [[nodiscard]] std::uint16_t axis_index(std::uint16_t index) const;
-  Result<void> write_controlword(std::uint16_t controlword);
+  Result<void> require_enabled(std::string_view what);
   Result<void> write_profile(const ProfileMove& move);
   Result<void> hold_position();
   Result<void> wait_for_state(DriveState wanted, bool fault_is_failure);

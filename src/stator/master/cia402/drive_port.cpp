@@ -1,5 +1,7 @@
 #include "stator/master/cia402/drive_port.hpp"
 
+#include "stator/master/text.hpp"
+
 namespace stator::master {
 
 std::uint64_t load_number(std::span<const std::byte> bytes) {
@@ -8,6 +10,16 @@ std::uint64_t load_number(std::span<const std::byte> bytes) {
     number = number << 8 | std::to_integer<std::uint64_t>(bytes[i]);
   }
   return number;
+}
+
+Result<std::uint64_t> number_of(std::span<const std::byte> bytes, std::size_t size,
+                                ObjectAddress object, const std::string& name) {
+  if (bytes.size() != size) {
+    return fail(ErrorCode::protocol, to_text(object) + " of " + name + " has " +
+                                         std::to_string(bytes.size()) + " bytes, " +
+                                         std::to_string(size) + " were expected");
+  }
+  return load_number(bytes);
 }
 
 void store_number(std::span<std::byte> bytes, std::uint64_t number) {

@@ -37,6 +37,10 @@ class DrivePort {
 
 /// The number that up to 8 bytes are, the lowest first.
 [[nodiscard]] std::uint64_t load_number(std::span<const std::byte> bytes);
+/// The same of what an SDO of `object` brought; ErrorCode::protocol if it is not `size` bytes long.
+/// `name`: of the drive, for people.
+[[nodiscard]] Result<std::uint64_t> number_of(std::span<const std::byte> bytes, std::size_t size,
+                                              ObjectAddress object, const std::string& name);
 /// Stores the lower bytes of a number, the lowest first.
 void store_number(std::span<std::byte> bytes, std::uint64_t number);
 

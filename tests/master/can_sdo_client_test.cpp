@@ -1,16 +1,14 @@
-// The bench's SDO client on CAN: expedited and segmented transfers (CiA 301), aborts, silence,
+// The SDO client on CAN: expedited and segmented transfers (CiA 301), aborts, silence,
 // wrong toggles.
-#include "stator/bench/can_sdo_client.hpp"
+#include "stator/master/can_sdo_client.hpp"
 
 #include <deque>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-namespace stator::bench {
+namespace stator::master {
 namespace {
-
-using master::ErrorCode;
 
 std::vector<std::byte> bytes(std::initializer_list<unsigned> values) {
   std::vector<std::byte> result;
@@ -95,4 +93,4 @@ TEST(CanSdoClient, RefusesAToggleThatDoesNotAlternate) {
 }
 
 }  // namespace
-}  // namespace stator::bench
+}  // namespace stator::master

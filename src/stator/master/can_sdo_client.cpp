@@ -1,19 +1,15 @@
-#include "stator/bench/can_sdo_client.hpp"
+#include "stator/master/can_sdo_client.hpp"
 
 #include <algorithm>
 #include <array>
-
-#include <fmt/format.h>
+#include <string>
 
 #include "stator/base/byte_order.hpp"
 #include "stator/master/text.hpp"
 
-namespace stator::bench {
+namespace stator::master {
 
 namespace {
-
-using master::ErrorCode;
-using master::ObjectAddress;
 
 // Command specifiers, the upper three bits of the first byte (CiA 301 tables 42 to 49).
 constexpr unsigned kDownloadSegmentRequest = 0;
@@ -49,30 +45,29 @@ std::array<std::byte, can::kMaximumData> request(unsigned first, ObjectAddress o
 }
 
 auto unexpected_answer(ObjectAddress object, unsigned first) {
-  return master::fail(ErrorCode::protocol,
-                      fmt::format("the answer about {} begins with {:02X}h, which does not fit",
-                                  to_text(object), first));
+  return fail(ErrorCode::protocol, "the answer about " + to_text(object) + " begins with " +
+                                       hexadecimal(first, 2) + ", which does not fit");
 }
 
 }  // namespace
 
-master::Result<CanSdoClient::Data> CanSdoClient::ask(const Data& request, ObjectAddress object) {
+Result<CanSdoClient::Data> CanSdoClient::ask(const Data& request, ObjectAddress object) {
   const auto answer = exchange_(can::data_frame(kRequest + node_id_, request));
   if (!answer || answer->length != can::kMaximumData) {
-    return master::fail(ErrorCode::mailbox, fmt::format("node {} did not answer an SDO about {}",
-                                                        node_id_, to_text(object)));
+    return fail(ErrorCode::mailbox, "node " + std::to_string(node_id_) +
+                                        " did not answer an SDO about " + to_text(object));
   }
   if (specifier(answer->data) == kAbort) {
     const auto code = base::load_le<std::uint32_t>(std::span(answer->data).subspan(4));
-    return master::fail(
-        ErrorCode::sdo_aborted,
-        fmt::format("node {} aborted the transfer of {}: {:08X}h", node_id_, to_text(object), code),
-        code);
+    return fail(ErrorCode::sdo_aborted,
+                "node " + std::to_string(node_id_) + " aborted the transfer of " + to_text(object) +
+                    ": " + hexadecimal(code, 8),
+                code);
   }
   return answer->data;
 }
 
-master::Result<std::vector<std::byte>> CanSdoClient::upload(ObjectAddress object) {
+Result<std::vector<std::byte>> CanSdoClient::upload(ObjectAddress object) {
   const auto answer = ask(request(kInitiateUploadRequest << 5, object), object);
   if (!answer) {
     return base::Unexpected{answer.error()};
@@ -89,7 +84,7 @@ master::Result<std::vector<std::byte>> CanSdoClient::upload(ObjectAddress object
   return std::vector<std::byte>(data.begin(), data.end());
 }
 
-master::Result<std::vector<std::byte>> CanSdoClient::upload_segments(ObjectAddress object) {
+Result<std::vector<std::byte>> CanSdoClient::upload_segments(ObjectAddress object) {
   std::vector<std::byte> data;
   for (unsigned toggle = 0;; toggle ^= kToggle) {
     const auto answer = ask(request(kUploadSegmentRequest << 5 | toggle, {}), object);
@@ -108,7 +103,7 @@ master::Result<std::vector<std::byte>> CanSdoClient::upload_segments(ObjectAddre
   }
 }
 
-master::Result<void> CanSdoClient::download(ObjectAddress object, std::span<const std::byte> data) {
+Result<void> CanSdoClient::download(ObjectAddress object, std::span<const std::byte> data) {
   if (data.empty() || data.size() > kExpeditedBytes) {
     return download_segments(object, data);
   }
@@ -126,8 +121,8 @@ master::Result<void> CanSdoClient::download(ObjectAddress object, std::span<cons
   return {};
 }
 
-master::Result<void> CanSdoClient::download_segments(ObjectAddress object,
-                                                     std::span<const std::byte> data) {
+Result<void> CanSdoClient::download_segments(ObjectAddress object,
+                                             std::span<const std::byte> data) {
   Data begin = request(kInitiateDownloadRequest << 5 | kSizeIndicated, object);
   base::store_le(begin, 4, static_cast<std::uint32_t>(data.size()));
   auto answer = ask(begin, object);
@@ -158,4 +153,4 @@ master::Result<void> CanSdoClient::download_segments(ObjectAddress object,
   return base::Unexpected{answer.error()};
 }
 
-}  // namespace stator::bench
+}  // namespace stator::master

@@ -12,7 +12,7 @@
 #include "stator/master/error.hpp"
 #include "stator/master/sdo_types.hpp"
 
-namespace stator::bench {
+namespace stator::master {
 
 /// SDO client of a CANopen node on the identifiers of the predefined connection set (CiA 301
 /// §7.2.4, §7.3.3): expedited and segmented transfers.
@@ -30,19 +30,18 @@ class CanSdoClient {
 
   /// ErrorCode::sdo_aborted with the node's abort code, mailbox: no answer, protocol: an answer
   /// that is none.
-  master::Result<std::vector<std::byte>> upload(master::ObjectAddress object);
-  master::Result<void> download(master::ObjectAddress object, std::span<const std::byte> data);
+  Result<std::vector<std::byte>> upload(ObjectAddress object);
+  Result<void> download(ObjectAddress object, std::span<const std::byte> data);
 
  private:
   using Data = std::array<std::byte, can::kMaximumData>;
 
-  master::Result<Data> ask(const Data& request, master::ObjectAddress object);
-  master::Result<std::vector<std::byte>> upload_segments(master::ObjectAddress object);
-  master::Result<void> download_segments(master::ObjectAddress object,
-                                         std::span<const std::byte> data);
+  Result<Data> ask(const Data& request, ObjectAddress object);
+  Result<std::vector<std::byte>> upload_segments(ObjectAddress object);
+  Result<void> download_segments(ObjectAddress object, std::span<const std::byte> data);
 
   std::uint8_t node_id_;
   Exchange exchange_;
 };
 
-}  // namespace stator::bench
+}  // namespace stator::master
