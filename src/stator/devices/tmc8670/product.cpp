@@ -24,6 +24,10 @@ class Tmc8670Product final : public product::ProductOf<Tmc8670Configuration, Tmc
   [[nodiscard]] std::vector<product::AxisSetup> axes(product::Setup& setup) const override {
     return {{.pwm = &of(setup).axis}};
   }
+  /// 608Fh:01, and rpm.
+  [[nodiscard]] std::optional<product::MotionUnits> motion_units() const override {
+    return product::MotionUnits{.position = 65'536.0, .velocity = 60.0};
+  }
   [[nodiscard]] std::span<const ethercat::ControllerPreset> controllers() const override {
     return tmc8670::kControllers;
   }

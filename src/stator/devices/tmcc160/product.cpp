@@ -20,6 +20,10 @@ class Tmcc160Product final : public product::ProductOf<Tmcc160Configuration, Tmc
   [[nodiscard]] std::vector<product::AxisSetup> axes(product::Setup& setup) const override {
     return {{.servo = &of(setup).axis}};
   }
+  /// Six steps of its hall sensors for each of four pole pairs, and rpm.
+  [[nodiscard]] std::optional<product::MotionUnits> motion_units() const override {
+    return product::MotionUnits{.position = 24.0, .velocity = 60.0};
+  }
 };
 
 }  // namespace

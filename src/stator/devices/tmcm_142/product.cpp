@@ -24,6 +24,10 @@ class Tmcm142Product final : public product::ProductOf<Tmcm142Configuration, Tmc
   [[nodiscard]] std::vector<product::AxisSetup> axes(product::Setup& setup) const override {
     return {{.stepper = &of(setup).axis}};
   }
+  /// Microsteps of 1/256 full step.
+  [[nodiscard]] std::optional<product::MotionUnits> motion_units() const override {
+    return product::MotionUnits{.position = 51'200.0, .velocity = 51'200.0};
+  }
   [[nodiscard]] std::vector<product::SerialInterface> serial_interfaces(
       const product::Setup& setup) const override {
     std::vector<product::SerialInterface> interfaces = identity().serial_interfaces;

@@ -56,6 +56,10 @@ class Tmcm3315Product final : public product::ProductOf<Tmcm3315Configuration, T
     }
     return axes;
   }
+  /// Microsteps of 1/256 full step.
+  [[nodiscard]] std::optional<product::MotionUnits> motion_units() const override {
+    return product::MotionUnits{.position = 51'200.0, .velocity = 51'200.0};
+  }
   [[nodiscard]] std::span<const ethercat::ControllerPreset> controllers() const override {
     return {&tmcm_3315::kController, 1};
   }

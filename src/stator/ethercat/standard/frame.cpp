@@ -23,7 +23,20 @@ std::uint16_t ether_type(std::span<const std::byte> frame) {
                                     std::to_integer<unsigned>(frame[kEtherTypeOffset + 1]));
 }
 
+/// The frame as it were without a VLAN tag: the EtherType stands at kEtherTypeOffset.
+template <typename Byte>
+std::span<Byte> untagged(std::span<Byte> frame) {
+  return frame.size() >= kFirstDatagramOffset + kVlanTagLength &&
+                 ether_type(frame) == kVlanEtherType
+             ? frame.subspan(kVlanTagLength)
+             : frame;
+}
+
 }  // namespace
+
+bool is_ethercat(std::span<const std::byte> frame) {
+  return frame.size() >= kFirstDatagramOffset && ether_type(untagged(frame)) == kEtherType;
+}
 
 void DatagramView::store() const {
   std::byte* header = data - kDatagramHeaderLength;
@@ -40,12 +53,8 @@ DatagramCursor::DatagramCursor(std::span<std::byte> frame) {
     error_ = FrameError::too_short;
     return;
   }
-  unsigned type = ether_type(frame);
-  if (type == kVlanEtherType && frame.size() >= kFirstDatagramOffset + kVlanTagLength) {
-    frame = frame.subspan(kVlanTagLength);
-    type = ether_type(frame);
-  }
-  if (type != kEtherType) {
+  frame = untagged(frame);
+  if (ether_type(frame) != kEtherType) {
     error_ = FrameError::other_ether_type;
     return;
   }

@@ -34,6 +34,9 @@ inline constexpr std::size_t kMaximumDatagramData =
 /// More datagrams than the 11-bit EtherCAT length can hold do not exist.
 inline constexpr std::size_t kMaximumDatagrams = 0x7FF / kDatagramOverhead;
 
+/// Whether an Ethernet frame, with a VLAN tag or without, has the EtherType of EtherCAT.
+[[nodiscard]] bool is_ethercat(std::span<const std::byte> frame);
+
 /// EtherCAT commands (ETG.1000.4 §5.4.1).
 enum class Command : std::uint8_t {
   nop = 0,

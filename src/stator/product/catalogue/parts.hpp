@@ -33,6 +33,12 @@ struct TmclAddress {
   std::uint16_t can_reply = 2;  ///< identifier of replies (70)
 };
 
+/// What a revolution of the motor is to masters, in the units of the product as it leaves its box.
+struct MotionUnits {
+  double position = 0.0;  ///< by how much the actual position differs after one revolution
+  double velocity = 0.0;  ///< the velocity of one revolution per second
+};
+
 /// Motor, load, supply, sensors and switches of one axis: one of the pointers is not null.
 struct AxisSetup {
   plant::StepperAxisParameters* stepper = nullptr;

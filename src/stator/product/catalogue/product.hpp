@@ -72,6 +72,9 @@ class Product : public std::enable_shared_from_this<Product> {
   /// What is around each of its axes.
   [[nodiscard]] virtual std::vector<AxisSetup> axes(Setup& /*setup*/) const { return {}; }
 
+  /// Of its axes; nothing: it has none, or its units are not known.
+  [[nodiscard]] virtual std::optional<MotionUnits> motion_units() const { return std::nullopt; }
+
   /// Ports for EtherCAT cables.
   [[nodiscard]] virtual unsigned ports(const Setup& /*setup*/) const { return identity().ports; }
   /// Its serial interfaces as they are configured.

@@ -99,6 +99,7 @@ bool BusThread::take_frames() {
     }
     const std::scoped_lock lock(shared_.mutex);
     statistics_.frames_in += count;
+    seat_.hear(shared_.now());
     if (shared_.clock_kind == ClockKind::lockstep) {
       put_in_lockstep(*port, frames);
       continue;

@@ -14,6 +14,7 @@
 #include "stator/link/system/descriptor_wait.hpp"
 #include "stator/rack/core/bus_port.hpp"
 #include "stator/rack/core/rack_configuration.hpp"
+#include "stator/rack/run/master_seat.hpp"
 #include "stator/rack/run/running_rack.hpp"
 
 namespace stator::rack {
@@ -50,6 +51,8 @@ class BusThread {
   [[nodiscard]] BusThreadStatistics statistics();
   /// For queued tasks, which run while the rack is held.
   [[nodiscard]] const BusThreadStatistics& statistics_in_task() const { return statistics_; }
+  /// Guarded by the rack's mutex.
+  [[nodiscard]] MasterSeat& seat() { return seat_; }
   [[nodiscard]] std::size_t ports() const { return ports_.size(); }
   [[nodiscard]] const link::CanLink& port(std::size_t index) const { return *ports_[index]->link; }
 
@@ -82,6 +85,7 @@ class BusThread {
   link::DescriptorWait wait_;
   base::SimTime now_;  ///< of the last look
   BusThreadStatistics statistics_;
+  MasterSeat seat_;
   std::thread thread_;
 };
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "stator/ethercat/segment/segment.hpp"
+#include "stator/ethercat/standard/frame.hpp"
 #include "stator/link/ethernet/link_pair_receiver.hpp"
 #include "stator/link/ethernet/open_link.hpp"
 #include "stator/rack/kept/device_storage.hpp"
@@ -61,6 +62,7 @@ struct Runner::SegmentThread {
   std::vector<std::byte> captured_request;  ///< the frame as it came, for the capture
   std::optional<unsigned> cpu;
   SegmentStatistics statistics;
+  MasterSeat seat;
   base::SimTime next_release = base::SimTime::never();  ///< of a frame that a fault holds up
   bool send_failure_logged = false;
   bool interface_down_logged = false;
@@ -240,6 +242,10 @@ SegmentStatistics Runner::statistics(std::size_t segment) {
   return segments_[segment]->statistics;
 }
 
+MasterSeat& Runner::seat(std::size_t segment) {
+  return segments_[segment]->seat;
+}
+
 SegmentStatistics Runner::segment_in_task(std::size_t segment) const {
   return segments_[segment]->statistics;
 }
@@ -318,6 +324,9 @@ void Runner::answer(SegmentThread& segment, std::span<std::byte> frame, MasterIn
   }
   std::unique_lock lock(shared_.mutex);
   const base::SimTime arrival = arrival_of(frame);
+  if (ethercat::is_ethercat(frame)) {
+    segment.seat.hear(arrival);
+  }
   const std::optional<MasterInterface> exit =
       shared_.rack.process_frame(segment.index, frame, arrival, entry);
   segment.next_release = shared_.rack.segment(segment.index).next_release();

@@ -16,6 +16,7 @@
 #include "stator/rack/run/bus_thread.hpp"
 #include "stator/rack/run/chip_thread.hpp"
 #include "stator/rack/run/eoe_bridge.hpp"
+#include "stator/rack/run/master_seat.hpp"
 #include "stator/rack/run/running_rack.hpp"
 #include "stator/rack/run/serial_line_thread.hpp"
 
@@ -73,6 +74,10 @@ class Runner {
   [[nodiscard]] std::size_t chip_count() const { return chips_.size(); }
   [[nodiscard]] ChipThread& chip(std::size_t index) { return *chips_[index]; }
   [[nodiscard]] SegmentStatistics statistics(std::size_t segment);
+  /// Of a segment's master; guarded by the rack's mutex, as those of buses and lines.
+  [[nodiscard]] MasterSeat& seat(std::size_t segment);
+  /// What the threads share, for masters inside this process.
+  [[nodiscard]] RunningRack& running() { return shared_; }
   /// Where somebody outside hands in tasks for the running rack.
   [[nodiscard]] TaskQueue& tasks() { return shared_.tasks; }
   /// What time stamps of CAN frames add to simulated time.

@@ -41,12 +41,16 @@ SerialLineThread::SerialLineThread(RunningRack& shared, std::size_t index,
     throw std::runtime_error(opened.error().text);
   }
   link_ = std::move(*opened);
-  shared_.rack.connect_line(index_, SerialLine::Output::bind<&SerialLineThread::send>(*this));
+  connect();
 }
 
 SerialLineThread::~SerialLineThread() {
   stop();
   shared_.rack.connect_line(index_, {});
+}
+
+void SerialLineThread::connect() {
+  shared_.rack.connect_line(index_, SerialLine::Output::bind<&SerialLineThread::send>(*this));
 }
 
 void SerialLineThread::start() {
@@ -108,6 +112,7 @@ void SerialLineThread::run() {
 }
 
 void SerialLineThread::take(std::span<const std::byte> bytes) {
+  seat_.hear(shared_.now());
   const SimTime before = shared_.rack.next_bus_deadline();
   if (shared_.clock_kind == ClockKind::lockstep) {
     put_in_lockstep(bytes);

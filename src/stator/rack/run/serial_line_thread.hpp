@@ -10,6 +10,7 @@
 #include "stator/link/serial/serial_link.hpp"
 #include "stator/rack/networks/serial_line.hpp"
 #include "stator/rack/run/bus_thread.hpp"
+#include "stator/rack/run/master_seat.hpp"
 #include "stator/rack/run/running_rack.hpp"
 
 namespace stator::rack {
@@ -46,6 +47,12 @@ class SerialLineThread {
   /// Lets the thread look at once at what there is to do. From any thread.
   void wake() noexcept { link_->wake(); }
 
+  /// Has what devices send go to the link, as it does from the beginning; for who had it go
+  /// elsewhere. The rack is held.
+  void connect();
+  /// Guarded by the rack's mutex.
+  [[nodiscard]] MasterSeat& seat() { return seat_; }
+
   /// What programs open.
   [[nodiscard]] const link::SerialLink& link() const { return *link_; }
   [[nodiscard]] SerialLineThreadStatistics statistics();
@@ -74,6 +81,7 @@ class SerialLineThread {
   bool send_failure_logged_ = false;
   bool loss_logged_ = false;
   SerialLineThreadStatistics statistics_;
+  MasterSeat seat_;
   std::thread thread_;
 };
 
