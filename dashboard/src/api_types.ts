@@ -468,6 +468,42 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/api/v1/devices/{device}/manual": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /** Manual control of a device: how it stands, and what its axes tell */
+        readonly get: operations["getManualControl"];
+        /** Has a small master inside Stator take a device into operation, to move its axes by hand; it steps aside when another master speaks */
+        readonly put: operations["beginManualControl"];
+        readonly post?: never;
+        /** Gives a device back: its axes lose their current */
+        readonly delete: operations["endManualControl"];
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/api/v1/devices/{device}/manual/{axis}": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        /** Has an axis under manual control do something; what came of it is in the device's manual control a moment later */
+        readonly post: operations["commandAxis"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
 }
 export type webhooks = Record<string, never>;
 export interface components {
@@ -875,6 +911,61 @@ export interface components {
             /** @description Bytes as hexadecimal digits */
             readonly raw: string;
         };
+        /** @description An axis under manual control; positions and velocities are in the units of the device */
+        readonly ManualAxis: {
+            /** @description That it takes */
+            readonly commands: readonly components["schemas"]["ManualCommandName"][];
+            /** @description 6502h: modes of operation that the drive has */
+            readonly modes: readonly number[];
+            /** @description At which it moves if nothing else is said; 0: not known */
+            readonly profile_velocity: number;
+            /** @description Of the motor, as the product leaves its box; null: not known */
+            readonly position_per_revolution: number | null;
+            /** @description The velocity of one revolution per second; null: not known */
+            readonly velocity_per_revolution: number | null;
+            readonly state: string;
+            readonly enabled: boolean;
+            readonly fault: boolean;
+            /** @description It is where it was sent */
+            readonly reached: boolean;
+            readonly position: number | null;
+            readonly velocity: number | null;
+            /** @description 6041h; null: no drive of CiA 402 */
+            readonly statusword: number | null;
+            /** @description Written last */
+            readonly controlword: number | null;
+            /** @description 603Fh, in a fault */
+            readonly error_code: number | null;
+            /** @description 6061h */
+            readonly mode: number | null;
+            /** @description Why the last command was not carried out; empty: it was */
+            readonly refusal: string;
+        };
+        readonly ManualControl: {
+            readonly device: string;
+            /** @description false: it cannot be controlled by hand, and text says why */
+            readonly available: boolean;
+            /**
+             * @description Of a small master inside Stator; it ends when another master speaks on the network
+             * @enum {unknown}
+             */
+            readonly phase: "off" | "starting" | "active" | "ended";
+            /** @description Why it has ended, or cannot be */
+            readonly text: string;
+            /** @description Of a device whose phase is active */
+            readonly axes: readonly components["schemas"]["ManualAxis"][];
+        };
+        /** @enum {unknown} */
+        readonly ManualCommandName: "enable" | "disable" | "reset-fault" | "jog" | "move" | "home" | "stop" | "quick-stop" | "mode" | "controlword";
+        readonly ManualCommand: {
+            readonly command: components["schemas"]["ManualCommandName"];
+            /** @description jog: velocity, for 0.4 s or until the command is repeated; move: position; mode: number of the mode; controlword: what is written to 6040h */
+            readonly value?: number;
+            /** @description move: by the value from where the axis is */
+            readonly relative?: boolean;
+            /** @description move: instead of the device's own */
+            readonly velocity?: number;
+        };
     };
     responses: never;
     parameters: never;
@@ -936,6 +1027,10 @@ export type TrafficMessage = components['schemas']['TrafficMessage'];
 export type Watched = components['schemas']['Watched'];
 export type Frames = components['schemas']['Frames'];
 export type Frame = components['schemas']['Frame'];
+export type ManualAxis = components['schemas']['ManualAxis'];
+export type ManualControl = components['schemas']['ManualControl'];
+export type ManualCommandName = components['schemas']['ManualCommandName'];
+export type ManualCommand = components['schemas']['ManualCommand'];
 export type $defs = Record<string, never>;
 export interface operations {
     readonly dashboard: {
@@ -1923,6 +2018,135 @@ export interface operations {
                 };
                 content: {
                     readonly "application/json": components["schemas"]["Cleared"];
+                };
+            };
+            /** @description Refused */
+            readonly default: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getManualControl: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                readonly device: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Done */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["ManualControl"];
+                };
+            };
+            /** @description Refused */
+            readonly default: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly beginManualControl: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                readonly device: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Done */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["ManualControl"];
+                };
+            };
+            /** @description Refused */
+            readonly default: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly endManualControl: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                readonly device: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Done */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["ManualControl"];
+                };
+            };
+            /** @description Refused */
+            readonly default: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly commandAxis: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                readonly device: string;
+                readonly axis: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["ManualCommand"];
+            };
+        };
+        readonly responses: {
+            /** @description Done */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["ManualControl"];
                 };
             };
             /** @description Refused */

@@ -17,6 +17,7 @@
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/devices/tmcm_142/tmcm_142.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
+#include "stator/manual/manual_control.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/observe/event_log.hpp"
@@ -53,17 +54,20 @@ class ServedRack {
                       const std::string& address = "127.0.0.1", SessionControl* session = nullptr)
       : configuration_(std::move(configuration)),
         rack_(configuration_, log_),
-        runner_(rack_, configuration_, tests::no_log()) {
+        runner_(rack_, configuration_, tests::no_log()),
+        manual_(runner_, configuration_, log_) {
     server_ = std::make_unique<Server>(ServerConfiguration{.address = {address, 0},
                                                            .token = kToken,
                                                            .limits = limits,
                                                            .session = session,
+                                                           .manual = &manual_,
                                                            .catalogue = devices::products()},
                                        rack_, configuration_, log_, runner_);
     runner_.start();
     server_->start();
   }
   ~ServedRack() {
+    manual_.stop();
     runner_.stop();
     server_.reset();
   }
@@ -76,7 +80,11 @@ class ServedRack {
 
   Answer get(const std::string& target) { return HttpClient(port()).request("GET", target); }
   Answer put(const std::string& target, const std::string& body) {
-    return HttpClient(port()).request("PUT", target, body,
+    return send("PUT", target, body);
+  }
+  /// Any other method, with the token.
+  Answer send(const std::string& method, const std::string& target, const std::string& body = {}) {
+    return HttpClient(port()).request(method, target, body,
                                       "Authorization: Bearer " + std::string(kToken) + "\r\n");
   }
 
@@ -115,6 +123,7 @@ class ServedRack {
   rack::Rack rack_;
   std::unique_ptr<Server> server_;
   rack::Runner runner_;
+  manual::ManualControl manual_;
 };
 
 }  // namespace stator::web

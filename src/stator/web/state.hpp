@@ -18,6 +18,10 @@
 #include "stator/rack/run/runner.hpp"
 #include "stator/web/session_control.hpp"
 
+namespace stator::manual {
+class ManualControl;
+}
+
 namespace stator::web {
 
 /// What a server did so far, and does at present.
@@ -108,8 +112,9 @@ class State {
 
   [[nodiscard]] const std::vector<NetworkRecord>& networks() const { return networks_; }
   ServerCounters counters;
-  SessionControl* session = nullptr;  ///< null: nothing is recorded
-  product::Catalogue catalogue;       ///< products whose keys are told
+  SessionControl* session = nullptr;        ///< null: nothing is recorded
+  manual::ManualControl* manual = nullptr;  ///< null: there is none
+  product::Catalogue catalogue;             ///< products whose keys are told
 
  private:
   std::string keys_;  ///< empty until somebody asked

@@ -187,8 +187,9 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   }
   OpenedWebServer web;  // goes after the runner, which may have tasks of it
   rack::Runner runner(rack, configuration, logger, start, options.priority);
+  manual::ManualControl manual(runner, configuration, log);
   web = open_web_server(options.web, rack, configuration, log, runner,
-                        session.recorder() != nullptr ? &session : nullptr);
+                        session.recorder() != nullptr ? &session : nullptr, &manual);
   signals.running();
   // Only now, when nothing can fail any more.
   announce(configuration, rack, runner, web);
@@ -212,6 +213,7 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   if (web.server != nullptr) {
     web.server->stop();
   }
+  manual.stop();
   stop(runner, rack, configuration.state);
   drain_log(asked);  // what is printed follows on it
   print_end(configuration, rack, runner);

@@ -34,13 +34,14 @@ std::string announcement_of(const WebOptions& options, const web::ServerConfigur
 OpenedWebServer open_web_server(const WebOptions& options, rack::Rack& rack,
                                 const rack::RackConfiguration& configuration,
                                 const rack::EventLog& log, rack::Runner& runner,
-                                web::SessionControl* session) {
+                                web::SessionControl* session, manual::ManualControl* manual) {
   if (options.http.empty()) {
     return {};
   }
   web::ServerConfiguration server{.address = web::parse_address(options.http),
                                   .token = {},
                                   .session = session,
+                                  .manual = manual,
                                   .catalogue = catalogue()};
   if (!options.token_file.empty()) {
     server.token = web::read_token(options.token_file);

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "stator/manual/manual_control.hpp"
 #include "stator/rack/run/runner.hpp"
 #include "stator/web/server/server.hpp"
 
@@ -20,11 +21,13 @@ struct OpenedWebServer {
   std::string announcement;             ///< lines that say how to reach it
 };
 
-/// Opens the server that was asked for. `session` is the recording of the run, null without one.
+/// Opens the server that was asked for. `session` is the recording of the run, null without one;
+/// `manual` moves its axes by hand, null if nothing does.
 /// Throws Failure or std::runtime_error.
 [[nodiscard]] OpenedWebServer open_web_server(const WebOptions& options, rack::Rack& rack,
                                               const rack::RackConfiguration& configuration,
                                               const rack::EventLog& log, rack::Runner& runner,
-                                              web::SessionControl* session);
+                                              web::SessionControl* session,
+                                              manual::ManualControl* manual);
 
 }  // namespace stator::cli

@@ -11,6 +11,7 @@
 #include "stator/web/api/events_job.hpp"
 #include "stator/web/api/fault_api.hpp"
 #include "stator/web/api/input_api.hpp"
+#include "stator/web/api/manual_api.hpp"
 #include "stator/web/api/object_api.hpp"
 #include "stator/web/api/panel_api.hpp"
 #include "stator/web/api/program_job.hpp"
@@ -39,6 +40,10 @@ Answer answer_device(const Match& match, const Request& request, const State& st
   }
   if (operation == Operation::program) {
     return make_program_job(*device);
+  }
+  if (operation == Operation::manual || operation == Operation::begin_manual ||
+      operation == Operation::end_manual || operation == Operation::command_axis) {
+    return answer_manual(match, request, state, *device);
   }
   return answer_objects(match, request, *device);
 }
@@ -97,6 +102,10 @@ Answer answer(const Match& match, const Request& request, State& state) {
     case Operation::object:
     case Operation::entry:
     case Operation::write_entry:
+    case Operation::manual:
+    case Operation::begin_manual:
+    case Operation::end_manual:
+    case Operation::command_axis:
       return answer_device(match, request, state);
     case Operation::events:
       return answer_events(match, state);

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "stator/web/api/manual_schemas.hpp"
 #include "stator/web/api/panel_schemas.hpp"
 #include "stator/web/api/routes.hpp"
 #include "stator/web/api/stream_schemas.hpp"
@@ -382,6 +383,7 @@ std::string openapi_document() {
                   {"securitySchemes", {{"token", {{"type", "http"}, {"scheme", "bearer"}}}}}}}};
   document["components"]["schemas"].update(Json::parse(kPanelSchemas));
   document["components"]["schemas"].update(Json::parse(kStreamSchemas));
+  document["components"]["schemas"].update(Json::parse(kManualSchemas));
   for (const Route& route : routes()) {
     std::string method(route.method);
     std::ranges::transform(method, method.begin(),

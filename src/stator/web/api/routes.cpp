@@ -228,6 +228,34 @@ constexpr auto kRoutes = std::to_array<Route>({
      .id = "clearFaults",
      .summary = "Ends all faults",
      .schema = "Cleared"},
+    {.operation = Operation::manual,
+     .method = "GET",
+     .path = "/api/v1/devices/{device}/manual",
+     .id = "getManualControl",
+     .summary = "Manual control of a device: how it stands, and what its axes tell",
+     .schema = "ManualControl"},
+    {.operation = Operation::begin_manual,
+     .method = "PUT",
+     .path = "/api/v1/devices/{device}/manual",
+     .id = "beginManualControl",
+     .summary =
+         "Has a small master inside Stator take a device into operation, to move its axes by "
+         "hand; it steps aside when another master speaks",
+     .schema = "ManualControl"},
+    {.operation = Operation::command_axis,
+     .method = "POST",
+     .path = "/api/v1/devices/{device}/manual/{axis}",
+     .id = "commandAxis",
+     .summary = "Has an axis under manual control do something; what came of it is in the device's "
+                "manual control a moment later",
+     .schema = "ManualControl",
+     .request_schema = "ManualCommand"},
+    {.operation = Operation::end_manual,
+     .method = "DELETE",
+     .path = "/api/v1/devices/{device}/manual",
+     .id = "endManualControl",
+     .summary = "Gives a device back: its axes lose their current",
+     .schema = "ManualControl"},
 });
 
 std::optional<unsigned> hex_digit(char letter) {

@@ -45,6 +45,10 @@ enum class Operation : std::uint8_t {
   inject_fault,
   clear_fault,
   clear_faults,
+  manual,
+  begin_manual,
+  end_manual,
+  command_axis,
 };
 
 struct QueryParameter {

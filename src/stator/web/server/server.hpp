@@ -10,14 +10,19 @@
 #include "stator/web/server/server_limits.hpp"
 #include "stator/web/session_control.hpp"
 
+namespace stator::manual {
+class ManualControl;
+}
+
 namespace stator::web {
 
 struct ServerConfiguration {
   Address address;
   std::string token;  ///< empty only on loopback: nobody may write then
   ServerLimits limits{};
-  SessionControl* session = nullptr;  ///< the recording of the run; outlives the server
-  product::Catalogue catalogue{};     ///< products whose keys it tells
+  SessionControl* session = nullptr;        ///< the recording of the run; outlives the server
+  manual::ManualControl* manual = nullptr;  ///< moves axes by hand; outlives the server
+  product::Catalogue catalogue{};           ///< products whose keys it tells
 };
 
 /// Serves a running rack to browsers and programs: REST, a stream of signals, metrics. One thread,

@@ -1,0 +1,48 @@
+#include "stator/manual/command.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+
+namespace stator::manual {
+
+namespace {
+
+constexpr auto kNames = std::to_array<std::pair<CommandKind, std::string_view>>({
+    {CommandKind::enable, "enable"},
+    {CommandKind::disable, "disable"},
+    {CommandKind::reset_fault, "reset-fault"},
+    {CommandKind::jog, "jog"},
+    {CommandKind::move, "move"},
+    {CommandKind::home, "home"},
+    {CommandKind::stop, "stop"},
+    {CommandKind::quick_stop, "quick-stop"},
+    {CommandKind::mode, "mode"},
+    {CommandKind::controlword, "controlword"},
+});
+
+}  // namespace
+
+std::string_view name_of(CommandKind kind) {
+  return std::ranges::find(kNames, kind, [](const auto& each) { return each.first; })->second;
+}
+
+std::optional<CommandKind> command_of(std::string_view name) {
+  const auto* const found =
+      std::ranges::find(kNames, name, [](const auto& each) { return each.second; });
+  return found != kNames.end() ? std::optional(found->first) : std::nullopt;
+}
+
+std::string_view all_command_names() {
+  static const std::string all = [] {
+    std::string text;
+    for (const auto& [kind, name] : kNames) {
+      text += (text.empty() ? "" : ", ") + std::string(name);
+    }
+    return text;
+  }();
+  return all;
+}
+
+}  // namespace stator::manual

@@ -1,0 +1,106 @@
+#include "stator/manual/segment_master.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+
+#include "stator/base/byte_order.hpp"
+#include "stator/ethercat/segment/segment.hpp"
+#include "stator/ethercat/standard/register_addresses.hpp"
+#include "stator/manual/cia402_axis.hpp"
+#include "stator/master/cia402/slave_drive_port.hpp"
+
+namespace stator::manual {
+
+using master::ErrorCode;
+using master::Result;
+
+namespace {
+
+/// Well below the watchdogs of process data (100 ms as devices leave their boxes), so that a busy
+/// machine may be late.
+constexpr base::SimDuration kCycle{4'000'000};
+
+}  // namespace
+
+SegmentMaster::SegmentMaster(rack::RunningRack& running, rack::MasterSeat& seat,
+                             std::size_t segment, std::vector<std::size_t> drives)
+    : NetworkMaster(running, seat),
+      segment_(segment),
+      drives_(std::move(drives)),
+      master_(*this, {.cycle_time = kCycle}) {}
+
+Result<void> SegmentMaster::begin() {
+  if (auto scanned = master_.scan(); !scanned) {
+    return scanned;
+  }
+  std::vector<std::size_t> positions;
+  for (const std::size_t drive : drives_) {
+    // A drive that is switched off is told of when somebody wants it.
+    if (const auto found = position(drive)) {
+      positions.push_back(*found);
+    }
+  }
+  if (auto configured = master_.configure_process_data(positions); !configured) {
+    return configured;
+  }
+  return master_.go_operational();
+}
+
+void SegmentMaster::finish() {
+  static_cast<void>(master_.stop());
+}
+
+Result<std::unique_ptr<Axis>> SegmentMaster::axis(const AxisPlace& place) {
+  const auto found = position(place.device.device);
+  if (!found) {
+    return base::Unexpected{found.error()};
+  }
+  return std::unique_ptr<Axis>(std::make_unique<Cia402Axis>(
+      std::make_unique<master::SlaveDrivePort>(master_, *found), place));
+}
+
+// The controller keeps the address that the scan gave it, as long as it has supply.
+Result<std::size_t> SegmentMaster::position(std::size_t device) {
+  std::array<std::byte, 2> bytes{};
+  {
+    const std::scoped_lock lock(running_.mutex);
+    running_.rack.segment(segment_).slave(device).peek(ethercat::register_address::kStationAddress,
+                                                       bytes);
+  }
+  const auto address = base::load_le<std::uint16_t>(bytes);
+  const auto found = std::ranges::find(master_.slaves(), address, &master::Slave::station_address);
+  if (found == master_.slaves().end()) {
+    return master::fail(ErrorCode::no_slaves,
+                        "the device does not answer on its segment: it is switched off, or a "
+                        "cable before it is broken");
+  }
+  return std::size_t{found->position};
+}
+
+Result<std::size_t> SegmentMaster::exchange(std::span<const std::byte> frame,
+                                            std::span<std::byte> reply, base::SimDuration timeout) {
+  bool answered = false;
+  {
+    const std::scoped_lock lock(running_.mutex);
+    if (ended()) {
+      return base::Unexpected{why_ended()};
+    }
+    if (!frame.empty()) {
+      const auto passing = reply.first(frame.size());
+      std::ranges::copy(frame, passing.begin());
+      const base::SimTime now = running_.now();
+      answered = running_.rack.process_frame(segment_, passing, now).has_value();
+      running_.rack.handle_bus_events(segment_, now);
+      running_.catch_up();
+    }
+  }
+  if (!answered) {
+    wait(timeout);
+    return std::size_t{0};
+  }
+  return frame.size();
+}
+
+}  // namespace stator::manual

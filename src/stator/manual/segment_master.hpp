@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "stator/manual/network_master.hpp"
+#include "stator/master/frame_port.hpp"
+#include "stator/master/master.hpp"
+
+namespace stator::manual {
+
+/// An EtherCAT master inside a running rack: takes the drives of a segment to Operational and
+/// exchanges their process data. Devices without a firmware of their own it leaves in Init.
+class SegmentMaster final : public NetworkMaster, private master::FramePort {
+ public:
+  /// `drives`: the devices of segment `segment` that are taken to Operational, by their places.
+  SegmentMaster(rack::RunningRack& running, rack::MasterSeat& seat, std::size_t segment,
+                std::vector<std::size_t> drives);
+
+  master::Result<std::unique_ptr<Axis>> axis(const AxisPlace& place) override;
+  master::Result<void> cycle() override { return master_.run_cycle(); }
+
+ private:
+  master::Result<void> begin() override;
+  void finish() override;
+
+  master::Result<std::size_t> exchange(std::span<const std::byte> frame, std::span<std::byte> reply,
+                                       base::SimDuration timeout) override;
+  void wait(base::SimDuration duration) override { NetworkMaster::wait(duration); }
+  [[nodiscard]] base::SimTime now() override { return running_.machine_now(); }
+
+  /// Where the scan found the device in that place of the segment.
+  master::Result<std::size_t> position(std::size_t device);
+
+  std::size_t segment_;
+  std::vector<std::size_t> drives_;
+  master::Master master_;
+};
+
+}  // namespace stator::manual

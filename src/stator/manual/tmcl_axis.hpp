@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "stator/manual/axis.hpp"
+#include "stator/manual/network_master.hpp"
+#include "stator/tmcl/instruction.hpp"
+#include "stator/tmcl/telegram.hpp"
+
+namespace stator::manual {
+
+/// An axis of a module with TMCL, commanded directly.
+class TmclAxis final : public Axis {
+ public:
+  /// Sends a command to the module and waits for the reply.
+  using Ask = std::function<master::Result<tmcl::Reply>(const tmcl::Instruction&)>;
+
+  /// Stops a program that runs on the module, as it would go on commanding the motor, until leave()
+  /// lets it run on.
+  TmclAxis(Ask ask, const AxisPlace& place);
+
+  [[nodiscard]] const AxisDescription& description() const override { return description_; }
+  master::Result<AxisStatus> look() override;
+  master::Result<void> execute(const Command& command) override;
+  master::Result<void> leave() override;
+
+ private:
+  /// Sends a command that must succeed; its reply's value.
+  master::Result<std::int32_t> command(tmcl::Instruction instruction);
+  master::Result<std::int32_t> parameter(std::uint8_t number);
+  master::Result<void> jog(std::int64_t velocity);
+  master::Result<void> move(const Command& command);
+  master::Result<void> stop();
+
+  Ask ask_;
+  std::uint8_t motor_;
+  bool program_ran_ = false;
+  AxisDescription description_;
+};
+
+}  // namespace stator::manual

@@ -1,0 +1,297 @@
+// Axes moved by hand in a running rack over EtherCAT, CANopen and TMCL, and who makes way for whom.
+#include "stator/manual/manual_control.hpp"
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "base/temporary_directory.hpp"
+#include "rack/text_log.hpp"
+#include "stator/bench/link_port.hpp"
+#include "stator/devices/catalogue/products.hpp"
+#include "stator/link/ethernet/udp_ethernet_link.hpp"
+#include "stator/link/system/file_descriptor.hpp"
+#include "stator/master/master.hpp"
+#include "stator/rack/core/rack.hpp"
+#include "stator/rack/file/rack_file.hpp"
+#include "stator/tmcl/telegram.hpp"
+
+namespace stator::manual {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// Only ends what hangs.
+constexpr std::chrono::minutes kPatience{1};
+
+std::uint16_t free_udp_port() {
+  const auto probe = link::UdpEthernetLink::listen({.address = "127.0.0.1", .port = 0});
+  return probe ? (*probe)->local_port() : std::uint16_t{0};
+}
+
+/// A rack with a stepper module "gantry" and an I/O chip on EtherCAT, a drive "spindle" and a
+/// module "winder" on a CAN bus, and a module "feeder" on a serial line.
+class ManualControlTest : public ::testing::Test {
+ protected:
+  ManualControlTest() { runner_.start(); }
+  ~ManualControlTest() override {
+    control_.stop();
+    runner_.stop();
+  }
+
+  [[nodiscard]] std::string rack_text(const std::string& clock) const {
+    return "clock = \"" + clock +
+           "\"\n[[segment]]\nlink = \"udp:127.0.0.1:" + std::to_string(port_) +
+           "\"\n[[segment.device]]\ntype = \"tmcm-3315\"\nname = \"gantry\"\n"
+           "[[segment.device]]\ntype = \"tmc8461\"\nname = \"io\"\n"
+           "[[bus]]\nbit_rate = 1000\nports = [\"slcan:" +
+           directory_.path() +
+           "/can\"]\n[[bus.device]]\ntype = \"tmcc160\"\nname = \"spindle\"\nnode_id = 5\n"
+           "[[bus.device]]\ntype = \"tmcm-142\"\nname = \"winder\"\n"
+           "[[device]]\ntype = \"tmcm-142\"\nname = \"feeder\"\nusb = \"pty:" +
+           serial_path() + "\"\n";
+  }
+  [[nodiscard]] std::string serial_path() const { return directory_.path() + "/usb"; }
+  [[nodiscard]] rack::RackConfiguration read(const std::string& clock) const {
+    return rack::parse_rack_file(rack_text(clock), "rack.toml", devices::products());
+  }
+  [[nodiscard]] rack::DeviceAddress address(const std::string& name) const {
+    for (const rack::DeviceAddress each : rack_.addresses()) {
+      if (rack_.name_of(each) == name) {
+        return each;
+      }
+    }
+    ADD_FAILURE() << "no device " << name;
+    return {};
+  }
+
+  /// Waits for `reached`; what it waits for takes simulated time on the machine's clock.
+  static bool wait_for(const std::function<bool()>& reached) {
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    while (!reached()) {
+      if (std::chrono::steady_clock::now() > end) {
+        return false;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return true;
+  }
+  [[nodiscard]] Phase phase(rack::DeviceAddress device) const {
+    return control_.status(device).phase;
+  }
+  [[nodiscard]] AxisRecord axis(rack::DeviceAddress device, std::size_t number = 0) const {
+    const DeviceStatus status = control_.status(device);
+    return number < status.axes.size() ? status.axes[number] : AxisRecord{};
+  }
+  void begin(rack::DeviceAddress device) {
+    const auto started = control_.start(device);
+    ASSERT_TRUE(started) << started.error();
+    ASSERT_TRUE(
+        wait_for([&] { return phase(device) == Phase::active || phase(device) == Phase::ended; }));
+    ASSERT_EQ(phase(device), Phase::active) << control_.status(device).text;
+  }
+  void command(rack::DeviceAddress device, const Command& command, std::size_t number = 0) {
+    const auto taken = control_.command(device, number, command);
+    ASSERT_TRUE(taken) << taken.error();
+  }
+  void enable(rack::DeviceAddress device) {
+    command(device, {.kind = CommandKind::enable});
+    ASSERT_TRUE(wait_for([&] { return axis(device).status.enabled; })) << axis(device).refusal;
+  }
+  /// Moves by `distance` and waits until the device says that it is there.
+  void move_by(rack::DeviceAddress device, std::int64_t distance) {
+    const double start = axis(device).status.position;
+    command(device, {.kind = CommandKind::move, .value = distance, .relative = true});
+    EXPECT_TRUE(wait_for([&] {
+      const AxisStatus now = axis(device).status;
+      return now.reached && std::abs(now.position - start - static_cast<double>(distance)) <
+                                std::abs(static_cast<double>(distance)) * 0.05;
+    })) << axis(device).refusal
+        << " at " << axis(device).status.position << " after " << start;
+  }
+
+  tests::TemporaryDirectory directory_;
+  std::uint16_t port_ = free_udp_port();
+  rack::RackConfiguration configuration_ = read("real");
+  rack::EventLog log_;
+  rack::Rack rack_{configuration_, log_};
+  rack::Runner runner_{rack_, configuration_, tests::no_log()};
+  ManualControl control_{runner_, configuration_, log_};
+};
+
+TEST_F(ManualControlTest, MovesAnAxisOnEtherCat) {
+  const rack::DeviceAddress gantry = address("gantry");
+  begin(gantry);
+  EXPECT_EQ(control_.status(gantry).axes.size(), 3U);
+  enable(gantry);
+  move_by(gantry, 51'200);
+  EXPECT_EQ(log_.count("manual-control-begins"), 1U);
+}
+
+TEST_F(ManualControlTest, MovesADriveOnCan) {
+  const rack::DeviceAddress spindle = address("spindle");
+  begin(spindle);
+  enable(spindle);
+  move_by(spindle, 48);  // two revolutions in steps of its hall sensors
+}
+
+TEST_F(ManualControlTest, MovesAModuleOnASerialLine) {
+  const rack::DeviceAddress feeder = address("feeder");
+  begin(feeder);
+  EXPECT_GT(axis(feeder).description.velocity, 0.0);
+  move_by(feeder, 10'000);
+}
+
+TEST_F(ManualControlTest, MovesAModuleOnCan) {
+  const rack::DeviceAddress winder = address("winder");
+  begin(winder);
+  move_by(winder, -10'000);
+}
+
+TEST_F(ManualControlTest, JogsForAsLongAsItIsToldTo) {
+  const rack::DeviceAddress gantry = address("gantry");
+  begin(gantry);
+  enable(gantry);
+  command(gantry, {.kind = CommandKind::jog, .value = -51'200});
+  EXPECT_TRUE(wait_for([&] { return axis(gantry).status.velocity < -1'000.0; }))
+      << axis(gantry).refusal;
+  // Nobody repeats it.
+  EXPECT_TRUE(wait_for([&] { return axis(gantry).status.velocity == 0.0; }));
+  EXPECT_TRUE(axis(gantry).status.enabled);
+}
+
+TEST_F(ManualControlTest, LeavesAnAxisWithoutCurrentWhenItIsGivenBack) {
+  const rack::DeviceAddress gantry = address("gantry");
+  begin(gantry);
+  enable(gantry);
+  control_.release(gantry);
+  EXPECT_TRUE(wait_for([&] { return phase(gantry) == Phase::off; }));
+  EXPECT_EQ(log_.count("manual-control-ends"), 1U);
+  begin(gantry);
+  EXPECT_FALSE(axis(gantry).status.enabled);
+}
+
+TEST_F(ManualControlTest, SaysWhyACommandWasNotCarriedOut) {
+  const rack::DeviceAddress gantry = address("gantry");
+  begin(gantry);
+  command(gantry, {.kind = CommandKind::jog, .value = 1'000});
+  EXPECT_TRUE(wait_for([&] { return !axis(gantry).refusal.empty(); }));
+  EXPECT_THAT(axis(gantry).refusal, HasSubstr("enable it first"));
+  EXPECT_EQ(phase(gantry), Phase::active);
+}
+
+TEST_F(ManualControlTest, MakesWayForAMasterOnTheSegment) {
+  const rack::DeviceAddress gantry = address("gantry");
+  begin(gantry);
+  const auto link = link::UdpEthernetLink::connect({.address = "127.0.0.1", .port = port_});
+  ASSERT_TRUE(link);
+  bench::LinkPort port(**link);
+  master::Master other(port, {.frame_timeout = base::SimDuration(5'000'000'000)});
+  const auto scanned = other.scan();
+  ASSERT_TRUE(scanned) << scanned.error().text;
+  EXPECT_EQ(other.slaves().size(), 2U);
+  EXPECT_TRUE(wait_for([&] { return phase(gantry) == Phase::ended; }));
+  EXPECT_THAT(control_.status(gantry).text, HasSubstr("another master spoke"));
+  EXPECT_EQ(log_.count("manual-control-lost"), 1U);
+  // The other one keeps its segment.
+  const auto mailbox = other.start_mailbox(0);
+  EXPECT_TRUE(mailbox) << mailbox.error().text;
+}
+
+TEST_F(ManualControlTest, MakesWayOnASerialLineAndTheReplyGoesToTheOther) {
+  const rack::DeviceAddress feeder = address("feeder");
+  begin(feeder);
+  const link::FileDescriptor program(::open(serial_path().c_str(), O_RDWR | O_NOCTTY));
+  const tmcl::Telegram question =
+      tmcl::encode(tmcl::Request{.address = 1, .command = 6, .type = 1});
+  ASSERT_EQ(::write(program.get(), question.data(), question.size()),
+            static_cast<ssize_t>(question.size()));
+  tmcl::Telegram reply{};
+  std::size_t length = 0;
+  while (length < reply.size()) {
+    const ssize_t count = ::read(program.get(), reply.data() + length, reply.size() - length);
+    ASSERT_GT(count, 0);
+    length += static_cast<std::size_t>(count);
+  }
+  EXPECT_TRUE(tmcl::has_right_checksum(reply));
+  EXPECT_EQ(tmcl::decode_reply(reply).command, 6);
+  EXPECT_TRUE(wait_for([&] { return phase(feeder) == Phase::ended; }));
+}
+
+TEST_F(ManualControlTest, DoesNotBeginWhileAnotherMasterSpeaks) {
+  const auto link = link::UdpEthernetLink::connect({.address = "127.0.0.1", .port = port_});
+  ASSERT_TRUE(link);
+  bench::LinkPort port(**link);
+  master::Master other(port, {.frame_timeout = base::SimDuration(5'000'000'000)});
+  ASSERT_TRUE(other.scan());
+  // It goes on speaking until the attempt has ended, however long that takes.
+  const rack::DeviceAddress gantry = address("gantry");
+  ASSERT_TRUE(control_.start(gantry));
+  EXPECT_TRUE(wait_for([&] {
+    static_cast<void>(other.al_status(0));
+    return phase(gantry) == Phase::ended;
+  }));
+  EXPECT_THAT(
+      control_.status(gantry).text,
+      ::testing::AnyOf(HasSubstr("another master is speaking"), HasSubstr("another master spoke")));
+}
+
+TEST_F(ManualControlTest, SaysWhyADeviceCannotBeMovedByHand) {
+  EXPECT_THAT(control_.impediment(address("gantry")), IsEmpty());
+  EXPECT_THAT(control_.impediment(address("io")), HasSubstr("no axis"));
+  const auto refused = control_.start(address("io"));
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error(), HasSubstr("no axis"));
+}
+
+TEST_F(ManualControlTest, TakesNoCommandForWhatItDoesNotControl) {
+  const rack::DeviceAddress gantry = address("gantry");
+  const auto early = control_.command(gantry, 0, {.kind = CommandKind::enable});
+  ASSERT_FALSE(early);
+  EXPECT_THAT(early.error(), HasSubstr("not under manual control"));
+  begin(gantry);
+  const auto fourth = control_.command(gantry, 3, {.kind = CommandKind::enable});
+  ASSERT_FALSE(fourth);
+  EXPECT_EQ(fourth.error(), "it has no axis 3; the last is 2");
+  const rack::DeviceAddress feeder = address("feeder");
+  begin(feeder);
+  const auto enable = control_.command(feeder, 0, {.kind = CommandKind::enable});
+  ASSERT_FALSE(enable);
+  EXPECT_EQ(enable.error(), "its axes have no \"enable\"");
+}
+
+TEST(ManualControlInLockstep, IsLeftToTheMaster) {
+  rack::RackConfiguration configuration = rack::parse_rack_file(
+      "clock = \"lockstep\"\n[[segment]]\nlink = \"udp:127.0.0.1:" +
+          std::to_string(free_udp_port()) + "\"\n[[segment.device]]\ntype = \"tmcm-3315\"\n",
+      "rack.toml", devices::products());
+  rack::EventLog log;
+  rack::Rack rack(configuration, log);
+  rack::Runner runner(rack, configuration, tests::no_log());
+  ManualControl control(runner, configuration, log);
+  EXPECT_THAT(control.impediment({}), HasSubstr("lockstep"));
+}
+
+TEST(ManualCommands, HaveNamesThatAreFoundAgain) {
+  for (const char* name : {"enable", "disable", "reset-fault", "jog", "move", "home", "stop",
+                           "quick-stop", "mode", "controlword"}) {
+    const auto kind = command_of(name);
+    ASSERT_TRUE(kind) << name;
+    EXPECT_EQ(name_of(*kind), name);
+    EXPECT_THAT(std::string(all_command_names()), HasSubstr(name));
+  }
+  EXPECT_FALSE(command_of("fly"));
+}
+
+}  // namespace
+}  // namespace stator::manual
