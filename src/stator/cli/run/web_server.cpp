@@ -18,8 +18,9 @@ std::string announcement_of(const WebOptions& options, const web::ServerConfigur
   if (options.token_file.empty()) {
     text += fmt::format(
         "  dashboard: http://{}/#token={}\n"
-        "  reading is free on this machine; writes need \"Authorization: Bearer {}\"\n",
-        address, server.token, server.token);
+        "  reading is free on this machine; writes need \"Authorization: Bearer {}\"\n"
+        "  for stator inject, clear and snapshot: export STATOR_TOKEN={}\n",
+        address, server.token, server.token, server.token);
   } else if (server.address.loopback()) {
     text += fmt::format("  reading is free on this machine; writes need the token of {}\n",
                         options.token_file);
