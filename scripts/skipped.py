@@ -44,6 +44,10 @@ RULES = (
         re.compile(r"needs a TAP interface"),
         lambda: network("tuntap", "add", "dev", "one", "mode", "tap"),
     ),
+    (
+        re.compile(r"needs namespaces of its own for network, mounts and processes"),
+        lambda: works("unshare", "--net", "--mount", "--pid", "--fork", "--mount-proc", "true"),
+    ),
     (re.compile(r"real-time priority \d+ is not permitted"), lambda: works("chrt", "--fifo", "1", "true")),
     (re.compile(r"needs a second user to change to"), lambda: os.geteuid() == 0),
     # scripts/can-vm has a kernel with CAN for these.
