@@ -22,7 +22,8 @@ COMMANDS may be those of a shell, and besides `stop`, which ends what stays, `he
 stays has said this, and `needed COMMAND # REASON`: where this fails, the machine cannot do what follows. A rack that is run
 ends what stayed before.
 
-Of commands in the text, `stator run --http`, only names of commands and options are looked at.
+Commands in the text, such as `stator run --http`, are looked at for names of commands and options that do not exist; those
+that only tell something, such as `stator describe tmc8670 --inputs`, are run.
 
 A block `text` with lines that begin with "$ " has commands and, below each, its output; the first of a dialogue is its
 program. In output "..." is anything: lines when it stands alone, else a part of the line.
@@ -36,6 +37,10 @@ NOTE = re.compile(r"<!--(.*?)-->", re.DOTALL)
 OURS = re.compile(r"(run|not run|stays|fails|keys|file|output|input)\b *([^(:]*?)(?:\((.*?)\))?(?:: *(.*))?", re.DOTALL)
 PROMPT = re.compile(r"^(?:\(stator\)|tmcl>) (.*)$")
 IN_TEXT = re.compile(r"(?<!`)`(stator\s[^`]+)`")
+TELLS = re.compile(
+    r"stator (devices|faults|(describe|conformance|tune) [a-z0-9-]+|export \w+ [a-z0-9-]+|(check|test) --(keys|schema|reference|steps))\b"
+)
+PLACEHOLDER = re.compile(r"(^|\s)[A-Z]{3,}(\s|$)|\.\.\.")
 RACK = re.compile(r"^(\S+=\S+ )*(.* )?(\S*/|\$)?stator run\b")
 ELLIPSIS = "..."
 
@@ -228,6 +233,11 @@ def read(text):
                 raise Mistake(f"line {index + 1}: a note stands above this line, but it is for a block")
             index += 1
     return steps
+
+
+def tells(command):
+    """Whether a command in the text is whole, needs nothing and ends by itself."""
+    return bool(TELLS.match(command)) and not PLACEHOLDER.search(command)
 
 
 def in_text(text):

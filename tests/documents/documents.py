@@ -262,10 +262,12 @@ def run_inside(options):
         shell.stop()
         program = Help(options.stator)
         for line, command in blocks.in_text(text):
-            step = blocks.Step(line, "command", command)
+            step = blocks.Step(line, "command", command, block=line)
             if wrong := program.wrong(command):
                 raise Failed(f"{command}: {wrong}")
             run.counted["commands in the text looked at"] += 1
+            if blocks.tells(command):
+                run.do(step)
     except LeftOut as reason:
         print(f"{short(document)}:{step.line}: not run from here on\nnot tested: {reason}")
         return LEFT_OUT

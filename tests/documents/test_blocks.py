@@ -83,6 +83,21 @@ class Reading(unittest.TestCase):
         self.assertEqual(steps("<!-- run:\nls\npwd\n-->\n"), [("command", "ls"), ("command", "pwd")])
         self.assertFalse(any(step.shown for step in blocks.read("<!-- run: ls -->\n")))
 
+    def test_commands_in_the_text_are_found_with_their_lines(self):
+        text = "Text `stator run\n--http`, ``x``.\n\n```sh\n`stator devices`\n```\n`stator devices`\n"
+        self.assertEqual(blocks.in_text(text), [(1, "stator run --http"), (7, "stator devices")])
+
+    def test_what_only_tells_is_run_when_it_is_whole(self):
+        for command in ("stator devices", "stator describe tmcc160 --inputs", "stator check --keys", "stator faults"):
+            self.assertTrue(blocks.tells(command), command)
+        for command in (
+            "stator describe DEVICE --inputs",
+            "stator export eds",
+            "stator run --http",
+            "stator test a.toml",
+        ):
+            self.assertFalse(blocks.tells(command), command)
+
 
 class Comparing(unittest.TestCase):
     def same(self, expected, output, varying=()):
