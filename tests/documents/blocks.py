@@ -30,6 +30,7 @@ program. In output "..." is anything: lines when it stands alone, else a part of
 """
 
 import dataclasses
+import itertools
 import re
 
 FENCE = re.compile(r"^( *)```+(\w*)")
@@ -40,6 +41,7 @@ IN_TEXT = re.compile(r"(?<!`)`(stator\s[^`]+)`")
 TELLS = re.compile(
     r"stator (devices|faults|(describe|conformance|tune) [a-z0-9-]+|export \w+ [a-z0-9-]+|(check|test) --(keys|schema|reference|steps))\b"
 )
+HEAD = re.compile(r"# {2,}stator ")
 PLACEHOLDER = re.compile(r"(^|\s)[A-Z]{3,}(\s|$)|\.\.\.")
 RACK = re.compile(r"^(\S+=\S+ )*(.* )?(\S*/|\$)?stator run\b")
 ELLIPSIS = "..."
@@ -238,6 +240,19 @@ def read(text):
 def tells(command):
     """Whether a command in the text is whole, needs nothing and ends by itself."""
     return bool(TELLS.match(command)) and not PLACEHOLDER.search(command)
+
+
+def read_head(text):
+    """The steps of a file that says in its head how it is used: commands stand behind "#", set in. Their interfaces are
+    those of a machine with such cables; a master turns an axis for as long as somebody looks at it."""
+    head = itertools.takewhile(lambda line: line.startswith("#"), text.split("\n"))
+    written = [(number, line.removeprefix("#").strip()) for number, line in enumerate(head, 1) if HEAD.match(line)]
+    interfaces = sorted({name for _, line in written for name in re.findall(r"ethercat:(\w+)", line)})
+    steps = [Step(1, "command", f"cable {name} {name}-end", shown=False) for name in interfaces]
+    for number, line in written:
+        stays = stays_by_itself(line) or line.startswith("stator move --link")
+        steps.append(Step(number, "command", line, block=1, stays=stays))
+    return steps
 
 
 def in_text(text):

@@ -4,6 +4,8 @@
     documents.py --stator PROGRAM --build FOLDER DOCUMENT...
     documents.py --left-out DOCUMENT...         runs nothing: what is not run, and why
 
+A document is a page in Markdown, or a rack file or the like, whose head has commands.
+
 Each document has a network, processes and a folder /tmp of its own, which end with it, so names and ports may be those of
 other documents; it stands in a folder with copies of racks, examples and scenarios, with build/release, and with
 `stator` and the programs of clients on its path. For that it has to run as root. blocks.py says how a document marks what
@@ -54,6 +56,10 @@ def arguments():
     return options
 
 
+def steps_of(document, text):
+    return blocks.read(text) if document.suffix == ".md" else blocks.read_head(text)
+
+
 def short(document):
     document = document.resolve()
     return document.relative_to(ROOT) if document.is_relative_to(ROOT) else document
@@ -67,7 +73,7 @@ def tell_left_out(documents):
     """Counts what is run, and what is not by its reason."""
     counted, reasons = collections.Counter(), collections.Counter()
     for document in documents:
-        for step in blocks.read(document.read_text(encoding="utf-8")):
+        for step in steps_of(document, document.read_text(encoding="utf-8")):
             if step.kind == "left out":
                 number = sum(1 for _ in blocks.commands(step.content.split("\n")))
                 counted["command lines left out"] += number
@@ -256,7 +262,7 @@ def run_inside(options):
     try:
         shell.run("")
         shell.bash.stdin.write(HELPERS)
-        for step in blocks.read(text):
+        for step in steps_of(document, text):
             run.do(step)
         step = blocks.Step(step.line, "command", "the end")
         shell.stop()

@@ -83,6 +83,19 @@ class Reading(unittest.TestCase):
         self.assertEqual(steps("<!-- run:\nls\npwd\n-->\n"), [("command", "ls"), ("command", "pwd")])
         self.assertFalse(any(step.shown for step in blocks.read("<!-- run: ls -->\n")))
 
+    def test_heads_of_racks_have_commands_and_cables(self):
+        text = (
+            "# A rack.\n#\n#   stator run a.toml --link ethercat:eth1\n#   stator move --link udp:a\n\n#   stator x\n"
+        )
+        self.assertEqual(
+            [(step.line, step.text, step.stays) for step in blocks.read_head(text)],
+            [
+                (1, "cable eth1 eth1-end", False),
+                (3, "stator run a.toml --link ethercat:eth1", True),
+                (4, "stator move --link udp:a", True),
+            ],
+        )
+
     def test_commands_in_the_text_are_found_with_their_lines(self):
         text = "Text `stator run\n--http`, ``x``.\n\n```sh\n`stator devices`\n```\n`stator devices`\n"
         self.assertEqual(blocks.in_text(text), [(1, "stator run --http"), (7, "stator devices")])

@@ -115,7 +115,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       "  stator run racks/gantry.toml --link ethercat:eth1\n"
       "  stator run --device tmcm-3315 --link ethercat:eth1 --wait spin --cpu 1\n"
       "  stator run --device tmcm-3315 --link udp:0.0.0.0\n"
-      "  stator run racks/gantry.toml --http 8080\n"
+      "  stator run racks/five-devices.toml --http 8080\n"
       "  stator run --device tmcc160 --port slcan:/tmp/stator-can0 --port socketcand:29536\n"
       "  stator run --device tmcm-142 --serial pty:/tmp/stator-serial\n"
       "  stator run --device tmc8461 --link ethercat:eth1 --spi unix:/tmp/stator-chip\n"
