@@ -354,6 +354,24 @@ TEST_F(CanExecLinkTest, FramesGoToTheBusToOtherProgramsAndBackWhenWanted) {
   EXPECT_EQ(quiet.heard().size(), 3U);
 }
 
+TEST_F(CanExecLinkTest, AProgramThatSendsWithoutAPauseLeavesOthersTheirTurn) {
+  const CanExecProgram flood(bus_);
+  serve();
+  for (int i = 0; i < 4; ++i) {
+    flood.send(socketcan_frame(0x7E0));
+  }
+  const CanExecProgram other(bus_);
+  other.send(socketcan_frame(0x101));
+  std::vector<can::Frame> taken;
+  for (int i = 0; i < 8; ++i) {
+    std::array<can::Frame, 1> one;
+    ASSERT_EQ(link_->receive(one, {}).value(), 1U);
+    taken.push_back(one[0]);
+    flood.send(socketcan_frame(0x7E0));
+  }
+  EXPECT_THAT(taken, testing::Contains(can::data_frame(0x101, {})));
+}
+
 TEST_F(CanExecLinkTest, FiltersAreAlternativesUnlessJoined) {
   const std::vector<can_filter> filters{{.can_id = 0x100, .can_mask = 0x700},
                                         {.can_id = 0x101 | CAN_INV_FILTER, .can_mask = 0x7FF}};

@@ -147,7 +147,12 @@ base::Expected<std::size_t, LinkError> CanExecLink::receive(std::span<can::Frame
     if (count <= 0) {
       break;
     }
-    for (const epoll_event& event : std::span(events).first(static_cast<std::size_t>(count))) {
+    const auto ready = std::span(events).first(static_cast<std::size_t>(count));
+    const auto first = std::ranges::find_if(
+        ready, [&](const epoll_event& event) { return event.data.fd == waits_for_room_; });
+    std::rotate(ready.begin(), first, ready.end());
+    waits_for_room_ = kNobody;
+    for (const epoll_event& event : ready) {
       if (event.data.fd == listener_.get()) {
         accept();
       } else if (event.data.fd == timer_.get()) {
@@ -155,6 +160,9 @@ base::Expected<std::size_t, LinkError> CanExecLink::receive(std::span<can::Frame
       } else if (Client* const client = find(event.data.fd); client != nullptr) {
         if ((event.events & EPOLLOUT) != 0) {
           write(*client);
+        }
+        if (target.full() && waits_for_room_ == kNobody) {
+          waits_for_room_ = event.data.fd;
         }
         read(*client, target);
       }

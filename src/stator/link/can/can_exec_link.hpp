@@ -88,6 +88,10 @@ class CanExecLink final : public CanLink {
   FileDescriptor timer_;
   std::optional<MachineTime> timer_set_to_;
   std::vector<std::unique_ptr<Client>> clients_;
+  static constexpr int kNobody = -1;
+  /// The program for whose frames receive() had no room: it comes first next time, before one that
+  /// sends without a pause.
+  int waits_for_room_ = kNobody;
   /// Cyclic frames for which receive() had no room.
   std::vector<can::Frame> pending_;
   CanLinkStatistics statistics_;
