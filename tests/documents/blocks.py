@@ -36,6 +36,8 @@ import re
 FENCE = re.compile(r"^( *)```+(\w*)")
 NOTE = re.compile(r"<!--(.*?)-->", re.DOTALL)
 OURS = re.compile(r"(run|not run|stays|fails|keys|file|output|input)\b *([^(:]*?)(?:\((.*?)\))?(?:: *(.*))?", re.DOTALL)
+OTHER_NAMES = ("bash", "shell", "console", "shell-session")
+SET_IN = re.compile(r"^(    |\t)\s*(\$ |sudo |stator [a-z])")
 PROMPT = re.compile(r"^(?:\(stator\)|tmcl>) (.*)$")
 IN_TEXT = re.compile(r"(?<!`)`(stator\s[^`]+)`")
 TELLS = re.compile(
@@ -179,6 +181,8 @@ def block_steps(line, language, lines, notes):
         for prefix in note.prefixes if note.kind != "output" else ():
             if not any(begins(command, prefix) for _, command in commands(t.removeprefix("$ ") for t in lines)):
                 raise Mistake(f"line {line}: no line of the block begins with {prefix!r}")
+    if language in OTHER_NAMES:
+        raise Mistake(f"line {line}: commands stand in blocks of sh, not of {language}")
     whole = {note.kind: note for note in notes if not note.prefixes or note.kind == "output"}
     if "not run" in whole:
         if not whole["not run"].text:
@@ -231,6 +235,8 @@ def read(text):
                     notes.append(note)
             index = end + 1
         else:
+            if SET_IN.match(lines[index]):
+                raise Mistake(f"line {index + 1}: commands stand in blocks of sh, not set in")
             if lines[index].strip() and notes:
                 raise Mistake(f"line {index + 1}: a note stands above this line, but it is for a block")
             index += 1

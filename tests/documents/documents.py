@@ -17,6 +17,7 @@ import collections
 import os
 import pathlib
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -44,6 +45,7 @@ press() {
 
 
 def arguments():
+    """What the command line says."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--stator", help="the program")
     parser.add_argument("--build", help="folder of the build whose examples documents start")
@@ -57,15 +59,18 @@ def arguments():
 
 
 def steps_of(document, text):
+    """The steps of a page, or of a file whose head has commands."""
     return blocks.read(text) if document.suffix == ".md" else blocks.read_head(text)
 
 
 def short(document):
+    """The name of a document as messages have it."""
     document = document.resolve()
     return document.relative_to(ROOT) if document.is_relative_to(ROOT) else document
 
 
 def last_lines(text, number=30):
+    """The end of what somebody has said."""
     return "\n".join(text.splitlines()[-number:])
 
 
@@ -78,10 +83,8 @@ def tell_left_out(documents):
                 number = sum(1 for _ in blocks.commands(step.content.split("\n")))
                 counted["command lines left out"] += number
                 reasons[step.text] += number
-            elif step.kind in ("command", "dialogue") and step.shown:
-                counted["command lines run"] += 1
-            elif step.kind == "output" or step.kind == "dialogue":
-                counted["outputs compared"] += 1
+            counted["command lines run"] += step.kind in ("command", "dialogue") and step.shown
+            counted["outputs compared"] += step.kind in ("output", "dialogue")
     for what, number in sorted(counted.items()):
         print(f"{number:4} {what}")
     for reason, number in reasons.most_common():
@@ -104,6 +107,7 @@ class Run:
         self.reasons = collections.Counter()
 
     def do(self, step):
+        """Does one step; Failed if it is not as the document says, LeftOut if the machine cannot do it."""
         getattr(self, "do_" + step.kind.replace(" ", "_"))(step)
 
     def do_left_out(self, step):
@@ -138,7 +142,7 @@ class Run:
         command = step.text
         if step.keys:
             plain = command.split(" #")[0].strip()
-            command = f"press '{step.keys}' '{plain}'"
+            command = shlex.join(["press", step.keys, plain])
         status, output = self.shell.run(command)
         if step.shown:
             self.said += output
@@ -150,6 +154,7 @@ class Run:
             raise Failed(f"{step.text}: exit status {status}, expected {wanted}; it said:\n{output}{others}")
 
     def hear(self, text):
+        """Waits until something that stays has said this."""
         Shell.wait_for(
             lambda: any(text in program.output() for program in self.shell.background),
             lambda: f"nobody says {text!r}, but\n" + "".join(program.output() for program in self.shell.background),
@@ -191,6 +196,7 @@ class Help:
         self.texts = {}
 
     def of(self, *words):
+        """The help of a command, "" if there is no such command."""
         if words not in self.texts:
             done = subprocess.run(
                 [self.program, *words, "--help"], capture_output=True, text=True, check=False, timeout=PATIENCE

@@ -31,6 +31,7 @@ class Background:
         self.may_end_with = () if rack else (130,)
 
     def output(self):
+        """All that it has said up to now."""
         return self.path.read_text(encoding="utf-8", errors="replace")
 
 
@@ -117,6 +118,7 @@ class Shell:
 
     @staticmethod
     def wait_for(condition, what):
+        """Returns when the condition is true; `what` tells what was missing if it never is."""
         end = time.monotonic() + PATIENCE
         while not condition():
             if time.monotonic() > end:
@@ -130,6 +132,7 @@ class Shell:
         self.answers.close()
 
     def goes_on(self, program):
+        """Whether it has not ended by itself."""
         return self._ask(f"kill -0 {program.process} 2>/dev/null", "kill -0") == 0
 
     def stop(self):

@@ -17,6 +17,12 @@ class Reading(unittest.TestCase):
             [("command", "ls \\\n  -l   # all"), ("command", "pwd")],
         )
 
+    def test_commands_that_would_not_be_run_are_a_mistake(self):
+        for text in ("```bash\nls\n```\n", "```console\n$ ls\n```\n", "Text:\n\n    stator devices\n", "    $ ls\n"):
+            with self.assertRaisesRegex(blocks.Mistake, "blocks of sh"):
+                blocks.read(text)
+        self.assertEqual(steps("Text:\n\n    stator: this is what it says\n"), [])
+
     def test_each_step_knows_its_line(self):
         self.assertEqual(
             [step.line for step in blocks.read("A\n\n```sh\none\ntwo\n```\n<!-- run: three -->\n")], [4, 5, 7]
