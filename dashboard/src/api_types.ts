@@ -938,6 +938,8 @@ export interface components {
             readonly error_code: number | null;
             /** @description 6061h */
             readonly mode: number | null;
+            /** @description Commands so far; what else is told is from after the last of them */
+            readonly executed: number;
             /** @description Why the last command was not carried out; empty: it was */
             readonly refusal: string;
         };

@@ -170,6 +170,46 @@ TEST_F(ManualControlTest, JogsForAsLongAsItIsToldTo) {
   EXPECT_TRUE(axis(gantry).status.enabled);
 }
 
+TEST_F(ManualControlTest, StopsQuicklyAndChangesModeAndControlword) {
+  const rack::DeviceAddress gantry = address("gantry");
+  begin(gantry);
+  enable(gantry);
+  command(gantry, {.kind = CommandKind::quick_stop});
+  EXPECT_TRUE(wait_for([&] { return axis(gantry).executed == 2; }));
+  EXPECT_FALSE(axis(gantry).status.enabled);
+  enable(gantry);
+  command(gantry, {.kind = CommandKind::mode, .value = 9});
+  EXPECT_TRUE(wait_for([&] { return axis(gantry).status.mode == 9; })) << axis(gantry).refusal;
+  command(gantry, {.kind = CommandKind::controlword, .value = 0x0007});
+  EXPECT_TRUE(wait_for([&] { return axis(gantry).status.state == "Switched on"; }))
+      << axis(gantry).status.state;
+  EXPECT_EQ(axis(gantry).status.controlword, 0x0007);
+  command(gantry, {.kind = CommandKind::disable});
+  EXPECT_TRUE(wait_for([&] { return axis(gantry).status.state == "Switch on disabled"; }));
+}
+
+TEST_F(ManualControlTest, StopsAMoveOnItsWay) {
+  const rack::DeviceAddress gantry = address("gantry");
+  begin(gantry);
+  enable(gantry);
+  command(gantry, {.kind = CommandKind::move, .value = 2'000'000'000, .velocity = 100'000U});
+  EXPECT_TRUE(wait_for([&] { return axis(gantry).status.velocity > 1'000.0; }))
+      << axis(gantry).refusal;
+  command(gantry, {.kind = CommandKind::stop});
+  EXPECT_TRUE(wait_for([&] { return axis(gantry).status.velocity == 0.0; }));
+  EXPECT_TRUE(axis(gantry).status.enabled);
+}
+
+TEST_F(ManualControlTest, SearchesAndStopsAModule) {
+  const rack::DeviceAddress feeder = address("feeder");
+  begin(feeder);
+  command(feeder, {.kind = CommandKind::home});
+  EXPECT_TRUE(wait_for([&] { return axis(feeder).status.state == "reference search"; }))
+      << axis(feeder).refusal;
+  command(feeder, {.kind = CommandKind::stop});
+  EXPECT_TRUE(wait_for([&] { return axis(feeder).status.state == "at rest"; }));
+}
+
 TEST_F(ManualControlTest, LeavesAnAxisWithoutCurrentWhenItIsGivenBack) {
   const rack::DeviceAddress gantry = address("gantry");
   begin(gantry);

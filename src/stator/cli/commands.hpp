@@ -29,6 +29,7 @@ void add_replay_command(CLI::App& app);
 void add_fault_commands(CLI::App& app);
 void add_status_command(CLI::App& app);
 void add_snapshot_command(CLI::App& app);
+void add_jog_command(CLI::App& app);
 void add_top_command(CLI::App& app);
 void add_test_command(CLI::App& app);
 

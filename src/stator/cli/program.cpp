@@ -41,6 +41,7 @@ int parse(int argc, char** argv) {
   add_replay_command(app);
   add_status_command(app);
   add_snapshot_command(app);
+  add_jog_command(app);
   add_fault_commands(app);
   add_top_command(app);
   add_test_command(app);

@@ -25,7 +25,8 @@ enum class Phase : std::uint8_t {
 struct AxisRecord {
   AxisDescription description{};
   AxisStatus status{};
-  std::string refusal{};  ///< why the last command was not carried out; empty: it was
+  std::uint64_t executed = 0;  ///< commands so far; `status` is from after the last of them
+  std::string refusal{};       ///< why the last one was not carried out; empty: it was
 };
 
 /// What is known of the manual control of a device.

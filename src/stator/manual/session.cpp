@@ -15,6 +15,9 @@ namespace {
 /// How often axes are asked where they are.
 constexpr base::SimDuration kLookPeriod{100'000'000};
 
+/// What was written goes out with the next cycle; what it has changed comes back with one after.
+constexpr int kCyclesUntilSeen = 3;
+
 constexpr base::EventRule kBegins{
     "manual-control-begins", base::Severity::information,
     "it is under manual control: a master inside Stator commands it until it is given back or "
@@ -201,9 +204,15 @@ void Session::execute(const Request& request) {
   const bool jogs = request.command.kind == CommandKind::jog && request.command.value != 0;
   const auto done = held.axis->execute(request.command);
   held.jog_until = done && jogs ? std::optional(running_.machine_now() + kJogHold) : std::nullopt;
-  next_look_ = {};
+  // What fails here, fails again soon.
+  for (int i = 0; i < kCyclesUntilSeen; ++i) {
+    static_cast<void>(master_->cycle());
+  }
+  static_cast<void>(look(request.device, found->second));
   const std::scoped_lock lock(mutex_);
-  statuses_[request.device].axes[request.axis].refusal = done ? std::string() : done.error().text;
+  AxisRecord& record = statuses_[request.device].axes[request.axis];
+  record.refusal = done ? std::string() : done.error().text;
+  ++record.executed;
 }
 
 // Nobody repeats the command any more: the button was let go, or the page is gone.

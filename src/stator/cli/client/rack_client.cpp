@@ -75,6 +75,10 @@ nlohmann::json RackClient::post(const std::string& target, const nlohmann::json&
   return request("POST", target, body.dump());
 }
 
+nlohmann::json RackClient::put(const std::string& target) {
+  return request("PUT", target, "");
+}
+
 nlohmann::json RackClient::remove(const std::string& target) {
   return request("DELETE", target, "");
 }

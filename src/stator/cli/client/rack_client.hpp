@@ -31,6 +31,7 @@ class RackClient {
   /// The same; null if the server has nothing at that path.
   [[nodiscard]] nlohmann::json get_if_there(const std::string& target);
   nlohmann::json post(const std::string& target, const nlohmann::json& body);
+  nlohmann::json put(const std::string& target);
   nlohmann::json remove(const std::string& target);
 
  private:

@@ -65,6 +65,7 @@ Json axis_json(const manual::AxisRecord& axis) {
           {"controlword", or_null(status.controlword)},
           {"error_code", or_null(status.error_code)},
           {"mode", or_null(status.mode)},
+          {"executed", axis.executed},
           {"refusal", axis.refusal}};
 }
 

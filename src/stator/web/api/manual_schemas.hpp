@@ -6,7 +6,7 @@ namespace stator::web {
 inline constexpr const char* kManualSchemas = R"({
   "ManualAxis": {
     "type": "object",
-    "required": ["commands", "modes", "profile_velocity", "position_per_revolution", "velocity_per_revolution", "state", "enabled", "fault", "reached", "position", "velocity", "statusword", "controlword", "error_code", "mode", "refusal"],
+    "required": ["commands", "modes", "profile_velocity", "position_per_revolution", "velocity_per_revolution", "state", "enabled", "fault", "reached", "position", "velocity", "statusword", "controlword", "error_code", "mode", "executed", "refusal"],
     "description": "An axis under manual control; positions and velocities are in the units of the device",
     "properties": {
       "commands": {"type": "array", "items": {"$ref": "#/components/schemas/ManualCommandName"}, "description": "That it takes"},
@@ -24,6 +24,7 @@ inline constexpr const char* kManualSchemas = R"({
       "controlword": {"type": ["integer", "null"], "description": "Written last"},
       "error_code": {"type": ["integer", "null"], "description": "603Fh, in a fault"},
       "mode": {"type": ["integer", "null"], "description": "6061h"},
+      "executed": {"type": "integer", "description": "Commands so far; what else is told is from after the last of them"},
       "refusal": {"type": "string", "description": "Why the last command was not carried out; empty: it was"}
     }
   },
