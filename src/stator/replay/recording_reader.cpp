@@ -77,7 +77,7 @@ bool read_host_step(ByteReader& reader, Step& step) {
 }  // namespace
 
 RecordingReader::RecordingReader(const std::string& path)
-    : file_(open_to_read(path)), unread_(size_of(*file_)) {
+    : file_(open_to_read(path)), unread_(size_of(*file_)), size_(unread_) {
   if (unread_ == 0) {
     throw std::runtime_error(fmt::format(
         "empty recording: \"{}\" has no content; nothing was recorded, record once more", path));

@@ -66,6 +66,10 @@ class RecordingReader {
   [[nodiscard]] RecordingEnding ending() const { return ending_; }
   /// The reason for people; empty: there may be more steps, or the recording was finished.
   [[nodiscard]] const std::string& damage() const { return damage_; }
+  /// How much of the file has been read, 0 to 1.
+  [[nodiscard]] double part_read() const {
+    return size_ == 0 ? 1.0 : 1.0 - static_cast<double>(unread_) / static_cast<double>(size_);
+  }
 
  private:
   enum class ChunkResult : std::uint8_t { chunk, end_of_file, incomplete, damaged };
@@ -79,6 +83,7 @@ class RecordingReader {
 
   FileHandle file_;
   std::uint64_t unread_;  ///< bytes of the file
+  std::uint64_t size_;    ///< of the file, bytes
   RecordingHeader header_;
   std::vector<std::byte> chunk_;
   ByteReader rest_{{}};

@@ -15,7 +15,9 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/logging.hpp"
 #include "stator/cli/master/master_session.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
+#include "stator/cli/progress.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
 #include "stator/plant/axes/stepper_axis.hpp"
 #include "stator/product/catalogue/product.hpp"
@@ -204,11 +206,17 @@ class Demo {
                  kMoves[i].distance, kMoves[i].velocity, kMoves[i].acceleration);
     }
     constexpr base::SimDuration kLimit{10'000'000'000};
+    double longest = 0.0;
+    for (const DemoMove& move : kMoves) {
+      longest = std::max(longest, move.duration());
+    }
+    Progress progress("moving");
     while (std::ranges::any_of(outcomes_, [](const AxisOutcome& o) { return !o.arrived; })) {
       if (port_.now() - begin_ > kLimit) {
         throw Failure("the axes did not arrive within 10 s of simulated time");
       }
       require(master_.run_cycle());
+      progress.reached(std::min((port_.now() - begin_).seconds() / longest, 1.0));
       for (std::size_t i = 0; i < kMoves.size(); ++i) {
         observe(signals_, i, outcomes_[i]);
         if (!outcomes_[i].arrived && require(axes_[i].target_reached())) {
@@ -310,6 +318,7 @@ void add_demo_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "demo", "Move three axes of a TMCM-3315 in this process: no privileges, no interface");
   command->add_option("-o,--output", options->output, "Directory for pictures and recordings")
+      ->check(names(Names::directory))
       ->capture_default_str();
   command->callback([options] { demo(*options); });
 }

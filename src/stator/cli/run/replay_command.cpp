@@ -1,5 +1,6 @@
 // stator replay: plays a recording again, compares each output bit by bit, and writes signals as
 // CSV.
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -13,6 +14,8 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/option_values.hpp"
+#include "stator/cli/option_words.hpp"
+#include "stator/cli/progress.hpp"
 #include "stator/cli/run/recorded_run.hpp"
 #include "stator/rack/observe/output_files.hpp"
 
@@ -40,6 +43,21 @@ void print_end(const ReplayOptions& options, const replay::Player& player,
       took.count(), simulated / std::max(took.count(), 1e-9));
 }
 
+/// Plays up to `until`, a second of simulated time after the other, to say how far it is.
+std::optional<replay::Difference> play(replay::Player& player,
+                                       const replay::RecordingReader& reader, base::SimTime until) {
+  constexpr base::SimDuration kSlice{1'000'000'000};
+  Progress progress("replaying");
+  for (;;) {
+    const base::SimTime next = std::min(until, player.now() + kSlice);
+    auto difference = player.play(next);
+    if (difference || next == until || !player.reached()) {
+      return difference;
+    }
+    progress.reached(reader.part_read());
+  }
+}
+
 void replay_recording(const ReplayOptions& options, RecordedRack& recorded) {
   base::SimTime until = base::SimTime::never();
   if (!options.until.empty()) {
@@ -60,7 +78,7 @@ void replay_recording(const ReplayOptions& options, RecordedRack& recorded) {
   rack::Rack& rack = *built;
   replay::Player player(recorded.reader(), rack, recorded.configuration());
   const auto began = std::chrono::steady_clock::now();
-  if (const auto difference = player.play(until)) {
+  if (const auto difference = play(player, recorded.reader(), until)) {
     throw Failure(fmt::format("{}: {}", options.recording, explain(*difference, log)));
   }
   print_end(options, player, std::chrono::steady_clock::now() - began);
@@ -99,9 +117,12 @@ void add_replay_command(CLI::App& app) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = app.add_subcommand(
       "replay", "Do again what \"stator run --record NAME.stator\" recorded, and compare");
-  command->add_option("recording", options->recording, "File of the recording")->required();
+  command->add_option("recording", options->recording, "File of the recording")
+      ->required()
+      ->check(names(Names::recording));
   command->add_option("--until", options->until, "Simulated time at which to stop, e.g. 12.5s");
-  auto* csv = command->add_option("--csv", options->csv, "Write signals to this CSV file");
+  auto* csv = command->add_option("--csv", options->csv, "Write signals to this CSV file")
+                  ->check(names(Names::file));
   command->add_option("--period", options->period, "Simulated time between two rows of it")
       ->needs(csv)
       ->capture_default_str();

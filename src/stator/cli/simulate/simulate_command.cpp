@@ -17,7 +17,9 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/option_values.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
+#include "stator/cli/progress.hpp"
 #include "stator/cli/simulate/simulation_output.hpp"
 #include "stator/cli/temporary_csv.hpp"
 #include "stator/experiment/experiment.hpp"
@@ -247,7 +249,10 @@ void simulate(const experiment::Experiment& experiment, const SimulateOptions& o
       choices.set(written->first, parse_quantity(written->first, written->second, option.unit));
     }
   }
-  const experiment::Result result = experiment.run(setup_of(options, experiment.motor), choices);
+  const experiment::Result result = [&] {
+    const Progress progress(fmt::format("measuring {}", experiment.name));
+    return experiment.run(setup_of(options, experiment.motor), choices);
+  }();
   print_comparisons(result);
   keep(result, options);
   const double worst = 100.0 * result.worst_deviation();
@@ -261,7 +266,8 @@ void simulate(const experiment::Experiment& experiment, const SimulateOptions& o
 
 void add_axis_options(CLI::App& command, SimulateOptions& options) {
   CLI::Option* const rack =
-      command.add_option("rack", options.rack_file, "Rack file whose axis is put on the bench");
+      command.add_option("rack", options.rack_file, "Rack file whose axis is put on the bench")
+          ->check(names(Names::rack_file));
   add_set_option(command, options.rack_changes)->needs(rack);
   command.add_option("--device", options.device, "Device of the rack file; else its first");
   command.add_option("-a,--axis", options.axis, "Axis of the device")->capture_default_str();
@@ -303,8 +309,10 @@ void add_simulate_command(CLI::App& app) {
         command->add_subcommand(std::string(experiment.name), std::string(experiment.summary));
     add_axis_options(*one, *options);
     add_experiment_options(*one, experiment, *options);
-    one->add_option("--plot", options->plot, "Picture to draw, .svg or .png");
-    one->add_option("--csv", options->csv, "File for the curves' values");
+    one->add_option("--plot", options->plot, "Picture to draw, .svg or .png")
+        ->check(names(Names::file));
+    one->add_option("--csv", options->csv, "File for the curves' values")
+        ->check(names(Names::file));
     one->add_option("--tolerance", options->tolerance,
                     "Fail when a measurement deviates by more than so many percent")
         ->check(CLI::Range(0.0, 100.0));

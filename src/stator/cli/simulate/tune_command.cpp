@@ -15,7 +15,9 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
 #include "stator/cli/option_values.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
+#include "stator/cli/progress.hpp"
 #include "stator/cli/simulate/tune_output.hpp"
 #include "stator/experiment/tuning/tuner.hpp"
 #include "stator/formats/toml/edit.hpp"
@@ -189,6 +191,21 @@ void write_rack(const TuneOptions& options, const Target& target, const Tuning& 
   fmt::print("\nWrote {}: {} objects of {}.\n", options.output, objects.size(), target.name);
 }
 
+/// Says beside the stages how far it is.
+Tuning measure(product::TuningStage& stage, Settings& settings) {
+  constexpr int kStages = 6;  // that the tuner announces, each a line that is not indented
+  Progress progress("tuning");
+  int begun = 0;
+  settings.report = [&progress, &begun, say = settings.report](std::string_view text) {
+    progress.clear();
+    say(text);
+    if (!text.starts_with(' ')) {
+      progress.reached(static_cast<double>(begun++) / kStages);
+    }
+  };
+  return experiment::tuning::tune(stage, settings);
+}
+
 void tune(const TuneOptions& options) {
   if (!options.output.empty() && options.target.ends_with(".json")) {
     throw Failure(
@@ -197,10 +214,10 @@ void tune(const TuneOptions& options) {
                     options.target));
   }
   Target target = target_of(options);
-  const Settings settings = settings_of(options, target);
+  Settings settings = settings_of(options, target);
   const auto stage = target.tuning().stage(target.setup);
   fmt::print("Tuning {} with {:.3g} A\n", target.name, settings.current);
-  const Tuning tuning = experiment::tuning::tune(*stage, settings);
+  const Tuning tuning = measure(*stage, settings);
   print_tuning(tuning);
   if (!options.plot.empty()) {
     draw_tuning(tuning, options.plot);
@@ -246,7 +263,7 @@ void add_claims(CLI::App& command, TuneOptions& options) {
   command
       .add_option("--encoder-direction", options.encoder_direction,
                   "How the encoder counts while the field turns forward")
-      ->check(CLI::IsMember({"up", "down"}))
+      ->check(one_of({"up", "down"}))
       ->group(kGroup);
 }
 
@@ -259,7 +276,8 @@ void add_tune_command(CLI::App& app) {
   command
       ->add_option("rack", options->target,
                    "Rack file with the device, or \"tmc8670\" for one as delivered")
-      ->required();
+      ->required()
+      ->check(names(Names::rack_file));
   add_set_option(*command, options->changes);
   command->add_option("--device", options->device,
                       "Device of the rack file; else its first tmc8670");
@@ -269,10 +287,12 @@ void add_tune_command(CLI::App& app) {
   command
       ->add_option("-o,--output", options->output,
                    "Rack file to write: the given one with the tuned objects")
+      ->check(names(Names::rack_file))
       ->option_text("FILE.toml");
   command
       ->add_option("--plot", options->plot,
                    "Draw PREFIX-steps and PREFIX-bode as .svg and .png, with their .csv")
+      ->check(names(Names::file))
       ->option_text("PREFIX");
   command->footer(
       "Knows of the motor what the registers of the chip tell, as a tool at the hardware does:\n"
