@@ -94,4 +94,27 @@ function(stator_install_program)
   # Where "stator can-exec" looks for it.
   install(TARGETS stator_can_exec LIBRARY DESTINATION lib/stator COMPONENT program)
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+  if(NOT CMAKE_CROSSCOMPILING)
+    stator_install_guide()
+  endif()
+endfunction()
+
+# Manual pages and completions, which the program makes from what its commands declare; made when they are installed, so
+# that no build waits for them.
+function(stator_install_guide)
+  set(guide ${PROJECT_BINARY_DIR}/guide)
+  set(stator [["$<TARGET_FILE:stator>"]])
+  set(make "file(REMOVE_RECURSE \"${guide}\")\nfile(MAKE_DIRECTORY \"${guide}\")\n")
+  string(APPEND make "execute_process(COMMAND ${stator} man --directory \"${guide}/man1\" COMMAND_ERROR_IS_FATAL ANY)\n")
+  set(shells bash zsh fish)
+  set(scripts stator _stator stator.fish)
+  foreach(shell script IN ZIP_LISTS shells scripts)
+    string(APPEND make "execute_process(COMMAND ${stator} completion ${shell} OUTPUT_FILE \"${guide}/${script}\" "
+      "COMMAND_ERROR_IS_FATAL ANY)\n")
+  endforeach()
+  install(CODE "${make}" COMPONENT program)
+  install(DIRECTORY ${guide}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT program)
+  install(FILES ${guide}/stator DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+  install(FILES ${guide}/_stator DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions COMPONENT program)
+  install(FILES ${guide}/stator.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
 endfunction()

@@ -3,6 +3,8 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -11,6 +13,7 @@
 #include "stator/cli/logging.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/cli/program_version.hpp"
+#include "stator/cli/usage_error.hpp"
 
 namespace stator::cli {
 
@@ -21,21 +24,27 @@ constexpr int kFailure = 1;
 constexpr int kUsage = 2;
 constexpr int kRecordingCut = 3;
 
+constexpr const char* kFooter =
+    "Examples:\n"
+    "  stator demo                                        see three axes move, no set-up\n"
+    "  stator run --device tmcm-3315 --link ethercat:eth1  a drive on an interface\n"
+    "  stator run --device tmcc160 --port slcan:/tmp/can0  a drive on a CAN bus\n"
+    "  stator scan --link ethercat:eth2                    who is on that segment?\n"
+    "  stator simulate pull-out --plot pull-out.svg        what can this motor do?\n"
+    "  stator describe tmcm-3315 --format markdown         its object dictionary\n"
+    "\"stator COMMAND --help\" tells the options of a command.\n"
+    "Exit status:\n"
+    "  0  done\n"
+    "  1  not done, or not as it should be: a scenario failed, a rack file is wrong, a replay "
+    "differs\n"
+    "  2  the command line is not understood\n"
+    "  3  a recording was replayed up to the place where it is cut";
+
 int parse(int argc, char** argv) {
   CLI::App app{"Virtual motion-control devices that real masters cannot tell from the hardware."};
   app.name("stator");
   app.set_version_flag("--version", "stator " + program_version());
   app.require_subcommand(1);
-  app.footer(
-      "Examples:\n"
-      "  stator demo                                        see three axes move, no set-up\n"
-      "  stator run --device tmcm-3315 --link ethercat:eth1  a drive on an interface\n"
-      "  stator run --device tmcc160 --port slcan:/tmp/can0  a drive on a CAN bus\n"
-      "  stator scan --link ethercat:eth2                    who is on that segment?\n"
-      "  stator simulate pull-out --plot pull-out.svg        what can this motor do?\n"
-      "  stator describe tmcm-3315 --format markdown         its object dictionary\n"
-      "\"stator COMMAND --help\" tells the options of a command.");
-
   add_run_command(app);
   add_check_command(app);
   add_replay_command(app);
@@ -58,11 +67,19 @@ int parse(int argc, char** argv) {
   add_tmcl_command(app);
   add_can_exec_command(app);
   add_mfc_command(app);
+  add_completion_command(app);
+  add_man_command(app);
+  app.footer(kFooter);  // behind the commands, which would have it as well
 
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kSuccess : kUsage;
+    if (error.get_exit_code() == kSuccess) {  // --help, --version
+      return app.exit(error);
+    }
+    const std::vector<std::string> words(argv + 1, argv + argc);
+    say_failure(usage_error(app, error, words));
+    return kUsage;
   }
   return kSuccess;
 }

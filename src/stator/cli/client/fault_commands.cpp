@@ -12,6 +12,7 @@
 #include "stator/cli/client/rack_client.hpp"
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/rack/faults/fault_kinds.hpp"
 
 namespace stator::cli {
@@ -59,9 +60,10 @@ void run_faults(const FaultsOptions& options) {
 void add_faults(CLI::App& app) {
   auto options = std::make_shared<FaultsOptions>();
   CLI::App* command = app.add_subcommand("faults", "List what can go wrong on demand");
-  command->add_option("kind", options->kind, "Only this kind, with its keys");
+  command->add_option("kind", options->kind, "Only this kind, with its keys")
+      ->check(names(Names::fault_kind));
   command->add_option("--format", options->format, "text or markdown")
-      ->check(CLI::IsMember({"text", "markdown"}))
+      ->check(one_of({"text", "markdown"}))
       ->capture_default_str();
   command->callback([options] { run_faults(*options); });
 }
@@ -78,11 +80,15 @@ void add_inject(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("inject", "Let something go wrong in a rack that is running");
   add_client_options(*command, options->client);
-  command->add_option("kind", options->kind, "What: \"stator faults\" lists all")->required();
+  command->add_option("kind", options->kind, "What: \"stator faults\" lists all")
+      ->required()
+      ->check(names(Names::fault_kind));
   command->add_option("--device", options->device, "Name of the device");
-  command->add_option("keys", options->words,
-                      "KEY=VALUE, as in a [[fault]] of a rack file; \"stator faults KIND\" lists "
-                      "them");
+  command
+      ->add_option("keys", options->words,
+                   "KEY=VALUE, as in a [[fault]] of a rack file; \"stator faults KIND\" lists "
+                   "them")
+      ->check(names(Names::fault_key));
   command->footer(
       "Examples:\n"
       "  stator inject ethercat-drop --device gantry count=5\n"

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "stator/cli/failure.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/web/address.hpp"
 
 namespace stator::cli {
@@ -32,8 +33,10 @@ void add_client_options(CLI::App& command, RackClientOptions& options) {
   command
       .add_option("--http", options.url, "Where the rack's web server is: URL or [ADDRESS:]PORT")
       ->capture_default_str();
-  command.add_option("--http-token", options.token_file,
-                     "File with its token; else the variable STATOR_TOKEN");
+  command
+      .add_option("--http-token", options.token_file,
+                  "File with its token; else the variable STATOR_TOKEN")
+      ->check(names(Names::file));
 }
 
 RackClient::RackClient(const RackClientOptions& options)

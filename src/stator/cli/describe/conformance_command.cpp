@@ -18,6 +18,7 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/describe/conformance_data.hpp"
 #include "stator/cli/failure.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/settings/words.hpp"
 
 namespace stator::cli {
@@ -203,12 +204,14 @@ void add_conformance_command(CLI::App& app) {
       "conformance",
       "Tell which requirements of a product's document are done, simplified or left out for good, "
       "or open, and which tests show it");
-  command->add_option("device", options->device,
-                      "Product, see \"stator devices\"; without one: numbers of all");
+  command
+      ->add_option("device", options->device,
+                   "Product, see \"stator devices\"; without one: numbers of all")
+      ->check(names(Names::product));
   command->add_option("--status", options->status, "Only those: done, simplified, left-out or open")
-      ->check(CLI::IsMember(std::vector<std::string>(kStatuses.begin(), kStatuses.end())));
+      ->check(one_of(std::vector<std::string>(kStatuses.begin(), kStatuses.end())));
   command->add_option("--format", options->format, "text, csv or json")
-      ->check(CLI::IsMember({"text", "csv", "json"}))
+      ->check(one_of({"text", "csv", "json"}))
       ->capture_default_str();
   command->footer(
       "Examples:\n"

@@ -19,6 +19,7 @@
 #include "stator/cli/describe/register_listing.hpp"
 #include "stator/cli/describe/tmcl_module_listing.hpp"
 #include "stator/cli/failure.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/dictionary/description.hpp"
 #include "stator/dictionary/quirks.hpp"
@@ -269,9 +270,10 @@ void add_describe_command(CLI::App& app) {
   command
       ->add_option("device", options->device,
                    "Product, see \"stator devices\"; with --registers also tmc8461, tmc8670")
-      ->required();
+      ->required()
+      ->check(names(Names::product));
   command->add_option("--format", options->format, "table, csv, json or markdown")
-      ->check(CLI::IsMember({"table", "csv", "json", "markdown"}))
+      ->check(one_of({"table", "csv", "json", "markdown"}))
       ->capture_default_str();
   CLI::Option* registers = command->add_flag("--registers", options->registers,
                                              "The slave controller's registers, field by field");
@@ -302,7 +304,7 @@ void add_describe_command(CLI::App& app) {
   command
       ->add_option("--parameters", options->parameters,
                    "Of a module with TMCL: only its axis or its global parameters")
-      ->check(CLI::IsMember({"axis", "global"}));
+      ->check(one_of({"axis", "global"}));
   command->add_flag("--commands", options->commands, "Of a module with TMCL: only its commands");
   command->footer(
       "Examples:\n"

@@ -12,6 +12,7 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/formats/esi/esi.hpp"
 #include "stator/product/catalogue/product.hpp"
@@ -84,12 +85,14 @@ void add_export_command(CLI::App& app) {
                    "or content "
                    "(of a file in a state directory)")
       ->required()
-      ->check(CLI::IsMember({"sii", "esi", "eds", "content"}));
+      ->check(one_of({"sii", "esi", "eds", "content"}));
   command
       ->add_option("device", options->device,
                    "Product, see \"stator devices\"; for content: the file")
-      ->required();
-  command->add_option("-o,--output", options->output, "File to write; standard output if left out");
+      ->required()
+      ->check(names(Names::product));
+  command->add_option("-o,--output", options->output, "File to write; standard output if left out")
+      ->check(names(Names::file));
   command->footer(
       "Examples:\n"
       "  stator export esi tmcm-3315 -o tmcm-3315.xml\n"

@@ -10,6 +10,7 @@
 #include "stator/cli/describe/mfc_listing.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
 #include "stator/formats/esi/chip_esi.hpp"
@@ -87,15 +88,19 @@ void add_mfc_command(CLI::App& app) {
   group->require_subcommand(1);
   CLI::App* command = group->add_subcommand(
       "config", "Check a configuration, print its memory map, make SII image and ESI file");
-  command->add_option("file", options->file, "Configuration, see docs/how-to/mfc-configuration.md");
-  command->add_option("--sii", options->sii, "SII image to write");
-  command->add_option("--esi", options->esi, "ESI file to write");
+  command->add_option("file", options->file, "Configuration, see docs/how-to/mfc-configuration.md")
+      ->check(names(Names::rack_file));
+  command->add_option("--sii", options->sii, "SII image to write")->check(names(Names::file));
+  command->add_option("--esi", options->esi, "ESI file to write")->check(names(Names::file));
   command->add_option("--format", options->format, "Of the memory map: table or csv")
-      ->check(CLI::IsMember({"table", "csv"}))
+      ->check(one_of({"table", "csv"}))
       ->capture_default_str();
-  CLI::Option* from = command->add_option("--from-sii", options->from_sii,
-                                          "Print the configuration that an SII image holds");
+  CLI::Option* from = command
+                          ->add_option("--from-sii", options->from_sii,
+                                       "Print the configuration that an SII image holds")
+                          ->check(names(Names::file));
   command->add_option("-o,--output", options->output, "With --from-sii: file to write")
+      ->check(names(Names::file))
       ->needs(from);
   command->footer(
       "Examples:\n"

@@ -11,6 +11,7 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/logging.hpp"
 #include "stator/cli/option_values.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/link/ethernet/link_address.hpp"
 #include "stator/link/ethernet/open_link.hpp"
@@ -22,19 +23,27 @@
 namespace stator::cli {
 
 void add_bus_options(CLI::App& command, BusOptions& options) {
-  auto* link = command.add_option("--link", options.link,
-                                  "Link to the slaves: " + std::string(link::kLinkForms));
-  auto* rack = command.add_option("--rack", options.rack_file,
-                                  "Rack file: run its first segment in this process, in lockstep");
-  auto* device = command.add_option("--device", options.device,
-                                    "Product: run one such device in this process, in lockstep");
+  auto* link = command
+                   .add_option("--link", options.link,
+                               "Link to the slaves: " + std::string(link::kLinkForms))
+                   ->check(names(Names::ethernet_link));
+  auto* rack = command
+                   .add_option("--rack", options.rack_file,
+                               "Rack file: run its first segment in this process, in lockstep")
+                   ->check(names(Names::rack_file));
+  auto* device = command
+                     .add_option("--device", options.device,
+                                 "Product: run one such device in this process, in lockstep")
+                     ->check(names(Names::product));
   add_set_option(command, options.changes)->excludes(link);
   link->excludes(rack)->excludes(device);
   rack->excludes(device);
-  command.add_option("--capture", options.capture, "Write all frames to this pcap file");
+  command.add_option("--capture", options.capture, "Write all frames to this pcap file")
+      ->check(names(Names::file));
   command
       .add_option("--record", options.record,
                   "Write all signals to this CSV file (with --rack or --device)")
+      ->check(names(Names::file))
       ->excludes(link);
   command.add_option("--record-period", options.record_period, "Simulated time between two rows")
       ->capture_default_str();

@@ -13,6 +13,7 @@
 #include "stator/cli/describe/key_reference.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/option_values.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/cli/run/serial_lines.hpp"
 #include "stator/link/ethernet/link_address.hpp"
@@ -180,10 +181,11 @@ void add_check_command(CLI::App& app) {
   auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app.add_subcommand(
       "check", "Tell what is wrong with a rack file, or what is in it, without running it");
-  CLI::Option* rack_file = command->add_option("rack", options->rack_file, "Rack file (TOML)");
+  CLI::Option* rack_file = command->add_option("rack", options->rack_file, "Rack file (TOML)")
+                               ->check(names(Names::rack_file));
   add_set_option(*command, options->changes);
   command->add_option("--format", options->format, "text, or json for editors")
-      ->check(CLI::IsMember({"text", "json"}))
+      ->check(one_of({"text", "json"}))
       ->capture_default_str();
   options->keys.add(*command, rack_file, kRackFiles);
   command->footer(

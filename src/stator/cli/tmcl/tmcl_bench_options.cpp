@@ -7,6 +7,7 @@
 
 #include "stator/cli/failure.hpp"
 #include "stator/cli/option_values.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/product/catalogue/product.hpp"
 #include "stator/rack/file/rack_file.hpp"
@@ -54,9 +55,12 @@ product::Setup setup_as_delivered(const TmclBenchOptions& options) {
 
 void add_module_options(CLI::App& command, TmclBenchOptions& options) {
   command.add_option("--device", options.device, "Module that runs the program")
+      ->check(names(Names::product))
       ->capture_default_str();
-  CLI::Option* file = command.add_option("--rack", options.rack_file,
-                                         "Rack file with the module's motor, load and switches");
+  CLI::Option* file = command
+                          .add_option("--rack", options.rack_file,
+                                      "Rack file with the module's motor, load and switches")
+                          ->check(names(Names::rack_file));
   add_set_option(command, options.changes);
   command.add_option("--name", options.rack_device, "Module of the rack file; else its first")
       ->needs(file);
@@ -66,7 +70,8 @@ void add_program_options(CLI::App& command, TmclBenchOptions& options) {
   command
       .add_option("program", options.program,
                   "Program: its text, or what \"stator tmcl assemble\" made of it")
-      ->required();
+      ->required()
+      ->check(names(Names::tmcl_program));
   add_module_options(command, options);
   command
       .add_option("--input", options.inputs,

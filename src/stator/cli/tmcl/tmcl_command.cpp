@@ -9,6 +9,7 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/cli/tmcl/program_files.hpp"
 #include "stator/cli/tmcl/tmcl_commands.hpp"
@@ -65,21 +66,25 @@ void disassemble(const DisassembleOptions& options) {
 }
 
 void add_common_options(CLI::App& command, TmclOptions& options) {
-  command.add_option("-o,--output", options.output, "File to write; standard output if left out");
+  command.add_option("-o,--output", options.output, "File to write; standard output if left out")
+      ->check(names(Names::file));
   command.add_option("--device", options.device, "Module the program is for")
+      ->check(names(Names::product))
       ->capture_default_str();
 }
 
 void add_assemble_command(CLI::App& app) {
   auto options = std::make_shared<AssembleOptions>();
   CLI::App* command = app.add_subcommand("assemble", "Make a program of its text");
-  command->add_option("file", options->file, "Text of the program")->required();
+  command->add_option("file", options->file, "Text of the program")
+      ->required()
+      ->check(names(Names::tmcl_program));
   add_common_options(*command, *options);
   command
       ->add_option("--format", options->format,
                    "binary (7 bytes per command), hex (the same as text), telegrams (of a "
                    "download, hexadecimal) or listing")
-      ->check(CLI::IsMember({"binary", "hex", "telegrams", "listing"}))
+      ->check(one_of({"binary", "hex", "telegrams", "listing"}))
       ->capture_default_str();
   command->add_option("--address", options->address, "Address of the module, for telegrams")
       ->check(CLI::Range(0U, 255U))
@@ -93,7 +98,9 @@ void add_assemble_command(CLI::App& app) {
 void add_disassemble_command(CLI::App& app) {
   auto options = std::make_shared<DisassembleOptions>();
   CLI::App* command = app.add_subcommand("disassemble", "Make the text of a program");
-  command->add_option("file", options->file, "Program as binary, hex or telegrams")->required();
+  command->add_option("file", options->file, "Program as binary, hex or telegrams")
+      ->required()
+      ->check(names(Names::file));
   add_common_options(*command, *options);
   command->add_flag(
       "--numbers", options->numbers,

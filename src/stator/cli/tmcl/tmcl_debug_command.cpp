@@ -13,6 +13,7 @@
 #include "stator/cli/event_printer.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/interruption.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/cli/tmcl/line_reader.hpp"
 #include "stator/cli/tmcl/program_files.hpp"
@@ -137,6 +138,7 @@ void add_tmcl_debug_command(CLI::App& app) {
       command->add_flag("--tui", options->screen,
                         "Text, registers and motion on a full screen, in the style of gdb's");
   command->add_option("-x,--command", options->command_files, "File with commands to begin with")
+      ->check(names(Names::file))
       ->allow_extra_args(false);
   command->add_option("--ex", options->commands, "Command to begin with, as often as needed")
       ->allow_extra_args(false);

@@ -14,6 +14,7 @@
 #include "stator/cli/event_printer.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/interruption.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/cli/temporary_csv.hpp"
 #include "stator/cli/tmcl/program_files.hpp"
@@ -235,8 +236,10 @@ void add_tmcl_run_command(CLI::App& app) {
       ->add_flag("--trace-changes", options->changes_only,
                  "Leave out of the trace what polling loops repeat without effect")
       ->needs(trace);
-  command->add_option("--plot", options->plot, "Picture of signals to draw, .svg or .png");
-  command->add_option("--record", options->record, "Write signals to this CSV file");
+  command->add_option("--plot", options->plot, "Picture of signals to draw, .svg or .png")
+      ->check(names(Names::file));
+  command->add_option("--record", options->record, "Write signals to this CSV file")
+      ->check(names(Names::file));
   command
       ->add_option("--record-period", options->period,
                    "Simulated time between two rows of recording and plot")

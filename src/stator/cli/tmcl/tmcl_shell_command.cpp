@@ -10,6 +10,7 @@
 
 #include "stator/cli/event_printer.hpp"
 #include "stator/cli/failure.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/cli/tmcl/line_reader.hpp"
 #include "stator/cli/tmcl/program_files.hpp"
@@ -93,12 +94,15 @@ void add_tmcl_shell_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("shell", "Send commands in direct mode, by their names");
   add_module_options(*command, *options);
   CLI::Option* port =
-      command->add_option("--port", options->port,
-                          "Serial line to a module: pty:PATH, /dev/NAME or tcp:HOST:PORT; without "
-                          "one a module runs in this process");
+      command
+          ->add_option("--port", options->port,
+                       "Serial line to a module: pty:PATH, /dev/NAME or tcp:HOST:PORT; without "
+                       "one a module runs in this process")
+          ->check(names(Names::serial_line));
   command
       ->add_option("--can", options->can,
                    "CAN bus with a module: " + std::string(link::kCanLinkForms))
+      ->check(names(Names::can_port))
       ->excludes(port);
   command->add_option("--address", options->address, "Address of the module on its serial line")
       ->check(CLI::Range(0U, 255U))
@@ -117,7 +121,7 @@ void add_tmcl_shell_command(CLI::App& app) {
       ->add_option("--clock", options->clock,
                    "Of a module in this process. real: the machine's, as for a person; simulated: "
                    "time goes on by \"wait\" and a little by each command, as for a script")
-      ->check(CLI::IsMember({"real", "simulated"}));
+      ->check(one_of({"real", "simulated"}));
   command->add_flag("--strict", options->strict,
                     "Scripts end at the first command that is refused, with exit status 1");
   command->footer(
