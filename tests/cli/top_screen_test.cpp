@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "stator/cli/client/device_state.hpp"
 #include "stator/cli/client/http_client.hpp"
 #include "stator/cli/client/rack_overview.hpp"
 #include "stator/cli/failure.hpp"
@@ -85,10 +86,55 @@ TEST(TopFrame, ScrollsItsTables) {
   const auto at = [](std::size_t first) {
     return text_of(top_frame(overview(), {.columns = 80, .rows = 24, .first = first}));
   };
-  EXPECT_THAT(at(0), HasSubstr("NETWORK"));
+  EXPECT_THAT(at(0), HasSubstr("drive0.axis0"));
   EXPECT_THAT(at(0), Not(HasSubstr("drive29")));
   EXPECT_THAT(at(1000), HasSubstr("drive29"));
-  EXPECT_THAT(at(1000), HasSubstr("drive0.axis0"));
+  EXPECT_THAT(at(1000), HasSubstr("segment 0  ethercat"));
+}
+
+TEST(TopFrame, HasTheAxesFirstWhereThereIsLittleRoom) {
+  RackOverview rack = overview();
+  const RackOverview::Axis one = rack.axes[0];
+  rack.axes.clear();
+  for (int i = 0; i < 5; ++i) {
+    rack.axes.push_back(one);
+    rack.axes.back().name = fmt::format("gantry.axis{}", i);
+  }
+  const auto frame = texts_of(top_frame(rack, {.columns = 60, .rows = 15}));
+  EXPECT_THAT(frame[2], ::testing::StartsWith("AXIS"));
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_THAT(frame[3 + i], ::testing::StartsWith(fmt::format("gantry.axis{}", i)));
+  }
+  EXPECT_THAT(frame[13], HasSubstr("event 19")) << "the newest events have a little room as well";
+  EXPECT_THAT(text_of(top_frame(rack, {.columns = 60, .rows = 60})), HasSubstr("NETWORK    KIND"))
+      << "where there is room for all, networks come first";
+}
+
+TEST(TopFrame, ShowsItsKeysOnDemand) {
+  const std::string help =
+      text_of(top_frame(overview(), {.columns = 80, .rows = 15, .help = true}));
+  EXPECT_THAT(help, HasSubstr("only rows that contain what is typed"));
+  EXPECT_THAT(help, HasSubstr("any key goes back"));
+  EXPECT_THAT(help, Not(HasSubstr("drive0")));
+}
+
+TEST(StateOfDevice, IsThatOfItsOwnNetworkWhereTheListHasOneWordForSeveral) {
+  const auto state = [](const char* listed, const char* network) {
+    std::string asked;
+    const std::string shown =
+        state_of_device({{"name", "a"}, {"state", listed}}, [&](const std::string& target) {
+          asked = target;
+          return nlohmann::json::parse(fmt::format(R"({{"network": {}}})", network));
+        });
+    return fmt::format("{} {}", shown, asked);
+  };
+  const char* low = "pre-operational or below";
+  EXPECT_EQ(state(low, R"({"machine": "esm", "state": "Init"})"), "init /api/v1/devices/a/panel");
+  EXPECT_EQ(state(low, R"({"machine": "nmt", "state": "Stopped"})"),
+            "stopped /api/v1/devices/a/panel");
+  EXPECT_EQ(state(low, "null"), "on /api/v1/devices/a/panel") << "a module with TMCL";
+  EXPECT_EQ(state("operational", "null"), "operational ");
+  EXPECT_EQ(state("off", "null"), "off ");
 }
 
 TEST(TopFrame, KeepsRowsThatContainTheFilter) {

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "stator/cli/colours.hpp"
 #include "stator/rack/observe/inheriting_mutex.hpp"
 
 namespace stator::cli {
@@ -43,7 +44,7 @@ class StandardErrorLog final : public rack::Log {
  public:
   StandardErrorLog()
       : output_(link::BackgroundOutput::onto(STDERR_FILENO, "standard error", kQueue)),
-        in_colour_(::isatty(STDERR_FILENO) == 1) {
+        in_colour_(wants_colours(stderr)) {
     output_->set_when_full(link::WhenFull::drop);
   }
 

@@ -10,6 +10,7 @@
 #define NCURSES_NOMACROS
 #include <curses.h>
 
+#include "stator/cli/colours.hpp"
 #include "stator/cli/failure.hpp"
 
 namespace stator::cli {
@@ -22,9 +23,10 @@ constexpr short kRed = 1;
 constexpr short kYellow = 2;
 constexpr short kGreen = 3;
 
-attr_t attributes_of(TextStyle style, bool coloured) {
-  const auto colour = [coloured](short pair) {
-    return coloured && ::has_colors() ? static_cast<attr_t>(COLOR_PAIR(pair)) : attr_t{A_NORMAL};
+attr_t attributes_of(TextStyle style) {
+  const auto colour = [](short pair) {
+    return ::has_colors() && wants_colours(stdout) ? static_cast<attr_t>(COLOR_PAIR(pair))
+                                                   : attr_t{A_NORMAL};
   };
   switch (style) {
     case TextStyle::bold:
@@ -86,11 +88,11 @@ std::size_t Terminal::columns() {
   return static_cast<std::size_t>(std::max(COLS, 0));
 }
 
-void Terminal::show(const std::vector<StyledLine>& lines, bool coloured) {
+void Terminal::show(const std::vector<StyledLine>& lines) {
   ::curs_set(0);
   ::erase();
   for (std::size_t row = 0; row < std::min(lines.size(), rows()); ++row) {
-    const attr_t attributes = attributes_of(lines[row].style, coloured);
+    const attr_t attributes = attributes_of(lines[row].style);
     ::attr_on(attributes, nullptr);
     ::mvaddstr(static_cast<int>(row), 0, lines[row].text.c_str());
     ::attr_off(attributes, nullptr);
@@ -105,7 +107,7 @@ void Terminal::print(int row, int column, int width, std::string_view text, Text
   std::string cut(text.substr(0, static_cast<std::size_t>(width)));
   std::ranges::replace(cut, '\t', ' ');
   cut.resize(static_cast<std::size_t>(width), ' ');
-  const attr_t attributes = attributes_of(style, true);
+  const attr_t attributes = attributes_of(style);
   ::attr_on(attributes, nullptr);
   ::mvaddnstr(row, column, cut.c_str(), width);
   ::attr_off(attributes, nullptr);

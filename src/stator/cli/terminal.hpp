@@ -40,8 +40,9 @@ class Terminal {
   [[nodiscard]] static std::size_t rows();
   [[nodiscard]] static std::size_t columns();
 
-  /// The whole screen, from the top; `coloured`: with colours, else bold, dim and reverse only.
-  static void show(const std::vector<StyledLine>& lines, bool coloured);
+  /// The whole screen, from the top; with bold, dim and reverse only where the user wants no
+  /// colours.
+  static void show(const std::vector<StyledLine>& lines);
   /// One piece of text of `width` columns, filled with blanks.
   static void print(int row, int column, int width, std::string_view text,
                     TextStyle style = TextStyle::plain);

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "stator/cli/client/device_state.hpp"
 #include "stator/master/cia402/drive_state.hpp"
 
 namespace stator::cli {
@@ -177,8 +178,10 @@ void RackObserver::read_devices() {
   overview_.devices.clear();
   const json answer = client_.json("GET", "/api/v1/devices");
   for (const json& device : answer.at("devices")) {
-    overview_.devices.push_back(
-        {device.at("name"), device.at("product"), device.at("network"), device.at("state")});
+    overview_.devices.push_back({device.at("name"), device.at("product"), device.at("network"),
+                                 state_of_device(device, [this](const std::string& target) {
+                                   return client_.json("GET", target);
+                                 })});
   }
 }
 

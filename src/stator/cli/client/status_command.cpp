@@ -6,8 +6,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "stator/cli/client/device_state.hpp"
 #include "stator/cli/client/rack_client.hpp"
 #include "stator/cli/commands.hpp"
+#include "stator/cli/option_words.hpp"
 
 namespace stator::cli {
 
@@ -82,15 +84,20 @@ void print_faults(const Json& faults) {
 struct StatusOptions {
   RackClientOptions client;
   bool json = false;
+  std::string format = "text";
 };
 
 void run_status(const StatusOptions& options) {
   RackClient client(options.client);
   const Json rack = client.get("/api/v1/rack");
-  const Json devices = client.get("/api/v1/devices");
+  Json devices = client.get("/api/v1/devices");
+  for (Json& device : devices["devices"]) {
+    device["state"] = state_of_device(
+        device, [&client](const std::string& target) { return client.get(target); });
+  }
   const Json wiring = client.get_if_there("/api/v1/wiring");
   const Json faults = client.get("/api/v1/faults");
-  if (options.json) {
+  if (options.json || options.format == "json") {
     Json all{{"rack", rack}, {"devices", devices["devices"]}, {"faults", faults["faults"]}};
     if (wiring.is_object()) {
       all["wiring"] = wiring;
@@ -111,7 +118,11 @@ void add_status_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "status", "Show a rack that is running: devices, states, counters, faults");
   add_client_options(*command, options->client);
-  command->add_flag("--json", options->json, "As JSON, for programs");
+  command->add_option("--format", options->format, "text or json")
+      ->check(one_of({"text", "json"}))
+      ->capture_default_str();
+  // As it was called before all that lists took --format.
+  command->add_flag("--json", options->json)->group("");
   command->callback([options] { run_status(*options); });
 }
 

@@ -3,20 +3,21 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
+#include <cstdio>
 #include <memory>
 #include <string>
 
 #include <CLI/CLI.hpp>
-#include <fmt/color.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include "stator/cli/client/http_client.hpp"
 #include "stator/cli/client/rack_overview.hpp"
 #include "stator/cli/client/top_screen.hpp"
+#include "stator/cli/colours.hpp"
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/cli/terminal.hpp"
 
 namespace stator::cli {
@@ -38,11 +39,6 @@ void end(int /*signal*/) {
   g_ended = 1;
 }
 
-bool wants_colours() {
-  const char* no_colour = std::getenv("NO_COLOR");  // NOLINT(concurrency-mt-unsafe)
-  return ::isatty(STDOUT_FILENO) == 1 && (no_colour == nullptr || *no_colour == '\0');
-}
-
 constexpr char kEscape = '\x1b';
 constexpr char kControlC = '\x03';
 constexpr char kBackspace = '\x7f';
@@ -53,6 +49,10 @@ class Keys {
   explicit Keys(TopView& view) : view_(view) {}
 
   [[nodiscard]] bool take(const Terminal::Typed& typed, std::size_t table_lines) {
+    if (view_.help) {
+      view_.help = false;
+      return typed.character != 'q' && typed.character != kControlC;
+    }
     if (!typed.character) {
       scroll(typed.key, std::max<std::size_t>(view_.rows / 2, 1), table_lines);
       return true;
@@ -96,6 +96,10 @@ class Keys {
         return false;
       case 'p':
         view_.paused = !view_.paused;
+        break;
+      case '?':
+      case 'h':
+        view_.help = true;
         break;
       case '/':
         view_.typing = true;
@@ -153,7 +157,6 @@ void watch(RackObserver& observer, const TopOptions& options) {
   }
   const Terminal terminal(Terminal::ControlC::key);
   listen_to_signals();
-  const bool coloured = wants_colours();
   TopView view;
   Keys keys(view);
   const auto period = std::chrono::duration_cast<steady_clock::duration>(
@@ -168,29 +171,12 @@ void watch(RackObserver& observer, const TopOptions& options) {
     }
     view.columns = Terminal::columns();
     view.rows = Terminal::rows();
-    Terminal::show(top_frame(overview, view), coloured);
+    Terminal::show(top_frame(overview, view));
     const auto typed = Terminal::typed(
         std::chrono::duration_cast<std::chrono::milliseconds>(next - steady_clock::now()));
     if (typed && !keys.take(*typed, top_table_lines(overview, view))) {
       return;
     }
-  }
-}
-
-fmt::text_style printed(TextStyle style) {
-  switch (style) {
-    case TextStyle::bold:
-      return fmt::emphasis::bold;
-    case TextStyle::dim:
-      return fmt::emphasis::faint;
-    case TextStyle::red:
-      return fmt::fg(fmt::terminal_color::red);
-    case TextStyle::yellow:
-      return fmt::fg(fmt::terminal_color::yellow);
-    case TextStyle::green:
-      return fmt::fg(fmt::terminal_color::green);
-    default:
-      return {};
   }
 }
 
@@ -201,14 +187,9 @@ void print_once(RackObserver& observer) {
   ::nanosleep(&kBetween, nullptr);
   TopView view;
   view.columns = std::string::npos;
-  const bool coloured = wants_colours();
+  const Colours colours(stdout);
   for (const StyledLine& line : top_frame(observer.look(), view)) {
-    if (coloured) {
-      fmt::print(printed(line.style), "{}", line.text);
-      fmt::print("\n");
-    } else {
-      fmt::print("{}\n", line.text);
-    }
+    fmt::print("{}\n", colours.styled(line.text, line.style));
   }
 }
 
@@ -230,14 +211,16 @@ void add_top_command(CLI::App& app) {
       "top", "Watch a running rack in the terminal: networks, devices, axes, events");
   command->add_option("--http", options->http, "Where \"stator run --http\" serves it")
       ->capture_default_str();
-  command->add_option("--http-token", options->token_file,
-                      "File with the token, for a rack on another machine");
+  command
+      ->add_option("--http-token", options->token_file,
+                   "File with the token, for a rack on another machine")
+      ->check(names(Names::file));
   command->add_option("--rate", options->rate, "Frames per second, 0.1 to 10")
       ->check(CLI::Range(0.1, 10.0))
       ->capture_default_str();
   command->add_flag("--once", options->once, "Print a single frame and end, for scripts");
   command->footer(
-      "Keys: q quits, p pauses, arrows and page keys scroll, / filters rows by a text.\n"
+      "Keys: q quits, p pauses, arrows and page keys scroll, / filters rows by a text, ? helps.\n"
       "Examples:\n"
       "  stator run racks/gantry.toml --link ethercat:eth1 --http 8080\n"
       "  stator top\n"

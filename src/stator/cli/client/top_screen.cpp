@@ -1,7 +1,9 @@
 #include "stator/cli/client/top_screen.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <string_view>
 #include <utility>
 
@@ -129,8 +131,7 @@ TextStyle style_of_severity(const std::string& severity) {
   return severity == "warning" || severity == "refusal" ? yellow : plain;
 }
 
-std::vector<StyledLine> tables(const RackOverview& overview, const std::string& filter) {
-  std::vector<StyledLine> lines;
+Table networks_of(const RackOverview& overview) {
   Table networks({"NETWORK", "KIND", " RATE", " RECEIVED", " OVERRUNS", " WORST LAG"});
   for (const RackOverview::Network& network : overview.networks) {
     networks.add(
@@ -139,20 +140,42 @@ std::vector<StyledLine> tables(const RackOverview& overview, const std::string& 
          lag(network.worst_lag_ns)},
         network.overruns != 0 ? yellow : plain);
   }
-  networks.append_to(lines, filter);
+  return networks;
+}
+
+Table devices_of(const RackOverview& overview) {
   Table devices({"DEVICE", "PRODUCT", "NETWORK", "STATE"});
   for (const RackOverview::Device& device : overview.devices) {
     devices.add({device.name, device.product, device.network, device.state},
                 style_of_state(device.state));
   }
-  devices.append_to(lines, filter);
+  return devices;
+}
+
+Table axes_table_of(const RackOverview& overview) {
   Table axes({"AXIS", "STATE", " POSITION", " VELOCITY", " CURRENT", " LOAD", " TEMPERATURE"});
   for (const RackOverview::Axis& axis : overview.axes) {
     axes.add({axis.name, axis.state.empty() ? "-" : axis.state, cell(axis.position),
               cell(axis.velocity), cell(axis.current), cell(axis.load), cell(axis.temperature)},
              style_of_state(axis.state));
   }
-  axes.append_to(lines, filter);
+  return axes;
+}
+
+/// How the tables stand: from the networks to what moves, or, where they have no room, what moves
+/// first.
+enum class Order : std::uint8_t { networks_first, axes_first };
+
+std::vector<StyledLine> tables(const RackOverview& overview, const std::string& filter,
+                               Order order = Order::networks_first) {
+  std::vector<StyledLine> lines;
+  std::array all{networks_of(overview), devices_of(overview), axes_table_of(overview)};
+  if (order == Order::axes_first) {
+    std::ranges::reverse(all);
+  }
+  for (const Table& table : all) {
+    table.append_to(lines, filter);
+  }
   return lines;
 }
 
@@ -185,12 +208,23 @@ std::string help(const TopView& view) {
   if (view.typing) {
     return fmt::format("filter: {}_   Enter: keep it, Esc: none", view.filter);
   }
-  std::string text = "q quit  p pause  arrows scroll  / filter";
-  if (!view.filter.empty()) {
-    text += fmt::format(" ({})", view.filter);
-  }
-  return text;
+  return fmt::format("q quit  p pause  arrows scroll  / filter{}  ? help",
+                     view.filter.empty() ? "" : fmt::format(" ({})", view.filter));
 }
+
+/// What ? shows.
+const std::array<StyledLine, 10> kHelp{{
+    {"KEYS", bold},
+    {"q, Ctrl-C          end"},
+    {"p                  stop and go on; the rack runs on meanwhile"},
+    {"arrows, j, k       scroll the tables by a row"},
+    {"page keys          by half a screen"},
+    {"Home, End          to the first and the last row"},
+    {"/                  only rows that contain what is typed"},
+    {"Enter, Esc         keep that filter, show all again"},
+    {"?                  these keys"},
+    {},
+}};
 
 /// Fewer than these would not tell much.
 constexpr std::size_t kFewestEvents = 5;
@@ -202,15 +236,23 @@ std::size_t top_table_lines(const RackOverview& overview, const TopView& view) {
 }
 
 std::vector<StyledLine> top_frame(const RackOverview& overview, const TopView& view) {
-  std::vector<StyledLine> body = tables(overview, view.filter);
   std::vector<StyledLine> events = event_lines(overview, view.filter);
   std::vector<StyledLine> lines{{title(overview, view), bold}, {}};
   if (view.rows == 0) {
+    const std::vector<StyledLine> body = tables(overview, view.filter);
     lines.insert(lines.end(), body.begin(), body.end());
     lines.insert(lines.end(), events.begin(), events.end());
+  } else if (view.help) {
+    lines.insert(lines.end(), kHelp.begin(), kHelp.end());
+    lines.resize(view.rows - 1);
+    lines.push_back({"any key goes back", dim});
   } else {
     const std::size_t room = view.rows > 3 ? view.rows - 3 : 0;  // title, empty line, help
-    const std::size_t for_events = std::min({kFewestEvents + 1, events.size(), room / 2});
+    const std::size_t for_events = std::min({kFewestEvents + 1, events.size(), room / 4});
+    std::vector<StyledLine> body = tables(overview, view.filter);
+    if (body.size() > room - for_events) {
+      body = tables(overview, view.filter, Order::axes_first);
+    }
     const std::size_t shown = std::min(body.size(), room - for_events);
     const std::size_t first = std::min(view.first, body.size() - shown);
     for (std::size_t i = 0; i < shown; ++i) {

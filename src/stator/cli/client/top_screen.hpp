@@ -17,9 +17,11 @@ struct TopView {
   std::string filter{};   ///< only rows that contain it
   bool typing = false;    ///< the filter is being typed
   bool paused = false;
+  bool help = false;  ///< the keys are shown in place of the tables
 };
 
-/// The lines of one frame, each no wider than the screen; tables above, newest events below.
+/// The lines of one frame, each no wider than the screen; tables above, newest events below. Where
+/// the tables have no room, that of the axes is the first.
 [[nodiscard]] std::vector<StyledLine> top_frame(const RackOverview& overview, const TopView& view);
 
 /// How many lines the tables have; the last of them can come to the top by scrolling.
