@@ -67,6 +67,7 @@ int parse(int argc, char** argv) {
   add_tmcl_command(app);
   add_can_exec_command(app);
   add_mfc_command(app);
+  add_doctor_command(app);
   add_completion_command(app);
   add_man_command(app);
   app.footer(kFooter);  // behind the commands, which would have it as well

@@ -83,9 +83,6 @@ base::Expected<void, LinkError> pin_this_thread(unsigned processor) {
 
 namespace {
 
-/// setcap leaves a program no others than those it names.
-constexpr const char* kPrivileges = "cap_net_raw,cap_net_admin,cap_sys_nice,cap_ipc_lock";
-
 base::Expected<void, LinkError> set_policy(int policy, int priority) {
   const sched_param parameters{.sched_priority = priority};
   if (::sched_setscheduler(0, policy, &parameters) == 0) {
@@ -98,7 +95,7 @@ base::Expected<void, LinkError> set_policy(int policy, int priority) {
   }
   return fail(LinkErrorCode::not_permitted,
               what + " is not permitted; run as root, allow it once with \"" +
-                  setcap_command(kPrivileges) + "\", or let your user have it (ulimit -r " +
+                  setcap_command(kAllPrivileges) + "\", or let your user have it (ulimit -r " +
                   std::to_string(priority) +
                   ", rtprio in /etc/security/limits.conf). A container needs the capability "
                   "SYS_NICE");
@@ -137,7 +134,7 @@ base::Expected<void, LinkError> lock_memory() {
       LinkErrorCode::not_permitted,
       "memory may not be locked, so when it gets short an answer may wait for the disk; run "
       "as root, allow it once with \"" +
-          setcap_command(kPrivileges) + "\", or raise the limit (ulimit -l unlimited)");
+          setcap_command(kAllPrivileges) + "\", or raise the limit (ulimit -l unlimited)");
 }
 
 void give_way_to_other_threads() {

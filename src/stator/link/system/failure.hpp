@@ -24,6 +24,9 @@ inline std::string in_quotes(const std::string& name) {
   return "\"" + name + "\"";
 }
 
+/// What a program that may do everything needs: setcap leaves it no others than those it names.
+inline constexpr const char* kAllPrivileges = "cap_net_raw,cap_net_admin,cap_sys_nice,cap_ipc_lock";
+
 /// The command that gives this program the privileges its links need without being root.
 inline std::string setcap_command(const std::string& privileges = "cap_net_raw,cap_net_admin") {
   std::error_code ignored;
