@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <pugixml.hpp>
 
+#include "stator/scenario/comparison.hpp"
+
 namespace stator::scenario {
 namespace {
 
@@ -91,6 +93,25 @@ TEST(HtmlReport, EscapesAndDraws) {
   EXPECT_THAT(page, HasSubstr("<title>fault &lt;x&gt;</title>"));
   EXPECT_THAT(page, HasSubstr("&quot;do&quot; is missing"));
   EXPECT_THAT(page, Not(HasSubstr("nan")));
+}
+
+TEST(HtmlReport, BeginsWithWhatFailed) {
+  const std::string page = html_report(std::vector{passed(), failed(), unrun()});
+  const std::size_t overview = page.find("class=\"overview\"");
+  const std::size_t failure = page.find("expected 1 &lt; 2; it is ");
+  ASSERT_NE(failure, std::string::npos);
+  EXPECT_LT(failure, overview);
+  EXPECT_LT(page.find("href=\"#scenario-2\""), overview) << "and leads to the scenario";
+  EXPECT_LT(page.find("&quot;do&quot; is missing"), overview) << "a file that cannot be read";
+  const std::string good = html_report(std::vector{passed()});
+  EXPECT_THAT(good, Not(HasSubstr("class=\"failures\"")));
+}
+
+TEST(NumberText, HasNoNegativeZero) {
+  EXPECT_EQ(number_text(-0.0), "0");
+  EXPECT_EQ(number_text(-0.0, "mm"), "0 mm");
+  EXPECT_EQ(number_text(-1.0), "-1");
+  EXPECT_EQ(number_text(-0.25), "-0.25");
 }
 
 TEST(HtmlReport, IsWellFormed) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -40,28 +41,46 @@ bool Comparison::met(double value) const {
          (!above || value > *above) && (!below || value < *below);
 }
 
+std::string bits_text(std::int64_t bits, std::int64_t mask) {
+  const int digits = mask <= 0xFF ? 2 : mask <= 0xFFFF ? 4 : mask <= 0xFFFF'FFFF ? 8 : 16;
+  return fmt::format("{:0{}X}h", static_cast<std::uint64_t>(bits), digits);
+}
+
 std::string number_text(double value, std::string_view unit) {
   constexpr double kExactWhole = 1e15;
   const bool whole = value == std::trunc(value) && std::abs(value) < kExactWhole;
-  return fmt::format("{}{}{}", whole ? fmt::format("{:.0f}", value) : fmt::format("{}", value),
+  // Adding 0 takes the sign from one that is negative.
+  return fmt::format("{}{}{}",
+                     whole ? fmt::format("{:.0f}", value + 0.0) : fmt::format("{}", value),
                      unit.empty() ? "" : " ", unit);
 }
 
 std::string Comparison::text(std::string_view unit) const {
+  return text_with([unit](double value) { return number_text(value, unit); });
+}
+
+std::string Comparison::text_of_bits(std::int64_t mask) const {
+  return text_with([mask](double value) {
+    const bool bits = value == std::trunc(value) && value >= 0.0;
+    return bits ? bits_text(static_cast<std::int64_t>(value), mask) : number_text(value);
+  });
+}
+
+std::string Comparison::text_with(const std::function<std::string(double)>& number) const {
   std::vector<std::string> parts;
   if (equals) {
-    parts.push_back(tolerance == 0.0 ? number_text(*equals, unit)
-                                     : fmt::format("{} ± {}", number_text(*equals),
-                                                   number_text(tolerance, unit)));
+    parts.push_back(tolerance == 0.0
+                        ? number(*equals)
+                        : fmt::format("{} ± {}", number_text(*equals), number(tolerance)));
   }
   if (differs) {
-    parts.push_back("not " + number_text(*differs, unit));
+    parts.push_back("not " + number(*differs));
   }
   if (above) {
-    parts.push_back("above " + number_text(*above, unit));
+    parts.push_back("above " + number(*above));
   }
   if (below) {
-    parts.push_back("below " + number_text(*below, unit));
+    parts.push_back("below " + number(*below));
   }
   return fmt::format("is {}", fmt::join(parts, " and "));
 }

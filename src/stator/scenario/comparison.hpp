@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,6 +23,11 @@ struct Comparison {
   [[nodiscard]] bool met(double value) const;
   /// "is 100 ± 2 mm", "is above 3 and below 5".
   [[nodiscard]] std::string text(std::string_view unit = {}) const;
+  /// The same of bits under `mask`, in hexadecimal: "is 0027h".
+  [[nodiscard]] std::string text_of_bits(std::int64_t mask) const;
+
+ private:
+  [[nodiscard]] std::string text_with(const std::function<std::string(double)>& number) const;
 };
 
 /// `equals`, `tolerance`, `differs`, `above` and `below`.
@@ -31,6 +38,9 @@ inline constexpr std::string_view kNothingExpected =
     "\"equals\" is missing; the step must say what is expected: \"equals\" (with \"tolerance\"), "
     "\"differs\", \"above\", \"below\"";
 
+/// "006Fh": bits of a register or object as documents write them, with two, four, eight or sixteen
+/// digits, as `mask`, the bits that may be set, needs.
+[[nodiscard]] std::string bits_text(std::int64_t bits, std::int64_t mask);
 /// "12.5 mm"; numbers as short as they are exact.
 [[nodiscard]] std::string number_text(double value, std::string_view unit = {});
 

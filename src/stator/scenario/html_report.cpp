@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <span>
+#include <string>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -200,6 +202,30 @@ std::string step_row(const StepResult& step) {
       step.begin.seconds(), (step.end - step.begin).seconds() * 1e3, escaped(step.text));
 }
 
+/// What failed and what was seen instead; empty of a scenario that passed.
+std::string failure_of(const ScenarioResult& result) {
+  if (!result.error.empty()) {
+    return fmt::format("<pre class=\"error\">{}</pre>\n", escaped(result.error));
+  }
+  const StepResult* const failed = result.failed_step();
+  return failed == nullptr ? std::string()
+                           : fmt::format("<p class=\"failed\">{}:{}: {}: {}</p><p>{}</p>\n",
+                                         escaped(result.file), failed->line, escaped(failed->kind),
+                                         escaped(failed->title), escaped(failed->text));
+}
+
+/// Why the page was opened, before anything else.
+std::string failures(std::span<const ScenarioResult> results) {
+  std::string html;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (const std::string failure = failure_of(results[i]); !failure.empty()) {
+      html += fmt::format("<h2><a href=\"#scenario-{}\">{}</a></h2>\n{}", i + 1,
+                          escaped(results[i].name), failure);
+    }
+  }
+  return html.empty() ? "" : fmt::format("<section class=\"failures\">{}</section>\n", html);
+}
+
 std::string chapter(const ScenarioResult& result, std::size_t number) {
   std::string html = fmt::format(
       "<section id=\"scenario-{}\"><h2><span class=\"{}\">{}</span> {}</h2>\n<p class=\"quiet\">{}"
@@ -209,9 +235,7 @@ std::string chapter(const ScenarioResult& result, std::size_t number) {
   if (!result.summary.empty()) {
     html += fmt::format("<p>{}</p>\n", escaped(result.summary));
   }
-  if (!result.error.empty()) {
-    html += fmt::format("<pre class=\"error\">{}</pre>\n", escaped(result.error));
-  }
+  html += failure_of(result);
   if (!result.steps.empty() && result.status != Status::error) {
     html +=
         "<table><thead><tr><th class=\"number\">Line</th><th>Kind</th><th>Step</th><th>Result</th>"
@@ -241,6 +265,7 @@ std::string html_report(std::span<const ScenarioResult> results) {
   const auto passed = std::ranges::count(results, Status::passed, &ScenarioResult::status);
   std::string html(kHead);
   html += fmt::format("<h1>Scenarios</h1>\n<p>{} of {} passed</p>\n", passed, results.size());
+  html += failures(results);
   html +=
       "<div class=\"overview\"><table><thead><tr><th>Scenario</th><th>Result</th>"
       "<th class=\"number\">Simulated / s</th><th class=\"number\">Took / "
