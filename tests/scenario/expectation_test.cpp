@@ -130,6 +130,110 @@ data = "43 00 10 00 92 01 FC FF"
             "passed");
 }
 
+TEST(ExpectObject, TellsBitsUnderAMaskInHexadecimal) {
+  EXPECT_THAT(module("[[step]]\ndo = \"state\"\n"
+                     "[[step]]\ndo = \"expect-object\"\nobject = \"6041:00\"\nmask = 0x006F\n"
+                     "equals = 0x0027\n"),
+              StartsWith("expected tmcm-3315 6041h:00 with mask 6Fh is 27h; it is 0070h, with the "
+                         "mask 60h at "));
+}
+
+/// A TMCC160 with its supply below the limit, which it tells with FF00h.
+constexpr const char* kSag = R"([[step]]
+do = "nmt"
+command = "start"
+[[step]]
+do = "enable"
+mode = "profile-velocity"
+[[step]]
+do = "inject"
+fault = { kind = "supply-sag", name = "sag", device = "tmcc160", volts = 18 }
+)";
+
+TEST(ExpectEmergency, FindsThatOfANodeOnCan) {
+  EXPECT_EQ(drive(std::string(kSag) + R"([[step]]
+do = "expect-emergency"
+code = 0xFF00
+within = "500ms"
+[[step]]
+do = "expect-emergency"
+code = 0x8611
+absent = true
+[[step]]
+do = "clear"
+[[step]]
+do = "expect-emergency"
+code = 0xFF00
+absent = true
+)"),
+            "passed")
+      << "what came before the last deed does not count";
+  EXPECT_THAT(drive(std::string(kSag) + R"([[step]]
+do = "expect-emergency"
+code = 0x8611
+error_register = 0x21
+within = "500ms"
+)"),
+              AllOf(StartsWith("expected an emergency 8611h with error register 21h of tmcc160 "
+                               "within 500 ms; FF00h with error register "),
+                    HasSubstr(" came at ")));
+}
+
+TEST(ExpectEmergency, FetchesThoseOfASlaveFromItsMailbox) {
+  // The axis stands at 0, outside of its software limits then.
+  const std::string limit = R"([[step]]
+do = "state"
+[[step]]
+do = "write"
+object = "607D:01"
+value = 1000
+)";
+  EXPECT_EQ(module(limit + R"([[step]]
+do = "expect-emergency"
+code = 0xFF01
+error_register = 0x81
+data = "02 00"
+within = "20ms"
+[[step]]
+do = "expect-emergency"
+code = 0xFF01
+[[step]]
+do = "wait"
+time = "10ms"
+[[step]]
+do = "expect-emergency"
+absent = true
+)"),
+            "passed")
+      << "one that was fetched is there for every expectation until the next deed";
+  EXPECT_THAT(module(limit + R"([[step]]
+do = "expect-emergency"
+code = 0xFF01
+data = "01"
+within = "20ms"
+)"),
+              StartsWith("expected an emergency FF01h with 01 of tmcm-3315 within 20 ms; FF01h "
+                         "with error register 81h and 02 00 00 00 00 came"));
+  EXPECT_THAT(module("[[step]]\ndo = \"expect-emergency\"\n"),
+              StartsWith("expected an emergency of tmcm-3315; none came"));
+}
+
+TEST(ExpectEmergency, IsRefusedForWhatSendsNone) {
+  EXPECT_THAT(failure_of("product = \"tmcm-142\"\n[[step]]\ndo = \"expect-emergency\"\n"),
+              HasSubstr("tmcm-142 sends none, it is no CANopen node"));
+}
+
+TEST(ExpectEvent, OfANameThatNoEventHasIsRefusedWithTheNearest) {
+  EXPECT_THAT(tests::errors_of(std::string(kModule) +
+                               "[[step]]\ndo = \"expect-event\"\nevent = \"power-of\"\n"),
+              HasSubstr("there is no event \"power-of\" (did you mean \"power-off\"?); \"stator "
+                        "test --events\" lists all"));
+  EXPECT_EQ(
+      tests::errors_of(std::string(kModule) +
+                       "[[step]]\ndo = \"expect-event\"\nevent = \"tmcm-3315-new-firmware\"\n"),
+      "");
+}
+
 TEST(ExpectEvent, FindsWhatTheRackTells) {
   EXPECT_EQ(module("[[step]]\ndo = \"power-off\"\ndevice = \"tmcm-3315\"\n"
                    "[[step]]\ndo = \"expect-event\"\nevent = \"power-off\"\n"

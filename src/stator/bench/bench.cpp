@@ -141,6 +141,7 @@ void Bench::begin_deed() {
   }
   for (const auto& segment : segments_) {
     segment->lost_before = segment->lost();
+    segment->emergencies.clear();
   }
 }
 

@@ -137,6 +137,11 @@ class Bench {
   /// object, else by SDO.
   master::Result<master::DrivePort*> drive(rack::DeviceAddress device);
 
+  /// Emergencies of the device that have come since the last deed began, the oldest first. A slave
+  /// keeps its own until its mailbox is read, which this does: of it those count that nobody has
+  /// fetched before the deed.
+  master::Result<std::vector<master::Emergency>> emergencies(rack::DeviceAddress device);
+
   // CAN.
 
   /// Puts a frame on a bus.
@@ -169,6 +174,7 @@ class Bench {
     return rack_.name_of(device);
   }
   void take_frames(BusMaster& bus);
+  [[nodiscard]] std::vector<master::Emergency> emergencies_on_bus(rack::DeviceAddress device);
   /// Where the device was found, with its mailbox started.
   master::Result<std::size_t> mailbox_position(rack::DeviceAddress device);
   [[nodiscard]] master::CanSdoClient can_client(rack::DeviceAddress device);

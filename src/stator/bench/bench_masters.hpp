@@ -6,6 +6,7 @@
 #include <deque>
 #include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "stator/bench/bench.hpp"
@@ -38,6 +39,8 @@ struct Bench::SegmentMaster {
     const master::CycleStatistics& cycles = master.cycle_statistics();
     return cycles.lost + cycles.working_counter_errors;
   }
+  /// What has been fetched since the last deed began, by position.
+  std::vector<std::pair<std::size_t, master::Emergency>> emergencies{};
   std::set<std::size_t> mailboxes{};  ///< positions whose mailbox was started since the scan
 };
 

@@ -1,11 +1,17 @@
-// Objects of the devices of a bench, whatever network carries them.
+// Objects and emergencies of the devices of a bench, whatever network carries them.
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <deque>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "stator/base/byte_order.hpp"
 #include "stator/bench/bench_masters.hpp"
+#include "stator/dictionary/dictionary.hpp"
 #include "stator/master/can_sdo_client.hpp"
 #include "stator/master/cia402/slave_drive_port.hpp"
 #include "stator/master/text.hpp"
@@ -107,6 +113,67 @@ master::Result<std::size_t> Bench::mailbox_position(rack::DeviceAddress device) 
     if (const auto started = segment.master.start_mailbox(*found); !started) {
       segment.mailboxes.erase(*found);
       return base::Unexpected{started.error()};
+    }
+  }
+  return found;
+}
+
+std::vector<master::Emergency> Bench::emergencies_on_bus(rack::DeviceAddress device) {
+  constexpr std::uint16_t kCobIdObject = 0x1014;
+  constexpr std::uint32_t kInvalid = 0x80000000;
+  constexpr std::uint32_t kUsualCobId = 0x80;
+  constexpr std::size_t kHead = 3;
+  std::uint32_t cob_id = kUsualCobId + node_id(device).value_or(0);
+  const dictionary::Dictionary* const objects =
+      std::as_const(rack_).device(device).object_dictionary();
+  if (const dictionary::Entry* const entry =
+          objects != nullptr ? objects->find(kCobIdObject, 0) : nullptr;
+      entry != nullptr) {
+    std::array<std::byte, sizeof cob_id> bytes{};
+    if (objects->read(*entry, bytes)) {
+      cob_id = base::load_le<std::uint32_t>(bytes);
+    }
+  }
+  std::vector<master::Emergency> found;
+  const std::deque<can::TimedFrame>& all = frames(device.network);
+  const std::uint64_t gone = forgotten_frames(device.network);
+  const std::uint64_t before = std::max(frames_before(device.network), gone) - gone;
+  for (auto i = static_cast<std::size_t>(before); i < all.size(); ++i) {
+    const auto payload = all[i].frame.payload();
+    if (!all[i].destroyed && (cob_id & kInvalid) == 0 && payload.size() == can::kMaximumData &&
+        all[i].frame.identifier == cob_id) {
+      found.push_back({base::load_le<std::uint16_t>(payload),
+                       std::to_integer<std::uint8_t>(payload[2]),
+                       {payload.begin() + kHead, payload.end()}});
+    }
+  }
+  return found;
+}
+
+master::Result<std::vector<master::Emergency>> Bench::emergencies(rack::DeviceAddress device) {
+  if (device.kind == rack::NetworkKind::bus) {
+    if (!node_id(device)) {
+      return master::fail(ErrorCode::protocol,
+                          fmt::format("{} sends none, it is no CANopen node", name_of(device)));
+    }
+    return emergencies_on_bus(device);
+  }
+  const auto position = mailbox_position(device);
+  if (!position) {
+    return base::Unexpected{position.error()};
+  }
+  SegmentMaster& segment = *segments_[device.network];
+  auto fetched = segment.master.take_emergencies(*position);
+  if (!fetched) {
+    return fetched;
+  }
+  for (master::Emergency& each : *fetched) {
+    segment.emergencies.emplace_back(*position, std::move(each));
+  }
+  std::vector<master::Emergency> found;
+  for (const auto& [where, emergency] : segment.emergencies) {
+    if (where == *position) {
+      found.push_back(emergency);
     }
   }
   return found;

@@ -1,8 +1,6 @@
-// Expectations: steps that act on nothing and check what is seen, at once, within a time, or for a
-// time.
+// Expectations of what is: signals, objects, states, registers, faults.
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -12,7 +10,6 @@
 
 #include "stator/base/byte_order.hpp"
 #include "stator/bench/bench.hpp"
-#include "stator/can/arbitration.hpp"
 #include "stator/ethercat/segment/segment.hpp"
 #include "stator/ethercat/standard/al_state.hpp"
 #include "stator/master/cia402/drive_state.hpp"
@@ -21,6 +18,7 @@
 #include "stator/product/device/signal.hpp"
 #include "stator/rack/faults/faults.hpp"
 #include "stator/scenario/comparison.hpp"
+#include "stator/scenario/expectation.hpp"
 #include "stator/scenario/object_value.hpp"
 #include "stator/scenario/step_kinds.hpp"
 #include "stator/settings/words.hpp"
@@ -35,70 +33,6 @@ using settings::Rule;
 using settings::Section;
 using settings::Word;
 
-/// What one look has shown.
-struct Look {
-  bool met = false;
-  std::string seen;
-};
-using Probe = std::function<Look(bench::Bench&)>;
-
-/// When what is expected must be so.
-struct Timing {
-  base::SimDuration within;  ///< it must become so in this time; 0: it must be so at once
-  base::SimDuration hold;    ///< from then on it must be so for this time
-};
-
-constexpr std::array kTimingRows{
-    settings::duration<&Timing::within>("within", kStepTimes,
-                                        "It must become so within this time; without it: at once"),
-    settings::duration<&Timing::hold>("for", kStepTimes,
-                                      "From then on it must stay so for this time")};
-constexpr Section<Timing> kTimingKeys{kTimingRows};
-
-std::string text_of(const Timing& timing) {
-  std::string text;
-  if (timing.within > base::SimDuration()) {
-    text += " within " + duration_text(timing.within);
-  }
-  if (timing.hold > base::SimDuration()) {
-    text += " for " + duration_text(timing.hold);
-  }
-  return text;
-}
-
-/// Looks as `timing` says. `expected` is what is looked for, in words.
-Outcome observe(bench::Bench& bench, const Probe& probe, const Timing& timing,
-                const std::string& expected) {
-  Look look;
-  const auto failed = [&] {
-    return fail(fmt::format("expected {}{}; {} at {:.6f} s", expected, text_of(timing), look.seen,
-                            bench.now().seconds()));
-  };
-  if (!bench.wait_until(
-          [&] {
-            look = probe(bench);
-            return look.met;
-          },
-          timing.within)) {
-    return failed();
-  }
-  if (timing.hold > base::SimDuration() && bench.wait_until(
-                                               [&] {
-                                                 look = probe(bench);
-                                                 return !look.met;
-                                               },
-                                               timing.hold)) {
-    return failed();
-  }
-  return pass(look.seen);
-}
-
-ReadStep expectation(const std::string& expected, const Timing& timing, const Probe& probe) {
-  std::string title = expected + text_of(timing);
-  return {std::move(title),
-          [=](bench::Bench& bench) { return observe(bench, probe, timing, expected); }};
-}
-
 /// "Operation enabled" as scenario files write it.
 std::string as_word(std::string_view name) {
   std::string word(name);
@@ -107,30 +41,6 @@ std::string as_word(std::string_view name) {
         letter == ' ' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
   }
   return word;
-}
-
-template <typename T>
-Look not_seen(const master::Result<T>& result) {
-  return {false, result.error().text};
-}
-
-/// What passed on a bus since the last deed began, the oldest first.
-template <typename Visit>
-void visit_new_frames(bench::Bench& bench, std::size_t bus, const Visit& visit) {
-  const auto& frames = bench.frames(bus);
-  const std::uint64_t gone = bench.forgotten_frames(bus);
-  const std::uint64_t before = std::max(bench.frames_before(bus), gone) - gone;
-  for (auto i = static_cast<std::size_t>(before); i < frames.size(); ++i) {
-    if (!frames[i].destroyed) {
-      visit(frames[i]);
-    }
-  }
-}
-
-/// The key "absent" of steps that expect an event or a frame.
-template <auto... Path>
-constexpr auto absent_key() {
-  return settings::boolean<Path...>("absent", "It must not be there");
 }
 
 struct ExpectSignal {
@@ -227,8 +137,14 @@ Look look_at_object(bench::Bench& bench, const ExpectObject& step) {
   if (!mask) {
     return {comparison.met(*number), seen};
   }
+  const std::int64_t all = data->size() < sizeof(std::int64_t)
+                               ? (std::int64_t{1} << (8 * data->size())) - 1
+                               : std::numeric_limits<std::int64_t>::max();
   const std::int64_t bits = static_cast<std::int64_t>(*number) & *mask;
-  return {comparison.met(static_cast<double>(bits)), fmt::format("{}, masked {}", seen, bits)};
+  return {comparison.met(static_cast<double>(bits)),
+          fmt::format("it is {}, with the mask {}",
+                      bits_text(static_cast<std::int64_t>(*number) & all, all),
+                      bits_text(bits, *mask))};
 }
 
 ReadStep step_of(const ExpectObject& step, const StepReader& reader) {
@@ -237,7 +153,8 @@ ReadStep step_of(const ExpectObject& step, const StepReader& reader) {
       fmt::format("{} {}", reader.name_of(*step.on.device), master::to_text(*step.object));
   return expectation(abort  ? fmt::format("{} is aborted with {:08X}h", name, *abort)
                      : text ? fmt::format("{} is \"{}\"", name, *text)
-                     : mask ? fmt::format("{} with mask {:X}h {}", name, *mask, comparison.text())
+                     : mask ? fmt::format("{} with mask {} {}", name, bits_text(*mask, *mask),
+                                          comparison.text_of_bits(*mask))
                             : fmt::format("{} {}", name, comparison.text()),
                      step.timing,
                      [step](bench::Bench& bench) { return look_at_object(bench, step); });
@@ -413,92 +330,6 @@ ReadStep step_of(const ExpectLostCycles& step, const StepReader& /*reader*/) {
                      });
 }
 
-struct ExpectFrame {
-  Target on{};
-  std::optional<std::uint32_t> identifier{};
-  std::string data{};
-  bool absent = false;
-  Timing timing{};
-};
-constexpr std::array kFrameRows{
-    needed(settings::whole<&ExpectFrame::identifier>(
-               "identifier", {0, can::kExtendedIdentifierMask}, "Of the frame, e.g. 0x705"),
-           "it is the frame's identifier, e.g. 0x705"),
-    settings::text<&ExpectFrame::data>(
-        "data", "Its first bytes in hexadecimal, e.g. \"05\"; without it any"),
-    absent_key<&ExpectFrame::absent>(), settings::keys<kTimingKeys, &ExpectFrame::timing>()};
-constexpr std::array kFrameRules{Rule<ExpectFrame>{
-    .key = "data",
-    .holds = [](const ExpectFrame& step) { return parse_bytes(step.data).has_value(); },
-    .sentence = R"("data" must be bytes in hexadecimal, e.g. "05")"}};
-constexpr Section<ExpectFrame> kFrameKeys{kFrameRows, kFrameRules};
-
-ReadStep step_of(const ExpectFrame& step, const StepReader& /*reader*/) {
-  const std::vector<std::byte> bytes = *parse_bytes(step.data);
-  std::string expected =
-      fmt::format("{} frame {:03X}h", step.absent ? "no" : "a", *step.identifier);
-  if (!bytes.empty()) {
-    expected += " with " + bytes_text(bytes);
-  }
-  return expectation(expected, step.timing, [=](bench::Bench& bench) -> Look {
-    bool found = false;
-    std::string last = "none with that identifier came";
-    visit_new_frames(bench, step.on.network, [&](const can::TimedFrame& each) {
-      if (each.frame.identifier != *step.identifier) {
-        return;
-      }
-      const auto payload = each.frame.payload();
-      const bool fits =
-          payload.size() >= bytes.size() && std::ranges::equal(payload.first(bytes.size()), bytes);
-      if (fits || !found) {
-        last = fmt::format("{} came at {:.6f} s",
-                           payload.empty() ? "an empty one" : bytes_text(payload),
-                           each.time.seconds());
-      }
-      found = found || fits;
-    });
-    return {found != step.absent, last};
-  });
-}
-
-struct ExpectEvent {
-  std::optional<std::string> event{};
-  Target on{};
-  bool absent = false;
-  Timing timing{};
-};
-constexpr auto kEventName =
-    settings::text<&ExpectEvent::event>("event", "Name of the event, as the log file has it");
-/// Read before the device's name, which may end reading of the step. That the event's name is
-/// required is reported when the other keys are read.
-constexpr std::array kEventNameRows{kEventName};
-constexpr Section<ExpectEvent> kEventNameKeys{kEventNameRows};
-constexpr std::array kEventRows{needed(kEventName, "it names an event, e.g. \"state-refused\""),
-                                absent_key<&ExpectEvent::absent>(),
-                                settings::keys<kTimingKeys, &ExpectEvent::timing>()};
-constexpr Section<ExpectEvent> kExpectEventKeys{kEventRows};
-
-ReadStep step_of(const ExpectEvent& step, const StepReader& reader) {
-  const auto& device = step.on.device;
-  const std::string name = device ? reader.name_of(*device) : "";
-  return expectation(
-      fmt::format("{} event {}{}", step.absent ? "no" : "an", *step.event,
-                  device ? " of " + name : ""),
-      step.timing, [=](bench::Bench& bench) -> Look {
-        bool found = false;
-        std::string seen = "it was not told";
-        bench.log().visit(bench.events_before(), [&](std::uint64_t, const base::Event& event) {
-          if (event.rule->id == *step.event &&
-              (!step.on.device || bench.log().device_name(event) == name)) {
-            found = true;
-            seen = fmt::format("{:.6f} s {}", event.time.seconds(), bench.log().line(event));
-          }
-          return true;
-        });
-        return {found != step.absent, seen};
-      });
-}
-
 constexpr std::array<std::string_view, 3> fault_states() {
   return {"armed", "active", "done"};
 }
@@ -552,12 +383,6 @@ constinit const StepKind kExpectLostCycles =
     expectation_kind<ExpectLostCycles, &StepReader::segment, &kLostCyclesKeys>(
         "expect-lost-cycles",
         "So many exchanges of process data have failed since the last step that did something");
-constinit const StepKind kExpectFrame =
-    expectation_kind<ExpectFrame, &StepReader::bus, &kFrameKeys>(
-        "expect-frame", "A frame has come over a CAN bus since the last step that did something");
-constinit const StepKind kExpectEvent =
-    expectation_kind<ExpectEvent, &kEventNameKeys, &StepReader::any_device, &kExpectEventKeys>(
-        "expect-event", "The rack has told an event since the last step that did something");
 constinit const StepKind kExpectFault = expectation_kind<ExpectFault, &kExpectFaultKeys>(
     "expect-fault", "A fault is armed, active or done");
 

@@ -25,6 +25,7 @@ std::span<const StepKind> step_kinds() {
                                 kExpectRegister,
                                 kExpectLostCycles,
                                 kExpectFrame,
+                                kExpectEmergency,
                                 kExpectEvent,
                                 kExpectFault};
   return kinds;

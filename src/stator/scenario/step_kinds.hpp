@@ -82,7 +82,7 @@ constexpr StepKind expectation_kind(std::string_view name, std::string_view summ
 
 extern const StepKind kScan, kState, kNmt, kSend, kWait, kWrite, kEnable, kDisable, kResetFault,
     kMove, kTmcl, kInject, kClear, kExpectSignal, kExpectObject, kExpectState, kExpectPowerState,
-    kExpectRegister, kExpectLostCycles, kExpectFrame, kExpectEvent, kExpectFault;
+    kExpectRegister, kExpectLostCycles, kExpectFrame, kExpectEmergency, kExpectEvent, kExpectFault;
 /// Reads the further keys of what can happen to a rack at a time.
 [[nodiscard]] ReadStep read_rack_event(rack::TableReader& section, StepReader& reader,
                                        const std::string& action);

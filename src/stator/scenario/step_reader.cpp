@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "stator/bench/bench.hpp"
+#include "stator/product/catalogue/product.hpp"
 #include "stator/product/device/device.hpp"
 
 namespace stator::scenario {
@@ -51,6 +52,20 @@ std::optional<rack::DeviceAddress> only_device(const rack::RackConfiguration& ra
 }
 
 }  // namespace
+
+std::vector<std::string> StepReader::product_types() const {
+  std::vector<std::string> types;
+  const auto add = [&types](const auto& networks) {
+    for (const auto& network : networks) {
+      for (const rack::DeviceConfiguration& device : network.devices) {
+        types.push_back(device.setup.product().identity().type);
+      }
+    }
+  };
+  add(rack_.segments);
+  add(rack_.buses);
+  return types;
+}
 
 void StepReader::device(rack::TableReader& section, Target& on) const {
   on.device = only_device(rack_);

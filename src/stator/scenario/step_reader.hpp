@@ -49,6 +49,9 @@ class StepReader {
     return targets_.device_at(device).name;
   }
 
+  /// The types of the products in the rack.
+  [[nodiscard]] std::vector<std::string> product_types() const;
+
   // Each reads its keys into a target and looks up what they name; reading ends if the rack has no
   // such thing. While a table is only described, keys are read and nothing is looked up.
 

@@ -1,6 +1,7 @@
 // stator test: runs scenarios and reports them as text, JUnit XML or HTML.
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "stator/base/name_pattern.hpp"
 #include "stator/cli/commands.hpp"
@@ -16,7 +18,10 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/files.hpp"
 #include "stator/cli/option_values.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
+#include "stator/cli/progress.hpp"
+#include "stator/scenario/event_names.hpp"
 #include "stator/scenario/report.hpp"
 #include "stator/scenario/runner.hpp"
 #include "stator/scenario/scenario_file.hpp"
@@ -38,7 +43,9 @@ struct TestOptions {
   std::string html;
   bool list = false;
   bool steps = false;
+  bool events = false;
   bool verbose = false;
+  std::string format = "text";
   KeyOptions keys;
 };
 
@@ -116,18 +123,68 @@ void print(const ScenarioResult& result, bool verbose) {
   }
 }
 
-void print_step_kinds() {
+using Json = nlohmann::ordered_json;
+
+void print_list(const Json& list) {
+  fmt::print("{}\n", list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+void print_step_kinds(bool as_json) {
+  const std::vector<std::string>& actions = rack::EventSectionReader::action_names();
+  if (as_json) {
+    Json list = Json::array();
+    for (const scenario::StepKind& kind : scenario::step_kinds()) {
+      list.push_back({{"name", kind.name}, {"summary", kind.summary}});
+    }
+    for (const std::string& action : actions) {
+      list.push_back({{"name", action}, {"summary", "as the action of an [[event]]"}});
+    }
+    print_list(list);
+    return;
+  }
   for (const scenario::StepKind& kind : scenario::step_kinds()) {
     fmt::print("{:20} {}\n", kind.name, kind.summary);
   }
-  const std::vector<std::string>& actions = rack::EventSectionReader::action_names();
   fmt::print("{:20} as the actions of an [[event]] of a rack file\n",
              settings::joined({actions.begin(), actions.end()}));
 }
 
+void print_events(bool as_json) {
+  const auto names = scenario::event_names();
+  if (as_json) {
+    print_list(Json(std::vector<std::string>(names.begin(), names.end())));
+  } else {
+    fmt::print("{}\n", fmt::join(names, "\n"));
+  }
+}
+
+/// Names and files of the scenarios, nothing run.
+void print_scenarios(const TestOptions& options, bool as_json) {
+  Json list = Json::array();
+  for (const std::string& file : scenario_files(options.paths)) {
+    const scenario::ScenarioRead read =
+        scenario::read_scenario_file(file, catalogue(), options.changes);
+    if (!base::matches(options.filter, read.scenario.name)) {
+      continue;
+    }
+    list.push_back({{"name", read.scenario.name}, {"file", file}});
+    if (!as_json) {
+      fmt::print("{}  {}\n", read.scenario.name, file);
+    }
+  }
+  if (as_json) {
+    print_list(list);
+  }
+}
+
 void test(const TestOptions& options) {
+  const bool as_json = options.format == "json";
   if (options.steps) {
-    print_step_kinds();
+    print_step_kinds(as_json);
+    return;
+  }
+  if (options.events) {
+    print_events(as_json);
     return;
   }
   if (options.keys.print(catalogue())) {
@@ -136,23 +193,25 @@ void test(const TestOptions& options) {
   if (options.paths.empty()) {
     throw Failure("there is nothing to run; name a scenario file or a folder of them");
   }
+  if (options.list) {
+    print_scenarios(options, as_json);
+    return;
+  }
   std::vector<ScenarioResult> results;
-  for (const std::string& file : scenario_files(options.paths)) {
+  const std::vector<std::string> files = scenario_files(options.paths);
+  Progress progress("testing");
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const std::string& file = files[i];
+    progress.reached(static_cast<double>(i) / static_cast<double>(files.size()));
     const scenario::ScenarioRead read =
         scenario::read_scenario_file(file, catalogue(), options.changes);
     if (!base::matches(options.filter, read.scenario.name)) {
       continue;
     }
-    if (options.list) {
-      fmt::print("{}  {}\n", read.scenario.name, file);
-      continue;
-    }
     results.push_back(run_read(read));
+    progress.clear();
     print(results.back(), options.verbose);
     static_cast<void>(std::fflush(stdout));
-  }
-  if (options.list) {
-    return;
   }
   if (!options.junit.empty()) {
     write_file(options.junit, scenario::junit_report(results));
@@ -178,15 +237,22 @@ void add_test_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "test", "Run scenarios: a rack, what a master does, faults, and what must be seen");
   CLI::Option* files =
-      command->add_option("files", options->paths, "Scenario files, or folders of them");
+      command->add_option("files", options->paths, "Scenario files, or folders of them")
+          ->check(names(Names::scenario_file));
   add_set_option(*command, options->changes);
   command->add_option("--filter", options->filter, "Only scenarios with such names; * and ?");
   command->add_flag("--list", options->list, "Print names and files only");
   command->add_flag("--steps", options->steps, "Print the kinds of steps there are");
+  command->add_flag("--events", options->events, "Print the names of the events there are");
   options->keys.add(*command, files, kScenarioFiles);
+  command->add_option("--format", options->format, "Of these lists: text or json")
+      ->check(one_of({"text", "json"}))
+      ->capture_default_str();
   command->add_flag("--verbose,-v", options->verbose, "Print every step");
-  command->add_option("--junit", options->junit, "Write the results as JUnit XML to this file");
-  command->add_option("--html", options->html, "Write them as a page to this file");
+  command->add_option("--junit", options->junit, "Write the results as JUnit XML to this file")
+      ->check(names(Names::file));
+  command->add_option("--html", options->html, "Write them as a page to this file")
+      ->check(names(Names::file));
   command->callback([options] { test(*options); });
 }
 
