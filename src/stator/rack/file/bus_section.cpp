@@ -19,6 +19,7 @@ namespace {
 void read_bit_rate(const settings::KeyWords& key, settings::Reader& reader, BusConfiguration& bus) {
   constexpr std::int64_t kSlowest = 5;
   constexpr std::int64_t kFastest = 1000;
+  constexpr const char* kUnlimited = "unlimited";
   reader.note_default(key, std::to_string(*bus.bit_rate / 1000));
   const auto read_rate = [&] {
     if (const auto rate = reader.integer(key, kSlowest, kFastest)) {
@@ -26,7 +27,12 @@ void read_bit_rate(const settings::KeyWords& key, settings::Reader& reader, BusC
     }
   };
   reader.either(reader.is_text(key.name), read_rate, [&] {
-    reader.choice(key, {"unlimited"});
+    if (reader.describes()) {
+      reader.choice(key, {kUnlimited});
+    } else if (const auto word = reader.text(key); word != kUnlimited) {
+      reader.refuse(key.name, fmt::format(R"("{}" is "{}"; it must be "{}" or kbit/s, {} .. {})",
+                                          key.name, *word, kUnlimited, kSlowest, kFastest));
+    }
     bus.bit_rate.reset();
   });
 }
