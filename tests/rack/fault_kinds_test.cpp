@@ -4,13 +4,19 @@
 #include "stator/rack/faults/fault_kinds.hpp"
 
 #include <fstream>
+#include <set>
 #include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "rack/fault_kind_effects.hpp"
 #include "source_paths.hpp"
+#include "stator/devices/catalogue/fault_consequences.hpp"
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
 #include "stator/rack/faults/surroundings_effect.hpp"
 
@@ -154,12 +160,21 @@ TEST(FaultKindTable, SaysOfEveryKindAndKeyWhatItIs) {
 TEST(FaultKindTable, IsThePageInTheDocumentation) {
   const std::string path = STATOR_SOURCE_DIR "/docs/faults.md";
   if (std::getenv("STATOR_WRITE_FAULTS") != nullptr) {  // NOLINT(concurrency-mt-unsafe)
-    std::ofstream(path) << fault_kinds_markdown();
+    std::ofstream(path) << fault_kinds_markdown(devices::fault_consequences());
   }
   std::ifstream file(path);
   std::stringstream text;
   text << file.rdbuf();
-  EXPECT_EQ(text.str(), fault_kinds_markdown());
+  EXPECT_EQ(text.str(), fault_kinds_markdown(devices::fault_consequences()));
+}
+
+TEST(FaultConsequences, AreOfKindsAndProductsThatExistOnceEach) {
+  std::set<std::pair<std::string_view, std::string_view>> told;
+  for (const product::FaultConsequence& each : devices::fault_consequences()) {
+    EXPECT_NE(find_fault_kind(each.kind), nullptr) << each.kind;
+    EXPECT_NE(devices::products().find(std::string(each.product)), nullptr) << each.product;
+    EXPECT_TRUE(told.emplace(each.kind, each.product).second) << each.kind << each.product;
+  }
 }
 
 }  // namespace

@@ -1,7 +1,11 @@
 // stator faults, inject, clear: what can go wrong, and lets it.
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -13,7 +17,10 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/option_words.hpp"
+#include "stator/cli/products.hpp"
+#include "stator/devices/catalogue/fault_consequences.hpp"
 #include "stator/rack/faults/fault_kinds.hpp"
+#include "stator/web/api/fault_api.hpp"
 
 namespace stator::cli {
 
@@ -28,12 +35,34 @@ void print_keys(std::span<const rack::FaultParameter> keys, std::string_view pre
   }
 }
 
+/// Of the products that this program has.
+std::vector<product::FaultConsequence> consequences() {
+  std::vector<product::FaultConsequence> all;
+  std::ranges::copy_if(devices::fault_consequences(), std::back_inserter(all),
+                       [](const product::FaultConsequence& each) {
+                         return catalogue().find(std::string(each.product)) != nullptr;
+                       });
+  return all;
+}
+
+void print_consequences(std::string_view kind) {
+  bool begun = false;
+  for (const product::FaultConsequence& each : consequences()) {
+    if (each.kind == kind) {
+      fmt::print("{}  {:22} {}\n", begun ? "" : "\nWhat its master sees:\n", each.product,
+                 each.consequence);
+      begun = true;
+    }
+  }
+}
+
 void print_kind(const rack::FaultKind& kind) {
   fmt::print("{}, of a {}: {}.\n{}\n\n", kind.name, to_text(kind.scope), kind.summary, kind.effect);
   print_keys(rack::target_keys(kind.scope));
   print_keys(kind.parameters);
   print_keys(rack::common_fault_keys());
   print_keys(rack::milestone_keys(), "when.");
+  print_consequences(kind.name);
 }
 
 struct FaultsOptions {
@@ -41,13 +70,40 @@ struct FaultsOptions {
   std::string format = "text";
 };
 
+/// All kinds, or the one of that name, as the web server tells them, and what they come to with the
+/// products.
+nlohmann::ordered_json json_of_kinds(const std::string& kind) {
+  nlohmann::ordered_json all = web::fault_kinds_json();
+  nlohmann::ordered_json shown = nlohmann::ordered_json::array();
+  for (nlohmann::ordered_json& each : all["kinds"]) {
+    if (!kind.empty() && each["name"] != kind) {
+      continue;
+    }
+    each["products"] = nlohmann::ordered_json::object();
+    for (const product::FaultConsequence& known : consequences()) {
+      if (each["name"] == known.kind) {
+        each["products"][std::string(known.product)] = known.consequence;
+      }
+    }
+    shown.push_back(std::move(each));
+  }
+  all["kinds"] = std::move(shown);
+  return all;
+}
+
 void run_faults(const FaultsOptions& options) {
   if (options.format == "markdown") {
-    fmt::print("{}", rack::fault_kinds_markdown());
+    fmt::print("{}", rack::fault_kinds_markdown(consequences()));
     return;
   }
   if (!options.kind.empty()) {
     static_cast<void>(fault_of_words(options.kind, {}));  // says what is wrong with the name
+  }
+  if (options.format == "json") {
+    fmt::print("{}\n", json_of_kinds(options.kind).dump(2));
+    return;
+  }
+  if (!options.kind.empty()) {
     print_kind(*rack::find_fault_kind(options.kind));
     return;
   }
@@ -62,8 +118,8 @@ void add_faults(CLI::App& app) {
   CLI::App* command = app.add_subcommand("faults", "List what can go wrong on demand");
   command->add_option("kind", options->kind, "Only this kind, with its keys")
       ->check(names(Names::fault_kind));
-  command->add_option("--format", options->format, "text or markdown")
-      ->check(one_of({"text", "markdown"}))
+  command->add_option("--format", options->format, "text, markdown or json")
+      ->check(one_of({"text", "markdown", "json"}))
       ->capture_default_str();
   command->callback([options] { run_faults(*options); });
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "stator/base/event_text.hpp"
+#include "stator/product/catalogue/fault_consequence.hpp"
 #include "stator/product/device/input.hpp"
 
 namespace stator::rack {
@@ -90,7 +91,8 @@ struct FaultKind {
 /// Keys that name the target of a fault of that scope.
 [[nodiscard]] std::span<const FaultParameter> target_keys(FaultScope scope);
 
-/// The page docs/faults.md.
-[[nodiscard]] std::string fault_kinds_markdown();
+/// The page docs/faults.md, with what each kind comes to with the products of `consequences`.
+[[nodiscard]] std::string fault_kinds_markdown(
+    std::span<const product::FaultConsequence> consequences);
 
 }  // namespace stator::rack

@@ -51,7 +51,19 @@ std::string_view reach_of(FaultReach reach) {
   return "?";
 }
 
-std::string section_of(const FaultKind& kind) {
+std::string rows_of_products(std::string_view kind,
+                             std::span<const product::FaultConsequence> consequences) {
+  std::string text;
+  for (const product::FaultConsequence& each : consequences) {
+    if (each.kind == kind) {
+      text += fmt::format("| {} | {} |\n", each.product, each.consequence);
+    }
+  }
+  return text.empty() ? "" : "\n| Product | What its master sees |\n|---|---|\n" + text;
+}
+
+std::string section_of(const FaultKind& kind,
+                       std::span<const product::FaultConsequence> consequences) {
   std::string text = fmt::format("### {}\n\nOf a {}: {}. {}\n\n", kind.name, to_text(kind.scope),
                                  kind.summary, kind.effect);
   text += fmt::format("For {}. ",
@@ -66,12 +78,13 @@ std::string section_of(const FaultKind& kind) {
   if (!kind.parameters.empty()) {
     text += "\n" + rows(kind.parameters);
   }
+  text += rows_of_products(kind.name, consequences);
   return text + "\n";
 }
 
 }  // namespace
 
-std::string fault_kinds_markdown() {
+std::string fault_kinds_markdown(std::span<const product::FaultConsequence> consequences) {
   std::string text =
       "# Kinds of faults\n\n"
       "Made by `stator faults --format markdown`; [how to use them](how-to/faults.md). The same "
@@ -92,7 +105,7 @@ std::string fault_kinds_markdown() {
   }
   text += "## Kinds\n\n";
   for (const FaultKind& kind : fault_kinds()) {
-    text += section_of(kind);
+    text += section_of(kind, consequences);
   }
   text.pop_back();
   return text;

@@ -70,22 +70,6 @@ Json parameters_json(std::span<const rack::FaultParameter> parameters) {
   return all;
 }
 
-Response list_kinds() {
-  Json kinds = Json::array();
-  for (const rack::FaultKind& kind : rack::fault_kinds()) {
-    kinds.push_back({{"name", kind.name},
-                     {"summary", kind.summary},
-                     {"effect", kind.effect},
-                     {"applies_to", to_text(kind.scope)},
-                     {"counts", kind.counted},
-                     {"momentary", kind.momentary},
-                     {"target", parameters_json(rack::target_keys(kind.scope))},
-                     {"parameters", parameters_json(keys_of(kind))}});
-  }
-  return json_response(
-      {{"kinds", std::move(kinds)}, {"when", parameters_json(rack::milestone_keys())}});
-}
-
 template <typename Value>
 Json nanoseconds(const std::optional<Value>& value) {
   if (!value) {
@@ -233,10 +217,25 @@ Answer clear(const std::string& text) {
 
 }  // namespace
 
+nlohmann::ordered_json fault_kinds_json() {
+  Json kinds = Json::array();
+  for (const rack::FaultKind& kind : rack::fault_kinds()) {
+    kinds.push_back({{"name", kind.name},
+                     {"summary", kind.summary},
+                     {"effect", kind.effect},
+                     {"applies_to", to_text(kind.scope)},
+                     {"counts", kind.counted},
+                     {"momentary", kind.momentary},
+                     {"target", parameters_json(rack::target_keys(kind.scope))},
+                     {"parameters", parameters_json(keys_of(kind))}});
+  }
+  return {{"kinds", std::move(kinds)}, {"when", parameters_json(rack::milestone_keys())}};
+}
+
 Answer answer_faults(const Match& match, const Request& request, const State& state) {
   switch (match.route->operation) {
     case Operation::fault_kinds:
-      return list_kinds();
+      return json_response(fault_kinds_json());
     case Operation::inject_fault:
       return inject(request, state);
     case Operation::clear_fault:
