@@ -113,6 +113,7 @@ TEST_F(RunningRack, KeepsMomentsAndGoesBackToThem) {
   EXPECT_EQ(taken.status, 0) << taken.output;
   EXPECT_THAT(taken.output, HasSubstr("snapshot before taken at "));
   EXPECT_THAT(command("snapshot list").output, HasSubstr("  before\n"));
+  EXPECT_THAT(command("snapshot list --format json").output, HasSubstr("\"name\": \"before\""));
   EXPECT_THAT(command("snapshot take before").output,
               HasSubstr("there is a snapshot of this name"));
   const tests::Outcome none = command("snapshot restore after");

@@ -12,6 +12,7 @@
 #include "stator/cli/client/rack_client.hpp"
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/web/api/session_api.hpp"
 
 namespace stator::cli {
@@ -21,6 +22,7 @@ namespace {
 struct SnapshotOptions {
   RackClientOptions client;
   std::string name;
+  std::string format = "text";
 };
 
 double seconds_of(const nlohmann::json& answer) {
@@ -29,6 +31,10 @@ double seconds_of(const nlohmann::json& answer) {
 
 void list_snapshots(const SnapshotOptions& options) {
   const auto answer = RackClient(options.client).get("/api/v1/snapshots");
+  if (options.format == "json") {
+    fmt::print("{}\n", answer["snapshots"].dump(2));
+    return;
+  }
   if (answer["snapshots"].empty()) {
     fmt::print("no snapshots\n");
     return;
@@ -103,7 +109,10 @@ void add_snapshot_command(CLI::App& app) {
     sub->callback([options, action] { action(*options); });
     return sub;
   };
-  add("list", "List what has been kept", &list_snapshots);
+  add("list", "List what has been kept", &list_snapshots)
+      ->add_option("--format", options->format, "text or json")
+      ->check(one_of({"text", "json"}))
+      ->capture_default_str();
   add("take", "Keep the rack as it is now", &take_snapshot)
       ->add_option("name", options->name, "What it is to be called; begins with a letter")
       ->required();

@@ -92,8 +92,8 @@ void add_mfc_command(CLI::App& app) {
       ->check(names(Names::rack_file));
   command->add_option("--sii", options->sii, "SII image to write")->check(names(Names::file));
   command->add_option("--esi", options->esi, "ESI file to write")->check(names(Names::file));
-  command->add_option("--format", options->format, "Of the memory map: table or csv")
-      ->check(one_of({"table", "csv"}))
+  command->add_option("--format", options->format, "Of the memory map: table, csv or json")
+      ->check(one_of({"table", "csv", "json"}))
       ->capture_default_str();
   CLI::Option* from = command
                           ->add_option("--from-sii", options->from_sii,

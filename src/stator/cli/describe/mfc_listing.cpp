@@ -2,6 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -78,6 +83,35 @@ std::vector<std::array<std::string, 6>> map_rows(const mfc::Configuration& confi
   return rows;
 }
 
+/// What is at the pins, "MFCIO04" and the name of its signal, in their order.
+std::vector<std::pair<std::string_view, std::string_view>> used_pins(
+    const mfc::Configuration& configuration) {
+  std::vector<std::pair<std::string_view, std::string_view>> pins;
+  for (std::size_t line = 0; line < mfc::kLines; ++line) {
+    const std::uint8_t code = configuration.signal(line);
+    if (code != 0 && code < mfc::kSignals) {
+      pins.emplace_back(mfc::kLineNames[line], mfc::describe(static_cast<mfc::Signal>(code)).name);
+    }
+  }
+  return pins;
+}
+
+void print_map_as_json(const std::vector<std::array<std::string, 6>>& rows,
+                       const mfc::Configuration& configuration) {
+  nlohmann::ordered_json map{{"registers", nlohmann::ordered_json::array()},
+                             {"pins", nlohmann::ordered_json::object()}};
+  for (const auto& row : rows) {
+    nlohmann::ordered_json& object = map["registers"].emplace_back();
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      object[std::string(kMapColumns[i])] = row[i];
+    }
+  }
+  for (const auto& [pin, signal] : used_pins(configuration)) {
+    map["pins"][std::string(pin)] = signal;
+  }
+  fmt::print("{}\n", map.dump(2));
+}
+
 }  // namespace
 
 void list_mfc_fields(const std::string& format) {
@@ -105,6 +139,10 @@ void print_mfc_map(const mfc::Configuration& configuration, const std::string& f
     }
     return;
   }
+  if (format == "json") {
+    print_map_as_json(rows, configuration);
+    return;
+  }
   fmt::print("{:8}  {:>3}  {:22}  {:>4}  {:9}  {}\n", "ADDRESS", "NO.", "REGISTER", "SIZE",
              "DIRECTION", "TRIGGER");
   for (const auto& row : rows) {
@@ -112,12 +150,8 @@ void print_mfc_map(const mfc::Configuration& configuration, const std::string& f
                row[5]);
   }
   fmt::print("\n{:8}  {}\n", "PIN", "SIGNAL");
-  for (std::size_t line = 0; line < mfc::kLines; ++line) {
-    const std::uint8_t code = configuration.signal(line);
-    if (code != 0 && code < mfc::kSignals) {
-      fmt::print("{:8}  {}\n", mfc::kLineNames[line],
-                 mfc::describe(static_cast<mfc::Signal>(code)).name);
-    }
+  for (const auto& [pin, signal] : used_pins(configuration)) {
+    fmt::print("{:8}  {}\n", pin, signal);
   }
 }
 

@@ -1,12 +1,15 @@
 // stator scan: lists the slaves of an EtherCAT segment with identity, ports and mailbox protocols.
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "stator/cli/commands.hpp"
 #include "stator/cli/master/master_session.hpp"
+#include "stator/cli/option_words.hpp"
 
 namespace stator::cli {
 
@@ -47,8 +50,49 @@ void print_slave(const master::Slave& slave) {
              ethercat::to_text(slave.state));
 }
 
-void scan(const BusOptions& options) {
-  MasterSession session(options);
+nlohmann::ordered_json json_of_slave(const master::Slave& slave) {
+  const master::SlaveInformation& information = slave.information;
+  nlohmann::ordered_json ports = nlohmann::ordered_json::array();
+  for (const master::PortStatus& port : slave.ports) {
+    ports.push_back({{"link", port.link}, {"open", !port.loop_closed}});
+  }
+  return {{"position", slave.position},
+          {"name", information.name},
+          {"vendor_id", information.identity.vendor_id},
+          {"product_code", information.identity.product_code},
+          {"revision", information.identity.revision},
+          {"serial_number", information.identity.serial_number},
+          {"station_address", slave.station_address},
+          {"alias", information.alias},
+          {"ports", std::move(ports)},
+          {"fmmus", slave.fmmu_count},
+          {"sync_managers", slave.sync_manager_count},
+          {"distributed_clocks", slave.distributed_clocks},
+          {"receive_mailbox", information.receive_mailbox.length},
+          {"transmit_mailbox", information.transmit_mailbox.length},
+          {"coe", information.coe},
+          {"foe", information.foe},
+          {"eoe", information.eoe},
+          {"state", ethercat::to_text(slave.state)}};
+}
+
+struct ScanOptions {
+  BusOptions bus;
+  std::string format = "text";
+};
+
+void scan(const ScanOptions& options) {
+  MasterSession session(options.bus);
+  if (options.format == "json") {
+    nlohmann::ordered_json slaves = nlohmann::ordered_json::array();
+    for (const master::Slave& slave : session.master().slaves()) {
+      slaves.push_back(json_of_slave(slave));
+    }
+    // A name in a damaged EEPROM need not be UTF-8.
+    fmt::print("{}\n", slaves.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    session.end();
+    return;
+  }
   for (const master::Slave& slave : session.master().slaves()) {
     print_slave(slave);
   }
@@ -60,9 +104,12 @@ void scan(const BusOptions& options) {
 }  // namespace
 
 void add_scan_command(CLI::App& app) {
-  auto options = std::make_shared<BusOptions>();
+  auto options = std::make_shared<ScanOptions>();
   CLI::App* command = app.add_subcommand("scan", "List the slaves of an EtherCAT segment");
-  add_bus_options(*command, *options);
+  add_bus_options(*command, options->bus);
+  command->add_option("--format", options->format, "text or json")
+      ->check(one_of({"text", "json"}))
+      ->capture_default_str();
   command->footer("Example: stator scan --link ethercat:eth1");
   command->callback([options] { scan(*options); });
 }
