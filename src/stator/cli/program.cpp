@@ -46,6 +46,7 @@ int parse(int argc, char** argv) {
   app.set_version_flag("--version", "stator " + program_version());
   app.require_subcommand(1);
   add_run_command(app);
+  add_new_command(app);
   add_check_command(app);
   add_replay_command(app);
   add_status_command(app);
