@@ -1,5 +1,6 @@
 // What tests in the browser are given: a real rack, one for all of them, and pages of it whose console stays silent.
-import { mkdirSync } from "node:fs";
+import { mkdirSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
 import { join } from "node:path";
 
 import { test as base } from "@playwright/test";
@@ -9,6 +10,8 @@ import { Rack, repository } from "./rack.mjs";
 /// Where screenshots go.
 export const out = join(repository, "build/dashboard-screenshots");
 mkdirSync(out, { recursive: true });
+
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 export const sizes = [
   { width: 1280, height: 800 },
@@ -60,3 +63,37 @@ export const test = base.extend({
 
 /// Waits for a view by its heading.
 export const heading = (page, name) => page.getByRole("heading", { level: 1, name, exact: true }).waitFor();
+
+/// What axe finds wrong, through the debugger, since the page's policy lets it run nothing else.
+async function violations(page) {
+  const session = await page.context().newCDPSession(page);
+  await session.send("Runtime.evaluate", { expression: axe });
+  const { result } = await session.send("Runtime.evaluate", {
+    expression: `axe.run(document, { resultTypes: ["violations"] }).then((r) => JSON.stringify(r.violations.map((v) =>
+      v.id + ": " + v.help + "\\n  " + v.nodes.slice(0, 3).map((n) => n.html.slice(0, 160) + " " + (n.any[0]?.message ?? "")).join("\\n  "))))`,
+    awaitPromise: true,
+  });
+  await session.detach();
+  return JSON.parse(result.value);
+}
+
+/// Takes pictures of a page at `sizes` in both themes; nothing may be too wide, and axe may find nothing.
+export async function lookAt(page, name, sizes) {
+  for (const theme of ["light", "dark"]) {
+    await page.emulateMedia({ colorScheme: theme });
+    for (const size of sizes) {
+      await page.setViewportSize(size);
+      await page.waitForTimeout(150);
+      await page.screenshot({ path: join(out, `${name}-${size.width}-${theme}.png`) });
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+      if (wide > 0) {
+        throw new Error(`${wide} pixels too wide at ${size.width}`);
+      }
+    }
+    await page.setViewportSize(sizes[0]);
+    const found = await violations(page);
+    if (found.length > 0) {
+      throw new Error(`axe, ${theme}:\n${found.join("\n")}`);
+    }
+  }
+}

@@ -1,12 +1,6 @@
 // Every view, at both widths and in both themes: nothing too wide, nothing that axe finds, a silent console.
-import { readFileSync } from "node:fs";
-import { createRequire } from "node:module";
-import { join } from "node:path";
-
-import { heading, out, sizes, test } from "./fixtures.mjs";
+import { heading, lookAt, sizes, test } from "./fixtures.mjs";
 import * as scope from "./scope.mjs";
-
-const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 const text = (name, found) => async (page) => {
   await heading(page, name);
@@ -36,19 +30,6 @@ const views = [
   { name: "scope", path: "/scope", ready: scope.ready },
 ];
 
-/// What axe finds wrong, through the debugger, since the page's policy lets it run nothing else.
-async function violations(page) {
-  const session = await page.context().newCDPSession(page);
-  await session.send("Runtime.evaluate", { expression: axe });
-  const { result } = await session.send("Runtime.evaluate", {
-    expression: `axe.run(document, { resultTypes: ["violations"] }).then((r) => JSON.stringify(r.violations.map((v) =>
-      v.id + ": " + v.help + "\\n  " + v.nodes.slice(0, 3).map((n) => n.html.slice(0, 160) + " " + (n.any[0]?.message ?? "")).join("\\n  "))))`,
-    awaitPromise: true,
-  });
-  await session.detach();
-  return JSON.parse(result.value);
-}
-
 let master;
 test.beforeAll(async ({ rack }) => {
   master = rack.move(60);
@@ -61,22 +42,6 @@ for (const view of views) {
     const page = await open(view.path);
     await page.emulateMedia({ colorScheme: "light" });
     await view.ready(page);
-    for (const theme of ["light", "dark"]) {
-      await page.emulateMedia({ colorScheme: theme });
-      for (const size of sizes) {
-        await page.setViewportSize(size);
-        await page.waitForTimeout(150);
-        await page.screenshot({ path: join(out, `${view.name}-${size.width}-${theme}.png`) });
-        const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
-        if (wide > 0) {
-          throw new Error(`${wide} pixels too wide at ${size.width}`);
-        }
-      }
-      await page.setViewportSize(sizes[0]);
-      const found = await violations(page);
-      if (found.length > 0) {
-        throw new Error(`axe, ${theme}:\n${found.join("\n")}`);
-      }
-    }
+    await lookAt(page, view.name, sizes);
   });
 }

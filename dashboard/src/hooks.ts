@@ -155,6 +155,14 @@ export function problemText(error: unknown): string {
   return String(error);
 }
 
+/// What a write that failed says to a person, who is asked for the token if that is what it lacks.
+export function refusalText(error: unknown): string {
+  if (error instanceof ApiError && error.unauthorised) {
+    document.dispatchEvent(new CustomEvent("tokenwanted"));
+  }
+  return problemText(error);
+}
+
 export function useAction(): Action {
   const { store } = useWorld();
   const [busy, setBusy] = useState(false);
@@ -167,10 +175,7 @@ export function useAction(): Action {
         setError("");
         return true;
       } catch (wrong) {
-        setError(problemText(wrong));
-        if (wrong instanceof ApiError && wrong.unauthorised) {
-          document.dispatchEvent(new CustomEvent("tokenwanted"));
-        }
+        setError(refusalText(wrong));
         return false;
       } finally {
         setBusy(false);

@@ -56,6 +56,14 @@ const kControlword = [
   "manufacturer 15",
 ];
 
+/// Bits 4 to 6 of the controlword mean what the mode of operation says.
+const kModeControlBits: Readonly<Record<number, readonly [string, string, string]>> = {
+  1: ["new set-point", "change set immediately", "relative"],
+  2: ["enable ramp", "unlock ramp", "reference ramp"],
+  6: ["homing operation start", "mode specific 5", "mode specific 6"],
+  7: ["enable interpolation", "mode specific 5", "mode specific 6"],
+};
+
 const kErrorRegister = [
   "generic error",
   "current",
@@ -80,8 +88,13 @@ export function statuswordBits(value: number, mode: number): Bit[] {
   return bits(value, names);
 }
 
-export function controlwordBits(value: number): Bit[] {
-  return bits(value, kControlword);
+export function controlwordBits(value: number, mode: number): Bit[] {
+  const names = [...kControlword];
+  const special = kModeControlBits[mode];
+  if (special) {
+    [names[4], names[5], names[6]] = special;
+  }
+  return bits(value, names);
 }
 
 export function errorRegisterBits(value: number): Bit[] {

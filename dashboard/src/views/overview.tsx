@@ -26,6 +26,7 @@ import { sameState } from "../machine_layout";
 import { href } from "../router";
 import { controlwordBits, errorCodeText, errorRegisterBits, modeText, powerState, statuswordBits, type Bit } from "../words";
 import { EventRows } from "./events";
+import { ManualPanel } from "./manual";
 import { ProgramView } from "./program";
 
 const kObjectPeriod = 500;
@@ -46,45 +47,48 @@ export function Overview({ device, panel }: { device: Device; panel: Panel | nul
   const network = machineOf(panel?.network?.machine);
   const power = machineOf(axisPanel?.machine);
   return (
-    <div class="overview">
-      <div class="stack">
-        {axes.length > 1 ? (
-          <div class="segmented" role="group" aria-label="Axis">
-            {axes.map((each, i) => (
-              <button key={each.name} type="button" aria-pressed={each === axis} onClick={() => setChosen(i)}>
-                {each.name}
-              </button>
-            ))}
-          </div>
-        ) : null}
-        {axis ? <AxisValues key={axis.name} axis={axis} panel={axisPanel} /> : null}
-        <Inputs device={device} signals={signals.data} first={axis?.name ?? ""} />
+    <>
+      <ManualPanel device={device} />
+      <div class="overview">
+        <div class="stack">
+          {axes.length > 1 ? (
+            <div class="segmented" role="group" aria-label="Axis">
+              {axes.map((each, i) => (
+                <button key={each.name} type="button" aria-pressed={each === axis} onClick={() => setChosen(i)}>
+                  {each.name}
+                </button>
+              ))}
+            </div>
+          ) : null}
+          {axis ? <AxisValues key={axis.name} axis={axis} panel={axisPanel} /> : null}
+          <Inputs device={device} signals={signals.data} first={axis?.name ?? ""} />
+        </div>
+        <div class="stack">
+          {power && axisPanel?.state ? (
+            <MachinePanel
+              machine={power}
+              state={axisPanel.state}
+              title={`${axisPanel.name}: ${power.title}`}
+              refusal={axisPanel.last_refusal}
+            />
+          ) : null}
+          {network && panel?.network ? (
+            <MachinePanel
+              machine={network}
+              state={panel.network.state}
+              title={network.title}
+              refusal={panel.last_refusal?.number === axisPanel?.last_refusal?.number ? null : panel.last_refusal}
+            />
+          ) : null}
+          {panel?.program && store.offers("/api/v1/devices/{device}/program") ? <ProgramView device={device} /> : null}
+          {power || network ? null : <DeviceEvents name={device.name} />}
+        </div>
+        <div class="stack last">
+          {device.objects > 0 && device.powered ? <MasterSees device={device} axis={axisNumber(axis?.name ?? "")} /> : null}
+          {power || network ? <DeviceEvents name={device.name} /> : null}
+        </div>
       </div>
-      <div class="stack">
-        {power && axisPanel?.state ? (
-          <MachinePanel
-            machine={power}
-            state={axisPanel.state}
-            title={`${axisPanel.name}: ${power.title}`}
-            refusal={axisPanel.last_refusal}
-          />
-        ) : null}
-        {network && panel?.network ? (
-          <MachinePanel
-            machine={network}
-            state={panel.network.state}
-            title={network.title}
-            refusal={panel.last_refusal?.number === axisPanel?.last_refusal?.number ? null : panel.last_refusal}
-          />
-        ) : null}
-        {panel?.program && store.offers("/api/v1/devices/{device}/program") ? <ProgramView device={device} /> : null}
-        {power || network ? null : <DeviceEvents name={device.name} />}
-      </div>
-      <div class="stack last">
-        {device.objects > 0 && device.powered ? <MasterSees device={device} axis={axisNumber(axis?.name ?? "")} /> : null}
-        {power || network ? <DeviceEvents name={device.name} /> : null}
-      </div>
-    </div>
+    </>
   );
 }
 
@@ -212,7 +216,7 @@ function SeenRow({
   modePath: string;
 }) {
   const read = useResource<Entry>(`${path}/${row.text}/00`, kObjectPeriod);
-  const mode = useResource<Entry>(row.index === 0x6041 ? modePath : null, kObjectPeriod);
+  const mode = useResource<Entry>(row.index === 0x6041 || row.index === 0x6040 ? modePath : null, kObjectPeriod);
   const value = read.data?.value;
   const number = typeof value === "number" ? value : null;
   return (
@@ -247,7 +251,7 @@ function Seen({ index, value, unit, mode }: { index: number; value: number; unit
       return (
         <>
           <span class="mono">{hexText(value, 4)}</span>
-          <Bits bits={controlwordBits(value)} />
+          <Bits bits={controlwordBits(value, mode)} />
         </>
       );
     case 0x6061:
