@@ -1,11 +1,13 @@
 // Axes moved by hand in a running rack over EtherCAT, CANopen and TMCL, and who makes way for whom.
 #include "stator/manual/manual_control.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <thread>
 
@@ -33,6 +35,11 @@ using ::testing::IsEmpty;
 
 /// Only ends what hangs.
 constexpr std::chrono::minutes kPatience{1};
+
+/// A broadcast write of AL control, which requests Safe-Operational from all slaves.
+constexpr std::array<std::uint8_t, 30> kSafeOperationalForAll{
+    0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x02, 0x00, 0x00, 0x00, 0x00, 0x01, 0x88, 0xA4, 0x0E,
+    0x10, 0x08, 0x00, 0x00, 0x00, 0x20, 0x01, 0x02, 0x00, 0x00, 0x00, 0x04, 0x00, 0x00, 0x00};
 
 std::uint16_t free_udp_port() {
   const auto probe = link::UdpEthernetLink::listen({.address = "127.0.0.1", .port = 0});
@@ -107,6 +114,17 @@ class ManualControlTest : public ::testing::Test {
   void enable(rack::DeviceAddress device) {
     command(device, {.kind = CommandKind::enable});
     ASSERT_TRUE(wait_for([&] { return axis(device).status.enabled; })) << axis(device).refusal;
+  }
+  /// Passes a frame through the first segment past its link.
+  void send_to_segment(std::span<const std::uint8_t> frame) {
+    std::array<std::byte, 60> passing{};
+    std::ranges::copy(std::as_bytes(frame), passing.begin());
+    rack::RunningRack& running = runner_.running();
+    const std::scoped_lock lock(running.mutex);
+    const base::SimTime now = running.now();
+    ASSERT_TRUE(rack_.process_frame(0, passing, now));
+    rack_.handle_bus_events(0, now);
+    running.catch_up();
   }
   /// Moves by `distance` and waits until the device says that it is there.
   void move_by(rack::DeviceAddress device, std::int64_t distance) {
@@ -186,6 +204,19 @@ TEST_F(ManualControlTest, StopsQuicklyAndChangesModeAndControlword) {
   EXPECT_EQ(axis(gantry).status.controlword, 0x0007);
   command(gantry, {.kind = CommandKind::disable});
   EXPECT_TRUE(wait_for([&] { return axis(gantry).status.state == "Switch on disabled"; }));
+}
+
+TEST_F(ManualControlTest, BringsADriveBackThatLeftOperational) {
+  const rack::DeviceAddress gantry = address("gantry");
+  begin(gantry);
+  enable(gantry);
+  send_to_segment(kSafeOperationalForAll);
+  ASSERT_TRUE(wait_for([&] { return !axis(gantry).status.enabled; }));
+  EXPECT_EQ(phase(gantry), Phase::active);
+  command(gantry, {.kind = CommandKind::enable});
+  ASSERT_TRUE(wait_for([&] { return axis(gantry).executed == 2; }));
+  EXPECT_THAT(axis(gantry).refusal, IsEmpty());
+  move_by(gantry, 51'200);
 }
 
 TEST_F(ManualControlTest, StopsAMoveOnItsWay) {

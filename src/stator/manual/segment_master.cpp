@@ -7,6 +7,7 @@
 
 #include "stator/base/byte_order.hpp"
 #include "stator/ethercat/segment/segment.hpp"
+#include "stator/ethercat/standard/al_state.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
 #include "stator/manual/cia402_axis.hpp"
 #include "stator/master/cia402/slave_drive_port.hpp"
@@ -21,6 +22,9 @@ namespace {
 /// Well below the watchdogs of process data (100 ms as devices leave their boxes), so that a busy
 /// machine may be late.
 constexpr base::SimDuration kCycle{4'000'000};
+
+/// Of AL status: the state, without the error indication.
+constexpr std::byte kAlStateMask{0x0F};
 
 }  // namespace
 
@@ -46,6 +50,23 @@ Result<void> SegmentMaster::begin() {
     return configured;
   }
   return master_.go_operational();
+}
+
+Result<void> SegmentMaster::cycle() {
+  auto passed = master_.run_cycle();
+  return passed && left_operational() ? master_.go_operational() : passed;
+}
+
+// Process data still pass in Safe-Operational, so the working counter does not tell.
+bool SegmentMaster::left_operational() const {
+  const std::scoped_lock lock(running_.mutex);
+  return std::ranges::any_of(drives_, [this](std::size_t drive) {
+    std::array<std::byte, 1> status{};
+    running_.rack.segment(segment_).slave(drive).peek(ethercat::register_address::kAlStatus,
+                                                      status);
+    return static_cast<ethercat::AlState>(status[0] & kAlStateMask) ==
+           ethercat::AlState::safe_operational;
+  });
 }
 
 void SegmentMaster::finish() {

@@ -19,7 +19,9 @@ class SegmentMaster final : public NetworkMaster, private master::FramePort {
                 std::vector<std::size_t> drives);
 
   master::Result<std::unique_ptr<Axis>> axis(const AxisPlace& place) override;
-  master::Result<void> cycle() override { return master_.run_cycle(); }
+  /// Drives that have left Operational are brought back: on a machine that is busy their watchdog
+  /// of process data expires now and then.
+  master::Result<void> cycle() override;
 
  private:
   master::Result<void> begin() override;
@@ -30,6 +32,7 @@ class SegmentMaster final : public NetworkMaster, private master::FramePort {
   void wait(base::SimDuration duration) override { NetworkMaster::wait(duration); }
   [[nodiscard]] base::SimTime now() override { return running_.machine_now(); }
 
+  [[nodiscard]] bool left_operational() const;
   /// Where the scan found the device in that place of the segment.
   master::Result<std::size_t> position(std::size_t device);
 
