@@ -218,7 +218,7 @@ function AxisControl({
           <div class="notice bad fault">
             <span>
               {axis.error_code === null ? (
-                "Fault"
+                "The axis is in a fault and tells no error code"
               ) : (
                 <>
                   Error code <span class="mono">{hexText(axis.error_code, 4)}</span>: {errorCodeText(axis.error_code)}
