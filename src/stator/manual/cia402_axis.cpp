@@ -167,6 +167,13 @@ Result<void> Cia402Axis::move(const Command& command) {
 }
 
 Result<void> Cia402Axis::stop() {
+  const auto state = client_.state();
+  if (!state) {
+    return base::Unexpected{state.error()};
+  }
+  if (*state != DriveState::operation_enabled) {
+    return {};  // nothing drives it, and Halt would be no command in this state
+  }
   const auto mode = client_.read<std::int8_t>(kModesOfOperationDisplay);
   const bool at_velocity =
       mode && (*mode == static_cast<std::int8_t>(OperationMode::profile_velocity) ||

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <string>
 #include <utility>
 
 namespace stator::manual {
@@ -34,15 +33,12 @@ std::optional<CommandKind> command_of(std::string_view name) {
   return found != kNames.end() ? std::optional(found->first) : std::nullopt;
 }
 
-std::string_view all_command_names() {
-  static const std::string all = [] {
-    std::string text;
-    for (const auto& [kind, name] : kNames) {
-      text += (text.empty() ? "" : ", ") + std::string(name);
-    }
-    return text;
-  }();
-  return all;
+std::vector<std::string_view> command_names() {
+  std::vector<std::string_view> names;
+  for (const auto& [kind, name] : kNames) {
+    names.push_back(name);
+  }
+  return names;
 }
 
 }  // namespace stator::manual

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace stator::manual {
 
@@ -24,8 +25,8 @@ enum class CommandKind : std::uint8_t {
 [[nodiscard]] std::string_view name_of(CommandKind kind);
 /// Nothing: no command has that name.
 [[nodiscard]] std::optional<CommandKind> command_of(std::string_view name);
-/// All names, for messages: "enable, disable, ...".
-[[nodiscard]] std::string_view all_command_names();
+/// All names.
+[[nodiscard]] std::vector<std::string_view> command_names();
 
 /// A command for an axis. Positions and velocities are in the units of the device.
 struct Command {

@@ -7,6 +7,7 @@
 #include "stator/manual/bus_master.hpp"
 #include "stator/manual/line_master.hpp"
 #include "stator/manual/segment_master.hpp"
+#include "stator/product/catalogue/io_configuration.hpp"
 #include "stator/product/catalogue/product.hpp"
 
 namespace stator::manual {
@@ -61,14 +62,15 @@ base::Expected<ManualControl::Place, std::string> ManualControl::place_of(
                     "axes by hand")};
   }
   const rack::DeviceConfiguration& configuration = configuration_of(device);
-  if (axes_of(configuration) == 0) {
-    return base::Unexpected{std::string("it has no axis that could be moved")};
-  }
   if (device.kind == rack::NetworkKind::segment) {
-    if (configuration.setup.coe() == nullptr) {
+    if (configuration.setup.product().waits_for_host(configuration.setup)) {
       return base::Unexpected{
           std::string("its firmware is a program beside it, which only that program's master "
                       "knows how to command")};
+    }
+    if (configuration.setup.coe() == nullptr &&
+        configuration.setup.product().io_configuration() == nullptr) {
+      return base::Unexpected{std::string("it has no process data")};
     }
     return Place{Medium::segment, device.network};
   }
@@ -94,13 +96,16 @@ base::Expected<ManualControl::Place, std::string> ManualControl::place_of(
 }
 
 std::string ManualControl::impediment(rack::DeviceAddress device) const {
+  if (axes_of(configuration_of(device)) == 0) {
+    return "it has no axis that could be moved";
+  }
   const auto place = place_of(device);
   return place ? std::string() : place.error();
 }
 
 std::unique_ptr<Session> ManualControl::make_session(Place place, rack::DeviceAddress first) {
   std::vector<Session::Member> members;
-  std::vector<std::size_t> drives;
+  std::vector<std::size_t> devices;
   std::vector<BusMember> nodes;
   std::vector<LineMember> modules;
   for (const rack::DeviceAddress device : devices_) {
@@ -114,7 +119,7 @@ std::unique_ptr<Session> ManualControl::make_session(Place place, rack::DeviceAd
     const bool node = configuration.setup.node_id() != nullptr;
     switch (place.medium) {
       case Medium::segment:
-        drives.push_back(device.device);
+        devices.push_back(device.device);
         break;
       case Medium::bus:
         nodes.push_back(
@@ -132,7 +137,7 @@ std::unique_ptr<Session> ManualControl::make_session(Place place, rack::DeviceAd
   switch (place.medium) {
     case Medium::segment:
       master = std::make_unique<SegmentMaster>(running, runner_.seat(place.index), place.index,
-                                               std::move(drives));
+                                               std::move(devices));
       break;
     case Medium::bus:
       master = std::make_unique<BusMaster>(running, runner_.bus(place.index), place.index,
@@ -200,6 +205,19 @@ base::Expected<void, std::string> ManualControl::command(rack::DeviceAddress dev
     return base::Unexpected{"its axes have no \"" + std::string(name_of(command.kind)) + '"'};
   }
   static_cast<void>(sessions_.at(*place)->command(device, axis, command));
+  return {};
+}
+
+base::Expected<void, std::string> ManualControl::set_outputs(rack::DeviceAddress device,
+                                                             std::size_t offset,
+                                                             std::vector<std::byte> data) {
+  const auto place = place_of(device);
+  const std::scoped_lock lock(mutex_);
+  if (!place || !sessions_.contains(*place) ||
+      sessions_.at(*place)->status(device).phase != Phase::active) {
+    return base::Unexpected{std::string("it is not under manual control")};
+  }
+  static_cast<void>(sessions_.at(*place)->set_outputs(device, offset, std::move(data)));
   return {};
 }
 

@@ -36,11 +36,12 @@ class ManualControl {
   ManualControl(const ManualControl&) = delete;
   ManualControl& operator=(const ManualControl&) = delete;
 
-  /// Why a device cannot be controlled by hand; empty: it can.
+  /// Why the axes of a device cannot be moved by hand; empty: they can.
   [[nodiscard]] std::string impediment(rack::DeviceAddress device) const;
   [[nodiscard]] DeviceStatus status(rack::DeviceAddress device) const;
 
-  /// Begins with a device. Does nothing if it is under manual control already.
+  /// Begins with a device, also with one that has process data but no axes. Does nothing if it is
+  /// under manual control already.
   base::Expected<void, std::string> start(rack::DeviceAddress device);
   /// Gives a device back: its axes lose their current, its network is left as it was found.
   void release(rack::DeviceAddress device);
@@ -48,6 +49,10 @@ class ManualControl {
   /// status().
   base::Expected<void, std::string> command(rack::DeviceAddress device, std::size_t axis,
                                             const Command& command);
+
+  /// Writes output process data of a device without axes that is Phase::active, from `offset` on.
+  base::Expected<void, std::string> set_outputs(rack::DeviceAddress device, std::size_t offset,
+                                                std::vector<std::byte> data);
 
   /// Ends at once, without a word to the devices, and waits for the threads; nothing begins any
   /// more. To be called before the runner is stopped.

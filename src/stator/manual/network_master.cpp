@@ -24,6 +24,11 @@ Result<void> NetworkMaster::open() {
   return begin();
 }
 
+Result<void> NetworkMaster::set_outputs(rack::DeviceAddress /*device*/, std::size_t /*offset*/,
+                                        std::span<const std::byte> /*data*/) {
+  return master::fail(ErrorCode::argument, "there are no process data on this network");
+}
+
 void NetworkMaster::close() {
   if (!displaced_) {
     finish();

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "stator/base/sim_time.hpp"
@@ -37,6 +38,10 @@ class NetworkMaster : public rack::ResidentMaster {
   master::Result<void> open();
   /// An axis of a device on the network.
   virtual master::Result<std::unique_ptr<Axis>> axis(const AxisPlace& place) = 0;
+  /// Writes a device's output process data from `offset` on, for those that have no axis. They go
+  /// out with the next cycle and stay.
+  virtual master::Result<void> set_outputs(rack::DeviceAddress device, std::size_t offset,
+                                           std::span<const std::byte> data);
   /// Lets one cycle pass: process data, or time alone.
   virtual master::Result<void> cycle() = 0;
   /// Leaves the network as it was found; the master is of no use any more.

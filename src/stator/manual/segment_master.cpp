@@ -29,10 +29,10 @@ constexpr std::byte kAlStateMask{0x0F};
 }  // namespace
 
 SegmentMaster::SegmentMaster(rack::RunningRack& running, rack::MasterSeat& seat,
-                             std::size_t segment, std::vector<std::size_t> drives)
+                             std::size_t segment, std::vector<std::size_t> devices)
     : NetworkMaster(running, seat),
       segment_(segment),
-      drives_(std::move(drives)),
+      devices_(std::move(devices)),
       master_(*this, {.cycle_time = kCycle}) {}
 
 Result<void> SegmentMaster::begin() {
@@ -40,9 +40,9 @@ Result<void> SegmentMaster::begin() {
     return scanned;
   }
   std::vector<std::size_t> positions;
-  for (const std::size_t drive : drives_) {
-    // A drive that is switched off is told of when somebody wants it.
-    if (const auto found = position(drive)) {
+  for (const std::size_t device : devices_) {
+    // One that is switched off is told of when somebody wants it.
+    if (const auto found = position(device)) {
       positions.push_back(*found);
     }
   }
@@ -60,10 +60,10 @@ Result<void> SegmentMaster::cycle() {
 // Process data still pass in Safe-Operational, so the working counter does not tell.
 bool SegmentMaster::left_operational() const {
   const std::scoped_lock lock(running_.mutex);
-  return std::ranges::any_of(drives_, [this](std::size_t drive) {
+  return std::ranges::any_of(devices_, [this](std::size_t device) {
     std::array<std::byte, 1> status{};
-    running_.rack.segment(segment_).slave(drive).peek(ethercat::register_address::kAlStatus,
-                                                      status);
+    running_.rack.segment(segment_).slave(device).peek(ethercat::register_address::kAlStatus,
+                                                       status);
     return static_cast<ethercat::AlState>(status[0] & kAlStateMask) ==
            ethercat::AlState::safe_operational;
   });
@@ -80,6 +80,21 @@ Result<std::unique_ptr<Axis>> SegmentMaster::axis(const AxisPlace& place) {
   }
   return std::unique_ptr<Axis>(std::make_unique<Cia402Axis>(
       std::make_unique<master::SlaveDrivePort>(master_, *found), place));
+}
+
+Result<void> SegmentMaster::set_outputs(rack::DeviceAddress device, std::size_t offset,
+                                        std::span<const std::byte> data) {
+  const auto found = position(device.device);
+  if (!found) {
+    return base::Unexpected{found.error()};
+  }
+  const std::span<std::byte> outputs = master_.outputs(*found);
+  if (offset > outputs.size() || data.size() > outputs.size() - offset) {
+    return master::fail(ErrorCode::argument, "the device has " + std::to_string(outputs.size()) +
+                                                 " bytes of output process data");
+  }
+  std::ranges::copy(data, outputs.subspan(offset).begin());
+  return {};
 }
 
 // The controller keeps the address that the scan gave it, as long as it has supply.

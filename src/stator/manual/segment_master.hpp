@@ -10,15 +10,17 @@
 
 namespace stator::manual {
 
-/// An EtherCAT master inside a running rack: takes the drives of a segment to Operational and
-/// exchanges their process data. Devices without a firmware of their own it leaves in Init.
+/// An EtherCAT master inside a running rack: takes devices of a segment to Operational and
+/// exchanges their process data. Those that wait for a firmware beside them it leaves in Init.
 class SegmentMaster final : public NetworkMaster, private master::FramePort {
  public:
-  /// `drives`: the devices of segment `segment` that are taken to Operational, by their places.
+  /// `devices`: those of segment `segment` that are taken to Operational, by their places.
   SegmentMaster(rack::RunningRack& running, rack::MasterSeat& seat, std::size_t segment,
-                std::vector<std::size_t> drives);
+                std::vector<std::size_t> devices);
 
   master::Result<std::unique_ptr<Axis>> axis(const AxisPlace& place) override;
+  master::Result<void> set_outputs(rack::DeviceAddress device, std::size_t offset,
+                                   std::span<const std::byte> data) override;
   /// Drives that have left Operational are brought back: on a machine that is busy their watchdog
   /// of process data expires now and then.
   master::Result<void> cycle() override;
@@ -37,7 +39,7 @@ class SegmentMaster final : public NetworkMaster, private master::FramePort {
   master::Result<std::size_t> position(std::size_t device);
 
   std::size_t segment_;
-  std::vector<std::size_t> drives_;
+  std::vector<std::size_t> devices_;
   master::Master master_;
 };
 

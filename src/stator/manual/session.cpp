@@ -88,6 +88,14 @@ bool Session::command(rack::DeviceAddress device, std::size_t axis, const Comman
   return ask({.kind = Request::Kind::command, .device = device, .axis = axis, .command = command});
 }
 
+bool Session::set_outputs(rack::DeviceAddress device, std::size_t offset,
+                          std::vector<std::byte> data) {
+  return ask({.kind = Request::Kind::outputs,
+              .device = device,
+              .offset = offset,
+              .data = std::move(data)});
+}
+
 const Session::Member& Session::member(rack::DeviceAddress device) const {
   return *std::ranges::find(members_, device, &Member::device);
 }
@@ -140,6 +148,11 @@ void Session::serve(const Request& request) {
       break;
     case Request::Kind::command:
       execute(request);
+      break;
+    case Request::Kind::outputs:
+      if (axes_.contains(request.device)) {
+        static_cast<void>(master_->set_outputs(request.device, request.offset, request.data));
+      }
       break;
   }
 }
@@ -240,7 +253,7 @@ void Session::look() {
       lost.emplace_back(device, looked.error().text);
     }
   }
-  if (master_->displaced()) {
+  if (master_->displaced() || stopping_) {
     return;  // that is why, and end() tells it
   }
   for (const auto& [device, why] : lost) {

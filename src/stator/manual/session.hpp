@@ -27,7 +27,7 @@ class Session {
   /// A device that can be controlled here.
   struct Member {
     rack::DeviceAddress device;
-    unsigned axes = 1;
+    unsigned axes = 1;  ///< 0: it has process data only
     std::optional<product::MotionUnits> units{};
     base::EventReporter reporter{};
   };
@@ -44,14 +44,17 @@ class Session {
   bool start(rack::DeviceAddress device);
   bool release(rack::DeviceAddress device);
   bool command(rack::DeviceAddress device, std::size_t axis, const Command& command);
+  bool set_outputs(rack::DeviceAddress device, std::size_t offset, std::vector<std::byte> data);
 
  private:
   struct Request {
-    enum class Kind : std::uint8_t { start, release, command };
+    enum class Kind : std::uint8_t { start, release, command, outputs };
     Kind kind = Kind::start;
     rack::DeviceAddress device;
     std::size_t axis = 0;
     Command command{};
+    std::size_t offset = 0;
+    std::vector<std::byte> data{};
   };
   /// An axis in the thread's hands.
   struct Held {

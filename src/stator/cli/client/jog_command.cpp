@@ -3,11 +3,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -18,6 +19,7 @@
 #include "stator/cli/failure.hpp"
 #include "stator/cli/interruption.hpp"
 #include "stator/cli/option_values.hpp"
+#include "stator/cli/option_words.hpp"
 #include "stator/manual/command.hpp"
 
 namespace stator::cli {
@@ -166,6 +168,15 @@ nlohmann::json arrive(Controlled& device, nlohmann::json axis, const Interruptio
   return axis;
 }
 
+/// What COMMAND can be.
+std::vector<std::string> words() {
+  std::vector<std::string> all{"status", "release"};
+  for (const std::string_view name : manual::command_names()) {
+    all.emplace_back(name);
+  }
+  return all;
+}
+
 void jog(const JogOptions& options) {
   const base::SimDuration duration = duration_option("--for", options.duration);
   Controlled device(options);
@@ -179,24 +190,20 @@ void jog(const JogOptions& options) {
     print_axis(options, device.axis());
     return;
   }
-  const auto kind = manual::command_of(options.command);
-  if (!kind) {
-    throw Failure(fmt::format("there is no command \"{}\"; there are {}, status, release",
-                              options.command, manual::all_command_names()));
-  }
+  const CommandKind kind = *manual::command_of(options.command);  // it is one of words()
   device.begin();
   nlohmann::json command{{"command", options.command}};
   using enum CommandKind;
-  if (*kind == CommandKind::jog || *kind == move || *kind == mode || *kind == controlword) {
-    command["value"] = value_of(options, *kind, device.axis());
+  if (kind == CommandKind::jog || kind == move || kind == mode || kind == controlword) {
+    command["value"] = value_of(options, kind, device.axis());
   }
-  if (*kind == move) {
+  if (kind == move) {
     command["relative"] = options.relative;
   }
   const Interruption interruption;
-  auto axis = *kind == CommandKind::jog ? turn(device, command, duration, interruption)
-                                        : device.execute(command);
-  if (*kind == move) {
+  auto axis = kind == CommandKind::jog ? turn(device, command, duration, interruption)
+                                       : device.execute(command);
+  if (kind == move) {
     axis = arrive(device, std::move(axis), interruption);
   }
   print_axis(options, axis);
@@ -209,9 +216,10 @@ void add_jog_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("jog", "Move an axis of a rack that is running by hand");
   command->add_option("DEVICE", options->device, "Name of the device")->required();
   command
-      ->add_option("COMMAND", options->command,
-                   fmt::format("{}; or status, or release, which gives the device back",
-                               manual::all_command_names()))
+      ->add_option(
+          "COMMAND", options->command,
+          "What the axis shall do; status tells where it is, release gives the device back")
+      ->check(one_of(words()))
       ->required();
   command->add_option("VALUE", options->value,
                       "move: position; jog: velocity; mode: its number; controlword: what is "

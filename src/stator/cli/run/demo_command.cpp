@@ -18,6 +18,8 @@
 #include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
 #include "stator/cli/progress.hpp"
+#include "stator/cli/run/run_options.hpp"
+#include "stator/cli/run/show.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
 #include "stator/plant/axes/stepper_axis.hpp"
 #include "stator/product/catalogue/product.hpp"
@@ -165,6 +167,7 @@ rack::Plot picture(const product::Product& product, const std::string& csv, std:
 
 struct DemoOptions {
   std::string output = "demo-output";
+  std::string http;  ///< empty: three axes in this process; else where the show is served
 };
 
 class Demo {
@@ -285,6 +288,16 @@ class Demo {
   std::array<AxisOutcome, kMoves.size()> outcomes_{};
 };
 
+/// Five devices on their links that all move, until Ctrl-C.
+void show(const DemoOptions& options) {
+  RunOptions run;
+  run.rack_file = write_show_rack(options.output).string();
+  run.web.http = options.http;
+  run.show = true;
+  fmt::print("The rack file is {}.\n", run.rack_file);
+  run_until_stopped(std::move(run));
+}
+
 void demo(const DemoOptions& options) {
   std::error_code error;
   std::filesystem::create_directories(options.output, error);
@@ -320,7 +333,14 @@ void add_demo_command(CLI::App& app) {
   command->add_option("-o,--output", options->output, "Directory for pictures and recordings")
       ->check(names(Names::directory))
       ->capture_default_str();
-  command->callback([options] { demo(*options); });
+  command->add_option("--http", options->http,
+                      "[ADDRESS:]PORT of a dashboard with five turning devices instead, until "
+                      "Ctrl-C; port 0: any that is free");
+  command->footer(
+      "Examples:\n"
+      "  stator demo                     pictures of a move in demo-output\n"
+      "  stator demo --http 8080         five turning devices in the browser");
+  command->callback([options] { options->http.empty() ? demo(*options) : show(*options); });
 }
 
 }  // namespace stator::cli

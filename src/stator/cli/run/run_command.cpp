@@ -28,6 +28,7 @@
 #include "stator/cli/run/live_session.hpp"
 #include "stator/cli/run/run_options.hpp"
 #include "stator/cli/run/run_report.hpp"
+#include "stator/cli/run/show.hpp"
 #include "stator/cli/run/standard_output.hpp"
 #include "stator/cli/run/stop_signals.hpp"
 #include "stator/link/ethernet/machine.hpp"
@@ -206,6 +207,10 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   if (web.server != nullptr) {
     web.server->start();
   }
+  std::optional<Show> show;
+  if (given.show) {
+    show.emplace(manual, runner, configuration, options.rack_file);
+  }
   while (signals.wait(limit) == SIGUSR1 && !session.wished()) {
   }
   const auto asked = link::BackgroundOutput::Clock::now();
@@ -213,6 +218,7 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   if (web.server != nullptr) {
     web.server->stop();
   }
+  show.reset();
   manual.stop();
   stop(runner, rack, configuration.state);
   drain_log(asked);  // what is printed follows on it
@@ -222,7 +228,9 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   return session.wished();
 }
 
-void run(RunOptions options) {
+}  // namespace
+
+void run_until_stopped(RunOptions options) {
   const auto logger = make_logger();
   StandardOutput output;
   if (options.priority) {
@@ -254,13 +262,11 @@ void run(RunOptions options) {
   }
 }
 
-}  // namespace
-
 void add_run_command(CLI::App& app) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = app.add_subcommand("run", "Run a rack of virtual devices on real interfaces");
   add_run_options(*command, *options);
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_until_stopped(*options); });
 }
 
 }  // namespace stator::cli

@@ -39,6 +39,7 @@ struct RunOptions {
   std::string duration;
   std::string state;
   bool no_emergencies = false;
+  bool show = false;  ///< devices do something worth seeing, see Show
   WebOptions web;
 };
 
@@ -51,5 +52,9 @@ void add_run_options(CLI::App& command, RunOptions& options);
 /// The rack file's configuration with the command line's options on top. Throws Failure for options
 /// that the rack has no place for, or std::runtime_error for a bad rack file.
 [[nodiscard]] rack::RackConfiguration configuration_of(const RunOptions& options);
+
+/// Runs what `options` ask for until a signal comes or their duration is over. Throws Failure or
+/// std::runtime_error.
+void run_until_stopped(RunOptions options);
 
 }  // namespace stator::cli

@@ -115,9 +115,9 @@ std::variant<manual::Command, Response> read_command(const Request& request) {
   }
   const auto kind = manual::command_of(body["command"].get<std::string>());
   if (!kind) {
-    return problem(422,
-                   fmt::format("there is no command \"{}\"; there are {}",
-                               body["command"].get<std::string>(), manual::all_command_names()));
+    return problem(422, fmt::format("there is no command \"{}\"; there are {}",
+                                    body["command"].get<std::string>(),
+                                    fmt::join(manual::command_names(), ", ")));
   }
   manual::Command command{.kind = *kind};
   std::optional<std::int64_t> value;
