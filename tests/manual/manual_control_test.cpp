@@ -18,8 +18,11 @@
 
 #include "base/temporary_directory.hpp"
 #include "rack/text_log.hpp"
+#include "stator/base/byte_order.hpp"
 #include "stator/bench/link_port.hpp"
 #include "stator/devices/catalogue/products.hpp"
+#include "stator/ethercat/segment/segment.hpp"
+#include "stator/ethercat/standard/register_addresses.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
 #include "stator/link/system/file_descriptor.hpp"
 #include "stator/master/master.hpp"
@@ -274,6 +277,12 @@ TEST_F(ManualControlTest, MakesWayForAMasterOnTheSegment) {
   EXPECT_TRUE(wait_for([&] { return phase(gantry) == Phase::ended; }));
   EXPECT_THAT(control_.status(gantry).text, HasSubstr("another master spoke"));
   EXPECT_EQ(log_.count("manual-control-lost"), 1U);
+  std::array<std::byte, 2> watchdog{};
+  {
+    const std::scoped_lock lock(runner_.running().mutex);
+    rack_.segment(0).slave(0).peek(ethercat::register_address::kProcessDataWatchdogTime, watchdog);
+  }
+  EXPECT_EQ(base::load_le<std::uint16_t>(watchdog), 1'000U) << "as it leaves its reset";
   // The other one keeps its segment.
   const auto mailbox = other.start_mailbox(0);
   EXPECT_TRUE(mailbox) << mailbox.error().text;

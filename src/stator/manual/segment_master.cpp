@@ -8,6 +8,7 @@
 #include "stator/base/byte_order.hpp"
 #include "stator/ethercat/segment/segment.hpp"
 #include "stator/ethercat/standard/al_state.hpp"
+#include "stator/ethercat/standard/frame.hpp"
 #include "stator/ethercat/standard/register_addresses.hpp"
 #include "stator/manual/cia402_axis.hpp"
 #include "stator/master/cia402/slave_drive_port.hpp"
@@ -22,6 +23,11 @@ namespace {
 /// Well below the watchdogs of process data (100 ms as devices leave their boxes), so that a busy
 /// machine may be late.
 constexpr base::SimDuration kCycle{4'000'000};
+
+/// Of process data, in steps of 100 us: as slave controllers leave their reset, and while this
+/// master is there.
+constexpr std::uint16_t kUsualWatchdog = 1'000;
+constexpr std::uint16_t kPatientWatchdog = 20'000;
 
 /// Of AL status: the state, without the error indication.
 constexpr std::byte kAlStateMask{0x0F};
@@ -39,6 +45,14 @@ Result<void> SegmentMaster::begin() {
   if (auto scanned = master_.scan(); !scanned) {
     return scanned;
   }
+  {
+    const std::scoped_lock lock(running_.mutex);
+    if (ended()) {
+      return base::Unexpected{why_ended()};
+    }
+    set_watchdogs(kPatientWatchdog);
+    patient_ = true;
+  }
   std::vector<std::size_t> positions;
   for (const std::size_t device : devices_) {
     // One that is switched off is told of when somebody wants it.
@@ -50,6 +64,27 @@ Result<void> SegmentMaster::begin() {
     return configured;
   }
   return master_.go_operational();
+}
+
+// One datagram to all, which comes back to nobody: who displaces this master finds the watchdogs
+// as they were, and before its own frame passes.
+void SegmentMaster::set_watchdogs(std::uint16_t time) {
+  std::array<std::byte, 2> data{};
+  base::store_le(data.data(), time);
+  std::array<std::byte, ethercat::kMinimumFrameLength> buffer{};
+  ethercat::FrameBuilder frame(buffer, master_.options().source_mac);
+  frame.append(ethercat::Command::bwr, 0,
+               ethercat::physical_address(0, ethercat::register_address::kProcessDataWatchdogTime),
+               data);
+  const base::SimTime now = running_.now();
+  static_cast<void>(running_.rack.process_frame(segment_, frame.finish(), now));
+  running_.rack.handle_bus_events(segment_, now);
+}
+
+void SegmentMaster::displace() {
+  if (patient_) {
+    set_watchdogs(kUsualWatchdog);
+  }
 }
 
 Result<void> SegmentMaster::cycle() {
@@ -70,6 +105,12 @@ bool SegmentMaster::left_operational() const {
 }
 
 void SegmentMaster::finish() {
+  {
+    const std::scoped_lock lock(running_.mutex);
+    if (!ended()) {
+      displace();
+    }
+  }
   static_cast<void>(master_.stop());
 }
 

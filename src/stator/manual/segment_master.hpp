@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -11,7 +12,8 @@
 namespace stator::manual {
 
 /// An EtherCAT master inside a running rack: takes devices of a segment to Operational and
-/// exchanges their process data. Those that wait for a firmware beside them it leaves in Init.
+/// exchanges their process data. Those that wait for a firmware beside them it leaves in Init. As long
+/// as it is there watchdogs of process data are patient, since the machine may be busy.
 class SegmentMaster final : public NetworkMaster, private master::FramePort {
  public:
   /// `devices`: those of segment `segment` that are taken to Operational, by their places.
@@ -28,6 +30,9 @@ class SegmentMaster final : public NetworkMaster, private master::FramePort {
  private:
   master::Result<void> begin() override;
   void finish() override;
+  void displace() override;
+  /// Writes the time of all watchdogs of process data (0420h), with the rack held.
+  void set_watchdogs(std::uint16_t time);
 
   master::Result<std::size_t> exchange(std::span<const std::byte> frame, std::span<std::byte> reply,
                                        base::SimDuration timeout) override;
@@ -41,6 +46,7 @@ class SegmentMaster final : public NetworkMaster, private master::FramePort {
   std::size_t segment_;
   std::vector<std::size_t> devices_;
   master::Master master_;
+  bool patient_ = false;  ///< watchdogs have been set; guarded by the rack's mutex
 };
 
 }  // namespace stator::manual
