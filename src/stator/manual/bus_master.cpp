@@ -18,7 +18,6 @@ using master::Result;
 
 namespace {
 
-constexpr base::SimDuration kCycle{10'000'000};
 /// How often answers are looked for.
 constexpr base::SimDuration kPoll{500'000};
 constexpr base::SimDuration kSdoTimeout{500'000'000};

@@ -29,11 +29,6 @@ constexpr int kStandardModes = 16;
 /// Of a profile that the drive has no acceleration for.
 constexpr double kRevolutionsPerSecondSquared = 4.0;
 
-bool fits(std::int64_t value) {
-  return value >= std::numeric_limits<std::int32_t>::min() &&
-         value <= std::numeric_limits<std::int32_t>::max();
-}
-
 Result<void> out_of_range(const char* what, std::int64_t value) {
   return master::fail(ErrorCode::argument, std::string(what) + " " + std::to_string(value) +
                                                " is no 32-bit number with sign, which is what the "
@@ -123,7 +118,7 @@ Result<void> Cia402Axis::complete_profile() {
 }
 
 Result<void> Cia402Axis::jog(std::int64_t velocity) {
-  if (!fits(velocity)) {
+  if (!is_integer32(velocity)) {
     return out_of_range("velocity", velocity);
   }
   const OperationMode mode = has(OperationMode::profile_velocity)
@@ -152,7 +147,7 @@ Result<void> Cia402Axis::move(const Command& command) {
     }
     target += *position;
   }
-  if (!fits(target)) {
+  if (!is_integer32(target)) {
     return out_of_range("position", target);
   }
   if (auto completed = complete_profile(); !completed) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,12 @@ enum class CommandKind : std::uint8_t {
 [[nodiscard]] std::optional<CommandKind> command_of(std::string_view name);
 /// All names.
 [[nodiscard]] std::vector<std::string_view> command_names();
+
+/// What objects and parameters of devices hold.
+[[nodiscard]] constexpr bool is_integer32(std::int64_t value) {
+  return value >= std::numeric_limits<std::int32_t>::min() &&
+         value <= std::numeric_limits<std::int32_t>::max();
+}
 
 /// A command for an axis. Positions and velocities are in the units of the device.
 struct Command {

@@ -13,9 +13,8 @@ using master::Result;
 
 namespace {
 
-constexpr base::SimDuration kCycle{10'000'000};
-constexpr base::SimDuration kPoll{1'000'000};
-constexpr base::SimDuration kTimeout{200'000'000};
+constexpr base::SimDuration kReplyPoll{1'000'000};
+constexpr base::SimDuration kReplyTimeout{200'000'000};
 
 }  // namespace
 
@@ -86,7 +85,7 @@ Result<tmcl::Reply> LineMaster::ask(std::uint8_t address, const tmcl::Instructio
     running_.rack.put(line_, request, running_.reached);
   }
   thread_.wake();
-  const base::SimTime deadline = running_.machine_now() + kTimeout;
+  const base::SimTime deadline = running_.machine_now() + kReplyTimeout;
   while (!ended() && running_.machine_now() < deadline) {
     {
       const std::scoped_lock lock(running_.mutex);
@@ -100,7 +99,7 @@ Result<tmcl::Reply> LineMaster::ask(std::uint8_t address, const tmcl::Instructio
         return tmcl::decode_reply(telegram);
       }
     }
-    wait(kPoll);
+    wait(kReplyPoll);
   }
   return ended() ? base::Unexpected{why_ended()}
                  : master::fail(ErrorCode::timeout,

@@ -54,6 +54,9 @@ class NetworkMaster : public rack::ResidentMaster {
   void end();
 
  protected:
+  /// Of networks without process data.
+  static constexpr base::SimDuration kCycle{10'000'000};
+
   /// What a network begins with, and what it says last. The seat is taken.
   virtual master::Result<void> begin() = 0;
   virtual void finish() {}

@@ -22,7 +22,7 @@ namespace {
 
 /// Well below the watchdogs of process data (100 ms as devices leave their boxes), so that a busy
 /// machine may be late.
-constexpr base::SimDuration kCycle{4'000'000};
+constexpr base::SimDuration kProcessDataCycle{4'000'000};
 
 /// Of process data, in steps of 100 us: as slave controllers leave their reset, and while this
 /// master is there.
@@ -39,7 +39,7 @@ SegmentMaster::SegmentMaster(rack::RunningRack& running, rack::MasterSeat& seat,
     : NetworkMaster(running, seat),
       segment_(segment),
       devices_(std::move(devices)),
-      master_(*this, {.cycle_time = kCycle}) {}
+      master_(*this, {.cycle_time = kProcessDataCycle}) {}
 
 Result<void> SegmentMaster::begin() {
   if (auto scanned = master_.scan(); !scanned) {

@@ -1,7 +1,6 @@
 #include "stator/manual/tmcl_axis.hpp"
 
 #include <cstdlib>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -32,11 +31,6 @@ constexpr std::int32_t kProgramRuns = 1;
 
 constexpr std::uint8_t number_of(tmcl::Command command) {
   return static_cast<std::uint8_t>(command);
-}
-
-bool fits(std::int64_t value) {
-  return value > std::numeric_limits<std::int32_t>::min() &&
-         value <= std::numeric_limits<std::int32_t>::max();
 }
 
 Result<void> done(const Result<std::int32_t>& result) {
@@ -99,7 +93,7 @@ Result<AxisStatus> TmclAxis::look() {
 }
 
 Result<void> TmclAxis::jog(std::int64_t velocity) {
-  if (!fits(velocity)) {
+  if (!is_integer32(velocity) || !is_integer32(-velocity)) {
     return master::fail(ErrorCode::argument,
                         "velocity " + std::to_string(velocity) + " is no 32-bit number");
   }
@@ -109,7 +103,7 @@ Result<void> TmclAxis::jog(std::int64_t velocity) {
 }
 
 Result<void> TmclAxis::move(const Command& given) {
-  if (!fits(given.value)) {
+  if (!is_integer32(given.value)) {
     return master::fail(ErrorCode::argument,
                         "position " + std::to_string(given.value) + " is no 32-bit number");
   }

@@ -51,7 +51,8 @@ class Keys {
   [[nodiscard]] bool take(const Terminal::Typed& typed, std::size_t table_lines) {
     if (view_.help) {
       view_.help = false;
-      return typed.character != 'q' && typed.character != kControlC;
+      const char key = typed.character.value_or('\0');
+      return key != 'q' && key != kControlC;
     }
     if (!typed.character) {
       scroll(typed.key, std::max<std::size_t>(view_.rows / 2, 1), table_lines);
