@@ -12,8 +12,8 @@
 namespace stator::manual {
 
 /// An EtherCAT master inside a running rack: takes devices of a segment to Operational and
-/// exchanges their process data. Those that wait for a firmware beside them it leaves in Init. As long
-/// as it is there watchdogs of process data are patient, since the machine may be busy.
+/// exchanges their process data. Those that wait for a firmware beside them it leaves in Init. As
+/// long as it is there watchdogs of process data are patient, since the machine may be busy.
 class SegmentMaster final : public NetworkMaster, private master::FramePort {
  public:
   /// `devices`: those of segment `segment` that are taken to Operational, by their places.
