@@ -35,6 +35,7 @@ std::optional<CommandKind> command_of(std::string_view name) {
 
 std::vector<std::string_view> command_names() {
   std::vector<std::string_view> names;
+  names.reserve(kNames.size());
   for (const auto& [kind, name] : kNames) {
     names.push_back(name);
   }

@@ -22,7 +22,7 @@ class TmclAxis final : public Axis {
 
   [[nodiscard]] const AxisDescription& description() const override { return description_; }
   master::Result<AxisStatus> look() override;
-  master::Result<void> execute(const Command& command) override;
+  master::Result<void> execute(const Command& given) override;
   master::Result<void> leave() override;
 
  private:
@@ -30,7 +30,7 @@ class TmclAxis final : public Axis {
   master::Result<std::int32_t> command(tmcl::Instruction instruction);
   master::Result<std::int32_t> parameter(std::uint8_t number);
   master::Result<void> jog(std::int64_t velocity);
-  master::Result<void> move(const Command& command);
+  master::Result<void> move(const Command& given);
   master::Result<void> stop();
 
   Ask ask_;

@@ -236,8 +236,9 @@ class Turner final : public Performer {
 /// A fan at changing speed and a lamp that blinks, behind a TMC8461.
 class Board final : public Performer {
  public:
-  Board(ManualControl& control, std::optional<rack::DeviceAddress> device, mfc::MemoryMap map)
-      : Performer(control, device), map_(std::move(map)) {}
+  Board(ManualControl& control, std::optional<rack::DeviceAddress> device,
+        const mfc::MemoryMap& map)
+      : Performer(control, device), map_(map) {}
 
  private:
   // 100 kHz, both half-bridges on; a duty of 1000 is full (TMC8461 data sheet section 7.9.6).

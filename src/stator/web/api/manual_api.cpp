@@ -108,9 +108,10 @@ std::variant<manual::Command, Response> read_command(const Request& request) {
   }
   for (const auto& [name, value] : body.items()) {
     if (name != "command" && name != "value" && name != "relative" && name != "velocity") {
-      return problem(422, fmt::format("a command has \"command\", \"value\", \"relative\" and "
-                                      "\"velocity\", not \"{}\"",
-                                      name));
+      return problem(
+          422,
+          fmt::format(R"(a command has "command", "value", "relative" and "velocity", not "{}")",
+                      name));
     }
   }
   const auto kind = manual::command_of(body["command"].get<std::string>());
@@ -129,7 +130,7 @@ std::variant<manual::Command, Response> read_command(const Request& request) {
     return *wrong;
   }
   if (takes_value(*kind) != value.has_value()) {
-    return problem(422, fmt::format("\"{}\" {} a \"value\"", manual::name_of(*kind),
+    return problem(422, fmt::format(R"("{}" {} a "value")", manual::name_of(*kind),
                                     takes_value(*kind) ? "needs" : "takes no"));
   }
   command.value = value.value_or(0);
