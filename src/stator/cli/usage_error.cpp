@@ -26,7 +26,7 @@ std::string unknown_command(CLI::App& group, const std::string& word) {
   for (const CLI::App* command : commands_of(group)) {
     known.insert(command->get_name());
   }
-  return fmt::format("{} has no command \"{}\"{}; \"{} --help\" lists them", path_of(group), word,
+  return fmt::format(R"({} has no command "{}"{}; "{} --help" lists them)", path_of(group), word,
                      settings::guess_text(word, known), path_of(group));
 }
 
@@ -38,7 +38,7 @@ std::string unknown_option(CLI::App& command, const std::string& word) {
       known.insert(spelling);
     }
   }
-  return fmt::format("{} has no option \"{}\"{}; \"{} --help\" lists them", path_of(command), name,
+  return fmt::format(R"({} has no option "{}"{}; "{} --help" lists them)", path_of(command), name,
                      settings::guess_text(name, known), path_of(command));
 }
 
@@ -51,7 +51,7 @@ std::string left_over(CLI::App& command, const std::vector<std::string>& rest) {
   if (const auto option = std::ranges::find_if(rest, is_option); option != rest.end()) {
     return unknown_option(command, *option);
   }
-  return fmt::format("{} takes no further argument, and \"{}\" is one; \"{} --help\" tells its use",
+  return fmt::format(R"({} takes no further argument, and "{}" is one; "{} --help" tells its use)",
                      path_of(command), rest.front(), path_of(command));
 }
 

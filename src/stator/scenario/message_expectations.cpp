@@ -200,7 +200,7 @@ void check_event_name(rack::TableReader& section, StepReader& reader, ExpectEven
   const std::string_view guess = base::closest_match(*step.event, event_names());
   section.fail(
       "event",
-      fmt::format("there is no event \"{}\"{}; \"stator test --events\" lists all", *step.event,
+      fmt::format(R"(there is no event "{}"{}; "stator test --events" lists all)", *step.event,
                   guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess)));
 }
 

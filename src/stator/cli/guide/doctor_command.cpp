@@ -307,6 +307,7 @@ nlohmann::ordered_json to_json(const Check& check, const Finding& finding) {
 
 std::vector<std::string> names_of_checks() {
   std::vector<std::string> all;
+  all.reserve(kChecks.size());
   for (const Check& check : kChecks) {
     all.emplace_back(check.name);
   }

@@ -34,7 +34,7 @@ CLI::App& command_at(CLI::App& app, const std::vector<std::string>& path) {
       next = each->get_name() == name ? each : next;
     }
     if (next == nullptr) {
-      throw Failure(fmt::format("there is no command \"{}\" below \"{}\"{}", name,
+      throw Failure(fmt::format(R"(there is no command "{}" below "{}"{})", name,
                                 command->get_name(), settings::guess_text(name, known)));
     }
     command = next;
@@ -72,7 +72,7 @@ void add_man_command(CLI::App& app) {
       app.add_subcommand("man", "Print the manual page of a command, or write those of all");
   command
       ->add_option("command", options->command,
-                   "Command, e.g. \"run\" or \"tmcl run\"; without one: of the program")
+                   R"(Command, e.g. "run" or "tmcl run"; without one: of the program)")
       ->check(names(Names::command));
   command
       ->add_option("--directory", options->directory,

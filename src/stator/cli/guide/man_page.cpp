@@ -192,7 +192,7 @@ std::string option_row(CLI::Option& option) {
 }
 
 std::string synopsis(CLI::App& command) {
-  std::string text = fmt::format("\\fB{}\\fR [\\fIOPTIONS\\fR]", escaped(path_of(command), true));
+  std::string text = fmt::format(R"(\fB{}\fR [\fIOPTIONS\fR])", escaped(path_of(command), true));
   for (CLI::Option* option : options_of(command)) {
     if (option->get_positional()) {
       const std::string name = fmt::format("\\fI{}\\fR", escaped(option->get_name(), true));
