@@ -67,7 +67,7 @@ Result<void> SegmentMaster::begin() {
 }
 
 // One datagram to all, which comes back to nobody: who displaces this master finds the watchdogs
-// as they were, and before its own frame passes.
+// as they leave their reset, whatever they were set to before, when its own first frame passes.
 void SegmentMaster::set_watchdogs(std::uint16_t time) {
   std::array<std::byte, 2> data{};
   base::store_le(data.data(), time);
