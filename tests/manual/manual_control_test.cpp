@@ -3,13 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
-#include <thread>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -17,6 +14,7 @@
 #include <unistd.h>
 
 #include "base/temporary_directory.hpp"
+#include "base/wait_for.hpp"
 #include "rack/text_log.hpp"
 #include "stator/base/byte_order.hpp"
 #include "stator/bench/link_port.hpp"
@@ -35,9 +33,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-/// Only ends what hangs.
-constexpr std::chrono::minutes kPatience{1};
+using tests::wait_for;
 
 /// A broadcast write of AL control, which requests Safe-Operational from all slaves.
 constexpr std::array<std::uint8_t, 30> kSafeOperationalForAll{
@@ -85,17 +81,6 @@ class ManualControlTest : public ::testing::Test {
     return {};
   }
 
-  /// Waits for `reached`; what it waits for takes simulated time on the machine's clock.
-  static bool wait_for(const std::function<bool()>& reached) {
-    const auto end = std::chrono::steady_clock::now() + kPatience;
-    while (!reached()) {
-      if (std::chrono::steady_clock::now() > end) {
-        return false;
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return true;
-  }
   [[nodiscard]] Phase phase(rack::DeviceAddress device) const {
     return control_.status(device).phase;
   }
@@ -128,6 +113,34 @@ class ManualControlTest : public ::testing::Test {
     ASSERT_TRUE(rack_.process_frame(0, passing, now));
     rack_.handle_bus_events(0, now);
     running.catch_up();
+  }
+  /// The watchdogs of process data (0420h) of the two devices of the segment.
+  [[nodiscard]] std::array<std::uint16_t, 2> watchdogs() {
+    const std::scoped_lock lock(runner_.running().mutex);
+    std::array<std::uint16_t, 2> times{};
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      std::array<std::byte, 2> bytes{};
+      rack_.segment(0).slave(i).peek(ethercat::register_address::kProcessDataWatchdogTime, bytes);
+      times[i] = base::load_le<std::uint16_t>(bytes.data());
+    }
+    return times;
+  }
+  /// Sets them, as a master that was there before would.
+  void set_watchdogs(std::array<std::uint16_t, 2> times) {
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      std::array<std::byte, 2> time{};
+      base::store_le(time.data(), times[i]);
+      std::array<std::byte, ethercat::kMinimumFrameLength> buffer{};
+      ethercat::FrameBuilder frame(buffer, {0x02, 0, 0, 0, 0, 1});
+      frame.append(ethercat::Command::apwr, 0,
+                   ethercat::physical_address(
+                       ethercat::auto_increment_address(static_cast<std::uint16_t>(i)),
+                       ethercat::register_address::kProcessDataWatchdogTime),
+                   time);
+      const std::scoped_lock lock(runner_.running().mutex);
+      ASSERT_TRUE(rack_.process_frame(0, frame.finish(), runner_.running().now()));
+    }
+    ASSERT_EQ(watchdogs(), times);
   }
   /// Moves by `distance` and waits until the device says that it is there.
   void move_by(rack::DeviceAddress device, std::int64_t distance) {
@@ -264,8 +277,20 @@ TEST_F(ManualControlTest, SaysWhyACommandWasNotCarriedOut) {
   EXPECT_EQ(phase(gantry), Phase::active);
 }
 
+TEST_F(ManualControlTest, GivesBackTheWatchdogsAsEachDeviceHadThem) {
+  const rack::DeviceAddress gantry = address("gantry");
+  const std::array<std::uint16_t, 2> own{250, 4'000};
+  set_watchdogs(own);
+  begin(gantry);
+  EXPECT_EQ(watchdogs(), (std::array<std::uint16_t, 2>{20'000, 20'000}));
+  control_.release(gantry);
+  EXPECT_TRUE(wait_for([&] { return phase(gantry) == Phase::off && watchdogs() == own; }));
+}
+
 TEST_F(ManualControlTest, MakesWayForAMasterOnTheSegment) {
   const rack::DeviceAddress gantry = address("gantry");
+  const std::array<std::uint16_t, 2> own{250, 4'000};
+  set_watchdogs(own);
   begin(gantry);
   const auto link = link::UdpEthernetLink::connect({.address = "127.0.0.1", .port = port_});
   ASSERT_TRUE(link);
@@ -277,12 +302,7 @@ TEST_F(ManualControlTest, MakesWayForAMasterOnTheSegment) {
   EXPECT_TRUE(wait_for([&] { return phase(gantry) == Phase::ended; }));
   EXPECT_THAT(control_.status(gantry).text, HasSubstr("another master spoke"));
   EXPECT_EQ(log_.count("manual-control-lost"), 1U);
-  std::array<std::byte, 2> watchdog{};
-  {
-    const std::scoped_lock lock(runner_.running().mutex);
-    rack_.segment(0).slave(0).peek(ethercat::register_address::kProcessDataWatchdogTime, watchdog);
-  }
-  EXPECT_EQ(base::load_le<std::uint16_t>(watchdog), 1'000U) << "as it leaves its reset";
+  EXPECT_EQ(watchdogs(), own) << "as the master before had set them";
   // The other one keeps its segment.
   const auto mailbox = other.start_mailbox(0);
   EXPECT_TRUE(mailbox) << mailbox.error().text;

@@ -25,6 +25,27 @@ TEST(RequestState, StartingTheMailboxLeadsToPreOperational) {
   EXPECT_EQ(master.slaves()[0].state, AlState::pre_operational);
 }
 
+TEST(AlStatus, OfAllSlavesIsOneOredWithTheOther) {
+  SimulatedSegment segment(2);
+  Master master(segment);
+  ASSERT_TRUE(master.scan());
+  EXPECT_EQ(*master.al_status_of_all(), 0x0001) << "Init";
+  ASSERT_TRUE(master.start_mailbox(1));
+  EXPECT_EQ(*master.al_status_of_all(), 0x0003) << "Init and Pre-Operational";
+}
+
+TEST(Registers, OfOneSlaveAreRead) {
+  SimulatedSegment segment(2);
+  Master master(segment);
+  ASSERT_TRUE(master.scan());
+  std::array<std::byte, 2> address{};
+  ASSERT_TRUE(master.read_registers(1, registers::kStationAddress, address));
+  EXPECT_EQ(base::load_le<std::uint16_t>(address.data()), 0x1002);
+  const auto nobody = master.read_registers(2, registers::kStationAddress, address);
+  ASSERT_FALSE(nobody);
+  EXPECT_EQ(nobody.error().code, ErrorCode::argument);
+}
+
 TEST(RequestState, ARefusalCarriesTheStatusCodeAndItsMeaning) {
   SimulatedSegment segment;
   Master master(segment);

@@ -24,13 +24,8 @@ namespace {
 /// machine may be late.
 constexpr base::SimDuration kProcessDataCycle{4'000'000};
 
-/// Of process data, in steps of 100 us: as slave controllers leave their reset, and while this
-/// master is there.
-constexpr std::uint16_t kUsualWatchdog = 1'000;
+/// Of process data, in steps of 100 us, while this master is there.
 constexpr std::uint16_t kPatientWatchdog = 20'000;
-
-/// Of AL status: the state, without the error indication.
-constexpr std::byte kAlStateMask{0x0F};
 
 }  // namespace
 
@@ -45,19 +40,15 @@ Result<void> SegmentMaster::begin() {
   if (auto scanned = master_.scan(); !scanned) {
     return scanned;
   }
-  {
-    const std::scoped_lock lock(running_.mutex);
-    if (ended()) {
-      return base::Unexpected{why_ended()};
-    }
-    set_watchdogs(kPatientWatchdog);
-    patient_ = true;
+  find_devices();
+  if (auto set = set_watchdogs(); !set) {
+    return set;
   }
   std::vector<std::size_t> positions;
   for (const std::size_t device : devices_) {
     // One that is switched off is told of when somebody wants it.
-    if (const auto found = position(device)) {
-      positions.push_back(*found);
+    if (const auto found = positions_.find(device); found != positions_.end()) {
+      positions.push_back(found->second);
     }
   }
   if (auto configured = master_.configure_process_data(positions); !configured) {
@@ -66,42 +57,91 @@ Result<void> SegmentMaster::begin() {
   return master_.go_operational();
 }
 
-// One datagram to all, which comes back to nobody: who displaces this master finds the watchdogs
-// as they leave their reset, whatever they were set to before, when its own first frame passes.
-void SegmentMaster::set_watchdogs(std::uint16_t time) {
+// Which of several equal devices is the one that a person means, no frame tells: as a person sees
+// it in the cabinet, it is looked up in the rack, once, by the address that the scan has given it.
+void SegmentMaster::find_devices() {
+  const std::scoped_lock lock(running_.mutex);
+  for (const std::size_t device : devices_) {
+    std::array<std::byte, 2> address{};
+    running_.rack.segment(segment_).slave(device).peek(ethercat::register_address::kStationAddress,
+                                                       address);
+    const auto found =
+        std::ranges::find(master_.slaves(), base::load_le<std::uint16_t>(address.data()),
+                          &master::Slave::station_address);
+    if (found != master_.slaves().end()) {
+      positions_[device] = found->position;
+    }
+  }
+}
+
+Result<void> SegmentMaster::set_watchdogs() {
+  std::map<std::uint16_t, std::uint16_t> before;
+  for (const master::Slave& slave : master_.slaves()) {
+    std::array<std::byte, 2> time{};
+    if (auto read = master_.read_registers(
+            slave.position, ethercat::register_address::kProcessDataWatchdogTime, time);
+        !read) {
+      if (read.error().code == ErrorCode::working_counter) {
+        continue;  // it has no such watchdog
+      }
+      return read;
+    }
+    before[slave.station_address] = base::load_le<std::uint16_t>(time.data());
+  }
+  const std::scoped_lock lock(running_.mutex);
+  if (ended()) {
+    return base::Unexpected{why_ended()};
+  }
+  watchdogs_ = std::move(before);
+  write_watchdogs(
+      ethercat::Command::bwr,
+      ethercat::physical_address(0, ethercat::register_address::kProcessDataWatchdogTime),
+      kPatientWatchdog);
+  return {};
+}
+
+void SegmentMaster::write_watchdogs(ethercat::Command command, std::uint32_t address,
+                                    std::uint16_t time) {
   std::array<std::byte, 2> data{};
   base::store_le(data.data(), time);
   std::array<std::byte, ethercat::kMinimumFrameLength> buffer{};
   ethercat::FrameBuilder frame(buffer, master_.options().source_mac);
-  frame.append(ethercat::Command::bwr, 0,
-               ethercat::physical_address(0, ethercat::register_address::kProcessDataWatchdogTime),
-               data);
+  frame.append(command, 0, address, data);
   const base::SimTime now = running_.now();
   static_cast<void>(running_.rack.process_frame(segment_, frame.finish(), now));
   running_.rack.handle_bus_events(segment_, now);
 }
 
+// Frames that come back to nobody: who displaces this master finds the watchdogs as they were when
+// its own first frame passes.
 void SegmentMaster::displace() {
-  if (patient_) {
-    set_watchdogs(kUsualWatchdog);
+  for (const auto& [station, time] : std::exchange(watchdogs_, {})) {
+    write_watchdogs(
+        ethercat::Command::fpwr,
+        ethercat::physical_address(station, ethercat::register_address::kProcessDataWatchdogTime),
+        time);
   }
 }
 
 Result<void> SegmentMaster::cycle() {
   auto passed = master_.run_cycle();
-  return passed && left_operational() ? master_.go_operational() : passed;
+  if (!passed) {
+    return passed;
+  }
+  const auto left = left_operational();
+  if (!left) {
+    return base::Unexpected{left.error()};
+  }
+  return *left ? master_.go_operational() : passed;
 }
 
-// Process data still pass in Safe-Operational, so the working counter does not tell.
-bool SegmentMaster::left_operational() const {
-  const std::scoped_lock lock(running_.mutex);
-  return std::ranges::any_of(devices_, [this](std::size_t device) {
-    std::array<std::byte, 1> status{};
-    running_.rack.segment(segment_).slave(device).peek(ethercat::register_address::kAlStatus,
-                                                       status);
-    return static_cast<ethercat::AlState>(status[0] & kAlStateMask) ==
-           ethercat::AlState::safe_operational;
-  });
+// Process data still pass in Safe-Operational, so the working counter does not tell. Of all states
+// only this one has its bit, so those of slaves that are left alone do not matter.
+Result<bool> SegmentMaster::left_operational() {
+  constexpr auto kSafeOperational = static_cast<std::uint16_t>(ethercat::AlState::safe_operational);
+  const auto states = master_.al_status_of_all();
+  return states ? Result<bool>((*states & kSafeOperational) != 0)
+                : base::Unexpected{states.error()};
 }
 
 void SegmentMaster::finish() {
@@ -138,22 +178,21 @@ Result<void> SegmentMaster::set_outputs(rack::DeviceAddress device, std::size_t 
   return {};
 }
 
-// The controller keeps the address that the scan gave it, as long as it has supply.
+// A slave that has lost its supply has lost the address that the scan gave it, too.
 Result<std::size_t> SegmentMaster::position(std::size_t device) {
-  std::array<std::byte, 2> bytes{};
-  {
-    const std::scoped_lock lock(running_.mutex);
-    running_.rack.segment(segment_).slave(device).peek(ethercat::register_address::kStationAddress,
-                                                       bytes);
+  const auto found = positions_.find(device);
+  if (found != positions_.end()) {
+    const auto status = master_.al_status(found->second);
+    if (status) {
+      return found->second;
+    }
+    if (status.error().code != ErrorCode::working_counter) {
+      return base::Unexpected{status.error()};
+    }
   }
-  const auto address = base::load_le<std::uint16_t>(bytes);
-  const auto found = std::ranges::find(master_.slaves(), address, &master::Slave::station_address);
-  if (found == master_.slaves().end()) {
-    return master::fail(ErrorCode::no_slaves,
-                        "the device does not answer on its segment: it is switched off, or a "
-                        "cable before it is broken");
-  }
-  return std::size_t{found->position};
+  return master::fail(ErrorCode::no_slaves,
+                      "the device does not answer on its segment: it is switched off, or a "
+                      "cable before it is broken");
 }
 
 Result<std::size_t> SegmentMaster::exchange(std::span<const std::byte> frame,

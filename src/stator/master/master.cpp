@@ -194,6 +194,21 @@ Result<AlStatus> Master::al_status(std::size_t position) {
   return slave ? read_al_status(state_->bus, station_of(**slave)) : base::Unexpected{slave.error()};
 }
 
+Result<std::uint16_t> Master::al_status_of_all() {
+  std::array<std::byte, 2> status{};
+  const auto counter = state_->bus.execute(
+      ethercat::Command::brd, ethercat::physical_address(0, registers::kAlStatus), status);
+  return counter ? Result<std::uint16_t>(base::load_le<std::uint16_t>(status.data()))
+                 : base::Unexpected{counter.error()};
+}
+
+Result<void> Master::read_registers(std::size_t position, std::uint16_t address,
+                                    std::span<std::byte> out) {
+  const auto slave = state_->slave_at(position);
+  return slave ? state_->bus.read(station_of(**slave), address, out)
+               : Result<void>(base::Unexpected{slave.error()});
+}
+
 Result<void> Master::request_state(std::size_t position, AlState al_state) {
   const auto slave = state_->slave_at(position);
   if (!slave) {

@@ -41,6 +41,12 @@ class Master {
 
   /// Reads the slave's present state.
   Result<AlStatus> al_status(std::size_t position);
+  /// The AL status registers of all slaves that answer, one ORed with the other: what a master
+  /// looks at in each cycle to see whether any has left its state.
+  Result<std::uint16_t> al_status_of_all();
+  /// Reads registers or memory of the slave's controller from `address` on.
+  Result<void> read_registers(std::size_t position, std::uint16_t address,
+                              std::span<std::byte> out);
   /// Requests one state and waits for it; an error the slave still indicates is acknowledged first.
   Result<void> request_state(std::size_t position, ethercat::AlState state);
 
