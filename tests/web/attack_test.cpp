@@ -162,22 +162,61 @@ TEST_F(WebAttack, OfSlowRequestsAndHalfOpenSocketsEnds) {
   EXPECT_TRUE(body.ended());
 }
 
-TEST_F(WebAttack, ByAFloodOfConnectionsLeavesTheRackAlone) {
-  std::vector<std::unique_ptr<HttpClient>> flood;
-  for (int i = 0; i < 200; ++i) {
-    flood.push_back(std::make_unique<HttpClient>(rack.port()));
+/// Sockets beyond what the server serves at a time, on which no request comes.
+std::vector<std::unique_ptr<HttpClient>> idle_sockets(std::uint16_t port) {
+  std::vector<std::unique_ptr<HttpClient>> sockets;
+  for (std::size_t i = 0; i < ServerLimits{}.connections * 4; ++i) {
+    sockets.push_back(std::make_unique<HttpClient>(port));
+    if (i % 2 == 0) {
+      sockets.back()->send("GET /healthz HTT");
+    }
   }
-  int refused = 0;
-  for (auto& client : flood) {
-    client->send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
-    const Answer answer = client->receive();
-    refused += answer.status == 503 || answer.status == 0 ? 1 : 0;
+  return sockets;
+}
+
+// Nothing ends by its age here: that a good client gets its answer is because idle ones give way.
+TEST(WebFlood, OfIdleConnectionsTakesNobodysPlace) {
+  ServedRack rack;
+  HttpClient socket(rack.port());
+  ASSERT_EQ(socket.request("GET", "/api/v1/signals", {}, HttpClient::upgrade_fields()).status, 101);
+  HttpClient at_work(rack.port());
+  at_work.send("PUT " + std::string(kInput) + " HTTP/1.1\r\nHost: localhost\r\n" + token_field() +
+               "Content-Type: application/json\r\nContent-Length: 12\r\n\r\n{\"val");
+  ASSERT_EQ(rack.get("/healthz").status, 200) << "the server has seen those before this";
+  HttpClient kept(rack.port());
+  ASSERT_EQ(kept.request("GET", "/healthz").status, 200);
+  const auto flood = idle_sockets(rack.port());
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_EQ(rack.get("/healthz").status, 200) << i;
   }
-  EXPECT_GE(refused, 200 - 64 - 64);
-  flood.clear();
-  // Those that are open end by themselves, and then there is room.
-  const auto begin = std::chrono::steady_clock::now();
-  while (rack.get("/healthz").status != 200 && std::chrono::steady_clock::now() - begin < 5s) {
+  EXPECT_TRUE(flood.front()->ended());
+  EXPECT_TRUE(kept.ended()) << "it was idle for longer than the flood";
+  EXPECT_EQ(flood.back()->request("GET", "/healthz").status, 200) << "it came last";
+  at_work.send("ue\": 1}");
+  EXPECT_EQ(at_work.receive().status, 200);
+  EXPECT_TRUE(socket.send_frame(1, R"({"signals": []})"));
+  EXPECT_TRUE(socket.receive_message("subscribed").is_object()) << "the stream goes on";
+  const std::string metrics = rack.get("/metrics").body;
+  EXPECT_THAT(metrics, testing::ContainsRegex("stator_http_connections_displaced_total [1-9]"));
+  EXPECT_THAT(metrics, testing::HasSubstr("stator_http_connections_refused_total 0\n"));
+  EXPECT_THAT(metrics, testing::ContainsRegex("stator_http_connections 6[34]\n"));
+}
+
+TEST(WebFlood, OfConnectionsAtWorkIsRefused) {
+  ServerLimits limits = patient_limits();
+  limits.connections = limits.streams;
+  ServedRack rack(limits);
+  std::vector<std::unique_ptr<HttpClient>> streams;
+  for (std::size_t i = 0; i < limits.streams; ++i) {
+    streams.push_back(std::make_unique<HttpClient>(rack.port()));
+    ASSERT_EQ(
+        streams.back()->request("GET", "/api/v1/signals", {}, HttpClient::upgrade_fields()).status,
+        101);
+  }
+  EXPECT_EQ(HttpClient(rack.port()).receive().status, 503);
+  streams.pop_back();
+  while (rack.get("/healthz").status != 200) {
+    // The server has yet to notice that it has gone.
   }
   EXPECT_THAT(rack.get("/metrics").body,
               testing::ContainsRegex("stator_http_connections_refused_total [1-9]"));

@@ -27,7 +27,8 @@ namespace stator::web {
 /// What a server did so far, and does at present.
 struct ServerCounters {
   std::map<unsigned, std::uint64_t> answers;  ///< by status
-  std::uint64_t connections_refused = 0;      ///< there were too many
+  std::uint64_t connections_refused = 0;      ///< there were too many at work
+  std::uint64_t connections_displaced = 0;    ///< idle ones, ended to make room
   std::size_t connections = 0;
   std::size_t streams = 0;
   std::uint64_t stream_rows_sent = 0;

@@ -95,8 +95,11 @@ void add_server(Text& text, const ServerCounters& counters) {
   text.family("stator_http_connections", "gauge", "Connections that are open.");
   text.sample("", counters.connections);
   text.family("stator_http_connections_refused", "counter",
-              "Connections refused because too many were open.");
+              "Connections refused because too many were at work.");
   text.sample("", counters.connections_refused);
+  text.family("stator_http_connections_displaced", "counter",
+              "Idle connections that were ended to make room for others.");
+  text.sample("", counters.connections_displaced);
   text.family("stator_stream_clients", "gauge", "WebSockets that are open.");
   text.sample("", counters.streams);
   text.family("stator_stream_rows_sent", "counter", "Rows of samples sent to WebSockets.");

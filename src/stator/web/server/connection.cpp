@@ -67,7 +67,9 @@ bool is_json(const Request& request) {
 }
 
 /// A connection of HTTP, one request after the other.
-class Connection final : public Waiter, public std::enable_shared_from_this<Connection> {
+class Connection final : public Waiter,
+                         public IdleConnection,
+                         public std::enable_shared_from_this<Connection> {
  public:
   Connection(ServerContext& server, tcp::socket&& socket)
       : server_(server),
@@ -75,11 +77,15 @@ class Connection final : public Waiter, public std::enable_shared_from_this<Conn
         buffer_(server.limits.header_bytes + server.limits.body_bytes) {
     ++server_.state.counters.connections;
   }
-  ~Connection() override { --server_.state.counters.connections; }
+  ~Connection() override {
+    leave_idle();
+    server_.state.counters.connections -= displaced_ ? 0U : 1U;
+  }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
   void read() {
+    idle_ = server_.idle.enter(*this);
     parser_.emplace();
     parser_->header_limit(static_cast<std::uint32_t>(server_.limits.header_bytes));
     parser_->body_limit(server_.limits.body_bytes);
@@ -88,6 +94,15 @@ class Connection final : public Waiter, public std::enable_shared_from_this<Conn
                             [self = shared_from_this()](beast::error_code error, std::size_t) {
                               self->take_header(error);
                             });
+  }
+
+  // Its place counts as free from now on, though it ends only when its read has.
+  void give_way() override {
+    leave_idle();
+    displaced_ = true;
+    --server_.state.counters.connections;
+    ++server_.state.counters.connections_displaced;
+    socket_.close();
   }
 
   void answer(Response response) override {
@@ -118,7 +133,18 @@ class Connection final : public Waiter, public std::enable_shared_from_this<Conn
   }
 
  private:
+  void leave_idle() {
+    if (idle_) {
+      server_.idle.leave(*idle_);
+      idle_.reset();
+    }
+  }
+
   void take_header(beast::error_code error) {
+    leave_idle();
+    if (displaced_) {
+      return;
+    }
     if (error) {
       refuse(error);
       return;
@@ -250,6 +276,8 @@ class Connection final : public Waiter, public std::enable_shared_from_this<Conn
   Match match_;
   http::response<http::string_body> response_;
   std::optional<http::response_serializer<http::string_body>> serializer_;
+  std::optional<IdleConnections::Place> idle_;  ///< while no request is under way
+  bool displaced_ = false;
   bool keep_alive_ = false;
   std::size_t lingered_ = 0;
 };

@@ -39,7 +39,7 @@ constexpr int kBacklog = 128;
 
 /// The whole answer to a connection that is one too many.
 std::string refusal_of_connection() {
-  const Response response = problem(503, "too many connections are open; try again later");
+  const Response response = problem(503, "too many connections are at work; try again later");
   return fmt::format(
       "HTTP/1.1 {} {}\r\nContent-Type: {}\r\nConnection: close\r\nContent-Length: {}\r\n\r\n{}",
       response.status, reason(response.status), response.content_type, response.body.size(),
@@ -147,7 +147,8 @@ void Server::Implementation::accept() {
 
 void Server::Implementation::take(tcp::socket socket) {
   Error ignored;
-  if (server_.state.counters.connections >= server_.limits.connections) {
+  if (server_.state.counters.connections >= server_.limits.connections &&
+      !server_.idle.end_longest()) {
     ++server_.state.counters.connections_refused;
     socket.non_blocking(true, ignored);
     socket.write_some(asio::buffer(too_many_), ignored);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "stator/web/server/guard.hpp"
+#include "stator/web/server/idle_connections.hpp"
 #include "stator/web/server/server_limits.hpp"
 #include "stator/web/state.hpp"
 #include "stator/web/stream/rack_access.hpp"
@@ -15,6 +16,7 @@ struct ServerContext {
   State state;
   RackAccess access;
   TrafficHub traffic;
+  IdleConnections idle{};
 };
 
 }  // namespace stator::web

@@ -7,7 +7,9 @@ namespace stator::web {
 
 /// What a client may cost. The defaults let a hostile one occupy some megabytes.
 struct ServerLimits {
-  std::size_t connections = 64;       ///< further ones are refused
+  /// When there are so many, the one that has been idle longest gives way to the next; where all
+  /// are at work, the next is refused.
+  std::size_t connections = 64;
   std::size_t streams = 8;            ///< WebSockets among them
   std::size_t header_bytes = 8192;    ///< of a request, with its first line
   std::size_t body_bytes = 65536;     ///< of a request
