@@ -2,18 +2,16 @@
 // somebody else has taken.
 #include "stator/cli/run/show.hpp"
 
-#include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "base/temporary_directory.hpp"
+#include "base/wait_for.hpp"
 #include "rack/text_log.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
@@ -24,8 +22,7 @@
 namespace stator::cli {
 namespace {
 
-/// Only ends what hangs.
-constexpr std::chrono::minutes kPatience{2};
+using tests::wait_for;
 
 std::string free_udp_port() {
   const auto probe = link::UdpEthernetLink::listen({.address = "127.0.0.1", .port = 0});
@@ -50,16 +47,6 @@ class ShowTest : public ::testing::Test {
     }
     ADD_FAILURE() << "no signal " << name;
     return 0.0;
-  }
-  static bool wait_for(const std::function<bool()>& reached) {
-    const auto end = std::chrono::steady_clock::now() + kPatience;
-    while (!reached()) {
-      if (std::chrono::steady_clock::now() > end) {
-        return false;
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-    return true;
   }
   [[nodiscard]] rack::DeviceAddress address(const std::string& name) const {
     for (const rack::DeviceAddress each : rack_.addresses()) {

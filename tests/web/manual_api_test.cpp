@@ -1,36 +1,22 @@
 // Manual control over the web server: begin, command, see, end, and what is refused.
-#include <chrono>
-#include <functional>
 #include <string>
-#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/wait_for.hpp"
 #include "web/served_rack.hpp"
 
 namespace stator::web {
 namespace {
 
 using ::testing::HasSubstr;
-
-/// Only ends what hangs.
-constexpr std::chrono::minutes kPatience{2};
+using tests::wait_for;
 
 class ManualApi : public ::testing::Test {
  protected:
   [[nodiscard]] nlohmann::json state(const std::string& device) {
     return rack_.get("/api/v1/devices/" + device + "/manual").json();
-  }
-  bool wait_for(const std::function<bool()>& reached) {
-    const auto end = std::chrono::steady_clock::now() + kPatience;
-    while (!reached()) {
-      if (std::chrono::steady_clock::now() > end) {
-        return false;
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-    return true;
   }
   void begin(const std::string& device) {
     ASSERT_EQ(rack_.put("/api/v1/devices/" + device + "/manual", "").status, 200);
