@@ -569,8 +569,13 @@ export interface components {
             readonly product: string;
             readonly network: string;
             readonly powered: boolean;
-            /** @enum {unknown} */
+            /**
+             * @description What the device does with process data, the same words for all networks
+             * @enum {unknown}
+             */
             readonly state: "off" | "pre-operational or below" | "safe-operational" | "operational";
+            /** @description The state as the device's own network names it, e.g. Init or Stopped, "off" without supply; null: its network has no states */
+            readonly network_state: string | null;
             /** @description Entries of its dictionary */
             readonly objects: number;
             readonly inputs: number;

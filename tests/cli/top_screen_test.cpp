@@ -118,23 +118,15 @@ TEST(TopFrame, ShowsItsKeysOnDemand) {
   EXPECT_THAT(help, Not(HasSubstr("drive0")));
 }
 
-TEST(StateOfDevice, IsThatOfItsOwnNetworkWhereTheListHasOneWordForSeveral) {
-  const auto state = [](const char* listed, const char* network) {
-    std::string asked;
-    const std::string shown =
-        state_of_device({{"name", "a"}, {"state", listed}}, [&](const std::string& target) {
-          asked = target;
-          return nlohmann::json::parse(fmt::format(R"({{"network": {}}})", network));
-        });
-    return fmt::format("{} {}", shown, asked);
+TEST(StateOfDevice, IsTheWordOfItsOwnNetworkInSmallLetters) {
+  const auto state = [](bool powered, const nlohmann::json& network) {
+    return state_of_device({{"name", "a"}, {"powered", powered}, {"network_state", network}});
   };
-  const char* low = "pre-operational or below";
-  EXPECT_EQ(state(low, R"({"machine": "esm", "state": "Init"})"), "init /api/v1/devices/a/panel");
-  EXPECT_EQ(state(low, R"({"machine": "nmt", "state": "Stopped"})"),
-            "stopped /api/v1/devices/a/panel");
-  EXPECT_EQ(state(low, "null"), "on /api/v1/devices/a/panel") << "a module with TMCL";
-  EXPECT_EQ(state("operational", "null"), "operational ");
-  EXPECT_EQ(state("off", "null"), "off ");
+  EXPECT_EQ(state(true, "Init"), "init");
+  EXPECT_EQ(state(true, "Stopped"), "stopped");
+  EXPECT_EQ(state(false, "off"), "off");
+  EXPECT_EQ(state(true, nullptr), "on") << "a module with TMCL";
+  EXPECT_EQ(state(false, nullptr), "off");
 }
 
 TEST(TopFrame, KeepsRowsThatContainTheFilter) {

@@ -33,6 +33,7 @@ TEST(Panel, OfAnEtherCatSlaveShowsItsLedsAndItsState) {
   EXPECT_TRUE(led(panel, "L/A IN").is_object());
   EXPECT_EQ(panel["network"]["machine"], "esm");
   EXPECT_EQ(panel["network"]["state"], "Init");
+  EXPECT_EQ(rack.get("/api/v1/devices/drive").json()["network_state"], "Init");
   EXPECT_EQ(panel["network"]["status_code"], 0);
   EXPECT_FALSE(panel["program"].get<bool>());
 }
@@ -45,8 +46,18 @@ TEST(Panel, OfACanopenNodeShowsItsLedsAndItsState) {
   } while (panel["network"]["state"] == "Initialisation");
   EXPECT_EQ(panel["network"]["machine"], "nmt");
   EXPECT_EQ(panel["network"]["state"], "Pre-operational");
+  EXPECT_EQ(rack.get("/api/v1/devices").json()["devices"][1]["network_state"], "Pre-operational");
   EXPECT_EQ(led(panel, "RUN")["pattern"], "blinking");
   EXPECT_EQ(led(panel, "ERR")["pattern"], "off");
+}
+
+TEST(Panel, OfAModuleWithTmclHasNoStateOfANetwork) {
+  ServedRack rack(ServedRack::module_with({}));
+  EXPECT_TRUE(rack.get("/api/v1/devices/module/panel").json()["network"].is_null());
+  const json device = rack.get("/api/v1/devices/module").json();
+  ASSERT_TRUE(device.contains("network_state"));
+  EXPECT_TRUE(device["network_state"].is_null());
+  EXPECT_TRUE(device["powered"].get<bool>());
 }
 
 TEST(Panel, NamesStateModeAndSignalsOfEachAxis) {

@@ -40,7 +40,7 @@ TEST(WebServer, DescribesTheRackAndItsDevices) {
   ASSERT_EQ(devices.size(), 2U);
   EXPECT_EQ(devices[0]["name"], "drive");
   EXPECT_EQ(devices[1]["product"], "TMCC160");
-  EXPECT_EQ(rack.get("/api/v1/devices/servo").json(), devices[1]);
+  EXPECT_EQ(rack.get("/api/v1/devices/drive").json(), devices[0]);
   EXPECT_EQ(rack.get("/api/v1/devices/nobody").status, 404);
 }
 

@@ -208,10 +208,7 @@ function LinePanel({ line, shafts, width }: Drawn & { line: Line }) {
 
 /// A device at no network has no state there; a module that only talks TMCL is one.
 export function networkState(device: Device | undefined, panel: Panel | null): string {
-  if (panel) {
-    return panel.network?.state ?? "";
-  }
-  return device && device.network !== "" ? device.state : "";
+  return (panel ? panel.network?.state : device?.network_state) ?? "";
 }
 
 function DeviceCard({ card, shafts, ports }: { card: Card; shafts: readonly Shaft[]; ports: Segment["devices"][number]["ports"] }) {

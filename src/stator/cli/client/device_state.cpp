@@ -1,17 +1,12 @@
 #include "stator/cli/client/device_state.hpp"
 
 #include <algorithm>
-#include <string_view>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace stator::cli {
 
 namespace {
-
-constexpr std::string_view kAnyLowState = "pre-operational or below";
-constexpr const char* kWithoutStates = "on";
 
 char small_letter(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -19,18 +14,12 @@ char small_letter(char c) {
 
 }  // namespace
 
-std::string state_of_device(const nlohmann::json& device, const GetJson& get) {
-  std::string state = device.at("state");
-  if (state != kAnyLowState) {
-    return state;
-  }
-  const nlohmann::json panel =
-      get(fmt::format("/api/v1/devices/{}/panel", device.at("name").get<std::string>()));
-  const nlohmann::json& network = panel.at("network");
+std::string state_of_device(const nlohmann::json& device) {
+  const nlohmann::json& network = device.at("network_state");
   if (network.is_null()) {
-    return kWithoutStates;
+    return device.at("powered").get<bool>() ? "on" : "off";
   }
-  state = network.at("state");
+  std::string state = network;
   std::ranges::transform(state, state.begin(), small_letter);
   return state;
 }

@@ -178,10 +178,8 @@ void RackObserver::read_devices() {
   overview_.devices.clear();
   const json answer = client_.json("GET", "/api/v1/devices");
   for (const json& device : answer.at("devices")) {
-    overview_.devices.push_back({device.at("name"), device.at("product"), device.at("network"),
-                                 state_of_device(device, [this](const std::string& target) {
-                                   return client_.json("GET", target);
-                                 })});
+    overview_.devices.push_back(
+        {device.at("name"), device.at("product"), device.at("network"), state_of_device(device)});
   }
 }
 

@@ -92,8 +92,7 @@ void run_status(const StatusOptions& options) {
   const Json rack = client.get("/api/v1/rack");
   Json devices = client.get("/api/v1/devices");
   for (Json& device : devices["devices"]) {
-    device["state"] = state_of_device(
-        device, [&client](const std::string& target) { return client.get(target); });
+    device["state"] = state_of_device(device);
   }
   const Json wiring = client.get_if_there("/api/v1/wiring");
   const Json faults = client.get("/api/v1/faults");

@@ -88,13 +88,14 @@ constexpr const char* kSchemas = R"({
   },
   "Device": {
     "type": "object",
-    "required": ["name", "product", "network", "powered", "state", "objects", "inputs"],
+    "required": ["name", "product", "network", "powered", "state", "network_state", "objects", "inputs"],
     "properties": {
       "name": {"type": "string"},
       "product": {"type": "string"},
       "network": {"type": "string"},
       "powered": {"type": "boolean"},
-      "state": {"enum": ["off", "pre-operational or below", "safe-operational", "operational"]},
+      "state": {"enum": ["off", "pre-operational or below", "safe-operational", "operational"], "description": "What the device does with process data, the same words for all networks"},
+      "network_state": {"type": ["string", "null"], "description": "The state as the device's own network names it, e.g. Init or Stopped, \"off\" without supply; null: its network has no states"},
       "objects": {"type": "integer", "description": "Entries of its dictionary"},
       "inputs": {"type": "integer"}
     }

@@ -16,6 +16,7 @@
 
 #include "stator/drive/power/state_description.hpp"
 #include "stator/product/device/device.hpp"
+#include "stator/web/api/network_state.hpp"
 #include "stator/web/json_text.hpp"
 
 namespace stator::web {
@@ -131,7 +132,7 @@ class PanelJob final : public LookJob {
       return nullptr;
     }
     return {{"machine", network_.machine},
-            {"state", powered_ ? network_.state : "off"},
+            {"state", network_state_text(powered_, network_)},
             {"status_code", powered_ ? network_.status_code : 0},
             {"status_text", powered_ ? network_.status_text : ""}};
   }

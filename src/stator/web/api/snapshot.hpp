@@ -6,6 +6,7 @@
 
 #include "stator/base/sim_time.hpp"
 #include "stator/dictionary/declaration.hpp"
+#include "stator/product/device/indicator.hpp"
 #include "stator/web/state.hpp"
 
 namespace stator::web {
@@ -15,6 +16,7 @@ struct Snapshot {
   struct DeviceState {
     bool powered = false;
     dictionary::NetworkState network_state = dictionary::NetworkState::pre_operational;
+    product::NetworkStatus network_status{};
   };
 
   explicit Snapshot(const State& state)

@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "stator/product/device/device.hpp"
+#include "stator/web/api/network_state.hpp"
 #include "stator/web/api/snapshot.hpp"
 #include "stator/web/json_text.hpp"
 
@@ -30,12 +32,14 @@ std::string_view state_name(const Snapshot::DeviceState& state) {
 }
 
 Json device_json(const DeviceRecord& device, const Snapshot::DeviceState& state) {
+  const std::string_view network_state = network_state_text(state.powered, state.network_status);
   return {
       {"name", device.name},
       {"product", device.product},
       {"network", device.network},
       {"powered", state.powered},
       {"state", state_name(state)},
+      {"network_state", network_state.empty() ? Json(nullptr) : Json(network_state)},
       {"objects", device.objects == nullptr ? std::size_t{0} : device.objects->entries().size()},
       {"inputs", device.inputs->size()}};
 }
@@ -57,7 +61,8 @@ class SnapshotJob final : public LookJob {
     state_.read_networks(snapshot_.networks);
     for (std::size_t i = 0; i < snapshot_.devices.size(); ++i) {
       const rack::DeviceAddress address = state_.devices()[i].address;
-      snapshot_.devices[i] = {rack.powered(address), rack.network_state(address)};
+      snapshot_.devices[i] = {rack.powered(address), rack.network_state(address),
+                              rack.device(address).network_status()};
     }
     for (const std::size_t i : chosen_) {
       snapshot_.signals[i] = state_.signals()[i].read();
