@@ -1,6 +1,8 @@
 import { createContext } from "preact";
 import { useCallback, useContext, useEffect, useMemo, useRef, useState } from "preact/hooks";
 
+import type { ReadonlySignal } from "@preact/signals";
+
 import { ApiError, type Api } from "./api";
 import type { Live, SignalHub } from "./live";
 import type { RackStore } from "./store";
@@ -55,7 +57,10 @@ export function useResource<T>(path: string | null, period = 0): Resource<T> {
       if (!document.hidden) {
         try {
           const data = await api.get<T>(path, { signal: abort.signal });
-          setState({ path, data, error: null });
+          // What has not changed renders nothing again.
+          setState((old) =>
+            old.path === path && old.error === null && JSON.stringify(old.data) === JSON.stringify(data) ? old : { path, data, error: null },
+          );
         } catch (error) {
           if (abort.signal.aborted) {
             return;
@@ -77,6 +82,13 @@ export function useResource<T>(path: string | null, period = 0): Resource<T> {
   const reload = useCallback(() => setRound((n) => n + 1), []);
   const current = state.path === path;
   return { data: current ? state.data : null, error: current ? state.error : null, reload };
+}
+
+/// A live value of a signal: what reads it is rendered again when it changes, and nothing else.
+export function useLive(name: string): ReadonlySignal<Live | undefined> {
+  const { hub } = useWorld();
+  useEffect(() => hub.watch([name]), [hub, name]);
+  return hub.live(name);
 }
 
 /// Live values of signals, rendered at most every `interval` milliseconds.

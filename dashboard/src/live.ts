@@ -1,9 +1,12 @@
 // Live values of signals: one WebSocket for all that is visible, whatever the number of views.
 
+import { batch, signal, type ReadonlySignal, type Signal } from "@preact/signals";
+
 import type { Api, SignalMessage, Signals } from "./api";
 
 const kPeriod = "40ms";
 const kRetry = 1000;
+const kShownPeriod = 120; ///< ms between two values that a person is to read
 /// Names may be long; a request's head is limited to 8 KiB.
 const kNamesAtOnce = 60;
 
@@ -15,7 +18,11 @@ export interface Live {
 export class SignalHub {
   timeNs = 0;
   private readonly users = new Map<string, number>();
+  private readonly fresh = new Set<string>(); ///< wanted by somebody since the last message
   private readonly values = new Map<string, Live>();
+  private readonly shown = new Map<string, Signal<Live | undefined>>();
+  private shownAt = 0;
+  private showing: ReturnType<typeof setTimeout> | undefined;
   private readonly listeners = new Set<() => void>();
   private socket: WebSocket | null = null;
   private order: readonly { name: string; unit: string }[] = [];
@@ -31,15 +38,25 @@ export class SignalHub {
     return this.values.get(name);
   }
 
-  watch(names: readonly string[], listener: () => void): () => void {
-    const fresh = names.filter((name) => !this.users.has(name));
+  /// The same to be read by a person: what reads it in a component renders that component again, and nothing else, when
+  /// it has changed. It changes while somebody watches `name`.
+  live(name: string): ReadonlySignal<Live | undefined> {
+    let found = this.shown.get(name);
+    if (!found) {
+      found = signal(this.values.get(name));
+      this.shown.set(name, found);
+    }
+    return found;
+  }
+
+  watch(names: readonly string[], listener: () => void = () => {}): () => void {
     for (const name of names) {
+      if (!this.users.has(name)) {
+        this.fresh.add(name);
+      }
       this.users.set(name, (this.users.get(name) ?? 0) + 1);
     }
     this.listeners.add(listener);
-    if (fresh.length > 0) {
-      void this.fetchNow(fresh);
-    }
     this.schedule();
     return () => {
       this.listeners.delete(listener);
@@ -80,6 +97,9 @@ export class SignalHub {
       this.pending = true;
       setTimeout(() => {
         this.pending = false;
+        const fresh = [...this.fresh].filter((name) => this.users.has(name));
+        this.fresh.clear();
+        void this.fetchNow(fresh);
         this.announce();
       }, 20);
     }
@@ -149,7 +169,29 @@ export class SignalHub {
         for (const listener of this.listeners) {
           listener();
         }
+        this.show();
       });
     }
+  }
+
+  private show(): void {
+    clearTimeout(this.showing);
+    this.showing = undefined;
+    const wait = this.shownAt + kShownPeriod - performance.now();
+    if (wait > 0) {
+      this.showing = setTimeout(() => this.show(), wait);
+      return;
+    }
+    this.shownAt = performance.now();
+    batch(() => {
+      for (const name of this.users.keys()) {
+        const shown = this.shown.get(name);
+        const now = this.values.get(name);
+        const old = shown?.peek();
+        if (shown && (now?.value !== old?.value || now?.unit !== old?.unit)) {
+          shown.value = now;
+        }
+      }
+    });
   }
 }

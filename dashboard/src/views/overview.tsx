@@ -19,9 +19,8 @@ import { Gauge, rangeFor } from "../components/gauge";
 import { InputRow } from "../components/input_row";
 import { StateMachinePicture } from "../components/state_machine";
 import { addressText, hexText, quantity, timeText } from "../format";
-import { useResource, useSignals, useStore } from "../hooks";
+import { useLive, useResource, useSignals, useStore } from "../hooks";
 import { groupInputs } from "../inputs";
-import type { Live } from "../live";
 import { sameState } from "../machine_layout";
 import { href } from "../router";
 import { controlwordBits, errorCodeText, errorRegisterBits, modeText, powerState, statuswordBits, type Bit } from "../words";
@@ -93,23 +92,6 @@ export function Overview({ device, panel }: { device: Device; panel: Panel | nul
 }
 
 function AxisValues({ axis, panel }: { axis: AxisSignals; panel: PanelAxis | null }) {
-  const value = useSignals(
-    axis.rows.map((row) => row.signal),
-    120,
-  );
-  const seen = useRef(new Map<string, { low: number; high: number }>());
-  const rangeOf = (signal: string, live: Live | undefined) => {
-    const range = seen.current.get(signal) ?? { low: 0, high: 0 };
-    if (typeof live?.value === "number") {
-      range.low = Math.min(range.low, live.value);
-      range.high = Math.max(range.high, live.value);
-      seen.current.set(signal, range);
-    }
-    if (live?.unit === "degC") {
-      return { minimum: 0, maximum: Math.max(150, range.high) };
-    }
-    return rangeFor(range);
-  };
   return (
     <section class="panel">
       <header>
@@ -118,13 +100,24 @@ function AxisValues({ axis, panel }: { axis: AxisSignals; panel: PanelAxis | nul
         {panel?.mode_name ? <span class="soft">{panel.mode_name}</span> : null}
       </header>
       <div class="body gauges">
-        {axis.rows.map(({ label, signal }) => {
-          const live = value(signal);
-          return <Gauge key={signal} name={label} live={live} range={rangeOf(signal, live)} />;
-        })}
+        {axis.rows.map(({ label, signal }) => (
+          <LiveGauge key={signal} name={label} signal={signal} />
+        ))}
       </div>
     </section>
   );
+}
+
+/// A bar whose range grows with what it has shown.
+function LiveGauge({ name, signal }: { name: string; signal: string }) {
+  const live = useLive(signal).value;
+  const seen = useRef({ low: 0, high: 0 }).current;
+  if (typeof live?.value === "number") {
+    seen.low = Math.min(seen.low, live.value);
+    seen.high = Math.max(seen.high, live.value);
+  }
+  const range = live?.unit === "degC" ? { minimum: 0, maximum: Math.max(150, seen.high) } : rangeFor(seen);
+  return <Gauge name={name} live={live} range={range} />;
 }
 
 function MachinePanel({ machine, state, title, refusal }: { machine: StateMachine; state: string; title: string; refusal: Event | null }) {
