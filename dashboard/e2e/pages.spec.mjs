@@ -60,6 +60,31 @@ test("the load is set with a slider and comes back as a signal", async ({ open, 
   assert.fail(`the load did not become ${shown} N m`);
 });
 
+test("inputs are found by a search, which the address keeps, and are set back where they differ", async ({ open, origin }) => {
+  const page = await open("/device/servo?inputs=hall");
+  const panel = page.locator("section.inputs");
+  await panel.getByRole("combobox", { name: "hall fault 1" }).selectOption("2");
+  assert.equal(await panel.getByRole("slider").count(), 0);
+  const differing = page.getByRole("region", { name: "Differs from normal" });
+  await differing.getByText("axis0 hall fault 1").waitFor();
+  await panel.getByRole("searchbox").fill("nothing of this name");
+  await panel.getByText(/None of the \d+ inputs/).waitFor();
+  assert.match(page.url(), /inputs=nothing\+of/);
+  await differing.getByRole("button", { name: "Set axis0 hall fault 1 back" }).click();
+  await differing.waitFor({ state: "hidden" });
+  const { value } = await (await fetch(`${origin}/api/v1/inputs/servo.axis0.hall_fault_1`)).json();
+  assert.equal(value, 0);
+});
+
+test("groups of inputs stay as they were left", async ({ open }) => {
+  const page = await open("/device/servo");
+  const heat = page.locator("section.inputs details details").filter({ hasText: "Heat" });
+  await heat.locator("summary").click();
+  await heat.getByRole("slider", { name: "ambient temperature" }).waitFor();
+  await page.reload();
+  await heat.getByRole("slider", { name: "ambient temperature" }).waitFor();
+});
+
 test("a refused write tells why", async ({ open }) => {
   const page = await open("/device/gantry/objects?search=6060", "422");
   await put(page, "6060h:00").click();

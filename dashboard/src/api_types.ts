@@ -598,6 +598,13 @@ export interface components {
             readonly unit: string;
             readonly minimum: number | null;
             readonly maximum: number | null;
+            /**
+             * @description what of the world around the device it belongs to
+             * @enum {string}
+             */
+            readonly group: "other" | "load" | "supply" | "switches" | "sensors" | "driver" | "heat" | "lines" | "network";
+            /** @description what holds while nobody has set it */
+            readonly normal: number;
             /** @description null: never set so far */
             readonly value: number | null;
         };

@@ -51,14 +51,66 @@ export function firstSpan(input: Input): number {
   return spans.includes(1) ? 1 : (spans[spans.length - 1] ?? 1);
 }
 
-/// Inputs by what they belong to: "axis0", …, "" for the device itself. Order is kept.
-export function groupInputs(inputs: readonly Input[], device: string): Map<string, Input[]> {
-  const groups = new Map<string, Input[]>();
+/// Groups in the order in which they are shown, as people call them.
+const kGroups: readonly (readonly [Input["group"], string])[] = [
+  ["load", "Load"],
+  ["supply", "Supply"],
+  ["switches", "Switches"],
+  ["driver", "Power stage and motor cables"],
+  ["sensors", "Sensors"],
+  ["heat", "Heat"],
+  ["lines", "Inputs and pins"],
+  ["network", "Network"],
+  ["other", "Other"],
+];
+
+export interface InputSection {
+  readonly group: Input["group"];
+  readonly title: string;
+  readonly inputs: readonly Input[];
+}
+
+/// Inputs of the same group together; order within a group is kept.
+export function sectionsOf(inputs: readonly Input[]): InputSection[] {
+  return kGroups.flatMap(([group, title]) => {
+    const own = inputs.filter((input) => input.group === group);
+    return own.length === 0 ? [] : [{ group, title, inputs: own }];
+  });
+}
+
+/// What an input belongs to: "axis0", a part of a board, "" for the device itself.
+export function ownerOf(input: Input, device: string): string {
+  const rest = input.name.slice(device.length + 1);
+  const dot = rest.indexOf(".");
+  return dot < 0 ? "" : rest.slice(0, dot);
+}
+
+/// Inputs by what they belong to. Order is kept.
+export function byOwner(inputs: readonly Input[], device: string): Map<string, Input[]> {
+  const owners = new Map<string, Input[]>();
   for (const input of inputs) {
-    const rest = input.name.slice(device.length + 1);
-    const dot = rest.indexOf(".");
-    const group = dot < 0 ? "" : rest.slice(0, dot);
-    groups.set(group, [...(groups.get(group) ?? []), input]);
+    const owner = ownerOf(input, device);
+    owners.set(owner, [...(owners.get(owner) ?? []), input]);
   }
-  return groups;
+  return owners;
+}
+
+/// Whether somebody, or a fault, has made an input other than it is by itself.
+export function differs(input: Input): boolean {
+  return input.value !== null && input.value !== input.normal;
+}
+
+/// Whether each word of `search` stands in an input's name or in that of its group.
+export function matches(input: Input, search: string): boolean {
+  const title = kGroups.find(([group]) => group === input.group)?.[1] ?? "";
+  const text = `${input.name} ${input.name.replace(/[_.]/g, " ")} ${title}`.toLowerCase();
+  return search
+    .toLowerCase()
+    .split(/\s+/)
+    .every((word) => text.includes(word));
+}
+
+/// "left_switch_fault" as a person reads it.
+export function labelOf(name: string): string {
+  return name.replace(/[_.]/g, " ");
 }

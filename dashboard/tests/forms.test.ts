@@ -3,10 +3,19 @@ import { describe, expect, it } from "vitest";
 import type { Event, FaultKind, FaultParameter, Input } from "../src/api";
 import { defaultsOf, faultRequest, fieldProblem, filledIn, targetsOf } from "../src/fault_form";
 import { hexDump } from "../src/hex_dump";
-import { controlOf, firstSpan, groupInputs, niceStep, spansOf } from "../src/inputs";
+import { byOwner, controlOf, differs, firstSpan, matches, niceStep, sectionsOf, spansOf } from "../src/inputs";
 import { matchingEvents } from "../src/views/events";
 
-const input = (name: string, unit: string, minimum: number, maximum: number): Input => ({ name, unit, minimum, maximum, value: null });
+const input = (name: string, unit: string, minimum: number, maximum: number, rest: Partial<Input> = {}): Input => ({
+  name,
+  unit,
+  minimum,
+  maximum,
+  group: "other",
+  normal: 0,
+  value: null,
+  ...rest,
+});
 
 describe("an input", () => {
   it("is a switch, a choice or a slider", () => {
@@ -27,11 +36,34 @@ describe("an input", () => {
     expect(niceStep(250)).toBe(0.5);
   });
   it("belongs to an axis or to the device", () => {
-    const groups = groupInputs([input("d.axis0.load", "", 0, 1), input("d.door", "", 0, 1), input("d.axis0.x", "", 0, 1)], "d");
+    const groups = byOwner([input("d.axis0.load", "", 0, 1), input("d.door", "", 0, 1), input("d.axis0.x", "", 0, 1)], "d");
     expect([...groups].map(([name, list]) => [name, list.length])).toEqual([
       ["axis0", 2],
       ["", 1],
     ]);
+  });
+  it("stands in its group, groups in an order of their own", () => {
+    const sections = sectionsOf([
+      input("d.ambient", "degC", -50, 200, { group: "heat" }),
+      input("d.load_torque", "Nm", -1, 1, { group: "load" }),
+      input("d.jammed", "", 0, 2, { group: "load" }),
+    ]);
+    expect(sections.map(({ title, inputs }) => [title, inputs.length])).toEqual([
+      ["Load", 2],
+      ["Heat", 1],
+    ]);
+  });
+  it("differs from normal only when it was set to something else", () => {
+    const supply = { unit: "V", normal: 24 };
+    expect(differs(input("d.u", "V", 0, 100, supply))).toBe(false);
+    expect(differs(input("d.u", "V", 0, 100, { ...supply, value: 24 }))).toBe(false);
+    expect(differs(input("d.u", "V", 0, 100, { ...supply, value: 0 }))).toBe(true);
+  });
+  it("is found by words of its name and by its group", () => {
+    const left = input("d.axis0.left_switch_fault", "", 0, 2, { group: "switches" });
+    expect(matches(left, "left fault")).toBe(true);
+    expect(matches(left, "SWITCHES axis0")).toBe(true);
+    expect(matches(left, "right")).toBe(false);
   });
 });
 

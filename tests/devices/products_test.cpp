@@ -45,6 +45,11 @@ TEST(Products, SayOfThemselvesWhatIsTrueOfTheirDevices) {
     const auto axes = static_cast<std::size_t>(std::ranges::count_if(
         inputs, [](const product::Input& input) { return input.name.ends_with(".load_torque"); }));
     EXPECT_EQ(setup.axes().size(), axes);
+    for (const product::Input& input : inputs) {
+      EXPECT_NE(input.group, product::InputGroup::other) << input.name;
+      EXPECT_LE(input.minimum, input.normal) << input.name;
+      EXPECT_GE(input.maximum, input.normal) << input.name;
+    }
   }
 }
 

@@ -31,7 +31,8 @@ std::string violation(const std::string& target, const Answer& answer) {
 }
 
 constexpr const char* kInputStart =
-    R"({"name": "a.b", "unit": "", "minimum": 0, "maximum": null, "value": null)";
+    R"({"name": "a.b", "unit": "", "minimum": 0, "maximum": null, "group": "load",)"
+    R"( "normal": 0, "value": null)";
 
 TEST(Contract, KnowsAnAnswerByItsPathStatusAndType) {
   const std::string input = std::string(kInputStart) + "}";
@@ -45,11 +46,14 @@ TEST(Contract, KnowsAnAnswerByItsPathStatusAndType) {
 }
 
 TEST(Contract, WantsEachMemberAndNoOthers) {
-  const std::string without = R"({"name": "a.b", "unit": "", "minimum": 0, "maximum": null})";
+  const std::string without =
+      R"({"name": "a.b", "unit": "", "minimum": 0, "maximum": null, "group": "load", "normal": 0})";
   EXPECT_THAT(violation("/api/v1/inputs/a.b", json_answer(200, without)), HasSubstr("value"));
   const std::string more = std::string(kInputStart) + R"(, "common": 1})";
   EXPECT_THAT(violation("/api/v1/inputs/a.b", json_answer(200, more)), HasSubstr("common"));
-  const std::string wrong = R"({"name": 7, "unit": "", "minimum": 0, "maximum": 1, "value": 1})";
+  const std::string wrong =
+      R"({"name": 7, "unit": "", "minimum": 0, "maximum": 1, "group": "load", "normal": 0,)"
+      R"( "value": 1})";
   EXPECT_THAT(violation("/api/v1/inputs/a.b", json_answer(200, wrong)), HasSubstr("name"));
   // What is deep inside, and what is put together of two schemas.
   const std::string entry =

@@ -87,6 +87,9 @@ TEST(WebServer, SetsInputsWithinTheirRange) {
   const std::string input = "/api/v1/inputs/drive.axis0.supply_voltage";
   const auto declared = rack.get(input).json();
   EXPECT_EQ(declared["unit"], "V");
+  EXPECT_EQ(declared["group"], "supply");
+  EXPECT_EQ(declared["normal"], 24.0)
+      << "what the axis is supplied with unless its rack file says otherwise";
   EXPECT_TRUE(declared["value"].is_null()) << "nobody has set it";
   EXPECT_THAT(rack.get("/api/v1/inputs").json()["inputs"], testing::Contains(declared));
   EXPECT_EQ(rack.put(input, R"({"value": 31.5})").status, 200);

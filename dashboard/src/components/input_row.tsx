@@ -2,18 +2,25 @@ import { useEffect, useRef, useState } from "preact/hooks";
 
 import { segment, type Input } from "../api";
 import { kNone, unitText } from "../format";
-import { useAction, useWorld } from "../hooks";
-import { controlOf, firstSpan, spansOf } from "../inputs";
+import { useAction, useLive, useWorld } from "../hooks";
+import { controlOf, differs, firstSpan, labelOf, spansOf } from "../inputs";
 
 const kAgain = 60; ///< ms between two writes of a slider that is being moved
 const kSettled = 4000; ///< ms in which a value that was set comes back from the server, which is asked every 3 s
 
-function labelOf(name: string): string {
-  return name.replace(/_/g, " ");
-}
-
-/// Something around a device that can be set. `present`: its value as far as the server tells.
-export function InputRow({ input, label, present }: { input: Input; label: string; present: number | null }) {
+/// Something around a device that can be set. `present`: its value as far as the server tells. `onSet` is told of each
+/// write that the server took.
+export function InputRow({
+  input,
+  label,
+  present,
+  onSet,
+}: {
+  input: Input;
+  label: string;
+  present: number | null;
+  onSet?: (() => void) | undefined;
+}) {
   const { api } = useWorld();
   const { error, run, clear } = useAction();
   const [span, setSpan] = useState(() => firstSpan(input));
@@ -35,7 +42,9 @@ export function InputRow({ input, label, present }: { input: Input; label: strin
         if (next !== null) {
           state.timer = setTimeout(send, kAgain);
           void run(() => api.send("PUT", `/api/v1/inputs/${segment(input.name)}`, { value: next })).then((done) => {
-            if (!done) {
+            if (done) {
+              onSet?.();
+            } else {
               setOwn(null);
             }
           });
@@ -69,7 +78,7 @@ export function InputRow({ input, label, present }: { input: Input; label: strin
     setText(null);
   };
   return (
-    <div class={`input-row ${control.kind}`}>
+    <div class={`input-row ${control.kind}${differs(input) ? " differs" : ""}`}>
       {control.kind === "switch" ? (
         <label class="check wide">
           <input
@@ -151,4 +160,10 @@ export function InputRow({ input, label, present }: { input: Input; label: strin
       )}
     </div>
   );
+}
+
+/// The same of an input that is a signal as well, which knows its value best.
+export function LiveInputRow({ input, label, onSet }: { input: Input; label: string; onSet: () => void }) {
+  const live = useLive(input.name);
+  return <InputRow input={input} label={label} present={live.value?.value ?? input.value} onSet={onSet} />;
 }

@@ -59,7 +59,7 @@ export function DeviceView({ name, tab, query }: { name: string; tab: string; qu
       ) : tab === "signals" ? (
         <DeviceSignals device={device} />
       ) : (
-        <Overview device={device} panel={panel.data} />
+        <Overview device={device} panel={panel.data} asked={query.get("inputs") ?? ""} />
       )}
     </>
   );

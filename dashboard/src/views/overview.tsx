@@ -1,26 +1,13 @@
 import { useMemo, useRef, useState } from "preact/hooks";
 
-import type {
-  Declaration,
-  Device,
-  Entry,
-  Event,
-  Inputs as InputList,
-  Objects,
-  Panel,
-  PanelAxis,
-  Signals,
-  StateMachine,
-  StateMachines,
-} from "../api";
+import type { Declaration, Device, Entry, Event, Objects, Panel, PanelAxis, Signals, StateMachine, StateMachines } from "../api";
 import { segment } from "../api";
 import { axesOf, axisIndex, axisNumber, type AxisSignals } from "../axes";
 import { Gauge, rangeFor } from "../components/gauge";
-import { InputRow } from "../components/input_row";
+import { InputsPanel } from "../components/inputs_panel";
 import { StateMachinePicture } from "../components/state_machine";
 import { addressText, hexText, quantity, timeText } from "../format";
-import { useLive, useResource, useSignals, useStore } from "../hooks";
-import { groupInputs } from "../inputs";
+import { useLive, useResource, useStore } from "../hooks";
 import { sameState } from "../machine_layout";
 import { href } from "../router";
 import { controlwordBits, errorCodeText, errorRegisterBits, modeText, powerState, statuswordBits, type Bit } from "../words";
@@ -31,7 +18,8 @@ import { ProgramView } from "./program";
 const kObjectPeriod = 500;
 const kEventsShown = 8;
 
-export function Overview({ device, panel }: { device: Device; panel: Panel | null }) {
+/// `asked`: what to search for among the inputs, of the page's address.
+export function Overview({ device, panel, asked }: { device: Device; panel: Panel | null; asked: string }) {
   const store = useStore();
   const signals = useResource<Signals>(`/api/v1/signals?names=${segment(device.name)}.*`);
   const machines = useResource<StateMachines>(store.offers("/api/v1/state-machines") ? "/api/v1/state-machines" : null);
@@ -60,7 +48,7 @@ export function Overview({ device, panel }: { device: Device; panel: Panel | nul
             </div>
           ) : null}
           {axis ? <AxisValues key={axis.name} axis={axis} panel={axisPanel} /> : null}
-          <Inputs device={device} signals={signals.data} first={axis?.name ?? ""} />
+          <InputsPanel device={device} signals={signals.data} first={axis?.name ?? ""} asked={asked} />
         </div>
         <div class="stack">
           {power && axisPanel?.state ? (
@@ -288,44 +276,6 @@ function DeviceEvents({ name }: { name: string }) {
         <h2>Newest events</h2>
       </header>
       {own.length > 0 ? <EventRows events={own} short /> : <p class="empty">Nothing has happened so far.</p>}
-    </section>
-  );
-}
-
-function Inputs({ device, signals, first }: { device: Device; signals: Signals | null; first: string }) {
-  const inputs = useResource<InputList>("/api/v1/inputs", 3000);
-  const own = useMemo(
-    () => (inputs.data?.inputs ?? []).filter((input) => input.name.startsWith(`${device.name}.`)),
-    [inputs.data, device.name],
-  );
-  const known = useMemo(() => new Set(signals?.signals.map((signal) => signal.name)), [signals]);
-  const shownBySignal = own.map((input) => input.name).filter((name) => known.has(name));
-  const value = useSignals(shownBySignal, 300);
-  const groups = [...groupInputs(own, device.name)].sort(([a], [b]) => Number(b === first) - Number(a === first));
-  return (
-    <section class="panel inputs">
-      <header>
-        <h2>Inputs</h2>
-        <span class="soft">around the device</span>
-      </header>
-      {groups.map(([group, list]) => (
-        <details key={group} open={group === first || (group === "" && groups.length < 4)}>
-          <summary>
-            {group === "" ? "device" : group} <span class="soft">{list.length}</span>
-          </summary>
-          <div class="input-rows">
-            {list.map((input) => (
-              <InputRow
-                key={input.name}
-                input={input}
-                label={input.name.slice(device.name.length + 1 + (group === "" ? 0 : group.length + 1))}
-                present={(known.has(input.name) ? value(input.name)?.value : null) ?? input.value}
-              />
-            ))}
-          </div>
-        </details>
-      ))}
-      {own.length === 0 ? <p class="empty">{inputs.data ? "It has none." : (inputs.error?.message ?? "…")}</p> : null}
     </section>
   );
 }

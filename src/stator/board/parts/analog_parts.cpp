@@ -31,9 +31,10 @@ class Potentiometer final : public Peripheral, public AnalogSource {
   }
   std::vector<base::Input> inputs() override {
     return {
-        {"position", "", 0.0, 1.0, base::Delegate<void(double)>::bind<&Potentiometer::turn>(*this)},
-        {"noise", "V", 0.0, 100.0,
-         base::Delegate<void(double)>::bind<&Potentiometer::wear>(*this)}};
+        {"position", "", 0.0, 1.0, base::Delegate<void(double)>::bind<&Potentiometer::turn>(*this),
+         base::InputGroup::sensors, position_},
+        {"noise", "V", 0.0, 100.0, base::Delegate<void(double)>::bind<&Potentiometer::wear>(*this),
+         base::InputGroup::sensors}};
   }
 
  private:
@@ -109,8 +110,10 @@ class Load final : public Peripheral {
   }
   std::vector<base::Input> inputs() override {
     return {{"resistance", "ohm", 0.0, 1e9,
-             base::Delegate<void(double)>::bind<&Load::set_resistance>(*this)},
-            {"short", "", 0.0, 2.0, base::Delegate<void(double)>::bind<&Load::shorten>(*this)}};
+             base::Delegate<void(double)>::bind<&Load::set_resistance>(*this),
+             base::InputGroup::load, resistance_},
+            {"short", "", 0.0, 2.0, base::Delegate<void(double)>::bind<&Load::shorten>(*this),
+             base::InputGroup::driver}};
   }
 
  private:

@@ -96,11 +96,14 @@ class BridgeMotor final : public Peripheral {
             {"current", "A", Read::bind<&BridgeMotor::current>(*this)}};
   }
   std::vector<base::Input> inputs() override {
+    using Group = base::InputGroup;
     using Set = base::Delegate<void(double)>;
     std::vector<base::Input> result{
-        {"load_torque", "Nm", -1e3, 1e3, Set::bind<&BridgeMotor::set_load_torque>(*this)},
-        {"supply_voltage", "V", 0.0, 100.0, Set::bind<&BridgeMotor::set_supply>(*this)}};
-    open_terminals_.append_inputs(result, "open_", "", 0.0, 1.0);
+        {"load_torque", "Nm", -1e3, 1e3, Set::bind<&BridgeMotor::set_load_torque>(*this),
+         Group::load},
+        {"supply_voltage", "V", 0.0, 100.0, Set::bind<&BridgeMotor::set_supply>(*this),
+         Group::supply, axis_.parameters().supply_voltage}};
+    open_terminals_.append_inputs(result, {.name = "open_", .group = Group::driver});
     fault_inputs_.append(result, "");
     return result;
   }

@@ -71,11 +71,14 @@ class Encoder final : public Peripheral, public ShaftObserver {
   }
   std::vector<base::Input> inputs() override {
     using Set = base::Delegate<void(double)>;
-    return {{"lost", "", 0.0, 1.0, Set::bind<&Encoder::lose<7U>>(*this)},
-            {"a_lost", "", 0.0, 1.0, Set::bind<&Encoder::lose<1U>>(*this)},
-            {"b_lost", "", 0.0, 1.0, Set::bind<&Encoder::lose<2U>>(*this)},
-            {"index_lost", "", 0.0, 1.0, Set::bind<&Encoder::lose<4U>>(*this)},
-            {"false_counts", "count", -1e5, 1e5, Set::bind<&Encoder::disturb>(*this)}};
+    return {
+        {"lost", "", 0.0, 1.0, Set::bind<&Encoder::lose<7U>>(*this), base::InputGroup::sensors},
+        {"a_lost", "", 0.0, 1.0, Set::bind<&Encoder::lose<1U>>(*this), base::InputGroup::sensors},
+        {"b_lost", "", 0.0, 1.0, Set::bind<&Encoder::lose<2U>>(*this), base::InputGroup::sensors},
+        {"index_lost", "", 0.0, 1.0, Set::bind<&Encoder::lose<4U>>(*this),
+         base::InputGroup::sensors},
+        {"false_counts", "count", -1e5, 1e5, Set::bind<&Encoder::disturb>(*this),
+         base::InputGroup::sensors}};
   }
 
  private:

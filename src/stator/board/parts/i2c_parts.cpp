@@ -60,7 +60,8 @@ class TemperatureSensor final : public Peripheral, public mfc::I2cSlave {
   }
   std::vector<base::Input> inputs() override {
     return {{"temperature", "degree C", -55.0, 125.0,
-             base::Delegate<void(double)>::bind<&TemperatureSensor::set_temperature>(*this)}};
+             base::Delegate<void(double)>::bind<&TemperatureSensor::set_temperature>(*this),
+             base::InputGroup::sensors, temperature_}};
   }
 
  private:
@@ -149,7 +150,7 @@ class PortExpander final : public Peripheral, public mfc::I2cSlave {
   }
   std::vector<base::Input> inputs() override {
     std::vector<base::Input> result;
-    numbered_.append_inputs(result, "p", "", 0.0, 1.0);
+    numbered_.append_inputs(result, {.name = "p", .group = base::InputGroup::lines, .normal = 1.0});
     return result;
   }
 

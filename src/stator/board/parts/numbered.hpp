@@ -27,11 +27,12 @@ class Numbered {
           {prefix + std::to_string(item.number), "", base::SignalReader::bind<&Item::read>(item)});
     }
   }
-  void append_inputs(std::vector<base::Input>& inputs, const std::string& prefix,
-                     const std::string& unit, double minimum, double maximum) {
+  /// `each`: what they have in common; its name is what their numbers follow.
+  void append_inputs(std::vector<base::Input>& inputs, const base::InputRange& each) {
     for (Item& item : items_) {
-      inputs.emplace_back(prefix + std::to_string(item.number), unit, minimum, maximum,
-                          base::Delegate<void(double)>::bind<&Item::set>(item));
+      inputs.emplace_back(each.name + std::to_string(item.number), each.unit, each.minimum,
+                          each.maximum, base::Delegate<void(double)>::bind<&Item::set>(item),
+                          each.group, each.normal);
     }
   }
 

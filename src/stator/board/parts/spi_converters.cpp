@@ -119,9 +119,9 @@ class SpiAdc final : public Peripheral, public SpiSlave {
     const auto add = [this,
                       &result]<std::size_t channel>(std::integral_constant<std::size_t, channel>) {
       if (sources_[channel] == nullptr) {
-        result.push_back(
-            {"channel" + std::to_string(channel), "V", -100.0, 100.0,
-             base::Delegate<void(double)>::bind<&SpiAdc::set_voltage<channel>>(*this)});
+        result.push_back({"channel" + std::to_string(channel), "V", -100.0, 100.0,
+                          base::Delegate<void(double)>::bind<&SpiAdc::set_voltage<channel>>(*this),
+                          base::InputGroup::lines});
       }
     };
     (add(std::integral_constant<std::size_t, channels>()), ...);

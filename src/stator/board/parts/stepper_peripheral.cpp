@@ -21,14 +21,17 @@ std::vector<base::Signal> StepperPeripheral::signals() const {
 }
 
 std::vector<base::Input> StepperPeripheral::inputs() {
+  using Group = base::InputGroup;
   using Set = base::Delegate<void(double)>;
   std::vector<base::Input> result{
-      {"load_torque", "Nm", -1e3, 1e3, Set::bind<&StepperPeripheral::set_load_torque>(*this)},
-      {"supply_voltage", "V", 0.0, 100.0, Set::bind<&StepperPeripheral::set_supply>(*this)},
-      {"open_a", "", 0.0, 1.0, Set::bind<&StepperPeripheral::open_a>(*this)},
-      {"open_b", "", 0.0, 1.0, Set::bind<&StepperPeripheral::open_b>(*this)},
-      {"short_a", "", 0.0, 1.0, Set::bind<&StepperPeripheral::short_a>(*this)},
-      {"short_b", "", 0.0, 1.0, Set::bind<&StepperPeripheral::short_b>(*this)},
+      {"load_torque", "Nm", -1e3, 1e3, Set::bind<&StepperPeripheral::set_load_torque>(*this),
+       Group::load},
+      {"supply_voltage", "V", 0.0, 100.0, Set::bind<&StepperPeripheral::set_supply>(*this),
+       Group::supply, world_.axis().parameters().supply_voltage},
+      {"open_a", "", 0.0, 1.0, Set::bind<&StepperPeripheral::open_a>(*this), Group::driver},
+      {"open_b", "", 0.0, 1.0, Set::bind<&StepperPeripheral::open_b>(*this), Group::driver},
+      {"short_a", "", 0.0, 1.0, Set::bind<&StepperPeripheral::short_a>(*this), Group::driver},
+      {"short_b", "", 0.0, 1.0, Set::bind<&StepperPeripheral::short_b>(*this), Group::driver},
   };
   fault_inputs_.append(result, "");
   return result;

@@ -44,7 +44,12 @@ class Contact : public Peripheral {
  protected:
   /// "stuck": 1: it stays open, 2: it stays closed, whatever is done to it.
   [[nodiscard]] base::Input stuck_input() {
-    return {"stuck", "", 0.0, 2.0, base::Delegate<void(double)>::bind<&Contact::stick>(*this)};
+    return {"stuck",
+            "",
+            0.0,
+            2.0,
+            base::Delegate<void(double)>::bind<&Contact::stick>(*this),
+            base::InputGroup::switches};
   }
   [[nodiscard]] bool stuck() const { return stuck_ != Stuck::no; }
   /// What is done to the contact.
@@ -104,7 +109,8 @@ class Switch final : public Contact {
  public:
   using Contact::Contact;
   std::vector<base::Input> inputs() override {
-    return {{"closed", "", 0.0, 1.0, base::Delegate<void(double)>::bind<&Switch::set>(*this)},
+    return {{"closed", "", 0.0, 1.0, base::Delegate<void(double)>::bind<&Switch::set>(*this),
+             base::InputGroup::switches},
             stuck_input()};
   }
 
@@ -127,7 +133,8 @@ class PushButton final : public Contact {
     Contact::advance(now);
   }
   std::vector<base::Input> inputs() override {
-    return {{"press", "", 0.0, 1.0, base::Delegate<void(double)>::bind<&PushButton::press>(*this)},
+    return {{"press", "", 0.0, 1.0, base::Delegate<void(double)>::bind<&PushButton::press>(*this),
+             base::InputGroup::switches},
             stuck_input()};
   }
 

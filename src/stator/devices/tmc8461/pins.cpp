@@ -234,13 +234,16 @@ std::vector<product::Signal> Tmc8461::signals() const {
 
 std::vector<product::Input> Tmc8461::inputs() {
   std::vector<product::Input> all;
+  // Their levels as they are before anybody sets one: a rack asks for inputs first.
   for (Probe& probe : pin_probes_) {
     all.push_back({kPinNames[probe.number], "", 0.0, 1.0,
-                   base::Delegate<void(double)>::bind<&Probe::drive>(probe)});
+                   base::Delegate<void(double)>::bind<&Probe::drive>(probe),
+                   product::InputGroup::lines, pins_[probe.number] ? 1.0 : 0.0});
   }
   for (Probe& probe : io_probes_) {
     all.push_back({pin_name(probe.number), "", 0.0, 1.0,
-                   base::Delegate<void(double)>::bind<&Probe::drive_io>(probe)});
+                   base::Delegate<void(double)>::bind<&Probe::drive_io>(probe),
+                   product::InputGroup::lines, 0.5});
   }
   all.push_back(clock_deviation_input());
   std::ranges::move(board_.inputs(), std::back_inserter(all));

@@ -60,45 +60,71 @@ void AxisWorld::append_stage_signals(std::vector<product::Signal>& signals) cons
 }
 
 void AxisWorld::append_inputs(std::vector<product::Input>& inputs) {
+  const plant::PwmAxisParameters& world = stage_.plant().parameters();
   const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
-                       base::Delegate<void(double)> set) {
-    inputs.emplace_back(std::string("axis0.") + name, unit, minimum, maximum, set);
+                       base::Delegate<void(double)> set, product::InputGroup group,
+                       double normal = 0.0) {
+    inputs.emplace_back(std::string("axis0.") + name, unit, minimum, maximum, set, group, normal);
   };
   using Set = base::Delegate<void(double)>;
-  add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&AxisWorld::set_load_torque>(*this));
-  add("supply_voltage", "V", 0.0, 100.0, Set::bind<&AxisWorld::set_supply_voltage>(*this));
-  add("left_switch", "", 0.0, 1.0, Set::bind<&AxisWorld::press_left_switch>(*this));
-  add("right_switch", "", 0.0, 1.0, Set::bind<&AxisWorld::press_right_switch>(*this));
-  add("home_switch", "", 0.0, 1.0, Set::bind<&AxisWorld::press_home_switch>(*this));
-  add("touch_probe_1", "", 0.0, 1.0, Set::bind<&AxisWorld::set_probe<0>>(*this));
-  add("touch_probe_2", "", 0.0, 1.0, Set::bind<&AxisWorld::set_probe<1>>(*this));
+  add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&AxisWorld::set_load_torque>(*this),
+      product::InputGroup::load);
+  add("supply_voltage", "V", 0.0, 100.0, Set::bind<&AxisWorld::set_supply_voltage>(*this),
+      product::InputGroup::supply, world.supply_voltage);
+  add("left_switch", "", 0.0, 1.0, Set::bind<&AxisWorld::press_left_switch>(*this),
+      product::InputGroup::switches);
+  add("right_switch", "", 0.0, 1.0, Set::bind<&AxisWorld::press_right_switch>(*this),
+      product::InputGroup::switches);
+  add("home_switch", "", 0.0, 1.0, Set::bind<&AxisWorld::press_home_switch>(*this),
+      product::InputGroup::switches);
+  add("touch_probe_1", "", 0.0, 1.0, Set::bind<&AxisWorld::set_probe<0>>(*this),
+      product::InputGroup::switches);
+  add("touch_probe_2", "", 0.0, 1.0, Set::bind<&AxisWorld::set_probe<1>>(*this),
+      product::InputGroup::switches);
   add("ambient_temperature", "degC", -50.0, 200.0,
-      Set::bind<&AxisWorld::set_ambient_temperature>(*this));
-  add("air_speed", "m/s", 0.0, 10.0, Set::bind<&AxisWorld::set_air_speed>(*this));
+      Set::bind<&AxisWorld::set_ambient_temperature>(*this), product::InputGroup::heat,
+      world.ambient_temperature);
+  add("air_speed", "m/s", 0.0, 10.0, Set::bind<&AxisWorld::set_air_speed>(*this),
+      product::InputGroup::heat);
   append_fault_inputs(inputs);
 }
 
 void AxisWorld::append_fault_inputs(std::vector<product::Input>& inputs) {
   const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
-                       base::Delegate<void(double)> set) {
-    inputs.emplace_back(std::string("axis0.") + name, unit, minimum, maximum, set);
+                       base::Delegate<void(double)> set, product::InputGroup group,
+                       double normal = 0.0) {
+    inputs.emplace_back(std::string("axis0.") + name, unit, minimum, maximum, set, group, normal);
   };
   using Set = base::Delegate<void(double)>;
-  add("open_u", "", 0.0, 1.0, Set::bind<&AxisWorld::set_open<0>>(*this));
-  add("open_v", "", 0.0, 1.0, Set::bind<&AxisWorld::set_open<1>>(*this));
-  add("open_w", "", 0.0, 1.0, Set::bind<&AxisWorld::set_open<2>>(*this));
-  add("short_u", "", 0.0, 1.0, Set::bind<&AxisWorld::set_short<0>>(*this));
-  add("short_v", "", 0.0, 1.0, Set::bind<&AxisWorld::set_short<1>>(*this));
-  add("short_w", "", 0.0, 1.0, Set::bind<&AxisWorld::set_short<2>>(*this));
-  add("short_high_side", "", 0.0, 1.0, Set::bind<&AxisWorld::set_high_side>(*this));
+  add("open_u", "", 0.0, 1.0, Set::bind<&AxisWorld::set_open<0>>(*this),
+      product::InputGroup::driver);
+  add("open_v", "", 0.0, 1.0, Set::bind<&AxisWorld::set_open<1>>(*this),
+      product::InputGroup::driver);
+  add("open_w", "", 0.0, 1.0, Set::bind<&AxisWorld::set_open<2>>(*this),
+      product::InputGroup::driver);
+  add("short_u", "", 0.0, 1.0, Set::bind<&AxisWorld::set_short<0>>(*this),
+      product::InputGroup::driver);
+  add("short_v", "", 0.0, 1.0, Set::bind<&AxisWorld::set_short<1>>(*this),
+      product::InputGroup::driver);
+  add("short_w", "", 0.0, 1.0, Set::bind<&AxisWorld::set_short<2>>(*this),
+      product::InputGroup::driver);
+  add("short_high_side", "", 0.0, 1.0, Set::bind<&AxisWorld::set_high_side>(*this),
+      product::InputGroup::driver);
   // 0: intact, 1: stuck low, 2: stuck high
-  add("hall_fault_1", "", 0.0, 2.0, Set::bind<&AxisWorld::set_hall_fault<0>>(*this));
-  add("hall_fault_2", "", 0.0, 2.0, Set::bind<&AxisWorld::set_hall_fault<1>>(*this));
-  add("hall_fault_3", "", 0.0, 2.0, Set::bind<&AxisWorld::set_hall_fault<2>>(*this));
-  add("halls_swapped", "", 0.0, 1.0, Set::bind<&AxisWorld::set_halls_swapped>(*this));
-  add("encoder_counts_lost", "count", -1e6, 1e6, Set::bind<&AxisWorld::lose_counts<0>>(*this));
-  add("encoder_2_counts_lost", "count", -1e6, 1e6, Set::bind<&AxisWorld::lose_counts<1>>(*this));
-  add("converter_noise", "count", 0.0, 65535.0, Set::bind<&AxisWorld::set_converter_noise>(*this));
+  add("hall_fault_1", "", 0.0, 2.0, Set::bind<&AxisWorld::set_hall_fault<0>>(*this),
+      product::InputGroup::sensors);
+  add("hall_fault_2", "", 0.0, 2.0, Set::bind<&AxisWorld::set_hall_fault<1>>(*this),
+      product::InputGroup::sensors);
+  add("hall_fault_3", "", 0.0, 2.0, Set::bind<&AxisWorld::set_hall_fault<2>>(*this),
+      product::InputGroup::sensors);
+  add("halls_swapped", "", 0.0, 1.0, Set::bind<&AxisWorld::set_halls_swapped>(*this),
+      product::InputGroup::sensors);
+  add("encoder_counts_lost", "count", -1e6, 1e6, Set::bind<&AxisWorld::lose_counts<0>>(*this),
+      product::InputGroup::sensors);
+  add("encoder_2_counts_lost", "count", -1e6, 1e6, Set::bind<&AxisWorld::lose_counts<1>>(*this),
+      product::InputGroup::sensors);
+  add("converter_noise", "count", 0.0, 65535.0, Set::bind<&AxisWorld::set_converter_noise>(*this),
+      product::InputGroup::sensors);
   fault_inputs_.append(inputs, "axis0.");
 }
 

@@ -49,32 +49,52 @@ void AxisWorld::append_signals(std::vector<product::Signal>& signals) const {
 }
 
 void AxisWorld::append_inputs(std::vector<product::Input>& inputs) {
+  const plant::ServoAxisParameters& world = plant_.parameters();
   const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
-                       base::Delegate<void(double)> set) {
-    inputs.emplace_back(std::string("axis0.") + name, unit, minimum, maximum, set);
+                       base::Delegate<void(double)> set, product::InputGroup group,
+                       double normal = 0.0) {
+    inputs.emplace_back(std::string("axis0.") + name, unit, minimum, maximum, set, group, normal);
   };
   using Set = base::Delegate<void(double)>;
-  add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&AxisWorld::set_load_torque>(*this));
-  add("supply_voltage", "V", 0.0, 100.0, Set::bind<&AxisWorld::set_supply_voltage>(*this));
-  add("left_switch", "", 0.0, 1.0, Set::bind<&AxisWorld::press_left_switch>(*this));
-  add("right_switch", "", 0.0, 1.0, Set::bind<&AxisWorld::press_right_switch>(*this));
+  add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&AxisWorld::set_load_torque>(*this),
+      product::InputGroup::load);
+  add("supply_voltage", "V", 0.0, 100.0, Set::bind<&AxisWorld::set_supply_voltage>(*this),
+      product::InputGroup::supply, world.supply_voltage);
+  add("left_switch", "", 0.0, 1.0, Set::bind<&AxisWorld::press_left_switch>(*this),
+      product::InputGroup::switches);
+  add("right_switch", "", 0.0, 1.0, Set::bind<&AxisWorld::press_right_switch>(*this),
+      product::InputGroup::switches);
   add("ambient_temperature", "degC", -50.0, 200.0,
-      Set::bind<&AxisWorld::set_ambient_temperature>(*this));
-  add("open_u", "", 0.0, 1.0, Set::bind<&AxisWorld::set_phase_fault<&Faults::open, 0>>(*this));
-  add("open_v", "", 0.0, 1.0, Set::bind<&AxisWorld::set_phase_fault<&Faults::open, 1>>(*this));
-  add("open_w", "", 0.0, 1.0, Set::bind<&AxisWorld::set_phase_fault<&Faults::open, 2>>(*this));
-  add("short_u", "", 0.0, 1.0, Set::bind<&AxisWorld::set_phase_fault<&Faults::shorted, 0>>(*this));
-  add("short_v", "", 0.0, 1.0, Set::bind<&AxisWorld::set_phase_fault<&Faults::shorted, 1>>(*this));
-  add("short_w", "", 0.0, 1.0, Set::bind<&AxisWorld::set_phase_fault<&Faults::shorted, 2>>(*this));
-  add("short_high_side", "", 0.0, 1.0, Set::bind<&AxisWorld::set_fault<&Faults::high_side>>(*this));
+      Set::bind<&AxisWorld::set_ambient_temperature>(*this), product::InputGroup::heat,
+      world.ambient_temperature);
+  add("open_u", "", 0.0, 1.0, Set::bind<&AxisWorld::set_phase_fault<&Faults::open, 0>>(*this),
+      product::InputGroup::driver);
+  add("open_v", "", 0.0, 1.0, Set::bind<&AxisWorld::set_phase_fault<&Faults::open, 1>>(*this),
+      product::InputGroup::driver);
+  add("open_w", "", 0.0, 1.0, Set::bind<&AxisWorld::set_phase_fault<&Faults::open, 2>>(*this),
+      product::InputGroup::driver);
+  add("short_u", "", 0.0, 1.0, Set::bind<&AxisWorld::set_phase_fault<&Faults::shorted, 0>>(*this),
+      product::InputGroup::driver);
+  add("short_v", "", 0.0, 1.0, Set::bind<&AxisWorld::set_phase_fault<&Faults::shorted, 1>>(*this),
+      product::InputGroup::driver);
+  add("short_w", "", 0.0, 1.0, Set::bind<&AxisWorld::set_phase_fault<&Faults::shorted, 2>>(*this),
+      product::InputGroup::driver);
+  add("short_high_side", "", 0.0, 1.0, Set::bind<&AxisWorld::set_fault<&Faults::high_side>>(*this),
+      product::InputGroup::driver);
   // 0: intact, 1: stuck low, 2: stuck high
-  add("hall_fault_1", "", 0.0, 2.0, Set::bind<&AxisWorld::set_hall_fault<0>>(*this));
-  add("hall_fault_2", "", 0.0, 2.0, Set::bind<&AxisWorld::set_hall_fault<1>>(*this));
-  add("hall_fault_3", "", 0.0, 2.0, Set::bind<&AxisWorld::set_hall_fault<2>>(*this));
+  add("hall_fault_1", "", 0.0, 2.0, Set::bind<&AxisWorld::set_hall_fault<0>>(*this),
+      product::InputGroup::sensors);
+  add("hall_fault_2", "", 0.0, 2.0, Set::bind<&AxisWorld::set_hall_fault<1>>(*this),
+      product::InputGroup::sensors);
+  add("hall_fault_3", "", 0.0, 2.0, Set::bind<&AxisWorld::set_hall_fault<2>>(*this),
+      product::InputGroup::sensors);
   add("halls_swapped", "", 0.0, 1.0,
-      Set::bind<&AxisWorld::set_fault<&Faults::halls_swapped>>(*this));
-  add("encoder_counts_lost", "count", -1e6, 1e6, Set::bind<&AxisWorld::lose_counts>(*this));
-  add("current_noise", "A", 0.0, 100.0, Set::bind<&AxisWorld::set_current_noise>(*this));
+      Set::bind<&AxisWorld::set_fault<&Faults::halls_swapped>>(*this),
+      product::InputGroup::sensors);
+  add("encoder_counts_lost", "count", -1e6, 1e6, Set::bind<&AxisWorld::lose_counts>(*this),
+      product::InputGroup::sensors);
+  add("current_noise", "A", 0.0, 100.0, Set::bind<&AxisWorld::set_current_noise>(*this),
+      product::InputGroup::sensors);
   fault_inputs_.append(inputs, "axis0.");
 }
 

@@ -368,13 +368,15 @@ std::vector<product::Input> Tmcc160::inputs() {
   using Set = base::Delegate<void(double)>;
   std::vector<product::Input> inputs;
   world_.append_inputs(inputs);
-  inputs.emplace_back("enable", "", 0.0, 1.0, Set::bind<&Tmcc160::input_enable>(*this));
+  inputs.emplace_back("enable", "", 0.0, 1.0, Set::bind<&Tmcc160::input_enable>(*this),
+                      product::InputGroup::switches, 1.0);
   inputs.emplace_back("analog_input_0", "count", 0.0, 4095.0,
-                      Set::bind<&Tmcc160::input_analog<0>>(*this));
+                      Set::bind<&Tmcc160::input_analog<0>>(*this), product::InputGroup::lines);
   inputs.emplace_back("analog_input_1", "count", 0.0, 4095.0,
-                      Set::bind<&Tmcc160::input_analog<1>>(*this));
+                      Set::bind<&Tmcc160::input_analog<1>>(*this), product::InputGroup::lines);
   inputs.emplace_back("analog_noise", "count", 0.0, 4095.0,
-                      Set::bind<&product::AnalogNoise::set_amplitude>(inputs_.noise()));
+                      Set::bind<&product::AnalogNoise::set_amplitude>(inputs_.noise()),
+                      product::InputGroup::lines);
   return inputs;
 }
 

@@ -36,10 +36,11 @@ void ModuleIo::append_signals(std::vector<product::Signal>& signals) const {
 void ModuleIo::append_inputs(std::vector<product::Input>& inputs) {
   using Set = base::Delegate<void(double)>;
   const auto voltage = [&](const char* name, Set set) {
-    inputs.emplace_back(name, "V", 0.0, kReferenceVoltage, set);
+    inputs.emplace_back(name, "V", 0.0, kReferenceVoltage, set, product::InputGroup::lines);
   };
-  const auto level = [&](const char* name, Set set) {
-    inputs.emplace_back(name, "", 0.0, 1.0, set);
+  const auto level = [&](const char* name, Set set,
+                         product::InputGroup group = product::InputGroup::lines) {
+    inputs.emplace_back(name, "", 0.0, 1.0, set, group);
   };
   voltage("input0", Set::bind<&ModuleIo::set_voltage<0>>(*this));
   voltage("input1", Set::bind<&ModuleIo::set_voltage<1>>(*this));
@@ -50,9 +51,10 @@ void ModuleIo::append_inputs(std::vector<product::Input>& inputs) {
   level("input6", Set::bind<&ModuleIo::set_level<6>>(*this));
   level("input7", Set::bind<&ModuleIo::set_level<7>>(*this));
   level("input8", Set::bind<&ModuleIo::set_level<8>>(*this));
-  level("shutdown", Set::bind<&ModuleIo::set_shutdown>(*this));
+  level("shutdown", Set::bind<&ModuleIo::set_shutdown>(*this), product::InputGroup::switches);
   inputs.emplace_back("analog_noise", "count", 0.0, 1023.0,
-                      Set::bind<&product::AnalogNoise::set_amplitude>(noise_));
+                      Set::bind<&product::AnalogNoise::set_amplitude>(noise_),
+                      product::InputGroup::lines);
 }
 
 }  // namespace stator::devices::tmcm_142

@@ -313,26 +313,40 @@ void AxisUnit::append_signals(std::vector<product::Signal>& signals) const {
 }
 
 void AxisUnit::append_inputs(std::vector<product::Input>& inputs) {
+  const plant::StepperAxisParameters& world = plant_.parameters();
   const std::string prefix = "axis" + std::to_string(number_) + ".";
   const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
-                       base::Delegate<void(double)> set) {
-    inputs.emplace_back(prefix + name, unit, minimum, maximum, set);
+                       base::Delegate<void(double)> set, product::InputGroup group,
+                       double normal = 0.0) {
+    inputs.emplace_back(prefix + name, unit, minimum, maximum, set, group, normal);
   };
   using Set = base::Delegate<void(double)>;
-  add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&AxisUnit::set_load_torque>(*this));
-  add("supply_voltage", "V", 0.0, 100.0, Set::bind<&AxisUnit::set_supply_voltage>(*this));
-  add("left_switch", "", 0.0, 1.0, Set::bind<&AxisUnit::press_left_switch>(*this));
-  add("right_switch", "", 0.0, 1.0, Set::bind<&AxisUnit::press_right_switch>(*this));
-  add("home_switch", "", 0.0, 1.0, Set::bind<&AxisUnit::press_home_switch>(*this));
+  add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&AxisUnit::set_load_torque>(*this),
+      product::InputGroup::load);
+  add("supply_voltage", "V", 0.0, 100.0, Set::bind<&AxisUnit::set_supply_voltage>(*this),
+      product::InputGroup::supply, world.supply_voltage);
+  add("left_switch", "", 0.0, 1.0, Set::bind<&AxisUnit::press_left_switch>(*this),
+      product::InputGroup::switches);
+  add("right_switch", "", 0.0, 1.0, Set::bind<&AxisUnit::press_right_switch>(*this),
+      product::InputGroup::switches);
+  add("home_switch", "", 0.0, 1.0, Set::bind<&AxisUnit::press_home_switch>(*this),
+      product::InputGroup::switches);
   add("ambient_temperature", "degC", -50.0, 200.0,
-      Set::bind<&AxisUnit::set_ambient_temperature>(*this));
+      Set::bind<&AxisUnit::set_ambient_temperature>(*this), product::InputGroup::heat,
+      world.ambient_temperature);
   using Faults = plant::StepperAxisFaults;
-  add("open_load_a", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::open, 0>>(*this));
-  add("open_load_b", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::open, 1>>(*this));
-  add("short_a", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::shorted, 0>>(*this));
-  add("short_b", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::shorted, 1>>(*this));
-  add("short_high_side", "", 0.0, 1.0, Set::bind<&AxisUnit::set_fault<&Faults::high_side>>(*this));
-  add("encoder_counts_lost", "count", -1e6, 1e6, Set::bind<&AxisUnit::lose_counts>(*this));
+  add("open_load_a", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::open, 0>>(*this),
+      product::InputGroup::driver);
+  add("open_load_b", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::open, 1>>(*this),
+      product::InputGroup::driver);
+  add("short_a", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::shorted, 0>>(*this),
+      product::InputGroup::driver);
+  add("short_b", "", 0.0, 1.0, Set::bind<&AxisUnit::set_phase_fault<&Faults::shorted, 1>>(*this),
+      product::InputGroup::driver);
+  add("short_high_side", "", 0.0, 1.0, Set::bind<&AxisUnit::set_fault<&Faults::high_side>>(*this),
+      product::InputGroup::driver);
+  add("encoder_counts_lost", "count", -1e6, 1e6, Set::bind<&AxisUnit::lose_counts>(*this),
+      product::InputGroup::sensors);
   fault_inputs_.append(inputs, prefix);
 }
 

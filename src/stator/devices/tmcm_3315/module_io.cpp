@@ -86,12 +86,14 @@ void ModuleIo::append_inputs(std::vector<product::Input>& inputs) {
   for (std::size_t i = 0; i < kChannels; ++i) {
     const std::string number = std::to_string(i);
     Channel& channel = channels_[i];
-    inputs.emplace_back("input" + number, "", 0.0, 1.0, Set::bind<&Channel::set_level>(channel));
+    inputs.emplace_back("input" + number, "", 0.0, 1.0, Set::bind<&Channel::set_level>(channel),
+                        product::InputGroup::lines);
     inputs.emplace_back("analog_input" + number, "count", 0.0, 65535.0,
-                        Set::bind<&Channel::set_counts>(channel));
+                        Set::bind<&Channel::set_counts>(channel), product::InputGroup::lines);
   }
   inputs.emplace_back("analog_noise", "count", 0.0, 65535.0,
-                      Set::bind<&product::AnalogNoise::set_amplitude>(noise_));
+                      Set::bind<&product::AnalogNoise::set_amplitude>(noise_),
+                      product::InputGroup::lines);
 }
 
 }  // namespace stator::devices::tmcm_3315

@@ -266,7 +266,8 @@ std::vector<product::Input> Tmcm3315::inputs() {
   }
   io_.append_inputs(inputs);
   inputs.emplace_back("shutdown_switch", "", 0.0, 1.0,
-                      base::Delegate<void(double)>::bind<&Tmcm3315::input_shutdown_switch>(*this));
+                      base::Delegate<void(double)>::bind<&Tmcm3315::input_shutdown_switch>(*this),
+                      product::InputGroup::switches);
   inputs.push_back(clock_deviation_input());
   return inputs;
 }

@@ -28,6 +28,7 @@ struct AxisFaultInput {
   const char* unit;
   double minimum;
   double maximum;
+  base::InputGroup group;
   AxisPart part;  ///< that it is a fault of
   void (*apply)(AxisFaults& faults, double value);
 };
@@ -59,7 +60,8 @@ class AxisFaultInputs {
   void append(std::vector<base::Input>& inputs, const std::string& prefix) {
     for (Item& item : items_) {
       inputs.emplace_back(prefix + item.row->name, item.row->unit, item.row->minimum,
-                          item.row->maximum, base::Delegate<void(double)>::bind<&Item::set>(item));
+                          item.row->maximum, base::Delegate<void(double)>::bind<&Item::set>(item),
+                          item.row->group);
     }
   }
 

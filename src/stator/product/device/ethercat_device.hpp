@@ -84,8 +84,12 @@ class EtherCatDevice : public Device {
  protected:
   /// kClockDeviation, ppb: ten times what crystals for EtherCAT may be off, and more.
   [[nodiscard]] Input clock_deviation_input() {
-    return {kClockDeviation, "ppb", -1e6, 1e6,
-            base::Delegate<void(double)>::bind<&EtherCatDevice::set_clock_deviation>(*this)};
+    return {kClockDeviation,
+            "ppb",
+            -1e6,
+            1e6,
+            base::Delegate<void(double)>::bind<&EtherCatDevice::set_clock_deviation>(*this),
+            InputGroup::network};
   }
 };
 

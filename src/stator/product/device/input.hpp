@@ -1,4 +1,4 @@
-// Names base::Input and base::InputRange, the settable inputs of a device, in the namespace of
+// Names base::Input and what belongs to it, the settable inputs of a device, in the namespace of
 // products.
 #pragma once
 
@@ -7,6 +7,7 @@
 namespace stator::product {
 
 using base::Input;
+using base::InputGroup;
 using base::InputRange;
 
 }  // namespace stator::product

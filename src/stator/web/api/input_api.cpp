@@ -93,6 +93,8 @@ class ReadInputsJob final : public LookJob {
                      {"unit", declared->unit},
                      {"minimum", finite(declared->minimum)},
                      {"maximum", finite(declared->maximum)},
+                     {"group", base::name_of(declared->group)},
+                     {"normal", declared->normal},
                      {"value", input.value ? Json(*input.value) : Json(nullptr)}});
     }
     return json_response(list_ ? Json{{"inputs", std::move(all)}} : std::move(all.front()));

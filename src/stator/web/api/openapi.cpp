@@ -124,12 +124,15 @@ constexpr const char* kSchemas = R"({
   },
   "Input": {
     "type": "object",
-    "required": ["name", "unit", "minimum", "maximum", "value"],
+    "required": ["name", "unit", "minimum", "maximum", "group", "normal", "value"],
     "properties": {
       "name": {"type": "string"},
       "unit": {"type": "string"},
       "minimum": {"type": ["number", "null"]},
       "maximum": {"type": ["number", "null"]},
+      "group": {"type": "string", "enum": ["other", "load", "supply", "switches", "sensors", "driver", "heat", "lines", "network"],
+                "description": "what of the world around the device it belongs to"},
+      "normal": {"type": "number", "description": "what holds while nobody has set it"},
       "value": {"type": ["number", "null"], "description": "null: never set so far"}
     }
   },
