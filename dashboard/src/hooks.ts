@@ -124,6 +124,19 @@ export function useSignals(names: readonly string[], interval = 150): (name: str
   return useCallback((name: string) => hub.value(name), [hub]);
 }
 
+/// Whether a media query holds, now and whenever that changes.
+export function useMedia(query: string): boolean {
+  const list = useMemo(() => matchMedia(query), [query]);
+  const [holds, setHolds] = useState(list.matches);
+  useEffect(() => {
+    const changed = () => setHolds(list.matches);
+    changed();
+    list.addEventListener("change", changed);
+    return () => list.removeEventListener("change", changed);
+  }, [list]);
+  return holds;
+}
+
 /// The width of an element as it is laid out.
 export function useWidth(): [(element: HTMLElement | null) => void, number] {
   const [width, setWidth] = useState(0);

@@ -5,6 +5,7 @@ import { segment } from "../api";
 import { axesOf, axisIndex, axisNumber, type AxisSignals } from "../axes";
 import { Gauge, rangeFor } from "../components/gauge";
 import { InputsPanel } from "../components/inputs_panel";
+import { MotionPanel } from "../components/motion_panel";
 import { StateMachinePicture } from "../components/state_machine";
 import { addressText, hexText, quantity, timeText } from "../format";
 import { useLive, useResource, useStore } from "../hooks";
@@ -48,6 +49,14 @@ export function Overview({ device, panel, asked }: { device: Device; panel: Pane
             </div>
           ) : null}
           {axis ? <AxisValues key={axis.name} axis={axis} panel={axisPanel} /> : null}
+          {axis ? (
+            <MotionPanel
+              key={`motion ${axis.name}`}
+              device={device.name}
+              axis={axis.name}
+              signals={signals.data}
+            />
+          ) : null}
           <InputsPanel device={device} signals={signals.data} first={axis?.name ?? ""} asked={asked} />
         </div>
         <div class="stack">

@@ -1,0 +1,49 @@
+// Pictures of motors: vectors in numbers for who points at them, frames of reference, numbers alone where motion is not wanted.
+import assert from "node:assert/strict";
+
+import { lookAt, sizes, test } from "./fixtures.mjs";
+
+const allSizes = [{ width: 390, height: 844 }, ...sizes];
+
+test("a stepper's vectors tell their numbers to who points at them or goes there with the keyboard", async ({ open, rack }) => {
+  const master = rack.move(20);
+  try {
+    const page = await open("/device/gantry");
+    const motion = page.getByRole("region", { name: "Motion of axis0" });
+    const current = motion.getByRole("img", { name: "Stator current" });
+    await motion
+      .getByText(/^−?\d+\.\d° el\.$/)
+      .first()
+      .waitFor();
+    await current.focus();
+    await motion.getByText(/^Stator current: [\d.]+\sm?A at −?\d+\.\d° electrical/).waitFor();
+    await motion.getByRole("img", { name: /^Rotor flux/ }).hover();
+    await motion.getByText(/electrical from coil A$/).waitFor();
+    const turned = () => motion.locator('[data-part="rotor"]').getAttribute("transform");
+    const first = await turned();
+    await page.waitForFunction((was) => document.querySelector('.motor [data-part="rotor"]').getAttribute("transform") !== was, first);
+    await lookAt(page, "motion-stepper", allSizes);
+  } finally {
+    await master.stop();
+  }
+});
+
+test("a servo is seen from its stator or in d/q at rest", async ({ open }) => {
+  const page = await open("/device/servo");
+  const motion = page.getByRole("region", { name: "Motion of axis0" });
+  await motion.getByText("Rotor flux at").waitFor();
+  await motion.getByRole("button", { name: "d/q at rest" }).click();
+  await page.waitForFunction(() =>
+    document.querySelector('.motor [data-part="rotor"]').getAttribute("transform")?.startsWith("rotate(-90.00"),
+  );
+  await lookAt(page, "motion-servo", allSizes);
+});
+
+test("who wants little motion gets the numbers alone", async ({ open }) => {
+  const page = await open("/device/servo");
+  const motion = page.getByRole("region", { name: "Motion of axis0" });
+  await page.emulateMedia({ reducedMotion: "reduce" });
+  await motion.getByText(/Numbers only/).waitFor();
+  assert.equal(await motion.locator("svg.motor").count(), 0);
+  await motion.getByText("Quadrature current").waitFor();
+});

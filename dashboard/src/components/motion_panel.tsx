@@ -1,0 +1,80 @@
+// How an axis moves: the motor as a picture, and the same in numbers.
+import { useComputed, type ReadonlySignal } from "@preact/signals";
+import { useEffect, useMemo, useState } from "preact/hooks";
+
+import type { Signals } from "../api";
+import { useMedia, useWorld } from "../hooks";
+import { motorNumbers, motorSignals, type MotorNumber, type MotorSignals } from "../motion";
+import "../styles/motion.css";
+import { MotorPicture, type Frame } from "./motor_picture";
+
+export function MotionPanel({
+  device,
+  axis,
+  signals,
+}: {
+  device: string;
+  axis: string;
+  signals: Signals | null;
+}) {
+  const known = useMemo(() => new Set(signals?.signals.map((signal) => signal.name)), [signals]);
+  const motor = useMemo(() => motorSignals(device, axis, known), [device, axis, known]);
+  const still = useMedia("(prefers-reduced-motion: reduce)");
+  const [frame, setFrame] = useState<Frame>("stator");
+  if (!motor) {
+    return null;
+  }
+  return (
+    <section class="panel motion" aria-label={`Motion of ${axis}`}>
+      <header>
+        <h2>Motion of {axis}</h2>
+        <span class="spacer" />
+        {still ? null : (
+          <div class="segmented" role="group" aria-label="What stands still in the picture">
+            <button type="button" aria-pressed={frame === "stator"} onClick={() => setFrame("stator")}>
+              stator
+            </button>
+            <button type="button" aria-pressed={frame === "rotor"} onClick={() => setFrame("rotor")}>
+              {motor.kind === "servo" ? "d/q at rest" : "rotor at rest"}
+            </button>
+          </div>
+        )}
+      </header>
+      <div class="body">
+        {still ? (
+          <p class="soft">Numbers only, as your system asks for little motion.</p>
+        ) : (
+          <div>
+            <MotorPicture motor={motor} title={axis} frame={frame} />
+          </div>
+        )}
+        <MotorNumbers motor={motor} />
+      </div>
+    </section>
+  );
+}
+
+function MotorNumbers({ motor }: { motor: MotorSignals }) {
+  const { hub } = useWorld();
+  useEffect(() => hub.watch(motor.names), [hub, motor]);
+  const numbers = useComputed(() => motorNumbers(motor, (name) => hub.live(name).value));
+  const labels = useComputed(() => numbers.value.map(({ label }) => label).join("\n"));
+  return (
+    <dl class="numbers">
+      {labels.value.split("\n").map((label, i) => (
+        <div key={label}>
+          <dt>{label}</dt>
+          <dd>
+            <NumberText numbers={numbers} row={i} />
+          </dd>
+        </div>
+      ))}
+    </dl>
+  );
+}
+
+/// Repaints its own text alone.
+function NumberText({ numbers, row }: { numbers: ReadonlySignal<readonly MotorNumber[]>; row: number }) {
+  const text = useComputed(() => numbers.value[row]?.text ?? "");
+  return <>{text}</>;
+}
