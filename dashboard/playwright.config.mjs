@@ -18,6 +18,7 @@ export default defineConfig({
       args: [
         "--no-sandbox",
         "--disable-gpu",
+        "--enable-unsafe-swiftshader", // WebGL without a graphics card
         "--disable-quic",
         "--no-first-run",
         "--disable-background-networking",

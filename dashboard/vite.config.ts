@@ -15,6 +15,7 @@ export default defineConfig({
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
     reportCompressedSize: false,
+    chunkSizeWarningLimit: 600, // kB: three.js, which is fetched when a machine is first shown
   },
   server: {
     // The server refuses pages of other origins, so requests are passed on without one.

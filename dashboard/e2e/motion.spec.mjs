@@ -47,3 +47,42 @@ test("who wants little motion gets the numbers alone", async ({ open }) => {
   assert.equal(await motion.locator("svg.motor").count(), 0);
   await motion.getByText("Quadrature current").waitFor();
 });
+
+test("axes are a machine in three dimensions, which is fetched when it is asked for", async ({ open }) => {
+  const page = await open("/device/gantry", "GL Driver Message");
+  const fetched = [];
+  page.on("request", (request) => fetched.push(request.url()));
+  const motion = page.getByRole("region", { name: "Motion of axis0" });
+  const button = motion.getByRole("button", { name: "Show in 3-D" });
+  await button.waitFor();
+  assert.ok(!fetched.some((url) => /machine-.*\.js$/.test(url)));
+  await button.click();
+  const machine = motion.getByRole("img", { name: /^A gantry/ });
+  await machine.waitFor();
+  await motion.getByText("z (axis2)").waitFor();
+  const look = async () => (await machine.screenshot()).toString("base64");
+  await page.waitForTimeout(1500);
+  const before = await look();
+  await machine.focus();
+  for (let i = 0; i < 6; ++i) {
+    await page.keyboard.press("ArrowLeft");
+  }
+  await page.waitForTimeout(500);
+  assert.notEqual(await look(), before);
+  assert.ok(fetched.some((url) => /machine-.*\.js$/.test(url)));
+  await lookAt(page, "motion-machine", allSizes);
+  await button.click();
+  await machine.waitFor({ state: "detached" });
+});
+
+test("without WebGL a sentence says so beside the numbers", async ({ open }) => {
+  const page = await open("/device/servo", "THREE.WebGLRenderer");
+  const motion = page.getByRole("region", { name: "Motion of axis0" });
+  await motion.getByRole("button", { name: "Show in 3-D" }).waitFor();
+  await page.evaluate(() => {
+    HTMLCanvasElement.prototype.getContext = () => null;
+  });
+  await motion.getByRole("button", { name: "Show in 3-D" }).click();
+  await motion.getByText(/It needs WebGL/).waitFor();
+  await motion.getByText(/rad\/s/).waitFor();
+});

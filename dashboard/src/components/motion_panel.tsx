@@ -6,19 +6,25 @@ import type { Signals } from "../api";
 import { useMedia, useWorld } from "../hooks";
 import { motorNumbers, motorSignals, type MotorNumber, type MotorSignals } from "../motion";
 import "../styles/motion.css";
+import { MachineView } from "./machine_view";
 import { MotorPicture, type Frame } from "./motor_picture";
 
+/// `axes`: all of the device; three of them make a gantry.
 export function MotionPanel({
   device,
   axis,
+  axes,
   signals,
 }: {
   device: string;
   axis: string;
+  axes: readonly string[];
   signals: Signals | null;
 }) {
   const known = useMemo(() => new Set(signals?.signals.map((signal) => signal.name)), [signals]);
   const motor = useMemo(() => motorSignals(device, axis, known), [device, axis, known]);
+  const machine = useMemo(() => machineOf(motor, device, axes, known), [motor, device, axes, known]);
+  const [solid, setSolid] = useState(false);
   const still = useMedia("(prefers-reduced-motion: reduce)");
   const [frame, setFrame] = useState<Frame>("stator");
   if (!motor) {
@@ -29,6 +35,9 @@ export function MotionPanel({
       <header>
         <h2>Motion of {axis}</h2>
         <span class="spacer" />
+        <button type="button" aria-pressed={solid} onClick={() => setSolid(!solid)}>
+          Show in 3-D
+        </button>
         {still ? null : (
           <div class="segmented" role="group" aria-label="What stands still in the picture">
             <button type="button" aria-pressed={frame === "stator"} onClick={() => setFrame("stator")}>
@@ -49,9 +58,16 @@ export function MotionPanel({
           </div>
         )}
         <MotorNumbers motor={motor} />
+        {solid ? <MachineView device={device} motors={machine} /> : null}
       </div>
     </section>
   );
+}
+
+/// Three axes are a gantry, any other number is a rotary table each.
+function machineOf(motor: MotorSignals | null, device: string, axes: readonly string[], known: ReadonlySet<string>): MotorSignals[] {
+  const all = axes.flatMap((each) => motorSignals(device, each, known) ?? []);
+  return all.length === 3 ? all : motor ? [motor] : [];
 }
 
 function MotorNumbers({ motor }: { motor: MotorSignals }) {

@@ -54,6 +54,7 @@ export function Overview({ device, panel, asked }: { device: Device; panel: Pane
               key={`motion ${axis.name}`}
               device={device.name}
               axis={axis.name}
+              axes={axes.map((each) => each.name)}
               signals={signals.data}
             />
           ) : null}
