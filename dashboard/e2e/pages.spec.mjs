@@ -1,6 +1,8 @@
 // What is done in the views, as a person would.
 import assert from "node:assert/strict";
 
+import { expect } from "@playwright/test";
+
 import { heading, test } from "./fixtures.mjs";
 
 const put = (page, address) => page.getByRole("button", { name: `Write ${address}`, exact: true });
@@ -34,11 +36,7 @@ test("shafts turn as the motors do", async ({ open }) => {
   const page = await open("/rack");
   const shaft = page.locator("a.card", { hasText: "feeder" }).locator(".shaft g").first();
   const seen = new Set();
-  for (let i = 0; i < 40 && seen.size < 3; ++i) {
-    await page.waitForTimeout(50);
-    seen.add(await shaft.getAttribute("transform"));
-  }
-  assert.ok(seen.size >= 3, [...seen].join(", "));
+  await expect.poll(async () => seen.add(await shaft.getAttribute("transform")).size, { timeout: 120_000 }).toBeGreaterThanOrEqual(3);
 });
 
 test("the load is set with a slider and comes back as a signal", async ({ open, origin }) => {

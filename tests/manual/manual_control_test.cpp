@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <memory>
 #include <span>
 #include <string>
@@ -26,6 +27,7 @@
 #include "stator/master/master.hpp"
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/file/rack_file.hpp"
+#include "stator/tmcl/command.hpp"
 #include "stator/tmcl/telegram.hpp"
 
 namespace stator::manual {
@@ -65,10 +67,14 @@ class ManualControlTest : public ::testing::Test {
            "/can\"]\n[[bus.device]]\ntype = \"tmcc160\"\nname = \"spindle\"\nnode_id = 5\n"
            "[[bus.device]]\ntype = \"tmcm-142\"\nname = \"winder\"\n"
            "[[device]]\ntype = \"tmcm-142\"\nname = \"feeder\"\nusb = \"pty:" +
-           serial_path() + "\"\n";
+           serial_path() + "\"\nprogram = \"" + program_path() + "\"\n";
   }
   [[nodiscard]] std::string serial_path() const { return directory_.path() + "/usb"; }
+  /// Of the feeder; nothing starts it unless a test does.
+  [[nodiscard]] std::string program_path() const { return directory_.path() + "/to_and_fro.tmc"; }
   [[nodiscard]] rack::RackConfiguration read(const std::string& clock) const {
+    std::ofstream(program_path()) << "Loop: MVP ABS, 0, 30000\nWAIT POS, 0, 0\nMVP ABS, 0, 0\n"
+                                     "WAIT POS, 0, 0\nJA Loop\n";
     return rack::parse_rack_file(rack_text(clock), "rack.toml", devices::products());
   }
   [[nodiscard]] rack::DeviceAddress address(const std::string& name) const {
@@ -266,6 +272,37 @@ TEST_F(ManualControlTest, LeavesAnAxisWithoutCurrentWhenItIsGivenBack) {
   EXPECT_EQ(log_.count("manual-control-ends"), 1U);
   begin(gantry);
   EXPECT_FALSE(axis(gantry).status.enabled);
+}
+
+TEST_F(ManualControlTest, LetsAProgramGoOnThatWaitedForTheEndOfItsMove) {
+  const auto signals = rack_.signals();
+  const auto signal =
+      std::ranges::find(signals, "feeder.axis0.position_actual", &product::Signal::name);
+  ASSERT_NE(signal, signals.end());
+  const auto position = [&] {
+    const std::scoped_lock lock(runner_.running().mutex);
+    return signal->read();
+  };
+  const rack::DeviceAddress feeder = address("feeder");
+  {
+    rack::RunningRack& running = runner_.running();
+    const std::scoped_lock lock(running.mutex);
+    running.catch_up();
+    rack_.put(0,
+              tmcl::encode(tmcl::Request{
+                  .command = static_cast<std::uint8_t>(tmcl::Command::run_application)}),
+              running.reached);
+  }
+  ASSERT_TRUE(wait_for([&] { return position() > 1'000.0; }));
+  begin(feeder);
+  // A move that is broken off: the motor stands where the program did not send it.
+  command(feeder, {.kind = CommandKind::move, .value = -1'000'000'000});
+  ASSERT_TRUE(wait_for([&] { return position() < -1'000.0; }));
+  command(feeder, {.kind = CommandKind::stop});
+  ASSERT_TRUE(wait_for([&] { return axis(feeder).status.state == "at rest"; }));
+  control_.release(feeder);
+  EXPECT_TRUE(wait_for([&] { return position() > 20'000.0; }));
+  EXPECT_TRUE(wait_for([&] { return position() < 10'000.0; }));
 }
 
 TEST_F(ManualControlTest, SaysWhyACommandWasNotCarriedOut) {

@@ -14,10 +14,16 @@ using master::Result;
 namespace {
 
 // Axis parameters (TMCL reference of Trinamic's modules, "axis parameters").
+constexpr std::uint8_t kTargetPosition = 0;
 constexpr std::uint8_t kActualPosition = 1;
+constexpr std::uint8_t kTargetSpeed = 2;
 constexpr std::uint8_t kActualSpeed = 3;
 constexpr std::uint8_t kMaximumPositioningSpeed = 4;
 constexpr std::uint8_t kPositionReached = 8;
+constexpr std::uint8_t kRampMode = 128;
+
+/// Of kRampMode: the motor turns with its target speed, wherever its target position is.
+constexpr std::int32_t kVelocityMode = 2;
 
 // Types of MVP and RFS.
 constexpr std::uint8_t kAbsolute = 0;
@@ -48,6 +54,7 @@ TmclAxis::TmclAxis(Ask ask, const AxisPlace& place)
   program_ran_ = status && status->value == kProgramRuns;
   if (program_ran_) {
     static_cast<void>(ask_({.command = number_of(tmcl::Command::stop_application)}));
+    note_motion();
   }
   if (const auto speed = parameter(kMaximumPositioningSpeed)) {
     description_.velocity = *speed;
@@ -152,9 +159,32 @@ Result<void> TmclAxis::stop() {
                : base::Unexpected{ended.error()};
 }
 
+void TmclAxis::note_motion() {
+  const auto mode = parameter(kRampMode);
+  if (mode && *mode != kVelocityMode) {
+    if (const auto target = parameter(kTargetPosition)) {
+      program_target_ = *target;
+    }
+  } else if (const auto velocity = parameter(kTargetSpeed)) {
+    program_velocity_ = *velocity;
+  }
+}
+
+// A program that waits for the end of its move (WAIT POS) would wait for ever.
+void TmclAxis::resume_motion() {
+  if (program_target_) {
+    static_cast<void>(command({.command = number_of(tmcl::Command::move_to_position),
+                               .type = kAbsolute,
+                               .value = *program_target_}));
+  } else if (program_velocity_ != 0) {
+    static_cast<void>(jog(program_velocity_));
+  }
+}
+
 Result<void> TmclAxis::leave() {
   auto stopped = stop();
   if (program_ran_) {
+    resume_motion();
     static_cast<void>(ask_({.command = number_of(tmcl::Command::run_application)}));
   }
   return stopped;

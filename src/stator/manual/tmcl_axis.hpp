@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "stator/manual/axis.hpp"
 #include "stator/manual/network_master.hpp"
@@ -17,7 +18,7 @@ class TmclAxis final : public Axis {
   using Ask = std::function<master::Result<tmcl::Reply>(const tmcl::Instruction&)>;
 
   /// Stops a program that runs on the module, as it would go on commanding the motor, until leave()
-  /// lets it run on.
+  /// lets it run on, with the motor on the way on which the program had sent it.
   TmclAxis(Ask ask, const AxisPlace& place);
 
   [[nodiscard]] const AxisDescription& description() const override { return description_; }
@@ -32,10 +33,15 @@ class TmclAxis final : public Axis {
   master::Result<void> jog(std::int64_t velocity);
   master::Result<void> move(const Command& given);
   master::Result<void> stop();
+  void note_motion();
+  void resume_motion();
 
   Ask ask_;
   std::uint8_t motor_;
   bool program_ran_ = false;
+  /// What the program had the motor do: move there, or else turn with this velocity.
+  std::optional<std::int32_t> program_target_;
+  std::int32_t program_velocity_ = 0;
   AxisDescription description_;
 };
 
