@@ -9,6 +9,15 @@ import { dirname, join, resolve } from "node:path";
 const here = dirname(new URL(import.meta.url).pathname);
 export const repository = resolve(here, "../..");
 
+/// What a browser says of a rack that is not there for a moment.
+export const kRackGone = [
+  "ERR_CONNECTION_REFUSED",
+  "ERR_CONNECTION_RESET",
+  "ERR_EMPTY_RESPONSE",
+  "WebSocket connection",
+  "Failed to load resource",
+];
+
 async function freeUdpPort() {
   const socket = createSocket("udp4");
   await new Promise((done) => socket.bind(0, "127.0.0.1", done));

@@ -2,15 +2,7 @@
 import assert from "node:assert/strict";
 
 import { heading, test } from "./fixtures.mjs";
-
-/// What a browser says of a rack that is not there for a moment.
-const kRackGone = [
-  "ERR_CONNECTION_REFUSED",
-  "ERR_CONNECTION_RESET",
-  "ERR_EMPTY_RESPONSE",
-  "WebSocket connection",
-  "Failed to load resource",
-];
+import { kRackGone } from "./rack.mjs";
 
 test("a snapshot brings the rack back, and the page stays", async ({ open, origin }) => {
   const page = await open("/recording", ...kRackGone);

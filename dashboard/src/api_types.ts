@@ -123,6 +123,41 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/api/v1/rack/file": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /** The rack file of this run, as it was when the run began */
+        readonly get: operations["getRackFile"];
+        /** Runs another rack instead of this one, or this one again if that cannot start; its text is kept in a new file beside the present one; links and this server are gone meanwhile */
+        readonly put: operations["runRack"];
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/api/v1/rack/check": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        /** Tells what is wrong with the text of a rack file, as "stator check" does; the running rack is not touched */
+        readonly post: operations["checkRack"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/api/v1/devices": {
         readonly parameters: {
             readonly query?: never;
@@ -537,6 +572,38 @@ export interface components {
         };
         readonly SnapshotName: {
             readonly name: string;
+        };
+        readonly RackFile: {
+            /** @description Empty: there is none */
+            readonly path: string;
+            readonly text: string;
+            /** @description Made to it before it was read, PATH=VALUE, as the option --set has them */
+            readonly changes: readonly string[];
+            /** @description Why no other rack can be run instead; empty: one can */
+            readonly fixed: string;
+            /** @description Why the rack that was asked for last does not run; empty: it does */
+            readonly refusal: string;
+        };
+        readonly RackText: {
+            /** @description Of a rack file; what it names is looked for beside the present one */
+            readonly text: string;
+        };
+        readonly RackCheck: {
+            readonly errors: readonly {
+                readonly file: string;
+                /** @description From 1; 0: of no place in a file */
+                readonly line: number;
+                readonly column: number;
+                /** @description Empty: a table or the whole file */
+                readonly key: string;
+                readonly message: string;
+            }[];
+            /** @description What a run would warn of */
+            readonly warnings: readonly string[];
+        };
+        readonly RackPath: {
+            /** @description Of the file that was written */
+            readonly path: string;
         };
         readonly Done: {
             /** @description Simulated time at which it happened */
@@ -992,6 +1059,10 @@ export type Problem = components['schemas']['Problem'];
 export type Recording = components['schemas']['Recording'];
 export type Snapshots = components['schemas']['Snapshots'];
 export type SnapshotName = components['schemas']['SnapshotName'];
+export type RackFile = components['schemas']['RackFile'];
+export type RackText = components['schemas']['RackText'];
+export type RackCheck = components['schemas']['RackCheck'];
+export type RackPath = components['schemas']['RackPath'];
 export type Done = components['schemas']['Done'];
 export type Network = components['schemas']['Network'];
 export type Rack = components['schemas']['Rack'];
@@ -1253,6 +1324,101 @@ export interface operations {
                 };
                 content: {
                     readonly "application/json": components["schemas"]["Any"];
+                };
+            };
+            /** @description Refused */
+            readonly default: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getRackFile: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Done */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["RackFile"];
+                };
+            };
+            /** @description Refused */
+            readonly default: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly runRack: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["RackText"];
+            };
+        };
+        readonly responses: {
+            /** @description Done */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["RackPath"];
+                };
+            };
+            /** @description Refused */
+            readonly default: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly checkRack: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["RackText"];
+            };
+        };
+        readonly responses: {
+            /** @description Done */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["RackCheck"];
                 };
             };
             /** @description Refused */

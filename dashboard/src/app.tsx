@@ -15,6 +15,7 @@ import { DeviceView } from "./views/device";
 import { EventsView } from "./views/events";
 import { FaultsView } from "./views/faults";
 import { RackView } from "./views/rack";
+import { RackFileView } from "./views/rack_file";
 import { RecordingView } from "./views/recording";
 import { TrafficView } from "./views/traffic";
 
@@ -27,6 +28,7 @@ interface ViewDeclaration {
 
 const kViews: readonly ViewDeclaration[] = [
   { view: "rack", title: "Rack", needs: "/api/v1/rack" },
+  { view: "rack-file", title: "Rack file", needs: "/api/v1/rack/file" },
   { view: "scope", title: "Oscilloscope", needs: "/api/v1/signals" },
   { view: "events", title: "Events", needs: "/api/v1/events" },
   { view: "traffic", title: "Traffic", needs: "/api/v1/traffic" },
@@ -186,6 +188,8 @@ function View({ route }: { route: Route }) {
   switch (route.view) {
     case "rack":
       return <RackView />;
+    case "rack-file":
+      return <RackFileView />;
     case "scope":
       return <Scope api={api} />;
     case "events":

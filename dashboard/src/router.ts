@@ -1,5 +1,7 @@
 // Addresses of views: "#/device/gantry/objects?search=6041". The fragment keeps them off the server.
 
+import { useCallback, useEffect, useState } from "preact/hooks";
+
 export interface Route {
   readonly view: string;
   readonly parts: readonly string[];
@@ -35,4 +37,28 @@ export function takeToken(hash: string): { token: string; rest: string } | null 
     return null;
   }
   return { token: decode(found[1] ?? ""), rest: found[2] ? `#${decode(found[2])}` : "" };
+}
+
+/// The choices of the view in the address, and a change of some of them that leaves the view in its place; an empty text takes
+/// a choice out. Reloading the page, or opening the address elsewhere, brings them back.
+export function useQuery(): [ReadonlyMap<string, string>, (changes: Readonly<Record<string, string>>) => void] {
+  const [query, setQuery] = useState(() => parseRoute(location.hash).query);
+  useEffect(() => {
+    const changed = () => setQuery(parseRoute(location.hash).query);
+    window.addEventListener("hashchange", changed);
+    return () => window.removeEventListener("hashchange", changed);
+  }, []);
+  const change = useCallback((changes: Readonly<Record<string, string>>) => {
+    const route = parseRoute(location.hash);
+    const next = Object.fromEntries(Object.entries({ ...Object.fromEntries(route.query), ...changes }).filter(([, value]) => value !== ""));
+    history.replaceState(null, "", href(route.view, route.parts, next));
+    setQuery(new Map(Object.entries(next)));
+  }, []);
+  return [query, change];
+}
+
+/// One of them, and a change of it.
+export function useChoice(name: string): [string, (value: string) => void] {
+  const [query, change] = useQuery();
+  return [query.get(name) ?? "", useCallback((value: string) => change({ [name]: value }), [change, name])];
 }

@@ -7,11 +7,13 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "base/child_process.hpp"
@@ -63,6 +65,29 @@ class RunningRack : public ::testing::Test {
   }
 
   [[nodiscard]] const std::string& address() const { return address_; }
+
+  /// The answer of its server, to a text if one is given.
+  nlohmann::json ask(const std::string& method, const std::string& target,
+                     const std::string& text = {}) {
+    HttpClient client(parse_http_address(address_),
+                      std::getenv("STATOR_TOKEN"));  // NOLINT(concurrency-mt-unsafe)
+    return client.json(method, target,
+                       text.empty() ? std::string() : nlohmann::json{{"text", text}}.dump());
+  }
+  /// Waits until another run than `run` answers.
+  void await_run_after(const std::string& run) {
+    while (process_.runs()) {
+      try {
+        if (ask("GET", "/api/v1/rack")["run"] != run) {
+          return;
+        }
+      } catch (const std::runtime_error&) {
+        // One has gone and the next is not there yet.
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    FAIL() << log();
+  }
 
   tests::Outcome command(const std::string& words) {
     return tests::stator(words + " --http " + address_);
@@ -152,6 +177,43 @@ TEST_F(RunningRack, IsSeenAnewOnceItWentBack) {
   const std::size_t kept = after.events.size();
   ASSERT_EQ(command("inject can-drop --device spindle count=3").status, 0);
   EXPECT_GT(observer.look().events.size(), kept) << "though its numbers were seen before";
+}
+
+TEST_F(RunningRack, GivesWayToAnotherRackAtTheSameAddress) {
+  ASSERT_NO_FATAL_FAILURE(start(""));
+  const nlohmann::json file = ask("GET", "/api/v1/rack/file");
+  std::string text = file["text"];
+  ASSERT_THAT(text, HasSubstr("node_id = 5"));
+  text.replace(text.find("spindle"), 7, "conveyor");
+  const std::string run = ask("GET", "/api/v1/rack")["run"];
+  const std::string path = ask("PUT", "/api/v1/rack/file", text)["path"];
+  EXPECT_THAT(path, HasSubstr("running-2.toml"));
+  EXPECT_EQ(tests::content(path), text);
+  await_run_after(run);
+  EXPECT_EQ(ask("GET", "/api/v1/devices")["devices"][0]["name"], "conveyor");
+  const nlohmann::json after = ask("GET", "/api/v1/rack/file");
+  EXPECT_EQ(after["path"], path);
+  EXPECT_EQ(after["text"], text);
+  EXPECT_EQ(after["refusal"], "");
+  EXPECT_EQ(end(), 0) << log();
+  std::filesystem::remove(path);
+}
+
+TEST_F(RunningRack, RunsOnIfTheOtherOneCannotStart) {
+  ASSERT_NO_FATAL_FAILURE(start(""));
+  std::string text = ask("GET", "/api/v1/rack/file")["text"];
+  const std::size_t ports = text.find("slcan:");
+  text.replace(ports, text.find('"', ports) - ports, "socketcan:no-such-one");
+  text.replace(text.find("spindle"), 7, "conveyor");
+  const std::string run = ask("GET", "/api/v1/rack")["run"];
+  const std::string path = ask("PUT", "/api/v1/rack/file", text)["path"];
+  await_run_after(run);
+  EXPECT_EQ(ask("GET", "/api/v1/devices")["devices"][0]["name"], "spindle");
+  const std::string refusal = ask("GET", "/api/v1/rack/file")["refusal"];
+  EXPECT_THAT(refusal, HasSubstr("no-such-one"));
+  EXPECT_THAT(log(), HasSubstr(path + " does not start: " + refusal));
+  EXPECT_EQ(end(), 0) << log();
+  std::filesystem::remove(path);
 }
 
 TEST_F(RunningRack, WhoseStateDirectoryIsRemoved_EndsWithStatus1AndSaysSo) {

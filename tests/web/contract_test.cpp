@@ -13,6 +13,7 @@
 
 #include "stator/web/api/assets.hpp"
 #include "stator/web/api/routes.hpp"
+#include "stator/web/rack_file_control.hpp"
 #include "stator/web/session_control.hpp"
 #include "web/served_rack.hpp"
 
@@ -99,6 +100,17 @@ class Snapshots final : public SessionControl {
   bool restore(const std::string& /*name*/) override { return true; }
 };
 
+class GoodFile final : public RackFileControl {
+ public:
+  File file() override { return {.path = "rack.toml", .text = "", .changes = {"clock=real"}}; }
+  base::Expected<std::string, std::string> replace(const std::string& /*text*/) override {
+    return std::string("rack-2.toml");
+  }
+};
+
+constexpr const char* kRackText =
+    R"({"text": "[[segment]]\n[[segment.device]]\ntype = \"tmcm-3315\"\n"})";
+
 /// A request that is answered without error, for operations that need more than a path without
 /// parameters.
 struct Example {
@@ -128,6 +140,8 @@ TEST(Contract, IsKeptByEveryOperation) {
       {"getPanel", {"/api/v1/devices/drive/panel"}},
       {"takeSnapshot", {"/api/v1/snapshots", R"({"name": "before"})"}},
       {"restoreSnapshot", {"/api/v1/snapshots/there/restore"}},
+      {"checkRack", {"/api/v1/rack/check", kRackText}},
+      {"runRack", {"/api/v1/rack/file", kRackText}},
       {"injectFault", {"/api/v1/faults", R"({"kind": "power-off", "device": "drive"})"}},
       {"clearFault", {"/api/v1/faults/1"}},
       {"getManualControl", {"/api/v1/devices/servo/manual"}},
@@ -136,7 +150,8 @@ TEST(Contract, IsKeptByEveryOperation) {
       {"commandAxis", {"/api/v1/devices/servo/manual/0", R"({"command": "stop"})"}},
   };
   Snapshots session;
-  ServedRack rack(patient_limits(), rack::ClockKind::real, "127.0.0.1", {}, &session);
+  GoodFile file;
+  ServedRack rack(patient_limits(), rack::ClockKind::real, "127.0.0.1", {}, &session, &file);
   ServedRack module(
       ServedRack::module_with({tmcl::Instruction{}, tmcl::Instruction{.command = 28}}));
   for (const Route& route : routes()) {

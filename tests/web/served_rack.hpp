@@ -47,11 +47,12 @@ class ServedRack {
   explicit ServedRack(const ServerLimits& limits = patient_limits(),
                       rack::ClockKind clock = rack::ClockKind::real,
                       const std::string& address = "127.0.0.1", const std::string& record = {},
-                      SessionControl* session = nullptr)
-      : ServedRack(configuration(clock, record), limits, address, session) {}
+                      SessionControl* session = nullptr, RackFileControl* rack_file = nullptr)
+      : ServedRack(configuration(clock, record), limits, address, session, rack_file) {}
   explicit ServedRack(rack::RackConfiguration configuration,
                       const ServerLimits& limits = patient_limits(),
-                      const std::string& address = "127.0.0.1", SessionControl* session = nullptr)
+                      const std::string& address = "127.0.0.1", SessionControl* session = nullptr,
+                      RackFileControl* rack_file = nullptr)
       : configuration_(std::move(configuration)),
         rack_(configuration_, log_),
         runner_(rack_, configuration_, tests::no_log()),
@@ -60,6 +61,7 @@ class ServedRack {
                                                            .token = kToken,
                                                            .limits = limits,
                                                            .session = session,
+                                                           .rack_file = rack_file,
                                                            .manual = &manual_,
                                                            .catalogue = devices::products()},
                                        rack_, configuration_, log_, runner_);

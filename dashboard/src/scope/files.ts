@@ -1,16 +1,8 @@
 // What goes to disk and comes from it.
+import { save } from "../save";
 import { csvOf } from "./core/csv";
 import { parseSetup, setupText } from "./core/setup";
 import type { Oscilloscope } from "./oscilloscope";
-
-function save(name: string, content: Blob): void {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(content);
-  link.download = name;
-  link.click();
-  const kLongEnough = 60_000; // for the browser to have taken it
-  setTimeout(() => URL.revokeObjectURL(link.href), kLongEnough);
-}
 
 export type CsvRange = "shown" | "cursors" | "all";
 

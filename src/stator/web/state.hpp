@@ -16,6 +16,7 @@
 #include "stator/product/device/input.hpp"
 #include "stator/product/device/signal.hpp"
 #include "stator/rack/run/runner.hpp"
+#include "stator/web/rack_file_control.hpp"
 #include "stator/web/session_control.hpp"
 
 namespace stator::manual {
@@ -114,6 +115,7 @@ class State {
   [[nodiscard]] const std::vector<NetworkRecord>& networks() const { return networks_; }
   ServerCounters counters;
   SessionControl* session = nullptr;        ///< null: nothing is recorded
+  RackFileControl* rack_file = nullptr;     ///< null: there is none
   manual::ManualControl* manual = nullptr;  ///< null: there is none
   product::Catalogue catalogue;             ///< products whose keys are told
 

@@ -1,7 +1,6 @@
 #include "stator/cli/run/live_session.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <csignal>
 #include <utility>
 
@@ -90,24 +89,6 @@ std::string LiveSession::finish(link::BackgroundOutput::Clock::time_point asked)
   }
   return fmt::format("the recording {} ends at {:.3f} s, because the disk was too slow or is full",
                      recorder_->path(), recorder_->broken_off().seconds());
-}
-
-std::string next_branch(const std::string& path) {
-  std::string stem = path.substr(0, path.rfind(".stator"));
-  unsigned number = 1;
-  if (const std::size_t dash = stem.rfind('-'); dash != std::string::npos) {
-    const char* end = stem.data() + stem.size();
-    if (std::from_chars(stem.data() + dash + 1, end, number).ptr == end) {
-      stem.resize(dash);
-    } else {
-      number = 1;
-    }
-  }
-  std::string next;
-  do {
-    next = fmt::format("{}-{}.stator", stem, ++number);
-  } while (std::filesystem::exists(next));
-  return next;
 }
 
 std::filesystem::path state_for(const RecordingPlace& from, const RunOptions& given) {

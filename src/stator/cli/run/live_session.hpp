@@ -58,10 +58,6 @@ class LiveSession final : public web::SessionControl {
 void require_same_ports(const rack::RackConfiguration& configuration,
                         const rack::RackConfiguration& recorded);
 
-/// The file after `path` for a run that went back: "run.stator", "run-2.stator", "run-3.stator". No
-/// file of its name exists.
-[[nodiscard]] std::string next_branch(const std::string& path);
-
 /// The options of a run that goes on from a recording: what `given` says of links and files, and
 /// the recorded rack. Throws Failure if `given` names a rack itself.
 [[nodiscard]] RunOptions continued(RunOptions given, const RunOptions& recorded);

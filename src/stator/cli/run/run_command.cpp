@@ -11,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stdexcept>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -26,8 +27,10 @@
 #include "stator/cli/logging.hpp"
 #include "stator/cli/option_values.hpp"
 #include "stator/cli/run/live_session.hpp"
+#include "stator/cli/run/next_name.hpp"
 #include "stator/cli/run/run_options.hpp"
 #include "stator/cli/run/run_report.hpp"
+#include "stator/cli/run/running_rack_file.hpp"
 #include "stator/cli/run/show.hpp"
 #include "stator/cli/run/standard_output.hpp"
 #include "stator/cli/run/stop_signals.hpp"
@@ -145,12 +148,24 @@ void announce(const rack::RackConfiguration& configuration, rack::Rack& rack, ra
   static_cast<void>(std::fflush(stdout));
 }
 
-/// One rack from its start, or from a place of a recording, until a signal comes, `limit` has
-/// passed or somebody wishes to go back; then returns where to. A port that the system was to
-/// choose for the web server is kept in `given`.
-std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<RecordingPlace>& from,
-                                       StopSignals& signals, StandardOutput& output,
-                                       std::optional<base::SimDuration> limit) {
+/// What a run goes on with when it has ended; nothing: it is over.
+struct Wish {
+  std::optional<RecordingPlace> place;
+  std::optional<std::string> rack_file;
+};
+
+/// Where a run begins, and how far it has come.
+struct Start {
+  std::optional<RecordingPlace> from;  ///< nothing: at power-on
+  std::string refusal{};               ///< why another rack, which was asked for, did not start
+  bool running = false;                ///< nothing can fail any more
+};
+
+/// One rack from `start` until a signal comes, `limit` has passed or somebody wishes to go on with
+/// something else. A port that the system was to choose for the web server is kept in `given`.
+Wish run_rack(RunOptions& given, Start& start_at, StopSignals& signals, StandardOutput& output,
+              std::optional<base::SimDuration> limit) {
+  const std::optional<RecordingPlace>& from = start_at.from;
   signals.starting();
   std::optional<RecordedRack> recorded;
   RunOptions options = given;
@@ -176,6 +191,9 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
       ::open(configuration.state.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
   rack.outputs().add(*log_output(),
                      {.name = "standard error", .records = "lines", .wanted_complete = false});
+  RunningRackFile rack_file(
+      options, from ? "this rack came out of a recording; start one with \"stator run\"" : "",
+      start_at.refusal);
   LiveSession session(configuration.state);
   if (header) {
     session.record(rack, options.record, std::move(*header));
@@ -190,8 +208,9 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   rack::Runner runner(rack, configuration, logger, start, options.priority);
   manual::ManualControl manual(runner, configuration, log);
   web = open_web_server(options.web, rack, configuration, log, runner,
-                        session.recorder() != nullptr ? &session : nullptr, &manual);
+                        session.recorder() != nullptr ? &session : nullptr, &rack_file, &manual);
   signals.running();
+  start_at.running = true;
   // Only now, when nothing can fail any more.
   announce(configuration, rack, runner, web);
   output.drain();  // what is logged follows on it
@@ -211,7 +230,7 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   if (given.show) {
     show.emplace(manual, runner, configuration, options.rack_file);
   }
-  while (signals.wait(limit) == SIGUSR1 && !session.wished()) {
+  while (signals.wait(limit) == SIGUSR1 && !session.wished() && !rack_file.wished()) {
   }
   const auto asked = link::BackgroundOutput::Clock::now();
   rack.outputs().stop_waiting();
@@ -225,7 +244,48 @@ std::optional<RecordingPlace> run_rack(RunOptions& given, const std::optional<Re
   print_end(configuration, rack, runner);
   end_files(rack, runner.now(), session, asked);
   require_kept(rack, configuration.state, state);
-  return session.wished();
+  return {.place = session.wished(), .rack_file = rack_file.wished()};
+}
+
+/// Runs racks one after the other, the next one as somebody wished who looked at the one before.
+/// One that does not start gives way to the one before it.
+void run_racks(RunOptions& options, std::optional<RecordingPlace> from, StopSignals& signals,
+               StandardOutput& output, std::optional<base::SimDuration> limit) {
+  Start start{.from = std::move(from)};
+  std::optional<std::string> former;
+  while (!signals.stopped()) {
+    Wish wish;
+    start.running = false;
+    try {
+      wish = run_rack(options, start, signals, output, limit);
+      start.refusal.clear();
+      former.reset();
+    } catch (const std::runtime_error& error) {
+      if (start.running || !former) {
+        throw;
+      }
+      start.refusal = error.what();
+      fmt::print("{} does not start: {}\n", options.rack_file, start.refusal);
+      wish.rack_file = std::exchange(former, std::nullopt);
+    }
+    if (wish.rack_file) {
+      if (start.running) {
+        former = options.rack_file;
+      }
+      options.rack_file = *wish.rack_file;
+      fmt::print("Going on with {}\n", options.rack_file);
+    } else if (wish.place) {
+      start.from = std::move(wish.place);
+      options.rack_file.clear();
+      options.device.clear();
+      options.state.clear();
+    } else {
+      return;
+    }
+    if (is_session(options.record)) {
+      options.record = next_name(options.record);
+    }
+  }
 }
 
 }  // namespace
@@ -254,12 +314,7 @@ void run_until_stopped(RunOptions options) {
           fmt::format("{} exists; name another file for the run that goes on", options.record));
     }
   }
-  while (!signals.stopped() && (from = run_rack(options, from, signals, output, limit))) {
-    options.rack_file.clear();
-    options.device.clear();
-    options.state.clear();
-    options.record = next_branch(options.record);
-  }
+  run_racks(options, std::move(from), signals, output, limit);
 }
 
 void add_run_command(CLI::App& app) {

@@ -277,6 +277,9 @@ mfc::MemoryMap board_map(const rack::RackConfiguration& configuration,
                       .devices[board->device]
                       .setup.product()
                       .io_configuration();
+  if (io == nullptr) {
+    return {};
+  }
   const std::string path = (rack_file.parent_path() / "../examples/mfc/io-board.toml").string();
   rack::read_tree(rack::parse_rack_tree(rack::read_rack_text(path), path), path,
                   "the configuration", [&](settings::Reader& root) { io->read(root); });

@@ -35,13 +35,15 @@ std::string announcement_of(const WebOptions& options, const web::ServerConfigur
 OpenedWebServer open_web_server(const WebOptions& options, rack::Rack& rack,
                                 const rack::RackConfiguration& configuration,
                                 const rack::EventLog& log, rack::Runner& runner,
-                                web::SessionControl* session, manual::ManualControl* manual) {
+                                web::SessionControl* session, web::RackFileControl* rack_file,
+                                manual::ManualControl* manual) {
   if (options.http.empty()) {
     return {};
   }
   web::ServerConfiguration server{.address = web::parse_address(options.http),
                                   .token = {},
                                   .session = session,
+                                  .rack_file = rack_file,
                                   .manual = manual,
                                   .catalogue = catalogue()};
   if (!options.token_file.empty()) {

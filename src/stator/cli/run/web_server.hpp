@@ -22,12 +22,14 @@ struct OpenedWebServer {
 };
 
 /// Opens the server that was asked for. `session` is the recording of the run, null without one;
+/// `rack_file` where its rack came from;
 /// `manual` moves its axes by hand, null if nothing does.
 /// Throws Failure or std::runtime_error.
 [[nodiscard]] OpenedWebServer open_web_server(const WebOptions& options, rack::Rack& rack,
                                               const rack::RackConfiguration& configuration,
                                               const rack::EventLog& log, rack::Runner& runner,
                                               web::SessionControl* session,
+                                              web::RackFileControl* rack_file,
                                               manual::ManualControl* manual);
 
 }  // namespace stator::cli

@@ -90,6 +90,10 @@ void check_devices(const RackConfiguration& configuration, TableReader& root,
   RackConfiguration still = configuration;
   still.state.clear();
   still.record.reset();
+  for (BusConfiguration& bus : still.buses) {
+    bus.log.clear();
+    bus.capture.clear();
+  }
   EventLog log;
   try {
     Rack rack(still, log);
@@ -115,11 +119,22 @@ void sort_by_place(std::vector<settings::Problem>& problems, const std::string& 
 
 RackCheck check_rack_file(const std::string& path, const product::Catalogue& catalogue,
                           Changes changes) {
+  try {
+    return check_rack_text(read_rack_text(path), path, catalogue, changes);
+  } catch (const RackFileError& error) {
+    RackCheck check;
+    check.errors.push_back(error.problem());
+    return check;
+  }
+}
+
+RackCheck check_rack_text(std::string_view text, const std::string& path,
+                          const product::Catalogue& catalogue, Changes changes) {
   settings::Problems problems;
   problems.everything = true;
   RackCheck check;
   try {
-    settings::Value tree = parse_rack_tree(read_rack_text(path), path);
+    settings::Value tree = parse_rack_tree(text, path);
     apply_changes(changes, tree, problems);
     const settings::Reading reading{problems, &system_files(), path};
     TableReader root(reading, "the rack", tree);

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "stator/product/catalogue/catalogue.hpp"
@@ -28,6 +29,11 @@ struct RackCheck {
 /// shows in a run.
 /// `changes` are made to it before it is read.
 [[nodiscard]] RackCheck check_rack_file(const std::string& path,
+                                        const product::Catalogue& catalogue, Changes changes = {});
+
+/// The same for a text that stands in no file yet: what it names is looked for as if it stood at
+/// `path`.
+[[nodiscard]] RackCheck check_rack_text(std::string_view text, const std::string& path,
                                         const product::Catalogue& catalogue, Changes changes = {});
 
 }  // namespace stator::rack

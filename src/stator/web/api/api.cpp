@@ -15,6 +15,7 @@
 #include "stator/web/api/object_api.hpp"
 #include "stator/web/api/panel_api.hpp"
 #include "stator/web/api/program_job.hpp"
+#include "stator/web/api/rack_file_api.hpp"
 #include "stator/web/api/session_api.hpp"
 #include "stator/web/api/snapshot_job.hpp"
 #include "stator/web/api/state_machines.hpp"
@@ -114,6 +115,10 @@ Answer answer(const Match& match, const Request& request, State& state) {
     case Operation::take_snapshot:
     case Operation::restore_snapshot:
       return answer_session(match, request, state.session);
+    case Operation::rack_file:
+    case Operation::check_rack:
+    case Operation::run_rack:
+      return answer_rack_file(match, request, state);
     case Operation::fault_kinds:
     case Operation::faults:
     case Operation::inject_fault:

@@ -57,6 +57,46 @@ constexpr const char* kSchemas = R"({
     "required": ["name"],
     "properties": {"name": {"type": "string", "pattern": "^[A-Za-z_-][A-Za-z0-9_-]{0,63}$"}}
   },
+  "RackFile": {
+    "type": "object",
+    "required": ["path", "text", "changes", "fixed", "refusal"],
+    "properties": {
+      "path": {"type": "string", "description": "Empty: there is none"},
+      "text": {"type": "string"},
+      "changes": {"type": "array", "items": {"type": "string"}, "description": "Made to it before it was read, PATH=VALUE, as the option --set has them"},
+      "fixed": {"type": "string", "description": "Why no other rack can be run instead; empty: one can"},
+      "refusal": {"type": "string", "description": "Why the rack that was asked for last does not run; empty: it does"}
+    }
+  },
+  "RackText": {
+    "type": "object",
+    "required": ["text"],
+    "additionalProperties": false,
+    "properties": {"text": {"type": "string", "description": "Of a rack file; what it names is looked for beside the present one"}}
+  },
+  "RackCheck": {
+    "type": "object",
+    "required": ["errors", "warnings"],
+    "properties": {
+      "errors": {"type": "array", "items": {
+        "type": "object",
+        "required": ["file", "line", "column", "key", "message"],
+        "properties": {
+          "file": {"type": "string"},
+          "line": {"type": "integer", "description": "From 1; 0: of no place in a file"},
+          "column": {"type": "integer"},
+          "key": {"type": "string", "description": "Empty: a table or the whole file"},
+          "message": {"type": "string"}
+        }
+      }},
+      "warnings": {"type": "array", "items": {"type": "string"}, "description": "What a run would warn of"}
+    }
+  },
+  "RackPath": {
+    "type": "object",
+    "required": ["path"],
+    "properties": {"path": {"type": "string", "description": "Of the file that was written"}}
+  },
   "Done": {
     "type": "object",
     "required": ["time_ns"],

@@ -64,6 +64,7 @@ class Server::Implementation {
         accept_pause_(context_),
         tick_(context_) {
     server_.state.session = configuration.session;
+    server_.state.rack_file = configuration.rack_file;
     server_.state.manual = configuration.manual;
     server_.state.catalogue = configuration.catalogue;
     if (configuration.token.empty() && !address_.loopback()) {

@@ -7,6 +7,7 @@
 #include "stator/product/catalogue/catalogue.hpp"
 #include "stator/rack/run/runner.hpp"
 #include "stator/web/address.hpp"
+#include "stator/web/rack_file_control.hpp"
 #include "stator/web/server/server_limits.hpp"
 #include "stator/web/session_control.hpp"
 
@@ -21,6 +22,7 @@ struct ServerConfiguration {
   std::string token;  ///< empty only on loopback: nobody may write then
   ServerLimits limits{};
   SessionControl* session = nullptr;        ///< the recording of the run; outlives the server
+  RackFileControl* rack_file = nullptr;     ///< where the rack came from; outlives the server
   manual::ManualControl* manual = nullptr;  ///< moves axes by hand; outlives the server
   product::Catalogue catalogue{};           ///< products whose keys it tells
 };
