@@ -94,6 +94,66 @@ async function whileTurning(page, rack, test) {
   }
 }
 
+test("scope: opens with a first picture that runs, and has it in its address", async ({ open }) => {
+  const page = await open("/scope");
+  await row(page, `${kAxis}.position_demand`).waitFor();
+  await row(page, `${kAxis}.following_error`).waitFor();
+  await state(page, "running");
+  assert.ok((await rowsAtLeast(page, 500)).received >= 500);
+  assert.equal(new URL(page.url()).hash, "#/scope?preset=position&device=gantry&axis=axis0");
+  // Each preset that is offered samples; what an event of the rack may disturb is no business of this.
+  const presets = page.getByRole("combobox", { name: "Preset" });
+  const devices = page.getByRole("combobox", { name: "Device", exact: true }).first();
+  const names = [];
+  for (const device of await devices.locator("option").allTextContents()) {
+    await devices.selectOption({ label: device });
+    for (const preset of await presets.locator("option:not([value=own])").allTextContents()) {
+      await presets.selectOption({ label: preset });
+      const before = (await statistics(page)).received;
+      await rowsAtLeast(page, before + 20);
+      assert.ok((await statistics(page)).received >= before + 20, `${preset} of ${device} samples nothing`);
+      assert.equal(await page.locator(".notice.bad").count(), 0, `${preset} of ${device}`);
+      names.push(`${device}: ${preset}`);
+    }
+  }
+  console.log(`        ${names.join(", ")}`);
+  for (const expected of [
+    "gantry axis2: Stall",
+    "servo axis0: Currents",
+    "spindle axis0: Bus load",
+    "feeder axis0: Homing",
+    "io axis: Stall",
+  ]) {
+    assert.ok(names.includes(expected), expected);
+  }
+  assert.ok(!names.includes("servo axis0: Stall"));
+});
+
+test("scope: an address shows what it says, own setups included", async ({ open }) => {
+  const page = await open("/scope?preset=currents&device=servo");
+  await row(page, "servo.axis0.quadrature_current").waitFor();
+  assert.match(page.url(), /preset=currents&device=servo/);
+  // What is changed is one's own from then on: in the address, and at the next visit.
+  await page.getByLabel("Shown", { exact: true }).selectOption(String(2e9));
+  await page.waitForURL(/#\/scope\?setup=/);
+  const passedOn = new URL(page.url()).hash.slice(1);
+  const own = page.getByRole("combobox", { name: "Preset" });
+  assert.equal(await own.inputValue(), "own");
+  const other = await open(passedOn);
+  await row(other, "servo.axis0.quadrature_current").waitFor();
+  assert.equal(await other.getByLabel("Shown", { exact: true }).inputValue(), String(2e9));
+  const next = await open("/scope");
+  await row(next, "servo.axis0.quadrature_current").waitFor();
+  // A preset and back.
+  const menu = next.getByRole("combobox", { name: "Preset" });
+  await menu.selectOption("velocity");
+  await row(next, "gantry.axis0.velocity_demand").waitFor();
+  await menu.selectOption("own");
+  await row(next, "servo.axis0.quadrature_current").waitFor();
+  const wrong = await open("/scope?preset=stall&device=servo");
+  await wrong.getByText("There is nothing to show for").waitFor();
+});
+
 test("scope: ten signals at 20 kHz come complete, or what is lost is counted", async ({ open, origin }) => {
   const page = await open("/scope");
   const { signals } = await (await fetch(`${origin}/api/v1/signals?names=${kAxis}.*`)).json();

@@ -191,7 +191,7 @@ function View({ route }: { route: Route }) {
     case "rack-file":
       return <RackFileView />;
     case "scope":
-      return <Scope api={api} />;
+      return <Scope api={api} query={route.query} />;
     case "events":
       return <EventsView />;
     case "traffic":

@@ -37,7 +37,7 @@ export interface Resource<T> {
   readonly reload: () => void;
 }
 
-/// What the server has at `path`, fetched anew every `period` milliseconds (0: once) while the page is
+/// What the server has at `path`, fetched once at once, or (`period` > 0) every so many milliseconds while the page is
 /// visible. Data stay when a later fetch fails. A null path fetches nothing.
 export function useResource<T>(path: string | null, period = 0): Resource<T> {
   const { api } = useWorld();
@@ -54,7 +54,7 @@ export function useResource<T>(path: string | null, period = 0): Resource<T> {
     const abort = new AbortController();
     let timer: ReturnType<typeof setTimeout> | undefined;
     const fetchOnce = async () => {
-      if (!document.hidden) {
+      if (!document.hidden || period === 0) {
         try {
           const data = await api.get<T>(path, { signal: abort.signal });
           // What has not changed renders nothing again.

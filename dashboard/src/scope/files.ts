@@ -1,7 +1,7 @@
 // What goes to disk and comes from it.
-import { save } from "../save";
+import { saveFile } from "../save_file";
 import { csvOf } from "./core/csv";
-import { parseSetup, setupText } from "./core/setup";
+import { type Setup, parseSetup, setupText } from "./core/setup";
 import type { Oscilloscope } from "./oscilloscope";
 
 export type CsvRange = "shown" | "cursors" | "all";
@@ -20,7 +20,7 @@ export function saveCsv(scope: Oscilloscope, range: CsvRange, si: boolean): void
     .filter(({ column }) => scope.setup.channels[column]!.visible);
   const from = ring.lowerBound(bounds.from);
   const to = Math.max(from, ring.lowerBound(bounds.to + 1));
-  save("scope.csv", new Blob([...csvOf(ring, columns, from, to, si)], { type: "text/csv" }));
+  saveFile("scope.csv", new Blob([...csvOf(ring, columns, from, to, si)], { type: "text/csv" }));
 }
 
 /// The picture with the names of its channels below.
@@ -49,11 +49,11 @@ export function savePng(scope: Oscilloscope, canvas: HTMLCanvasElement, series: 
     context.fillStyle = text;
     context.fillText(channel.unit === "" ? channel.name : `${channel.name} [${channel.unit}]`, x + 16, y);
   });
-  whole.toBlob((blob) => blob && save("scope.png", blob), "image/png");
+  whole.toBlob((blob) => blob && saveFile("scope.png", blob), "image/png");
 }
 
 export function saveSetup(scope: Oscilloscope): void {
-  save("scope-setup.json", new Blob([setupText(scope.setup)], { type: "application/json" }));
+  saveFile("scope-setup.json", new Blob([setupText(scope.setup)], { type: "application/json" }));
 }
 
 export async function loadSetup(scope: Oscilloscope, file: File): Promise<void> {
@@ -62,18 +62,20 @@ export async function loadSetup(scope: Oscilloscope, file: File): Promise<void> 
 
 const kKey = "stator.scope";
 
-/// The setup of the last visit; none if there is no good one.
-export function recallSetup(scope: Oscilloscope): void {
+/// The setup that a person has made of it; null if there is no good one.
+export function rememberedSetup(): Setup | null {
   const text = localStorage.getItem(kKey);
-  if (text !== null) {
-    try {
-      scope.load(parseSetup(text));
-    } catch {
-      localStorage.removeItem(kKey);
-    }
+  if (text === null) {
+    return null;
+  }
+  try {
+    return parseSetup(text);
+  } catch {
+    localStorage.removeItem(kKey);
+    return null;
   }
 }
 
-export function rememberSetup(scope: Oscilloscope): void {
-  localStorage.setItem(kKey, setupText(scope.setup));
+export function rememberSetup(setup: Setup): void {
+  localStorage.setItem(kKey, setupText(setup));
 }

@@ -1,39 +1,59 @@
 import { useCallback, useEffect, useMemo, useRef, useState } from "preact/hooks";
 
-import type { Api } from "../api";
+import type { Api, Device, Signals } from "../api";
+import { useResource, useStore } from "../hooks";
 import { AxisTable, ChannelTable, ExpressionForm } from "./channel_table";
 import { Controls } from "./controls";
+import { type Choosing, offeredOf, placesOf } from "./core/presets";
+import type { Leaf } from "./core/tree";
 import { CursorPanel } from "./cursor_panel";
-import { type CsvRange, loadSetup, recallSetup, rememberSetup, saveCsv, savePng, saveSetup } from "./files";
+import { type CsvRange, loadSetup, saveCsv, savePng, saveSetup } from "./files";
 import { InputsPanel } from "./inputs_panel";
 import { Oscilloscope } from "./oscilloscope";
 import type { Picture } from "./picture";
 import { Plot } from "./plot";
+import { PresetMenu } from "./preset_menu";
 import "./scope.css";
 import { SignalTree } from "./signal_tree";
 import { SpectrumPanel } from "./spectrum_panel";
 import { TriggerPanel } from "./trigger_panel";
 import { useScope } from "./use_scope";
+import { useShown } from "./use_shown";
 
-/// The oscilloscope.
-export function Scope({ api }: { api: Api }) {
+/// The oscilloscope. Shows what the address asks for, else what a person has set up here before, else the first preset there is.
+export function Scope({ api, query }: { api: Api; query: ReadonlyMap<string, string> }) {
+  const { devices } = useStore();
+  const { data, error } = useResource<Signals>("/api/v1/signals");
   const [scope, setScope] = useState<Oscilloscope | null>(null);
   useEffect(() => {
     const made = new Oscilloscope(api);
-    recallSetup(made);
     setScope(made);
-    return () => {
-      rememberSetup(made);
-      made.close();
-    };
+    return () => made.close();
   }, [api]);
-  return scope === null ? null : <Instrument scope={scope} />;
+  const signals = data?.signals ?? kNoSignals;
+  const key = JSON.stringify(devices.map(({ name, network }) => ({ name, network })));
+  const offered = useMemo(() => offeredOf(placesOf(JSON.parse(key) as Device[], signals), signals), [key, signals]);
+  if (scope === null || (data === null && error === null)) {
+    return null;
+  }
+  return <Instrument scope={scope} signals={signals} offered={offered} query={query} failure={error?.message ?? ""} />;
 }
 
-function Instrument({ scope }: { scope: Oscilloscope }) {
+const kNoSignals: readonly Leaf[] = [];
+
+interface InstrumentProperties {
+  readonly scope: Oscilloscope;
+  readonly signals: readonly Leaf[];
+  readonly offered: readonly Choosing[];
+  readonly query: ReadonlyMap<string, string>;
+  /// Why there are no signals.
+  readonly failure: string;
+}
+
+function Instrument({ scope, signals, offered, query, failure }: InstrumentProperties) {
   useScope(scope);
   const [picture, setPicture] = useState<Picture | null>(null);
-  const [wrong, setWrong] = useState("");
+  const [wrong, setWrong] = useState(failure);
   const attempt = useCallback((action: () => void) => {
     try {
       action();
@@ -42,13 +62,14 @@ function Instrument({ scope }: { scope: Oscilloscope }) {
       setWrong((error as Error).message);
     }
   }, []);
+  const shown = useShown({ scope, signals, offered, query, setWrong });
   const { setup } = scope;
-  useEffect(() => rememberSetup(scope), [scope, setup]);
   const problem = wrong || scope.problem;
-  const side = useMemo(() => <SignalTree scope={scope} attempt={attempt} />, [scope, attempt, setup.channels]);
+  const side = useMemo(() => <SignalTree scope={scope} signals={signals} attempt={attempt} />, [scope, signals, attempt, setup.channels]);
   return (
     <div class="scope">
       <h1 class="hidden-text">Oscilloscope</h1>
+      <PresetMenu offered={offered} shown={shown} />
       <Controls scope={scope} attempt={attempt} />
       {problem === "" ? null : (
         <p class="notice bad" role="alert">

@@ -1,15 +1,18 @@
 import { useMemo, useState } from "preact/hooks";
 
-import type { Signals } from "../api";
-import { useResource } from "../hooks";
 import { type Branch, type Leaf, countLeaves, matchesSearch, treeOf } from "./core/tree";
 import type { Oscilloscope } from "./oscilloscope";
 
+interface SignalTreeProperties {
+  readonly scope: Oscilloscope;
+  readonly signals: readonly Leaf[];
+  readonly attempt: (action: () => void) => void;
+}
+
 /// All signals of the rack, to be switched on and off.
-export function SignalTree({ scope, attempt }: { scope: Oscilloscope; attempt: (action: () => void) => void }) {
-  const { data, error } = useResource<Signals>("/api/v1/signals");
+export function SignalTree({ scope, signals, attempt }: SignalTreeProperties) {
   const [search, setSearch] = useState("");
-  const tree = useMemo(() => treeOf((data?.signals ?? []).filter((leaf) => matchesSearch(leaf, search))), [data, search]);
+  const tree = useMemo(() => treeOf(signals.filter((leaf) => matchesSearch(leaf, search))), [signals, search]);
   const shown = new Set(scope.setup.channels.map(({ name }) => name));
   const toggle = (leaf: Leaf, on: boolean) => attempt(() => (on ? scope.addSignals([leaf]) : scope.removeChannel(leaf.name)));
   return (
@@ -24,8 +27,7 @@ export function SignalTree({ scope, attempt }: { scope: Oscilloscope; attempt: (
         />
       </header>
       <div class="scroller tree">
-        {error ? <p class="notice bad">{error.message}</p> : null}
-        {data !== null && countLeaves(tree) === 0 ? <p class="empty">No signal matches.</p> : null}
+        {countLeaves(tree) === 0 ? <p class="empty">No signal matches.</p> : null}
         <Branches branch={tree} shown={shown} open={search !== ""} toggle={toggle} depth={0} />
       </div>
     </section>

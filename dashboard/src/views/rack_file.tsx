@@ -9,7 +9,7 @@ import { TextPane } from "../rack_form/text_pane";
 import { beginsWith, parsePath, pathAt, pathText, readToml, without, type Path, type Toml } from "../rack_form/toml";
 import { useCheck } from "../rack_form/use_check";
 import { href, useQuery } from "../router";
-import { save } from "../save";
+import { saveFile } from "../save_file";
 import "../styles/rack_file.css";
 
 /// What was typed and does not run yet; it outlasts the view, but not the page.
@@ -116,7 +116,7 @@ function Run({ file, text, good, back }: { file: RackFile; text: string; good: b
         <button type="button" class="primary" disabled={busy || !good || file.fixed !== "" || asked !== ""} onClick={() => void start()}>
           Run this
         </button>
-        <button type="button" onClick={() => save(name, new Blob([text], { type: "application/toml" }))}>
+        <button type="button" onClick={() => saveFile(name, new Blob([text], { type: "application/toml" }))}>
           Download
         </button>
         <button type="button" disabled={text === file.text} onClick={back}>

@@ -31,7 +31,7 @@ export function DeviceSignals({ device }: { device: Device }) {
           {store.offers("/api/v1/signals") ? (
             <>
               {" – "}
-              <a href={href("scope")}>plot them in the oscilloscope</a>
+              <a href={href("scope", [], { device: device.name })}>plot them in the oscilloscope</a>
             </>
           ) : null}
         </span>

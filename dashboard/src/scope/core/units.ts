@@ -24,11 +24,13 @@ const kTable: Readonly<Record<string, readonly [string, number, number?]>> = {
   kHz: ["Hz", 1e3],
   MHz: ["Hz", 1e6],
   deg: ["rad", kTurn / 360],
+  degree: ["rad", kTurn / 360],
   "deg/s": ["rad/s", kTurn / 360],
   rev: ["rad", kTurn],
   "rev/s": ["rad/s", kTurn],
   "rev/s/s": ["rad/s/s", kTurn],
   rpm: ["rad/s", kTurn / 60],
+  "1/min": ["rad/s", kTurn / 60],
   degC: ["K", 1, 273.15],
   "%": ["1", 0.01],
 };

@@ -1,5 +1,7 @@
-/// Gives a file to the browser to keep.
-export function save(name: string, content: Blob): void {
+// What goes to the disk of whoever looks at the page.
+
+/// Has the browser keep `content` as a file.
+export function saveFile(name: string, content: Blob): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(content);
   link.download = name;
