@@ -153,8 +153,38 @@ test("traffic can be stopped and looked into", async ({ open, rack }) => {
   try {
     await page.locator("button.plain").first().waitFor();
     await page.getByRole("button", { name: "Pause" }).click();
-    await page.locator("button.plain").first().click();
+    await page.locator("button.plain.mono").first().click();
     await page.locator("pre.dump").waitFor();
+  } finally {
+    await master.stop();
+  }
+});
+
+test("traffic counts cyclic frames in one row and loses none", async ({ open, rack }) => {
+  const page = await open("/traffic");
+  const master = rack.move(2);
+  try {
+    const row = page.locator(".repeating tbody tr", { hasText: "LRW" }).first();
+    const count = async () => Number(await row.locator("[data-count]").getAttribute("data-count"));
+    await row.waitFor();
+    while ((await count()) < 500) {
+      await page.waitForTimeout(100);
+    }
+    await page.getByRole("button", { name: "Pause" }).click();
+    await page.waitForTimeout(500);
+    const told = await page.locator(".traffic-counts").evaluate((element) => ({ ...element.dataset }));
+    const counts = await page.locator(".repeating [data-count]").evaluateAll((cells) => cells.map((cell) => Number(cell.dataset.count)));
+    const sum = counts.reduce((all, each) => all + each, 0);
+    assert.equal(sum + Number(told.single), Number(told.received));
+    const latest = await row.locator(".values").textContent();
+    assert.match(latest, /gantry 6040h/);
+    await row.getByRole("button", { expanded: false }).click();
+    assert.equal(await page.locator(".repeating tr.recent").count(), 20);
+    await row.locator("button.mono").click();
+    await page.locator("pre.dump").waitFor();
+    await page.getByLabel("Every frame").check();
+    assert.equal(await page.locator(".repeating").count(), 0);
+    assert.ok((await page.getByRole("region", { name: "List of frames" }).locator("tbody tr").count()) > 100);
   } finally {
     await master.stop();
   }

@@ -1,105 +1,36 @@
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 
-import type { Frame, TrafficMessage } from "../api";
-import { hexDump } from "../hex_dump";
-import { timeText } from "../format";
-import { useStore, useWorld } from "../hooks";
+import type { Frame } from "../api";
+import { grouped } from "../format";
+import { useStore } from "../hooks";
+import { FrameContent, FrameTable, RepeatingTable } from "./traffic_tables";
+import { useTraffic } from "./use_traffic";
 
-const kMostKept = 5000;
 const kMostShown = 400;
-const kRetry = 1000;
 
-interface Wanted {
-  readonly networks: readonly string[];
-  readonly filter: string;
-}
-
-function useTraffic(wanted: Wanted, paused: boolean) {
-  const { api } = useWorld();
-  const [frames, setFrames] = useState<readonly Frame[]>([]);
-  const [dropped, setDropped] = useState(0);
-  const [problem, setProblem] = useState("");
-  const socket = useRef<WebSocket | null>(null);
-  const message = JSON.stringify({ ...wanted, frames: true });
-  const latest = useRef(message);
-  latest.current = message;
-  useEffect(() => {
-    if (paused) {
-      return undefined;
-    }
-    let ended = false;
-    let timer: ReturnType<typeof setTimeout> | undefined;
-    let waiting: Frame[] = [];
-    let drawing = 0;
-    const open = () => {
-      const opened = api.socket("/api/v1/traffic");
-      socket.current = opened;
-      opened.onopen = () => opened.send(latest.current);
-      opened.onmessage = (event: MessageEvent<string>) => {
-        const taken = JSON.parse(event.data) as TrafficMessage;
-        if (taken.type === "problem") {
-          setProblem(taken.problem.detail);
-        } else if (taken.type === "frames") {
-          setProblem("");
-          setDropped((n) => n + taken.dropped);
-          waiting.push(...taken.frames);
-          drawing ||= requestAnimationFrame(() => {
-            drawing = 0;
-            const fresh = waiting;
-            waiting = [];
-            setFrames((old) => [...old, ...fresh].slice(-kMostKept));
-          });
-        }
-      };
-      opened.onclose = () => {
-        if (!ended) {
-          timer = setTimeout(open, kRetry);
-        }
-      };
-    };
-    open();
-    return () => {
-      ended = true;
-      clearTimeout(timer);
-      cancelAnimationFrame(drawing);
-      socket.current?.close();
-      socket.current = null;
-    };
-  }, [api, paused]);
-  useEffect(() => {
-    if (socket.current?.readyState === WebSocket.OPEN) {
-      socket.current.send(message);
-    }
-  }, [message]);
-  const clear = () => {
-    setFrames([]);
-    setDropped(0);
-  };
-  return { frames, dropped, problem, clear };
-}
-
-const kArrows: Readonly<Record<string, string>> = { request: "→", answer: "←", bus: "•" };
+const text = (count: number) => grouped(String(count));
 
 export function TrafficView() {
   const { rack } = useStore();
   const [network, setNetwork] = useState("");
   const [filter, setFilter] = useState("");
   const [paused, setPaused] = useState(false);
-  const [chosen, setChosen] = useState<Frame | null>(null);
-  const { frames, dropped, problem, clear } = useTraffic({ networks: network === "" ? [] : [network], filter }, paused);
-  const shown = useMemo(() => {
-    const words = filter.toLowerCase();
-    return frames
-      .filter((frame) => network === "" || frame.network === network)
-      .filter((frame) => `${frame.summary} ${frame.fields.flat().join(" ")}`.toLowerCase().includes(words))
-      .slice(-kMostShown)
-      .reverse();
-  }, [frames, filter, network]);
+  const [everything, setEverything] = useState(false);
+  /// A frame, or the key of a kind that repeats, whose newest is shown.
+  const [chosen, setChosen] = useState<Frame | string | null>(null);
+  const { log, lost, problem, clear } = useTraffic({ networks: network === "" ? [] : [network], filter }, paused);
+  const words = filter.toLowerCase();
+  const fits = (frame: Frame) =>
+    (network === "" || frame.network === network) &&
+    (words === "" || `${frame.summary} ${frame.fields.flat().join(" ")}`.toLowerCase().includes(words));
+  const repeating = everything ? [] : log.repeating.filter(({ last }) => fits(last));
+  const frames = log.newestOf(everything ? "all" : "single", kMostShown, fits);
+  const content = typeof chosen === "string" ? (repeating.find(({ key }) => key === chosen)?.last ?? null) : chosen;
   return (
     <>
       <div class="view-head">
         <h1>Traffic</h1>
-        <span class="soft">What masters and devices send, decoded; the newest first</span>
+        <span class="soft">What masters and devices send, decoded; frames of which only data change are counted in one row</span>
       </div>
       <div class="traffic">
         <section class="panel">
@@ -120,83 +51,57 @@ export function TrafficView() {
             <button type="button" aria-pressed={paused} onClick={() => setPaused(!paused)}>
               Pause
             </button>
-            <button type="button" onClick={clear} disabled={frames.length === 0}>
+            <button type="button" onClick={clear} disabled={log.received === 0}>
               Clear
             </button>
+            <label class="check">
+              <input type="checkbox" checked={everything} onChange={(event) => setEverything(event.currentTarget.checked)} />
+              Every frame
+            </label>
             <span class="spacer" />
-            <span class="soft">
-              {shown.length} of {frames.length}
-              {dropped > 0 ? `, ${dropped} lost on the way to this page` : ""}
+            <span class="soft traffic-counts" data-received={log.received} data-single={log.single} data-lost={lost}>
+              {text(log.received)} frames, {text(log.received - log.single)} of them in {log.repeating.length} rows that repeat
+              {lost > 0 ? `; ${text(lost)} lost on the way to this page` : ""}
             </span>
           </header>
           {problem === "" ? null : <p class="notice bad">{problem}</p>}
           <div class="scroller tall" tabIndex={0} role="region" aria-label="List of frames">
-            {shown.length > 0 ? (
-              <table>
-                <thead>
-                  <tr>
-                    <th class="number">No.</th>
-                    <th class="number time">Time</th>
-                    <th class="device">Network</th>
-                    <th class="arrow">
-                      <span class="hidden-text">Direction</span>
-                    </th>
-                    <th>Frame</th>
-                  </tr>
-                </thead>
-                <tbody>
-                  {shown.map((frame) => (
-                    <tr key={`${frame.network} ${frame.number}`} class={chosen === frame ? "chosen" : ""}>
-                      <td class="number">{frame.number}</td>
-                      <td class="number time">{timeText(frame.time_ns, 6)}</td>
-                      <td class="device">{frame.network}</td>
-                      <td class="arrow" title={frame.direction}>
-                        <span aria-hidden="true">{kArrows[frame.direction] ?? "•"}</span>
-                        <span class="hidden-text">{frame.direction}</span>
-                      </td>
-                      <td>
-                        <button type="button" class="plain mono" onClick={() => setChosen(frame)}>
-                          {frame.summary}
-                        </button>
-                      </td>
-                    </tr>
-                  ))}
-                </tbody>
-              </table>
+            {repeating.length > 0 ? (
+              <>
+                <h2 class="part">Again and again</h2>
+                <RepeatingTable
+                  rows={repeating}
+                  newest={log.newest}
+                  chosen={typeof chosen === "string" ? chosen : ""}
+                  onChoose={setChosen}
+                />
+                <h2 class="part">Once: messages, changes of state</h2>
+              </>
+            ) : null}
+            {frames.length > 0 ? (
+              <FrameTable frames={frames} chosen={typeof chosen === "string" ? null : chosen} onChoose={setChosen} />
+            ) : repeating.length > 0 ? (
+              <p class="empty">None but what repeats.</p>
             ) : (
-              <p class="empty">
-                {frames.length === 0
-                  ? paused
-                    ? "Paused."
-                    : "No frames so far. They come when a master talks."
-                  : "No frame fits the filter."}
-              </p>
+              <Nothing received={log.received} paused={paused} />
             )}
           </div>
         </section>
         <section class="panel">
           <header>
-            <h2>{chosen ? `Frame ${chosen.number}` : "Frame"}</h2>
+            <h2>{content === null ? "Frame" : `Frame ${content.number}`}</h2>
           </header>
-          {chosen ? (
-            <div class="scroller tall" tabIndex={0} role="region" aria-label="Content of the frame">
-              <table>
-                <tbody>
-                  {chosen.fields.map(([name, value], i) => (
-                    <tr key={i}>
-                      <td class="soft">{name}</td>
-                      <td class="mono">{value}</td>
-                    </tr>
-                  ))}
-                </tbody>
-              </table>
-              <pre class="dump">{hexDump(chosen.raw)}</pre>
-            </div>
-          ) : (
-            <p class="empty">Choose a frame to see its fields and bytes.</p>
-          )}
+          {content === null ? <p class="empty">Choose a frame to see its fields and bytes.</p> : <FrameContent frame={content} />}
         </section>
       </div>
     </>
+  );
+}
+
+function Nothing({ received, paused }: { received: number; paused: boolean }) {
+  return (
+    <p class="empty">
+      {received > 0 ? "No frame fits the filter." : paused ? "Paused." : "No frames so far. They come when a master talks."}
+    </p>
   );
 }
