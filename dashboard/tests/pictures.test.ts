@@ -158,8 +158,8 @@ describe("shafts", () => {
 
 describe("the range of a gauge", () => {
   it("is 1, 2 or 5 times a power of ten, symmetric once anything was negative", () => {
-    expect(rangeFor({ low: 0, high: 48 })).toEqual({ minimum: 0, maximum: 50 });
-    expect(rangeFor({ low: -1.6, high: 1.2 })).toEqual({ minimum: -2, maximum: 2 });
+    expect(rangeFor({ low: 0, high: 48 })).toMatchObject({ minimum: 0, maximum: 50 });
+    expect(rangeFor({ low: -1.6, high: 1.2 })).toMatchObject({ minimum: -2, maximum: 2 });
     expect(rangeFor({ low: 0, high: 0 }).maximum).toBeGreaterThan(0);
   });
 });
