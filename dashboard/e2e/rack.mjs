@@ -64,11 +64,12 @@ export class Rack {
     return `http://127.0.0.1:${this.http}`;
   }
 
-  /// Starts it; `link` is the one to the dashboard that it prints.
-  async start() {
+  /// Starts it, recorded or not; `link` is the one to the dashboard that it prints.
+  async start({ recorded = true } = {}) {
     const recording = join(this.folder, `run${this.starts === 0 ? "" : `-again${this.starts}`}.stator`);
     ++this.starts;
-    this.process = spawn(this.stator, ["run", this.file, "--http", String(this.http), "--record", recording], {
+    this.process = spawn(this.stator, ["run", this.file, "--http", String(this.http), ...(recorded ? ["--record", recording] : [])], {
+      cwd: this.folder,
       stdio: ["ignore", "pipe", "pipe"],
     });
     this.output = "";

@@ -323,6 +323,25 @@ export interface paths {
         /** The recording of this run */
         readonly get: operations["getRecording"];
         readonly put?: never;
+        /** Has the rack begin anew at power-on, recorded into a new file NAME.stator; links and this server are gone meanwhile */
+        readonly post: operations["startRecording"];
+        /** Ends the recording; the rack goes on */
+        readonly delete: operations["stopRecording"];
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/api/v1/recording/content": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /** A piece of the recording's file, 1 MiB at most; an empty one is behind its end */
+        readonly get: operations["getRecordingContent"];
+        readonly put?: never;
         readonly post?: never;
         readonly delete?: never;
         readonly options?: never;
@@ -555,7 +574,7 @@ export interface components {
             readonly abort_text?: string;
         };
         readonly Recording: {
-            /** @description null: nothing is recorded */
+            /** @description null: nothing has been recorded */
             readonly file: string | null;
             /** @description Simulated time up to which it goes */
             readonly time_ns: number;
@@ -563,6 +582,8 @@ export interface components {
             readonly bytes: number;
             /** @description false: it ended because the disk was too slow or is full */
             readonly complete: boolean;
+            /** @description false: nothing is recorded, or the recording has been ended */
+            readonly running: boolean;
         };
         readonly Snapshots: {
             readonly snapshots: readonly {
@@ -1807,6 +1828,100 @@ export interface operations {
                 };
                 content: {
                     readonly "application/json": components["schemas"]["Recording"];
+                };
+            };
+            /** @description Refused */
+            readonly default: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly startRecording: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["SnapshotName"];
+            };
+        };
+        readonly responses: {
+            /** @description Done */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Done"];
+                };
+            };
+            /** @description Refused */
+            readonly default: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly stopRecording: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Done */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Done"];
+                };
+            };
+            /** @description Refused */
+            readonly default: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getRecordingContent: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Where the piece begins, in bytes */
+                readonly from?: number;
+            };
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Done */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/octet-stream": string;
                 };
             };
             /** @description Refused */

@@ -20,6 +20,7 @@
 #include "cli/stator_program.hpp"
 #include "stator/cli/client/http_client.hpp"
 #include "stator/cli/client/rack_overview.hpp"
+#include "stator/cli/failure.hpp"
 
 namespace stator::cli {
 namespace {
@@ -237,6 +238,53 @@ TEST_F(RunningRack, WithoutRecordingHasNoSnapshots) {
   const tests::Outcome outcome = command("snapshot take before");
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.output, HasSubstr("--record"));
+}
+
+TEST_F(RunningRack, IsRecordedOnRequest_AndTheRecordingReplaysToTheBit) {
+  ASSERT_NO_FATAL_FAILURE(start(""));
+  const std::string name = "recorded-" + std::to_string(getpid());
+  const std::string file = name + ".stator";
+  const char* const token = std::getenv("STATOR_TOKEN");  // NOLINT(concurrency-mt-unsafe)
+  HttpClient client(parse_http_address(address()), token);
+  const auto recorded = [&client] {
+    return client.json("GET", "/api/v1/recording")["running"].get<bool>();
+  };
+  EXPECT_FALSE(recorded());
+  EXPECT_EQ(client.request("DELETE", "/api/v1/recording").status, 409);
+  const std::string body = "{\"name\": \"" + name + "\"}";
+  EXPECT_EQ(client.request("POST", "/api/v1/recording", body).status, 200);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  for (bool begun = false; !begun;) {
+    ASSERT_LT(std::chrono::steady_clock::now(), end) << log();
+    try {
+      begun = recorded();
+    } catch (const Failure&) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));  // between the two runs
+    }
+  }
+  EXPECT_THAT(client.request("POST", "/api/v1/recording", body).body, HasSubstr("end that first"));
+  EXPECT_EQ(command("snapshot take middle").status, 0);
+  EXPECT_EQ(command("inject can-drop --device spindle count=3").status, 0);
+  EXPECT_EQ(client.request("DELETE", "/api/v1/recording").status, 200);
+  EXPECT_FALSE(recorded());
+  EXPECT_EQ(command("snapshot take late").status, 1);
+  EXPECT_EQ(command("clear 1").status, 0) << "the rack goes on";
+  EXPECT_THAT(client.request("POST", "/api/v1/recording", body).body, HasSubstr(file + " exists"));
+  EXPECT_EQ(this->end(), 0) << log();
+  const tests::Outcome replayed = tests::stator("replay " + file);
+  EXPECT_EQ(replayed.status, 0) << replayed.output;
+  EXPECT_THAT(tests::stator("run --duration 10ms --restore " + file + "@middle").output,
+              HasSubstr("Going on from "));
+  std::filesystem::remove(file);
+}
+
+TEST_F(RunningRack, ThatWritesOtherFilesIsNotBegunAnewToRecordIt) {
+  ASSERT_NO_FATAL_FAILURE(start("--record " + tests::temporary("running.csv")));
+  const char* const token = std::getenv("STATOR_TOKEN");  // NOLINT(concurrency-mt-unsafe)
+  HttpClient client(parse_http_address(address()), token);
+  const HttpResponse refused = client.request("POST", "/api/v1/recording", R"({"name": "other"})");
+  EXPECT_EQ(refused.status, 409);
+  EXPECT_THAT(refused.body, HasSubstr("start it with --record NAME.stator"));
 }
 
 /// A module whose program lies in a folder beside that of the rack file.

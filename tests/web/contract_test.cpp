@@ -98,6 +98,9 @@ class Snapshots final : public SessionControl {
   std::vector<Snapshot> snapshots() override { return {{"there", base::SimTime()}}; }
   bool take_snapshot(const std::string& /*name*/) override { return true; }
   bool restore(const std::string& /*name*/) override { return true; }
+  std::string start_recording(const std::string& /*name*/) override { return {}; }
+  bool stop_recording() override { return true; }
+  std::string content(std::uint64_t /*from*/, std::size_t /*most*/) override { return "StatorRn"; }
 };
 
 class GoodFile final : public RackFileControl {
@@ -139,6 +142,7 @@ TEST(Contract, IsKeptByEveryOperation) {
       {"writeEntry", {"/api/v1/devices/drive/objects/6083/00", R"({"value": 1000})"}},
       {"getPanel", {"/api/v1/devices/drive/panel"}},
       {"takeSnapshot", {"/api/v1/snapshots", R"({"name": "before"})"}},
+      {"startRecording", {"/api/v1/recording", R"({"name": "again"})"}},
       {"restoreSnapshot", {"/api/v1/snapshots/there/restore"}},
       {"checkRack", {"/api/v1/rack/check", kRackText}},
       {"runRack", {"/api/v1/rack/file", kRackText}},

@@ -1,5 +1,9 @@
 // Recording and snapshots over the web server.
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +18,7 @@ using ::testing::HasSubstr;
 
 class FakeSession final : public SessionControl {
  public:
-  Recording recording() override { return {"run.stator", base::SimTime(), 4096, true}; }
+  Recording recording() override { return {"run.stator", base::SimTime(), 4096, true, running_}; }
   std::vector<Snapshot> snapshots() override { return taken_; }
   bool take_snapshot(const std::string& name) override {
     if (has(name)) {
@@ -24,6 +28,14 @@ class FakeSession final : public SessionControl {
     return true;
   }
   bool restore(const std::string& name) override { return has(name); }
+  std::string start_recording(const std::string& name) override {
+    return running_ ? "run.stator is being recorded" : name == "taken" ? "taken.stator exists" : "";
+  }
+  bool stop_recording() override { return std::exchange(running_, false); }
+  std::string content(std::uint64_t from, std::size_t most) override {
+    constexpr std::string_view kContent = "StatorRn and more";
+    return std::string(kContent.substr(std::min<std::size_t>(from, kContent.size()), most));
+  }
 
  private:
   [[nodiscard]] bool has(const std::string& name) const {
@@ -31,6 +43,7 @@ class FakeSession final : public SessionControl {
   }
 
   std::vector<Snapshot> taken_;
+  bool running_ = true;
 };
 
 class SessionApi : public ::testing::Test {
@@ -69,6 +82,33 @@ TEST_F(SessionApi, RefusesNamesThatAreNone) {
     EXPECT_EQ(post("/api/v1/snapshots", body).status, 422) << body;
   }
   EXPECT_EQ(post("/api/v1/snapshots", "{}").status, 400);
+}
+
+TEST_F(SessionApi, EndsARecordingAndBeginsAnother) {
+  const auto end = [this] {
+    return HttpClient(rack_.port())
+        .request("DELETE", "/api/v1/recording", "",
+                 "Authorization: Bearer " + std::string(kToken) + "\r\n");
+  };
+  const Answer under_way = post("/api/v1/recording", R"({"name": "other"})");
+  EXPECT_EQ(under_way.status, 409);
+  EXPECT_THAT(under_way.body, HasSubstr("run.stator is being recorded"));
+  EXPECT_EQ(end().status, 200);
+  EXPECT_EQ(end().status, 409);
+  EXPECT_EQ(rack_.get("/api/v1/recording").json()["running"], false);
+  EXPECT_EQ(post("/api/v1/snapshots", R"({"name": "before"})").status, 200)
+      << "whether it can be is for the session to say";
+  EXPECT_EQ(post("/api/v1/recording", R"({"name": "a/b"})").status, 422);
+  EXPECT_THAT(post("/api/v1/recording", R"({"name": "taken"})").body,
+              HasSubstr("taken.stator exists"));
+  EXPECT_EQ(post("/api/v1/recording", R"({"name": "other"})").status, 200);
+}
+
+TEST_F(SessionApi, GivesTheRecordingInPieces) {
+  EXPECT_EQ(rack_.get("/api/v1/recording/content").body, "StatorRn and more");
+  EXPECT_EQ(rack_.get("/api/v1/recording/content?from=9").body, "and more");
+  EXPECT_EQ(rack_.get("/api/v1/recording/content?from=17").body, "");
+  EXPECT_EQ(rack_.get("/api/v1/recording/content?from=x").status, 400);
 }
 
 TEST(SessionApiWithout, SaysHowToRecord) {

@@ -1,8 +1,9 @@
 import { useState } from "preact/hooks";
 
-import { segment, type Recording, type Snapshots } from "../api";
+import { segment, type Api, type Recording, type Snapshots } from "../api";
 import { sizeText, timeText } from "../format";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
+import { saveFile } from "../save_file";
 
 function Facts({ recording }: { recording: Recording }) {
   return (
@@ -23,10 +24,95 @@ function Facts({ recording }: { recording: Recording }) {
           </tr>
         </tbody>
       </table>
+      <p class="body">
+        Again, to the bit, as often as you like, where <code>stator run</code> was started: <code>stator replay {recording.file}</code>
+      </p>
       {recording.complete ? null : <p class="notice bad">The recording has ended early: the disk could not keep up, or is full.</p>}
     </>
   );
 }
+
+/// The file of the recording, fetched piece by piece.
+async function download(api: Api, recording: Recording): Promise<void> {
+  const pieces: ArrayBuffer[] = [];
+  let from = 0;
+  for (;;) {
+    const response = await api.fetch("GET", `/api/v1/recording/content?from=${from}`, { accept: "application/octet-stream" });
+    const piece = await response.arrayBuffer();
+    if (piece.byteLength === 0) {
+      break;
+    }
+    pieces.push(piece);
+    from += piece.byteLength;
+  }
+  saveFile(recording.file?.split("/").at(-1) ?? "run.stator", new Blob(pieces, { type: "application/octet-stream" }));
+}
+
+function Running({ recording, reload }: { recording: Recording; reload: () => void }) {
+  const { api } = useWorld();
+  const { busy, error, run } = useAction();
+  const stop = async () => {
+    if (await run(() => api.send("DELETE", "/api/v1/recording"))) {
+      reload();
+    }
+  };
+  return (
+    <>
+      <div class="body toolbar">
+        <button type="button" class="primary" disabled={busy} onClick={() => void stop()}>
+          Stop recording
+        </button>
+        <button type="button" disabled={busy} onClick={() => void run(() => download(api, recording))}>
+          Download what there is
+        </button>
+        <span class="soft">The rack goes on when the recording stops.</span>
+      </div>
+      {error === "" ? null : <p class="notice bad">{error}</p>}
+    </>
+  );
+}
+
+function Start({ recording }: { recording: Recording }) {
+  const { api } = useWorld();
+  const [name, setName] = useState("");
+  const { busy, error, run } = useAction();
+  const [begun, setBegun] = useState(false);
+  const start = async () => setBegun(await run(() => api.send("POST", "/api/v1/recording", { name })));
+  return (
+    <>
+      {recording.file === null ? null : (
+        <div class="body toolbar">
+          <button type="button" disabled={busy} onClick={() => void run(() => download(api, recording))}>
+            Download
+          </button>
+        </div>
+      )}
+      <p class="body">
+        A recording keeps all that reaches the rack, from power-on on. So the rack begins anew: its devices are switched on again, and
+        masters find their network gone for a moment.
+      </p>
+      <form
+        class="body toolbar"
+        onSubmit={(event) => {
+          event.preventDefault();
+          void start();
+        }}
+      >
+        <label class="field">
+          <span>Name of the file, without .stator</span>
+          <input value={name} required pattern={kNamePattern} onInput={(event) => setName(event.currentTarget.value)} />
+        </label>
+        <button type="submit" class="primary" disabled={busy || begun || name === ""}>
+          Restart the rack and record
+        </button>
+      </form>
+      {begun ? <p class="body soft">The rack begins anew …</p> : null}
+      {error === "" ? null : <p class="notice bad">{error}</p>}
+    </>
+  );
+}
+
+const kNamePattern = "[A-Za-z_\\-][A-Za-z0-9_\\-]*";
 
 export function RecordingView() {
   const store = useStore();
@@ -40,17 +126,17 @@ export function RecordingView() {
         <section class="panel">
           <header>
             <h2>Recording of this run</h2>
+            {recording.data?.running ? <span class="badge bad">recording</span> : null}
           </header>
-          {recording.data?.file === null ? (
-            <p class="empty">
-              Nothing is recorded. Start with <code>stator run … --record NAME.stator</code> to have snapshots.
-            </p>
-          ) : recording.data ? (
-            <Facts recording={recording.data} />
-          ) : null}
+          {recording.data === null || recording.data.file === null ? null : <Facts recording={recording.data} />}
+          {recording.data === null ? null : recording.data.running ? (
+            <Running recording={recording.data} reload={recording.reload} />
+          ) : (
+            <Start recording={recording.data} />
+          )}
           {recording.error ? <p class="empty">{recording.error.message}</p> : null}
         </section>
-        {store.offers("/api/v1/snapshots") ? <Snapshots /> : null}
+        {store.offers("/api/v1/snapshots") && recording.data !== null && recording.data.file !== null ? <Snapshots /> : null}
       </div>
     </>
   );
@@ -81,7 +167,7 @@ function Snapshots() {
       >
         <label class="field">
           <span>Name</span>
-          <input value={name} required pattern="[A-Za-z_\-][A-Za-z0-9_\-]*" onInput={(event) => setName(event.currentTarget.value)} />
+          <input value={name} required pattern={kNamePattern} onInput={(event) => setName(event.currentTarget.value)} />
         </label>
         <button type="submit" class="primary" disabled={busy || name === ""}>
           Keep the present state

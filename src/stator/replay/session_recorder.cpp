@@ -60,15 +60,22 @@ SessionRecorder::~SessionRecorder() {
   finish();
 }
 
+void SessionRecorder::end() {
+  if (std::exchange(ended_, true)) {
+    return;
+  }
+  rack_.set_journal(nullptr);
+  if (begin(StepKind::end)) {
+    flush();
+  }
+}
+
 void SessionRecorder::finish(link::BackgroundOutput::Clock::time_point asked) {
   if (std::exchange(finished_, true)) {
     return;
   }
-  rack_.set_journal(nullptr);
   rack_.outputs().remove(file_.output());
-  if (begin(StepKind::end)) {
-    flush();
-  }
+  end();
   file_.finish(asked);
   if (!file_.good()) {
     broken_off_ = std::min(broken_off_, time_);

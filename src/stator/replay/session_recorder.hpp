@@ -38,9 +38,12 @@ class SessionRecorder final : public rack::Journal {
   void mark(const std::string& name) { rack_.execute({rack::command::Mark{name}}); }
   [[nodiscard]] const std::vector<Mark>& marks() const { return marks_; }
 
-  /// Ends the recording and waits for the disk, as link::BackgroundOutput::finish() does;
-  /// afterwards the rack no longer calls the recorder. `asked`: when the end was asked for, from
-  /// which on waiting is limited.
+  /// Ends the recording for whoever holds the rack, which goes on and no longer calls the recorder;
+  /// what is not in the file yet is on its way. finish() is due nevertheless.
+  void end();
+  /// Ends the recording, if end() has not, and waits for the disk, as
+  /// link::BackgroundOutput::finish() does; afterwards the rack no longer calls the recorder.
+  /// `asked`: when the end was asked for, from which on waiting is limited.
   void finish(
       link::BackgroundOutput::Clock::time_point asked = link::BackgroundOutput::Clock::now());
   /// Where the recording ends if the disk was too slow or full; never if it did not.
@@ -99,6 +102,7 @@ class SessionRecorder final : public rack::Journal {
   base::SimTime chunk_began_;
   base::SimTime next_signals_;
   base::SimTime broken_off_ = base::SimTime::never();
+  bool ended_ = false;
   bool finished_ = false;
   std::vector<std::vector<std::byte>> last_frames_;  ///< by segment: the request before
   std::vector<std::byte> request_;                   ///< what frame_leaves() belongs to

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -16,10 +17,11 @@ class SessionControl {
     base::SimTime time;
   };
   struct Recording {
-    std::string file;
-    base::SimTime time;
+    std::string file{};  ///< empty: nothing has been recorded
+    base::SimTime time{};
     std::uint64_t bytes = 0;
     bool complete = true;  ///< false: the disk was too slow or is full
+    bool running = true;   ///< false: it has been ended, and the rack goes on
   };
 
   SessionControl() = default;
@@ -35,6 +37,16 @@ class SessionControl {
   virtual bool take_snapshot(const std::string& name) = 0;
   /// Has the run end and go on from a snapshot. False: there is none of this name.
   virtual bool restore(const std::string& name) = 0;
+  /// Has the run end and begin anew at power-on, recorded into a file of this name. Returns why it
+  /// cannot; empty: it will.
+  [[nodiscard]] virtual std::string start_recording(const std::string& name) = 0;
+  /// Ends the recording; the rack goes on. False: nothing is recorded.
+  virtual bool stop_recording() = 0;
+
+  // For the server's thread.
+
+  /// At most `most` bytes of the recording from `from` on; none: it has no more.
+  [[nodiscard]] virtual std::string content(std::uint64_t from, std::size_t most) = 0;
 };
 
 }  // namespace stator::web

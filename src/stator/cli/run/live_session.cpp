@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <csignal>
+#include <exception>
+#include <fstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,6 +13,15 @@
 #include "stator/rack/core/command.hpp"
 
 namespace stator::cli {
+
+namespace {
+
+/// Ends the wait for the end of the run.
+void wake() {
+  ::kill(::getpid(), SIGUSR1);
+}
+
+}  // namespace
 
 base::SimTime LiveSession::go_to(const RecordingPlace& from, RecordedRack& recorded,
                                  rack::Rack& rack, const rack::EventLog& log) {
@@ -38,14 +49,21 @@ base::SimTime LiveSession::go_to(const RecordingPlace& from, RecordedRack& recor
 }
 
 web::SessionControl::Recording LiveSession::recording() {
+  if (!recorder_) {
+    return {.running = false};
+  }
   return {.file = recorder_->path(),
           .time = recorder_->time(),
           .bytes = recorder_->bytes(),
-          .complete = recorder_->broken_off() == base::SimTime::never()};
+          .complete = recorder_->broken_off() == base::SimTime::never(),
+          .running = !ended_};
 }
 
 std::vector<web::SessionControl::Snapshot> LiveSession::snapshots() {
   std::vector<Snapshot> all;
+  if (!recorder_) {
+    return all;
+  }
   for (const replay::Mark& mark : recorder_->marks()) {
     all.push_back({mark.name, mark.time});
   }
@@ -53,6 +71,9 @@ std::vector<web::SessionControl::Snapshot> LiveSession::snapshots() {
 }
 
 bool LiveSession::take_snapshot(const std::string& name) {
+  if (!recording().running) {
+    return false;
+  }
   if (std::ranges::find(recorder_->marks(), name, &replay::Mark::name) !=
       recorder_->marks().end()) {
     return false;
@@ -62,17 +83,63 @@ bool LiveSession::take_snapshot(const std::string& name) {
 }
 
 bool LiveSession::restore(const std::string& name) {
-  if (std::ranges::find(recorder_->marks(), name, &replay::Mark::name) ==
-      recorder_->marks().end()) {
+  if (!recorder_ || std::ranges::find(recorder_->marks(), name, &replay::Mark::name) ==
+                        recorder_->marks().end()) {
     return false;
   }
   const std::scoped_lock lock(mutex_);
-  wished_ = RecordingPlace{.path = recorder_->path(), .mark = name, .state = state_};
-  ::kill(::getpid(), SIGUSR1);  // ends the wait for the end of the run
+  wished_ =
+      NextRun{.from = RecordingPlace{.path = recorder_->path(), .mark = name, .state = state_}};
+  wake();
   return true;
 }
 
-std::optional<RecordingPlace> LiveSession::wished() {
+std::string LiveSession::start_recording(const std::string& name) {
+  if (recording().running) {
+    return recorder_->path() + " is being recorded; end that first";
+  }
+  const std::string path = name + ".stator";
+  if (std::filesystem::exists(std::filesystem::symlink_status(path))) {
+    return path + " exists; give the recording another name";
+  }
+  if (::access(".", W_OK) != 0) {
+    return "the directory in which the program was started cannot be written to";
+  }
+  try {
+    recordable_(path);
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  const std::scoped_lock lock(mutex_);
+  wished_ = NextRun{.record = path};
+  wake();
+  return {};
+}
+
+bool LiveSession::stop_recording() {
+  if (!recording().running) {
+    return false;
+  }
+  recorder_->end();
+  ended_ = true;
+  return true;
+}
+
+std::string LiveSession::content(std::uint64_t from, std::size_t most) {
+  std::string bytes;
+  if (!recorder_) {
+    return bytes;
+  }
+  std::ifstream file(recorder_->path(), std::ios::binary);
+  if (file.seekg(static_cast<std::streamoff>(from))) {
+    bytes.resize(most);
+    file.read(bytes.data(), static_cast<std::streamsize>(most));
+    bytes.resize(static_cast<std::size_t>(file.gcount()));
+  }
+  return bytes;
+}
+
+std::optional<NextRun> LiveSession::wished() {
   const std::scoped_lock lock(mutex_);
   return wished_;
 }

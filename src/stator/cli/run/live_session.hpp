@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -13,11 +16,21 @@
 
 namespace stator::cli {
 
-/// What "stator run" records, and the wish to go on from an earlier moment of it.
+/// What to do when a run has ended; one of the three is given.
+struct NextRun {
+  std::optional<RecordingPlace> from{};  ///< go on from a place of a recording
+  std::string record{};                  ///< begin anew and record into this file
+  std::string rack_file{};               ///< run this rack
+};
+
+/// What "stator run" records, and the wish to go on from an earlier moment of it, or to record.
 class LiveSession final : public web::SessionControl {
  public:
   /// `state`: directory of the run's kept files; empty: there is none.
-  explicit LiveSession(std::string state) : state_(std::move(state)) {}
+  /// `recordable` throws std::exception saying why the run cannot begin anew and be recorded into
+  /// a file.
+  LiveSession(std::string state, std::function<void(const std::string&)> recordable)
+      : state_(std::move(state)), recordable_(std::move(recordable)) {}
 
   /// Goes on from `from`: does to `rack`, which was built as `recorded` says, what was done to it
   /// until then. Returns the time of that place. Throws Failure when it is not there or when
@@ -34,10 +47,14 @@ class LiveSession final : public web::SessionControl {
   [[nodiscard]] Recording recording() override;
   [[nodiscard]] std::vector<Snapshot> snapshots() override;
   bool take_snapshot(const std::string& name) override;
-  /// Ends the run; its caller then goes on from the place of wished().
+  // Both end the run; its caller then does what wished() says.
   bool restore(const std::string& name) override;
-  /// The place that restore() was asked for; nothing: it was not called.
-  [[nodiscard]] std::optional<RecordingPlace> wished();
+  [[nodiscard]] std::string start_recording(const std::string& name) override;
+  bool stop_recording() override;
+  [[nodiscard]] std::string content(std::uint64_t from, std::size_t most) override;
+
+  /// What restore() or start_recording() was asked for; nothing: neither was called.
+  [[nodiscard]] std::optional<NextRun> wished();
 
   /// Ends the recording and says what is in it; `asked`: when the end was asked for
   /// (link::BackgroundOutput::drain()). Returns why it breaks off; empty if it does not.
@@ -45,9 +62,11 @@ class LiveSession final : public web::SessionControl {
 
  private:
   std::string state_;
+  std::function<void(const std::string&)> recordable_;
   std::optional<replay::SessionRecorder> recorder_;
-  std::mutex mutex_;  ///< guards wished_
-  std::optional<RecordingPlace> wished_;
+  bool ended_ = false;  ///< by stop_recording()
+  std::mutex mutex_;    ///< guards wished_
+  std::optional<NextRun> wished_;
 };
 
 /// The directory for the kept files of a run that goes on from `from`, as they were at power-on;

@@ -148,12 +148,6 @@ void announce(const rack::RackConfiguration& configuration, rack::Rack& rack, ra
   static_cast<void>(std::fflush(stdout));
 }
 
-/// What a run goes on with when it has ended; nothing: it is over.
-struct Wish {
-  std::optional<RecordingPlace> place;
-  std::optional<std::string> rack_file;
-};
-
 /// Where a run begins, and how far it has come.
 struct Start {
   std::optional<RecordingPlace> from;  ///< nothing: at power-on
@@ -161,10 +155,31 @@ struct Start {
   bool running = false;                ///< nothing can fail any more
 };
 
-/// One rack from `start` until a signal comes, `limit` has passed or somebody wishes to go on with
-/// something else. A port that the system was to choose for the web server is kept in `given`.
-Wish run_rack(RunOptions& given, Start& start_at, StopSignals& signals, StandardOutput& output,
-              std::optional<base::SimDuration> limit) {
+/// Throws Failure if a run cannot begin anew for a recording: it would write its files anew, too.
+void require_recordable(const rack::RackConfiguration& configuration, bool goes_on) {
+  if (goes_on) {
+    throw Failure(
+        "this run goes on from a recording; end it and start the rack anew to record it from "
+        "power-on on");
+  }
+  const bool writes =
+      configuration.record || configuration.trace ||
+      std::ranges::any_of(configuration.segments,
+                          [](const auto& segment) { return !segment.capture.empty(); }) ||
+      std::ranges::any_of(configuration.buses, [](const rack::BusConfiguration& bus) {
+        return !bus.log.empty() || !bus.capture.empty();
+      });
+  if (writes) {
+    throw Failure(
+        "this run writes other files (signals, captures, logs, traces), which would begin anew as "
+        "well; start it with --record NAME.stator");
+  }
+}
+
+/// One rack from `start_at` until a signal comes, `limit` has passed or somebody wishes another run;
+/// then returns which. A port that the system was to choose for the web server is kept in `given`.
+std::optional<NextRun> run_rack(RunOptions& given, Start& start_at, StopSignals& signals,
+                                StandardOutput& output, std::optional<base::SimDuration> limit) {
   const std::optional<RecordingPlace>& from = start_at.from;
   signals.starting();
   std::optional<RecordedRack> recorded;
@@ -194,7 +209,12 @@ Wish run_rack(RunOptions& given, Start& start_at, StopSignals& signals, Standard
   RunningRackFile rack_file(
       options, from ? "this rack came out of a recording; start one with \"stator run\"" : "",
       start_at.refusal);
-  LiveSession session(configuration.state);
+  LiveSession session(configuration.state, [&](const std::string& path) {
+    require_recordable(configuration, from.has_value());
+    RunOptions next = options;
+    next.record = path;
+    static_cast<void>(header_of(next, configuration_of(next)));  // the rack file may have changed
+  });
   if (header) {
     session.record(rack, options.record, std::move(*header));
   }
@@ -207,8 +227,7 @@ Wish run_rack(RunOptions& given, Start& start_at, StopSignals& signals, Standard
   OpenedWebServer web;  // goes after the runner, which may have tasks of it
   rack::Runner runner(rack, configuration, logger, start, options.priority);
   manual::ManualControl manual(runner, configuration, log);
-  web = open_web_server(options.web, rack, configuration, log, runner,
-                        session.recorder() != nullptr ? &session : nullptr, &rack_file, &manual);
+  web = open_web_server(options.web, rack, configuration, log, runner, &session, &rack_file, &manual);
   signals.running();
   start_at.running = true;
   // Only now, when nothing can fail any more.
@@ -244,7 +263,10 @@ Wish run_rack(RunOptions& given, Start& start_at, StopSignals& signals, Standard
   print_end(configuration, rack, runner);
   end_files(rack, runner.now(), session, asked);
   require_kept(rack, configuration.state, state);
-  return {.place = session.wished(), .rack_file = rack_file.wished()};
+  if (const auto wished = rack_file.wished()) {
+    return NextRun{.rack_file = *wished};
+  }
+  return session.wished();
 }
 
 /// Runs racks one after the other, the next one as somebody wished who looked at the one before.
@@ -252,35 +274,40 @@ Wish run_rack(RunOptions& given, Start& start_at, StopSignals& signals, Standard
 void run_racks(RunOptions& options, std::optional<RecordingPlace> from, StopSignals& signals,
                StandardOutput& output, std::optional<base::SimDuration> limit) {
   Start start{.from = std::move(from)};
-  std::optional<std::string> former;
+  std::string former;
   while (!signals.stopped()) {
-    Wish wish;
+    std::optional<NextRun> next;
     start.running = false;
     try {
-      wish = run_rack(options, start, signals, output, limit);
+      next = run_rack(options, start, signals, output, limit);
       start.refusal.clear();
-      former.reset();
+      former.clear();
     } catch (const std::runtime_error& error) {
-      if (start.running || !former) {
+      if (start.running || former.empty()) {
         throw;
       }
       start.refusal = error.what();
       fmt::print("{} does not start: {}\n", options.rack_file, start.refusal);
-      wish.rack_file = std::exchange(former, std::nullopt);
+      next = NextRun{.rack_file = std::exchange(former, {})};
     }
-    if (wish.rack_file) {
+    if (!next) {
+      return;
+    }
+    if (!next->record.empty()) {
+      options.record = next->record;
+      continue;
+    }
+    if (!next->rack_file.empty()) {
       if (start.running) {
         former = options.rack_file;
       }
-      options.rack_file = *wish.rack_file;
+      options.rack_file = next->rack_file;
       fmt::print("Going on with {}\n", options.rack_file);
-    } else if (wish.place) {
-      start.from = std::move(wish.place);
+    } else {
+      start.from = std::move(next->from);
       options.rack_file.clear();
       options.device.clear();
       options.state.clear();
-    } else {
-      return;
     }
     if (is_session(options.record)) {
       options.record = next_name(options.record);

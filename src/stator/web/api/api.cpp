@@ -111,6 +111,9 @@ Answer answer(const Match& match, const Request& request, State& state) {
     case Operation::events:
       return answer_events(match, state);
     case Operation::recording:
+    case Operation::recording_content:
+    case Operation::start_recording:
+    case Operation::stop_recording:
     case Operation::snapshots:
     case Operation::take_snapshot:
     case Operation::restore_snapshot:

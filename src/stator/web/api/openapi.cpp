@@ -35,12 +35,13 @@ constexpr const char* kSchemas = R"({
   },
   "Recording": {
     "type": "object",
-    "required": ["file", "time_ns", "bytes", "complete"],
+    "required": ["file", "time_ns", "bytes", "complete", "running"],
     "properties": {
-      "file": {"type": ["string", "null"], "description": "null: nothing is recorded"},
+      "file": {"type": ["string", "null"], "description": "null: nothing has been recorded"},
       "time_ns": {"type": "integer", "description": "Simulated time up to which it goes"},
       "bytes": {"type": "integer", "description": "Written so far"},
-      "complete": {"type": "boolean", "description": "false: it ended because the disk was too slow or is full"}
+      "complete": {"type": "boolean", "description": "false: it ended because the disk was too slow or is full"},
+      "running": {"type": "boolean", "description": "false: nothing is recorded, or the recording has been ended"}
     }
   },
   "Snapshots": {
