@@ -401,6 +401,23 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/api/v1/connections": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /** How masters and other programs reach each link of this rack: lines to paste, with its own interfaces, addresses, paths and identifiers */
+        readonly get: operations["listConnections"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/api/v1/devices/{device}/panel": {
         readonly parameters: {
             readonly query?: never;
@@ -854,6 +871,31 @@ export interface components {
             readonly buses: readonly components["schemas"]["Bus"][];
             readonly lines: readonly components["schemas"]["Line"][];
         };
+        readonly Connection: {
+            /**
+             * @example SOEM
+             * @example python-canopen
+             * @example PyTrinamic
+             */
+            readonly program: string;
+            /** @description Ready to paste; empty: it cannot, the explanation says what to do */
+            readonly lines: string;
+            readonly explanation: string;
+            /** @description Document below docs/ of the repository */
+            readonly guide: string;
+        };
+        readonly LinkConnections: {
+            /** @description As /api/v1/rack names it */
+            readonly network: string;
+            /** @description With the port that was really opened; of a serial line what programs open */
+            readonly link: string;
+            /** @description Begins a sentence */
+            readonly where: string;
+            readonly programs: readonly components["schemas"]["Connection"][];
+        };
+        readonly Connections: {
+            readonly links: readonly components["schemas"]["LinkConnections"][];
+        };
         readonly Refusal: components["schemas"]["Event"] | null;
         readonly PanelAxis: {
             readonly name: string;
@@ -1115,6 +1157,9 @@ export type Segment = components['schemas']['Segment'];
 export type Bus = components['schemas']['Bus'];
 export type Line = components['schemas']['Line'];
 export type Wiring = components['schemas']['Wiring'];
+export type Connection = components['schemas']['Connection'];
+export type LinkConnections = components['schemas']['LinkConnections'];
+export type Connections = components['schemas']['Connections'];
 export type Refusal = components['schemas']['Refusal'];
 export type PanelAxis = components['schemas']['PanelAxis'];
 export type Led = components['schemas']['Led'];
@@ -2044,6 +2089,35 @@ export interface operations {
                 };
                 content: {
                     readonly "application/json": components["schemas"]["Wiring"];
+                };
+            };
+            /** @description Refused */
+            readonly default: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly listConnections: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Done */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Connections"];
                 };
             };
             /** @description Refused */

@@ -1,21 +1,13 @@
-// stator run: sockets of chips, and how masters reach them
+// stator run: sockets of chips
 
 #include <string>
-#include <utility>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "cli/stator_program.hpp"
 #include "source_paths.hpp"
-#include "stator/cli/run/connection_hints.hpp"
-#include "stator/devices/tmc8461/product.hpp"
-#include "stator/devices/tmc8461/tmc8461.hpp"
-#include "stator/devices/tmcm_3315/product.hpp"
-#include "stator/link/ethernet/link_address.hpp"
 #include "stator/link/ethernet/udp_ethernet_link.hpp"
-#include "stator/product/catalogue/product.hpp"
 
 namespace stator {
 namespace {
@@ -53,34 +45,6 @@ TEST(ChipSockets, AChipThatFollowsTheMasterNeedsNoFirmware) {
       stator("run --duration 10ms " STATOR_SOURCE_DIR "/racks/io-board.toml" + link());
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_THAT(outcome.output, Not(HasSubstr("firmware")));
-}
-
-TEST(ConnectionHints, NameWhatTheSegmentHas) {
-  const auto hints = [](const std::vector<product::Setup>& setups, const char* link) {
-    rack::SegmentConfiguration segment;
-    segment.link = *link::parse_link_address(link);
-    for (const product::Setup& setup : setups) {
-      segment.devices.push_back({.name = "device", .setup = setup});
-    }
-    return cli::connection_hints(segment);
-  };
-  const product::Setup chip = devices::tmc8461_product()->defaults();
-  product::Setup chip_with_objects = chip;
-  chip_with_objects.as<devices::Tmc8461Configuration>().mailbox_bytes = 128;
-  chip_with_objects.as<devices::Tmc8461Configuration>().coe = true;
-  const product::Setup drive = devices::tmcm_3315_product()->defaults();
-  for (const std::string link : {"udp:127.0.0.1", "ethercat:nosuch0"}) {
-    const char* text = link.c_str();
-    EXPECT_THAT(hints({chip}, text), AllOf(HasSubstr("stator scan --link"), Not(HasSubstr("move")),
-                                           Not(HasSubstr("-sdo"))));
-    EXPECT_THAT(hints({drive}, text),
-                AllOf(HasSubstr("stator move --link"), HasSubstr("--revolutions"),
-                      Not(HasSubstr("--position"))));
-    EXPECT_THAT(hints({chip, chip, drive, drive}, text), HasSubstr("--position 2 --revolutions"));
-  }
-  EXPECT_THAT(hints({chip}, "ethercat:nosuch0"), HasSubstr("slaveinfo INTERFACE -map"));
-  EXPECT_THAT(hints({chip_with_objects}, "ethercat:nosuch0"), HasSubstr("-sdo -map"));
-  EXPECT_THAT(hints({drive}, "ethercat:nosuch0"), HasSubstr("-sdo -map"));
 }
 
 TEST(ChipSockets, MistakesAreExplained) {

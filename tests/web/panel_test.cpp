@@ -13,6 +13,7 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
+using testing::Not;
 
 json led(const json& panel, const std::string& name) {
   for (const json& each : panel["leds"]) {
@@ -112,6 +113,29 @@ TEST(Wiring, TellsPortsNeighboursAndBuses) {
   EXPECT_EQ(wiring["buses"][0]["bit_rate"], 1'000'000);
   EXPECT_EQ(wiring["buses"][0]["devices"], json::parse(R"(["servo"])"));
   EXPECT_TRUE(wiring["lines"].empty());
+}
+
+TEST(Connections, AreForTheLinksOfThisRack) {
+  rack::RackConfiguration configuration = ServedRack::module_with({});
+  configuration.buses[0].ports.emplace_back("slcan-tcp:0");
+  configuration.buses[0].devices[0].serial = {{"rs232", "tcp:0"}};
+  configuration.segments = ServedRack::configuration(rack::ClockKind::real, "").segments;
+  ServedRack rack(configuration);
+  const json links = rack.get("/api/v1/connections").json()["links"];
+  ASSERT_EQ(links.size(), 4U) << links.dump(2);
+  EXPECT_EQ(links[0]["network"], "segment 0");
+  EXPECT_EQ(links[0]["where"], "Masters send to 127.0.0.1");
+  EXPECT_THAT(links[0]["programs"][0]["lines"].get<std::string>(),
+              HasSubstr("--link " + to_text(configuration.segments[0].link)));
+  EXPECT_EQ(links[1]["link"], configuration.buses[0].ports[0]);
+  // Ports that the system has chosen.
+  const std::string port = rack.runner().bus(0).port(1).name();
+  EXPECT_THAT(port, Not(HasSubstr(":0")));
+  EXPECT_EQ(links[2]["link"], port);
+  const std::string line = rack.runner().line(0).link().name();
+  EXPECT_EQ(links[3]["network"], "tcp:0");
+  EXPECT_EQ(links[3]["link"], line);
+  EXPECT_THAT(links[3]["programs"][0]["lines"].get<std::string>(), HasSubstr(line));
 }
 
 TEST(StateMachines, AreWholeGraphs) {

@@ -1,6 +1,6 @@
 import { useMemo } from "preact/hooks";
 
-import type { Bus, Device, Line, Panel, Segment, Signals, Wiring } from "../api";
+import type { Bus, Device, Line, LinkConnections, Panel, Segment, Signals, Wiring } from "../api";
 import { segment as pathSegment } from "../api";
 import { LedDot } from "../components/led";
 import { ShaftDial } from "../components/shaft";
@@ -10,6 +10,7 @@ import { busPicture, kMasterWidth, segmentPicture, shaftPlace, type Card } from 
 import { href } from "../router";
 import { shaftsOf, type Shaft } from "../shafts";
 import "../styles/rack.css";
+import { ConnectPanel, useConnections } from "./connections";
 
 const kPanelPeriod = 500;
 const kWiringPeriod = 1000;
@@ -51,6 +52,8 @@ export function RackView() {
   const [attach, width] = useWidth();
   const wiring = useResource<Wiring>(store.offers("/api/v1/wiring") ? "/api/v1/wiring" : null, kWiringPeriod);
   const signals = useResource<Signals>("/api/v1/signals");
+  const connections = useConnections();
+  const linksOf = (network: string) => connections.filter((link) => link.network === network);
   const names = store.devices.map((device) => device.name).join("\n");
   const shafts = useMemo(() => shaftsOf(signals.data?.signals ?? [], names.split("\n")), [signals.data, names]);
   const kinds = new Map(store.rack?.networks.map((network) => [network.name, network.kind]));
@@ -71,13 +74,13 @@ export function RackView() {
       {ready ? (
         <div class={halves ? "rack halves" : "rack"}>
           {shown.segments.map((each) => (
-            <SegmentPanel key={each.name} segment={each} shafts={shafts} width={width - 26} />
+            <SegmentPanel key={each.name} segment={each} links={linksOf(each.name)} shafts={shafts} width={width - 26} />
           ))}
           {shown.buses.map((each) => (
-            <BusPanel key={each.name} bus={each} shafts={shafts} width={narrow} />
+            <BusPanel key={each.name} bus={each} links={linksOf(each.name)} shafts={shafts} width={narrow} />
           ))}
           {shown.lines.map((each) => (
-            <LinePanel key={each.link} line={each} shafts={shafts} width={narrow} />
+            <LinePanel key={each.link} line={each} links={linksOf(each.link)} shafts={shafts} width={narrow} />
           ))}
           <Networks />
         </div>
@@ -91,11 +94,16 @@ interface Drawn {
   readonly width: number;
 }
 
+/// How programs reach it.
+interface Reached {
+  readonly links: readonly LinkConnections[];
+}
+
 function shaftCount(shafts: readonly Shaft[]): (name: string) => number {
   return (name) => shafts.filter((shaft) => shaft.device === name).length;
 }
 
-function SegmentPanel({ segment, shafts, width }: Drawn & { segment: Segment }) {
+function SegmentPanel({ segment, links, shafts, width }: Drawn & Reached & { segment: Segment }) {
   const picture = segmentPicture(segment, shaftCount(shafts), width);
   const first = picture.cards[0];
   const broken = picture.cables.filter((cable) => cable.state === "broken").length;
@@ -133,6 +141,7 @@ function SegmentPanel({ segment, shafts, width }: Drawn & { segment: Segment }) 
           ))}
         </svg>
       </div>
+      <ConnectPanel links={links} what="a master" />
     </section>
   );
 }
@@ -169,7 +178,7 @@ function Wire({ names, shafts, width, label, outside }: Drawn & { names: readonl
   );
 }
 
-function BusPanel({ bus, shafts, width }: Drawn & { bus: Bus }) {
+function BusPanel({ bus, links, shafts, width }: Drawn & Reached & { bus: Bus }) {
   return (
     <section class="panel">
       <header>
@@ -187,11 +196,12 @@ function BusPanel({ bus, shafts, width }: Drawn & { bus: Bus }) {
       <div class="body">
         <Wire names={bus.devices} shafts={shafts} width={width} label={`Devices at ${bus.name}`} outside="Programs" />
       </div>
+      <ConnectPanel links={links} what="a master or another program" />
     </section>
   );
 }
 
-function LinePanel({ line, shafts, width }: Drawn & { line: Line }) {
+function LinePanel({ line, links, shafts, width }: Drawn & Reached & { line: Line }) {
   return (
     <section class="panel">
       <header>
@@ -202,6 +212,7 @@ function LinePanel({ line, shafts, width }: Drawn & { line: Line }) {
       <div class="body">
         <Wire names={line.devices} shafts={shafts} width={width} label={`Devices at ${line.link}`} outside="Host" />
       </div>
+      <ConnectPanel links={links} what="a host" />
     </section>
   );
 }

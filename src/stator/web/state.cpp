@@ -68,7 +68,8 @@ State::State(rack::Rack& rack, const rack::RackConfiguration& configuration,
     }
   }
   for (std::size_t i = 0; i < rack.line_count(); ++i) {
-    networks_.push_back({.name = rack.line(i).configuration().link, .kind = "serial"});
+    lines_.push_back(rack.line(i).configuration());
+    networks_.push_back({.name = lines_.back().link, .kind = "serial"});
   }
   for (const rack::DeviceAddress& address : rack.addresses()) {
     const bool on_bus = address.kind == rack::NetworkKind::bus;

@@ -87,6 +87,9 @@ class State {
   /// characters.
   [[nodiscard]] std::vector<std::size_t> matching(std::string_view patterns) const;
   [[nodiscard]] std::string_view clock() const;
+  /// For what never changes while it runs, e.g. the names of its links.
+  [[nodiscard]] const rack::Runner& runner() const { return runner_; }
+  [[nodiscard]] const std::vector<rack::SerialLineConfiguration>& lines() const { return lines_; }
   /// Names this run of the rack and no other: numbers of events and faults begin anew with each.
   [[nodiscard]] const std::string& run() const { return run_; }
 
@@ -127,8 +130,9 @@ class State {
   std::string run_;  ///< drawn as a token is, but gives no rights
   std::vector<DeviceRecord> devices_;
   std::vector<product::Signal> signals_;
-  std::vector<NetworkRecord> networks_;  ///< names only
-  std::vector<std::size_t> wires_;       ///< numbers of the buses that have one
+  std::vector<rack::SerialLineConfiguration> lines_;  ///< as the runner numbers them
+  std::vector<NetworkRecord> networks_;               ///< names only
+  std::vector<std::size_t> wires_;                    ///< numbers of the buses that have one
   std::deque<EventRecord> events_;
   std::array<std::uint64_t, 4> event_counts_{};
   std::uint64_t fetched_ = 0;

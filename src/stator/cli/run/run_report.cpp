@@ -7,13 +7,13 @@
 
 #include "stator/can/bus.hpp"
 #include "stator/cli/run/chip_sockets.hpp"
-#include "stator/cli/run/connection_hints.hpp"
 #include "stator/cli/run/serial_lines.hpp"
 #include "stator/link/can/can_link.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/core/named_device.hpp"
 #include "stator/rack/core/wiring.hpp"
 #include "stator/rack/networks/can_network.hpp"
+#include "stator/rack/run/connections.hpp"
 
 namespace stator::cli {
 
@@ -59,7 +59,7 @@ void print_networks(const rack::RackConfiguration& configuration, rack::Rack& ra
       const rack::DeviceAddress address{i, device, rack::NetworkKind::segment};
       fmt::print("  {}  ({})\n", rack.name_of(address), rack.slave(address).description().name);
     }
-    fmt::print("{}", connection_hints(segment));
+    fmt::print("{}", rack::printed(rack::connections_of(segment)));
   }
   print_buses(configuration, runner);
   for (std::size_t i = 0; i < runner.line_count(); ++i) {

@@ -10,6 +10,7 @@
 #include "stator/canopen/nmt/node.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/product/catalogue/product.hpp"
+#include "stator/rack/run/connections.hpp"
 
 namespace stator::cli {
 
@@ -83,55 +84,6 @@ std::string serial_address_text(const product::Setup& setup) {
   return tmcl != nullptr ? fmt::format(", address {}", tmcl->serial) : "";
 }
 
-/// How programs talk over a line.
-struct LineUse {
-  std::string_view class_name = "serial_tmcl";  ///< PyTrinamic's name of it
-  std::uint32_t baud_rate = 9600;               ///< of those to which it does not matter
-};
-
-/// What the interface at the line speaks, and how fast: that of the last device named on it.
-LineUse use_of(const rack::RackConfiguration& configuration,
-               const rack::SerialLineConfiguration& line) {
-  LineUse use;
-  for_each_device(configuration, [&](const rack::DeviceConfiguration& device) {
-    const auto found = std::ranges::find(device.serial, line.link, &rack::SerialConnection::line);
-    if (found == device.serial.end()) {
-      return;
-    }
-    for (const product::SerialInterface& each :
-         device.setup.product().serial_interfaces(device.setup)) {
-      if (each.name == found->interface) {
-        const bool registers = each.protocol == product::SerialProtocol::registers;
-        use = {registers ? "uart_ic" : "serial_tmcl", each.baud_rate.value_or(use.baud_rate)};
-      }
-    }
-  });
-  return use;
-}
-
-/// How programs open the line, ready to paste.
-std::string hints(const rack::RackConfiguration& configuration,
-                  const rack::SerialLineConfiguration& line, const link::SerialLink& link) {
-  const LineUse use = use_of(configuration, line);
-  const auto address = link::parse_serial_link(line.link);
-  if (address && address->kind == link::SerialLinkKind::tcp) {
-    const std::string trinamic =
-        use.class_name == LineUse{}.class_name
-            ? fmt::format(
-                  "  ConnectionManager(\"--interface socket_serial_tmcl --port {}\").connect()   # "
-                  "PyTrinamic\n",
-                  link.name())
-            : "";
-    return fmt::format("{1}  serial.serial_for_url(\"socket://{0}\")   # pyserial\n", link.name(),
-                       trinamic);
-  }
-  return fmt::format(
-      "  ConnectionManager(\"--interface {2} --port {0} --data-rate {1}\").connect()   # "
-      "PyTrinamic\n"
-      "  serial.Serial(\"{0}\", {1})   # pyserial\n",
-      link.name(), use.baud_rate, use.class_name);
-}
-
 }  // namespace
 
 void count_address(product::Setup& setup, unsigned offset) {
@@ -181,7 +133,7 @@ void print_line(const rack::RackConfiguration& configuration,
       }
     }
   });
-  fmt::print("Programs open it:\n{}", hints(configuration, line, link));
+  fmt::print("{}", rack::printed(rack::connections_of(configuration, line, link.name())));
 }
 
 }  // namespace stator::cli

@@ -170,4 +170,26 @@ std::string to_text(const CanLinkAddress& address) {
   return text;
 }
 
+std::string python_can_arguments(const CanLinkAddress& address) {
+  const auto arguments = [](std::string_view interface, const std::string& channel) {
+    return "interface=\"" + std::string(interface) + "\", channel=\"" + channel + "\"";
+  };
+  const std::string host = address.name == "0.0.0.0" ? std::string(kLoopback) : address.name;
+  const std::string port = std::to_string(address.port);
+  switch (address.kind) {
+    case CanLinkKind::slcan:
+      return arguments("slcan", address.name);
+    case CanLinkKind::slcan_tcp:
+      return arguments("slcan", "socket://" + host + ":" + port);
+    case CanLinkKind::socketcand:
+      return "interface=\"socketcand\", host=\"" + host + "\", port=" + port + ", channel=\"can0\"";
+    case CanLinkKind::socketcan:
+    case CanLinkKind::can_exec:
+      return arguments("socketcan", address.name);
+    case CanLinkKind::udp_multicast:
+      return arguments("udp_multicast", address.name) + ", port=" + port;
+  }
+  return "";
+}
+
 }  // namespace stator::link

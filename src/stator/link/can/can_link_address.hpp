@@ -49,4 +49,8 @@ inline constexpr std::uint16_t kMulticastPort = 43113;
 /// The reverse; what was left out is written.
 [[nodiscard]] std::string to_text(const CanLinkAddress& address);
 
+/// What a program on this machine gives python-can's `can.Bus()` to reach the port, e.g.
+/// `interface="socketcan", channel="can0"`. Of can-exec: a program that is started by it.
+[[nodiscard]] std::string python_can_arguments(const CanLinkAddress& address);
+
 }  // namespace stator::link

@@ -77,13 +77,7 @@ void CanTcpLink::on_read(Client& client) {
 }
 
 std::string CanTcpLink::usage() const {
-  const std::string host = address_.name == "0.0.0.0" ? "127.0.0.1" : address_.name;
-  const std::string port = std::to_string(address_.port);
-  if (address_.kind == CanLinkKind::socketcand) {
-    return R"(can.Bus(interface="socketcand", host=")" + host + "\", port=" + port +
-           ", channel=\"can0\")";
-  }
-  return R"(can.Bus(interface="slcan", channel="socket://)" + host + ":" + port + "\")";
+  return "can.Bus(" + python_can_arguments(address_) + ")";
 }
 
 }  // namespace stator::link

@@ -93,8 +93,9 @@ void SlcanPtyLink::on_idle() {
 
 std::string SlcanPtyLink::usage() const {
   // slcand takes names below /dev only.
-  return R"(can.Bus(interface="slcan", channel=")" + terminal_.path() +
-         "\"), or: sudo slcand -o $(readlink " + terminal_.path() + ") can0";
+  const CanLinkAddress address{.kind = CanLinkKind::slcan, .name = terminal_.path()};
+  return "can.Bus(" + python_can_arguments(address) + "), or: sudo slcand -o $(readlink " +
+         terminal_.path() + ") can0";
 }
 
 }  // namespace stator::link

@@ -11,6 +11,7 @@
 #include <sys/timerfd.h>
 #include <unistd.h>
 
+#include "stator/link/can/can_link_address.hpp"
 #include "stator/link/can/socketcan_frame.hpp"
 #include "stator/link/system/failure.hpp"
 #include "stator/link/system/socket_options.hpp"
@@ -151,8 +152,8 @@ CanLinkStatistics SocketCanLink::statistics() const {
 }
 
 std::string SocketCanLink::usage() const {
-  return R"(can.Bus(interface="socketcan", channel=")" + interface_ + "\"), or: candump " +
-         interface_;
+  const CanLinkAddress address{.kind = CanLinkKind::socketcan, .name = interface_};
+  return "can.Bus(" + python_can_arguments(address) + "), or: candump " + interface_;
 }
 
 }  // namespace stator::link

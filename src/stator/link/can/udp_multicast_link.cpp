@@ -204,8 +204,7 @@ CanLinkStatistics UdpMulticastLink::statistics() const {
 }
 
 std::string UdpMulticastLink::usage() const {
-  return R"(can.Bus(interface="udp_multicast", channel=")" + address_.name +
-         "\", port=" + std::to_string(address_.port) + ")";
+  return "can.Bus(" + python_can_arguments(address_) + ")";
 }
 
 }  // namespace stator::link

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "stator/web/api/assets.hpp"
+#include "stator/web/api/connections_api.hpp"
 #include "stator/web/api/events_job.hpp"
 #include "stator/web/api/fault_api.hpp"
 #include "stator/web/api/input_api.hpp"
@@ -92,6 +93,8 @@ Answer answer(const Match& match, const Request& request, State& state) {
       return answer_inputs(match, request, state);
     case Operation::wiring:
       return make_wiring_job(state);
+    case Operation::connections:
+      return describe_connections(state);
     case Operation::state_machines:
       return describe_state_machines();
     case Operation::traffic:

@@ -65,6 +65,31 @@ inline constexpr const char* kPanelSchemas = R"({
       "lines": {"type": "array", "items": {"$ref": "#/components/schemas/Line"}}
     }
   },
+  "Connection": {
+    "type": "object",
+    "required": ["program", "lines", "explanation", "guide"],
+    "properties": {
+      "program": {"type": "string", "examples": ["SOEM", "python-canopen", "PyTrinamic"]},
+      "lines": {"type": "string", "description": "Ready to paste; empty: it cannot, the explanation says what to do"},
+      "explanation": {"type": "string"},
+      "guide": {"type": "string", "description": "Document below docs/ of the repository"}
+    }
+  },
+  "LinkConnections": {
+    "type": "object",
+    "required": ["network", "link", "where", "programs"],
+    "properties": {
+      "network": {"type": "string", "description": "As /api/v1/rack names it"},
+      "link": {"type": "string", "description": "With the port that was really opened; of a serial line what programs open"},
+      "where": {"type": "string", "description": "Begins a sentence"},
+      "programs": {"type": "array", "items": {"$ref": "#/components/schemas/Connection"}}
+    }
+  },
+  "Connections": {
+    "type": "object",
+    "required": ["links"],
+    "properties": {"links": {"type": "array", "items": {"$ref": "#/components/schemas/LinkConnections"}}}
+  },
   "Refusal": {"anyOf": [{"$ref": "#/components/schemas/Event"}, {"type": "null"}]},
   "PanelAxis": {
     "type": "object",

@@ -214,6 +214,13 @@ constexpr auto kRoutes = std::to_array<Route>({
      .id = "getWiring",
      .summary = "How devices are wired, which links are up, and what ports have counted",
      .schema = "Wiring"},
+    {.operation = Operation::connections,
+     .method = "GET",
+     .path = "/api/v1/connections",
+     .id = "listConnections",
+     .summary = "How masters and other programs reach each link of this rack: lines to paste, with "
+                "its own interfaces, addresses, paths and identifiers",
+     .schema = "Connections"},
     {.operation = Operation::panel,
      .method = "GET",
      .path = "/api/v1/devices/{device}/panel",

@@ -38,6 +38,7 @@ enum class Operation : std::uint8_t {
   take_snapshot,
   restore_snapshot,
   wiring,
+  connections,
   panel,
   state_machines,
   program,

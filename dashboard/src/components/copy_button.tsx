@@ -1,0 +1,39 @@
+// A button that copies a text, and says so.
+import { useEffect, useState } from "preact/hooks";
+
+const kShown = 2000;
+
+/// False where pages may not use the clipboard: neither https nor loopback.
+async function copy(text: string): Promise<boolean> {
+  try {
+    await navigator.clipboard.writeText(text);
+    return true;
+  } catch {
+    return false;
+  }
+}
+
+export function CopyButton({ text, name }: { text: string; name: string }) {
+  const [said, setSaid] = useState("");
+  useEffect(() => {
+    if (said === "") {
+      return undefined;
+    }
+    const timer = setTimeout(() => setSaid(""), kShown);
+    return () => clearTimeout(timer);
+  }, [said]);
+  return (
+    <>
+      <button
+        type="button"
+        aria-label={`Copy ${name}`}
+        onClick={() => void copy(text).then((done) => setSaid(done ? "Copied" : "Select it and press Ctrl-C"))}
+      >
+        Copy
+      </button>
+      <span class="soft" role="status">
+        {said}
+      </span>
+    </>
+  );
+}
