@@ -14,6 +14,7 @@ mkdirSync(out, { recursive: true });
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 export const sizes = [
+  { width: 390, height: 844 },
   { width: 1280, height: 800 },
   { width: 1920, height: 1080 },
 ];
@@ -77,23 +78,27 @@ async function violations(page) {
   return JSON.parse(result.value);
 }
 
-/// Takes pictures of a page at `sizes` in both themes; nothing may be too wide, and axe may find nothing.
-export async function lookAt(page, name, sizes) {
-  for (const theme of ["light", "dark"]) {
+/// Takes pictures of a page at all sizes in both themes; nothing may be too wide, and axe may find nothing: on a phone in the
+/// one, on a screen in the other.
+export async function lookAt(page, name) {
+  for (const [theme, place] of [
+    ["light", sizes[0]],
+    ["dark", sizes[1]],
+  ]) {
     await page.emulateMedia({ colorScheme: theme });
     for (const size of sizes) {
       await page.setViewportSize(size);
-      await page.waitForTimeout(150);
+      await page.waitForTimeout(100);
       await page.screenshot({ path: join(out, `${name}-${size.width}-${theme}.png`) });
       const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
       if (wide > 0) {
         throw new Error(`${wide} pixels too wide at ${size.width}`);
       }
     }
-    await page.setViewportSize(sizes[0]);
+    await page.setViewportSize(place);
     const found = await violations(page);
     if (found.length > 0) {
-      throw new Error(`axe, ${theme}:\n${found.join("\n")}`);
+      throw new Error(`axe, ${theme}, ${place.width} pixels:\n${found.join("\n")}`);
     }
   }
 }

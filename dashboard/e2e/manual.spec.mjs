@@ -1,9 +1,8 @@
 // Axes are moved by hand: through the page, the server, and a master inside Stator that speaks to the device.
 import { expect } from "@playwright/test";
 
-import { heading, lookAt, sizes, test } from "./fixtures.mjs";
+import { heading, lookAt, test } from "./fixtures.mjs";
 
-const phone = { width: 390, height: 844 };
 const settled = { timeout: 60_000 };
 
 /// The number a reading of the panel shows.
@@ -108,7 +107,7 @@ test("the controlword is written bit by bit", async ({ open }) => {
     await write(0b0111, "Switched on");
     await write(0b1111, "Operation enabled");
   }).toPass({ timeout: 120_000 });
-  await lookAt(page, "manual", [phone, ...sizes]);
+  await lookAt(page, "manual");
   await giveBack(page);
 });
 

@@ -8,6 +8,7 @@ import { Api } from "./api";
 import { App } from "./app";
 import { takeToken } from "./router";
 import { applyTheme, storedTheme } from "./theme";
+import "./styles/narrow.css";
 
 const api = new Api();
 const taken = takeToken(location.hash);
