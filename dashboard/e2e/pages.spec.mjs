@@ -203,3 +203,31 @@ test("colours are chosen and kept", async ({ open }) => {
   assert.equal(await ground(), dark);
   await page.getByLabel("Colours").selectOption("system");
 });
+
+test("what is chosen in a view is there again after a reload", async ({ open }) => {
+  const page = await open("/rack");
+  await heading(page, "Rack");
+  const searches = {
+    "/events": "refused words",
+    "/traffic": "6041",
+    "/faults": "stall",
+    "/device/gantry/objects": "6060",
+    "/device/gantry/signals": "torque",
+    "/rack-file": "inertia",
+  };
+  for (const [view, words] of Object.entries(searches)) {
+    await page.evaluate((hash) => (location.hash = hash), view);
+    await page.getByRole("searchbox").fill(words);
+    await page.reload();
+    await expect(page.getByRole("searchbox")).toHaveValue(words);
+  }
+  await page.evaluate(() => (location.hash = "/device/gantry"));
+  const axis = page.getByRole("group", { name: "Axis" }).getByRole("button", { name: "axis1" });
+  await axis.click();
+  await page.reload();
+  await expect(axis).toHaveAttribute("aria-pressed", "true");
+  await page.evaluate(() => (location.hash = "/faults"));
+  await page.getByRole("button", { name: /^motor-stall/ }).click();
+  await page.reload();
+  await page.getByRole("heading", { level: 2, name: "motor-stall" }).waitFor();
+});

@@ -201,7 +201,7 @@ function View({ route }: { route: Route }) {
     case "recording":
       return <RecordingView />;
     case "device":
-      return <DeviceView name={route.parts[0] ?? ""} tab={route.parts[1] ?? ""} query={route.query} />;
+      return <DeviceView name={route.parts[0] ?? ""} tab={route.parts[1] ?? ""} />;
     default:
       return (
         <p class="empty">

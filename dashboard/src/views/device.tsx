@@ -12,7 +12,7 @@ import { DeviceSignals } from "./signals";
 
 const kPanelPeriod = 400;
 
-export function DeviceView({ name, tab, query }: { name: string; tab: string; query: ReadonlyMap<string, string> }) {
+export function DeviceView({ name, tab }: { name: string; tab: string }) {
   const store = useStore();
   const device = store.devices.find((each) => each.name === name);
   const offered = store.offers("/api/v1/devices/{device}/panel");
@@ -53,7 +53,7 @@ export function DeviceView({ name, tab, query }: { name: string; tab: string; qu
         ))}
       </nav>
       {tab === "objects" ? (
-        <Objects device={device} search={query.get("search") ?? ""} />
+        <Objects device={device} />
       ) : tab === "program" ? (
         <ProgramView device={device} />
       ) : tab === "signals" ? (

@@ -3,6 +3,7 @@ import { useMemo, useState } from "preact/hooks";
 import type { Event } from "../api";
 import { timeText } from "../format";
 import { useStore } from "../hooks";
+import { useChoice } from "../router";
 
 const kMostShown = 500;
 
@@ -58,9 +59,9 @@ export function EventRows({ events, short = false }: { events: readonly Event[];
 
 export function EventsView() {
   const { events, devices } = useStore();
-  const [text, setText] = useState("");
-  const [device, setDevice] = useState("");
-  const [severity, setSeverity] = useState("");
+  const [text, setText] = useChoice("search");
+  const [device, setDevice] = useChoice("device");
+  const [severity, setSeverity] = useChoice("kind");
   const [frozen, setFrozen] = useState<readonly Event[] | null>(null);
   const shown = useMemo(
     () =>

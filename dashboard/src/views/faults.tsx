@@ -5,13 +5,14 @@ import { segment } from "../api";
 import { defaultsOf, faultRequest, fieldOf, fieldProblem, filledIn, rangeText, targetsOf, type Values } from "../fault_form";
 import { unitText } from "../format";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
+import { useChoice } from "../router";
 import { shaftsOf } from "../shafts";
 
 export function FaultsView() {
   const kinds = useResource<FaultKinds>("/api/v1/faults/kinds");
   const active = useResource<Faults>("/api/v1/faults", 1000);
-  const [name, setName] = useState("");
-  const [words, setWords] = useState("");
+  const [name, setName] = useChoice("kind");
+  const [words, setWords] = useChoice("search");
   const list = (kinds.data?.kinds ?? []).filter((kind) =>
     `${kind.name} ${kind.summary} ${kind.applies_to}`.toLowerCase().includes(words.toLowerCase()),
   );

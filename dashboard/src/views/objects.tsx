@@ -4,6 +4,7 @@ import { segment, type Declaration, type Device, type Entry, type Object, type O
 import { addressText, hexText } from "../format";
 import { useAction, useResource, useWorld } from "../hooks";
 import { checkValue, isInteger, searchEntries, writable } from "../object_search";
+import { useChoice } from "../router";
 
 const kPeriod = 1000;
 const kAtOnce = 4;
@@ -82,13 +83,15 @@ function shown(entry: Declaration, value: Entry["value"] | undefined): { text: s
 
 const kPage = 150;
 
-export function Objects({ device, search }: { device: Device; search: string }) {
+export function Objects({ device }: { device: Device }) {
   const list = useResource<Objects>(`/api/v1/devices/${segment(device.name)}/objects`);
-  const [words, setWords] = useState(search);
-  useEffect(() => setWords(search), [search]);
-  const [onlyWritable, setOnlyWritable] = useState(false);
-  const [onlyMapped, setOnlyMapped] = useState(false);
-  const [edited, setEdited] = useState("");
+  const [words, setWords] = useChoice("search");
+  const [only, setOnly] = useChoice("only");
+  const onlyWritable = only.includes("writable");
+  const onlyMapped = only.includes("mapped");
+  const choose = (what: string, wanted: boolean) =>
+    setOnly([...only.split(" ").filter((each) => each !== "" && each !== what), ...(wanted ? [what] : [])].join(" "));
+  const [edited, setEdited] = useChoice("object");
   const found = useMemo(
     () =>
       searchEntries(list.data?.entries ?? [], words)
@@ -111,11 +114,11 @@ export function Objects({ device, search }: { device: Device; search: string }) 
           onInput={(event) => setWords(event.currentTarget.value)}
         />
         <label class="check">
-          <input type="checkbox" checked={onlyWritable} onChange={(event) => setOnlyWritable(event.currentTarget.checked)} />
+          <input type="checkbox" checked={onlyWritable} onChange={(event) => choose("writable", event.currentTarget.checked)} />
           writable
         </label>
         <label class="check">
-          <input type="checkbox" checked={onlyMapped} onChange={(event) => setOnlyMapped(event.currentTarget.checked)} />
+          <input type="checkbox" checked={onlyMapped} onChange={(event) => choose("mapped", event.currentTarget.checked)} />
           PDO
         </label>
         <span class="spacer" />

@@ -1,4 +1,4 @@
-import { useMemo, useRef, useState } from "preact/hooks";
+import { useMemo, useRef } from "preact/hooks";
 
 import type { Declaration, Device, Entry, Event, Objects, Panel, PanelAxis, Signals, StateMachine, StateMachines } from "../api";
 import { segment } from "../api";
@@ -10,7 +10,7 @@ import { StateMachinePicture } from "../components/state_machine";
 import { addressText, hexText, quantity, timeText } from "../format";
 import { useLive, useResource, useStore } from "../hooks";
 import { sameState } from "../machine_layout";
-import { href } from "../router";
+import { href, useChoice } from "../router";
 import { controlwordBits, errorCodeText, errorRegisterBits, modeText, powerState, statuswordBits, type Bit } from "../words";
 import { EventRows } from "./events";
 import { ManualPanel } from "./manual";
@@ -24,12 +24,12 @@ export function Overview({ device, panel, asked }: { device: Device; panel: Pane
   const store = useStore();
   const signals = useResource<Signals>(`/api/v1/signals?names=${segment(device.name)}.*`);
   const machines = useResource<StateMachines>(store.offers("/api/v1/state-machines") ? "/api/v1/state-machines" : null);
-  const [chosen, setChosen] = useState(0);
+  const [chosen, setChosen] = useChoice("axis");
   const axes = useMemo(
     () => axesOf(device.name, signals.data?.signals ?? [], panel?.axes ?? []),
     [device.name, signals.data, panel?.axes.map((axis) => axis.name).join(" ")],
   );
-  const axis = axes[Math.min(chosen, axes.length - 1)];
+  const axis = axes.find((each) => each.name === chosen) ?? axes[0];
   const axisPanel = panel?.axes.find((each) => each.name === axis?.name) ?? null;
   const machineOf = (name: string | null | undefined) => machines.data?.machines.find((each) => each.name === name);
   const network = machineOf(panel?.network?.machine);
@@ -41,8 +41,8 @@ export function Overview({ device, panel, asked }: { device: Device; panel: Pane
         <div class="stack">
           {axes.length > 1 ? (
             <div class="segmented" role="group" aria-label="Axis">
-              {axes.map((each, i) => (
-                <button key={each.name} type="button" aria-pressed={each === axis} onClick={() => setChosen(i)}>
+              {axes.map((each) => (
+                <button key={each.name} type="button" aria-pressed={each === axis} onClick={() => setChosen(each.name)}>
                   {each.name}
                 </button>
               ))}

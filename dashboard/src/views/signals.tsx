@@ -1,15 +1,13 @@
-import { useState } from "preact/hooks";
-
 import { segment, type Device, type Signals } from "../api";
 import { quantity } from "../format";
 import { useResource, useSignals, useStore } from "../hooks";
-import { href } from "../router";
+import { href, useChoice } from "../router";
 
 /// All signals of a device as numbers.
 export function DeviceSignals({ device }: { device: Device }) {
   const store = useStore();
   const list = useResource<Signals>(`/api/v1/signals?names=${segment(device.name)}.*`);
-  const [words, setWords] = useState("");
+  const [words, setWords] = useChoice("search");
   const shown = (list.data?.signals ?? []).filter(({ name }) => name.toLowerCase().includes(words.toLowerCase()));
   const value = useSignals(
     shown.map((signal) => signal.name),

@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import type { Frame } from "../api";
 import { grouped } from "../format";
 import { useStore } from "../hooks";
+import { useChoice } from "../router";
 import { FrameContent, FrameTable, RepeatingTable } from "./traffic_tables";
 import { useTraffic } from "./use_traffic";
 
@@ -12,8 +13,8 @@ const text = (count: number) => grouped(String(count));
 
 export function TrafficView() {
   const { rack } = useStore();
-  const [network, setNetwork] = useState("");
-  const [filter, setFilter] = useState("");
+  const [network, setNetwork] = useChoice("network");
+  const [filter, setFilter] = useChoice("search");
   const [paused, setPaused] = useState(false);
   const [everything, setEverything] = useState(false);
   /// A frame, or the key of a kind that repeats, whose newest is shown.
