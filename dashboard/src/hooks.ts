@@ -59,7 +59,9 @@ export function useResource<T>(path: string | null, period = 0): Resource<T> {
           const data = await api.get<T>(path, { signal: abort.signal });
           // What has not changed renders nothing again.
           setState((old) =>
-            old.path === path && old.error === null && JSON.stringify(old.data) === JSON.stringify(data) ? old : { path, data, error: null },
+            old.path === path && old.error === null && JSON.stringify(old.data) === JSON.stringify(data)
+              ? old
+              : { path, data, error: null },
           );
         } catch (error) {
           if (abort.signal.aborted) {

@@ -78,7 +78,7 @@ function MotorNumbers({ motor }: { motor: MotorSignals }) {
   return (
     <dl class="numbers">
       {labels.value.split("\n").map((label, i) => (
-        <div key={label}>
+        <div key={`${i} ${label}`}>
           <dt>{label}</dt>
           <dd>
             <NumberText numbers={numbers} row={i} />
