@@ -1,8 +1,10 @@
 #include "stator/experiment/experiment.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -90,12 +92,18 @@ TEST(Experiments, NeedAModuleThatCanBePutOnTheBench) {
               HasSubstr("a tmcc160 cannot be put on the bench"));
 }
 
-TEST(Experiments, GiveEveryCurveAValueForEveryX) {
+TEST(Experiments, GiveEveryCurveAValueForEveryXAndSayHowFarTheyAre) {
   BenchSetup setup;
   setup.module = devices::products().find("tmcm-3315");
   for (const Experiment& experiment : experiments()) {
     const Choices few = experiment.name == "pull-out" ? Choices{{"points", 3.0}} : Choices{};
-    for (const Panel& panel : experiment.run(setup, few).panels) {
+    std::vector<double> reached;
+    const Result result =
+        experiment.run(setup, few, [&reached](double part) { reached.push_back(part); });
+    EXPECT_TRUE(std::ranges::is_sorted(reached)) << experiment.name;
+    EXPECT_GT(reached.empty() ? 0.0 : reached.back(), 0.45) << experiment.name;
+    EXPECT_LE(reached.empty() ? 0.0 : reached.back(), 1.0) << experiment.name;
+    for (const Panel& panel : result.panels) {
       EXPECT_FALSE(panel.x.empty()) << experiment.name;
       for (const Curve& curve : panel.curves) {
         EXPECT_EQ(curve.values.size(), panel.x.size()) << experiment.name << ": " << curve.title;

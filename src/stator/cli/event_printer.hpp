@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "stator/base/event.hpp"
+#include "stator/cli/progress.hpp"
 
 namespace stator::cli {
 
@@ -33,11 +34,20 @@ namespace stator::cli {
 /// Prints what a device has to say to standard error, but for mere information.
 class EventPrinter final : public base::EventSink {
  public:
+  /// `progress`: whose line gives way to events from now on; null: nobody's.
+  void stand_beside(Progress* progress) { progress_ = progress; }
+
   void on_event(const base::Event& event) override {
     if (event.rule->severity != base::Severity::information) {
+      if (progress_ != nullptr) {
+        progress_->clear();
+      }
       fmt::print(stderr, "{}\n", event_line(event));
     }
   }
+
+ private:
+  Progress* progress_ = nullptr;
 };
 
 /// Keeps it until it is asked for.

@@ -109,6 +109,7 @@ Result measure_back_emf(const BenchSetup& setup, const Values& values) {
       ++part;
     }
     if (n % every == 0) {
+      values.reached(n, steps);
       speed.x.push_back(n * bench.step() * 1e3);
       speed.curves[0].values.push_back(seen / kRpm);
       speed.curves[1].values.push_back(expected / kRpm);

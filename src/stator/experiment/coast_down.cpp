@@ -84,6 +84,7 @@ Result measure_coast_down(const BenchSetup& setup, const Values& values) {
       stopped = time;
     }
     if (n % every == 0) {
+      values.reached(n, steps);
       speed.x.push_back(time * 1e3);
       speed.curves[0].values.push_back(seen / base::kTwoPi);
       speed.curves[1].values.push_back(expected / base::kTwoPi);

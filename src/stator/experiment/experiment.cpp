@@ -37,7 +37,8 @@ std::optional<double> Choices::find(std::span<const Option> options, std::string
   return option == options.end() ? std::nullopt : option->preset;
 }
 
-Result Experiment::run(const BenchSetup& setup, const Choices& choices) const {
+Result Experiment::run(const BenchSetup& setup, const Choices& choices,
+                       const Report& report) const {
   for (const auto& [chosen, value] : choices.values()) {
     const auto option = std::ranges::find(options, chosen, &Option::name);
     if (option == options.end()) {
@@ -49,7 +50,7 @@ Result Experiment::run(const BenchSetup& setup, const Choices& choices) const {
                                         option->unit, option->minimum, option->maximum));
     }
   }
-  return measure(setup, Values(options, choices));
+  return measure(setup, Values(options, choices, report));
 }
 
 std::span<const Experiment> experiments() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -64,11 +65,15 @@ struct BenchSetup {
   std::shared_ptr<const product::Product> module{};
 };
 
-/// The options of the experiment that runs, with every name checked.
+/// Is told which part of an experiment is done, 0 to 1.
+using Report = std::function<void(double part)>;
+
+/// The options of the experiment that runs, with every name checked, and who is told how far it is.
 class Values {
  public:
-  Values(std::span<const Option> options, const Choices& choices)
-      : options_(options), choices_(choices) {}
+  /// `report` may be empty.
+  Values(std::span<const Option> options, const Choices& choices, const Report& report)
+      : options_(options), choices_(choices), report_(report) {}
 
   /// The value of an option that has a preset.
   [[nodiscard]] double operator[](std::string_view name) const {
@@ -82,10 +87,17 @@ class Values {
   [[nodiscard]] double value_or(std::string_view name, double derived) const {
     return choices_.find(options_, name).value_or(derived);
   }
+  /// `done` of `all` steps are done.
+  void reached(int done, int all) const {
+    if (report_) {
+      report_(static_cast<double>(done) / all);
+    }
+  }
 
  private:
   std::span<const Option> options_;
   const Choices& choices_;
+  const Report& report_;
 };
 
 /// One experiment of the test bench: what `stator simulate NAME` runs.
@@ -97,8 +109,10 @@ struct Experiment {
   MotorKind motor = MotorKind::two_phase;
 
   /// Checks `choices` against the options and measures. Throws ExperimentError for an unknown
-  /// option, a value out of range, or an axis on which this cannot be measured.
-  [[nodiscard]] Result run(const BenchSetup& setup, const Choices& choices = {}) const;
+  /// option, a value out of range, or an axis on which this cannot be measured. `report` is told
+  /// how far it is.
+  [[nodiscard]] Result run(const BenchSetup& setup, const Choices& choices = {},
+                           const Report& report = {}) const;
 };
 
 /// All experiments, in the order people should see them.

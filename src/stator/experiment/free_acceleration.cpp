@@ -30,9 +30,10 @@ struct Trace {
 /// Mean of starts from places spread over a period of the detent torque, which helps some and
 /// hinders others.
 Trace mean_start(plant::StepperAxisParameters axis, double current, base::SimDuration step,
-                 std::size_t steps) {
+                 std::size_t steps, const Values& values) {
   Trace mean{std::vector<double>(steps), std::vector<double>(steps)};
   for (int start = 0; start < kStarts; ++start) {
+    values.reached(start, kStarts);
     axis.initial_revolutions = start / (4.0 * kStarts * axis.motor.pole_pairs);
     FieldBench bench(axis, current, step);
     bench.build_up_current();
@@ -71,7 +72,7 @@ Result measure_free_acceleration(const BenchSetup& setup, const Values& values) 
   axis.load.brake_torque = 10.0 * equations.regulated_pull_out(current);
   const base::SimDuration step = microseconds(values["step"]);
   const auto steps = static_cast<std::size_t>(std::ceil(end / step.seconds())) + 1;
-  const Trace seen = mean_start(axis, current, step, steps);
+  const Trace seen = mean_start(axis, current, step, steps, values);
 
   Panel speed{"time", "ms", "shaft speed", "rev/s", {}, {{"measured", {}, {}}, {}}};
   Panel torque{"time", "ms", "motor torque", "N m", {}, {{"measured", {}, {}}, {}}};

@@ -201,6 +201,7 @@ Result measure_loop(const BenchSetup& setup, const Values& values, const Loop& l
       ++part;
     }
     if (n % every == 0) {
+      values.reached(n, periods);
       panel.x.push_back(n * kPeriod * 1e3);
       panel.curves[0].values.push_back(seen);
       panel.curves[1].values.push_back(should);

@@ -157,6 +157,7 @@ Result measure_move(const BenchSetup& setup, const Values& values) {
       arrival = time;
     }
     if (n % every == 0) {
+      values.reached(n, steps);
       const double demand = bench.demand_speed();
       const double torque = sign_of(bench.ramp().acceleration()) * inertial +
                             equations.running_torque(demand * base::kTwoPi);

@@ -208,6 +208,7 @@ Result measure_pull_out(const BenchSetup& setup, const Values& values) {
     if (n % kLinesPerPoint != 0) {
       continue;
     }
+    values.reached(n, kLinesPerPoint * (points - 1));
     const std::optional<double> torque = bench.measure(speed);
     if (!torque) {
       result.remarks.push_back(fmt::format(

@@ -124,6 +124,7 @@ Result measure_regeneration(const BenchSetup& setup, const Values& values) {
   const double limit = values.value_or("chopper-limit", 1.25 * source);
   const double hysteresis = values["chopper-hysteresis"];
   const Trace free = brake(axis, braking, step, chopper);
+  values.reached(1, 2);
   chopper.configure(true, limit, hysteresis);
   const Trace chopped = brake(axis, braking, step, chopper);
 

@@ -179,6 +179,9 @@ Result measure_resonance(const BenchSetup& setup, const Values& values) {
   const int every = std::max(1, shown / 600);
   const auto longest = static_cast<int>(kMostSwings * 0.5 * period / bench.step());
   for (int n = 0; n <= longest; ++n) {
+    if (n % every == 0) {
+      values.reached(n, longest);
+    }
     const double rotor = bench.rotor();
     finder.take(n, rotor);
     if (n <= shown && n % every == 0) {

@@ -144,6 +144,7 @@ Result measure_stall_guard(const BenchSetup& setup, const Values& values) {
   const auto points = static_cast<int>(values["points"]);
   const double friction = equations.running_torque(speed);
   for (int n = 0; n < points; ++n) {
+    values.reached(n, points);
     const double torque = friction + (kHeaviest * pull_out - friction) * n / (points - 1);
     const double value = module.measure(torque - friction);
     if (!module.in_step()) {

@@ -48,7 +48,7 @@ struct Stretch {
 };
 
 /// Standing current at every eighth setting: the 32 scales of the driver.
-Panel all_settings(const BenchSetup& setup, Result& result) {
+Panel all_settings(const BenchSetup& setup, const Values& values, Result& result) {
   Panel panel{"setting", "0…255", "standing current", "A", {}, {{"measured", {}, {}}, {}}};
   panel.from_zero = true;
   panel.curves[0].style = Curve::Style::measured_points;
@@ -57,6 +57,7 @@ Panel all_settings(const BenchSetup& setup, Result& result) {
   bench.enable(kProfilePosition);
   constexpr double kSettling = 0.05;  // s
   for (int value = 0; value <= 255; ++value) {
+    values.reached(value, 256);
     panel.x.push_back(value);
     panel.curves[1].values.push_back(current_of_setting(value, setup.full_scale_current));
     for (const std::uint16_t index : kStandingCurrents) {
@@ -145,7 +146,7 @@ Result measure_standby(const BenchSetup& setup, const Values& values) {
     }
   }
   result.panels = {speed, current};
-  result.panels.push_back(all_settings(setup, result));
+  result.panels.push_back(all_settings(setup, values, result));
   result.remarks.push_back(
       fmt::format("{} with {:g} A full scale: run {}, boost {}, standby {} after {:g} s.",
                   bench.name(), setup.full_scale_current, run, boost, standby, delay));

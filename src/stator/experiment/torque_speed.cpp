@@ -124,6 +124,7 @@ Result measure_torque_speed(const BenchSetup& setup, const Values& values) {
       fmt::format("Torque and efficiency over speed with {:.3g} V on the q axis", voltage);
   const auto points = static_cast<int>(values["points"]);
   for (int n = 0; n < points; ++n) {
+    values.reached(n, points);
     const double speed = no_load * n / (points - 1);
     const ServoEquations::Point expected = equations.at(speed, voltage);
     const Mean seen = steady_state(axis, speed, voltage, step);

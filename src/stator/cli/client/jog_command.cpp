@@ -1,4 +1,5 @@
 // stator jog: moves an axis of a running rack by hand, with the small master inside that rack.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
@@ -20,6 +21,7 @@
 #include "stator/cli/interruption.hpp"
 #include "stator/cli/option_values.hpp"
 #include "stator/cli/option_words.hpp"
+#include "stator/cli/progress.hpp"
 #include "stator/manual/command.hpp"
 
 namespace stator::cli {
@@ -143,22 +145,36 @@ std::int64_t value_of(const JogOptions& options, CommandKind kind, const nlohman
 /// Keeps the axis turning until `duration` is over or Ctrl-C comes.
 nlohmann::json turn(Controlled& device, const nlohmann::json& command, base::SimDuration duration,
                     const Interruption& interruption) {
-  const auto end = steady_clock::now() + std::chrono::nanoseconds(duration.nanoseconds());
+  const auto begin = steady_clock::now();
+  const std::chrono::duration<double> whole(duration.seconds());
+  const auto end = begin + std::chrono::nanoseconds(duration.nanoseconds());
+  Progress progress("turning");
   do {
     static_cast<void>(device.execute(command));
     std::this_thread::sleep_for(kRepetition);
+    progress.reached(std::min((steady_clock::now() - begin) / whole, 1.0));
   } while (steady_clock::now() < end && !interruption.taken());
   return device.execute({{"command", "stop"}});
 }
 
-/// Waits until the axis is where it was sent; Ctrl-C stops it.
-nlohmann::json arrive(Controlled& device, nlohmann::json axis, const Interruption& interruption) {
+/// 0 where the device tells none.
+double position_of(const nlohmann::json& axis) {
+  return axis["position"].is_null() ? 0.0 : axis["position"].get<double>();
+}
+
+/// Waits until the axis, which was at `start`, is at `target`; Ctrl-C stops it.
+nlohmann::json arrive(Controlled& device, nlohmann::json axis, double start, double target,
+                      const Interruption& interruption) {
+  Progress progress("moving");
   while (axis["reached"] != true) {
     if (interruption.taken()) {
       return device.execute({{"command", "stop"}});
     }
     std::this_thread::sleep_for(kPoll);
     axis = device.axis();
+    if (target != start) {
+      progress.reached(std::clamp((position_of(axis) - start) / (target - start), 0.0, 1.0));
+    }
     if (axis["fault"] == true) {
       throw Failure(
           fmt::format("the drive is in Fault, error code {:04X}h",
@@ -194,8 +210,14 @@ void jog(const JogOptions& options) {
   device.begin();
   nlohmann::json command{{"command", options.command}};
   using enum CommandKind;
+  double start = 0.0;
+  double target = 0.0;
   if (kind == CommandKind::jog || kind == move || kind == mode || kind == controlword) {
-    command["value"] = value_of(options, kind, device.axis());
+    const auto before = device.axis();
+    const std::int64_t value = value_of(options, kind, before);
+    command["value"] = value;
+    start = position_of(before);
+    target = static_cast<double>(value) + (options.relative ? start : 0.0);
   }
   if (kind == move) {
     command["relative"] = options.relative;
@@ -204,7 +226,7 @@ void jog(const JogOptions& options) {
   auto axis = kind == CommandKind::jog ? turn(device, command, duration, interruption)
                                        : device.execute(command);
   if (kind == move) {
-    axis = arrive(device, std::move(axis), interruption);
+    axis = arrive(device, std::move(axis), start, target, interruption);
   }
   print_axis(options, axis);
 }

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -13,6 +14,7 @@
 #include "stator/cli/commands.hpp"
 #include "stator/cli/failure.hpp"
 #include "stator/cli/option_words.hpp"
+#include "stator/cli/progress.hpp"
 #include "stator/web/api/session_api.hpp"
 
 namespace stator::cli {
@@ -80,6 +82,7 @@ void restore_snapshot(const SnapshotOptions& options) {
   client.post(fmt::format("/api/v1/snapshots/{}/restore", options.name), nlohmann::json::object());
   const auto end = std::chrono::steady_clock::now() + kPatience;
   std::string now;
+  std::optional<Progress> progress("going back");
   do {
     if (std::chrono::steady_clock::now() >= end) {
       throw Failure("the rack has not come back from going to the snapshot; see its log");
@@ -87,6 +90,7 @@ void restore_snapshot(const SnapshotOptions& options) {
     std::this_thread::sleep_for(kPause);
     now = recording_of(options);
   } while (now.empty() || now == before.value("file", std::string()));
+  progress.reset();
   fmt::print("snapshot {} restored; from there on {} is recorded\n", options.name, now);
 }
 

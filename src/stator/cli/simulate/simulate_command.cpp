@@ -250,8 +250,9 @@ void simulate(const experiment::Experiment& experiment, const SimulateOptions& o
     }
   }
   const experiment::Result result = [&] {
-    const Progress progress(fmt::format("measuring {}", experiment.name));
-    return experiment.run(setup_of(options, experiment.motor), choices);
+    Progress progress(fmt::format("measuring {}", experiment.name));
+    return experiment.run(setup_of(options, experiment.motor), choices,
+                          [&progress](double part) { progress.reached(part); });
   }();
   print_comparisons(result);
   keep(result, options);

@@ -16,6 +16,7 @@
 #include "stator/cli/interruption.hpp"
 #include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
+#include "stator/cli/progress.hpp"
 #include "stator/cli/temporary_csv.hpp"
 #include "stator/cli/tmcl/program_files.hpp"
 #include "stator/cli/tmcl/tmcl_bench_options.hpp"
@@ -114,13 +115,19 @@ std::string ending(const tmcl_tools::TmclBench& bench, const tmcl_tools::TmclSou
                      bench.executed(), source.place_of(counter), source.command_at(counter));
 }
 
-/// Until the program stops or time is up. True: interrupted.
-bool run_program(tmcl_tools::TmclBench& bench, base::SimTime limit) {
+/// Until the program stops or time is up, saying how far that is. True: interrupted.
+bool run_program(tmcl_tools::TmclBench& bench, base::SimTime limit, Progress* progress) {
   constexpr unsigned kStepsBetweenLooks = 1000;
   const Interruption interruption;
   for (unsigned steps = 0; bench.running() && bench.advance_to_next(limit); ++steps) {
-    if (steps % kStepsBetweenLooks == 0 && interruption.taken()) {
+    if (steps % kStepsBetweenLooks != 0) {
+      continue;
+    }
+    if (interruption.taken()) {
       return true;
+    }
+    if (progress != nullptr) {
+      progress->reached(bench.now().seconds() / limit.seconds());
     }
   }
   return false;
@@ -154,7 +161,7 @@ class ProgramRun {
 
   void run() {
     bench_.start(source_.program().instructions);
-    const bool interrupted = run_program(bench_, limit_);
+    const bool interrupted = run_to_the_end();
     bench_.record(nullptr);
     end_trace();
     fmt::print(stderr, "{}\n", ending(bench_, source_, interrupted));
@@ -165,6 +172,17 @@ class ProgramRun {
   }
 
  private:
+  bool run_to_the_end() {
+    if (options_.trace == "-") {
+      return run_program(bench_, limit_, nullptr);  // the trace tells how far it is
+    }
+    Progress progress(fmt::format("running {}", options_.program));
+    events_.stand_beside(&progress);
+    const bool interrupted = run_program(bench_, limit_, &progress);
+    events_.stand_beside(nullptr);
+    return interrupted;
+  }
+
   void begin_trace() {
     if (options_.trace.empty()) {
       return;
