@@ -282,6 +282,33 @@ TEST(CommandLine, MoveOutsideTheRangeOfTheTargetIsRefused) {
   EXPECT_THAT(outcome.output, HasSubstr("607Ah"));
 }
 
+/// What `stator move` says of a drive whose link loses `frames` frames, one after the other, while
+/// the motor turns. Time is simulated.
+Outcome move_over_a_link_that_loses(int frames) {
+  const std::string path = temporary("silence.toml");
+  std::ofstream(path) << "[[segment]]\n[[segment.device]]\ntype = \"tmcm-3315\"\nname = \"drive\"\n"
+                      << "[[fault]]\nkind = \"ethercat-drop\"\ndevice = \"drive\"\n"
+                      << "when.cycles = 1000\ncount = " << frames << "\n";
+  Outcome outcome = stator("move --revolutions 10 --rack " + path);
+  std::filesystem::remove(path);
+  return outcome;
+}
+
+TEST(CommandLine, MoveStandsSilenceThatTheDriveStandsAndTellsOfIt) {
+  const Outcome outcome = move_over_a_link_that_loses(9);
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_THAT(outcome.output,
+              HasSubstr("bus cycles, 9 late or lost, 100.0 ms without an answer at the longest, 0 "
+                        "with a wrong working counter"));
+}
+
+TEST(CommandLine, MoveGivesUpWhenTheWatchdogOfTheDriveHasAndSaysWhy) {
+  const Outcome outcome = move_over_a_link_that_loses(1000);
+  EXPECT_EQ(outcome.status, 1) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("process data: no frame came back for 110 ms, sent 10"));
+  EXPECT_THAT(outcome.output, HasSubstr("the link is down, the slaves are off, or the machine"));
+}
+
 TEST(CommandLine, DemoMovesThreeAxesAndDrawsThem) {
   const std::string directory = temporary("demo");
   const Outcome outcome = stator("demo --output " + directory);

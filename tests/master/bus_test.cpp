@@ -66,11 +66,47 @@ TEST(Bus, ALostFrameIsSentAgainAndTheLastAttemptsAnswerCounts) {
 
 TEST(Bus, SilenceEndsAfterTheRetriesWithATimeout) {
   Bench bench([](const Frame&) { return Frames(); });
+  bench.options.patience = base::SimDuration();
   const auto value = bench.read();
   ASSERT_FALSE(value);
   EXPECT_EQ(value.error().code, ErrorCode::timeout);
   EXPECT_EQ(bench.port.sent.size(), 4U);
   EXPECT_EQ(bench.port.now().since_power_on(), bench.options.frame_timeout * 4);
+}
+
+TEST(Bus, SilenceIsStoodForAsLongAsAWatchdogOfADriveStandsIt) {
+  int silent = 9;
+  Bench bench(
+      [&](const Frame& frame) { return silent-- > 0 ? Frames() : Frames{answered(frame, 7)}; });
+  const auto value = bench.read();
+  ASSERT_TRUE(value) << value.error().text;
+  EXPECT_EQ(*value, 7);
+  EXPECT_EQ(bench.port.now().since_power_on(), bench.options.frame_timeout * 9);
+  silent = 1000;
+  const auto never = bench.read();
+  ASSERT_FALSE(never);
+  EXPECT_EQ(never.error().code, ErrorCode::timeout);
+  EXPECT_EQ(bench.port.sent.size(), 20U);
+  EXPECT_THAT(never.error().text, testing::HasSubstr("no frame came back for 100 ms, sent 10"));
+  EXPECT_THAT(never.error().text, testing::HasSubstr("the link is down"));
+}
+
+TEST(Bus, AnswersThatComeTooLateAreCountedAndSayWhoseFaultItIs) {
+  Frame late;
+  Bench bench([&](const Frame& frame) {
+    Frames back;
+    if (!late.empty()) {
+      back.push_back(late);
+      back.push_back(late);  // a duplicate of it is no second answer
+    }
+    late = answered(frame, 1);
+    return back;
+  });
+  const auto value = bench.read();
+  ASSERT_FALSE(value);
+  EXPECT_EQ(bench.bus.late_answers(), 9U);
+  EXPECT_THAT(value.error().text, testing::HasSubstr("but 9 came too late"));
+  EXPECT_THAT(value.error().text, testing::HasSubstr("too busy"));
 }
 
 TEST(Bus, AnAnswerToAnEarlierFrameIsNotTakenForTheOneAwaited) {

@@ -132,17 +132,69 @@ TEST_F(ProcessDataTest, SingleLostCyclesAreCountedAndTolerated) {
   EXPECT_EQ(master.cycle_statistics().lost, 2U);
 }
 
-TEST_F(ProcessDataTest, ManyLostCyclesInARowAreAnError) {
+TEST_F(ProcessDataTest, SilenceIsCountedAndToleratedForAsLongAsTheWatchdogsOfTheSlavesStandIt) {
   go_operational();
-  segment.lose_requests = 100;
+  segment.lose_answers = 9;
+  for (int cycle = 0; cycle < 20; ++cycle) {
+    ASSERT_TRUE(master.run_cycle());
+  }
+  const CycleStatistics& cycles = master.cycle_statistics();
+  EXPECT_EQ(cycles.lost, 9U);
+  EXPECT_GE(cycles.longest_silence, 90_ms);
+  EXPECT_LT(cycles.longest_silence, 91_ms) << "the rest is the time of the frames themselves";
+  segment.lose_answers = 2;
+  for (int cycle = 0; cycle < 5; ++cycle) {
+    ASSERT_TRUE(master.run_cycle());
+  }
+  EXPECT_EQ(master.cycle_statistics().lost, 11U);
+  EXPECT_LT(master.cycle_statistics().longest_silence, 91_ms) << "it was another silence";
+  EXPECT_EQ(master.al_status(0)->state, AlState::operational);
+}
+
+TEST_F(ProcessDataTest, LongerSilenceIsAnErrorThatSaysHowLongItWas) {
+  go_operational();
+  segment.lose_requests = 1000;
+  const base::SimTime begin = segment.now();
   Result<void> cycle;
-  int cycles = 0;
-  for (; cycle && cycles < 10; ++cycles) {
+  while (cycle && segment.now() - begin < 1_s) {
     cycle = master.run_cycle();
   }
   ASSERT_FALSE(cycle);
   EXPECT_EQ(cycle.error().code, ErrorCode::timeout);
-  EXPECT_EQ(cycles, master.options().tolerated_lost_cycles + 1);
+  EXPECT_GE(segment.now() - begin, master.options().patience);
+  EXPECT_LT(segment.now() - begin, master.options().patience + 12_ms);
+  EXPECT_THAT(cycle.error().text,
+              testing::HasSubstr("process data: no frame came back for 100 ms, sent 10 time(s)"));
+  EXPECT_THAT(cycle.error().text, testing::HasSubstr("the link is down"));
+}
+
+TEST_F(ProcessDataTest, AnswersThatAlwaysComeTooLateAreToldFromNone) {
+  go_operational();
+  segment.delay_answers = 1000;
+  Result<void> cycle;
+  for (int i = 0; cycle && i < 100; ++i) {
+    cycle = master.run_cycle();
+  }
+  ASSERT_FALSE(cycle);
+  EXPECT_EQ(cycle.error().code, ErrorCode::timeout);
+  EXPECT_THAT(cycle.error().text, testing::HasSubstr("but 9 came too late"));
+  EXPECT_THAT(cycle.error().text, testing::HasSubstr("too busy"));
+}
+
+TEST_F(ProcessDataTest, WithoutPatienceAFewLostCyclesInARowAreAnError) {
+  Master impatient{segment, {.patience = {}}};
+  ASSERT_TRUE(impatient.scan());
+  ASSERT_TRUE(impatient.configure_process_data());
+  ASSERT_TRUE(impatient.go_operational());
+  segment.lose_requests = 100;
+  Result<void> cycle;
+  int cycles = 0;
+  for (; cycle && cycles < 10; ++cycles) {
+    cycle = impatient.run_cycle();
+  }
+  ASSERT_FALSE(cycle);
+  EXPECT_EQ(cycle.error().code, ErrorCode::timeout);
+  EXPECT_EQ(cycles, impatient.options().tolerated_lost_cycles + 1);
 }
 
 TEST_F(ProcessDataTest, ASlaveThatDropsOutShowsInTheWorkingCounterAndLeavesTheInputsAlone) {

@@ -22,6 +22,8 @@ namespace stator::bench {
   master::MasterOptions options;
   options.cycle_time = rack.cycle;
   options.frame_timeout = std::max(rack.cycle - rack.step, base::SimDuration(1));
+  // Nobody here is busy: what a scenario has taken away does not come.
+  options.patience = base::SimDuration();
   return options;
 }
 

@@ -18,8 +18,27 @@ std::string Station::name() const {
   return "slave " + std::to_string(position) + " (station " + hexadecimal(address, 4) + ")";
 }
 
+std::string to_text(const Silence& silence) {
+  const std::string lasted = std::to_string(silence.duration.nanoseconds() / 1'000'000) +
+                             " ms, sent " + std::to_string(silence.frames) + " time(s)";
+  if (silence.late != 0) {
+    return "no frame came back in time for " + lasted + ", but " + std::to_string(silence.late) +
+           " came too late: the machine that runs the slaves, or this master, is too busy; give "
+           "them a processor or priority of their own, or wait longer for each frame (--timeout)";
+  }
+  return "no frame came back for " + lasted +
+         ": the link is down, the slaves are off, or the machine that runs them is too busy; check "
+         "cable, interface and that the slaves are switched on, and of a virtual rack whether it "
+         "tells of overruns";
+}
+
 Result<void> Bus::exchange(std::span<Datagram> datagrams, int retries) {
-  for (int round = 0; round <= retries; ++round) {
+  const base::SimTime begin = port_.now();
+  const std::uint64_t late_before = late_answers_;
+  std::uint64_t sent = 0;
+  bool patient = false;
+  do {
+    const base::SimTime before = port_.now();
     const auto answered = attempt(datagrams);
     if (!answered) {
       return base::Unexpected{answered.error()};
@@ -27,17 +46,20 @@ Result<void> Bus::exchange(std::span<Datagram> datagrams, int retries) {
     if (*answered) {
       return {};
     }
-  }
-  const auto milliseconds = options_.frame_timeout.nanoseconds() / 1'000'000;
-  return fail(ErrorCode::timeout,
-              "no frame came back within " + std::to_string(milliseconds) + " ms, sent " +
-                  std::to_string(retries + 1) +
-                  " time(s); check cable, interface and that the slaves are switched on");
+    ++sent;
+    // Where foreign frames come so fast that no time passes, patience would have no end.
+    const base::SimTime now = port_.now();
+    patient = retries > 0 && now > before && now - begin < options_.patience;
+  } while (patient || sent <= static_cast<std::uint64_t>(retries));
+  return fail(ErrorCode::timeout, to_text(Silence{.duration = port_.now() - begin,
+                                                  .frames = sent,
+                                                  .late = late_answers_ - late_before}));
 }
 
 /// True if the answer came within the frame timeout.
 Result<bool> Bus::attempt(std::span<Datagram> datagrams) {
   ++index_;
+  unanswered_.reset(index_);
   ethercat::FrameBuilder builder(frame_, options_.source_mac);
   for (const Datagram& datagram : datagrams) {
     if (!builder.append(datagram.command, index_, datagram.address, datagram.data)) {
@@ -53,14 +75,25 @@ Result<bool> Bus::attempt(std::span<Datagram> datagrams) {
       return base::Unexpected{length.error()};
     }
     if (*length == 0) {
-      return false;
+      break;
     }
-    if (take_answer(std::span(answer_).first(std::min(*length, answer_.size())), datagrams)) {
+    const auto answer = std::span(answer_).first(std::min(*length, answer_.size()));
+    if (take_answer(answer, datagrams)) {
       return true;
     }
+    count_if_late(answer);
     frame = {};
   }
+  unanswered_.set(index_);
   return false;
+}
+
+void Bus::count_if_late(std::span<std::byte> frame) {
+  const auto first = ethercat::DatagramCursor(frame).next();
+  if (first && unanswered_.test(first->index)) {
+    unanswered_.reset(first->index);
+    ++late_answers_;
+  }
 }
 
 /// Copies data and working counters out of `frame` if it is the answer to `datagrams`. Anything

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -31,14 +32,25 @@ struct Station {
   [[nodiscard]] std::string name() const;
 };
 
+/// A while in which no frame came back in time.
+struct Silence {
+  base::SimDuration duration;
+  std::uint64_t frames = 0;  ///< that were sent meanwhile
+  std::uint64_t late = 0;    ///< of these and earlier ones, answers that came after all
+};
+
+/// For people: how long it lasted, whose fault it is and what to do.
+[[nodiscard]] std::string to_text(const Silence& silence);
+
 /// Frames out, answers in: numbers the datagrams, waits for the matching answer, tells late and
 /// duplicated frames from it, and repeats what got lost.
 class Bus {
  public:
   Bus(FramePort& port, const MasterOptions& options) : port_(port), options_(options) {}
 
-  /// Sends all datagrams in one frame, up to `retries` times again when no answer comes. On failure
-  /// the data are as before. ErrorCode::timeout when all attempts got lost.
+  /// Sends all datagrams in one frame, up to `retries` times again when no answer comes; with
+  /// retries also for as long as MasterOptions::patience lasts. On failure the data are as before.
+  /// ErrorCode::timeout when all attempts got lost.
   Result<void> exchange(std::span<Datagram> datagrams, int retries);
 
   /// One datagram with the usual number of retries; its working counter.
@@ -70,14 +82,19 @@ class Bus {
 
   [[nodiscard]] FramePort& port() { return port_; }
   [[nodiscard]] const MasterOptions& options() const { return options_; }
+  /// Answers so far that came when nobody waited for them any more.
+  [[nodiscard]] std::uint64_t late_answers() const { return late_answers_; }
 
  private:
   Result<bool> attempt(std::span<Datagram> datagrams);
   bool take_answer(std::span<std::byte> frame, std::span<Datagram> datagrams) const;
+  void count_if_late(std::span<std::byte> frame);
 
   FramePort& port_;
   const MasterOptions& options_;
-  std::uint8_t index_ = 0;  ///< of the datagrams of the last frame
+  std::uint8_t index_ = 0;       ///< of the datagrams of the last frame
+  std::bitset<256> unanswered_;  ///< frames that nobody waits for any more, by that index
+  std::uint64_t late_answers_ = 0;
   std::array<std::byte, ethercat::kMaximumFrameLength> frame_{};
   std::array<std::byte, ethercat::kMaximumFrameLength + 4> answer_{};
 };

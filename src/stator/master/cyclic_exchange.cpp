@@ -14,6 +14,8 @@ void CyclicExchange::clear() {
   layout_ = {};
   image_.clear();
   reference_clock_.reset();
+  failures_in_a_row_ = 0;
+  silent_since_.reset();
 }
 
 Result<void> CyclicExchange::configure(std::vector<SlaveProcessData> slaves) {
@@ -70,29 +72,62 @@ Result<void> CyclicExchange::exchange_frame(const ImageLayout::Frame& frame, boo
   return {};
 }
 
-Result<void> CyclicExchange::exchange() {
-  ++statistics_.cycles;
+Result<void> CyclicExchange::exchange_frames() {
   for (const ImageLayout::Frame& frame : layout_.frames) {
-    auto done = exchange_frame(frame, &frame == layout_.frames.data());
-    if (!done) {
-      const ErrorCode code = done.error().code;
-      statistics_.lost += code == ErrorCode::timeout ? 1U : 0U;
-      statistics_.working_counter_errors += code == ErrorCode::working_counter ? 1U : 0U;
+    if (auto done = exchange_frame(frame, &frame == layout_.frames.data()); !done) {
       return done;
     }
   }
   return {};
 }
 
+Result<void> CyclicExchange::exchange() {
+  ++statistics_.cycles;
+  const base::SimTime begin = bus_.port().now();
+  const std::uint64_t late_before = bus_.late_answers();
+  auto done = exchange_frames();
+  const bool lost = !done && done.error().code == ErrorCode::timeout;
+  statistics_.lost += lost ? 1U : 0U;
+  statistics_.working_counter_errors +=
+      !done && done.error().code == ErrorCode::working_counter ? 1U : 0U;
+  if (lost && !silent_since_) {
+    silent_since_ = begin;
+    lost_in_silence_ = 0;
+    late_before_silence_ = late_before;
+  }
+  if (silent_since_) {
+    statistics_.longest_silence =
+        std::max(statistics_.longest_silence, bus_.port().now() - *silent_since_);
+  }
+  if (lost) {
+    ++lost_in_silence_;
+  } else {
+    silent_since_.reset();
+  }
+  return done;
+}
+
 Result<void> CyclicExchange::run_cycle() {
   wait_for_cycle();
   auto done = exchange();
   failures_in_a_row_ = done ? 0 : failures_in_a_row_ + 1;
-  if (done || done.error().code == ErrorCode::port ||
-      failures_in_a_row_ > bus_.options().tolerated_lost_cycles) {
+  if (done || done.error().code == ErrorCode::port) {
     return done;
   }
-  return {};
+  const base::SimDuration silence =
+      silent_since_ ? bus_.port().now() - *silent_since_ : base::SimDuration();
+  if (failures_in_a_row_ <= bus_.options().tolerated_lost_cycles ||
+      (silent_since_ && silence < bus_.options().patience)) {
+    return {};
+  }
+  if (silent_since_) {
+    return fail(
+        ErrorCode::timeout,
+        "process data: " + to_text(Silence{.duration = silence,
+                                           .frames = lost_in_silence_,
+                                           .late = bus_.late_answers() - late_before_silence_}));
+  }
+  return done;
 }
 
 std::span<std::byte> CyclicExchange::outputs(std::size_t position) {

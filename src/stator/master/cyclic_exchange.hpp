@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -30,7 +31,8 @@ class CyclicExchange {
   /// One exchange, now. On failure the inputs stay as they were.
   Result<void> exchange();
   /// Waits for the next multiple of the cycle time, then exchanges. A few failures in a row
-  /// (MasterOptions::tolerated_lost_cycles) are counted only.
+  /// (MasterOptions::tolerated_lost_cycles) are counted only, and so is silence, however many
+  /// cycles are lost by it, for as long as MasterOptions::patience lasts.
   Result<void> run_cycle();
 
   [[nodiscard]] const CycleStatistics& statistics() const { return statistics_; }
@@ -42,6 +44,7 @@ class CyclicExchange {
 
  private:
   void wait_for_cycle();
+  Result<void> exchange_frames();
   Result<void> exchange_frame(const ImageLayout::Frame& frame, bool with_clock);
 
   Bus& bus_;
@@ -52,6 +55,9 @@ class CyclicExchange {
   std::optional<Station> reference_clock_;
   base::SimTime next_cycle_;
   int failures_in_a_row_ = 0;
+  std::optional<base::SimTime> silent_since_;  ///< nothing: the last frame came back
+  std::uint64_t lost_in_silence_ = 0;
+  std::uint64_t late_before_silence_ = 0;
   CycleStatistics statistics_;
 };
 

@@ -16,6 +16,10 @@ struct MasterOptions {
   base::SimDuration state_timeout{5'000'000'000};
   base::SimDuration cycle_time{1'000'000};  ///< of Master::run_cycle()
   int tolerated_lost_cycles = 3;            ///< one after the other, in Master::run_cycle()
+  /// For so long nothing may come back before the master gives up, however many frames that are: as
+  /// long as drives stand it by their watchdogs of process data (0420h, 100 ms after a reset). A
+  /// machine that is busy makes frames late.
+  base::SimDuration patience{100'000'000};
 };
 
 }  // namespace stator::master

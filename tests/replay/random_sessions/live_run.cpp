@@ -34,7 +34,8 @@ master::MasterOptions impatient() {
           .poll_interval = SimDuration(200'000),
           .sii_timeout = SimDuration(3'000'000),
           .mailbox_timeout = SimDuration(10'000'000),
-          .state_timeout = SimDuration(15'000'000)};
+          .state_timeout = SimDuration(15'000'000),
+          .patience = SimDuration()};
 }
 
 }  // namespace

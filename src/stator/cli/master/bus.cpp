@@ -60,8 +60,8 @@ master::MasterOptions master_options_of(const BusOptions& options) {
     throw Failure(
         fmt::format("--timeout {} leaves no time for an answer; write e.g. 10ms", options.timeout));
   }
-  // An access to an EEPROM takes several frames.
-  limits.sii_timeout = std::max(limits.sii_timeout, limits.frame_timeout * 2);
+  // An access to an EEPROM takes several frames, each of which may be late.
+  limits.sii_timeout = std::max(limits.sii_timeout, limits.patience + limits.frame_timeout * 2);
   return limits;
 }
 

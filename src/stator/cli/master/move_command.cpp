@@ -1,4 +1,5 @@
 // stator move: moves one axis of a CiA 402 drive on an EtherCAT segment, in profile position mode.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -10,7 +11,9 @@
 #include <fmt/format.h>
 
 #include "stator/cli/commands.hpp"
+#include "stator/cli/master/cycle_report.hpp"
 #include "stator/cli/master/master_session.hpp"
+#include "stator/cli/progress.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
 #include "stator/settings/words.hpp"
 
@@ -58,12 +61,20 @@ std::int32_t target_of(const MoveOptions& options, std::int32_t start) {
   return static_cast<std::int32_t>(target);
 }
 
-/// Twice the time of the trapezoid plus a second.
-base::SimDuration time_limit(const MoveOptions& options, double distance) {
+/// The time of the trapezoid in seconds.
+double time_of(const MoveOptions& options, double distance) {
   const double acceleration =
       std::min(options.acceleration, options.deceleration.value_or(options.acceleration));
-  const double seconds = distance / options.velocity + options.velocity / acceleration;
-  return base::SimDuration(static_cast<std::int64_t>((2.0 * seconds + 1.0) * 1e9));
+  return distance / options.velocity + options.velocity / acceleration;
+}
+
+/// Waits, saying how far it is, for twice that time plus a second.
+void wait_for_target(master::Master& master, master::Cia402Client& axis, double seconds) {
+  const base::SimTime begin = master.port().now();
+  Progress progress("moving");
+  require(axis.wait_for_target(
+      base::SimDuration(static_cast<std::int64_t>((2.0 * seconds + 1.0) * 1e9)),
+      [&] { progress.reached(std::min((master.port().now() - begin).seconds() / seconds, 1.0)); }));
 }
 
 void move(const MoveOptions& options) {
@@ -93,17 +104,16 @@ void move(const MoveOptions& options) {
                            .velocity = options.velocity,
                            .acceleration = options.acceleration,
                            .deceleration = options.deceleration.value_or(options.acceleration)}));
-  require(axis.wait_for_target(
-      time_limit(options, std::abs(static_cast<double>(target) - static_cast<double>(start)))));
+  wait_for_target(
+      master, axis,
+      time_of(options, std::abs(static_cast<double>(target) - static_cast<double>(start))));
   const double seconds = (master.port().now() - begin).seconds();
   keep_running(master, *settle);
   const std::int32_t reached = require(axis.position_actual());
   fmt::print("target reached after {:.3f} s at {}, {} from the target\n", seconds, reached,
              std::abs(std::int64_t{reached} - target));
 
-  const master::CycleStatistics& cycles = master.cycle_statistics();
-  fmt::print("{} bus cycles, {} lost, {} with a wrong working counter\n", cycles.cycles,
-             cycles.lost, cycles.working_counter_errors);
+  fmt::print("{}\n", cycles_text(master.cycle_statistics()));
   require(axis.disable());
   require(master.stop());
   session.end();

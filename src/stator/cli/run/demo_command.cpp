@@ -14,6 +14,7 @@
 
 #include "stator/cli/commands.hpp"
 #include "stator/cli/logging.hpp"
+#include "stator/cli/master/cycle_report.hpp"
 #include "stator/cli/master/master_session.hpp"
 #include "stator/cli/option_words.hpp"
 #include "stator/cli/products.hpp"
@@ -245,9 +246,7 @@ class Demo {
                  reached, reached - target, outcomes_[i].peak_following_error,
                  (outcomes_[i].arrival - start_[i]).seconds(), kMoves[i].duration());
     }
-    const master::CycleStatistics& cycles = master_.cycle_statistics();
-    fmt::print("{} bus cycles, {} lost, {} with a wrong working counter\n", cycles.cycles,
-               cycles.lost, cycles.working_counter_errors);
+    fmt::print("{}\n", cycles_text(master_.cycle_statistics()));
   }
 
   void shut_down() {

@@ -140,7 +140,8 @@ Result<void> Cia402Client::wait_for_state(DriveState wanted, bool fault_is_failu
 }
 
 Result<void> Cia402Client::wait_for_statusword(std::uint16_t mask, std::uint16_t value,
-                                               base::SimDuration limit, std::string_view awaited) {
+                                               base::SimDuration limit, std::string_view awaited,
+                                               const std::function<void()>& each_cycle) {
   const base::SimTime deadline = port_.now() + limit;
   while (true) {
     if (auto waited = port_.run_cycle(); !waited) {
@@ -158,6 +159,9 @@ Result<void> Cia402Client::wait_for_statusword(std::uint16_t mask, std::uint16_t
     }
     if (port_.now() >= deadline) {
       return timeout(std::string(awaited) + ", statusword " + hexadecimal(*word, 4), limit);
+    }
+    if (each_cycle) {
+      each_cycle();
     }
   }
 }
@@ -386,8 +390,10 @@ Result<bool> Cia402Client::target_reached() {
   return (*word & kTargetReached) != 0;
 }
 
-Result<void> Cia402Client::wait_for_target(base::SimDuration limit) {
-  return wait_for_statusword(kTargetReached, kTargetReached, limit, "target reached (bit 10)");
+Result<void> Cia402Client::wait_for_target(base::SimDuration limit,
+                                           const std::function<void()>& each_cycle) {
+  return wait_for_statusword(kTargetReached, kTargetReached, limit, "target reached (bit 10)",
+                             each_cycle);
 }
 
 }  // namespace stator::master

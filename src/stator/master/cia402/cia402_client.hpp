@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -79,8 +80,9 @@ class Cia402Client {
   Result<void> start_move(const ProfileMove& move);
   /// Whether the drive reports target reached (statusword bit 10).
   Result<bool> target_reached();
-  /// Waits for target reached.
-  Result<void> wait_for_target(base::SimDuration limit);
+  /// Waits for target reached; `each_cycle` is called as long as it is not.
+  Result<void> wait_for_target(base::SimDuration limit,
+                               const std::function<void()>& each_cycle = {});
 
   /// Turns at `velocity` (60FFh) from now on, in profile velocity or cyclic synchronous velocity
   /// mode, which must have been selected.
@@ -106,7 +108,8 @@ class Cia402Client {
   Result<void> hold_position();
   Result<void> wait_for_state(DriveState wanted, bool fault_is_failure);
   Result<void> wait_for_statusword(std::uint16_t mask, std::uint16_t value, base::SimDuration limit,
-                                   std::string_view awaited);
+                                   std::string_view awaited,
+                                   const std::function<void()>& each_cycle = {});
   [[nodiscard]] Result<void> timeout(const std::string& awaited, base::SimDuration limit) const;
   Error fault_error();
   [[nodiscard]] std::string name() const;
