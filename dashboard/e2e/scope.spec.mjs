@@ -150,6 +150,9 @@ test("scope: an address shows what it says, own setups included", async ({ open 
   await row(next, "gantry.axis0.velocity_demand").waitFor();
   await menu.selectOption("own");
   await row(next, "servo.axis0.quadrature_current").waitFor();
+  const device = await open("/device/spindle");
+  await device.getByRole("navigation", { name: "Views of spindle" }).getByRole("link", { name: "Oscilloscope" }).click();
+  await row(device, "spindle.axis0.behind").waitFor();
   const wrong = await open("/scope?preset=stall&device=servo");
   await wrong.getByText("There is nothing to show for").waitFor();
 });

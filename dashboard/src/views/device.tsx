@@ -51,6 +51,7 @@ export function DeviceView({ name, tab }: { name: string; tab: string }) {
             {title}
           </a>
         ))}
+        {store.offers("/api/v1/signals") ? <a href={href("scope", [], { device: name })}>Oscilloscope</a> : null}
       </nav>
       {tab === "objects" ? (
         <Objects device={device} />
