@@ -7,7 +7,7 @@ import { useChoice } from "../router";
 import { FrameContent, FrameTable, RepeatingTable } from "./traffic_tables";
 import { useTraffic } from "./use_traffic";
 
-const kMostShown = 400;
+const kMostShown = 200; // what is drawn anew a few times a second
 
 const text = (count: number) => grouped(String(count));
 
