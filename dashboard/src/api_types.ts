@@ -757,6 +757,8 @@ export interface components {
             /** @enum {unknown} */
             readonly severity: "information" | "refusal" | "warning" | "fault";
             readonly text: string;
+            /** @description The standard's words for the AL status or abort code that it tells; empty: it tells none */
+            readonly meaning: string;
         };
         readonly Events: {
             readonly events: readonly components["schemas"]["Event"][];

@@ -61,7 +61,7 @@ export function filledIn(parameters: readonly FaultParameter[], values: Values):
 /// The body of the request: the keys of a [[fault]] of a rack file.
 export function faultRequest(
   kind: FaultKind,
-  target: Readonly<Record<string, unknown>>,
+  target: TargetKeys,
   keys: Readonly<Record<string, unknown>>,
   when: Readonly<Record<string, unknown>>,
 ): Record<string, unknown> {
@@ -83,9 +83,23 @@ export function rangeText(parameter: FaultParameter): string {
   return `${bound(minimum, "−")} … ${bound(maximum, "")}`;
 }
 
+/// Keys of a [[fault]] that say where it is put.
+export type TargetKeys = Readonly<Record<string, unknown>>;
+
 export interface Target {
   readonly label: string;
-  readonly keys: Readonly<Record<string, unknown>>;
+  readonly keys: TargetKeys;
+}
+
+/// The first of them that has all keys of `at`; −1 if none has, so that no other one is hit by mistake.
+export function targetAt(targets: readonly Target[], at: TargetKeys): number {
+  return targets.findIndex(({ keys }) => Object.entries(at).every(([name, value]) => keys[name] === value));
+}
+
+/// Whether a kind can hit anything at a network; those of a network say so in their names.
+export function fitsNetwork(kind: string, network: string): boolean {
+  const own = /^(ethercat|can|serial)-/.exec(kind)?.[1];
+  return own === undefined || own === network;
 }
 
 /// What a fault of a kind can be put on.

@@ -34,6 +34,9 @@ export function useStore(): RackStore {
 export interface Resource<T> {
   readonly data: T | null;
   readonly error: ApiError | null;
+  /// When data came last, as performance.now() tells; null: none have come. Data that are the same as before render nothing
+  /// again, so this is to be looked at from time to time.
+  readonly at: { readonly current: number | null };
   readonly reload: () => void;
 }
 
@@ -46,7 +49,11 @@ export function useResource<T>(path: string | null, period = 0): Resource<T> {
     data: null,
     error: null,
   });
+  const at = useRef<number | null>(null);
   const [round, setRound] = useState(0);
+  useEffect(() => {
+    at.current = null;
+  }, [path]);
   useEffect(() => {
     if (path === null) {
       return undefined;
@@ -57,6 +64,7 @@ export function useResource<T>(path: string | null, period = 0): Resource<T> {
       if (!document.hidden || period === 0) {
         try {
           const data = await api.get<T>(path, { signal: abort.signal });
+          at.current = performance.now();
           // What has not changed renders nothing again.
           setState((old) =>
             old.path === path && old.error === null && JSON.stringify(old.data) === JSON.stringify(data)
@@ -83,7 +91,7 @@ export function useResource<T>(path: string | null, period = 0): Resource<T> {
   }, [api, path, period, round]);
   const reload = useCallback(() => setRound((n) => n + 1), []);
   const current = state.path === path;
-  return { data: current ? state.data : null, error: current ? state.error : null, reload };
+  return { data: current ? state.data : null, error: current ? state.error : null, at, reload };
 }
 
 /// A live value of a signal: what reads it is rendered again when it changes, and nothing else.

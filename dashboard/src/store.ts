@@ -2,6 +2,8 @@
 
 import { ApiError, type Api, type Device, type Devices, type Event, type Events, type Rack } from "./api";
 
+import { MasterActivity } from "./master_activity";
+
 export type Connection = "connecting" | "online" | "lost" | "locked";
 
 const kPeriod = 1000;
@@ -12,6 +14,8 @@ export class RackStore {
   rack: Rack | null = null;
   devices: readonly Device[] = [];
   events: readonly Event[] = [];
+  /// Whether masters speak, by network.
+  readonly masters = new Map<string, MasterActivity>();
   /// Grows when the rack turns out to be another one: views start anew.
   epoch = 0;
   private offered: ReadonlySet<string> | null = null;
@@ -56,6 +60,11 @@ export class RackStore {
     return this.offered?.has(path) ?? false;
   }
 
+  /// "ethercat", "can" or "serial"; empty: there is no such network.
+  networkKind(name: string): string {
+    return this.rack?.networks.find((network) => network.name === name)?.kind ?? "";
+  }
+
   private tell(): void {
     for (const listener of this.listeners) {
       listener();
@@ -82,11 +91,20 @@ export class RackStore {
         await this.begin(another || this.connection === "lost");
       }
       this.rack = rack;
+      this.watchMasters(rack);
       this.devices = (await this.api.get<Devices>("/api/v1/devices")).devices;
       await this.fetchEvents();
       this.connection = "online";
     } catch (error) {
       this.connection = error instanceof ApiError && error.unauthorised ? "locked" : "lost";
+    }
+  }
+
+  private watchMasters(rack: Rack): void {
+    for (const { name, received } of rack.networks) {
+      const activity = this.masters.get(name) ?? new MasterActivity();
+      this.masters.set(name, activity);
+      activity.look(received, performance.now());
     }
   }
 

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 
 import type { Event, FaultKind, FaultParameter, Input } from "../src/api";
-import { defaultsOf, faultRequest, fieldProblem, filledIn, targetsOf } from "../src/fault_form";
+import { defaultsOf, faultRequest, fieldProblem, filledIn, fitsNetwork, targetAt, targetsOf } from "../src/fault_form";
 import { hexDump } from "../src/hex_dump";
 import { byOwner, controlOf, differs, firstSpan, matches, niceStep, sectionsOf, spansOf } from "../src/inputs";
 import { matchingEvents } from "../src/views/events";
@@ -134,6 +134,22 @@ describe("the form of a fault", () => {
     expect(targetsOf("device", rack)).toEqual([{ label: "servo", keys: { device: "servo" } }]);
     expect(targetsOf("port", rack)).toEqual([]);
   });
+  it("is put where it was asked for, or nowhere", () => {
+    const targets = [
+      { label: "a, axis0", keys: { device: "a", axis: 0 } },
+      { label: "b, axis0", keys: { device: "b", axis: 0 } },
+      { label: "b, axis1", keys: { device: "b", axis: 1 } },
+    ];
+    expect(targetAt(targets, {})).toBe(0);
+    expect(targetAt(targets, { device: "b" })).toBe(1);
+    expect(targetAt(targets, { device: "b", axis: 1 })).toBe(2);
+    expect(targetAt(targets, { device: "c" })).toBe(-1);
+  });
+  it("is offered where its network is", () => {
+    expect(fitsNetwork("ethercat-drop", "can")).toBe(false);
+    expect(fitsNetwork("can-bus-off", "can")).toBe(true);
+    expect(fitsNetwork("link-down", "can")).toBe(true);
+  });
 });
 
 describe("events", () => {
@@ -144,6 +160,7 @@ describe("events", () => {
     rule: "r",
     severity,
     text,
+    meaning: "",
   });
   const all = [event(1, "a", "fault", "watchdog expired"), event(2, "b", "information", "state Init")];
   it("are found by all words, device and kind", () => {

@@ -6,7 +6,7 @@ import { segment, type Device, type Input, type Inputs, type Signals } from "../
 import { quantityText } from "../format";
 import { useAction, useResource, useWorld } from "../hooks";
 import { byOwner, differs, labelOf, matches, sectionsOf } from "../inputs";
-import { href } from "../router";
+import { useChoice } from "../router";
 import { InputRow, LiveInputRow } from "./input_row";
 
 const kPeriod = 3000;
@@ -35,11 +35,10 @@ class Opened {
   }
 }
 
-/// `first` is the part that stands on top, `asked` what to search for at first.
-export function InputsPanel({ device, signals, first, asked }: { device: Device; signals: Signals | null; first: string; asked: string }) {
+/// `first` is the part that stands on top.
+export function InputsPanel({ device, signals, first }: { device: Device; signals: Signals | null; first: string }) {
   const inputs = useResource<Inputs>("/api/v1/inputs", kPeriod);
-  const [search, setSearch] = useState(asked);
-  useEffect(() => setSearch(asked), [asked]);
+  const [search, find] = useChoice("inputs");
   const opened = useMemo(() => new Opened(), []);
   const own = useMemo(
     () => (inputs.data?.inputs ?? []).filter((input) => input.name.startsWith(`${device.name}.`)),
@@ -51,11 +50,6 @@ export function InputsPanel({ device, signals, first, asked }: { device: Device;
   const onSet = () => {
     clearTimeout(soon.current);
     soon.current = setTimeout(inputs.reload, kSoon);
-  };
-  const find = (text: string) => {
-    setSearch(text);
-    // The address leads here again; it makes no step of the browser's history.
-    history.replaceState(null, "", href("device", [device.name], text === "" ? {} : { inputs: text }));
   };
   const wanted = search.trim();
   const found = wanted === "" ? own : own.filter((input) => matches(input, wanted));

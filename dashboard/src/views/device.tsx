@@ -9,6 +9,7 @@ import { Overview } from "./overview";
 import { ProgramView } from "./program";
 import { networkState } from "./rack";
 import { DeviceSignals } from "./signals";
+import { TryFault } from "./try_fault";
 
 const kPanelPeriod = 400;
 
@@ -44,6 +45,8 @@ export function DeviceView({ name, tab }: { name: string; tab: string }) {
             <LedLamp key={led.name} led={led} />
           ))}
         </span>
+        <span class="spacer" />
+        <TryFault name={device.name} places={["device"]} at={{ device: device.name }} network={store.networkKind(device.network)} />
       </div>
       <nav class="tabs" aria-label={`Views of ${device.name}`}>
         {tabs.map(([part, title]) => (
@@ -60,7 +63,7 @@ export function DeviceView({ name, tab }: { name: string; tab: string }) {
       ) : tab === "signals" ? (
         <DeviceSignals device={device} />
       ) : (
-        <Overview device={device} panel={panel.data} asked={query.get("inputs") ?? ""} />
+        <Overview device={device} panel={panel.data} />
       )}
     </>
   );

@@ -3,7 +3,8 @@ import { useMemo, useState } from "preact/hooks";
 import type { Event } from "../api";
 import { timeText } from "../format";
 import { useStore } from "../hooks";
-import { useChoice } from "../router";
+import { href, useChoice } from "../router";
+import { EventExplanation } from "./event_explanation";
 
 const kMostShown = 500;
 
@@ -48,12 +49,33 @@ export function EventRows({ events, short = false }: { events: readonly Event[];
             </td>
             {short ? null : <td class="device">{event.device}</td>}
             <td class="sentence" title={event.rule}>
-              {event.text}
+              <Sentence event={event} />
             </td>
           </tr>
         ))}
       </tbody>
     </table>
+  );
+}
+
+function Sentence({ event }: { event: Event }) {
+  const [open, setOpen] = useState(false);
+  const id = `event-${event.number}`;
+  return (
+    <>
+      {event.text}{" "}
+      <button
+        type="button"
+        class="why"
+        aria-expanded={open}
+        aria-controls={open ? id : undefined}
+        aria-label={`Explain event ${event.number}`}
+        onClick={() => setOpen(!open)}
+      >
+        {open ? "Less" : "Explain"}
+      </button>
+      {open ? <EventExplanation event={event} id={id} /> : null}
+    </>
   );
 }
 
@@ -109,7 +131,16 @@ export function EventsView() {
           {shown.length > 0 ? (
             <EventRows events={shown} />
           ) : (
-            <p class="empty">{events.length === 0 ? "Nothing has happened so far." : "No event fits the filter."}</p>
+            <p class="empty">
+              {events.length > 0 ? (
+                "No event fits the filter."
+              ) : (
+                <>
+                  Nothing has happened so far. <a href={href("rack")}>Connect a master</a>, take a device by hand on its page, or{" "}
+                  <a href={href("faults")}>put a fault</a>: what devices refuse and why is told here.
+                </>
+              )}
+            </p>
           )}
         </div>
       </section>

@@ -1,12 +1,8 @@
-import { useMemo, useState } from "preact/hooks";
-
-import type { Fault, FaultKind, FaultKinds, FaultParameter, Faults, Signals, Wiring } from "../api";
+import type { Fault, FaultKinds, Faults } from "../api";
 import { segment } from "../api";
-import { defaultsOf, faultRequest, fieldOf, fieldProblem, filledIn, rangeText, targetsOf, type Values } from "../fault_form";
-import { unitText } from "../format";
-import { useAction, useResource, useStore, useWorld } from "../hooks";
+import { useAction, useResource, useWorld } from "../hooks";
 import { useChoice } from "../router";
-import { shaftsOf } from "../shafts";
+import { FaultForm } from "./fault_form";
 
 export function FaultsView() {
   const kinds = useResource<FaultKinds>("/api/v1/faults/kinds");
@@ -48,7 +44,9 @@ export function FaultsView() {
                 </li>
               ))}
             </ul>
-            {list.length === 0 ? <p class="empty">{kinds.error?.message ?? (kinds.data ? "None fits." : "…")}</p> : null}
+            {list.length === 0 ? (
+              <p class="empty">{kinds.error?.message ?? (kinds.data ? "No kind fits. Try fewer words." : "…")}</p>
+            ) : null}
           </div>
         </section>
         <div class="stack">
@@ -56,166 +54,13 @@ export function FaultsView() {
             <FaultForm key={kind.name} kind={kind} kinds={kinds.data} done={active.reload} />
           ) : (
             <section class="panel">
-              <p class="empty">Choose a kind of fault.</p>
+              <p class="empty">Choose a kind of fault: then you say where, when and for how long.</p>
             </section>
           )}
           <ActiveFaults faults={active.data?.faults ?? []} reload={active.reload} />
         </div>
       </div>
     </>
-  );
-}
-
-function Parameter({
-  parameter,
-  value,
-  group,
-  change,
-}: {
-  parameter: FaultParameter;
-  value: string;
-  group: string;
-  change: (text: string) => void;
-}) {
-  const field = fieldOf(parameter);
-  const wrong = fieldProblem(parameter, value);
-  const id = `${group}-${parameter.name}`;
-  const { choices } = parameter;
-  const missing = wrong === "needed";
-  return (
-    <div class="field">
-      <label htmlFor={id}>
-        {parameter.name.replace(/_/g, " ")}{" "}
-        {parameter.unit && field !== "text" ? <span class="soft">in {unitText(parameter.unit)}</span> : null}
-      </label>
-      {choices.length > 0 ? (
-        <select id={id} value={value} aria-describedby={`${id}-help`} onChange={(event) => change(event.currentTarget.value)}>
-          {choices.includes(value) ? null : <option value={value}>{value}</option>}
-          {choices.map((choice) => (
-            <option key={choice}>{choice}</option>
-          ))}
-        </select>
-      ) : (
-        <input
-          id={id}
-          value={value}
-          placeholder={parameter.type === "duration" ? "e.g. 20ms" : ""}
-          aria-invalid={wrong !== "" && !missing}
-          aria-required={parameter.needed}
-          aria-describedby={`${id}-help`}
-          onInput={(event) => change(event.currentTarget.value)}
-        />
-      )}
-      <span id={`${id}-help`} class={wrong === "" || missing ? "soft help" : "help wrong"}>
-        {wrong !== "" && !missing ? wrong : [missing ? "needed" : "", parameter.summary, rangeText(parameter)].filter(Boolean).join("; ")}
-      </span>
-    </div>
-  );
-}
-
-/// Values of a group of fields.
-function useFields(parameters: readonly FaultParameter[], group: string) {
-  const [values, setValues] = useState<Values>(() => defaultsOf(parameters));
-  const fields = parameters.map((parameter) => (
-    <Parameter
-      key={parameter.name}
-      parameter={parameter}
-      group={group}
-      value={values[parameter.name] ?? ""}
-      change={(text) => setValues((old) => ({ ...old, [parameter.name]: text }))}
-    />
-  ));
-  return {
-    fields,
-    wrong: parameters.some((parameter) => fieldProblem(parameter, values[parameter.name] ?? "") !== ""),
-    keys: () => filledIn(parameters, values),
-    reset: () => setValues(defaultsOf(parameters)),
-  };
-}
-
-function FaultForm({ kind, kinds, done }: { kind: FaultKind; kinds: FaultKinds; done: () => void }) {
-  const { api } = useWorld();
-  const store = useStore();
-  const what = useFields(kind.parameters, "what");
-  const milestone = useFields(kinds.when, "when");
-  const [chosen, setChosen] = useState(0);
-  const { busy, error, run } = useAction();
-  const signals = useResource<Signals>(kind.applies_to === "axis" ? "/api/v1/signals" : null);
-  const wiring = useResource<Wiring>(store.offers("/api/v1/wiring") ? "/api/v1/wiring" : null);
-  const devices = store.devices.map((device) => device.name);
-  const targets = useMemo(
-    () =>
-      targetsOf(kind.applies_to, {
-        devices,
-        axes: shaftsOf(signals.data?.signals ?? [], devices).map(({ device, name }) => ({ device, axis: name })),
-        wiring: wiring.data,
-        networks: store.rack?.networks ?? [],
-      }),
-    [kind, signals.data, wiring.data, devices.join("\n")],
-  );
-  const wrong = what.wrong || milestone.wrong;
-  const target = targets[Math.min(chosen, targets.length - 1)];
-  const put = async () => {
-    if (target) {
-      const body = faultRequest(kind, target.keys, what.keys(), milestone.keys());
-      if (await run(() => api.send("POST", "/api/v1/faults", body))) {
-        done();
-      }
-    }
-  };
-  return (
-    <section class="panel">
-      <header>
-        <h2>{kind.name}</h2>
-        <span class="soft">{kind.summary}</span>
-      </header>
-      <form
-        class="body fault-form"
-        onSubmit={(event) => {
-          event.preventDefault();
-          void put();
-        }}
-      >
-        <p class="wide">What the master sees: {kind.effect}</p>
-        <div class="field">
-          <label htmlFor="fault-target">where</label>
-          <select id="fault-target" value={chosen} onChange={(event) => setChosen(Number(event.currentTarget.value))}>
-            {targets.map((each, i) => (
-              <option key={each.label} value={i}>
-                {each.label}
-              </option>
-            ))}
-          </select>
-          <span class="soft help">{targets.length === 0 ? `the rack has no ${kind.applies_to}` : `a ${kind.applies_to}`}</span>
-        </div>
-        {what.fields}
-        {milestone.fields.length > 0 ? (
-          <details class="wide">
-            <summary>Begin at a milestone</summary>
-            <div class="fault-form">{milestone.fields}</div>
-          </details>
-        ) : null}
-        {error === "" ? null : (
-          <p class="notice bad wide" role="alert">
-            {error}
-          </p>
-        )}
-        <div class="toolbar wide">
-          <button type="submit" class="primary" disabled={busy || wrong || !target}>
-            Put it there
-          </button>
-          <button
-            type="button"
-            onClick={() => {
-              what.reset();
-              milestone.reset();
-            }}
-          >
-            Defaults
-          </button>
-        </div>
-      </form>
-    </section>
   );
 }
 
@@ -239,7 +84,7 @@ function ActiveFaults({ faults, reload }: { faults: readonly Fault[]; reload: ()
         </button>
       </header>
       {error === "" ? null : <p class="notice bad">{error}</p>}
-      {standing ? null : <p class="empty">No fault is armed or active.</p>}
+      {standing ? null : <p class="empty">No fault is armed or active. Choose a kind, or try one from the page of a device.</p>}
       {faults.length === 0 ? null : (
         <table>
           <thead>

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "stator/base/name_pattern.hpp"
+#include "stator/dictionary/abort_code.hpp"
+#include "stator/ethercat/standard/al_status_text.hpp"
 #include "stator/formats/json/schema.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file_description.hpp"
@@ -29,24 +31,41 @@ std::string_view to_text(base::Severity severity) {
 }
 
 nlohmann::ordered_json to_json(const EventRecord& event) {
-  return {{"number", event.number}, {"time_ns", event.time.nanoseconds()}, {"device", event.device},
-          {"rule", event.rule},     {"severity", to_text(event.severity)}, {"text", event.text}};
+  return {
+      {"number", event.number},  {"time_ns", event.time.nanoseconds()}, {"device", event.device},
+      {"rule", event.rule},      {"severity", to_text(event.severity)}, {"text", event.text},
+      {"meaning", event.meaning}};
 }
 
 namespace {
 
-/// Rules about one axis say so with "axis {4}".
-std::optional<std::int64_t> axis_of(const base::Event& event) {
-  constexpr std::string_view kMark = "axis {";
+/// The number that an event's sentence tells behind `mark`, e.g. "axis {": the argument named
+/// there.
+std::optional<std::int64_t> number_behind(std::string_view mark, const base::Event& event) {
   const std::string_view text = event.rule->text;
-  const std::size_t at = text.find(kMark);
-  if (at == std::string_view::npos || at + kMark.size() >= text.size()) {
+  const std::size_t at = text.find(mark);
+  if (at == std::string_view::npos || at + mark.size() >= text.size()) {
     return std::nullopt;
   }
-  const auto argument = static_cast<std::size_t>(text[at + kMark.size()] - '0');
+  const auto argument = static_cast<std::size_t>(text[at + mark.size()] - '0');
   return argument < event.arguments.size() && event.arguments[argument].is_number()
              ? std::optional(event.arguments[argument].number())
              : std::nullopt;
+}
+
+/// The standard's words for the code that an event tells; empty: it tells none.
+std::string meaning_of(const base::Event& event) {
+  if (const auto code = number_behind("AL status {", event)) {
+    return fmt::format("AL status code {:04X}h: {}", *code,
+                       to_text(static_cast<ethercat::AlStatusCode>(*code)));
+  }
+  for (const std::string_view mark : {"abort code {", "aborted with {"}) {
+    if (const auto code = number_behind(mark, event)) {
+      return fmt::format("Abort code {:08X}h: {}", *code,
+                         to_text(static_cast<dictionary::AbortCode>(*code)));
+    }
+  }
+  return "";
 }
 
 }  // namespace
@@ -121,7 +140,8 @@ void State::take_event(std::uint64_t number, const base::Event& event) {
                      .rule = event.rule->id,
                      .severity = event.rule->severity,
                      .text = base::to_sentence(event),
-                     .axis = axis_of(event)});
+                     .axis = number_behind("axis {", event),
+                     .meaning = meaning_of(event)});
   if (events_.size() > rack::EventLog::kKept) {
     events_.pop_front();
   }

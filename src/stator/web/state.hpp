@@ -55,6 +55,7 @@ struct EventRecord {
   base::Severity severity = base::Severity::information;
   std::string text;
   std::optional<std::int64_t> axis{};  ///< of the device, if the event is about one
+  std::string meaning{};               ///< of the code it tells, in the standard's words
 };
 
 /// As the list of events has it.

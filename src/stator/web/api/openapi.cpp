@@ -244,14 +244,15 @@ constexpr const char* kSchemas = R"({
   },
   "Event": {
     "type": "object",
-    "required": ["number", "time_ns", "device", "rule", "severity", "text"],
+    "required": ["number", "time_ns", "device", "rule", "severity", "text", "meaning"],
     "properties": {
       "number": {"type": "integer"},
       "time_ns": {"type": "integer"},
       "device": {"type": "string"},
       "rule": {"type": "string"},
       "severity": {"enum": ["information", "refusal", "warning", "fault"]},
-      "text": {"type": "string"}
+      "text": {"type": "string"},
+      "meaning": {"type": "string", "description": "The standard's words for the AL status or abort code that it tells; empty: it tells none"}
     }
   },
   "Events": {
