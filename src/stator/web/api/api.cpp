@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "stator/web/api/assets.hpp"
-#include "stator/web/api/connections_api.hpp"
 #include "stator/web/api/events_job.hpp"
 #include "stator/web/api/fault_api.hpp"
 #include "stator/web/api/input_api.hpp"
