@@ -31,7 +31,7 @@ SOURCES = ROOT / "src" / "stator"
 # not to be filled.
 MOST_LINES = 3_700_000
 MOST_LINES_OF_A_SOURCE = 20_000
-MOST_LINES_OF_A_BUILD = 900_000
+MOST_LINES_OF_A_BUILD = 910_000
 # Headers of others that are longer than that alone: whoever includes one is no finding.
 LONG = ("boost/", "CLI/", "nlohmann/", "toml++/")
 OTHERS = ("fmt/", "spdlog/", "pugixml", "gtest/", "gmock/", "benchmark/", "valijson/", *LONG)
