@@ -2,13 +2,17 @@ import "./styles/theme.css";
 import "./styles/base.css";
 import "./styles/shell.css";
 
-import { render } from "preact";
+import { Component, render } from "preact";
 
 import { Api } from "./api";
 import { App } from "./app";
 import { takeToken } from "./router";
 import { applyTheme, storedTheme } from "./theme";
 import "./styles/narrow.css";
+
+// Signals leave a component alone that has state of its own and the same properties; the oscilloscope's are drawn from an object
+// that changes in place.
+delete Component.prototype.shouldComponentUpdate;
 
 const api = new Api();
 const taken = takeToken(location.hash);

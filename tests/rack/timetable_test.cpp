@@ -75,23 +75,23 @@ port = 1
 TEST(Events, DroppedAndCorruptFramesOfASegment_AreMissedAndCounted) {
   Bench bench(R"(
 [[event]]
-at = "1 s"
+at = "4 s"
 action = "drop"
 device = "left"
 frames = 1
 [[event]]
-at = "2 s"
+at = "8 s"
 action = "corrupt"
 device = "left"
 port = 1
 direction = "out"
 )");
-  bench.wait_until(900_ms);
+  bench.wait_until(3_s);
   EXPECT_EQ(bench.scan(), 2U);
-  bench.wait_until(1_s);
+  bench.wait_until(4_s);
   EXPECT_EQ(bench.scan(), 2U) << "the master repeats what got lost";
   EXPECT_EQ(bench.statistics().dropped, 1U);
-  bench.wait_until(2_s);
+  bench.wait_until(8_s);
   EXPECT_EQ(bench.scan(), 2U);
   EXPECT_EQ(bench.statistics().corrupted, 1U);
   EXPECT_EQ(bench.log.count("ethercat-frame-fault"), 2U);
@@ -102,14 +102,14 @@ direction = "out"
 TEST(Events, AFrameLostOnItsWayBackHasBroughtItsRequestsToTheFirmware) {
   Bench bench(R"(
 [[event]]
-at = "1 s"
+at = "4 s"
 action = "drop"
 device = "left"
 direction = "out"
 )");
-  bench.wait_until(900_ms);
+  bench.wait_until(3_s);
   ASSERT_EQ(bench.scan(), 2U);
-  bench.wait_until(1_s);
+  bench.wait_until(4_s);
   std::array<std::byte, 64> buffer{};
   std::array<std::byte, 64> reply{};
   const auto exchange = [&](ethercat::Command command, std::uint16_t address, std::uint8_t value) {

@@ -225,10 +225,11 @@ TEST(WebServer, AnswersEveryRouteOfItsTable) {
       }
     }
     const Answer answer = route.writes() ? rack.put(target, R"({"value": 1})") : rack.get(target);
-    // Two have nothing for a GET of this device.
-    const int expected = route.operation == Operation::traffic   ? 426
-                         : route.operation == Operation::program ? 404
-                                                                 : 200;
+    // Three have nothing for a GET of this rack.
+    const int expected = route.operation == Operation::traffic             ? 426
+                         : route.operation == Operation::program           ? 404
+                         : route.operation == Operation::recording_content ? 409
+                                                                           : 200;
     EXPECT_EQ(answer.status, expected) << route.method << " " << target << ": " << answer.body;
     EXPECT_EQ(answer.headers.at("content-type"),
               expected == 200 ? route.content_type : "application/problem+json")

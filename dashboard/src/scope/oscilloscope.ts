@@ -1,6 +1,6 @@
 // The oscilloscope itself: what it is set to, what it has recorded, what it shows.
 import type { Api, Event, Problem, Subscribed } from "../api";
-import { Connection, type ConnectionListener } from "./connection";
+import { Connection, type ConnectionListener, type Wanted } from "./connection";
 import type { CursorPair } from "./core/cursors";
 import { ExpressionError, channelsOf, parseExpression, unitOf } from "./core/expression";
 import { type Measurement, measure } from "./core/measure";
@@ -91,7 +91,15 @@ export class Oscilloscope implements ConnectionListener {
 
   subscribed(message: Subscribed): void {
     this.record.subscribed(message.signals.map(({ name }) => name));
-    if (this.isLoading) {
+    const { signals, period } = this.wanted();
+    const names = new Set(signals);
+    // Setups may be loaded faster than the rack answers: only the answer to the last one begins its record.
+    if (
+      this.isLoading &&
+      message.period_ns === period &&
+      message.signals.length === names.size &&
+      message.signals.every(({ name }) => names.has(name))
+    ) {
       this.isLoading = false;
       this.record.clear();
       this.arm();
@@ -203,10 +211,14 @@ export class Oscilloscope implements ConnectionListener {
       "channel" in trigger.source ? channels.findIndex(({ name }) => name === (trigger.source as { channel: string }).channel) : -1;
   }
 
-  private subscribe(): void {
+  private wanted(): Wanted {
     const { channels, period } = this.setup;
     const signals = this.running ? channels.filter(({ expression }) => expression === null).map(({ name }) => name) : [];
-    this.connection.want({ signals, period, events: true });
+    return { signals, period, events: true };
+  }
+
+  private subscribe(): void {
+    this.connection.want(this.wanted());
   }
 
   // Setup
