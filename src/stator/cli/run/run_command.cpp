@@ -176,8 +176,9 @@ void require_recordable(const rack::RackConfiguration& configuration, bool goes_
   }
 }
 
-/// One rack from `start_at` until a signal comes, `limit` has passed or somebody wishes another run;
-/// then returns which. A port that the system was to choose for the web server is kept in `given`.
+/// One rack from `start_at` until a signal comes, `limit` has passed or somebody wishes another
+/// run; then returns which. A port that the system was to choose for the web server is kept in
+/// `given`.
 std::optional<NextRun> run_rack(RunOptions& given, Start& start_at, StopSignals& signals,
                                 StandardOutput& output, std::optional<base::SimDuration> limit) {
   const std::optional<RecordingPlace>& from = start_at.from;
@@ -227,7 +228,8 @@ std::optional<NextRun> run_rack(RunOptions& given, Start& start_at, StopSignals&
   OpenedWebServer web;  // goes after the runner, which may have tasks of it
   rack::Runner runner(rack, configuration, logger, start, options.priority);
   manual::ManualControl manual(runner, configuration, log);
-  web = open_web_server(options.web, rack, configuration, log, runner, &session, &rack_file, &manual);
+  web =
+      open_web_server(options.web, rack, configuration, log, runner, &session, &rack_file, &manual);
   signals.running();
   start_at.running = true;
   // Only now, when nothing can fail any more.

@@ -16,8 +16,8 @@
 
 #include "stator/drive/power/state_description.hpp"
 #include "stator/product/device/device.hpp"
-#include "stator/web/api/network_state.hpp"
 #include "stator/web/json_text.hpp"
+#include "stator/web/network_state.hpp"
 
 namespace stator::web {
 

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "stator/product/device/device.hpp"
-#include "stator/web/api/network_state.hpp"
 #include "stator/web/api/snapshot.hpp"
 #include "stator/web/json_text.hpp"
+#include "stator/web/network_state.hpp"
 
 namespace stator::web {
 
