@@ -113,8 +113,7 @@ test("values of the dictionary are refreshed while they are visible", async ({ o
 });
 
 test("without the right token a write asks for one", async ({ open }) => {
-  const page = await open("/device/gantry", "401");
-  await page.getByText("Inputs").waitFor();
+  const page = await open("/device/gantry?inputs=left%20switch", "401");
   await page.evaluate(() => sessionStorage.setItem("stator.token", "wrong"));
   await page.getByRole("switch", { name: "left switch" }).first().focus();
   await page.keyboard.press("Space");
