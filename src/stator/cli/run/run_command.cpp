@@ -176,6 +176,27 @@ void require_recordable(const rack::RackConfiguration& configuration, bool goes_
   }
 }
 
+void begin(rack::Runner& runner, const OpenedWebServer& web, const RunOptions& options,
+           rack::Log& logger) {
+  runner.start();
+  if (options.priority) {
+    if (const auto locked = link::lock_memory(); !locked) {
+      logger.warning(locked.error().text);
+    }
+  }
+  if (web.server != nullptr) {
+    web.server->start();
+  }
+}
+
+/// What somebody who looks at the run wishes to have next; nothing: they go on looking.
+std::optional<NextRun> wish(LiveSession& session, RunningRackFile& rack_file) {
+  if (auto path = rack_file.wished()) {
+    return NextRun{.rack_file = std::move(*path)};
+  }
+  return session.wished();
+}
+
 /// One rack from `start_at` until a signal comes, `limit` has passed or somebody wishes another
 /// run; then returns which. A port that the system was to choose for the web server is kept in
 /// `given`.
@@ -238,20 +259,12 @@ std::optional<NextRun> run_rack(RunOptions& given, Start& start_at, StopSignals&
   if (web.server != nullptr) {
     given.web.http = web.server->address().text();
   }
-  runner.start();
-  if (options.priority) {
-    if (const auto locked = link::lock_memory(); !locked) {
-      logger->warning(locked.error().text);
-    }
-  }
-  if (web.server != nullptr) {
-    web.server->start();
-  }
+  begin(runner, web, options, *logger);
   std::optional<Show> show;
   if (given.show) {
     show.emplace(manual, runner, configuration, options.rack_file);
   }
-  while (signals.wait(limit) == SIGUSR1 && !session.wished() && !rack_file.wished()) {
+  while (signals.wait(limit) == SIGUSR1 && !wish(session, rack_file)) {
   }
   const auto asked = link::BackgroundOutput::Clock::now();
   rack.outputs().stop_waiting();
@@ -265,10 +278,7 @@ std::optional<NextRun> run_rack(RunOptions& given, Start& start_at, StopSignals&
   print_end(configuration, rack, runner);
   end_files(rack, runner.now(), session, asked);
   require_kept(rack, configuration.state, state);
-  if (const auto wished = rack_file.wished()) {
-    return NextRun{.rack_file = *wished};
-  }
-  return session.wished();
+  return wish(session, rack_file);
 }
 
 /// Runs racks one after the other, the next one as somebody wished who looked at the one before.
