@@ -204,7 +204,7 @@ test("colours are chosen and kept", async ({ open }) => {
 });
 
 test("what is chosen in a view is there again after a reload", async ({ open }) => {
-  const page = await open("/rack");
+  const page = await open("/rack", "closed before the connection is established"); // by the reload
   await heading(page, "Rack");
   const searches = {
     "/events": "refused words",

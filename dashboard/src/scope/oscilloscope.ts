@@ -119,7 +119,7 @@ export class Oscilloscope implements ConnectionListener {
   samples(batch: SamplesFromWorker): void {
     this.droppedByServer = batch.droppedByServer;
     this.droppedByPage = batch.droppedByPage;
-    if (!this.running) {
+    if (!this.running || this.isLoading) {
       return;
     }
     const newest = this.record.ring.newest;
@@ -261,7 +261,7 @@ export class Oscilloscope implements ConnectionListener {
     this.held = null;
     this.cursors = { times: null, levels: null };
     this.apply(setup);
-    this.isLoading = true; // rows of the subscription before may still come
+    this.isLoading = true; // rows of the subscription before may still come: they are none of this record
     this.record.clear();
     this.arm();
     this.subscribe(); // once: a second one would leave a gap in the record
