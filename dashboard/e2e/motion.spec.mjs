@@ -1,6 +1,8 @@
 // Pictures of motors: vectors in numbers for who points at them, frames of reference, numbers alone where motion is not wanted.
 import assert from "node:assert/strict";
 
+import { expect } from "@playwright/test";
+
 import { lookAt, sizes, test } from "./fixtures.mjs";
 
 const allSizes = [{ width: 390, height: 844 }, ...sizes];
@@ -69,8 +71,7 @@ test("axes are a machine in three dimensions, which is fetched when it is asked 
   for (let i = 0; i < 6; ++i) {
     await page.keyboard.press("ArrowLeft");
   }
-  await page.waitForTimeout(500);
-  assert.notEqual(await look(), before);
+  await expect.poll(look).not.toBe(before);
   assert.ok(fetched.some((url) => /machine-.*\.js$/.test(url)));
   await lookAt(page, "motion-machine", allSizes);
   await button.click();

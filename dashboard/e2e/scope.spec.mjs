@@ -4,6 +4,8 @@ import { spawn } from "node:child_process";
 import { readFile } from "node:fs/promises";
 import { join } from "node:path";
 
+import { expect } from "@playwright/test";
+
 import { out, test } from "./fixtures.mjs";
 import { runs } from "./rack.mjs";
 import { channel, kAxis, load, row, rowsAtLeast, setupOf, statistics } from "./scope.mjs";
@@ -272,15 +274,13 @@ test("scope: keys alone run, stop, zoom and move cursors", async ({ open }) => {
   const before = Number(await a.inputValue());
   await page.keyboard.press("a");
   await page.keyboard.press("ArrowRight");
-  await page.waitForTimeout(300);
-  assert.ok(Number(await a.inputValue()) > before);
+  await expect.poll(async () => Number(await a.inputValue())).toBeGreaterThan(before);
   const rows = async () => (await page.getByText(/B − A =/).textContent()) ?? "";
   assert.match(await rows(), /B − A = \d+(\.\d+)? ms, 1\/\|B − A\| = \d/);
   await page.keyboard.press("Escape");
   await page.keyboard.press("+");
   await page.keyboard.press("ArrowLeft");
-  await page.waitForTimeout(300);
-  assert.equal(await page.getByRole("button", { name: "Follow" }).getAttribute("aria-pressed"), "false");
+  await expect(page.getByRole("button", { name: "Follow" })).toHaveAttribute("aria-pressed", "false");
   await page.keyboard.press("Space");
   await page.keyboard.press("Home");
   await state(page, "running");
