@@ -5,10 +5,8 @@ import { existsSync } from "node:fs";
 import { join } from "node:path";
 
 import { explainRule, guides } from "../src/event_help.ts";
-import { heading, lookAt, sizes, test } from "./fixtures.mjs";
+import { heading, lookAt, test } from "./fixtures.mjs";
 import { repository } from "./rack.mjs";
-
-const all = [{ width: 390, height: 844 }, ...sizes];
 
 /// Writes an entry with the token, as a page does; gives the status of the answer.
 async function write(origin, link, path, value) {
@@ -43,7 +41,7 @@ test("the rack page has the lines for masters of its links", async ({ open, rack
     .getByText(/ConnectionManager\(/)
     .first()
     .waitFor();
-  await lookAt(page, "connect", sizes);
+  await lookAt(page, "connect");
 });
 
 test("every kind of event is explained, by documents that there are", ({ rack }) => {
@@ -69,7 +67,7 @@ test("an event says what it means and leads to its object", async ({ open, origi
     .click();
   await page.getByText(/changed from outside, not by the master/).waitFor();
   await page.getByText("docs/how-to/dashboard.md").waitFor();
-  await lookAt(page, "explanation", all);
+  await lookAt(page, "explanation");
   await page.getByRole("link", { name: /Object 6083h/ }).click();
   await heading(page, "gantry");
   await page.locator("tr", { hasText: "6083h:00" }).waitFor();
@@ -82,7 +80,7 @@ test("a fault is tried from where it would happen", async ({ open, origin }) => 
   const dialog = page.getByRole("dialog");
   await dialog.getByLabel("What goes wrong").selectOption("motor-stall");
   await dialog.getByRole("combobox", { name: "where" }).getByText("gantry, axis1").waitFor({ state: "attached" });
-  await lookAt(page, "try-fault", all);
+  await lookAt(page, "try-fault");
   await dialog.getByRole("button", { name: "Put it there" }).click();
   await dialog.waitFor({ state: "hidden" });
   const { faults } = await (await fetch(`${origin}/api/v1/faults`)).json();
@@ -97,7 +95,7 @@ test("what a master sees tells when no master looks", async ({ open, rack }) => 
   const page = await open("/device/gantry");
   const silent = page.getByText(/No master has spoken on segment 0|The master of segment 0 has been silent/);
   await silent.waitFor();
-  await lookAt(page, "silent-master", all);
+  await lookAt(page, "silent-master");
   const master = rack.move(100);
   try {
     await silent.waitFor({ state: "detached" });

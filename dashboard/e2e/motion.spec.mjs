@@ -3,9 +3,7 @@ import assert from "node:assert/strict";
 
 import { expect } from "@playwright/test";
 
-import { lookAt, sizes, test } from "./fixtures.mjs";
-
-const allSizes = [{ width: 390, height: 844 }, ...sizes];
+import { lookAt, test } from "./fixtures.mjs";
 
 test("a stepper's vectors tell their numbers to who points at them or goes there with the keyboard", async ({ open, rack }) => {
   const master = rack.move(20);
@@ -24,7 +22,7 @@ test("a stepper's vectors tell their numbers to who points at them or goes there
     const turned = () => motion.locator('[data-part="rotor"]').getAttribute("transform");
     const first = await turned();
     await page.waitForFunction((was) => document.querySelector('.motor [data-part="rotor"]').getAttribute("transform") !== was, first);
-    await lookAt(page, "motion-stepper", allSizes);
+    await lookAt(page, "motion-stepper");
   } finally {
     await master.stop();
   }
@@ -40,7 +38,7 @@ test("a servo is seen from its stator or in d/q at rest", async ({ open }) => {
   await page.waitForFunction(() =>
     document.querySelector('.motor [data-part="rotor"]').getAttribute("transform")?.startsWith("rotate(-90.00"),
   );
-  await lookAt(page, "motion-servo", allSizes);
+  await lookAt(page, "motion-servo");
 });
 
 test("who wants little motion gets the numbers alone", async ({ open }) => {
@@ -73,7 +71,7 @@ test("axes are a machine in three dimensions, which is fetched when it is asked 
   }
   await expect.poll(look).not.toBe(before);
   assert.ok(fetched.some((url) => /machine-.*\.js$/.test(url)));
-  await lookAt(page, "motion-machine", allSizes);
+  await lookAt(page, "motion-machine");
   await button.click();
   await machine.waitFor({ state: "detached" });
 });
