@@ -3,7 +3,7 @@
 #   source scripts/lib/checks.sh
 #   select_checks "$@"            --list, --only NAME (a part of the name; may stand several times)
 #   check "tests" scripts/test    runs the rest of the line unless it is not wanted
-#   end_checks                    what those that failed said, what tests left out, a table by time, and the exit status
+#   end_checks                    what those that failed said, what tests left out, a table of times, and the exit status
 #
 # After select_checks, `rest` holds the arguments that it did not know.
 #
@@ -35,6 +35,13 @@ select_checks() {
   done
 }
 
+# What the checks so far have had of all processors, in seconds; of processes that ended and were waited for.
+processor_seconds() {
+  local fields
+  read -ra fields </proc/$$/stat
+  printf '%d' $(((fields[15] + fields[16]) / $(getconf CLK_TCK)))
+}
+
 # True if a check of this name is to run; for what only some checks need prepared.
 is_wanted() {
   $checks_list && return 1
@@ -55,7 +62,8 @@ check() {
   fi
   is_wanted "$name" || return 0
   printf '\n== %s\n' "$name"
-  local said="$checks_said/${name//\//_}" start=$SECONDS
+  local said="$checks_said/${name//\//_}" start=$SECONDS used
+  used=$(processor_seconds)
   # Not called from an `if`, where `set -e` would not hold inside the function that is run.
   set +e
   (
@@ -65,11 +73,12 @@ check() {
   local status=${PIPESTATUS[0]} seconds
   set -e
   seconds=$((SECONDS - start))
+  used=$(($(processor_seconds) - used))
   if ((status == 0)); then
-    checks_passed+=("$seconds $name")
+    checks_passed+=("$seconds $used $name")
     printf -- '-- %s: passed in %d s\n' "$name" "$seconds"
   else
-    checks_failed+=("$seconds $name")
+    checks_failed+=("$seconds $used $name")
     printf -- '-- %s: FAILED after %d s\n' "$name" "$seconds"
   fi
 }
@@ -78,7 +87,7 @@ end_checks() {
   $checks_list && exit 0
   local each name
   for each in "${checks_failed[@]}"; do
-    name=${each#* }
+    name=${each#* * }
     printf '\n== what %s said: errors, and the end\n' "$name"
     grep -nE 'error:|ERROR:|FAILED|\*\*\*|Failure|runtime error|AssertionError' "$checks_said/${name//\//_}" |
       head -n 60 || true
@@ -88,14 +97,15 @@ end_checks() {
     printf '\n== what tests left out\n'
     grep -rsh '^left out: ' "$checks_said" | sort -u
   fi
-  printf '\n== seconds\n'
+  printf '\n== seconds, and seconds of all processors\n'
   {
     ((${#checks_passed[@]} == 0)) || printf '%s\n' "${checks_passed[@]}"
     ((${#checks_failed[@]} == 0)) || printf '%s FAILED\n' "${checks_failed[@]}"
-  } | sort -k 1,1nr | awk '{ seconds = $1; $1 = ""; total += seconds; printf "%6d %s\n", seconds, $0 }
-                           END { printf "%6d  together\n", total }'
+  } | sort -k 1,1nr | awk '{ seconds = $1; used = $2; $1 = $2 = ""; total += seconds; all += used
+                             printf "%6d %6d %s\n", seconds, used, $0 }
+                           END { printf "%6d %6d   together\n", total, all }'
   printf '\n'
-  ((${#checks_failed[@]} == 0)) || printf 'failed: %s\n' "${checks_failed[@]#* }"
+  ((${#checks_failed[@]} == 0)) || printf 'failed: %s\n' "${checks_failed[@]#* * }"
   printf '%d passed, %d failed\n' "${#checks_passed[@]}" "${#checks_failed[@]}"
   if ((${#checks_passed[@]} + ${#checks_failed[@]} == 0)); then
     printf '%s: no check is called "%s"; --list names them\n' "$0" "${checks_only[*]}" >&2
