@@ -101,9 +101,10 @@ class Slave:
 
     # SII
 
-    def _wait_for_sii(self):
-        begin = time.monotonic()
-        end = begin + self.patience
+    def _wait_for_sii(self, begin):
+        """For the end of an access; `begin` is a time before it was ordered, so that none that the device gave up
+        counts as refused because this program had to wait for a processor."""
+        end = time.monotonic() + self.patience
         while (status := self.read16(SII_CONTROL)) & SII_BUSY:
             if time.monotonic() > end:
                 raise Silent(f"the EEPROM is busy for more than {self.patience:g} s")
@@ -117,16 +118,18 @@ class Slave:
         """`count` words from `word` on."""
         words = []
         while len(words) < count:
+            begin = time.monotonic()
             self.write(SII_CONTROL, struct.pack("<HI", SII_READ, word + len(words)))
-            self._wait_for_sii()
+            self._wait_for_sii(begin)
             words += struct.unpack("<HH", self.read(SII_DATA, 4))
         return words[:count]
 
     def write_sii(self, word, value):
         """Returns when the EEPROM is no longer busy, which is its answer."""
+        begin = time.monotonic()
         self.write(SII_DATA, struct.pack("<H", value))
         self.write(SII_CONTROL, struct.pack("<HI", SII_WRITE, word))
-        self._wait_for_sii()
+        self._wait_for_sii(begin)
 
     # States and mailbox
 
