@@ -325,8 +325,10 @@ TEST_P(Tmc8670HallFaults, AreSeenAndGoAway) {
   expect_seen_and_gone(GetParam());
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Tmc8670Surroundings, testing::ValuesIn(rows()), RowName());
-INSTANTIATE_TEST_SUITE_P(All, Tmc8670HallFaults, testing::ValuesIn(hall_rows()), RowName());
+INSTANTIATE_TEST_SUITE_P(All, Tmc8670Surroundings, testing::ValuesIn(rows_to_run(rows())),
+                         RowName());
+INSTANTIATE_TEST_SUITE_P(All, Tmc8670HallFaults, testing::ValuesIn(rows_to_run(hall_rows())),
+                         RowName());
 
 }  // namespace
 
