@@ -1,3 +1,4 @@
+import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
 
 import type { Declarations, Member } from "./declarations";
@@ -61,15 +62,12 @@ function Members({ path, members, ...editing }: Editing & { path: Path; members:
 
 function Below({ member, path, ...editing }: Editing & { path: Path; member: Member }) {
   const { toml, declarations, words } = editing;
-  if (member.kind === "array") {
-    return <Addition {...editing} member={member} path={path} />;
+  if (member.kind === "map" && member.schema.type !== "object") {
+    return <NamedValues {...editing} member={member} path={path} />;
   }
-  if (member.kind === "map") {
-    return member.schema.type === "object" ? (
-      <NamedAddition {...editing} member={member} path={path} />
-    ) : (
-      <NamedValues {...editing} member={member} path={path} />
-    );
+  if (member.kind !== "table") {
+    const Form = member.kind === "array" ? Addition : NamedAddition;
+    return words === "" ? <Form {...editing} member={member} path={path} /> : null; // a search is for what is there
   }
   const members = membersAt(toml, declarations, { path, schema: member.schema });
   if (words !== "" && !members.some((each) => fits(each, words))) {
@@ -78,84 +76,105 @@ function Below({ member, path, ...editing }: Editing & { path: Path; member: Mem
   return (
     <details class="below" open={stands(toml, path) || words !== ""}>
       <summary>
-        {member.name} <span class="soft">{member.help}</span>
+        <Title member={member} />
       </summary>
       <Members {...editing} path={path} members={members} />
     </details>
   );
 }
 
-/// A further table of an array, with the first of the types that it can have.
-function Addition({ member, path, toml, declarations, words, change }: Editing & { path: Path; member: Member }) {
-  const count = countAt(toml, path);
-  const types = declarations.members(member.schema, () => undefined).find((each) => each.name === "type");
-  const [type, setType] = useState(types?.schema.enum?.[0] ?? "");
-  const inline = literalAt(toml, path) !== undefined;
-  if (words !== "") {
-    return null;
-  }
+/// What a part of the rack file is called, and what it is for.
+function Title({ member }: { member: Member }) {
+  return (
+    <>
+      {member.name} <span class="soft">{member.help}</span>
+    </>
+  );
+}
+
+/// The way to a further table: its type where there are several, and the button. `children` are fields before these;
+/// `add` gets the lines with which the table begins.
+function FurtherTable({
+  member,
+  types,
+  button,
+  disabled = false,
+  add,
+  children,
+}: {
+  member: Member;
+  types: readonly string[];
+  button: string;
+  disabled?: boolean;
+  add: (lines: string[]) => void;
+  children?: ComponentChildren;
+}) {
+  const [type, setType] = useState(types[0] ?? "");
   return (
     <div class="addition">
       <span>
-        {member.name} <span class="soft">{member.help}</span>
+        <Title member={member} />
       </span>
-      {inline ? (
-        <span class="soft">written in one line: add to it in the text</span>
-      ) : (
-        <span class="toolbar">
-          {types ? (
-            <select aria-label={`Type of a further ${member.name}`} value={type} onChange={(event) => setType(event.currentTarget.value)}>
-              {(types.schema.enum ?? []).map((each) => (
-                <option key={each}>{each}</option>
-              ))}
-            </select>
-          ) : null}
-          <button
-            type="button"
-            onClick={() => change(withTable(toml, [...path, count], true, types ? [`type = "${type}"`] : []), [...path, count])}
-          >
-            Add {member.name}
-          </button>
-        </span>
-      )}
+      <span class="toolbar">
+        {children}
+        {types.length > 0 ? (
+          <select aria-label={`Type of a further ${member.name}`} value={type} onChange={(event) => setType(event.currentTarget.value)}>
+            {types.map((each) => (
+              <option key={each}>{each}</option>
+            ))}
+          </select>
+        ) : null}
+        <button type="button" disabled={disabled} onClick={() => add(types.length > 0 ? [`type = "${type}"`] : [])}>
+          {button}
+        </button>
+      </span>
     </div>
   );
 }
 
-/// A further table with a name of one's own.
-function NamedAddition({ member, path, toml, words, change }: Editing & { path: Path; member: Member }) {
-  const [name, setName] = useState("");
-  const types = member.schema.properties?.["type"]?.enum ?? [];
-  const [type, setType] = useState(types[0] ?? "");
-  if (words !== "") {
-    return null;
+/// A further table of an array.
+function Addition({ member, path, toml, declarations, change }: Editing & { path: Path; member: Member }) {
+  if (literalAt(toml, path) !== undefined) {
+    return (
+      <div class="addition">
+        <span>
+          <Title member={member} />
+        </span>
+        <span class="soft">written in one line: add to it in the text</span>
+      </div>
+    );
   }
+  const place = [...path, countAt(toml, path)];
+  const types = declarations.members(member.schema, () => undefined).find((each) => each.name === "type")?.schema.enum ?? [];
   return (
-    <div class="addition">
-      <span>
-        {member.name} <span class="soft">{member.help}</span>
-      </span>
-      <span class="toolbar">
-        <input
-          aria-label={`Name of a further ${member.name}`}
-          placeholder="name"
-          value={name}
-          onInput={(event) => setName(event.currentTarget.value)}
-        />
-        <select aria-label={`Type of a further ${member.name}`} value={type} onChange={(event) => setType(event.currentTarget.value)}>
-          {types.map((each) => (
-            <option key={each}>{each}</option>
-          ))}
-        </select>
-        <button
-          type="button"
-          disabled={name === "" || keysAt(toml, path).includes(name)}
-          onClick={() => change(withTable(toml, [...path, name], false, [`type = "${type}"`]), [...path, name])}
-        >
-          Add to {member.name}
-        </button>
-      </span>
-    </div>
+    <FurtherTable
+      member={member}
+      types={types}
+      button={`Add ${member.name}`}
+      add={(lines) => change(withTable(toml, place, true, lines), place)}
+    />
+  );
+}
+
+/// A further table with a name of one's own.
+function NamedAddition({ member, path, toml, change }: Editing & { path: Path; member: Member }) {
+  const [name, setName] = useState("");
+  const place = [...path, name];
+  return (
+    <FurtherTable
+      member={member}
+      types={member.schema.properties?.["type"]?.enum ?? []}
+      button={`Add to ${member.name}`}
+      disabled={name === "" || keysAt(toml, path).includes(name)}
+      add={(lines) => change(withTable(toml, place, false, lines), place)}
+    >
+      <input
+        aria-label={`Name of a further ${member.name}`}
+        placeholder="name"
+        value={name}
+        onInput={(event) => setName(event.currentTarget.value)}
+      />
+    </FurtherTable>
   );
 }
 
@@ -170,7 +189,7 @@ function NamedValues({ member, path, ...editing }: Editing & { path: Path; membe
   return (
     <details class="below" open={names.length > 0}>
       <summary>
-        {member.name} <span class="soft">{member.help}</span>
+        <Title member={member} />
       </summary>
       <Members
         {...editing}
