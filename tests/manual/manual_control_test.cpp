@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -48,7 +49,7 @@ std::uint16_t free_udp_port() {
 }
 
 /// A rack with a stepper module "gantry" and an I/O chip on EtherCAT, a drive "spindle" and a
-/// module "winder" on a CAN bus, and a module "feeder" on a serial line.
+/// module "winder" on a CAN bus, a module "feeder" on a serial line, and "lift" on a paced one.
 class ManualControlTest : public ::testing::Test {
  protected:
   ManualControlTest() { runner_.start(); }
@@ -67,9 +68,13 @@ class ManualControlTest : public ::testing::Test {
            "/can\"]\n[[bus.device]]\ntype = \"tmcc160\"\nname = \"spindle\"\nnode_id = 5\n"
            "[[bus.device]]\ntype = \"tmcm-142\"\nname = \"winder\"\n"
            "[[device]]\ntype = \"tmcm-142\"\nname = \"feeder\"\nusb = \"pty:" +
-           serial_path() + "\"\nprogram = \"" + program_path() + "\"\n";
+           serial_path() + "\"\nprogram = \"" + program_path() +
+           "\"\n"
+           "[[device]]\ntype = \"tmcm-142\"\nname = \"lift\"\nrs485 = \"pty:" +
+           paced_path() + "\"\n[[line]]\nlink = \"pty:" + paced_path() + "\"\npacing = true\n";
   }
   [[nodiscard]] std::string serial_path() const { return directory_.path() + "/usb"; }
+  [[nodiscard]] std::string paced_path() const { return directory_.path() + "/rs485"; }
   /// Of the feeder; nothing starts it unless a test does.
   [[nodiscard]] std::string program_path() const { return directory_.path() + "/to_and_fro.tmc"; }
   [[nodiscard]] rack::RackConfiguration read(const std::string& clock) const {
@@ -147,6 +152,34 @@ class ManualControlTest : public ::testing::Test {
       ASSERT_TRUE(rack_.process_frame(0, frame.finish(), runner_.running().now()));
     }
     ASSERT_EQ(watchdogs(), times);
+  }
+  /// What the module at the end of a serial line answers first to a program that asks it there.
+  static tmcl::Reply ask_module(const std::string& line, const tmcl::Request& request) {
+    const link::FileDescriptor program(::open(line.c_str(), O_RDWR | O_NOCTTY));
+    const tmcl::Telegram question = tmcl::encode(request);
+    EXPECT_EQ(::write(program.get(), question.data(), question.size()),
+              static_cast<ssize_t>(question.size()));
+    tmcl::Telegram reply{};
+    for (std::size_t length = 0; length < reply.size();) {
+      const ssize_t count = ::read(program.get(), reply.data() + length, reply.size() - length);
+      if (count <= 0) {
+        ADD_FAILURE() << "no reply at " << line;
+        break;
+      }
+      length += static_cast<std::size_t>(count);
+    }
+    EXPECT_TRUE(tmcl::has_right_checksum(reply));
+    return tmcl::decode_reply(reply);
+  }
+  /// Has `module` move far away at a fifth of its own speed, which it returns.
+  double move_slowly(rack::DeviceAddress module) {
+    const double own = axis(module).description.velocity;
+    command(module, {.kind = CommandKind::move,
+                     .value = 1'000'000'000,
+                     .velocity = static_cast<std::uint32_t>(own / 5.0)});
+    EXPECT_TRUE(wait_for([&] { return axis(module).status.velocity > 0.0; }))
+        << axis(module).refusal;
+    return own;
   }
   /// Moves by `distance` and waits until the device says that it is there.
   void move_by(rack::DeviceAddress device, std::int64_t distance) {
@@ -324,6 +357,48 @@ TEST_F(ManualControlTest, GivesBackTheWatchdogsAsEachDeviceHadThem) {
   EXPECT_TRUE(wait_for([&] { return phase(gantry) == Phase::off && watchdogs() == own; }));
 }
 
+TEST_F(ManualControlTest, GivesAModuleItsOwnSpeedBackOnceAMoveIsOver) {
+  const rack::DeviceAddress winder = address("winder");
+  begin(winder);
+  const double own = axis(winder).description.velocity;
+  command(winder, {.kind = CommandKind::move,
+                   .value = 1'000,
+                   .relative = true,
+                   .velocity = static_cast<std::uint32_t>(own / 5.0)});
+  ASSERT_TRUE(wait_for([&] {
+    return axis(winder).status.reached && axis(winder).status.position == 1'000.0;
+  })) << axis(winder).refusal;
+  command(winder, {.kind = CommandKind::move, .value = 1'000'000'000});
+  EXPECT_TRUE(wait_for([&] { return axis(winder).status.velocity > own / 2.0; }))
+      << axis(winder).status.velocity << " of " << own;
+}
+
+TEST_F(ManualControlTest, GivesAModuleItsOwnSpeedBackWithItself) {
+  const rack::DeviceAddress winder = address("winder");
+  begin(winder);
+  const double own = move_slowly(winder);
+  control_.release(winder);
+  ASSERT_TRUE(wait_for([&] { return phase(winder) == Phase::off; }));
+  begin(winder);
+  EXPECT_EQ(axis(winder).description.velocity, own);
+}
+
+TEST_F(ManualControlTest, GivesAModuleItsOwnSpeedBackBeforeAnotherHostIsAnswered) {
+  const tmcl::Request question{
+      .command = static_cast<std::uint8_t>(tmcl::Command::get_axis_parameter), .type = 4};
+  for (const auto& [name, line] :
+       {std::pair("feeder", serial_path()), std::pair("lift", paced_path())}) {
+    const rack::DeviceAddress module = address(name);
+    begin(module);
+    const double own = move_slowly(module);
+    const tmcl::Reply reply = ask_module(line, question);
+    EXPECT_EQ(reply.command, question.command) << name << ": not the reply to somebody else";
+    EXPECT_EQ(reply.value, own) << name;
+    EXPECT_TRUE(wait_for([&] { return phase(module) == Phase::ended; }));
+    EXPECT_EQ(ask_module(line, question).value, own) << name << ": it has the line from then on";
+  }
+}
+
 TEST_F(ManualControlTest, MakesWayForAMasterOnTheSegment) {
   const rack::DeviceAddress gantry = address("gantry");
   const std::array<std::uint16_t, 2> own{250, 4'000};
@@ -348,20 +423,7 @@ TEST_F(ManualControlTest, MakesWayForAMasterOnTheSegment) {
 TEST_F(ManualControlTest, MakesWayOnASerialLineAndTheReplyGoesToTheOther) {
   const rack::DeviceAddress feeder = address("feeder");
   begin(feeder);
-  const link::FileDescriptor program(::open(serial_path().c_str(), O_RDWR | O_NOCTTY));
-  const tmcl::Telegram question =
-      tmcl::encode(tmcl::Request{.address = 1, .command = 6, .type = 1});
-  ASSERT_EQ(::write(program.get(), question.data(), question.size()),
-            static_cast<ssize_t>(question.size()));
-  tmcl::Telegram reply{};
-  std::size_t length = 0;
-  while (length < reply.size()) {
-    const ssize_t count = ::read(program.get(), reply.data() + length, reply.size() - length);
-    ASSERT_GT(count, 0);
-    length += static_cast<std::size_t>(count);
-  }
-  EXPECT_TRUE(tmcl::has_right_checksum(reply));
-  EXPECT_EQ(tmcl::decode_reply(reply).command, 6);
+  EXPECT_EQ(ask_module(serial_path(), {.command = 6, .type = 1}).command, 6);
   EXPECT_TRUE(wait_for([&] { return phase(feeder) == Phase::ended; }));
 }
 

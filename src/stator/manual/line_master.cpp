@@ -51,8 +51,32 @@ void LineMaster::disconnect() {
   }
 }
 
+void LineMaster::displace() {
+  awaited_ += owed_.size() * tmcl::kTelegramLength;
+  for (const auto& [axis, instruction] : std::exchange(owed_, {})) {
+    send(axis.first, instruction);
+  }
+  if (awaited_ == 0) {
+    disconnect();
+  }
+}
+
 void LineMaster::hear(std::span<const std::byte> bytes) {
   heard_.insert(heard_.end(), bytes.begin(), bytes.end());
+  awaited_ -= std::min(awaited_, bytes.size());
+  if (displaced() && awaited_ == 0) {
+    disconnect();
+  }
+}
+
+void LineMaster::send(std::uint8_t address, const tmcl::Instruction& instruction) {
+  running_.rack.put(line_,
+                    tmcl::encode(tmcl::Request{.address = address,
+                                               .command = instruction.command,
+                                               .type = instruction.type,
+                                               .motor = instruction.motor,
+                                               .value = instruction.value}),
+                    running_.reached);
 }
 
 Result<void> LineMaster::cycle() {
@@ -66,15 +90,19 @@ Result<std::unique_ptr<Axis>> LineMaster::axis(const AxisPlace& place) {
       [this, address = member->address](const tmcl::Instruction& instruction) {
         return ask(address, instruction);
       },
-      place));
+      place,
+      [this, address = member->address,
+       motor = static_cast<std::uint8_t>(place.number)](const auto& instruction) {
+        const std::scoped_lock lock(running_.mutex);
+        if (instruction) {
+          owed_[{address, motor}] = *instruction;
+        } else {
+          owed_.erase({address, motor});
+        }
+      }));
 }
 
 Result<tmcl::Reply> LineMaster::ask(std::uint8_t address, const tmcl::Instruction& instruction) {
-  const tmcl::Telegram request = tmcl::encode(tmcl::Request{.address = address,
-                                                            .command = instruction.command,
-                                                            .type = instruction.type,
-                                                            .motor = instruction.motor,
-                                                            .value = instruction.value});
   {
     const std::scoped_lock lock(running_.mutex);
     if (ended()) {
@@ -82,7 +110,8 @@ Result<tmcl::Reply> LineMaster::ask(std::uint8_t address, const tmcl::Instructio
     }
     heard_.clear();
     running_.catch_up();
-    running_.rack.put(line_, request, running_.reached);
+    awaited_ = tmcl::kTelegramLength;
+    send(address, instruction);
   }
   thread_.wake();
   const base::SimTime deadline = running_.machine_now() + kReplyTimeout;
@@ -100,6 +129,10 @@ Result<tmcl::Reply> LineMaster::ask(std::uint8_t address, const tmcl::Instructio
       }
     }
     wait(kReplyPoll);
+  }
+  const std::scoped_lock lock(running_.mutex);
+  if (!ended()) {
+    awaited_ = 0;
   }
   return ended() ? base::Unexpected{why_ended()}
                  : master::fail(ErrorCode::timeout,

@@ -2,7 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "stator/manual/network_master.hpp"
@@ -33,10 +36,13 @@ class LineMaster final : public NetworkMaster {
  private:
   master::Result<void> begin() override;
   void finish() override;
-  void displace() override { disconnect(); }
+  /// Gives modules back what they are owed. The line is handed over once they have replied, as
+  /// nobody else has asked for these replies.
+  void displace() override;
 
   void disconnect();
   void hear(std::span<const std::byte> bytes);
+  void send(std::uint8_t address, const tmcl::Instruction& instruction);
   master::Result<tmcl::Reply> ask(std::uint8_t address, const tmcl::Instruction& instruction);
 
   rack::SerialLineThread& thread_;
@@ -45,6 +51,9 @@ class LineMaster final : public NetworkMaster {
   // Guarded by the rack's mutex.
   bool connected_ = false;
   std::vector<std::byte> heard_;
+  std::size_t awaited_ = 0;  ///< bytes of replies to what was sent
+  /// With which commands modules have again what they had before, by address and motor.
+  std::map<std::pair<std::uint8_t, std::uint8_t>, tmcl::Instruction> owed_;
 };
 
 }  // namespace stator::manual

@@ -45,8 +45,8 @@ Result<void> done(const Result<std::int32_t>& result) {
 
 }  // namespace
 
-TmclAxis::TmclAxis(Ask ask, const AxisPlace& place)
-    : ask_(std::move(ask)), motor_(static_cast<std::uint8_t>(place.number)) {
+TmclAxis::TmclAxis(Ask ask, const AxisPlace& place, Owe owe)
+    : ask_(std::move(ask)), owe_(std::move(owe)), motor_(static_cast<std::uint8_t>(place.number)) {
   description_.units = place.units;
   description_.commands = {CommandKind::jog, CommandKind::move, CommandKind::home,
                            CommandKind::stop};
@@ -87,6 +87,11 @@ Result<AxisStatus> TmclAxis::look() {
   if (!reached) {
     return base::Unexpected{reached.error()};
   }
+  if (*reached != 0) {
+    if (const auto given_back = give_back_speed(); !given_back) {
+      return base::Unexpected{given_back.error()};
+    }
+  }
   const auto search =
       command({.command = number_of(tmcl::Command::reference_search), .type = kSearchStatus});
   const bool searches = search && *search != 0;
@@ -97,6 +102,35 @@ Result<AxisStatus> TmclAxis::look() {
                     .reached = *reached != 0,
                     .position = static_cast<double>(*position),
                     .velocity = static_cast<double>(*speed)};
+}
+
+Result<void> TmclAxis::set_speed(std::int32_t speed) {
+  if (!own_speed_) {
+    const auto own = parameter(kMaximumPositioningSpeed);
+    if (!own) {
+      return base::Unexpected{own.error()};
+    }
+    own_speed_ = *own;
+    owe_(tmcl::Instruction{.command = number_of(tmcl::Command::set_axis_parameter),
+                           .type = kMaximumPositioningSpeed,
+                           .motor = motor_,
+                           .value = *own});
+  }
+  return done(command({.command = number_of(tmcl::Command::set_axis_parameter),
+                       .type = kMaximumPositioningSpeed,
+                       .value = speed}));
+}
+
+Result<void> TmclAxis::give_back_speed() {
+  if (!own_speed_) {
+    return {};
+  }
+  auto set = set_speed(*own_speed_);
+  if (set) {
+    own_speed_.reset();
+    owe_(std::nullopt);
+  }
+  return set;
 }
 
 Result<void> TmclAxis::jog(std::int64_t velocity) {
@@ -114,13 +148,10 @@ Result<void> TmclAxis::move(const Command& given) {
     return master::fail(ErrorCode::argument,
                         "position " + std::to_string(given.value) + " is no 32-bit number");
   }
-  if (given.velocity) {
-    const auto set = command({.command = number_of(tmcl::Command::set_axis_parameter),
-                              .type = kMaximumPositioningSpeed,
-                              .value = static_cast<std::int32_t>(*given.velocity)});
-    if (!set) {
-      return base::Unexpected{set.error()};
-    }
+  if (auto set = given.velocity ? set_speed(static_cast<std::int32_t>(*given.velocity))
+                                : give_back_speed();
+      !set) {
+    return set;
   }
   return done(command({.command = number_of(tmcl::Command::move_to_position),
                        .type = given.relative ? kRelative : kAbsolute,
@@ -130,12 +161,16 @@ Result<void> TmclAxis::move(const Command& given) {
 Result<void> TmclAxis::execute(const Command& given) {
   switch (given.kind) {
     case CommandKind::jog:
-      return jog(given.value);
+    case CommandKind::home:
+      if (auto given_back = give_back_speed(); !given_back) {
+        return given_back;
+      }
+      return given.kind == CommandKind::jog
+                 ? jog(given.value)
+                 : done(command({.command = number_of(tmcl::Command::reference_search),
+                                 .type = kStartSearch}));
     case CommandKind::move:
       return move(given);
-    case CommandKind::home:
-      return done(
-          command({.command = number_of(tmcl::Command::reference_search), .type = kStartSearch}));
     case CommandKind::stop:
       return stop();
     case CommandKind::enable:
@@ -153,10 +188,14 @@ Result<void> TmclAxis::execute(const Command& given) {
 
 // A search that is under way would move the motor again.
 Result<void> TmclAxis::stop() {
-  const auto ended =
-      command({.command = number_of(tmcl::Command::reference_search), .type = kStopSearch});
-  return ended ? done(command({.command = number_of(tmcl::Command::motor_stop)}))
-               : base::Unexpected{ended.error()};
+  for (const auto& halt : {tmcl::Instruction{.command = number_of(tmcl::Command::reference_search),
+                          .type = kStopSearch},
+                           tmcl::Instruction{.command = number_of(tmcl::Command::motor_stop)}}) {
+    if (const auto sent = command(halt); !sent) {
+      return base::Unexpected{sent.error()};
+    }
+  }
+  return give_back_speed();
 }
 
 void TmclAxis::note_motion() {
