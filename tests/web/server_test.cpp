@@ -1,16 +1,25 @@
 // The web server over real sockets: REST, WebSocket streams, tokens, slow clients.
 #include "stator/web/server/server.hpp"
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <mutex>
 #include <span>
+#include <string_view>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/temporary_directory.hpp"
+#include "base/wait_for.hpp"
 #include "rack/text_log.hpp"
 #include "stator/base/byte_order.hpp"
 #include "stator/devices/catalogue/products.hpp"
+#include "stator/ethercat/standard/al_state.hpp"
+#include "stator/ethercat/standard/frame.hpp"
+#include "stator/ethercat/standard/register_addresses.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/web/api/routes.hpp"
 #include "web/served_rack.hpp"
@@ -143,6 +152,52 @@ TEST(WebServer, WritesObjectsAndTellsTheAbortCodesText) {
   const Answer read_only = rack.put("/api/v1/devices/drive/objects/6041/00", R"({"value": 1})");
   EXPECT_EQ(read_only.status, 403);
   EXPECT_EQ(read_only.json()["abort_code"], "0x06010002");
+}
+
+TEST(WebServer, TellsOfARefusedWriteAmongTheEventsAsOfAMastersWrite) {
+  ServedRack rack;
+  const Answer refused = rack.put("/api/v1/devices/drive/objects/6060/00", R"({"value": 99})");
+  ASSERT_EQ(refused.status, 422);
+  const auto events = rack.get("/api/v1/events").json()["events"];
+  ASSERT_FALSE(events.empty());
+  EXPECT_EQ(events.back()["rule"], "od-illegal-value");
+  EXPECT_EQ(events.back()["severity"], "refusal");
+  EXPECT_EQ(events.back()["device"], "drive");
+  EXPECT_EQ(events.back()["text"], refused.json()["detail"]);
+}
+
+/// Requests Operational of all slaves of the rack's segment.
+void request_operational(rack::RunningRack& running) {
+  std::array<std::byte, 2> state{
+      std::byte{static_cast<std::uint8_t>(ethercat::AlState::operational)}};
+  std::array<std::byte, ethercat::kMinimumFrameLength> buffer{};
+  ethercat::FrameBuilder frame(buffer, {0x02, 0, 0, 0, 0, 1});
+  frame.append(ethercat::Command::bwr, 0,
+               ethercat::physical_address(0, ethercat::register_address::kAlControl), state);
+  const std::scoped_lock lock(running.mutex);
+  const base::SimTime now = running.now();
+  ASSERT_TRUE(running.rack.process_frame(0, frame.finish(), now));
+  running.rack.handle_bus_events(0, now);
+}
+
+TEST(WebServer, TellsTheMeaningOfTheCodesInEvents) {
+  ServedRack rack;
+  const auto events = [&rack](std::string_view rule) {
+    auto all = rack.get("/api/v1/events").json()["events"];
+    std::erase_if(all.get_ref<nlohmann::json::array_t&>(),
+                  [&](const nlohmann::json& event) { return event["rule"] != rule; });
+    return all;
+  };
+  request_operational(rack.runner().running());
+  ASSERT_TRUE(tests::wait_for([&] { return !events("al-invalid-change").empty(); }));
+  EXPECT_EQ(events("al-invalid-change")[0]["meaning"],
+            "AL status code 0011h: invalid requested state change");
+  request_operational(rack.runner().running());
+  ASSERT_TRUE(tests::wait_for([&] { return !events("al-error-not-acknowledged").empty(); }));
+  EXPECT_EQ(events("al-error-not-acknowledged")[0]["meaning"],
+            "AL status code 0011h: invalid requested state change");
+  ASSERT_EQ(rack.put("/api/v1/inputs/drive.axis0.load_torque", R"({"value": 0.1})").status, 200);
+  EXPECT_EQ(events("input-set")[0]["meaning"], "") << "it tells no code";
 }
 
 TEST(WebServer, AnswersAnOrderToStoreOnceItIsKept) {

@@ -1,6 +1,9 @@
 #include "stator/web/state.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -53,14 +56,26 @@ std::optional<std::int64_t> number_behind(std::string_view mark, const base::Eve
              : std::nullopt;
 }
 
-/// The standard's words for the code that an event tells; empty: it tells none.
-std::string meaning_of(const base::Event& event) {
-  if (const auto code = number_behind("AL status {", event)) {
+/// The code that a sentence tells behind `mark`, e.g. "AL status 0011h".
+std::optional<std::uint32_t> code_behind(std::string_view mark, std::string_view sentence) {
+  const std::size_t at = sentence.find(mark);
+  if (at == std::string_view::npos) {
+    return std::nullopt;
+  }
+  const char* const end = sentence.data() + sentence.size();
+  std::uint32_t code = 0;
+  const auto [after, error] = std::from_chars(sentence.data() + at + mark.size(), end, code, 16);
+  return error == std::errc() && after != end && *after == 'h' ? std::optional(code) : std::nullopt;
+}
+
+/// The standard's words for the code that an event's sentence tells; empty: it tells none.
+std::string meaning_of(std::string_view sentence) {
+  if (const auto code = code_behind("AL status ", sentence)) {
     return fmt::format("AL status code {:04X}h: {}", *code,
                        to_text(static_cast<ethercat::AlStatusCode>(*code)));
   }
-  for (const std::string_view mark : {"abort code {", "aborted with {"}) {
-    if (const auto code = number_behind(mark, event)) {
+  for (const std::string_view mark : {"abort code ", "aborted with "}) {
+    if (const auto code = code_behind(mark, sentence)) {
       return fmt::format("Abort code {:08X}h: {}", *code,
                          to_text(static_cast<dictionary::AbortCode>(*code)));
     }
@@ -134,14 +149,16 @@ std::string_view State::clock() const {
 
 void State::take_event(std::uint64_t number, const base::Event& event) {
   ++event_counts_[static_cast<std::size_t>(event.rule->severity)];
+  std::string text = base::to_sentence(event);
+  std::string meaning = meaning_of(text);
   events_.push_back({.number = number,
                      .time = event.time,
                      .device = log_.device_name(event),
                      .rule = event.rule->id,
                      .severity = event.rule->severity,
-                     .text = base::to_sentence(event),
+                     .text = std::move(text),
                      .axis = number_behind("axis {", event),
-                     .meaning = meaning_of(event)});
+                     .meaning = std::move(meaning)});
   if (events_.size() > rack::EventLog::kKept) {
     events_.pop_front();
   }

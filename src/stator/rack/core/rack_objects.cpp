@@ -32,6 +32,10 @@ dictionary::Verdict Rack::write_object(DeviceAddress address, const dictionary::
   dictionary::Verdict verdict = objects.write(*objects.find(entry.index(), entry.subindex()), value,
                                               {network_state(address)});
   if (!verdict) {
+    const dictionary::Refusal& refusal = verdict.error();
+    if (refusal.rule != nullptr) {
+      parts_->report(parts_->number_of(address), now, *refusal.rule, refusal.arguments);
+    }
     return verdict;
   }
   const bool text = dictionary::is_string(entry.type());
