@@ -67,13 +67,25 @@ class RunningRack : public ::testing::Test {
 
   [[nodiscard]] const std::string& address() const { return address_; }
 
+  [[nodiscard]] HttpClient client() const {
+    return {parse_http_address(address_),
+            std::getenv("STATOR_TOKEN")};  // NOLINT(concurrency-mt-unsafe)
+  }
   /// The answer of its server, to a text if one is given.
   nlohmann::json ask(const std::string& method, const std::string& target,
                      const std::string& text = {}) {
-    HttpClient client(parse_http_address(address_),
-                      std::getenv("STATOR_TOKEN"));  // NOLINT(concurrency-mt-unsafe)
-    return client.json(method, target,
-                       text.empty() ? std::string() : nlohmann::json{{"text", text}}.dump());
+    return client().json(method, target,
+                         text.empty() ? std::string() : nlohmann::json{{"text", text}}.dump());
+  }
+  [[nodiscard]] bool recorded() { return ask("GET", "/api/v1/recording")["running"].get<bool>(); }
+  /// Has it recorded into NAME.stator and waits until it is.
+  void record(const std::string& name) {
+    const std::string run = ask("GET", "/api/v1/rack")["run"];
+    const HttpResponse answer =
+        client().request("POST", "/api/v1/recording", nlohmann::json{{"name", name}}.dump());
+    ASSERT_EQ(answer.status, 200) << answer.body;
+    await_run_after(run);
+    ASSERT_TRUE(recorded()) << log();
   }
   /// Waits until another run than `run` answers.
   void await_run_after(const std::string& run) {
@@ -244,24 +256,11 @@ TEST_F(RunningRack, IsRecordedOnRequest_AndTheRecordingReplaysToTheBit) {
   ASSERT_NO_FATAL_FAILURE(start(""));
   const std::string name = "recorded-" + std::to_string(getpid());
   const std::string file = name + ".stator";
-  const char* const token = std::getenv("STATOR_TOKEN");  // NOLINT(concurrency-mt-unsafe)
-  HttpClient client(parse_http_address(address()), token);
-  const auto recorded = [&client] {
-    return client.json("GET", "/api/v1/recording")["running"].get<bool>();
-  };
+  const std::string body = nlohmann::json{{"name", name}}.dump();
   EXPECT_FALSE(recorded());
-  EXPECT_EQ(client.request("DELETE", "/api/v1/recording").status, 409);
-  const std::string body = "{\"name\": \"" + name + "\"}";
-  EXPECT_EQ(client.request("POST", "/api/v1/recording", body).status, 200);
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  for (bool begun = false; !begun;) {
-    ASSERT_LT(std::chrono::steady_clock::now(), end) << log();
-    try {
-      begun = recorded();
-    } catch (const Failure&) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));  // between the two runs
-    }
-  }
+  EXPECT_EQ(this->client().request("DELETE", "/api/v1/recording").status, 409);
+  ASSERT_NO_FATAL_FAILURE(record(name));
+  HttpClient client = this->client();
   EXPECT_THAT(client.request("POST", "/api/v1/recording", body).body, HasSubstr("end that first"));
   EXPECT_EQ(command("snapshot take middle").status, 0);
   EXPECT_EQ(command("inject can-drop --device spindle count=3").status, 0);
@@ -278,11 +277,64 @@ TEST_F(RunningRack, IsRecordedOnRequest_AndTheRecordingReplaysToTheBit) {
   std::filesystem::remove(file);
 }
 
+TEST_F(RunningRack, GoesOnWithoutRecordingAfterOneThatWasEnded) {
+  ASSERT_NO_FATAL_FAILURE(start(""));
+  // A "-" and a number at its end would be taken for that of a run that went on.
+  const std::string name = "ended" + std::to_string(getpid());
+  const std::string next = name + "-2.stator";
+  ASSERT_NO_FATAL_FAILURE(record(name));
+  ASSERT_EQ(client().request("DELETE", "/api/v1/recording").status, 200);
+  const std::string text = ask("GET", "/api/v1/rack/file")["text"];
+  const std::string run = ask("GET", "/api/v1/rack")["run"];
+  const std::string path = ask("PUT", "/api/v1/rack/file", text)["path"];
+  await_run_after(run);
+  EXPECT_FALSE(recorded());
+  EXPECT_FALSE(std::filesystem::exists(next));
+  EXPECT_EQ(end(), 0) << log();
+  std::filesystem::remove(path);
+  std::filesystem::remove(name + ".stator");
+  std::filesystem::remove(next);
+}
+
+TEST_F(RunningRack, GoesBackWithoutRecordingIntoOneThatWasEnded) {
+  ASSERT_NO_FATAL_FAILURE(start(""));
+  const std::string name = "left" + std::to_string(getpid());
+  const std::string next = name + "-2.stator";
+  ASSERT_NO_FATAL_FAILURE(record(name));
+  ASSERT_EQ(command("snapshot take middle").status, 0);
+  ASSERT_EQ(client().request("DELETE", "/api/v1/recording").status, 200);
+  const std::string run = ask("GET", "/api/v1/rack")["run"];
+  static_cast<void>(ask("POST", "/api/v1/snapshots/middle/restore"));
+  await_run_after(run);
+  EXPECT_FALSE(recorded());
+  EXPECT_FALSE(std::filesystem::exists(next));
+  EXPECT_THAT(log(), HasSubstr("Going on from "));
+  EXPECT_EQ(end(), 0) << log();
+  std::filesystem::remove(name + ".stator");
+  std::filesystem::remove(next);
+}
+
+TEST_F(RunningRack, IsRecordedAnewAfterAnotherRackWasRunInsteadOfOneThatIsRecorded) {
+  ASSERT_NO_FATAL_FAILURE(start(""));
+  const std::string name = "going" + std::to_string(getpid());
+  const std::string next = name + "-2.stator";
+  ASSERT_NO_FATAL_FAILURE(record(name));
+  const std::string text = ask("GET", "/api/v1/rack/file")["text"];
+  const std::string run = ask("GET", "/api/v1/rack")["run"];
+  const std::string path = ask("PUT", "/api/v1/rack/file", text)["path"];
+  await_run_after(run);
+  EXPECT_TRUE(recorded());
+  EXPECT_TRUE(std::filesystem::exists(next));
+  EXPECT_EQ(end(), 0) << log();
+  std::filesystem::remove(path);
+  std::filesystem::remove(name + ".stator");
+  std::filesystem::remove(next);
+}
+
 TEST_F(RunningRack, ThatWritesOtherFilesIsNotBegunAnewToRecordIt) {
   ASSERT_NO_FATAL_FAILURE(start("--record " + tests::temporary("running.csv")));
-  const char* const token = std::getenv("STATOR_TOKEN");  // NOLINT(concurrency-mt-unsafe)
-  HttpClient client(parse_http_address(address()), token);
-  const HttpResponse refused = client.request("POST", "/api/v1/recording", R"({"name": "other"})");
+  const HttpResponse refused =
+      client().request("POST", "/api/v1/recording", R"({"name": "other"})");
   EXPECT_EQ(refused.status, 409);
   EXPECT_THAT(refused.body, HasSubstr("start it with --record NAME.stator"));
 }

@@ -199,7 +199,7 @@ std::optional<NextRun> wish(LiveSession& session, RunningRackFile& rack_file) {
 
 /// One rack from `start_at` until a signal comes, `limit` has passed or somebody wishes another
 /// run; then returns which. A port that the system was to choose for the web server is kept in
-/// `given`.
+/// `given`, which loses a recording that was ended meanwhile: no run goes on with that.
 std::optional<NextRun> run_rack(RunOptions& given, Start& start_at, StopSignals& signals,
                                 StandardOutput& output, std::optional<base::SimDuration> limit) {
   const std::optional<RecordingPlace>& from = start_at.from;
@@ -278,6 +278,9 @@ std::optional<NextRun> run_rack(RunOptions& given, Start& start_at, StopSignals&
   print_end(configuration, rack, runner);
   end_files(rack, runner.now(), session, asked);
   require_kept(rack, configuration.state, state);
+  if (session.recorder() != nullptr && !session.recording().running) {
+    given.record.clear();
+  }
   return wish(session, rack_file);
 }
 
