@@ -1,5 +1,6 @@
 #include "stator/devices/tmcc160/axis_world.hpp"
 
+#include "stator/base/input_appender.hpp"
 #include "stator/base/trigonometry.hpp"
 
 namespace stator::devices::tmcc160 {
@@ -50,11 +51,7 @@ void AxisWorld::append_signals(std::vector<product::Signal>& signals) const {
 
 void AxisWorld::append_inputs(std::vector<product::Input>& inputs) {
   const plant::ServoAxisParameters& world = plant_.parameters();
-  const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
-                       base::Delegate<void(double)> set, product::InputGroup group,
-                       double normal = 0.0) {
-    inputs.emplace_back(std::string("axis0.") + name, unit, minimum, maximum, set, group, normal);
-  };
+  const base::InputAppender add(inputs, "axis0.");
   using Set = base::Delegate<void(double)>;
   add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&AxisWorld::set_load_torque>(*this),
       product::InputGroup::load);

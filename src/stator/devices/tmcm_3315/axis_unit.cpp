@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "stator/base/input_appender.hpp"
 #include "stator/devices/tmcm_3315/emergencies.hpp"
 #include "stator/devices/tmcm_3315/objects.hpp"
 
@@ -315,11 +316,7 @@ void AxisUnit::append_signals(std::vector<product::Signal>& signals) const {
 void AxisUnit::append_inputs(std::vector<product::Input>& inputs) {
   const plant::StepperAxisParameters& world = plant_.parameters();
   const std::string prefix = "axis" + std::to_string(number_) + ".";
-  const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
-                       base::Delegate<void(double)> set, product::InputGroup group,
-                       double normal = 0.0) {
-    inputs.emplace_back(prefix + name, unit, minimum, maximum, set, group, normal);
-  };
+  const base::InputAppender add(inputs, prefix);
   using Set = base::Delegate<void(double)>;
   add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&AxisUnit::set_load_torque>(*this),
       product::InputGroup::load);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "stator/base/input.hpp"
+#include "stator/base/input_appender.hpp"
 #include "stator/plant/axes/axis_faults.hpp"
 
 namespace stator::plant {
@@ -58,10 +59,10 @@ class AxisFaultInputs {
   ~AxisFaultInputs() = default;
 
   void append(std::vector<base::Input>& inputs, const std::string& prefix) {
+    const base::InputAppender add(inputs, prefix);
     for (Item& item : items_) {
-      inputs.emplace_back(prefix + item.row->name, item.row->unit, item.row->minimum,
-                          item.row->maximum, base::Delegate<void(double)>::bind<&Item::set>(item),
-                          item.row->group);
+      add(item.row->name, item.row->unit, item.row->minimum, item.row->maximum,
+          base::Delegate<void(double)>::bind<&Item::set>(item), item.row->group);
     }
   }
 

@@ -1,5 +1,7 @@
 #include "stator/plant/axes/stepper_axis_instruments.hpp"
 
+#include "stator/base/input_appender.hpp"
+
 namespace stator::plant {
 
 void StepperAxisInstruments::append_signals(std::vector<base::Signal>& signals,
@@ -24,11 +26,7 @@ void StepperAxisInstruments::append_signals(std::vector<base::Signal>& signals,
 void StepperAxisInstruments::append_inputs(std::vector<base::Input>& inputs,
                                            const std::string& prefix) {
   const StepperAxisParameters& world = axis_.parameters();
-  const auto add = [&](const char* name, const char* unit, double minimum, double maximum,
-                       base::Delegate<void(double)> set, base::InputGroup group,
-                       double normal = 0.0) {
-    inputs.emplace_back(prefix + name, unit, minimum, maximum, set, group, normal);
-  };
+  const base::InputAppender add(inputs, prefix);
   using Self = StepperAxisInstruments;
   using Set = base::Delegate<void(double)>;
   add("load_torque", "Nm", -1000.0, 1000.0, Set::bind<&Self::set_load_torque>(*this),
