@@ -4,6 +4,8 @@ import { execFileSync } from "node:child_process";
 import { existsSync } from "node:fs";
 import { join } from "node:path";
 
+import { expect } from "@playwright/test";
+
 import { explainRule, guides } from "../src/event_help.ts";
 import { heading, lookAt, test } from "./fixtures.mjs";
 import { repository } from "./rack.mjs";
@@ -89,6 +91,21 @@ test("a fault is tried from where it would happen", async ({ open, origin }) => 
   await page.getByRole("link", { name: "Fault is put" }).click();
   await page.getByRole("button", { name: "Clear all" }).click();
   await page.getByText(/No fault is armed or active/).waitFor();
+});
+
+test("a fault is tried at the input that it is about", async ({ open }) => {
+  const page = await open("/device/gantry?inputs=axis0+switch");
+  await page.getByRole("button", { name: "Try a fault at right switch of gantry, axis0" }).click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByRole("heading", { name: "switch-stuck" }).waitFor();
+  await expect(dialog.getByRole("combobox", { name: "switch", exact: true })).toHaveValue("right");
+  await dialog.getByRole("combobox", { name: "where" }).getByText("gantry, axis0").waitFor({ state: "attached" });
+  await dialog.getByRole("button", { name: "Close" }).click();
+  await page.getByRole("searchbox", { name: "Search the inputs of gantry" }).fill("axis0 supply voltage");
+  await lookAt(page, "fault-of-input");
+  await page.getByRole("button", { name: "Try a fault at supply voltage of gantry, axis0" }).click();
+  const kinds = dialog.getByLabel("What goes wrong").getByRole("option");
+  await expect(kinds).toHaveText([/^supply-sag:/, /^supply-overvoltage:/, /^supply-resistance:/]);
 });
 
 test("what a master sees tells when no master looks", async ({ open, rack }) => {

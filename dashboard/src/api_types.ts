@@ -777,6 +777,14 @@ export interface components {
             readonly needed: boolean;
             readonly summary: string;
         };
+        readonly FaultInput: {
+            /** @description Of an axis, or of a device where the kind applies to that, without the names of these */
+            readonly name: string;
+            /** @description With which a fault sets it, of those that decide which input it sets */
+            readonly keys: {
+                readonly [key: string]: number | string;
+            };
+        };
         readonly FaultKind: {
             readonly name: string;
             readonly summary: string;
@@ -790,6 +798,8 @@ export interface components {
             readonly momentary: boolean;
             readonly target: readonly components["schemas"]["FaultParameter"][];
             readonly parameters: readonly components["schemas"]["FaultParameter"][];
+            /** @description All that it can set around an axis or a device of some product */
+            readonly inputs: readonly components["schemas"]["FaultInput"][];
         };
         readonly FaultKinds: {
             readonly kinds: readonly components["schemas"]["FaultKind"][];
@@ -1146,6 +1156,7 @@ export type EntryValue = components['schemas']['EntryValue'];
 export type Event = components['schemas']['Event'];
 export type Events = components['schemas']['Events'];
 export type FaultParameter = components['schemas']['FaultParameter'];
+export type FaultInput = components['schemas']['FaultInput'];
 export type FaultKind = components['schemas']['FaultKind'];
 export type FaultKinds = components['schemas']['FaultKinds'];
 export type Fault = components['schemas']['Fault'];

@@ -1,6 +1,7 @@
 // From a fault's declaration to the fields of a form, and from these to the request.
 
-import type { FaultKind, FaultParameter, Wiring } from "./api";
+import type { FaultKind, FaultParameter, Input, Wiring } from "./api";
+import { ownerOf } from "./inputs";
 import { parseInteger } from "./object_search";
 
 export type Field = "whole" | "number" | "text" | "choice";
@@ -100,6 +101,41 @@ export function targetAt(targets: readonly Target[], at: TargetKeys): number {
 export function fitsNetwork(kind: string, network: string): boolean {
   const own = /^(ethercat|can|serial)-/.exec(kind)?.[1];
   return own === undefined || own === network;
+}
+
+/// Faults of what an input stands for: where they are put, and the kinds with the values that are meant.
+export interface FaultsOfInput {
+  readonly at: TargetKeys;
+  readonly kinds: ReadonlyMap<string, Values>;
+}
+
+/// The faults that set an input, else those that set the same thing's other inputs ("left_switch_fault" of "left_switch"), else,
+/// of what is measured in a unit, those that set others of its group, as the temperature of a power stage has to do with heat.
+/// `inputs` are those of the device.
+export function faultsOfInput(input: Input, device: string, inputs: readonly Input[], kinds: readonly FaultKind[]): FaultsOfInput | null {
+  const owner = ownerOf(input, device);
+  const axis = /^axis(\d+)$/.exec(owner)?.[1];
+  if (owner !== "" && axis === undefined) {
+    return null; // a part on a board, which is no axis
+  }
+  const prefix = owner === "" ? `${device}.` : `${device}.${owner}.`;
+  const name = input.name.slice(prefix.length);
+  const beside = new Map(inputs.filter((each) => ownerOf(each, device) === owner).map((each) => [each.name.slice(prefix.length), each]));
+  const reaching = (meant: (reached: string) => boolean) =>
+    new Map(
+      kinds
+        .filter((kind) => kind.applies_to === (owner === "" ? "device" : "axis"))
+        .flatMap((kind): [string, Values][] => {
+          const reached = kind.inputs.find((each) => beside.has(each.name) && meant(each.name));
+          return reached ? [[kind.name, Object.fromEntries(Object.entries(reached.keys).map(([key, value]) => [key, String(value)]))]] : [];
+        }),
+    );
+  const found = [
+    reaching((reached) => reached === name),
+    reaching((reached) => reached.startsWith(`${name}_`)),
+    reaching((reached) => input.unit !== "" && beside.get(reached)?.group === input.group),
+  ].find((each) => each.size > 0);
+  return found ? { at: { device, ...(axis === undefined ? {} : { axis: Number(axis) }) }, kinds: found } : null;
 }
 
 /// What a fault of a kind can be put on.

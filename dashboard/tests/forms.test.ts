@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 
 import type { Event, FaultKind, FaultParameter, Input } from "../src/api";
-import { defaultsOf, faultRequest, fieldProblem, filledIn, fitsNetwork, targetAt, targetsOf } from "../src/fault_form";
+import { defaultsOf, faultRequest, faultsOfInput, fieldProblem, filledIn, fitsNetwork, targetAt, targetsOf } from "../src/fault_form";
 import { hexDump } from "../src/hex_dump";
 import { byOwner, controlOf, differs, firstSpan, matches, niceStep, sectionsOf, spansOf } from "../src/inputs";
 import { matchingEvents } from "../src/views/events";
@@ -94,6 +94,7 @@ const kind: FaultKind = {
     parameter("probability", "number", { minimum: 0, maximum: 1, default: "1" }),
     parameter("delay", "duration", { needed: true, minimum: 1e-6, maximum: 60 }),
   ],
+  inputs: [],
 };
 
 describe("the form of a fault", () => {
@@ -144,6 +145,46 @@ describe("the form of a fault", () => {
     expect(targetAt(targets, { device: "b" })).toBe(1);
     expect(targetAt(targets, { device: "b", axis: 1 })).toBe(2);
     expect(targetAt(targets, { device: "c" })).toBe(-1);
+  });
+  it("is offered at an input that it sets, or at what has to do with it", () => {
+    const input = (name: string, group: Input["group"], unit = "") => ({ name: `a.${name}`, group, unit }) as Input;
+    const inputs = [
+      input("axis1.supply_voltage", "supply", "V"),
+      input("axis1.supply_offset", "supply", "V"),
+      input("axis1.right_switch", "switches"),
+      input("axis1.right_switch_fault", "switches"),
+      input("axis1.touch_probe", "switches"),
+      input("analog_noise", "lines", "count"),
+      input("motor.right_switch", "switches"),
+    ];
+    const one = (name: string, appliesTo: FaultKind["applies_to"], reached: FaultKind["inputs"]): FaultKind => ({
+      ...kind,
+      name,
+      applies_to: appliesTo,
+      inputs: reached,
+    });
+    const kinds = [
+      one("supply-sag", "axis", [{ name: "supply_offset", keys: {} }]),
+      one("heat", "axis", [{ name: "motor_heat", keys: {} }]),
+      one("switch-stuck", "axis", [
+        { name: "left_switch_fault", keys: { switch: "left" } },
+        { name: "right_switch_fault", keys: { switch: "right", sensor: 2 } },
+      ]),
+      one("analog-noise", "device", [{ name: "analog_noise", keys: {} }]),
+    ];
+    const at = (name: string) => {
+      const found = faultsOfInput(inputs.find((each) => each.name === `a.${name}`) as Input, "a", inputs, kinds);
+      return found && { at: found.at, kinds: Object.fromEntries(found.kinds) };
+    };
+    const sag = { at: { device: "a", axis: 1 }, kinds: { "supply-sag": {} } };
+    expect(at("axis1.supply_offset")).toEqual(sag);
+    expect(at("axis1.supply_voltage")).toEqual(sag);
+    const stuck = { at: { device: "a", axis: 1 }, kinds: { "switch-stuck": { switch: "right", sensor: "2" } } };
+    expect(at("axis1.right_switch_fault")).toEqual(stuck);
+    expect(at("axis1.right_switch")).toEqual(stuck);
+    expect(at("axis1.touch_probe")).toBeNull();
+    expect(at("analog_noise")).toEqual({ at: { device: "a" }, kinds: { "analog-noise": {} } });
+    expect(at("motor.right_switch")).toBeNull();
   });
   it("is offered where its network is", () => {
     expect(fitsNetwork("ethercat-drop", "can")).toBe(false);

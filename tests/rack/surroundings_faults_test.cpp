@@ -3,8 +3,11 @@
 
 #include "stator/rack/faults/surroundings_faults.hpp"
 
+#include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
+#include <variant>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +15,7 @@
 #include "rack/fault_bench.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/rack/core/device_making.hpp"
+#include "stator/rack/faults/reached_inputs.hpp"
 
 namespace stator::rack {
 namespace {
@@ -151,6 +155,38 @@ TEST(SurroundingsFaultTable, HasARowForEveryKind) {
   for (const FaultKind& kind : surroundings_fault_kinds()) {
     EXPECT_TRUE(std::ranges::any_of(rows(), [&](const Row& row) { return kind.name == row.name; }))
         << kind.name.view();
+  }
+}
+
+/// The inputs that faults of a kind can set, each with its keys, as "input key=value input".
+std::string reached(std::string_view kind) {
+  std::string text;
+  for (const ReachedInput& input : inputs_reached_by(*find_fault_kind(kind))) {
+    text += (text.empty() ? "" : " ") + input.name;
+    for (const auto& [name, value] : input.keys) {
+      const auto* const number = std::get_if<std::int64_t>(&value);
+      text += " " + std::string(name) + "=" +
+              (number != nullptr ? std::to_string(*number) : std::get<std::string>(value));
+    }
+  }
+  return text;
+}
+
+TEST(SurroundingsFaultTable, TellsWhichInputsAKindReachesWithAnyProductAndByWhichKeys) {
+  EXPECT_EQ(reached("axis-jammed"), "jam_from jam_to jammed");
+  EXPECT_EQ(reached("switch-stuck"),
+            "left_switch_fault switch=left state=pressed right_switch_fault switch=right "
+            "state=pressed home_switch_fault switch=home state=pressed");
+  EXPECT_EQ(reached("current-noise"), "converter_noise current_noise");
+  EXPECT_THAT(reached("phase-loss"), HasSubstr("open_a phase=a open_load_a phase=a open_b"));
+  EXPECT_THAT(reached("encoder-loss"), HasSubstr("encoder_2_index_lost channel=index encoder=2"));
+  EXPECT_EQ(reached("analog-noise"), "analog_noise");
+  EXPECT_EQ(reached("can-drop"), "");
+}
+
+TEST(SurroundingsFaultTable, ReachesAnInputWithEveryKind) {
+  for (const FaultKind& kind : surroundings_fault_kinds()) {
+    EXPECT_FALSE(inputs_reached_by(kind).empty()) << kind.name.view();
   }
 }
 

@@ -45,6 +45,11 @@ TEST_F(FaultApi, TellsEveryKindWithItsParameters) {
       EXPECT_EQ(kind["parameters"][1]["maximum"], 60.0);
       EXPECT_EQ(kind["parameters"][0]["choices"], (json{"in", "out"}));
       EXPECT_THAT(kind["parameters"].dump(), HasSubstr("\"probability\""));
+      EXPECT_TRUE(kind["inputs"].empty());
+    }
+    if (kind["name"] == "hall-fault") {
+      EXPECT_EQ(kind["inputs"][1],
+                (json{{"name", "hall_fault_2"}, {"keys", {{"mode", "low"}, {"sensor", 2}}}}));
     }
   }
   EXPECT_TRUE(found);

@@ -1,3 +1,4 @@
+import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import { segment, type Input } from "../api";
@@ -9,17 +10,19 @@ const kAgain = 60; ///< ms between two writes of a slider that is being moved
 const kSettled = 4000; ///< ms in which a value that was set comes back from the server, which is asked every 3 s
 
 /// Something around a device that can be set. `present`: its value as far as the server tells. `onSet` is told of each
-/// write that the server took.
+/// write that the server took. `children` stand at the end.
 export function InputRow({
   input,
   label,
   present,
   onSet,
+  children,
 }: {
   input: Input;
   label: string;
   present: number | null;
   onSet?: (() => void) | undefined;
+  children?: ComponentChildren;
 }) {
   const { api } = useWorld();
   const { error, run, clear } = useAction();
@@ -150,6 +153,7 @@ export function InputRow({
           )}
         </>
       )}
+      {children}
       {error === "" ? null : (
         <p class="notice bad wide" role="alert">
           {error}{" "}
@@ -163,7 +167,7 @@ export function InputRow({
 }
 
 /// The same of an input that is a signal as well, which knows its value best.
-export function LiveInputRow({ input, label, onSet }: { input: Input; label: string; onSet: () => void }) {
-  const live = useLive(input.name);
-  return <InputRow input={input} label={label} present={live.value?.value ?? input.value} onSet={onSet} />;
+export function LiveInputRow(row: { input: Input; label: string; onSet: () => void; children?: ComponentChildren }) {
+  const live = useLive(row.input.name);
+  return <InputRow {...row} present={live.value?.value ?? row.input.value} />;
 }

@@ -2,12 +2,14 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
-import { segment, type Device, type Input, type Inputs, type Signals } from "../api";
+import { segment, type Device, type FaultKinds, type Input, type Inputs, type Signals } from "../api";
+import { faultsOfInput, type FaultsOfInput } from "../fault_form";
 import { quantityText } from "../format";
-import { useAction, useResource, useWorld } from "../hooks";
+import { useAction, useResource, useStore, useWorld } from "../hooks";
 import { byOwner, differs, labelOf, matches, sectionsOf } from "../inputs";
 import { useChoice } from "../router";
 import { InputRow, LiveInputRow } from "./input_row";
+import { TryFault } from "./try_fault";
 
 const kPeriod = 3000;
 const kSoon = 400; ///< ms after a write until all are asked for again
@@ -38,11 +40,17 @@ class Opened {
 /// `first` is the part that stands on top.
 export function InputsPanel({ device, signals, first }: { device: Device; signals: Signals | null; first: string }) {
   const inputs = useResource<Inputs>("/api/v1/inputs", kPeriod);
+  const store = useStore();
+  const kinds = useResource<FaultKinds>(store.offers("/api/v1/faults/kinds") ? "/api/v1/faults/kinds" : null);
   const [search, find] = useChoice("inputs");
   const opened = useMemo(() => new Opened(), []);
   const own = useMemo(
     () => (inputs.data?.inputs ?? []).filter((input) => input.name.startsWith(`${device.name}.`)),
     [inputs.data, device.name],
+  );
+  const faults = useMemo(
+    () => new Map(own.map((input) => [input.name, faultsOfInput(input, device.name, own, kinds.data?.kinds ?? [])])),
+    [own, device.name, kinds.data],
   );
   const known = useMemo(() => new Set(signals?.signals.map((signal) => signal.name)), [signals]);
   const soon = useRef<ReturnType<typeof setTimeout>>();
@@ -77,10 +85,16 @@ export function InputsPanel({ device, signals, first }: { device: Device; signal
           <div class="input-rows">
             {some.map((input) => {
               const label = input.name.slice(device.name.length + 1 + (owner === "" ? 0 : owner.length + 1));
+              const its = faults.get(input.name);
+              const fault = its ? <FaultOfInput faults={its} label={label} device={device} owner={owner} /> : null;
               return known.has(input.name) ? (
-                <LiveInputRow key={input.name} input={input} label={label} onSet={onSet} />
+                <LiveInputRow key={input.name} input={input} label={label} onSet={onSet}>
+                  {fault}
+                </LiveInputRow>
               ) : (
-                <InputRow key={input.name} input={input} label={label} present={input.value} onSet={onSet} />
+                <InputRow key={input.name} input={input} label={label} present={input.value} onSet={onSet}>
+                  {fault}
+                </InputRow>
               );
             })}
           </div>
@@ -124,6 +138,22 @@ export function InputsPanel({ device, signals, first }: { device: Device; signal
         </p>
       ) : null}
     </section>
+  );
+}
+
+/// The way to the faults of what an input stands for.
+function FaultOfInput({ faults, label, device, owner }: { faults: FaultsOfInput; label: string; device: Device; owner: string }) {
+  const store = useStore();
+  return (
+    <span class="fault">
+      <TryFault
+        {...faults}
+        name={`${labelOf(label)} of ${device.name}${owner === "" ? "" : `, ${owner}`}`}
+        places={[owner === "" ? "device" : "axis"]}
+        network={store.networkKind(device.network)}
+        small
+      />
+    </span>
   );
 }
 

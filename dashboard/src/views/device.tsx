@@ -1,6 +1,7 @@
 import type { Device, Panel } from "../api";
 import { segment } from "../api";
 import { LedLamp } from "../components/led";
+import { TryFault } from "../components/try_fault";
 import { useResource, useStore } from "../hooks";
 import { href } from "../router";
 import "../styles/device.css";
@@ -9,7 +10,6 @@ import { Overview } from "./overview";
 import { ProgramView } from "./program";
 import { networkState } from "./rack";
 import { DeviceSignals } from "./signals";
-import { TryFault } from "./try_fault";
 
 const kPanelPeriod = 400;
 

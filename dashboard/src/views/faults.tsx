@@ -2,7 +2,7 @@ import type { Fault, FaultKinds, Faults } from "../api";
 import { segment } from "../api";
 import { useAction, useResource, useWorld } from "../hooks";
 import { useChoice } from "../router";
-import { FaultForm } from "./fault_form";
+import { FaultForm } from "../components/fault_form";
 
 export function FaultsView() {
   const kinds = useResource<FaultKinds>("/api/v1/faults/kinds");

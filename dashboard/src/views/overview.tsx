@@ -8,6 +8,7 @@ import { Gauge, rangeFor } from "../components/gauge";
 import { InputsPanel } from "../components/inputs_panel";
 import { MotionPanel } from "../components/motion_panel";
 import { StateMachinePicture } from "../components/state_machine";
+import { TryFault } from "../components/try_fault";
 import { timeText } from "../format";
 import { useLive, useResource, useStore } from "../hooks";
 import { sameState } from "../machine_layout";
@@ -16,7 +17,6 @@ import { EventRows } from "./events";
 import { ManualPanel } from "./manual";
 import { MasterSees } from "./master_sees";
 import { ProgramView } from "./program";
-import { TryFault } from "./try_fault";
 
 const kEventsShown = 8;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -18,7 +19,8 @@ using enum FaultValueType;
 /// Puts together what a fault sets.
 class Settings {
  public:
-  Settings(const FaultConfiguration& fault, std::span<const product::InputRange> inputs)
+  Settings(const FaultConfiguration& fault,
+           std::optional<std::span<const product::InputRange>> inputs)
       : fault_(fault), inputs_(inputs) {}
 
   [[nodiscard]] double number(std::string_view key) const { return fault_.values.get<double>(key); }
@@ -40,19 +42,22 @@ class Settings {
   /// Sets the first of the inputs named that the device has; products name the same input
   /// differently.
   void set_one_of(std::initializer_list<std::string> names, double value, std::string_view key) {
+    bool found = false;
     for (const std::string& name : names) {
-      if (has(prefix() + name)) {
+      if (!inputs_ || (!found && has(prefix() + name))) {
         set(name, value, key);
-        return;
+        found = true;
       }
     }
-    set(*names.begin(), value, key);
+    if (!found) {
+      set(*names.begin(), value, key);
+    }
   }
   void set_of_device(std::string input, double value, std::string_view key, bool ramped = false) {
     list_.push_back({std::move(input), value, key, ramped});
   }
   [[nodiscard]] bool has(std::string_view input) const {
-    return std::ranges::find(inputs_, input, &product::InputRange::name) != inputs_.end();
+    return std::ranges::find(*inputs_, input, &product::InputRange::name) != inputs_->end();
   }
   [[nodiscard]] std::string prefix() const {
     return of_peripheral() ? text("peripheral") + "." : fmt::format("axis{}.", fault_.target.axis);
@@ -61,7 +66,7 @@ class Settings {
 
  private:
   const FaultConfiguration& fault_;
-  std::span<const product::InputRange> inputs_;
+  std::optional<std::span<const product::InputRange>> inputs_;
   std::vector<FaultSetting> list_;
 };
 
@@ -452,7 +457,7 @@ std::span<const FaultKind> surroundings_fault_kinds() {
 }
 
 std::vector<FaultSetting> settings_of(const FaultConfiguration& fault,
-                                      std::span<const product::InputRange> inputs) {
+                                      std::optional<std::span<const product::InputRange>> inputs) {
   Settings settings(fault, inputs);
   for (const Row& row : kRows) {
     if (row.kind.name == fault.kind->name) {

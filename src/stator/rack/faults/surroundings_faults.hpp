@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,8 +26,8 @@ struct FaultSetting {
 
 /// The inputs that such a fault holds from its begin on, in this order; at its end they are
 /// released in reverse order, see overridable.hpp. `inputs` are those of the device: names differ
-/// between products.
-[[nodiscard]] std::vector<FaultSetting> settings_of(const FaultConfiguration& fault,
-                                                    std::span<const product::InputRange> inputs);
+/// between products; nothing: all names that an input has with some product.
+[[nodiscard]] std::vector<FaultSetting> settings_of(
+    const FaultConfiguration& fault, std::optional<std::span<const product::InputRange>> inputs);
 
 }  // namespace stator::rack

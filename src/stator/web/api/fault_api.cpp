@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,6 +17,7 @@
 
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/faults/faults.hpp"
+#include "stator/rack/faults/reached_inputs.hpp"
 #include "stator/rack/file/fault_section.hpp"
 #include "stator/web/json_text.hpp"
 #include "stator/web/problem.hpp"
@@ -66,6 +69,21 @@ Json parameters_json(std::span<const rack::FaultParameter> parameters) {
                    {"default", parameter.default_value},
                    {"needed", parameter.needed},
                    {"summary", parameter.summary}});
+  }
+  return all;
+}
+
+/// The inputs that faults of a kind can set, and with which keys.
+Json inputs_json(const rack::FaultKind& kind) {
+  Json all = Json::array();
+  for (const rack::ReachedInput& input : rack::inputs_reached_by(kind)) {
+    Json keys = Json::object();
+    for (const auto& [name, value] : input.keys) {
+      const auto* const number = std::get_if<std::int64_t>(&value);
+      keys[std::string(name)] =
+          number != nullptr ? Json(*number) : Json(std::get<std::string>(value));
+    }
+    all.push_back({{"name", input.name}, {"keys", std::move(keys)}});
   }
   return all;
 }
@@ -227,7 +245,8 @@ nlohmann::ordered_json fault_kinds_json() {
                      {"counts", kind.counted},
                      {"momentary", kind.momentary},
                      {"target", parameters_json(rack::target_keys(kind.scope))},
-                     {"parameters", parameters_json(keys_of(kind))}});
+                     {"parameters", parameters_json(keys_of(kind))},
+                     {"inputs", inputs_json(kind)}});
   }
   return {{"kinds", std::move(kinds)}, {"when", parameters_json(rack::milestone_keys())}};
 }

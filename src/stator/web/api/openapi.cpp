@@ -275,9 +275,21 @@ constexpr const char* kSchemas = R"({
       "summary": {"type": "string"}
     }
   },
+  "FaultInput": {
+    "type": "object",
+    "required": ["name", "keys"],
+    "properties": {
+      "name": {"type": "string", "description": "Of an axis, or of a device where the kind applies to that, without the names of these"},
+      "keys": {
+        "type": "object",
+        "additionalProperties": {"type": ["integer", "string"]},
+        "description": "With which a fault sets it, of those that decide which input it sets"
+      }
+    }
+  },
   "FaultKind": {
     "type": "object",
-    "required": ["name", "summary", "effect", "applies_to", "counts", "momentary", "target", "parameters"],
+    "required": ["name", "summary", "effect", "applies_to", "counts", "momentary", "target", "parameters", "inputs"],
     "properties": {
       "name": {"type": "string"},
       "summary": {"type": "string"},
@@ -286,7 +298,8 @@ constexpr const char* kSchemas = R"({
       "counts": {"type": "string", "description": "What \"count\" counts; empty: it takes none"},
       "momentary": {"type": "boolean", "description": "Over as soon as it has begun"},
       "target": {"type": "array", "items": {"$ref": "#/components/schemas/FaultParameter"}},
-      "parameters": {"type": "array", "items": {"$ref": "#/components/schemas/FaultParameter"}}
+      "parameters": {"type": "array", "items": {"$ref": "#/components/schemas/FaultParameter"}},
+      "inputs": {"type": "array", "items": {"$ref": "#/components/schemas/FaultInput"}, "description": "All that it can set around an axis or a device of some product"}
     }
   },
   "FaultKinds": {

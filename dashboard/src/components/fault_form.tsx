@@ -66,9 +66,9 @@ function Parameter({
   );
 }
 
-/// Values of a group of fields.
-function useFields(parameters: readonly FaultParameter[], group: string) {
-  const [values, setValues] = useState<Values>(() => defaultsOf(parameters));
+/// Values of a group of fields; `given` are those that differ from the defaults at first.
+function useFields(parameters: readonly FaultParameter[], group: string, given: Values = {}) {
+  const [values, setValues] = useState<Values>(() => ({ ...defaultsOf(parameters), ...given }));
   const fields = parameters.map((parameter) => (
     <Parameter
       key={parameter.name}
@@ -104,10 +104,22 @@ function useTargets(kind: FaultKind): Target[] {
   );
 }
 
-/// `at` is where it is put unless somewhere else is chosen.
-export function FaultForm({ kind, kinds, at = {}, done }: { kind: FaultKind; kinds: FaultKinds; at?: TargetKeys; done: () => void }) {
+/// `at` is where it is put unless somewhere else is chosen, `given` the values with which the form begins.
+export function FaultForm({
+  kind,
+  kinds,
+  at = {},
+  given,
+  done,
+}: {
+  kind: FaultKind;
+  kinds: FaultKinds;
+  at?: TargetKeys;
+  given?: Values | undefined;
+  done: () => void;
+}) {
   const { api } = useWorld();
-  const what = useFields(kind.parameters, "what");
+  const what = useFields(kind.parameters, "what", given);
   const milestone = useFields(kinds.when, "when");
   const [chosen, setChosen] = useState<number | null>(null);
   const { busy, error, run } = useAction();

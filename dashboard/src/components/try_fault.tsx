@@ -2,7 +2,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import type { FaultKinds } from "../api";
-import { fitsNetwork, type TargetKeys } from "../fault_form";
+import { fitsNetwork, type TargetKeys, type Values } from "../fault_form";
 import { useResource, useStore } from "../hooks";
 import { href } from "../router";
 import { FaultForm } from "./fault_form";
@@ -17,6 +17,10 @@ interface Place {
   readonly at: TargetKeys;
   /// Kind of the device's network: "ethercat", "can", or empty.
   readonly network: string;
+  /// The kinds to choose from, each with the values with which it is meant; undefined: all that fit the place.
+  readonly kinds?: ReadonlyMap<string, Values>;
+  /// It is one of many: shown as a sign alone.
+  readonly small?: boolean;
 }
 
 /// Left out where the server takes no faults.
@@ -27,11 +31,20 @@ export function TryFault(place: Place) {
   if (!store.offers("/api/v1/faults/kinds")) {
     return null;
   }
+  const label = `Try a fault at ${place.name}`;
   return (
     <>
-      <span role="status">{put ? <a href={href("faults")}>Fault is put</a> : null}</span>
-      <button type="button" class="small" aria-label={`Try a fault at ${place.name}`} onClick={() => setOpen(true)}>
-        Try a fault
+      <span role="status" class={place.small ? "hidden-text" : ""}>
+        {put ? place.small ? "Fault is put" : <a href={href("faults")}>Fault is put</a> : null}
+      </span>
+      <button
+        type="button"
+        class={place.small ? "small sign" : "small"}
+        aria-label={label}
+        title={place.small ? label : undefined}
+        onClick={() => setOpen(true)}
+      >
+        {place.small ? <FaultSign /> : "Try a fault"}
       </button>
       {open ? (
         <FaultDialog
@@ -46,14 +59,22 @@ export function TryFault(place: Place) {
   );
 }
 
-function FaultDialog({ name, places, at, network, close }: Place & { close: (put: boolean) => void }) {
+function FaultSign() {
+  return (
+    <svg viewBox="0 0 12 12" width="12" height="12" aria-hidden="true">
+      <path d="M7 0 2 7h3l-1 5 6-7H6.5z" fill="currentColor" />
+    </svg>
+  );
+}
+
+function FaultDialog({ name, places, at, network, kinds: offered, close }: Place & { close: (put: boolean) => void }) {
   const dialog = useRef<HTMLDialogElement>(null);
   const done = useRef(false);
   const [chosen, setChosen] = useState("");
   const kinds = useResource<FaultKinds>("/api/v1/faults/kinds");
   useEffect(() => dialog.current?.showModal(), []);
   const list = (kinds.data?.kinds ?? []).filter(
-    (kind) => places.some((each) => each === kind.applies_to) && fitsNetwork(kind.name, network),
+    (kind) => places.some((each) => each === kind.applies_to) && fitsNetwork(kind.name, network) && (offered?.has(kind.name) ?? true),
   );
   const kind = list.find((each) => each.name === chosen) ?? list[0];
   return (
@@ -82,6 +103,7 @@ function FaultDialog({ name, places, at, network, close }: Place & { close: (put
             kind={kind}
             kinds={kinds.data}
             at={at}
+            given={offered?.get(kind.name)}
             done={() => {
               done.current = true;
               dialog.current?.close();
