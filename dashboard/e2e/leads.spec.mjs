@@ -108,6 +108,14 @@ test("a fault is tried at the input that it is about", async ({ open }) => {
   await expect(kinds).toHaveText([/^supply-sag:/, /^supply-overvoltage:/, /^supply-resistance:/]);
 });
 
+test("bars show the limits of the drive", async ({ open, origin, link }) => {
+  const page = await open("/device/gantry");
+  const before = (await (await fetch(`${origin}/api/v1/devices/gantry/objects/6065/00`)).json()).value;
+  assert.equal(await write(origin, link, "gantry/objects/6065/00", 1234), 200);
+  await page.getByText(/Limits: window \(6065h\), negative −1\u202f234.µstep, window \(6065h\), positive 1\u202f234.µstep/).waitFor();
+  assert.equal(await write(origin, link, "gantry/objects/6065/00", before), 200);
+});
+
 test("what a master sees tells when no master looks", async ({ open, rack }) => {
   const page = await open("/device/gantry");
   const silent = page.getByText(/No master has spoken on segment 0|The master of segment 0 has been silent/);

@@ -88,6 +88,23 @@ export function quantityText(value: number | null | undefined, unit: string, dig
   return text.unit === "" ? text.value : `${text.value}\u00a0${text.unit}`;
 }
 
+/// Both ends of a scale: in one unit, without digits that say nothing.
+export function scaleEnds(minimum: number, maximum: number, unit: string): [string, string] {
+  const most = Math.max(Math.abs(minimum), Math.abs(maximum));
+  const [factor, prefix] = kPrefixed[unit] === undefined ? [1, ""] : (kPrefixes.find(([f]) => most >= f * 0.99995) ?? [1e-9, "n"]);
+  const shown = unit === "1" ? "%" : prefix + unitText(unit);
+  const text = (value: number) => {
+    const number = grouped(String(Number(((unit === "1" ? 100 : 1) * (value / factor)).toPrecision(6))));
+    return shown === "" ? number : `${number}\u00a0${shown}`;
+  };
+  return [text(minimum), text(maximum)];
+}
+
+/// The least that a value in this unit is shown to differ by from nothing.
+export function resolutionOf(unit: string): number {
+  return kPrefixed[unit] !== undefined ? 1e-6 : kContinuous.has(unit) || unit === "1" ? 1e-3 : 1;
+}
+
 /// The unit as it is shown.
 export function unitText(unit: string): string {
   return kPlain[unit] ?? kPrefixed[unit] ?? (unit === "1" ? "" : unit);

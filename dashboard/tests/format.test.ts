@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { addressText, grouped, hexText, quantity, quantityText, sizeText, timeText } from "../src/format";
+import { addressText, grouped, hexText, quantity, quantityText, scaleEnds, sizeText, timeText } from "../src/format";
 
 const plain = (text: string) => text.replace(/[\u00a0\u202f]/g, " ");
 
@@ -28,6 +28,19 @@ describe("a quantity", () => {
   it("is a dash where there is none", () => {
     expect(quantity(null, "A")).toEqual({ value: "–", unit: "A" });
     expect(quantity(Number.NaN, "V").value).toBe("–");
+  });
+});
+
+describe("the ends of a scale", () => {
+  const ends = (minimum: number, maximum: number, unit: string) => scaleEnds(minimum, maximum, unit).map(plain);
+  it("are in one unit and have no digits that say nothing", () => {
+    expect(ends(0, 1, "increment")).toEqual(["0 inc", "1 inc"]);
+    expect(ends(0, 0.5, "A")).toEqual(["0 mA", "500 mA"]);
+    expect(ends(-0.002, 0.002, "rev/s")).toEqual(["−0.002 rev/s", "0.002 rev/s"]);
+    expect(ends(-200_000, 200_000, "microstep")).toEqual(["−200 000 µstep", "200 000 µstep"]);
+    expect(ends(0, 150, "degC")).toEqual(["0 °C", "150 °C"]);
+    expect(ends(0, 0.5, "1")).toEqual(["0 %", "50 %"]);
+    expect(ends(0, 1, "")).toEqual(["0", "1"]);
   });
 });
 

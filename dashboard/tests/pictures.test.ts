@@ -1,7 +1,9 @@
 import { describe, expect, it } from "vitest";
 
-import type { Port, Segment, StateMachine } from "../src/api";
+import type { Entry, Port, Segment, StateMachine } from "../src/api";
+import { axisIndex } from "../src/axes";
 import { rangeFor } from "../src/components/gauge";
+import { limitObjects, limitsOf } from "../src/limits";
 import { kBoxHeight, kBoxWidth, layOut } from "../src/machine_layout";
 import { busPicture, rows, segmentPicture } from "../src/rack_layout";
 import { shaftDegrees, shaftsOf } from "../src/shafts";
@@ -160,6 +162,45 @@ describe("the range of a gauge", () => {
   it("is 1, 2 or 5 times a power of ten, symmetric once anything was negative", () => {
     expect(rangeFor({ low: 0, high: 48 })).toMatchObject({ minimum: 0, maximum: 50 });
     expect(rangeFor({ low: -1.6, high: 1.2 })).toMatchObject({ minimum: -2, maximum: 2 });
-    expect(rangeFor({ low: 0, high: 0 }).maximum).toBeGreaterThan(0);
+  });
+  it("is one unit at rest, and no shorter than what is shown to differ from nothing", () => {
+    expect(rangeFor({ low: 0, high: 0 }, "increment")).toMatchObject({ minimum: 0, maximum: 1 });
+    expect(rangeFor({ low: 0, high: 1e-7 }, "rev/s").maximum).toBe(0.001);
+    expect(rangeFor({ low: 0, high: 1e-9 }, "A").maximum).toBe(1e-6);
+  });
+  it("holds limits that are not too far from what has been seen", () => {
+    const limits = [
+      { name: "least", value: -100 },
+      { name: "most", value: 90_000 },
+    ];
+    expect(rangeFor({ low: 0, high: 40 }, "increment", limits)).toMatchObject({ minimum: -100, maximum: 100 });
+    expect(rangeFor({ low: 0, high: 0 }, "increment", limits)).toMatchObject({ minimum: -100_000, maximum: 100_000 });
+  });
+});
+
+describe("the limits of a bar", () => {
+  const at = (index: number) => axisIndex(index, 1);
+  const entry = (index: string, subindex: string, value: number) => ({ index, subindex, value }) as Entry;
+  const read = (...entries: Entry[]) => [{ device: "gantry", entries }];
+  it("come from the objects of the axis that the device has", () => {
+    const declared = [entry("687D", "01", 0), entry("6065", "00", 0), entry("6880", "00", 0)];
+    expect(limitObjects("gantry.axis1.position_actual", declared, at)).toEqual(["687D"]);
+    expect(limitObjects("gantry.axis1.velocity_actual", declared, at)).toEqual(["6880"]);
+    expect(limitObjects("gantry.axis1.following_error", declared, at)).toEqual([]);
+    expect(limitObjects("gantry.axis1.torque", declared, at)).toEqual([]);
+  });
+  it("are those of the signal, a window on either side", () => {
+    const window = read(entry("6865", "00", 500));
+    expect(limitsOf("gantry.axis1.following_error", window, at).map(({ value }) => value)).toEqual([-500, 500]);
+    expect(limitsOf("gantry.axis1.position_actual", window, at)).toEqual([]);
+    const ends = read(entry("687D", "00", 2), entry("687D", "01", 0), entry("687D", "02", 80_000));
+    expect(limitsOf("gantry.axis1.position_actual", ends, at).map(({ value }) => value)).toEqual([0, 80_000]);
+  });
+  it("are none where the object allows all, or nothing is watched", () => {
+    const ends = read(entry("687D", "01", -(2 ** 31)), entry("687D", "02", 2 ** 31 - 1));
+    expect(limitsOf("gantry.axis1.position_actual", ends, at)).toEqual([]);
+    expect(limitsOf("gantry.axis1.position_actual", read(entry("687D", "01", 0), entry("687D", "02", 0)), at)).toEqual([]);
+    expect(limitsOf("gantry.axis1.following_error", read(entry("6865", "00", 2 ** 32 - 1)), at)).toEqual([]);
+    expect(limitsOf("gantry.axis1.following_error", read(entry("6865", "00", 0)), at)).toEqual([]);
   });
 });

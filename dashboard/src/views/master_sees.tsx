@@ -72,9 +72,9 @@ function useStaleness(device: Device, age: number, now: number): string {
     : `No master has spoken on ${device.network} since this page was opened. This is what one would read now.`;
 }
 
-export function MasterSees({ device, axis }: { device: Device; axis: number }) {
+/// `objects`: those that the device has.
+export function MasterSees({ device, axis, objects: declared }: { device: Device; axis: number; objects: Resource<Objects> }) {
   const path = `/api/v1/devices/${segment(device.name)}/objects`;
-  const declared = useResource<Objects>(path);
   const came = useRef(new Map<string, Resource<Entry>["at"]>());
   const now = useNow();
   const rows = kWatched.flatMap(({ index, perAxis, label }) => {

@@ -1,9 +1,20 @@
 import type { ComponentChildren } from "preact";
 import { useMemo, useRef } from "preact/hooks";
 
-import type { Device, Event, Panel, PanelAxis, Signals, StateMachine, StateMachines } from "../api";
+import type {
+  Declaration,
+  Device,
+  Object as DeviceObject,
+  Event,
+  Objects,
+  Panel,
+  PanelAxis,
+  Signals,
+  StateMachine,
+  StateMachines,
+} from "../api";
 import { segment } from "../api";
-import { axesOf, axisNumber, type AxisSignals } from "../axes";
+import { axesOf, axisIndex, axisNumber, type AxisSignals } from "../axes";
 import { Gauge, rangeFor } from "../components/gauge";
 import { InputsPanel } from "../components/inputs_panel";
 import { MotionPanel } from "../components/motion_panel";
@@ -11,6 +22,7 @@ import { StateMachinePicture } from "../components/state_machine";
 import { TryFault } from "../components/try_fault";
 import { timeText } from "../format";
 import { useLive, useResource, useStore } from "../hooks";
+import { limitObjects, limitsOf, type Limit } from "../limits";
 import { sameState } from "../machine_layout";
 import { useChoice } from "../router";
 import { EventRows } from "./events";
@@ -19,10 +31,12 @@ import { MasterSees } from "./master_sees";
 import { ProgramView } from "./program";
 
 const kEventsShown = 8;
+const kLimitPeriod = 3000;
 
 export function Overview({ device, panel }: { device: Device; panel: Panel | null }) {
   const store = useStore();
   const signals = useResource<Signals>(`/api/v1/signals?names=${segment(device.name)}.*`);
+  const objects = useResource<Objects>(device.objects > 0 && device.powered ? objectsPath(device) : null);
   const machines = useResource<StateMachines>(store.offers("/api/v1/state-machines") ? "/api/v1/state-machines" : null);
   const [chosen, setChosen] = useChoice("axis");
   const axes = useMemo(
@@ -48,7 +62,9 @@ export function Overview({ device, panel }: { device: Device; panel: Panel | nul
               ))}
             </div>
           ) : null}
-          {axis ? <AxisValues key={axis.name} device={device} axis={axis} panel={axisPanel} /> : null}
+          {axis ? (
+            <AxisValues key={axis.name} device={device} axis={axis} panel={axisPanel} declared={objects.data?.entries ?? []} />
+          ) : null}
           {axis ? (
             <MotionPanel
               key={`motion ${axis.name}`}
@@ -88,7 +104,9 @@ export function Overview({ device, panel }: { device: Device; panel: Panel | nul
           {power || network ? null : <DeviceEvents name={device.name} />}
         </div>
         <div class="stack last">
-          {device.objects > 0 && device.powered ? <MasterSees device={device} axis={axisNumber(axis?.name ?? "")} /> : null}
+          {device.objects > 0 && device.powered ? (
+            <MasterSees device={device} axis={axisNumber(axis?.name ?? "")} objects={objects} />
+          ) : null}
           {power || network ? <DeviceEvents name={device.name} /> : null}
         </div>
       </div>
@@ -96,7 +114,22 @@ export function Overview({ device, panel }: { device: Device; panel: Panel | nul
   );
 }
 
-function AxisValues({ device, axis, panel }: { device: Device; axis: AxisSignals; panel: PanelAxis | null }) {
+function objectsPath(device: Device): string {
+  return `/api/v1/devices/${segment(device.name)}/objects`;
+}
+
+/// `declared`: the objects of the device, of which some are limits.
+function AxisValues({
+  device,
+  axis,
+  panel,
+  declared,
+}: {
+  device: Device;
+  axis: AxisSignals;
+  panel: PanelAxis | null;
+  declared: readonly Declaration[];
+}) {
   const store = useStore();
   return (
     <section class="panel">
@@ -116,23 +149,54 @@ function AxisValues({ device, axis, panel }: { device: Device; axis: AxisSignals
       </header>
       <div class="body gauges">
         {axis.rows.map(({ label, signal }) => (
-          <LiveGauge key={signal} name={label} signal={signal} />
+          <LiveGauge key={signal} name={label} signal={signal} device={device} axis={axisNumber(axis.name)} declared={declared} />
         ))}
       </div>
     </section>
   );
 }
 
+/// The limits of a signal of an axis that objects of its drive are, two of them at most.
+function useLimits(device: Device, axis: number, signal: string, declared: readonly Declaration[]): readonly Limit[] {
+  const at = (index: number) => axisIndex(index, axis);
+  const [first, second] = limitObjects(signal, declared, at);
+  const pathOf = (index: string | undefined) => (index === undefined ? null : `${objectsPath(device)}/${index}`);
+  const one = useResource<DeviceObject>(pathOf(first), kLimitPeriod).data;
+  const other = useResource<DeviceObject>(pathOf(second), kLimitPeriod).data;
+  return useMemo(
+    () =>
+      limitsOf(
+        signal,
+        [one, other].filter((each) => each !== null),
+        at,
+      ),
+    [signal, one, other, axis],
+  );
+}
+
 /// A bar whose range grows with what it has shown.
-function LiveGauge({ name, signal }: { name: string; signal: string }) {
+function LiveGauge({
+  name,
+  signal,
+  device,
+  axis,
+  declared,
+}: {
+  name: string;
+  signal: string;
+  device: Device;
+  axis: number;
+  declared: readonly Declaration[];
+}) {
   const live = useLive(signal).value;
+  const limits = useLimits(device, axis, signal, declared);
   const seen = useRef({ low: 0, high: 0 }).current;
   if (typeof live?.value === "number") {
     seen.low = Math.min(seen.low, live.value);
     seen.high = Math.max(seen.high, live.value);
   }
-  const range = live?.unit === "degC" ? { minimum: 0, maximum: Math.max(150, seen.high) } : rangeFor(seen);
-  return <Gauge name={name} live={live} range={range} />;
+  const range = live?.unit === "degC" ? { minimum: 0, maximum: Math.max(150, seen.high) } : rangeFor(seen, live?.unit, limits);
+  return <Gauge name={name} live={live} range={range} limits={limits} />;
 }
 
 function MachinePanel({
