@@ -193,6 +193,18 @@ class ManualControlTest : public ::testing::Test {
         << " at " << axis(device).status.position << " after " << start;
   }
 
+  void set_homing_method(rack::DeviceAddress device, unsigned number, std::uint8_t method) {
+    rack::RunningRack& running = runner_.running();
+    const std::scoped_lock lock(running.mutex);
+    running.catch_up();
+    const auto index = static_cast<std::uint16_t>(0x6098 + number * 0x800);
+    const rack::View& view = rack_;
+    const dictionary::Entry* entry = view.device(device).object_dictionary()->find(index, 0);
+    ASSERT_NE(entry, nullptr);
+    const std::array value{static_cast<std::byte>(method)};
+    ASSERT_TRUE(rack_.write_object(device, *entry, value, running.reached));
+  }
+
   tests::TemporaryDirectory directory_;
   std::uint16_t port_ = free_udp_port();
   rack::RackConfiguration configuration_ = read("real");
@@ -294,6 +306,26 @@ TEST_F(ManualControlTest, SearchesAndStopsAModule) {
       << axis(feeder).refusal;
   command(feeder, {.kind = CommandKind::stop});
   EXPECT_TRUE(wait_for([&] { return axis(feeder).status.state == "at rest"; }));
+}
+
+TEST_F(ManualControlTest, HomesADriveThatHasAMethodButNoSpeeds) {
+  const rack::DeviceAddress gantry = address("gantry");
+  begin(gantry);
+  command(gantry, {.kind = CommandKind::enable}, 1);
+  ASSERT_TRUE(wait_for([&] { return axis(gantry, 1).status.enabled; })) << axis(gantry, 1).refusal;
+  set_homing_method(gantry, 1, 17);  // to the left switch, which is not there
+  command(gantry, {.kind = CommandKind::home}, 1);
+  EXPECT_TRUE(wait_for([&] { return axis(gantry, 1).status.velocity < -50'000.0; }))
+      << axis(gantry, 1).refusal;
+}
+
+TEST_F(ManualControlTest, SaysThatHomingNeedsAMethod) {
+  const rack::DeviceAddress gantry = address("gantry");
+  begin(gantry);
+  enable(gantry);
+  command(gantry, {.kind = CommandKind::home});
+  EXPECT_TRUE(wait_for([&] { return !axis(gantry).refusal.empty(); }));
+  EXPECT_THAT(axis(gantry).refusal, HasSubstr("homing method (6098h) is 0"));
 }
 
 TEST_F(ManualControlTest, LeavesAnAxisWithoutCurrentWhenItIsGivenBack) {

@@ -1,6 +1,7 @@
 #include "stator/manual/cia402_axis.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <string>
 #include <utility>
@@ -20,6 +21,9 @@ constexpr std::uint16_t kModesOfOperationDisplay = 0x6061;
 constexpr std::uint16_t kProfileVelocity = 0x6081;
 constexpr std::uint16_t kProfileAcceleration = 0x6083;
 constexpr std::uint16_t kProfileDeceleration = 0x6084;
+constexpr std::uint16_t kHomingMethod = 0x6098;
+constexpr std::uint16_t kHomingSpeeds = 0x6099;
+constexpr std::uint16_t kHomingAcceleration = 0x609A;
 constexpr std::uint16_t kSupportedDriveModes = 0x6502;
 constexpr std::uint16_t kTargetReached = 1U << 10;
 
@@ -28,6 +32,9 @@ constexpr int kStandardModes = 16;
 
 /// Of a profile that the drive has no acceleration for.
 constexpr double kRevolutionsPerSecondSquared = 4.0;
+/// Of a homing run that the drive has no speeds for: on the search for the switch, and away from
+/// it.
+constexpr std::array<double, 2> kHomingRevolutionsPerSecond{1.0, 0.25};
 
 Result<void> out_of_range(const char* what, std::int64_t value) {
   return master::fail(ErrorCode::argument, std::string(what) + " " + std::to_string(value) +
@@ -104,17 +111,56 @@ Result<void> Cia402Axis::choose(OperationMode mode) {
 }
 
 Result<void> Cia402Axis::complete_profile() {
+  if (!description_.units) {
+    return {};
+  }
   for (const std::uint16_t object : {kProfileAcceleration, kProfileDeceleration}) {
-    const auto value = client_.read<std::uint32_t>(object);
-    if (value && *value == 0 && description_.units) {
-      const auto acceleration =
-          static_cast<std::uint32_t>(kRevolutionsPerSecondSquared * description_.units->velocity);
-      if (auto written = client_.write<std::uint32_t>(object, 0, acceleration); !written) {
-        return written;
-      }
+    if (auto written =
+            complete(object, 0, kRevolutionsPerSecondSquared * description_.units->velocity);
+        !written) {
+      return written;
     }
   }
   return {};
+}
+
+Result<void> Cia402Axis::home() {
+  const auto method = client_.read<std::int8_t>(kHomingMethod);
+  if (method && *method == 0) {
+    return master::fail(ErrorCode::argument,
+                        "its homing method (6098h) is 0, which finds no home; write another one "
+                        "first, e.g. 35, which takes the present position for home");
+  }
+  if (auto completed = complete_homing(); !completed) {
+    return completed;
+  }
+  if (auto chosen = choose(OperationMode::homing); !chosen) {
+    return chosen;
+  }
+  return client_.start_homing();
+}
+
+Result<void> Cia402Axis::complete(std::uint16_t index, std::uint8_t subindex, double value) {
+  const auto present = client_.read<std::uint32_t>(index, subindex);
+  if (!present || *present != 0) {
+    return {};  // what a drive has not got, it does not need
+  }
+  return client_.write<std::uint32_t>(index, subindex, static_cast<std::uint32_t>(value));
+}
+
+Result<void> Cia402Axis::complete_homing() {
+  if (!description_.units) {
+    return {};
+  }
+  const double revolution = description_.units->velocity;
+  for (std::uint8_t i = 0; i < kHomingRevolutionsPerSecond.size(); ++i) {
+    if (auto written = complete(kHomingSpeeds, static_cast<std::uint8_t>(i + 1),
+                                kHomingRevolutionsPerSecond[i] * revolution);
+        !written) {
+      return written;
+    }
+  }
+  return complete(kHomingAcceleration, 0, kRevolutionsPerSecondSquared * revolution);
 }
 
 Result<void> Cia402Axis::jog(std::int64_t velocity) {
@@ -189,10 +235,7 @@ Result<void> Cia402Axis::execute(const Command& command) {
     case CommandKind::move:
       return move(command);
     case CommandKind::home:
-      if (auto chosen = choose(OperationMode::homing); !chosen) {
-        return chosen;
-      }
-      return client_.start_homing();
+      return home();
     case CommandKind::stop:
       return stop();
     case CommandKind::quick_stop:

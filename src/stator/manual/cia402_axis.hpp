@@ -24,9 +24,15 @@ class Cia402Axis final : public Axis {
   [[nodiscard]] bool has(master::OperationMode mode) const;
   /// Gives the profile an acceleration where the drive has none, as it then would never move.
   master::Result<void> complete_profile();
+  /// The same of a homing run's speeds and acceleration.
+  master::Result<void> complete_homing();
+  /// Writes an object that is there and 0.
+  master::Result<void> complete(std::uint16_t index, std::uint8_t subindex, double value);
   master::Result<void> choose(master::OperationMode mode);
   master::Result<void> jog(std::int64_t velocity);
   master::Result<void> move(const Command& command);
+  /// By the drive's method, which must be another one than 0.
+  master::Result<void> home();
   master::Result<void> stop();
 
   std::unique_ptr<master::DrivePort> port_;
