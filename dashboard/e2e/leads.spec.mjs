@@ -88,7 +88,16 @@ test("a fault is tried from where it would happen", async ({ open, origin }) => 
   const { faults } = await (await fetch(`${origin}/api/v1/faults`)).json();
   const put = faults.find((fault) => fault.kind === "motor-stall" && fault.state !== "done");
   assert.match(put.target, /gantry.*1/);
-  await page.getByRole("link", { name: "Fault is put" }).click();
+  await page.getByRole("link", { name: "Write a test" }).click();
+  const lines = page.getByRole("region", { name: "Scenario" });
+  await lines.getByText('fault = { kind = "motor-stall", device = "gantry", axis = 1').waitFor();
+  await page.getByLabel("Signal", { exact: true }).fill("gantry.axis1.shaft_speed");
+  await page.getByRole("button", { name: "Add to the test" }).waitFor();
+  await lookAt(page, "write-test");
+  await page.goBack();
+  await page.getByRole("link", { name: "Faults", exact: true }).click();
+  await page.getByRole("link", { name: "Watch it in the oscilloscope" }).waitFor();
+  await lookAt(page, "active-fault");
   await page.getByRole("button", { name: "Clear all" }).click();
   await page.getByText(/No fault is armed or active/).waitFor();
 });

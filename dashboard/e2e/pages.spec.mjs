@@ -20,7 +20,7 @@ test("keys alone lead from view to view", async ({ open }) => {
   await heading(page, "Rack");
   await page.keyboard.press("Tab");
   assert.equal(await page.evaluate(() => document.activeElement?.textContent?.trim()), "Skip to the content");
-  for (let i = 0; i < 12; ++i) {
+  for (let i = 0; i < 20; ++i) {
     await page.keyboard.press("Tab");
     if ((await page.evaluate(() => document.activeElement?.textContent?.trim())) === "gantry") {
       break;

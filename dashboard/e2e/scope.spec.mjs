@@ -231,7 +231,7 @@ test("scope: a load that is too heavy costs steps in fours", async ({ open, rack
     assert.ok(angle.Minimum < -150 && angle.Maximum > 150, `the load angle goes round, not from ${angle.Minimum} to ${angle.Maximum}`);
     // Each time it goes round, four full steps are lost: exactly one electrical period.
     await page.getByLabel("SI units").uncheck();
-    const lines = (await saved(page, "CSV"))
+    const lines = (await saved(page, "Save values"))
       .toString()
       .trimEnd()
       .split("\r\n")
@@ -293,12 +293,12 @@ test("scope: what is recorded is written as CSV, PNG and setup", async ({ open }
   await rowsAtLeast(page, 4000);
   await page.getByRole("button", { name: "Stop", exact: true }).click();
   await page.getByLabel("Rows to export").selectOption("all");
-  const lines = (await saved(page, "CSV")).toString().trimEnd().split("\r\n");
+  const lines = (await saved(page, "Save values")).toString().trimEnd().split("\r\n");
   assert.equal(lines[0], `time [s],${kAxis}.load_angle [rad],twice [rad]`);
   assert.ok(lines.length > 4000);
   const times = lines.slice(1).map((line) => BigInt(line.split(",")[0].replace(".", "")));
   times.slice(1).forEach((time, i) => assert.equal(time - times[i], 50_000n));
-  assert.equal((await saved(page, "PNG")).subarray(1, 4).toString(), "PNG");
+  assert.equal((await saved(page, "Save picture")).subarray(1, 4).toString(), "PNG");
   assert.deepEqual(JSON.parse((await saved(page, "Save setup")).toString()).channels, channels);
   await page
     .getByLabel("Setup file")

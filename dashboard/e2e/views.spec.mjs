@@ -10,6 +10,8 @@ const text = (name, found) => async (page) => {
 
 const views = [
   { name: "rack", path: "/rack", ready: text("Rack", "Networks") },
+  { name: "how-do-i", path: "/how", ready: text("How do I …", "Home an axis") },
+  { name: "test-empty", path: "/test", ready: text("Write a test", "Nothing has been done") },
   { name: "gantry", path: "/device/gantry", ready: text("gantry", "6041h") },
   { name: "servo", path: "/device/servo", ready: text("servo", "6041h") },
   { name: "spindle", path: "/device/spindle", ready: text("spindle", "6041h") },

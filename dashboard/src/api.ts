@@ -33,6 +33,14 @@ export interface RequestOptions {
   readonly accept?: string;
 }
 
+/// A write that the server took.
+export interface Written {
+  readonly method: Method;
+  readonly path: string;
+  readonly body: unknown;
+  readonly answer: unknown;
+}
+
 export interface Environment {
   readonly fetch: typeof fetch;
   readonly storage: Pick<Storage, "getItem" | "setItem" | "removeItem">;
@@ -58,6 +66,7 @@ async function problemOf(response: Response): Promise<Partial<Problem>> {
 export class Api {
   private readonly environment: Environment;
   private readonly tokenListeners = new Set<() => void>();
+  private readonly writtenListeners = new Set<(written: Written) => void>();
 
   constructor(environment?: Environment) {
     this.environment = environment ?? browser();
@@ -80,6 +89,11 @@ export class Api {
   onToken(listener: () => void): () => void {
     this.tokenListeners.add(listener);
     return () => this.tokenListeners.delete(listener);
+  }
+
+  /// `listener` is told of each write that the server took.
+  onWritten(listener: (written: Written) => void): void {
+    this.writtenListeners.add(listener);
   }
 
   async fetch(method: Method, path: string, options: RequestOptions = {}): Promise<Response> {
@@ -123,7 +137,11 @@ export class Api {
   async send<T>(method: Exclude<Method, "GET">, path: string, body?: unknown): Promise<T> {
     const response = await this.fetch(method, path, body === undefined ? {} : { body });
     const text = await response.text();
-    return (text === "" ? {} : JSON.parse(text)) as T;
+    const answer = (text === "" ? {} : JSON.parse(text)) as T;
+    for (const listener of this.writtenListeners) {
+      listener({ method, path, body, answer });
+    }
+    return answer;
   }
 
   /// Opens a WebSocket. Browsers cannot add an Authorization to one, so the token is offered as a

@@ -6,6 +6,7 @@ import { TokenDialog } from "./components/token_dialog";
 import { timeText } from "./format";
 import { useStore, useWorld, WorldContext } from "./hooks";
 import icon from "./icon.svg";
+import { Journal } from "./journal";
 import { SignalHub } from "./live";
 import { href, parseRoute, type Route } from "./router";
 import { Scope } from "./scope";
@@ -14,10 +15,12 @@ import { applyTheme, storedTheme, type Theme } from "./theme";
 import { DeviceView } from "./views/device";
 import { EventsView } from "./views/events";
 import { FaultsView } from "./views/faults";
+import { HowDoIView } from "./views/how_do_i";
 import { RackView } from "./views/rack";
 import { RackFileView } from "./views/rack_file";
 import { RecordingView } from "./views/recording";
 import { TrafficView } from "./views/traffic";
+import { WriteTestView } from "./views/write_test";
 
 interface ViewDeclaration {
   readonly view: string;
@@ -28,19 +31,25 @@ interface ViewDeclaration {
 
 const kViews: readonly ViewDeclaration[] = [
   { view: "rack", title: "Rack", needs: "/api/v1/rack" },
+  { view: "how", title: "How do I …", needs: "/api/v1/rack" },
   { view: "rack-file", title: "Rack file", needs: "/api/v1/rack/file" },
   { view: "scope", title: "Oscilloscope", needs: "/api/v1/signals" },
   { view: "events", title: "Events", needs: "/api/v1/events" },
   { view: "traffic", title: "Traffic", needs: "/api/v1/traffic" },
   { view: "faults", title: "Faults", needs: "/api/v1/faults/kinds" },
   { view: "recording", title: "Recording", needs: "/api/v1/recording" },
+  { view: "test", title: "Write a test", needs: "/api/v1/rack" },
 ];
 
 export function App({ api }: { api: Api }) {
-  const world = useMemo(() => ({ api, store: new RackStore(api), hub: new SignalHub(api) }), [api]);
+  const world = useMemo(() => ({ api, store: new RackStore(api), hub: new SignalHub(api), journal: new Journal(api) }), [api]);
   useEffect(() => {
+    const unsubscribe = world.store.subscribe(() => world.store.rack && world.journal.follow(world.store.rack.run));
     world.store.start();
-    return () => world.store.stop();
+    return () => {
+      unsubscribe();
+      world.store.stop();
+    };
   }, [world]);
   return (
     <WorldContext.Provider value={world}>
@@ -188,6 +197,8 @@ function View({ route }: { route: Route }) {
   switch (route.view) {
     case "rack":
       return <RackView />;
+    case "how":
+      return <HowDoIView />;
     case "rack-file":
       return <RackFileView />;
     case "scope":
@@ -200,6 +211,8 @@ function View({ route }: { route: Route }) {
       return <FaultsView />;
     case "recording":
       return <RecordingView />;
+    case "test":
+      return <WriteTestView />;
     case "device":
       return <DeviceView name={route.parts[0] ?? ""} tab={route.parts[1] ?? ""} />;
     default:

@@ -11,8 +11,24 @@ export function fieldOf({ type }: FaultParameter): Field {
   return type === "integer" ? "whole" : type === "duration" ? "text" : type;
 }
 
+/// Of parameters that are needed: a value with which a fault shows and most drives live, to begin with.
+const kFirstValues: Readonly<Record<string, string>> = {
+  slip: "0.1",
+  delay: "5ms",
+  kelvin: "40",
+  volts: "5",
+  ohms: "1",
+  ppb: "10000",
+  counts: "50",
+};
+
 export function defaultsOf(parameters: readonly FaultParameter[]): Record<string, string> {
-  return Object.fromEntries(parameters.map((parameter) => [parameter.name, parameter.default]));
+  return Object.fromEntries(
+    parameters.map((parameter) => [
+      parameter.name,
+      parameter.default === "" && parameter.needed ? (kFirstValues[parameter.name] ?? "") : parameter.default,
+    ]),
+  );
 }
 
 function numberOf(field: Field, text: string): number | null {

@@ -4,6 +4,7 @@ import { useCallback, useContext, useEffect, useMemo, useRef, useState } from "p
 import type { ReadonlySignal } from "@preact/signals";
 
 import { ApiError, type Api } from "./api";
+import type { Journal } from "./journal";
 import type { Live, SignalHub } from "./live";
 import type { RackStore } from "./store";
 
@@ -11,6 +12,7 @@ export interface World {
   readonly api: Api;
   readonly store: RackStore;
   readonly hub: SignalHub;
+  readonly journal: Journal;
 }
 
 export const WorldContext = createContext<World | null>(null);

@@ -166,3 +166,38 @@ const kModes: Readonly<Record<number, string>> = {
 export function modeText(mode: number): string {
   return kModes[mode] ?? (mode < 0 ? `manufacturer mode ${mode}` : `mode ${mode}`);
 }
+
+/// What CiA 402 calls home by method (6098h), as a person says it.
+const kHomingMethods: Readonly<Record<number, string>> = {
+  1: "index behind the left switch",
+  2: "index behind the right switch",
+  3: "index at the home switch, from left",
+  5: "index at the home switch, from right",
+  17: "left switch",
+  18: "right switch",
+  19: "home switch, from left",
+  21: "home switch, from right",
+  33: "index on the left",
+  34: "index on the right",
+  35: "here, as it stands",
+  37: "here, as it stands",
+};
+
+export function homingMethodText(method: number): string {
+  return kHomingMethods[method] ?? (method < 0 ? "of the manufacturer" : method === 0 ? "none" : "");
+}
+
+/// Those that most drives know, the simplest first.
+export const kUsualHomingMethods: readonly number[] = [35, 17, 18, 19, 21, 33, 34, 1, 2, 3, 5];
+
+/// How a homing run goes, in a statusword of the mode of homing (CiA 402-2: bits 10, 12, 13).
+export function homingText(statusword: number): { readonly text: string; readonly kind: "" | "good" | "bad" } {
+  const bit = (number: number) => ((statusword >> number) & 1) === 1;
+  if (bit(13)) {
+    return { text: "homing error", kind: "bad" };
+  }
+  if (bit(12)) {
+    return { text: "homed", kind: "good" };
+  }
+  return bit(10) ? { text: "not homed", kind: "" } : { text: "searches for home", kind: "" };
+}

@@ -100,7 +100,7 @@ const kind: FaultKind = {
 describe("the form of a fault", () => {
   it("starts with the defaults and sends what differs from them, with its type", () => {
     const values = defaultsOf(kind.parameters);
-    expect(values).toEqual({ direction: "in", code: "0x0001", probability: "1", delay: "" });
+    expect(values).toEqual({ direction: "in", code: "0x0001", probability: "1", delay: "5ms" });
     const keys = filledIn(kind.parameters, { ...values, code: "1Bh", probability: "0.5", delay: "20ms" });
     expect(keys).toEqual({ code: 27, probability: 0.5, delay: "20ms" });
     expect(faultRequest(kind, { device: "servo", port: 0 }, keys, {})).toEqual({

@@ -2,6 +2,7 @@ import { describe, expect, it } from "vitest";
 
 import rackFileSchema from "../../docs/rack-file.schema.json";
 import { choicesOf, Declarations, defaultOf, literalOf, type Schema } from "../src/rack_form/declarations";
+import { sectionOfAxis, withWireTo } from "../src/rack_form/leads";
 import { sectionsOf } from "../src/rack_form/outline";
 import {
   contentOf,
@@ -217,5 +218,27 @@ describe("what is declared", () => {
     expect(literalOf({ anyOf: [{ type: "integer" }, { enum: ["unlimited"] }] }, "500")).toBe("500");
     expect(literalOf({ type: "array" }, '["a"]')).toBe('["a"]');
     expect(literalOf({ type: "array" }, "a")).toBe('"a"');
+  });
+});
+
+describe("links from other views", () => {
+  it("lead to an axis, to its device where it has no part of its own, and nowhere if there is no such device", () => {
+    const toml = readToml(kRack);
+    const sections = sectionsOf(toml, new Declarations(rackFileSchema as Schema));
+    const place = (device: string, axis: number) => {
+      const found = sectionOfAxis(toml, sections, device, axis);
+      return found && pathText(found.path);
+    };
+    expect(place("gantry", 1)).toBe("segment[0].device[0].axis[1]");
+    expect(place("gantry", 7)).toBe("segment[0].device[0]");
+    expect(place("tmc8670", 0)).toBe("segment[0].device[1]");
+    expect(place("nobody", 0)).toBeUndefined();
+  });
+  it("begin a wire to an input, once", () => {
+    const { text, path } = withWireTo(readToml(kRack), "gantry.axis0.home_switch");
+    expect(pathText(path)).toBe("wire[0]");
+    expect(text.slice(kRack.length)).toBe('\n[[wire]]\nfrom = ""\nto = "gantry.axis0.home_switch"\n');
+    expect(withWireTo(readToml(text), "gantry.axis0.home_switch")).toEqual({ text, path });
+    expect(pathText(withWireTo(readToml(text), "gantry.axis1.home_switch").path)).toBe("wire[1]");
   });
 });

@@ -158,7 +158,11 @@ export function FaultForm({
               </option>
             ))}
           </select>
-          <span class="soft help">{targets.length === 0 ? `the rack has no ${kind.applies_to}` : `a ${kind.applies_to}`}</span>
+          <span class="soft help">
+            {targets.length === 0
+              ? `the rack has no ${kind.applies_to}`
+              : `${/^[aeiou]/.test(kind.applies_to) ? "an" : "a"} ${kind.applies_to}`}
+          </span>
         </div>
         {what.fields}
         {milestone.fields.length > 0 ? (

@@ -6,8 +6,8 @@ import { segment, type Device, type FaultKinds, type Input, type Inputs, type Si
 import { faultsOfInput, type FaultsOfInput } from "../fault_form";
 import { quantityText } from "../format";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
-import { byOwner, differs, labelOf, matches, sectionsOf } from "../inputs";
-import { useChoice } from "../router";
+import { byOwner, controlOf, differs, labelOf, matches, sectionsOf } from "../inputs";
+import { href, useChoice } from "../router";
 import { InputRow, LiveInputRow } from "./input_row";
 import { TryFault } from "./try_fault";
 
@@ -81,8 +81,8 @@ export function InputsPanel({ device, signals, first }: { device: Device; signal
       </header>
       <Differing inputs={own.filter(differs)} device={device.name} onSet={onSet} />
       {owners.map(([owner, list]) => {
-        const rows = (some: readonly Input[]) => (
-          <div class="input-rows">
+        const rows = (some: readonly Input[]) => [
+          <div key="rows" class="input-rows">
             {some.map((input) => {
               const label = input.name.slice(device.name.length + 1 + (owner === "" ? 0 : owner.length + 1));
               const its = faults.get(input.name);
@@ -97,8 +97,9 @@ export function InputsPanel({ device, signals, first }: { device: Device; signal
                 </InputRow>
               );
             })}
-          </div>
-        );
+          </div>,
+          <WireLinks key="wires" inputs={some} device={device.name} />,
+        ];
         const part = owner === "" ? "device" : owner;
         return (
           <Fold
@@ -128,7 +129,9 @@ export function InputsPanel({ device, signals, first }: { device: Device; signal
           </Fold>
         );
       })}
-      {own.length === 0 ? <p class="empty">{inputs.data ? "It has none." : (inputs.error?.message ?? "…")}</p> : null}
+      {own.length === 0 ? (
+        <p class="empty">{inputs.data ? "Nothing around this device can be set." : (inputs.error?.message ?? "…")}</p>
+      ) : null}
       {own.length > 0 && found.length === 0 ? (
         <p class="empty">
           None of the {own.length} inputs has “{wanted}” in its name or group.{" "}
@@ -154,6 +157,30 @@ function FaultOfInput({ faults, label, device, owner }: { faults: FaultsOfInput;
         small
       />
     </span>
+  );
+}
+
+/// Leads to where a signal of the rack is wired to a switch or a pin.
+function WireLinks({ inputs, device }: { inputs: readonly Input[]; device: string }) {
+  const store = useStore();
+  const ends = inputs.filter(
+    (input) => ["switches", "lines"].includes(input.group) && controlOf(input, 1).kind === "switch" && !input.name.endsWith("_fault"),
+  );
+  if (ends.length === 0 || !store.offers("/api/v1/rack/file")) {
+    return null;
+  }
+  return (
+    <p class="wire-links soft">
+      Wire to a signal:
+      {ends.map((input) => {
+        const name = labelOf(input.name.slice(device.length + 1));
+        return (
+          <a key={input.name} href={href("rack-file", [], { wire: input.name })} aria-label={`Wire ${name}`}>
+            {labelOf(input.name.slice(input.name.lastIndexOf(".") + 1))}
+          </a>
+        );
+      })}
+    </p>
   );
 }
 

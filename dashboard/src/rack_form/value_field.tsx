@@ -1,3 +1,4 @@
+import { useResource } from "../hooks";
 import { choicesOf, defaultOf, literalOf, type Member } from "./declarations";
 import { contentOf, pathText, type Path } from "./toml";
 
@@ -6,6 +7,24 @@ function lineOf(literal: string): string {
   return /^[[{]/.test(literal)
     ? literal.replace(/("(?:[^"\\\n]|\\.)*"|'[^'\n]*')|#[^\n]*|\s*\n\s*/g, (_, text?: string) => text ?? " ")
     : contentOf(literal);
+}
+
+/// What the running rack has names for that a key takes; null: nothing.
+function namesFor(path: Path): "signals" | "inputs" | null {
+  const last = path[path.length - 1];
+  return path[0] === "wire" && last === "from" ? "signals" : path[0] === "wire" && last === "to" ? "inputs" : null;
+}
+
+/// They are proposed; others may be typed, e.g. those of a device that is new in the text.
+function Names({ id, what }: { id: string; what: "signals" | "inputs" }) {
+  const list = useResource<{ readonly [key in typeof what]?: readonly { readonly name: string }[] }>(`/api/v1/${what}`);
+  return (
+    <datalist id={id}>
+      {(list.data?.[what] ?? []).map(({ name }) => (
+        <option key={name} value={name} />
+      ))}
+    </datalist>
+  );
 }
 
 /// One key: a list of words, or a line to type into. Empty: the key does not stand in the file.
@@ -27,6 +46,7 @@ export function ValueField({
   const value = literal === undefined ? "" : lineOf(literal);
   const preset = defaultOf(member.schema);
   const choices = choicesOf(member.schema);
+  const names = namesFor(path);
   const take = (text: string) => change(text.trim() === "" ? null : literalOf(member.schema, text));
   const described = { "aria-describedby": `${id}-help`, "aria-invalid": problems.length > 0 };
   return (
@@ -48,10 +68,12 @@ export function ValueField({
           value={value}
           placeholder={preset}
           aria-required={member.needed}
+          list={names === null ? undefined : `${id}-names`}
           {...described}
           onInput={(event) => take(event.currentTarget.value)}
         />
       )}
+      {names === null ? null : <Names id={`${id}-names`} what={names} />}
       <span id={`${id}-help`} class="help">
         {problems.map((problem) => (
           <span key={problem} class="wrong" role="alert">

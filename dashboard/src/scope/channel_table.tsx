@@ -15,7 +15,7 @@ export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt:
   const { ring } = scope.record;
   const { times } = scope.cursors;
   if (channels.length === 0) {
-    return <p class="empty">Choose signals on the left.</p>;
+    return <p class="empty">Nothing is shown. Choose a preset above, or switch signals on in the list.</p>;
   }
   return (
     <div class="scroller">

@@ -95,14 +95,14 @@ function Instrument({ scope, signals, offered, query, failure }: InstrumentPrope
           {setup.spectrum.shown && picture !== null ? <SpectrumPanel scope={scope} picture={picture} attempt={attempt} /> : null}
         </div>
         <div class="scope-side">
+          <Section title="Set an input" open>
+            <InputsPanel place={shown.place} />
+          </Section>
           <Section title="Trigger" open>
             <TriggerPanel scope={scope} attempt={attempt} />
           </Section>
           <Section title="Cursors" open>
             <CursorPanel scope={scope} picture={picture} />
-          </Section>
-          <Section title="Input to turn" open>
-            <InputsPanel />
           </Section>
           <Section title="Calculated channel">
             <ExpressionForm scope={scope} />
@@ -183,17 +183,18 @@ function ViewBar({ scope, picture, attempt }: { scope: Oscilloscope; picture: Pi
         <input type="checkbox" checked={si} onChange={(event) => setSi(event.currentTarget.checked)} />
         SI units
       </label>
-      <button type="button" onClick={() => saveCsv(scope, range, si)}>
-        CSV
+      <button type="button" title="As CSV, for a spreadsheet or a program" onClick={() => saveCsv(scope, range, si)}>
+        Save values
       </button>
       <button
         type="button"
+        title="As PNG, with the names of the channels"
         disabled={picture === null}
         onClick={() => picture && savePng(scope, picture.canvas, picture.colours.series, picture.colours.text, picture.colours.surface)}
       >
-        PNG
+        Save picture
       </button>
-      <button type="button" onClick={() => saveSetup(scope)}>
+      <button type="button" title="Channels, scales, time base and trigger, to load them again" onClick={() => saveSetup(scope)}>
         Save setup
       </button>
       <button type="button" onClick={() => file.current?.click()}>

@@ -3,7 +3,7 @@ import { useMemo, useState } from "preact/hooks";
 import type { Event } from "../api";
 import { timeText } from "../format";
 import { useStore } from "../hooks";
-import { href, useChoice } from "../router";
+import { href, useQuery } from "../router";
 import { EventExplanation } from "./event_explanation";
 
 const kMostShown = 500;
@@ -15,6 +15,9 @@ const kKinds: Readonly<Record<string, string>> = {
   fault: "bad",
 };
 
+/// What the number beside "Events" counts.
+const kBad = "refusal fault";
+
 export function severityClass(severity: string): string {
   return `badge ${kKinds[severity] ?? ""}`;
 }
@@ -24,7 +27,7 @@ export function matchingEvents(events: readonly Event[], wanted: { text: string;
   return events.filter(
     (event) =>
       (wanted.device === "" || event.device === wanted.device) &&
-      (wanted.severity === "" || event.severity === wanted.severity) &&
+      (wanted.severity === "" || wanted.severity.split(" ").includes(event.severity)) &&
       words.every((word) => `${event.device} ${event.rule} ${event.text}`.toLowerCase().includes(word)),
   );
 }
@@ -49,7 +52,7 @@ export function EventRows({ events, short = false }: { events: readonly Event[];
             </td>
             {short ? null : <td class="device">{event.device}</td>}
             <td class="sentence" title={event.rule}>
-              <Sentence event={event} />
+              <EventSentence event={event} />
             </td>
           </tr>
         ))}
@@ -58,9 +61,10 @@ export function EventRows({ events, short = false }: { events: readonly Event[];
   );
 }
 
-function Sentence({ event }: { event: Event }) {
+/// `place` tells it from the same event elsewhere on the page.
+export function EventSentence({ event, place = "event" }: { event: Event; place?: string }) {
   const [open, setOpen] = useState(false);
-  const id = `event-${event.number}`;
+  const id = `${place}-${event.number}`;
   return (
     <>
       {event.text}{" "}
@@ -69,7 +73,7 @@ function Sentence({ event }: { event: Event }) {
         class="why"
         aria-expanded={open}
         aria-controls={open ? id : undefined}
-        aria-label={`Explain event ${event.number}`}
+        aria-label={`Explain ${place} ${event.number}`}
         onClick={() => setOpen(!open)}
       >
         {open ? "Less" : "Explain"}
@@ -81,9 +85,10 @@ function Sentence({ event }: { event: Event }) {
 
 export function EventsView() {
   const { events, devices } = useStore();
-  const [text, setText] = useChoice("search");
-  const [device, setDevice] = useChoice("device");
-  const [severity, setSeverity] = useChoice("kind");
+  const [query, change] = useQuery();
+  const text = query.get("search") ?? "";
+  const device = query.get("device") ?? "";
+  const severity = query.get("kind") ?? "";
   const [frozen, setFrozen] = useState<readonly Event[] | null>(null);
   const shown = useMemo(
     () =>
@@ -105,16 +110,17 @@ export function EventsView() {
             placeholder="Words to find"
             aria-label="Words to find"
             value={text}
-            onInput={(event) => setText(event.currentTarget.value)}
+            onInput={(event) => change({ search: event.currentTarget.value })}
           />
-          <select aria-label="Device" value={device} onChange={(event) => setDevice(event.currentTarget.value)}>
+          <select aria-label="Device" value={device} onChange={(event) => change({ device: event.currentTarget.value })}>
             <option value="">All devices</option>
             {devices.map((each) => (
               <option key={each.name}>{each.name}</option>
             ))}
           </select>
-          <select aria-label="Kind" value={severity} onChange={(event) => setSeverity(event.currentTarget.value)}>
+          <select aria-label="Kind" value={severity} onChange={(event) => change({ kind: event.currentTarget.value })}>
             <option value="">All kinds</option>
+            <option value={kBad}>refusal or fault</option>
             {Object.keys(kKinds).map((kind) => (
               <option key={kind}>{kind}</option>
             ))}
@@ -133,7 +139,12 @@ export function EventsView() {
           ) : (
             <p class="empty">
               {events.length > 0 ? (
-                "No event fits the filter."
+                <>
+                  No event fits the filter.{" "}
+                  <button type="button" onClick={() => change({ search: "", device: "", kind: "" })}>
+                    Show all
+                  </button>
+                </>
               ) : (
                 <>
                   Nothing has happened so far. <a href={href("rack")}>Connect a master</a>, take a device by hand on its page, or{" "}

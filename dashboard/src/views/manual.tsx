@@ -8,6 +8,7 @@ import { Jog } from "../jog";
 import { numberOf, Scale, unitsOf, type MotionUnit } from "../motion_units";
 import "../styles/manual.css";
 import { controlwordBits, errorCodeText, modeText } from "../words";
+import { Homing, HomingBadge, kHoming, useHomingMethods } from "./homing";
 
 const kActivePeriod = 200;
 const kIdlePeriod = 3000; ///< somebody else may take control, from another page or a terminal
@@ -34,7 +35,7 @@ export function ManualPanel({ device }: { device: Device }) {
   if (phase === "active") {
     return (
       <>
-        <ActiveControl path={path} axes={status.axes} giveBack={() => change("DELETE")} />
+        <ActiveControl device={device.name} path={path} axes={status.axes} giveBack={() => change("DELETE")} />
         {action.error === "" ? null : (
           <p class="notice bad" role="alert">
             {action.error}
@@ -73,9 +74,20 @@ export function ManualPanel({ device }: { device: Device }) {
   );
 }
 
-function ActiveControl({ path, axes, giveBack }: { path: string; axes: readonly ManualAxis[]; giveBack: () => void }) {
+function ActiveControl({
+  device,
+  path,
+  axes,
+  giveBack,
+}: {
+  device: string;
+  path: string;
+  axes: readonly ManualAxis[];
+  giveBack: () => void;
+}) {
   const { api } = useWorld();
   const units = unitsOf(axes);
+  const methods = useHomingMethods(device);
   const [unit, setUnit] = useState<MotionUnit>(units[0]?.unit ?? "device");
   const [problems, setProblems] = useState<Readonly<Record<number, string>>>({});
   const send: Send = useCallback(
@@ -144,6 +156,9 @@ function ActiveControl({ path, axes, giveBack }: { path: string; axes: readonly 
         {axes.map((axis, number) => (
           <AxisControl
             key={number}
+            device={device}
+            number={number}
+            methods={methods}
             title={count > 1 ? `axis ${number}` : "axis"}
             axis={axis}
             unit={unit}
@@ -159,6 +174,9 @@ function ActiveControl({ path, axes, giveBack }: { path: string; axes: readonly 
 }
 
 function AxisControl({
+  device,
+  number,
+  methods,
   title,
   axis,
   unit,
@@ -167,6 +185,10 @@ function AxisControl({
   send,
   stop,
 }: {
+  device: string;
+  number: number;
+  /// Of homing.
+  methods: readonly number[];
   title: string;
   axis: ManualAxis;
   unit: MotionUnit;
@@ -181,12 +203,18 @@ function AxisControl({
   const takes = (command: ManualCommandName) => axis.commands.includes(command);
   const moves = axis.enabled && speed !== null;
   const refusal = problem === "" ? axis.refusal : problem;
+  // A drive of CiA 402 homes as its object 6098h says; modules with TMCL have their own way.
+  const hasMethods = axis.statusword !== null;
   return (
     <section class="panel manual-axis" aria-label={`Move ${title} by hand`}>
       <header>
         <h3>{title}</h3>
         <span class={axis.fault ? "badge bad" : axis.enabled ? "badge good" : "badge"}>{axis.state}</span>
-        {axis.enabled && axis.reached ? <span class="soft">target reached</span> : null}
+        {axis.mode === kHoming && axis.statusword !== null ? (
+          <HomingBadge statusword={axis.statusword} />
+        ) : axis.enabled && axis.reached ? (
+          <span class="soft">target reached</span>
+        ) : null}
         <span class="spacer" />
         {takes("enable") && !axis.enabled ? (
           <button type="button" class="primary" disabled={axis.fault} onClick={() => send({ command: "enable" })}>
@@ -267,12 +295,22 @@ function AxisControl({
               Quick stop
             </button>
           ) : null}
-          {takes("home") ? (
+          {takes("home") && !hasMethods ? (
             <button type="button" disabled={!axis.enabled} onClick={() => send({ command: "home" })}>
               Home
             </button>
           ) : null}
         </div>
+        {takes("home") && hasMethods ? (
+          <Homing
+            device={device}
+            axis={number}
+            title={title}
+            methods={methods}
+            enabled={axis.enabled}
+            home={() => send({ command: "home" })}
+          />
+        ) : null}
         {takes("mode") && axis.mode !== null ? <ModeChoice mode={axis.mode} modes={axis.modes} send={send} /> : null}
         <p class={refusal === "" ? "refusal" : "refusal notice bad"} role="status">
           {refusal}

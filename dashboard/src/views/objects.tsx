@@ -4,7 +4,7 @@ import { segment, type Declaration, type Device, type Entry, type Object, type O
 import { addressText, hexText } from "../format";
 import { useAction, useResource, useWorld } from "../hooks";
 import { checkValue, isInteger, searchEntries, writable } from "../object_search";
-import { useChoice } from "../router";
+import { useQuery } from "../router";
 
 const kPeriod = 1000;
 const kAtOnce = 4;
@@ -85,13 +85,15 @@ const kPage = 150;
 
 export function Objects({ device }: { device: Device }) {
   const list = useResource<Objects>(`/api/v1/devices/${segment(device.name)}/objects`);
-  const [words, setWords] = useChoice("search");
-  const [only, setOnly] = useChoice("only");
+  const [query, change] = useQuery();
+  const words = query.get("search") ?? "";
+  const only = query.get("only") ?? "";
   const onlyWritable = only.includes("writable");
   const onlyMapped = only.includes("mapped");
   const choose = (what: string, wanted: boolean) =>
-    setOnly([...only.split(" ").filter((each) => each !== "" && each !== what), ...(wanted ? [what] : [])].join(" "));
-  const [edited, setEdited] = useChoice("object");
+    change({ only: [...only.split(" ").filter((each) => each !== "" && each !== what), ...(wanted ? [what] : [])].join(" ") });
+  const edited = query.get("object") ?? "";
+  const setEdited = (entry: string) => change({ object: entry });
   const found = useMemo(
     () =>
       searchEntries(list.data?.entries ?? [], words)
@@ -111,7 +113,7 @@ export function Objects({ device }: { device: Device }) {
           placeholder="Index, name, unit, e.g. 6041 or velocity"
           aria-label="Search objects"
           value={words}
-          onInput={(event) => setWords(event.currentTarget.value)}
+          onInput={(event) => change({ search: event.currentTarget.value })}
         />
         <label class="check">
           <input type="checkbox" checked={onlyWritable} onChange={(event) => choose("writable", event.currentTarget.checked)} />
@@ -199,7 +201,19 @@ export function Objects({ device }: { device: Device }) {
             </tbody>
           </table>
         ) : (
-          <p class="empty">{list.data ? "No entry fits." : (list.error?.message ?? "…")}</p>
+          <p class="empty">
+            {list.data ? (
+              <>
+                None of the {list.data.entries.length} entries has “{words}” in its index, name, type or unit
+                {onlyWritable || onlyMapped ? " and is of the kind that is ticked" : ""}.{" "}
+                <button type="button" onClick={() => change({ search: "", only: "" })}>
+                  Show all
+                </button>
+              </>
+            ) : (
+              (list.error?.message ?? "…")
+            )}
+          </p>
         )}
         {found.length > rows.length ? (
           <p class="empty">

@@ -24,8 +24,8 @@ import { timeText } from "../format";
 import { useLive, useResource, useStore } from "../hooks";
 import { limitObjects, limitsOf, type Limit } from "../limits";
 import { sameState } from "../machine_layout";
-import { useChoice } from "../router";
-import { EventRows } from "./events";
+import { href, useChoice } from "../router";
+import { EventRows, EventSentence } from "./events";
 import { ManualPanel } from "./manual";
 import { MasterSees } from "./master_sees";
 import { ProgramView } from "./program";
@@ -138,6 +138,9 @@ function AxisValues({
         {panel?.state ? <span class="badge accent">{panel.state}</span> : null}
         {panel?.mode_name ? <span class="soft">{panel.mode_name}</span> : null}
         <span class="spacer" />
+        {store.offers("/api/v1/rack/file") ? (
+          <a href={href("rack-file", [], { device: device.name, axis: String(axisNumber(axis.name)) })}>Motor and load</a>
+        ) : null}
         {/\d$/.test(axis.name) ? (
           <TryFault
             name={`${device.name}, ${axis.name}`}
@@ -225,11 +228,11 @@ function MachinePanel({
         <StateMachinePicture machine={machine} state={state} />
       </div>
       {refusal ? (
-        <p class="notice warning">
+        <div class="notice warning">
           <strong>Last refusal</strong> <span class="soft">at {timeText(refusal.time_ns)}</span>
           <br />
-          {refusal.text}
-        </p>
+          <EventSentence event={refusal} place="refusal" />
+        </div>
       ) : null}
     </section>
   );
@@ -245,6 +248,8 @@ function DeviceEvents({ name }: { name: string }) {
     <section class="panel">
       <header>
         <h2>Newest events</h2>
+        <span class="spacer" />
+        <a href={href("events", [], { device: name })}>All events of {name}</a>
       </header>
       {own.length > 0 ? (
         <EventRows events={own} short />

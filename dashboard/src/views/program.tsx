@@ -2,6 +2,7 @@ import { useEffect, useRef } from "preact/hooks";
 
 import { segment, type Device, type Program } from "../api";
 import { useResource } from "../hooks";
+import { href } from "../router";
 
 const kPeriod = 400;
 
@@ -33,7 +34,12 @@ export function ProgramView({ device }: { device: Device }) {
             );
           })}
         </ol>
-        {program.data.lines.length === 0 ? <p class="empty">No program is stored.</p> : null}
+        {program.data.lines.length === 0 ? (
+          <p class="empty">
+            No program is stored. Name one in the <a href={href("rack-file", [], { device: device.name })}>rack file</a>,{" "}
+            <code>program = "FILE.tmc"</code>, or write one into the module: <code>stator tmcl</code>.
+          </p>
+        ) : null}
       </div>
     </section>
   );

@@ -1,8 +1,9 @@
-import { useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useState } from "preact/hooks";
 
 import type { RackFile } from "../api";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
 import { Declarations, type Schema } from "../rack_form/declarations";
+import { sectionOfAxis, withWireTo } from "../rack_form/leads";
 import { sectionsOf, type Section } from "../rack_form/outline";
 import { SectionForm, type Placed } from "../rack_form/section_form";
 import { TextPane } from "../rack_form/text_pane";
@@ -59,6 +60,7 @@ function Editor({ file, keys }: { file: RackFile; keys: Schema }) {
       setQuery({ at: pathText(chosen) });
     }
   };
+  useLeads({ toml, sections, query, setQuery, change });
   return (
     <>
       <div class="view-head">
@@ -96,6 +98,34 @@ function Editor({ file, keys }: { file: RackFile; keys: Schema }) {
       </div>
     </>
   );
+}
+
+/// Follows what a link from another view asks for in the address: an axis of a device, or a wire to an input.
+function useLeads({
+  toml,
+  sections,
+  query,
+  setQuery,
+  change,
+}: {
+  toml: Toml | null;
+  sections: readonly Section[];
+  query: ReadonlyMap<string, string>;
+  setQuery: (changes: Readonly<Record<string, string>>) => void;
+  change: (text: string, chosen: Path) => void;
+}) {
+  const device = query.get("device");
+  const wire = query.get("wire");
+  useEffect(() => {
+    if (toml && wire !== undefined) {
+      const { text, path } = withWireTo(toml, wire);
+      change(text, path);
+      setQuery({ wire: "", at: pathText(path) });
+    } else if (toml && device !== undefined) {
+      const found = sectionOfAxis(toml, sections, device, Number(query.get("axis") ?? 0));
+      setQuery({ device: "", axis: "", at: found ? pathText(found.path) : "" });
+    }
+  }, [device, wire, toml === null]);
 }
 
 function Run({ file, text, good, back }: { file: RackFile; text: string; good: boolean; back: () => void }) {

@@ -1,11 +1,14 @@
 import { useState } from "preact/hooks";
 
 import { segment, type Api, type Recording, type Snapshots } from "../api";
+import { CopyButton } from "../components/copy_button";
 import { sizeText, timeText } from "../format";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
+import { href } from "../router";
 import { saveFile } from "../save_file";
 
 function Facts({ recording }: { recording: Recording }) {
+  const command = `stator replay ${recording.file}`;
   return (
     <>
       <table>
@@ -24,9 +27,16 @@ function Facts({ recording }: { recording: Recording }) {
           </tr>
         </tbody>
       </table>
-      <p class="body">
-        Again, to the bit, as often as you like, where <code>stator run</code> was started: <code>stator replay {recording.file}</code>
-      </p>
+      <div class="body replay">
+        <p>
+          {recording.running ? "When it has stopped, this replays it" : "This replays it"}, to the bit and as often as you like, in a
+          terminal where <code>stator run</code> was started; of a download, with its place instead:
+        </p>
+        <div class="toolbar">
+          <code>{command}</code>
+          <CopyButton text={command} name="the command that replays it" />
+        </div>
+      </div>
       {recording.complete ? null : <p class="notice bad">The recording has ended early: the disk could not keep up, or is full.</p>}
     </>
   );
@@ -67,6 +77,10 @@ function Running({ recording, reload }: { recording: Recording; reload: () => vo
         </button>
         <span class="soft">The rack goes on when the recording stops.</span>
       </div>
+      <p class="body">
+        Do now what is to be kept: move an axis on the page of <a href={href("rack")}>a device</a>, put <a href={href("faults")}>a fault</a>
+        , run your master. Then come back and stop.
+      </p>
       {error === "" ? null : <p class="notice bad">{error}</p>}
     </>
   );
@@ -74,7 +88,7 @@ function Running({ recording, reload }: { recording: Recording; reload: () => vo
 
 function Start({ recording }: { recording: Recording }) {
   const { api } = useWorld();
-  const [name, setName] = useState("");
+  const [name, setName] = useState(() => recordingName(new Date()));
   const { busy, error, run } = useAction();
   const [begun, setBegun] = useState(false);
   const start = async () => setBegun(await run(() => api.send("POST", "/api/v1/recording", { name })));
@@ -112,6 +126,13 @@ function Start({ recording }: { recording: Recording }) {
   );
 }
 
+/// A name that no recording has yet, e.g. "run-20261128-112830".
+function recordingName(now: Date): string {
+  const two = (n: number) => String(n).padStart(2, "0");
+  const day = `${now.getFullYear()}${two(now.getMonth() + 1)}${two(now.getDate())}`;
+  return `run-${day}-${two(now.getHours())}${two(now.getMinutes())}${two(now.getSeconds())}`;
+}
+
 const kNamePattern = "[A-Za-z_\\-][A-Za-z0-9_\\-]*";
 
 export function RecordingView() {
@@ -121,6 +142,7 @@ export function RecordingView() {
     <>
       <div class="view-head">
         <h1>Recording</h1>
+        <span class="soft">All that reaches the rack, to be replayed to the bit</span>
       </div>
       <div class="two-columns">
         <section class="panel">
@@ -137,6 +159,14 @@ export function RecordingView() {
           {recording.error ? <p class="empty">{recording.error.message}</p> : null}
         </section>
         {store.offers("/api/v1/snapshots") && recording.data !== null && recording.data.file !== null ? <Snapshots /> : null}
+        {recording.data !== null && recording.data.file === null ? (
+          <section class="panel">
+            <header>
+              <h2>Snapshots</h2>
+            </header>
+            <p class="empty">Moments to go back to are places in a recording: start one, then keep the present state here.</p>
+          </section>
+        ) : null}
       </div>
     </>
   );
@@ -195,7 +225,11 @@ function Snapshots() {
           </tbody>
         </table>
       ) : (
-        <p class="empty">{list.error ? list.error.message : "No snapshot so far."}</p>
+        <p class="empty">
+          {list.error
+            ? list.error.message
+            : "No snapshot so far. Give the present moment a name; the rack can go back to it as often as you like."}
+        </p>
       )}
     </section>
   );

@@ -49,7 +49,20 @@ export function DeviceSignals({ device }: { device: Device }) {
           );
         })}
       </ul>
-      {shown.length === 0 ? <p class="empty">{list.data ? "No signal fits." : (list.error?.message ?? "…")}</p> : null}
+      {shown.length > 0 ? null : list.data === null ? (
+        <p class="empty">{list.error?.message ?? "…"}</p>
+      ) : words === "" ? (
+        <p class="empty">
+          {device.name} has no signals. What it does on the wire is in <a href={href("traffic")}>Traffic</a>.
+        </p>
+      ) : (
+        <p class="empty">
+          None of the {list.data.signals.length} signals has “{words}” in its name.{" "}
+          <button type="button" onClick={() => setWords("")}>
+            Show all
+          </button>
+        </p>
+      )}
     </section>
   );
 }

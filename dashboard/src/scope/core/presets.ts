@@ -61,6 +61,17 @@ function bit(number: number, name: string): PresetChannel {
   };
 }
 
+/// How far an axis is behind where it should be.
+const kBehind: PresetChannel = {
+  signals: ["$axis.following_error", "$axis.lost_steps"],
+  otherwise: {
+    name: "$axis.behind",
+    of: [["$axis.position_demand"], ["$axis.position_actual"]],
+    expression: (demand, actual) => `${demand} - ${actual}`,
+  },
+  own: true,
+};
+
 export const kPresets: readonly Preset[] = [
   {
     key: "position",
@@ -68,20 +79,18 @@ export const kPresets: readonly Preset[] = [
     summary: "Where the axis is to be, where it is, and how far it is behind.",
     period: 1e6,
     span: 5e9,
-    channels: [
-      { signals: kPositionDemand },
-      { signals: kPosition },
-      {
-        signals: ["$axis.following_error", "$axis.lost_steps"],
-        otherwise: {
-          name: "$axis.behind",
-          of: [["$axis.position_demand"], ["$axis.position_actual"]],
-          expression: (demand, actual) => `${demand} - ${actual}`,
-        },
-        own: true,
-      },
-    ],
+    channels: [{ signals: kPositionDemand }, { signals: kPosition }, kBehind],
     needs: [kPositionDemand, kPosition],
+  },
+  {
+    key: "load",
+    name: "Load steps",
+    summary: "How far the axis falls behind when its load steps, and what it does about it. Step the load beside the picture.",
+    period: 1e6,
+    span: 2e9,
+    channels: [{ signals: ["$axis.load_torque"] }, kBehind, { signals: kTorqueCurrent }, { signals: ["$axis.shaft_speed"] }],
+    needs: [["$axis.load_torque"], kPosition],
+    trigger: { kind: "state", signals: ["$axis.load_torque"], value: null, before: 0.3 },
   },
   {
     key: "currents",
