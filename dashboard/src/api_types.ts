@@ -684,6 +684,13 @@ export interface components {
             /** @description Entries of its dictionary */
             readonly objects: number;
             readonly inputs: number;
+            /** @description What a revolution of its motors is to masters, as the product leaves its box; null: not known */
+            readonly per_revolution: {
+                /** @description By how much the position differs after one revolution */
+                readonly position: number;
+                /** @description The velocity of one revolution per second */
+                readonly velocity: number;
+            } | null;
         };
         readonly Devices: {
             readonly devices: readonly components["schemas"]["Device"][];

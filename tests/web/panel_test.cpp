@@ -61,6 +61,14 @@ TEST(Panel, OfAModuleWithTmclHasNoStateOfANetwork) {
   EXPECT_TRUE(device["powered"].get<bool>());
 }
 
+TEST(Panel, OfADeviceTellsWhatARevolutionIsToMasters) {
+  ServedRack rack;
+  const json devices = rack.get("/api/v1/devices").json()["devices"];
+  EXPECT_EQ(devices[0]["per_revolution"]["position"], 51'200.0);
+  EXPECT_EQ(devices[0]["per_revolution"]["velocity"], 51'200.0);
+  EXPECT_EQ(devices[1]["per_revolution"]["velocity"], 60.0) << "1/min";
+}
+
 TEST(Panel, NamesStateModeAndSignalsOfEachAxis) {
   ServedRack rack;
   ASSERT_EQ(rack.put("/api/v1/devices/drive/objects/6060/00", R"({"value": 8})").status, 200);

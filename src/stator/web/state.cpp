@@ -116,7 +116,8 @@ State::State(rack::Rack& rack, const rack::RackConfiguration& configuration,
                                           : fmt::format("segment {}", address.network),
                         .address = address,
                         .objects = rack.device(address).object_dictionary(),
-                        .inputs = &rack.inputs(address)});
+                        .inputs = &rack.inputs(address),
+                        .motion_units = device.setup.product().motion_units()});
   }
 }
 

@@ -13,6 +13,7 @@
 
 #include "stator/base/event.hpp"
 #include "stator/product/catalogue/catalogue.hpp"
+#include "stator/product/catalogue/parts.hpp"
 #include "stator/product/device/input.hpp"
 #include "stator/product/device/signal.hpp"
 #include "stator/rack/run/runner.hpp"
@@ -44,6 +45,7 @@ struct DeviceRecord {
   rack::DeviceAddress address;
   const dictionary::Dictionary* objects = nullptr;  ///< null: it has none
   const std::vector<product::InputRange>* inputs = nullptr;
+  std::optional<product::MotionUnits> motion_units{};  ///< nothing: not known
 };
 
 /// An event as clients get it.

@@ -129,7 +129,7 @@ constexpr const char* kSchemas = R"({
   },
   "Device": {
     "type": "object",
-    "required": ["name", "product", "network", "powered", "state", "network_state", "objects", "inputs"],
+    "required": ["name", "product", "network", "powered", "state", "network_state", "objects", "inputs", "per_revolution"],
     "properties": {
       "name": {"type": "string"},
       "product": {"type": "string"},
@@ -138,7 +138,16 @@ constexpr const char* kSchemas = R"({
       "state": {"enum": ["off", "pre-operational or below", "safe-operational", "operational"], "description": "What the device does with process data, the same words for all networks"},
       "network_state": {"type": ["string", "null"], "description": "The state as the device's own network names it, e.g. Init or Stopped, \"off\" without supply; null: its network has no states"},
       "objects": {"type": "integer", "description": "Entries of its dictionary"},
-      "inputs": {"type": "integer"}
+      "inputs": {"type": "integer"},
+      "per_revolution": {
+        "type": ["object", "null"],
+        "description": "What a revolution of its motors is to masters, as the product leaves its box; null: not known",
+        "required": ["position", "velocity"],
+        "properties": {
+          "position": {"type": "number", "description": "By how much the position differs after one revolution"},
+          "velocity": {"type": "number", "description": "The velocity of one revolution per second"}
+        }
+      }
     }
   },
   "Devices": {

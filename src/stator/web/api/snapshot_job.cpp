@@ -41,7 +41,10 @@ Json device_json(const DeviceRecord& device, const Snapshot::DeviceState& state)
       {"state", state_name(state)},
       {"network_state", network_state.empty() ? Json(nullptr) : Json(network_state)},
       {"objects", device.objects == nullptr ? std::size_t{0} : device.objects->entries().size()},
-      {"inputs", device.inputs->size()}};
+      {"inputs", device.inputs->size()},
+      {"per_revolution", device.motion_units ? Json{{"position", device.motion_units->position},
+                                                    {"velocity", device.motion_units->velocity}}
+                                             : Json(nullptr)}};
 }
 
 /// What can be read of the rack at one moment.
