@@ -6,6 +6,7 @@ const rack = "http://127.0.0.1:8080";
 
 export default defineConfig({
   base: "/",
+  json: { namedExports: false, stringify: true }, // languages
   esbuild: { jsx: "automatic", jsxImportSource: "preact" },
   build: {
     target: "es2022",

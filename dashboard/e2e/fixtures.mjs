@@ -66,7 +66,7 @@ export const test = base.extend({
 export const heading = (page, name) => page.getByRole("heading", { level: 1, name, exact: true }).waitFor();
 
 /// What axe finds wrong, through the debugger, since the page's policy lets it run nothing else.
-async function violations(page) {
+export async function violations(page) {
   const session = await page.context().newCDPSession(page);
   await session.send("Runtime.evaluate", { expression: axe });
   const { result } = await session.send("Runtime.evaluate", {

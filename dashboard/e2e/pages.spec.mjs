@@ -196,6 +196,7 @@ test("colours are chosen and kept", async ({ open }) => {
   await page.emulateMedia({ colorScheme: "light" });
   const ground = () => page.evaluate(() => getComputedStyle(document.documentElement).backgroundColor);
   const light = await ground();
+  await page.getByRole("button", { name: "Settings" }).click();
   await page.getByLabel("Colours").selectOption("dark");
   const dark = await ground();
   assert.notEqual(light, dark);

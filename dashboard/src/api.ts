@@ -1,5 +1,6 @@
 // The client of the server's HTTP interface. The types of answers are made from docs/openapi.json: npm run types.
 import type { Problem } from "./api_types";
+import { t } from "./language";
 
 export type * from "./api_types";
 
@@ -118,7 +119,7 @@ export class Api {
       if (error instanceof DOMException && error.name === "AbortError") {
         throw error;
       }
-      throw new ApiError(0, { title: "No connection", detail: "the rack cannot be reached" });
+      throw new ApiError(0, { title: t("No connection"), detail: t("the rack cannot be reached") });
     }
     if (!response.ok) {
       throw new ApiError(response.status, await problemOf(response));

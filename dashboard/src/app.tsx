@@ -2,16 +2,16 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import type { Api } from "./api";
+import { SettingsMenu } from "./components/settings_menu";
 import { TokenDialog } from "./components/token_dialog";
 import { timeText } from "./format";
 import { useStore, useWorld, WorldContext } from "./hooks";
 import icon from "./icon.svg";
 import { Journal } from "./journal";
 import { SignalHub } from "./live";
-import { href, parseRoute, type Route } from "./router";
+import { followUnit, href, parseRoute, type Route } from "./router";
 import { Scope } from "./scope";
 import { RackStore } from "./store";
-import { applyTheme, storedTheme, type Theme } from "./theme";
 import { DeviceView } from "./views/device";
 import { EventsView } from "./views/events";
 import { FaultsView } from "./views/faults";
@@ -61,7 +61,10 @@ export function App({ api }: { api: Api }) {
 function useRoute(): Route {
   const [route, setRoute] = useState(() => parseRoute(location.hash));
   useEffect(() => {
-    const changed = () => setRoute(parseRoute(location.hash));
+    const changed = () => {
+      followUnit();
+      setRoute(parseRoute(location.hash));
+    };
     window.addEventListener("hashchange", changed);
     return () => window.removeEventListener("hashchange", changed);
   }, []);
@@ -126,7 +129,7 @@ function Shell() {
         <button type="button" onClick={() => setAsking(true)} title="Changes need the token that stator run printed">
           {api.token === "" ? "Read only" : "Token set"}
         </button>
-        <ThemeSwitch />
+        <SettingsMenu />
       </header>
       <nav class="nav" aria-label="Views">
         <ul>
@@ -222,33 +225,4 @@ function View({ route }: { route: Route }) {
         </p>
       );
   }
-}
-
-const kThemes: readonly [Theme, string][] = [
-  ["system", "System"],
-  ["light", "Light"],
-  ["dark", "Dark"],
-];
-
-function ThemeSwitch() {
-  const [theme, setTheme] = useState(storedTheme);
-  return (
-    <label>
-      <span class="hidden-text">Colours</span>
-      <select
-        value={theme}
-        onChange={(event) => {
-          const chosen = event.currentTarget.value as Theme;
-          setTheme(chosen);
-          applyTheme(chosen);
-        }}
-      >
-        {kThemes.map(([value, name]) => (
-          <option key={value} value={value}>
-            {name}
-          </option>
-        ))}
-      </select>
-    </label>
-  );
 }

@@ -2,6 +2,7 @@
 // the second choice.
 
 import type { PanelAxis, Signal } from "./api";
+import { t } from "./language";
 
 export interface AxisSignals {
   readonly name: string;
@@ -9,17 +10,17 @@ export interface AxisSignals {
 }
 
 const kRows: readonly [string, string, readonly string[]][] = [
-  ["position", "Position", ["position_actual", "shaft_position", "position", "count"]],
-  ["position_demand", "Position demand", ["position_demand", "position_target"]],
-  ["following_error", "Following error", ["following_error"]],
-  ["velocity", "Velocity", ["velocity_actual", "shaft_speed", "speed"]],
-  ["shaft_speed", "Shaft speed", ["shaft_speed"]],
-  ["current", "Current", ["quadrature_current", "current_actual", "coil_current_a", "current", "current_a"]],
-  ["torque", "Torque", ["torque"]],
-  ["load", "Load torque", ["load_torque"]],
-  ["supply", "Supply", ["supply_voltage"]],
-  ["temperature", "Winding", ["winding_temperature"]],
-  ["driver_temperature", "Power stage", ["driver_temperature"]],
+  ["position", t("Position"), ["position_actual", "shaft_position", "position", "count"]],
+  ["position_demand", t("Position demand"), ["position_demand", "position_target"]],
+  ["following_error", t("Following error"), ["following_error"]],
+  ["velocity", t("Velocity"), ["velocity_actual", "shaft_speed", "speed"]],
+  ["shaft_speed", t("Shaft speed"), ["shaft_speed"]],
+  ["current", t("Current"), ["quadrature_current", "current_actual", "coil_current_a", "current", "current_a"]],
+  ["torque", t("Torque"), ["torque"]],
+  ["load", t("Load torque"), ["load_torque"]],
+  ["supply", t("Supply"), ["supply_voltage"]],
+  ["temperature", t("Winding"), ["winding_temperature"]],
+  ["driver_temperature", t("Power stage"), ["driver_temperature"]],
 ];
 
 /// "gantry.axis0.torque" of "gantry" belongs to "axis0".

@@ -2,6 +2,7 @@
 
 import type { FaultKind, FaultParameter, Input, Wiring } from "./api";
 import { ownerOf } from "./inputs";
+import { t } from "./language";
 import { parseInteger } from "./object_search";
 
 export type Field = "whole" | "number" | "text" | "choice";
@@ -43,20 +44,20 @@ function numberOf(field: Field, text: string): number | null {
 export function fieldProblem(parameter: FaultParameter, text: string): string {
   const field = fieldOf(parameter);
   if (text.trim() === "") {
-    return parameter.needed ? "needed" : "";
+    return parameter.needed ? t("needed") : "";
   }
   if (field !== "number" && field !== "whole") {
     return "";
   }
   const value = numberOf(field, text);
   if (value === null) {
-    return field === "whole" ? "a whole number is needed" : "a number is needed";
+    return field === "whole" ? t("a whole number is needed") : t("a number is needed");
   }
   if (parameter.minimum !== null && value < parameter.minimum) {
-    return `at least ${parameter.minimum}`;
+    return t("at least {least}", { least: parameter.minimum });
   }
   if (parameter.maximum !== null && value > parameter.maximum) {
-    return `at most ${parameter.maximum}`;
+    return t("at most {most}", { most: parameter.maximum });
   }
   return "";
 }
@@ -171,11 +172,13 @@ export function targetsOf(
       return [
         ...slaves.flatMap((device) =>
           device.ports.map((port) => ({
-            label: `${device.name}, port ${port.number}${port.neighbour ? ` (to ${port.neighbour})` : ""}`,
+            label: port.neighbour
+              ? t("{device}, port {port} (to {neighbour})", { device: device.name, port: port.number, neighbour: port.neighbour })
+              : t("{device}, port {port}", { device: device.name, port: port.number }),
             keys: { device: device.name, port: port.number },
           })),
         ),
-        ...nodes.map(({ device, bus }) => ({ label: `${device} (at ${bus})`, keys: { device } })),
+        ...nodes.map(({ device, bus }) => ({ label: t("{device} (at {bus})", { device, bus }), keys: { device } })),
       ];
     }
     case "axis":
@@ -187,9 +190,11 @@ export function targetsOf(
         }));
     case "bus":
       return [
-        ...rack.networks.filter(({ kind }) => kind === "can").map(({ name }) => ({ label: `${name}: all frames`, keys: { bus: name } })),
+        ...rack.networks
+          .filter(({ kind }) => kind === "can")
+          .map(({ name }) => ({ label: t("{bus}: all frames", { bus: name }), keys: { bus: name } })),
         ...(rack.wiring?.buses ?? []).flatMap((bus) =>
-          bus.devices.map((device) => ({ label: `${bus.name}: what ${device} sends`, keys: { device } })),
+          bus.devices.map((device) => ({ label: t("{bus}: what {device} sends", { bus: bus.name, device }), keys: { device } })),
         ),
       ];
     case "line":

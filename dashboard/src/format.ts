@@ -27,6 +27,7 @@ const kPlain: Readonly<Record<string, string>> = {
   degC: "°C",
   deg: "°",
   degree: "°",
+  "deg/s": "°/s",
   "per mille": "‰",
   A2ms: "A² ms",
   microstep: "µstep",
@@ -36,7 +37,7 @@ const kPlain: Readonly<Record<string, string>> = {
 };
 
 /// Units of what is measured, not counted: decimals even where they happen to be 0.
-const kContinuous: ReadonlySet<string> = new Set(["degC", "deg", "degree", "rad", "rev", "rev/s", "1/min"]);
+const kContinuous: ReadonlySet<string> = new Set(["degC", "deg", "degree", "deg/s", "rad", "rad/s", "rev", "rev/s", "1/min"]);
 
 export interface Quantity {
   readonly value: string;

@@ -5,7 +5,9 @@ import type { ReadonlySignal } from "@preact/signals";
 
 import { ApiError, type Api } from "./api";
 import type { Journal } from "./journal";
+import { t } from "./language";
 import type { Live, SignalHub } from "./live";
+import { conversion, motionUnit, type Conversion } from "./motion_units";
 import type { RackStore } from "./store";
 
 export interface World {
@@ -103,6 +105,29 @@ export function useLive(name: string): ReadonlySignal<Live | undefined> {
   return hub.live(name);
 }
 
+/// How a signal with a unit is shown: positions and velocities in the unit chosen. What calls this is rendered again when another
+/// one is chosen.
+export function useConversion(): (signal: string, unit: string) => Conversion {
+  const { store } = useWorld();
+  const chosen = motionUnit.value;
+  return useCallback((signal, unit) => conversion(chosen, unit, store.deviceOf(signal)?.per_revolution ?? null), [store, chosen]);
+}
+
+/// The same for live values.
+export function useShownIn(): (signal: string, live: Live | undefined) => Live | undefined {
+  const convert = useConversion();
+  return useCallback(
+    (signal, live) => {
+      if (!live) {
+        return undefined;
+      }
+      const { unit, factor } = convert(signal, live.unit);
+      return { value: live.value === null ? null : live.value * factor, unit };
+    },
+    [convert],
+  );
+}
+
 /// Live values of signals, rendered at most every `interval` milliseconds.
 export function useSignals(names: readonly string[], interval = 150): (name: string) => Live | undefined {
   const { hub } = useWorld();
@@ -186,8 +211,8 @@ export interface Action {
 export function problemText(error: unknown): string {
   if (error instanceof ApiError) {
     const { abort_code: code, abort_text: text } = error.problem;
-    const abort = code ? ` (abort code ${code.replace(/^0x/, "")}h${text ? `: ${text}` : ""})` : "";
-    return error.message + abort;
+    const abort = code && `${code.replace(/^0x/, "")}h${text ? `: ${text}` : ""}`;
+    return abort ? t("{problem} (abort code {code})", { problem: error.message, code: abort }) : error.message;
   }
   return String(error);
 }

@@ -1,6 +1,7 @@
 // How an input of a device is set: as a switch, one of a few numbers, or a slider.
 
 import type { Input } from "./api";
+import { t } from "./language";
 
 export type Control =
   | { readonly kind: "switch" }
@@ -53,15 +54,15 @@ export function firstSpan(input: Input): number {
 
 /// Groups in the order in which they are shown, as people call them.
 const kGroups: readonly (readonly [Input["group"], string])[] = [
-  ["load", "Load"],
-  ["supply", "Supply"],
-  ["switches", "Switches"],
-  ["driver", "Power stage and motor cables"],
-  ["sensors", "Sensors"],
-  ["heat", "Heat"],
-  ["lines", "Inputs and pins"],
-  ["network", "Network"],
-  ["other", "Other"],
+  ["load", t("Load")],
+  ["supply", t("Supply")],
+  ["switches", t("Switches")],
+  ["driver", t("Power stage and motor cables")],
+  ["sensors", t("Sensors")],
+  ["heat", t("Heat")],
+  ["lines", t("Inputs and pins")],
+  ["network", t("Network")],
+  ["other", t("Other")],
 ];
 
 export interface InputSection {

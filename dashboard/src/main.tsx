@@ -6,7 +6,7 @@ import { Component, render } from "preact";
 
 import { Api } from "./api";
 import { App } from "./app";
-import { takeToken } from "./router";
+import { followUnit, takeToken } from "./router";
 import { applyTheme, storedTheme } from "./theme";
 import "./styles/narrow.css";
 
@@ -20,6 +20,7 @@ if (taken) {
   api.token = taken.token;
   history.replaceState(null, "", location.pathname + location.search + taken.rest);
 }
+followUnit();
 applyTheme(storedTheme());
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => applyTheme(storedTheme()));
 

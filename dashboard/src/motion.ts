@@ -1,5 +1,6 @@
 // Stator current, voltage and rotor of a motor as vectors, from the signals that its device has.
 import { quantityText } from "./format";
+import { t } from "./language";
 import type { Live } from "./live";
 
 export interface Polar {
@@ -194,7 +195,11 @@ function angleText(angle: number): string {
 }
 
 export function vectorText(name: string, vector: Polar, unit: string): string {
-  return `${name}: ${quantityText(vector.length, unit)} at ${angleText(vector.angle)} electrical to the rotor's flux`;
+  return t("{vector}: {length} at {angle} electrical to the rotor's flux", {
+    vector: name,
+    length: quantityText(vector.length, unit),
+    angle: angleText(vector.angle),
+  });
 }
 
 /// The same as numbers, for those who do not see the picture.
@@ -207,36 +212,39 @@ export function motorNumbers(motor: MotorSignals, read: Read): MotorNumber[] {
       rows.push({ label, text: quantityText(live.value, live.unit, digits) });
     }
   };
-  add("Shaft", motor.shaft, 6);
-  add("Speed", motor.speed);
-  add("Torque", "torque");
-  add("Load torque", "load_torque");
-  rows.push({ label: "Stator current", text: quantityText(state.current.length, "A") });
+  add(t("Shaft"), motor.shaft, 6);
+  add(t("Speed"), motor.speed);
+  add(t("Torque"), "torque");
+  add(t("Load torque"), "load_torque");
+  rows.push({ label: t("Stator current"), text: quantityText(state.current.length, "A") });
   if (motor.kind === "stepper") {
     for (const coil of ["a", "b"]) {
-      add(`Coil ${coil.toUpperCase()}`, `coil_current_${coil}`);
-      add(`Coil ${coil.toUpperCase()}`, `current_${coil}`);
+      add(t("Coil {coil}", { coil: coil.toUpperCase() }), `coil_current_${coil}`);
+      add(t("Coil {coil}", { coil: coil.toUpperCase() }), `current_${coil}`);
     }
     if (state.rotor === null) {
-      rows.push({ label: "Load angle", text: "no field" });
+      rows.push({ label: t("Load angle"), text: t("no field") });
     } else {
       const left = 90 - Math.abs(degrees(state.current.angle));
-      rows.push({ label: "Load angle", text: `${angleText(state.current.angle)} el.` });
-      rows.push({ label: "To pull-out", text: left > 0 ? `${left.toFixed(1)}° el.` : "beyond" });
+      rows.push({ label: t("Load angle"), text: t("{angle} el.", { angle: angleText(state.current.angle) }) });
+      rows.push({ label: t("To pull-out"), text: left > 0 ? t("{angle} el.", { angle: `${left.toFixed(1)}°` }) : t("beyond") });
     }
     return rows;
   }
-  add("Direct current", "direct_current");
-  add("Quadrature current", "quadrature_current");
+  add(t("Direct current"), "direct_current");
+  add(t("Quadrature current"), "quadrature_current");
   for (const phase of ["u", "v", "w"]) {
-    add(`Phase ${phase.toUpperCase()}`, `current_${phase}`);
-    add(`Phase ${phase.toUpperCase()}`, `phase_current_${phase}`);
+    add(t("Phase {phase}", { phase: phase.toUpperCase() }), `current_${phase}`);
+    add(t("Phase {phase}", { phase: phase.toUpperCase() }), `phase_current_${phase}`);
   }
   if (state.voltage) {
-    rows.push({ label: "Stator voltage", text: quantityText(state.voltage.length, "V") });
-    rows.push({ label: "Direct voltage", text: quantityText(state.voltage.length * Math.cos(state.voltage.angle), "V") });
-    rows.push({ label: "Quadrature voltage", text: quantityText(state.voltage.length * Math.sin(state.voltage.angle), "V") });
+    rows.push({ label: t("Stator voltage"), text: quantityText(state.voltage.length, "V") });
+    rows.push({ label: t("Direct voltage"), text: quantityText(state.voltage.length * Math.cos(state.voltage.angle), "V") });
+    rows.push({ label: t("Quadrature voltage"), text: quantityText(state.voltage.length * Math.sin(state.voltage.angle), "V") });
   }
-  rows.push({ label: "Rotor flux at", text: state.rotor === null ? "no current tells" : `${angleText(state.rotor)} el.` });
+  rows.push({
+    label: t("Rotor flux at"),
+    text: state.rotor === null ? t("no current tells") : t("{angle} el.", { angle: angleText(state.rotor) }),
+  });
   return rows;
 }

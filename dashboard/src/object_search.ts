@@ -1,6 +1,7 @@
 // Finding entries of a dictionary, and checking what a person wants to write to one.
 
 import type { Declaration } from "./api";
+import { t } from "./language";
 
 /// Words may be parts of names, types, units, or an index with or without "0x", "h", ":".
 export function searchEntries<E extends Declaration>(entries: readonly E[], text: string): E[] {
@@ -44,23 +45,23 @@ export function checkValue(entry: Declaration, text: string): Checked {
     const word = text.trim().toLowerCase();
     if (["1", "true"].includes(word)) return { value: true };
     if (["0", "false"].includes(word)) return { value: false };
-    return { problem: "true or false is needed" };
+    return { problem: t("true or false is needed") };
   }
   if (/^REAL/.test(entry.type)) {
     const value = Number(text);
-    return text.trim() !== "" && Number.isFinite(value) ? { value } : { problem: "a number is needed" };
+    return text.trim() !== "" && Number.isFinite(value) ? { value } : { problem: t("a number is needed") };
   }
   if (!isInteger(entry.type)) {
     return { value: text };
   }
   const value = parseInteger(text);
   if (value === null) {
-    return { problem: "an integer is needed, e.g. 12 or 1Fh" };
+    return { problem: t("an integer is needed, e.g. 12 or 1Fh") };
   }
   const minimum = parseInteger(entry.minimum);
   const maximum = parseInteger(entry.maximum);
   if ((minimum !== null && value < minimum) || (maximum !== null && value > maximum)) {
-    return { problem: `${entry.minimum} … ${entry.maximum} is possible` };
+    return { problem: t("{least} … {most} is possible", { least: entry.minimum, most: entry.maximum }) };
   }
   // JSON's numbers are exact up to 2^53; larger ones go as text.
   return { value: value >= -(2n ** 53n) && value <= 2n ** 53n ? Number(value) : value.toString() };

@@ -1,6 +1,7 @@
 // Where devices and cables stand in the picture of a rack. Lengths in pixels.
 
 import type { Port, Segment, WiredDevice } from "./api";
+import { t } from "./language";
 
 export const kCardWidth = 210;
 export const kGapX = 44;
@@ -74,9 +75,22 @@ function counters(name: string, port: Port | undefined): string {
   if (!port) {
     return "";
   }
-  return `${name} port ${port.number}: ${port.link ? "link" : "no link"}${port.loop_closed ? ", loop closed" : ""}, ${
-    port.invalid_frames
-  } invalid frames, ${port.rx_errors} RX errors, ${port.forwarded_errors} forwarded errors, ${port.lost_links} lost links`;
+  const link = port.link
+    ? port.loop_closed
+      ? t("link, loop closed")
+      : t("link")
+    : port.loop_closed
+      ? t("no link, loop closed")
+      : t("no link");
+  return t("{device} port {port}: {link}, invalid frames: {invalid}, RX errors: {rx}, forwarded errors: {forwarded}, lost links: {lost}", {
+    device: name,
+    port: port.number,
+    link,
+    invalid: port.invalid_frames,
+    rx: port.rx_errors,
+    forwarded: port.forwarded_errors,
+    lost: port.lost_links,
+  });
 }
 
 const kCableY = 20; ///< of the sockets, below the card's top
@@ -134,7 +148,7 @@ export function segmentPicture(segment: Segment, shafts: (name: string) => numbe
       to: "master",
       path: `M${x} ${y}H${x + 14}V${bottom - 8}H${kMasterWidth / 2}V${height}`,
       state: whole ? "link" : "broken",
-      title: `the master's second interface: ${whole ? "carrier" : "no carrier"}`,
+      title: whole ? t("the master's second interface: carrier") : t("the master's second interface: no carrier"),
       x: (x + kMasterWidth) / 2,
       y: bottom - 8,
     });

@@ -1,6 +1,11 @@
-// Addresses of views: "#/device/gantry/objects?search=6041". The fragment keeps them off the server.
+// Addresses of views: "#/device/gantry/objects?search=6041". The fragment keeps them off the server. The unit of positions and
+// velocities stands in them too where it is not the usual one, and is no choice of a view.
 
 import { useCallback, useEffect, useState } from "preact/hooks";
+
+import { kUsualUnit, motionUnit, rememberUnit, unitNamed, type MotionUnit } from "./motion_units";
+
+const kUnitsName = "units";
 
 export interface Route {
   readonly view: string;
@@ -20,13 +25,38 @@ export function parseRoute(hash: string): Route {
   const text = hash.replace(/^#\/?/, "");
   const [path = "", query = ""] = text.split("?", 2);
   const [view = "", ...parts] = path.split("/").map(decode);
-  return { view: view || "rack", parts, query: new Map(new URLSearchParams(query)) };
+  const choices = new Map(new URLSearchParams(query));
+  choices.delete(kUnitsName);
+  return { view: view || "rack", parts, query: choices };
 }
 
 export function href(view: string, parts: readonly string[] = [], query: Record<string, string> = {}): string {
   const path = [view, ...parts].map(encodeURIComponent).join("/");
-  const search = new URLSearchParams(query).toString();
+  const { value: unit } = motionUnit; // links follow it
+  const search = new URLSearchParams(unit === kUsualUnit ? query : { ...query, [kUnitsName]: unit }).toString();
   return `#/${path}${search === "" ? "" : `?${search}`}`;
+}
+
+/// Writes the address anew, with the present unit.
+function renewAddress(): void {
+  const { view, parts, query } = parseRoute(location.hash);
+  history.replaceState(history.state, "", href(view, parts, Object.fromEntries(query)));
+}
+
+/// Shows positions and velocities in `unit` from now on, here and at the next visit.
+export function chooseUnit(unit: MotionUnit): void {
+  rememberUnit(unit);
+  renewAddress();
+}
+
+/// Takes the unit that the address says; says it there if it does not.
+export function followUnit(): void {
+  const said = unitNamed(new URLSearchParams(location.hash.split("?", 2)[1] ?? "").get(kUnitsName));
+  if (said !== null) {
+    motionUnit.value = said;
+  } else if (motionUnit.value !== kUsualUnit) {
+    renewAddress();
+  }
 }
 
 /// A token that came with the address ("#token=…", perhaps with a view behind it: "#token=…&view=/events"),

@@ -65,6 +65,13 @@ export class RackStore {
     return this.rack?.networks.find((network) => network.name === name)?.kind ?? "";
   }
 
+  /// The device that a signal is of.
+  deviceOf(signal: string): Device | undefined {
+    return this.devices
+      .filter(({ name }) => signal.startsWith(`${name}.`))
+      .reduce<Device | undefined>((best, each) => (best && best.name.length >= each.name.length ? best : each), undefined);
+  }
+
   private tell(): void {
     for (const listener of this.listeners) {
       listener();
@@ -83,18 +90,29 @@ export class RackStore {
     }
   }
 
+  /// Asks for all at once, since each request waits for its turn in the rack.
   private async look(): Promise<void> {
     try {
-      const rack = await this.api.get<Rack>("/api/v1/rack");
+      const begins = this.connection !== "online";
+      const [rack, { devices }, offered] = await Promise.all([
+        this.api.get<Rack>("/api/v1/rack"),
+        this.api.get<Devices>("/api/v1/devices"),
+        begins ? this.fetchOffered() : null,
+      ]);
       const another = this.rack !== null && rack.run !== this.rack.run;
-      if (another || this.connection !== "online") {
-        await this.begin(another || this.connection === "lost");
+      if (another || begins) {
+        this.offered = offered ?? (await this.fetchOffered());
+        this.events = [];
+        this.epoch += another || this.connection === "lost" ? 1 : 0;
       }
       this.rack = rack;
       this.watchMasters(rack);
-      this.devices = (await this.api.get<Devices>("/api/v1/devices")).devices;
-      await this.fetchEvents();
+      this.devices = devices;
       this.connection = "online";
+      if (begins) {
+        this.tell(); // views need not wait for events
+      }
+      await this.fetchEvents();
     } catch (error) {
       this.connection = error instanceof ApiError && error.unauthorised ? "locked" : "lost";
     }
@@ -108,13 +126,9 @@ export class RackStore {
     }
   }
 
-  private async begin(anew: boolean): Promise<void> {
+  private async fetchOffered(): Promise<ReadonlySet<string>> {
     const document = await this.api.get<{ paths?: Record<string, unknown> }>("/openapi.json");
-    this.offered = new Set(Object.keys(document.paths ?? {}));
-    this.events = [];
-    if (anew) {
-      this.epoch += 1;
-    }
+    return new Set(Object.keys(document.paths ?? {}));
   }
 
   private async fetchEvents(): Promise<void> {

@@ -2,7 +2,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 
 import type { ManualAxis, ManualCommand } from "../src/api";
 import { Jog } from "../src/jog";
-import { numberOf, Scale, unitsOf } from "../src/motion_units";
+import { conversion, numberOf, Scale, unitsOf } from "../src/motion_units";
 import { controlwordBits } from "../src/words";
 
 const plain = (text: string) => text.replace(/\s/g, " ");
@@ -39,8 +39,24 @@ describe("a position or velocity", () => {
   it("can be had in revolutions where all axes know what one is", () => {
     const axis = (perRevolution: number | null) =>
       ({ position_per_revolution: perRevolution, velocity_per_revolution: perRevolution }) as ManualAxis;
-    expect(unitsOf([axis(51200)]).map(({ unit }) => unit)).toEqual(["revolutions", "degrees", "device"]);
+    expect(unitsOf([axis(51200)]).map(({ unit }) => unit)).toEqual(["revolutions", "degrees", "radians", "device"]);
     expect(unitsOf([axis(51200), axis(null)]).map(({ unit }) => unit)).toEqual(["device"]);
+  });
+});
+
+describe("a signal", () => {
+  const stepper = { position: 51200, velocity: 51200 };
+  it("that is a position or velocity is shown in the unit chosen", () => {
+    expect(conversion("degrees", "rev", null)).toEqual({ unit: "deg", factor: 360 });
+    expect(conversion("revolutions", "microstep", stepper)).toEqual({ unit: "rev", factor: 1 / 51200 });
+    expect(conversion("revolutions", "pps", stepper)).toEqual({ unit: "rev/s", factor: 1 / 51200 });
+    expect(conversion("radians", "1/min", null)).toEqual({ unit: "rad/s", factor: (2 * Math.PI) / 60 });
+  });
+  it("stays as it is where nothing else is wanted, known or meant", () => {
+    expect(conversion("device", "rev", stepper)).toEqual({ unit: "rev", factor: 1 });
+    expect(conversion("revolutions", "microstep", null)).toEqual({ unit: "microstep", factor: 1 });
+    expect(conversion("revolutions", "deg", stepper)).toEqual({ unit: "deg", factor: 1 }); // electrical
+    expect(conversion("revolutions", "A", stepper)).toEqual({ unit: "A", factor: 1 });
   });
 });
 

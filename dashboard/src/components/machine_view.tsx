@@ -2,8 +2,8 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import { quantityText } from "../format";
-import { useLive, useMedia, useWorld } from "../hooks";
-import { shaftSpeed, type MotorSignals } from "../motion";
+import { useLive, useMedia, useShownIn, useWorld } from "../hooks";
+import type { MotorSignals } from "../motion";
 import type { Machine } from "../scene/machine";
 
 const kNames = ["x", "y", "z"];
@@ -86,17 +86,16 @@ export function MachineView({ device, motors }: { device: string; motors: readon
 }
 
 function AxisNumbers({ motor, name, series }: { motor: MotorSignals; name: string; series: number }) {
-  const shaft = useLive(motor.shaft);
-  const turning = useLive(motor.speed);
-  const position = shaft.value?.value ?? 0;
-  const speed = shaftSpeed(motor, () => turning.value);
+  const shown = useShownIn();
+  const position = shown(motor.shaft, useLive(motor.shaft).value);
+  const speed = shown(motor.speed, useLive(motor.speed).value);
   return (
     <div>
       <dt>
         <span class={`swatch series-${series}`} aria-hidden="true" /> {name}
       </dt>
       <dd>
-        {quantityText(position, "rev", 5)} · {quantityText(position * 2 * Math.PI, "rad", 5)} · {quantityText(speed * 2 * Math.PI, "rad/s")}
+        {quantityText(position?.value, position?.unit ?? "", 5)} · {quantityText(speed?.value, speed?.unit ?? "")}
       </dd>
     </div>
   );

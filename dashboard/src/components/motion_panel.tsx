@@ -1,9 +1,9 @@
 // How an axis moves: the motor as a picture, and the same in numbers.
-import { useComputed, type ReadonlySignal } from "@preact/signals";
+import { computed, type ReadonlySignal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 
 import type { Signals } from "../api";
-import { useMedia, useWorld } from "../hooks";
+import { useMedia, useShownIn, useWorld } from "../hooks";
 import { motorNumbers, motorSignals, type MotorNumber, type MotorSignals } from "../motion";
 import "../styles/motion.css";
 import { MachineView } from "./machine_view";
@@ -73,8 +73,9 @@ function machineOf(motor: MotorSignals | null, device: string, axes: readonly st
 function MotorNumbers({ motor }: { motor: MotorSignals }) {
   const { hub } = useWorld();
   useEffect(() => hub.watch(motor.names), [hub, motor]);
-  const numbers = useComputed(() => motorNumbers(motor, (name) => hub.live(name).value));
-  const labels = useComputed(() => numbers.value.map(({ label }) => label).join("\n"));
+  const shown = useShownIn();
+  const numbers = useMemo(() => computed(() => motorNumbers(motor, (name) => shown(name, hub.live(name).value))), [hub, motor, shown]);
+  const labels = useMemo(() => computed(() => numbers.value.map(({ label }) => label).join("\n")), [numbers]);
   return (
     <dl class="numbers">
       {labels.value.split("\n").map((label, i) => (
@@ -91,6 +92,6 @@ function MotorNumbers({ motor }: { motor: MotorSignals }) {
 
 /// Repaints its own text alone.
 function NumberText({ numbers, row }: { numbers: ReadonlySignal<readonly MotorNumber[]>; row: number }) {
-  const text = useComputed(() => numbers.value[row]?.text ?? "");
+  const text = useMemo(() => computed(() => numbers.value[row]?.text ?? ""), [numbers, row]);
   return <>{text}</>;
 }

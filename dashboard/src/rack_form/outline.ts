@@ -1,5 +1,6 @@
 // The parts of a rack file that a form shows one at a time, as the text has them.
 
+import { t } from "../language";
 import type { Declarations, Member, Schema } from "./declarations";
 import { contentOf, countAt, keysAt, literalAt, type Path, type Toml } from "./toml";
 
@@ -55,6 +56,6 @@ export function sectionsOf(toml: Toml, declarations: Declarations): Section[] {
       }
     }
   };
-  add([], declarations.rack, 0, "Rack");
+  add([], declarations.rack, 0, t("Rack"));
   return all;
 }

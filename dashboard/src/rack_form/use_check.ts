@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 
 import type { RackCheck } from "../api";
 import { problemText, useWorld } from "../hooks";
+import { t } from "../language";
 
 const kPause = 350;
 
@@ -24,7 +25,7 @@ export function useCheck(text: string | null): Check {
       return undefined;
     }
     if (token === "") {
-      setCheck({ result: null, text, failure: "Checking needs the token: set it with the button “Read only” above." });
+      setCheck({ result: null, text, failure: t("Checking needs the token: set it with the button “Read only” above.") });
       return undefined;
     }
     let over = false;

@@ -1,10 +1,11 @@
 import { useState } from "preact/hooks";
 
+import { unitText } from "../format";
 import { frequencyText, numberText, timeText } from "./core/numbers";
 import { kFunctions } from "./core/expression";
 import { readChannel } from "./core/cursors";
 import { NumberField } from "./number_field";
-import { type Oscilloscope, axisKey } from "./oscilloscope";
+import type { Oscilloscope } from "./oscilloscope";
 import { seriesColour } from "./picture";
 
 type Attempt = (action: () => void) => void;
@@ -75,7 +76,8 @@ export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt:
           {channels.map((channel, i) => {
             const measured = scope.measurements[i];
             const reading = times === null ? null : readChannel(ring, i, times);
-            const number = (value: number | undefined) => <td class="number mono">{numberText(value ?? NaN)}</td>;
+            const { unit, factor } = scope.display(channel);
+            const number = (value: number | undefined) => <td class="number mono">{numberText((value ?? NaN) * factor)}</td>;
             return (
               <tr key={channel.name} data-channel={channel.name}>
                 <th scope="row">
@@ -87,7 +89,7 @@ export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt:
                     />
                     <span class="swatch" style={{ background: seriesColour(i) }} />
                     <span>{channel.name}</span>
-                    <span class="soft unit">{channel.unit}</span>
+                    <span class="soft unit">{unitText(unit)}</span>
                   </label>
                 </th>
                 {number(ring.size > 0 ? ring.value(i, ring.end - 1) : NaN)}
@@ -103,7 +105,7 @@ export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt:
                     {number(reading.a)}
                     {number(reading.b)}
                     {number(reading.difference)}
-                    <td class="number mono">{numberText(reading.slope)} /s</td>
+                    <td class="number mono">{numberText(reading.slope * factor)} /s</td>
                   </>
                 )}
                 <td>
@@ -118,8 +120,8 @@ export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt:
                   <NumberField
                     label={`Offset of ${channel.name}`}
                     hideLabel
-                    value={channel.offset}
-                    onValue={(offset) => attempt(() => scope.changeChannel(channel.name, { offset: offset ?? 0 }))}
+                    value={channel.offset * factor}
+                    onValue={(offset) => attempt(() => scope.changeChannel(channel.name, { offset: (offset ?? 0) / factor }))}
                   />
                 </td>
                 <td>
@@ -153,7 +155,7 @@ export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt:
 
 /// Scales that do not set themselves.
 export function AxisTable({ scope, attempt }: { scope: Oscilloscope; attempt: Attempt }) {
-  const keys = [...new Set(scope.setup.channels.map(axisKey))];
+  const keys = [...new Set(scope.setup.channels.map((channel) => scope.axisKey(channel)))];
   return (
     <ul class="scope-axes">
       {keys.map((key) => {

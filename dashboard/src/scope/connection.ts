@@ -1,5 +1,6 @@
 // The page's end of the worker: opens the stream, keeps it open, says what is wanted.
 import type { Api, Event, Problem, Subscribed } from "../api";
+import { t } from "../language";
 import type { FromWorker, SamplesFromWorker, ToWorker } from "./worker_messages";
 
 export interface Wanted {
@@ -32,7 +33,7 @@ export class Connection {
   ) {
     this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.take(data);
     this.worker.onerror = (event) =>
-      listener.receiveProblem({ detail: `the page's worker does not run: ${event.message || "reload the page"}` });
+      listener.receiveProblem({ detail: t("the page's worker does not run: {reason}", { reason: event.message || t("reload the page") }) });
     this.forget = api.onToken(() => this.open());
     this.open();
   }

@@ -1,13 +1,13 @@
 import { readTimes } from "./core/cursors";
 import { frequencyText, numberText, timeText } from "./core/numbers";
 import { NumberField } from "./number_field";
-import { type Oscilloscope, axisKey } from "./oscilloscope";
+import type { Oscilloscope } from "./oscilloscope";
 import type { Picture } from "./picture";
 
 /// Two cursors in time (A, B), two in level (C, D).
 export function CursorPanel({ scope, picture }: { scope: Oscilloscope; picture: Picture | null }) {
   const { times, levels } = scope.cursors;
-  const keys = [...new Set(scope.setup.channels.filter(({ visible }) => visible).map(axisKey))];
+  const keys = [...new Set(scope.setup.channels.filter(({ visible }) => visible).map((channel) => scope.axisKey(channel)))];
   const placeTimes = () => {
     const { from, to } = scope.shown();
     return { a: from + (to - from) / 3, b: from + ((to - from) * 2) / 3 };

@@ -1,4 +1,5 @@
 // What goes to disk and comes from it.
+import { unitText } from "../format";
 import { saveFile } from "../save_file";
 import { csvOf } from "./core/csv";
 import { type Setup, parseSetup, setupText } from "./core/setup";
@@ -47,7 +48,8 @@ export function savePng(scope: Oscilloscope, canvas: HTMLCanvasElement, series: 
     context.fillStyle = series[i % series.length]!;
     context.fillRect(x, y - 5, 10, 10);
     context.fillStyle = text;
-    context.fillText(channel.unit === "" ? channel.name : `${channel.name} [${channel.unit}]`, x + 16, y);
+    const { unit } = scope.display(channel);
+    context.fillText(unit === "" ? channel.name : `${channel.name} [${unitText(unit)}]`, x + 16, y);
   });
   whole.toBlob((blob) => blob && saveFile("scope.png", blob), "image/png");
 }

@@ -1,7 +1,7 @@
 import { useCallback, useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import type { Api, Device, Signals } from "../api";
-import { useResource, useStore } from "../hooks";
+import { useConversion, useResource, useStore } from "../hooks";
 import { AxisTable, ChannelTable, ExpressionForm } from "./channel_table";
 import { Controls } from "./controls";
 import { type Choosing, offeredOf, placesOf } from "./core/presets";
@@ -30,6 +30,8 @@ export function Scope({ api, query }: { api: Api; query: ReadonlyMap<string, str
     setScope(made);
     return () => made.close();
   }, [api]);
+  const convert = useConversion();
+  useEffect(() => scope?.showIn(convert), [scope, convert]);
   const signals = data?.signals ?? kNoSignals;
   const key = JSON.stringify(devices.map(({ name, network }) => ({ name, network })));
   const offered = useMemo(() => offeredOf(placesOf(JSON.parse(key) as Device[], signals), signals), [key, signals]);

@@ -1,5 +1,7 @@
 // The oscilloscope itself: what it is set to, what it has recorded, what it shows.
 import type { Api, Event, Problem, Subscribed } from "../api";
+import { t } from "../language";
+import type { Conversion } from "../motion_units";
 import { Connection, type ConnectionListener, type Wanted } from "./connection";
 import type { CursorPair } from "./core/cursors";
 import { ExpressionError, channelsOf, parseExpression, unitOf } from "./core/expression";
@@ -28,11 +30,7 @@ export interface Statistics {
 
 const kMostEvents = 200;
 const kNotifyEvery = 200; // ms
-
-/// The axis of a channel.
-export function axisKey(channel: ChannelSetup): string {
-  return channel.own ? `=${channel.name}` : channel.unit;
-}
+const kRackSays = `${t("The rack:")} `;
 
 export class Oscilloscope implements ConnectionListener {
   setup: Setup = kDefaultSetup;
@@ -57,6 +55,7 @@ export class Oscilloscope implements ConnectionListener {
   private armedAt = -Infinity;
   private readonly connection: Connection;
   private readonly listeners = new Set<() => void>();
+  private convert: (signal: string, unit: string) => Conversion = (_, unit) => ({ unit, factor: 1 });
   private notified = 0;
   private measuredNext = 0;
   private frameTimes: number[] = [];
@@ -104,7 +103,7 @@ export class Oscilloscope implements ConnectionListener {
       this.record.clear();
       this.arm();
     }
-    if (this.problem.startsWith("The rack: ")) {
+    if (this.problem.startsWith(kRackSays)) {
       this.problem = "";
     }
     const units = new Map(message.signals.map(({ name, unit }) => [name, unit]));
@@ -159,7 +158,7 @@ export class Oscilloscope implements ConnectionListener {
   }
 
   receiveProblem(problem: Partial<Problem>): void {
-    this.problem = `The rack: ${problem.detail ?? problem.title ?? "something is wrong"}`;
+    this.problem = kRackSays + (problem.detail ?? problem.title ?? t("something is wrong"));
     this.notify();
   }
 
@@ -294,6 +293,22 @@ export class Oscilloscope implements ConnectionListener {
     this.change({ channels: this.setup.channels.filter((channel) => channel.name !== name) });
   }
 
+  /// Shows positions and velocities in other units from now on. Record, expressions and trigger stay in those of the signals.
+  showIn(convert: (signal: string, unit: string) => Conversion): void {
+    this.convert = convert;
+    this.setCursors({ levels: null });
+  }
+
+  /// The unit in which a channel is shown, and by what its values are multiplied for that.
+  display(channel: ChannelSetup): Conversion {
+    return this.convert(channel.name, channel.unit);
+  }
+
+  /// The axis of a channel.
+  axisKey(channel: ChannelSetup): string {
+    return channel.own ? `=${channel.name}` : this.display(channel).unit;
+  }
+
   axis(key: string): AxisSetup {
     return this.setup.axes.find((axis) => axis.key === key) ?? { key, range: null };
   }
@@ -390,12 +405,12 @@ function checkChannels(channels: readonly ChannelSetup[]): void {
   const known = new Set<string>();
   for (const { name, expression } of channels) {
     if (name.trim() === "" || known.has(name)) {
-      throw new ExpressionError(name.trim() === "" ? "a channel needs a name" : `there is a channel "${name}" already`, 0);
+      throw new ExpressionError(name.trim() === "" ? t("a channel needs a name") : t('there is a channel "{name}" already', { name }), 0);
     }
     if (expression !== null) {
       for (const channel of channelsOf(parseExpression(expression))) {
         if (!known.has(channel)) {
-          throw new ExpressionError(`"${name}" reads "${channel}", which is no channel before it; add it first`, 0);
+          throw new ExpressionError(t('"{name}" reads "{channel}", which is no channel before it; add it first', { name, channel }), 0);
         }
       }
     }

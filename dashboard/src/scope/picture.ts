@@ -1,12 +1,14 @@
 // Draws the record on a canvas of its own. Ten dense traces as paths, which is what plotting libraries
 // make of them, take a browser without a graphics processor several times as long as their pixels.
+import { unitText } from "../format";
+import { t } from "../language";
 import { themeColour } from "../theme";
 import { columnBounds, envelopeOf, makeEnvelope, type Envelope } from "./core/decimation";
 import { pixelOf } from "./core/raster";
 import { tickText, ticks, timeText } from "./core/numbers";
 import type { ChannelSetup } from "./core/setup";
 import { type Range, fitted } from "./core/view";
-import { type Oscilloscope, axisKey } from "./oscilloscope";
+import type { Oscilloscope } from "./oscilloscope";
 import { TraceLayer } from "./trace_layer";
 
 export interface Box {
@@ -156,7 +158,7 @@ export class Picture {
     const groups = new Map<string, number[]>();
     channels.forEach((channel, i) => {
       if (channel.visible) {
-        const key = axisKey(channel);
+        const key = this.scope.axisKey(channel);
         groups.set(key, [...(groups.get(key) ?? []), i]);
       }
     });
@@ -170,7 +172,7 @@ export class Picture {
       const gutterLeft = lanes ? 0 : i * kGutter;
       return {
         key,
-        label: channels[members[0]!]!.unit || (key.startsWith("=") ? "" : "1"),
+        label: unitText(this.scope.display(channels[members[0]!]!).unit) || (key.startsWith("=") ? "" : "1"),
         range: this.rangeOf(key, members, channels),
         box,
         gutter: { left: gutterLeft, top, right: gutterLeft + kGutter, bottom: box.bottom },
@@ -191,11 +193,11 @@ export class Picture {
     let low = Infinity;
     let high = -Infinity;
     for (const member of members) {
-      const { gain, offset } = channels[member]!;
+      const { slope, zero } = this.line(channels[member]!);
       ring.extremes(member, from, to, this.extremes);
       if (this.extremes.low <= this.extremes.high) {
-        low = Math.min(low, this.extremes.low * gain + offset, this.extremes.high * gain + offset);
-        high = Math.max(high, this.extremes.low * gain + offset, this.extremes.high * gain + offset);
+        low = Math.min(low, this.extremes.low * slope + zero, this.extremes.high * slope + zero);
+        high = Math.max(high, this.extremes.low * slope + zero, this.extremes.high * slope + zero);
       }
     }
     const range = fitted(low, high, this.ranges.get(key) ?? null);
@@ -221,10 +223,10 @@ export class Picture {
       context.fillText(tickText(at, time.step), x, plot.bottom + 5);
     }
     context.textAlign = "left";
-    context.fillText("time / s", 4, plot.bottom + 5);
+    context.fillText(t("time / s"), 4, plot.bottom + 5);
     context.textBaseline = "alphabetic";
     context.textAlign = "right";
-    context.fillText(`${span} shown`, plot.right, plot.top - 5);
+    context.fillText(t("{span} shown", { span }), plot.right, plot.top - 5);
     for (const scale of this.scales) {
       this.drawScale(scale);
     }
@@ -269,12 +271,18 @@ export class Picture {
     return this.colours.series[channel % kSeries]!;
   }
 
+  /// On its scale, a value of a channel stands at value * slope + zero.
+  private line(channel: ChannelSetup): { readonly slope: number; readonly zero: number } {
+    const { factor } = this.scope.display(channel);
+    return { slope: channel.gain * factor, zero: channel.offset * factor };
+  }
+
   /// y = value * slope + zero
   private placed(scale: Scale, channel: number): { readonly slope: number; readonly zero: number } {
-    const { gain, offset } = this.scope.setup.channels[channel]!;
+    const { slope, zero } = this.line(this.scope.setup.channels[channel]!);
     const { range, box } = scale;
     const perUnit = (box.top - box.bottom) / (range.to - range.from);
-    return { slope: perUnit * gain, zero: box.bottom + (offset - range.from) * perUnit };
+    return { slope: perUnit * slope, zero: box.bottom + (zero - range.from) * perUnit };
   }
 
   private drawEnvelopes(bounds: Float64Array): void {
@@ -366,8 +374,8 @@ export class Picture {
       const index = scope.setup.channels.findIndex(({ name }) => name === source.channel);
       const scale = this.scales.find(({ channels }) => channels.includes(index));
       if (scale !== undefined) {
-        const { gain, offset } = scope.setup.channels[index]!;
-        const y = this.yOf(scale, source.level * gain + offset);
+        const { slope, zero } = this.line(scope.setup.channels[index]!);
+        const y = this.yOf(scale, source.level * slope + zero);
         if (y >= scale.box.top && y <= scale.box.bottom) {
           triangle(context, scale.box.left, y, 1, 0);
           dashed(context, [2, 5], () => line(context, scale.box.left, y, scale.box.right, y));

@@ -1,4 +1,5 @@
 // Mouse, wheel and keys on the picture.
+import { t } from "../language";
 import { type Oscilloscope } from "./oscilloscope";
 import type { Picture, Scale } from "./picture";
 import { zoomed } from "./core/view";
@@ -213,7 +214,7 @@ export class Pointing {
     const { times, levels } = this.scope.cursors;
     const there = cursor < "C" ? times !== null : levels !== null;
     this.cursor = there ? cursor : null;
-    this.announce(there ? `Cursor ${cursor}; the arrows move it` : `Cursor ${cursor} is not shown`);
+    this.announce(there ? t("Cursor {cursor}; the arrows move it", { cursor }) : t("Cursor {cursor} is not shown", { cursor }));
   }
 
   private key(event: KeyboardEvent): void {
@@ -246,7 +247,7 @@ export class Pointing {
       d: () => this.choose("D"),
       Escape: () => {
         this.cursor = null;
-        this.announce("No cursor chosen");
+        this.announce(t("No cursor chosen"));
       },
     };
     const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];

@@ -1,5 +1,6 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 
+import { unitText } from "../format";
 import { type WindowName, decibels, kWindows } from "./core/fft";
 import { frequencyText, numberText } from "./core/numbers";
 import type { SpectrumSetup } from "./core/setup";
@@ -82,8 +83,8 @@ export function SpectrumPanel({
         {spectra.map(({ channel, peak, peakFrequency }) => (
           <li key={channel}>
             <span class="swatch" style={{ background: seriesColour(channel) }} />
-            {channels[channel]?.name}: {numberText(peak, 5)} {channels[channel]?.unit} ({numberText(decibels(peak), 4)} dB) at{" "}
-            {frequencyText(peakFrequency, 5)}
+            {channels[channel]?.name}: {numberText(peak, 5)} {channels[channel] ? unitText(scope.display(channels[channel]).unit) : ""} (
+            {numberText(decibels(peak), 4)} dB) at {frequencyText(peakFrequency, 5)}
           </li>
         ))}
       </ul>

@@ -41,9 +41,10 @@ export function spectraOf(scope: Oscilloscope): ChannelSpectrum[] {
     if (!channel.visible) {
       return;
     }
+    const { factor } = scope.display(channel);
     let complete = true;
     for (let i = 0; i < points; ++i) {
-      samples[i] = ring.value(column, rows.to - points + i);
+      samples[i] = ring.value(column, rows.to - points + i) * factor;
       complete &&= Number.isFinite(samples[i]);
     }
     if (!complete) {

@@ -1,3 +1,4 @@
+import { unitText } from "../format";
 import { useStore } from "../hooks";
 import { seconds } from "./core/csv";
 import type { Event } from "../api_types";
@@ -23,6 +24,8 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
   const store = useStore();
   const { trigger, channels } = scope.setup;
   const { source } = trigger;
+  const compared = channels.find(({ name }) => "channel" in source && name === source.channel);
+  const level = compared ? scope.display(compared) : { unit: "", factor: 1 };
   const change = (patch: Partial<TriggerSettings>) => attempt(() => scope.change({ trigger: { ...trigger, ...patch } }));
   const channelField = (present: string, set: (channel: string) => void) => (
     <label class="field wide">
@@ -72,12 +75,17 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
               <option value="either">either</option>
             </select>
           </label>
-          <NumberField label="Level" value={source.level} onValue={(level) => change({ source: { ...source, level: level ?? 0 } })} />
+          <NumberField
+            label="Level"
+            unit={unitText(level.unit)}
+            value={source.level * level.factor}
+            onValue={(value) => change({ source: { ...source, level: (value ?? 0) / level.factor } })}
+          />
           <NumberField
             label="Hysteresis"
             minimum={0}
-            value={source.hysteresis}
-            onValue={(hysteresis) => change({ source: { ...source, hysteresis: hysteresis ?? 0 } })}
+            value={source.hysteresis * level.factor}
+            onValue={(value) => change({ source: { ...source, hysteresis: (value ?? 0) / level.factor } })}
           />
         </>
       ) : null}

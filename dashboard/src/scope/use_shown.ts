@@ -1,6 +1,7 @@
 // Which setup the oscilloscope has: a preset, or one of a person's own; in the address as well.
 import { useEffect, useRef, useState } from "preact/hooks";
 
+import { t } from "../language";
 import { href } from "../router";
 import { choosingOf, queryOfChoosing, queryOfSetup, setupOfQuery } from "./core/address";
 import { type Choosing, type Place, setupOf } from "./core/presets";
@@ -71,7 +72,13 @@ export function useShown({ scope, signals, offered, query, setWrong }: ShownOf):
       if (found !== null) {
         choose(found);
       } else if (query.size > 0) {
-        setWrong(`There is nothing to show for ${[...query].map(([key, value]) => `${key} "${value}"`).join(", ")}: ${kHint}`);
+        const asked = [...query].map(([key, value]) => `${key} "${value}"`).join(", ");
+        setWrong(
+          t(
+            "There is nothing to show for {asked}: the rack has no such device or axis, or it lacks the signals; switch signals on in the list.",
+            { asked },
+          ),
+        );
       }
     }
   }, [query]);
@@ -96,5 +103,3 @@ export function useShown({ scope, signals, offered, query, setWrong }: ShownOf):
   const own = choosing === null ? null : ownSetup(signals);
   return { choosing, place: chosen?.place ?? null, choose, recall: own === null ? null : () => recall(own) };
 }
-
-const kHint = "the rack has no such device or axis, or it lacks the signals; switch signals on in the list.";

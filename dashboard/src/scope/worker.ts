@@ -81,7 +81,7 @@ function open(url: string, protocols: readonly string[]): void {
         takeBinary(event.data);
       }
     } catch (error) {
-      outbox.push({ kind: "problem", problem: { title: "Bad message", detail: (error as Error).message } }, 0, 0);
+      outbox.push({ kind: "problem", problem: { detail: (error as Error).message } }, 0, 0);
     }
   };
 }

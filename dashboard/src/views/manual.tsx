@@ -5,7 +5,8 @@ import { HeldButton } from "../components/held_button";
 import { hexText } from "../format";
 import { refusalText, useAction, useResource, useStore, useWorld } from "../hooks";
 import { Jog } from "../jog";
-import { numberOf, Scale, unitsOf, type MotionUnit } from "../motion_units";
+import { motionUnit, numberOf, Scale, unitsOf, type MotionUnit } from "../motion_units";
+import { chooseUnit } from "../router";
 import "../styles/manual.css";
 import { controlwordBits, errorCodeText, modeText } from "../words";
 import { Homing, HomingBadge, kHoming, useHomingMethods } from "./homing";
@@ -88,7 +89,7 @@ function ActiveControl({
   const { api } = useWorld();
   const units = unitsOf(axes);
   const methods = useHomingMethods(device);
-  const [unit, setUnit] = useState<MotionUnit>(units[0]?.unit ?? "device");
+  const unit = units.find((each) => each.unit === motionUnit.value)?.unit ?? "device";
   const [problems, setProblems] = useState<Readonly<Record<number, string>>>({});
   const send: Send = useCallback(
     async (axis, command) => {
@@ -134,7 +135,7 @@ function ActiveControl({
             <select
               aria-label="Unit of positions and speeds"
               value={unit}
-              onChange={(event) => setUnit(event.currentTarget.value as MotionUnit)}
+              onChange={(event) => chooseUnit(event.currentTarget.value as MotionUnit)}
             >
               {units.map((each) => (
                 <option key={each.unit} value={each.unit}>

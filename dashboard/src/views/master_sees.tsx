@@ -4,8 +4,8 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { Declaration, Device, Entry, ManualControl, Objects } from "../api";
 import { segment } from "../api";
 import { axisIndex } from "../axes";
-import { addressText, hexText, quantity } from "../format";
-import { type Resource, useResource, useStore } from "../hooks";
+import { addressText, hexText, quantity, quantityText } from "../format";
+import { type Resource, useConversion, useResource, useStore } from "../hooks";
 import { href } from "../router";
 import { controlwordBits, errorCodeText, errorRegisterBits, modeText, powerState, statuswordBits, type Bit } from "../words";
 
@@ -148,14 +148,15 @@ function SeenRow({
         {number === null ? (
           <span class="soft">{read.error?.message ?? "…"}</span>
         ) : (
-          <Seen index={row.index} value={number} unit={row.entry.unit} mode={Number(mode.data?.value ?? 0)} />
+          <Seen device={device} index={row.index} value={number} unit={row.entry.unit} mode={Number(mode.data?.value ?? 0)} />
         )}
       </td>
     </tr>
   );
 }
 
-function Seen({ index, value, unit, mode }: { index: number; value: number; unit: string; mode: number }) {
+function Seen({ device, index, value, unit, mode }: { device: string; index: number; value: number; unit: string; mode: number }) {
+  const shown = useConversion()(`${device}.`, unit);
   switch (index) {
     case 0x6041:
       return (
@@ -194,7 +195,11 @@ function Seen({ index, value, unit, mode }: { index: number; value: number; unit
     default:
       return (
         <>
-          {quantity(value, "").value} <span class="soft">{unit}</span>
+          {quantity(value, "").value}{" "}
+          <span class="soft">
+            {unit}
+            {shown.unit === unit ? "" : ` = ${quantityText(value * shown.factor, shown.unit)}`}
+          </span>
         </>
       );
   }

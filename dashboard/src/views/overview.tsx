@@ -21,9 +21,10 @@ import { MotionPanel } from "../components/motion_panel";
 import { StateMachinePicture } from "../components/state_machine";
 import { TryFault } from "../components/try_fault";
 import { timeText } from "../format";
-import { useLive, useResource, useStore } from "../hooks";
+import { useConversion, useLive, useResource, useShownIn, useStore } from "../hooks";
 import { limitObjects, limitsOf, type Limit } from "../limits";
 import { sameState } from "../machine_layout";
+import { motionUnit } from "../motion_units";
 import { href, useChoice } from "../router";
 import { EventRows, EventSentence } from "./events";
 import { ManualPanel } from "./manual";
@@ -152,7 +153,14 @@ function AxisValues({
       </header>
       <div class="body gauges">
         {axis.rows.map(({ label, signal }) => (
-          <LiveGauge key={signal} name={label} signal={signal} device={device} axis={axisNumber(axis.name)} declared={declared} />
+          <LiveGauge
+            key={`${signal} ${motionUnit.value}`}
+            name={label}
+            signal={signal}
+            device={device}
+            axis={axisNumber(axis.name)}
+            declared={declared}
+          />
         ))}
       </div>
     </section>
@@ -191,8 +199,11 @@ function LiveGauge({
   axis: number;
   declared: readonly Declaration[];
 }) {
-  const live = useLive(signal).value;
-  const limits = useLimits(device, axis, signal, declared);
+  const own = useLive(signal).value;
+  const live = useShownIn()(signal, own);
+  const { factor } = useConversion()(signal, own?.unit ?? "");
+  const ownLimits = useLimits(device, axis, signal, declared);
+  const limits = useMemo(() => ownLimits.map((limit) => ({ ...limit, value: limit.value * factor })), [ownLimits, factor]);
   const seen = useRef({ low: 0, high: 0 }).current;
   if (typeof live?.value === "number") {
     seen.low = Math.min(seen.low, live.value);

@@ -5,7 +5,7 @@ import { segment as pathSegment } from "../api";
 import { LedDot } from "../components/led";
 import { ShaftDial } from "../components/shaft";
 import { quantityText, timeText } from "../format";
-import { useResource, useSignals, useStore, useWidth } from "../hooks";
+import { useResource, useShownIn, useSignals, useStore, useWidth } from "../hooks";
 import { busPicture, kMasterWidth, segmentPicture, shaftPlace, type Card } from "../rack_layout";
 import { href } from "../router";
 import { shaftsOf, type Shaft } from "../shafts";
@@ -285,11 +285,12 @@ function DeviceCard({ card, shafts, ports }: { card: Card; shafts: readonly Shaf
 
 function ShaftSpeed({ shaft, x, y }: { shaft: Shaft; x: number; y: number }) {
   const speed = shaft.signal.replace(/position$/, "speed");
-  const value = useSignals([speed], 250)(speed);
-  const still = typeof value?.value !== "number" || Math.abs(value.value) < 0.005;
+  const live = useSignals([speed], 250)(speed);
+  const value = useShownIn()(speed, live);
+  const still = typeof live?.value !== "number" || Math.abs(live.value) < 0.005;
   return (
     <text class="small soft middle" x={x} y={y}>
-      {still ? shaft.name : quantityText(value.value, value.unit, 3)}
+      {still ? shaft.name : quantityText(value?.value, value?.unit ?? "", 3)}
     </text>
   );
 }

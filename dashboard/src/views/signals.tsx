@@ -1,6 +1,6 @@
 import { segment, type Device, type Signals } from "../api";
 import { quantity } from "../format";
-import { useResource, useSignals, useStore } from "../hooks";
+import { useResource, useShownIn, useSignals, useStore } from "../hooks";
 import { href, useChoice } from "../router";
 
 /// All signals of a device as numbers.
@@ -8,6 +8,7 @@ export function DeviceSignals({ device }: { device: Device }) {
   const store = useStore();
   const list = useResource<Signals>(`/api/v1/signals?names=${segment(device.name)}.*`);
   const [words, setWords] = useChoice("search");
+  const inUnit = useShownIn();
   const shown = (list.data?.signals ?? []).filter(({ name }) => name.toLowerCase().includes(words.toLowerCase()));
   const value = useSignals(
     shown.map((signal) => signal.name),
@@ -36,8 +37,8 @@ export function DeviceSignals({ device }: { device: Device }) {
       </header>
       <ul class="signal-list">
         {shown.map((signal) => {
-          const live = value(signal.name);
-          const text = quantity(live ? live.value : signal.value, signal.unit);
+          const live = inUnit(signal.name, value(signal.name) ?? signal);
+          const text = quantity(live?.value, live?.unit ?? "");
           return (
             <li key={signal.name}>
               <span class="name" title={signal.name}>

@@ -1,4 +1,5 @@
 // What the oscilloscope shows as part of the page's address, so that it can be passed on.
+import { t } from "../../language";
 import type { Choosing } from "./presets";
 import { type ChannelSetup, type Setup, SetupError, kDefaultSetup, parseSetup, setupText } from "./setup";
 
@@ -31,7 +32,7 @@ export function setupOfQuery(text: string): Setup {
   try {
     given = JSON.parse(text) as typeof given;
   } catch {
-    throw new SetupError("the address has a setup that is cut off or damaged");
+    throw new SetupError(t("the address has a setup that is cut off or damaged"));
   }
   const channels = Array.isArray(given?.channels) ? given.channels.map((each: unknown) => ({ ...kPlain, ...(each as object) })) : [];
   const usual = JSON.parse(setupText(kDefaultSetup)) as object;

@@ -1,4 +1,5 @@
 // Evaluates expressions sample by sample.
+import { t } from "../../language";
 import { ExpressionError, type Node } from "./expression";
 
 /// Reads the present row; `time` in seconds.
@@ -40,7 +41,7 @@ export class DerivedChannel {
       case "channel": {
         const column = columnOf(node.name);
         if (column < 0) {
-          throw new ExpressionError(`there is no channel "${node.name}"; add it first`, node.position);
+          throw new ExpressionError(t('there is no channel "{name}"; add it first', { name: node.name }), node.position);
         }
         return () => {
           const values = this.inputs[column];

@@ -5,6 +5,7 @@
 //   sign    = ["-" | "+"] sign | primary
 //   primary = number [ "s" | "ms" | "us" ] | channel | function "(" sum { "," sum } ")" | "(" sum ")"
 //   channel = letters, digits, "_" and "." or anything in double quotes
+import { t, tn } from "../../language";
 
 export class ExpressionError extends Error {
   constructor(
@@ -12,7 +13,7 @@ export class ExpressionError extends Error {
     /// Where in the text, from 0.
     readonly position: number,
   ) {
-    super(`${message} (at character ${position + 1})`);
+    super(t("{problem} (at character {position})", { problem: message, position: position + 1 }));
     this.name = "ExpressionError";
   }
 }
@@ -32,16 +33,16 @@ interface FunctionDescription {
 }
 
 export const kFunctions = {
-  abs: { operands: 1, summary: "magnitude" },
-  sqrt: { operands: 1, summary: "square root" },
-  floor: { operands: 1, summary: "largest integer that is not above" },
-  round: { operands: 1, summary: "nearest integer" },
-  min: { operands: 2, summary: "the smaller one" },
-  max: { operands: 2, summary: "the larger one" },
-  derivative: { operands: 1, summary: "change per second" },
-  integral: { operands: 1, summary: "sum over time in seconds (trapezoids), from 0 at its first sample" },
-  average: { operands: 2, span: true, summary: "mean of the last so many seconds, e.g. average(x, 10ms)" },
-  delta: { operands: 2, span: true, summary: "change since so many seconds ago, e.g. delta(x, 1ms)" },
+  abs: { operands: 1, summary: t("magnitude") },
+  sqrt: { operands: 1, summary: t("square root") },
+  floor: { operands: 1, summary: t("largest integer that is not above") },
+  round: { operands: 1, summary: t("nearest integer") },
+  min: { operands: 2, summary: t("the smaller one") },
+  max: { operands: 2, summary: t("the larger one") },
+  derivative: { operands: 1, summary: t("change per second") },
+  integral: { operands: 1, summary: t("sum over time in seconds (trapezoids), from 0 at its first sample") },
+  average: { operands: 2, span: true, summary: t("mean of the last so many seconds, e.g. average(x, 10ms)") },
+  delta: { operands: 2, span: true, summary: t("change since so many seconds ago, e.g. delta(x, 1ms)") },
 } as const satisfies Record<string, FunctionDescription>;
 
 export type FunctionName = keyof typeof kFunctions;
@@ -68,7 +69,10 @@ function tokensOf(text: string): Token[] {
     kTokens.lastIndex = position;
     const match = kTokens.exec(text);
     if (match === null) {
-      throw new ExpressionError(text[start] === '"' ? 'a name in quotes has no closing "' : `"${text[start]}" means nothing here`, start);
+      throw new ExpressionError(
+        text[start] === '"' ? t('a name in quotes has no closing "') : t('"{text}" means nothing here', { text: text[start]! }),
+        start,
+      );
     }
     const [whole, number, name, quoted, sign] = match;
     const kind = number !== undefined ? "number" : name !== undefined ? "name" : quoted !== undefined ? "quoted" : "sign";
@@ -87,7 +91,7 @@ class Parser {
     const node = this.sum();
     const rest = this.peek();
     if (rest.kind !== "end") {
-      throw new ExpressionError(`"${rest.text}" follows a complete expression; an operator is missing`, rest.position);
+      throw new ExpressionError(t('"{text}" follows a complete expression; an operator is missing', { text: rest.text }), rest.position);
     }
     return node;
   }
@@ -103,9 +107,9 @@ class Parser {
     this.next += found ? 1 : 0;
     return found;
   }
-  private expect(text: string, after: string): void {
+  private expect(text: string, otherwise: string): void {
     if (!this.accept(text)) {
-      throw new ExpressionError(`"${text}" is missing ${after}`, this.peek().position);
+      throw new ExpressionError(otherwise, this.peek().position);
     }
   }
 
@@ -155,18 +159,23 @@ class Parser {
     }
     if (token.kind === "sign" && token.text === "(") {
       const node = this.sum();
-      this.expect(")", 'after "("');
+      this.expect(")", t('")" is missing after "("'));
       return node;
     }
     throw new ExpressionError(
-      token.kind === "end" ? "the expression ends where a value is expected" : `"${token.text}" stands where a value is expected`,
+      token.kind === "end"
+        ? t("the expression ends where a value is expected")
+        : t('"{text}" stands where a value is expected', { text: token.text }),
       token.position,
     );
   }
 
   private call(token: Token): Node {
     if (!Object.hasOwn(kFunctions, token.text)) {
-      throw new ExpressionError(`there is no function "${token.text}"; there are ${Object.keys(kFunctions).join(", ")}`, token.position);
+      throw new ExpressionError(
+        t('there is no function "{name}"; there are {all}', { name: token.text, all: Object.keys(kFunctions).join(", ") }),
+        token.position,
+      );
     }
     const name = token.text as FunctionName;
     const description: FunctionDescription = kFunctions[name];
@@ -174,16 +183,19 @@ class Parser {
     while (this.accept(",")) {
       operands.push(this.sum());
     }
-    this.expect(")", `after the operands of ${name}`);
+    this.expect(")", t('")" is missing after the operands of {name}', { name }));
     if (operands.length !== description.operands) {
       throw new ExpressionError(
-        `${name} has ${description.operands} operand${description.operands === 1 ? "" : "s"}, not ${operands.length}`,
+        tn(description.operands, "{name} has {count} operand, not {given}", "{name} has {count} operands, not {given}", {
+          name,
+          given: operands.length,
+        }),
         token.position,
       );
     }
     const last = operands[operands.length - 1]!;
     if (description.span && (last.kind !== "number" || !(last.value > 0))) {
-      throw new ExpressionError(`the second operand of ${name} is a time, e.g. 10ms`, token.position);
+      throw new ExpressionError(t("the second operand of {name} is a time, e.g. 10ms", { name }), token.position);
     }
     return { kind: "call", name, operands };
   }

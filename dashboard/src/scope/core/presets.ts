@@ -1,4 +1,5 @@
 // Setups that are ready: which signals of a device belong together, how fast to sample them, what to trigger on.
+import { t } from "../../language";
 import { toSi } from "./units";
 import { type ChannelSetup, type Setup, kDefaultSetup } from "./setup";
 import type { Edge, TriggerSource } from "./trigger";
@@ -75,8 +76,8 @@ const kBehind: PresetChannel = {
 export const kPresets: readonly Preset[] = [
   {
     key: "position",
-    name: "Position loop",
-    summary: "Where the axis is to be, where it is, and how far it is behind.",
+    name: t("Position loop"),
+    summary: t("Where the axis is to be, where it is, and how far it is behind."),
     period: 1e6,
     span: 5e9,
     channels: [{ signals: kPositionDemand }, { signals: kPosition }, kBehind],
@@ -94,8 +95,8 @@ export const kPresets: readonly Preset[] = [
   },
   {
     key: "currents",
-    name: "Currents",
-    summary: "What makes torque: current in q and d of a servo, in coil A and B of a stepper.",
+    name: t("Currents"),
+    summary: t("What makes torque: current in q and d of a servo, in coil A and B of a stepper."),
     period: 100e3,
     span: 200e6,
     channels: [
@@ -110,8 +111,8 @@ export const kPresets: readonly Preset[] = [
   },
   {
     key: "velocity",
-    name: "Velocity and ramp",
-    summary: "The ramp that is demanded, what the drive says of the speed, and the shaft itself.",
+    name: t("Velocity and ramp"),
+    summary: t("The ramp that is demanded, what the drive says of the speed, and the shaft itself."),
     period: 1e6,
     span: 10e9,
     channels: [{ signals: kVelocityDemand }, { signals: kVelocity }, { signals: ["$axis.shaft_speed"] }],
@@ -119,8 +120,8 @@ export const kPresets: readonly Preset[] = [
   },
   {
     key: "stall",
-    name: "Stall",
-    summary: "A load angle beyond 90° costs a stepper steps, four full ones at a time; StallGuard is to see it come.",
+    name: t("Stall"),
+    summary: t("A load angle beyond 90° costs a stepper steps, four full ones at a time; StallGuard is to see it come."),
     period: 200e3,
     span: 1e9,
     channels: [
@@ -134,8 +135,8 @@ export const kPresets: readonly Preset[] = [
   },
   {
     key: "homing",
-    name: "Homing",
-    summary: "Position and speed, the switches, and what the drive says of its search.",
+    name: t("Homing"),
+    summary: t("Position and speed, the switches, and what the drive says of its search."),
     period: 2e6,
     span: 10e9,
     channels: [
@@ -154,8 +155,8 @@ export const kPresets: readonly Preset[] = [
   },
   {
     key: "sync",
-    name: "SYNC signals",
-    summary: "When the distributed clock's pulses come, and when the chip asks its host for something.",
+    name: t("SYNC signals"),
+    summary: t("When the distributed clock's pulses come, and when the chip asks its host for something."),
     period: 50e3,
     span: 20e6,
     channels: [{ signals: ["$device.sync0"] }, { signals: ["$device.sync1"] }, { signals: ["$device.irq", "$device.pdi_spi_irq"] }],
@@ -164,8 +165,8 @@ export const kPresets: readonly Preset[] = [
   },
   {
     key: "bus",
-    name: "Bus load",
-    summary: "How much of the bus is in use, frames within 100 ms, and frames that were destroyed.",
+    name: t("Bus load"),
+    summary: t("How much of the bus is in use, frames within 100 ms, and frames that were destroyed."),
     period: 10e6,
     span: 20e9,
     channels: [

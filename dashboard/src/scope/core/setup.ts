@@ -1,4 +1,5 @@
 // What the oscilloscope is set to, as a file.
+import { t } from "../../language";
 import { type WindowName, kWindows } from "./fft";
 import { kSeverities, type TriggerSettings } from "./trigger";
 
@@ -76,12 +77,16 @@ class Reader {
 
   private fail(expected: string): never {
     throw new SetupError(
-      `${this.path || "the setup"} must be ${expected}, not ${this.value === undefined ? "missing" : JSON.stringify(this.value)}`,
+      t("{place} must be {expected}, not {value}", {
+        place: this.path || t("the setup"),
+        expected,
+        value: this.value === undefined ? t("missing") : JSON.stringify(this.value),
+      }),
     );
   }
   at(key: string): Reader {
     if (typeof this.value !== "object" || this.value === null || Array.isArray(this.value)) {
-      this.fail("an object");
+      this.fail(t("an object"));
     }
     return new Reader((this.value as Record<string, unknown>)[key], this.path === "" ? key : `${this.path}.${key}`);
   }
@@ -90,26 +95,26 @@ class Reader {
   }
   number(low: number, high: number): number {
     if (typeof this.value !== "number" || !(this.value >= low && this.value <= high)) {
-      this.fail(Number.isFinite(low) || Number.isFinite(high) ? `a number from ${low} to ${high}` : "a number");
+      this.fail(Number.isFinite(low) || Number.isFinite(high) ? t("a number from {low} to {high}", { low, high }) : t("a number"));
     }
     return this.value;
   }
   integer(low: number, high: number): number {
     const value = this.number(low, high);
-    return Number.isInteger(value) ? value : this.fail("an integer");
+    return Number.isInteger(value) ? value : this.fail(t("an integer"));
   }
   text(): string {
-    return typeof this.value === "string" ? this.value : this.fail("a text");
+    return typeof this.value === "string" ? this.value : this.fail(t("a text"));
   }
   flag(): boolean {
-    return typeof this.value === "boolean" ? this.value : this.fail("true or false");
+    return typeof this.value === "boolean" ? this.value : this.fail(t("true or false"));
   }
   oneOf<T extends string>(choices: readonly T[]): T {
-    return choices.includes(this.value as T) ? (this.value as T) : this.fail(`one of ${choices.join(", ")}`);
+    return choices.includes(this.value as T) ? (this.value as T) : this.fail(t("one of {choices}", { choices: choices.join(", ") }));
   }
   list<T>(read: (reader: Reader) => T): T[] {
     if (!Array.isArray(this.value)) {
-      this.fail("a list");
+      this.fail(t("a list"));
     }
     return (this.value as unknown[]).map((each, i) => read(new Reader(each, `${this.path}[${i}]`)));
   }
@@ -173,19 +178,19 @@ export function parseSetup(text: string): Setup {
   try {
     value = JSON.parse(text);
   } catch (error) {
-    throw new SetupError(`this is no JSON: ${(error as Error).message}`);
+    throw new SetupError(t("this is no JSON: {problem}", { problem: (error as Error).message }));
   }
   const reader = new Reader(value, "");
   reader.at("form").oneOf([kForm]);
   reader.at("version").integer(kVersion, kVersion);
   const period = reader.at("period").integer(kShortestPeriod, 10e9);
   if (period % kShortestPeriod !== 0) {
-    throw new SetupError(`period must be a multiple of ${kShortestPeriod} ns, not ${period}`);
+    throw new SetupError(t("period must be a multiple of {shortest} ns, not {period}", { shortest: kShortestPeriod, period }));
   }
   const spectrum = reader.at("spectrum");
   const points = spectrum.at("points").integer(16, 1 << 20);
   if ((points & (points - 1)) !== 0) {
-    throw new SetupError(`spectrum.points must be a power of 2, not ${points}`);
+    throw new SetupError(t("spectrum.points must be a power of 2, not {points}", { points }));
   }
   return {
     period,

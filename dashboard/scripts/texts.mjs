@@ -1,0 +1,140 @@
+// Finds the page's texts in its sources: those that are given to t(), tn() and tx(), and those that are not and ought to be.
+import { readdirSync, readFileSync } from "node:fs";
+import { join, relative } from "node:path";
+
+import ts from "typescript";
+
+export const sources = new URL("../src", import.meta.url).pathname;
+
+/// Texts in these files are English in every language: they explain events, which the program tells in English, or are made
+/// from the program's interface.
+const kEnglishFiles = new Set(["api_types.ts", "event_help.ts", "words.ts"]);
+/// Names that are the same in every language.
+const kNames = new Set(["Stator", "EtherCAT", "kbit/s"]);
+/// Elements whose content is for machines.
+const kVerbatim = new Set(["code", "kbd", "pre"]);
+/// Attributes of elements and properties of components that a person reads.
+const kAttributes = new Set([
+  "alt", "aria-description", "aria-label", "aria-roledescription", "aria-valuetext", "hint", "label", "outside", "placeholder",
+  "summary", "title", "what",
+]); // prettier-ignore
+/// Of tables: what of an entry a person reads.
+const kProperties = new Set(["label", "summary", "title"]);
+const kJoining = new Set(["filter", "join"]);
+const kFunctions = new Set(["t", "tn", "tx"]);
+
+/// What has no two small letters in a row is a symbol, an abbreviation or a unit.
+export function isWords(text) {
+  const plain = text.replace(/\{\w*\}/g, "").trim();
+  return /\p{Ll}{2}/u.test(plain) && !kNames.has(plain);
+}
+
+export function sourceFiles() {
+  return readdirSync(sources, { recursive: true, encoding: "utf8" })
+    .filter((path) => /\.tsx?$/.test(path) && !kEnglishFiles.has(path))
+    .sort()
+    .map((path) => parse(join(sources, path)));
+}
+
+export function parse(path, text = readFileSync(path, "utf8")) {
+  return ts.createSourceFile(path, text, ts.ScriptTarget.Latest, true, path.endsWith("x") ? ts.ScriptKind.TSX : ts.ScriptKind.TS);
+}
+
+export function placeOf(node) {
+  const file = node.getSourceFile();
+  const { line } = file.getLineAndCharacterOfPosition(node.getStart());
+  return `src/${relative(sources, file.fileName)}:${line + 1}`;
+}
+
+export function tagOf(element) {
+  const tag = ts.isJsxElement(element) ? element.openingElement.tagName : element.tagName;
+  return tag.getText();
+}
+
+/// The text of a literal with {} for what is put into it; null: it is none.
+export function literalText(node) {
+  if (ts.isStringLiteral(node) || ts.isNoSubstitutionTemplateLiteral(node)) {
+    return node.text;
+  }
+  return ts.isTemplateExpression(node) ? [node.head.text, ...node.templateSpans.map((span) => span.literal.text)].join("{}") : null;
+}
+
+/// The literals among what an expression can be.
+function* results(node) {
+  if (ts.isParenthesizedExpression(node) || ts.isNonNullExpression(node) || ts.isAsExpression(node)) {
+    yield* results(node.expression);
+  } else if (ts.isConditionalExpression(node)) {
+    yield* results(node.whenTrue);
+    yield* results(node.whenFalse);
+  } else if (ts.isBinaryExpression(node)) {
+    const { kind } = node.operatorToken;
+    if ([ts.SyntaxKind.QuestionQuestionToken, ts.SyntaxKind.BarBarToken, ts.SyntaxKind.PlusToken].includes(kind)) {
+      yield* results(node.left);
+    }
+    if (![ts.SyntaxKind.EqualsEqualsEqualsToken, ts.SyntaxKind.ExclamationEqualsEqualsToken].includes(kind)) {
+      yield* results(node.right);
+    }
+  } else if (ts.isArrayLiteralExpression(node)) {
+    for (const element of node.elements) {
+      yield* results(element);
+    }
+  } else if (ts.isCallExpression(node) && ts.isPropertyAccessExpression(node.expression) && kJoining.has(node.expression.name.text)) {
+    yield* results(node.expression.expression); // "[…].filter(…).join(…)"
+  } else if (literalText(node) !== null) {
+    yield node;
+  }
+}
+
+/// Gives `found` each text that is bare: a JsxText, or a literal in an attribute, in what an element contains, in a table.
+function look(node, found) {
+  if (ts.isJsxElement(node) && kVerbatim.has(tagOf(node))) {
+    look(node.openingElement, found);
+    return;
+  }
+  const expression = (each) => [...results(each)].filter((literal) => isWords(literalText(literal))).forEach(found);
+  if (ts.isJsxText(node)) {
+    if (isWords(node.text)) {
+      found(node);
+    }
+  } else if (ts.isJsxAttribute(node) && node.initializer) {
+    const tag = node.parent.parent.tagName.getText();
+    const name = node.name.getText();
+    if (kAttributes.has(name) || (name === "name" && /^[A-Z]/.test(tag))) {
+      expression(ts.isJsxExpression(node.initializer) ? node.initializer.expression : node.initializer);
+    }
+  } else if (ts.isJsxExpression(node) && node.expression && !ts.isJsxAttribute(node.parent)) {
+    expression(node.expression);
+  } else if (ts.isPropertyAssignment(node) && kProperties.has(node.name.getText())) {
+    expression(node.initializer);
+  }
+  ts.forEachChild(node, (child) => look(child, found));
+}
+
+export function bareTexts(file) {
+  const all = [];
+  look(file, (node) => all.push(node));
+  return all;
+}
+
+/// The sentences that a file gives to t(), tn() and tx(): {key, plural, values, node}, and calls whose sentence is no literal.
+export function sentences(file) {
+  const found = [];
+  const wrong = [];
+  const visit = (node) => {
+    if (ts.isCallExpression(node) && ts.isIdentifier(node.expression) && kFunctions.has(node.expression.text)) {
+      const plural = node.expression.text === "tn";
+      const key = node.arguments[plural ? 2 : 0];
+      const one = plural ? node.arguments[1] : null;
+      if (key && ts.isStringLiteralLike(key) && (one === null || (one && ts.isStringLiteralLike(one)))) {
+        found.push({ key: key.text, plural, node });
+      } else {
+        wrong.push(node);
+      }
+    }
+    ts.forEachChild(node, visit);
+  };
+  if (!file.fileName.endsWith("/language.ts")) {
+    visit(file);
+  }
+  return { found, wrong };
+}
