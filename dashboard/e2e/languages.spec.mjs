@@ -8,9 +8,9 @@ import { heading, test, violations } from "./fixtures.mjs";
 
 const german = JSON.parse(readFileSync(new URL("../src/languages/de.json", import.meta.url), "utf8"));
 
-/// Names of objects, which the program has in English, and which are sentences of the page as well.
-const kObjects = ["Error code", "Error register", "Controlword", "Statusword"];
-const english = Object.keys(german).filter((key) => german[key] !== key && /^\p{Lu}|\p{Ll} \p{Ll}/u.test(key) && !kObjects.includes(key));
+/// Names of objects and bits, which stay English, and which are sentences of the page as well.
+const kStandard = ["Error code", "Error register", "Controlword", "Statusword", "target reached"];
+const english = Object.keys(german).filter((key) => german[key] !== key && /^\p{Lu}|\p{Ll} \p{Ll}/u.test(key) && !kStandard.includes(key));
 
 const views = [
   { path: "/rack", title: german.Rack, text: german.Networks },
@@ -21,9 +21,9 @@ const views = [
   { path: "/faults?kind=motor-stall", title: german.Faults, text: german["Put it there"] },
   { path: "/recording", title: german.Recording, text: german["Stop recording"] },
   { path: "/device/gantry", title: "gantry", text: german["Following error"] },
-  { path: "/device/servo", title: "servo", text: german["Stator voltage"] },
+  { path: "/device/servo", title: "servo", text: german["Rotor flux at"] },
   { path: "/device/spindle", title: "spindle", text: german["What the master sees"] },
-  { path: "/device/io", title: "io", text: german["Take control"] },
+  { path: "/device/io", title: "io", text: german["around the device"] },
   { path: "/device/gantry/objects", title: "gantry", text: german.Hexadecimal },
   { path: "/device/gantry/signals", title: "gantry", text: german["plot them in the oscilloscope"] },
   { path: "/device/feeder/program", title: "feeder", text: german["TMCL program"] },
