@@ -85,5 +85,5 @@ test("without WebGL a sentence says so beside the numbers", async ({ open }) => 
   });
   await motion.getByRole("button", { name: "Show in 3-D" }).click();
   await motion.getByText(/It needs WebGL/).waitFor();
-  await motion.getByText(/rad\/s/).waitFor();
+  await motion.getByText(/rev · .*rev\/s/).waitFor();
 });

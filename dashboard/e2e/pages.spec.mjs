@@ -203,6 +203,7 @@ test("colours are chosen and kept", async ({ open }) => {
   await page.reload();
   await heading(page, "Rack");
   assert.equal(await ground(), dark);
+  await page.getByRole("button", { name: "Settings" }).click();
   await page.getByLabel("Colours").selectOption("system");
 });
 

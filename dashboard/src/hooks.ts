@@ -3,7 +3,7 @@ import { useCallback, useContext, useEffect, useMemo, useRef, useState } from "p
 
 import type { ReadonlySignal } from "@preact/signals";
 
-import { ApiError, type Api } from "./api";
+import { ApiError, type Api, type Signals } from "./api";
 import type { Journal } from "./journal";
 import { t } from "./language";
 import type { Live, SignalHub } from "./live";
@@ -96,6 +96,14 @@ export function useResource<T>(path: string | null, period = 0): Resource<T> {
   const reload = useCallback(() => setRound((n) => n + 1), []);
   const current = state.path === path;
   return { data: current ? state.data : null, error: current ? state.error : null, at, reload };
+}
+
+/// Signals by the pattern of their names, all if it is empty. Their values need not be waited for where they are shown first.
+export function useSignalList(pattern = ""): Resource<Signals> {
+  const { hub } = useWorld();
+  const list = useResource<Signals>(`/api/v1/signals${pattern === "" ? "" : `?names=${pattern}`}`);
+  useMemo(() => hub.offer(list.data?.signals ?? []), [hub, list.data]);
+  return list;
 }
 
 /// A live value of a signal: what reads it is rendered again when it changes, and nothing else.

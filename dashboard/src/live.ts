@@ -49,6 +49,15 @@ export class SignalHub {
     return found;
   }
 
+  /// Values that an answer of the server had, for names of which none are known yet: shown until newer ones come.
+  offer(signals: Signals["signals"]): void {
+    for (const { name, unit, value } of signals) {
+      if (!this.values.has(name)) {
+        this.values.set(name, { value, unit });
+      }
+    }
+  }
+
   watch(names: readonly string[], listener: () => void = () => {}): () => void {
     for (const name of names) {
       if (!this.users.has(name)) {

@@ -7,16 +7,16 @@ import { shaftDegrees } from "../shafts";
 export function ShaftDial({ signal, x, y, radius }: { signal: string; x: number; y: number; radius: number }) {
   const { hub } = useWorld();
   const shaft = useRef<SVGGElement>(null);
-  useEffect(
-    () =>
-      hub.watch([signal], () => {
-        const value = hub.value(signal)?.value;
-        if (shaft.current && typeof value === "number") {
-          shaft.current.setAttribute("transform", `rotate(${shaftDegrees(value).toFixed(1)} ${x} ${y})`);
-        }
-      }),
-    [hub, signal, x, y],
-  );
+  useEffect(() => {
+    const show = () => {
+      const value = hub.value(signal)?.value;
+      if (shaft.current && typeof value === "number") {
+        shaft.current.setAttribute("transform", `rotate(${shaftDegrees(value).toFixed(1)} ${x} ${y})`);
+      }
+    };
+    show();
+    return hub.watch([signal], show);
+  }, [hub, signal, x, y]);
   return (
     <g class="shaft">
       <circle class="stator" cx={x} cy={y} r={radius} />

@@ -9,7 +9,6 @@ import type {
   Objects,
   Panel,
   PanelAxis,
-  Signals,
   StateMachine,
   StateMachines,
 } from "../api";
@@ -21,7 +20,7 @@ import { MotionPanel } from "../components/motion_panel";
 import { StateMachinePicture } from "../components/state_machine";
 import { TryFault } from "../components/try_fault";
 import { timeText } from "../format";
-import { useConversion, useLive, useResource, useShownIn, useStore } from "../hooks";
+import { useConversion, useLive, useResource, useShownIn, useSignalList, useStore } from "../hooks";
 import { limitObjects, limitsOf, type Limit } from "../limits";
 import { sameState } from "../machine_layout";
 import { motionUnit } from "../motion_units";
@@ -36,7 +35,7 @@ const kLimitPeriod = 3000;
 
 export function Overview({ device, panel }: { device: Device; panel: Panel | null }) {
   const store = useStore();
-  const signals = useResource<Signals>(`/api/v1/signals?names=${segment(device.name)}.*`);
+  const signals = useSignalList(`${segment(device.name)}.*`);
   const objects = useResource<Objects>(device.objects > 0 && device.powered ? objectsPath(device) : null);
   const machines = useResource<StateMachines>(store.offers("/api/v1/state-machines") ? "/api/v1/state-machines" : null);
   const [chosen, setChosen] = useChoice("axis");

@@ -1,11 +1,11 @@
 import { useMemo } from "preact/hooks";
 
-import type { Bus, Device, Line, LinkConnections, Panel, Segment, Signals, Wiring } from "../api";
+import type { Bus, Device, Line, LinkConnections, Panel, Segment, Wiring } from "../api";
 import { segment as pathSegment } from "../api";
 import { LedDot } from "../components/led";
 import { ShaftDial } from "../components/shaft";
 import { quantityText, timeText } from "../format";
-import { useResource, useShownIn, useSignals, useStore, useWidth } from "../hooks";
+import { useResource, useShownIn, useSignalList, useSignals, useStore, useWidth } from "../hooks";
 import { busPicture, kMasterWidth, segmentPicture, shaftPlace, type Card } from "../rack_layout";
 import { href } from "../router";
 import { shaftsOf, type Shaft } from "../shafts";
@@ -17,6 +17,11 @@ const kWiringPeriod = 1000;
 const kShaftRadius = 19;
 /// From this width on buses and lines stand side by side.
 const kTwoColumns = 1400;
+/// From these widths on pictures are drawn larger.
+const kZooms = [
+  { from: 2000, zoom: 1.5 },
+  { from: 1600, zoom: 1.2 },
+] as const;
 
 /// What a server without /wiring still tells: which devices hang at which network.
 function wiringOf(devices: readonly Device[], kinds: ReadonlyMap<string, string>): Wiring {
@@ -51,7 +56,7 @@ export function RackView() {
   const store = useStore();
   const [attach, width] = useWidth();
   const wiring = useResource<Wiring>(store.offers("/api/v1/wiring") ? "/api/v1/wiring" : null, kWiringPeriod);
-  const signals = useResource<Signals>("/api/v1/signals");
+  const signals = useSignalList();
   const connections = useConnections();
   const linksOf = (network: string) => connections.filter((link) => link.network === network);
   const names = store.devices.map((device) => device.name).join("\n");
@@ -60,6 +65,7 @@ export function RackView() {
   const shown = wiring.data ?? (store.offers("/api/v1/wiring") ? null : wiringOf(store.devices, kinds));
   const halves = width >= kTwoColumns;
   const narrow = halves ? (width - 12) / 2 - 26 : width - 26;
+  const zoom = kZooms.find(({ from }) => width >= from)?.zoom ?? 1;
   const ready = shown !== null && signals.data !== null && width > 0;
   return (
     <>
@@ -74,13 +80,13 @@ export function RackView() {
       {ready ? (
         <div class={halves ? "rack halves" : "rack"}>
           {shown.segments.map((each) => (
-            <SegmentPanel key={each.name} segment={each} links={linksOf(each.name)} shafts={shafts} width={width - 26} />
+            <SegmentPanel key={each.name} segment={each} links={linksOf(each.name)} shafts={shafts} width={width - 26} zoom={zoom} />
           ))}
           {shown.buses.map((each) => (
-            <BusPanel key={each.name} bus={each} links={linksOf(each.name)} shafts={shafts} width={narrow} />
+            <BusPanel key={each.name} bus={each} links={linksOf(each.name)} shafts={shafts} width={narrow} zoom={zoom} />
           ))}
           {shown.lines.map((each) => (
-            <LinePanel key={each.link} line={each} links={linksOf(each.link)} shafts={shafts} width={narrow} />
+            <LinePanel key={each.link} line={each} links={linksOf(each.link)} shafts={shafts} width={narrow} zoom={zoom} />
           ))}
           <Networks />
         </div>
@@ -91,7 +97,9 @@ export function RackView() {
 
 interface Drawn {
   readonly shafts: readonly Shaft[];
+  /// Of the picture on the page, and how much larger it is drawn.
   readonly width: number;
+  readonly zoom: number;
 }
 
 /// How programs reach it.
@@ -99,12 +107,16 @@ interface Reached {
   readonly links: readonly LinkConnections[];
 }
 
+function drawn({ width, height }: { width: number; height: number }, zoom: number) {
+  return { width: width * zoom, height: height * zoom, viewBox: `0 0 ${width} ${height}` };
+}
+
 function shaftCount(shafts: readonly Shaft[]): (name: string) => number {
   return (name) => shafts.filter((shaft) => shaft.device === name).length;
 }
 
-function SegmentPanel({ segment, links, shafts, width }: Drawn & Reached & { segment: Segment }) {
-  const picture = segmentPicture(segment, shaftCount(shafts), width);
+function SegmentPanel({ segment, links, shafts, width, zoom }: Drawn & Reached & { segment: Segment }) {
+  const picture = segmentPicture(segment, shaftCount(shafts), width / zoom);
   const first = picture.cards[0];
   const broken = picture.cables.filter((cable) => cable.state === "broken").length;
   return (
@@ -158,11 +170,11 @@ function Outside({ y, height, name, lit }: { y: number; height: number; name: st
   );
 }
 
-function Wire({ names, shafts, width, label, outside }: Drawn & { names: readonly string[]; label: string; outside: string }) {
-  const picture = busPicture(names, shaftCount(shafts), width);
+function Wire({ names, shafts, width, zoom, label, outside }: Drawn & { names: readonly string[]; label: string; outside: string }) {
+  const picture = busPicture(names, shaftCount(shafts), width / zoom);
   const firstTop = picture.cards[0]?.y ?? 0;
   return (
-    <svg class="picture" width={picture.width} height={picture.height} role="group" aria-label={label}>
+    <svg class="picture" {...drawn(picture, zoom)} role="group" aria-label={label}>
       {picture.wires.map((wire) => (
         <path key={wire.y} class="wire" d={`M${wire.x1} ${wire.y}H${wire.x2}m0 -5v10`} />
       ))}
@@ -178,7 +190,7 @@ function Wire({ names, shafts, width, label, outside }: Drawn & { names: readonl
   );
 }
 
-function BusPanel({ bus, links, shafts, width }: Drawn & Reached & { bus: Bus }) {
+function BusPanel({ bus, links, shafts, width, zoom }: Drawn & Reached & { bus: Bus }) {
   return (
     <section class="panel">
       <header>
@@ -194,14 +206,14 @@ function BusPanel({ bus, links, shafts, width }: Drawn & Reached & { bus: Bus })
         </label>
       </header>
       <div class="body">
-        <Wire names={bus.devices} shafts={shafts} width={width} label={`Devices at ${bus.name}`} outside="Programs" />
+        <Wire names={bus.devices} shafts={shafts} width={width} zoom={zoom} label={`Devices at ${bus.name}`} outside="Programs" />
       </div>
       <ConnectPanel links={links} what="a master or another program" />
     </section>
   );
 }
 
-function LinePanel({ line, links, shafts, width }: Drawn & Reached & { line: Line }) {
+function LinePanel({ line, links, shafts, width, zoom }: Drawn & Reached & { line: Line }) {
   return (
     <section class="panel">
       <header>
@@ -210,7 +222,7 @@ function LinePanel({ line, links, shafts, width }: Drawn & Reached & { line: Lin
         <span class="soft mono">{line.link}</span>
       </header>
       <div class="body">
-        <Wire names={line.devices} shafts={shafts} width={width} label={`Devices at ${line.link}`} outside="Host" />
+        <Wire names={line.devices} shafts={shafts} width={width} zoom={zoom} label={`Devices at ${line.link}`} outside="Host" />
       </div>
       <ConnectPanel links={links} what="a host" />
     </section>
