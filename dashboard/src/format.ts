@@ -39,6 +39,9 @@ const kPlain: Readonly<Record<string, string>> = {
 /// Units of what is measured, not counted: decimals even where they happen to be 0.
 const kContinuous: ReadonlySet<string> = new Set(["degC", "deg", "degree", "deg/s", "rad", "rad/s", "rev", "rev/s", "1/min"]);
 
+/// Units so large that what matters may be a small part of one.
+const kLarge: ReadonlySet<string> = new Set(["rad", "rad/s", "rev", "rev/s"]);
+
 export interface Quantity {
   readonly value: string;
   readonly unit: string;
@@ -80,6 +83,10 @@ export function quantity(value: number | null | undefined, unit: string, digits 
   }
   if (Number.isInteger(value) && !kContinuous.has(unit)) {
     return { value: grouped(value.toFixed(0)), unit: plain };
+  }
+  const size = Math.abs(value);
+  if (kLarge.has(unit) && size >= 1e-6 && size < 0.1) {
+    return { value: grouped(value.toFixed(Math.min(6, 2 - Math.floor(Math.log10(size))))), unit: plain };
   }
   return { value: significant(value, digits, 3), unit: plain };
 }

@@ -5,6 +5,11 @@ import { addressText, grouped, hexText, quantity, quantityText, scaleEnds, sizeT
 const plain = (text: string) => text.replace(/[\u00a0\u202f]/g, " ");
 
 describe("a quantity", () => {
+  it("shows small parts of a revolution or radian", () => {
+    expect(quantity(0.000206, "rev").value).toBe("0.000206");
+    expect(quantity(-0.03127, "rad/s").value).toBe("−0.0313");
+    expect(quantity(2e-7, "rev").value).toBe("0.000");
+  });
   it("takes the prefix that leaves one to three digits before the point", () => {
     expect(quantity(0.0652, "Nm")).toEqual({ value: "65.20", unit: "mN m" });
     expect(quantity(1234, "Hz")).toEqual({ value: "1.234", unit: "kHz" });

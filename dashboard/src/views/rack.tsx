@@ -129,7 +129,7 @@ function SegmentPanel({ segment, links, shafts, width, zoom }: Drawn & Reached &
         {broken > 0 ? <span class="badge bad">{broken === 1 ? "1 cable broken" : `${broken} cables broken`}</span> : null}
       </header>
       <div class="body">
-        <svg class="picture" width={picture.width} height={picture.height} role="group" aria-label={`Wiring of ${segment.name}`}>
+        <svg class="picture" {...drawn(picture, zoom)} role="group" aria-label={`Wiring of ${segment.name}`}>
           {picture.cables.map((cable) => (
             <g key={`${cable.from}>${cable.to}`} class={`cable ${cable.state}`}>
               <title>{cable.title}</title>
