@@ -8,8 +8,8 @@ import { heading, test, violations } from "./fixtures.mjs";
 
 const german = JSON.parse(readFileSync(new URL("../src/languages/de.json", import.meta.url), "utf8"));
 
-/// Names of objects and bits, which stay English, and which are sentences of the page as well.
-const kStandard = ["Error code", "Error register", "Controlword", "Statusword", "target reached"];
+/// Names of objects, bits and codes, which stay English, and which are sentences of the page as well.
+const kStandard = ["Error code", "Error register", "Controlword", "Statusword", "target reached", "no error"];
 const english = Object.keys(german).filter((key) => german[key] !== key && /^\p{Lu}|\p{Ll} \p{Ll}/u.test(key) && !kStandard.includes(key));
 
 const views = [

@@ -86,7 +86,7 @@ export function quantity(value: number | null | undefined, unit: string, digits 
   }
   const size = Math.abs(value);
   if (kLarge.has(unit) && size >= 1e-6 && size < 0.1) {
-    return { value: grouped(value.toFixed(Math.min(6, 2 - Math.floor(Math.log10(size))))), unit: plain };
+    return { value: grouped(value.toFixed(Math.min(6, digits - 2 - Math.floor(Math.log10(size))))), unit: plain };
   }
   return { value: significant(value, digits, 3), unit: plain };
 }
