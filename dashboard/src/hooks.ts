@@ -1,5 +1,5 @@
 import { createContext } from "preact";
-import { useCallback, useContext, useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useCallback, useContext, useEffect, useLayoutEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import type { ReadonlySignal } from "@preact/signals";
 
@@ -55,10 +55,11 @@ export function useResource<T>(path: string | null, period = 0): Resource<T> {
   });
   const at = useRef<number | null>(null);
   const [round, setRound] = useState(0);
-  useEffect(() => {
+  useLayoutEffect(() => {
     at.current = null;
   }, [path]);
-  useEffect(() => {
+  // Without waiting for the page to be painted first.
+  useLayoutEffect(() => {
     if (path === null) {
       return undefined;
     }

@@ -1,4 +1,4 @@
-import { useCallback, useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useCallback, useEffect, useLayoutEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import type { Api, Device, Signals } from "../api";
 import { useConversion, useResource, useStore } from "../hooks";
@@ -25,7 +25,7 @@ export function Scope({ api, query }: { api: Api; query: ReadonlyMap<string, str
   const { devices } = useStore();
   const { data, error } = useResource<Signals>("/api/v1/signals");
   const [scope, setScope] = useState<Oscilloscope | null>(null);
-  useEffect(() => {
+  useLayoutEffect(() => {
     const made = new Oscilloscope(api);
     setScope(made);
     return () => made.close();
