@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { errorCodeText, errorRegisterBits, modeText, powerState, statuswordBits } from "../src/words";
+import { errorCodeText, errorRegisterBits, homingText, modeText, powerState, statuswordBits } from "../src/words";
 
 // CiA 402-2, state coding of the statusword: xxxx xxxx x0xx 0000b and so on.
 describe("the state in a statusword", () => {
@@ -48,5 +48,18 @@ describe("codes", () => {
   it("name modes", () => {
     expect(modeText(8)).toBe("cyclic synchronous position");
     expect(modeText(-1)).toBe("manufacturer mode -1");
+  });
+});
+
+// CiA 402-2, homing mode: bits 10 (target reached), 12 (homing attained), 13 (homing error).
+describe("how homing goes", () => {
+  it.each([
+    [0x0027, "searches for home"],
+    [0x0427, "not homed"],
+    [0x1427, "homed"],
+    [0x2427, "homing error"],
+    [0x3427, "homing error"],
+  ])("%i says %s", (statusword, text) => {
+    expect(homingText(statusword).text).toBe(text);
   });
 });

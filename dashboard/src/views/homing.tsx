@@ -28,10 +28,10 @@ function objectsPath(device: string): string {
   return `/api/v1/devices/${segment(device)}/objects`;
 }
 
-/// What the drive says of the methods it has, else the usual ones.
-export function useHomingMethods(device: string): readonly number[] {
+/// What the drive says of the methods it has, else the usual ones. `wanted`: it is a drive, which has objects.
+export function useHomingMethods(device: string, wanted: boolean): readonly number[] {
   const path = objectsPath(device);
-  const declared = useResource<Objects>(path);
+  const declared = useResource<Objects>(wanted ? path : null);
   const told = declared.data?.entries.some(({ index }) => Number.parseInt(index, 16) === kSupportedMethods) ?? false;
   const list = useResource<DeviceObject>(told ? `${path}/${axisIndex(kSupportedMethods, 0)}` : null);
   const methods = (list.data?.entries ?? [])

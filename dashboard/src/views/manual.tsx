@@ -75,6 +75,11 @@ export function ManualPanel({ device }: { device: Device }) {
   );
 }
 
+/// Of CiA 402: it homes as its object 6098h says, while modules with TMCL have their own way.
+function isDrive({ statusword }: ManualAxis): boolean {
+  return statusword !== null;
+}
+
 function ActiveControl({
   device,
   path,
@@ -88,7 +93,7 @@ function ActiveControl({
 }) {
   const { api } = useWorld();
   const units = unitsOf(axes);
-  const methods = useHomingMethods(device);
+  const methods = useHomingMethods(device, axes.some(isDrive));
   const unit = units.find((each) => each.unit === motionUnit.value)?.unit ?? "device";
   const [problems, setProblems] = useState<Readonly<Record<number, string>>>({});
   const send: Send = useCallback(
@@ -204,8 +209,7 @@ function AxisControl({
   const takes = (command: ManualCommandName) => axis.commands.includes(command);
   const moves = axis.enabled && speed !== null;
   const refusal = problem === "" ? axis.refusal : problem;
-  // A drive of CiA 402 homes as its object 6098h says; modules with TMCL have their own way.
-  const hasMethods = axis.statusword !== null;
+  const hasMethods = isDrive(axis);
   return (
     <section class="panel manual-axis" aria-label={`Move ${title} by hand`}>
       <header>

@@ -159,6 +159,8 @@ const kComparisons: readonly [Expectation["comparison"], string][] = [
   ["below", "is below"],
 ];
 
+const kLeastMargin = 0.01; ///< about 0: nothing measured is exactly that
+
 /// What must be seen after what was done last.
 function Expect() {
   const { journal } = useWorld();
@@ -204,7 +206,7 @@ function ExpectForm({ signal, unit, done }: { signal: string; unit: string; done
   const [within, setWithin] = useState("2");
   const shown = text ?? (live === null ? "" : String(Number(live.toPrecision(4))));
   const value = numberOf(shown);
-  const margin = tolerance === "" ? Math.abs(value ?? 0) * 0.05 : numberOf(tolerance);
+  const margin = tolerance === "" ? Math.abs(value ?? 0) * 0.05 || kLeastMargin : numberOf(tolerance);
   const seconds = numberOf(within);
   const good = value !== null && margin !== null && margin >= 0 && seconds !== null && seconds >= 0;
   return (
