@@ -19,7 +19,7 @@ const kAttributes = new Set([
   "summary", "title", "what",
 ]); // prettier-ignore
 /// Of tables: what of an entry a person reads.
-const kProperties = new Set(["label", "summary", "title"]);
+const kProperties = new Set(["label", "steps", "summary", "title"]);
 const kJoining = new Set(["filter", "join"]);
 const kFunctions = new Set(["t", "tn", "tx"]);
 

@@ -8,6 +8,7 @@ import { timeText } from "./format";
 import { useStore, useWorld, WorldContext } from "./hooks";
 import icon from "./icon.svg";
 import { Journal } from "./journal";
+import { t, tx } from "./language";
 import { SignalHub } from "./live";
 import { followUnit, href, parseRoute, type Route } from "./router";
 import { Scope } from "./scope";
@@ -30,15 +31,15 @@ interface ViewDeclaration {
 }
 
 const kViews: readonly ViewDeclaration[] = [
-  { view: "rack", title: "Rack", needs: "/api/v1/rack" },
-  { view: "how", title: "How do I …", needs: "/api/v1/rack" },
-  { view: "rack-file", title: "Rack file", needs: "/api/v1/rack/file" },
-  { view: "scope", title: "Oscilloscope", needs: "/api/v1/signals" },
-  { view: "events", title: "Events", needs: "/api/v1/events" },
-  { view: "traffic", title: "Traffic", needs: "/api/v1/traffic" },
-  { view: "faults", title: "Faults", needs: "/api/v1/faults/kinds" },
-  { view: "recording", title: "Recording", needs: "/api/v1/recording" },
-  { view: "test", title: "Write a test", needs: "/api/v1/rack" },
+  { view: "rack", title: t("Rack"), needs: "/api/v1/rack" },
+  { view: "how", title: t("How do I …"), needs: "/api/v1/rack" },
+  { view: "rack-file", title: t("Rack file"), needs: "/api/v1/rack/file" },
+  { view: "scope", title: t("Oscilloscope"), needs: "/api/v1/signals" },
+  { view: "events", title: t("Events"), needs: "/api/v1/events" },
+  { view: "traffic", title: t("Traffic"), needs: "/api/v1/traffic" },
+  { view: "faults", title: t("Faults"), needs: "/api/v1/faults/kinds" },
+  { view: "recording", title: t("Recording"), needs: "/api/v1/recording" },
+  { view: "test", title: t("Write a test"), needs: "/api/v1/rack" },
 ];
 
 export function App({ api }: { api: Api }) {
@@ -71,7 +72,12 @@ function useRoute(): Route {
   return route;
 }
 
-const kConnectionText = { connecting: "connecting", online: "running", lost: "no connection", locked: "token needed" };
+const kConnectionText = {
+  connecting: t("connecting"),
+  online: t("running"),
+  lost: t("no connection"),
+  locked: t("token needed"),
+};
 
 function Shell() {
   const store = useStore();
@@ -105,7 +111,7 @@ function Shell() {
           main.current?.focus();
         }}
       >
-        Skip to the content
+        {t("Skip to the content")}
       </a>
       <header class="top">
         <a class="brand" href={href("rack")}>
@@ -116,29 +122,29 @@ function Shell() {
           {kConnectionText[store.connection]}
         </span>
         <dl>
-          <div title="Simulated time since power-on">
-            <dt>Time</dt>
+          <div title={t("Simulated time since power-on")}>
+            <dt>{t("Time")}</dt>
             <dd class="clock">{rack ? timeText(rack.time_ns, 1) : "–"}</dd>
           </div>
-          <div title="real: the machine's time; lockstep: time moves with the master">
-            <dt>Clock</dt>
+          <div title={t("real: the machine's time; lockstep: time moves with the master")}>
+            <dt>{t("Clock")}</dt>
             <dd>{rack?.clock ?? "–"}</dd>
           </div>
         </dl>
         <span class="spacer" />
-        <button type="button" onClick={() => setAsking(true)} title="Changes need the token that stator run printed">
-          {api.token === "" ? "Read only" : "Token set"}
+        <button type="button" onClick={() => setAsking(true)} title={t("Changes need the token that stator run printed")}>
+          {api.token === "" ? t("Read only") : t("Token set")}
         </button>
         <SettingsMenu />
       </header>
-      <nav class="nav" aria-label="Views">
+      <nav class="nav" aria-label={t("Views")}>
         <ul>
           {kViews.map(({ view, title: name, needs }) =>
             view === "rack" || store.offers(needs) ? (
               <NavLink key={view} to={href(view)} current={route.view === view}>
                 <span class="name">{name}</span>
                 {view === "events" && refusals > 0 ? (
-                  <span class="badge" title="Refusals and faults">
+                  <span class="badge" title={t("Refusals and faults")}>
                     {refusals > 999 ? "999+" : refusals}
                   </span>
                 ) : null}
@@ -146,7 +152,7 @@ function Shell() {
             ) : null,
           )}
         </ul>
-        <h2>Devices</h2>
+        <h2>{t("Devices")}</h2>
         <ul>
           {store.devices.map((device) => (
             <NavLink
@@ -155,7 +161,7 @@ function Shell() {
               current={route.view === "device" && route.parts[0] === device.name}
             >
               <span class="name">{device.name}</span>
-              {device.powered ? null : <span class="badge warning">off</span>}
+              {device.powered ? null : <span class="badge warning">{t("off")}</span>}
             </NavLink>
           ))}
         </ul>
@@ -163,14 +169,16 @@ function Shell() {
       <main class="main" id="main" ref={main} tabIndex={-1}>
         {store.connection === "lost" ? (
           <p class="notice bad lost" role="alert">
-            The rack cannot be reached. What is shown is old; the page goes on by itself when <code>stator run</code> is back at{" "}
-            {location.host}.
+            {tx("The rack cannot be reached. What is shown is old; the page goes on by itself when {code} is back at {host}.", {
+              code: <code>stator run</code>,
+              host: location.host,
+            })}
           </p>
         ) : null}
         {store.connection === "connecting" || (rack === null && store.connection === "lost") ? (
-          <p class="empty">{store.connection === "lost" ? "" : "Connecting …"}</p>
+          <p class="empty">{store.connection === "lost" ? "" : t("Connecting …")}</p>
         ) : store.connection === "locked" ? (
-          <p class="empty">This server is open to other machines, so everything needs its token.</p>
+          <p class="empty">{t("This server is open to other machines, so everything needs its token.")}</p>
         ) : (
           <View key={`${store.epoch} ${route.view} ${route.parts[0] ?? ""}`} route={route} />
         )}
@@ -195,7 +203,7 @@ function View({ route }: { route: Route }) {
   const { api } = useWorld();
   const declared = kViews.find((each) => each.view === route.view);
   if (declared && !store.offers(declared.needs)) {
-    return <p class="empty">{declared.title}: not offered by this server.</p>;
+    return <p class="empty">{t("{title}: not offered by this server.", { title: declared.title })}</p>;
   }
   switch (route.view) {
     case "rack":
@@ -219,10 +227,6 @@ function View({ route }: { route: Route }) {
     case "device":
       return <DeviceView name={route.parts[0] ?? ""} tab={route.parts[1] ?? ""} />;
     default:
-      return (
-        <p class="empty">
-          There is no such view. <a href={href("rack")}>To the rack</a>
-        </p>
-      );
+      return <p class="empty">{tx("There is no such view. {link}", { link: <a href={href("rack")}>{t("To the rack")}</a> })}</p>;
   }
 }

@@ -1,6 +1,7 @@
 // Where an axis of CiA 402 reaches a limit: from the objects that its drive has to the bars on which that is shown.
 
 import type { Declaration, Object as DeviceObject } from "./api";
+import { t } from "./language";
 
 export interface Limit {
   /// For people, e.g. "at most (607Dh)".
@@ -29,8 +30,8 @@ function eitherWay(name: string): LimitObject["limits"] {
     const value = entries.get(0);
     return limited(value) && value > 0
       ? [
-          { name: `${name}, negative`, value: -value },
-          { name: `${name}, positive`, value },
+          { name: t("{name}, negative", { name }), value: -value },
+          { name: t("{name}, positive", { name }), value },
         ]
       : [];
   };
@@ -46,14 +47,14 @@ const kObjects: readonly LimitObject[] = [
         return [];
       }
       return [
-        ...(limited(low) ? [{ name: "at least (607Dh:01)", value: low }] : []),
-        ...(limited(high) ? [{ name: "at most (607Dh:02)", value: high }] : []),
+        ...(limited(low) ? [{ name: t("at least (607Dh:01)"), value: low }] : []),
+        ...(limited(high) ? [{ name: t("at most (607Dh:02)"), value: high }] : []),
       ];
     },
   },
-  { index: 0x6065, signal: ".following_error", limits: eitherWay("window (6065h)") },
-  { index: 0x607f, signal: ".velocity_actual", limits: eitherWay("greatest of a profile (607Fh)") },
-  { index: 0x6080, signal: ".velocity_actual", limits: eitherWay("greatest of the motor (6080h)") },
+  { index: 0x6065, signal: ".following_error", limits: eitherWay(t("window (6065h)")) },
+  { index: 0x607f, signal: ".velocity_actual", limits: eitherWay(t("greatest of a profile (607Fh)")) },
+  { index: 0x6080, signal: ".velocity_actual", limits: eitherWay(t("greatest of the motor (6080h)")) },
 ];
 
 /// Indices of the objects of an axis that are limits of `signal`, of those that the device has; `at` gives an axis's index.

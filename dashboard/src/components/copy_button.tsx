@@ -1,5 +1,6 @@
 // A button that copies a text, and says so.
 import { useEffect, useState } from "preact/hooks";
+import { t } from "../language";
 
 const kShown = 2000;
 
@@ -26,10 +27,10 @@ export function CopyButton({ text, name }: { text: string; name: string }) {
     <>
       <button
         type="button"
-        aria-label={`Copy ${name}`}
-        onClick={() => void copy(text).then((done) => setSaid(done ? "Copied" : "Select it and press Ctrl-C"))}
+        aria-label={t("Copy {name}", { name })}
+        onClick={() => void copy(text).then((done) => setSaid(done ? t("Copied") : t("Select it and press Ctrl-C")))}
       >
-        Copy
+        {t("Copy")}
       </button>
       <span class="soft" role="status">
         {said}

@@ -17,6 +17,7 @@ import {
 } from "../fault_form";
 import { unitText } from "../format";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
+import { t } from "../language";
 import { shaftsOf } from "../shafts";
 
 function Parameter({
@@ -34,12 +35,12 @@ function Parameter({
   const wrong = fieldProblem(parameter, value);
   const id = `${group}-${parameter.name}`;
   const { choices } = parameter;
-  const missing = wrong === "needed";
+  const missing = parameter.needed && value.trim() === "";
   return (
     <div class="field">
       <label htmlFor={id}>
         {parameter.name.replace(/_/g, " ")}{" "}
-        {parameter.unit && field !== "text" ? <span class="soft">in {unitText(parameter.unit)}</span> : null}
+        {parameter.unit && field !== "text" ? <span class="soft">{t("in {unit}", { unit: unitText(parameter.unit) })}</span> : null}
       </label>
       {choices.length > 0 ? (
         <select id={id} value={value} aria-describedby={`${id}-help`} onChange={(event) => change(event.currentTarget.value)}>
@@ -52,7 +53,7 @@ function Parameter({
         <input
           id={id}
           value={value}
-          placeholder={parameter.type === "duration" ? "e.g. 20ms" : ""}
+          placeholder={parameter.type === "duration" ? t("e.g. 20ms") : ""}
           aria-invalid={wrong !== "" && !missing}
           aria-required={parameter.needed}
           aria-describedby={`${id}-help`}
@@ -60,7 +61,9 @@ function Parameter({
         />
       )}
       <span id={`${id}-help`} class={wrong === "" || missing ? "soft help" : "help wrong"}>
-        {wrong !== "" && !missing ? wrong : [missing ? "needed" : "", parameter.summary, rangeText(parameter)].filter(Boolean).join("; ")}
+        {wrong !== "" && !missing
+          ? wrong
+          : [missing ? t("needed") : "", parameter.summary, rangeText(parameter)].filter(Boolean).join("; ")}
       </span>
     </div>
   );
@@ -148,9 +151,9 @@ export function FaultForm({
           void put();
         }}
       >
-        <p class="wide">What the master sees: {kind.effect}</p>
+        <p class="wide">{t("What the master sees: {effect}", { effect: kind.effect })}</p>
         <div class="field">
-          <label htmlFor="fault-target">where</label>
+          <label htmlFor="fault-target">{t("where")}</label>
           <select id="fault-target" value={place} onChange={(event) => setChosen(Number(event.currentTarget.value))}>
             {targets.map((each, i) => (
               <option key={each.label} value={i}>
@@ -160,14 +163,16 @@ export function FaultForm({
           </select>
           <span class="soft help">
             {targets.length === 0
-              ? `the rack has no ${kind.applies_to}`
-              : `${/^[aeiou]/.test(kind.applies_to) ? "an" : "a"} ${kind.applies_to}`}
+              ? t("the rack has no {applies_to}", { applies_to: kind.applies_to })
+              : /^[aeiou]/.test(kind.applies_to)
+                ? t("an {applies_to}", { applies_to: kind.applies_to })
+                : t("a {applies_to}", { applies_to: kind.applies_to })}
           </span>
         </div>
         {what.fields}
         {milestone.fields.length > 0 ? (
           <details class="wide">
-            <summary>Begin at a milestone</summary>
+            <summary>{t("Begin at a milestone")}</summary>
             <div class="fault-form">{milestone.fields}</div>
           </details>
         ) : null}
@@ -178,7 +183,7 @@ export function FaultForm({
         )}
         <div class="toolbar wide">
           <button type="submit" class="primary" disabled={busy || wrong || !target}>
-            Put it there
+            {t("Put it there")}
           </button>
           <button
             type="button"
@@ -187,7 +192,7 @@ export function FaultForm({
               milestone.reset();
             }}
           >
-            Defaults
+            {t("Defaults")}
           </button>
         </div>
       </form>

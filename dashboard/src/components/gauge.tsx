@@ -1,4 +1,5 @@
 import { quantity, quantityText, resolutionOf, scaleEnds } from "../format";
+import { t } from "../language";
 import type { Limit } from "../limits";
 import type { Live } from "../live";
 
@@ -46,10 +47,15 @@ export function Gauge({
   const here = typeof live?.value === "number" ? at(live.value) : zero;
   const [low, high] = scaleEnds(minimum, maximum, unit);
   const extremes = seen === undefined ? [] : [seen.low, seen.high].filter((value) => value !== 0);
-  const told = extremes.map((value) => quantityText(value, unit)).join(" and ");
+  const told = extremes.map((value) => quantityText(value, unit)).join(` ${t("and")} `);
   const bounds = limits.map((limit) => `${limit.name} ${quantityText(limit.value, unit)}`);
   return (
-    <div class="gauge" title={[`Scale ${low} to ${high}`, told === "" ? "" : `went to ${told}`, ...bounds].filter(Boolean).join("; ")}>
+    <div
+      class="gauge"
+      title={[t("Scale {low} to {high}", { low, high }), told === "" ? "" : t("went to {told}", { told }), ...bounds]
+        .filter(Boolean)
+        .join("; ")}
+    >
       <span class="label">{name}</span>
       <span class="value">{text.value}</span>
       <span class="unit">{text.unit}</span>
@@ -69,7 +75,7 @@ export function Gauge({
             <rect key={limit.name} class="limit" x={Math.min(99.2, at(limit.value))} width="0.8" height="6" />
           ))}
       </svg>
-      {bounds.length > 0 ? <span class="hidden-text">{`Limits: ${bounds.join(", ")}`}</span> : null}
+      {bounds.length > 0 ? <span class="hidden-text">{t("Limits: {bounds}", { bounds: bounds.join(", ") })}</span> : null}
       <span class="scale" aria-hidden="true">
         <span>{low}</span>
         <span>{high}</span>

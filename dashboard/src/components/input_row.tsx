@@ -5,6 +5,7 @@ import { segment, type Input } from "../api";
 import { kNone, unitText } from "../format";
 import { useAction, useLive, useWorld } from "../hooks";
 import { controlOf, differs, firstSpan, labelOf, spansOf } from "../inputs";
+import { t } from "../language";
 
 const kAgain = 60; ///< ms between two writes of a slider that is being moved
 const kSettled = 4000; ///< ms in which a value that was set comes back from the server, which is asked every 3 s
@@ -115,13 +116,13 @@ export function InputRow({
             max={control.maximum}
             step={control.step}
             value={value ?? 0}
-            aria-valuetext={value === null ? "unknown" : `${value} ${input.unit}`}
+            aria-valuetext={value === null ? t("unknown") : `${value} ${input.unit}`}
             title={`${input.minimum ?? ""} … ${input.maximum ?? ""} ${unitText(input.unit)}`}
             onInput={(event) => set(Number(event.currentTarget.value))}
           />
           <input
             class="exact"
-            aria-label={`${name}, exact`}
+            aria-label={t("{name}, exact", { name })}
             inputMode="decimal"
             value={text ?? (value === null ? "" : String(Number(value.toPrecision(6))))}
             placeholder={kNone}
@@ -137,7 +138,7 @@ export function InputRow({
           />
           {spansOf(input).length > 1 ? (
             <select
-              aria-label={`${name}, range of the slider`}
+              aria-label={t("{name}, range of the slider", { name })}
               class="span"
               value={span}
               onChange={(event) => setSpan(Number(event.currentTarget.value))}
@@ -158,7 +159,7 @@ export function InputRow({
         <p class="notice bad wide" role="alert">
           {error}{" "}
           <button type="button" onClick={clear}>
-            Dismiss
+            {t("Dismiss")}
           </button>
         </p>
       )}

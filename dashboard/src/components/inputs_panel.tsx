@@ -7,6 +7,7 @@ import { faultsOfInput, type FaultsOfInput } from "../fault_form";
 import { quantityText } from "../format";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
 import { byOwner, controlOf, differs, labelOf, matches, sectionsOf } from "../inputs";
+import { t } from "../language";
 import { href, useChoice } from "../router";
 import { InputRow, LiveInputRow } from "./input_row";
 import { TryFault } from "./try_fault";
@@ -65,15 +66,15 @@ export function InputsPanel({ device, signals, first }: { device: Device; signal
   return (
     <section class="panel inputs">
       <header>
-        <h2>Inputs</h2>
-        <span class="soft">around the device</span>
+        <h2>{t("Inputs")}</h2>
+        <span class="soft">{t("around the device")}</span>
         <span class="spacer" />
         {own.length > 0 ? (
           <input
             type="search"
             class="find"
-            aria-label={`Search the inputs of ${device.name}`}
-            placeholder="Search"
+            aria-label={t("Search the inputs of {name}", { name: device.name })}
+            placeholder={t("Search")}
             value={search}
             onInput={(event) => find(event.currentTarget.value)}
           />
@@ -100,7 +101,7 @@ export function InputsPanel({ device, signals, first }: { device: Device; signal
           </div>,
           <WireLinks key="wires" inputs={some} device={device.name} />,
         ];
-        const part = owner === "" ? "device" : owner;
+        const part = owner === "" ? t("device") : owner;
         return (
           <Fold
             key={owner}
@@ -130,13 +131,13 @@ export function InputsPanel({ device, signals, first }: { device: Device; signal
         );
       })}
       {own.length === 0 ? (
-        <p class="empty">{inputs.data ? "Nothing around this device can be set." : (inputs.error?.message ?? "…")}</p>
+        <p class="empty">{inputs.data ? t("Nothing around this device can be set.") : (inputs.error?.message ?? "…")}</p>
       ) : null}
       {own.length > 0 && found.length === 0 ? (
         <p class="empty">
-          None of the {own.length} inputs has “{wanted}” in its name or group.{" "}
+          {t("None of the {own} inputs has “{wanted}” in its name or group.", { own: own.length, wanted })}{" "}
           <button type="button" onClick={() => find("")}>
-            Show all
+            {t("Show all")}
           </button>
         </p>
       ) : null}
@@ -151,7 +152,7 @@ function FaultOfInput({ faults, label, device, owner }: { faults: FaultsOfInput;
     <span class="fault">
       <TryFault
         {...faults}
-        name={`${labelOf(label)} of ${device.name}${owner === "" ? "" : `, ${owner}`}`}
+        name={t("{label} of {name}{value}", { label: labelOf(label), name: device.name, value: owner === "" ? "" : `, ${owner}` })}
         places={[owner === "" ? "device" : "axis"]}
         network={store.networkKind(device.network)}
         small
@@ -171,11 +172,11 @@ function WireLinks({ inputs, device }: { inputs: readonly Input[]; device: strin
   }
   return (
     <p class="wire-links soft">
-      Wire to a signal:
+      {t("Wire to a signal:")}
       {ends.map((input) => {
         const name = labelOf(input.name.slice(device.length + 1));
         return (
-          <a key={input.name} href={href("rack-file", [], { wire: input.name })} aria-label={`Wire ${name}`}>
+          <a key={input.name} href={href("rack-file", [], { wire: input.name })} aria-label={t("Wire {name}", { name })}>
             {labelOf(input.name.slice(input.name.lastIndexOf(".") + 1))}
           </a>
         );
@@ -237,12 +238,12 @@ function Differing({ inputs, device, onSet }: { inputs: readonly Input[]; device
       }
     }).then(onSet);
   return (
-    <section class="differing" aria-label="Differs from normal">
+    <section class="differing" aria-label={t("Differs from normal")}>
       <header>
-        <h3>Differs from normal</h3>
+        <h3>{t("Differs from normal")}</h3>
         {inputs.length > 1 ? (
           <button type="button" class="small" disabled={busy} onClick={() => back(inputs)}>
-            Set all back
+            {t("Set all back")}
           </button>
         ) : null}
       </header>
@@ -253,10 +254,11 @@ function Differing({ inputs, device, onSet }: { inputs: readonly Input[]; device
             <li key={input.name}>
               <span>{name}</span>
               <span>
-                {quantityText(input.value, input.unit)} <span class="soft">instead of {quantityText(input.normal, input.unit)}</span>
+                {quantityText(input.value, input.unit)}{" "}
+                <span class="soft">{t("instead of {normal}", { normal: quantityText(input.normal, input.unit) })}</span>
               </span>
-              <button type="button" class="small" disabled={busy} aria-label={`Set ${name} back`} onClick={() => back([input])}>
-                Set back
+              <button type="button" class="small" disabled={busy} aria-label={t("Set {name} back", { name })} onClick={() => back([input])}>
+                {t("Set back")}
               </button>
             </li>
           );

@@ -3,6 +3,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 
 import { quantityText } from "../format";
 import { useLive, useMedia, useShownIn, useWorld } from "../hooks";
+import { t } from "../language";
 import type { MotorSignals } from "../motion";
 import type { Machine } from "../scene/machine";
 
@@ -41,7 +42,7 @@ export function MachineView({ device, motors }: { device: string; motors: readon
     show().catch((error: unknown) => {
       if (!over) {
         const reason = error instanceof Error ? error.message : String(error);
-        setProblem(`The machine cannot be drawn: ${reason.replace(/^THREE\.\w+: /, "").replace(/\.$/, "")}.`);
+        setProblem(t("The machine cannot be drawn: {reason}.", { reason: reason.replace(/^THREE\.\w+: /, "").replace(/\.$/, "") }));
       }
     });
     return () => {
@@ -61,13 +62,22 @@ export function MachineView({ device, motors }: { device: string; motors: readon
             ref={canvas}
             tabIndex={0}
             role="img"
-            aria-label={`${gantry ? "A gantry" : "A rotary table"} that moves as the shafts of ${device} do. Arrow keys turn the view, plus and minus zoom, Home puts it back.`}
+            aria-label={
+              gantry
+                ? t("A gantry that moves as the shafts of {device} do. Arrow keys turn the view, plus and minus zoom, Home puts it back.", {
+                    device,
+                  })
+                : t(
+                    "A rotary table that moves as the shaft of {device} does. Arrow keys turn the view, plus and minus zoom, Home puts it back.",
+                    { device },
+                  )
+            }
           />
-          <p class="soft">Drag to turn the view, pinch to zoom; with the focus on it the wheel, arrow keys, + and − do so, too.</p>
+          <p class="soft">{t("Drag to turn the view, pinch to zoom; with the focus on it the wheel, arrow keys, + and − do so, too.")}</p>
         </>
       ) : (
         <p class="notice warning" role="status">
-          {problem} It needs WebGL, which this browser lacks or has switched off. The numbers are here all the same.
+          {t("{problem} It needs WebGL, which this browser lacks or has switched off. The numbers are here all the same.", { problem })}
         </p>
       )}
       <dl class="numbers" ref={legend}>
@@ -78,7 +88,7 @@ export function MachineView({ device, motors }: { device: string; motors: readon
       </dl>
       {gantry ? (
         <p class="soft">
-          How far a revolution goes is the machine’s affair, not the module’s: each axis is drawn to the scale of its way so far.
+          {t("How far a revolution goes is the machine’s affair, not the module’s: each axis is drawn to the scale of its way so far.")}
         </p>
       ) : null}
     </div>

@@ -4,6 +4,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 
 import type { Signals } from "../api";
 import { useMedia, useShownIn, useWorld } from "../hooks";
+import { t } from "../language";
 import { motorNumbers, motorSignals, type MotorNumber, type MotorSignals } from "../motion";
 import "../styles/motion.css";
 import { MachineView } from "./machine_view";
@@ -31,27 +32,27 @@ export function MotionPanel({
     return null;
   }
   return (
-    <section class="panel motion" aria-label={`Motion of ${axis}`}>
+    <section class="panel motion" aria-label={t("Motion of {axis}", { axis })}>
       <header>
-        <h2>Motion of {axis}</h2>
+        <h2>{t("Motion of {axis}", { axis })}</h2>
         <span class="spacer" />
         <button type="button" aria-pressed={solid} onClick={() => setSolid(!solid)}>
-          Show in 3-D
+          {t("Show in 3-D")}
         </button>
         {still ? null : (
-          <div class="segmented" role="group" aria-label="What stands still in the picture">
+          <div class="segmented" role="group" aria-label={t("What stands still in the picture")}>
             <button type="button" aria-pressed={frame === "stator"} onClick={() => setFrame("stator")}>
-              stator
+              {t("stator")}
             </button>
             <button type="button" aria-pressed={frame === "rotor"} onClick={() => setFrame("rotor")}>
-              {motor.kind === "servo" ? "d/q at rest" : "rotor at rest"}
+              {motor.kind === "servo" ? t("d/q at rest") : t("rotor at rest")}
             </button>
           </div>
         )}
       </header>
       <div class="body">
         {still ? (
-          <p class="soft">Numbers only, as your system asks for little motion.</p>
+          <p class="soft">{t("Numbers only, as your system asks for little motion.")}</p>
         ) : (
           <div>
             <MotorPicture motor={motor} title={axis} frame={frame} />

@@ -3,6 +3,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 
 import { quantityText } from "../format";
 import { useSignals, useWorld } from "../hooks";
+import { t } from "../language";
 import {
   degrees,
   motorState,
@@ -106,7 +107,7 @@ class Drawing {
         label.textContent = state.rotor === null ? "" : `${degrees(this.current.angle).toFixed(0).replace("-", "−")}°`;
       }
     }
-    const slowed = state.rotor !== null && this.turning.slowed ? "The field is shown slowed." : "";
+    const slowed = state.rotor !== null && this.turning.slowed ? t("The field is shown slowed.") : "";
     const note = this.element("slowed");
     if (note && note.textContent !== slowed) {
       note.textContent = slowed;
@@ -144,7 +145,7 @@ class Drawing {
       line.setAttribute("x2", end);
     }
     const scale = this.element(`${part}-scale`);
-    const text = `circle: ${quantityText(most, unit)}`;
+    const text = t("circle: {radius}", { radius: quantityText(most, unit) });
     if (scale && scale.textContent !== text) {
       scale.textContent = text;
     }
@@ -194,7 +195,7 @@ export function MotorPicture({ motor, title, frame }: { motor: MotorSignals; tit
         class="motor"
         viewBox={`0 0 ${kWidth} ${kHeight}`}
         role="group"
-        aria-label={`Shaft and field of ${title}; the numbers follow`}
+        aria-label={t("Shaft and field of {title}; the numbers follow", { title })}
       >
         <defs>
           {["current", "voltage"].map((kind) => (
@@ -217,7 +218,7 @@ export function MotorPicture({ motor, title, frame }: { motor: MotorSignals; tit
         <g aria-hidden="true">
           <ShaftDial signal={motor.shaft} x={62} y={kY} radius={50} />
           <text class="small" x={62} y={kY + 68}>
-            shaft
+            {t("shaft")}
           </text>
           <circle class="field" cx={kX} cy={kY} r={kRadius} />
           <g data-part="stator" class="coils">
@@ -235,26 +236,26 @@ export function MotorPicture({ motor, title, frame }: { motor: MotorSignals; tit
           ))}
         </g>
         <g data-part="rotor">
-          <g class="vector flux" role="img" aria-label="Rotor flux: the d axis" {...choose("flux")}>
+          <g class="vector flux" role="img" aria-label={t("Rotor flux: the d axis")} {...choose("flux")}>
             <rect class="south" x={kX - kRadius * 0.3} y={kY - 11} width={kRadius * 0.3} height={22} />
             <rect class="north" x={kX} y={kY - 11} width={kRadius * 0.3} height={22} />
             <line class="axis" x1={kX} y1={kY} x2={reach} y2={kY} />
           </g>
           {stepper ? (
             <path class="pull-out" d={`M${kX} ${kY - kRadius}V${kY + kRadius}`}>
-              <title>The current may be 90° electrical ahead of the rotor or behind it; beyond, the rotor is pulled out</title>
+              <title>{t("The current may be 90° electrical ahead of the rotor or behind it; beyond, the rotor is pulled out")}</title>
             </path>
           ) : (
             <line class="axis" x1={kX} y1={kY} x2={kX} y2={kY - kRadius} />
           )}
           {stepper ? <path data-part="load" class="load" d="" /> : null}
           {stepper ? null : (
-            <g class="vector voltage" data-part="voltage" role="img" aria-label="Stator voltage" {...choose("voltage")}>
+            <g class="vector voltage" data-part="voltage" role="img" aria-label={t("Stator voltage")} {...choose("voltage")}>
               <line class="grip" x1={kX} y1={kY} x2={kX} y2={kY} />
               <line class="shown" x1={kX} y1={kY} x2={kX} y2={kY} marker-end="url(#head-voltage)" />
             </g>
           )}
-          <g class="vector current" data-part="current" role="img" aria-label="Stator current" {...choose("current")}>
+          <g class="vector current" data-part="current" role="img" aria-label={t("Stator current")} {...choose("current")}>
             <line class="grip" x1={kX} y1={kY} x2={kX} y2={kY} />
             <line class="shown" x1={kX} y1={kY} x2={kX} y2={kY} marker-end="url(#head-current)" />
           </g>
@@ -286,13 +287,16 @@ function Readout({ motor, chosen }: { motor: MotorSignals; chosen: "current" | "
   const state = motorState(motor, read);
   const text =
     chosen === "current"
-      ? vectorText("Stator current", state.current, "A")
+      ? vectorText(t("Stator current"), state.current, "A")
       : chosen === "voltage" && state.voltage
-        ? vectorText("Stator voltage", state.voltage, "V")
+        ? vectorText(t("Stator voltage"), state.voltage, "V")
         : chosen === "flux"
           ? state.rotor === null
-            ? "Rotor: without current nothing tells where it stands"
-            : `Rotor flux: at ${degrees(state.rotor).toFixed(1).replace("-", "−")}° electrical from coil ${motor.coils[0]?.[0] ?? ""}`
-          : "Point at a vector, or focus it, for its numbers.";
+            ? t("Rotor: without current nothing tells where it stands")
+            : t("Rotor flux: at {angle} electrical from coil {coil}", {
+                angle: `${degrees(state.rotor).toFixed(1).replace("-", "−")}°`,
+                coil: motor.coils[0]?.[0] ?? "",
+              })
+          : t("Point at a vector, or focus it, for its numbers.");
   return <p class="readout soft">{text}</p>;
 }

@@ -1,6 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import { useWorld } from "../hooks";
+import { t, tx } from "../language";
 
 /// Asks for the token. The browser's own dialogue keeps the focus inside and closes with Escape.
 export function TokenDialog({ open, onClose }: { open: boolean; onClose: () => void }) {
@@ -23,22 +24,24 @@ export function TokenDialog({ open, onClose }: { open: boolean; onClose: () => v
           close();
         }}
       >
-        <h2 id="token-title">Token of this rack</h2>
+        <h2 id="token-title">{t("Token of this rack")}</h2>
         <p class="soft">
-          Changes need the token that <code>stator run --http</code> printed, or that of the file named with <code>--http-token</code>. It
-          is forgotten when this tab is closed.
+          {tx(
+            "Changes need the token that {code} printed, or that of the file named with {code2}. It is forgotten when this tab is closed.",
+            { code: <code>stator run --http</code>, code2: <code>--http-token</code> },
+          )}
         </p>
         <label class="field">
-          <span>Token</span>
+          <span>{t("Token")}</span>
           <input type="password" autocomplete="off" value={text} onInput={(event) => setText(event.currentTarget.value)} />
         </label>
         <div class="toolbar">
           <span class="spacer" />
           <button type="button" onClick={close}>
-            Cancel
+            {t("Cancel")}
           </button>
           <button type="submit" class="primary">
-            Use it
+            {t("Use it")}
           </button>
         </div>
       </form>

@@ -4,6 +4,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { FaultKinds } from "../api";
 import { fitsNetwork, type TargetKeys, type Values } from "../fault_form";
 import { useResource, useStore } from "../hooks";
+import { t } from "../language";
 import { href } from "../router";
 import { FaultForm } from "./fault_form";
 
@@ -35,7 +36,7 @@ export function TryFault(place: Place) {
   return (
     <>
       <span role="status" class={place.small ? "hidden-text" : ""}>
-        {put ? place.small ? "Fault is put" : <a href={href("faults")}>Fault is put</a> : null}
+        {put ? place.small ? t("Fault is put") : <a href={href("faults")}>{t("Fault is put")}</a> : null}
       </span>
       <button
         type="button"
@@ -44,7 +45,7 @@ export function TryFault(place: Place) {
         title={place.small ? label : undefined}
         onClick={() => setOpen(true)}
       >
-        {place.small ? <FaultSign /> : "Try a fault"}
+        {place.small ? <FaultSign /> : t("Try a fault")}
       </button>
       {open ? (
         <FaultDialog
@@ -80,16 +81,16 @@ function FaultDialog({ name, places, at, network, kinds: offered, close }: Place
   return (
     <dialog ref={dialog} class="try-fault" onClose={() => close(done.current)} aria-labelledby="try-fault-title">
       <div class="toolbar">
-        <h2 id="try-fault-title">Try a fault at {name}</h2>
+        <h2 id="try-fault-title">{t("Try a fault at {name}", { name })}</h2>
         <span class="spacer" />
         <button type="button" onClick={() => dialog.current?.close()}>
-          Close
+          {t("Close")}
         </button>
       </div>
       {kind && kinds.data ? (
         <>
           <label class="field">
-            <span>What goes wrong</span>
+            <span>{t("What goes wrong")}</span>
             <select value={kind.name} onChange={(event) => setChosen(event.currentTarget.value)}>
               {list.map((each) => (
                 <option key={each.name} value={each.name}>

@@ -1,6 +1,7 @@
 import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
 
+import { t } from "../language";
 import type { Declarations, Member } from "./declarations";
 import { membersAt, type Section } from "./outline";
 import { beginsWith, countAt, keysAt, literalAt, pathText, stands, without, withTable, withValue, type Path, type Toml } from "./toml";
@@ -118,7 +119,11 @@ function FurtherTable({
       <span class="toolbar">
         {children}
         {types.length > 0 ? (
-          <select aria-label={`Type of a further ${member.name}`} value={type} onChange={(event) => setType(event.currentTarget.value)}>
+          <select
+            aria-label={t("Type of a further {name}", { name: member.name })}
+            value={type}
+            onChange={(event) => setType(event.currentTarget.value)}
+          >
             {types.map((each) => (
               <option key={each}>{each}</option>
             ))}
@@ -140,7 +145,7 @@ function Addition({ member, path, toml, declarations, change }: Editing & { path
         <span>
           <Title member={member} />
         </span>
-        <span class="soft">written in one line: add to it in the text</span>
+        <span class="soft">{t("written in one line: add to it in the text")}</span>
       </div>
     );
   }
@@ -169,8 +174,8 @@ function NamedAddition({ member, path, toml, change }: Editing & { path: Path; m
       add={(lines) => change(withTable(toml, place, false, lines), place)}
     >
       <input
-        aria-label={`Name of a further ${member.name}`}
-        placeholder="name"
+        aria-label={t("Name of a further {name}", { name: member.name })}
+        placeholder={t("name")}
         value={name}
         onInput={(event) => setName(event.currentTarget.value)}
       />
@@ -199,8 +204,8 @@ function NamedValues({ member, path, ...editing }: Editing & { path: Path; membe
       />
       <div class="toolbar addition">
         <input
-          aria-label={`Name of a further value of ${pathText(path)}`}
-          placeholder="name"
+          aria-label={t("Name of a further value of {path}", { path: pathText(path) })}
+          placeholder={t("name")}
           value={name}
           onInput={(event) => setName(event.currentTarget.value)}
         />
@@ -212,7 +217,7 @@ function NamedValues({ member, path, ...editing }: Editing & { path: Path; membe
             setName("");
           }}
         >
-          Add to {member.name}
+          {t("Add to {name}", { name: member.name })}
         </button>
       </div>
     </details>

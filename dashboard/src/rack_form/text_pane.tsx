@@ -1,6 +1,7 @@
 import { useEffect, useRef } from "preact/hooks";
 
 import type { RackCheck } from "../api";
+import { t, tn } from "../language";
 import { lineBegin } from "./toml";
 
 type Problem = RackCheck["errors"][number];
@@ -40,28 +41,28 @@ export function TextPane({
   };
   useEffect(() => goTo(shown, shown, false), [shown]);
   return (
-    <section class="panel rack-text" aria-label="Text of the rack file">
+    <section class="panel rack-text" aria-label={t("Text of the rack file")}>
       <header>
-        <h2>Text</h2>
+        <h2>{t("Text")}</h2>
         <span class="spacer" />
         <span role="status">
           {errors.length > 0 ? (
-            <span class="badge bad">{errors.length === 1 ? "1 problem" : `${errors.length} problems`}</span>
+            <span class="badge bad">{tn(errors.length, "{count} problem", "{count} problems")}</span>
           ) : good ? (
-            <span class="badge good">no problem</span>
+            <span class="badge good">{t("no problem")}</span>
           ) : null}
         </span>
       </header>
       <textarea
         ref={area}
-        aria-label="Rack file in TOML"
+        aria-label={t("Rack file in TOML")}
         spellcheck={false}
         value={text}
         onInput={(event) => change(event.currentTarget.value)}
       />
       {failure === "" ? null : <p class="notice warning">{failure}</p>}
       {errors.length === 0 ? null : (
-        <ul class="problems" aria-label="Problems">
+        <ul class="problems" aria-label={t("Problems")}>
           {errors.map((error) => (
             <li key={`${error.line} ${error.column} ${error.message}`}>
               {error.line > 0 ? (
@@ -70,7 +71,7 @@ export function TextPane({
                   class="small"
                   onClick={() => goTo(lineBegin(text, error.line), lineBegin(text, error.line + 1), true)}
                 >
-                  Line {error.line}
+                  {t("Line {line}", { line: error.line })}
                 </button>
               ) : null}
               <span>{error.message}</span>

@@ -1,4 +1,5 @@
 import { useResource } from "../hooks";
+import { t } from "../language";
 import { choicesOf, defaultOf, literalOf, type Member } from "./declarations";
 import { contentOf, pathText, type Path } from "./toml";
 
@@ -54,7 +55,7 @@ export function ValueField({
       <label htmlFor={id}>{member.name}</label>
       {choices.length > 0 ? (
         <select id={id} value={value} {...described} onChange={(event) => take(event.currentTarget.value)}>
-          <option value="">{preset === "" ? "not given" : `${preset} (default)`}</option>
+          <option value="">{preset === "" ? t("not given") : t("{preset} (default)", { preset })}</option>
           {value === "" || choices.includes(value) ? null : <option value={value}>{value}</option>}
           {choices.map((choice) => (
             <option key={choice} value={choice}>

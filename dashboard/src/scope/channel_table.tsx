@@ -1,6 +1,7 @@
 import { useState } from "preact/hooks";
 
 import { unitText } from "../format";
+import { t } from "../language";
 import { frequencyText, numberText, timeText } from "./core/numbers";
 import { kFunctions } from "./core/expression";
 import { readChannel } from "./core/cursors";
@@ -16,59 +17,59 @@ export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt:
   const { ring } = scope.record;
   const { times } = scope.cursors;
   if (channels.length === 0) {
-    return <p class="empty">Nothing is shown. Choose a preset above, or switch signals on in the list.</p>;
+    return <p class="empty">{t("Nothing is shown. Choose a preset above, or switch signals on in the list.")}</p>;
   }
   return (
     <div class="scroller">
       <table class="scope-channels">
         <thead>
           <tr>
-            <th scope="col">Channel</th>
+            <th scope="col">{t("Channel")}</th>
             <th scope="col" class="number">
-              Value
+              {t("Value")}
             </th>
             <th scope="col" class="number">
-              Minimum
+              {t("Minimum")}
             </th>
             <th scope="col" class="number">
-              Maximum
+              {t("Maximum")}
             </th>
             <th scope="col" class="number">
-              Peak-peak
+              {t("Peak-peak")}
             </th>
             <th scope="col" class="number">
-              Mean
+              {t("Mean")}
             </th>
             <th scope="col" class="number">
               RMS
             </th>
             <th scope="col" class="number">
-              Period
+              {t("Period")}
             </th>
             <th scope="col" class="number">
-              Frequency
+              {t("Frequency")}
             </th>
             {times === null ? null : (
               <>
                 <th scope="col" class="number">
-                  at A
+                  {t("at A")}
                 </th>
                 <th scope="col" class="number">
-                  at B
+                  {t("at B")}
                 </th>
                 <th scope="col" class="number">
                   B − A
                 </th>
                 <th scope="col" class="number">
-                  Slope
+                  {t("Slope")}
                 </th>
               </>
             )}
-            <th scope="col">Gain</th>
-            <th scope="col">Offset</th>
-            <th scope="col">Axis</th>
+            <th scope="col">{t("Gain")}</th>
+            <th scope="col">{t("Offset")}</th>
+            <th scope="col">{t("Axis")}</th>
             <th scope="col">
-              <span class="hidden-text">Remove</span>
+              <span class="hidden-text">{t("Remove")}</span>
             </th>
           </tr>
         </thead>
@@ -110,7 +111,7 @@ export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt:
                 )}
                 <td>
                   <NumberField
-                    label={`Gain of ${channel.name}`}
+                    label={t("Gain of {name}", { name: channel.name })}
                     hideLabel
                     value={channel.gain}
                     onValue={(gain) => attempt(() => scope.changeChannel(channel.name, { gain: gain ?? 1 }))}
@@ -118,7 +119,7 @@ export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt:
                 </td>
                 <td>
                   <NumberField
-                    label={`Offset of ${channel.name}`}
+                    label={t("Offset of {name}", { name: channel.name })}
                     hideLabel
                     value={channel.offset * factor}
                     onValue={(offset) => attempt(() => scope.changeChannel(channel.name, { offset: (offset ?? 0) / factor }))}
@@ -126,19 +127,19 @@ export function ChannelTable({ scope, attempt }: { scope: Oscilloscope; attempt:
                 </td>
                 <td>
                   <select
-                    aria-label={`Axis of ${channel.name}`}
+                    aria-label={t("Axis of {name}", { name: channel.name })}
                     value={channel.own ? "own" : "unit"}
                     onChange={(event) => attempt(() => scope.changeChannel(channel.name, { own: event.currentTarget.value === "own" }))}
                   >
-                    <option value="unit">of its unit</option>
-                    <option value="own">its own</option>
+                    <option value="unit">{t("of its unit")}</option>
+                    <option value="own">{t("its own")}</option>
                   </select>
                 </td>
                 <td>
                   <button
                     type="button"
-                    aria-label={`Remove ${channel.name}`}
-                    title="Remove"
+                    aria-label={t("Remove {name}", { name: channel.name })}
+                    title={t("Remove")}
                     onClick={() => attempt(() => scope.removeChannel(channel.name))}
                   >
                     ×
@@ -160,12 +161,12 @@ export function AxisTable({ scope, attempt }: { scope: Oscilloscope; attempt: At
     <ul class="scope-axes">
       {keys.map((key) => {
         const { range } = scope.axis(key);
-        const name = key === "" ? "without unit" : key.replace(/^=/, "");
+        const name = key === "" ? t("without unit") : key.replace(/^=/, "");
         const set = (patch: { from?: number; to?: number }) => {
           const next = { from: 0, to: 1, ...range, ...patch };
           attempt(() => {
             if (!(next.from < next.to)) {
-              throw new Error(`The scale ${name} must end above its begin, ${next.from}`);
+              throw new Error(t("The scale {name} must end above its begin, {from}", { name, from: next.from }));
             }
             scope.changeAxis(key, next);
           });
@@ -179,12 +180,17 @@ export function AxisTable({ scope, attempt }: { scope: Oscilloscope; attempt: At
                 checked={range === null}
                 onChange={(event) => attempt(() => scope.changeAxis(key, event.currentTarget.checked ? null : { from: -1, to: 1 }))}
               />
-              auto
+              {t("auto")}
             </label>
             {range === null ? null : (
               <>
-                <NumberField label={`Lower end of ${name}`} hideLabel value={range.from} onValue={(from) => set({ from: from ?? 0 })} />
-                <NumberField label={`Upper end of ${name}`} hideLabel value={range.to} onValue={(to) => set({ to: to ?? 1 })} />
+                <NumberField
+                  label={t("Lower end of {name}", { name })}
+                  hideLabel
+                  value={range.from}
+                  onValue={(from) => set({ from: from ?? 0 })}
+                />
+                <NumberField label={t("Upper end of {name}", { name })} hideLabel value={range.to} onValue={(to) => set({ to: to ?? 1 })} />
               </>
             )}
           </li>
@@ -215,11 +221,11 @@ export function ExpressionForm({ scope }: { scope: Oscilloscope }) {
   return (
     <form class="scope-form" onSubmit={add}>
       <label class="field">
-        <span>Name</span>
+        <span>{t("Name")}</span>
         <input value={name} required onInput={(event) => setName(event.currentTarget.value)} />
       </label>
       <label class="field wide">
-        <span>Expression</span>
+        <span>{t("Expression")}</span>
         <input
           class="mono"
           value={expression}
@@ -237,20 +243,21 @@ export function ExpressionForm({ scope }: { scope: Oscilloscope }) {
         </datalist>
       </label>
       <label class="field">
-        <span>Unit</span>
-        <input class="short" value={unit} placeholder="follows" onInput={(event) => setUnit(event.currentTarget.value)} />
+        <span>{t("Unit")}</span>
+        <input class="short" value={unit} placeholder={t("follows")} onInput={(event) => setUnit(event.currentTarget.value)} />
       </label>
-      <button type="submit">Add</button>
+      <button type="submit">{t("Add")}</button>
       {error === "" ? null : (
         <p class="notice bad wide" role="alert">
           {error}
         </p>
       )}
       <details id="scope-expression-help" class="wide soft">
-        <summary>How to write one</summary>
+        <summary>{t("How to write one")}</summary>
         <p>
-          Channels by name, numbers, + − * / and parentheses; names with other characters than letters, digits, _ and . in double quotes.
-          Functions:
+          {t(
+            "Channels by name, numbers, + − * / and parentheses; names with other characters than letters, digits, _ and . in double quotes. Functions:",
+          )}
         </p>
         <ul>
           {Object.entries(kFunctions).map(([key, { summary }]) => (

@@ -1,3 +1,4 @@
+import { t } from "../language";
 import { numberText, timeText } from "./core/numbers";
 import type { Oscilloscope } from "./oscilloscope";
 
@@ -16,6 +17,17 @@ const kStates = {
   done: "done",
 } as const;
 
+/// The same as a person reads them; what is in English names their colours.
+const kStateTexts: Readonly<Record<string, string>> = {
+  "no connection": t("no connection"),
+  stopped: t("stopped"),
+  "no channels": t("no channels"),
+  "waiting for trigger": t("waiting for trigger"),
+  triggered: t("triggered"),
+  running: t("running"),
+  done: t("done"),
+};
+
 /// Run and stop, time base, memory, and how acquisition goes.
 export function Controls({ scope, attempt }: { scope: Oscilloscope; attempt: (action: () => void) => void }) {
   const { setup, record, statistics, acquisition } = scope;
@@ -28,24 +40,24 @@ export function Controls({ scope, attempt }: { scope: Oscilloscope; attempt: (ac
         : kStates[acquisition.state];
   const lost = statistics.droppedByServer + statistics.droppedByPage;
   return (
-    <div class="toolbar scope-controls" role="toolbar" aria-label="Acquisition">
+    <div class="toolbar scope-controls" role="toolbar" aria-label={t("Acquisition")}>
       <button
         type="button"
         class={scope.running ? "" : "primary"}
         aria-pressed={scope.running}
         onClick={() => (scope.running ? scope.stop() : scope.run())}
-        title="Space"
+        title={t("Space")}
       >
-        {scope.running ? "Stop" : "Run"}
+        {scope.running ? t("Stop") : t("Run")}
       </button>
-      <button type="button" onClick={() => attempt(() => scope.single())} title="Record one trigger, then stop (S)">
-        Single
+      <button type="button" onClick={() => attempt(() => scope.single())} title={t("Record one trigger, then stop (S)")}>
+        {t("Single")}
       </button>
-      <button type="button" disabled={!scope.running} onClick={() => scope.force()} title="As if the trigger had come now (T)">
-        Force
+      <button type="button" disabled={!scope.running} onClick={() => scope.force()} title={t("As if the trigger had come now (T)")}>
+        {t("Force")}
       </button>
       <label>
-        <span class="hidden-text">Trigger mode</span>
+        <span class="hidden-text">{t("Trigger mode")}</span>
         <select
           value={setup.trigger.mode}
           onChange={(event) => {
@@ -53,18 +65,18 @@ export function Controls({ scope, attempt }: { scope: Oscilloscope; attempt: (ac
             attempt(() => scope.change({ trigger: { ...setup.trigger, mode } }));
           }}
         >
-          <option value="auto">Auto</option>
-          <option value="normal">Normal</option>
-          <option value="single">Single</option>
+          <option value="auto">{t("Auto")}</option>
+          <option value="normal">{t("Normal")}</option>
+          <option value="single">{t("Single")}</option>
         </select>
       </label>
       <span class={`scope-state ${state.replaceAll(" ", "-")}`} role="status">
-        {state}
+        {kStateTexts[state]}
       </span>
       <label>
-        Sampling{" "}
+        {t("Sampling")}{" "}
         <select
-          aria-label="Sampling"
+          aria-label={t("Sampling")}
           value={setup.period}
           onChange={(event) => attempt(() => scope.change({ period: Number(event.currentTarget.value) }))}
         >
@@ -76,9 +88,9 @@ export function Controls({ scope, attempt }: { scope: Oscilloscope; attempt: (ac
         </select>
       </label>
       <label>
-        Shown{" "}
+        {t("Shown")}{" "}
         <select
-          aria-label="Shown"
+          aria-label={t("Shown")}
           value={setup.span}
           onChange={(event) => attempt(() => scope.change({ span: Number(event.currentTarget.value) }))}
         >
@@ -89,10 +101,15 @@ export function Controls({ scope, attempt }: { scope: Oscilloscope; attempt: (ac
           ))}
         </select>
       </label>
-      <label title={`${numberText(record.ring.capacity)} rows, ${numberText(record.ring.bytes / 2 ** 20, 3)} MiB`}>
-        Memory{" "}
+      <label
+        title={t("{capacity} rows, {number} MiB", {
+          capacity: numberText(record.ring.capacity),
+          number: numberText(record.ring.bytes / 2 ** 20, 3),
+        })}
+      >
+        {t("Memory")}{" "}
         <select
-          aria-label="Memory"
+          aria-label={t("Memory")}
           value={setup.memory}
           onChange={(event) => attempt(() => scope.change({ memory: Number(event.currentTarget.value) }))}
         >
@@ -111,7 +128,7 @@ export function Controls({ scope, attempt }: { scope: Oscilloscope; attempt: (ac
         aria-pressed={setup.layout === "lanes"}
         onClick={() => attempt(() => scope.change({ layout: setup.layout === "lanes" ? "overlay" : "lanes" }))}
       >
-        One lane per unit
+        {t("One lane per unit")}
       </button>
       <button
         type="button"
@@ -123,15 +140,22 @@ export function Controls({ scope, attempt }: { scope: Oscilloscope; attempt: (ac
       <span class="spacer" />
       <output
         class={`mono soft scope-statistics ${lost + record.missing > 0 ? "lost" : ""}`}
-        title="Rows that came, that are missing between them, that the server and the page dropped; frames per second of this page"
+        title={t("Rows that came, that are missing between them, that the server and the page dropped; frames per second of this page")}
         data-received={record.received}
         data-expected={record.expected}
         data-dropped={lost}
         data-fps={statistics.fps}
         data-slowest={statistics.slowest.toFixed(1)}
       >
-        {record.received} rows, {record.missing} lost
-        {lost > 0 ? ` (${statistics.droppedByServer} server, ${statistics.droppedByPage} page)` : ""}, {statistics.fps} fps
+        {lost > 0
+          ? t("{received} rows, {missing} lost ({server} server, {page} page), {fps} fps", {
+              received: record.received,
+              missing: record.missing,
+              server: statistics.droppedByServer,
+              page: statistics.droppedByPage,
+              fps: statistics.fps,
+            })
+          : t("{received} rows, {missing} lost, {fps} fps", { received: record.received, missing: record.missing, fps: statistics.fps })}
       </output>
     </div>
   );

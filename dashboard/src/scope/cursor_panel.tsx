@@ -1,3 +1,4 @@
+import { t } from "../language";
 import { readTimes } from "./core/cursors";
 import { frequencyText, numberText, timeText } from "./core/numbers";
 import { NumberField } from "./number_field";
@@ -26,7 +27,7 @@ export function CursorPanel({ scope, picture }: { scope: Oscilloscope; picture: 
           checked={times !== null}
           onChange={(event) => scope.setCursors({ times: event.currentTarget.checked ? placeTimes() : null })}
         />
-        Time cursors A and B
+        {t("Time cursors A and B")}
       </label>
       {times === null || reading === null ? null : (
         <>
@@ -54,16 +55,16 @@ export function CursorPanel({ scope, picture }: { scope: Oscilloscope; picture: 
           disabled={keys.length === 0}
           onChange={(event) => scope.setCursors({ levels: event.currentTarget.checked ? placeLevels(keys[0]!) : null })}
         />
-        Level cursors C and D
+        {t("Level cursors C and D")}
       </label>
       {levels === null ? null : (
         <>
           <label class="field">
-            <span>Axis</span>
+            <span>{t("Axis")}</span>
             <select value={levels.key} onChange={(event) => scope.setCursors({ levels: placeLevels(event.currentTarget.value) })}>
               {keys.map((key) => (
                 <option key={key} value={key}>
-                  {key === "" ? "without unit" : key.replace(/^=/, "")}
+                  {key === "" ? t("without unit") : key.replace(/^=/, "")}
                 </option>
               ))}
             </select>
@@ -73,7 +74,7 @@ export function CursorPanel({ scope, picture }: { scope: Oscilloscope; picture: 
           <p class="wide mono">D − C = {numberText(levels.b - levels.a)}</p>
         </>
       )}
-      <p class="soft wide">Drag them, or choose one in the picture with the keys A, B, C, D and move it with the arrows.</p>
+      <p class="soft wide">{t("Drag them, or choose one in the picture with the keys A, B, C, D and move it with the arrows.")}</p>
     </div>
   );
 }

@@ -2,6 +2,7 @@ import { useCallback, useEffect, useLayoutEffect, useMemo, useRef, useState } fr
 
 import type { Api, Device, Signals } from "../api";
 import { useConversion, useResource, useStore } from "../hooks";
+import { t } from "../language";
 import { AxisTable, ChannelTable, ExpressionForm } from "./channel_table";
 import { Controls } from "./controls";
 import { type Choosing, offeredOf, placesOf } from "./core/presets";
@@ -70,7 +71,7 @@ function Instrument({ scope, signals, offered, query, failure }: InstrumentPrope
   const side = useMemo(() => <SignalTree scope={scope} signals={signals} attempt={attempt} />, [scope, signals, attempt, setup.channels]);
   return (
     <div class="scope">
-      <h1 class="hidden-text">Oscilloscope</h1>
+      <h1 class="hidden-text">{t("Oscilloscope")}</h1>
       <PresetMenu offered={offered} shown={shown} />
       <Controls scope={scope} attempt={attempt} />
       {problem === "" ? null : (
@@ -83,37 +84,37 @@ function Instrument({ scope, signals, offered, query, failure }: InstrumentPrope
               scope.problem = "";
             }}
           >
-            Dismiss
+            {t("Dismiss")}
           </button>
         </p>
       )}
       <div class="scope-body">
         {side}
         <div class="scope-centre">
-          <section class="panel" aria-label="Picture">
+          <section class="panel" aria-label={t("Picture")}>
             <ViewBar scope={scope} picture={picture} attempt={attempt} />
             <Plot scope={scope} onPicture={setPicture} />
           </section>
           {setup.spectrum.shown && picture !== null ? <SpectrumPanel scope={scope} picture={picture} attempt={attempt} /> : null}
         </div>
         <div class="scope-side">
-          <Section title="Set an input" open>
+          <Section title={t("Set an input")} open>
             <InputsPanel place={shown.place} />
           </Section>
-          <Section title="Trigger" open>
+          <Section title={t("Trigger")} open>
             <TriggerPanel scope={scope} attempt={attempt} />
           </Section>
-          <Section title="Cursors" open>
+          <Section title={t("Cursors")} open>
             <CursorPanel scope={scope} picture={picture} />
           </Section>
-          <Section title="Calculated channel">
+          <Section title={t("Calculated channel")}>
             <ExpressionForm scope={scope} />
           </Section>
-          <Section title="Scales">
+          <Section title={t("Scales")}>
             <AxisTable scope={scope} attempt={attempt} />
           </Section>
         </div>
-        <section class="panel scope-table" aria-label="Channels and measurements">
+        <section class="panel scope-table" aria-label={t("Channels and measurements")}>
           <ChannelTable scope={scope} attempt={attempt} />
         </section>
       </div>
@@ -147,20 +148,20 @@ function ViewBar({ scope, picture, attempt }: { scope: Oscilloscope; picture: Pi
         type="button"
         aria-pressed={scope.held === null}
         onClick={() => scope.follow()}
-        title="Show what is being recorded (Home, double click)"
+        title={t("Show what is being recorded (Home, double click)")}
       >
-        Follow
+        {t("Follow")}
       </button>
-      <button type="button" aria-label="Zoom in" title="Zoom in (+, wheel)" onClick={() => scope.zoom(0.5, middle())}>
+      <button type="button" aria-label={t("Zoom in")} title={t("Zoom in (+, wheel)")} onClick={() => scope.zoom(0.5, middle())}>
         +
       </button>
-      <button type="button" aria-label="Zoom out" title="Zoom out (−, wheel)" onClick={() => scope.zoom(2, middle())}>
+      <button type="button" aria-label={t("Zoom out")} title={t("Zoom out (−, wheel)")} onClick={() => scope.zoom(2, middle())}>
         −
       </button>
-      <button type="button" aria-label="Earlier" title="Earlier (arrow left, drag)" onClick={() => scope.pan(-0.5)}>
+      <button type="button" aria-label={t("Earlier")} title={t("Earlier (arrow left, drag)")} onClick={() => scope.pan(-0.5)}>
         ‹
       </button>
-      <button type="button" aria-label="Later" title="Later (arrow right, drag)" onClick={() => scope.pan(0.5)}>
+      <button type="button" aria-label={t("Later")} title={t("Later (arrow right, drag)")} onClick={() => scope.pan(0.5)}>
         ›
       </button>
       <button
@@ -168,39 +169,39 @@ function ViewBar({ scope, picture, attempt }: { scope: Oscilloscope; picture: Pi
         disabled={scope.record.ring.size === 0}
         onClick={() => scope.hold({ from: scope.record.ring.oldest, to: scope.record.ring.newest })}
       >
-        All
+        {t("All")}
       </button>
       <span class="spacer" />
       <label>
-        <span class="hidden-text">Rows to export</span>
+        <span class="hidden-text">{t("Rows to export")}</span>
         <select value={range} onChange={(event) => setRange(event.currentTarget.value as CsvRange)}>
-          <option value="shown">what is shown</option>
+          <option value="shown">{t("what is shown")}</option>
           <option value="cursors" disabled={scope.cursors.times === null}>
-            between A and B
+            {t("between A and B")}
           </option>
-          <option value="all">all that is recorded</option>
+          <option value="all">{t("all that is recorded")}</option>
         </select>
       </label>
-      <label class="check" title="Angles in rad, currents in A, temperatures in K …; microsteps and counts stay">
+      <label class="check" title={t("Angles in rad, currents in A, temperatures in K …; microsteps and counts stay")}>
         <input type="checkbox" checked={si} onChange={(event) => setSi(event.currentTarget.checked)} />
-        SI units
+        {t("SI units")}
       </label>
-      <button type="button" title="As CSV, for a spreadsheet or a program" onClick={() => saveCsv(scope, range, si)}>
-        Save values
+      <button type="button" title={t("As CSV, for a spreadsheet or a program")} onClick={() => saveCsv(scope, range, si)}>
+        {t("Save values")}
       </button>
       <button
         type="button"
-        title="As PNG, with the names of the channels"
+        title={t("As PNG, with the names of the channels")}
         disabled={picture === null}
         onClick={() => picture && savePng(scope, picture.canvas, picture.colours.series, picture.colours.text, picture.colours.surface)}
       >
-        Save picture
+        {t("Save picture")}
       </button>
-      <button type="button" title="Channels, scales, time base and trigger, to load them again" onClick={() => saveSetup(scope)}>
-        Save setup
+      <button type="button" title={t("Channels, scales, time base and trigger, to load them again")} onClick={() => saveSetup(scope)}>
+        {t("Save setup")}
       </button>
       <button type="button" onClick={() => file.current?.click()}>
-        Load setup
+        {t("Load setup")}
       </button>
       <input
         ref={file}
@@ -208,7 +209,7 @@ function ViewBar({ scope, picture, attempt }: { scope: Oscilloscope; picture: Pi
         accept="application/json,.json"
         class="hidden-text"
         tabIndex={-1}
-        aria-label="Setup file"
+        aria-label={t("Setup file")}
         onChange={(event) => {
           const chosen = event.currentTarget.files?.[0];
           event.currentTarget.value = "";

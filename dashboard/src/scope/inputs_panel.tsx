@@ -5,6 +5,7 @@ import { InputRow } from "../components/input_row";
 import { unitText } from "../format";
 import { useAction, useResource, useWorld } from "../hooks";
 import { controlOf, differs, firstSpan } from "../inputs";
+import { t, tx } from "../language";
 import { numberOf } from "../motion_units";
 import { href } from "../router";
 import type { Place } from "./core/presets";
@@ -27,11 +28,11 @@ export function InputsPanel({ place }: { place: Place | null }) {
   return (
     <div class="scope-inputs">
       <label class="field">
-        <span>Input</span>
+        <span>{t("Input")}</span>
         <select value={chosen?.name ?? ""} onChange={(event) => setName(event.currentTarget.value)}>
-          <option value="">none</option>
+          <option value="">{t("none")}</option>
           {options(own)}
-          {own.length > 0 && others.length > 0 ? <optgroup label="Other devices">{options(others)}</optgroup> : options(others)}
+          {own.length > 0 && others.length > 0 ? <optgroup label={t("Other devices")}>{options(others)}</optgroup> : options(others)}
         </select>
       </label>
       {chosen === undefined ? null : (
@@ -42,7 +43,9 @@ export function InputsPanel({ place }: { place: Place | null }) {
           ) : null}
           {place !== null && chosen.name === load ? (
             <p class="soft">
-              It shows while the axis holds or follows a position: <a href={href("device", [place.device])}>move {place.device} by hand</a>.
+              {tx("It shows while the axis holds or follows a position: {link}.", {
+                link: <a href={href("device", [place.device])}>{t("move {device} by hand", { device: place.device })}</a>,
+              })}
             </p>
           ) : null}
         </>
@@ -78,12 +81,12 @@ function StepForm({ input, reload }: { input: Input; reload: () => void }) {
     >
       <label class="field">
         <span>
-          Step to <span class="soft">{unitText(input.unit)}</span>
+          {t("Step to")} <span class="soft">{unitText(input.unit)}</span>
         </span>
         <input inputMode="decimal" value={text} aria-invalid={value === null} onInput={(event) => setText(event.currentTarget.value)} />
       </label>
       <button type="submit" class="primary" disabled={busy || (!stepped && value === null)}>
-        {stepped ? `Step back to ${input.normal} ${unitText(input.unit)}`.trim() : "Step"}
+        {stepped ? `Step back to ${input.normal} ${unitText(input.unit)}`.trim() : t("Step")}
       </button>
       {error === "" ? null : (
         <p class="notice bad" role="alert">

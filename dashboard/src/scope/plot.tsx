@@ -1,5 +1,6 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 
+import { t } from "../language";
 import type { Oscilloscope } from "./oscilloscope";
 import { Picture, readColours } from "./picture";
 import { Pointing } from "./pointing";
@@ -47,15 +48,15 @@ export function Plot({ scope, onPicture }: { scope: Oscilloscope; onPicture: (pi
         ref={canvas}
         tabIndex={0}
         role="application"
-        aria-label="Signals over time"
-        aria-roledescription="oscilloscope"
+        aria-label={t("Signals over time")}
+        aria-roledescription={t("oscilloscope")}
         aria-describedby="scope-keys"
       />
       <div ref={box} class="zoom-box" hidden />
       <p id="scope-keys" class="hidden-text">
-        Arrow keys and Page Up, Page Down move the picture, plus and minus zoom, Home follows the newest samples again, less-than and
-        greater-than change the shown time, space runs and stops, S records a single trigger, T forces one, A, B, C and D choose a cursor
-        that the arrow keys then move.
+        {t(
+          "Arrow keys and Page Up, Page Down move the picture, plus and minus zoom, Home follows the newest samples again, less-than and greater-than change the shown time, space runs and stops, S records a single trigger, T forces one, A, B, C and D choose a cursor that the arrow keys then move.",
+        )}
       </p>
       <p class="hidden-text" aria-live="polite">
         {said}

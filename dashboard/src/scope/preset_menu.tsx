@@ -1,3 +1,4 @@
+import { t } from "../language";
 import { type Choosing, type Place } from "./core/presets";
 import type { Shown } from "./use_shown";
 
@@ -23,11 +24,11 @@ export function PresetMenu({ offered, shown }: { offered: readonly Choosing[]; s
     choose(there.find(({ preset }) => preset === choosing?.preset) ?? there[0]!);
   };
   return (
-    <div class="toolbar scope-presets" role="toolbar" aria-label="What to look at">
+    <div class="toolbar scope-presets" role="toolbar" aria-label={t("What to look at")}>
       <label>
-        Show{" "}
+        {t("Show")}{" "}
         <select
-          aria-label="Preset"
+          aria-label={t("Preset")}
           value={choosing?.preset.key ?? kOwn}
           onChange={(event) => {
             const key = event.currentTarget.value;
@@ -39,7 +40,7 @@ export function PresetMenu({ offered, shown }: { offered: readonly Choosing[]; s
             }
           }}
         >
-          {choosing === null || recall !== null ? <option value={kOwn}>own setup</option> : null}
+          {choosing === null || recall !== null ? <option value={kOwn}>{t("own setup")}</option> : null}
           {presets.map(({ preset }) => (
             <option key={preset.key} value={preset.key} title={preset.summary}>
               {preset.name}
@@ -48,9 +49,9 @@ export function PresetMenu({ offered, shown }: { offered: readonly Choosing[]; s
         </select>
       </label>
       <label>
-        of{" "}
+        {t("of")}{" "}
         <select
-          aria-label="Device"
+          aria-label={t("Device")}
           value={String(places.indexOf(present))}
           onChange={(event) => goTo(places[Number(event.currentTarget.value)]!)}
         >
@@ -61,7 +62,7 @@ export function PresetMenu({ offered, shown }: { offered: readonly Choosing[]; s
           ))}
         </select>
       </label>
-      <span class="soft">{choosing?.preset.summary ?? "A setup of your own. Choose what else to look at here."}</span>
+      <span class="soft">{choosing?.preset.summary ?? t("A setup of your own. Choose what else to look at here.")}</span>
     </div>
   );
 }

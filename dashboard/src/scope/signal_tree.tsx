@@ -1,5 +1,6 @@
 import { useMemo, useState } from "preact/hooks";
 
+import { t } from "../language";
 import { type Branch, type Leaf, countLeaves, matchesSearch, treeOf } from "./core/tree";
 import type { Oscilloscope } from "./oscilloscope";
 
@@ -16,18 +17,18 @@ export function SignalTree({ scope, signals, attempt }: SignalTreeProperties) {
   const shown = new Set(scope.setup.channels.map(({ name }) => name));
   const toggle = (leaf: Leaf, on: boolean) => attempt(() => (on ? scope.addSignals([leaf]) : scope.removeChannel(leaf.name)));
   return (
-    <section class="panel scope-signals" aria-label="Signals of the rack">
+    <section class="panel scope-signals" aria-label={t("Signals of the rack")}>
       <header>
         <input
           type="search"
-          placeholder="Search names and units"
-          aria-label="Search signals"
+          placeholder={t("Search names and units")}
+          aria-label={t("Search signals")}
           value={search}
           onInput={(event) => setSearch(event.currentTarget.value)}
         />
       </header>
       <div class="scroller tree">
-        {countLeaves(tree) === 0 ? <p class="empty">No signal matches.</p> : null}
+        {countLeaves(tree) === 0 ? <p class="empty">{t("No signal matches.")}</p> : null}
         <Branches branch={tree} shown={shown} open={search !== ""} toggle={toggle} depth={0} />
       </div>
     </section>

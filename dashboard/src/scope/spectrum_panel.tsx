@@ -1,6 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import { unitText } from "../format";
+import { t } from "../language";
 import { type WindowName, decibels, kWindows } from "./core/fft";
 import { frequencyText, numberText } from "./core/numbers";
 import type { SpectrumSetup } from "./core/setup";
@@ -40,11 +41,11 @@ export function SpectrumPanel({
   }, [scope, picture, spectrum, period]);
   const first = spectra[0];
   return (
-    <section class="panel scope-spectrum" aria-label="Spectrum">
+    <section class="panel scope-spectrum" aria-label={t("Spectrum")}>
       <header>
-        <h2>Spectrum</h2>
+        <h2>{t("Spectrum")}</h2>
         <label>
-          Window{" "}
+          {t("Window")}{" "}
           <select value={spectrum.window} onChange={(event) => change({ window: event.currentTarget.value as WindowName })}>
             {Object.keys(kWindows).map((name) => (
               <option key={name} value={name}>
@@ -54,7 +55,7 @@ export function SpectrumPanel({
           </select>
         </label>
         <label>
-          Points{" "}
+          {t("Points")}{" "}
           <select value={spectrum.points} onChange={(event) => change({ points: Number(event.currentTarget.value) })}>
             {[256, 512, 1024, 2048, 4096, 8192, 16384, 32768, 65536].map((points) => (
               <option key={points} value={points}>
@@ -69,22 +70,29 @@ export function SpectrumPanel({
         </label>
         <label class="check">
           <input type="checkbox" checked={spectrum.removeMean} onChange={(event) => change({ removeMean: event.currentTarget.checked })} />
-          without mean
+          {t("without mean")}
         </label>
         <span class="spacer" />
         <span class="soft">
           {first === undefined
-            ? "too few samples"
-            : `${2 * (first.spectrum.amplitude.length - 1)} points, ${frequencyText(first.spectrum.resolution, 4)} apart`}
+            ? t("too few samples")
+            : t("{value} points, {resolution} apart", {
+                value: 2 * (first.spectrum.amplitude.length - 1),
+                resolution: frequencyText(first.spectrum.resolution, 4),
+              })}
         </span>
       </header>
-      <canvas ref={canvas} role="img" aria-label="Amplitude over frequency; the highest lines are listed below" />
+      <canvas ref={canvas} role="img" aria-label={t("Amplitude over frequency; the highest lines are listed below")} />
       <ul class="peaks">
         {spectra.map(({ channel, peak, peakFrequency }) => (
           <li key={channel}>
             <span class="swatch" style={{ background: seriesColour(channel) }} />
-            {channels[channel]?.name}: {numberText(peak, 5)} {channels[channel] ? unitText(scope.display(channels[channel]).unit) : ""} (
-            {numberText(decibels(peak), 4)} dB) at {frequencyText(peakFrequency, 5)}
+            {t("{channel}: {peak} ({decibels} dB) at {frequency}", {
+              channel: channels[channel]?.name ?? "",
+              peak: `${numberText(peak, 5)} ${channels[channel] ? unitText(scope.display(channels[channel]).unit) : ""}`,
+              decibels: numberText(decibels(peak), 4),
+              frequency: frequencyText(peakFrequency, 5),
+            })}
           </li>
         ))}
       </ul>

@@ -1,5 +1,6 @@
 import { unitText } from "../format";
 import { useStore } from "../hooks";
+import { t, tn } from "../language";
 import { seconds } from "./core/csv";
 import type { Event } from "../api_types";
 import { kSeverities, type TriggerSettings, type TriggerSource } from "./core/trigger";
@@ -29,9 +30,9 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
   const change = (patch: Partial<TriggerSettings>) => attempt(() => scope.change({ trigger: { ...trigger, ...patch } }));
   const channelField = (present: string, set: (channel: string) => void) => (
     <label class="field wide">
-      <span>Channel</span>
+      <span>{t("Channel")}</span>
       <select value={present} onChange={(event) => set(event.currentTarget.value)}>
-        {channels.some(({ name }) => name === present) ? null : <option value={present}>{present || "none"}</option>}
+        {channels.some(({ name }) => name === present) ? null : <option value={present}>{present || t("none")}</option>}
         {channels.map(({ name }) => (
           <option key={name} value={name}>
             {name}
@@ -43,7 +44,7 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
   return (
     <div class="scope-form">
       <label class="field">
-        <span>Trigger on</span>
+        <span>{t("Trigger on")}</span>
         <select
           value={source.kind}
           onChange={(event) =>
@@ -55,34 +56,34 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
             })
           }
         >
-          <option value="none">nothing</option>
-          <option value="level">level</option>
-          <option value="state">state change</option>
-          <option value="event">event or fault</option>
+          <option value="none">{t("nothing")}</option>
+          <option value="level">{t("level")}</option>
+          <option value="state">{t("state change")}</option>
+          <option value="event">{t("event or fault")}</option>
         </select>
       </label>
       {source.kind === "level" ? (
         <>
           {channelField(source.channel, (channel) => change({ source: { ...source, channel } }))}
           <label class="field">
-            <span>Edge</span>
+            <span>{t("Edge")}</span>
             <select
               value={source.edge}
               onChange={(event) => change({ source: { ...source, edge: event.currentTarget.value as "rising" | "falling" | "either" } })}
             >
-              <option value="rising">rising</option>
-              <option value="falling">falling</option>
-              <option value="either">either</option>
+              <option value="rising">{t("rising")}</option>
+              <option value="falling">{t("falling")}</option>
+              <option value="either">{t("either")}</option>
             </select>
           </label>
           <NumberField
-            label="Level"
+            label={t("Level")}
             unit={unitText(level.unit)}
             value={source.level * level.factor}
             onValue={(value) => change({ source: { ...source, level: (value ?? 0) / level.factor } })}
           />
           <NumberField
-            label="Hysteresis"
+            label={t("Hysteresis")}
             minimum={0}
             value={source.hysteresis * level.factor}
             onValue={(value) => change({ source: { ...source, hysteresis: (value ?? 0) / level.factor } })}
@@ -93,17 +94,17 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
         <>
           {channelField(source.channel, (channel) => change({ source: { ...source, channel } }))}
           <NumberField
-            label="Bits that count (mask)"
+            label={t("Bits that count (mask)")}
             optional
-            placeholder="all"
+            placeholder={t("all")}
             minimum={0}
             value={source.mask}
             onValue={(mask) => change({ source: { ...source, mask } })}
           />
           <NumberField
-            label="Into state"
+            label={t("Into state")}
             optional
-            placeholder="any"
+            placeholder={t("any")}
             value={source.value}
             onValue={(value) => change({ source: { ...source, value } })}
           />
@@ -112,7 +113,7 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
       {source.kind === "event" ? (
         <>
           <label class="field">
-            <span>At least</span>
+            <span>{t("At least")}</span>
             <select
               value={source.severity}
               onChange={(event) => change({ source: { ...source, severity: event.currentTarget.value as Event["severity"] } })}
@@ -125,9 +126,9 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
             </select>
           </label>
           <label class="field">
-            <span>Device</span>
+            <span>{t("Device")}</span>
             <select value={source.device} onChange={(event) => change({ source: { ...source, device: event.currentTarget.value } })}>
-              <option value="">any</option>
+              <option value="">{t("any")}</option>
               {store.devices.map(({ name }) => (
                 <option key={name} value={name}>
                   {name}
@@ -136,10 +137,10 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
             </select>
           </label>
           <label class="field">
-            <span>Rule</span>
+            <span>{t("Rule")}</span>
             <input
               value={source.rule}
-              placeholder="any"
+              placeholder={t("any")}
               onChange={(event) => change({ source: { ...source, rule: event.currentTarget.value.trim() } })}
             />
           </label>
@@ -148,7 +149,7 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
       {source.kind === "none" ? null : (
         <>
           <label class="field">
-            <span>Shown before the trigger: {Math.round(trigger.before * 100)} %</span>
+            <span>{t("Shown before the trigger: {value} %", { value: Math.round(trigger.before * 100) })}</span>
             <input
               type="range"
               min="0"
@@ -158,15 +159,18 @@ export function TriggerPanel({ scope, attempt }: { scope: Oscilloscope; attempt:
             />
           </label>
           <NumberField
-            label="Hold-off"
+            label={t("Hold-off")}
             unit="s"
             minimum={0}
             value={trigger.holdOff * 1e-9}
             onValue={(value) => change({ holdOff: (value ?? 0) * 1e9 })}
           />
           <p class="soft wide">
-            {scope.acquisition.count} triggers
-            {scope.acquisition.frame === null ? "" : `, the last at ${seconds(scope.acquisition.frame.trigger)} s`}
+            {scope.acquisition.frame === null
+              ? tn(scope.acquisition.count, "{count} trigger", "{count} triggers")
+              : tn(scope.acquisition.count, "{count} trigger, at {time} s", "{count} triggers, the last at {time} s", {
+                  time: seconds(scope.acquisition.frame.trigger),
+                })}
           </p>
         </>
       )}

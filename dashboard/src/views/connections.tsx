@@ -5,6 +5,7 @@ import type { Connections, LinkConnections } from "../api";
 import { CopyButton } from "../components/copy_button";
 import { Guide } from "../components/guide";
 import { useResource, useStore } from "../hooks";
+import { t } from "../language";
 
 /// Of all links; nothing where the server does not tell.
 export function useConnections(): readonly LinkConnections[] {
@@ -20,7 +21,7 @@ export function ConnectPanel({ links, what }: { links: readonly LinkConnections[
   }
   return (
     <details class="connect">
-      <summary>Connect {what}</summary>
+      <summary>{t("Connect {what}", { what })}</summary>
       {links.map((link) => (
         <LinkPrograms key={link.link} link={link} />
       ))}
@@ -34,7 +35,7 @@ function LinkPrograms({ link }: { link: LinkConnections }) {
   return (
     <div class="connect-link">
       <p>{link.where}.</p>
-      <div class="segmented" role="group" aria-label={`Program at ${link.link}`}>
+      <div class="segmented" role="group" aria-label={t("Program at {link}", { link: link.link })}>
         {link.programs.map((each, i) => (
           <button key={each.program} type="button" aria-pressed={i === chosen} onClick={() => setChosen(i)}>
             {each.program}
@@ -46,11 +47,11 @@ function LinkPrograms({ link }: { link: LinkConnections }) {
           <p>{shown.explanation}</p>
           {shown.lines === "" ? null : (
             <>
-              <pre tabIndex={0} role="region" aria-label={`Lines for ${shown.program} at ${link.link}`}>
+              <pre tabIndex={0} role="region" aria-label={t("Lines for {program} at {link}", { program: shown.program, link: link.link })}>
                 {shown.lines}
               </pre>
               <div class="toolbar">
-                <CopyButton key={shown.program} text={shown.lines} name={`the lines for ${shown.program}`} />
+                <CopyButton key={shown.program} text={shown.lines} name={t("the lines for {program}", { program: shown.program })} />
               </div>
             </>
           )}

@@ -3,6 +3,7 @@ import { segment } from "../api";
 import { LedLamp } from "../components/led";
 import { TryFault } from "../components/try_fault";
 import { useResource, useStore } from "../hooks";
+import { t, tx } from "../language";
 import { href } from "../router";
 import "../styles/device.css";
 import { Objects } from "./objects";
@@ -20,19 +21,17 @@ export function DeviceView({ name, tab }: { name: string; tab: string }) {
   const panel = useResource<Panel>(device && offered ? `/api/v1/devices/${segment(name)}/panel` : null, kPanelPeriod);
   if (!device) {
     return (
-      <p class="empty">
-        The rack has no device of this name. <a href={href("rack")}>To the rack</a>
-      </p>
+      <p class="empty">{tx("The rack has no device of this name. {link}", { link: <a href={href("rack")}>{t("To the rack")}</a> })}</p>
     );
   }
-  const tabs: [string, string][] = [["", "Overview"]];
+  const tabs: [string, string][] = [["", t("Overview")]];
   if (device.objects > 0) {
-    tabs.push(["objects", "Object dictionary"]);
+    tabs.push(["objects", t("Object dictionary")]);
   }
   if (panel.data?.program && store.offers("/api/v1/devices/{device}/program")) {
-    tabs.push(["program", "Program"]);
+    tabs.push(["program", t("Program")]);
   }
-  tabs.push(["signals", "Signals"]);
+  tabs.push(["signals", t("Signals")]);
   return (
     <>
       <div class="view-head">
@@ -48,13 +47,13 @@ export function DeviceView({ name, tab }: { name: string; tab: string }) {
         <span class="spacer" />
         <TryFault name={device.name} places={["device"]} at={{ device: device.name }} network={store.networkKind(device.network)} />
       </div>
-      <nav class="tabs" aria-label={`Views of ${device.name}`}>
+      <nav class="tabs" aria-label={t("Views of {name}", { name: device.name })}>
         {tabs.map(([part, title]) => (
           <a key={part} href={href("device", part === "" ? [name] : [name, part])} aria-current={tab === part ? "page" : undefined}>
             {title}
           </a>
         ))}
-        {store.offers("/api/v1/signals") ? <a href={href("scope", [], { device: name })}>Oscilloscope</a> : null}
+        {store.offers("/api/v1/signals") ? <a href={href("scope", [], { device: name })}>{t("Oscilloscope")}</a> : null}
       </nav>
       {tab === "objects" ? (
         <Objects device={device} />
@@ -71,7 +70,7 @@ export function DeviceView({ name, tab }: { name: string; tab: string }) {
 
 function PowerAndState({ device, panel }: { device: Device; panel: Panel | null }) {
   if (!device.powered) {
-    return <span class="badge warning">switched off</span>;
+    return <span class="badge warning">{t("switched off")}</span>;
   }
   const code = panel?.network?.status_code ?? 0;
   const state = networkState(device, panel);

@@ -5,6 +5,7 @@ import { Guide } from "../components/guide";
 import { emergencyCode, explainRule, namedObjects } from "../event_help";
 import { addressText, hexText } from "../format";
 import { useResource, useStore } from "../hooks";
+import { t } from "../language";
 import { href } from "../router";
 import { errorCodeText } from "../words";
 
@@ -21,11 +22,7 @@ export function EventExplanation({ event, id }: { event: Event; id: string }) {
         </p>
       ) : null}
       {event.meaning === "" ? null : <p>{event.meaning}.</p>}
-      {code === null ? null : (
-        <p>
-          Error code {hexText(code, 4)}: {errorCodeText(code)}.
-        </p>
-      )}
+      {code === null ? null : <p>{t("Error code {code}: {code2}.", { code: hexText(code, 4), code2: errorCodeText(code) })}</p>}
       <p class="leads">
         {device ? <a href={href("device", [device.name])}>{device.name}</a> : null}
         {device && device.objects > 0 ? <NamedObjects event={event} /> : null}
@@ -54,7 +51,7 @@ function NamedObjects({ event }: { event: Event }) {
         const text = addressText(address.index, address.subindex ?? undefined);
         return (
           <a key={text} href={href("device", [event.device, "objects"], { search: text })}>
-            Object {text} {entry.name}
+            {t("Object {text} {name}", { text, name: entry.name })}
           </a>
         );
       })}

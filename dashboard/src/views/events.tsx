@@ -3,6 +3,7 @@ import { useMemo, useState } from "preact/hooks";
 import type { Event } from "../api";
 import { timeText } from "../format";
 import { useStore } from "../hooks";
+import { t, tx } from "../language";
 import { href, useQuery } from "../router";
 import { EventExplanation } from "./event_explanation";
 
@@ -37,10 +38,10 @@ export function EventRows({ events, short = false }: { events: readonly Event[];
     <table class="events">
       <thead>
         <tr>
-          <th class="number time">Time</th>
-          <th class="severity">Kind</th>
-          {short ? null : <th class="device">Device</th>}
-          <th>What happened</th>
+          <th class="number time">{t("Time")}</th>
+          <th class="severity">{t("Kind")}</th>
+          {short ? null : <th class="device">{t("Device")}</th>}
+          <th>{t("What happened")}</th>
         </tr>
       </thead>
       <tbody>
@@ -73,10 +74,10 @@ export function EventSentence({ event, place = "event" }: { event: Event; place?
         class="why"
         aria-expanded={open}
         aria-controls={open ? id : undefined}
-        aria-label={`Explain ${place} ${event.number}`}
+        aria-label={t("Explain {place} {number}", { place, number: event.number })}
         onClick={() => setOpen(!open)}
       >
-        {open ? "Less" : "Explain"}
+        {open ? t("Less") : t("Explain")}
       </button>
       {open ? <EventExplanation event={event} id={id} /> : null}
     </>
@@ -100,55 +101,55 @@ export function EventsView() {
   return (
     <>
       <div class="view-head">
-        <h1>Events</h1>
-        <span class="soft">Why something was refused, and what else happened; the newest first</span>
+        <h1>{t("Events")}</h1>
+        <span class="soft">{t("Why something was refused, and what else happened; the newest first")}</span>
       </div>
       <section class="panel">
         <header class="toolbar">
           <input
             type="search"
-            placeholder="Words to find"
-            aria-label="Words to find"
+            placeholder={t("Words to find")}
+            aria-label={t("Words to find")}
             value={text}
             onInput={(event) => change({ search: event.currentTarget.value })}
           />
-          <select aria-label="Device" value={device} onChange={(event) => change({ device: event.currentTarget.value })}>
-            <option value="">All devices</option>
+          <select aria-label={t("Device")} value={device} onChange={(event) => change({ device: event.currentTarget.value })}>
+            <option value="">{t("All devices")}</option>
             {devices.map((each) => (
               <option key={each.name}>{each.name}</option>
             ))}
           </select>
-          <select aria-label="Kind" value={severity} onChange={(event) => change({ kind: event.currentTarget.value })}>
-            <option value="">All kinds</option>
-            <option value={kBad}>refusal or fault</option>
+          <select aria-label={t("Kind")} value={severity} onChange={(event) => change({ kind: event.currentTarget.value })}>
+            <option value="">{t("All kinds")}</option>
+            <option value={kBad}>{t("refusal or fault")}</option>
             {Object.keys(kKinds).map((kind) => (
               <option key={kind}>{kind}</option>
             ))}
           </select>
           <button type="button" aria-pressed={frozen !== null} onClick={() => setFrozen(frozen ? null : events)}>
-            Pause
+            {t("Pause")}
           </button>
           <span class="spacer" />
-          <span class="soft">
-            {shown.length} of {events.length}
-          </span>
+          <span class="soft">{t("{shown} of {events}", { shown: shown.length, events: events.length })}</span>
         </header>
-        <div class="scroller tall" tabIndex={0} role="region" aria-label="List of events">
+        <div class="scroller tall" tabIndex={0} role="region" aria-label={t("List of events")}>
           {shown.length > 0 ? (
             <EventRows events={shown} />
           ) : (
             <p class="empty">
               {events.length > 0 ? (
                 <>
-                  No event fits the filter.{" "}
+                  {t("No event fits the filter.")}{" "}
                   <button type="button" onClick={() => change({ search: "", device: "", kind: "" })}>
-                    Show all
+                    {t("Show all")}
                   </button>
                 </>
               ) : (
                 <>
-                  Nothing has happened so far. <a href={href("rack")}>Connect a master</a>, take a device by hand on its page, or{" "}
-                  <a href={href("faults")}>put a fault</a>: what devices refuse and why is told here.
+                  {tx(
+                    "Nothing has happened so far. {link}, take a device by hand on its page, or {link2}: what devices refuse and why is told here.",
+                    { link: <a href={href("rack")}>{t("Connect a master")}</a>, link2: <a href={href("faults")}>{t("put a fault")}</a> },
+                  )}
                 </>
               )}
             </p>

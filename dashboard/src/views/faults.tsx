@@ -4,6 +4,7 @@ import type { Fault, FaultKinds, Faults } from "../api";
 import { segment } from "../api";
 import type { TargetKeys } from "../fault_form";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
+import { t } from "../language";
 import { href, useChoice, useQuery } from "../router";
 import { FaultForm } from "../components/fault_form";
 
@@ -29,23 +30,23 @@ export function FaultsView() {
   return (
     <>
       <div class="view-head">
-        <h1>Faults</h1>
-        <span class="soft">Break something and see what the master does about it</span>
+        <h1>{t("Faults")}</h1>
+        <span class="soft">{t("Break something and see what the master does about it")}</span>
       </div>
       <div class="faults">
         <section class="panel">
           <header>
-            <h2>Kinds</h2>
+            <h2>{t("Kinds")}</h2>
             <input
               type="search"
               class="fill"
-              placeholder="Search"
-              aria-label="Search kinds of faults"
+              placeholder={t("Search")}
+              aria-label={t("Search kinds of faults")}
               value={words}
               onInput={(event) => setWords(event.currentTarget.value)}
             />
           </header>
-          <div class="scroller tall" role="region" aria-label="Kinds of faults">
+          <div class="scroller tall" role="region" aria-label={t("Kinds of faults")}>
             <ul class="choice">
               {list.map((each) => (
                 <li key={each.name}>
@@ -70,7 +71,7 @@ export function FaultsView() {
             {list.length === 0 ? (
               <p class="empty">
                 {kinds.error?.message ??
-                  (kinds.data ? "No kind of fault has these words. Try fewer, or others: stall, cable, voltage, delay." : "…")}
+                  (kinds.data ? t("No kind of fault has these words. Try fewer, or others: stall, cable, voltage, delay.") : "…")}
               </p>
             ) : null}
           </div>
@@ -80,7 +81,7 @@ export function FaultsView() {
             <FaultForm key={kind.name} kind={kind} kinds={kinds.data} at={at} done={active.reload} />
           ) : (
             <section class="panel">
-              <p class="empty">Choose a kind of fault: then you say where, when and for how long.</p>
+              <p class="empty">{t("Choose a kind of fault: then you say where, when and for how long.")}</p>
             </section>
           )}
           <ActiveFaults faults={active.data?.faults ?? []} reload={active.reload} />
@@ -105,9 +106,9 @@ function Where({ target }: { target: string }) {
     <>
       {target}
       <span class="leads">
-        <a href={href("device", [device], at)}>Look at {device}</a>
-        {axis === undefined ? null : <a href={href("scope", [], { device, ...at })}>Watch it in the oscilloscope</a>}
-        <a href={href("events", [], { device })}>Events of {device}</a>
+        <a href={href("device", [device], at)}>{t("Look at {device}", { device })}</a>
+        {axis === undefined ? null : <a href={href("scope", [], { device, ...at })}>{t("Watch it in the oscilloscope")}</a>}
+        <a href={href("events", [], { device })}>{t("Events of {device}", { device })}</a>
       </span>
     </>
   );
@@ -126,27 +127,27 @@ function ActiveFaults({ faults, reload }: { faults: readonly Fault[]; reload: ()
   return (
     <section class="panel">
       <header>
-        <h2>In this rack</h2>
+        <h2>{t("In this rack")}</h2>
         <span class="spacer" />
         <button type="button" disabled={busy || !standing} onClick={() => void remove("/api/v1/faults")}>
-          Clear all
+          {t("Clear all")}
         </button>
       </header>
       {error === "" ? null : <p class="notice bad">{error}</p>}
-      {standing ? null : <p class="empty">No fault is armed or active. Choose a kind, or try one from the page of a device.</p>}
+      {standing ? null : <p class="empty">{t("No fault is armed or active. Choose a kind, or try one from the page of a device.")}</p>}
       {faults.length === 0 ? null : (
         <div class="scroller">
           <table>
             <thead>
               <tr>
-                <th class="number">No.</th>
-                <th>Kind</th>
-                <th>Where</th>
-                <th>State</th>
-                <th class="number">Hits</th>
-                <th>Remaining</th>
+                <th class="number">{t("No.")}</th>
+                <th>{t("Kind")}</th>
+                <th>{t("Where")}</th>
+                <th>{t("State")}</th>
+                <th class="number">{t("Hits")}</th>
+                <th>{t("Remaining")}</th>
                 <th>
-                  <span class="hidden-text">Clear</span>
+                  <span class="hidden-text">{t("Clear")}</span>
                 </th>
               </tr>
             </thead>
@@ -169,10 +170,10 @@ function ActiveFaults({ faults, reload }: { faults: readonly Fault[]; reload: ()
                       <button
                         type="button"
                         disabled={busy}
-                        aria-label={`Clear fault ${fault.id}`}
+                        aria-label={t("Clear fault {id}", { id: fault.id })}
                         onClick={() => void remove(`/api/v1/faults/${segment(String(fault.id))}`)}
                       >
-                        Clear
+                        {t("Clear")}
                       </button>
                     )}
                   </td>

@@ -4,6 +4,7 @@ import { useState } from "preact/hooks";
 import { segment, type Entry, type Object as DeviceObject, type Objects } from "../api";
 import { axisIndex } from "../axes";
 import { useAction, useResource, useWorld } from "../hooks";
+import { t, tx } from "../language";
 import { href } from "../router";
 import { homingMethodText, homingText, kUsualHomingMethods } from "../words";
 
@@ -78,7 +79,7 @@ export function Homing({
       }}
     >
       <label class="field">
-        <span>Where home is</span>
+        <span>{t("Where home is")}</span>
         <select value={method} onChange={(event) => setChosen(Number(event.currentTarget.value))}>
           {listed.map((each) => (
             <option key={each} value={each}>
@@ -87,13 +88,14 @@ export function Homing({
           ))}
         </select>
       </label>
-      <button type="submit" aria-label={`Home ${title}`} disabled={!enabled || busy}>
-        Home
+      <button type="submit" aria-label={t("Home {title}", { title })} disabled={!enabled || busy}>
+        {t("Home")}
       </button>
       {kBySwitch.has(method) ? (
         <p class="soft">
-          It turns until the switch is found: <a href={href("rack-file", [], { device, axis: String(axis) })}>fit one in the rack file</a>,
-          or press it by hand below, in the inputs.
+          {tx("It turns until the switch is found: {link}, or press it by hand below, in the inputs.", {
+            link: <a href={href("rack-file", [], { device, axis: String(axis) })}>{t("fit one in the rack file")}</a>,
+          })}
         </p>
       ) : null}
       {error === "" ? null : (

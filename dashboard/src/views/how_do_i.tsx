@@ -3,6 +3,7 @@ import { useMemo } from "preact/hooks";
 
 import type { Device, Signal, Signals } from "../api";
 import { useResource, useStore } from "../hooks";
+import { t } from "../language";
 import { href, useChoice } from "../router";
 import { type Choosing, type Place, offeredOf, placesOf } from "../scope/core/presets";
 import "../styles/how_do_i.css";
@@ -49,118 +50,127 @@ function tasksOf(places: Places): Task[] {
   const device = first?.device ?? places.devices[0]?.name;
   const tasks: (Task | null)[] = [
     {
-      title: "Find why a drive refused",
+      title: t("Find why a drive refused"),
       also: "refusal error fault rejected does not switch on abort code",
-      steps:
+      steps: t(
         "Events, refusals and faults: each says what came and what was expected, Explain what to do about it. The newest one of a device is on its page as well.",
+      ),
       to: href("events", [], { kind: "refusal fault" }),
     },
     device === undefined
       ? null
       : {
-          title: "Move an axis by hand",
+          title: t("Move an axis by hand"),
           also: "jog enable turn drive master",
-          steps: `On the page of a device, e.g. ${device}: Take control, Enable, then hold an arrow or type a target.`,
+          steps: t("On the page of a device, e.g. {device}: Take control, Enable, then hold an arrow or type a target.", { device }),
           to: href("device", [device]),
         },
     device === undefined
       ? null
       : {
-          title: "Home an axis",
+          title: t("Home an axis"),
           also: "homing reference search zero position 6098h",
-          steps: `On the page of a device, e.g. ${device}: Take control, Enable the axis, choose where home is, Home. It says “homed” when it is.`,
+          steps: t(
+            "On the page of a device, e.g. {device}: Take control, Enable the axis, choose where home is, Home. It says “homed” when it is.",
+            { device },
+          ),
           to: href("device", [device]),
         },
     load === undefined
       ? null
       : {
-          title: "See the following error while the load steps",
+          title: t("See the following error while the load steps"),
           also: "load step torque lag oscilloscope plot disturbance",
-          steps:
+          steps: t(
             "Oscilloscope, preset Load steps: beside the picture, Step puts the load on the axis and takes it off again. The axis has to hold or follow a position, moved by hand or by your master.",
+          ),
           to: scopeAt(load),
         },
     {
-      title: "Let an encoder slip",
+      title: t("Let an encoder slip"),
       also: "fault inject break coupling sensor",
-      steps: "Faults, encoder-slip: choose the axis, Put it there. The list below leads to what to watch, and clears it.",
+      steps: t("Faults, encoder-slip: choose the axis, Put it there. The list below leads to what to watch, and clears it."),
       to: href("faults", [], {
         kind: "encoder-slip",
         ...(load === undefined ? {} : { device: load.place.device, axis: /\d+$/.exec(load.place.axis)?.[0] ?? "0" }),
       }),
     },
     {
-      title: "Break something else",
+      title: t("Break something else"),
       also: "fault inject cable wire power stall watchdog",
-      steps: "Faults has every kind with a search; Try a fault on the page of a device has those of that place.",
+      steps: t("Faults has every kind with a search; Try a fault on the page of a device has those of that place."),
       to: href("faults"),
     },
     {
-      title: "Record a run and replay it",
+      title: t("Record a run and replay it"),
       also: "recording reproduce deterministic replay",
-      steps:
+      steps: t(
         "Recording: Restart the rack and record, do what is to be kept, Stop recording. The page then has the command that replays it.",
+      ),
       to: href("recording"),
     },
     {
-      title: "Go back to an earlier moment",
+      title: t("Go back to an earlier moment"),
       also: "snapshot restore undo",
-      steps: "Recording, while one runs: keep the present state as a snapshot, and go back to it as often as you like.",
+      steps: t("Recording, while one runs: keep the present state as a snapshot, and go back to it as often as you like."),
       to: href("recording"),
     },
     {
-      title: "Change a motor",
+      title: t("Change a motor"),
       also: "rack file load inertia supply another motor gear",
-      steps:
+      steps: t(
         "Rack file, the axis in the list of parts: choose another motor, then Run this. On a device's page, Motor and load at an axis leads there.",
+      ),
       to: href("rack-file", [], first === undefined ? {} : { device: first.device, axis }),
     },
     first === undefined
       ? null
       : {
-          title: "Wire a switch",
+          title: t("Wire a switch"),
           also: "wire limit home switch input output signal connect",
-          steps:
+          steps: t(
             "Rack file, wire: from a signal, to the switch, then Run this. Among the inputs on a device's page, Wire to a signal leads there as well.",
+          ),
           to: href("rack-file", [], { wire: `${first.device}.${first.axis}.home_switch` }),
         },
     {
-      title: "Save a setup of the oscilloscope",
+      title: t("Save a setup of the oscilloscope"),
       also: "load settings channels trigger keep",
-      steps:
+      steps: t(
         "Oscilloscope, above the picture: Save setup writes a file that Load setup takes. The address of the page has the setup as well.",
+      ),
       to: href("scope"),
     },
     {
-      title: "Export a picture",
+      title: t("Export a picture"),
       also: "png csv screenshot plot image save values",
-      steps: "Oscilloscope, above the picture: Save picture writes a PNG with the names of the channels, Save values a CSV file.",
+      steps: t("Oscilloscope, above the picture: Save picture writes a PNG with the names of the channels, Save values a CSV file."),
       to: href("scope"),
     },
     {
-      title: "Write a test",
+      title: t("Write a test"),
       also: "scenario pytest ci regression automate",
-      steps: "Do by hand what the test is to do; Write a test has it as lines that stator test runs.",
+      steps: t("Do by hand what the test is to do; Write a test has it as lines that stator test runs."),
       to: href("test"),
     },
     {
-      title: "Connect my own master",
+      title: t("Connect my own master"),
       also: "SOEM pysoem IgH ethercrab TwinCAT python-canopen PyTrinamic EtherCAT CAN TMCL",
-      steps: "Rack: below each network, Connect has the lines to paste for its link.",
+      steps: t("Rack: below each network, Connect has the lines to paste for its link."),
       to: href("rack"),
     },
     {
-      title: "See what is on the wire",
+      title: t("See what is on the wire"),
       also: "frames traffic SDO PDO bytes capture",
-      steps: "Traffic: frames of all networks, decoded; what only repeats is counted in one row.",
+      steps: t("Traffic: frames of all networks, decoded; what only repeats is counted in one row."),
       to: href("traffic"),
     },
     device === undefined
       ? null
       : {
-          title: "Read or write an object",
+          title: t("Read or write an object"),
           also: "object dictionary SDO 6041 parameter register",
-          steps: "On a device's page, Object dictionary: search by index or name, then Write.",
+          steps: t("On a device's page, Object dictionary: search by index or name, then Write."),
           to: href("device", [device, "objects"]),
         },
   ];
@@ -192,15 +202,15 @@ export function HowDoIView() {
   return (
     <>
       <div class="view-head">
-        <h1>How do I …</h1>
+        <h1>{t("How do I …")}</h1>
       </div>
       <section class="panel">
         <header class="toolbar">
           <input
             type="search"
             class="search"
-            placeholder="What do you want to do?"
-            aria-label="What do you want to do?"
+            placeholder={t("What do you want to do?")}
+            aria-label={t("What do you want to do?")}
             value={words}
             onInput={(event) => setWords(event.currentTarget.value)}
           />
@@ -215,9 +225,9 @@ export function HowDoIView() {
         </ul>
         {known && tasks.length === 0 ? (
           <p class="empty">
-            None of the tasks has these words.{" "}
+            {t("None of the tasks has these words.")}{" "}
             <button type="button" onClick={() => setWords("")}>
-              Show all
+              {t("Show all")}
             </button>
           </p>
         ) : null}

@@ -5,6 +5,7 @@ import { HeldButton } from "../components/held_button";
 import { hexText } from "../format";
 import { refusalText, useAction, useResource, useStore, useWorld } from "../hooks";
 import { Jog } from "../jog";
+import { t, tx } from "../language";
 import { motionUnit, numberOf, Scale, unitsOf, type MotionUnit } from "../motion_units";
 import { chooseUnit } from "../router";
 import "../styles/manual.css";
@@ -48,21 +49,27 @@ export function ManualPanel({ device }: { device: Device }) {
   return (
     <section class="panel manual-start">
       <header>
-        <h2>Move by hand</h2>
-        {phase === "ended" ? <span class="badge warning">ended</span> : null}
+        <h2>{t("Move by hand")}</h2>
+        {phase === "ended" ? <span class="badge warning">{t("ended")}</span> : null}
       </header>
       <div class="body">
         {status.available && phase !== "ended" ? (
           <p class="soft">
-            A small master inside Stator takes {device.name} into operation, so that its axes can be moved from here. It steps aside when
-            another master speaks{device.network === "" ? "" : ` on ${device.network}`}.
+            {t("A small master inside Stator takes {device} into operation, so that its axes can be moved from here.", {
+              device: device.name,
+            })}{" "}
+            {device.network === ""
+              ? t("It steps aside when another master speaks.")
+              : t("It steps aside when another master speaks on {network}.", { network: device.network })}
           </p>
         ) : (
-          <p role="status">{status.available ? status.text : `${device.name} cannot be moved by hand: ${status.text}.`}</p>
+          <p role="status">
+            {status.available ? status.text : t("{name} cannot be moved by hand: {text}.", { name: device.name, text: status.text })}
+          </p>
         )}
         {status.available ? (
           <button type="button" class="primary" disabled={action.busy || phase === "starting"} onClick={() => change("PUT")}>
-            {phase === "starting" ? "Taking control …" : phase === "ended" ? "Take control again" : "Take control"}
+            {phase === "starting" ? t("Taking control …") : phase === "ended" ? t("Take control again") : t("Take control")}
           </button>
         ) : null}
       </div>
@@ -133,12 +140,12 @@ function ActiveControl({
   return (
     <>
       <div class="manual-bar">
-        <h2>Move by hand</h2>
+        <h2>{t("Move by hand")}</h2>
         {units.length > 1 ? (
           <label class="unit-choice">
-            <span class="soft">in</span>
+            <span class="soft">{t("in")}</span>
             <select
-              aria-label="Unit of positions and speeds"
+              aria-label={t("Unit of positions and speeds")}
               value={unit}
               onChange={(event) => chooseUnit(event.currentTarget.value as MotionUnit)}
             >
@@ -151,11 +158,11 @@ function ActiveControl({
           </label>
         ) : null}
         <span class="spacer" />
-        <button type="button" onClick={giveBack} title="Its axes lose their current, and another master can have the device">
-          Give back
+        <button type="button" onClick={giveBack} title={t("Its axes lose their current, and another master can have the device")}>
+          {t("Give back")}
         </button>
-        <button type="button" class="stop" onClick={stopAll} title="Brakes all axes of the device; so does Escape">
-          Stop{count > 1 ? " all" : ""} <kbd>Esc</kbd>
+        <button type="button" class="stop" onClick={stopAll} title={t("Brakes all axes of the device; so does Escape")}>
+          {count > 1 ? t("Stop all") : t("Stop")} <kbd>Esc</kbd>
         </button>
       </div>
       <div class="manual-axes">
@@ -165,7 +172,7 @@ function ActiveControl({
             device={device}
             number={number}
             methods={methods}
-            title={count > 1 ? `axis ${number}` : "axis"}
+            title={count > 1 ? t("axis {number}", { number }) : t("axis")}
             axis={axis}
             unit={unit}
             problem={problems[number] ?? ""}
@@ -211,37 +218,37 @@ function AxisControl({
   const refusal = problem === "" ? axis.refusal : problem;
   const hasMethods = isDrive(axis);
   return (
-    <section class="panel manual-axis" aria-label={`Move ${title} by hand`}>
+    <section class="panel manual-axis" aria-label={t("Move {title} by hand", { title })}>
       <header>
         <h3>{title}</h3>
         <span class={axis.fault ? "badge bad" : axis.enabled ? "badge good" : "badge"}>{axis.state}</span>
         {axis.mode === kHoming && axis.statusword !== null ? (
           <HomingBadge statusword={axis.statusword} />
         ) : axis.enabled && axis.reached ? (
-          <span class="soft">target reached</span>
+          <span class="soft">{t("target reached")}</span>
         ) : null}
         <span class="spacer" />
         {takes("enable") && !axis.enabled ? (
           <button type="button" class="primary" disabled={axis.fault} onClick={() => send({ command: "enable" })}>
-            Enable
+            {t("Enable")}
           </button>
         ) : null}
         {takes("disable") && axis.enabled ? (
           <button type="button" onClick={() => send({ command: "disable" })}>
-            Disable
+            {t("Disable")}
           </button>
         ) : null}
       </header>
       <div class="body">
         <dl class="readings">
           <div>
-            <dt>Position</dt>
+            <dt>{t("Position")}</dt>
             <dd>
               {position.text(axis.position)} <span class="soft">{position.name}</span>
             </dd>
           </div>
           <div>
-            <dt>Velocity</dt>
+            <dt>{t("Velocity")}</dt>
             <dd>
               {velocity.text(axis.velocity)} <span class="soft">{velocity.name}</span>
             </dd>
@@ -251,39 +258,42 @@ function AxisControl({
           <div class="notice bad fault">
             <span>
               {axis.error_code === null ? (
-                "The axis is in a fault and tells no error code"
+                t("The axis is in a fault and tells no error code")
               ) : (
                 <>
-                  Error code <span class="mono">{hexText(axis.error_code, 4)}</span>: {errorCodeText(axis.error_code)}
+                  {tx("Error code {what}: {error_code}", {
+                    what: <span class="mono">{hexText(axis.error_code, 4)}</span>,
+                    error_code: errorCodeText(axis.error_code),
+                  })}
                 </>
               )}
             </span>
             {takes("reset-fault") ? (
               <button type="button" onClick={() => send({ command: "reset-fault" })}>
-                Reset fault
+                {t("Reset fault")}
               </button>
             ) : null}
           </div>
         ) : axis.enabled ? null : (
-          <p class="soft">Enable the axis to move it.</p>
+          <p class="soft">{t("Enable the axis to move it.")}</p>
         )}
         <div class="jog">
           <HeldButton
-            label={`Turn ${title} left while held`}
+            label={t("Turn {title} left while held", { title })}
             disabled={!moves}
             onHold={() => jog.hold(-(speed ?? 0))}
             onRelease={() => jog.release()}
           >
-            ◀ hold
+            {t("◀ hold")}
           </HeldButton>
-          <NumberField label="Speed" name={velocity.name} scale={velocity} value={speed} change={setSpeed} least={1} />
+          <NumberField label={t("Speed")} name={velocity.name} scale={velocity} value={speed} change={setSpeed} least={1} />
           <HeldButton
-            label={`Turn ${title} right while held`}
+            label={t("Turn {title} right while held", { title })}
             disabled={!moves}
             onHold={() => jog.hold(speed ?? 0)}
             onRelease={() => jog.release()}
           >
-            hold ▶
+            {t("hold ▶")}
           </HeldButton>
         </div>
         <MoveForm
@@ -292,17 +302,17 @@ function AxisControl({
           move={(value, relative) => send({ command: "move", value, relative, velocity: speed ?? 1 })}
         />
         <div class="actions">
-          <button type="button" class="stop" aria-label={`Stop ${title}`} disabled={!axis.enabled} onClick={stop}>
-            Stop
+          <button type="button" class="stop" aria-label={t("Stop {title}", { title })} disabled={!axis.enabled} onClick={stop}>
+            {t("Stop")}
           </button>
           {takes("quick-stop") ? (
             <button type="button" disabled={!axis.enabled} onClick={() => send({ command: "quick-stop" })}>
-              Quick stop
+              {t("Quick stop")}
             </button>
           ) : null}
           {takes("home") && !hasMethods ? (
             <button type="button" disabled={!axis.enabled} onClick={() => send({ command: "home" })}>
-              Home
+              {t("Home")}
             </button>
           ) : null}
         </div>
@@ -389,12 +399,12 @@ function MoveForm({ scale, disabled, move }: { scale: Scale; disabled: boolean; 
         }
       }}
     >
-      <NumberField label="Target or distance" name={scale.name} scale={scale} value={target} change={setTarget} />
+      <NumberField label={t("Target or distance")} name={scale.name} scale={scale} value={target} change={setTarget} />
       <button type="submit" disabled={cannot}>
-        Move to
+        {t("Move to")}
       </button>
       <button type="button" disabled={cannot} onClick={() => go(true)}>
-        Move by
+        {t("Move by")}
       </button>
     </form>
   );
@@ -404,7 +414,7 @@ function ModeChoice({ mode, modes, send }: { mode: number; modes: readonly numbe
   const listed = modes.includes(mode) ? modes : [mode, ...modes];
   return (
     <label class="field mode">
-      <span>Mode of operation</span>
+      <span>{t("Mode of operation")}</span>
       <select value={mode} onChange={(event) => send({ command: "mode", value: Number(event.currentTarget.value) })}>
         {listed.map((each) => (
           <option key={each} value={each}>
@@ -423,10 +433,10 @@ function Controlword({ written, mode, write }: { written: number; mode: number; 
   return (
     <details class="controlword">
       <summary>
-        Controlword <span class="mono">{hexText(written, 4)}</span>
+        {t("Controlword")} <span class="mono">{hexText(written, 4)}</span>
       </summary>
       <div class="body">
-        <div class="bit-toggles" role="group" aria-label="Bits of the controlword">
+        <div class="bit-toggles" role="group" aria-label={t("Bits of the controlword")}>
           {controlwordBits(value, mode).map((bit) => (
             <button key={bit.number} type="button" aria-pressed={bit.set} onClick={() => setOwn(value ^ (1 << bit.number))}>
               <span class="bit">{bit.number}</span> {bit.name}
@@ -442,11 +452,11 @@ function Controlword({ written, mode, write }: { written: number; mode: number; 
               setOwn(null);
             }}
           >
-            Write <span class="mono">{hexText(value, 4)}</span>
+            {t("Write")} <span class="mono">{hexText(value, 4)}</span>
           </button>
           {own === null ? null : (
             <button type="button" onClick={() => setOwn(null)}>
-              As written last
+              {t("As written last")}
             </button>
           )}
         </div>

@@ -6,6 +6,7 @@ import { segment } from "../api";
 import { axisIndex } from "../axes";
 import { addressText, hexText, quantity, quantityText } from "../format";
 import { type Resource, useConversion, useResource, useStore } from "../hooks";
+import { t } from "../language";
 import { href } from "../router";
 import { controlwordBits, errorCodeText, errorRegisterBits, modeText, powerState, statuswordBits, type Bit } from "../words";
 
@@ -30,14 +31,14 @@ function Bits({ bits }: { bits: readonly Bit[] }) {
 
 /// Of the objects a master looks at, those the device has.
 const kWatched: readonly { index: number; perAxis: boolean; label: string }[] = [
-  { index: 0x6041, perAxis: true, label: "Statusword" },
-  { index: 0x6040, perAxis: true, label: "Controlword" },
-  { index: 0x6061, perAxis: true, label: "Mode of operation" },
-  { index: 0x603f, perAxis: true, label: "Error code" },
-  { index: 0x1001, perAxis: false, label: "Error register" },
-  { index: 0x6064, perAxis: true, label: "Position" },
-  { index: 0x606c, perAxis: true, label: "Velocity" },
-  { index: 0x6077, perAxis: true, label: "Torque" },
+  { index: 0x6041, perAxis: true, label: t("Statusword") },
+  { index: 0x6040, perAxis: true, label: t("Controlword") },
+  { index: 0x6061, perAxis: true, label: t("Mode of operation") },
+  { index: 0x603f, perAxis: true, label: t("Error code") },
+  { index: 0x1001, perAxis: false, label: t("Error register") },
+  { index: 0x6064, perAxis: true, label: t("Position") },
+  { index: 0x606c, perAxis: true, label: t("Velocity") },
+  { index: 0x6077, perAxis: true, label: t("Torque") },
 ];
 
 /// Renders again each second, and tells the time.
@@ -60,7 +61,7 @@ function useStaleness(device: Device, age: number, now: number): string {
   const offered = store.offers("/api/v1/devices/{device}/manual");
   const manual = useResource<ManualControl>(offered ? `/api/v1/devices/${segment(device.name)}/manual` : null, kManualPeriod);
   if (age >= kOld) {
-    return `These values are ${secondsText(age)} old: the rack does not answer in time.`;
+    return t("These values are {age} old: the rack does not answer in time.", { age: secondsText(age) });
   }
   const activity = store.masters.get(device.network);
   const silence = manual.data?.phase === "active" ? null : (activity?.silence(now) ?? null);
@@ -68,8 +69,11 @@ function useStaleness(device: Device, age: number, now: number): string {
     return "";
   }
   return activity.hasSpoken
-    ? `The master of ${device.network} has been silent for ${secondsText(silence)}. This is what it would read now.`
-    : `No master has spoken on ${device.network} since this page was opened. This is what one would read now.`;
+    ? t("The master of {network} has been silent for {silence}. This is what it would read now.", {
+        network: device.network,
+        silence: secondsText(silence),
+      })
+    : t("No master has spoken on {network} since this page was opened. This is what one would read now.", { network: device.network });
 }
 
 /// `objects`: those that the device has.
@@ -88,9 +92,9 @@ export function MasterSees({ device, axis, objects: declared }: { device: Device
   return (
     <section class="panel">
       <header>
-        <h2>What the master sees</h2>
+        <h2>{t("What the master sees")}</h2>
         <span class="spacer" />
-        <span class="soft">read {age < kOld / 2 ? "just now" : `${secondsText(age)} ago`}</span>
+        <span class="soft">{age < kOld / 2 ? t("read just now") : t("read {age} ago", { age: secondsText(age) })}</span>
       </header>
       {stale === "" ? null : <p class="notice">{stale}</p>}
       {declared.data === null ? <p class="empty">{declared.error?.message ?? "…"}</p> : null}
@@ -188,7 +192,7 @@ function Seen({ device, index, value, unit, mode }: { device: string; index: num
       const set = errorRegisterBits(value).filter((bit) => bit.set);
       return (
         <span class={value === 0 ? "" : "wrong"}>
-          <span class="mono">{hexText(value, 2)}</span> {set.length === 0 ? "no error" : set.map((bit) => bit.name).join(", ")}
+          <span class="mono">{hexText(value, 2)}</span> {set.length === 0 ? t("no error") : set.map((bit) => bit.name).join(", ")}
         </span>
       );
     }

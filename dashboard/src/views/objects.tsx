@@ -3,6 +3,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { segment, type Declaration, type Device, type Entry, type Object, type Objects } from "../api";
 import { addressText, hexText } from "../format";
 import { useAction, useResource, useWorld } from "../hooks";
+import { t } from "../language";
 import { checkValue, isInteger, searchEntries, writable } from "../object_search";
 import { useQuery } from "../router";
 
@@ -110,39 +111,37 @@ export function Objects({ device }: { device: Device }) {
         <input
           type="search"
           class="search"
-          placeholder="Index, name, unit, e.g. 6041 or velocity"
-          aria-label="Search objects"
+          placeholder={t("Index, name, unit, e.g. 6041 or velocity")}
+          aria-label={t("Search objects")}
           value={words}
           onInput={(event) => change({ search: event.currentTarget.value })}
         />
         <label class="check">
           <input type="checkbox" checked={onlyWritable} onChange={(event) => choose("writable", event.currentTarget.checked)} />
-          writable
+          {t("writable")}
         </label>
         <label class="check">
           <input type="checkbox" checked={onlyMapped} onChange={(event) => choose("mapped", event.currentTarget.checked)} />
           PDO
         </label>
         <span class="spacer" />
-        <span class="soft">
-          {found.length} of {list.data?.entries.length ?? 0} entries
-        </span>
+        <span class="soft">{t("{found} of {value} entries", { found: found.length, value: list.data?.entries.length ?? 0 })}</span>
       </header>
-      <div class="scroller tall" tabIndex={0} role="region" aria-label="Entries">
+      <div class="scroller tall" tabIndex={0} role="region" aria-label={t("Entries")}>
         {rows.length > 0 ? (
           <table class="objects">
             <thead>
               <tr>
-                <th>Address</th>
-                <th>Name</th>
-                <th>Type</th>
-                <th>Access</th>
-                <th class="number">Value</th>
-                <th class="number">Hexadecimal</th>
-                <th>Unit</th>
-                <th>Range</th>
+                <th>{t("Address")}</th>
+                <th>{t("Name")}</th>
+                <th>{t("Type")}</th>
+                <th>{t("Access")}</th>
+                <th class="number">{t("Value")}</th>
+                <th class="number">{t("Hexadecimal")}</th>
+                <th>{t("Unit")}</th>
+                <th>{t("Range")}</th>
                 <th>
-                  <span class="hidden-text">Change</span>
+                  <span class="hidden-text">{t("Change")}</span>
                 </th>
               </tr>
             </thead>
@@ -166,7 +165,7 @@ export function Objects({ device }: { device: Device }) {
                     <td class="soft unit" title={entry.unit}>
                       {entry.unit}
                     </td>
-                    <td class="soft range" title={`default ${entry.default}`}>
+                    <td class="soft range" title={t("default {default}", { default: entry.default })}>
                       {entry.minimum === "" ? "" : `${entry.minimum} … ${entry.maximum}`}
                     </td>
                     <td class="number">
@@ -175,10 +174,10 @@ export function Objects({ device }: { device: Device }) {
                           type="button"
                           class="small"
                           aria-expanded={open}
-                          aria-label={`Write ${addressText(entry.index, entry.subindex)}`}
+                          aria-label={t("Write {index}", { index: addressText(entry.index, entry.subindex) })}
                           onClick={() => setEdited(open ? "" : key(entry))}
                         >
-                          Write
+                          {t("Write")}
                         </button>
                       ) : null}
                     </td>
@@ -204,10 +203,13 @@ export function Objects({ device }: { device: Device }) {
           <p class="empty">
             {list.data ? (
               <>
-                None of the {list.data.entries.length} entries has “{words}” in its index, name, type or unit
-                {onlyWritable || onlyMapped ? " and is of the kind that is ticked" : ""}.{" "}
+                {t("None of the {entries} entries has “{words}” in its index, name, type or unit{value}.", {
+                  entries: list.data.entries.length,
+                  words,
+                  value: onlyWritable || onlyMapped ? t(" and is of the kind that is ticked") : "",
+                })}{" "}
                 <button type="button" onClick={() => change({ search: "", only: "" })}>
-                  Show all
+                  {t("Show all")}
                 </button>
               </>
             ) : (
@@ -218,7 +220,7 @@ export function Objects({ device }: { device: Device }) {
         {found.length > rows.length ? (
           <p class="empty">
             <button type="button" onClick={() => setMost(most + kPage)}>
-              Show {Math.min(kPage, found.length - rows.length)} more
+              {t("Show {count} more", { count: Math.min(kPage, found.length - rows.length) })}
             </button>
           </p>
         ) : null}
@@ -270,9 +272,7 @@ function WriteForm({
       }}
     >
       <label class="field">
-        <span>
-          New value of {addressText(entry.index, entry.subindex)} {entry.name}
-        </span>
+        <span>{t("New value of {index} {name}", { index: addressText(entry.index, entry.subindex), name: entry.name })}</span>
         <input
           ref={(element) => {
             if (element && document.activeElement?.closest(".write-form") === null) {
@@ -288,13 +288,13 @@ function WriteForm({
         />
       </label>
       <button type="submit" class="primary" disabled={busy || problem !== ""}>
-        Write
+        {t("Write")}
       </button>
       <button type="button" onClick={close}>
-        Close
+        {t("Close")}
       </button>
       <span class={problem !== "" || error !== "" ? "wrong" : "soft"} role="status">
-        {problem !== "" ? problem : error !== "" ? error : written ? "Written." : `default ${entry.default || "–"}`}
+        {problem !== "" ? problem : error !== "" ? error : written ? t("Written.") : t("default {value}", { value: entry.default || "–" })}
       </span>
     </form>
   );

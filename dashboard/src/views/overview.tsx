@@ -1,17 +1,7 @@
 import type { ComponentChildren } from "preact";
 import { useMemo, useRef } from "preact/hooks";
 
-import type {
-  Declaration,
-  Device,
-  Object as DeviceObject,
-  Event,
-  Objects,
-  Panel,
-  PanelAxis,
-  StateMachine,
-  StateMachines,
-} from "../api";
+import type { Declaration, Device, Object as DeviceObject, Event, Objects, Panel, PanelAxis, StateMachine, StateMachines } from "../api";
 import { segment } from "../api";
 import { axesOf, axisIndex, axisNumber, type AxisSignals } from "../axes";
 import { Gauge, rangeFor } from "../components/gauge";
@@ -21,6 +11,7 @@ import { StateMachinePicture } from "../components/state_machine";
 import { TryFault } from "../components/try_fault";
 import { timeText } from "../format";
 import { useConversion, useLive, useResource, useShownIn, useSignalList, useStore } from "../hooks";
+import { t } from "../language";
 import { limitObjects, limitsOf, type Limit } from "../limits";
 import { sameState } from "../machine_layout";
 import { motionUnit } from "../motion_units";
@@ -54,7 +45,7 @@ export function Overview({ device, panel }: { device: Device; panel: Panel | nul
       <div class="overview">
         <div class="stack">
           {axes.length > 1 ? (
-            <div class="segmented" role="group" aria-label="Axis">
+            <div class="segmented" role="group" aria-label={t("Axis")}>
               {axes.map((each) => (
                 <button key={each.name} type="button" aria-pressed={each === axis} onClick={() => setChosen(each.name)}>
                   {each.name}
@@ -93,7 +84,7 @@ export function Overview({ device, panel }: { device: Device; panel: Panel | nul
               refusal={panel.last_refusal?.number === axisPanel?.last_refusal?.number ? null : panel.last_refusal}
             >
               <TryFault
-                name={`the connection of ${device.name}`}
+                name={t("the connection of {name}", { name: device.name })}
                 places={["port", "bus"]}
                 at={{ device: device.name }}
                 network={store.networkKind(device.network)}
@@ -139,7 +130,7 @@ function AxisValues({
         {panel?.mode_name ? <span class="soft">{panel.mode_name}</span> : null}
         <span class="spacer" />
         {store.offers("/api/v1/rack/file") ? (
-          <a href={href("rack-file", [], { device: device.name, axis: String(axisNumber(axis.name)) })}>Motor and load</a>
+          <a href={href("rack-file", [], { device: device.name, axis: String(axisNumber(axis.name)) })}>{t("Motor and load")}</a>
         ) : null}
         {/\d$/.test(axis.name) ? (
           <TryFault
@@ -239,7 +230,7 @@ function MachinePanel({
       </div>
       {refusal ? (
         <div class="notice warning">
-          <strong>Last refusal</strong> <span class="soft">at {timeText(refusal.time_ns)}</span>
+          <strong>{t("Last refusal")}</strong> <span class="soft">{t("at {time_ns}", { time_ns: timeText(refusal.time_ns) })}</span>
           <br />
           <EventSentence event={refusal} place="refusal" />
         </div>
@@ -257,14 +248,14 @@ function DeviceEvents({ name }: { name: string }) {
   return (
     <section class="panel">
       <header>
-        <h2>Newest events</h2>
+        <h2>{t("Newest events")}</h2>
         <span class="spacer" />
-        <a href={href("events", [], { device: name })}>All events of {name}</a>
+        <a href={href("events", [], { device: name })}>{t("All events of {name}", { name })}</a>
       </header>
       {own.length > 0 ? (
         <EventRows events={own} short />
       ) : (
-        <p class="empty">Nothing has happened so far. Take control above, connect a master, or try a fault.</p>
+        <p class="empty">{t("Nothing has happened so far. Take control above, connect a master, or try a fault.")}</p>
       )}
     </section>
   );

@@ -2,6 +2,7 @@ import { useEffect, useRef } from "preact/hooks";
 
 import { segment, type Device, type Program } from "../api";
 import { useResource } from "../hooks";
+import { t, tn, tx } from "../language";
 import { href } from "../router";
 
 const kPeriod = 400;
@@ -18,11 +19,11 @@ export function ProgramView({ device }: { device: Device }) {
   return (
     <section class="panel">
       <header>
-        <h2>TMCL program</h2>
-        <span class={program.data.running ? "badge good" : "badge"}>{program.data.running ? "runs" : "stopped"}</span>
-        <span class="soft">{program.data.lines.length} commands</span>
+        <h2>{t("TMCL program")}</h2>
+        <span class={program.data.running ? "badge good" : "badge"}>{program.data.running ? t("runs") : t("stopped")}</span>
+        <span class="soft">{tn(program.data.lines.length, "{count} command", "{count} commands")}</span>
       </header>
-      <div class="scroller tall" tabIndex={0} role="region" aria-label="Program">
+      <div class="scroller tall" tabIndex={0} role="region" aria-label={t("Program")}>
         <ol class="program">
           {program.data.lines.map((each) => {
             const here = each.address === line;
@@ -36,8 +37,11 @@ export function ProgramView({ device }: { device: Device }) {
         </ol>
         {program.data.lines.length === 0 ? (
           <p class="empty">
-            No program is stored. Name one in the <a href={href("rack-file", [], { device: device.name })}>rack file</a>,{" "}
-            <code>program = "FILE.tmc"</code>, or write one into the module: <code>stator tmcl</code>.
+            {tx("No program is stored. Name one in the {link}, {code}, or write one into the module: {code2}.", {
+              link: <a href={href("rack-file", [], { device: device.name })}>{t("rack file")}</a>,
+              code: <code>program = "FILE.tmc"</code>,
+              code2: <code>stator tmcl</code>,
+            })}
           </p>
         ) : null}
       </div>

@@ -6,6 +6,7 @@ import { LedDot } from "../components/led";
 import { ShaftDial } from "../components/shaft";
 import { quantityText, timeText } from "../format";
 import { useResource, useShownIn, useSignalList, useSignals, useStore, useWidth } from "../hooks";
+import { t, tn } from "../language";
 import { busPicture, kMasterWidth, segmentPicture, shaftPlace, type Card } from "../rack_layout";
 import { href } from "../router";
 import { shaftsOf, type Shaft } from "../shafts";
@@ -70,9 +71,10 @@ export function RackView() {
   return (
     <>
       <div class="view-head">
-        <h1>Rack</h1>
+        <h1>{t("Rack")}</h1>
         <span class="soft">
-          {store.devices.length} devices, {store.rack?.signals ?? 0} signals
+          {tn(store.devices.length, "{count} device", "{count} devices")},{" "}
+          {tn(store.rack?.signals ?? 0, "{count} signal", "{count} signals")}
         </span>
       </div>
       {wiring.error && !wiring.data ? <p class="notice bad">{wiring.error.message}</p> : null}
@@ -125,11 +127,11 @@ function SegmentPanel({ segment, links, shafts, width, zoom }: Drawn & Reached &
         <h2>{segment.name}</h2>
         <span class="badge">EtherCAT</span>
         <span class="soft mono">{segment.link}</span>
-        {segment.redundant ? <span class="badge">cable redundancy</span> : null}
-        {broken > 0 ? <span class="badge bad">{broken === 1 ? "1 cable broken" : `${broken} cables broken`}</span> : null}
+        {segment.redundant ? <span class="badge">{t("cable redundancy")}</span> : null}
+        {broken > 0 ? <span class="badge bad">{tn(broken, "{count} cable broken", "{count} cables broken")}</span> : null}
       </header>
       <div class="body">
-        <svg class="picture" {...drawn(picture, zoom)} role="group" aria-label={`Wiring of ${segment.name}`}>
+        <svg class="picture" {...drawn(picture, zoom)} role="group" aria-label={t("Wiring of {name}", { name: segment.name })}>
           {picture.cables.map((cable) => (
             <g key={`${cable.from}>${cable.to}`} class={`cable ${cable.state}`}>
               <title>{cable.title}</title>
@@ -140,7 +142,7 @@ function SegmentPanel({ segment, links, shafts, width, zoom }: Drawn & Reached &
           <Outside
             y={first?.y ?? 0}
             height={picture.cards.length > 0 ? (first?.height ?? 58) : 58}
-            name="Master"
+            name={t("Master")}
             lit={segment.carrier[0] ?? true}
           />
           {picture.cards.map((card) => (
@@ -153,7 +155,7 @@ function SegmentPanel({ segment, links, shafts, width, zoom }: Drawn & Reached &
           ))}
         </svg>
       </div>
-      <ConnectPanel links={links} what="a master" />
+      <ConnectPanel links={links} what={t("a master")} />
     </section>
   );
 }
@@ -161,7 +163,7 @@ function SegmentPanel({ segment, links, shafts, width, zoom }: Drawn & Reached &
 function Outside({ y, height, name, lit }: { y: number; height: number; name: string; lit: boolean }) {
   return (
     <g class={lit ? "outside" : "outside dark"}>
-      <title>{lit ? `${name}: connected` : `${name}: no carrier`}</title>
+      <title>{lit ? t("{name}: connected", { name }) : t("{name}: no carrier", { name })}</title>
       <rect x="0.5" y={y + 0.5} width={kMasterWidth - 1} height={height - 1} rx="4" />
       <text x={kMasterWidth / 2} y={y + height / 2 + 4}>
         {name}
@@ -196,19 +198,26 @@ function BusPanel({ bus, links, shafts, width, zoom }: Drawn & Reached & { bus: 
       <header>
         <h2>{bus.name}</h2>
         <span class="badge">CAN</span>
-        <span class="soft">{bus.bit_rate === null ? "unlimited" : `${quantityText(bus.bit_rate / 1000, "")} kbit/s`}</span>
+        <span class="soft">{bus.bit_rate === null ? t("unlimited") : `${quantityText(bus.bit_rate / 1000, "")} kbit/s`}</span>
         <span class="soft mono">{bus.ports.join(", ")}</span>
         <span class="spacer" />
         <label class="load">
-          <span class="soft">Load</span>
+          <span class="soft">{t("Load")}</span>
           <meter min="0" max="1" high={0.8} value={bus.load} />
           <span class="load-value">{quantityText(bus.load, "1", 3)}</span>
         </label>
       </header>
       <div class="body">
-        <Wire names={bus.devices} shafts={shafts} width={width} zoom={zoom} label={`Devices at ${bus.name}`} outside="Programs" />
+        <Wire
+          names={bus.devices}
+          shafts={shafts}
+          width={width}
+          zoom={zoom}
+          label={t("Devices at {name}", { name: bus.name })}
+          outside={t("Programs")}
+        />
       </div>
-      <ConnectPanel links={links} what="a master or another program" />
+      <ConnectPanel links={links} what={t("a master or another program")} />
     </section>
   );
 }
@@ -217,14 +226,21 @@ function LinePanel({ line, links, shafts, width, zoom }: Drawn & Reached & { lin
   return (
     <section class="panel">
       <header>
-        <h2>Serial line</h2>
+        <h2>{t("Serial line")}</h2>
         <span class="badge">TMCL</span>
         <span class="soft mono">{line.link}</span>
       </header>
       <div class="body">
-        <Wire names={line.devices} shafts={shafts} width={width} zoom={zoom} label={`Devices at ${line.link}`} outside="Host" />
+        <Wire
+          names={line.devices}
+          shafts={shafts}
+          width={width}
+          zoom={zoom}
+          label={t("Devices at {link}", { link: line.link })}
+          outside={t("Host")}
+        />
       </div>
-      <ConnectPanel links={links} what="a host" />
+      <ConnectPanel links={links} what={t("a host")} />
     </section>
   );
 }
@@ -248,7 +264,7 @@ function DeviceCard({ card, shafts, ports }: { card: Card; shafts: readonly Shaf
     <a
       class={powered ? "card" : "card off"}
       href={href("device", [card.name])}
-      aria-label={`${card.name}, ${device?.product ?? ""}, ${powered ? network : "switched off"}`}
+      aria-label={`${card.name}, ${device?.product ?? ""}, ${powered ? network : t("switched off")}`}
     >
       <rect class="box" x={card.x + 0.5} y={card.y + 0.5} width={card.width - 1} height={card.height - 1} rx="4" />
       {ports
@@ -270,11 +286,11 @@ function DeviceCard({ card, shafts, ports }: { card: Card; shafts: readonly Shaf
         {device?.product ?? ""}
       </text>
       <text class="soft" x={card.x + 12} y={card.y + 34}>
-        {powered ? network : "switched off"}
+        {powered ? network : t("switched off")}
       </text>
       {errors > 0 ? (
         <text class="bad right" x={card.x + card.width - 12} y={card.y + 34}>
-          {errors} link errors
+          {tn(errors, "{count} link error", "{count} link errors")}
         </text>
       ) : null}
       {leds.map((led, i) => (
@@ -312,19 +328,19 @@ function Networks() {
   return (
     <section class="panel whole">
       <header>
-        <h2>Networks</h2>
+        <h2>{t("Networks")}</h2>
       </header>
       <table>
         <thead>
           <tr>
-            <th>Name</th>
-            <th>Kind</th>
-            <th class="number">Received</th>
-            <th class="number" title="How often the rack was later than 20 ms">
-              Overruns
+            <th>{t("Name")}</th>
+            <th>{t("Kind")}</th>
+            <th class="number">{t("Received")}</th>
+            <th class="number" title={t("How often the rack was later than 20 ms")}>
+              {t("Overruns")}
             </th>
-            <th class="number" title="How late the rack was at most">
-              Worst lag
+            <th class="number" title={t("How late the rack was at most")}>
+              {t("Worst lag")}
             </th>
           </tr>
         </thead>
@@ -334,7 +350,7 @@ function Networks() {
               <td>{network.name}</td>
               <td>{network.kind}</td>
               <td class="number">
-                {quantityText(network.received, "")} {network.kind === "serial" ? "bytes" : "frames"}
+                {quantityText(network.received, "")} {network.kind === "serial" ? t("bytes") : t("frames")}
               </td>
               <td class="number">{quantityText(network.overruns, "")}</td>
               <td class="number">{quantityText(network.worst_lag_ns / 1e9, "s", 3)}</td>
@@ -342,7 +358,7 @@ function Networks() {
           ))}
         </tbody>
       </table>
-      <p class="soft foot">Simulated time since power-on: {rack ? timeText(rack.time_ns, 0) : "–"}</p>
+      <p class="soft foot">{t("Simulated time since power-on: {value}", { value: rack ? timeText(rack.time_ns, 0) : "–" })}</p>
     </section>
   );
 }

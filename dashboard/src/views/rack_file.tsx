@@ -2,6 +2,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 
 import type { RackFile } from "../api";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
+import { t, tx } from "../language";
 import { Declarations, type Schema } from "../rack_form/declarations";
 import { sectionOfAxis, withWireTo } from "../rack_form/leads";
 import { sectionsOf, type Section } from "../rack_form/outline";
@@ -64,9 +65,9 @@ function Editor({ file, keys }: { file: RackFile; keys: Schema }) {
   return (
     <>
       <div class="view-head">
-        <h1>Rack file</h1>
+        <h1>{t("Rack file")}</h1>
         <span class="soft mono">{file.path}</span>
-        {text === file.text ? <span class="badge">as it runs</span> : <span class="badge accent">changed</span>}
+        {text === file.text ? <span class="badge">{t("as it runs")}</span> : <span class="badge accent">{t("changed")}</span>}
       </div>
       <Run file={file} text={text} good={good} back={() => change(file.text)} />
       <div class="rack-file">
@@ -82,8 +83,8 @@ function Editor({ file, keys }: { file: RackFile; keys: Schema }) {
         ) : (
           <p class="notice warning">
             {file.path.endsWith(".json")
-              ? "The form is for rack files in TOML; this one is JSON."
-              : "The text is no TOML at present; the form is here again when it is."}
+              ? t("The form is for rack files in TOML; this one is JSON.")
+              : t("The text is no TOML at present; the form is here again when it is.")}
           </p>
         )}
         <TextPane
@@ -141,31 +142,35 @@ function Run({ file, text, good, back }: { file: RackFile; text: string; good: b
     }
   };
   return (
-    <section class="panel rack-run" aria-label="What to do with the file">
+    <section class="panel rack-run" aria-label={t("What to do with the file")}>
       <div class="body toolbar">
         <button type="button" class="primary" disabled={busy || !good || file.fixed !== "" || asked !== ""} onClick={() => void start()}>
-          Run this
+          {t("Run this")}
         </button>
         <button type="button" onClick={() => saveFile(name, new Blob([text], { type: "application/toml" }))}>
-          Download
+          {t("Download")}
         </button>
         <button type="button" disabled={text === file.text} onClick={back}>
-          Back to what runs
+          {t("Back to what runs")}
         </button>
         <span class="soft">
           {file.fixed === ""
-            ? "Running it ends this rack and begins the other at power-on: its links close and open again, so masters have to connect anew. The text is kept in a new file beside this one. If the other rack cannot start, this one does."
-            : `Another rack cannot be run from here: ${file.fixed}.`}
+            ? t(
+                "Running it ends this rack and begins the other at power-on: its links close and open again, so masters have to connect anew. The text is kept in a new file beside this one. If the other rack cannot start, this one does.",
+              )
+            : t("Another rack cannot be run from here: {fixed}.", { fixed: file.fixed })}
         </span>
       </div>
       {file.changes.length > 0 ? (
         <p class="notice">
-          The rack was started with changes to the file, which are made to this text too: <code>{file.changes.join(" ")}</code>
+          {tx("The rack was started with changes to the file, which are made to this text too: {code}", {
+            code: <code>{file.changes.join(" ")}</code>,
+          })}
         </p>
       ) : null}
       {file.refusal === "" ? null : (
         <p class="notice bad" role="alert">
-          The rack that was asked for did not start, so the one before runs again: {file.refusal}
+          {t("The rack that was asked for did not start, so the one before runs again: {refusal}", { refusal: file.refusal })}
         </p>
       )}
       {error === "" ? null : (
@@ -173,14 +178,14 @@ function Run({ file, text, good, back }: { file: RackFile; text: string; good: b
           {error}
         </p>
       )}
-      {asked === "" ? null : <p class="notice">The other rack starts …</p>}
+      {asked === "" ? null : <p class="notice">{t("The other rack starts …")}</p>}
     </section>
   );
 }
 
 function Outline({ sections, chosen, placed }: { sections: readonly Section[]; chosen: Section; placed: readonly Placed[] }) {
   return (
-    <nav class="panel outline" aria-label="Parts of the rack file">
+    <nav class="panel outline" aria-label={t("Parts of the rack file")}>
       <ul>
         {sections.map((section) => {
           const within = sections.filter((each) => each.path.length > section.path.length && beginsWith(each.path, section.path));
@@ -220,20 +225,20 @@ function FormPane({
   change: (text: string, chosen?: Path) => void;
 }) {
   return (
-    <section class="panel rack-form" aria-label="Form of the rack file">
+    <section class="panel rack-form" aria-label={t("Form of the rack file")}>
       <header>
         <h2>{section.title}</h2>
         <input
           type="search"
           class="fill"
-          placeholder="Search keys"
-          aria-label="Search keys"
+          placeholder={t("Search keys")}
+          aria-label={t("Search keys")}
           value={words}
           onInput={(event) => search(event.currentTarget.value)}
         />
         {section.path.length > 0 ? (
           <button type="button" onClick={() => change(without(toml, section.path), [])}>
-            Remove
+            {t("Remove")}
           </button>
         ) : null}
       </header>

@@ -4,6 +4,7 @@ import { segment, type Api, type Recording, type Snapshots } from "../api";
 import { CopyButton } from "../components/copy_button";
 import { sizeText, timeText } from "../format";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
+import { t, tx } from "../language";
 import { href } from "../router";
 import { saveFile } from "../save_file";
 
@@ -14,30 +15,32 @@ function Facts({ recording }: { recording: Recording }) {
       <table>
         <tbody>
           <tr>
-            <td class="soft">File</td>
+            <td class="soft">{t("File")}</td>
             <td>{recording.file}</td>
           </tr>
           <tr>
-            <td class="soft">Recorded</td>
+            <td class="soft">{t("Recorded")}</td>
             <td>{timeText(recording.time_ns)}</td>
           </tr>
           <tr>
-            <td class="soft">Size</td>
+            <td class="soft">{t("Size")}</td>
             <td>{sizeText(recording.bytes)}</td>
           </tr>
         </tbody>
       </table>
       <div class="body replay">
         <p>
-          {recording.running ? "When it has stopped, this replays it" : "This replays it"}, to the bit and as often as you like, in a
-          terminal where <code>stator run</code> was started; of a download, with its place instead:
+          {tx(
+            "{value}, to the bit and as often as you like, in a terminal where {code} was started; of a download, with its place instead:",
+            { value: recording.running ? t("When it has stopped, this replays it") : t("This replays it"), code: <code>stator run</code> },
+          )}
         </p>
         <div class="toolbar">
           <code>{command}</code>
-          <CopyButton text={command} name="the command that replays it" />
+          <CopyButton text={command} name={t("the command that replays it")} />
         </div>
       </div>
-      {recording.complete ? null : <p class="notice bad">The recording has ended early: the disk could not keep up, or is full.</p>}
+      {recording.complete ? null : <p class="notice bad">{t("The recording has ended early: the disk could not keep up, or is full.")}</p>}
     </>
   );
 }
@@ -70,16 +73,18 @@ function Running({ recording, reload }: { recording: Recording; reload: () => vo
     <>
       <div class="body toolbar">
         <button type="button" class="primary" disabled={busy} onClick={() => void stop()}>
-          Stop recording
+          {t("Stop recording")}
         </button>
         <button type="button" disabled={busy} onClick={() => void run(() => download(api, recording))}>
-          Download what there is
+          {t("Download what there is")}
         </button>
-        <span class="soft">The rack goes on when the recording stops.</span>
+        <span class="soft">{t("The rack goes on when the recording stops.")}</span>
       </div>
       <p class="body">
-        Do now what is to be kept: move an axis on the page of <a href={href("rack")}>a device</a>, put <a href={href("faults")}>a fault</a>
-        , run your master. Then come back and stop.
+        {tx("Do now what is to be kept: move an axis on the page of {link}, put {link2}, run your master. Then come back and stop.", {
+          link: <a href={href("rack")}>{t("a device")}</a>,
+          link2: <a href={href("faults")}>{t("a fault")}</a>,
+        })}
       </p>
       {error === "" ? null : <p class="notice bad">{error}</p>}
     </>
@@ -97,13 +102,14 @@ function Start({ recording }: { recording: Recording }) {
       {recording.file === null ? null : (
         <div class="body toolbar">
           <button type="button" disabled={busy} onClick={() => void run(() => download(api, recording))}>
-            Download
+            {t("Download")}
           </button>
         </div>
       )}
       <p class="body">
-        A recording keeps all that reaches the rack, from power-on on. So the rack begins anew: its devices are switched on again, and
-        masters find their network gone for a moment.
+        {t(
+          "A recording keeps all that reaches the rack, from power-on on. So the rack begins anew: its devices are switched on again, and masters find their network gone for a moment.",
+        )}
       </p>
       <form
         class="body toolbar"
@@ -113,14 +119,14 @@ function Start({ recording }: { recording: Recording }) {
         }}
       >
         <label class="field">
-          <span>Name of the file, without .stator</span>
+          <span>{t("Name of the file, without .stator")}</span>
           <input value={name} required pattern={kNamePattern} onInput={(event) => setName(event.currentTarget.value)} />
         </label>
         <button type="submit" class="primary" disabled={busy || begun || name === ""}>
-          Restart the rack and record
+          {t("Restart the rack and record")}
         </button>
       </form>
-      {begun ? <p class="body soft">The rack begins anew …</p> : null}
+      {begun ? <p class="body soft">{t("The rack begins anew …")}</p> : null}
       {error === "" ? null : <p class="notice bad">{error}</p>}
     </>
   );
@@ -141,14 +147,14 @@ export function RecordingView() {
   return (
     <>
       <div class="view-head">
-        <h1>Recording</h1>
-        <span class="soft">All that reaches the rack, to be replayed to the bit</span>
+        <h1>{t("Recording")}</h1>
+        <span class="soft">{t("All that reaches the rack, to be replayed to the bit")}</span>
       </div>
       <div class="two-columns">
         <section class="panel">
           <header>
-            <h2>Recording of this run</h2>
-            {recording.data?.running ? <span class="badge bad">recording</span> : null}
+            <h2>{t("Recording of this run")}</h2>
+            {recording.data?.running ? <span class="badge bad">{t("recording")}</span> : null}
           </header>
           {recording.data === null || recording.data.file === null ? null : <Facts recording={recording.data} />}
           {recording.data === null ? null : recording.data.running ? (
@@ -162,9 +168,9 @@ export function RecordingView() {
         {recording.data !== null && recording.data.file === null ? (
           <section class="panel">
             <header>
-              <h2>Snapshots</h2>
+              <h2>{t("Snapshots")}</h2>
             </header>
-            <p class="empty">Moments to go back to are places in a recording: start one, then keep the present state here.</p>
+            <p class="empty">{t("Moments to go back to are places in a recording: start one, then keep the present state here.")}</p>
           </section>
         ) : null}
       </div>
@@ -186,7 +192,7 @@ function Snapshots() {
   return (
     <section class="panel">
       <header>
-        <h2>Snapshots</h2>
+        <h2>{t("Snapshots")}</h2>
       </header>
       <form
         class="body toolbar"
@@ -196,11 +202,11 @@ function Snapshots() {
         }}
       >
         <label class="field">
-          <span>Name</span>
+          <span>{t("Name")}</span>
           <input value={name} required pattern={kNamePattern} onInput={(event) => setName(event.currentTarget.value)} />
         </label>
         <button type="submit" class="primary" disabled={busy || name === ""}>
-          Keep the present state
+          {t("Keep the present state")}
         </button>
       </form>
       {error === "" ? null : <p class="notice bad">{error}</p>}
@@ -217,7 +223,7 @@ function Snapshots() {
                     disabled={busy}
                     onClick={() => void run(() => api.send("POST", `/api/v1/snapshots/${segment(each.name)}/restore`))}
                   >
-                    Go back to it
+                    {t("Go back to it")}
                   </button>
                 </td>
               </tr>
@@ -228,7 +234,7 @@ function Snapshots() {
         <p class="empty">
           {list.error
             ? list.error.message
-            : "No snapshot so far. Give the present moment a name; the rack can go back to it as often as you like."}
+            : t("No snapshot so far. Give the present moment a name; the rack can go back to it as often as you like.")}
         </p>
       )}
     </section>

@@ -1,6 +1,7 @@
 import { segment, type Device, type Signals } from "../api";
 import { quantity } from "../format";
 import { useResource, useShownIn, useSignals, useStore } from "../hooks";
+import { t, tn, tx } from "../language";
 import { href, useChoice } from "../router";
 
 /// All signals of a device as numbers.
@@ -19,18 +20,18 @@ export function DeviceSignals({ device }: { device: Device }) {
       <header class="toolbar">
         <input
           type="search"
-          placeholder="Search"
-          aria-label="Search signals"
+          placeholder={t("Search")}
+          aria-label={t("Search signals")}
           value={words}
           onInput={(event) => setWords(event.currentTarget.value)}
         />
         <span class="spacer" />
         <span class="soft">
-          {shown.length} signals
+          {tn(shown.length, "{count} signal", "{count} signals")}
           {store.offers("/api/v1/signals") ? (
             <>
               {" – "}
-              <a href={href("scope", [], { device: device.name })}>plot them in the oscilloscope</a>
+              <a href={href("scope", [], { device: device.name })}>{t("plot them in the oscilloscope")}</a>
             </>
           ) : null}
         </span>
@@ -54,13 +55,16 @@ export function DeviceSignals({ device }: { device: Device }) {
         <p class="empty">{list.error?.message ?? "…"}</p>
       ) : words === "" ? (
         <p class="empty">
-          {device.name} has no signals. What it does on the wire is in <a href={href("traffic")}>Traffic</a>.
+          {tx("{name} has no signals. What it does on the wire is in {link}.", {
+            name: device.name,
+            link: <a href={href("traffic")}>{t("Traffic")}</a>,
+          })}
         </p>
       ) : (
         <p class="empty">
-          None of the {list.data.signals.length} signals has “{words}” in its name.{" "}
+          {t("None of the {signals} signals has “{words}” in its name.", { signals: list.data.signals.length, words })}{" "}
           <button type="button" onClick={() => setWords("")}>
-            Show all
+            {t("Show all")}
           </button>
         </p>
       )}

@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import type { Frame } from "../api";
 import { grouped } from "../format";
 import { useStore } from "../hooks";
+import { t } from "../language";
 import { useChoice } from "../router";
 import { FrameContent, FrameTable, RepeatingTable } from "./traffic_tables";
 import { useTraffic } from "./use_traffic";
@@ -30,59 +31,63 @@ export function TrafficView() {
   return (
     <>
       <div class="view-head">
-        <h1>Traffic</h1>
-        <span class="soft">What masters and devices send, decoded; frames of which only data change are counted in one row</span>
+        <h1>{t("Traffic")}</h1>
+        <span class="soft">{t("What masters and devices send, decoded; frames of which only data change are counted in one row")}</span>
       </div>
       <div class="traffic">
         <section class="panel">
           <header class="toolbar">
-            <select aria-label="Network" value={network} onChange={(event) => setNetwork(event.currentTarget.value)}>
-              <option value="">All networks</option>
+            <select aria-label={t("Network")} value={network} onChange={(event) => setNetwork(event.currentTarget.value)}>
+              <option value="">{t("All networks")}</option>
               {rack?.networks.map((each) => (
                 <option key={each.name}>{each.name}</option>
               ))}
             </select>
             <input
               type="search"
-              placeholder="Filter, e.g. 6041"
-              aria-label="Filter"
+              placeholder={t("Filter, e.g. 6041")}
+              aria-label={t("Filter")}
               value={filter}
               onInput={(event) => setFilter(event.currentTarget.value)}
             />
             <button type="button" aria-pressed={paused} onClick={() => setPaused(!paused)}>
-              Pause
+              {t("Pause")}
             </button>
             <button type="button" onClick={clear} disabled={log.received === 0}>
-              Clear
+              {t("Clear")}
             </button>
             <label class="check">
               <input type="checkbox" checked={everything} onChange={(event) => setEverything(event.currentTarget.checked)} />
-              Every frame
+              {t("Every frame")}
             </label>
             <span class="spacer" />
             <span class="soft traffic-counts" data-received={log.received} data-single={log.single} data-lost={lost}>
-              {text(log.received)} frames, {text(log.received - log.single)} of them in {log.repeating.length} rows that repeat
-              {lost > 0 ? `; ${text(lost)} lost on the way to this page` : ""}
+              {t("{received} frames, {repeated} of them in {rows} rows that repeat", {
+                received: text(log.received),
+                repeated: text(log.received - log.single),
+                rows: log.repeating.length,
+              })}
+              {lost > 0 ? `; ${t("{lost} lost on the way to this page", { lost: text(lost) })}` : ""}
             </span>
           </header>
           {problem === "" ? null : <p class="notice bad">{problem}</p>}
-          <div class="scroller tall" tabIndex={0} role="region" aria-label="List of frames">
+          <div class="scroller tall" tabIndex={0} role="region" aria-label={t("List of frames")}>
             {repeating.length > 0 ? (
               <>
-                <h2 class="part">Again and again</h2>
+                <h2 class="part">{t("Again and again")}</h2>
                 <RepeatingTable
                   rows={repeating}
                   newest={log.newest}
                   chosen={typeof chosen === "string" ? chosen : ""}
                   onChoose={setChosen}
                 />
-                <h2 class="part">Once: messages, changes of state</h2>
+                <h2 class="part">{t("Once: messages, changes of state")}</h2>
               </>
             ) : null}
             {frames.length > 0 ? (
               <FrameTable frames={frames} chosen={typeof chosen === "string" ? null : chosen} onChoose={setChosen} />
             ) : repeating.length > 0 ? (
-              <p class="empty">None but what repeats.</p>
+              <p class="empty">{t("None but what repeats.")}</p>
             ) : (
               <Nothing received={log.received} paused={paused} />
             )}
@@ -90,9 +95,9 @@ export function TrafficView() {
         </section>
         <section class="panel">
           <header>
-            <h2>{content === null ? "Frame" : `Frame ${content.number}`}</h2>
+            <h2>{content === null ? t("Frame") : t("Frame {number}", { number: content.number })}</h2>
           </header>
-          {content === null ? <p class="empty">Choose a frame to see its fields and bytes.</p> : <FrameContent frame={content} />}
+          {content === null ? <p class="empty">{t("Choose a frame to see its fields and bytes.")}</p> : <FrameContent frame={content} />}
         </section>
       </div>
     </>
@@ -102,7 +107,7 @@ export function TrafficView() {
 function Nothing({ received, paused }: { received: number; paused: boolean }) {
   return (
     <p class="empty">
-      {received > 0 ? "No frame fits the filter." : paused ? "Paused." : "No frames so far. They come when a master talks."}
+      {received > 0 ? t("No frame fits the filter.") : paused ? t("Paused.") : t("No frames so far. They come when a master talks.")}
     </p>
   );
 }

@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import type { Frame } from "../api";
 import { grouped, kNone, timeText } from "../format";
 import { hexDump } from "../hex_dump";
+import { t } from "../language";
 import { type Repeating, valuesOf } from "../traffic_log";
 
 const kArrows: Readonly<Record<string, string>> = { request: "→", answer: "←", bus: "•" };
@@ -44,15 +45,15 @@ export function RepeatingTable({ rows, newest, chosen, onChoose }: RepeatingTabl
       <thead>
         <tr>
           <th class="arrow">
-            <span class="hidden-text">Last frames</span>
+            <span class="hidden-text">{t("Last frames")}</span>
           </th>
-          <th class="number">Count</th>
-          <th class="number">Rate</th>
-          <th class="device">Network</th>
+          <th class="number">{t("Count")}</th>
+          <th class="number">{t("Rate")}</th>
+          <th class="device">{t("Network")}</th>
           <th class="arrow">
-            <span class="hidden-text">Direction</span>
+            <span class="hidden-text">{t("Direction")}</span>
           </th>
-          <th>Frame, and what was in the last one</th>
+          <th>{t("Frame, and what was in the last one")}</th>
         </tr>
       </thead>
       <tbody>
@@ -87,7 +88,13 @@ function RepeatingRow({ row, newest, open, chosen, onToggle, onChoose }: Repeati
     <>
       <tr class={chosen ? "chosen" : ""}>
         <td class="arrow">
-          <button type="button" class="plain" aria-expanded={open} aria-label={`The last frames of ${last.summary}`} onClick={onToggle}>
+          <button
+            type="button"
+            class="plain"
+            aria-expanded={open}
+            aria-label={t("The last frames of {summary}", { summary: last.summary })}
+            onClick={onToggle}
+          >
             {open ? "▾" : "▸"}
           </button>
         </td>
@@ -132,13 +139,13 @@ export function FrameTable({ frames, chosen, onChoose }: FrameTableProperties) {
     <table>
       <thead>
         <tr>
-          <th class="number">No.</th>
-          <th class="number time">Time</th>
-          <th class="device">Network</th>
+          <th class="number">{t("No.")}</th>
+          <th class="number time">{t("Time")}</th>
+          <th class="device">{t("Network")}</th>
           <th class="arrow">
-            <span class="hidden-text">Direction</span>
+            <span class="hidden-text">{t("Direction")}</span>
           </th>
-          <th>Frame</th>
+          <th>{t("Frame")}</th>
         </tr>
       </thead>
       <tbody>
@@ -163,7 +170,7 @@ export function FrameTable({ frames, chosen, onChoose }: FrameTableProperties) {
 /// The fields and bytes of a frame.
 export function FrameContent({ frame }: { frame: Frame }) {
   return (
-    <div class="scroller tall" tabIndex={0} role="region" aria-label="Content of the frame">
+    <div class="scroller tall" tabIndex={0} role="region" aria-label={t("Content of the frame")}>
       <table>
         <tbody>
           {frame.fields.map(([name, value], i) => (

@@ -8,6 +8,7 @@ import { Guide } from "../components/guide";
 import { unitText } from "../format";
 import { useLive, useResource, useStore, useWorld } from "../hooks";
 import type { Expectation, Journal } from "../journal";
+import { t, tx } from "../language";
 import { numberOf } from "../motion_units";
 import { href } from "../router";
 import { saveFile } from "../save_file";
@@ -72,18 +73,20 @@ export function WriteTestView() {
   return (
     <>
       <div class="view-head">
-        <h1>Write a test</h1>
-        <span class="soft">What you do on this page becomes a test that runs without it, in CI for instance</span>
+        <h1>{t("Write a test")}</h1>
+        <span class="soft">{t("What you do on this page becomes a test that runs without it, in CI for instance")}</span>
       </div>
       {deeds.length === 0 ? (
         <section class="panel">
           <div class="body write-test-empty">
             <p>
-              <strong>Nothing has been done here so far.</strong> Do by hand what the test is to do, then come back:
+              {tx("{strong} Do by hand what the test is to do, then come back:", {
+                strong: <strong>{t("Nothing has been done here so far.")}</strong>,
+              })}
             </p>
             <ul>
               <li>
-                on the page of a device take control and move an axis, or set an input:{" "}
+                {t("on the page of a device take control and move an axis, or set an input:")}{" "}
                 {store.devices.map((device, i) => (
                   <span key={device.name}>
                     {i > 0 ? ", " : ""}
@@ -91,57 +94,58 @@ export function WriteTestView() {
                   </span>
                 ))}
               </li>
-              <li>
-                put a fault, and clear it: <a href={href("faults")}>Faults</a>
-              </li>
+              <li>{tx("put a fault, and clear it: {link}", { link: <a href={href("faults")}>{t("Faults")}</a> })}</li>
             </ul>
-            <p class="soft">Each of these becomes a step of the test. What another master does is not seen here; a recording keeps that.</p>
+            <p class="soft">
+              {t("Each of these becomes a step of the test. What another master does is not seen here; a recording keeps that.")}
+            </p>
             <Guide path="how-to/scenarios.md" />
           </div>
         </section>
       ) : (
         <div class="two-columns">
-          <section class="panel" aria-label="Lines of the test">
+          <section class="panel" aria-label={t("Lines of the test")}>
             <header>
-              <h2>Lines of the test</h2>
-              <span class="soft">{deeds.length === 1 ? "1 thing done" : `${deeds.length} things done`}</span>
+              <h2>{t("Lines of the test")}</h2>
+              <span class="soft">{deeds.length === 1 ? t("1 thing done") : t("{deeds} things done", { deeds: deeds.length })}</span>
               <span class="spacer" />
               <button type="button" onClick={() => journal.clear()}>
-                Begin anew
+                {t("Begin anew")}
               </button>
             </header>
             <div class="body">
               <label class="field">
-                <span>What it shows</span>
+                <span>{t("What it shows")}</span>
                 <input value={name} onInput={(event) => setName(event.currentTarget.value)} />
               </label>
             </div>
-            <pre class="test-lines" tabIndex={0} role="region" aria-label="Scenario">
+            <pre class="test-lines" tabIndex={0} role="region" aria-label={t("Scenario")}>
               {text}
             </pre>
           </section>
           <div class="stack">
             <Expect />
-            <section class="panel" aria-label="Run the test">
+            <section class="panel" aria-label={t("Run the test")}>
               <header>
-                <h2>Run it</h2>
+                <h2>{t("Run it")}</h2>
               </header>
               <div class="body">
                 {expects ? null : (
-                  <p class="notice warning">It expects nothing yet. A test that looks at nothing hardly fails: add what must be seen.</p>
+                  <p class="notice warning">
+                    {t("It expects nothing yet. A test that looks at nothing hardly fails: add what must be seen.")}
+                  </p>
                 )}
-                <p>
-                  Download it, then in a terminal: <code>stator test {kFile}</code>
-                </p>
+                <p>{tx("Download it, then in a terminal: {code}", { code: <code>stator test {kFile}</code> })}</p>
                 <div class="toolbar">
                   <button type="button" class="primary" onClick={() => saveFile(kFile, new Blob([text], { type: "application/toml" }))}>
-                    Download {kFile}
+                    {t("Download {kFile}", { kFile })}
                   </button>
-                  <CopyButton text={text} name="the lines of the test" />
+                  <CopyButton text={text} name={t("the lines of the test")} />
                 </div>
                 <p class="soft">
-                  It begins at power-on, in simulated time, with no master but its own: exit status 1 when something is not as expected.
-                  Pauses are as long as yours were; shorten them as you like.
+                  {t(
+                    "It begins at power-on, in simulated time, with no master but its own: exit status 1 when something is not as expected. Pauses are as long as yours were; shorten them as you like.",
+                  )}
                 </p>
                 <Guide path="how-to/scenarios.md" />
               </div>
@@ -168,17 +172,17 @@ function Expect() {
   const [signal, setSignal] = useState("");
   const known = signals.data?.signals.find((each) => each.name === signal);
   return (
-    <section class="panel" aria-label="What must be seen">
+    <section class="panel" aria-label={t("What must be seen")}>
       <header>
-        <h2>What must be seen then</h2>
+        <h2>{t("What must be seen then")}</h2>
       </header>
       <div class="body">
         <label class="field">
-          <span>Signal</span>
+          <span>{t("Signal")}</span>
           <input
             value={signal}
             list="test-signals"
-            placeholder="e.g. type “following”"
+            placeholder={t("e.g. type “following”")}
             autocomplete="off"
             onInput={(event) => setSignal(event.currentTarget.value.trim())}
           />
@@ -191,7 +195,7 @@ function Expect() {
         {known ? (
           <ExpectForm key={signal} signal={signal} unit={known.unit} done={(expectation) => journal.expect(expectation)} />
         ) : (
-          <p class="soft">{signal === "" ? "Choose a signal; its present value is proposed." : "The rack has no such signal."}</p>
+          <p class="soft">{signal === "" ? t("Choose a signal; its present value is proposed.") : t("The rack has no such signal.")}</p>
         )}
       </div>
     </section>
@@ -220,7 +224,7 @@ function ExpectForm({ signal, unit, done }: { signal: string; unit: string; done
       }}
     >
       <label class="field">
-        <span>Must be so that it</span>
+        <span>{t("Must be so that it")}</span>
         <select value={comparison} onChange={(event) => setComparison(event.currentTarget.value as Expectation["comparison"])}>
           {kComparisons.map(([each, words]) => (
             <option key={each} value={each}>
@@ -231,14 +235,14 @@ function ExpectForm({ signal, unit, done }: { signal: string; unit: string; done
       </label>
       <label class="field">
         <span>
-          Value <span class="soft">{unitText(unit)}</span>
+          {t("Value")} <span class="soft">{unitText(unit)}</span>
         </span>
         <input inputMode="decimal" value={shown} aria-invalid={value === null} onInput={(event) => setText(event.currentTarget.value)} />
       </label>
       {comparison === "equals" ? (
         <label class="field">
           <span>
-            Give or take <span class="soft">{unitText(unit)}</span>
+            {t("Give or take")} <span class="soft">{unitText(unit)}</span>
           </span>
           <input
             inputMode="decimal"
@@ -250,12 +254,12 @@ function ExpectForm({ signal, unit, done }: { signal: string; unit: string; done
       ) : null}
       <label class="field">
         <span>
-          Within <span class="soft">s</span>
+          {t("Within")} <span class="soft">s</span>
         </span>
         <input inputMode="decimal" value={within} onInput={(event) => setWithin(event.currentTarget.value)} />
       </label>
       <button type="submit" class="primary" disabled={!good}>
-        Add to the test
+        {t("Add to the test")}
       </button>
     </form>
   );

@@ -85,8 +85,8 @@ export const kPresets: readonly Preset[] = [
   },
   {
     key: "load",
-    name: "Load steps",
-    summary: "How far the axis falls behind when its load steps, and what it does about it. Step the load beside the picture.",
+    name: t("Load steps"),
+    summary: t("How far the axis falls behind when its load steps, and what it does about it. Step the load beside the picture."),
     period: 1e6,
     span: 2e9,
     channels: [{ signals: ["$axis.load_torque"] }, kBehind, { signals: kTorqueCurrent }, { signals: ["$axis.shaft_speed"] }],
