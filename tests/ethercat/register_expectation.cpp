@@ -4,8 +4,8 @@
 #include <cctype>
 #include <cstdio>
 #include <fstream>
-#include <iterator>
 #include <map>
+#include <sstream>
 #include <stdexcept>
 
 #include "devices/csv.hpp"
@@ -29,12 +29,18 @@ struct DocumentRow {
 
 std::vector<tests::CsvRow> read_csv(const std::string& path) {
   std::ifstream file(STATOR_TEST_DATA "/" + path);
-  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  return tests::parse_csv(text);
+  std::stringstream text;
+  text << file.rdbuf();
+  return tests::parse_csv(text.view());
 }
 
-std::vector<DocumentRow> document_rows(const std::string& device) {
-  std::vector<DocumentRow> rows;
+/// Read once.
+const std::vector<DocumentRow>& document_rows(const std::string& device) {
+  static std::map<std::string, std::vector<DocumentRow>> documents;
+  std::vector<DocumentRow>& rows = documents[device];
+  if (!rows.empty()) {
+    return rows;
+  }
   const auto csv = read_csv(device + "/registers.csv");
   for (std::size_t i = 1; i < csv.size(); ++i) {
     const tests::CsvRow& cells = csv[i];
