@@ -118,7 +118,7 @@ test("a fault is tried at the input that it is about", async ({ open }) => {
 });
 
 test("bars show the limits of the drive", async ({ open, origin, link }) => {
-  const page = await open("/device/gantry");
+  const page = await open("/device/gantry?units=device");
   const before = (await (await fetch(`${origin}/api/v1/devices/gantry/objects/6065/00`)).json()).value;
   assert.equal(await write(origin, link, "gantry/objects/6065/00", 1234), 200);
   await page.getByText(/Limits: window \(6065h\), negative −1\u202f234.µstep, window \(6065h\), positive 1\u202f234.µstep/).waitFor();

@@ -170,7 +170,7 @@ test("scope: ten signals at 20 kHz come complete, or what is lost is counted", a
 });
 
 test("scope: an event triggers at its exact time", async ({ open, origin, link }) => {
-  const page = await open("/scope");
+  const page = await open("/events");
   const token = /token=(\w+)/.exec(link)[1];
   const put = (value) =>
     fetch(`${origin}/api/v1/inputs/${kAxis}.load_torque`, {
@@ -178,9 +178,10 @@ test("scope: an event triggers at its exact time", async ({ open, origin, link }
       headers: { "Content-Type": "application/json", Authorization: `Bearer ${token}` },
       body: JSON.stringify({ value }),
     });
-  // Whatever was tried before; of that event the page is to have heard before it waits for one.
-  await put(0);
-  await page.waitForTimeout(1000);
+  // Of this event the page has heard before it waits for one.
+  await put(0.012);
+  await page.getByText(/0\.012/).first().waitFor();
+  await page.getByRole("link", { name: "Oscilloscope" }).first().click();
   await load(
     page,
     setupOf({
@@ -200,9 +201,9 @@ test("scope: an event triggers at its exact time", async ({ open, origin, link }
   await state(page, "stopped");
   const { events } = await (await fetch(`${origin}/api/v1/events`)).json();
   const event = events.findLast(({ rule }) => rule === "input-set");
-  await page.getByText(`the last at ${(event.time_ns / 1e9).toFixed(9)} s`).waitFor();
+  await page.getByText(`at ${(event.time_ns / 1e9).toFixed(9)} s`).waitFor();
   const torque = await measured(page, `${kAxis}.load_torque`);
-  assert.deepEqual([torque.Minimum, torque.Maximum], [0, 0.05]);
+  assert.deepEqual([torque.Minimum, torque.Maximum], [0.012, 0.05]);
   await put(0);
 });
 
