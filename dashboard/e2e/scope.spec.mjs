@@ -180,7 +180,10 @@ test("scope: an event triggers at its exact time", async ({ open, origin, link }
     });
   // Of this event the page has heard before it waits for one.
   await put(0.012);
-  await page.getByText(/0\.012/).first().waitFor();
+  await page
+    .getByText(/0\.012/)
+    .first()
+    .waitFor();
   await page.getByRole("link", { name: "Oscilloscope" }).first().click();
   await load(
     page,
