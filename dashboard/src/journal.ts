@@ -15,7 +15,7 @@ export interface Expectation {
 }
 
 /// `at`: ms, by the page's clock.
-export type Deed =
+export type Action =
   | { readonly at: number; readonly kind: "write"; readonly write: Written }
   | { readonly at: number; readonly kind: "expectation"; readonly expectation: Expectation };
 
@@ -25,7 +25,7 @@ const kMost = 500;
 const kDragged = 500; ///< ms within which a slider that is being moved writes again
 
 /// Whether the later of two writes only goes on with the earlier one: a slider on its way, a button that is still held.
-function goesOn(before: Deed, at: number, { method, path, body }: Written): boolean {
+function goesOn(before: Action, at: number, { method, path, body }: Written): boolean {
   if (before.kind !== "write" || before.write.method !== method || before.write.path !== path) {
     return false;
   }
@@ -34,7 +34,7 @@ function goesOn(before: Deed, at: number, { method, path, body }: Written): bool
 }
 
 export class Journal {
-  readonly deeds = signal<readonly Deed[]>([]);
+  readonly actions = signal<readonly Action[]>([]);
   private run: string | null = null;
 
   constructor(
@@ -49,7 +49,7 @@ export class Journal {
   }
 
   clear(): void {
-    this.deeds.value = [];
+    this.actions.value = [];
   }
 
   /// Told of the run that the rack is at: what was done to another one is no business of it.
@@ -62,15 +62,15 @@ export class Journal {
 
   private add(write: Written): void {
     const at = this.now();
-    const before = this.deeds.value.at(-1);
+    const before = this.actions.value.at(-1);
     if (before === undefined || !goesOn(before, at, write)) {
       this.append({ at, kind: "write", write });
     } else if (write.path.startsWith("/api/v1/inputs/")) {
-      this.deeds.value = [...this.deeds.value.slice(0, -1), { at, kind: "write", write }];
+      this.actions.value = [...this.actions.value.slice(0, -1), { at, kind: "write", write }];
     }
   }
 
-  private append(deed: Deed): void {
-    this.deeds.value = [...this.deeds.value, deed].slice(-kMost);
+  private append(action: Action): void {
+    this.actions.value = [...this.actions.value, action].slice(-kMost);
   }
 }

@@ -2,7 +2,7 @@
 import type { Device, ManualCommand } from "./api";
 import { axisIndex } from "./axes";
 import { quoted } from "./rack_form/toml";
-import type { Deed, Expectation } from "./journal";
+import type { Action, Expectation } from "./journal";
 
 /// The rack that it was done to.
 export interface TestedRack {
@@ -31,12 +31,12 @@ function settingsOf(axis: number, command: "move" | "home"): string[] {
 }
 
 /// What has to be known of the drives for scenarioLines().
-export function wantedSettings(deeds: readonly Deed[]): { readonly device: string; readonly object: string }[] {
+export function wantedSettings(actions: readonly Action[]): { readonly device: string; readonly object: string }[] {
   const wanted = new Map<string, { device: string; object: string }>();
-  for (const deed of deeds) {
-    const [, device, axis] = deed.kind === "write" ? (/^\/api\/v1\/devices\/([^/]+)\/manual\/(\d+)$/.exec(deed.write.path) ?? []) : [];
-    if (device !== undefined && deed.kind === "write") {
-      const { command } = deed.write.body as ManualCommand;
+  for (const action of actions) {
+    const [, device, axis] = action.kind === "write" ? (/^\/api\/v1\/devices\/([^/]+)\/manual\/(\d+)$/.exec(action.write.path) ?? []) : [];
+    if (device !== undefined && action.kind === "write") {
+      const { command } = action.write.body as ManualCommand;
       const objects =
         command === "home"
           ? settingsOf(Number(axis), "home")
@@ -96,7 +96,7 @@ function stepText(line: Line): string {
   return ["[[step]]", ...Object.keys(line).map((key) => `${key} = ${valueText(line, key)}`)].join("\n");
 }
 
-/// The steps of one list of deeds; keeps what later ones depend on.
+/// The steps of one list of actions; keeps what later ones depend on.
 class Steps {
   readonly lines: Line[] = [];
   private readonly up = new Set<string>();
@@ -109,12 +109,12 @@ class Steps {
     private readonly settings: ReadonlyMap<string, number>,
   ) {}
 
-  add(deed: Deed): void {
-    if (deed.kind === "expectation") {
-      this.expect(deed.expectation);
+  add(action: Action): void {
+    if (action.kind === "expectation") {
+      this.expect(action.expectation);
       return;
     }
-    const { method, path, body, answer } = deed.write;
+    const { method, path, body, answer } = action.write;
     const [area, name = "", what, first = "", second = ""] = path
       .replace("/api/v1/", "")
       .split("/")
@@ -289,23 +289,23 @@ function tmclSteps(device: string, axis: number, { command, value = 0, relative,
   }
 }
 
-/// A scenario that does `deeds` once more, from power-on; the time between them is kept. `settings`: of wantedSettings(), those
+/// A scenario that does `actions` once more, from power-on; the time between them is kept. `settings`: of wantedSettings(), those
 /// that are other than a drive has them by itself.
 export function scenarioLines(
-  deeds: readonly Deed[],
+  actions: readonly Action[],
   rack: TestedRack,
   name: string,
   settings: ReadonlyMap<string, number> = new Map(),
 ): string {
   const steps = new Steps(rack, settings);
   let before: number | null = null;
-  for (const deed of deeds) {
+  for (const action of actions) {
     // What is expected is looked at when it should be so; it waits by itself.
-    if (deed.kind === "write") {
-      steps.wait(before === null ? 0 : (deed.at - before) / 1000);
-      before = deed.at;
+    if (action.kind === "write") {
+      steps.wait(before === null ? 0 : (action.at - before) / 1000);
+      before = action.at;
     }
-    steps.add(deed);
+    steps.add(action);
   }
   const product = rack.devices[0]?.product.toLowerCase() ?? "";
   const head = [`name = ${quoted(name)}`, rack.path === "" ? `product = ${quoted(product)}` : `rack = ${quoted(rack.path)}`].join("\n");

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 
 import type { Api, Device, Written } from "../src/api";
-import { Journal, type Deed } from "../src/journal";
+import { Journal, type Action } from "../src/journal";
 import { scenarioLines, wantedSettings, type TestedRack } from "../src/scenario_lines";
 
 const device = (name: string, product: string, network: string) => ({ name, product, network }) as Device;
@@ -11,14 +11,14 @@ const rack: TestedRack = {
   kindOf: (network) => (network === "segment 0" ? "ethercat" : network === "can0" ? "can" : ""),
   segments: ["segment 0"],
 };
-const write = (at: number, method: Written["method"], path: string, body: unknown = undefined, answer: unknown = {}): Deed => ({
+const write = (at: number, method: Written["method"], path: string, body: unknown = undefined, answer: unknown = {}): Action => ({
   at,
   kind: "write",
   write: { method, path: `/api/v1/${path}`, body, answer },
 });
 const manual = (at: number, name: string, axis: number, body: unknown) => write(at, "POST", `devices/${name}/manual/${axis}`, body);
-const steps = (deeds: readonly Deed[], settings?: ReadonlyMap<string, number>) =>
-  scenarioLines(deeds, rack, "A test", settings).trimEnd().split("\n\n").slice(1);
+const steps = (actions: readonly Action[], settings?: ReadonlyMap<string, number>) =>
+  scenarioLines(actions, rack, "A test", settings).trimEnd().split("\n\n").slice(1);
 
 describe("what was done on the page as a scenario", () => {
   it("has the rack and a name, or the product of a device without a rack file", () => {
@@ -45,8 +45,8 @@ describe("what was done on the page as a scenario", () => {
     ]);
   });
   it("jogs by the target velocity, which a stop takes back", () => {
-    const deeds = [manual(0, "gantry", 0, { command: "jog", value: -1000 }), manual(50, "gantry", 0, { command: "stop" })];
-    expect(steps(deeds)).toEqual([
+    const actions = [manual(0, "gantry", 0, { command: "jog", value: -1000 }), manual(50, "gantry", 0, { command: "stop" })];
+    expect(steps(actions)).toEqual([
       '[[step]]\ndo = "state"\nstate = "operational"', // though somebody else had taken control
       '[[step]]\ndo = "enable"\ndevice = "gantry"\naxis = 0\nmode = "profile-velocity"',
       '[[step]]\ndo = "write"\ndevice = "gantry"\nobject = "60FF:00"\nvalue = -1000',
@@ -54,9 +54,9 @@ describe("what was done on the page as a scenario", () => {
     ]);
   });
   it("tells a drive once what it had been told before it homed, and waits until it has", () => {
-    const deeds = [manual(0, "gantry", 2, { command: "home" }), manual(10, "gantry", 2, { command: "home" })];
-    expect(wantedSettings(deeds).map(({ object }) => object)).toEqual(["7098:00", "7099:01", "7099:02", "709A:00"]);
-    const lines = steps(deeds, new Map([["gantry 7098:00", 35]])).slice(1);
+    const actions = [manual(0, "gantry", 2, { command: "home" }), manual(10, "gantry", 2, { command: "home" })];
+    expect(wantedSettings(actions).map(({ object }) => object)).toEqual(["7098:00", "7099:01", "7099:02", "709A:00"]);
+    const lines = steps(actions, new Map([["gantry 7098:00", 35]])).slice(1);
     expect(lines[0]).toBe('[[step]]\ndo = "write"\ndevice = "gantry"\nobject = "7098:00"\nvalue = 35');
     expect(lines[1]).toContain('mode = "homing"');
     expect(lines[2]).toBe('[[step]]\ndo = "write"\ndevice = "gantry"\nobject = "7040:00"\nvalue = 0x1F');
@@ -123,7 +123,7 @@ describe("the journal of a page", () => {
     put(0, "PUT", "inputs/gantry.axis0.load_torque", { value: 0.1 });
     put(100, "PUT", "inputs/gantry.axis0.load_torque", { value: 0.2 });
     put(5000, "PUT", "inputs/gantry.axis0.load_torque", { value: 0.3 });
-    expect(made.deeds.value.map((deed) => deed.kind === "write" && [deed.at, deed.write.body])).toEqual([
+    expect(made.actions.value.map((action) => action.kind === "write" && [action.at, action.write.body])).toEqual([
       [100, { value: 0.2 }],
       [5000, { value: 0.3 }],
     ]);
@@ -133,17 +133,17 @@ describe("the journal of a page", () => {
     put(0, "POST", "devices/gantry/manual/0", { command: "jog", value: 5 });
     put(150, "POST", "devices/gantry/manual/0", { command: "jog", value: 5 });
     put(300, "POST", "devices/gantry/manual/0", { command: "stop" });
-    expect(made.deeds.value.map(({ at }) => at)).toEqual([0, 300]);
+    expect(made.actions.value.map(({ at }) => at)).toEqual([0, 300]);
   });
   it("leaves alone what does nothing to a device, and begins anew with another run", () => {
     const { made, put } = journal();
     put(0, "POST", "rack/check");
-    expect(made.deeds.value).toEqual([]);
+    expect(made.actions.value).toEqual([]);
     made.follow("a");
     put(0, "POST", "faults");
     made.follow("a");
-    expect(made.deeds.value).toHaveLength(1);
+    expect(made.actions.value).toHaveLength(1);
     made.follow("b");
-    expect(made.deeds.value).toEqual([]);
+    expect(made.actions.value).toEqual([]);
   });
 });

@@ -8,7 +8,7 @@ import { Guide } from "../components/guide";
 import { unitText } from "../format";
 import { useLive, useResource, useStore, useWorld } from "../hooks";
 import type { Expectation, Journal } from "../journal";
-import { t, tx } from "../language";
+import { t, tn, tx } from "../language";
 import { numberOf } from "../motion_units";
 import { href } from "../router";
 import { saveFile } from "../save_file";
@@ -21,7 +21,7 @@ const kFile = "my-test.toml";
 function useSettings(journal: Journal): ReadonlyMap<string, number> {
   const { api } = useWorld();
   const [settings, setSettings] = useState<ReadonlyMap<string, number>>(new Map());
-  const wanted = JSON.stringify(wantedSettings(journal.deeds.value));
+  const wanted = JSON.stringify(wantedSettings(journal.actions.value));
   useEffect(() => {
     let over = false;
     const ask = async () => {
@@ -56,10 +56,10 @@ export function WriteTestView() {
   const file = useResource<RackFile>(store.offers("/api/v1/rack/file") ? "/api/v1/rack/file" : null);
   const settings = useSettings(journal);
   const [name, setName] = useState("What I did by hand");
-  const deeds = journal.deeds.value;
+  const actions = journal.actions.value;
   const networks = store.rack?.networks ?? [];
   const text = scenarioLines(
-    deeds,
+    actions,
     {
       path: file.data?.path ?? "",
       devices: store.devices,
@@ -69,14 +69,14 @@ export function WriteTestView() {
     name,
     settings,
   );
-  const expects = deeds.some(({ kind }) => kind === "expectation");
+  const expects = actions.some(({ kind }) => kind === "expectation");
   return (
     <>
       <div class="view-head">
         <h1>{t("Write a test")}</h1>
         <span class="soft">{t("What you do on this page becomes a test that runs without it, in CI for instance")}</span>
       </div>
-      {deeds.length === 0 ? (
+      {actions.length === 0 ? (
         <section class="panel">
           <div class="body write-test-empty">
             <p>
@@ -107,7 +107,7 @@ export function WriteTestView() {
           <section class="panel" aria-label={t("Lines of the test")}>
             <header>
               <h2>{t("Lines of the test")}</h2>
-              <span class="soft">{deeds.length === 1 ? t("1 thing done") : t("{deeds} things done", { deeds: deeds.length })}</span>
+              <span class="soft">{tn(actions.length, "{count} thing done", "{count} things done")}</span>
               <span class="spacer" />
               <button type="button" onClick={() => journal.clear()}>
                 {t("Begin anew")}
