@@ -3,6 +3,7 @@
 import { batch, signal, type ReadonlySignal, type Signal } from "@preact/signals";
 
 import type { Api, SignalMessage, Signals } from "./api";
+import { closeSocket } from "./close_socket";
 
 const kPeriod = "40ms";
 const kRetry = 1000;
@@ -152,7 +153,7 @@ export class SignalHub {
   private close(): void {
     const socket = this.socket;
     this.socket = null;
-    socket?.close();
+    closeSocket(socket);
   }
 
   private take(message: SignalMessage): void {

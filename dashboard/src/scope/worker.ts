@@ -1,5 +1,6 @@
 // Receives and decodes the stream beside the page, so that drawing never delays receiving.
 import type { SignalMessage } from "../api_types";
+import { closeSocket } from "../close_socket";
 import { decodeBatch } from "./core/batch";
 import { Outbox } from "./core/outbox";
 import type { FromWorker, ToWorker } from "./worker_messages";
@@ -58,7 +59,7 @@ function takeText(text: string): void {
 }
 
 function open(url: string, protocols: readonly string[]): void {
-  socket?.close();
+  closeSocket(socket);
   outbox = makeOutbox();
   const opened = new WebSocket(url, [...protocols]);
   socket = opened;
@@ -98,7 +99,7 @@ page.onmessage = ({ data }) => {
       outbox.taken(data.messages);
       break;
     case "close":
-      socket?.close();
+      closeSocket(socket);
       socket = null;
       break;
   }

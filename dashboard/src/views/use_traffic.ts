@@ -2,6 +2,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import type { TrafficMessage } from "../api";
+import { closeSocket } from "../close_socket";
 import { useWorld } from "../hooks";
 import { TrafficLog } from "../traffic_log";
 
@@ -70,7 +71,7 @@ export function useTraffic(wanted: Wanted, paused: boolean): Traffic {
       ended = true;
       clearTimeout(retry);
       clearTimeout(showing);
-      socket.current?.close();
+      closeSocket(socket.current);
       socket.current = null;
       render({});
     };
