@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <limits>
 #include <string>
 #include <utility>
@@ -153,7 +154,7 @@ Result<void> Cia402Axis::complete_homing() {
     return {};
   }
   const double revolution = description_.units->velocity;
-  for (std::uint8_t i = 0; i < kHomingRevolutionsPerSecond.size(); ++i) {
+  for (std::size_t i = 0; i < kHomingRevolutionsPerSecond.size(); ++i) {
     if (auto written = complete(kHomingSpeeds, static_cast<std::uint8_t>(i + 1),
                                 kHomingRevolutionsPerSecond[i] * revolution);
         !written) {

@@ -197,6 +197,12 @@ std::optional<NextRun> wish(LiveSession& session, RunningRackFile& rack_file) {
   return session.wished();
 }
 
+void forget_ended_recording(LiveSession& session, RunOptions& given) {
+  if (session.recorder() != nullptr && !session.recording().running) {
+    given.record.clear();
+  }
+}
+
 /// One rack from `start_at` until a signal comes, `limit` has passed or somebody wishes another
 /// run; then returns which. A port that the system was to choose for the web server is kept in
 /// `given`, which loses a recording that was ended meanwhile: no run goes on with that.
@@ -278,9 +284,7 @@ std::optional<NextRun> run_rack(RunOptions& given, Start& start_at, StopSignals&
   print_end(configuration, rack, runner);
   end_files(rack, runner.now(), session, asked);
   require_kept(rack, configuration.state, state);
-  if (session.recorder() != nullptr && !session.recording().running) {
-    given.record.clear();
-  }
+  forget_ended_recording(session, given);
   return wish(session, rack_file);
 }
 
