@@ -155,7 +155,7 @@ function Addition({ member, path, toml, declarations, change }: Editing & { path
     <FurtherTable
       member={member}
       types={types}
-      button={`Add ${member.name}`}
+      button={t("Add {name}", { name: member.name })}
       add={(lines) => change(withTable(toml, place, true, lines), place)}
     />
   );
@@ -169,7 +169,7 @@ function NamedAddition({ member, path, toml, change }: Editing & { path: Path; m
     <FurtherTable
       member={member}
       types={member.schema.properties?.["type"]?.enum ?? []}
-      button={`Add to ${member.name}`}
+      button={t("Add to {name}", { name: member.name })}
       disabled={name === "" || keysAt(toml, path).includes(name)}
       add={(lines) => change(withTable(toml, place, false, lines), place)}
     >

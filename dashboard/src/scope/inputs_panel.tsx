@@ -86,7 +86,7 @@ function StepForm({ input, reload }: { input: Input; reload: () => void }) {
         <input inputMode="decimal" value={text} aria-invalid={value === null} onInput={(event) => setText(event.currentTarget.value)} />
       </label>
       <button type="submit" class="primary" disabled={busy || (!stepped && value === null)}>
-        {stepped ? `Step back to ${input.normal} ${unitText(input.unit)}`.trim() : t("Step")}
+        {stepped ? t("Step back to {value}", { value: `${input.normal} ${unitText(input.unit)}`.trim() }) : t("Step")}
       </button>
       {error === "" ? null : (
         <p class="notice bad" role="alert">
