@@ -47,9 +47,9 @@ struct InputRange {
 struct Input : InputRange {
   Input() = default;
   Input(std::string name_of_it, std::string unit_of_it, double lowest, double highest,
-        Delegate<void(double)> setter, InputGroup group_of_it = InputGroup::other,
+        Delegate<void(double)> setting, InputGroup group_of_it = InputGroup::other,
         double usual = 0.0)
-      : set(setter) {
+      : set(setting) {
     name = std::move(name_of_it);
     unit = std::move(unit_of_it);
     minimum = lowest;

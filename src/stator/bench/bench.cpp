@@ -50,11 +50,15 @@ rack::RackConfiguration load(const settings::Table& table, const product::Catalo
   return rack::read_rack_tree(settings::Value(table), "", catalogue);
 }
 
-Bench::Bench(const rack::RackConfiguration& configuration, base::SimDuration limit)
+Bench::Bench(const rack::RackConfiguration& configuration, base::SimDuration limit,
+             const Beginning& beginning)
     : configuration_(without_files(configuration)),
       limit_(limit),
       rack_(configuration_, log_),
       clock_(configuration_.step, configuration_.step) {
+  if (beginning) {
+    clock_.advance_to(beginning(rack_));
+  }
   for (std::size_t i = 0; i < rack_.segment_count(); ++i) {
     segments_.push_back(std::make_unique<SegmentMaster>(*this, i));
   }
@@ -353,13 +357,21 @@ base::Expected<tmcl::Reply, std::string> Bench::ask(rack::DeviceAddress device,
   return tmcl::decode_reply(reply);
 }
 
+void Bench::write_line(std::size_t line, std::span<const std::byte> bytes) {
+  clock_.on_telegram();
+  rack_.advance(now());
+  rack_.put(line, bytes, now());
+  rack_.settle_line(line, clock_);
+}
+
+std::vector<std::byte> Bench::read_line(std::size_t line) {
+  return std::exchange(lines_[line]->heard, {});
+}
+
 base::Expected<tmcl::Reply, std::string> Bench::ask_on_line(LineMaster& line,
                                                             const tmcl::Request& request) {
   line.heard.clear();
-  clock_.on_telegram();
-  rack_.advance(now());
-  rack_.put(line.index, tmcl::encode(request), now());
-  rack_.settle_line(line.index, clock_);
+  write_line(line.index, tmcl::encode(request));
   if (!wait_until([&line] { return line.heard.size() >= tmcl::kTelegramLength; }, kTmclTimeout)) {
     return base::Unexpected{fmt::format("no reply came over {} within {:g} s, but {} bytes",
                                         rack_.line(line.index).configuration().link,

@@ -59,10 +59,16 @@ class Bench {
   /// For the boot-up of a node.
   static constexpr base::SimDuration kBootTimeout{5'000'000'000};
 
+  /// Brings a rack, at power-on, to where a bench begins, e.g. by replaying a recording, and
+  /// returns that moment. Nobody else has touched the rack.
+  using Beginning = std::function<base::SimTime(rack::Rack&)>;
+
   /// Builds the rack as `configuration` has it, but for what it would write to files. Throws
-  /// std::runtime_error as rack::Rack does. `limit` is the simulated time it may take.
+  /// std::runtime_error as rack::Rack does. `limit` is the simulated time at which it ends; without
+  /// `beginning` it begins at power-on.
   explicit Bench(const rack::RackConfiguration& configuration,
-                 base::SimDuration limit = base::SimDuration::max());
+                 base::SimDuration limit = base::SimDuration::max(),
+                 const Beginning& beginning = {});
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
   ~Bench();
@@ -75,6 +81,8 @@ class Bench {
   [[nodiscard]] const rack::EventLog& log() const { return log_; }
   /// The present moment, counted from power-on.
   [[nodiscard]] base::SimTime now() const { return clock_.now(); }
+  /// Of further masters' ports onto the rack, e.g. a LocalCanPort.
+  [[nodiscard]] rack::LockstepClock& clock() { return clock_; }
 
   /// The device of that name; nothing: there is none.
   [[nodiscard]] std::optional<rack::DeviceAddress> find(std::string_view device) const;
@@ -161,6 +169,13 @@ class Bench {
   /// for the reply for kTmclTimeout.
   base::Expected<tmcl::Reply, std::string> ask(rack::DeviceAddress device,
                                                const tmcl::Instruction& instruction);
+
+  // Serial lines.
+
+  /// Sends bytes to the devices of a line, as one telegram, and lets what they answer at once pass.
+  void write_line(std::size_t line, std::span<const std::byte> bytes);
+  /// What they have sent since the last call of this or of ask().
+  std::vector<std::byte> read_line(std::size_t line);
 
  private:
   struct SegmentMaster;

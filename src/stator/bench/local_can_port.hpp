@@ -26,6 +26,8 @@ class LocalCanPort {
   void send(const can::Frame& frame);
   /// The oldest frame of the bus that was not taken yet.
   [[nodiscard]] std::optional<can::TimedFrame> receive() { return port_.take(); }
+  /// Frames that receive() has not given out yet.
+  [[nodiscard]] std::size_t waiting() const { return port_.waiting(); }
   /// Lets `duration` pass.
   void wait(base::SimDuration duration);
   [[nodiscard]] base::SimTime now() const { return clock_.now(); }
