@@ -30,6 +30,11 @@ get_target_property(plain_options stator_compile_options INTERFACE_COMPILE_OPTIO
 add_library(stator_plain_options INTERFACE)
 target_compile_options(stator_plain_options INTERFACE ${plain_options})
 
+# The library also goes into what programs load: the module for Python, plug-ins of others. Hidden, its functions are
+# called as directly as in a program. The same for all targets, since they share precompiled headers.
+target_compile_options(stator_compile_options INTERFACE
+  -fPIC -fno-semantic-interposition -fvisibility=hidden -fvisibility-inlines-hidden)
+
 if(STATOR_SANITIZE)
   target_compile_options(stator_compile_options INTERFACE
     -fsanitize=${STATOR_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
