@@ -1,0 +1,18 @@
+// The extension module stator._native, on which the package is built.
+#include <fmt/format.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+
+#include "errors.hpp"
+#include "rack.hpp"
+#include "stator/version.hpp"
+
+NB_MODULE(_native, module) {
+  module.doc() = "What the package stator is made of; use the package.";
+  constexpr stator::Version kVersion = stator::kVersion;
+  module.attr("version") =
+      fmt::format("{}.{}.{}", kVersion.major_number, kVersion.minor_number, kVersion.patch_number);
+  stator::python::bind_errors();
+  stator::python::bind_racks(module);
+  stator::python::bind_masters(module);
+}

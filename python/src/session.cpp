@@ -1,0 +1,261 @@
+#include "session.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "stator/rack/observe/recorder.hpp"
+#include "stator/settings/words.hpp"
+
+namespace stator::python {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// How often who waits for time to pass looks whether it has, and whether Ctrl-C was pressed.
+constexpr std::chrono::milliseconds kLook{1};
+/// Of the machine's time that a bench passes at once; then others may hold the rack, and signals
+/// are looked for.
+constexpr std::chrono::milliseconds kSlice{20};
+constexpr int kCyclesPerLook = 16;
+
+/// Where lines of a rack on links go: what events say is read by who asks for them.
+class NoLog final : public rack::Log {
+ public:
+  void write(Level /*level*/, std::string_view /*line*/) override {}
+};
+
+bool interrupted() {
+  const nanobind::gil_scoped_acquire interpreter;
+  return PyErr_CheckSignals() != 0;
+}
+
+}  // namespace
+
+base::SimDuration duration_of(double seconds, const char* what) {
+  constexpr double kMost = 9.2e9;
+  if (!(seconds >= 0.0) || seconds > kMost) {
+    throw std::runtime_error(
+        fmt::format("{} is {} s; it must lie in 0 .. {:g} s", what, seconds, kMost));
+  }
+  return base::SimDuration(std::llround(seconds * 1e9));
+}
+
+Session::Holding::Holding(Session& session) : session_(session), lock_(session.mutex_) {
+  if (session_.closed_) {
+    throw std::runtime_error("the rack is closed");
+  }
+  if (session_.runner_) {
+    session_.runner_->running().mutex.lock();
+    session_.runner_->running().catch_up();
+  }
+}
+
+Session::Holding::~Holding() {
+  if (session_.signals_) {
+    session_.signals_->take();
+  }
+  if (session_.runner_) {
+    session_.runner_->running().mutex.unlock();
+  }
+}
+
+Session::Session(rack::RackConfiguration configuration, const Options& options)
+    : configuration_(std::move(configuration)) {
+  if (!options.links) {
+    bench_.emplace(configuration_, options.limit);
+    record(options);
+    return;
+  }
+  configuration_.clock = rack::ClockKind::real;
+  log_ = std::make_unique<rack::EventLog>();
+  rack_ = std::make_unique<rack::Rack>(configuration_, *log_);
+  runner_ = std::make_unique<rack::Runner>(*rack_, configuration_, std::make_shared<NoLog>());
+  record(options);
+  runner_->start();
+  pacing_ = true;
+  pacing_thread_ = std::thread([this] { keep_samples(); });
+}
+
+Session::~Session() {
+  close();
+}
+
+void Session::record(const Options& options) {
+  if (options.signals.empty()) {
+    return;
+  }
+  if (options.period <= base::SimDuration()) {
+    throw std::runtime_error("the period of recorded signals must be longer than 0 s");
+  }
+  signals_.emplace(rack(), rack::select_signals(all_signals(), options.signals), options.period,
+                   base::SimTime());
+}
+
+void Session::close() {
+  stop_pacing();
+  const std::scoped_lock lock(mutex_);
+  if (closed_.exchange(true)) {
+    return;
+  }
+  if (runner_) {
+    runner_->stop();
+  }
+  for (const std::weak_ptr<Guest>& each : guests_) {
+    if (const std::shared_ptr<Guest> guest = each.lock()) {
+      guest->leave();
+    }
+  }
+  signals_.reset();
+  runner_.reset();
+  rack_.reset();
+  log_.reset();
+  bench_.reset();
+}
+
+base::SimTime Session::now() {
+  return bench_ ? bench_->now() : runner_->running().now();
+}
+
+bench::Bench& Session::bench() {
+  if (!bench_) {
+    throw std::runtime_error(
+        "a rack on links has its masters outside; make it without links=True to have one here");
+  }
+  return *bench_;
+}
+
+const std::vector<product::Signal>& Session::all_signals() {
+  if (all_signals_.empty()) {
+    all_signals_ = rack().signals();
+  }
+  return all_signals_;
+}
+
+void Session::wake() const {
+  if (runner_) {
+    runner_->wake();
+  }
+}
+
+rack::DeviceAddress Session::require_device(const std::string& name) {
+  std::set<std::string> names;
+  for (const rack::DeviceAddress device : rack().addresses()) {
+    if (rack().name_of(device) == name) {
+      return device;
+    }
+    names.insert(rack().name_of(device));
+  }
+  throw std::runtime_error(fmt::format("there is no device \"{}\"{}; the devices are: {}", name,
+                                       settings::guess_text(name, names), settings::joined(names)));
+}
+
+void Session::pass(base::SimDuration duration) {
+  if (bench_ && !pacing_) {
+    while (pass_slice(duration) && !interrupted()) {
+    }
+    return;
+  }
+  const base::SimTime end = held_without_interpreter([this] { return now(); }) + duration;
+  while (!await(end) && !interrupted()) {
+  }
+}
+
+// What other threads let pass between two slices is theirs.
+bool Session::pass_slice(base::SimDuration& remaining) {
+  return held_without_interpreter([this, &remaining] {
+    const base::SimTime begin = bench_->now();
+    const base::SimTime end = begin + remaining;
+    const auto slice_ends = Clock::now() + kSlice;
+    while (bench_->now() < end && Clock::now() < slice_ends) {
+      for (int i = 0; i < kCyclesPerLook && bench_->now() < end; ++i) {
+        bench_->cycle();
+      }
+      if (signals_) {
+        signals_->take();
+      }
+    }
+    remaining = end - bench_->now();
+    return remaining > base::SimDuration();
+  });
+}
+
+bool Session::await(base::SimTime end) {
+  const auto slice_ends = Clock::now() + kSlice;
+  while (held_without_interpreter([this] { return now(); }) < end) {
+    if (Clock::now() >= slice_ends) {
+      return false;
+    }
+    std::this_thread::sleep_for(kLook);
+  }
+  return true;
+}
+
+void Session::start_pacing(double speed) {
+  if (!(speed > 0.0) || speed > 1000.0) {
+    throw std::runtime_error(fmt::format("the speed is {}; it must lie in 0 .. 1000", speed));
+  }
+  held_without_interpreter([this] { static_cast<void>(bench()); });
+  if (pacing_.exchange(true)) {
+    throw std::runtime_error("the rack runs already; stop() it first");
+  }
+  pacing_thread_ = std::thread([this, speed] { pace(speed); });
+}
+
+void Session::stop_pacing() {
+  {
+    const std::scoped_lock lock(pacing_mutex_);
+    pacing_ = false;
+  }
+  pacing_ends_.notify_all();
+  if (pacing_thread_.joinable()) {
+    pacing_thread_.join();
+  }
+}
+
+// Lag is given up: a machine that was too slow for a while does not make up for it, as a rack on
+// links does not.
+void Session::pace(double speed) {
+  constexpr base::SimDuration kWorstLag = rack::RunningRack::kWorstLag;
+  auto began = Clock::now();
+  base::SimTime from = held_without_interpreter([this] { return now(); });
+  while (pacing_) {
+    const std::chrono::duration<double, std::nano> passed = Clock::now() - began;
+    const base::SimTime due = from + base::SimDuration(std::llround(passed.count() * speed));
+    try {
+      const base::SimTime reached = held_without_interpreter([this, due] {
+        const auto slice_ends = Clock::now() + kLook;
+        while (bench_->now() < due && Clock::now() < slice_ends) {
+          bench_->cycle();
+        }
+        return bench_->now();
+      });
+      if (due - reached > kWorstLag) {
+        began = Clock::now();
+        from = reached;
+      }
+    } catch (const bench::TimeLimitReached&) {
+      pacing_ = false;
+      return;
+    }
+    std::unique_lock lock(pacing_mutex_);
+    pacing_ends_.wait_for(lock, kLook, [this] { return !pacing_.load(); });
+  }
+}
+
+void Session::keep_samples() {
+  constexpr std::chrono::milliseconds kKeepingPeriod{20};
+  while (pacing_) {
+    held_without_interpreter([] {});
+    std::unique_lock lock(pacing_mutex_);
+    pacing_ends_.wait_for(lock, kKeepingPeriod, [this] { return !pacing_.load(); });
+  }
+}
+
+}  // namespace stator::python

@@ -1,0 +1,52 @@
+"""Virtual motion-control devices: racks of drives and modules with motors that obey physics, and masters on their networks.
+
+Begin with :class:`Rack`. Times are in simulated seconds, everything of the world is in SI units; what a drive counts is in
+its own units. Equal programs give equal results, to the last bit, as long as simulated time is the rack's own (lockstep).
+"""
+
+from __future__ import annotations
+
+from ._errors import Error, MasterError, ObjectRefused, RackFileError, TimeLimitReached
+from ._native import (
+    Drive,
+    Emergency,
+    EtherCatMaster,
+    Event,
+    Fault,
+    InputInfo,
+    MappedEntry,
+    Signal,
+    Slave,
+    TmclReply,
+    version,
+)
+from ._rack import Axis, Bus, Device, Inputs, Line, Objects, Rack, Segment, Signals
+
+__version__: str = version
+
+__all__ = [
+    "Axis",
+    "Bus",
+    "Device",
+    "Drive",
+    "Emergency",
+    "Error",
+    "EtherCatMaster",
+    "Event",
+    "Fault",
+    "InputInfo",
+    "Inputs",
+    "Line",
+    "MappedEntry",
+    "MasterError",
+    "ObjectRefused",
+    "Objects",
+    "Rack",
+    "RackFileError",
+    "Segment",
+    "Signal",
+    "Signals",
+    "Slave",
+    "TimeLimitReached",
+    "TmclReply",
+]

@@ -1,0 +1,455 @@
+"""Racks, and what is in them, in Python's terms."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
+from os import PathLike
+from types import TracebackType
+from typing import Any
+
+from . import _native
+from ._errors import Error
+
+Value = bool | int | float | str | bytes
+Source = str | PathLike[str] | Mapping[str, Any]
+
+
+def _missing(what: str, name: object, known: Sequence[str]) -> KeyError:
+    near = difflib.get_close_matches(str(name), known, n=3)
+    hint = f"; did you mean {' or '.join(near)}?" if near else f"; there are: {', '.join(known)}"
+    return KeyError(f"there is no {what} {name!r}{hint}")
+
+
+def _resolved(name: str, known: Sequence[str], what: str) -> str:
+    """The one of ``known`` that is ``name``, or whose part behind a dot is, if there is one alone."""
+    if name in known:
+        return name
+    ends = [each for each in known if each.endswith("." + name)]
+    if len(ends) == 1:
+        return ends[0]
+    if ends:
+        raise KeyError(f"{name!r} is the end of several {what}s: {', '.join(ends)}")
+    raise _missing(what, name, known)
+
+
+class Signals(Mapping[str, _native.Signal]):
+    """Signals by name. A name is looked for as it is, and as the part behind a dot if only one ends so."""
+
+    def __init__(self, rack: Rack, prefix: str) -> None:
+        self._rack = rack
+        self._prefix = prefix
+        self._names = [name[len(prefix) :] for name, _ in rack.native.signal_names() if name.startswith(prefix)]
+
+    def __getitem__(self, name: str) -> _native.Signal:
+        return self._rack.native.signal(self._prefix + _resolved(name, self._names, "signal"))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+
+class Inputs(MutableMapping[str, float]):
+    """What can be set around a device: ``inputs["load_torque"] = 0.4``. Units and ranges: :meth:`info`."""
+
+    def __init__(self, device: _native.Device, prefix: str = "") -> None:
+        self._device = device
+        self._prefix = prefix
+        self._info = {each.name[len(prefix) :]: each for each in device.inputs() if each.name.startswith(prefix)}
+
+    def info(self, name: str) -> _native.InputInfo:
+        """Unit, range and usual value of an input."""
+        return self._info[_resolved(name, list(self._info), "input")]
+
+    def __getitem__(self, name: str) -> float:
+        return self._device.input(self.info(name).name)
+
+    def __setitem__(self, name: str, value: float) -> None:
+        self._device.set_input(self.info(name).name, value)
+
+    def __delitem__(self, name: str) -> None:
+        """Sets it back to its usual value."""
+        info = self.info(name)
+        self._device.set_input(info.name, info.normal)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._info)
+
+    def __len__(self) -> int:
+        return len(self._info)
+
+
+class Objects(Mapping["tuple[int, int]", Value]):
+    """The object dictionary, beside the device's network: ``objects[0x6064]``, ``objects[0x1018, 1]``.
+
+    Reading and writing go through the checks that an SDO goes through; what is refused is an
+    :class:`~stator.ObjectRefused`.
+    """
+
+    def __init__(self, device: _native.Device) -> None:
+        self._device = device
+
+    @staticmethod
+    def _address(key: int | tuple[int, int]) -> tuple[int, int]:
+        return key if isinstance(key, tuple) else (key, 0)
+
+    def __getitem__(self, key: int | tuple[int, int]) -> Value:
+        return self._device.read_object(*self._address(key))
+
+    def __setitem__(self, key: int | tuple[int, int], value: Value) -> None:
+        index, subindex = self._address(key)
+        self._device.write_object(index, subindex, value)
+
+    def describe(self, index: int, subindex: int = 0) -> dict[str, str]:
+        """The declaration of an entry: name, type, access, range, unit and where its document has it."""
+        return self._device.describe_object(index, subindex)
+
+    def __iter__(self) -> Iterator[tuple[int, int]]:
+        return iter(self._device.objects())
+
+    def __len__(self) -> int:
+        return len(self._device.objects())
+
+    def __contains__(self, key: object) -> bool:
+        if isinstance(key, int):
+            key = (key, 0)
+        return key in self._device.objects()
+
+
+class Axis:
+    """One axis of a device: its signals, ``axis["shaft_speed"]``, and what can be set around it, ``axis.inputs``."""
+
+    def __init__(self, device: Device, number: int) -> None:
+        self._device = device
+        self.number = number
+        prefix = f"axis{number}."
+        self.signals = Signals(device.rack, f"{device.name}.{prefix}")
+        self.inputs = Inputs(device.native, prefix)
+
+    def __getitem__(self, name: str) -> _native.Signal:
+        return self.signals[name]
+
+    def drive(self) -> _native.Drive:
+        """The axis as a CiA 402 master sees it, over the device's network. Lockstep only."""
+        return _native.Drive(self._device.native, self.number)
+
+    def __repr__(self) -> str:
+        return f"<Axis {self.number} of {self._device.name}>"
+
+
+class Device:
+    """A device of a rack. ``device["axis0.shaft_speed"]`` is a signal of it."""
+
+    def __init__(self, rack: Rack, native: _native.Device) -> None:
+        self.rack = rack
+        self.native = native
+        self.name = native.name
+        self.signals = Signals(rack, native.name + ".")
+        self.inputs = Inputs(native)
+        self.objects = Objects(native)
+        numbers = {
+            int(head[4:])
+            for head in (name.partition(".")[0] for name in self.signals)
+            if head.startswith("axis") and head[4:].isdigit()
+        }
+        self.axis = tuple(Axis(self, number) for number in sorted(numbers))
+
+    @property
+    def network(self) -> str:
+        """ "segment": it is on EtherCAT; "bus": on CAN."""
+        return self.native.network
+
+    @property
+    def powered(self) -> bool:
+        """Whether it has supply; setting it switches the supply."""
+        return self.native.powered
+
+    @powered.setter
+    def powered(self, on: bool) -> None:
+        self.rack.native.set_power(self.name, on)
+
+    @property
+    def node_id(self) -> int | None:
+        """Of a CANopen device; None: it is none."""
+        return _native.node_id(self.native)
+
+    def __getitem__(self, name: str) -> _native.Signal:
+        return self.signals[name]
+
+    def upload(self, index: int, subindex: int = 0) -> bytes:
+        """Reads an object over the device's network, by SDO: its bytes, the lowest first. Lockstep only."""
+        return _native.sdo_upload(self.native, index, subindex)
+
+    def download(self, index: int, subindex: int, data: bytes) -> None:
+        """Writes an object over the device's network, by SDO. Lockstep only."""
+        _native.sdo_download(self.native, index, subindex, data)
+
+    def tmcl(self, command: int, type: int = 0, motor: int = 0, value: int = 0) -> _native.TmclReply:
+        """Sends a direct command to a TMCL module, over its serial line if it has one, else over CAN. Lockstep only."""
+        return _native.tmcl(self.native, command, type, motor, value)
+
+    def emergencies(self) -> list[_native.Emergency]:
+        """Emergency messages that nobody has fetched, the oldest first. Lockstep only."""
+        return _native.emergencies(self.native)
+
+    def wait_for_boot_up(self) -> None:
+        """Lets time pass until a CANopen node hears its master. Lockstep only."""
+        _native.wait_for_boot_up(self.native)
+
+    def __repr__(self) -> str:
+        return f"<Device {self.name}>"
+
+
+class Segment:
+    """An EtherCAT segment of a rack."""
+
+    def __init__(self, rack: Rack, number: int) -> None:
+        self.rack = rack
+        self.number = number
+
+    def master(self) -> _native.EtherCatMaster:
+        """The small master of this segment: scan, SDO, process data, states. Lockstep only."""
+        return _native.EtherCatMaster(self.rack.native, self.number)
+
+    def __repr__(self) -> str:
+        return f"<Segment {self.number}>"
+
+
+class Bus:
+    """A CAN bus of a rack, e.g. for ``can.Bus(interface="stator", channel=bus)``."""
+
+    def __init__(self, rack: Rack, name: str) -> None:
+        self.rack = rack
+        self.name = name
+        self.signals = Signals(rack, name + ".")
+
+    def __getitem__(self, name: str) -> _native.Signal:
+        return self.signals[name]
+
+    def port(self) -> _native.CanPort:
+        """A place on the bus, for frames as they are; python-can's ``stator`` interface is more comfortable."""
+        return _native.CanPort(self.rack.native, self.name)
+
+    def __repr__(self) -> str:
+        return f"<Bus {self.name}>"
+
+
+class Line:
+    """A serial line of a rack, e.g. for :class:`stator.pytrinamic.Connection`."""
+
+    def __init__(self, rack: Rack, number: int, name: str) -> None:
+        self.rack = rack
+        self.number = number
+        self.name = name
+
+    def write(self, data: bytes) -> None:
+        """Sends bytes to the devices of the line, and lets what they answer at once pass. Lockstep only."""
+        _native.write_line(self.rack.native, self.number, data)
+
+    def read(self) -> bytes:
+        """What they have sent since the last call. Lockstep only."""
+        return _native.read_line(self.rack.native, self.number)
+
+    def __repr__(self) -> str:
+        return f"<Line {self.name}>"
+
+
+class Rack(Mapping[str, Device]):
+    """Everything one rack file describes: devices by name, their networks, and simulated time.
+
+    Args:
+        source: path of a rack file, the type of a product ("tmcm-3315": one such device), or a mapping with the keys of
+            a rack file.
+        links: open the links, ports and lines that the file names, and let time follow the machine's clock, as ``stator
+            run`` does. Without it the rack is in lockstep: time passes with what masters send and wait for and with
+            :meth:`run`, or follows the machine's clock between :meth:`start` and :meth:`stop`.
+        limit: simulated seconds after which the rack takes no more time; a test that hangs then ends with
+            :class:`~stator.TimeLimitReached`.
+        signals: names of signals that are recorded from the beginning, with ``*`` as wild card; () records none.
+        period: simulated seconds between two samples of them.
+        changes: "PATH=VALUE" each, as ``--set`` of commands has them, e.g. "x.axis[0].load.inertia=2e-4".
+
+    Raises:
+        RackFileError: the source has a mistake; the text says where and what to do.
+        Error: it cannot be built, or a link cannot be opened.
+
+    A rack is a context manager; at its end all threads have ended and all links are closed. Any thread may use it; one
+    at a time gets it, and no thread holds the interpreter's lock while it does.
+    """
+
+    def __init__(
+        self,
+        source: Source,
+        *,
+        links: bool = False,
+        limit: float | None = None,
+        signals: Sequence[str] = ("*",),
+        period: float = 0.001,
+        changes: Sequence[str] = (),
+    ) -> None:
+        self.native = _native.Rack(source, links, limit, list(signals), period, list(changes))
+        self._names = self.native.device_names()
+        self._devices: dict[str, Device] = {}
+        self._listeners: list[Callable[[], None]] = []
+
+    # Devices and networks.
+
+    def __getitem__(self, name: str) -> Device:
+        if name not in self._names:
+            raise _missing("device", name, self._names)
+        if name not in self._devices:
+            self._devices[name] = Device(self, self.native.device(name))
+        return self._devices[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    @property
+    def signals(self) -> Signals:
+        """All signals, with the device or bus in front: ``rack.signals["x.axis0.shaft_speed"]``."""
+        return Signals(self, "")
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """EtherCAT segments, in the order of the file."""
+        return tuple(Segment(self, number) for number in range(self.native.segment_count))
+
+    def segment(self, number: int = 0) -> Segment:
+        """An EtherCAT segment."""
+        if not 0 <= number < self.native.segment_count:
+            raise IndexError(f"there is no segment {number}; the rack has {self.native.segment_count}")
+        return Segment(self, number)
+
+    @property
+    def buses(self) -> tuple[Bus, ...]:
+        """CAN buses, in the order of the file."""
+        return tuple(Bus(self, name) for name in self.native.bus_names() if name)
+
+    def bus(self, name: str | int = 0) -> Bus:
+        """A CAN bus by its name or number."""
+        buses = self.buses
+        if isinstance(name, int):
+            if not 0 <= name < len(buses):
+                raise IndexError(f"there is no CAN bus {name}; the rack has {len(buses)}")
+            return buses[name]
+        for bus in buses:
+            if bus.name == name:
+                return bus
+        raise _missing("CAN bus", name, [bus.name for bus in buses])
+
+    @property
+    def lines(self) -> tuple[Line, ...]:
+        """Serial lines, in the order in which devices name them."""
+        return tuple(Line(self, number, name) for number, name in enumerate(self.native.line_names()))
+
+    def line(self, number: int = 0) -> Line:
+        """A serial line."""
+        lines = self.lines
+        if not 0 <= number < len(lines):
+            raise IndexError(f"there is no serial line {number}; the rack has {len(lines)}")
+        return lines[number]
+
+    # Time.
+
+    @property
+    def now(self) -> float:
+        """Simulated seconds since power-on."""
+        return self.native.now
+
+    def run(self, seconds: float) -> None:
+        """Lets simulated time pass, in whole bus cycles: at once in lockstep, else as fast as it passes."""
+        self.native.run(seconds)
+        if self._listeners:
+            self.settle()
+
+    def wait_until(self, condition: Callable[[], object], limit: float) -> bool:
+        """Runs, cycle by cycle, until ``condition()`` is true, at most for ``limit`` simulated seconds.
+
+        Returns whether it was. In lockstep it is asked after each bus cycle.
+        """
+        end = self.native.now + limit
+        while not condition():
+            if self.native.now >= end:
+                return False
+            self.run(1e-9)
+        return True
+
+    def start(self, speed: float = 1.0) -> None:
+        """Lets simulated time follow the machine's clock, ``speed`` times as fast, in a thread of its own."""
+        self.native.start(speed)
+
+    def stop(self) -> None:
+        """Ends that; time stands until somebody lets it pass."""
+        self.native.stop()
+
+    def settle(self) -> None:
+        """Waits until programs on buses of this rack have seen all frames that have passed (:mod:`stator.can`)."""
+        for listener in list(self._listeners):
+            listener()
+
+    # What goes on and what goes wrong.
+
+    def events(self, after: int = 0) -> list[_native.Event]:
+        """What devices and networks had to say, the oldest first: the newest thousand, with a number above ``after``."""
+        return self.native.events(after)
+
+    def inject(self, kind: str, **keys: object) -> int:
+        """Arms a fault, e.g. ``inject("motor-stall", device="x", axis=1)``, with the keys of a fault in a rack file.
+
+        ``for`` is a word of Python's: write ``for_``. Returns the fault's number, for :meth:`clear_faults`.
+        """
+        return self.native.inject({"kind": kind, **{key.rstrip("_"): value for key, value in keys.items()}})
+
+    def faults(self) -> list[_native.Fault]:
+        """Faults that wait or are active, and the last ones that are over."""
+        return self.native.faults()
+
+    def clear_faults(self, number: int | None = None) -> int:
+        """Ends the fault of that number, or all; returns how many ended."""
+        return self.native.clear_faults(number)
+
+    def forget_signals(self) -> None:
+        """Drops all recorded samples so far; arrays that were taken stay."""
+        self.native.forget_signals()
+
+    def go_operational(self) -> None:
+        """Takes all slaves to Operational, with their process data, and starts all CANopen nodes. Lockstep only."""
+        _native.go_operational(self.native)
+
+    # Its end.
+
+    def close(self) -> None:
+        """Ends the rack: threads, links, places on buses. Calling it again does nothing."""
+        self.native.close()
+
+    @property
+    def closed(self) -> bool:
+        """Whether it was closed."""
+        return self.native.closed
+
+    def __enter__(self) -> Rack:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        if self.closed:
+            return "<Rack, closed>"
+        return f"<Rack {', '.join(self._names)} at {self.now:.6f} s>"
+
+    def __hash__(self) -> int:
+        return id(self)
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+
+__all__ = ["Axis", "Bus", "Device", "Error", "Inputs", "Line", "Objects", "Rack", "Segment", "Signals"]
