@@ -109,6 +109,94 @@ TEST(ServoBatch, EachLaneHasTheBitsOfAServoAxis) {
   }
 }
 
+/// Motor and load of one axis of many that are not quite alike.
+ServoAxisParameters different(std::size_t axis) {
+  ServoAxisParameters parameters = drive();
+  const double share = 0.1 * static_cast<double>(axis);
+  parameters.motor.resistance *= 0.7 + share;
+  parameters.motor.direct_inductance *= 1.4 - 0.5 * share;
+  parameters.motor.quadrature_inductance = parameters.motor.direct_inductance;
+  parameters.motor.flux_linkage *= 0.9 + 0.2 * share;
+  parameters.motor.viscous_friction *= 0.5 + share;
+  parameters.motor.coulomb_friction *= 1.5 - share;
+  parameters.motor.static_friction = 1.3 * parameters.motor.coulomb_friction;
+  parameters.load.inertia *= 1.0 + 3.0 * share;
+  parameters.load.constant_torque = 1e-3 * (1.0 - share);
+  return parameters;
+}
+
+TEST(ServoBatch, AnAxisWithAMotorOfItsOwnHasTheBitsOfAServoAxisWithThatMotor) {
+  constexpr std::size_t kAxes = 11;
+  constexpr std::size_t kLanes = ServoBatch<double>::kLanes;
+  for (const base::InstructionSet set : sets()) {
+    ServoBatch<double> batch(drive(), kAxes, kStep, set);
+    std::vector<ServoAxis> axes;
+    for (std::size_t n = 0; n < kAxes; ++n) {
+      // The fourth keeps the motor of the batch.
+      const ServoAxisParameters parameters = n == 3 ? drive() : different(n);
+      axes.emplace_back(parameters);
+      if (n != 3) {
+        batch.set_plant(n, parameters.motor, parameters.load);
+      }
+    }
+    for (int step = 0; step < 20'000; ++step) {
+      for (std::size_t n = 0; n < kAxes; ++n) {
+        const base::ServoActuation actuation{.bridge_enabled = true,
+                                             .duty = duties(axes[n], static_cast<int>(n), step)};
+        for (std::size_t k = 0; k < 3; ++k) {
+          batch.signals()[n / kLanes].duty[k][n % kLanes] = actuation.duty[k];
+        }
+        axes[n].step(actuation, kStep);
+      }
+      batch.step();
+      for (std::size_t n = 0; n < kAxes; ++n) {
+        ASSERT_EQ(batch.motor(n), axes[n].state().motor) << "axis " << n << ", step " << step;
+        ASSERT_EQ(batch.supply_voltage(n), axes[n].state().supply.voltage) << step;
+      }
+    }
+    // They did differ.
+    EXPECT_NE(batch.motor(0).speed, batch.motor(1).speed);
+  }
+}
+
+TEST(ServoBatch, ARestartedAxisHasTheBitsOfOneThatIsNew) {
+  constexpr std::size_t kAxes = 3;
+  constexpr int kBefore = 777;  // no whole number of times that directions are computed anew
+  ServoBatch<double> batch(drive(), kAxes, kStep);
+  const auto drive_axis = [&batch](std::size_t n, const std::array<double, 3>& duty) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      batch.signals()[0].duty[k][n] = duty[k];
+    }
+  };
+  batch.set_external_torque(1, 0.02);
+  for (int step = 0; step < kBefore; ++step) {
+    drive_axis(1, {0.6, 0.4, 0.5});
+    batch.step();
+  }
+  ASSERT_NE(batch.motor(1).speed, 0.0);
+  const SynchronousMotorState other = batch.motor(2);
+
+  ServoAxisParameters parameters = different(5);
+  parameters.initial_revolutions = 0.3;
+  parameters.supply_voltage = 20.0;
+  ServoAxis fresh(parameters);
+  ServoAxisState state = fresh.state();
+  state.motor.speed = 50.0;
+  fresh.restore(state);
+  batch.set_plant(1, parameters.motor, parameters.load);
+  batch.restart(1, 0.3, 50.0, 20.0);
+  EXPECT_EQ(batch.motor(2), other) << "another axis was touched";
+  EXPECT_EQ(batch.signals()[0].supply_voltage[1], 20.0);
+  for (int step = 0; step < 3'000; ++step) {
+    const std::array<double, 3> duty = duties(fresh, 1, step);
+    drive_axis(1, duty);
+    batch.step();
+    fresh.step({.bridge_enabled = true, .duty = duty}, kStep);
+    ASSERT_EQ(batch.motor(1), fresh.state().motor) << step;
+    ASSERT_EQ(batch.supply_voltage(1), fresh.state().supply.voltage) << step;
+  }
+}
+
 /// Hash of the motors of a closed-loop run with load steps, reversals and standstill.
 template <typename Number>
 std::uint64_t closed_loop_hash(base::InstructionSet set) {

@@ -41,6 +41,19 @@ void CurrentLoopBatch<Number>::set_target(std::size_t axis, double direct, doubl
 }
 
 template <typename Number>
+void CurrentLoopBatch<Number>::set_voltage(std::size_t axis, double direct, double quadrature) {
+  CurrentLoopBlock<Number>& block = blocks_[axis / kLanes];
+  block.direct_integral[axis % kLanes] = static_cast<Number>(direct);
+  block.quadrature_integral[axis % kLanes] = static_cast<Number>(quadrature);
+}
+
+template <typename Number>
+void CurrentLoopBatch<Number>::restart(std::size_t axis) {
+  set_target(axis, 0.0, 0.0);
+  set_voltage(axis, 0.0, 0.0);
+}
+
+template <typename Number>
 double CurrentLoopBatch<Number>::direct_current(std::size_t axis) const {
   return blocks_[axis / kLanes].direct_current[axis % kLanes];
 }

@@ -49,8 +49,13 @@ class CurrentLoopBatch {
   }
 
   void set_target(std::size_t axis, double direct, double quadrature);  ///< A
-  [[nodiscard]] double direct_current(std::size_t axis) const;          ///< A, measured
-  [[nodiscard]] double quadrature_current(std::size_t axis) const;      ///< A, measured
+  /// What the integral parts of the controllers hold, V. With both gains 0 these are the voltages
+  /// that are modulated until set again: drives without a current loop.
+  void set_voltage(std::size_t axis, double direct, double quadrature);
+  /// Takes target and integral parts of `axis` to 0.
+  void restart(std::size_t axis);
+  [[nodiscard]] double direct_current(std::size_t axis) const;      ///< A, measured
+  [[nodiscard]] double quadrature_current(std::size_t axis) const;  ///< A, measured
 
  private:
   CurrentLoopConstants<Number> constants_;

@@ -1,6 +1,10 @@
 #include "stator/plant/batch/servo_batch.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 
 #include "stator/plant/batch/servo_batch_dispatch.hpp"
 #include "stator/plant/batch/servo_batch_kernel.hpp"
@@ -20,48 +24,74 @@ Number number(double x) {
   return static_cast<Number>(x);
 }
 
+/// What a step of `step` seconds needs of a motor with its load at that inverter.
 template <typename Number>
-void set_motor(ServoBatchConstants<Number>& k, const FreeTurn& turn, const HeldVoltage& held,
-               double step) {
+ServoBatchMotor<Number> numbers_of(SynchronousMotor& motor, const InverterParameters& inverter,
+                                   double step) {
   const auto n = number<Number>;
-  k.h = n(step);
-  k.largest_speed = n(kLargestTurn / (step * turn.pole_pairs));
-  if (step * turn.free_rate > kLargestTurn) {
-    k.largest_speed = n(-1.0);  // each step has to be divided
+  const FreeTurn turn = motor.free_turn(inverter.on_resistance);
+  const HeldVoltage& held = motor.held_voltage(step, inverter.on_resistance);
+  const ShaftMechanics& shaft = motor.shaft();
+  const DeadTime dead(inverter, motor.motor().direct_inductance, step);
+  const bool divided = step * turn.free_rate > kLargestTurn || !motor.may_turn_freely();
+  return {
+      .largest_speed = n(divided ? -1.0 : kLargestTurn / (step * turn.pole_pairs)),
+      .rate = n(held.rate),
+      .decay = n(held.decay),
+      .gain = n(held.gain),
+      .from_begin = n(held.from_begin),
+      .from_end = n(held.from_end),
+      .square = n(held.square),
+      .fourth = n(held.fourth),
+      .yield = n(held.yield),
+      .lift = n(held.lift),
+      .mean_begin = n(held.mean_begin),
+      .mean_end = n(held.mean_end),
+      .opposition = n(held.opposition),
+      .opposition_by_direct = n(held.opposition_by_direct),
+      .opposition_by_rise = n(held.opposition_by_rise),
+      .inverse_inductance = n(turn.inverse_inductance),
+      .flux_current = n(turn.flux_current),
+      .flux_mobility = n(turn.flux_mobility),
+      .mobility = n(turn.mobility),
+      .damping = n(turn.damping),
+      .constant_torque = n(shaft.load().constant_torque),
+      .coulomb_friction = n(shaft.coulomb_friction(false)),
+      .stribeck_rise = n(shaft.stribeck_friction(0.0)),
+      .ripple_by_supply = n(dead.ripple_by_supply()),
+      .ripple_by_drop = n(dead.ripple_by_drop()),
+  };
+}
+
+/// Puts the motor of one lane among those of its block: both consist of the same members in the
+/// same order, of one number or of kLanes.
+template <typename Number>
+void put_motor(ServoBatchMotors<Number>& block, std::size_t lane,
+               const ServoBatchMotor<Number>& motor) {
+  constexpr std::size_t kLanes = base::ServoLanes<Number>::kLanes;
+  constexpr std::size_t kMembers = sizeof(motor) / sizeof(Number);
+  static_assert(sizeof(block) == kMembers * kLanes * sizeof(Number));
+  std::array<Number, kMembers> members;
+  std::memcpy(members.data(), &motor, sizeof motor);
+  auto* const bytes = static_cast<std::byte*>(static_cast<void*>(&block));
+  for (std::size_t n = 0; n < kMembers; ++n) {
+    std::memcpy(bytes + (n * kLanes + lane) * sizeof(Number), &members[n], sizeof(Number));
   }
-  k.pole_pairs = n(turn.pole_pairs);
-  k.inverse_pole_pairs = n(1.0 / turn.pole_pairs);
-  k.rate = n(held.rate);
-  k.decay = n(held.decay);
-  k.gain = n(held.gain);
-  k.from_begin = n(held.from_begin);
-  k.from_end = n(held.from_end);
-  k.square = n(held.square);
-  k.fourth = n(held.fourth);
-  k.yield = n(held.yield);
-  k.lift = n(held.lift);
-  k.mean_begin = n(held.mean_begin);
-  k.mean_end = n(held.mean_end);
+}
+
+/// What all motors of a batch have in common.
+template <typename Number>
+void set_motor(ServoBatchConstants<Number>& k, SynchronousMotor& motor,
+               const InverterParameters& inverter, double step) {
+  const auto n = number<Number>;
+  const HeldVoltage& held = motor.held_voltage(step, inverter.on_resistance);
+  const double pole_pairs = motor.motor().pole_pairs;
+  k.h = n(step);
+  k.pole_pairs = n(pole_pairs);
+  k.inverse_pole_pairs = n(1.0 / pole_pairs);
   k.twelfth = n(held.twelfth);
   k.quarter = n(held.quarter);
   k.bend = n(held.bend);
-  k.opposition = n(held.opposition);
-  k.opposition_by_direct = n(held.opposition_by_direct);
-  k.opposition_by_rise = n(held.opposition_by_rise);
-  k.inverse_inductance = n(turn.inverse_inductance);
-  k.flux_current = n(turn.flux_current);
-  k.flux_mobility = n(turn.flux_mobility);
-  k.mobility = n(turn.mobility);
-  k.damping = n(turn.damping);
-}
-
-template <typename Number>
-void set_shaft(ServoBatchConstants<Number>& k, const SynchronousMotor& motor) {
-  const auto n = number<Number>;
-  const ShaftMechanics& shaft = motor.shaft();
-  k.constant_torque = n(shaft.load().constant_torque);
-  k.coulomb_friction = n(shaft.coulomb_friction(false));
-  k.stribeck_rise = n(shaft.stribeck_friction(0.0));
   k.inverse_stribeck_speed = n(1.0 / motor.motor().stribeck_speed);
   for (const Cogging::Harmonic& from : motor.cogging().harmonics()) {
     k.cogging[k.cogging_count++] = {
@@ -86,8 +116,6 @@ void set_stage(ServoBatchConstants<Number>& k, const ServoAxisParameters& parame
   k.dead_time = inverter.dead_time > 0.0;
   k.dead_share = n(dead.share());
   k.drop_by_diodes = n(dead.by_diodes());
-  k.ripple_by_supply = n(dead.ripple_by_supply());
-  k.ripple_by_drop = n(dead.ripple_by_drop());
   const Supply::Share alone = supply.share(step, false);
   const Supply::Share chopping = supply.share(step, true);
   k.ideal_supply = supply.ideal();
@@ -139,13 +167,8 @@ ServoBatch<Number>::ServoBatch(const ServoAxisParameters& parameters, std::size_
       blocks_((axes + kLanes - 1) / kLanes),
       signals_(blocks_.size()) {
   const double seconds = step.seconds();
-  const double series_resistance = parameters.inverter.on_resistance;
-  plant::set_motor(constants_, motor_.free_turn(series_resistance),
-                   motor_.held_voltage(seconds, series_resistance), seconds);
-  if (!motor_.may_turn_freely()) {
-    constants_.largest_speed = number<Number>(-1.0);
-  }
-  set_shaft(constants_, motor_);
+  plant::set_motor(constants_, motor_, parameters.inverter, seconds);
+  plants_.common = numbers_of<Number>(motor_, parameters.inverter, seconds);
   set_stage(constants_, parameters, supply_, seconds);
   set_sensors(constants_, parameters);
   choose(instructions);
@@ -189,8 +212,13 @@ void ServoBatch<Number>::choose(base::InstructionSet instructions) {
 
 template <typename Number>
 void ServoBatch<Number>::step() {
-  if (kernel_(constants_, blocks_.data(), signals_.data(), blocks_.size())) {
+  plants_.own = motors_.empty() ? nullptr : motors_.data();
+  if (kernel_(constants_, plants_, blocks_.data(), signals_.data(), blocks_.size())) {
     step_left_over();
+  }
+  if (!restarted_.empty()) {
+    refresh_each();
+    return;
   }
   unrefreshed_ += step_;
   if (unrefreshed_ >= kRefreshPeriod) {
@@ -204,14 +232,17 @@ void ServoBatch<Number>::step_left_over() {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       if (blocks_[b].left_over[lane] != 0) {
-        step_lane(blocks_[b], signals_[b], lane);
+        const std::size_t axis = b * kLanes + lane;
+        step_lane(blocks_[b], signals_[b], lane,
+                  axis < own_motors_.size() ? own_motors_[axis] : motor_);
       }
     }
   }
 }
 
 template <typename Number>
-void ServoBatch<Number>::step_lane(Block& block, Signals& signals, std::size_t lane) {
+void ServoBatch<Number>::step_lane(Block& block, Signals& signals, std::size_t lane,
+                                   SynchronousMotor& plant) {
   const InverterParameters& inverter = parameters_.inverter;
   SynchronousMotorState state = motor(block, lane);
   SupplyState supply{.source = block.supply_source[lane],
@@ -226,7 +257,7 @@ void ServoBatch<Number>::step_lane(Block& block, Signals& signals, std::size_t l
   double power = 0.0;
   double remaining = step_.seconds();
   while (remaining > 0.0) {
-    const double turn = remaining * motor_.fastest_rate(state, remaining);
+    const double turn = remaining * plant.fastest_rate(state, remaining);
     const double inner =
         turn <= kLargestTurn ? remaining : remaining / std::ceil(turn / kLargestTurn);
     SynchronousMotorInput input;
@@ -235,14 +266,14 @@ void ServoBatch<Number>::step_lane(Block& block, Signals& signals, std::size_t l
     input.voltage = {supply.voltage * share.alpha, supply.voltage * share.beta};
     double lost_power = 0.0;
     if (inverter.dead_time > 0.0) {
-      const DeadTimeDrop<3> dead = DeadTime(inverter, parameters_.motor.direct_inductance, inner)
+      const DeadTimeDrop<3> dead = DeadTime(inverter, plant.motor().direct_inductance, inner)
                                        .drop(supply.voltage, phase_values(state.current));
       lost_power = dead.lost_power;
       const StatorVector drop = stator_vector(dead.voltage[0], dead.voltage[1], dead.voltage[2]);
       input.voltage.alpha -= drop.alpha;
       input.voltage.beta -= drop.beta;
     }
-    power = motor_.step(state, input, inner) + lost_power;
+    power = plant.step(state, input, inner) + lost_power;
     supply_.draw(supply, power, inner, false);
     remaining = inner == remaining ? 0.0 : remaining - inner;
   }
@@ -298,8 +329,62 @@ void ServoBatch<Number>::set_supply_voltage(std::size_t axis, double voltage) {
 
 template <typename Number>
 void ServoBatch<Number>::set_motor(std::size_t axis, const SynchronousMotorState& state) {
-  put(blocks_[axis / kLanes], axis % kLanes, state);
-  sense_all();
+  Block& block = blocks_[axis / kLanes];
+  put(block, axis % kLanes, state);
+  servo_batch::sense_lane(constants_, block, signals_[axis / kLanes], axis % kLanes);
+}
+
+template <typename Number>
+void ServoBatch<Number>::set_plant(std::size_t axis, const ThreePhaseMotorParameters& motor,
+                                   const MechanicalLoad& load) {
+  if (motors_.empty()) {
+    motors_.resize(blocks_.size());
+    own_motors_.resize(axes_, motor_);
+    for (ServoBatchMotors<Number>& block : motors_) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        put_motor(block, lane, plants_.common);
+      }
+    }
+  }
+  own_motors_[axis] = SynchronousMotor(motor, load);
+  put_motor(motors_[axis / kLanes], axis % kLanes,
+            numbers_of<Number>(own_motors_[axis], parameters_.inverter, step_.seconds()));
+}
+
+template <typename Number>
+void ServoBatch<Number>::restart(std::size_t axis, double revolutions, double speed,
+                                 double supply_voltage) {
+  if (restarted_.empty()) {
+    restarted_.resize(axes_, unrefreshed_);
+  }
+  restarted_[axis] = {};
+  Block& block = blocks_[axis / kLanes];
+  const std::size_t lane = axis % kLanes;
+  SynchronousMotorState state = motor_.at(revolutions);
+  state.speed = speed;
+  put(block, lane, state);
+  block.supply_source[lane] = number<Number>(supply_voltage);
+  block.supply_voltage[lane] = block.supply_source[lane];
+  block.chopper_conducts[lane] = 0;
+  block.supply_power[lane] = Number{};
+  block.torque[lane] = Number{};
+  Signals& signals = signals_[axis / kLanes];
+  for (auto& phase : signals.duty) {
+    phase[lane] = number<Number>(0.5);
+  }
+  servo_batch::sense_lane(constants_, block, signals, lane);
+}
+
+template <typename Number>
+void ServoBatch<Number>::refresh_each() {
+  for (std::size_t axis = 0; axis < axes_; ++axis) {
+    restarted_[axis] += step_;
+    if (restarted_[axis] >= kRefreshPeriod) {
+      restarted_[axis] = {};
+      Block& block = blocks_[axis / kLanes];
+      servo_batch::refresh_lane(block, axis % kLanes);
+    }
+  }
 }
 
 template <typename Number>

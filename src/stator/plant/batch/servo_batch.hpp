@@ -15,9 +15,10 @@
 
 namespace stator::plant {
 
-/// Many equal servo axes computed side by side: inverter averaged over the step, supply with
-/// capacitor and brake chopper, three-phase motor with its load, sampled currents and angle. For
-/// tuning, searching and testing by the million steps; a device has a ServoAxis of its own.
+/// Many servo axes computed side by side: inverter averaged over the step, supply with capacitor
+/// and brake chopper, three-phase motor with its load, sampled currents and angle. For tuning,
+/// searching, learning and testing by the million steps; a device has a ServoAxis of its own. The
+/// axes are equal unless set_plant() gives some a motor or load that differs.
 ///
 /// Number is double or float. In double each axis has the bits of a ServoAxis that gets the same
 /// duties and whose resistance and flux do not depend on temperature, on every compiler and
@@ -50,6 +51,17 @@ class ServoBatch {
   /// Voltage of the source of `axis`, V.
   void set_supply_voltage(std::size_t axis, double voltage);
   void set_motor(std::size_t axis, const SynchronousMotorState& state);
+  /// Gives `axis` a motor and a load of its own, which takes effect with the next step. They may
+  /// differ from those of parameters() in resistance, inductance (without saliency), flux linkage,
+  /// inertia, friction but the Stribeck speed, and constant torque; pole pairs, cogging, form of
+  /// the EMF, end stops and unbalance have to be the same. The first call allocates memory; from
+  /// then on a step reads the numbers of each axis, which takes it somewhat longer.
+  void set_plant(std::size_t axis, const ThreePhaseMotorParameters& motor,
+                 const MechanicalLoad& load);
+  /// Begins anew with `axis`: its shaft at `revolutions` and `speed` (rad/s), without currents,
+  /// source and capacitor at `supply_voltage` (V), no torque from outside, duties at one half. From
+  /// there the axis has the bits of one whose first step is the next one.
+  void restart(std::size_t axis, double revolutions, double speed, double supply_voltage);
 
   [[nodiscard]] SynchronousMotorState motor(std::size_t axis) const;
   [[nodiscard]] double supply_voltage(std::size_t axis) const;  ///< V at the power stage
@@ -64,7 +76,8 @@ class ServoBatch {
   [[nodiscard]] static SynchronousMotorState motor(const Block& block, std::size_t lane);
   static void put(Block& block, std::size_t lane, const SynchronousMotorState& state);
   void step_left_over();
-  void step_lane(Block& block, Signals& signals, std::size_t lane);
+  void step_lane(Block& block, Signals& signals, std::size_t lane, SynchronousMotor& plant);
+  void refresh_each();
 
   ServoAxisParameters parameters_;
   std::size_t axes_;
@@ -72,11 +85,16 @@ class ServoBatch {
   SynchronousMotor motor_;
   Supply supply_;
   ServoBatchConstants<Number> constants_;
+  ServoBatchPlants<Number> plants_;
+  std::vector<ServoBatchMotors<Number>> motors_;  ///< of each block; empty: all are equal
+  std::vector<SynchronousMotor> own_motors_;      ///< of each axis; empty: all are motor_
   std::vector<Block> blocks_;
   std::vector<Signals> signals_;
   ServoBatchStep<Number> kernel_ = nullptr;
   ServoBatchRefresh<Number> refresh_ = nullptr;
   base::SimDuration unrefreshed_;
+  /// The same of each axis, once one was restarted.
+  std::vector<base::SimDuration> restarted_;
 };
 
 extern template class ServoBatch<double>;

@@ -4,14 +4,16 @@
 
 namespace stator::plant::servo_batch {
 
-bool step_avx2(const ServoBatchConstants<double>& constants, ServoBatchBlock<double>* blocks,
-               base::ServoLanes<double>* signals, std::size_t count) {
-  return step_blocks<double, 32>(constants, blocks, signals, count);
+bool step_avx2(const ServoBatchConstants<double>& constants, const ServoBatchPlants<double>& plants,
+               ServoBatchBlock<double>* blocks, base::ServoLanes<double>* signals,
+               std::size_t count) {
+  return step_blocks<double, 32>(constants, plants, blocks, signals, count);
 }
 
-bool step_avx2(const ServoBatchConstants<float>& constants, ServoBatchBlock<float>* blocks,
-               base::ServoLanes<float>* signals, std::size_t count) {
-  return step_blocks<float, 32>(constants, blocks, signals, count);
+bool step_avx2(const ServoBatchConstants<float>& constants, const ServoBatchPlants<float>& plants,
+               ServoBatchBlock<float>* blocks, base::ServoLanes<float>* signals,
+               std::size_t count) {
+  return step_blocks<float, 32>(constants, plants, blocks, signals, count);
 }
 
 void refresh_avx2(ServoBatchBlock<double>* blocks, std::size_t count) {

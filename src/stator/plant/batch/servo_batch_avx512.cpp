@@ -4,14 +4,16 @@
 
 namespace stator::plant::servo_batch {
 
-bool step_avx512(const ServoBatchConstants<double>& constants, ServoBatchBlock<double>* blocks,
+bool step_avx512(const ServoBatchConstants<double>& constants,
+                 const ServoBatchPlants<double>& plants, ServoBatchBlock<double>* blocks,
                  base::ServoLanes<double>* signals, std::size_t count) {
-  return step_blocks<double, 64>(constants, blocks, signals, count);
+  return step_blocks<double, 64>(constants, plants, blocks, signals, count);
 }
 
-bool step_avx512(const ServoBatchConstants<float>& constants, ServoBatchBlock<float>* blocks,
-                 base::ServoLanes<float>* signals, std::size_t count) {
-  return step_blocks<float, 64>(constants, blocks, signals, count);
+bool step_avx512(const ServoBatchConstants<float>& constants, const ServoBatchPlants<float>& plants,
+                 ServoBatchBlock<float>* blocks, base::ServoLanes<float>* signals,
+                 std::size_t count) {
+  return step_blocks<float, 64>(constants, plants, blocks, signals, count);
 }
 
 void refresh_avx512(ServoBatchBlock<double>* blocks, std::size_t count) {

@@ -5,14 +5,16 @@
 
 namespace stator::plant::servo_batch {
 
-bool step_baseline(const ServoBatchConstants<double>& constants, ServoBatchBlock<double>* blocks,
+bool step_baseline(const ServoBatchConstants<double>& constants,
+                   const ServoBatchPlants<double>& plants, ServoBatchBlock<double>* blocks,
                    base::ServoLanes<double>* signals, std::size_t count) {
-  return step_blocks<double, 16>(constants, blocks, signals, count);
+  return step_blocks<double, 16>(constants, plants, blocks, signals, count);
 }
 
-bool step_baseline(const ServoBatchConstants<float>& constants, ServoBatchBlock<float>* blocks,
+bool step_baseline(const ServoBatchConstants<float>& constants,
+                   const ServoBatchPlants<float>& plants, ServoBatchBlock<float>* blocks,
                    base::ServoLanes<float>* signals, std::size_t count) {
-  return step_blocks<float, 16>(constants, blocks, signals, count);
+  return step_blocks<float, 16>(constants, plants, blocks, signals, count);
 }
 
 void refresh_baseline(ServoBatchBlock<double>* blocks, std::size_t count) {

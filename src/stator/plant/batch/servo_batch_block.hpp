@@ -30,8 +30,32 @@ struct alignas(64) ServoBatchBlock {
   Integer left_over[kLanes];  ///< 1: not stepped, for the lane needs more than the usual step
 };
 
+/// What the usual step needs of a motor and its load, as far as motors of one batch may differ in
+/// it: numbers in SI units under the names that HeldVoltage, FreeTurn, ShaftMechanics and DeadTime
+/// give them. T is a number, a vector of them, or an array of kLanes.
+template <typename T>
+struct ServoBatchMotor {
+  T largest_speed;  ///< rad/s up to which one step will do
+
+  // HeldVoltage.
+  T rate, decay, gain, from_begin, from_end, square, fourth, yield, lift;
+  T mean_begin, mean_end;
+  T opposition, opposition_by_direct, opposition_by_rise;
+
+  T inverse_inductance, flux_current, flux_mobility, mobility, damping;
+  T constant_torque, coulomb_friction, stribeck_rise;
+  T ripple_by_supply;  ///< A/V
+  T ripple_by_drop;    ///< A/V
+};
+
+/// The motors of one block of base::ServoLanes where each is one of its own.
+template <typename Number>
+struct alignas(64) ServoBatchMotors {
+  ServoBatchMotor<Number[base::ServoLanes<Number>::kLanes]> of;  // NOLINT(*-avoid-c-arrays)
+};
+
 /// SynchronousMotor, Supply and CurrentSensing as the usual step needs them: numbers in SI units
-/// under the names they have there.
+/// under the names they have there. What motors may differ in is ServoBatchMotor.
 template <typename Number>
 struct ServoBatchConstants {
   struct Cogging {
@@ -45,26 +69,17 @@ struct ServoBatchConstants {
   };
 
   Number h{};
-  Number largest_speed{};  ///< rad/s up to which one step will do
   Number pole_pairs{};
   Number inverse_pole_pairs{};
-
-  // HeldVoltage.
-  Number rate{}, decay{}, gain{}, from_begin{}, from_end{}, square{}, fourth{}, yield{}, lift{};
-  Number mean_begin{}, mean_end{}, twelfth{}, quarter{}, bend{};
-  Number opposition{}, opposition_by_direct{}, opposition_by_rise{};
-
-  Number inverse_inductance{}, flux_current{}, flux_mobility{}, mobility{}, damping{};
-  Number constant_torque{}, coulomb_friction{}, stribeck_rise{}, inverse_stribeck_speed{};
+  Number twelfth{}, quarter{}, bend{};  // HeldVoltage
+  Number inverse_stribeck_speed{};
   std::array<Cogging, 2> cogging{};
   std::size_t cogging_count = 0;
   Number cogging_reach{};
 
   bool dead_time = false;
-  Number dead_share{};        ///< of the period
-  Number drop_by_diodes{};    ///< V
-  Number ripple_by_supply{};  ///< A/V
-  Number ripple_by_drop{};    ///< A/V
+  Number dead_share{};      ///< of the period
+  Number drop_by_diodes{};  ///< V
 
   bool ideal_supply = false;
   Number lowest_voltage{};
@@ -81,9 +96,17 @@ struct ServoBatchConstants {
   Number radians_per_count{};
 };
 
+/// The motors of a batch: one that all lanes have, or those of each block.
+template <typename Number>
+struct ServoBatchPlants {
+  ServoBatchMotor<Number> common{};
+  const ServoBatchMotors<Number>* own = nullptr;  ///< null: all have `common`
+};
+
 /// One step of the lanes of `count` blocks; true: some lanes have left_over set.
 template <typename Number>
 using ServoBatchStep = bool (*)(const ServoBatchConstants<Number>& constants,
+                                const ServoBatchPlants<Number>& plants,
                                 ServoBatchBlock<Number>* blocks, base::ServoLanes<Number>* signals,
                                 std::size_t count);
 /// Takes all directions anew from their angles.

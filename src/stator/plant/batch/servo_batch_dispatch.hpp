@@ -6,12 +6,14 @@ namespace stator::plant::servo_batch {
 
 // The kernels, each in a file of its own that is compiled for its instruction set.
 
-#define STATOR_DECLARE_KERNELS(set)                                                              \
-  bool step_##set(const ServoBatchConstants<double>& constants, ServoBatchBlock<double>* blocks, \
-                  base::ServoLanes<double>* signals, std::size_t count);                         \
-  bool step_##set(const ServoBatchConstants<float>& constants, ServoBatchBlock<float>* blocks,   \
-                  base::ServoLanes<float>* signals, std::size_t count);                          \
-  void refresh_##set(ServoBatchBlock<double>* blocks, std::size_t count);                        \
+#define STATOR_DECLARE_KERNELS(set)                                                        \
+  bool step_##set(const ServoBatchConstants<double>& constants,                            \
+                  const ServoBatchPlants<double>& plants, ServoBatchBlock<double>* blocks, \
+                  base::ServoLanes<double>* signals, std::size_t count);                   \
+  bool step_##set(const ServoBatchConstants<float>& constants,                             \
+                  const ServoBatchPlants<float>& plants, ServoBatchBlock<float>* blocks,   \
+                  base::ServoLanes<float>* signals, std::size_t count);                    \
+  void refresh_##set(ServoBatchBlock<double>* blocks, std::size_t count);                  \
   void refresh_##set(ServoBatchBlock<float>* blocks, std::size_t count)
 
 STATOR_DECLARE_KERNELS(scalar);

@@ -12,6 +12,44 @@
 
 namespace stator::plant::servo_batch {
 
+/// The motors of the lanes from `at` on.
+template <typename L, typename N>
+[[nodiscard]] [[gnu::always_inline]] inline ServoBatchMotor<typename L::Value> motors_of(
+    const ServoBatchMotors<N>& block, std::size_t at) {
+  using V = typename L::Value;
+  const auto lanes = [at](const N* from) __attribute__((always_inline)) {
+    return base::load<V>(from + at);
+  };
+  const auto& of = block.of;
+  return {
+      .largest_speed = lanes(of.largest_speed),
+      .rate = lanes(of.rate),
+      .decay = lanes(of.decay),
+      .gain = lanes(of.gain),
+      .from_begin = lanes(of.from_begin),
+      .from_end = lanes(of.from_end),
+      .square = lanes(of.square),
+      .fourth = lanes(of.fourth),
+      .yield = lanes(of.yield),
+      .lift = lanes(of.lift),
+      .mean_begin = lanes(of.mean_begin),
+      .mean_end = lanes(of.mean_end),
+      .opposition = lanes(of.opposition),
+      .opposition_by_direct = lanes(of.opposition_by_direct),
+      .opposition_by_rise = lanes(of.opposition_by_rise),
+      .inverse_inductance = lanes(of.inverse_inductance),
+      .flux_current = lanes(of.flux_current),
+      .flux_mobility = lanes(of.flux_mobility),
+      .mobility = lanes(of.mobility),
+      .damping = lanes(of.damping),
+      .constant_torque = lanes(of.constant_torque),
+      .coulomb_friction = lanes(of.coulomb_friction),
+      .stribeck_rise = lanes(of.stribeck_rise),
+      .ripple_by_supply = lanes(of.ripple_by_supply),
+      .ripple_by_drop = lanes(of.ripple_by_drop),
+  };
+}
+
 /// What a step reads of its lanes.
 template <typename L>
 struct Begin {
@@ -65,8 +103,9 @@ struct Even {
   Turn<L> direction;
 };
 
-template <typename L, typename N>
+template <typename L, typename N, typename T>
 [[nodiscard]] [[gnu::always_inline]] inline Even<L> turn_evenly(const ServoBatchConstants<N>& k,
+                                                                const ServoBatchMotor<T>& m,
                                                                 const Begin<L>& at,
                                                                 const typename L::Value& w0) {
   using V = typename L::Value;
@@ -78,12 +117,12 @@ template <typename L, typename N>
   even.direction = sum<L>(z, small_turn<L, N>(even.x));
   const Turn<L>& z1 = even.direction;
   const V square = even.x * even.x;
-  const V both = square * (k.square + square * k.fourth);
-  const V by_begin = k.from_begin + both;
-  const V by_end = k.from_end + both;
+  const V both = square * (m.square + square * m.fourth);
+  const V by_begin = m.from_begin + both;
+  const V by_end = m.from_end + both;
   even.alpha =
-      (k.decay * at.current_alpha + k.gain * ua) + (by_begin * z.cosine + by_end * z1.cosine);
-  even.beta = (k.decay * at.current_beta + k.gain * ub) + (by_begin * z.sine + by_end * z1.sine);
+      (m.decay * at.current_alpha + m.gain * ua) + (by_begin * z.cosine + by_end * z1.cosine);
+  even.beta = (m.decay * at.current_beta + m.gain * ub) + (by_begin * z.sine + by_end * z1.sine);
   even.direct0 = z.cosine * at.current_alpha + z.sine * at.current_beta;
   even.direct1 = z1.cosine * even.alpha + z1.sine * even.beta;
   even.quadrature0 = z.cosine * at.current_beta - z.sine * at.current_alpha;
@@ -95,12 +134,12 @@ template <typename L, typename N>
 }
 
 /// Dry friction beyond Coulomb's at `speed`, with the sign `sign`, where the shaft creeps.
-template <typename L, typename N>
+template <typename L, typename N, typename T>
 [[nodiscard]] [[gnu::always_inline]] inline typename L::Value stribeck(
-    const ServoBatchConstants<N>& k, const typename L::Value& speed,
+    const ServoBatchConstants<N>& k, const ServoBatchMotor<T>& m, const typename L::Value& speed,
     const typename L::Value& sign) {
   const typename L::Value ratio = speed * k.inverse_stribeck_speed;
-  return sign * (k.stribeck_rise / (N(1.0) + ratio * ratio));
+  return sign * (m.stribeck_rise / (N(1.0) + ratio * ratio));
 }
 
 /// SynchronousMotor::Gain.
@@ -109,44 +148,45 @@ struct Gain {
   typename L::Value speed, angle;
 };
 
-template <typename L, typename N>
+template <typename L, typename N, typename T>
 [[nodiscard]] [[gnu::always_inline]] inline Gain<L> gain(const ServoBatchConstants<N>& k,
+                                                         const ServoBatchMotor<T>& m,
                                                          const Begin<L>& at, const Even<L>& even,
                                                          const typename L::Value& w0) {
   using V = typename L::Value;
   const V& x = even.x;
-  const V quadrature = (k.mean_begin * even.quadrature0 + k.mean_end * even.quadrature1) +
-                       k.twelfth * (k.inverse_inductance * (even.forward0 - even.forward1) +
+  const V quadrature = (m.mean_begin * even.quadrature0 + m.mean_end * even.quadrature1) +
+                       k.twelfth * (m.inverse_inductance * (even.forward0 - even.forward1) +
                                     w0 * (even.direct1 - even.direct0));
   const Cogging<L> cogging = cogging_around<L, N>(k, at.direction, x);
   const V sign = base::select(at.speed > N(0.0), base::all<L>(N(1.0)), base::all<L>(N(-1.0)));
-  const V outside = k.constant_torque + at.torque;
-  const V steady = outside - sign * k.coulomb_friction;
+  const V outside = m.constant_torque + at.torque;
+  const V steady = outside - sign * m.coulomb_friction;
   const V ratio = at.speed * k.inverse_stribeck_speed;
   const typename L::Mask creeps = ratio * ratio <= N(1e4);
   const bool any_creeps = base::any(creeps);
   V rise{};
   if (any_creeps) {
-    rise = base::select(creeps, stribeck<L, N>(k, at.speed, sign), V{});
+    rise = base::select(creeps, stribeck<L, N>(k, m, at.speed, sign), V{});
   }
-  const V drag = k.damping * w0;
-  const V gained = k.h * ((k.flux_mobility * even.quadrature0 - drag) +
-                          k.mobility * ((steady - rise) + cogging.torque));
-  const V rising = (k.inverse_inductance * even.forward0 - k.rate * even.quadrature0) -
-                   w0 * (k.flux_current + even.direct0);
-  const V bend = k.bend * (k.flux_mobility * rising + k.mobility * cogging.slope * w0);
+  const V drag = m.damping * w0;
+  const V gained = k.h * ((m.flux_mobility * even.quadrature0 - drag) +
+                          m.mobility * ((steady - rise) + cogging.torque));
+  const V rising = (m.inverse_inductance * even.forward0 - m.rate * even.quadrature0) -
+                   w0 * (m.flux_current + even.direct0);
+  const V bend = k.bend * (m.flux_mobility * rising + m.mobility * cogging.slope * w0);
   if (any_creeps) {
     const V later = (w0 + N(0.5) * gained) * k.inverse_pole_pairs;
-    rise = base::select(creeps, stribeck<L, N>(k, later, sign), V{});
+    rise = base::select(creeps, stribeck<L, N>(k, m, later, sign), V{});
   }
-  const N push = k.h * k.flux_mobility;
-  const V opposition = push * ((k.opposition + k.opposition_by_direct * even.direct1) -
-                               k.opposition_by_rise *
-                                   (w0 * even.quadrature1 + k.inverse_inductance * even.outward1)) +
-                       N(0.5) * k.h * k.damping;
+  const T push = k.h * m.flux_mobility;
+  const V opposition = push * ((m.opposition + m.opposition_by_direct * even.direct1) -
+                               m.opposition_by_rise *
+                                   (w0 * even.quadrature1 + m.inverse_inductance * even.outward1)) +
+                       N(0.5) * k.h * m.damping;
   const V mean = cogging.torque + x * (N(0.5) * cogging.slope + x * (N(1.0 / 3.0) * cogging.square +
                                                                      x * (N(0.25) * cogging.cube)));
-  const V evenly = push * quadrature + k.h * (k.mobility * ((steady - rise) + mean) - drag);
+  const V evenly = push * quadrature + k.h * (m.mobility * ((steady - rise) + mean) - drag);
   const V speed = evenly - gained * opposition;
   return {speed, k.quarter * (speed + gained) + bend};
 }
@@ -218,13 +258,14 @@ template <typename L, typename N>
 }
 
 /// dead_time_drop(): takes the drop from the voltages; the result is the power lost in diodes, W.
-template <typename L, typename N>
+template <typename L, typename N, typename T>
 [[nodiscard]] [[gnu::always_inline]] inline typename L::Value drop_voltage(
-    const ServoBatchConstants<N>& k, Begin<L>& begin, const typename L::Value& supply) {
+    const ServoBatchConstants<N>& k, const ServoBatchMotor<T>& m, Begin<L>& begin,
+    const typename L::Value& supply) {
   using V = typename L::Value;
   const V drop = supply * k.dead_share + k.drop_by_diodes;
   const V share_of_ripple =
-      N(1.0) / base::larger(supply * k.ripple_by_supply, drop * k.ripple_by_drop);
+      N(1.0) / base::larger(supply * m.ripple_by_supply, drop * m.ripple_by_drop);
   const V half = N(0.5) * begin.current_alpha;
   const V side = N(0.86602540378443864676) * begin.current_beta;
   V phases[3] = {begin.current_alpha, side - half, -side - half};
@@ -270,8 +311,9 @@ template <typename L, typename N>
 }
 
 /// One step of the lanes from `at` on; the result holds for those that need more.
-template <typename L, typename N>
+template <typename L, typename N, typename T>
 [[gnu::always_inline]] inline typename L::Mask step_lanes(const ServoBatchConstants<N>& k,
+                                                          const ServoBatchMotor<T>& m,
                                                           ServoBatchBlock<N>& block,
                                                           base::ServoLanes<N>& signals,
                                                           std::size_t at) {
@@ -281,32 +323,32 @@ template <typename L, typename N>
   Begin<L> begin = begin_of<L, N>(block, signals, at, supply);
   V lost_power{};
   if (k.dead_time) {
-    lost_power = drop_voltage<L, N>(k, begin, supply);
+    lost_power = drop_voltage<L, N>(k, m, begin, supply);
   }
 
   const V w0 = begin.speed * k.pole_pairs;
-  const Even<L> even = turn_evenly<L, N>(k, begin, w0);
-  const Gain<L> gained = gain<L, N>(k, begin, even, w0);
+  const Even<L> even = turn_evenly<L, N>(k, m, begin, w0);
+  const Gain<L> gained = gain<L, N>(k, m, begin, even, w0);
   const Turn<L>& z1 = even.direction;
   const V& further = gained.angle;
-  const V shift = k.yield * further;
-  const V lift = further * (N(0.5) * k.flux_current * further + k.lift * even.x);
+  const V shift = m.yield * further;
+  const V lift = further * (N(0.5) * m.flux_current * further + m.lift * even.x);
   const V alpha = even.alpha + (shift * z1.sine + lift * z1.cosine);
   const V beta = even.beta - (shift * z1.cosine - lift * z1.sine);
   const V shorter = N(1.0) - N(0.5) * further * further;
   const V w1 = w0 + gained.speed;
   const V speed = w1 * k.inverse_pole_pairs;
-  const V mean_alpha = k.mean_begin * begin.current_alpha + k.mean_end * alpha;
-  const V mean_beta = k.mean_begin * begin.current_beta + k.mean_end * beta;
+  const V mean_alpha = m.mean_begin * begin.current_alpha + m.mean_end * alpha;
+  const V mean_beta = m.mean_begin * begin.current_beta + m.mean_end * beta;
   const V power =
       N(1.5) * ((begin.voltage_alpha * mean_alpha + begin.voltage_beta * mean_beta) +
-                k.twelfth * k.flux_current * (w1 * even.forward1 - w0 * even.forward0)) +
+                k.twelfth * m.flux_current * (w1 * even.forward1 - w0 * even.forward0)) +
       lost_power;
 
   // A shaft that stands or turns round, or is too fast for one step.
   const typename L::Mask left_over =
-      (begin.speed * speed <= N(0.0)) | (begin.speed > k.largest_speed) |
-      (-begin.speed > k.largest_speed) | (speed > N(1e4)) | (-speed > N(1e4));
+      (begin.speed * speed <= N(0.0)) | (begin.speed > m.largest_speed) |
+      (-begin.speed > m.largest_speed) | (speed > N(1e4)) | (-speed > N(1e4));
   V angle = begin.angle;
   const I periods_before = base::load<I>(&block.periods[at]);
   I periods = periods_before;
@@ -346,13 +388,23 @@ template <typename L, typename N>
 
 template <typename N, int kBytes>
 [[gnu::always_inline]] inline bool step_blocks(const ServoBatchConstants<N>& k,
+                                               const ServoBatchPlants<N>& plants,
                                                ServoBatchBlock<N>* blocks,
                                                base::ServoLanes<N>* signals, std::size_t count) {
   using L = base::Lanes<N, kBytes>;
   typename L::Mask left_over{};
+  if (plants.own == nullptr) {
+    for (std::size_t b = 0; b < count; ++b) {
+      for (std::size_t at = 0; at < ServoBatchBlock<N>::kLanes; at += L::kCount) {
+        left_over |= step_lanes<L, N>(k, plants.common, blocks[b], signals[b], at);
+      }
+    }
+    return base::any(left_over);
+  }
   for (std::size_t b = 0; b < count; ++b) {
     for (std::size_t at = 0; at < ServoBatchBlock<N>::kLanes; at += L::kCount) {
-      left_over |= step_lanes<L, N>(k, blocks[b], signals[b], at);
+      const auto own = motors_of<L, N>(plants.own[b], at);
+      left_over |= step_lanes<L, N>(k, own, blocks[b], signals[b], at);
     }
   }
   return base::any(left_over);
@@ -365,6 +417,14 @@ inline void sense_lane(const ServoBatchConstants<N>& k, const ServoBatchBlock<N>
   sense<base::Lanes<N, sizeof(N)>, N>(k, signals, at, block.current_alpha[at],
                                       block.current_beta[at], block.angle[at],
                                       block.supply_voltage[at]);
+}
+
+/// refresh_blocks() of one lane.
+template <typename N>
+inline void refresh_lane(ServoBatchBlock<N>& block, std::size_t at) {
+  const auto direction = base::sine_cosine_lanes<base::Lanes<N, sizeof(N)>>(block.angle[at]);
+  block.sine[at] = direction.sine;
+  block.cosine[at] = direction.cosine;
 }
 
 template <typename N, int kBytes>
