@@ -320,6 +320,12 @@ TEST(CommandLine, DemoMovesThreeAxesAndDrawsThem) {
   std::filesystem::remove_all(directory);
 }
 
+TEST(CommandLine, DemoHasATokenFileForItsDashboardOnly) {
+  const Outcome outcome = stator("demo --http-token token");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.output, HasSubstr("--http-token requires --http"));
+}
+
 TEST(Simulate, PrintsMeasurementEquationAndDeviation) {
   const Outcome outcome = stator("simulate resonance --swing 24 --tolerance 2");
   EXPECT_EQ(outcome.status, 0) << outcome.output;

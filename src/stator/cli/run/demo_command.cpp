@@ -168,7 +168,7 @@ rack::Plot picture(const product::Product& product, const std::string& csv, std:
 
 struct DemoOptions {
   std::string output = "demo-output";
-  std::string http;  ///< empty: three axes in this process; else where the show is served
+  WebOptions web;  ///< empty: three axes in this process; else where the show is served
 };
 
 class Demo {
@@ -291,7 +291,7 @@ class Demo {
 void show(const DemoOptions& options) {
   RunOptions run;
   run.rack_file = write_show_rack(options.output).string();
-  run.web.http = options.http;
+  run.web = options.web;
   run.show = true;
   fmt::print("The rack file is {}.\n", run.rack_file);
   run_until_stopped(std::move(run));
@@ -332,14 +332,20 @@ void add_demo_command(CLI::App& app) {
   command->add_option("-o,--output", options->output, "Directory for pictures and recordings")
       ->check(names(Names::directory))
       ->capture_default_str();
-  command->add_option("--http", options->http,
-                      "[ADDRESS:]PORT of a dashboard with five turning devices instead, until "
-                      "Ctrl-C; port 0: any that is free");
+  auto* http =
+      command->add_option("--http", options->web.http,
+                          "[ADDRESS:]PORT of a dashboard with five turning devices instead, until "
+                          "Ctrl-C; port 0: any that is free");
+  command
+      ->add_option("--http-token", options->web.token_file,
+                   "File with the token that writes need, and from other machines all access")
+      ->check(names(Names::file))
+      ->needs(http);
   command->footer(
       "Examples:\n"
       "  stator demo                     pictures of a move in demo-output\n"
       "  stator demo --http 8080         five turning devices in the browser");
-  command->callback([options] { options->http.empty() ? demo(*options) : show(*options); });
+  command->callback([options] { options->web.http.empty() ? demo(*options) : show(*options); });
 }
 
 }  // namespace stator::cli
