@@ -38,7 +38,7 @@ export default defineConfig({
     },
   },
   test: {
-    include: ["tests/**/*.test.ts", "src/**/*.test.ts"],
+    include: ["tests/**/*.test.{ts,mjs}", "src/**/*.test.ts"],
     environment: "node",
   },
 });

@@ -59,39 +59,99 @@ export function literalText(node) {
   return ts.isTemplateExpression(node) ? [node.head.text, ...node.templateSpans.map((span) => span.literal.text)].join("{}") : null;
 }
 
-/// The literals among what an expression can be.
-function* results(node) {
+/// What a function gives back.
+function* returned(node) {
+  if (ts.isArrowFunction(node) && !ts.isBlock(node.body)) {
+    yield node.body;
+    return;
+  }
+  const inside = [];
+  const visit = (each) => {
+    if (ts.isReturnStatement(each) && each.expression) {
+      inside.push(each.expression);
+    } else if (!ts.isFunctionLike(each)) {
+      ts.forEachChild(each, visit);
+    }
+  };
+  ts.forEachChild(node.body, visit);
+  yield* inside;
+}
+
+const isFunction = (node) => ts.isArrowFunction(node) || ts.isFunctionExpression(node) || ts.isFunctionDeclaration(node);
+
+/// What the names of a file stand for: of constants their values, of functions what they give back; by name alone, so that of two
+/// that are called the same in different places both count.
+function namesOf(file) {
+  const names = { constants: new Map(), functions: new Map() };
+  const add = (map, name, expressions) => map.set(name, [...(map.get(name) ?? []), ...expressions]);
+  const visit = (node) => {
+    if (ts.isFunctionDeclaration(node) && node.name && node.body) {
+      add(names.functions, node.name.text, returned(node));
+    } else if (ts.isVariableDeclaration(node) && ts.isIdentifier(node.name) && node.initializer) {
+      if (isFunction(node.initializer)) {
+        add(names.functions, node.name.text, returned(node.initializer));
+      } else {
+        add(names.constants, node.name.text, [node.initializer]);
+      }
+    }
+    ts.forEachChild(node, visit);
+  };
+  visit(file);
+  return names;
+}
+
+/// The literals among what an expression can be, those that are put into a template included. `names` are those of its file;
+/// `seen` are the expressions on the way, of which a function that calls itself would make many.
+function* results(node, names, seen = new Set()) {
+  if (seen.has(node)) {
+    return;
+  }
+  seen.add(node);
+  const each = (expression) => results(expression, names, seen);
   if (ts.isParenthesizedExpression(node) || ts.isNonNullExpression(node) || ts.isAsExpression(node)) {
-    yield* results(node.expression);
+    yield* each(node.expression);
   } else if (ts.isConditionalExpression(node)) {
-    yield* results(node.whenTrue);
-    yield* results(node.whenFalse);
+    yield* each(node.whenTrue);
+    yield* each(node.whenFalse);
   } else if (ts.isBinaryExpression(node)) {
     const { kind } = node.operatorToken;
     if ([ts.SyntaxKind.QuestionQuestionToken, ts.SyntaxKind.BarBarToken, ts.SyntaxKind.PlusToken].includes(kind)) {
-      yield* results(node.left);
+      yield* each(node.left);
     }
     if (![ts.SyntaxKind.EqualsEqualsEqualsToken, ts.SyntaxKind.ExclamationEqualsEqualsToken].includes(kind)) {
-      yield* results(node.right);
+      yield* each(node.right);
     }
   } else if (ts.isArrayLiteralExpression(node)) {
     for (const element of node.elements) {
-      yield* results(element);
+      yield* each(element);
     }
   } else if (ts.isCallExpression(node) && ts.isPropertyAccessExpression(node.expression) && kJoining.has(node.expression.name.text)) {
-    yield* results(node.expression.expression); // "[…].filter(…).join(…)"
+    yield* each(node.expression.expression); // "[…].filter(…).join(…)"
+  } else if (ts.isCallExpression(node) && ts.isIdentifier(node.expression)) {
+    for (const expression of names.functions.get(node.expression.text) ?? []) {
+      yield* each(expression);
+    }
+  } else if (ts.isIdentifier(node)) {
+    for (const expression of names.constants.get(node.text) ?? []) {
+      yield* each(expression);
+    }
   } else if (literalText(node) !== null) {
     yield node;
+    if (ts.isTemplateExpression(node)) {
+      for (const span of node.templateSpans) {
+        yield* each(span.expression);
+      }
+    }
   }
 }
 
 /// Gives `found` each text that is bare: a JsxText, or a literal in an attribute, in what an element contains, in a table.
-function look(node, found) {
+function look(node, names, found) {
   if (ts.isJsxElement(node) && kVerbatim.has(tagOf(node))) {
-    look(node.openingElement, found);
+    look(node.openingElement, names, found);
     return;
   }
-  const expression = (each) => [...results(each)].filter((literal) => isWords(literalText(literal))).forEach(found);
+  const expression = (each) => [...results(each, names)].filter((literal) => isWords(literalText(literal))).forEach(found);
   if (ts.isJsxText(node)) {
     if (isWords(node.text)) {
       found(node);
@@ -107,13 +167,13 @@ function look(node, found) {
   } else if (ts.isPropertyAssignment(node) && kProperties.has(node.name.getText())) {
     expression(node.initializer);
   }
-  ts.forEachChild(node, (child) => look(child, found));
+  ts.forEachChild(node, (child) => look(child, names, found));
 }
 
 export function bareTexts(file) {
-  const all = [];
-  look(file, (node) => all.push(node));
-  return all;
+  const all = new Set(); // a constant may be shown at several places
+  look(file, namesOf(file), (node) => all.add(node));
+  return [...all];
 }
 
 /// The sentences that a file gives to t(), tn() and tx(): {key, plural, values, node}, and calls whose sentence is no literal.

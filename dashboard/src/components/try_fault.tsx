@@ -32,7 +32,7 @@ export function TryFault(place: Place) {
   if (!store.offers("/api/v1/faults/kinds")) {
     return null;
   }
-  const label = `Try a fault at ${place.name}`;
+  const label = t("Try a fault at {name}", { name: place.name });
   return (
     <>
       <span role="status" class={place.small ? "hidden-text" : ""}>

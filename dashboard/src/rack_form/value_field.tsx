@@ -17,11 +17,11 @@ function namesFor(path: Path): "signals" | "inputs" | null {
 }
 
 /// They are proposed; others may be typed, e.g. those of a device that is new in the text.
-function Names({ id, what }: { id: string; what: "signals" | "inputs" }) {
-  const list = useResource<{ readonly [key in typeof what]?: readonly { readonly name: string }[] }>(`/api/v1/${what}`);
+function Names({ id, of }: { id: string; of: "signals" | "inputs" }) {
+  const list = useResource<{ readonly [key in typeof of]?: readonly { readonly name: string }[] }>(`/api/v1/${of}`);
   return (
     <datalist id={id}>
-      {(list.data?.[what] ?? []).map(({ name }) => (
+      {(list.data?.[of] ?? []).map(({ name }) => (
         <option key={name} value={name} />
       ))}
     </datalist>
@@ -74,7 +74,7 @@ export function ValueField({
           onInput={(event) => take(event.currentTarget.value)}
         />
       )}
-      {names === null ? null : <Names id={`${id}-names`} what={names} />}
+      {names === null ? null : <Names id={`${id}-names`} of={names} />}
       <span id={`${id}-help`} class="help">
         {problems.map((problem) => (
           <span key={problem} class="wrong" role="alert">
