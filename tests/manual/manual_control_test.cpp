@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -64,8 +65,8 @@ class ManualControlTest : public ::testing::Test {
            "\"\n[[segment.device]]\ntype = \"tmcm-3315\"\nname = \"gantry\"\n"
            "[[segment.device]]\ntype = \"tmc8461\"\nname = \"io\"\n"
            "[[bus]]\nbit_rate = 1000\nports = [\"slcan:" +
-           directory_.path() +
-           "/can\"]\n[[bus.device]]\ntype = \"tmcc160\"\nname = \"spindle\"\nnode_id = 5\n"
+           can_path() +
+           "\"]\n[[bus.device]]\ntype = \"tmcc160\"\nname = \"spindle\"\nnode_id = 5\n"
            "[[bus.device]]\ntype = \"tmcm-142\"\nname = \"winder\"\n"
            "[[device]]\ntype = \"tmcm-142\"\nname = \"feeder\"\nusb = \"pty:" +
            serial_path() + "\"\nprogram = \"" + program_path() +
@@ -73,6 +74,7 @@ class ManualControlTest : public ::testing::Test {
            "[[device]]\ntype = \"tmcm-142\"\nname = \"lift\"\nrs485 = \"pty:" +
            paced_path() + "\"\n[[line]]\nlink = \"pty:" + paced_path() + "\"\npacing = true\n";
   }
+  [[nodiscard]] std::string can_path() const { return directory_.path() + "/can"; }
   [[nodiscard]] std::string serial_path() const { return directory_.path() + "/usb"; }
   [[nodiscard]] std::string paced_path() const { return directory_.path() + "/rs485"; }
   /// Of the feeder; nothing starts it unless a test does.
@@ -170,6 +172,35 @@ class ManualControlTest : public ::testing::Test {
     }
     EXPECT_TRUE(tmcl::has_right_checksum(reply));
     return tmcl::decode_reply(reply);
+  }
+  /// A command to the module on CAN, as LAWICEL's protocol has it.
+  static std::string line_of(const tmcl::Request& request) {
+    const tmcl::Telegram telegram = tmcl::encode(request);
+    std::string line = "t0017";
+    for (std::size_t i = 1; i < 8; ++i) {
+      line += fmt::format("{:02X}", static_cast<unsigned>(telegram.at(i)));
+    }
+    return line + '\r';
+  }
+  /// Reads lines of LAWICEL's protocol until a module has sent a reply, which it returns.
+  static tmcl::Reply next_reply(const link::FileDescriptor& program) {
+    std::string line;
+    for (char next = 0; ::read(program.get(), &next, 1) == 1;) {
+      if (next != '\r') {
+        line += next;
+      } else if (line.starts_with("t0027")) {
+        tmcl::Telegram telegram{};
+        for (std::size_t i = 1; i < 8; ++i) {
+          telegram.at(i) =
+              static_cast<std::byte>(std::stoul(line.substr(3 + 2 * i, 2), nullptr, 16));
+        }
+        return tmcl::decode_reply(telegram);
+      } else {
+        line.clear();
+      }
+    }
+    ADD_FAILURE() << "no reply over CAN";
+    return {};
   }
   /// Has `module` move far away at a fifth of its own speed, which it returns.
   double move_slowly(rack::DeviceAddress module) {
@@ -429,6 +460,35 @@ TEST_F(ManualControlTest, GivesAModuleItsOwnSpeedBackBeforeAnotherHostIsAnswered
     EXPECT_TRUE(wait_for([&] { return phase(module) == Phase::ended; }));
     EXPECT_EQ(ask_module(line, question).value, own) << name << ": it has the line from then on";
   }
+}
+
+TEST_F(ManualControlTest, GivesAModuleOnCanItsOwnSpeedBackAndKeepsTheReplyFromTheOther) {
+  const rack::DeviceAddress winder = address("winder");
+  begin(winder);
+  const double own = move_slowly(winder);
+  const link::FileDescriptor program(::open(can_path().c_str(), O_RDWR | O_NOCTTY));
+  const auto send = [&](const std::string& text) {
+    ASSERT_EQ(::write(program.get(), text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  };
+  // Commands that nobody else gives here. What has passed before them was for all on the bus.
+  const tmcl::Request first{.command = 10, .type = 71};
+  const tmcl::Request last{.command = 10, .type = 70};
+  const tmcl::Request question{
+      .command = static_cast<std::uint8_t>(tmcl::Command::get_axis_parameter), .type = 4};
+  send("O\r" + line_of(first));
+  tmcl::Reply reply = next_reply(program);
+  while (reply.command != first.command) {
+    EXPECT_FALSE(reply.command == static_cast<std::uint8_t>(tmcl::Command::set_axis_parameter) &&
+                 reply.value == own);
+    reply = next_reply(program);
+  }
+  ASSERT_TRUE(wait_for([&] { return phase(winder) == Phase::ended; }));
+  send(line_of(question));
+  reply = next_reply(program);
+  EXPECT_EQ(reply.command, question.command) << "not the reply to somebody else";
+  EXPECT_EQ(reply.value, own);
+  send(line_of(last));
+  EXPECT_EQ(next_reply(program).command, last.command);
 }
 
 TEST_F(ManualControlTest, MakesWayForAMasterOnTheSegment) {

@@ -28,6 +28,34 @@ constexpr std::uint32_t kNmt = 0x000;
 constexpr unsigned kStartNode = 0x01;
 constexpr unsigned kEnterPreOperational = 0x80;
 
+// On CAN a telegram of TMCL goes without its first and last byte, address and checksum.
+constexpr std::size_t kTelegramOnCan = 7;
+
+BusMaster::IsAnswer data_frame_of(std::uint32_t identifier) {
+  return [identifier](const can::Frame& frame) {
+    return !frame.extended && !frame.remote && frame.identifier == identifier;
+  };
+}
+
+can::Frame request_to(const product::TmclAddress& module, const tmcl::Instruction& instruction) {
+  const tmcl::Telegram telegram = tmcl::encode(tmcl::Request{.address = module.serial,
+                                                             .command = instruction.command,
+                                                             .type = instruction.type,
+                                                             .motor = instruction.motor,
+                                                             .value = instruction.value});
+  return can::data_frame(module.can,
+                         std::span<const std::byte>(telegram).subspan(1, kTelegramOnCan));
+}
+
+std::optional<tmcl::Reply> reply_of(const product::TmclAddress& module, const can::Frame& frame) {
+  if (!data_frame_of(module.can_reply)(frame) || frame.length < kTelegramOnCan) {
+    return std::nullopt;
+  }
+  tmcl::Telegram telegram{};
+  std::ranges::copy(frame.payload().first(kTelegramOnCan), telegram.begin() + 1);
+  return tmcl::decode_reply(telegram);
+}
+
 /// A drive on CANopen, whose objects are reached by SDO.
 class NodePort final : public master::DrivePort {
  public:
@@ -51,7 +79,8 @@ class NodePort final : public master::DrivePort {
  private:
   [[nodiscard]] CanSdoClient client() {
     return {node_id_, [this](const can::Frame& request) {
-              return bus_.ask(request, CanSdoClient::kAnswer + node_id_, kSdoTimeout);
+              return bus_.ask(request, data_frame_of(CanSdoClient::kAnswer + node_id_),
+                              kSdoTimeout);
             }};
   }
 
@@ -95,7 +124,28 @@ void BusMaster::finish() {
   }
 }
 
-bool BusMaster::put(const can::Frame& frame) {
+void BusMaster::displace() {
+  if (!port_) {
+    return;
+  }
+  const base::SimTime until = now() + kTmclTimeout;
+  if (awaited_) {
+    thread_.withhold(std::exchange(awaited_, {}), until);
+  }
+  for (const auto& [axis, instruction] : std::exchange(owed_, {})) {
+    const product::TmclAddress module = *members_[axis.first].tmcl;
+    thread_.withhold(
+        [module, instruction = instruction](const can::Frame& frame) {
+          const auto reply = reply_of(module, frame);
+          return reply && reply->command == instruction.command &&
+                 reply->value == instruction.value;
+        },
+        until);
+    static_cast<void>(port_->put(request_to(module, instruction)));
+  }
+}
+
+bool BusMaster::put(const can::Frame& frame, const IsAnswer& is_answer) {
   {
     const std::scoped_lock lock(running_.mutex);
     if (ended() || !port_) {
@@ -105,15 +155,16 @@ bool BusMaster::put(const can::Frame& frame) {
       // What passed before the request is no answer to it.
     }
     running_.catch_up();
+    awaited_ = is_answer;
     static_cast<void>(port_->put(frame));
   }
   thread_.wake();
   return true;
 }
 
-std::optional<can::Frame> BusMaster::ask(const can::Frame& request, std::uint32_t identifier,
+std::optional<can::Frame> BusMaster::ask(const can::Frame& request, const IsAnswer& is_answer,
                                          base::SimDuration timeout) {
-  if (!put(request)) {
+  if (!put(request, is_answer)) {
     return std::nullopt;
   }
   const base::SimTime deadline = now() + timeout;
@@ -122,12 +173,14 @@ std::optional<can::Frame> BusMaster::ask(const can::Frame& request, std::uint32_
     const std::scoped_lock lock(running_.mutex);
     running_.catch_up();
     while (const auto entry = port_->take()) {
-      const can::Frame& frame = entry->frame;
-      if (!entry->destroyed && !frame.extended && !frame.remote && frame.identifier == identifier) {
-        return frame;
+      if (!entry->destroyed && is_answer(entry->frame)) {
+        awaited_ = {};
+        return entry->frame;
       }
     }
   }
+  const std::scoped_lock lock(running_.mutex);
+  awaited_ = {};
   return std::nullopt;
 }
 
@@ -138,6 +191,7 @@ Result<void> BusMaster::cycle() {
 
 Result<std::unique_ptr<Axis>> BusMaster::axis(const AxisPlace& place) {
   const auto member = std::ranges::find(members_, place.device.device, &BusMember::device);
+  const auto number = static_cast<std::size_t>(member - members_.begin());
   if (member->node_id) {
     return std::unique_ptr<Axis>(
         std::make_unique<Cia402Axis>(std::make_unique<NodePort>(*this, *member->node_id), place));
@@ -146,27 +200,31 @@ Result<std::unique_ptr<Axis>> BusMaster::axis(const AxisPlace& place) {
       [this, module = *member->tmcl](const tmcl::Instruction& instruction) {
         return ask_module(module, instruction);
       },
-      place));
+      place,
+      [this,
+       axis = std::pair(number, static_cast<std::uint8_t>(place.number))](const auto& instruction) {
+        const std::scoped_lock lock(running_.mutex);
+        if (instruction) {
+          owed_[axis] = *instruction;
+        } else {
+          owed_.erase(axis);
+        }
+      }));
 }
 
-// On CAN the telegram goes without address and checksum.
 Result<tmcl::Reply> BusMaster::ask_module(const product::TmclAddress& module,
                                           const tmcl::Instruction& instruction) {
-  constexpr std::size_t kCanBytes = 7;
-  const tmcl::Telegram telegram = tmcl::encode(tmcl::Request{.address = module.serial,
-                                                             .command = instruction.command,
-                                                             .type = instruction.type,
-                                                             .motor = instruction.motor,
-                                                             .value = instruction.value});
-  const auto answer =
-      ask(can::data_frame(module.can, std::span<const std::byte>(telegram).subspan(1, kCanBytes)),
-          module.can_reply, kTmclTimeout);
-  if (!answer || answer->length < kCanBytes) {
+  const auto answer = ask(
+      request_to(module, instruction),
+      [module, command = instruction.command](const can::Frame& frame) {
+        const auto reply = reply_of(module, frame);
+        return reply && reply->command == command;
+      },
+      kTmclTimeout);
+  if (!answer) {
     return master::fail(ErrorCode::timeout, "the module did not answer a command over CAN");
   }
-  tmcl::Telegram reply{};
-  std::ranges::copy(answer->payload().first(kCanBytes), reply.begin() + 1);
-  return tmcl::decode_reply(reply);
+  return *reply_of(module, *answer);
 }
 
 }  // namespace stator::manual

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "stator/can/frame.hpp"
@@ -26,6 +28,8 @@ struct BusMember {
 /// their objects by SDO, and sends commands of TMCL to modules.
 class BusMaster final : public NetworkMaster {
  public:
+  using IsAnswer = rack::BusThread::FramePredicate;
+
   /// `thread` is that of bus `bus` and outlives the master.
   BusMaster(rack::RunningRack& running, rack::BusThread& thread, std::size_t bus,
             std::vector<BusMember> members);
@@ -34,24 +38,31 @@ class BusMaster final : public NetworkMaster {
   master::Result<std::unique_ptr<Axis>> axis(const AxisPlace& place) override;
   master::Result<void> cycle() override;
 
-  /// Sends `request` and waits for the next data frame with that 11-bit identifier; nothing: none
-  /// came in time.
-  std::optional<can::Frame> ask(const can::Frame& request, std::uint32_t identifier,
+  /// Sends `request` and waits for the next frame that is its answer; nothing: none came in time.
+  std::optional<can::Frame> ask(const can::Frame& request, const IsAnswer& is_answer,
                                 base::SimDuration timeout);
   [[nodiscard]] base::SimTime now() const { return running_.machine_now(); }
 
  private:
   master::Result<void> begin() override;
   void finish() override;
+  /// Gives modules back what they are owed. These answers and one that is waited for are nobody
+  /// else's, who would take them for those to his own commands.
+  void displace() override;
 
-  bool put(const can::Frame& frame);
+  /// `is_answer`: of what is waited for then, if it is a request.
+  bool put(const can::Frame& frame, const IsAnswer& is_answer = {});
   master::Result<tmcl::Reply> ask_module(const product::TmclAddress& module,
                                          const tmcl::Instruction& instruction);
 
   rack::BusThread& thread_;
   std::size_t bus_;
   std::vector<BusMember> members_;
-  std::optional<rack::BusPort> port_;  ///< guarded by the rack's mutex
+  // Guarded by the rack's mutex.
+  std::optional<rack::BusPort> port_;
+  IsAnswer awaited_;  ///< empty: nothing is waited for
+  /// With which commands modules have again what they had before, by member and motor.
+  std::map<std::pair<std::size_t, std::uint8_t>, tmcl::Instruction> owed_;
 };
 
 }  // namespace stator::manual

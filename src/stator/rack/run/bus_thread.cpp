@@ -173,6 +173,9 @@ void BusThread::hand_out() {
 void BusThread::drain() {
   for (const auto& port : ports_) {
     while (const auto entry = port->port->take()) {
+      if (withholds(*port, *entry)) {
+        continue;
+      }
       port->to_flush = true;
       if (entry->destroyed) {
         port->link->send_error(link::bus_error_frame(), entry->time);
@@ -182,6 +185,24 @@ void BusThread::drain() {
       ++statistics_.frames_out;
     }
   }
+}
+
+void BusThread::withhold(const FramePredicate& is_answer, SimTime until) {
+  for (const auto& port : ports_) {
+    port->withheld.push_back({is_answer, until});
+  }
+}
+
+bool BusThread::withholds(OutsidePort& port, const can::TimedFrame& entry) {
+  std::erase_if(port.withheld, [&](const Withheld& each) { return each.until < entry.time; });
+  const auto found = std::ranges::find_if(port.withheld, [&](const Withheld& each) {
+    return !entry.destroyed && each.is_answer(entry.frame);
+  });
+  if (found == port.withheld.end()) {
+    return false;
+  }
+  port.withheld.erase(found);
+  return true;
 }
 
 SimDuration BusThread::time_to_sleep() {

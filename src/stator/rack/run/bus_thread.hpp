@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -35,6 +36,8 @@ struct BusThreadStatistics {
 /// cycle, every other frame by the step, and further until the bus is idle, so that answers pass.
 class BusThread {
  public:
+  using FramePredicate = std::function<bool(const can::Frame&)>;
+
   /// Opens every port. Throws std::runtime_error with the link's own explanation.
   BusThread(RunningRack& shared, std::size_t index, const BusConfiguration& configuration);
   ~BusThread();
@@ -53,6 +56,10 @@ class BusThread {
   [[nodiscard]] const BusThreadStatistics& statistics_in_task() const { return statistics_; }
   /// Guarded by the rack's mutex.
   [[nodiscard]] MasterSeat& seat() { return seat_; }
+  /// Keeps the next frame that `is_answer` picks from the programs behind the ports, if it is on
+  /// the bus until `until`: the answer to a resident master that has made way, for which none of
+  /// them has asked. Guarded by the rack's mutex.
+  void withhold(const FramePredicate& is_answer, base::SimTime until);
   [[nodiscard]] std::size_t ports() const { return ports_.size(); }
   [[nodiscard]] const link::CanLink& port(std::size_t index) const { return *ports_[index]->link; }
 
@@ -60,9 +67,14 @@ class BusThread {
   /// Frames taken from a link at once: as many as a port of the bus has room for.
   using Batch = std::array<can::Frame, can::Port::kTransmitBuffer>;
 
+  struct Withheld {
+    FramePredicate is_answer;
+    base::SimTime until;
+  };
   struct OutsidePort {
     std::unique_ptr<link::CanLink> link;
     std::optional<BusPort> port;
+    std::vector<Withheld> withheld{};
     bool minded = true;  ///< the thread wakes when it can be read
     bool to_flush = false;
     bool failed = false;
@@ -76,6 +88,7 @@ class BusThread {
   void catch_up();
   void hand_out();
   void drain();
+  [[nodiscard]] static bool withholds(OutsidePort& port, const can::TimedFrame& entry);
   [[nodiscard]] base::SimDuration time_to_sleep();
 
   RunningRack& shared_;
