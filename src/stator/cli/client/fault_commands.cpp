@@ -57,7 +57,8 @@ void print_consequences(std::string_view kind) {
 }
 
 void print_kind(const rack::FaultKind& kind) {
-  fmt::print("{}, of a {}: {}.\n{}\n\n", kind.name, to_text(kind.scope), kind.summary, kind.effect);
+  fmt::print("{}, of {}: {}.\n{}\n\n", kind.name, with_article(kind.scope), kind.summary,
+             kind.effect);
   print_keys(rack::target_keys(kind.scope));
   print_keys(kind.parameters);
   print_keys(rack::common_fault_keys());

@@ -561,6 +561,10 @@ std::string_view to_text(FaultScope scope) {
   return "?";
 }
 
+std::string with_article(FaultScope scope) {
+  return (scope == FaultScope::axis ? "an " : "a ") + std::string(to_text(scope));
+}
+
 std::string_view to_text(FaultValueType type) {
   switch (type) {
     case whole:

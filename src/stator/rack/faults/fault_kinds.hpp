@@ -26,6 +26,8 @@ enum class FaultScope : std::uint8_t {
   line,    ///< a serial line: `line`, or `device` for the one that device is at
 };
 [[nodiscard]] std::string_view to_text(FaultScope scope);
+/// With its article, e.g. "an axis".
+[[nodiscard]] std::string with_article(FaultScope scope);
 
 /// The devices a fault can hit.
 enum class FaultReach : std::uint8_t {

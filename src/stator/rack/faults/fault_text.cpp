@@ -64,7 +64,7 @@ std::string rows_of_products(std::string_view kind,
 
 std::string section_of(const FaultKind& kind,
                        std::span<const product::FaultConsequence> consequences) {
-  std::string text = fmt::format("### {}\n\nOf a {}: {}. {}\n\n", kind.name, to_text(kind.scope),
+  std::string text = fmt::format("### {}\n\nOf {}: {}. {}\n\n", kind.name, with_article(kind.scope),
                                  kind.summary, kind.effect);
   text += fmt::format("For {}. ",
                       kind.scope == FaultScope::line ? "serial lines" : reach_of(kind.reach));
@@ -101,7 +101,7 @@ std::string fault_kinds_markdown(std::span<const product::FaultConsequence> cons
   text += "\n## Targets\n\n";
   for (const FaultScope scope : {FaultScope::port, FaultScope::device, FaultScope::bus,
                                  FaultScope::axis, FaultScope::line}) {
-    text += fmt::format("Of a {}:\n\n{}\n", to_text(scope), rows(target_keys(scope)));
+    text += fmt::format("Of {}:\n\n{}\n", with_article(scope), rows(target_keys(scope)));
   }
   text += "## Kinds\n\n";
   for (const FaultKind& kind : fault_kinds()) {
