@@ -4,6 +4,24 @@ import { expect } from "@playwright/test";
 import { heading, test } from "./fixtures.mjs";
 import { kRackGone } from "./rack.mjs";
 
+// The next file of this worker finds the rack as it was.
+test.afterAll(async ({ rack }) => {
+  await rack.stop();
+  await rack.start();
+});
+
+test("what is typed stays when the page changes its language", async ({ open }) => {
+  const page = await open("/rack-file", "closed before the connection is established"); // by the reload
+  await heading(page, "Rack file");
+  const english = page.getByRole("textbox", { name: "Rack file in TOML" });
+  const typed = `${await english.inputValue()}# typed before\n`;
+  await english.fill(typed);
+  await page.getByRole("button", { name: "Settings" }).click();
+  await page.getByLabel("Language").selectOption({ label: "Deutsch" });
+  await heading(page, "Rack-Datei");
+  await expect(page.getByRole("textbox", { name: "Rack-Datei in TOML" })).toHaveValue(typed);
+});
+
 test("a motor is changed in the form, checked as one types, and run", async ({ open, origin }) => {
   const page = await open("/rack-file", ...kRackGone);
   await heading(page, "Rack file");

@@ -4,6 +4,7 @@ import type { RackFile } from "../api";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
 import { t, tx } from "../language";
 import { Declarations, type Schema } from "../rack_form/declarations";
+import { draftOf, keepDraft } from "../rack_form/draft";
 import { sectionOfAxis, withWireTo } from "../rack_form/leads";
 import { sectionsOf, type Section } from "../rack_form/outline";
 import { SectionForm, type Placed } from "../rack_form/section_form";
@@ -13,9 +14,6 @@ import { useCheck } from "../rack_form/use_check";
 import { href, useQuery } from "../router";
 import { saveFile } from "../save_file";
 import "../styles/rack_file.css";
-
-/// What was typed and does not run yet; it outlasts the view, but not the page.
-let draft: string | null = null;
 
 /// The text as a tree; null while it is none.
 function treeOf(text: string): Toml | null {
@@ -37,7 +35,7 @@ export function RackFileView() {
 }
 
 function Editor({ file, keys }: { file: RackFile; keys: Schema }) {
-  const [text, setText] = useState(draft ?? file.text);
+  const [text, setText] = useState(() => draftOf(file.path) ?? file.text);
   const [query, setQuery] = useQuery();
   const declarations = useMemo(() => new Declarations(keys), [keys]);
   const toml = useMemo(() => (file.path.endsWith(".json") ? null : treeOf(text)), [file.path, text]);
@@ -55,7 +53,7 @@ function Editor({ file, keys }: { file: RackFile; keys: Schema }) {
     [toml, check, text],
   );
   const change = (next: string, chosen?: Path) => {
-    draft = next === file.text ? null : next;
+    keepDraft(file.path, next === file.text ? null : next);
     setText(next);
     if (chosen) {
       setQuery({ at: pathText(chosen) });
