@@ -117,6 +117,25 @@ test("a fault is tried at the input that it is about", async ({ open }) => {
   await expect(kinds).toHaveText([/^supply-sag:/, /^supply-overvoltage:/, /^supply-resistance:/]);
 });
 
+test("a fault is tried at a part of a board", async ({ open, origin }) => {
+  const page = await open("/device/io?inputs=door+stuck");
+  await page.getByRole("button", { name: "Try a fault at stuck of io, door" }).click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByRole("heading", { name: "switch-stuck" }).waitFor();
+  await expect(dialog.getByRole("combobox", { name: "where" })).toContainText("io, a part on its board");
+  await dialog.getByRole("button", { name: "Put it there" }).click();
+  await dialog.waitFor({ state: "hidden" });
+  const stuck = async () => (await (await fetch(`${origin}/api/v1/inputs/io.door.stuck`)).json()).value;
+  await expect.poll(stuck).toBe(2);
+  await page
+    .getByRole("link", { name: "Fault is put" })
+    .or(page.getByRole("link", { name: "Faults", exact: true }))
+    .first()
+    .click();
+  await page.getByRole("button", { name: "Clear all" }).click();
+  await expect.poll(stuck).toBe(0);
+});
+
 test("bars show the limits of the drive", async ({ open, origin, link }) => {
   const page = await open("/device/gantry?units=device");
   const before = (await (await fetch(`${origin}/api/v1/devices/gantry/objects/6065/00`)).json()).value;

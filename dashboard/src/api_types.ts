@@ -785,8 +785,10 @@ export interface components {
             readonly summary: string;
         };
         readonly FaultInput: {
-            /** @description Of an axis, or of a device where the kind applies to that, without the names of these */
+            /** @description Of an axis, of a peripheral on a board, or of a device where the kind applies to that, without the names of these */
             readonly name: string;
+            /** @description Of a peripheral, which the key `peripheral` of the fault has to name in addition */
+            readonly of_peripheral: boolean;
             /** @description With which a fault sets it, of those that decide which input it sets */
             readonly keys: {
                 readonly [key: string]: number | string;

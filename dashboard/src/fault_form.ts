@@ -132,9 +132,7 @@ export interface FaultsOfInput {
 export function faultsOfInput(input: Input, device: string, inputs: readonly Input[], kinds: readonly FaultKind[]): FaultsOfInput | null {
   const owner = ownerOf(input, device);
   const axis = /^axis(\d+)$/.exec(owner)?.[1];
-  if (owner !== "" && axis === undefined) {
-    return null; // a part on a board, which is no axis
-  }
+  const peripheral = owner !== "" && axis === undefined; // of a board
   const prefix = owner === "" ? `${device}.` : `${device}.${owner}.`;
   const name = input.name.slice(prefix.length);
   const beside = new Map(inputs.filter((each) => ownerOf(each, device) === owner).map((each) => [each.name.slice(prefix.length), each]));
@@ -143,8 +141,9 @@ export function faultsOfInput(input: Input, device: string, inputs: readonly Inp
       kinds
         .filter((kind) => kind.applies_to === (owner === "" ? "device" : "axis"))
         .flatMap((kind): [string, Values][] => {
-          const reached = kind.inputs.find((each) => beside.has(each.name) && meant(each.name));
-          return reached ? [[kind.name, Object.fromEntries(Object.entries(reached.keys).map(([key, value]) => [key, String(value)]))]] : [];
+          const reached = kind.inputs.find((each) => each.of_peripheral === peripheral && beside.has(each.name) && meant(each.name));
+          const keys: Readonly<Record<string, number | string>> = { ...reached?.keys, ...(peripheral ? { peripheral: owner } : {}) };
+          return reached ? [[kind.name, Object.fromEntries(Object.entries(keys).map(([key, value]) => [key, String(value)]))]] : [];
         }),
     );
   const found = [
@@ -161,6 +160,8 @@ export function targetsOf(
   rack: {
     devices: readonly string[];
     axes: readonly { device: string; axis: string }[];
+    /// Devices with peripherals on a board, which take faults of axes.
+    boards: readonly string[];
     wiring: Wiring | null;
     networks: readonly { name: string; kind: string }[];
   },
@@ -182,12 +183,15 @@ export function targetsOf(
       ];
     }
     case "axis":
-      return rack.axes
-        .filter(({ axis }) => /\d$/.test(axis))
-        .map(({ device, axis }) => ({
-          label: `${device}, ${axis}`,
-          keys: { device, axis: Number(/\d+$/.exec(axis)?.[0] ?? 0) },
-        }));
+      return [
+        ...rack.axes
+          .filter(({ axis }) => /\d$/.test(axis))
+          .map(({ device, axis }) => ({
+            label: `${device}, ${axis}`,
+            keys: { device, axis: Number(/\d+$/.exec(axis)?.[0] ?? 0) },
+          })),
+        ...rack.boards.map((device) => ({ label: t("{device}, a part on its board", { device }), keys: { device } })),
+      ];
     case "bus":
       return [
         ...rack.networks

@@ -86,6 +86,12 @@ export function ownerOf(input: Input, device: string): string {
   return dot < 0 ? "" : rest.slice(0, dot);
 }
 
+/// Those of the devices that have a board with peripherals, which have inputs of their own.
+export function boardsOf(inputs: readonly Input[], devices: readonly string[]): string[] {
+  const isPeripheral = (owner: string) => owner !== "" && !/^axis\d+$/.test(owner);
+  return devices.filter((device) => inputs.some((input) => input.name.startsWith(`${device}.`) && isPeripheral(ownerOf(input, device))));
+}
+
 /// Inputs by what they belong to. Order is kept.
 export function byOwner(inputs: readonly Input[], device: string): Map<string, Input[]> {
   const owners = new Map<string, Input[]>();

@@ -3,7 +3,7 @@ import { describe, expect, it } from "vitest";
 import type { Event, FaultKind, FaultParameter, Input } from "../src/api";
 import { defaultsOf, faultRequest, faultsOfInput, fieldProblem, filledIn, fitsNetwork, targetAt, targetsOf } from "../src/fault_form";
 import { hexDump } from "../src/hex_dump";
-import { byOwner, controlOf, differs, firstSpan, matches, niceStep, sectionsOf, spansOf } from "../src/inputs";
+import { boardsOf, byOwner, controlOf, differs, firstSpan, matches, niceStep, sectionsOf, spansOf } from "../src/inputs";
 import { matchingEvents } from "../src/views/events";
 
 const input = (name: string, unit: string, minimum: number, maximum: number, rest: Partial<Input> = {}): Input => ({
@@ -124,6 +124,7 @@ describe("the form of a fault", () => {
     const rack = {
       devices: ["servo"],
       axes: [{ device: "servo", axis: "axis2" }],
+      boards: [],
       wiring: null,
       networks: [
         { name: "can0", kind: "can" },
@@ -131,6 +132,7 @@ describe("the form of a fault", () => {
       ],
     };
     expect(targetsOf("axis", rack)).toEqual([{ label: "servo, axis2", keys: { device: "servo", axis: 2 } }]);
+    expect(targetsOf("axis", { ...rack, boards: ["servo"] })[1]?.keys).toEqual({ device: "servo" });
     expect(targetsOf("bus", rack)).toEqual([{ label: "can0: all frames", keys: { bus: "can0" } }]);
     expect(targetsOf("device", rack)).toEqual([{ label: "servo", keys: { device: "servo" } }]);
     expect(targetsOf("port", rack)).toEqual([]);
@@ -156,6 +158,9 @@ describe("the form of a fault", () => {
       input("axis1.touch_probe", "switches"),
       input("analog_noise", "lines", "count"),
       input("motor.right_switch", "switches"),
+      input("motor.right_switch_fault", "switches"),
+      input("door.stuck", "switches"),
+      input("axis1.stuck", "switches"),
     ];
     const one = (name: string, appliesTo: FaultKind["applies_to"], reached: FaultKind["inputs"]): FaultKind => ({
       ...kind,
@@ -164,13 +169,14 @@ describe("the form of a fault", () => {
       inputs: reached,
     });
     const kinds = [
-      one("supply-sag", "axis", [{ name: "supply_offset", keys: {} }]),
-      one("heat", "axis", [{ name: "motor_heat", keys: {} }]),
+      one("supply-sag", "axis", [{ name: "supply_offset", of_peripheral: false, keys: {} }]),
+      one("heat", "axis", [{ name: "motor_heat", of_peripheral: false, keys: {} }]),
       one("switch-stuck", "axis", [
-        { name: "left_switch_fault", keys: { switch: "left" } },
-        { name: "right_switch_fault", keys: { switch: "right", sensor: 2 } },
+        { name: "left_switch_fault", of_peripheral: false, keys: { switch: "left" } },
+        { name: "right_switch_fault", of_peripheral: false, keys: { switch: "right", sensor: 2 } },
+        { name: "stuck", of_peripheral: true, keys: { state: "pressed" } },
       ]),
-      one("analog-noise", "device", [{ name: "analog_noise", keys: {} }]),
+      one("analog-noise", "device", [{ name: "analog_noise", of_peripheral: false, keys: {} }]),
     ];
     const at = (name: string) => {
       const found = faultsOfInput(inputs.find((each) => each.name === `a.${name}`) as Input, "a", inputs, kinds);
@@ -184,7 +190,11 @@ describe("the form of a fault", () => {
     expect(at("axis1.right_switch")).toEqual(stuck);
     expect(at("axis1.touch_probe")).toBeNull();
     expect(at("analog_noise")).toEqual({ at: { device: "a" }, kinds: { "analog-noise": {} } });
-    expect(at("motor.right_switch")).toBeNull();
+    expect(at("motor.right_switch")).toBeNull(); // no peripheral has such an input
+    expect(at("door.stuck")).toEqual({ at: { device: "a" }, kinds: { "switch-stuck": { state: "pressed", peripheral: "door" } } });
+    expect(at("axis1.stuck")).toBeNull(); // and no axis such
+    expect(boardsOf(inputs, ["a", "b"])).toEqual(["a"]);
+    expect(boardsOf(inputs.slice(0, 6), ["a"])).toEqual([]);
   });
   it("is offered where its network is", () => {
     expect(fitsNetwork("ethercat-drop", "can")).toBe(false);

@@ -134,6 +134,10 @@ const std::vector<Row>& rows() {
        "axis0.home_switch_fault=2"},
       {"switch-stuck", "kind='switch-stuck'\ndevice='io'\nperipheral='door'\nstate='released'",
        "door.stuck=1"},
+      {"switch-stuck", "kind='switch-stuck'\ndevice='chip'\nswitch='probe-2'",
+       "axis0.touch_probe_2=1"},
+      {"switch-stuck", "kind='switch-stuck'\ndevice='chip'\nswitch='probe-1'\nstate='released'",
+       "axis0.touch_probe_1=0"},
       {"brake-stuck", "kind='brake-stuck'\ndevice='spindle'\nstate='open'", "axis0.brake_fault=2"},
       {"brake-drag", "kind='brake-drag'\ndevice='chip'\ntorque=0.1", "axis0.brake_drag=0.1"},
       {"current-noise", "kind='current-noise'\ndevice='chip'\nsize=20", "axis0.converter_noise=20"},
@@ -158,11 +162,12 @@ TEST(SurroundingsFaultTable, HasARowForEveryKind) {
   }
 }
 
-/// The inputs that faults of a kind can set, each with its keys, as "input key=value input".
+/// The inputs that faults of a kind can set, each with its keys, as "input key=value input"; those
+/// of a peripheral as "*.input".
 std::string reached(std::string_view kind) {
   std::string text;
   for (const ReachedInput& input : inputs_reached_by(*find_fault_kind(kind))) {
-    text += (text.empty() ? "" : " ") + input.name;
+    text += (text.empty() ? "" : " ") + (input.of_peripheral ? "*." + input.name : input.name);
     for (const auto& [name, value] : input.keys) {
       const auto* const number = std::get_if<std::int64_t>(&value);
       text += " " + std::string(name) + "=" +
@@ -173,13 +178,18 @@ std::string reached(std::string_view kind) {
 }
 
 TEST(SurroundingsFaultTable, TellsWhichInputsAKindReachesWithAnyProductAndByWhichKeys) {
-  EXPECT_EQ(reached("axis-jammed"), "jam_from jam_to jammed");
-  EXPECT_EQ(reached("switch-stuck"),
-            "left_switch_fault switch=left state=pressed right_switch_fault switch=right "
-            "state=pressed home_switch_fault switch=home state=pressed");
+  EXPECT_EQ(reached("axis-jammed"), "jam_from jam_to jammed *.jam_from *.jam_to *.jammed");
+  EXPECT_EQ(
+      reached("switch-stuck"),
+      "left_switch_fault switch=left state=pressed right_switch_fault switch=right "
+      "state=pressed home_switch_fault switch=home state=pressed touch_probe_1 switch=probe-1 "
+      "state=pressed touch_probe_2 switch=probe-2 state=pressed *.stuck switch=left "
+      "state=pressed");
   EXPECT_EQ(reached("current-noise"), "converter_noise current_noise");
   EXPECT_THAT(reached("phase-loss"), HasSubstr("open_a phase=a open_load_a phase=a open_b"));
   EXPECT_THAT(reached("encoder-loss"), HasSubstr("encoder_2_index_lost channel=index encoder=2"));
+  EXPECT_THAT(reached("encoder-loss"), HasSubstr("*.b_lost channel=b encoder=1"));
+  EXPECT_THAT(reached("encoder-slip"), ::testing::Not(HasSubstr("*")));
   EXPECT_EQ(reached("analog-noise"), "analog_noise");
   EXPECT_EQ(reached("can-drop"), "");
 }

@@ -1,7 +1,7 @@
 // The form by which a fault of one kind is put somewhere; in the view of faults, and where a fault would happen.
 import { useMemo, useState } from "preact/hooks";
 
-import type { FaultKind, FaultKinds, FaultParameter, Signals, Wiring } from "../api";
+import type { FaultKind, FaultKinds, FaultParameter, Inputs, Signals, Wiring } from "../api";
 import {
   defaultsOf,
   faultRequest,
@@ -17,6 +17,7 @@ import {
 } from "../fault_form";
 import { unitText } from "../format";
 import { useAction, useResource, useStore, useWorld } from "../hooks";
+import { boardsOf } from "../inputs";
 import { t } from "../language";
 import { shaftsOf } from "../shafts";
 
@@ -94,16 +95,18 @@ function useTargets(kind: FaultKind): Target[] {
   const store = useStore();
   const signals = useResource<Signals>(kind.applies_to === "axis" ? "/api/v1/signals" : null);
   const wiring = useResource<Wiring>(store.offers("/api/v1/wiring") ? "/api/v1/wiring" : null);
+  const inputs = useResource<Inputs>(kind.applies_to === "axis" ? "/api/v1/inputs" : null);
   const devices = store.devices.map((device) => device.name);
   return useMemo(
     () =>
       targetsOf(kind.applies_to, {
         devices,
         axes: shaftsOf(signals.data?.signals ?? [], devices).map(({ device, name }) => ({ device, axis: name })),
+        boards: boardsOf(inputs.data?.inputs ?? [], devices),
         wiring: wiring.data,
         networks: store.rack?.networks ?? [],
       }),
-    [kind, signals.data, wiring.data, devices.join("\n")],
+    [kind, signals.data, inputs.data, wiring.data, devices.join("\n")],
   );
 }
 

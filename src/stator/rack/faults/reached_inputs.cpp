@@ -69,20 +69,34 @@ FaultConfiguration fault_with(const FaultKind& kind, const Keys& keys) {
 }  // namespace
 
 std::vector<ReachedInput> inputs_reached_by(const FaultKind& kind) {
-  constexpr std::string_view kAxis = "axis0.";
+  constexpr std::string_view kPeripheral = "peripheral";
   std::vector<ReachedInput> inputs;
   const auto kinds = surroundings_fault_kinds();
   if (std::ranges::none_of(kinds, [&](const FaultKind& each) { return each.name == kind.name; })) {
     return inputs;
   }
-  for (const Keys& keys : combinations(kind)) {
-    for (FaultSetting& setting : settings_of(fault_with(kind, keys), std::nullopt)) {
-      std::string name = std::move(setting.input);
-      if (name.starts_with(kAxis)) {
-        name.erase(0, kAxis.size());
+  const bool has_peripherals = std::ranges::find(kind.parameters, kPeripheral,
+                                                 &FaultParameter::name) != kind.parameters.end();
+  for (const bool of_peripheral : {false, true}) {
+    if (of_peripheral && !has_peripherals) {
+      break;
+    }
+    const std::string owner = std::string(of_peripheral ? kPeripheral : "axis0") + ".";
+    for (const Keys& keys : combinations(kind)) {
+      FaultConfiguration fault = fault_with(kind, keys);
+      if (of_peripheral) {
+        fault.values.set(kPeripheral, std::string(kPeripheral));  // called so here
       }
-      if (std::ranges::find(inputs, name, &ReachedInput::name) == inputs.end()) {
-        inputs.push_back({std::move(name), keys});
+      for (FaultSetting& setting : settings_of(fault, std::nullopt)) {
+        std::string name = std::move(setting.input);
+        if (name.starts_with(owner)) {
+          name.erase(0, owner.size());
+        }
+        if (std::ranges::none_of(inputs, [&](const ReachedInput& each) {
+              return each.name == name && each.of_peripheral == of_peripheral;
+            })) {
+          inputs.push_back({std::move(name), of_peripheral, keys});
+        }
       }
     }
   }

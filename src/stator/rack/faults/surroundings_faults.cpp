@@ -175,8 +175,8 @@ constexpr std::array kWatts{size("watts", "W", 0.0, 10'000.0, "from outside"), k
 constexpr std::array kSwitch{FaultParameter{.name = "switch",
                                             .type = choice,
                                             .default_value = "left",
-                                            .choices = "left right home",
-                                            .summary = "which switch of the axis"},
+                                            .choices = "left right home probe-1 probe-2",
+                                            .summary = "which switch or touch probe of the axis"},
                              FaultParameter{.name = "state",
                                             .type = choice,
                                             .default_value = "pressed",
@@ -400,10 +400,17 @@ constexpr auto kRows = std::to_array<Row>({
       .parameters = kSwitch,
       .summary = "a switch is pressed or released for ever",
       .effect = "Pressed: motion towards it stops and is refused, as the product does at a limit. "
-                "Released: the limit is overrun, and a homing never finds it."},
+                "Released: the limit is overrun, and a homing never finds it. Of a touch probe no "
+                "edge comes any more: its position is not latched."},
      [](Settings& s) {
-       s.set(s.of_peripheral() ? "stuck" : s.text("switch") + "_switch_fault",
-             s.text("state") == "pressed" ? 2.0 : 1.0, "switch");
+       const bool pressed = s.text("state") == "pressed";
+       const std::string which = s.text("switch");
+       if (!s.of_peripheral() && which.starts_with("probe-")) {
+         s.set("touch_probe_" + which.substr(6), pressed ? 1.0 : 0.0, "switch");
+       } else {
+         s.set(s.of_peripheral() ? "stuck" : which + "_switch_fault", pressed ? 2.0 : 1.0,
+               "switch");
+       }
      }},
     {{.name = "brake-stuck",
       .make = surroundings_effect,

@@ -83,7 +83,8 @@ Json inputs_json(const rack::FaultKind& kind) {
       keys[std::string(name)] =
           number != nullptr ? Json(*number) : Json(std::get<std::string>(value));
     }
-    all.push_back({{"name", input.name}, {"keys", std::move(keys)}});
+    all.push_back(
+        {{"name", input.name}, {"of_peripheral", input.of_peripheral}, {"keys", std::move(keys)}});
   }
   return all;
 }

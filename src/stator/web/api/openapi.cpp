@@ -286,9 +286,10 @@ constexpr const char* kSchemas = R"({
   },
   "FaultInput": {
     "type": "object",
-    "required": ["name", "keys"],
+    "required": ["name", "of_peripheral", "keys"],
     "properties": {
-      "name": {"type": "string", "description": "Of an axis, or of a device where the kind applies to that, without the names of these"},
+      "name": {"type": "string", "description": "Of an axis, of a peripheral on a board, or of a device where the kind applies to that, without the names of these"},
+      "of_peripheral": {"type": "boolean", "description": "Of a peripheral, which the key `peripheral` of the fault has to name in addition"},
       "keys": {
         "type": "object",
         "additionalProperties": {"type": ["integer", "string"]},
