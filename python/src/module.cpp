@@ -3,6 +3,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
+#include "environments.hpp"
 #include "errors.hpp"
 #include "rack.hpp"
 #include "stator/version.hpp"
@@ -15,4 +16,5 @@ NB_MODULE(_native, module) {
   stator::python::bind_errors();
   stator::python::bind_racks(module);
   stator::python::bind_masters(module);
+  stator::python::bind_environments(module);
 }

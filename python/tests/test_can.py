@@ -6,8 +6,9 @@ import subprocess
 import threading
 
 import pytest
-import stator
 from conftest import FEEDER, SPINDLE
+
+import stator
 
 can = pytest.importorskip("can")
 canopen = pytest.importorskip("canopen")

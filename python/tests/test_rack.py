@@ -9,8 +9,9 @@ import time
 
 import numpy
 import pytest
-import stator
 from conftest import SPINDLE
+
+import stator
 
 MICROSTEPS = 51_200
 
