@@ -249,6 +249,8 @@ def test_without_autoreset_a_mask_says_which_axes_begin_anew() -> None:
     assert np.array_equal(again[1:3], observations[1:3])
     assert again[0, 1] == again[3, 1] == 0.0, "the speed"
     assert not axes.step(actions)[2].any()
+    with pytest.raises(ValueError, match="reset_mask is an array of 4 truth values"):
+        axes.reset(options={"reset_mask": [True, False]})
 
 
 def test_arrays_are_new_unless_the_same_ones_are_asked_for() -> None:

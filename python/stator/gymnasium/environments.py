@@ -236,10 +236,10 @@ class AxisVectorEnv(VectorEnv[Floats, Floats, NDArray[Any]]):
             np.empty(count, np.bool_),
         )
 
-    def _seeds(self, seed: int | Sequence[int | None] | None) -> NDArray[np.uint64] | None:
-        """The seed of each axis; None: all go on with their random numbers."""
+    def _seeds(self, seed: int | Sequence[int | None] | None, begins: Truths) -> NDArray[np.uint64] | None:
+        """The seed of each axis; None: those that begin go on with their random numbers."""
         if seed is None:
-            if self._seeded.all():
+            if self._seeded[begins].all():
                 return None
             seed = int(self.np_random.integers(2**63))
         if isinstance(seed, (int, np.integer)):
@@ -261,17 +261,17 @@ class AxisVectorEnv(VectorEnv[Floats, Floats, NDArray[Any]]):
         super().reset(seed=seed if isinstance(seed, int) else None)
         options = dict(options or {})
         mask = options.pop("reset_mask", None)
-        if mask is not None:
-            mask = np.ascontiguousarray(mask)
+        begins = np.ones(self.num_envs, np.bool_) if mask is None else np.ascontiguousarray(mask)
+        if begins.dtype != np.bool_ or begins.shape != (self.num_envs,):
+            raise ValueError(f"reset_mask is an array of {self.num_envs} truth values")
         given = {name: self._each(value) for name, value in options.items()}
         observations = np.empty(self._shape, np.float32)
-        self._axes.reset(observations, self._seeds(seed), mask, given)
-        self._seeded |= True if mask is None else mask
-        begun = np.ones(self.num_envs, np.bool_) if mask is None else mask
+        self._axes.reset(observations, self._seeds(seed, begins), begins, given)
+        self._seeded |= begins
         info: Info = {}
         for name, values in self.conditions().items():
             info[name] = values
-            info[f"_{name}"] = begun.copy()
+            info[f"_{name}"] = begins.copy()
         return observations, info
 
     def _each(self, value: ArrayLike) -> Doubles:
