@@ -8,7 +8,7 @@ set(packaging ${PROJECT_SOURCE_DIR}/packaging)
 install(FILES ${packaging}/stator@.service DESTINATION lib/systemd/system COMPONENT service)
 install(DIRECTORY ${packaging}/service DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/stator COMPONENT service)
 # Where they stand they find each other by the same relative paths as in the source tree.
-foreach(folder racks scenarios examples/mfc examples/tmcl)
+foreach(folder racks scenarios examples/mfc examples/tmcl examples/ci)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/stator/${folder}
     COMPONENT examples PATTERN __pycache__ EXCLUDE)
 endforeach()
