@@ -29,6 +29,7 @@
 #include "stator/ethercat/standard/al_state.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
 #include "stator/master/cia402/drive_state.hpp"
+#include "stator/product/device/can_device.hpp"
 #include "stator/rack/core/bus_port.hpp"
 #include "stator/rack/networks/can_network.hpp"
 #include "stator/settings/key.hpp"
@@ -680,6 +681,20 @@ void bind_masters(nb::module_& module) {
             [&] { return device.session->bench().node_id(device.address); });
       },
       "device"_a, "Of a CANopen device; None: it is none.");
+  module.def(
+      "eds",
+      [](const DeviceHandle& device) {
+        return device.session->held([&] {
+          const rack::Rack& rack = device.session->rack();
+          if (device.address.kind != rack::NetworkKind::bus) {
+            throw std::runtime_error(
+                fmt::format("{} is on EtherCAT; an EDS describes CANopen devices",
+                            rack.name_of(device.address)));
+          }
+          return std::string(rack.node(device.address).eds());
+        });
+      },
+      "device"_a, "The electronic data sheet of a CANopen device; empty: it has none.");
   module.def(
       "wait_for_boot_up",
       [](const DeviceHandle& device) {

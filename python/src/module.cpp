@@ -9,6 +9,8 @@
 #include "stator/version.hpp"
 
 NB_MODULE(_native, module) {
+  // What threads of the user still hold when Python ends is no leak.
+  nanobind::set_leak_warnings(false);
   module.doc() = "What the package stator is made of; use the package.";
   constexpr stator::Version kVersion = stator::kVersion;
   module.attr("version") =

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import io
 from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
 from os import PathLike
 from types import TracebackType
@@ -139,6 +140,14 @@ class Axis:
         return f"<Axis {self.number} of {self._device.name}>"
 
 
+class DataSheet(io.StringIO):
+    """A file in memory with a name, of whose ending readers take the kind of file."""
+
+    def __init__(self, text: str, name: str) -> None:
+        super().__init__(text)
+        self.name = name
+
+
 class Device:
     """A device of a rack. ``device["axis0.shaft_speed"]`` is a signal of it."""
 
@@ -174,6 +183,10 @@ class Device:
     def node_id(self) -> int | None:
         """Of a CANopen device; None: it is none."""
         return _native.node_id(self.native)
+
+    def eds(self) -> DataSheet:
+        """The electronic data sheet of a CANopen device, as python-canopen takes one: ``network.add_node(1, device.eds())``."""
+        return DataSheet(_native.eds(self.native), f"{self.name}.eds")
 
     def __getitem__(self, name: str) -> _native.Signal:
         return self.signals[name]

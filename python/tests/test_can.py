@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 import threading
 
 import pytest
@@ -102,10 +101,10 @@ def network(spindle: stator.Rack):
     network.disconnect()
 
 
-def test_canopen_turns_the_spindle_in_lockstep(spindle: stator.Rack, network, tmp_path) -> None:
+def test_canopen_turns_the_spindle_in_lockstep(spindle: stator.Rack, network) -> None:
     from canopen.profiles.p402 import BaseNode402
 
-    node = BaseNode402(1, eds_of("tmcc160", tmp_path))
+    node = BaseNode402(1, spindle["spindle"].eds())
     network.add_node(node)
     network.nmt.state = "OPERATIONAL"
     node.setup_402_state_machine(False)
@@ -128,13 +127,13 @@ def test_heartbeats_reach_canopen_while_time_runs(spindle: stator.Rack, network)
     assert node.nmt.state == "OPERATIONAL"
 
 
-def test_canopen_in_real_time(tmp_path) -> None:
+def test_canopen_in_real_time() -> None:
     with stator.Rack(SPINDLE) as rack:
         rack.start()
         network = canopen.Network()
         network.connect(interface="stator", channel=rack.bus())
         try:
-            node = network.add_node(1, eds_of("tmcc160", tmp_path))
+            node = network.add_node(1, rack["spindle"].eds())
             node.nmt.wait_for_bootup(60)
             assert node.sdo[0x1008].raw.startswith("TMCC160")
         finally:
@@ -177,12 +176,3 @@ def test_a_module_that_does_not_answer_times_out_in_simulated_time() -> None:
         with pytest.raises(RuntimeError, match="no reply"):
             connection.get_version_string()
         assert rack.now >= before + 0.5
-
-
-def eds_of(product: str, folder) -> str:
-    """The data sheet of a product, by the program that comes with the package."""
-    from programs import stator_program
-
-    file = folder / f"{product}.eds"
-    subprocess.run([stator_program(), "export", "eds", product, "-o", str(file)], check=True)
-    return str(file)

@@ -8,14 +8,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from programs import stator_program
 
 ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r"<!-- python(?:: (?P<kind>\w+))? -->\n+```python\n(?P<code>.*?)```", re.DOTALL)
 
 
 def blocks() -> list:
-    """Every program of a document, with what it needs beside the package."""
+    """Every program of a document, and whether it is a test."""
     found = []
     for document in sorted(ROOT.glob("docs/**/*.md")):
         for number, match in enumerate(BLOCK.finditer(document.read_text())):
@@ -27,8 +26,6 @@ def blocks() -> list:
 @pytest.mark.parametrize(("code", "kind"), blocks())
 def test_a_program_of_a_document_runs(code: str, kind: str | None, tmp_path: Path) -> None:
     (tmp_path / "racks").symlink_to(ROOT / "racks")
-    if kind == "canopen":
-        subprocess.run([stator_program(), "export", "eds", "tmcc160", "-o", "tmcc160.eds"], cwd=tmp_path, check=True)
     name = "test_document.py" if kind == "pytest" else "program.py"
     (tmp_path / name).write_text(code)
     command = [sys.executable, "-m", "pytest", "-q", name] if kind == "pytest" else [sys.executable, name]
