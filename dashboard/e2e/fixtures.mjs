@@ -1,4 +1,4 @@
-// What tests in the browser are given: a real rack, one for all of them, and pages of it whose console stays silent.
+// What tests in the browser are given: a real rack, one for each worker, and pages of it whose console stays silent.
 import { mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
@@ -7,7 +7,7 @@ import { test as base } from "@playwright/test";
 
 import { Rack, repository } from "./rack.mjs";
 
-/// Where screenshots go.
+/// Where screenshots go; a name stands in one test only, since workers share the folder.
 export const out = join(repository, "build/dashboard-screenshots");
 mkdirSync(out, { recursive: true });
 
@@ -21,8 +21,8 @@ const sizes = [
 
 export const test = base.extend({
   rack: [
-    async ({}, use) => {
-      const rack = await Rack.lay(process.env.STATOR ?? join(repository, "build/release/src/cli/stator"));
+    async ({}, use, { parallelIndex }) => {
+      const rack = await Rack.lay(process.env.STATOR ?? join(repository, "build/release/src/cli/stator"), parallelIndex);
       try {
         await rack.start();
         await use(rack);
@@ -30,7 +30,7 @@ export const test = base.extend({
         await rack.clean();
       }
     },
-    { scope: "worker", timeout: 60_000 },
+    { scope: "worker", timeout: 120_000 },
   ],
   origin: async ({ rack }, use) => use(rack.origin),
   /// To the dashboard, with the token, as the rack has printed it.

@@ -48,14 +48,11 @@ test("the load is set with a slider and comes back as a signal", async ({ open, 
   }
   const shown = Number(await page.getByRole("textbox", { name: "load torque, exact" }).first().inputValue());
   assert.ok(shown > 0);
-  for (let i = 0; i < 40; ++i) {
+  const load = async () => {
     const answer = await (await fetch(`${origin}/api/v1/signals?names=gantry.axis0.load_torque`)).json();
-    if (Math.abs(answer.signals[0].value - shown) < 1e-9) {
-      return;
-    }
-    await page.waitForTimeout(50);
-  }
-  assert.fail(`the load did not become ${shown} N m`);
+    return answer.signals[0].value;
+  };
+  await expect.poll(load).toBeCloseTo(shown, 9);
 });
 
 test("inputs are found by a search, which the address keeps, and are set back where they differ", async ({ open, origin }) => {

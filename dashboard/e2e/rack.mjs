@@ -18,20 +18,36 @@ export const kRackGone = [
   "Failed to load resource",
 ];
 
-async function freeUdpPort() {
-  const socket = createSocket("udp4");
-  await new Promise((done) => socket.bind(0, "127.0.0.1", done));
-  const { port } = socket.address();
-  await new Promise((done) => socket.close(done));
-  return port;
+// Below the ports that Linux gives connections of its own choice (from 32768 on), of which one that a browser closes or opens
+// could take the rack's while the rack is restarted. Each worker looks among its own.
+const kFirstPort = 20_000;
+const kPortsOfWorker = 1_000;
+
+/// True if somebody could have the port now. Both kinds of sockets give "listening" or "error".
+async function isFree(socket, bind) {
+  const free = await new Promise((done) => {
+    socket.once("error", () => done(false));
+    socket.once("listening", () => done(true));
+    bind(socket);
+  });
+  if (free) {
+    await new Promise((done) => socket.close(done));
+  }
+  return free;
 }
 
-async function freeTcpPort() {
-  const server = createServer();
-  await new Promise((done) => server.listen(0, "127.0.0.1", done));
-  const { port } = server.address();
-  await new Promise((done) => server.close(done));
-  return port;
+/// A port that is free both for UDP and for TCP, of those of a worker; which of them is drawn, as other checkouts test as well.
+async function freePort(worker) {
+  for (let i = 0; i < 100; ++i) {
+    const port = kFirstPort + worker * kPortsOfWorker + Math.floor(Math.random() * kPortsOfWorker);
+    if (
+      (await isFree(createSocket("udp4"), (socket) => socket.bind(port, "127.0.0.1"))) &&
+      (await isFree(createServer(), (server) => server.listen(port, "127.0.0.1")))
+    ) {
+      return port;
+    }
+  }
+  throw new Error(`no port of worker ${worker} is free`);
 }
 
 /// A child process that was started and has not ended: the only kind to send signals to and wait for.
@@ -41,14 +57,14 @@ export function runs(child) {
 }
 
 export class Rack {
-  /// Lays a copy of racks/five-devices.toml out whose links nobody else has.
-  static async lay(stator) {
+  /// Lays a copy of racks/five-devices.toml out whose links nobody else has, neither another worker of Playwright.
+  static async lay(stator, worker) {
     const rack = new Rack();
     rack.stator = stator;
     rack.starts = 0;
     rack.folder = await mkdtemp(join(tmpdir(), "stator-e2e-"));
-    rack.udp = await freeUdpPort();
-    rack.http = await freeTcpPort();
+    rack.udp = await freePort(worker);
+    rack.http = rack.udp; // of another protocol
     const text = await readFile(join(repository, "racks/five-devices.toml"), "utf8");
     rack.file = join(rack.folder, "racks/rack.toml");
     await mkdir(dirname(rack.file));
@@ -78,7 +94,7 @@ export class Rack {
     this.process.stderr.on("data", (data) => (this.output += data));
     this.process.on("error", (error) => (failed = `${this.stator} does not start: ${error.message}`));
     this.process.on("exit", (code) => (failed = `stator run ended with ${code}`));
-    for (let i = 0; i < 200; ++i) {
+    for (let i = 0; i < 1200; ++i) {
       const link = /dashboard: (\S+)/.exec(this.output);
       if (link && this.output.includes("Running")) {
         this.link = link[1];

@@ -1,4 +1,5 @@
 // The oscilloscope as tests use it.
+import { expect } from "@playwright/test";
 
 export const kAxis = "gantry.axis0";
 
@@ -41,10 +42,8 @@ export async function statistics(page) {
   return Object.fromEntries(Object.entries(read).map(([name, value]) => [name, Number(value)]));
 }
 
-export async function rowsAtLeast(page, rows) {
-  for (let i = 0; i < 400 && (await statistics(page)).received < rows; ++i) {
-    await page.waitForTimeout(50);
-  }
+export async function rowsAtLeast(page, rows, message = `${rows} rows come`) {
+  await expect.poll(async () => (await statistics(page)).received, { message, timeout: 120_000 }).toBeGreaterThanOrEqual(rows);
   return statistics(page);
 }
 
