@@ -19,7 +19,7 @@ import time
 import pyte
 
 RACK = pathlib.Path(__file__).resolve().parents[2] / "racks" / "gantry.toml"
-PATIENCE = 60.0  # seconds, for a busy machine
+PATIENCE = 240.0  # seconds, for a busy machine
 
 
 class Screen:

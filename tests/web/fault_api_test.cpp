@@ -48,8 +48,9 @@ TEST_F(FaultApi, TellsEveryKindWithItsParameters) {
       EXPECT_TRUE(kind["inputs"].empty());
     }
     if (kind["name"] == "hall-fault") {
-      EXPECT_EQ(kind["inputs"][1],
-                (json{{"name", "hall_fault_2"}, {"keys", {{"mode", "low"}, {"sensor", 2}}}}));
+      EXPECT_EQ(kind["inputs"][1], (json{{"name", "hall_fault_2"},
+                                         {"of_peripheral", false},
+                                         {"keys", {{"mode", "low"}, {"sensor", 2}}}}));
     }
   }
   EXPECT_TRUE(found);
