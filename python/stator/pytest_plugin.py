@@ -24,11 +24,13 @@ from typing import Any, cast
 
 import pytest
 
-from . import Rack
+from . import Error, Rack
 
 #: Events and rows of signals that a report of a failed test shows.
 _EVENTS = 30
 _ROWS = 20_000
+#: How often ports are chosen that turn out to be taken.
+_ATTEMPTS = 5
 _rack_key = pytest.StashKey[Rack]()
 _links_key = pytest.StashKey["dict[str, str]"]()
 
@@ -127,15 +129,27 @@ def _own_links(source: Any, folder: Path) -> dict[str, str]:
     return links
 
 
+def _opened(source: Any, options: dict[str, Any], folder: Path) -> tuple[Rack, dict[str, str]]:
+    """The rack, and its links if it opens some. A port that another process took meanwhile is given up for another."""
+    if not options.get("links"):
+        return Rack(source, **options), {}
+    for attempt in range(_ATTEMPTS):
+        links = _own_links(source, folder)
+        changes = [*options.get("changes", ()), *(f"{key}={value}" for key, value in links.items())]
+        try:
+            return Rack(source, **{**options, "changes": changes}), links
+        except Error as error:
+            if attempt == _ATTEMPTS - 1 or "in use" not in str(error):
+                raise
+    raise AssertionError("unreachable")
+
+
 @pytest.fixture
 def stator_rack(request: pytest.FixtureRequest, tmp_path: Path, record_property: Any) -> Iterator[Rack]:
     """A fresh :class:`stator.Rack` for this test; see the plug-in's documentation for which."""
     source, options = _source(request)
-    links: dict[str, str] = {}
-    if options.get("links"):
-        links = _own_links(source, tmp_path)
-        options["changes"] = [*options.get("changes", ()), *(f"{key}={value}" for key, value in links.items())]
-    with Rack(source, **options) as rack:
+    rack, links = _opened(source, options, tmp_path)
+    with rack:
         request.node.stash[_rack_key] = rack
         request.node.stash[_links_key] = links
         for marker in reversed(list(request.node.iter_markers("stator_fault"))):
