@@ -54,8 +54,8 @@ Conditions Environments::draw(base::Random& random) const {
 }
 
 int Environments::draw_hold(base::Random& random) const {
-  const auto choices = static_cast<std::uint64_t>(longest_hold_ - shortest_hold_ + 1);
-  return shortest_hold_ + static_cast<int>(random.below(choices));
+  const int choices = longest_hold_ - shortest_hold_ + 1;
+  return shortest_hold_ + static_cast<int>(random.below(static_cast<std::uint64_t>(choices)));
 }
 
 void Environments::reset(std::size_t axis, std::optional<std::uint64_t> seed,

@@ -71,7 +71,7 @@ void put_motor(ServoBatchMotors<Number>& block, std::size_t lane,
   constexpr std::size_t kLanes = base::ServoLanes<Number>::kLanes;
   constexpr std::size_t kMembers = sizeof(motor) / sizeof(Number);
   static_assert(sizeof(block) == kMembers * kLanes * sizeof(Number));
-  std::array<Number, kMembers> members;
+  std::array<Number, kMembers> members{};
   std::memcpy(members.data(), &motor, sizeof motor);
   auto* const bytes = static_cast<std::byte*>(static_cast<void*>(&block));
   for (std::size_t n = 0; n < kMembers; ++n) {
