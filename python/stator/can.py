@@ -24,7 +24,7 @@ from ._errors import Error
 #: How long a thread waits before it looks again whether a frame has come without anybody having said so.
 _LOOK = 0.005
 #: How long settle() waits for a thread that does not come back, e.g. since a listener waits for this one.
-_PATIENCE = 2.0
+_PATIENCE = 30.0
 
 
 class Bus(can.BusABC):
