@@ -50,15 +50,11 @@ rack::RackConfiguration load(const settings::Table& table, const product::Catalo
   return rack::read_rack_tree(settings::Value(table), "", catalogue);
 }
 
-Bench::Bench(const rack::RackConfiguration& configuration, base::SimDuration limit,
-             const Beginning& beginning)
+Bench::Bench(const rack::RackConfiguration& configuration, base::SimDuration limit)
     : configuration_(without_files(configuration)),
       limit_(limit),
       rack_(configuration_, log_),
       clock_(configuration_.step, configuration_.step) {
-  if (beginning) {
-    clock_.advance_to(beginning(rack_));
-  }
   for (std::size_t i = 0; i < rack_.segment_count(); ++i) {
     segments_.push_back(std::make_unique<SegmentMaster>(*this, i));
   }

@@ -59,16 +59,10 @@ class Bench {
   /// For the boot-up of a node.
   static constexpr base::SimDuration kBootTimeout{5'000'000'000};
 
-  /// Brings a rack, at power-on, to where a bench begins, e.g. by replaying a recording, and
-  /// returns that moment. Nobody else has touched the rack.
-  using Beginning = std::function<base::SimTime(rack::Rack&)>;
-
   /// Builds the rack as `configuration` has it, but for what it would write to files. Throws
-  /// std::runtime_error as rack::Rack does. `limit` is the simulated time at which it ends; without
-  /// `beginning` it begins at power-on.
+  /// std::runtime_error as rack::Rack does. `limit` is the simulated time it may take.
   explicit Bench(const rack::RackConfiguration& configuration,
-                 base::SimDuration limit = base::SimDuration::max(),
-                 const Beginning& beginning = {});
+                 base::SimDuration limit = base::SimDuration::max());
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
   ~Bench();
