@@ -80,8 +80,8 @@ class Programmer {
     }
     return done;
   }
-  /// Says something without listening and without waiting, since a rack whose time stands still does
-  /// not read; false: there is no room.
+  /// Says something without listening and without waiting, since a rack whose time stands still
+  /// does not read; false: there is no room.
   [[nodiscard]] bool say(const std::string& text) const {
     return ::write(terminal_.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size());
   }

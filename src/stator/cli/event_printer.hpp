@@ -8,26 +8,14 @@
 #include <fmt/format.h>
 
 #include "stator/base/event.hpp"
+#include "stator/base/severity_text.hpp"
 #include "stator/cli/progress.hpp"
 
 namespace stator::cli {
 
 /// One line per event, "0.001500 s, refusal: ...".
 [[nodiscard]] inline std::string event_line(const base::Event& event) {
-  constexpr auto kWord = [](base::Severity severity) -> std::string_view {
-    switch (severity) {
-      case base::Severity::information:
-        return "information";
-      case base::Severity::refusal:
-        return "refusal";
-      case base::Severity::warning:
-        return "warning";
-      case base::Severity::fault:
-        return "fault";
-    }
-    return "";
-  };
-  return fmt::format("{:.6f} s, {}: {}", event.time.seconds(), kWord(event.rule->severity),
+  return fmt::format("{:.6f} s, {}: {}", event.time.seconds(), base::to_text(event.rule->severity),
                      base::to_sentence(event));
 }
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "stator/base/name_pattern.hpp"
+#include "stator/base/severity_text.hpp"
 #include "stator/dictionary/abort_code.hpp"
 #include "stator/ethercat/standard/al_status_text.hpp"
 #include "stator/formats/json/schema.hpp"
@@ -18,20 +19,6 @@
 #include "stator/web/address.hpp"
 
 namespace stator::web {
-
-std::string_view to_text(base::Severity severity) {
-  switch (severity) {
-    case base::Severity::information:
-      return "information";
-    case base::Severity::refusal:
-      return "refusal";
-    case base::Severity::warning:
-      return "warning";
-    case base::Severity::fault:
-      return "fault";
-  }
-  return "?";
-}
 
 nlohmann::ordered_json to_json(const EventRecord& event) {
   return {

@@ -63,8 +63,6 @@ struct EventRecord {
 /// As the list of events has it.
 [[nodiscard]] nlohmann::ordered_json to_json(const EventRecord& event);
 
-[[nodiscard]] std::string_view to_text(base::Severity severity);
-
 /// What one network has done so far.
 struct NetworkRecord {
   std::string name;

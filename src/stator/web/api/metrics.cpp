@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "stator/base/severity_text.hpp"
 #include "stator/web/api/snapshot.hpp"
 
 namespace stator::web {
