@@ -1,4 +1,5 @@
-#include "environments.hpp"
+// Axes that programs learn to control: stator._native.AxisEnvironments.
+#include "stator/environment/environments.hpp"
 
 #include <array>
 #include <atomic>
@@ -16,7 +17,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include "stator/environment/environments.hpp"
+#include "bindings.hpp"
 #include "stator/environment/keys.hpp"
 #include "values.hpp"
 

@@ -3,9 +3,8 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
-#include "environments.hpp"
+#include "bindings.hpp"
 #include "errors.hpp"
-#include "rack.hpp"
 #include "stator/version.hpp"
 
 NB_MODULE(_native, module) {
@@ -16,7 +15,12 @@ NB_MODULE(_native, module) {
   module.attr("version") =
       fmt::format("{}.{}.{}", kVersion.major_number, kVersion.minor_number, kVersion.patch_number);
   stator::python::bind_errors();
+  stator::python::bind_signals(module);
+  stator::python::bind_devices(module);
   stator::python::bind_racks(module);
-  stator::python::bind_masters(module);
+  stator::python::bind_ethercat(module);
+  stator::python::bind_drive(module);
+  stator::python::bind_can(module);
+  stator::python::bind_networks(module);
   stator::python::bind_environments(module);
 }

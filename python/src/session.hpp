@@ -146,4 +146,10 @@ class Session {
   std::atomic<bool> closed_{false};
 };
 
+/// A device of a session.
+struct DeviceHandle {
+  std::shared_ptr<Session> session;
+  rack::DeviceAddress address;
+};
+
 }  // namespace stator::python

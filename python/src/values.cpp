@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <variant>
 
 #include <fmt/format.h>
@@ -39,6 +40,22 @@ std::int64_t whole_of(nb::handle value, const std::string& what) {
   return number;
 }
 
+/// What a truth value, a text or a float is as one of the types of `Variant`; nothing if it is
+/// none of these. First, as Python has truth values among whole numbers.
+template <typename Variant>
+std::optional<Variant> plain_value(nb::handle value) {
+  if (nb::isinstance<nb::bool_>(value)) {
+    return Variant(nb::cast<bool>(value));
+  }
+  if (nb::isinstance<nb::str>(value)) {
+    return Variant(text_of(value));
+  }
+  if (nb::isinstance<nb::float_>(value)) {
+    return Variant(nb::cast<double>(value));
+  }
+  return std::nullopt;
+}
+
 settings::Value to_value(nb::handle value, const std::string& key);
 
 settings::Table table_of(nb::handle mapping, const std::string& key) {
@@ -57,14 +74,8 @@ settings::Table table_of(nb::handle mapping, const std::string& key) {
 }
 
 settings::Value to_value(nb::handle value, const std::string& key) {
-  if (nb::isinstance<nb::bool_>(value)) {
-    return nb::cast<bool>(value);
-  }
-  if (nb::isinstance<nb::str>(value)) {
-    return text_of(value);
-  }
-  if (nb::isinstance<nb::float_>(value)) {
-    return nb::cast<double>(value);
+  if (auto plain = plain_value<settings::Value>(value)) {
+    return std::move(*plain);
   }
   if (PyMapping_Check(value.ptr()) != 0 && nb::hasattr(value, "keys")) {
     return table_of(value, key);
@@ -92,14 +103,8 @@ settings::Value to_value(nb::handle value, const std::string& key) {
 }
 
 std::optional<dictionary::Content> content_of(nb::handle value, const std::string& what) {
-  if (nb::isinstance<nb::bool_>(value)) {
-    return nb::cast<bool>(value);
-  }
-  if (nb::isinstance<nb::str>(value)) {
-    return text_of(value);
-  }
-  if (nb::isinstance<nb::float_>(value)) {
-    return nb::cast<double>(value);
+  if (auto plain = plain_value<dictionary::Content>(value)) {
+    return plain;
   }
   if (PyIndex_Check(value.ptr()) == 0) {
     return std::nullopt;

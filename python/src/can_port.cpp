@@ -1,0 +1,205 @@
+// A program's place on a CAN bus: stator._native.CanPort, on which stator.can is built.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+
+#include "bindings.hpp"
+#include "session.hpp"
+#include "stator/bench/local_can_port.hpp"
+#include "stator/rack/core/bus_port.hpp"
+#include "stator/rack/networks/can_network.hpp"
+#include "values.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace stator::python {
+
+namespace {
+
+using SessionPointer = std::shared_ptr<Session>;
+using Bytes = std::vector<std::byte>;
+
+/// A place on a CAN bus: of a bench, or of a rack on links.
+struct BusPlace final : Guest {
+  std::unique_ptr<rack::BusPort> port;
+  std::unique_ptr<bench::LocalCanPort> local;
+
+  void leave() override {
+    port.reset();
+    local.reset();
+  }
+  [[nodiscard]] bool taken() const { return port != nullptr || local != nullptr; }
+};
+
+/// A program's place on a CAN bus of the rack.
+class CanPort {
+ public:
+  CanPort(SessionPointer session, const std::string& bus) : session_(std::move(session)) {
+    session_->held([&] {
+      bus_ = require_bus(bus);
+      if (session_->has_links()) {
+        place_->port = std::make_unique<rack::BusPort>(session_->rack(), bus_);
+      } else {
+        bench::Bench& bench = session_->bench();
+        place_->local = std::make_unique<bench::LocalCanPort>(bench.rack(), bus_, bench.clock());
+      }
+      session_->admit(place_);
+    });
+  }
+  CanPort(const CanPort&) = delete;
+  CanPort& operator=(const CanPort&) = delete;
+  ~CanPort() { close(); }
+
+  void close() {
+    if (!session_->closed() && place_->taken()) {
+      session_->held([this] { place_->leave(); });
+    }
+  }
+
+  void send(std::uint32_t identifier, const nb::bytes& data, bool extended, bool remote,
+            unsigned length) {
+    const Bytes bytes = to_vector(data);
+    can::Frame frame{.identifier = identifier, .extended = extended, .remote = remote};
+    if (bytes.size() > can::kMaximumData || length > can::kMaximumData) {
+      throw std::runtime_error(fmt::format("a frame carries at most {} bytes, not {}",
+                                           can::kMaximumData,
+                                           std::max<std::size_t>(bytes.size(), length)));
+    }
+    frame.length = static_cast<std::uint8_t>(remote ? length : bytes.size());
+    std::copy(bytes.begin(), bytes.end(), frame.data.begin());
+    session_->held([&] {
+      require_open();
+      if (place_->local) {
+        send_in_lockstep(frame);
+        return;
+      }
+      if (!place_->port->put(frame)) {
+        throw std::runtime_error(
+            "the bus has no room for a further frame; it is too busy, or "
+            "nobody acknowledges");
+      }
+      session_->wake();
+    });
+  }
+
+  /// The oldest frame that was not taken yet: time in s, identifier, data, extended, remote,
+  /// length, destroyed. None: there is none.
+  nb::object receive() {
+    const std::optional<can::TimedFrame> taken = session_->held([this] {
+      require_open();
+      return place_->local ? place_->local->receive() : place_->port->take();
+    });
+    if (!taken) {
+      return nb::none();
+    }
+    const can::Frame& frame = taken->frame;
+    return nb::make_tuple(taken->time.seconds(), frame.identifier, to_python(frame.payload()),
+                          frame.extended, frame.remote, frame.length, taken->destroyed);
+  }
+
+  /// In lockstep: lets cycles pass until a frame is there or `timeout` is over.
+  nb::object receive_within(double timeout) {
+    const base::SimDuration duration = duration_of(timeout, "timeout");
+    const base::SimTime end = session_->held([this] { return session_->now(); }) + duration;
+    while (true) {
+      nb::object frame = receive();
+      if (!frame.is_none()) {
+        return frame;
+      }
+      const bool over = session_->held([&] {
+        if (session_->now() >= end) {
+          return true;
+        }
+        session_->bench().cycle();
+        return false;
+      });
+      if (over) {
+        return nb::none();
+      }
+      if (PyErr_CheckSignals() != 0) {
+        throw nb::python_error();
+      }
+    }
+  }
+  [[nodiscard]] std::size_t waiting() const {
+    return session_->held([this] {
+      require_open();
+      return place_->local ? place_->local->waiting() : place_->port->waiting();
+    });
+  }
+  [[nodiscard]] std::string name() const {
+    return session_->held([this] { return session_->configuration().buses[bus_].name; });
+  }
+
+ private:
+  std::size_t require_bus(const std::string& name) {
+    const auto& buses = session_->configuration().buses;
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < buses.size(); ++i) {
+      if (buses[i].wire && buses[i].name == name) {
+        return i;
+      }
+      if (buses[i].wire) {
+        names.insert(buses[i].name);
+      }
+    }
+    throw std::runtime_error(names.empty()
+                                 ? std::string("the rack has no CAN bus")
+                                 : fmt::format("there is no CAN bus \"{}\"; there are: {}", name,
+                                               fmt::join(names, ", ")));
+  }
+  void require_open() const {
+    if (!place_->taken()) {
+      throw std::runtime_error("the port is closed");
+    }
+  }
+  /// A SYNC moves time by one cycle, every other frame by the rack's step.
+  void send_in_lockstep(const can::Frame& frame) {
+    const rack::RackConfiguration& configuration = session_->configuration();
+    if (frame.identifier == rack::LockstepClock::kSyncIdentifier && !frame.extended &&
+        !frame.remote && configuration.cycle > configuration.step && !session_->paced()) {
+      place_->local->wait(configuration.cycle - configuration.step);
+    }
+    place_->local->send(frame);
+  }
+
+  SessionPointer session_;
+  std::size_t bus_ = 0;
+  std::shared_ptr<BusPlace> place_ = std::make_shared<BusPlace>();
+};
+
+}  // namespace
+
+void bind_can(nb::module_& module) {
+  nb::class_<CanPort>(module, "CanPort", "A program's place on a CAN bus; see stator.can.")
+      .def(nb::init<SessionPointer, const std::string&>(), "rack"_a, "bus"_a)
+      .def("send", &CanPort::send, "identifier"_a, "data"_a, "extended"_a = false,
+           "remote"_a = false, "length"_a = 0, "Hands a frame to the bus.")
+      .def("receive", &CanPort::receive,
+           nb::sig("def receive(self) -> tuple[float, int, bytes, bool, bool, int, bool] | None"),
+           "The oldest frame not taken yet, or None.")
+      .def("receive_within", &CanPort::receive_within, "timeout"_a,
+           nb::sig(
+               "def receive_within(self, timeout: float) -> tuple[float, int, bytes, bool, bool, "
+               "int, bool] | None"),
+           "In lockstep: lets time pass until there is one, at most so many seconds.")
+      .def_prop_ro("waiting", &CanPort::waiting, "Frames that have come and were not taken yet.")
+      .def_prop_ro("name", &CanPort::name, "Of the bus.")
+      .def("close", &CanPort::close, "Leaves the bus.");
+}
+
+}  // namespace stator::python
