@@ -8,7 +8,7 @@ from loading import SCRIPTS, write_tree
 
 sys.path.insert(0, str(SCRIPTS))
 
-from documentation import commands, keys  # noqa: E402
+from documentation import commands, keys, python_package  # noqa: E402
 from documentation.dead_links import dead_links  # noqa: E402
 from documentation.pages import Pages, slug, table  # noqa: E402
 from documentation.repository import Repository  # noqa: E402
@@ -191,6 +191,78 @@ class Keys(InAFolder):
         self.assertIn('<code>"x"</code> | <code>"y"</code>', page)
         top = (pages.folder / "keys/top-level.md").read_text(encoding="utf-8")
         self.assertIn('See (<a href="../other.html">keys</a>)', top)
+
+
+PACKAGE = {
+    "stator/__init__.py": '''"""The package; begin with :class:`Rack`."""
+from ._native import Slave
+from ._rack import Rack
+
+__all__ = ["Rack", "Slave", "missing"]
+''',
+    "stator/_rack.py": '''class Rack:
+    """A rack.
+
+    Args:
+        source: a ``dict``,
+            or a path.
+    """
+
+    def __init__(self, source: str, *, links: bool = False) -> None:
+        self._names = source
+
+    @property
+    def now(self) -> float:
+        """Seconds, see :meth:`stator.Rack.run`."""
+        return 0.0
+
+    @now.setter
+    def now(self, value: float) -> None: ...
+
+    def run(self, seconds: float) -> None:
+        """Lets time pass."""
+
+    def _hidden(self) -> None: ...
+''',
+    "stator/can.py": '''class Bus:
+    """A bus."""
+
+
+__all__ = ["Bus"]
+''',
+    "stator/pytrinamic.py": "",
+    "stator/pytest_plugin.py": '''def stator_rack(request):
+    """A rack."""
+
+
+def pytest_configure(config): ...
+''',
+    "stator/gymnasium/__init__.py": "",
+    "_native.pyi": '''class Slave:
+    """A slave."""
+''',
+}
+
+
+class PythonPackage(InAFolder):
+    def test_every_public_name_has_a_section_with_its_docstring(self):
+        write_tree(self.root, PACKAGE)
+        pages = Pages(self.root / "pages")
+        python_package.write(self.root, self.root / "_native.pyi", pages)
+        page = (pages.folder / "python/stator.md").read_text(encoding="utf-8")
+        self.assertIn("begin with `Rack`.", page)
+        self.assertIn("class Rack(source: str, *, links: bool=False)", page)
+        self.assertIn("**Arguments**\n\n- `source`: a `dict`,\n  or a path.", page)
+        self.assertIn("now: float", page)
+        self.assertEqual(page.count("### Rack.now"), 1)
+        self.assertIn("Seconds, see `Rack.run`.", page)
+        self.assertIn("run(seconds: float) -> None", page)
+        self.assertIn("## Slave\n\n```python\nclass Slave\n```\n\nA slave.", page)
+        self.assertNotIn("hidden", page)
+        self.assertIn(["stator.Slave", "Python", "python/stator", "Slave"], pages.entries)
+        plugin = (pages.folder / "python/stator.pytest_plugin.md").read_text(encoding="utf-8")
+        self.assertIn("## stator_rack", plugin)
+        self.assertNotIn("configure", plugin)
 
 
 if __name__ == "__main__":
