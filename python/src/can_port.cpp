@@ -1,18 +1,22 @@
 // A program's place on a CAN bus: stator._native.CanPort, on which stator.can is built.
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 
@@ -96,51 +100,70 @@ class CanPort {
     });
   }
 
-  /// The oldest frame that was not taken yet: time in s, identifier, data, extended, remote,
-  /// length, destroyed. None: there is none.
-  nb::object receive() {
-    const std::optional<can::TimedFrame> taken = session_->held([this] {
-      require_open();
-      return place_->local ? place_->local->receive() : place_->port->take();
-    });
-    if (!taken) {
-      return nb::none();
-    }
-    const can::Frame& frame = taken->frame;
-    return nb::make_tuple(taken->time.seconds(), frame.identifier, to_python(frame.payload()),
-                          frame.extended, frame.remote, frame.length, taken->destroyed);
-  }
-
   /// In lockstep: lets cycles pass until a frame is there or `timeout` is over.
   nb::object receive_within(double timeout) {
     const base::SimDuration duration = duration_of(timeout, "timeout");
-    const base::SimTime end = session_->held([this] { return session_->now(); }) + duration;
+    std::optional<base::SimTime> end;
     while (true) {
-      nb::object frame = receive();
-      if (!frame.is_none()) {
-        return frame;
-      }
+      std::optional<can::TimedFrame> taken;
       const bool over = session_->held([&] {
-        if (session_->now() >= end) {
+        taken = take();
+        end = end.value_or(session_->now() + duration);
+        if (taken || session_->now() >= *end) {
           return true;
         }
         session_->bench().cycle();
         return false;
       });
       if (over) {
-        return nb::none();
+        return to_python(taken);
       }
       if (PyErr_CheckSignals() != 0) {
         throw nb::python_error();
       }
     }
   }
-  [[nodiscard]] std::size_t waiting() const {
-    return session_->held([this] {
-      require_open();
-      return place_->local ? place_->local->waiting() : place_->port->waiting();
+
+  /// Waits for a frame that others bring, at most for `timeout` s of the machine's time, nothing:
+  /// for ever. `listens`: this thread does nothing else, and settle() waits for it.
+  nb::object wait(std::optional<double> timeout, bool listens) {
+    using Clock = std::chrono::steady_clock;
+    constexpr std::chrono::milliseconds kSignalsAreLookedFor{50};
+    const auto end = timeout ? Clock::now() + std::chrono::nanoseconds(
+                                                  duration_of(*timeout, "timeout").nanoseconds())
+                             : Clock::time_point::max();
+    std::optional<can::TimedFrame> taken;
+    while (!session_->closed()) {
+      const auto left = end - Clock::now();
+      const bool over = wait_until(std::min<Clock::duration>(left, kSignalsAreLookedFor), [&] {
+        if (!place_->taken()) {
+          return true;
+        }
+        taken = take();
+        if (listens) {
+          note_listener(taken.has_value());
+        }
+        return taken.has_value();
+      });
+      if (PyErr_CheckSignals() != 0) {
+        throw nb::python_error();
+      }
+      if (over || left <= Clock::duration::zero()) {
+        break;
+      }
+    }
+    return to_python(taken);
+  }
+
+  /// Waits until the thread that listens, if there is one, has handled all frames that have come,
+  /// at most for `timeout` s of the machine's time.
+  void settle(double timeout) {
+    wait_until(std::chrono::nanoseconds(duration_of(timeout, "timeout").nanoseconds()), [this] {
+      return !place_->taken() || !listener_ || *listener_ == std::this_thread::get_id() ||
+             (listener_waits_ && waiting() == 0);
     });
   }
+
   [[nodiscard]] std::string name() const {
     return session_->held([this] { return session_->configuration().buses[bus_].name; });
   }
@@ -162,6 +185,34 @@ class CanPort {
                                  : fmt::format("there is no CAN bus \"{}\"; there are: {}", name,
                                                fmt::join(names, ", ")));
   }
+  [[nodiscard]] std::size_t waiting() const {
+    return place_->local ? place_->local->waiting() : place_->port->waiting();
+  }
+  /// The oldest frame that was not taken yet.
+  std::optional<can::TimedFrame> take() {
+    require_open();
+    return place_->local ? place_->local->receive() : place_->port->take();
+  }
+  static nb::object to_python(const std::optional<can::TimedFrame>& taken) {
+    if (!taken) {
+      return nb::none();
+    }
+    const can::Frame& frame = taken->frame;
+    return nb::make_tuple(taken->time.seconds(), frame.identifier,
+                          python::to_python(frame.payload()), frame.extended, frame.remote,
+                          frame.length, taken->destroyed);
+  }
+  /// This thread listens, and has taken a frame or waits for one.
+  void note_listener(bool has_frame) {
+    listener_ = std::this_thread::get_id();
+    if (std::exchange(listener_waits_, !has_frame) == has_frame) {
+      session_->notify();
+    }
+  }
+  bool wait_until(std::chrono::nanoseconds duration, const std::function<bool()>& reached) const {
+    const nb::gil_scoped_release released;
+    return session_->wait_until(reached, duration);
+  }
   void require_open() const {
     if (!place_->taken()) {
       throw std::runtime_error("the port is closed");
@@ -179,6 +230,9 @@ class CanPort {
 
   SessionPointer session_;
   std::size_t bus_ = 0;
+  // While the rack is held.
+  std::optional<std::thread::id> listener_;
+  bool listener_waits_ = false;  ///< it has handled what it took
   std::shared_ptr<BusPlace> place_ = std::make_shared<BusPlace>();
 };
 
@@ -189,15 +243,17 @@ void bind_can(nb::module_& module) {
       .def(nb::init<SessionPointer, const std::string&>(), "rack"_a, "bus"_a)
       .def("send", &CanPort::send, "identifier"_a, "data"_a, "extended"_a = false,
            "remote"_a = false, "length"_a = 0, "Hands a frame to the bus.")
-      .def("receive", &CanPort::receive,
-           nb::sig("def receive(self) -> tuple[float, int, bytes, bool, bool, int, bool] | None"),
-           "The oldest frame not taken yet, or None.")
       .def("receive_within", &CanPort::receive_within, "timeout"_a,
            nb::sig(
                "def receive_within(self, timeout: float) -> tuple[float, int, bytes, bool, bool, "
                "int, bool] | None"),
-           "In lockstep: lets time pass until there is one, at most so many seconds.")
-      .def_prop_ro("waiting", &CanPort::waiting, "Frames that have come and were not taken yet.")
+           "In lockstep: lets time pass until there is a frame, at most so many simulated seconds.")
+      .def("wait", &CanPort::wait, "timeout"_a.none(), "listens"_a = false,
+           nb::sig("def wait(self, timeout: float | None, listens: bool = False) -> tuple[float, "
+                   "int, bytes, bool, bool, int, bool] | None"),
+           "Waits for a frame that others bring, at most so many seconds of the machine's time.")
+      .def("settle", &CanPort::settle, "timeout"_a,
+           "Waits until the thread that listens has handled all frames that have come.")
       .def_prop_ro("name", &CanPort::name, "Of the bus.")
       .def("close", &CanPort::close, "Leaves the bus.");
 }

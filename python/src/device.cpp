@@ -16,6 +16,7 @@
 
 #include "bindings.hpp"
 #include "errors.hpp"
+#include "own_device.hpp"
 #include "session.hpp"
 #include "stator/dictionary/description.hpp"
 #include "values.hpp"
@@ -172,6 +173,14 @@ void bind_devices(nb::module_& module) {
                 [&self] { return self.session->rack().powered(self.address); });
           },
           "Whether it has supply.")
+      .def_prop_ro(
+          "own",
+          [](const DeviceHandle& self) {
+            const product::Device* const device =
+                self.session->held([&self] { return &self.session->rack().device(self.address); });
+            return instance_of(*device);
+          },
+          "The instance of a class of devices in Python; None: it is a product of Stator's.")
       .def("inputs", &inputs_of, "What can be set around it.")
       .def("input", &input_value, "name"_a, "The value of an input.")
       .def("set_input", &set_input, "name"_a, "value"_a, "Sets an input.")

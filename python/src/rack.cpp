@@ -18,6 +18,7 @@
 
 #include "bindings.hpp"
 #include "errors.hpp"
+#include "own_device.hpp"
 #include "session.hpp"
 #include "signal_handle.hpp"
 #include "stator/base/event.hpp"
@@ -60,9 +61,8 @@ struct Fault {
 };
 
 /// The rack that a path, the type of a product or a mapping describes.
-rack::RackConfiguration configuration_of(nb::handle source,
+rack::RackConfiguration configuration_of(nb::handle source, const product::Catalogue& catalogue,
                                          const std::vector<std::string>& changes) {
-  const product::Catalogue& catalogue = devices::products();
   if (nb::isinstance<nb::str>(source) || nb::hasattr(source, "__fspath__")) {
     const auto path = nb::cast<std::string>(nb::str(
         nb::isinstance<nb::str>(source) ? nb::borrow(source) : source.attr("__fspath__")()));
@@ -79,9 +79,12 @@ rack::RackConfiguration configuration_of(nb::handle source,
 
 SessionPointer make_session(nb::handle source, bool links, std::optional<double> limit,
                             const std::vector<std::string>& signals, double period,
-                            const std::vector<std::string>& changes) {
-  rack::RackConfiguration configuration = configuration_of(source, changes);
-  Session::Options options{.links = links, .signals = signals};
+                            const std::vector<std::string>& changes, nb::handle products) {
+  Session::Options options{
+      .links = links, .signals = signals, .failure = std::make_shared<DeviceFailure>()};
+  product::Catalogue catalogue = devices::products();
+  add_own_products(catalogue, products, options.failure);
+  rack::RackConfiguration configuration = configuration_of(source, catalogue, changes);
   if (limit) {
     options.limit = duration_of(*limit, "limit");
   }
@@ -186,7 +189,7 @@ void bind_racks(nb::module_& module) {
   nb::class_<Session>(module, "Rack", "A rack; see stator.Rack.")
       .def(nb::new_(&make_session), "source"_a, "links"_a = false, "limit"_a = nb::none(),
            "signals"_a = std::vector<std::string>{"*"}, "period"_a = 0.001,
-           "changes"_a = std::vector<std::string>{})
+           "changes"_a = std::vector<std::string>{}, "products"_a = nb::make_tuple())
       .def_prop_ro(
           "now", [](Session& self) { return self.held([&self] { return self.now().seconds(); }); },
           "Simulated time since power-on, s.")

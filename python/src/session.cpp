@@ -24,6 +24,8 @@ constexpr std::chrono::milliseconds kLook{1};
 /// are looked for.
 constexpr std::chrono::milliseconds kSlice{20};
 constexpr int kCyclesPerLook = 16;
+/// Of the machine's time that somebody waits for something, so that ends of waits can be counted.
+constexpr std::chrono::hours kLongestWait{24 * 365};
 
 /// Where lines of a rack on links go: what events say is read by who asks for them.
 class NoLog final : public rack::Log {
@@ -64,10 +66,12 @@ Session::Holding::~Holding() {
   if (session_.runner_) {
     session_.runner_->running().mutex.unlock();
   }
+  lock_.unlock();
+  session_.changed_.notify_all();
 }
 
 Session::Session(rack::RackConfiguration configuration, const Options& options)
-    : configuration_(std::move(configuration)) {
+    : configuration_(std::move(configuration)), failure_(options.failure) {
   if (!options.links) {
     bench_.emplace(configuration_, options.limit);
     record(options);
@@ -83,8 +87,14 @@ Session::Session(rack::RackConfiguration configuration, const Options& options)
   pacing_thread_ = std::thread([this] { keep_samples(); });
 }
 
+// Threads that end may be in a device's function of Python, for which they need the interpreter.
 Session::~Session() {
-  close();
+  if (PyGILState_Check() != 0) {
+    const nanobind::gil_scoped_release released;
+    close();
+  } else {
+    close();
+  }
 }
 
 void Session::record(const Options& options) {
@@ -104,6 +114,7 @@ void Session::close() {
   if (closed_.exchange(true)) {
     return;
   }
+  changed_.notify_all();
   if (runner_) {
     runner_->stop();
   }
@@ -117,6 +128,32 @@ void Session::close() {
   rack_.reset();
   log_.reset();
   bench_.reset();
+}
+
+// Who only asks tells nobody, or two that wait would wake each other for ever. What threads of a
+// runner bring tells nobody either, so it is looked for.
+bool Session::wait_until(const std::function<bool()>& reached, std::chrono::nanoseconds duration) {
+  const auto end = Clock::now() + std::min<std::chrono::nanoseconds>(duration, kLongestWait);
+  const auto asked = [this, &reached] {
+    if (!runner_) {
+      return reached();
+    }
+    const std::scoped_lock running(runner_->running().mutex);
+    runner_->running().catch_up();
+    return reached();
+  };
+  std::unique_lock lock(mutex_);
+  while (!closed_) {
+    if (asked()) {
+      return true;
+    }
+    const auto now = Clock::now();
+    if (now >= end) {
+      return false;
+    }
+    changed_.wait_until(lock, runner_ ? std::min(end, now + kLook) : end);
+  }
+  return false;
 }
 
 base::SimTime Session::now() {
@@ -159,12 +196,16 @@ rack::DeviceAddress Session::require_device(const std::string& name) {
 void Session::pass(base::SimDuration duration) {
   if (bench_ && !pacing_) {
     while (pass_slice(duration) && !interrupted()) {
+      failure_->raise();
     }
+    failure_->raise();
     return;
   }
   const base::SimTime end = held_without_interpreter([this] { return now(); }) + duration;
   while (!await(end) && !interrupted()) {
+    failure_->raise();
   }
+  failure_->raise();
 }
 
 // What other threads let pass between two slices is theirs.

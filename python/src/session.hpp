@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -10,10 +11,13 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <nanobind/nanobind.h>
 
+#include "own_device.hpp"
 #include "signal_store.hpp"
 #include "stator/base/sim_time.hpp"
 #include "stator/bench/bench.hpp"
@@ -49,6 +53,7 @@ class Session {
     base::SimDuration limit = base::SimDuration::max();  ///< simulated time, without links
     std::vector<std::string> signals;                    ///< patterns of those that are recorded
     base::SimDuration period{1'000'000};                 ///< between two samples
+    std::shared_ptr<DeviceFailure> failure;              ///< of devices in Python; never null
   };
 
   /// Builds the rack. Throws std::runtime_error for what cannot be built or opened.
@@ -58,18 +63,33 @@ class Session {
   ~Session();
 
   /// Calls `work` while this thread holds the rack, and not the interpreter. Throws
-  /// std::runtime_error if the rack is closed. What was sampled meanwhile is kept.
+  /// std::runtime_error if the rack is closed, and what a device in Python threw. What was sampled
+  /// meanwhile is kept.
   template <typename Work>
   auto held(Work&& work) {
     const nanobind::gil_scoped_release released;
-    return held_without_interpreter(std::forward<Work>(work));
+    if constexpr (std::is_void_v<decltype(work())>) {
+      held_without_interpreter(std::forward<Work>(work));
+      failure_->raise();
+    } else {
+      auto result = held_without_interpreter(std::forward<Work>(work));
+      failure_->raise();
+      return result;
+    }
   }
-  /// The same for threads that do not hold the interpreter.
+  /// The same for threads that do not hold the interpreter, and without what devices threw.
   template <typename Work>
   auto held_without_interpreter(Work&& work) {
     const Holding holding(*this);
     return work();
   }
+
+  /// Waits, without the interpreter's lock and without holding the rack, until `reached`, which is
+  /// asked while the rack is held, or until `duration` of the machine's time is over. False: it is
+  /// over, or the rack is closed.
+  bool wait_until(const std::function<bool()>& reached, std::chrono::nanoseconds duration);
+  /// Has all who wait ask again.
+  void notify() { changed_.notify_all(); }
 
   /// Lets simulated time pass; with links or while paced it waits for it to pass. Returns early
   /// when a signal such as Ctrl-C has come, which the caller has to look for. Without the
@@ -118,7 +138,7 @@ class Session {
 
    private:
     Session& session_;
-    std::scoped_lock<std::mutex> lock_;
+    std::unique_lock<std::mutex> lock_;
   };
 
   void record(const Options& options);
@@ -130,6 +150,7 @@ class Session {
   void keep_samples();
 
   rack::RackConfiguration configuration_;
+  std::shared_ptr<DeviceFailure> failure_;
   std::optional<bench::Bench> bench_;
   // With links, in the order in which they need each other.
   std::unique_ptr<rack::EventLog> log_;
@@ -138,7 +159,8 @@ class Session {
   std::vector<std::weak_ptr<Guest>> guests_;
   std::vector<product::Signal> all_signals_;  ///< empty until somebody asks
   std::optional<SignalStore> signals_;
-  std::mutex mutex_;  ///< of all above; threads of a runner share its own beside
+  std::mutex mutex_;                 ///< of all above; threads of a runner share its own beside
+  std::condition_variable changed_;  ///< somebody held the rack
   std::mutex pacing_mutex_;
   std::condition_variable pacing_ends_;
   std::thread pacing_thread_;

@@ -136,17 +136,22 @@ nb::object to_python(dictionary::DataType type, std::span<const std::byte> value
 }
 
 std::vector<std::byte> to_bytes(const dictionary::Entry& entry, nb::handle value) {
+  return to_bytes(
+      entry.type(), value,
+      fmt::format("{:04X}h:{:02X} \"{}\"", entry.index(), entry.subindex(), entry.name()));
+}
+
+std::vector<std::byte> to_bytes(dictionary::DataType type, nb::handle value,
+                                const std::string& what) {
   if (nb::isinstance<nb::bytes>(value)) {
     return to_vector(nb::cast<nb::bytes>(value));
   }
-  const std::string what =
-      fmt::format("{:04X}h:{:02X} \"{}\"", entry.index(), entry.subindex(), entry.name());
   const std::optional<dictionary::Content> content = content_of(value, what);
-  auto bytes = content ? dictionary::encode(entry.type(), *content) : std::nullopt;
+  auto bytes = content ? dictionary::encode(type, *content) : std::nullopt;
   if (!bytes) {
     throw nb::value_error(fmt::format("{} is no value of the type {} of {}",
                                       nb::cast<std::string>(nb::repr(value)),
-                                      dictionary::to_text(entry.type()).view(), what)
+                                      dictionary::to_text(type).view(), what)
                               .c_str());
   }
   return std::move(*bytes);

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <nanobind/nanobind.h>
@@ -23,6 +24,10 @@ namespace stator::python {
 /// what is no value of the entry's type.
 [[nodiscard]] std::vector<std::byte> to_bytes(const dictionary::Entry& entry,
                                               nanobind::handle value);
+
+/// The same for a type; `what` names the value in messages.
+[[nodiscard]] std::vector<std::byte> to_bytes(dictionary::DataType type, nanobind::handle value,
+                                              const std::string& what);
 
 [[nodiscard]] nanobind::bytes to_python(std::span<const std::byte> bytes);
 [[nodiscard]] std::vector<std::byte> to_vector(const nanobind::bytes& bytes);

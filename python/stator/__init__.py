@@ -6,6 +6,7 @@ its own units. Equal programs give equal results, to the last bit, as long as si
 
 from __future__ import annotations
 
+from ._devices import CanOpenDevice, EtherCatDevice, Object, OwnDevice, Value, record
 from ._errors import Error, MasterError, ObjectRefused, RackFileError, TimeLimitReached
 from ._native import (
     Drive,
@@ -27,10 +28,12 @@ __version__: str = version
 __all__ = [
     "Axis",
     "Bus",
+    "CanOpenDevice",
     "Device",
     "Drive",
     "Emergency",
     "Error",
+    "EtherCatDevice",
     "EtherCatMaster",
     "Event",
     "Fault",
@@ -39,8 +42,10 @@ __all__ = [
     "Line",
     "MappedEntry",
     "MasterError",
+    "Object",
     "ObjectRefused",
     "Objects",
+    "OwnDevice",
     "Rack",
     "RackFileError",
     "Segment",
@@ -49,4 +54,6 @@ __all__ = [
     "Slave",
     "TimeLimitReached",
     "TmclReply",
+    "Value",
+    "record",
 ]

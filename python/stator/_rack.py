@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import difflib
 import io
 from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
@@ -10,9 +11,11 @@ from types import TracebackType
 from typing import Any
 
 from . import _native
+from ._devices import OwnDevice, Value
 from ._errors import Error
 
-Value = bool | int | float | str | bytes
+#: Simulated seconds that pass in another thread before this one's tasks can end it.
+_SLICE = 0.05
 Source = str | PathLike[str] | Mapping[str, Any]
 
 
@@ -184,6 +187,11 @@ class Device:
         """Of a CANopen device; None: it is none."""
         return _native.node_id(self.native)
 
+    @property
+    def own(self) -> Any:
+        """The instance of a class of devices of one's own; None: it is a product of Stator's."""
+        return self.native.own
+
     def eds(self) -> DataSheet:
         """The electronic data sheet of a CANopen device, as python-canopen takes one: ``network.add_node(1, device.eds())``."""
         return DataSheet(_native.eds(self.native), f"{self.name}.eds")
@@ -283,6 +291,8 @@ class Rack(Mapping[str, Device]):
         signals: names of signals that are recorded from the beginning, with ``*`` as wild card; () records none.
         period: simulated seconds between two samples of them.
         changes: "PATH=VALUE" each, as ``--set`` of commands has them, e.g. "x.axis[0].load.inertia=2e-4".
+        products: classes of devices of one's own (:class:`stator.EtherCatDevice`, :class:`stator.CanOpenDevice`), whose
+            types the source may name beside those of Stator.
 
     Raises:
         RackFileError: the source has a mistake; the text says where and what to do.
@@ -301,8 +311,9 @@ class Rack(Mapping[str, Device]):
         signals: Sequence[str] = ("*",),
         period: float = 0.001,
         changes: Sequence[str] = (),
+        products: Sequence[type[OwnDevice]] = (),
     ) -> None:
-        self.native = _native.Rack(source, links, limit, list(signals), period, list(changes))
+        self.native = _native.Rack(source, links, limit, list(signals), period, list(changes), tuple(products))
         self._names = self.native.device_names()
         self._devices: dict[str, Device] = {}
         self._listeners: list[Callable[[], None]] = []
@@ -390,6 +401,21 @@ class Rack(Mapping[str, Device]):
             if self.native.now >= end:
                 return False
             self.run(1e-9)
+        return True
+
+    async def run_async(self, seconds: float) -> None:
+        """As :meth:`run`, in another thread, while the tasks of this one's event loop go on; it can be cancelled."""
+        end = self.now + seconds
+        while (left := end - self.now) > 0:
+            await asyncio.to_thread(self.run, min(left, _SLICE))
+
+    async def wait_until_async(self, condition: Callable[[], object], limit: float) -> bool:
+        """As :meth:`wait_until`, while other tasks go on: ``condition()`` is asked in this thread, after each cycle."""
+        end = self.now + limit
+        while not condition():
+            if self.now >= end:
+                return False
+            await asyncio.to_thread(self.run, 1e-9)
         return True
 
     def start(self, speed: float = 1.0) -> None:

@@ -12,7 +12,6 @@ handled all frames. While the rack follows the machine's clock (``start()``, or 
 from __future__ import annotations
 
 import threading
-import time
 from typing import Any
 
 import can
@@ -21,8 +20,8 @@ from can import CanOperationError, Message
 from . import _rack
 from ._errors import Error
 
-#: How long a thread waits before it looks again whether a frame has come without anybody having said so.
-_LOOK = 0.005
+#: Simulated seconds that no rack comes to.
+_FOR_EVER = 9e9
 #: How long settle() waits for a thread that does not come back, e.g. since a listener waits for this one.
 _PATIENCE = 30.0
 
@@ -53,9 +52,6 @@ class Bus(can.BusABC):
         self.channel_info = f"CAN bus {channel.name} of {self._rack!r}"
         self._can_protocol = can.CanProtocol.CAN_20
         self._owner = threading.get_ident()
-        self._changed = threading.Condition()
-        self._reader: int | None = None  # a thread other than the owner that takes frames
-        self._reader_waits = False  # it has handled what it took
         self._open = True
         self._rack._listeners.append(self._settle)
         super().__init__(channel=channel.name, can_filters=can_filters, **kwargs)
@@ -68,15 +64,6 @@ class Bus(can.BusABC):
             self._port.send(msg.arbitration_id, bytes(msg.data), msg.is_extended_id, msg.is_remote_frame, msg.dlc)
         except Error as error:
             raise CanOperationError(str(error)) from error
-        with self._changed:
-            self._changed.notify_all()
-
-    def _take(self) -> Message | None:
-        try:
-            taken = self._port.receive()
-        except Error as error:
-            raise CanOperationError(str(error)) from error
-        return None if taken is None else self._message(taken)
 
     @staticmethod
     def _message(taken: tuple[float, int, bytes, bool, bool, int, bool]) -> Message:
@@ -93,54 +80,19 @@ class Bus(can.BusABC):
         )
 
     def _recv_internal(self, timeout: float | None) -> tuple[Message | None, bool]:
-        if threading.get_ident() == self._owner:
-            return self._receive_as_owner(timeout), False
-        return self._receive_as_reader(timeout), False
-
-    def _receive_as_owner(self, timeout: float | None) -> Message | None:
-        if self._rack.native.running or timeout == 0:
-            return self._wait(timeout)
+        owns = threading.get_ident() == self._owner
         try:
-            taken = self._port.receive_within(9e9 if timeout is None else timeout)
+            if not owns or timeout == 0 or self._rack.native.running:
+                taken = self._port.wait(timeout, not owns)
+            else:
+                taken = self._port.receive_within(_FOR_EVER if timeout is None else timeout)
         except Error as error:
             raise CanOperationError(str(error)) from error
-        return None if taken is None else self._message(taken)
-
-    def _receive_as_reader(self, timeout: float | None) -> Message | None:
-        with self._changed:
-            self._reader = threading.get_ident()
-            self._reader_waits = True
-            self._changed.notify_all()
-        message = self._wait(timeout)
-        with self._changed:
-            self._reader_waits = message is None
-        return message
-
-    def _wait(self, timeout: float | None) -> Message | None:
-        end = None if timeout is None else time.monotonic() + timeout
-        while self._open:
-            with self._changed:
-                message = self._take()
-                if message is not None:
-                    self._reader_waits = False
-                    return message
-                left = _LOOK if end is None else min(_LOOK, end - time.monotonic())
-                if left <= 0:
-                    return None
-                self._changed.wait(left)
-        return None
+        return None if taken is None else self._message(taken), False
 
     def _settle(self) -> None:
         """Waits until the thread that takes frames, if there is one, has handled all that have come."""
-        if self._reader is None or self._reader == threading.get_ident():
-            return
-        end = time.monotonic() + _PATIENCE
-        with self._changed:
-            self._changed.notify_all()
-            while self._open and time.monotonic() < end:
-                if self._reader_waits and self._port.waiting == 0:
-                    return
-                self._changed.wait(_LOOK)
+        self._port.settle(_PATIENCE)
 
     def shutdown(self) -> None:
         """Leaves the bus."""
@@ -149,8 +101,6 @@ class Bus(can.BusABC):
             if self._settle in self._rack._listeners:
                 self._rack._listeners.remove(self._settle)
             self._port.close()
-            with self._changed:
-                self._changed.notify_all()
         super().shutdown()
 
 
