@@ -94,6 +94,11 @@ def section_of(name, tree):
     return [f"## {name}", "", "```python", ast.unparse(tree), "```", ""]
 
 
+def anchor(name):
+    """Of a heading, as Sphinx makes it."""
+    return name.lower().replace("_", "-")
+
+
 class Package:
     """The package's sources, and the stub of the extension module."""
 
@@ -149,7 +154,7 @@ def write(root, stub, pages):
             tree = package.find(module, name)
             if tree is not None and not name.startswith("_"):
                 lines += section_of(name, tree)
-                pages.entry(f"{module}.{name}", "Python", page, name)
+                pages.entry(f"{module}.{name}", "Python", page, anchor(name))
         pages.write(page, "\n".join(lines))
         names.append(page)
     lines = [

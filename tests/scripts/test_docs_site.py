@@ -259,9 +259,13 @@ class PythonPackage(InAFolder):
         self.assertIn("run(seconds: float) -> None", page)
         self.assertIn("## Slave\n\n```python\nclass Slave\n```\n\nA slave.", page)
         self.assertNotIn("hidden", page)
-        self.assertIn(["stator.Slave", "Python", "python/stator", "Slave"], pages.entries)
+        self.assertIn(["stator.Slave", "Python", "python/stator", "slave"], pages.entries)
         plugin = (pages.folder / "python/stator.pytest_plugin.md").read_text(encoding="utf-8")
         self.assertIn("## stator_rack", plugin)
+        self.assertEqual(
+            pages.entries[-1],
+            ["stator.pytest_plugin.stator_rack", "Python", "python/stator.pytest_plugin", "stator-rack"],
+        )
         self.assertNotIn("configure", plugin)
 
 
