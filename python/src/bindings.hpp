@@ -21,6 +21,8 @@ void bind_can(nanobind::module_& module);
 void bind_networks(nanobind::module_& module);
 /// How devices in Python reach what is theirs.
 void bind_own_devices(nanobind::module_& module);
+/// Scenarios and what they come to.
+void bind_scenarios(nanobind::module_& module);
 /// Axes that programs learn to control, on which stator.gymnasium is built.
 void bind_environments(nanobind::module_& module);
 

@@ -1,5 +1,6 @@
 #include "errors.hpp"
 
+#include <string>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -72,6 +73,8 @@ void translate(const std::exception_ptr& thrown, void* /*payload*/) {
   } catch (const rack::RackFileError& error) {
     const settings::Problem& problem = error.problem();
     set_error("RackFileError", error.what(), problem.file(), problem.line());
+  } catch (const RackFileMistakes& mistakes) {
+    set_error("RackFileError", mistakes.what(), mistakes.first().file(), mistakes.first().line());
   } catch (const bench::TimeLimitReached& reached) {
     set_error("TimeLimitReached", fmt::format("the rack's limit of {:g} s of simulated time is "
                                               "reached; give it a larger one, limit=SECONDS",
@@ -82,7 +85,18 @@ void translate(const std::exception_ptr& thrown, void* /*payload*/) {
   }
 }
 
+std::string text_of(const std::vector<settings::Problem>& mistakes) {
+  std::string text;
+  for (const settings::Problem& mistake : mistakes) {
+    text += (text.empty() ? "" : "\n") + mistake.text();
+  }
+  return text;
+}
+
 }  // namespace
+
+RackFileMistakes::RackFileMistakes(const std::vector<settings::Problem>& mistakes)
+    : std::runtime_error(text_of(mistakes)), first_(mistakes.front()) {}
 
 ObjectRefusal refusal(const dictionary::Refusal& refused) {
   if (refused.rule == nullptr) {

@@ -4,11 +4,13 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <nanobind/nanobind.h>
 
 #include "stator/dictionary/refusal.hpp"
 #include "stator/master/error.hpp"
+#include "stator/settings/problem.hpp"
 
 namespace stator::python {
 
@@ -32,6 +34,17 @@ class ObjectRefusal : public std::runtime_error {
 
  private:
   dictionary::AbortCode code_;
+};
+
+/// stator.RackFileError with the sentences of all mistakes and the place of the first.
+class RackFileMistakes : public std::runtime_error {
+ public:
+  /// `mistakes` has at least one.
+  explicit RackFileMistakes(const std::vector<settings::Problem>& mistakes);
+  [[nodiscard]] const settings::Problem& first() const { return first_; }
+
+ private:
+  settings::Problem first_;
 };
 
 /// The value of a result. Throws MasterFailure.

@@ -23,5 +23,6 @@ NB_MODULE(_native, module) {
   stator::python::bind_can(module);
   stator::python::bind_networks(module);
   stator::python::bind_own_devices(module);
+  stator::python::bind_scenarios(module);
   stator::python::bind_environments(module);
 }

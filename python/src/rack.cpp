@@ -17,17 +17,15 @@
 #include <nanobind/stl/vector.h>
 
 #include "bindings.hpp"
+#include "configuration.hpp"
 #include "errors.hpp"
+#include "event_record.hpp"
 #include "own_device.hpp"
 #include "session.hpp"
 #include "signal_handle.hpp"
-#include "stator/base/event.hpp"
-#include "stator/base/severity_text.hpp"
 #include "stator/devices/catalogue/products.hpp"
-#include "stator/product/catalogue/product.hpp"
 #include "stator/rack/faults/faults.hpp"
 #include "stator/rack/file/fault_section.hpp"
-#include "stator/rack/file/rack_file.hpp"
 #include "stator/rack/networks/can_network.hpp"
 #include "stator/rack/networks/serial_line.hpp"
 #include "values.hpp"
@@ -41,16 +39,6 @@ namespace {
 
 using SessionPointer = std::shared_ptr<Session>;
 
-/// An event as Python sees it.
-struct Event {
-  std::uint64_t number = 0;
-  double time = 0.0;
-  std::string severity;
-  std::string id;
-  std::string device;
-  std::string text;
-};
-
 struct Fault {
   std::uint64_t id = 0;
   std::string name;
@@ -59,23 +47,6 @@ struct Fault {
   std::string state;
   std::string remaining;
 };
-
-/// The rack that a path, the type of a product or a mapping describes.
-rack::RackConfiguration configuration_of(nb::handle source, const product::Catalogue& catalogue,
-                                         const std::vector<std::string>& changes) {
-  if (nb::isinstance<nb::str>(source) || nb::hasattr(source, "__fspath__")) {
-    const auto path = nb::cast<std::string>(nb::str(
-        nb::isinstance<nb::str>(source) ? nb::borrow(source) : source.attr("__fspath__")()));
-    const nb::gil_scoped_release released;
-    if (catalogue.find(path) != nullptr) {
-      return rack::load_single_device(path, catalogue, changes);
-    }
-    return rack::load_rack_file(path, catalogue, changes);
-  }
-  settings::Table table = to_table(source);
-  const nb::gil_scoped_release released;
-  return rack::read_rack_tree(settings::Value(std::move(table)), "", catalogue, changes);
-}
 
 SessionPointer make_session(nb::handle source, bool links, std::optional<double> limit,
                             const std::vector<std::string>& signals, double period,
@@ -91,23 +62,6 @@ SessionPointer make_session(nb::handle source, bool links, std::optional<double>
   options.period = duration_of(period, "period");
   const nb::gil_scoped_release released;
   return std::make_shared<Session>(std::move(configuration), options);
-}
-
-std::vector<Event> events_of(Session& session, std::uint64_t after) {
-  return session.held([&session, after] {
-    std::vector<Event> events;
-    const rack::EventLog& log = session.log();
-    log.visit(after, [&](std::uint64_t number, const base::Event& event) {
-      events.push_back({.number = number,
-                        .time = event.time.seconds(),
-                        .severity = std::string(base::to_text(event.rule->severity)),
-                        .id = std::string(event.rule->id.view()),
-                        .device = log.device_name(event),
-                        .text = base::to_sentence(event)});
-      return true;
-    });
-    return events;
-  });
 }
 
 std::uint64_t inject(Session& session, nb::handle keys) {
@@ -157,15 +111,15 @@ std::vector<std::pair<std::string, std::string>> signal_names(Session& session) 
 }
 
 void bind_values(nb::module_& module) {
-  nb::class_<Event>(module, "Event", "Something that a device or a network had to say.")
-      .def_ro("number", &Event::number, "Counted from 1 since the rack began.")
-      .def_ro("time", &Event::time, "Simulated time, s.")
-      .def_ro("severity", &Event::severity,
+  nb::class_<EventRecord>(module, "Event", "Something that a device or a network had to say.")
+      .def_ro("number", &EventRecord::number, "Counted from 1 since the rack began.")
+      .def_ro("time", &EventRecord::time, "Simulated time, s.")
+      .def_ro("severity", &EventRecord::severity,
               "\"information\", \"refusal\", \"warning\" or \"fault\".")
-      .def_ro("id", &Event::id, "Of its kind, for programs, e.g. \"al-sm-length\".")
-      .def_ro("device", &Event::device, "Name of the device or bus.")
-      .def_ro("text", &Event::text, "What happened and what to do about it, in a sentence.")
-      .def("__repr__", [](const Event& event) {
+      .def_ro("id", &EventRecord::id, "Of its kind, for programs, e.g. \"al-sm-length\".")
+      .def_ro("device", &EventRecord::device, "Name of the device or bus.")
+      .def_ro("text", &EventRecord::text, "What happened and what to do about it, in a sentence.")
+      .def("__repr__", [](const EventRecord& event) {
         return fmt::format("<Event {:.6f} s {} {}: {}>", event.time, event.device, event.id,
                            event.text);
       });
@@ -251,7 +205,12 @@ void bind_racks(nb::module_& module) {
             });
           },
           "Samples that found no room while one call let much time pass.")
-      .def("events", &events_of, "after"_a = 0, "Events with a higher number, the oldest first.")
+      .def(
+          "events",
+          [](Session& self, std::uint64_t after) {
+            return self.held([&self, after] { return events_of(self.log(), after); });
+          },
+          "after"_a = 0, "Events with a higher number, the oldest first.")
       .def(
           "event_count",
           [](Session& self, const std::string& id) {

@@ -16,12 +16,15 @@ from ._native import (
     Fault,
     InputInfo,
     MappedEntry,
+    ScenarioCurve,
+    ScenarioReport,
+    ScenarioStep,
     Signal,
     Slave,
     TmclReply,
     version,
 )
-from ._rack import Axis, Bus, Device, Inputs, Line, Objects, Rack, Segment, Signals
+from ._rack import Axis, Bus, Device, Inputs, Line, Objects, Rack, Segment, Signals, run_scenario
 
 __version__: str = version
 
@@ -48,6 +51,9 @@ __all__ = [
     "OwnDevice",
     "Rack",
     "RackFileError",
+    "ScenarioCurve",
+    "ScenarioReport",
+    "ScenarioStep",
     "Segment",
     "Signal",
     "Signals",
@@ -56,4 +62,5 @@ __all__ = [
     "TmclReply",
     "Value",
     "record",
+    "run_scenario",
 ]

@@ -452,6 +452,18 @@ class Rack(Mapping[str, Device]):
         """Ends the fault of that number, or all; returns how many ended."""
         return self.native.clear_faults(number)
 
+    def run_scenario(self, source: Source, *, changes: Sequence[str] = ()) -> _native.ScenarioReport:
+        """Runs the steps of a scenario on this rack, from the present moment; what the scenario says of a rack is not read.
+
+        Args:
+            source: path of a scenario file, or a mapping with the keys of one.
+            changes: "PATH=VALUE" each, of keys of the scenario, e.g. "step[3].target=0".
+
+        Lockstep only; :func:`stator.run_scenario` builds a rack for it. What is wrong with the scenario is a
+        :class:`~stator.RackFileError`; a step that fails is one in the report.
+        """
+        return _native.run_scenario_on(self.native, source, list(changes))
+
     def forget_signals(self) -> None:
         """Drops all recorded samples so far; arrays that were taken stay."""
         self.native.forget_signals()
@@ -491,4 +503,23 @@ class Rack(Mapping[str, Device]):
         return self is other
 
 
-__all__ = ["Axis", "Bus", "Device", "Error", "Inputs", "Line", "Objects", "Rack", "Segment", "Signals"]
+def run_scenario(source: Source, *, changes: Sequence[str] = ()) -> _native.ScenarioReport:
+    """Runs a scenario on a rack of its own, as ``stator test`` does, with the same result.
+
+    Args:
+        source: path of a scenario file, or a mapping with the keys of one. The rack it names is beside the file.
+        changes: "PATH=VALUE" each, as ``--set`` of ``stator test`` has them: "step[3].target=0" is of the scenario, others
+            are of its rack.
+
+    Returns:
+        What it came to: the steps with what they saw, events, and curves of the signals it names. A step that fails is no
+        exception; ``run_scenario(file).require()`` makes a test of it.
+
+    Raises:
+        RackFileError: the scenario has mistakes; the text has a sentence for each.
+        Error: its rack cannot be built.
+    """
+    return _native.run_scenario(source, list(changes))
+
+
+__all__ = ["Axis", "Bus", "Device", "Error", "Inputs", "Line", "Objects", "Rack", "Segment", "Signals", "run_scenario"]

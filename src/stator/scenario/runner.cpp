@@ -1,8 +1,10 @@
 #include "stator/scenario/runner.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <exception>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -19,8 +21,69 @@ namespace {
 constexpr std::int64_t kPlotRows = 20'000;
 constexpr std::size_t kEventsTold = 20;
 
+Outcome limit_reached(base::SimDuration limit) {
+  return fail(
+      fmt::format("the scenario's limit of {} of simulated time is reached; raise "
+                  "\"limit\" if it needs more",
+                  duration_text(limit)));
+}
+
+Outcome run_action(const Step& step, bench::Bench& bench, base::SimDuration limit) {
+  try {
+    return step.action(bench);
+  } catch (const bench::TimeLimitReached& reached) {
+    return reached.limit == limit
+               ? limit_reached(limit)
+               : fail(fmt::format("the rack's limit of {} of simulated time is reached",
+                                  duration_text(reached.limit)));
+  } catch (const std::exception& error) {
+    return fail(error.what());
+  }
+}
+
+std::vector<std::string> last_events(const rack::EventLog& log) {
+  std::vector<std::string> lines;
+  const std::uint64_t total = log.total();
+  log.visit(total - std::min<std::uint64_t>(total, kEventsTold),
+            [&](std::uint64_t, const base::Event& event) {
+              lines.push_back(fmt::format("{:12.6f} s  {}", event.time.seconds(), log.line(event)));
+              return true;
+            });
+  return lines;
+}
+
+/// The result before the first step.
+ScenarioResult not_begun(const Scenario& scenario) {
+  ScenarioResult result{scenario.file, scenario.name, scenario.summary};
+  for (const Step& step : scenario.steps) {
+    result.steps.push_back({step.line, step.kind, step.title});
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string_view to_text(Status status) {
+  switch (status) {
+    case Status::passed:
+      return "passed";
+    case Status::failed:
+      return "failed";
+    case Status::not_run:
+      return "not run";
+    case Status::error:
+      return "error";
+  }
+  return "?";
+}
+
+const StepResult* ScenarioResult::failed_step() const {
+  const auto found = std::ranges::find(steps, Status::failed, &StepResult::status);
+  return found != steps.end() ? &*found : nullptr;
+}
+
 /// Samples what is to be drawn while a scenario runs.
-class PlotSampler {
+class ScenarioRun::PlotSampler {
  public:
   PlotSampler(bench::Bench& bench, const Scenario& scenario) : bench_(bench) {
     if (scenario.plots.empty()) {
@@ -58,86 +121,61 @@ class PlotSampler {
   std::unique_ptr<rack::SignalTap> tap_;
 };
 
-Outcome run_action(const Step& step, bench::Bench& bench) {
-  try {
-    return step.action(bench);
-  } catch (const bench::TimeLimitReached& reached) {
-    return fail(
-        fmt::format("the scenario's limit of {} of simulated time is reached; raise "
-                    "\"limit\" if it needs more",
-                    duration_text(reached.limit)));
-  } catch (const std::exception& error) {
-    return fail(error.what());
+ScenarioRun::ScenarioRun(const Scenario& scenario, bench::Bench& bench)
+    : scenario_(scenario),
+      bench_(bench),
+      sampler_(std::make_unique<PlotSampler>(bench, scenario)),
+      result_(not_begun(scenario)) {
+  result_.begin = bench.now();
+}
+
+ScenarioRun::~ScenarioRun() = default;
+
+bool ScenarioRun::step() {
+  if (result_.status != Status::passed || next_ >= scenario_.steps.size()) {
+    return false;
   }
-}
-
-void run_steps(const Scenario& scenario, bench::Bench& bench, ScenarioResult& result) {
-  for (std::size_t i = 0; i < scenario.steps.size() && result.status == Status::passed; ++i) {
-    const Step& step = scenario.steps[i];
-    StepResult& step_result = result.steps[i];
-    if (!step.looks) {
-      bench.begin_deed();
-    }
-    step_result.begin = bench.now();
-    Outcome outcome = run_action(step, bench);
-    step_result.end = bench.now();
-    step_result.status = outcome.passed ? Status::passed : Status::failed;
-    step_result.text = std::move(outcome.text);
-    result.status = step_result.status;
+  const Step& step = scenario_.steps[next_];
+  StepResult& step_result = result_.steps[next_++];
+  if (!step.looks) {
+    bench_.begin_deed();
   }
-}
-
-std::vector<std::string> last_events(const rack::EventLog& log) {
-  std::vector<std::string> lines;
-  const std::uint64_t total = log.total();
-  log.visit(total - std::min<std::uint64_t>(total, kEventsTold),
-            [&](std::uint64_t, const base::Event& event) {
-              lines.push_back(fmt::format("{:12.6f} s  {}", event.time.seconds(), log.line(event)));
-              return true;
-            });
-  return lines;
-}
-
-}  // namespace
-
-std::string_view to_text(Status status) {
-  switch (status) {
-    case Status::passed:
-      return "passed";
-    case Status::failed:
-      return "failed";
-    case Status::not_run:
-      return "not run";
-    case Status::error:
-      return "error";
+  step_result.begin = bench_.now();
+  Outcome outcome = run_action(step, bench_, scenario_.limit);
+  step_result.end = bench_.now();
+  // A bench that was there before may have another limit.
+  if (outcome.passed && step_result.end - result_.begin > scenario_.limit) {
+    outcome = limit_reached(scenario_.limit);
   }
-  return "?";
+  step_result.status = outcome.passed ? Status::passed : Status::failed;
+  step_result.text = std::move(outcome.text);
+  result_.status = step_result.status;
+  return outcome.passed;
 }
 
-const StepResult* ScenarioResult::failed_step() const {
-  const auto found = std::ranges::find(steps, Status::failed, &StepResult::status);
-  return found != steps.end() ? &*found : nullptr;
+ScenarioResult ScenarioRun::result() const {
+  ScenarioResult result = result_;
+  result.end = bench_.now();
+  result.plots = sampler_->series();
+  if (result.status != Status::passed) {
+    result.events = last_events(bench_.log());
+  }
+  return result;
 }
 
 ScenarioResult run(const Scenario& scenario) {
-  ScenarioResult result{scenario.file, scenario.name, scenario.summary};
-  for (const Step& step : scenario.steps) {
-    result.steps.push_back({step.line, step.kind, step.title});
-  }
   try {
     bench::Bench bench(scenario.rack, scenario.limit);
-    const PlotSampler sampler(bench, scenario);
-    run_steps(scenario, bench, result);
-    result.end = bench.now();
-    result.plots = sampler.series();
-    if (result.status != Status::passed) {
-      result.events = last_events(bench.log());
+    ScenarioRun run(scenario, bench);
+    while (run.step()) {
     }
+    return run.result();
   } catch (const std::exception& error) {
+    ScenarioResult result = not_begun(scenario);
     result.status = Status::error;
     result.error = error.what();
+    return result;
   }
-  return result;
 }
 
 ScenarioResult unreadable(const Scenario& scenario, const std::vector<settings::Problem>& errors) {

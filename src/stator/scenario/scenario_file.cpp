@@ -35,11 +35,14 @@ struct File {
   rack::Changes changes{};  ///< of a rack that is not in this file
   Scenario scenario{};
   std::optional<std::string> product{};
-  bool has_rack = false;
+  bool has_rack = false;  ///< it was read, or is there already
   std::optional<base::SimDuration> cycle{};
 };
 
 void read_product(const KeyWords& key, Reader& reader, File& file) {
+  if (file.has_rack) {
+    return;
+  }
   std::set<std::string> types;
   for (const auto& product : file.catalogue->products()) {
     types.insert(product->identity().type);
@@ -74,6 +77,9 @@ void load_rack(Reader& reader, File& file, const std::optional<std::string>& pat
 
 /// The rack under test: a product as it leaves its box, a rack file, or tables of one.
 void read_rack(const KeyWords& key, Reader& reader, File& file) {
+  if (file.has_rack) {
+    return;
+  }
   if (file.product) {
     load_rack(reader, file, std::nullopt);
     return;
@@ -171,6 +177,32 @@ std::vector<std::string> apply_own_changes(rack::Changes changes, settings::Valu
   return others;
 }
 
+void read_file(const settings::Value& tree, const std::string& name, File& file,
+               settings::Problems& problems) {
+  file.scenario.file = name;
+  file.scenario.name = std::filesystem::path(name).stem().string();
+  try {
+    const settings::Reading reading{problems, &rack::system_files(), name};
+    Reader root(reading, "the scenario", tree);
+    settings::read_keys(kFileKeys, root, file);
+    file.scenario.rack.cycle = file.cycle.value_or(file.scenario.rack.cycle);
+    if (file.has_rack) {
+      root.finish();
+    }
+  } catch (const rack::RackFileError& error) {
+    problems.list.push_back(error.problem());
+  }
+}
+
+/// A scenario file of which nothing was read.
+ScenarioRead unread(const std::string& name, const rack::RackFileError& error) {
+  ScenarioRead read;
+  read.scenario.file = name;
+  read.scenario.name = std::filesystem::path(name).stem().string();
+  read.errors.push_back(error.problem());
+  return read;
+}
+
 }  // namespace
 
 settings::TableDescription describe_scenario_file(const product::Catalogue& catalogue) {
@@ -186,25 +218,42 @@ settings::TableDescription describe_scenario_file(const product::Catalogue& cata
 
 ScenarioRead parse_scenario(std::string_view text, const std::string& name,
                             const product::Catalogue& catalogue, rack::Changes changes) {
+  try {
+    return read_scenario_tree(rack::parse_rack_tree(text, name), name, catalogue, changes);
+  } catch (const rack::RackFileError& error) {
+    return unread(name, error);
+  }
+}
+
+ScenarioRead read_scenario_tree(settings::Value tree, const std::string& name,
+                                const product::Catalogue& catalogue, rack::Changes changes) {
   File file{.catalogue = &catalogue};
-  file.scenario.file = name;
   settings::Problems problems;
   problems.everything = true;
-  try {
-    settings::Value tree = rack::parse_rack_tree(text, name);
-    const auto of_rack = apply_own_changes(changes, tree, problems);
-    const settings::Reading reading{problems, &rack::system_files(), name};
-    Reader root(reading, "the scenario", tree);
-    file.changes = of_rack;
-    file.scenario.name = std::filesystem::path(name).stem().string();
-    settings::read_keys(kFileKeys, root, file);
-    file.scenario.rack.cycle = file.cycle.value_or(file.scenario.rack.cycle);
-    if (file.has_rack) {
-      root.finish();
-    }
-  } catch (const rack::RackFileError& error) {
-    problems.list.push_back(error.problem());
+  const auto of_rack = apply_own_changes(changes, tree, problems);
+  file.changes = of_rack;
+  read_file(tree, name, file, problems);
+  return {std::move(file.scenario), std::move(problems.list)};
+}
+
+ScenarioRead read_scenario_tree(settings::Value tree, const std::string& name,
+                                const rack::RackConfiguration& configuration,
+                                rack::Changes changes) {
+  File file{.has_rack = true};
+  file.scenario.rack = configuration;
+  settings::Problems problems;
+  problems.everything = true;
+  auto* const root = tree.find<settings::Table>();
+  for (const char* const key : {"rack", "product", "cycle"}) {
+    root->erase(key);
   }
+  for (const std::string& change : apply_own_changes(changes, tree, problems)) {
+    problems.list.emplace_back(
+        fmt::format("--set {}: the rack is there already, so only keys of the scenario can be "
+                    "changed; build the rack with this change",
+                    change));
+  }
+  read_file(tree, name, file, problems);
   return {std::move(file.scenario), std::move(problems.list)};
 }
 
@@ -213,11 +262,7 @@ ScenarioRead read_scenario_file(const std::string& path, const product::Catalogu
   try {
     return parse_scenario(rack::read_rack_text(path, "scenario file"), path, catalogue, changes);
   } catch (const rack::RackFileError& error) {
-    ScenarioRead read;
-    read.scenario.file = path;
-    read.scenario.name = std::filesystem::path(path).stem().string();
-    read.errors.push_back(error.problem());
-    return read;
+    return unread(path, error);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "stator/scenario/scenario.hpp"
 #include "stator/settings/description.hpp"
 #include "stator/settings/problem.hpp"
+#include "stator/settings/value.hpp"
 
 namespace stator::scenario {
 
@@ -37,5 +38,14 @@ inline constexpr std::string_view kScenarioFileTitle = "Scenario file of Stator"
 [[nodiscard]] ScenarioRead parse_scenario(std::string_view text, const std::string& name,
                                           const product::Catalogue& catalogue,
                                           rack::Changes changes = {});
+/// The same for a tree, whoever made it; problems of it name the file `name` where it is not empty.
+[[nodiscard]] ScenarioRead read_scenario_tree(settings::Value tree, const std::string& name,
+                                              const product::Catalogue& catalogue,
+                                              rack::Changes changes = {});
+/// The same for the rack `configuration`, which is there already: what the tree says of a rack, its
+/// keys "rack", "product" and "cycle", is not read, and changes of a rack are problems.
+[[nodiscard]] ScenarioRead read_scenario_tree(settings::Value tree, const std::string& name,
+                                              const rack::RackConfiguration& configuration,
+                                              rack::Changes changes = {});
 
 }  // namespace stator::scenario
