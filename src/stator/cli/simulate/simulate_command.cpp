@@ -1,6 +1,5 @@
 // stator simulate: runs an experiment on a motor with its load and compares it with the motor's
 // equations.
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -8,7 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
+#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -22,12 +21,9 @@
 #include "stator/cli/progress.hpp"
 #include "stator/cli/simulate/simulation_output.hpp"
 #include "stator/cli/temporary_csv.hpp"
+#include "stator/experiment/bench_setup.hpp"
 #include "stator/experiment/experiment.hpp"
-#include "stator/product/catalogue/product.hpp"
-#include "stator/product/device/axis_bench.hpp"
-#include "stator/rack/core/device_making.hpp"
 #include "stator/rack/file/rack_file.hpp"
-#include "stator/settings/words.hpp"
 
 namespace stator::cli {
 
@@ -44,37 +40,6 @@ struct SimulateOptions {
   std::string plot;
   std::string csv;
   std::optional<double> tolerance;
-};
-
-/// What may be changed on the axis without a rack file.
-struct AxisChange {
-  const char* name;
-  const char* unit;
-  const char* help;
-  double minimum;
-  double maximum;
-  double& (*target)(plant::StepperAxisParameters&);
-  double& (*servo_target)(plant::ServoAxisParameters&);
-};
-
-using Axis = plant::StepperAxisParameters;
-using Servo = plant::ServoAxisParameters;
-constexpr std::array kAxisChanges{
-    AxisChange{"supply", "V", "Supply of the power stage", 0.1, 100.0,
-               [](Axis& axis) -> double& { return axis.supply_voltage; },
-               [](Servo& axis) -> double& { return axis.supply_voltage; }},
-    AxisChange{"inertia", "kg m2", "Inertia of the load, at the motor shaft", 0.0, 10.0,
-               [](Axis& axis) -> double& { return axis.load.inertia; },
-               [](Servo& axis) -> double& { return axis.load.inertia; }},
-    AxisChange{"viscous-friction", "N m s/rad", "Viscous friction of the load", 0.0, 10.0,
-               [](Axis& axis) -> double& { return axis.load.viscous_friction; },
-               [](Servo& axis) -> double& { return axis.load.viscous_friction; }},
-    AxisChange{"coulomb-friction", "N m", "Dry friction of the load", 0.0, 1000.0,
-               [](Axis& axis) -> double& { return axis.load.coulomb_friction; },
-               [](Servo& axis) -> double& { return axis.load.coulomb_friction; }},
-    AxisChange{"load-torque", "N m", "Constant torque against forward motion", -1000.0, 1000.0,
-               [](Axis& axis) -> double& { return axis.load.constant_torque; },
-               [](Servo& axis) -> double& { return axis.load.constant_torque; }},
 };
 
 /// The letters of a unit, so that "N m", "Nm" and "N*m" are the same.
@@ -104,123 +69,30 @@ double parse_quantity(const std::string& option, const std::string& text, std::s
   return value;
 }
 
-/// The axis of a device of the rack file.
-experiment::BenchSetup setup_of_device(const rack::DeviceConfiguration& device,
-                                       experiment::MotorKind kind, unsigned axis) {
-  product::Setup copy = device.setup;
-  const std::vector<product::AxisSetup> axes = copy.axes();
-  const product::AxisSetup found = axis < axes.size() ? axes[axis] : product::AxisSetup{};
-  experiment::BenchSetup setup;
-  if (kind == experiment::MotorKind::three_phase) {
-    if (found.servo == nullptr) {
-      throw Failure(fmt::format(
-          "{} has no axis {} with a three-phase motor; see \"stator devices\"", device.name, axis));
-    }
-    setup.servo = *found.servo;
-    return setup;
-  }
-  if (found.stepper == nullptr || found.full_scale_current == 0.0) {
-    throw Failure(fmt::format("{} has no axis {} with a stepper motor; see \"stator devices\"",
-                              device.name, axis));
-  }
-  setup.axis = *found.stepper;
-  setup.full_scale_current = found.full_scale_current;
-  return setup;
-}
-
-/// The axis of the rack file that is asked for; without a name that of the first device on the
-/// network of its kind.
+/// The axis of the rack file that is asked for.
 experiment::BenchSetup setup_from_rack(const SimulateOptions& options, experiment::MotorKind kind) {
-  const rack::RackConfiguration configuration =
-      rack::load_rack_file(options.rack_file, catalogue(), options.rack_changes);
-  std::vector<const rack::DeviceConfiguration*> devices;
-  for (const rack::SegmentConfiguration& segment : configuration.segments) {
-    for (const rack::DeviceConfiguration& device : segment.devices) {
-      devices.push_back(&device);
-    }
-  }
-  const auto first_on_bus = static_cast<std::ptrdiff_t>(devices.size());
-  for (const rack::BusConfiguration& bus : configuration.buses) {
-    for (const rack::DeviceConfiguration& device : bus.devices) {
-      devices.push_back(&device);
-    }
-  }
-  if (kind == experiment::MotorKind::three_phase) {
-    std::rotate(devices.begin(), devices.begin() + first_on_bus, devices.end());
-  }
-  std::set<std::string> names;
-  for (const rack::DeviceConfiguration* device : devices) {
-    names.insert(device->name);
-    if (options.device.empty() || device->name == options.device) {
-      return setup_of_device(*device, kind, options.axis);
-    }
-  }
-  throw Failure(fmt::format("{} has no device \"{}\"; it has: {}", options.rack_file,
-                            options.device, fmt::join(names, ", ")));
-}
-
-/// The motor called `name` of those on `sheets`.
-template <typename Sheets, typename Motor>
-Motor motor_named(const std::string& name, const Sheets& sheets,
-                  const std::optional<Motor>& motor) {
-  if (motor) {
-    return *motor;
-  }
-  std::set<std::string> names;
-  for (const auto& sheet : sheets) {
-    names.emplace(sheet.name);
-  }
-  const std::string guess = settings::closest_match(name, names);
-  throw Failure(fmt::format("motor \"{}\" is not known{}; the motors are: {}", name,
-                            guess.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", guess),
-                            fmt::join(names, ", ")));
-}
-
-void change_motor(const std::string& name, experiment::MotorKind kind,
-                  experiment::BenchSetup& setup) {
-  if (kind == experiment::MotorKind::three_phase) {
-    setup.servo.motor =
-        motor_named(name, plant::three_phase_motor_sheets(), plant::find_three_phase_motor(name));
-  } else {
-    setup.axis.motor =
-        motor_named(name, plant::stepper_motor_sheets(), plant::find_stepper_motor(name));
-  }
-}
-
-/// The first product that can be put on the bench, whatever its axis; null if there is none.
-std::shared_ptr<const product::Product> module_for_bench() {
-  const experiment::BenchSetup any;
-  for (const auto& product : catalogue().products()) {
-    if (product->axis_bench(any.axis, any.full_scale_current) != nullptr) {
-      return product;
-    }
-  }
-  return nullptr;
+  return experiment::setup_of_axis(
+      experiment::bench_devices(
+          rack::load_rack_file(options.rack_file, catalogue(), options.rack_changes)),
+      kind, {.rack = options.rack_file, .device = options.device, .axis = options.axis});
 }
 
 experiment::BenchSetup setup_of(const SimulateOptions& options, experiment::MotorKind kind) {
   experiment::BenchSetup setup =
       options.rack_file.empty() ? experiment::BenchSetup{} : setup_from_rack(options, kind);
   if (!options.motor.empty()) {
-    change_motor(options.motor, kind, setup);
+    experiment::change_motor(options.motor, kind, setup);
   }
-  for (const AxisChange& change : kAxisChanges) {
-    const auto written = options.changes.find(change.name);
-    if (written == options.changes.end() || written->second.empty()) {
-      continue;
+  for (const experiment::AxisQuantity& quantity : experiment::axis_quantities()) {
+    const std::string name(quantity.name);
+    const auto written = options.changes.find(name);
+    if (written != options.changes.end() && !written->second.empty()) {
+      experiment::change_quantity(quantity, parse_quantity(name, written->second, quantity.unit),
+                                  "--" + name, setup);
     }
-    const double value = parse_quantity(change.name, written->second, change.unit);
-    if (value < change.minimum || value > change.maximum) {
-      throw Failure(fmt::format("--{} is {} {}; it must lie in {} .. {}", change.name, value,
-                                change.unit, change.minimum, change.maximum));
-    }
-    const bool against = std::string_view(change.name) == "load-torque";
-    const double signed_value = against ? -value : value;
-    change.target(setup.axis) = signed_value;
-    change.servo_target(setup.servo) = signed_value;
   }
   if (kind == experiment::MotorKind::two_phase) {
-    setup.module = module_for_bench();
+    setup.module = experiment::module_for_bench(catalogue());
   }
   return setup;
 }
@@ -274,9 +146,10 @@ void add_axis_options(CLI::App& command, SimulateOptions& options) {
   command.add_option("-a,--axis", options.axis, "Axis of the device")->capture_default_str();
   command.add_option("--motor", options.motor,
                      "Motor, e.g. QSH5718-55-30-098 or QBL4208-61-04-013");
-  for (const AxisChange& change : kAxisChanges) {
-    command.add_option(fmt::format("--{}", change.name), options.changes[change.name], change.help)
-        ->option_text(change.unit);
+  for (const experiment::AxisQuantity& quantity : experiment::axis_quantities()) {
+    const std::string name(quantity.name);
+    command.add_option("--" + name, options.changes[name], std::string(quantity.help))
+        ->option_text(std::string(quantity.unit));
   }
 }
 

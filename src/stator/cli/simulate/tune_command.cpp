@@ -1,11 +1,9 @@
 // stator tune: measures the motor behind a TMC8670 and computes gains of its controllers for wanted
 // bandwidths.
-#include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -19,9 +17,10 @@
 #include "stator/cli/products.hpp"
 #include "stator/cli/progress.hpp"
 #include "stator/cli/simulate/tune_output.hpp"
+#include "stator/experiment/bench_setup.hpp"
 #include "stator/experiment/tuning/tuner.hpp"
+#include "stator/experiment/tuning/tuning_setup.hpp"
 #include "stator/formats/toml/edit.hpp"
-#include "stator/plant/axes/pwm_axis.hpp"
 #include "stator/product/catalogue/product.hpp"
 #include "stator/product/catalogue/tuning.hpp"
 #include "stator/rack/file/rack_file.hpp"
@@ -30,7 +29,6 @@ namespace stator::cli {
 
 namespace {
 
-using control::foc::MotorType;
 using experiment::tuning::Settings;
 using experiment::tuning::Tuning;
 
@@ -55,52 +53,20 @@ struct Target {
   std::size_t place = 0;
 
   [[nodiscard]] const product::Tuning& tuning() const { return *setup.product().tuning(); }
-  [[nodiscard]] plant::PwmAxisParameters& axis() { return *setup.axes().front().pwm; }
 };
 
 Target target_from_rack(const TuneOptions& options) {
   const rack::RackConfiguration rack =
       rack::load_rack_file(options.target, catalogue(), options.changes);
-  std::vector<std::string> names;
-  for (std::size_t s = 0; s < rack.segments.size(); ++s) {
-    const auto& devices = rack.segments[s].devices;
-    for (std::size_t d = 0; d < devices.size(); ++d) {
-      if (devices[d].setup.product().tuning() == nullptr) {
-        continue;
-      }
-      if (options.device.empty() || devices[d].name == options.device) {
-        return {.setup = devices[d].setup, .name = devices[d].name, .segment = s, .place = d};
-      }
-      names.push_back(devices[d].name);
-    }
+  const std::vector<experiment::BenchDevice> devices = experiment::bench_devices(rack);
+  std::size_t place =
+      experiment::tuning::require_tunable(devices, options.device, options.target, catalogue());
+  Target target{.setup = devices[place].setup, .name = devices[place].name};
+  while (place >= rack.segments[target.segment].devices.size()) {
+    place -= rack.segments[target.segment++].devices.size();
   }
-  const std::vector<std::string> types =
-      types_of_products([](const auto& product) { return product.tuning() != nullptr; });
-  const std::string tunable = fmt::format("{}", fmt::join(types, " or "));
-  if (names.empty()) {
-    throw Failure(fmt::format("{} has no {}, {} that can be tuned", options.target, tunable,
-                              types.size() == 1 ? "the one product" : "the products"));
-  }
-  throw Failure(fmt::format("{} has no {} called \"{}\"; it has: {}", options.target, tunable,
-                            options.device, fmt::join(names, ", ")));
-}
-
-plant::MotorParameters motor_named(const std::string& name) {
-  if (const auto motor = plant::find_three_phase_motor(name)) {
-    return *motor;
-  }
-  if (const auto motor = plant::find_stepper_motor(name)) {
-    return *motor;
-  }
-  std::vector<std::string_view> names;
-  for (const auto& sheet : plant::three_phase_motor_sheets()) {
-    names.push_back(sheet.name);
-  }
-  for (const auto& sheet : plant::stepper_motor_sheets()) {
-    names.push_back(sheet.name);
-  }
-  throw Failure(
-      fmt::format("motor \"{}\" is not known; the motors are: {}", name, fmt::join(names, ", ")));
+  target.place = place;
+  return target;
 }
 
 /// One as it leaves its box, with what --set changes of it.
@@ -115,37 +81,15 @@ Target target_of(const TuneOptions& options) {
                       ? target_as_delivered(options.target, options)
                       : target_from_rack(options);
   if (!options.motor.empty()) {
-    target.axis().motor = motor_named(options.motor);
+    experiment::tuning::tuned_axis(target.setup).motor =
+        experiment::tuning::require_motor(options.motor);
   }
   return target;
 }
 
-/// A, amplitude, that the type plate of the motor states.
-double rated_current(const plant::MotorParameters& motor) {
-  constexpr double kSquareRootOfTwo = 1.41421356237309504880;
-  if (const auto* three_phase = std::get_if<plant::ThreePhaseMotorParameters>(&motor)) {
-    return three_phase->rated_current;
-  }
-  if (const auto* stepper = std::get_if<plant::StepperMotorParameters>(&motor)) {
-    return kSquareRootOfTwo * stepper->rated_current;
-  }
-  throw Failure(
-      "the motor is a brushed one, which has no field to turn; only three-phase and "
-      "two-phase motors can be tuned");
-}
-
-/// What is known without measuring: the type plate, the data of the board, the PWM frequency.
 Settings settings_of(const TuneOptions& options, Target& target) {
-  Settings settings = options.settings;
-  const plant::PwmAxisParameters& axis = target.axis();
-  settings.current = options.current.value_or(rated_current(axis.motor));
-  settings.motor = std::holds_alternative<plant::StepperMotorParameters>(axis.motor)
-                       ? MotorType::two_phase
-                       : MotorType::three_phase;
-  const product::TuningBoard board = target.tuning().board(target.setup);
-  settings.board = {.counts_per_ampere = board.counts_per_ampere,
-                    .counts_per_volt = board.counts_per_volt};
-  settings.pwm_maximum = board.pwm_maximum.value_or(settings.pwm_maximum);
+  Settings settings =
+      experiment::tuning::settings_of(target.setup, options.settings, options.current);
   if (!options.encoder_direction.empty()) {
     settings.encoder_reversed = options.encoder_direction == "down";
   }
