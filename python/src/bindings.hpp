@@ -23,6 +23,10 @@ void bind_networks(nanobind::module_& module);
 void bind_own_devices(nanobind::module_& module);
 /// Scenarios and what they come to.
 void bind_scenarios(nanobind::module_& module);
+/// Experiments on a test bench.
+void bind_experiments(nanobind::module_& module);
+/// Finding gains of controllers by measurement.
+void bind_tuning(nanobind::module_& module);
 /// Axes that programs learn to control, on which stator.gymnasium is built.
 void bind_environments(nanobind::module_& module);
 

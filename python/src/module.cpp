@@ -24,5 +24,7 @@ NB_MODULE(_native, module) {
   stator::python::bind_networks(module);
   stator::python::bind_own_devices(module);
   stator::python::bind_scenarios(module);
+  stator::python::bind_experiments(module);
+  stator::python::bind_tuning(module);
   stator::python::bind_environments(module);
 }
