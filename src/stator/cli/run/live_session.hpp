@@ -73,7 +73,7 @@ class LiveSession final : public web::SessionControl {
 /// empty: they go with the run. Throws Failure if a directory that was named for it has files.
 [[nodiscard]] std::filesystem::path state_for(const RecordingPlace& from, const RunOptions& given);
 
-/// Throws Failure if a bus has more or fewer ports than when it was recorded.
+/// Throws Failure if a bus has more or fewer ports than when it was recorded, if it had any.
 void require_same_ports(const rack::RackConfiguration& configuration,
                         const rack::RackConfiguration& recorded);
 

@@ -10,6 +10,7 @@
 #include "stator/rack/core/rack.hpp"
 #include "stator/rack/observe/event_log.hpp"
 #include "stator/replay/player.hpp"
+#include "stator/replay/recorded_files.hpp"
 #include "stator/replay/recording_reader.hpp"
 
 namespace stator::cli {
@@ -30,7 +31,7 @@ class RecordedRack {
 
  private:
   replay::RecordingReader reader_;
-  TemporaryFolder folder_;
+  replay::TemporaryFolder folder_;
   RunOptions options_;
   rack::RackConfiguration configuration_;
 };

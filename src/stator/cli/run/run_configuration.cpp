@@ -77,7 +77,7 @@ void apply_to_segment(const RunOptions& options, rack::SegmentConfiguration& seg
   if (!options.wait.empty()) {
     segment.wait = settings::meaning_of<link::WaitMode>(rack::kWaitModes, options.wait);
   }
-  if (segment.link.in_process()) {
+  if (options.needs_links && segment.link.in_process()) {
     throw Failure(
         fmt::format("the rack has no link to a master; give it with --link as {}. To try Stator "
                     "without any, run \"stator demo\"",
@@ -101,6 +101,9 @@ void apply_to_bus(const RunOptions& options, rack::BusConfiguration& bus) {
   }
   const bool serial = std::ranges::all_of(
       bus.devices, [](const rack::DeviceConfiguration& each) { return !each.serial.empty(); });
+  if (!options.needs_links && bus.ports.empty()) {
+    return;
+  }
   if (bus.ports.empty() && serial && options.rack_file.empty()) {
     refuse(!options.bit_rate.empty(), "--bit-rate", "the devices have serial lines only");
     rack::BusConfiguration without_wire = rack::bus_without_wire();

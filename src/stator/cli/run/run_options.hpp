@@ -39,7 +39,8 @@ struct RunOptions {
   std::string duration;
   std::string state;
   bool no_emergencies = false;
-  bool show = false;  ///< devices do something worth seeing, see Show
+  bool needs_links = true;  ///< false: a program built the rack, whose masters are inside
+  bool show = false;        ///< devices do something worth seeing, see Show
   WebOptions web;
 };
 

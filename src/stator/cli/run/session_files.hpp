@@ -9,20 +9,6 @@
 
 namespace stator::cli {
 
-/// A folder of this process that goes with it.
-class TemporaryFolder {
- public:
-  /// Throws Failure when none can be made.
-  TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder();
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 /// What a recording of the rack that `options` ask for has to keep: those options, the rack file
 /// and the files it names, and the kept files as they are now. Throws Failure for what no recording
 /// can hold.
