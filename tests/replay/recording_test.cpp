@@ -2,7 +2,9 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,6 +15,7 @@
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/devices/tmcc160/tmcc160.hpp"
 #include "stator/master/master.hpp"
+#include "stator/rack/core/bus_port.hpp"
 #include "stator/rack/core/device_making.hpp"
 #include "stator/rack/networks/can_network.hpp"
 #include "stator/rack/networks/serial_line.hpp"
@@ -227,6 +230,48 @@ TEST_F(RecordingTest, ABranchHasItsOwnRecordingFromPowerOn) {
   EXPECT_EQ(player.counts().can_frames, 52U);
 }
 
+// Programs come to a bus and leave it whenever they like: what they find, and the number of a place
+// that was free again, is the same when it is played.
+TEST_F(RecordingTest, PortsThatOpenAndCloseLaterArePlayed) {
+  const can::Frame ask = can::data_frame(0x601, {0x40, 0x64, 0x60, 0, 0, 0, 0, 0});
+  {
+    Bench bench(mixed_rack());
+    rack::BusPort before(bench.rack(), 0);  // belongs to what the recording begins with
+    SessionRecorder recorder(bench.rack(), path_, {.program = "test"});
+    bench.rack().advance(SimTime(500_ms));
+    std::optional<rack::BusPort> late(std::in_place, bench.rack(), 0);
+    EXPECT_EQ(late->number(), 1U);
+    ASSERT_TRUE(late->put(ask));
+    bench.rack().advance(SimTime(510_ms));
+    EXPECT_TRUE(late->take());
+    EXPECT_TRUE(before.take());
+    late.reset();
+    rack::BusPort again(bench.rack(), 0, {.hears_errors = false, .lossy = true});
+    EXPECT_EQ(again.number(), 1U);
+    EXPECT_EQ(again.waiting(), 0U);
+    ASSERT_TRUE(again.put(ask));
+    bench.rack().advance(SimTime(520_ms));
+    while (again.take()) {
+    }
+    recorder.finish();
+  }
+  Bench bench(mixed_rack());
+  RecordingReader reader(path_);
+  Player player(reader, bench.rack(), bench.configuration());
+  const auto difference = player.play(SimTime(515_ms));
+  ASSERT_FALSE(difference) << difference->place << ": " << difference->got;
+  const auto open = rack::BusPort::all(bench.rack());
+  ASSERT_EQ(open.size(), 2U);
+  EXPECT_TRUE(open[1].options.lossy);
+  EXPECT_FALSE(open[1].options.hears_errors);
+  // Who goes on from here gets a place with what waits in it, or none where there is none.
+  const auto taken = player.take_port(0, 0);
+  ASSERT_NE(taken, nullptr);
+  EXPECT_GT(taken->waiting(), 0U);
+  EXPECT_EQ(player.take_port(0, 0), nullptr);
+  EXPECT_EQ(player.take_port(0, 7), nullptr);
+}
+
 TEST_F(RecordingTest, AFileThatIsCutOffIsGoodUpToThere) {
   ASSERT_NO_FATAL_FAILURE(record(path_));
   std::filesystem::resize_file(path_, std::filesystem::file_size(path_) - 7);
@@ -263,8 +308,8 @@ TEST_F(RecordingTest, OtherFilesAndVersionsAreRefused) {
   };
   EXPECT_THAT(refusal("time,axis0\n"), HasSubstr("is no recording"));
   EXPECT_THAT(refusal("StatorRn"), HasSubstr("empty recording"));
-  const std::string version_4("\x01\x00\x00\x00\x94\x2B\x6F\xD5\x04", 9);
-  EXPECT_THAT(refusal("StatorRn" + version_4), HasSubstr("version 4"));
+  const std::string version_5("\x01\x00\x00\x00\x02\x1B\x68\xA2\x05", 9);
+  EXPECT_THAT(refusal("StatorRn" + version_5), HasSubstr("version 5"));
   EXPECT_THROW(RecordingReader("/no/such.stator"), std::runtime_error);
 }
 

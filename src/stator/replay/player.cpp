@@ -26,6 +26,7 @@ Player::Player(RecordingReader& recording, rack::Rack& rack,
     : recording_(recording),
       rack_(rack),
       configuration_(configuration),
+      ports_are_steps_(recording.header().version >= kVersionWithPorts),
       signals_(rack.signals()),
       values_(signals_.size()) {
   if (names_of(signals_) != recording.header().signal_names) {
@@ -35,7 +36,7 @@ Player::Player(RecordingReader& recording, rack::Rack& rack,
         signals_.size(), recording.header().signal_names.size(), recording.header().program));
   }
   for (const rack::BusConfiguration& bus : configuration.buses) {
-    port_counts_.push_back(bus.wire ? bus.ports.size() : 0);
+    port_counts_.push_back(bus.wire && !ports_are_steps_ ? bus.ports.size() : 0);
   }
   if (rack::DeviceStorage* storage = rack.storage(); storage != nullptr) {
     completions_before_ = storage->completions();
@@ -82,6 +83,39 @@ void Player::open_ports() {
 
 void Player::close_ports() {
   ports_.clear();
+}
+
+// A place has the number that is free, as it had when it was recorded: the rack has no other ports.
+void Player::open_port_of_step() {
+  auto& ports = ports_[in(step_.network, ports_.size())];
+  auto port = std::make_unique<rack::BusPort>(
+      rack_, step_.network,
+      rack::BusPort::Options{.hears_errors = step_.hears_errors, .lossy = step_.lossy});
+  if (port->number() != step_.port) {
+    throw std::runtime_error(fmt::format("the recording opens port {} of {}, which cannot be",
+                                         step_.port, rack_.bus(step_.network).name()));
+  }
+  ports.resize(std::max(ports.size(), step_.port + 1));
+  ports[step_.port] = std::move(port);
+}
+
+void Player::close_port_of_step() {
+  static_cast<void>(port_of_step());
+  ports_[step_.network][step_.port].reset();
+}
+
+rack::BusPort& Player::port_of_step() {
+  const auto& ports = ports_[in(step_.network, ports_.size())];
+  const auto& port = ports[in(step_.port, ports.size())];
+  if (port == nullptr) {
+    throw std::runtime_error(fmt::format("the recording uses port {} of {}, which is not open",
+                                         step_.port, rack_.bus(step_.network).name()));
+  }
+  return *port;
+}
+
+std::unique_ptr<rack::BusPort> Player::take_port(std::size_t bus, std::size_t port) {
+  return bus < ports_.size() && port < ports_[bus].size() ? std::move(ports_[bus][port]) : nullptr;
 }
 
 std::optional<Difference> Player::play(base::SimTime until, const std::string& mark) {
@@ -140,8 +174,16 @@ void Player::do_step() {
       break;
     case StepKind::ports_replaced:
       rack_.execute({rack::command::ReplacePorts{}});
-      close_ports();
-      open_ports();
+      if (!ports_are_steps_) {
+        close_ports();
+        open_ports();
+      }
+      break;
+    case StepKind::port_opened:
+      open_port_of_step();
+      break;
+    case StepKind::port_closed:
+      close_port_of_step();
       break;
     case StepKind::bytes_leave:
       compare_output(*lines_[in(step_.network, lines_.size())],
@@ -183,8 +225,8 @@ std::optional<rack::Command> Player::command_of_step() {
                                  step_.up, step_.time};
     case StepKind::can_frame_comes:
       ++counts_.can_frames;
-      return command::PutCanFrame{in(step_.network, ports_.size()),
-                                  in(step_.port, ports_[step_.network].size()), step_.can.frame};
+      static_cast<void>(port_of_step());
+      return command::PutCanFrame{step_.network, step_.port, step_.can.frame};
     case StepKind::bytes_come:
       counts_.bytes += step_.bytes.size();
       return command::PutBytes{in(step_.network, rack_.line_count()), step_.bytes, step_.time};
@@ -254,8 +296,7 @@ void Player::compare_frame() {
 }
 
 void Player::compare_can_frame() {
-  auto& ports = ports_[in(step_.network, ports_.size())];
-  const auto got = ports[in(step_.port, ports.size())]->take();
+  const auto got = port_of_step().take();
   if (got && got->frame == step_.can.frame && got->time == step_.can.time &&
       got->destroyed == step_.can.destroyed) {
     return;

@@ -46,7 +46,8 @@ class Player {
          const rack::RackConfiguration& configuration);
   Player(const Player&) = delete;
   Player& operator=(const Player&) = delete;
-  /// Takes its ports off the buses, and lets completions come as they did before.
+  /// Takes its ports off the buses, but for those that were taken over, and lets completions come
+  /// as they did before.
   ~Player();
 
   /// Goes on until the first step after `until`, the mark `mark` (if it is not empty), the end of
@@ -60,6 +61,10 @@ class Player {
   /// The mark was reached.
   [[nodiscard]] bool at_mark() const { return at_mark_; }
   [[nodiscard]] const PlayerCounts& counts() const { return counts_; }
+
+  /// Gives out the place on a bus that a program had when it was recorded, with what waits in it,
+  /// to whoever goes on from here. Null: it is not open at present, or was given out.
+  [[nodiscard]] std::unique_ptr<rack::BusPort> take_port(std::size_t bus, std::size_t port);
 
  private:
   /// Bytes that a serial line, or the EoE of a device, has sent to programs and that were not
@@ -83,8 +88,13 @@ class Player {
   /// difference.
   void compare_output(Output& output, std::string place);
 
+  /// Of recordings whose ports are no steps.
   void open_ports();
   void close_ports();
+  void open_port_of_step();
+  void close_port_of_step();
+  /// The port that the step names. Throws std::runtime_error when it is not open.
+  [[nodiscard]] rack::BusPort& port_of_step();
   void do_step();
   /// The command that the step repeats; nothing: the step is only compared. Throws
   /// std::runtime_error when the rack lacks what the step names.
@@ -110,8 +120,9 @@ class Player {
   RecordingReader& recording_;
   rack::Rack& rack_;
   const rack::RackConfiguration& configuration_;
-  std::vector<std::size_t> port_counts_;  ///< by bus
-  std::vector<std::vector<std::unique_ptr<rack::BusPort>>> ports_;
+  bool ports_are_steps_;
+  std::vector<std::size_t> port_counts_;  ///< by bus, if they are no steps
+  std::vector<std::vector<std::unique_ptr<rack::BusPort>>> ports_;  ///< null: not open
   std::vector<product::Signal> signals_;
   std::vector<double> values_;                             ///< of the signals, as recorded last
   rack::DeviceStorage::Completions completions_before_{};  ///< of the rack's storage

@@ -16,7 +16,10 @@
 namespace stator::replay {
 
 inline constexpr std::string_view kMagic = "StatorRn";
-inline constexpr std::uint64_t kFormatVersion = 3;
+inline constexpr std::uint64_t kFormatVersion = 4;
+/// From which on the places of programs on CAN buses are steps; before, each bus has those of the
+/// rack's configuration all the time.
+inline constexpr std::uint64_t kVersionWithPorts = 4;
 /// Readable as well. Version 2 has no steps of a chip's host and of EoE; such racks were refused.
 /// Version 1 has no steps of completions either: what devices ordered to be kept was kept at once.
 inline constexpr std::uint64_t kOldestVersion = 1;
@@ -55,6 +58,8 @@ enum class StepKind : std::uint8_t {
   host_pin = 25,
   eoe_frame_comes = 26,
   eoe_frame_leaves = 27,
+  port_opened = 28,  ///< a program's place on a CAN bus
+  port_closed = 29,
 };
 
 /// What a recording begins with: all that is needed to build the rack again.

@@ -287,6 +287,15 @@ bool RecordingReader::read_network_step(ByteReader& reader, Step& step) {
       step.can.destroyed = reader.byte() != 0;
       step.can.frame = read_can_frame(reader);
       break;
+    case StepKind::port_opened:
+    case StepKind::port_closed:
+      step.network = static_cast<std::size_t>(reader.number());
+      step.port = static_cast<std::size_t>(reader.number());
+      if (step.kind == StepKind::port_opened) {
+        step.hears_errors = reader.byte() != 0;
+        step.lossy = reader.byte() != 0;
+      }
+      break;
     case StepKind::bytes_come:
     case StepKind::bytes_leave:
       step.network = static_cast<std::size_t>(reader.number());

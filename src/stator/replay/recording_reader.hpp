@@ -21,10 +21,12 @@ namespace stator::replay {
 /// One step of a recording. Which members mean something depends on its kind.
 struct Step {
   StepKind kind = StepKind::end;
-  std::uint64_t number = 0;  ///< from 1
-  base::SimTime time;        ///< of the step, or of the last one that had a time
-  std::size_t network = 0;   ///< segment, bus or serial line
-  std::size_t port = 0;      ///< of a CAN bus
+  std::uint64_t number = 0;   ///< from 1
+  base::SimTime time;         ///< of the step, or of the last one that had a time
+  std::size_t network = 0;    ///< segment, bus or serial line
+  std::size_t port = 0;       ///< of a CAN bus
+  bool hears_errors = false;  ///< of a port that opens
+  bool lossy = false;         ///< of a port that opens
   ethercat::MasterInterface interface = ethercat::MasterInterface::primary;
   std::optional<ethercat::MasterInterface> exit{};
   bool up = false;

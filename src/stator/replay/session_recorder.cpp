@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "stator/rack/core/bus_port.hpp"
 #include "stator/rack/observe/output_files.hpp"
 #include "stator/replay/byte_delta.hpp"
 #include "stator/replay/can_frame_coding.hpp"
@@ -46,8 +47,12 @@ SessionRecorder::SessionRecorder(rack::Rack& rack, const std::string& path, Reco
       path_(path),
       signals_(rack.signals()),
       values_(signals_.size()),
+      records_ports_(header.version >= kVersionWithPorts),
       file_(path, with_signals(std::move(header), signals_)),
       last_frames_(rack.segment_count()) {
+  for (const rack::BusPort::Open& port : rack::BusPort::all(rack_)) {
+    port_opened(port.bus, port.number, port.options.hears_errors, port.options.lossy);
+  }
   rack_.set_journal(this);
   rack_.outputs().add(file_.output(), {.name = "recording " + path,
                                        .records = "chunks",
@@ -206,6 +211,25 @@ void SessionRecorder::record(const rack::command::PutCanFrame& command) {
     out.number(command.bus);
     out.number(command.port);
     write_can_frame(out, command.frame);
+  }
+}
+
+void SessionRecorder::port_opened(std::size_t bus, std::size_t port, bool hears_errors,
+                                  bool lossy) {
+  if (records_ports_ && begin(StepKind::port_opened)) {
+    ByteWriter out = writer();
+    out.number(bus);
+    out.number(port);
+    out.byte(hears_errors ? 1 : 0);
+    out.byte(lossy ? 1 : 0);
+  }
+}
+
+void SessionRecorder::port_closes(std::size_t bus, std::size_t port) {
+  if (records_ports_ && begin(StepKind::port_closed)) {
+    ByteWriter out = writer();
+    out.number(bus);
+    out.number(port);
   }
 }
 

@@ -29,7 +29,8 @@ class SessionRecorder final : public rack::Journal {
   static constexpr base::SimDuration kChunkTime{100'000'000};
 
   /// Records `rack`, at power-on, into a new file at `path`; `header` lacks the signals' names
-  /// only. Throws std::runtime_error when the file cannot be created. The rack outlives the
+  /// only. Ports that programs have on its buses already belong to the recording. Throws
+  /// std::runtime_error when the file cannot be created. The rack outlives the
   /// recorder, which has to be finished or destroyed while nobody uses the rack.
   SessionRecorder(rack::Rack& rack, const std::string& path, RecordingHeader header);
   ~SessionRecorder() override;
@@ -58,6 +59,8 @@ class SessionRecorder final : public rack::Journal {
                    std::span<const std::byte> frame) override;
   void frame_leaves(std::optional<ethercat::MasterInterface> exit,
                     std::span<const std::byte> frame) override;
+  void port_opened(std::size_t bus, std::size_t port, bool hears_errors, bool lossy) override;
+  void port_closes(std::size_t bus, std::size_t port) override;
   void can_frame_leaves(std::size_t bus, std::size_t port, const can::TimedFrame& frame) override;
   void bytes_leave(std::size_t line, std::span<const std::byte> bytes) override;
   void host_spi_answers(std::span<const std::byte> miso) override;
@@ -96,6 +99,7 @@ class SessionRecorder final : public rack::Journal {
   std::string path_;
   std::vector<product::Signal> signals_;
   std::vector<std::uint64_t> values_;  ///< bits of the signals as recorded last
+  bool records_ports_;                 ///< the format has steps for them
   RecordingFile file_;
   RecordingFile::Chunk* chunk_ = nullptr;
   base::SimTime time_;

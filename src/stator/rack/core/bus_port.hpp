@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "stator/can/frame.hpp"
 #include "stator/can/port.hpp"
@@ -10,8 +11,8 @@ namespace stator::rack {
 
 class Rack;
 
-/// A program's place on a CAN bus of a rack, from its opening to its end. What passes is in the
-/// rack's journal.
+/// A program's place on a CAN bus of a rack. Its opening, its end and what passes are in the rack's
+/// journal.
 class BusPort {
  public:
   struct Options {
@@ -26,6 +27,15 @@ class BusPort {
   BusPort(const BusPort&) = delete;
   BusPort& operator=(const BusPort&) = delete;
 
+  /// A place that is open.
+  struct Open {
+    std::size_t bus = 0;
+    std::size_t number = 0;
+    Options options;
+  };
+  /// All of a rack, bus by bus.
+  [[nodiscard]] static std::vector<Open> all(Rack& rack);
+
   /// The place, as command::PutCanFrame names it.
   [[nodiscard]] std::size_t number() const { return number_; }
   /// Hands a frame to the bus. False: there is no room, try again when the bus has moved on.
@@ -38,8 +48,11 @@ class BusPort {
   [[nodiscard]] std::uint64_t lost() const { return port_.lost(); }
 
  private:
+  friend class Rack;
+
   Rack& rack_;
   std::size_t bus_;
+  Options options_;
   can::Port port_;
   std::size_t number_;
 };

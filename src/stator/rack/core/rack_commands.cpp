@@ -2,6 +2,7 @@
 // it.
 #include <variant>
 
+#include "stator/rack/core/bus_port.hpp"
 #include "stator/rack/core/internal/telling.hpp"
 #include "stator/rack/core/nested_calls.hpp"
 
@@ -25,7 +26,7 @@ class Rack::Execution {
   }
   void operator()(const command::PutCanFrame& command) {
     rack_.tell(command);
-    static_cast<void>(parts_.buses[command.bus].ports[command.port]->put(command.frame));
+    static_cast<void>(parts_.buses[command.bus].ports[command.port]->port_.put(command.frame));
   }
   // The owner of the ports replaces them.
   void operator()(const command::ReplacePorts& command) { rack_.tell(command); }

@@ -34,6 +34,10 @@ class Journal {
   /// The frame that came last or was released, as it left at `exit`; nothing: it got lost.
   virtual void frame_leaves(std::optional<ethercat::MasterInterface> exit,
                             std::span<const std::byte> frame) = 0;
+  /// Afterwards: a program has its place on a bus from now on.
+  virtual void port_opened(std::size_t bus, std::size_t port, bool hears_errors, bool lossy) = 0;
+  /// A program leaves its place on a bus.
+  virtual void port_closes(std::size_t bus, std::size_t port) = 0;
   /// Afterwards: a frame of the bus was taken from the port.
   virtual void can_frame_leaves(std::size_t bus, std::size_t port,
                                 const can::TimedFrame& frame) = 0;

@@ -37,6 +37,8 @@
 
 namespace stator::rack {
 
+class BusPort;
+
 /// What a rack consists of, and what can happen to that. Rack brings it through
 /// time and tells its journal.
 struct RackParts {
@@ -52,7 +54,7 @@ struct RackParts {
     std::unique_ptr<CanNetwork> network;
     std::vector<std::vector<product::Input>> inputs;       ///< by device
     std::vector<std::vector<product::InputRange>> ranges;  ///< of the inputs
-    std::vector<can::Port*> ports;  ///< of programs, by number; null: it was closed
+    std::vector<BusPort*> ports;  ///< of programs, by number; null: it was closed
     std::uint16_t first_device = 0;
     std::uint16_t number = 0;  ///< under which the bus itself reports events
     bool wire = true;          ///< false: its devices are on serial lines only
